@@ -103,15 +103,24 @@ static void demand(const char *secret)
                                             .n_secret = (uint32_t)strlen(secret)};
 }
 
+/// As fixture_can_start(), but nobody has command.
+static void start(void)
+{
+    cam_machine_init(&f.rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    cam_can_init(&f.can, &f.rig.machine);
+    hal_host_turn_key(true);
+    f.rig.is_silent = true;
+    fixture_rig_tick(&f.rig);
+}
+
 int main(int n_words, char **words)
 {
     const fixture_part_t part = fixture_part_short();
     fixture_can_init(&f, &part, tick_hz);
-    hal_host_turn_key(true);
     if (n_words > 1) {
         demand(words[1]);
     }
-    fixture_can_start(&f);
+    start();
     cam_machine_box(&f.rig.machine);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
     f.rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 61000000, .pitch_nm = 500000};

@@ -46,6 +46,8 @@ class Bench:
         number of the controller; the firmware knows itself as 64
     is_fd : bool
         whether the bus carries frames of CAN FD
+    ended : list of Refused
+        how cuts beside the test ended that were refused
     secret : str
         of a controller that demands the button acknowledge; "": it is waived, there is no secret
     """
@@ -62,6 +64,7 @@ class Bench:
             stderr=subprocess.DEVNULL,
         )
         self._stopping = False
+        self.ended: list[Refused] = []
         self._threads = [threading.Thread(target=loop) for loop in (self._forth, self._back)]
         for thread in self._threads:
             thread.start()
@@ -138,7 +141,6 @@ class Bench:
         bus = can.Bus(interface="virtual", channel=self.channel)
         link = Link(bus, f"virtual {self.channel}", self.node)
         words = argparse.Namespace(sender=None, take_over=False, secret=None)
-        ended: list[Refused] = []
 
         def follow() -> None:
             try:
@@ -149,7 +151,7 @@ class Bench:
                     begun.set()
                     follow_cut(link, io.StringIO())
             except Refused as refused:
-                ended.append(refused)
+                self.ended.append(refused)
             finally:
                 begun.set()
 

@@ -66,7 +66,7 @@ def live_case(folder: Path, *words: str | Path) -> Iterator[LiveCase]:
         bus, where = open_bus(announced.bus)
         try:
             link = Link(bus, where, announced.node)
-            # Who waits for the lathe's words sends no heartbeats; the next order takes command anew.
+            # Who waits for the lathe's words sends no heartbeats; the next order takes command.
             link.rights.on_lost = lambda text, holder: None
             link.listen()
             yield LiveCase(lathe, link)

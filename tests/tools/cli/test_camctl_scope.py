@@ -250,6 +250,7 @@ def test_a_wave_is_brought_over_a_bad_bus(bench: Bench, link: Link) -> None:
     assert link.ask("begin_wave", size=64).result == "done"
     assert link.ask("end_wave", crc=0).result == "download_short"
     assert link.ask("begin_download", size=64).result == "image_size"
+    link.rights.release()
     bench.do("home")
     assert link.ask("excite", periods=1, fade=100).result == "wave_none"
 

@@ -252,7 +252,7 @@ def test_a_busy_controller_is_asked_again_and_then_told() -> None:
         Answer("get_parts", "done", 7.0, 0),
     ]
     link = Link(can.Bus(interface="virtual", channel="nobody"), "nobody")
-    link.next_answer = lambda command, timeout_s: answers.pop(0)  # type: ignore[method-assign]
+    link.next_answer = lambda *_: answers.pop(0)  # type: ignore[method-assign]
     assert link.ask("get_parts").value == 7.0
     answers += [Answer("enable", "busy", 0.0, 0)] * 30
     with pytest.raises(Refused, match="busy; try again"):

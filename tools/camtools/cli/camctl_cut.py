@@ -54,12 +54,14 @@ def _until_over(link: Link) -> None:
     Raises
     ------
     Refused
-        It ends in a fault, or the status stops.
+        It ends in a fault, command was lost, or the status stops.
     """
     status = link.status
     while status.state not in _OVER:
-        if not link.next_row(_ROW_S):
+        # A process that was stopped for a while finds that its time is over, and looks again.
+        if not link.next_row(_ROW_S) and not link.next_row(_ROW_S):
             raise Refused(f"{link.where}: the status stopped; is the controller on?")
+    link.rights.confirm()
     if status.state == "fault":
         link.wait(lambda: bool(status.faults), 0.1)
         raise Refused(f"fault: {', '.join(status.faults)}; see status, then reset")

@@ -224,8 +224,13 @@ class Link:
 
     # Commands
 
-    def next_answer(self, command: str, timeout_s: float) -> Answer:
+    def next_answer(self, command: str, timeout_s: float, echo: int | None = None) -> Answer:
         """Return the next answer to a command.
+
+        Parameters
+        ----------
+        echo : int, optional
+            what the answer must have as its parameter; others are those of other senders
 
         Raises
         ------
@@ -238,7 +243,7 @@ class Link:
             if not self.wait_in_its_time(lambda: bool(self._answers), left_s):
                 raise self._silence()
             answer = answer_of(bytes(self._answers.popleft().data))
-            if answer.command == command:
+            if answer.command == command and echo in (None, answer.parameter):
                 return answer
 
     def send_command(self, command: str, *, parameter: int = 0, **value: float) -> None:
@@ -268,21 +273,28 @@ class Link:
             No answer comes, another has command, or it was lost.
         """
         for _ in range(MOST_MENDS):
-            answer = self.ask_once(command, timeout_s=timeout_s, parameter=parameter, **value)
+            more = {"timeout_s": timeout_s, "parameter": parameter, "echo": None}
+            answer = self.ask_once(command, **more, **value)  # type: ignore[arg-type]
             if not self.rights.mend(answer):
                 break
         return answer
 
     def ask_once(
-        self, command: str, *, timeout_s: float = ANSWER_S, parameter: int = 0, **value: float
+        self,
+        command: str,
+        *,
+        timeout_s: float = ANSWER_S,
+        parameter: int = 0,
+        echo: int | None = None,
+        **value: float,
     ) -> Answer:
-        """Do as ask(), but leave the rights as they are."""
+        """Do as ask(), but leave the rights as they are; `echo` is that of next_answer()."""
         for _ in range(BUSY_TRIES):
             while self.pump(0):
                 pass
             self._answers.clear()
             self.send_command(command, parameter=parameter, **value)
-            answer = self.next_answer(command, timeout_s)
+            answer = self.next_answer(command, timeout_s, echo)
             if answer.result == "param_range" and command not in _WITHOUT_RANGE:
                 low = self.next_answer("get_minimum", ANSWER_S).value
                 high = self.next_answer("get_maximum", ANSWER_S).value

@@ -36,7 +36,8 @@ LOSS_S = 1.0  # after so long without one command is lost
 _PROGRAMS = ("camctl", "panel", "identify")
 _PROOF_BYTES = 4
 _LEAST_SECRET, _MOST_SECRET = 16, 64
-_CHALLENGE_S = 1.2  # a controller gives one a second
+_BUSY_S = 0.1
+_CHALLENGE_S = 5.0  # a controller gives one a second, a simulated one by a slower clock
 
 
 class CommandLost(Refused):
@@ -145,7 +146,7 @@ class Rights:
         self.on_change: Callable[[], None] = lambda: None
         self.joined: Callable[[], int] = lambda: 0
         self.is_joined = self._was_joined = False
-        self._sent_s, self._sent_rows = 0.0, 0
+        self._sent_s, self._sent_rows, self._n_heard = 0.0, 0, 0
 
     # Frames
 
@@ -162,11 +163,26 @@ class Rights:
             return
         n_rows = self._link.status.n_rows - self._sent_rows
         if n_rows >= BEAT_ROWS or time.monotonic() - self._sent_s >= BEAT_S:
-            self._link.send_command("heartbeat")
+            self._link.send_command("heartbeat", parameter=self.session)
+
+    def confirm(self) -> None:
+        """Find out whether this link still commands, which frames that were kept back hide.
+
+        Raises
+        ------
+        CommandLost
+            It does not.
+        """
+        if self.session:
+            n_heard = self._n_heard
+            self._link.send_command("heartbeat", parameter=self.session)
+            self._link.wait(lambda: self._n_heard != n_heard, LOSS_S)
 
     def heard(self, answer: Answer) -> None:
-        """Take note of the answer to a heartbeat."""
-        if answer.result == NOT_COMMANDER and self.session:
+        """Take note of the answer to a heartbeat; everybody on the bus hears those to others."""
+        is_own = self.session != 0 and answer.parameter == self.session
+        self._n_heard += is_own
+        if answer.result == NOT_COMMANDER and is_own:
             self._lose(int(answer.value))
 
     # Orders
@@ -194,12 +210,15 @@ class Rights:
         return False
 
     def _mend_command(self, holder: int) -> bool:
+        if self.session and holder == self.sender:
+            return True  # the answer was another's; the next heartbeat tells if it was not
         if self.session and not self.is_joined:
             self._lose(holder)
             return False
         self.is_joined = False
         if not self.session and not self._was_joined and (session := self.joined()):
-            self.session, self.is_joined, self._was_joined = session, True, True
+            self._begin(session, is_joined=True)
+            self._was_joined = True
             return True
         self.session = 0
         if self.may is May.NEVER:
@@ -218,22 +237,29 @@ class Rights:
             The controller refuses, or is older than this program.
         """
         self.session = 0
-        answer = self._link.ask_once("take_command", is_take_over=int(over))
+        answer = self._own("take_command", is_take_over=int(over))
         if answer.result == NOT_COMMANDER:
             holder = int(answer.value)
             raise CommandHeld(f"{self._link.where}: {sender_text(holder)} commands", holder)
         if answer.result != "done":
             raise Refused(f"take command: refused: {answer.result.replace('_', ' ')}")
-        self.session, self.is_joined = int(answer.value), False
-        self._sent_s, self._sent_rows = time.monotonic(), self._link.status.n_rows
+        self._begin(int(answer.value))
         self._change()
 
     def release(self) -> None:
         """Give command back, where this link has taken it; what went wrong with that is no harm."""
         if self.session and not self.is_joined:
             with contextlib.suppress(Refused):
-                self._link.ask_once("release_command")
+                self._own("release_command")
         self._end()
+
+    def _own(self, command: str, **value: float) -> Answer:
+        """Ask with the sender as the mark by which its own answer is known."""
+        return self._link.ask_once(command, parameter=self.sender, echo=self.sender, **value)
+
+    def _begin(self, session: int, *, is_joined: bool = False) -> None:
+        self.session, self.is_joined = session, is_joined
+        self._sent_s, self._sent_rows = time.monotonic(), self._link.status.n_rows
 
     def _change(self) -> None:
         self._link.status.signals.pop("commander", None)  # the page of before
@@ -254,6 +280,17 @@ class Rights:
 
     # Level
 
+    def _challenge(self) -> Answer:
+        """Ask for a challenge, until the last one is a second old; command is taken first."""
+        end_s = time.monotonic() + _CHALLENGE_S
+        while True:
+            answer = self._own("get_challenge")
+            is_mended = answer.result == NOT_COMMANDER and self._mend_command(int(answer.value))
+            is_early = answer.result == "busy" and time.monotonic() < end_s
+            if not is_mended and not is_early:
+                return answer
+            self._link.wait(lambda: False, _BUSY_S if is_early else 0.0)
+
     def unlock(self, secret: bytes | None = None) -> None:
         """Unlock the controller by the secret.
 
@@ -265,16 +302,10 @@ class Rights:
         key = self.secret if secret is None else secret
         if key is None:
             raise Refused("unlock: no secret; give --secret FILE, or turn the key switch")
-        end_s = time.monotonic() + _CHALLENGE_S
-        challenge = self._link.ask_once("get_challenge")
-        while challenge.result == "busy" and time.monotonic() < end_s:
-            self._link.wait(lambda: False, 0.1)
-            challenge = self._link.ask_once("get_challenge")
-        if challenge.result == NOT_COMMANDER and self._mend_command(int(challenge.value)):
-            challenge = self._link.ask_once("get_challenge")
+        challenge = self._challenge()
         if challenge.result == "done":
             proof = proof_of(key, int(challenge.value))
-            challenge = self._link.ask_once("unlock", unlock_answer=proof)
+            challenge = self._own("unlock", unlock_answer=proof)
         if challenge.result != "done":
             words = _UNLOCK_TEXTS.get(challenge.result, challenge.result.replace("_", " "))
             raise Refused(f"unlock: refused: {words}")

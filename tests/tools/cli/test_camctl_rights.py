@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who commands, the level and acknowledge: tools/camctl against the firmware."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import can
+import pytest
+
+from background import PATIENCE_S, background, python
+from camctl_bench import Bench, order
+from camtools.link.controller import Link
+from camtools.link.messages import NUMBERS, Refused
+from camtools.link.refusal import ask_done
+from camtools.link.rights import CommandHeld, CommandLost, May, proof_of, sender_of
+from camtools.link.shared_session import SharedSession
+from live_cases import LiveCase, live_case
+
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+Refusal = Callable[[Bench, int, str], str]
+SECRET = "of this machine alone"
+
+
+@pytest.fixture
+def strict(request: pytest.FixtureRequest) -> Iterator[Bench]:
+    """Return a controller that demands the button, and has a secret."""
+    one = Bench(request.node.name, secret=SECRET)
+    yield one
+    one.close()
+
+
+@pytest.fixture
+def secret(tmp_path: Path) -> Path:
+    """Return the file of its secret."""
+    file = tmp_path / "secret"
+    file.write_text(SECRET)
+    file.chmod(0o600)
+    return file
+
+
+@pytest.fixture
+def other(bench: Bench) -> Iterator[Link]:
+    """Return the link of another sender."""
+    bus = can.Bus(interface="virtual", channel=bench.channel)
+    one = Link(bus, "the other")
+    one.rights.sender = 7
+    yield one
+    bus.shutdown()
+
+
+def wait_for_press(case: LiveCase) -> None:
+    """Wait until somebody at the live lathe has pressed the button."""
+    signals, given = case.link.status.signals, NUMBERS["acknowledge"]["given"]
+    assert case.link.wait(lambda: signals.get("acknowledge") == given, PATIENCE_S)
+
+
+def commander(bench: Bench) -> str:
+    """Return who commands by the newest page of the status."""
+    return bench.do("who").splitlines()[0].removeprefix("command").strip()
+
+
+def test_reading_needs_no_command_and_orders_give_it_back(bench: Bench, other: Link) -> None:
+    """While another commands everything can be read; an order that is over leaves nothing."""
+    assert commander(bench) == "nobody commands"
+    bench.do("home")
+    assert commander(bench) == "nobody commands"
+    other.rights.take()
+    for words in (("status",), ("get", "lead_ns"), ("where",), ("parts",), ("learned",)):
+        bench.do(*words)
+    assert commander(bench) == "sender 7 commands"
+
+
+def test_an_order_is_refused_while_another_commands(
+    bench: Bench, other: Link, refusal: Refusal
+) -> None:
+    """By his name, with the remedy; stop is obeyed all the same, and he who has it is obeyed."""
+    bench.do("set", "engage_turns", "100")
+    ask_done(other, "home")
+    assert other.wait(lambda: other.status.state == "ready", 10)
+    line = refusal(bench, 1, "start")
+    assert line.endswith(
+        "sender 7 commands; wait until he gives it back, or take it over by --take-over"
+    )
+    ask_done(other, "start")
+    assert other.wait(lambda: other.status.state == "engaging", 10)
+    assert bench.do("stop").startswith("stop: ")
+    assert other.wait(lambda: other.status.state == "ready", 10)
+
+
+def test_a_take_over_is_seen_by_the_one_who_lost_it(bench: Bench, other: Link) -> None:
+    """The cut goes on; whose it was is told at once, and his next order is refused."""
+    bench.do("set", "engage_turns", "100")
+    ask_done(other, "home")
+    assert other.wait(lambda: other.status.state == "ready", 10)
+    ask_done(other, "start")
+    assert other.wait(lambda: other.status.state == "engaging", 10)
+    assert bench.do("--take-over", "--sender", "9", "phase", "5") == "phase = 5 deg\n"
+    with pytest.raises(CommandLost, match="command is lost"):
+        other.wait(lambda: False, 1.0)
+    assert "taken over 1 times" in commander(bench)
+
+
+def test_the_loser_of_a_cut_says_who_has_it_now(bench: Bench, other: Link) -> None:
+    """Camctl start ends with status 1 and the new commander's number; the cut goes on under it."""
+    bench.do("home")
+    bench.do("set", "engage_turns", "100")
+    with bench.cutting("engaging") as cut:
+        other.rights.take(over=True)
+        assert other.wait(lambda: cut.rights.session == 0, 2)
+        other.listen()
+        assert other.status.state == "engaging"
+    assert str(bench.ended[0]).endswith(
+        "command is lost: sender 7 has taken it over; what ran goes on under it"
+    )
+
+
+def test_a_second_camctl_of_the_same_user_shares_the_session(bench: Bench) -> None:
+    """It may hold the feed of the cut, and does not give back what is not its own."""
+    bench.do("home")
+    bench.do("set", "engage_turns", "100")
+    with bench.cutting("engaging") as cut:
+        session = cut.rights.session
+        assert bench.do("phase", "3") == "phase = 3 deg\n"
+        assert bench.do("override", "feed", "90") == "override feed = 90 %\n"
+        assert cut.rights.session == session != 0
+        assert commander(bench).startswith(f"sender {sender_of('camctl')} (camctl of this user)")
+    assert commander(bench) == "nobody commands"
+
+
+def test_a_session_that_is_over_is_not_joined(bench: Bench) -> None:
+    """What a file tells of a session that the controller knows no more is left aside."""
+    shared = SharedSession(f"virtual {bench.channel}", 64, sender_of("camctl"))
+    shared.tell(200)
+    assert bench.do("phase", "3") == "phase = 3 deg\n"
+    assert shared.read() == 0
+
+
+def test_silence_in_the_cut_ends_it_as_a_stop(bench: Bench, other: Link) -> None:
+    """A second without a heartbeat; then anybody may take command."""
+    bench.do("set", "engage_turns", "100")
+    ask_done(other, "home")
+    assert other.wait(lambda: other.status.state == "ready", 10)
+    ask_done(other, "start")
+    assert other.wait(lambda: other.status.state == "engaging", 10)
+    time.sleep(1.5)  # nothing is sent meanwhile
+    with pytest.raises(CommandLost, match="nobody has it now"):
+        other.wait(lambda: False, 1.0)
+    assert other.wait(lambda: other.status.state == "ready", 10)
+    assert not other.status.faults
+    assert "lost 1 times" in commander(bench)
+    assert bench.do("home") == "home: ready\n"
+
+
+def test_who_may_not_take_command_is_refused(other: Link) -> None:
+    """A program that never commands gets the answer, and takes nothing."""
+    other.rights.may = May.NEVER
+    with pytest.raises(Refused, match="nobody commands; take command first"):
+        ask_done(other, "enable")
+    other.rights.take()
+    again = Link(other.bus, "again")
+    again.rights.sender = 8
+    with pytest.raises(CommandHeld) as held:
+        again.rights.take()
+    assert held.value.holder == 7
+
+
+def test_limits_are_locked_while_the_key_is_off(
+    bench: Bench, refusal: Refusal, tmp_path: Path
+) -> None:
+    """What an operator sets is free; the refusal tells the key, and nothing changes."""
+    bench.turn_key(False)
+    assert bench.do("speed", "1000") == "speed = 1000 r/min\n"
+    for words in ("set u_stroke_nm 1000000", "params defaults"):
+        assert "refused: locked; turn the key switch at the machine" in refusal(bench, 1, words)
+    file = tmp_path / "limits.toml"
+    file.write_text("u_stroke_nm = 1000000")
+    assert "nothing is changed" in refusal(bench, 1, f"params load {file}")
+    assert bench.do("get", "u_stroke_nm") == "u_stroke_nm = 1200000\n"
+    bench.turn_key(True)
+    assert bench.do("set", "u_stroke_nm", "1000000") == "u_stroke_nm = 1000000\n"
+
+
+def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
+    strict: Bench, secret: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For one order, by the environment, and for those of a while; a wrong one is told."""
+    strict.turn_key(False)
+    assert "camctl unlock --secret FILE" in refusal(strict, 1, "set u_stroke_nm 1000000")
+    unlocked = ("--secret", secret, "set", "u_stroke_nm", "1000000")
+    assert strict.do(*unlocked) == "u_stroke_nm = 1000000\n"
+    assert "level             locked" in strict.do("who")
+    monkeypatch.setenv("CAMTURN_SECRET", str(secret))
+    assert strict.do("set", "u_stroke_nm", "1200000") == "u_stroke_nm = 1200000\n"
+    threading.Timer(1.5, order, [strict, "lock"]).start()
+    told = strict.do("unlock")
+    assert told.startswith("unlock: unlocked by the secret, for ")
+    assert told.endswith("unlock: locked again\n")
+    secret.write_text("of another machine")
+    assert refusal(strict, 1, "unlock") == (
+        "camctl: unlock: refused: the secret is not the controller's; give the right file"
+    )
+    secret.chmod(0o644)
+    assert "others may read it; chmod 600" in refusal(strict, 2, "unlock")
+    monkeypatch.delenv("CAMTURN_SECRET")
+    assert "no secret; give --secret FILE" in refusal(strict, 2, "unlock")
+
+
+def test_a_port_without_a_secret_says_so(bench: Bench, secret: Path, refusal: Refusal) -> None:
+    """Only its key switch unlocks it."""
+    bench.turn_key(False)
+    assert "the port has no secret; turn the key switch" in refusal(
+        bench, 1, f"--secret {secret} unlock"
+    )
+
+
+def test_a_proof_is_that_of_the_firmware() -> None:
+    """The first four bytes of the keyed BLAKE2b, of 64 bytes, over the challenge."""
+    assert proof_of(b"0123456789abcdef", 1) != proof_of(b"0123456789abcdef", 2)
+    assert 0 <= proof_of(b"0123456789abcdef", 2**32 - 1) < 2**32
+
+
+def test_enable_waits_for_the_button(strict: Bench, refusal: Refusal) -> None:
+    """After power-on and behind an emergency stop; the refusal says what to do, and where."""
+    assert "acknowledge       needed: press acknowledge at the machine" in strict.do("who")
+    line = refusal(strict, 1, "enable")
+    assert "enable: refused: acknowledge; press acknowledge at the machine" in line
+    strict.press()
+    assert "acknowledge       acknowledged; enable within" in strict.do("who")
+    assert strict.do("home") == "home: ready\n"
+    strict.estop(True)
+    strict.do("status")
+    strict.estop(False)
+    answers = (strict.run("reset") for _ in range(100))  # refused until the retract has ended
+    assert next(text for status, text in answers if status == 0) == "reset: off\n"
+    assert "home: refused: acknowledge" in refusal(strict, 1, "home")
+    strict.press()
+    assert strict.do("home") == "home: ready\n"
+
+
+def test_a_camctl_that_is_stopped_loses_the_cut(tmp_path: Path) -> None:
+    """As by SIGSTOP of its process: the cut ends as by stop, and it says so when it goes on."""
+    start = python("camtools.cli.camctl", "start")
+    with live_case(tmp_path, "--operator", "present") as case:
+        wait_for_press(case)
+        case.order("home", "ready")
+        case.link.rights.release()
+        with background(*start, XDG_RUNTIME_DIR=str(tmp_path)) as camctl:
+            case.until("cutting")
+            camctl.process.send_signal(signal.SIGSTOP)
+            case.until("disengaging")
+            case.until("ready")
+            camctl.process.send_signal(signal.SIGCONT)
+            camctl.wait_for("command is lost")
+        assert not case.link.status.faults
+
+
+def test_nothing_moves_before_somebody_presses_the_button(tmp_path: Path) -> None:
+    """Nobody at the live lathe: enable waits for the press that is typed."""
+    with live_case(tmp_path, "--operator", "absent") as case:
+        with pytest.raises(Refused, match="press acknowledge at the machine"):
+            ask_done(case.link, "home")
+        with pytest.raises(Refused, match="locked; turn the key"):
+            case.set(u_stroke_nm=1_100_000)
+        case.lathe.type("acknowledge:0.5")
+        wait_for_press(case)
+        case.order("home", "ready")
