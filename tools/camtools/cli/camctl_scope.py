@@ -176,6 +176,7 @@ def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
         is_whole = arguments.again or _record(link, say)
         path = numbered(arguments.file, number, arguments.repeat)
         recording = _read(link, say)
+        link.rights.release()  # to write and draw takes longer than command lasts without a word
         if not recording.is_whole:
             raise Refused(
                 f"{path}: not written: {recording.n_lost} ticks were lost behind row "

@@ -32,6 +32,7 @@ from camtools.identify.report import chosen, form_left, numbers, report
 from camtools.identify.simulated import CutShortError, SimulatedU
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
+from camtools.link.rights import secret_of, sender_of
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
 from camtools.report.text import plain
@@ -80,6 +81,9 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     where.add_argument("--machine", metavar="M", help="of the simulator: a name or a machine file")
     where.add_argument("--bus", action="store_true", help="a controller over CAN, in state ready")
     add_bus_options(parser)
+    parser.add_argument(
+        "--secret", type=Path, metavar="FILE", help="unlocks the controller for --apply"
+    )
     parser.add_argument("--rpm", type=positive, help="of the part; default: its own")
     parser.add_argument("--rms-um", type=positive, help="amplitude; default: 25, or 100 for 1 um")
     parser.add_argument("--carrier-um", type=not_negative, help="amplitude at 20 Hz; 300")
@@ -227,6 +231,9 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
     bus, where, node = open_controller(arguments)
     try:
         u = ConnectedU(Link(bus, where, node))
+        u.link.rights.sender = sender_of("identify")
+        if arguments.secret is not None:
+            u.link.rights.secret = secret_of(arguments.secret)
         one = _one(u, arguments, part, out)
         if arguments.output is not None:
             name = f"node{node}"
@@ -234,6 +241,7 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
             write_all(arguments.output, files)
         if arguments.apply and one.is_good:
             u.apply(one.settings)
+            u.link.rights.release()
     finally:
         bus.shutdown()
     what = "k1_ns, k2_us2, lead_ns; the drives are off, enable and home again"

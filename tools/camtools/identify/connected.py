@@ -87,6 +87,7 @@ class ConnectedU:
             place_nm=excitation.place_nm,
             signals=("u_command_nm", "u_actual_nm"),
         )
+        self.link.rights.release()  # what follows takes longer than command lasts without a word
         if not recording.is_whole:
             raise Refused(f"{self.link.where}: the record has a gap; excite again")
         played = recording.played()
