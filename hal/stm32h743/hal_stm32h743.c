@@ -71,8 +71,24 @@ int hal_init(void)
     return stm_can_init() ? 0 : refuse(no_can, "port: FDCAN1 does not work");
 }
 
+/// Tell who could read or change what runs here (UPDATE.md). It refuses nothing: a machine that is
+/// being set up is open, and a protection that was forgotten is seen at every start.
+static void tell_protection(void)
+{
+    char line[] =
+        "port: read-out protection level 0, write protection of the firmware 0 (UPDATE.md)";
+    enum { at_level = 32, at_answer = 68 };
+    const uint32_t rdp = FLASH_OPTSR_RDP(FLASH_OPTSR_CUR);
+    line[at_level] = rdp == 0xAAu ? '0' : rdp == 0xCCu ? '2' : '1';
+    if ((FLASH_WPSN_CUR1 & 1u) == 0u) {
+        line[at_answer] = '1';
+    }
+    hal_text(line);
+}
+
 void hal_tick_start(void)
 {
+    tell_protection();
     stm_timers_start_tick();
     stm_watch_start();
 }

@@ -78,7 +78,13 @@ class Flash(Device):
         self._pg_at = [0, 0]
         self._keys: list[list[int]] = [[], []]
         self._busy_until = [0, 0]
-        self.define({0x00: Reg("acr", 0x37, 0x3F)})
+        self.define(
+            {
+                0x00: Reg("acr", 0x37, 0x3F),
+                0x1C: Reg("optsr_cur", 0x0316AAF0, 0),  # read-out protection: level 0
+                0x38: Reg("wpsn_cur1", 0xFF, 0),  # no sector is write-protected
+            }
+        )
         for bank in (0, 1):
             at = 0x100 * bank
             self.define(

@@ -187,6 +187,22 @@ def test_reset_in_the_cut_is_safe_and_told(table: bytes, reason: str, text: str)
 
 
 @pytest.mark.parametrize(
+    ("rdp", "wpsn", "level", "is_protected"),
+    [(0xAA, 0xFF, 0, 0), (0xBB, 0xFE, 1, 1), (0x00, 0xFF, 1, 0), (0xCC, 0xFE, 2, 1)],
+)
+def test_protection_of_the_chip_is_told_at_the_start(
+    table: bytes, rdp: int, wpsn: int, level: int, is_protected: int
+) -> None:
+    """As the option bytes say it: any value but two is level 1, a bit of 0 protects its sector."""
+    session = Session(table)
+    session.board.power_on()
+    session.chip.flash.v |= {"optsr_cur": 0x031600F0 | rdp << 8, "wpsn_cur1": wpsn}
+    session.remote.started()
+    line = f"level {level}, write protection of the firmware {is_protected} (UPDATE.md)"
+    assert f"port: read-out protection {line}" in session.remote.lines()
+
+
+@pytest.mark.parametrize(
     ("victim", "dog", "least_s", "most_s"),
     [("tick", "window", 100e-6, 206e-6), ("main loop", "watchdog", 0.95, 1.05)],
 )
