@@ -14,6 +14,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.toml_text import toml_tree
 from camtools.link.controller import Link, Status
 from camtools.link.messages import NAMES, Answer, Refused
+from camtools.link.refusal import REMEDIES
 
 # Values of firmware/machine/cam_teach.h, in their order. The last word of a name is the unit:
 # turn / 2^32 per tick, ticks / 2^16, ticks^2 / 2^16, turn / 2^32, nm / 64, 1 / 4096, turn / 2^23.
@@ -85,7 +86,8 @@ def _is_word(value: object) -> bool:
 
 def _say_no(index: int, answer: Answer) -> Refused:
     result = answer.result.replace("_", " ")
-    remedy = "the state must be off or ready" if "state" in answer.result else "nothing is changed"
+    otherwise = REMEDIES.get(answer.result, "nothing is changed")
+    remedy = "the state must be off or ready" if "state" in answer.result else otherwise
     return Refused(f"learned value {index}: refused: {result}; {remedy}")
 
 

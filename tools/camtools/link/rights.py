@@ -275,7 +275,10 @@ class Rights:
     def _lose(self, holder: int) -> None:
         self._end()
         by = f"{sender_text(holder)} has taken it over; what ran goes on under it"
-        silent = "nothing was heard from here in time, and nobody has it now; a cut ends by that"
+        silent = (
+            "nothing was heard from here in time, or another has taken it and given it back; "
+            "nobody has it now, and a cut ends by that"
+        )
         self.on_lost(f"{self._link.where}: command is lost: {by if holder else silent}", holder)
 
     # Level

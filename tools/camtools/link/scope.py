@@ -25,7 +25,8 @@ import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
-from camtools.link.messages import DATABASE, NUMBERS, OLDER, Answer, Refused
+from camtools.link.messages import DATABASE, NOT_COMMANDER, NUMBERS, OLDER, Answer, Refused
+from camtools.link.refusal import REMEDIES, explain
 
 Ints = npt.NDArray[np.int64]
 
@@ -47,6 +48,7 @@ MOST_REPEATS = 5
 ALIVE_S = 0.1  # well within the 500 ms after which the controller takes the tool for lost
 _UNSIGNED = ("first_tick", "n_lost", "signals", "number", "trigger_tick", "faults")
 _REMEDIES = {
+    **{name: REMEDIES[name] for name in ("locked", "lock_none")},
     "command": OLDER,
     "scope_memory": "record fewer signals, fewer rows or every n-th tick",
     "scope_on": "stop the recording that runs",
@@ -147,6 +149,8 @@ def require(link: Link, what: str, answer: Answer) -> Answer:
     """
     if answer.result == "done":
         return answer
+    if answer.result == NOT_COMMANDER:
+        raise Refused(f"{what}: {explain(link, answer)}")
     text = f"{what}: refused: {answer.result.replace('_', ' ')}"
     if unit := _UNITS.get(answer.result):
         index = NUMBERS["parameter"][_LIMITS[answer.result]]
