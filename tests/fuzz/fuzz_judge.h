@@ -11,6 +11,8 @@
 #include <stdbool.h>    // bool
 #include <stdint.h>     // int32_t, int64_t
 
+enum { fuzz_judge_ticks = 16 }; ///< more than from plan to plan
+
 /// The loosest limits since the machine was off last; a limit that is narrowed meanwhile binds from
 /// the next off on.
 typedef struct {
@@ -18,6 +20,7 @@ typedef struct {
     int64_t acceleration_nm[hal_n_axes]; ///< [nm per tick^2]
     int64_t stroke_nm;                   ///< [nm] of U to either side
     int64_t clearance_nm;                ///< [nm] of X in a fault
+    int64_t feed_nm;                     ///< [nm] per turn
     int64_t spindle_mrpm;
     int64_t swing_q32; ///< [turn / 2^32] to either side
 } fuzz_limits_t;
@@ -27,15 +30,18 @@ typedef struct {
     uint32_t plan_ticks; ///< from plan to plan
     uint32_t version;    ///< of the parameters that the limits are of
     fuzz_limits_t limits;
-    int32_t rise_nm;       ///< [nm] by which U and X may leave further in a fault
-    cam_state_t state;     ///< of the last tick
-    bool has_button;       ///< set by the rig: nothing moves again before a press
+    int32_t rise_nm;   ///< [nm] by which U and X may leave further in a fault
+    cam_state_t state; ///< of the last tick
+    bool is_wild;      ///< by the target: gains and lags are any that are accepted, so that only
+                       ///< what the controller supervises is judged, in its wider limits
+    bool has_button;   ///< set by the rig: nothing moves again before a press
     bool is_pressed_right; ///< since the last fault and emergency stop there was one
     bool was_pressed;
     uint32_t n_pressed; ///< [ticks] that the button has been pressed in off, so far
     bool was_enabled;
     bool is_angle_doubtful; ///< by the target: the spindle moved as no spindle can, and X and Z,
-                            ///< which are geared to it, are not judged until the next off
+                            ///< which are geared to it, have the limits of the fault `command`
+                            ///< until the next off
     bool is_z_led;          ///< Z is measured and not led by this controller
     bool was_by_hand;       ///< the fault came in manual
     uint32_t n_moved;       ///< [ticks] since the enable
@@ -44,9 +50,11 @@ typedef struct {
     uint32_t n_off_time;    ///< [ticks] for which a step may be that of a late tick
     uint32_t faults;        ///< latched
     uint32_t request;       ///< the last one
-    int32_t told_nm[hal_n_axes]; ///< [nm] what the axes were told last, by the port
-    int32_t step_nm[hal_n_axes]; ///< ... by how much that differed from the one before
-    int32_t fault_x_nm;          ///< [nm] X told in the tick of the fault
+    int32_t told_nm[hal_n_axes];         ///< [nm] what the axes were told last, by the port
+    int32_t step_nm[hal_n_axes];         ///< ... by how much that differed from the one before
+    int32_t change_nm[fuzz_judge_ticks]; ///< ... X: by how much its steps differed, a ring
+    uint32_t at;                         ///< place of the newest in it
+    int32_t fault_x_nm;                  ///< [nm] X told in the tick of the fault
     uint64_t n_visits[cam_n_states];
 } fuzz_judge_t;
 

@@ -85,7 +85,8 @@ static void put_images(void)
 static void put_session(const char *name, uint8_t start, const uint8_t (*orders)[session_order],
                         size_t n)
 {
-    uint8_t bytes[256] = {start, strncmp(name, "pressed", 7) == 0 ? 1 : 0};
+    uint8_t bytes[256] = {start, strncmp(name, "pressed", 7) == 0 ? 1 : 0,
+                          strncmp(name, "wild", 4) == 0 ? 1 : 0};
     memcpy(bytes + 4, orders, n * session_order);
     put("session", name, bytes, 4 + n * session_order);
 }
@@ -107,9 +108,12 @@ static void put_sessions(void)
                                          {7, 0, 100, 0},  {5, 7, 10, 0},  {10, 25, 0, 0},
                                          {7, 0, 199, 0},  {10, 1, 0, 0},  {0, 0, 100, 0}};
     static const uint8_t weak[][4] = {{4, 8, 0, 2}, {0, 0, 200, 0}, {4, 2, 0, 255}, {0, 0, 0, 2}};
-    static const uint8_t pressed[][4] = {{4, 12, 0, 0},  {10, 0, 0, 0}, {0, 0, 200, 1},
+    static const uint8_t wild[][4] = {{11, 128, 0, 65}, {11, 129, 0, 65}, {11, 130, 0, 66},
+                                      {10, 2, 0, 0},    {0, 0, 80, 2},    {12, 0, 0, 255},
+                                      {0, 0, 80, 2}};
+    static const uint8_t pressed[][4] = {{4, 12, 0, 0},   {10, 0, 0, 0}, {0, 0, 200, 1},
                                          {12, 0, 0, 255}, {4, 14, 0, 0}, {0, 0, 0, 2},
-                                         {10, 4, 0, 0},  {4, 12, 0, 0}, {10, 6, 0, 0}};
+                                         {10, 4, 0, 0},   {4, 12, 0, 0}, {10, 6, 0, 0}};
     static const char *const names[] = {"1k", "2k", "5k", "20k"};
     for (uint8_t rate = 0; rate < 4u; rate++) {
         for (uint8_t part = 0; part < fuzz_rig_n_parts; part++) {
@@ -125,6 +129,8 @@ static void put_sessions(void)
             put_session(name, (uint8_t)(how + 12u), ALL(by_hand));
             (void)snprintf(name, sizeof name, "weak_%s_%u", names[rate], (unsigned)part);
             put_session(name, (uint8_t)(how + 8u), ALL(weak));
+            (void)snprintf(name, sizeof name, "wild_%s_%u", names[rate], (unsigned)part);
+            put_session(name, (uint8_t)(how + 4u), ALL(wild));
             (void)snprintf(name, sizeof name, "pressed_%s_%u", names[rate], (unsigned)part);
             put_session(name, how, ALL(pressed));
         }

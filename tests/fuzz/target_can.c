@@ -16,29 +16,30 @@ enum { command_id = 0x640, answer_id = 0x5C0, block_id = 0x6C0 };
 static uint32_t n_left;  // [ticks] that this input may still take
 static uint32_t n_heard; // frames that have been looked at
 
-/// A parameter that lets U be told more than its set-point is not judged yet, and a table of the
-/// target's own is (target_cut.c).
+/// Parameters of the machine itself are limits that change under the judge, and what was learned
+/// moves U beyond its set-point.
 static bool is_judged(const hal_can_frame_t *f)
 {
     static const cam_param_id_t others[] = {
-        cam_param_k1_ns,
-        cam_param_k2_us2,
-        cam_param_xz_lag_ns,
-        cam_param_learn_harmonics,
-        cam_param_u_speed_um_per_s,
-        cam_param_u_acceleration_mm_per_s2,
-        cam_param_x_speed_um_per_s,
-        cam_param_x_acceleration_mm_per_s2,
-        cam_param_z_speed_um_per_s,
-        cam_param_z_acceleration_mm_per_s2,
+        cam_param_u_speed_um_per_s, cam_param_u_acceleration_mm_per_s2,
+        cam_param_x_speed_um_per_s, cam_param_x_acceleration_mm_per_s2,
+        cam_param_z_speed_um_per_s, cam_param_z_acceleration_mm_per_s2,
+        cam_param_counts_per_turn,  cam_param_encoder_sign,
     };
+    static const cam_param_id_t wild[] = {cam_param_k1_ns, cam_param_k2_us2, cam_param_xz_lag_ns,
+                                          cam_param_learn_harmonics};
     const bool is_set = f->data[0] == 6u || f->data[0] == 51u;
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         if (is_set && f->data[1] == (uint8_t)others[i]) {
             return false;
         }
     }
-    return f->data[0] != 29u; // set_learned
+    for (size_t i = 0; i < sizeof wild / sizeof wild[0]; i++) {
+        if (is_set && f->data[1] == (uint8_t)wild[i]) {
+            return fuzz_rig.judge.is_wild;
+        }
+    }
+    return f->data[0] != 29u || fuzz_rig.judge.is_wild; // set_learned
 }
 
 static void hear(void)
@@ -166,8 +167,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     (void)fuzz_u16(&b);
     fuzz_rig_start((fuzz_start_t){.tick_hz = rates[how % 4u],
                                   .has_button = part >= 128u,
-                                  .part = part % fuzz_rig_n_parts,
+                                  .part = part % 64u % fuzz_rig_n_parts,
                                   .state = states[how / 4u % 4u]});
+    fuzz_rig.judge.is_wild = (part & 64u) != 0u;
     n_heard = hal_host.slow.n_sent;
     n_left = most_ticks;
     while (b.n > 0u && n_left > 0u) {
