@@ -10,6 +10,7 @@
 #include "lin_kept.h"
 #include "lin_lines.h"
 #include "lin_notify.h"
+#include "lin_operator.h"
 #include "lin_options.h"
 #include "lin_params.h"
 #include "lin_stop.h"
@@ -141,7 +142,7 @@ static bool bring_up(common_error_t *e)
     lin_bus_init(&port.bus, &port.config);
     port.is_remote_shared = strcmp(port.config.can.remote, port.config.can.interface) == 0;
     atomic_store(&port.is_mute, port.is_remote_shared);
-    return lin_lines_open(&port.config, e) && open_can(e) &&
+    return lin_operator_open(&port.config, e) && lin_lines_open(&port.config, e) && open_can(e) &&
            lin_table_open(port.config.table_file, port.config.table_max_bytes, e) &&
            lin_thread_prepare(&port.config.thread, e);
 }
@@ -179,8 +180,8 @@ static void sense(int64_t now_ns)
     // Drives are ready when lines and bus say so; the bus alone decides on its loss, and the lines
     // alone on the emergency stop.
     const uint32_t lines = lin_lines_read();
-    enum { homes = 0x3F * hal_in_home_u };
-    port.inputs = (lines & (hal_in_estop | homes)) |
+    enum { others = 0xFF * hal_in_home_u };
+    port.inputs = (lines & (hal_in_estop | others)) |
                   (lines & port.bus.inputs & hal_in_drive_ready) |
                   (port.bus.inputs & hal_in_bus_lost);
     port.now_ns = now_ns;
@@ -344,12 +345,12 @@ hal_trust_t hal_trust(void)
                          .is_required = port.config.is_trust_required};
 }
 
-/// A unit of the drive is the quantum of both ways; an axis without a drive has none.
 hal_operator_t hal_operator(void)
 {
-    return (hal_operator_t){.is_acknowledge_waived = true, .has_key = true};
+    return lin_operator(&port.config);
 }
 
+/// A unit of the drive is the quantum of both ways; an axis without a drive has none.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     const uint32_t unit_pm = lin_drive_unit_pm(&port.bus.drive[axis]);

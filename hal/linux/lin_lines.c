@@ -43,7 +43,7 @@ bool lin_lines_open(const lin_config_t *config, common_error_t *e)
         common_error_t why;
         lines[i] = lin_gpio_open(config->chip, c->place, use_of(i), c->is_active_low, &why);
         if (lines[i] == NULL) {
-            return common_error(e, "gpio.%s: %s", lin_line_name((lin_line_t)i), why.text);
+            return common_error(e, "%s: %s", lin_line_name((lin_line_t)i), why.text);
         }
     }
     return true;
@@ -64,11 +64,15 @@ static bool is_good(lin_line_t line)
     return value == 1;
 }
 
-/// @return hal_in_home_u and the five bits above it, of lines that are wired
-static uint32_t read_homes(void)
+_Static_assert((uint32_t)hal_in_key == (uint32_t)hal_in_home_u << 7 &&
+                   lin_line_key == lin_line_home_u + 7,
+               "button and key follow the homes in both lists");
+
+/// @return hal_in_home_u and the seven bits above it, of lines that are wired
+static uint32_t read_others(void)
 {
     uint32_t bits = 0;
-    for (int i = lin_line_home_u; i <= lin_line_index_z; i++) {
+    for (int i = lin_line_home_u; i <= lin_line_key; i++) {
         const bool is_on = lines[i] != NULL && is_good((lin_line_t)i);
         bits |= is_on ? (uint32_t)hal_in_home_u << (i - lin_line_home_u) : 0u;
     }
@@ -79,12 +83,12 @@ uint32_t lin_lines_read(void)
 {
     const bool is_closed = is_good(lin_line_estop);
     const bool is_ready = is_good(lin_line_ready);
-    const uint32_t homes = read_homes();
+    const uint32_t others = read_others();
     if (lin_lines_lost() != lin_n_lines) {
         return hal_in_estop;
     }
     return (is_closed ? 0u : (uint32_t)hal_in_estop) |
-           (is_ready ? (uint32_t)hal_in_drive_ready : 0u) | homes;
+           (is_ready ? (uint32_t)hal_in_drive_ready : 0u) | others;
 }
 
 bool lin_lines_edge(int64_t *ns, bool *is_rising)

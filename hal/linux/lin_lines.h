@@ -15,9 +15,8 @@
 /// @return false and *e on the first one that cannot be taken. Context: main(), once.
 bool lin_lines_open(const lin_config_t *config, common_error_t *e);
 
-/// @return hal_in_estop, hal_in_drive_ready, the bits of homes and indices; lines that are not
-/// wired
-///         are good, or off their switch. Context: tick.
+/// @return hal_in_estop, hal_in_drive_ready, the bits of homes, indices, button and key; lines that
+///         are not wired are good, or off. Context: tick.
 uint32_t lin_lines_read(void);
 
 /// Take the oldest edge of the index line. @return whether there was one. Context: tick.

@@ -44,7 +44,7 @@ void lin_tell_lost_line(void)
     if (lost != lin_n_lines && !is_told) {
         char line[lin_line_bytes];
         (void)snprintf(line, sizeof line,
-                       "gpio.%s: the line is lost: emergency stop until the program starts anew",
+                       "%s: the line is lost: emergency stop until the program starts anew",
                        lin_line_name(lost));
         hal_text(line);
         is_told = true;

@@ -15,6 +15,7 @@ pin in bit enable "rising: acknowledge a fault, enable, home; falling: leave the
 pin in bit start "rising: cut one pass (M64); falling: end it (M65)";
 pin in bit estop_ok "true: the emergency-stop chain is closed";
 pin in bit drive_ready "true: the drives are able to follow";
+pin in bit acknowledge "true while somebody at the machine presses a button by which it may move again: behind power-on, emergency stop, fault";
 pin in float u_fb "measured U [mm], used with measures_u=1";
 pin in float x_fb "measured X [mm radius], used with measures_x=1";
 pin in float z_fb "measured Z [mm, height of the drawing], used with measures_z=1";
@@ -49,6 +50,7 @@ modparam dummy tick_hz """\\fBtick_hz=\\fRrate of the thread of \\fBcamturn.upda
 modparam dummy measures_u """\\fBmeasures_u=1\\fR: u-fb is a measurement; then what the drive does wrong can be learned.""";
 modparam dummy measures_x """\\fBmeasures_x=1\\fR: x-fb is a measurement.""";
 modparam dummy measures_z """\\fBmeasures_z=0\\fR: nothing measures Z; camturn itself feeds it.""";
+modparam dummy waive_acknowledge """\\fBwaive_acknowledge=1\\fR: the pin acknowledge is not needed, since the machine has another button that must be pressed at it before its drives get power, or it is a simulated one.""";
 modparam dummy nominal_time """\\fBnominal_time=1\\fR: time is counted in ticks: for simulation without real time.""";
 option singleton yes;
 option extra_setup yes;
@@ -73,6 +75,8 @@ static int measures_x = 0;
 RTAPI_MP_INT(measures_x, "1: x-fb is a measurement");
 static int measures_z = 1;
 RTAPI_MP_INT(measures_z, "1: z-fb is a measurement");
+static int waive_acknowledge = 0;
+RTAPI_MP_INT(waive_acknowledge, "1: the pin acknowledge is not needed");
 static int nominal_time = 0;
 RTAPI_MP_INT(nominal_time, "1: time is counted in ticks");
 
@@ -129,6 +133,7 @@ EXTRA_SETUP()
         .is_measured = {measures_u != 0, measures_x != 0, measures_z != 0},
         .trust = trust,
         .is_trust_required = trust_required != 0,
+        .is_waived = waive_acknowledge != 0,
         .is_nominal = nominal_time != 0,
     };
     lcn_port_init(&setup);
@@ -146,6 +151,7 @@ FUNCTION(update)
         .actual_nm = {nm_of_mm(u_fb), nm_of_mm(x_fb), nm_of_mm(z_fb)},
         .is_estop = !estop_ok,
         .is_drive_ready = drive_ready,
+        .is_acknowledged = acknowledge,
     };
     lcn_out_t out;
     lcn_port_tick(&in, lcn_slow_turn_counts(), &out);

@@ -106,7 +106,7 @@ bool hal_measures_u(void)
 /// the scales.
 hal_operator_t hal_operator(void)
 {
-    return (hal_operator_t){.is_acknowledge_waived = true, .has_key = true};
+    return (hal_operator_t){.has_acknowledge = true, .is_acknowledge_waived = port.setup.is_waived};
 }
 
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
@@ -254,7 +254,8 @@ uint32_t hal_inputs_read_isr(void)
 {
     const bool is_estop = port.in.is_estop || !port.is_on_rate;
     return (is_estop ? (uint32_t)hal_in_estop : 0u) |
-           (port.in.is_drive_ready ? (uint32_t)hal_in_drive_ready : 0u);
+           (port.in.is_drive_ready ? (uint32_t)hal_in_drive_ready : 0u) |
+           (port.in.is_acknowledged ? (uint32_t)hal_in_acknowledge : 0u);
 }
 
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)

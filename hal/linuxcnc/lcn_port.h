@@ -24,6 +24,7 @@ typedef struct {
     bool is_measured[lcn_n_axes]; ///< the axis has a feedback; false: it is where it was commanded
     common_keys_t trust;          ///< public keys whose tables are taken
     bool is_trust_required;       ///< a table without a signature of one of them is refused
+    bool is_waived;               ///< nobody has to press the pin acknowledge
     bool is_nominal;              ///< time is counted in ticks, not read from a clock: simulation
 } lcn_setup_t;
 
@@ -35,6 +36,7 @@ typedef struct {
     int32_t actual_nm[lcn_n_axes]; ///< [nm] feedback
     bool is_estop;                 ///< the emergency-stop chain is open
     bool is_drive_ready;           ///< all drives are able to follow
+    bool is_acknowledged;          ///< the button is pressed
 } lcn_in_t;
 
 /// What a tick commands.

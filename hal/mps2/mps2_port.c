@@ -45,6 +45,7 @@ hal_trust_t hal_trust(void)
 }
 
 /// The machine behind the emulator rounds nothing that it has not told.
+/// The machine is an emulated one: nobody is at it, and nobody can be hurt.
 hal_operator_t hal_operator(void)
 {
     return (hal_operator_t){.is_acknowledge_waived = true, .has_key = true};

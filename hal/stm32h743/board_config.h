@@ -78,6 +78,24 @@
 /// can write the flash can write this, too.
 #define BOARD_TRUST_REQUIRED 0
 
+/// 1: a button of the machine is wired to PD10, by which somebody at it lets it move again behind
+/// power-on, the emergency stop and faults; it closes to +3.3 V. Without a wire, or with 0, nothing
+/// is ever enabled.
+#define BOARD_HAS_ACKNOWLEDGE 1
+
+/// 1: nothing is asked of anybody at the machine, so that whoever is on the CAN bus starts it. For
+/// a bench without a machine, or where another control decides over the power of the drives.
+#ifndef BOARD_ACKNOWLEDGE_IS_WAIVED
+#define BOARD_ACKNOWLEDGE_IS_WAIVED 0
+#endif
+
+/// 1: a key switch is wired to PD11; +3.3 V allows changes of limits, constants and tables.
+#define BOARD_HAS_KEY 1
+
+/// What remote tools must know to do what the key does: 16 to 64 characters; "": nothing does. It
+/// lies in the flash memory, where a debugger reads it.
+#define BOARD_SECRET ""
+
 /// Codes of a 16-bit converter per unit, in 2^-32, where 2^15 codes stand for the value at +10 V.
 #define BOARD_CODES_Q32(full) ((int32_t)(((INT64_C(1) << 47) + (full) / 2) / (full)))
 

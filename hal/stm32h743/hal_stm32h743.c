@@ -194,7 +194,16 @@ static hal_axis_scale_t scale_of(int32_t full_nm, int32_t step_pm, uint32_t meas
 
 hal_operator_t hal_operator(void)
 {
-    return (hal_operator_t){.is_acknowledge_waived = true, .has_key = true};
+    static const uint8_t secret[] = BOARD_SECRET;
+    _Static_assert(sizeof secret == 1u || (sizeof secret > 16u && sizeof secret <= 65u),
+                   "BOARD_SECRET: give 16 to 64 characters, or none");
+    return (hal_operator_t){
+        .has_acknowledge = BOARD_HAS_ACKNOWLEDGE != 0,
+        .is_acknowledge_waived = BOARD_ACKNOWLEDGE_IS_WAIVED != 0,
+        .has_key = BOARD_HAS_KEY != 0,
+        .secret = secret,
+        .n_secret = (uint32_t)sizeof secret - 1u,
+    };
 }
 
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
@@ -255,14 +264,19 @@ void hal_swing_write_isr(const hal_swing_t *setpoint)
     (void)setpoint;
 }
 
-/// Switches open their contacts, so that a cut wire is one that is reached.
-static uint32_t homes(void)
+/// Inputs of port D. Switches open their contacts, so that a cut wire is one that is reached.
+static uint32_t port_d(void)
 {
     enum { shift = 1, indices = 7u << stm_pin_index_u };
     const uint32_t wired = (uint32_t)BOARD_HOME_SWITCHES << stm_pin_home_u;
     const uint32_t pins = GPIOD->IDR;
-    return ((~pins & wired) | (pins & (uint32_t)indices)) << shift;
+    const uint32_t people = (BOARD_HAS_ACKNOWLEDGE != 0 ? 1u << stm_pin_acknowledge : 0u) |
+                            (BOARD_HAS_KEY != 0 ? 1u << stm_pin_key : 0u);
+    return ((~pins & wired) | (pins & (uint32_t)indices)) << shift | (pins & people) >> shift;
 }
+_Static_assert(hal_in_acknowledge == 1u << (stm_pin_acknowledge - 1) &&
+                   hal_in_key == 1u << (stm_pin_key - 1),
+               "likewise, by a shift to the other side");
 _Static_assert(hal_in_home_u == 1u << (stm_pin_home_u + 1), "pins and bits differ by one shift");
 _Static_assert(hal_in_index_u == 1u << (stm_pin_index_u + 1), "likewise");
 
@@ -273,7 +287,7 @@ uint32_t hal_inputs_read_isr(void)
     if ((pins & 1u << stm_pin_ready) != 0u && stm_tick_faults() == 0u) {
         bits |= hal_in_drive_ready;
     }
-    return bits | homes();
+    return bits | port_d();
 }
 
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)

@@ -76,11 +76,11 @@ static bool check_place(const lin_config_t *c, lin_line_t i, lin_place_t *at, co
     const char *place = c->line[i].place;
     common_error_t why;
     if (place[0] == '\0') {
-        return common_error(e, "%s: gpio.%s is empty; give a name, CHIP:OFFSET or \"none\"", path,
+        return common_error(e, "%s: %s is empty; give a name, CHIP:OFFSET or \"none\"", path,
                             lin_line_name(i));
     }
     return lin_place_parse(at, c->chip, place, &why) ||
-           common_error(e, "%s: gpio.%s = %s", path, lin_line_name(i), why.text);
+           common_error(e, "%s: %s = %s", path, lin_line_name(i), why.text);
 }
 
 static bool check_lines(const lin_config_t *c, const char *path, common_error_t *e)
@@ -92,9 +92,9 @@ static bool check_lines(const lin_config_t *c, const char *path, common_error_t 
         }
         for (int k = 0; k < i && lin_line_is_there(c, (lin_line_t)i); k++) {
             if (lin_place_is_same(&at[i], &at[k])) {
-                return common_error(
-                    e, "%s: gpio.%s = \"%s\": taken by gpio.%s; give each its own line", path,
-                    lin_line_name((lin_line_t)i), c->line[i].place, lin_line_name((lin_line_t)k));
+                return common_error(e, "%s: %s = \"%s\": taken by %s; give each its own line", path,
+                                    lin_line_name((lin_line_t)i), c->line[i].place,
+                                    lin_line_name((lin_line_t)k));
             }
         }
     }
@@ -202,6 +202,13 @@ void lin_check_warn(const lin_config_t *c, lin_check_tell_t *tell)
     if (!lin_line_is_there(c, lin_line_enable)) {
         tell("warning: gpio.enable = \"none\": drives are disabled by the bus alone; for trials "
              "only");
+    }
+    if (lin_config_is_waived(c)) {
+        tell(
+            "warning: operator.acknowledge = \"waived\": whoever is on the bus starts the machine");
+    } else if (!lin_line_is_there(c, lin_line_acknowledge)) {
+        tell("warning: operator.acknowledge = \"none\": nothing is ever enabled; give its line");
+    } else { // somebody at the machine lets it move
     }
     if (lin_load_percent(&load, c->thread.tick_hz) > full_percent) {
         common_error_t why, line;

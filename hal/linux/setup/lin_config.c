@@ -27,6 +27,9 @@
     {                                                                                              \
         "none", false                                                                              \
     }
+#define OPERATOR_LINE(key, i)                                                                      \
+    TEXT("operator", key, line[i].place, lin_name_max),                                            \
+        FLAG("operator", key "_active_low", line[i].is_active_low)
 #define LINE(key, i)                                                                               \
     TEXT("gpio", key, line[i].place, lin_name_max),                                                \
         FLAG("gpio", key "_active_low", line[i].is_active_low)
@@ -77,6 +80,9 @@ static const common_setting_t settings[] = {
     LINE("switch_6", lin_line_switch_1 + 5),
     LINE("switch_7", lin_line_switch_1 + 6),
     LINE("switch_8", lin_line_switch_1 + 7),
+    OPERATOR_LINE("acknowledge", lin_line_acknowledge),
+    OPERATOR_LINE("key", lin_line_key),
+    TEXT("operator", "secret", secret_file, lin_path_max),
     TEXT("table", "file", table_file, lin_path_max),
     WHOLE("table", "max_bytes", table_max_bytes, 1024, 67108864),
     TEXT("trust", "key_1", trust_key[0], common_keys_digits),
@@ -105,16 +111,28 @@ lin_config_t lin_config_defaults(void)
         .drive = {[hal_axis_u] = {2, 1, 1}, [hal_axis_x] = {3, 1, 1}, [hal_axis_z] = {4, 1, 1}},
         .spindle_node = 5,
         .chip = "gpiochip0",
-        .line = {[lin_line_estop] = {"ESTOP", false}, [lin_line_ready] = {"READY", false},
-                 [lin_line_index] = {"INDEX", false}, [lin_line_home_u] = NONE,
-                 [lin_line_home_u + 1] = NONE,        [lin_line_home_u + 2] = NONE,
-                 [lin_line_home_u + 3] = NONE,        [lin_line_home_u + 4] = NONE,
-                 [lin_line_home_u + 5] = NONE,        [lin_line_enable] = {"ENABLE", false},
-                 [lin_line_fault] = {"FAULT", false}, [lin_line_in_cut] = {"INCUT", false},
-                 [lin_line_switch_1] = NONE,          [lin_line_switch_1 + 1] = NONE,
-                 [lin_line_switch_1 + 2] = NONE,      [lin_line_switch_1 + 3] = NONE,
-                 [lin_line_switch_1 + 4] = NONE,      [lin_line_switch_1 + 5] = NONE,
-                 [lin_line_switch_1 + 6] = NONE,      [lin_line_switch_1 + 7] = NONE},
+        .line = {[lin_line_estop] = {"ESTOP", false},
+                 [lin_line_ready] = {"READY", false},
+                 [lin_line_index] = {"INDEX", false},
+                 [lin_line_home_u] = NONE,
+                 [lin_line_home_u + 1] = NONE,
+                 [lin_line_home_u + 2] = NONE,
+                 [lin_line_home_u + 3] = NONE,
+                 [lin_line_home_u + 4] = NONE,
+                 [lin_line_home_u + 5] = NONE,
+                 [lin_line_acknowledge] = NONE,
+                 [lin_line_key] = NONE,
+                 [lin_line_enable] = {"ENABLE", false},
+                 [lin_line_fault] = {"FAULT", false},
+                 [lin_line_in_cut] = {"INCUT", false},
+                 [lin_line_switch_1] = NONE,
+                 [lin_line_switch_1 + 1] = NONE,
+                 [lin_line_switch_1 + 2] = NONE,
+                 [lin_line_switch_1 + 3] = NONE,
+                 [lin_line_switch_1 + 4] = NONE,
+                 [lin_line_switch_1 + 5] = NONE,
+                 [lin_line_switch_1 + 6] = NONE,
+                 [lin_line_switch_1 + 7] = NONE},
         .table_file = "/var/lib/camturn/table.camtab",
         .table_max_bytes = 1048576,
         .params_file = "/var/lib/camturn/parameters.toml",
@@ -124,15 +142,23 @@ lin_config_t lin_config_defaults(void)
 const char *lin_line_name(lin_line_t line)
 {
     static const char *const names[lin_n_lines] = {
-        "estop",    "ready",    "index",    "home_u",   "home_x",   "home_z",   "index_u",
-        "index_x",  "index_z",  "enable",   "fault",    "in_cut",   "switch_1", "switch_2",
-        "switch_3", "switch_4", "switch_5", "switch_6", "switch_7", "switch_8"};
+        "gpio.estop",    "gpio.ready",    "gpio.index",    "gpio.home_u",   "gpio.home_x",
+        "gpio.home_z",   "gpio.index_u",  "gpio.index_x",  "gpio.index_z",  "operator.acknowledge",
+        "operator.key",  "gpio.enable",   "gpio.fault",    "gpio.in_cut",   "gpio.switch_1",
+        "gpio.switch_2", "gpio.switch_3", "gpio.switch_4", "gpio.switch_5", "gpio.switch_6",
+        "gpio.switch_7", "gpio.switch_8"};
     return names[line];
 }
 
 bool lin_line_is_there(const lin_config_t *config, lin_line_t line)
 {
-    return strcmp(config->line[line].place, "none") != 0;
+    const bool is_waived = line == lin_line_acknowledge && lin_config_is_waived(config);
+    return strcmp(config->line[line].place, "none") != 0 && !is_waived;
+}
+
+bool lin_config_is_waived(const lin_config_t *config)
+{
+    return strcmp(config->line[lin_line_acknowledge].place, "waived") == 0;
 }
 
 int64_t lin_config_age_us(const lin_encoder_config_t *config, int64_t tick_hz)

@@ -19,6 +19,8 @@ typedef enum {
     lin_line_index,
     lin_line_home_u, ///< home switches, then axes' indices, in the order of hal_in_home_u
     lin_line_index_z = lin_line_home_u + 5,
+    lin_line_acknowledge, ///< the button; its place may be "waived"
+    lin_line_key,
     lin_line_enable,
     lin_line_fault,
     lin_line_in_cut,
@@ -73,6 +75,7 @@ typedef struct {
     int64_t spindle_node; ///< 0: none
     char chip[lin_name_max + 1];
     lin_line_config_t line[lin_n_lines];
+    char secret_file[lin_path_max + 1]; ///< "": there is none
     char table_file[lin_path_max + 1];
     int64_t table_max_bytes;
     char trust_key[common_keys_most][common_keys_digits + 1]; ///< "": none
@@ -92,7 +95,10 @@ bool lin_config_read(lin_config_t *config, const char *path, common_error_t *e);
 ///         ticks where the file says nothing
 int64_t lin_config_age_us(const lin_encoder_config_t *config, int64_t tick_hz);
 
-/// @return the key of a line in [gpio], static
+/// @return whether the builder of the machine has waived the button
+bool lin_config_is_waived(const lin_config_t *config);
+
+/// @return section and key of a line, static
 const char *lin_line_name(lin_line_t line);
 
 /// @return whether a line is wired

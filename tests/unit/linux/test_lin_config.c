@@ -206,18 +206,25 @@ static void tell(const char *line)
 
 static void test_what_is_doubtful_is_told(void)
 {
-    TEST_ASSERT_TRUE(load(""));
+    TEST_ASSERT_TRUE(load("[operator]\nacknowledge = \"ACK\"\n"));
     lin_check_warn(&config, tell);
     TEST_ASSERT_EQUAL_UINT32(0, n_told);
+    TEST_ASSERT_TRUE(load("[operator]\nacknowledge = \"waived\"\n"));
+    lin_check_warn(&config, tell);
+    TEST_ASSERT_EQUAL_UINT32(1, n_told);
+    TEST_ASSERT_NOT_NULL(strstr(told[0], "whoever is on the bus starts the machine"));
+    n_told = 0;
     TEST_ASSERT_TRUE_MESSAGE(load("[thread]\ntick_hz = 1000\n[can]\ninterface = \"vcan0\"\n"
                                   "[gpio]\nestop = \"none\"\nenable = \"none\"\n"),
                              error.text);
     lin_check_warn(&config, tell);
-    TEST_ASSERT_EQUAL_UINT32(3, n_told);
+    TEST_ASSERT_EQUAL_UINT32(4, n_told);
     TEST_ASSERT_EQUAL_INT(0, strncmp(told[0], "warning: gpio.estop = \"none\"", 28));
     TEST_ASSERT_EQUAL_INT(0, strncmp(told[1], "warning: gpio.enable = \"none\"", 29));
     TEST_ASSERT_EQUAL_INT(
-        0, strncmp(told[2], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
+        0, strncmp(told[2], "warning: operator.acknowledge = \"none\": nothing", 46));
+    TEST_ASSERT_EQUAL_INT(
+        0, strncmp(told[3], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
 }
 
 static void test_file_that_is_not_there_or_no_text_is_refused(void)

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Linux port's button, key and secret: what the configuration says, and whom the file lets in.
+#include "lin_operator.h"
+#include "unity.h"
+#include <stdio.h>    // snprintf
+#include <stdlib.h>   // mkdtemp
+#include <string.h>   // memcmp
+#include <sys/stat.h> // chmod
+#include <unistd.h>   // symlink, unlink
+
+static lin_config_t config;
+static common_error_t e;
+static char folder[] = "/tmp/test_lin_operator_XXXXXX";
+
+void setUp(void)
+{
+    config = lin_config_defaults();
+    e.text[0] = '\0';
+}
+
+void tearDown(void) {}
+
+static void write_secret(const char *text, mode_t mode)
+{
+    (void)snprintf(config.secret_file, sizeof config.secret_file, "%s/secret", folder);
+    FILE *file = fopen(config.secret_file, "w");
+    TEST_ASSERT_NOT_NULL(file);
+    TEST_ASSERT_TRUE(fputs(text, file) >= 0);
+    (void)fclose(file);
+    TEST_ASSERT_EQUAL_INT(0, chmod(config.secret_file, mode));
+}
+
+static void refused(const char *part)
+{
+    TEST_ASSERT_FALSE(lin_operator_open(&config, &e));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, part), e.text);
+    TEST_ASSERT_EQUAL_UINT32(0, lin_operator(&config).n_secret);
+}
+
+static void test_by_default_nothing_is_allowed(void)
+{
+    TEST_ASSERT_TRUE(lin_operator_open(&config, &e));
+    const hal_operator_t people = lin_operator(&config);
+    TEST_ASSERT_FALSE(people.has_acknowledge);
+    TEST_ASSERT_FALSE(people.is_acknowledge_waived);
+    TEST_ASSERT_FALSE(people.has_key);
+    TEST_ASSERT_EQUAL_UINT32(0, people.n_secret);
+}
+
+static void test_lines_are_there_and_a_waiver_is_no_line(void)
+{
+    (void)snprintf(config.line[lin_line_key].place, lin_name_max, "KEY");
+    (void)snprintf(config.line[lin_line_acknowledge].place, lin_name_max, "gpiochip0:3");
+    TEST_ASSERT_TRUE(lin_operator(&config).has_key);
+    TEST_ASSERT_TRUE(lin_operator(&config).has_acknowledge);
+    TEST_ASSERT_FALSE(lin_operator(&config).is_acknowledge_waived);
+    (void)snprintf(config.line[lin_line_acknowledge].place, lin_name_max, "waived");
+    TEST_ASSERT_FALSE(lin_operator(&config).has_acknowledge);
+    TEST_ASSERT_TRUE(lin_operator(&config).is_acknowledge_waived);
+}
+
+static void test_a_secret_is_read_without_its_line_end(void)
+{
+    write_secret("0123456789abcdef\n", 0600);
+    TEST_ASSERT_TRUE_MESSAGE(lin_operator_open(&config, &e), e.text);
+    const hal_operator_t people = lin_operator(&config);
+    TEST_ASSERT_EQUAL_UINT32(16, people.n_secret);
+    TEST_ASSERT_EQUAL_MEMORY("0123456789abcdef", people.secret, 16);
+    write_secret("0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef", 0400);
+    TEST_ASSERT_TRUE_MESSAGE(lin_operator_open(&config, &e), e.text);
+    TEST_ASSERT_EQUAL_UINT32(64, lin_operator(&config).n_secret);
+}
+
+static void test_a_secret_that_others_may_read_or_write_is_refused(void)
+{
+    static const mode_t modes[] = {0640, 0604, 0620, 0602, 0660, 0644};
+    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        write_secret("0123456789abcdef", modes[i]);
+        refused("chmod 600");
+    }
+}
+
+static void test_a_secret_of_another_size_is_refused(void)
+{
+    write_secret("0123456789abcde\n", 0600);
+    refused("give 16 .. 64 bytes");
+    write_secret("0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef!", 0600);
+    refused("give 16 .. 64 bytes");
+}
+
+static void test_what_is_no_file_of_its_own_is_refused(void)
+{
+    char link[sizeof config.secret_file];
+    write_secret("0123456789abcdef", 0600);
+    (void)snprintf(link, sizeof link, "%s/link", folder);
+    TEST_ASSERT_EQUAL_INT(0, symlink("secret", link));
+    memcpy(config.secret_file, link, sizeof link);
+    refused("link: ");
+    (void)unlink(link);
+    (void)snprintf(config.secret_file, sizeof config.secret_file, "%s", folder);
+    refused("not a regular file");
+    (void)snprintf(config.secret_file, sizeof config.secret_file, "%s/nowhere", folder);
+    refused("No such file");
+}
+
+int main(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        return 1;
+    }
+    UNITY_BEGIN();
+    RUN_TEST(test_by_default_nothing_is_allowed);
+    RUN_TEST(test_lines_are_there_and_a_waiver_is_no_line);
+    RUN_TEST(test_a_secret_is_read_without_its_line_end);
+    RUN_TEST(test_a_secret_that_others_may_read_or_write_is_refused);
+    RUN_TEST(test_a_secret_of_another_size_is_refused);
+    RUN_TEST(test_what_is_no_file_of_its_own_is_refused);
+    const int status = UNITY_END();
+    char file[sizeof config.secret_file];
+    (void)snprintf(file, sizeof file, "%s/secret", folder);
+    (void)unlink(file);
+    (void)rmdir(folder);
+    return status;
+}
