@@ -11,6 +11,7 @@ program start costs a fifth of a second in User-Mode Linux.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import signal
@@ -18,9 +19,10 @@ import socket
 import struct
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,9 @@ COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
 BLOCK, BLOCK_FLOW = 0x6C0, 0x540
 ENABLE, START, RESET, SET = 1, 3, 5, 6
 BEGIN_DOWNLOAD = 16
+TAKE_COMMAND, HEARTBEAT, GET_CHALLENGE, UNLOCK = 60, 62, 63, 64
+ERR_NOT_COMMANDER, ERR_LOCKED, SENDER = -122, -123, 5
+SECRET = "the secret of the scenarios"
 STATES = (
     *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault"),
     *("rehearsing", "identifying", "manual", "holding"),
@@ -110,6 +115,9 @@ class Session:
         self.children: list[subprocess.Popen[bytes]] = []
         self.machine: subprocess.Popen[bytes] | None = None
         self.controller: subprocess.Popen[bytes] | None = None
+        self.number = 0  # session of who has command
+        self.is_over = threading.Event()
+        threading.Thread(target=self.keep_command, daemon=True).start()
 
     def listen(self) -> None:
         """Open the operator's sockets, anew after the interface was down."""
@@ -155,6 +163,7 @@ class Session:
 
     def close(self) -> None:
         """End what still runs; the machine writes its results."""
+        self.is_over.set()
         for child in self.children:
             if child.poll() is None:
                 child.terminate()
@@ -167,17 +176,46 @@ class Session:
         self.seen["events"].append({"at_s": time.monotonic(), "what": what, "faults": faults})
 
     def command(self, what: int, parameter: int = 0, value: int = 0) -> int:
-        """Give a command; return the result of its answer, after waiting out `busy`."""
+        """Give a command as who has command; return the result, after waiting out `busy`."""
         while True:
-            self.operator.send(
-                COMMAND, struct.pack("<BBHI", what, parameter, 0, value & 0xFFFFFFFF)
-            )
+            result, _ = self.raw(what, parameter, value)
+            if result == ERR_NOT_COMMANDER:  # not taken yet, or lost while the session did others
+                taken, self.number = self.raw(TAKE_COMMAND)
+                assert taken == 0, "command is not to be had"
+            elif result == ERR_LOCKED:
+                self.unlock()
+            elif result != self.setup["busy"]:
+                return result
+            else:
+                time.sleep(0.002)
+
+    def keep_command(self) -> None:
+        """Send the heartbeats of who has command, until the session is over."""
+        bus = Bus("vcan0", 0)
+        while not self.is_over.wait(0.3):
+            if self.number:
+                data = struct.pack("<BBBBI", HEARTBEAT, 0, SENDER, self.number, 0)
+                with suppress(OSError):  # the scenario takes the interface down
+                    bus.send(COMMAND, data)
+
+    def unlock(self) -> None:
+        """Answer a challenge by the secret of the configuration."""
+        result, challenge = self.raw(GET_CHALLENGE)
+        assert result == 0, f"no challenge: {result}"
+        digest = hashlib.blake2b(struct.pack("<i", challenge), key=SECRET.encode()).digest()
+        result, _ = self.raw(UNLOCK, 0, struct.unpack_from("<i", digest)[0])
+        assert result == 0, f"the answer is refused: {result}"
+
+    def raw(self, what: int, parameter: int = 0, value: int = 0) -> tuple[int, int]:
+        """Give a command, whoever has it; return result and value."""
+        data = struct.pack("<BBBBI", what, parameter, SENDER, self.number, value & 0xFFFFFFFF)
+        self.operator.send(COMMAND, data)
+        answer = self.operator.receive(1.0)
+        while answer is not None and answer[1][0] == HEARTBEAT:
             answer = self.operator.receive(1.0)
-            assert answer is not None, f"no answer to command {what}"
-            result = struct.unpack_from("<h", answer[1], 2)[0]
-            if result != self.setup["busy"]:
-                return int(result)
-            time.sleep(0.002)
+        assert answer is not None, f"no answer to command {what}"
+        told = struct.unpack_from("<hi", answer[1], 2)
+        return int(told[0]), int(told[1])
 
     def ask_node(self, node: int, what: int) -> int | None:
         """Give a command to a controller; None when nobody but node 64, the first one, answers."""
@@ -196,6 +234,8 @@ class Session:
         for at in range(0, n_blocks * BLOCK_BYTES, BLOCK_BYTES):
             transport.send(struct.pack("<I", at) + image[at : at + BLOCK_BYTES])
             answer = self.operator.receive(1.0)
+            while answer is not None and answer[1][0] == HEARTBEAT:
+                answer = self.operator.receive(1.0)
             assert answer is not None and answer[1][2:4] == b"\0\0", f"block at {at}: {answer}"
 
     def state(self) -> tuple[str, int]:

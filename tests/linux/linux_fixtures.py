@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from camsim_cases import CAMSIM
+from inside import SECRET
 from kernel import (
     CONTROLLER,
     END_S,
@@ -108,7 +109,10 @@ def play(
             "thread": {"tick_hz": 1000},
             "can": {"interface": "vcan0"},
             "table": {"file": f"{out}/table.camtab"},
+            "operator": {"acknowledge": "waived", "secret": f"{out}/secret"},
         }
+        (out / "secret").write_text(SECRET)
+        (out / "secret").chmod(0o600)
         alone: Config = {"encoder": {"index": "position"}, "gpio": dict.fromkeys(LINES, "none")}
         (out / "camturn.toml").write_text(config_text({**base, **(config or {})}))
         second = {**base, **alone, "can": {**base["can"], "node": second_node}}

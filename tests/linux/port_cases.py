@@ -72,6 +72,7 @@ def config_text(table: Path, lines: dict[str, str], setup: Setup) -> str:
         f'[thread]\ntick_hz = 1000\n[can]\ninterface = "{setup.interface}"\n'
         f"fd = {str(setup.fd).lower()}\n"
         f'[encoder]\nindex = "{setup.index}"\nmax_age_us = {setup.max_age_us}\n'
+        f'[operator]\nacknowledge = "waived"\n'
         f'[table]\nfile = "{table}"\n[parameters]\nfile = "{table}.toml"\n'
         f'[gpio]\nchip = "{CHIP}"\n{gpio}'
     )

@@ -28,6 +28,7 @@ NODES = (ENCODER, U, X, Z, SPINDLE)
 HEARTBEAT_TICKS = 40
 INDEX_LINE = 10
 COUNTS_PER_TURN = 10_000
+TAKE_COMMAND, HEARTBEAT, ERR_NOT_COMMANDER, SENDER = 60, 62, -122, 5
 
 # Status words of CiA 402 with voltage enabled, quick stop not active.
 DISABLED, READY, SWITCHED_ON, ENABLED, QUICK_STOP, FAULT = 0x250, 0x231, 0x233, 0x237, 0x217, 0x218
@@ -197,6 +198,19 @@ class Controller:
         with self.log.open("w") as log:
             self.process = subprocess.Popen([*program, "--config", config], stderr=log)
         self.can = raw_socket(interface)
+        self.session = 0
+        self.is_over = threading.Event()
+        threading.Thread(target=self._keep_command, args=(interface,), daemon=True).start()
+
+    def _keep_command(self, interface: str) -> None:
+        """Send the heartbeats of who has command."""
+        can = raw_socket(interface)
+        while not self.is_over.wait(0.2):
+            if self.session:
+                data = struct.pack("<BBBBi", HEARTBEAT, 0, SENDER, self.session, 0)
+                with contextlib.suppress(OSError):  # the test takes the interface down
+                    can.send(pack((0x600 + CONTROLLER, data)))
+        can.close()
 
     def says(self, words: str) -> bool:
         """Return whether it has said that."""
@@ -207,17 +221,29 @@ class Controller:
         return wait_until(lambda: self.says(words), 0.1) is not None
 
     def command(self, number: int, parameter: int = 0, value: int = 0) -> int | None:
-        """Send a command; return its result, None without an answer."""
+        """Send a command as who has command; return its result, None without an answer."""
+        result = self.raw(number, parameter, value)
+        if (
+            result is not None and result[0] == ERR_NOT_COMMANDER
+        ):  # not taken, or lost
+            taken = self.raw(TAKE_COMMAND)
+            assert taken is not None and taken[0] == 0
+            self.session = taken[1]
+            result = self.raw(number, parameter, value)
+        return None if result is None else result[0]
+
+    def raw(self, number: int, parameter: int = 0, value: int = 0) -> tuple[int, int] | None:
+        """Send a command, whoever has it; return result and value, None without an answer."""
         while receive(self.can) is not None:
             pass
-        data = struct.pack("<BBHi", number, parameter, 0, value)
+        data = struct.pack("<BBBBi", number, parameter, SENDER, self.session, value)
         self.can.send(pack((0x600 + CONTROLLER, data)))
-        answers: list[int] = []
+        answers: list[tuple[int, int]] = []
 
         def is_answered() -> bool:
             while (frame := receive(self.can)) is not None:
                 if frame[0] == 0x580 + CONTROLLER and frame[1][0] == number:
-                    answers.append(struct.unpack_from("<h", frame[1], 2)[0])
+                    answers.append(struct.unpack_from("<hi", frame[1], 2))
             return bool(answers)
 
         wait_until(is_answered, 0.5)
@@ -225,6 +251,7 @@ class Controller:
 
     def end(self, by: signal.Signals = signal.SIGTERM) -> int:
         """End it by a signal; return its exit status."""
+        self.is_over.set()
         if self.process.poll() is None:
             self.process.send_signal(by)
         status = self.process.wait(timeout=10)

@@ -39,10 +39,14 @@ BEGIN, END, BLOCK = (
     _COMMANDS[name] for name in ("begin_download", "end_download", "download_block")
 )
 SAVE, REVERT = _COMMANDS["save_parameters"], _COMMANDS["revert_parameters"]
+TAKE, MANUAL, HOME = (_COMMANDS[name] for name in ("take_command", "manual", "home"))
 COMMAND, ANSWER, STATE, SPINDLE = _id("Command"), _id("Answer"), _id("State"), _id("Spindle")
 DETAIL, TO_CONTROLLER, FLOW = _id("Detail"), _id("Block"), _id("BlockFlow")
 PARAMS = [name for _, name in sorted(_table("Command", "parameter").items())]
 ERR_BUSY = -25
+ERR_ACKNOWLEDGE, ERR_NOT_COMMANDER = -120, -122
+BUTTON, KEY = "PD10", "PD11"
+SENDER = 5
 
 
 def errors() -> dict[str, int]:
@@ -65,6 +69,7 @@ class Remote:
 
     def __init__(self, board: Board) -> None:
         self.board, self.chip = board, board.chip
+        self.session = 0
 
     def frames(self, identifier: int) -> list[Frame]:
         """Return what came with an identifier, oldest first."""
@@ -91,9 +96,30 @@ class Remote:
         )
 
     def command(self, command: int, index: int = 0, value: int = 0) -> tuple[int, int]:
-        """Send a command; return result and value of its answer."""
+        """Send a command as who has command; return result and value of its answer."""
+        result = self.raw(command, index, value)
+        if result[0] == ERR_NOT_COMMANDER:  # not taken yet, or lost while the test did other things
+            self.chip.gpio.drive(KEY, 1)
+            self.chip.run(self.chip.seconds(0.002))
+            done, self.session = self.raw(TAKE)
+            assert done == 0, "command is not to be had"
+            result = self.raw(command, index, value)
+        if result[0] == ERR_ACKNOWLEDGE:
+            self.press()
+            result = self.raw(command, index, value)
+        return result
+
+    def press(self) -> None:
+        """Press the button of the machine, as somebody at it does."""
+        for level, duration_s in ((0, 0.08), (1, 0.08), (0, 0.03)):
+            self.chip.gpio.drive(BUTTON, level)
+            self.chip.run(self.chip.seconds(duration_s))
+
+    def raw(self, command: int, index: int = 0, value: int = 0) -> tuple[int, int]:
+        """Send a command, whoever has it; return result and value of its answer."""
         n = len(self.frames(ANSWER))
-        data = bytes([command, index, 0, 0]) + value.to_bytes(4, "little", signed=True)
+        data = bytes([command, index, SENDER, self.session])
+        data += value.to_bytes(4, "little", signed=True)
         assert self.board.send(Frame(COMMAND, data)), "the command was not received"
         assert self.chip.run_until(lambda: len(self.frames(ANSWER)) > n, self.chip.seconds(0.1)), (
             "no answer comes"

@@ -15,7 +15,7 @@ from emulator import DTCM, DTCM_BYTES
 from gpio import OUTPUT
 from host import make_table
 from rcc import RESET_FLAGS
-from remote import ENABLE, RESET, SELECT, START, errors
+from remote import ENABLE, KEY, PARAMS, RESET, SELECT, SET, START, TAKE, errors
 from session import Session
 
 ERR = errors()
@@ -274,3 +274,20 @@ def test_power_on_is_told_from_brown_out_and_flags_are_cleared(table: bytes) -> 
     session.board.power_on()
     assert session.remote.started().reset == "power_on"
     assert session.chip.rcc.v["rsr"] == 0
+
+
+def test_enable_wants_the_button_and_limits_want_the_key(table: bytes) -> None:
+    """Without a wire at their pins nothing is enabled, and no limit changes."""
+    session = Session(table)
+    session.board.power_on()
+    remote, gpio = session.remote, session.chip.gpio
+    remote.started()
+    remote.session = remote.raw(TAKE)[1]
+    stroke = PARAMS.index("u_stroke_nm")
+    assert remote.raw(SET, stroke, 1_300_000)[0] == ERR["locked"]
+    assert remote.raw(ENABLE)[0] == ERR["acknowledge"]
+    gpio.drive(KEY, 1)
+    session.chip.run(session.chip.seconds(2e-3))
+    assert remote.raw(SET, stroke, 1_300_000)[0] == 0
+    remote.press()
+    assert remote.raw(ENABLE)[0] == 0

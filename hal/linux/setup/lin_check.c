@@ -203,17 +203,17 @@ void lin_check_warn(const lin_config_t *c, lin_check_tell_t *tell)
         tell("warning: gpio.enable = \"none\": drives are disabled by the bus alone; for trials "
              "only");
     }
+    if (lin_load_percent(&load, c->thread.tick_hz) > full_percent) {
+        common_error_t why, line;
+        put_load(c, &load, &why);
+        (void)common_error(&line, "warning: %s", why.text);
+        tell(line.text);
+    }
     if (lin_config_is_waived(c)) {
         tell(
             "warning: operator.acknowledge = \"waived\": whoever is on the bus starts the machine");
     } else if (!lin_line_is_there(c, lin_line_acknowledge)) {
         tell("warning: operator.acknowledge = \"none\": nothing is ever enabled; give its line");
     } else { // somebody at the machine lets it move
-    }
-    if (lin_load_percent(&load, c->thread.tick_hz) > full_percent) {
-        common_error_t why, line;
-        put_load(c, &load, &why);
-        (void)common_error(&line, "warning: %s", why.text);
-        tell(line.text);
     }
 }

@@ -222,9 +222,9 @@ static void test_what_is_doubtful_is_told(void)
     TEST_ASSERT_EQUAL_INT(0, strncmp(told[0], "warning: gpio.estop = \"none\"", 28));
     TEST_ASSERT_EQUAL_INT(0, strncmp(told[1], "warning: gpio.enable = \"none\"", 29));
     TEST_ASSERT_EQUAL_INT(
-        0, strncmp(told[2], "warning: operator.acknowledge = \"none\": nothing", 46));
+        0, strncmp(told[3], "warning: operator.acknowledge = \"none\": nothing", 46));
     TEST_ASSERT_EQUAL_INT(
-        0, strncmp(told[3], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
+        0, strncmp(told[2], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
 }
 
 static void test_file_that_is_not_there_or_no_text_is_refused(void)
