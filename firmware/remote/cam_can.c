@@ -207,7 +207,7 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
 static void give(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_rights_t *rights = &r->machine->rights;
-    rights->is_bus_calling = m->sender != 0u || m->session != 0u; // others are still trusted
+    rights->is_bus_calling = true;
     cam_can_hear(r, m);
     const cam_outcome_t refused = cam_can_admit(r, m);
     if (refused.err == cam_ok) {

@@ -91,7 +91,7 @@ static void test_of_another_sender_only_reading_and_stop_are_obeyed(void)
 {
     const struct {
         uint8_t sender, session;
-    } strangers[] = {{other, 0}, {other, session}, {me, 0}, {me, (uint8_t)(session + 1u)}};
+    } strangers[] = {{0, 0}, {other, 0}, {other, session}, {me, 0}, {me, (uint8_t)(session + 1u)}};
     for (uint32_t i = 0; i < sizeof strangers / sizeof strangers[0]; i++) {
         for (uint8_t command = 1; command <= last_command; command++) {
             if (!is_for_all(command)) {
