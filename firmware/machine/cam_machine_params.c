@@ -238,7 +238,7 @@ cam_params_t cam_machine_defaults(uint32_t tick_hz)
     cam_params_t params = cam_param_defaults();
     if (hal_measures_u() && tick_hz >= (uint32_t)cam_fit_least_hz) {
         params.following_limit_nm = 0; // derived from the part
-        cam_param_learn(&params);
+        cam_param_learn(&params);      // and all of them led into their ranges
     }
     // The defaults fit every tick rate from 500 Hz on but for the observer's bandwidth, which is
     // limited to a twentieth of the rate, and the speeds of X and Z to what their outputs pass on.

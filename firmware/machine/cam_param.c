@@ -1,10 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_param.h"
-#include <stddef.h> // NULL, offsetof
-#include <string.h> // strcmp, memcpy
+#include "cam_hard.h" // CAM_HARD_LEAST
+#include <stddef.h>   // NULL, offsetof
+#include <string.h>   // strcmp, memcpy
 
-#define PARAM_INFO(name, min, def, max, what) {#name, what, min, def, max},
+/// Ranges and defaults are those of the list within what the port's builder has fixed.
+#define MOST_OF(a, b) ((a) > (b) ? (a) : (b))
+#define LEAST_OF(a, b) ((a) < (b) ? (a) : (b))
+#define PARAM_MIN(name, min) MOST_OF(min, CAM_HARD_LEAST(cam_param_##name))
+#define PARAM_MAX(name, max) LEAST_OF(max, CAM_HARD_MOST(cam_param_##name))
+#define PARAM_DEF(name, min, def, max)                                                             \
+    LEAST_OF(MOST_OF(def, PARAM_MIN(name, min)), PARAM_MAX(name, max))
+
+#define PARAM_INFO(name, min, def, max, what)                                                      \
+    {#name,                                                                                        \
+     what,                                                                                         \
+     PARAM_MIN(name, min),                                                                         \
+     PARAM_DEF(name, min, def, max),                                                               \
+     PARAM_MAX(name, max),                                                                         \
+     CAM_HARD_IS_SET(cam_param_##name)},
 static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
+
+#define PARAM_CHECK(name, min, def, max, what)                                                     \
+    _Static_assert(PARAM_MIN(name, min) <= PARAM_MAX(name, max),                                   \
+                   #name ": CAM_HARD_LIMITS leaves no value of its range");
+CAM_PARAMS(PARAM_CHECK)
 
 #define PARAM_OFFSET(name, min, def, max, what) offsetof(cam_params_t, name),
 static const size_t offsets[cam_n_params] = {CAM_PARAMS(PARAM_OFFSET)};
@@ -33,7 +53,7 @@ cam_param_id_t cam_param_find(const char *name)
 
 cam_params_t cam_param_defaults(void)
 {
-#define PARAM_DEFAULT(name, min, def, max, what) .name = (def),
+#define PARAM_DEFAULT(name, min, def, max, what) .name = PARAM_DEF(name, min, def, max),
     return (cam_params_t){CAM_PARAMS(PARAM_DEFAULT)};
 }
 
@@ -44,6 +64,17 @@ void cam_param_learn(cam_params_t *params)
     params->rehearse_turns = 40;
     params->learn_harmonics = 16;
     params->ripple_turns = 8;
+    cam_param_fit(params);
+}
+
+void cam_param_fit(cam_params_t *params)
+{
+    for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
+        const int32_t value = cam_param_get(params, (cam_param_id_t)id);
+        const int32_t most = LEAST_OF(value, infos[id].max);
+        const int32_t fitted = MOST_OF(most, infos[id].min);
+        (void)memcpy((char *)params + offsets[id], &fitted, sizeof fitted);
+    }
 }
 
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id)
@@ -67,7 +98,7 @@ cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
     }
     const bool is_no_sign = is_sign(id) && value == 0;
     if (value < info->min || value > info->max || is_no_sign) {
-        return cam_err_param_range;
+        return info->is_hard ? cam_err_hard_limit : cam_err_param_range;
     }
     (void)memcpy((char *)params + offsets[id], &value, sizeof value);
     return cam_ok;

@@ -158,9 +158,10 @@ typedef struct {
 
 /// What is known of a parameter.
 typedef struct {
-    const char *name; ///< with the unit as its last word
-    const char *what; ///< one clause
-    int32_t min, def, max;
+    const char *name;      ///< with the unit as its last word
+    const char *what;      ///< one clause
+    int32_t min, def, max; ///< within what the port's builder has fixed
+    bool is_hard;          ///< he has, for this one (cam_hard.h)
 } cam_param_info_t;
 
 /// @return description of a parameter, NULL when id is not one. Context: slow side.
@@ -175,6 +176,9 @@ cam_param_id_t cam_param_find(const char *name);
 /// @return all parameters at their defaults
 cam_params_t cam_param_defaults(void);
 
+/// Lead all parameters into their ranges.
+void cam_param_fit(cam_params_t *params);
+
 /// Switch learning on, as a port does by default that measures U.
 void cam_param_learn(cam_params_t *params);
 
@@ -182,7 +186,8 @@ void cam_param_learn(cam_params_t *params);
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id);
 
 /// Set one parameter after checking its range.
-/// @return cam_ok, cam_err_param_id or cam_err_param_range; *params is unchanged on error
+/// @return cam_ok, cam_err_param_id, cam_err_param_range, or cam_err_hard_limit where the range is
+///         that of the port's builder; *params is unchanged on error
 /// Context: slow side.
 CAM_MUST_USE cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value);
 

@@ -95,7 +95,7 @@ void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value
     const uint8_t index = (uint8_t)id;
     const cam_outcome_t outcome = get(r, id, cam_machine_set_param(r->machine, id, value));
     cam_can_answer(r, command, index, outcome);
-    if (outcome.err == cam_err_param_range) {
+    if (outcome.err == cam_err_param_range || outcome.err == cam_err_hard_limit) {
         cam_can_answer_range(r, id);
     }
 }

@@ -13,7 +13,8 @@
 /// answered behind the piece that it asks for (cam_reading.h); a command or a block that comes
 /// before ends the piece, without an answer; strobe alone, which is renewed all the time, does not.
 /// Answers that find no room in the transmit queue are kept, and
-/// nothing is read before they have been sent. A silent bus stops nothing.
+/// nothing is read before they have been sent. When the bus falls silent, the
+/// heartbeats of the commander do, too: a second later the cut ends as by stop.
 ///
 /// A table that cannot be used does not keep the controller from starting. Enable is then refused
 /// with the error of its last check, which the status and a line of text report until a good table

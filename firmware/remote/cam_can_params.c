@@ -46,7 +46,7 @@ static void stage(cam_can_t *r, const struct camturn_command_t *m)
                               ? cam_param_get(&r->machine->staged, id)
                               : 0;
     cam_can_answer(r, m->command, m->parameter, (cam_outcome_t){.err = err, .value = value});
-    if (err == cam_err_param_range) {
+    if (err == cam_err_param_range || err == cam_err_hard_limit) {
         cam_can_answer_range(r, id);
     }
 }

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Limits that are fixed when an image is built: cam_param.c is built into this program with
+// hard_limits.h, in front of the one that all others use.
+#include "cam_machine.h"
+#include "cam_param.h"
+#include "expect_can.h"
+#include "fixture_can.h"
+#include "hal_host.h"
+#include "unity.h"
+
+enum { set = 6, get_minimum = 9, get_maximum };
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static void expect_info(cam_param_id_t id, int32_t min, int32_t def, int32_t max, bool is_hard)
+{
+    const cam_param_info_t *info = cam_param_info(id);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(min, info->min, info->name);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(def, info->def, info->name);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(max, info->max, info->name);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(is_hard, info->is_hard, info->name);
+}
+
+static void test_ranges_are_those_that_both_lists_allow(void)
+{
+    expect_info(cam_param_u_stroke_nm, 1000, 800000, 800000, true);
+    expect_info(cam_param_spindle_limit_mrpm, 1000, 2000000, 2000000, true);
+    expect_info(cam_param_following_limit_nm, 1000, 50000, 50000, true);
+    expect_info(cam_param_x_speed_um_per_s, 100, 100000, 10000000, false);
+}
+
+static void test_no_value_beyond_is_taken_and_the_refusal_names_the_builder(void)
+{
+    cam_params_t params = cam_param_defaults();
+    TEST_ASSERT_EQUAL_INT(cam_err_hard_limit,
+                          cam_param_set(&params, cam_param_u_stroke_nm, 800001));
+    TEST_ASSERT_EQUAL_INT32(800000, params.u_stroke_nm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&params, cam_param_u_stroke_nm, 799999));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range,
+                          cam_param_set(&params, cam_param_x_speed_um_per_s, 99));
+}
+
+static void test_defaults_of_a_port_are_led_into_them(void)
+{
+    fixture_part_t part = fixture_part_short();
+    static fixture_rig_t rig;
+    fixture_rig_init(&rig, &part, 20000);
+    hal_host.slow.measures_u = true; // learning is on by default, the following limit derived
+    cam_machine_init(&rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    TEST_ASSERT_EQUAL_INT32(4, rig.machine.params.learn_harmonics);
+    TEST_ASSERT_EQUAL_INT32(1000, rig.machine.params.following_limit_nm);
+}
+
+static void test_over_the_bus_the_refusal_brings_the_range(void)
+{
+    fixture_part_t part = fixture_part_short();
+    static fixture_can_t f;
+    fixture_can_init(&f, &part, 20000);
+    fixture_can_start(&f);
+    expect_answer(&f, cam_err_hard_limit, 800000, set, cam_param_u_stroke_nm, 900000);
+    const hal_can_frame_t last = fixture_can_sent(0x5C0);
+    const fixture_answer_t answer = fixture_can_answer(&last);
+    TEST_ASSERT_EQUAL_UINT32(get_maximum, answer.command);
+    TEST_ASSERT_EQUAL_INT32(800000, answer.value);
+}
+
+static void test_kept_parameters_beyond_them_are_left_at_their_defaults(void)
+{
+    fixture_part_t part = fixture_part_short();
+    static fixture_can_t f;
+    fixture_can_init(&f, &part, 20000);
+    fixture_can_start(&f);
+    cam_machine_t *m = &f.rig.machine;
+    m->params.u_stroke_nm = 1200000; // as an image without the limits has kept it
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_save_params(m));
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_INT32(800000, m->params.u_stroke_nm);
+    TEST_ASSERT_EQUAL_UINT32(1, m->kept.n_unfit);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_ranges_are_those_that_both_lists_allow);
+    RUN_TEST(test_no_value_beyond_is_taken_and_the_refusal_names_the_builder);
+    RUN_TEST(test_defaults_of_a_port_are_led_into_them);
+    RUN_TEST(test_over_the_bus_the_refusal_brings_the_range);
+    RUN_TEST(test_kept_parameters_beyond_them_are_left_at_their_defaults);
+    return UNITY_END();
+}
