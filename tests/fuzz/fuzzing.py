@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,8 @@ HERE = ROOT / "tests" / "fuzz"
 PROGRAMS = ROOT / "build" / "host-fuzz" / "tests" / "fuzz"
 COVERED = ROOT / "build" / "host-cov"
 WORK = ROOT / "build" / "verify" / "fuzz"
+RECORDED = HERE / "figures.json"
+MARK = "<!-- figures -->"
 FIGURES = ROOT / "build" / "verify" / "fuzz.json"
 SHORT_S = 10
 INPUT_LIMIT_S = 10
@@ -194,9 +197,9 @@ def coverage() -> dict[str, float]:
     }
 
 
-def figures(outcomes: list[Outcome], wall_s: float, jobs: int) -> dict[str, float | int | str]:
+def figures(outcomes: list[Outcome], wall_s: float, jobs: int) -> dict[str, float | str]:
     """Return the figures of a campaign as one flat object."""
-    flat: dict[str, float | int | str] = {
+    flat: dict[str, float | str] = {
         "seconds": round(wall_s),
         "jobs": jobs,
         "executions": sum(o.executions for o in outcomes),
@@ -211,16 +214,27 @@ def figures(outcomes: list[Outcome], wall_s: float, jobs: int) -> dict[str, floa
     return flat
 
 
-def tell(outcomes: list[Outcome]) -> None:
-    """Print the table of a campaign."""
-    print("| target | executions | a second | edges reached | of | inputs kept | found |")
-    print("|---|---:|---:|---:|---:|---:|---|")
-    for o in outcomes:
-        rate = round(o.executions / max(o.seconds, 1e-3))
-        print(
-            f"| {o.name} | {o.executions} | {rate} | {o.edges} | {o.edges_of} | {o.inputs} "
-            f"| {o.found or 'nothing'} |"
-        )
+def table(flat: Mapping[str, float | str]) -> str:
+    """Return the table of the figures of a campaign."""
+    lines = [
+        "| target | executions | a second | edges reached | of | inputs kept |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    for target in TARGETS:
+        if f"{target.name}_executions" in flat:
+            keys = ("executions", "per_second", "edges", "edges_of", "inputs")
+            numbers = " | ".join(str(flat[f"{target.name}_{key}"]) for key in keys)
+            lines.append(f"| {target.name} | {numbers} |")
+    return "\n".join(lines)
+
+
+def record(flat: Mapping[str, float | str]) -> None:
+    """Keep the figures, and write them into README.md."""
+    RECORDED.write_text(json.dumps(flat, indent=2) + "\n", "utf-8")
+    readme = HERE / "README.md"
+    begin, _, rest = readme.read_text("utf-8").partition(MARK)
+    _, _, end = rest.partition(MARK)
+    readme.write_text(f"{begin}{MARK}\n{table(flat)}\n{MARK}{end}", "utf-8")
 
 
 def arguments() -> argparse.Namespace:
@@ -262,10 +276,13 @@ def main() -> int:
         by_name = {o.name: o for o in pool.map(one, order)}
     outcomes = [by_name[t.name] for t in targets]
     flat = figures(outcomes, time.monotonic() - began, asked.jobs)
-    tell(outcomes)
+    print(table(flat))
+    for outcome in outcomes:
+        if outcome.found:
+            print(f"{outcome.name}: {outcome.found}")
     if asked.record:
         flat |= coverage()
-        (HERE / "figures.json").write_text(json.dumps(flat, indent=2) + "\n", "utf-8")
+        record(flat)
     FIGURES.write_text(json.dumps(flat, indent=2) + "\n", "utf-8")
     found = flat["found"]
     print(f"{flat['executions']} executions, {found} targets with a finding (build/verify/fuzz)")
