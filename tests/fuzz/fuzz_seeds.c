@@ -147,7 +147,7 @@ static void put_frames(void)
                                                          (uint8_t)(start % fuzz_rig_n_parts)};
             for (uint8_t i = 0; i < n_together; i++) {
                 const uint8_t order[can_order] = {
-                    15, 0, 3, 0, (uint8_t)(first + i), (uint8_t)(i % 3u), 0, 0, (uint8_t)(i * 16u)};
+                    15, 8, 3, 0, (uint8_t)(first + i), (uint8_t)(i % 3u), 0, 0, (uint8_t)(i * 16u)};
                 memcpy(bytes + 4 + i * can_order, order, sizeof order);
             }
             char name[64];
@@ -157,15 +157,15 @@ static void put_frames(void)
     }
     // A download of 32 bytes: begin, two frames of a block, the end.
     static const uint8_t download[][can_order] = {
-        {15, 0, 3, 0, 16, 0, 0, 0, 32},
+        {15, 8, 3, 0, 16, 0, 0, 0, 32},
         {15, 1, 3, 0, 0x10, 36, 0, 0, 0, 0, 1, 2},
         {15, 1, 3, 0, 0x21, 1, 2, 3, 4, 5, 6, 7},
         {15, 1, 3, 0, 0x22, 1, 2, 3, 4, 5, 6, 7},
         {15, 1, 3, 0, 0x23, 1, 2, 3, 4, 5, 6, 7},
         {15, 1, 3, 0, 0x24, 1, 2, 3, 4, 5, 6, 7},
         {15, 1, 3, 0, 0x25, 1, 2, 0, 0, 0, 0, 0},
-        {15, 0, 3, 0, 17, 0, 0, 0, 1, 2, 3, 4},
-        {15, 0, 3, 0, 8},
+        {15, 8, 3, 0, 17, 0, 0, 0, 1, 2, 3, 4},
+        {15, 8, 3, 0, 8},
     };
     uint8_t bytes[4 + sizeof download] = {0};
     memcpy(bytes + 4, download, sizeof download);

@@ -104,11 +104,10 @@ static void expect_ignored(const hal_can_frame_t *f)
 {
     enum { stop = 4, take_command = 60 };
     const cam_machine_t *m = &fuzz_rig.machine;
-    const bool has_sender = f->data[2] != 0u || f->data[3] != 0u;
     const bool is_own = cam_rights_is_commander(&m->rights, f->data[2], f->data[3]);
     const bool is_next = hal_host.slow.n_received - hal_host.slow.n_read == 1u;
-    if (f->id != command_id || f->n != 8u || !has_sender || is_own || !is_next ||
-        f->data[0] == stop || f->data[0] == take_command) {
+    if (f->id != command_id || f->n != 8u || is_own || !is_next || f->data[0] == stop ||
+        f->data[0] == take_command) {
         return;
     }
     const uint32_t version = m->version;
@@ -170,6 +169,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                   .part = part % 64u % fuzz_rig_n_parts,
                                   .state = states[how / 4u % 4u]});
     fuzz_rig.judge.is_wild = (part & 64u) != 0u;
+    fuzz_try(cam_rights_take(&fuzz_rig.machine.rights, 7, true, fuzz_rig_record()->tick));
     n_heard = hal_host.slow.n_sent;
     n_left = most_ticks;
     while (b.n > 0u && n_left > 0u) {
