@@ -47,6 +47,7 @@ static const char help[] =
     "      estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead\n"
     "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block\n"
     "      swing-block  table-flip:BYTE  stop\n"
+    "      clock-drift:PPM  tick-jitter:PERCENT  tick-burst:PERCENT  tick-twice:PERCENT\n"
     "      hold  resume  feed-override:PERCENT  spindle-override:PERCENT  trim:UM, as an operator\n"
     "\n"
     "Exit status: 0 done, 1 fault, time-out, out of tolerance or not gauged, 2 wrong usage or bad "

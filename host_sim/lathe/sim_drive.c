@@ -257,13 +257,19 @@ static double servoed(sim_drive_t *d, double command_micro, bool is_enabled)
     return sim_servo_push(&d->servo, command_micro, quantised(d, d->pos_micro + d->beyond_micro));
 }
 
-void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled)
+/// Put a command in line behind the others.
+static void take(sim_drive_t *d, int32_t command_micro, bool is_enabled)
 {
     const double command = commanded(d, command_micro);
     d->i_command++;
     d->command_micro[d->i_command % sim_drive_ring] =
         d->is_force ? servoed(d, command, is_enabled) : command;
     d->middle_s = 0.0;
+}
+
+void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled)
+{
+    take(d, command_micro, is_enabled);
     if (d->is_blocked) {
         d->vel_micro_per_s = 0.0;
     } else if (!is_enabled) {
@@ -283,6 +289,34 @@ void sim_drive_disturb(sim_drive_t *d, double force_n)
     d->disturb_micro_per_s2 = force_n * d->per_force_micro_per_s2;
 }
 
+/// Move for any time by the command of some ticks ago.
+static void move_for(sim_drive_t *d, uint32_t ticks, double dt_s)
+{
+    const double omega = sqrt(d->stiffness_per_s2);
+    const sim_drive_flow_t flow = sim_drive_flow(omega, 0.5 * d->drag_per_s / omega, dt_s);
+    piece(d, delayed(d, ticks), &flow);
+}
+
+void sim_drive_step_in(sim_drive_t *d, int32_t command_micro, bool is_enabled, double dt_s)
+{
+    take(d, command_micro, is_enabled);
+    if (d->is_blocked) {
+        d->vel_micro_per_s = 0.0;
+    } else if (!is_enabled) {
+        brake(d, dt_s);
+    } else {
+        const double first_s = d->is_split ? fmin(d->before.time_s, dt_s) : 0.0;
+        if (first_s > 0.0) {
+            move_for(d, d->n_delay + 1u, first_s);
+            d->middle = (sim_drive_place_t){d->pos_micro, d->vel_micro_per_s};
+            d->middle_s = first_s;
+        }
+        if (dt_s > first_s) {
+            move_for(d, d->n_delay, dt_s - first_s);
+        }
+    }
+}
+
 void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled)
 {
     if (d->is_blocked || dt_s <= 0.0) {
@@ -292,9 +326,7 @@ void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled)
         brake(d, dt_s);
         return;
     }
-    const double omega = sqrt(d->stiffness_per_s2);
-    const sim_drive_flow_t flow = sim_drive_flow(omega, 0.5 * d->drag_per_s / omega, dt_s);
-    piece(d, delayed(d, d->n_delay), &flow);
+    move_for(d, d->n_delay, dt_s);
 }
 
 int32_t sim_drive_reported_micro(const sim_drive_t *d, double micro)

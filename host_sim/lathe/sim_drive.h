@@ -93,6 +93,10 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
 /// @param is_enabled  false: the drive brakes to rest within its limits and holds
 void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled);
 
+/// Likewise in another time than a period. The dead time keeps its whole periods.
+/// @param dt_s  above 0; slower than a step
+void sim_drive_step_in(sim_drive_t *d, int32_t command_micro, bool is_enabled, double dt_s);
+
 /// An outer force acts on the slide from now on.
 /// @param force_n  signed, constant over the coming step; nothing without a mass
 void sim_drive_disturb(sim_drive_t *d, double force_n);

@@ -14,6 +14,10 @@
 /// | encoder-stuck | | the counter stands still |
 /// | index-dead | | no more index edges |
 /// | late-tick | percent | one tick comes late by this much of a period |
+/// | clock-drift | ppm | the controller's clock runs fast by this, below 0 slow |
+/// | tick-jitter | percent | every tick comes late by up to this much of a period, spread evenly |
+/// | tick-burst | percent | one of 16 ticks by chance comes late by this much |
+/// | tick-twice | percent | one tick comes once more, this much of a period behind the first |
 /// | reverse | | the spindle turns against its set-point |
 /// | spindle-speed | r/min | the spindle runs away to that speed, in the sense of cutting |
 /// | spindle-stop | | the spindle brakes to rest |
@@ -54,6 +58,10 @@ typedef enum {
     sim_inject_encoder_stuck,
     sim_inject_index_dead,
     sim_inject_late_tick,
+    sim_inject_clock_drift,
+    sim_inject_tick_jitter,
+    sim_inject_tick_burst,
+    sim_inject_tick_twice,
     sim_inject_reverse,
     sim_inject_spindle_speed,
     sim_inject_spindle_stop,

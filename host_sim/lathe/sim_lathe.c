@@ -97,6 +97,22 @@ void sim_lathe_step(sim_lathe_t *l, const sim_setpoints_t *set)
     follow_u(l, from, u->middle_s, l->step_s - u->middle_s);
 }
 
+void sim_lathe_step_in(sim_lathe_t *l, const sim_setpoints_t *set, double dt_s)
+{
+    if (dt_s == l->step_s) {
+        sim_lathe_step(l, set);
+        return;
+    }
+    const sim_drive_t *u = &l->drive[hal_axis_u];
+    const sim_drive_place_t from = {u->pos_micro, u->vel_micro_per_s};
+    sim_spindle_step(&l->spindle, spindle_rad_per_s(l, set), dt_s);
+    for (int i = 0; i < sim_lathe_n_drives; i++) {
+        sim_drive_step_in(&l->drive[i], set->micro[i], set->is_enabled[i], dt_s);
+    }
+    l->unread_s += dt_s;
+    follow_u(l, from, u->middle_s, dt_s - u->middle_s);
+}
+
 void sim_lathe_linger(sim_lathe_t *l, const sim_setpoints_t *set, double late_s)
 {
     const sim_drive_t *u = &l->drive[hal_axis_u];

@@ -105,6 +105,11 @@ void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double ste
 /// Take set-points and let one step pass.
 void sim_lathe_step(sim_lathe_t *l, const sim_setpoints_t *set);
 
+/// Likewise in another time than a step, because the next set-points come early, or by another
+/// clock.
+/// @param dt_s  above 0; sim_lathe_step() for a step as it is, else slower
+void sim_lathe_step_in(sim_lathe_t *l, const sim_setpoints_t *set, double dt_s);
+
 /// Let more time pass with the set-points in force, because the next ones come late. The dead time
 /// of the drives is held meanwhile, so a command takes effect later by the same amount.
 void sim_lathe_linger(sim_lathe_t *l, const sim_setpoints_t *set, double late_s);

@@ -9,6 +9,7 @@ void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm,
 {
     *p = (sim_port_t){0};
     sim_lathe_init(&p->lathe, config, 1.0 / config->tick_hz, x_nm, z_nm, seed);
+    sim_clock_init(&p->clock, seed);
     hal_host.tick_hz = (uint32_t)config->tick_hz;
     (void)hal_init(); // the host port cannot fail
     hal_host.slow.has_edge_time = config->encoder.has_time_stamps != 0.0;
@@ -51,7 +52,8 @@ void sim_port_sense(sim_port_t *p)
     const sim_drive_t *drive = p->lathe.drive;
     const double swing_udeg = sim_drive_measured_micro(&drive[sim_lathe_swing]);
     hal_host.in.encoder = sim_lathe_encoder(&p->lathe);
-    const double age_clocks = p->lathe.encoder.edge_age_s * hal_host_clock_hz;
+    const double age_clocks =
+        p->lathe.encoder.edge_age_s * hal_host_clock_hz * (1.0 + p->clock.drift);
     const uint32_t whole_clocks = (uint32_t)sim_round(sim_clamp(age_clocks, 0.0, UINT32_MAX));
     hal_host.in.encoder.edge_clock = coming_clock() - whole_clocks; // wraps by design
     hal_host.in.swing_q32 = (int32_t)sim_round(swing_udeg * SIM_Q32_PER_UDEG);
@@ -84,7 +86,10 @@ static sim_setpoints_t wanted(sim_port_t *p)
 void sim_port_advance(sim_port_t *p)
 {
     const sim_setpoints_t set = wanted(p);
-    sim_lathe_step(&p->lathe, &set);
+    const sim_clock_step_t step = sim_clock_next(&p->clock, p->lathe.step_s, hal_host_clock_hz);
+    sim_lathe_step_in(&p->lathe, &set, step.dt_s);
+    hal_host.late_clocks += (uint32_t)step.late_clocks; // early: wraps by design
+    p->lost_s += step.dt_s - p->lathe.step_s;
     p->time_s = (double)hal_host.n_ticks * p->lathe.step_s + p->lost_s;
     if (p->late_s > 0.0) {
         sim_lathe_linger(&p->lathe, &set, p->late_s);
@@ -117,6 +122,18 @@ void sim_port_inject(sim_port_t *p, const sim_inject_t *inject, int direction)
     case sim_inject_late_tick:
         hal_host_fault_late((uint32_t)inject->value);
         p->late_s += (double)hal_host.late_clocks / hal_host_clock_hz;
+        break;
+    case sim_inject_clock_drift:
+        p->clock.drift = inject->value * 1e-6;
+        break;
+    case sim_inject_tick_jitter:
+        p->clock.jitter = inject->value / 100.0;
+        break;
+    case sim_inject_tick_burst:
+        p->clock.burst = inject->value / 100.0;
+        break;
+    case sim_inject_tick_twice:
+        p->clock.twice = inject->value / 100.0;
         break;
     case sim_inject_z_offset:
         p->z_offset_nm = (int32_t)(inject->value * SIM_NM_PER_MM);

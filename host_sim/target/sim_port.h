@@ -10,6 +10,7 @@
 #ifndef SIM_PORT_H
 #define SIM_PORT_H
 
+#include "sim_clock.h"  // sim_clock_t
 #include "sim_home.h"   // sim_home_t
 #include "sim_inject.h" // sim_inject_t
 #include "sim_lathe.h"  // sim_lathe_t
@@ -23,9 +24,10 @@ typedef struct {
     int32_t swing_set_q32; ///< [turn / 2^32] set-point in force
     int32_t z_offset_nm;   ///< added to the measured Z
     sim_home_t home[hal_n_axes];
-    uint32_t n_shown; ///< [ticks] for which the port shows an index: a plan
-    double late_s;    ///< the next tick comes later by this
-    double lost_s;    ///< sum of all delays of late ticks
+    uint32_t n_shown;  ///< [ticks] for which the port shows an index: a plan
+    sim_clock_t clock; ///< when ticks come
+    double late_s;     ///< the next tick comes later by this
+    double lost_s;     ///< by which all ticks came later than by their number
 } sim_port_t;
 
 /// Bring the lathe to rest and reset hal/host.

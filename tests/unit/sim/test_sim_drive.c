@@ -160,6 +160,23 @@ static void test_linger_goes_on_exactly(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(PERIOD_S + 33e-6), drive.pos_micro);
 }
 
+/// Two steps of other lengths than a period: each command is in force from the dead time on.
+static void test_step_in_another_time_is_exact(void)
+{
+    config.delay_us = 0.3 * PERIOD_S * 1e6;
+    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    sim_drive_step_in(&drive, (int32_t)STEP_NM, true, 0.8 * PERIOD_S);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(0.5 * PERIOD_S), drive.pos_micro);
+    sim_drive_step_in(&drive, (int32_t)STEP_NM, true, 1.4 * PERIOD_S);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(1.9 * PERIOD_S), drive.pos_micro);
+    sim_drive_step_in(&drive, 0, false, 0.5 * PERIOD_S); // brakes
+    TEST_ASSERT_TRUE(drive.vel_micro_per_s >= 0.0);
+    const double at_micro = drive.pos_micro;
+    drive.is_blocked = true;
+    sim_drive_step_in(&drive, 0, true, PERIOD_S);
+    TEST_ASSERT_TRUE(drive.pos_micro == at_micro);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -172,5 +189,6 @@ int main(void)
     RUN_TEST(test_blocked_drive_stands_still);
     RUN_TEST(test_quantum_rounds_command_and_measurement);
     RUN_TEST(test_linger_goes_on_exactly);
+    RUN_TEST(test_step_in_another_time_is_exact);
     return UNITY_END();
 }

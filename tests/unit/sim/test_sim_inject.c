@@ -67,6 +67,16 @@ static void test_apply_reaches_the_port(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 40e-6, port.late_s);
 }
 
+static void test_apply_reaches_the_clock(void)
+{
+    happen("clock-drift@0:-1000");
+    happen("tick-jitter@0:40");
+    happen("tick-burst@0:30");
+    happen("tick-twice@0:5");
+    TEST_ASSERT_TRUE(port.clock.drift == -1e-3 && port.clock.jitter == 0.4);
+    TEST_ASSERT_TRUE(port.clock.burst == 0.3 && port.clock.twice == 0.05);
+}
+
 /// @return the encoder's reading a hundredth of a turn further on
 static hal_encoder_t read_on(void)
 {
@@ -125,6 +135,7 @@ int main(void)
     RUN_TEST(test_parse_takes_kind_time_and_value);
     RUN_TEST(test_parse_refuses_what_is_wrong);
     RUN_TEST(test_apply_reaches_the_port);
+    RUN_TEST(test_apply_reaches_the_clock);
     RUN_TEST(test_apply_reaches_the_encoder);
     RUN_TEST(test_index_copies_the_counter_with_its_faults_until_it_dies);
     RUN_TEST(test_apply_reaches_the_lathe);

@@ -65,10 +65,37 @@ static void test_edge_clock_is_the_time_of_the_edge_on_the_clock_of_the_tick(voi
     }
 }
 
+/// Early and late ticks and a fast clock: lathe and controller agree on what passes.
+static void test_ticks_off_their_grid_take_their_time(void)
+{
+    sim_port_init(&port, &config, 50e6, 0.0, 1);
+    hal_host.out.spindle_mrpm = 600000;
+    for (int i = 0; i < 20000; i++) {
+        tick(0);
+    }
+    const double turn = port.lathe.spindle.turn;
+    const double from_s = port.time_s;
+    const uint32_t clock = hal_host.clock;
+    port.clock.jitter = 0.4;
+    port.clock.drift = 1e-3;
+    for (int i = 0; i < 1000; i++) {
+        tick(0);
+    }
+    port.clock.jitter = 0.0;
+    tick(0); // on the grid again
+    hal_host_advance();
+    const double gone_s = 1001 / config.tick_hz / 1.001;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, gone_s, port.time_s - from_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0 * gone_s, port.lathe.spindle.turn - turn);
+    TEST_ASSERT_UINT32_WITHIN(1100, (uint32_t)(1002 / config.tick_hz * hal_host_clock_hz),
+                              hal_host.clock - clock);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_port_says_what_the_machine_has);
     RUN_TEST(test_edge_clock_is_the_time_of_the_edge_on_the_clock_of_the_tick);
+    RUN_TEST(test_ticks_off_their_grid_take_their_time);
     return UNITY_END();
 }
