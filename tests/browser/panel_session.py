@@ -23,6 +23,7 @@ from background import PATIENCE_S, Background, background, python
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link, Status
 from camtools.link.live import LiveLathe, live_lathes
+from camtools.link.rights import May
 
 _ENDS = {"fault": "reset", "homing": "disable", "ready": "disable", "manual": "disable"}
 _CALM_S = 0.1
@@ -83,7 +84,9 @@ class PanelSession:
         while (state := self.status().state) != "off" or self.witness.status.faults:
             if state == "fault":
                 self.lathe.type("release")
+            self.witness.rights.may = May.TAKE_OVER  # whoever commands by a page
             self.witness.ask(_ENDS.get(state, "stop"))
+            self.witness.rights.release()
             self.witness.wait(lambda: False, _CALM_S)
 
     def logged(self) -> list[dict[str, Any]]:
@@ -124,5 +127,6 @@ def panel_session(
         bus, where = open_bus(announced.bus)
         stack.callback(bus.shutdown)
         witness = Link(bus, where, announced.node)
+        witness.rights.on_lost = lambda text, holder: None  # it sends nothing while a page is used
         witness.listen()
         yield PanelSession(lathe, panel, address[1], address[2], witness, announced, log)

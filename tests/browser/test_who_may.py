@@ -4,11 +4,15 @@
 from __future__ import annotations
 
 import struct
+import threading
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 from playwright.sync_api import Page, expect
 
+from camtools.link.controller import Link
 from camtools.link.download import download, select_table
 from camtools.pipeline.load import load
 from camtools.pipeline.make import make
@@ -23,6 +27,26 @@ HOSTILE = "<img src=x onerror=hacked=1>"
 def command(page: Page, words: str) -> None:
     """Press the frame's button."""
     page.get_by_role("button", name=words).click()
+
+
+@contextmanager
+def commanding(link: Link) -> Iterator[None]:
+    """Take command over as sender 7, and keep it by heartbeats until another takes it over."""
+    is_over = threading.Event()
+
+    def keep() -> None:
+        while not is_over.is_set():
+            link.wait(lambda: False, 0.1)
+
+    link.rights.sender = 7
+    link.rights.take(over=True)
+    thread = threading.Thread(target=keep)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
 
 
 @pytest.fixture(autouse=True)
@@ -118,6 +142,7 @@ def test_a_name_that_is_code_is_shown_as_text(
     try:
         download(session.witness, bytes(hostile), lambda stored, seconds: None)
         select_table(session.witness)
+        session.witness.rights.release()
         page = open_window().page
         page.goto(session.origin)
         expect(page.get_by_text(HOSTILE, exact=False).first).to_be_visible()
@@ -126,3 +151,24 @@ def test_a_name_that_is_code_is_shown_as_text(
     finally:
         download(session.witness, image, lambda stored, seconds: None)
         select_table(session.witness)
+        session.witness.rights.release()
+
+
+def test_another_program_that_takes_over_is_seen_and_taken_over_from(
+    session: PanelSession, open_window: OpenWindow
+) -> None:
+    """The page tells the sender, its orders are off; after a question it commands again."""
+    page = open_window().page
+    page.goto(session.url)
+    command(page, "Take command")
+    expect(page.get_by_text("you command").first).to_be_visible()
+    expect(page.get_by_test_id("do-manual")).to_be_enabled()
+    with commanding(session.witness):
+        news = page.get_by_text("sender 7 has taken it over", exact=False).first
+        expect(news).to_be_visible()
+        expect(page.get_by_text("sender 7 commands the controller").first).to_be_visible()
+        expect(page.get_by_test_id("do-manual")).to_be_disabled()
+        command(page, "Take over")
+        page.get_by_test_id("question-yes").click()
+        expect(page.get_by_text("you command").first).to_be_visible()
+        expect(page.get_by_test_id("do-manual")).to_be_enabled()
