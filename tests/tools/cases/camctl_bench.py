@@ -177,6 +177,24 @@ class Bench:
         return text
 
 
+@contextmanager
+def keeping(link: Link) -> Iterator[None]:
+    """Let a link that commands send its heartbeats beside the block, which must not use it."""
+    is_over = threading.Event()
+
+    def keep() -> None:
+        while not is_over.is_set():
+            link.wait(lambda: False, 0.1)
+
+    thread = threading.Thread(target=keep)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
+
+
 def columns(path: Path) -> dict[str, list[str]]:
     """Read a CSV file."""
     with path.open(newline="") as file:

@@ -27,6 +27,7 @@ def test_feed_is_overridden_held_and_goes_on(bench: Bench, tmp_path: Path) -> No
         assert bench.do("override", "spindle", "90") == "override spindle = 90 %\n"
         assert bench.do("override", "spindle") == "override spindle = 90 %\n"
         bench.do("record", tmp_path / "cut.csv", "--cut")
+    assert not bench.ended
     assert bench.do("parts") == "parts = 8\n"
 
 

@@ -13,7 +13,7 @@ import can
 import pytest
 
 from background import PATIENCE_S, background, python
-from camctl_bench import Bench, order
+from camctl_bench import Bench, keeping, order
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal import ask_done
@@ -70,9 +70,10 @@ def test_reading_needs_no_command_and_orders_give_it_back(bench: Bench, other: L
     bench.do("home")
     assert commander(bench) == "nobody commands"
     other.rights.take()
-    for words in (("status",), ("get", "lead_ns"), ("where",), ("parts",), ("learned",)):
-        bench.do(*words)
-    assert commander(bench) == "sender 7 commands"
+    with keeping(other):
+        for words in (("status",), ("get", "lead_ns"), ("where",), ("parts",), ("learned",)):
+            bench.do(*words)
+        assert commander(bench) == "sender 7 commands"
 
 
 def test_an_order_is_refused_while_another_commands(
