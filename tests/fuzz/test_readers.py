@@ -159,7 +159,7 @@ def test_any_bytes_are_read_or_refused(name: str) -> None:
 
     @settings(
         max_examples=N_EXAMPLES,
-        deadline=5000,
+        deadline=60000,
         derandomize="CAMTURN_EXAMPLES" not in os.environ,
         database=None,
         suppress_health_check=list(HealthCheck),
@@ -177,7 +177,7 @@ def test_any_image_is_read_or_refused(table_of: Callable[[str], Path]) -> None:
 
     @settings(
         max_examples=N_EXAMPLES,
-        deadline=5000,
+        deadline=60000,
         derandomize="CAMTURN_EXAMPLES" not in os.environ,
         database=None,
         suppress_health_check=list(HealthCheck),
