@@ -13,11 +13,7 @@
     LEAST_OF(MOST_OF(def, PARAM_MIN(name, min)), PARAM_MAX(name, max))
 
 #define PARAM_INFO(name, min, def, max, what)                                                      \
-    {#name,                                                                                        \
-     what,                                                                                         \
-     PARAM_MIN(name, min),                                                                         \
-     PARAM_DEF(name, min, def, max),                                                               \
-     PARAM_MAX(name, max),                                                                         \
+    {#name, PARAM_MIN(name, min), PARAM_DEF(name, min, def, max), PARAM_MAX(name, max),            \
      CAM_HARD_IS_SET(cam_param_##name)},
 static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
 

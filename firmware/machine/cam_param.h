@@ -156,10 +156,10 @@ typedef struct {
 #undef CAM_PARAM_FIELD
 } cam_params_t;
 
-/// What is known of a parameter.
+/// What is known of a parameter; what it is for stands in the list alone, which saves an image 8
+/// KB.
 typedef struct {
     const char *name;      ///< with the unit as its last word
-    const char *what;      ///< one clause
     int32_t min, def, max; ///< within what the port's builder has fixed
     bool is_hard;          ///< he has, for this one (cam_hard.h)
 } cam_param_info_t;
