@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning as a part of the machine: what parameters and table ask of it, and its hand-over.
 #include "cam_angle.h" // CAM_TURN_Q32
+#include "cam_gains.h" // cam_gains_bound
 #include "cam_machine.h"
 #include "hal/hal.h" // hal_measures_u
 #include <stddef.h>  // NULL
@@ -65,6 +66,25 @@ static int32_t probe_nm(const cam_params_t *p)
     return p->probe_nm > least_nm ? p->probe_nm : least_nm;
 }
 
+/// @return [ticks / 2^16] what may be learned of k1, up to the largest gain that may be set
+static int32_t k1_most_q16(const cam_machine_t *m)
+{
+    const cam_params_t *p = &m->params;
+    const int64_t most_ns = cam_gains_bound(p, cam_param_k1_ns, m->tick_hz) - p->k1_ns;
+    const int64_t spare_q16 =
+        (int64_t)ticks_q16(m, (int64_t)p->k1_ns + p->lead_ns) + spare_ticks * INT64_C(65536);
+    return cam_sat_i32(cam_clamp_i64(ticks_q16(m, most_ns), 0, spare_q16));
+}
+
+/// @return [ticks^2 / 2^16] the same of k2
+static int32_t k2_most_q16(const cam_machine_t *m)
+{
+    const cam_params_t *p = &m->params;
+    const int64_t most_us2 = cam_gains_bound(p, cam_param_k2_us2, m->tick_hz) - p->k2_us2;
+    const int64_t spare_q16 = (int64_t)ticks2_q16(m, p->k2_us2) + spare_ticks2 * INT64_C(65536);
+    return cam_sat_i32(cam_clamp_i64(ticks2_q16(m, most_us2), 0, spare_q16));
+}
+
 /// @return turns of a mean of the ripple, at least two: the walk to a mean takes the next turn, so
 ///         that with one turn nothing would ever stand still
 static uint32_t ripple_turns(const cam_machine_t *m)
@@ -94,9 +114,8 @@ static cam_teach_setup_t setup_of(const cam_machine_t *m)
         .most_q6 = cam_teach_most_nm * 64,
         .k1_q16 = k1_q16,
         .k2_q16 = k2_q16,
-        .k1_most_q16 =
-            cam_sat_i32((int64_t)k1_q16 + ticks_q16(m, p->lead_ns) + spare_ticks * INT64_C(65536)),
-        .k2_most_q16 = cam_sat_i32((int64_t)k2_q16 + spare_ticks2 * INT64_C(65536)),
+        .k1_most_q16 = k1_most_q16(m),
+        .k2_most_q16 = k2_most_q16(m),
         .between_q16 = (int32_t)(part_q16 * (65536 - part_q16) >> 17),
         .eccentricity = eccentricity(m),
     };
@@ -145,7 +164,8 @@ void cam_machine_teach_poll(cam_machine_t *m, cam_state_t state)
     if (p->learn_harmonics == 0 && p->ripple_turns == 0 && m->teach.walking == 0u) {
         return;
     }
-    const cam_teach_setup_t setup = setup_of(m);
+    cam_teach_setup_t setup = setup_of(m);
+    setup.is_u_moving = !cam_machine_status(m).is_u_at_rest;
     cam_gather_t *gather = &m->core->gather;
     cam_teach_poll(&m->teach, &setup, state, gather);
     const uint32_t at_q8 = atomic_load_explicit(&gather->at_q8, memory_order_relaxed);

@@ -113,6 +113,7 @@ typedef struct {
     int32_t k1_most_q16;            ///< bounds of what is learned of them
     int32_t k2_most_q16;
     int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: due lies f between two ticks
+    bool is_u_moving;           ///< U is in motion: out of the work its gains stay as they are
     cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
 } cam_teach_setup_t;
 

@@ -92,7 +92,9 @@ void cam_teach_walk(cam_teach_t *t, const cam_teach_setup_t *setup, uint32_t at_
 {
     const int32_t most_nm = step_nm((cam_state_t)t->state);
     uint8_t there = 0;
-    if ((t->walking & cam_walk_drive) != 0u) {
+    // Out of the work U moves by time, and new gains would move its command at once: they wait.
+    const bool is_held = setup->is_u_moving && most_nm == any_step;
+    if ((t->walking & cam_walk_drive) != 0u && !is_held) {
         there |= lead_drive(t, in, most_nm) ? cam_walk_drive : 0u;
     }
     const bool is_due = !is_early(t, at_q8); // else the points wait

@@ -89,6 +89,32 @@ static void test_move_random_starts_and_targets_always_arrive(void)
     }
 }
 
+/// Of any limits, a step of acceleration above the speed as well, no step is faster than the speed,
+/// none changes by more than the acceleration, and the target is passed by an eighth of it at most.
+static void test_move_keeps_limits_of_any_proportion(void)
+{
+    fixture_random_t dice = {.state = 21};
+    for (int i = 0; i < 20000; i++) {
+        const int32_t speed = (int32_t)fixture_random_range(&dice, 1, 2000);
+        const int32_t a = (int32_t)fixture_random_range(&dice, 1, 10000);
+        const cam_move_limits_t any = {.speed_q10 = speed, .acceleration_q10 = a};
+        const int64_t target = i == 0 ? 5000 : fixture_random_range(&dice, -20000, 20000);
+        const cam_move_limits_t *l =
+            i == 0 ? &(const cam_move_limits_t){.speed_q10 = 1000, .acceleration_q10 = 5000} : &any;
+        cam_move_t m = {0};
+        bool is_there = false;
+        for (int k = 0; k < 60000 && !is_there; k++) {
+            const cam_move_t before = m;
+            is_there = cam_move_to_isr(&m, l, target);
+            TEST_ASSERT_LESS_OR_EQUAL_INT64(l->speed_q10, labs((long)(m.pos_q10 - before.pos_q10)));
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(l->acceleration_q10, abs(m.vel_q10 - before.vel_q10));
+            const int64_t past = target >= 0 ? m.pos_q10 - target : target - m.pos_q10;
+            TEST_ASSERT_LESS_OR_EQUAL_INT64(l->acceleration_q10 / 8, past);
+        }
+        TEST_ASSERT_TRUE(is_there);
+    }
+}
+
 static void test_move_takes_about_the_time_of_a_trapezoid(void)
 {
     cam_move_t m = {0};
@@ -124,6 +150,7 @@ int main(void)
     RUN_TEST(test_move_faster_than_allowed_brakes_to_the_limit);
     RUN_TEST(test_move_slower_than_a_step_of_acceleration_keeps_its_speed);
     RUN_TEST(test_move_random_starts_and_targets_always_arrive);
+    RUN_TEST(test_move_keeps_limits_of_any_proportion);
     RUN_TEST(test_move_takes_about_the_time_of_a_trapezoid);
     RUN_TEST(test_stop_brakes_to_rest_wherever_that_is);
     return UNITY_END();
