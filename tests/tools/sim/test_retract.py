@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the limit of jerk costs a retract, as FAULTS.md states it: emergency stops at 24 angles."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from camsim_cases import ROOT, camsim
+
+STEP_LIMIT_NM = 20_000  # 400 mm/s at 20 kHz
+RETRACT_NM = -500_000
+
+
+def retract(table: Path, folder: Path, at_s: float) -> dict[str, float]:
+    """Stop a cut and follow U, from the tick before the fault on."""
+    trace = folder / "trace.csv"
+    words = ("--rpm", "2500", "--inject", f"estop@{at_s:.4f}", "--trace", trace)
+    assert camsim("run", table, *words).returncode == 1
+    lines = trace.read_text().splitlines()
+    rows = list(csv.DictReader(lines[:1] + lines[-4000:]))
+    first = next(i for i, row in enumerate(rows) if row["state"] == "fault")
+    rows = rows[first - 2 :]
+    u, actual, told = (
+        np.array([float(row[name]) for row in rows])
+        for name in ("u_set_nm", "u_act_nm", "out_u_nm")
+    )
+    enabled = np.array([int(row["out_outputs"], 0) & 1 for row in rows])
+    return {
+        "deeper": u.max() - u[1],
+        "actual": actual[2:].max() - actual[1],
+        "away": int(np.argmax(actual < u[1] - 100_000)) - 2,
+        "out": int(np.argmax(u == RETRACT_NM)) - 2,
+        "off": int(np.argmin(enabled)) - 2,
+        "step": np.abs(np.diff(told)).max(),
+        "change": np.abs(np.diff(told, 2)).max(),
+    }
+
+
+def test_retract_costs_what_the_manual_states(
+    table_of: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """No step of the command is beyond U's speed; way and time are those of FAULTS.md."""
+    table = table_of("perkins240")
+    stops = [retract(table, tmp_path, 2.0 + i * 0.0005) for i in range(24)]
+    worst = {key: max(stop[key] for stop in stops) for key in stops[0]}
+    assert worst["step"] <= STEP_LIMIT_NM
+    ms = 1e3 / 20_000
+    figures = [
+        f"{worst['deeper'] / 1e3:.1f} um",
+        f"{worst['actual'] / 1e3:.1f} um",
+        f"{worst['away'] * ms:.2f} ms",
+        f"{worst['out'] * ms:.1f} ms",
+        f"{worst['off'] * ms:.0f} ms",
+        f"{worst['step'] / 1e3:.1f} um",
+        f"{worst['change'] / 1e3:.1f} um",
+    ]
+    manual = (ROOT / "firmware" / "FAULTS.md").read_text()
+    rows = manual.split("| worst of 24 stops |")[1].splitlines()[2:9]
+    assert [row.split("|")[3].strip() for row in rows] == figures
