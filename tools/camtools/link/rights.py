@@ -247,11 +247,14 @@ class Rights:
         self._change()
 
     def release(self) -> None:
-        """Give command back, where this link has taken it; what went wrong with that is no harm."""
+        """Give command back, where this link has taken it; a session that is joined stays.
+
+        What goes wrong with that is no harm: without heartbeats command is lost.
+        """
         if self.session and not self.is_joined:
             with contextlib.suppress(Refused):
                 self._own("release_command")
-        self._end()
+            self._end()
 
     def _own(self, command: str, **value: float) -> Answer:
         """Ask with the sender as the mark by which its own answer is known."""
