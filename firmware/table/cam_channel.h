@@ -42,25 +42,6 @@ typedef struct {
     int32_t a; ///< second derivative * h^2 / 2
 } cam_knot_t;
 
-/// What the check demands of two neighbouring knots, TABLE_FORMAT.md, "The bound": coefficients c3,
-/// c4, c5 of the quintic between them, the three sums, and the knots themselves.
-/*@ logic integer cam_c3(cam_knot_t k, cam_knot_t l) =
-      10 * (l.p - k.p) - 6 * k.v - 4 * l.v - 3 * k.a + l.a;
-    logic integer cam_c4(cam_knot_t k, cam_knot_t l) =
-      -15 * (l.p - k.p) + 8 * k.v + 7 * l.v + 3 * k.a - 2 * l.a;
-    logic integer cam_c5(cam_knot_t k, cam_knot_t l) =
-      6 * (l.p - k.p) - 3 * k.v - 3 * l.v - k.a + l.a;
-    predicate cam_is_knot(cam_knot_t k, integer most) =
-      \abs(k.p) <= most && \abs(k.v) <= most && \abs(k.a) <= most;
-    predicate cam_is_segment(cam_knot_t k, cam_knot_t l, integer most) =
-      cam_is_knot(k, most) && cam_is_knot(l, most) &&
-      \abs(k.p) + \abs(k.v) + \abs(k.a) + \abs(cam_c3(k, l)) + \abs(cam_c4(k, l)) +
-        \abs(cam_c5(k, l)) <= most &&
-      \abs(k.v) + 2 * \abs(k.a) + 3 * \abs(cam_c3(k, l)) + 4 * \abs(cam_c4(k, l)) +
-        5 * \abs(cam_c5(k, l)) <= most &&
-      2 * \abs(k.a) + 6 * \abs(cam_c3(k, l)) + 12 * \abs(cam_c4(k, l)) +
-        20 * \abs(cam_c5(k, l)) <= most;
-*/
 /// A channel: a function of angle and height (u, speed, angle), or of height alone (x, with one
 /// knot per slice). The unit of its values depends on its kind: nm for u and x, 2^-20 of the mean
 /// speed for speed, 2^-26 turn for angle. The LSB of the knots is the unit times 2^-frac_bits.

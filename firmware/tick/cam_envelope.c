@@ -29,7 +29,7 @@ int32_t cam_envelope_smooth_q30(int32_t s_q31)
 /*@ requires share: s_q31 >= 0;
     requires lag: 0 <= d_q31 <= 0x8000000;
     assigns \result \from s_q31, d_q31;
-    ensures most: -0x4000000 <= \result <= 0x4000000;
+    ensures most: -0x8000000 <= \result <= 0x8000000;
 */
 static int32_t inverse_q30(int32_t s_q31, int32_t d_q31)
 {

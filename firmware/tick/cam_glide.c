@@ -16,11 +16,12 @@ void cam_glide_begin_isr(cam_glide_t *g, const cam_move_t *m, uint32_t log2_wind
     const int32_t n = INT32_C(1) << log2_window;
     const int32_t most_q10 = cam_glide_most_q10(log2_window);
     const int32_t slope_q10 = cam_clamp_i32(m->acc_q10, -most_q10, most_q10);
-    const int32_t oldest_q10 = cam_sat_i32((int64_t)m->vel_q10 - (slope_q10 * (n - 1)) / 2);
+    const int32_t oldest_q10 =
+        cam_sat_i32((int64_t)m->vel_q10 - cam_wrap_times(slope_q10, (uint32_t)n - 1u) / 2);
     const int64_t behind = (int64_t)oldest_q10 * sums[log2_window].first +
                            (int64_t)slope_q10 * sums[log2_window].second;
     g->raw.pos_q10 = m->pos_q10 + (behind >> log2_window);
-    g->raw.vel_q10 = cam_sat_i32((int64_t)oldest_q10 + slope_q10 * (n - 1));
+    g->raw.vel_q10 = cam_sat_i32((int64_t)oldest_q10 + cam_wrap_times(slope_q10, (uint32_t)n - 1u));
     g->sum_pos_q10 = g->raw.pos_q10 * n - behind;
     g->sum_vel_q10 = (int64_t)oldest_q10 * n + (int64_t)slope_q10 * sums[log2_window].first;
     g->line_q10 = oldest_q10;

@@ -138,7 +138,7 @@ cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     // A wave is added to the set-point without its acceleration.
     const int32_t acc_q10 =
         state == cam_state_identifying ? 0 : cam_clamp_i32(g->u.acc_q10, -most_q10, most_q10);
-    const int32_t vel_q10 = g->u_step_q6 * 16 + acc_q10;
+    const int32_t vel_q10 = cam_wrap_add(cam_wrap_times(g->u_step_q6, 16u), acc_q10);
     g->faults |= faults;
     g->first_faults = g->faults;
     g->u = (cam_move_t){
@@ -225,7 +225,8 @@ int32_t cam_guard_nearest_isr(const cam_guard_t *g, const cam_guard_config_t *cf
 {
     const int32_t change_nm = cfg->told_change_nm;
     const int32_t wanted_nm = cam_wrap_sub(cam_wrap_sub(u_nm, g->told_nm), g->told_step_nm);
-    const int32_t step_nm = g->told_step_nm + cam_clamp_i32(wanted_nm, -change_nm, change_nm);
+    const int32_t step_nm =
+        cam_wrap_add(g->told_step_nm, cam_clamp_i32(wanted_nm, -change_nm, change_nm));
     const int32_t within_nm = cam_clamp_i32(step_nm, -cfg->told_step_nm, cfg->told_step_nm);
     return cam_clamp_i32(cam_wrap_add(g->told_nm, within_nm), -cfg->told_range_nm,
                          cfg->told_range_nm);

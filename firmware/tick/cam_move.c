@@ -14,15 +14,17 @@ static bool can_brake(uint32_t vel, uint32_t acceleration, uint32_t distance)
 static int32_t choose(int32_t vel, const cam_move_limits_t *limits, uint32_t distance)
 {
     const int32_t a = limits->acceleration_q10;
-    const int32_t slower = vel - a > limits->speed_q10 ? vel - a : limits->speed_q10;
-    const int32_t faster = vel + a <= limits->speed_q10 ? vel + a : slower;
+    const int32_t less = cam_sat_add(vel, -a);
+    const int32_t more = cam_sat_add(vel, a);
+    const int32_t slower = less > limits->speed_q10 ? less : limits->speed_q10;
+    const int32_t faster = more <= limits->speed_q10 ? more : slower;
     if (faster <= 0 || can_brake((uint32_t)faster, (uint32_t)a, distance)) {
         return faster;
     }
     if (vel <= 0 || (vel <= limits->speed_q10 && can_brake((uint32_t)vel, (uint32_t)a, distance))) {
         return vel > 0 ? vel : 0;
     }
-    return vel - a > 0 ? vel - a : 0;
+    return less > 0 ? less : 0;
 }
 
 bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t target_q10)
@@ -32,13 +34,13 @@ bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t tar
     const int64_t magnitude = is_backward ? -distance : distance;
     // A longer distance never limits the speed: the axis can always brake within it.
     const int32_t ahead = magnitude < INT32_MAX ? (int32_t)magnitude : INT32_MAX;
-    const int32_t vel = is_backward ? -m->vel_q10 : m->vel_q10;
+    const int32_t vel = is_backward ? cam_wrap_sub(0, m->vel_q10) : m->vel_q10;
     const int32_t a = limits->acceleration_q10;
     const bool is_near = ahead <= a && ahead <= limits->speed_q10;
-    const bool is_last = is_near && cam_is_within(ahead - vel, a);
+    const bool is_last = is_near && cam_is_within(cam_wrap_sub(ahead, vel), a);
     const int32_t next = is_last ? ahead : choose(vel, limits, (uint32_t)ahead);
-    const int32_t vel_q10 = is_backward ? -next : next;
-    m->acc_q10 = vel_q10 - m->vel_q10;
+    const int32_t vel_q10 = is_backward ? cam_wrap_sub(0, next) : next;
+    m->acc_q10 = cam_wrap_sub(vel_q10, m->vel_q10);
     m->vel_q10 = vel_q10;
     m->pos_q10 += vel_q10;
     return m->pos_q10 == target_q10 && next == 0;
@@ -48,7 +50,7 @@ bool cam_move_stop_isr(cam_move_t *m, const cam_move_limits_t *limits)
 {
     const int32_t a = limits->acceleration_q10;
     m->acc_q10 = -cam_clamp_i32(m->vel_q10, -a, a);
-    m->vel_q10 += m->acc_q10;
+    m->vel_q10 = cam_wrap_add(m->vel_q10, m->acc_q10);
     m->pos_q10 += m->vel_q10;
     return m->vel_q10 == 0;
 }

@@ -98,10 +98,12 @@ static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q
 {
     // Only the reported height uses it, so beyond 134 mm it may wrap.
     const int32_t behind_q4 = (int32_t)(((uint32_t)z_nm - (uint32_t)u_z_nm) * 16u);
-    m->scale_step_q30 = cam_aim_share(cfg, scale_q30 - m->scale_q30);
-    m->scale_q30 = scale_q30 - m->scale_step_q30 * cfg->plan_ticks;
+    m->scale_step_q30 = cam_aim_share(cfg, cam_wrap_sub(scale_q30, m->scale_q30));
+    m->scale_q30 =
+        cam_wrap_sub(scale_q30, cam_wrap_times(m->scale_step_q30, (uint32_t)cfg->plan_ticks));
     m->behind_step_q4 = cam_aim_share(cfg, cam_wrap_sub(behind_q4, m->behind_q4));
-    m->behind_q4 = behind_q4 - m->behind_step_q4 * cfg->plan_ticks;
+    m->behind_q4 =
+        cam_wrap_sub(behind_q4, cam_wrap_times(m->behind_step_q4, (uint32_t)cfg->plan_ticks));
 }
 
 /// Where Z is aimed at, where U is read on the table, and the lobe's share in both.
@@ -187,7 +189,7 @@ static void aim_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const c
 /// @return a value led towards another by at most a step
 static int32_t led(int32_t value, int32_t to, int32_t most)
 {
-    return value + cam_clamp_i32(to - value, -most, most);
+    return cam_wrap_add(value, cam_clamp_i32(to - value, -most, most));
 }
 
 /// Move phase, amplitude, trim and override of the spindle towards the operator's values, as far as
