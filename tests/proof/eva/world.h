@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// world: any controller within ranges_config.h and ranges_state.h, on any checked table, for Eva.
+#ifndef PROOF_WORLD_H
+#define PROOF_WORLD_H
+
+#include "cam_tick.h"     // cam_t
+#include "ranges_state.h" // the ranges of all members
+#include <stdint.h>       // int64_t
+
+/// Provided by Eva.
+long long Frama_C_long_long_interval(long long low, long long high);
+
+/// @return any number of a range
+static inline int64_t any(int64_t low, int64_t high)
+{
+    return Frama_C_long_long_interval(low, high);
+}
+
+extern cam_t c;
+extern cam_config_t *cfg;
+extern cam_tick_record_t record;
+
+/// Fill in all of them anew.
+void make_world(void);
+
+#endif

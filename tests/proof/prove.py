@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run Frama-C: WP proves the contracts beside the functions, Eva that no tick overflows.
+
+Whatever neither of them shows must be argued in arguments.toml, and what is argued there must be
+needed; else the program fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+import time
+import tomllib
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+FOLDERS = ("tests/proof/eva", "tests/proof", "firmware/base", "firmware/table", "firmware/tick")
+INCLUDES = " ".join(f"-I{name}" for name in (*FOLDERS, "hal/include"))
+PROVER_S = 10  # the goals that are proved take below 0.3 s
+# Functions that Eva takes by their contracts, which WP or another driver of Eva has shown.
+BY_CONTRACT = ("cam_eval_height", "cam_lobes_slice", "cam_envelope_smooth_q30", "inverse_q30")
+# What WP proves: a header with contracts, and of which functions; all of them where none is named.
+WP = {"base": ("cam_fix.h", ()), "evaluator": ("cam_eval.h", ("cam_eval_round",))}
+MACHINES = {"32": "gcc_x86_32", "64": "gcc_x86_64"}
+# Drivers of Eva, and the functions whose contracts they show instead of taking them for granted.
+EVA = {
+    "height": ("cam_eval_height", "cam_lobes_slice"),
+    "envelope": ("cam_envelope_smooth_q30", "inverse_q30"),
+    "slot": (),
+    "tick": (),
+}
+
+
+@dataclass
+class Result:
+    """What one run of Frama-C has shown."""
+
+    name: str
+    seconds: float
+    goals: int = 0
+    proved: int = 0
+    alarms: list[str] = field(default_factory=list)
+
+
+def frama_c(*words: str | Path) -> str:
+    """Return the output of Frama-C, which must accept its input."""
+    command = ["frama-c", *map(str, words)]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if run.returncode != 0:
+        print(run.stdout[-2000:], run.stderr[-2000:], sep="\n", file=sys.stderr)
+        raise SystemExit(f"tests/proof/run: frama-c ended with {run.returncode}; see above")
+    return run.stdout
+
+
+def common(machine: str) -> tuple[str, ...]:
+    """Return the options of all runs."""
+    cpp = f"-cpp-extra-args=-include tests/proof/platform.h {INCLUDES}"
+    return ("-machdep", machine, "-c11", cpp)
+
+
+def prove(name: str) -> Result:
+    """Prove contracts by WP."""
+    header, functions = WP[name]
+    source = ROOT / "build" / "proof" / f"{name}.c"
+    source.parent.mkdir(parents=True, exist_ok=True)
+    source.write_text(f'#include "{header}"\n', encoding="utf-8")
+    chosen = ("-wp-fct", ",".join(functions)) if functions else ()
+    begin = time.monotonic()
+    text = frama_c(
+        *common(MACHINES["32"]),
+        source,
+        *("-wp", "-wp-rte", "-wp-prover", "cvc4,z3", "-wp-par", "1"),
+        *("-wp-timeout", str(PROVER_S), *chosen),
+    )
+    count = re.search(r"Proved goals:\s*(\d+) / (\d+)", text)
+    if count is None:
+        raise SystemExit(f"tests/proof/run: WP told no goals of {name}")
+    failed = re.findall(r"\[Failed\] Goal typed_(\S+)", text)
+    alarms = [f"{header}: goal {one}" for one in failed]
+    return Result(f"wp {name}", time.monotonic() - begin, int(count[2]), int(count[1]), alarms)
+
+
+def sources() -> list[Path]:
+    """Return what the interrupt runs."""
+    tick = sorted((ROOT / "firmware" / "tick").glob("*.c"))
+    table = [ROOT / "firmware" / "table" / name for name in ("cam_way.c", "cam_lobes.c")]
+    share = subprocess.run(
+        ["frama-c", "-print-share-path"], capture_output=True, text=True, check=True
+    ).stdout.strip()
+    return [*tick, *table, Path(share) / "libc" / "string.c"]
+
+
+def alarm_of(block: str) -> str | None:
+    """Return file and assertion of an alarm, without what changes from run to run."""
+    found = re.match(r"\[eva:alarm\] (\S+?):\d+: Warning: (.*)", block, re.DOTALL)
+    if found is None:
+        return None
+    told = " ".join(found[2].split())
+    told = re.sub(r"(function \w+?)_\d+:", r"\1:", told)
+    return f"{Path(found[1]).name}: {told}"
+
+
+def is_open(alarm: str, shown: tuple[str, ...]) -> bool:
+    """Return whether an alarm is one; what a function promises is shown by WP or its driver."""
+    promise = re.search(r"function (\w+): postcondition", alarm)
+    return promise is None or promise[1] in shown
+
+
+def analyse(driver: str, bits: str) -> Result:
+    """Analyse a driver by Eva."""
+    taken = [one for one in BY_CONTRACT if one not in EVA[driver]]
+    files = [HERE / "eva" / "world.c", HERE / "eva" / f"{driver}.c", *sources()]
+    if driver == "envelope":  # its source is part of the driver
+        files = [one for one in files if one.name != "cam_envelope.c"]
+    begin = time.monotonic()
+    text = frama_c(
+        *common(MACHINES[bits]),
+        *(one.relative_to(ROOT) if one.is_relative_to(ROOT) else one for one in files),
+        *("-eva", "-eva-precision", "1", "-eva-no-show-progress"),
+        "-eva-msg-key=-summary,-final-states",
+        *("-eva-use-spec", ",".join(taken)),
+    )
+    found = [alarm_of(block) for block in re.split(r"(?m)^(?=\[)", text)]
+    alarms = [one for one in found if one is not None]
+    alarms = [one for one in alarms if is_open(one, EVA[driver])]
+    return Result(f"eva {driver} {bits} bits", time.monotonic() - begin, alarms=alarms)
+
+
+@dataclass
+class Argument:
+    """Why alarms of a file that match a pattern are none."""
+
+    file: str
+    matches: re.Pattern[str]
+    why: str
+    used: int = 0
+
+    def takes(self, alarm: str) -> bool:
+        """Count and take an alarm that is argued here."""
+        file, _, told = alarm.partition(": ")
+        is_it = file == self.file and self.matches.search(told) is not None
+        self.used += is_it
+        return is_it
+
+
+def arguments() -> list[Argument]:
+    """Return arguments.toml."""
+    entries = tomllib.loads((HERE / "arguments.toml").read_text(encoding="utf-8"))["argument"]
+    return [Argument(one["file"], re.compile(one["matches"]), one["why"]) for one in entries]
+
+
+def judged(results: list[Result], is_whole: bool) -> dict[str, int | float]:
+    """Print what was found, and return the figures."""
+    reasons = arguments()
+    unshown: Counter[str] = Counter()
+    n_argued = 0
+    for result in results:
+        for alarm in result.alarms:
+            if sum(reason.takes(alarm) for reason in reasons) > 0:  # each counts
+                n_argued += 1
+            else:
+                unshown[alarm] += 1
+        print(
+            f"{result.name:22} {result.seconds:6.1f} s  goals {result.proved:4} of {result.goals:4}"
+            f"  alarms {len(result.alarms):3}"
+        )
+    stale = [one for one in reasons if is_whole and one.used == 0]
+    for alarm, n in sorted(unshown.items()):
+        print(f"NOT SHOWN ({n}): {alarm}")
+    for one in stale:
+        print(f"NOT NEEDED: {one.file}: {one.matches.pattern}")
+    return {
+        "goals": sum(one.goals for one in results),
+        "goals_proved": sum(one.proved for one in results),
+        "alarms_argued": n_argued,
+        "alarms_open": sum(unshown.values()),
+        "arguments": len(reasons),
+        "arguments_not_needed": len(stale),
+        "seconds": round(sum(one.seconds for one in results)),
+    }
+
+
+def main() -> int:
+    """Run all proofs, or some; return 0 when nothing is left open."""
+    parser = argparse.ArgumentParser(prog="tests/proof/run", description=__doc__)
+    names = [*(f"wp-{one}" for one in WP), *(f"eva-{one}" for one in EVA)]
+    parser.add_argument("--only", choices=names, action="append", default=[], help="of all proofs")
+    parser.add_argument("--record", action="store_true", help="write figures.json beside this")
+    options = parser.parse_args()
+    chosen = options.only or names
+    results = [prove(name) for name in WP if f"wp-{name}" in chosen]
+    for driver in EVA:
+        if f"eva-{driver}" in chosen:
+            results += [analyse(driver, bits) for bits in MACHINES]
+    figures = judged(results, is_whole=not options.only)
+    text = json.dumps(figures, indent=1) + "\n"
+    print(text, end="")
+    (ROOT / "build" / "verify").mkdir(parents=True, exist_ok=True)
+    (ROOT / "build" / "verify" / "proof.json").write_text(text, encoding="utf-8")
+    if options.record:
+        (HERE / "figures.json").write_text(text, encoding="utf-8")
+    return 0 if figures["alarms_open"] == 0 and figures["arguments_not_needed"] == 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
