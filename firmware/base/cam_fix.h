@@ -14,11 +14,8 @@
 
 _Static_assert((-3 >> 1) == -2, "arithmetic right shift");
 
-/// The product that the next two functions round to nearest; a signed fraction is at most a half.
-/*@ logic integer cam_part(integer a, integer b) = (a * b + 0x80000000) >> 32;
-    lemma cam_half: \forall integer a, b;
-      \abs(b) <= 0x80000000 ==> 2 * \abs(cam_part(a, b)) <= \abs(a) + 1;
-*/
+/// The product that the next two functions round to nearest.
+//@ logic integer cam_part(integer a, integer b) = (a * b + 0x80000000) >> 32;
 
 /// Multiply by a fraction of 2^-32 and add, with rounding: one instruction on Cortex-M4/M7.
 /// @return c + floor(a * b / 2^32 + 1/2) modulo 2^32, any arguments

@@ -55,8 +55,9 @@ int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm);
 */
 static inline cam_height_t cam_lobes_slice(uint32_t n_slices, uint32_t pattern)
 {
-    const bool is_last = pattern >= n_slices - 1u;
-    return (cam_height_t){.i = is_last ? n_slices - 2u : pattern, .w_q31 = is_last ? INT32_MAX : 0};
+    const uint32_t last = n_slices - 1u;
+    return (cam_height_t){.i = pattern < last ? pattern : last - 1u,
+                          .w_q31 = pattern < last ? 0 : INT32_MAX};
 }
 
 #endif
