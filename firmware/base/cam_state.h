@@ -60,6 +60,7 @@ typedef enum {
     cam_request_table_fault, ///< raise fault `table`: the background check found damage
     cam_request_identify,    ///< play the wave of the configuration by U
     cam_request_manual,      ///< enable the drives without the spindle, for hands (cam_hand.h)
+    cam_request_corrupt,     ///< raise fault `corrupt`: the background check found a change
 } cam_request_t;
 
 /// Faults, in the order of their bits, with a clause for people. FAULTS.md lists for each how soon
@@ -82,7 +83,8 @@ typedef enum {
     X(z_range, "Z left the table")                                                                 \
     X(table, "table damaged")                                                                      \
     X(swing, "the tool's swing does not follow")                                                   \
-    X(command, "what an axis would be told is beyond its limits")
+    X(command, "what an axis would be told is beyond its limits")                                  \
+    X(corrupt, "the controller's own state was changed from outside")
 
 /// A fault: its bit number in a fault mask.
 typedef enum {

@@ -55,6 +55,23 @@ static void report_damage(cam_machine_t *m)
     } // else a request is pending, and the next round of the check finds the damage again
 }
 
+/// The configuration in RAM was changed from outside. It is made anew from the parameters, without
+/// what was learned, since that may be what was changed; while the drives are enabled, the
+/// interrupt raises the fault `corrupt` in the tick that takes it, and retracts within limits that
+/// are good. A round that finds a request pending finds the change again.
+static void report_change(cam_machine_t *m, const cam_status_t *status)
+{
+    const cam_table_t *table = m->has_table ? &m->table : NULL;
+    if (cam_machine_is_pending(m, status) ||
+        cam_machine_hand_over(m, &m->params, table, m->pass) != cam_ok) {
+        return;
+    }
+    cam_teach_forget(&m->teach);
+    if (status->state != cam_state_off && status->state != cam_state_fault) {
+        cam_machine_request(m, cam_request_corrupt);
+    }
+}
+
 /// @return whether the state, the sense and the speed of the spindle allow a table that is good
 static cam_err_t check_exchange(cam_machine_t *m, const cam_table_t *table)
 {
@@ -290,6 +307,9 @@ void cam_machine_poll(cam_machine_t *m)
     end_pass(m, &status);
     cam_machine_override_poll(m, &status);
     cam_machine_teach_poll(m, status.state);
+    if (!cam_scrub_step(&m->scrub, &m->core->config)) {
+        report_change(m, &status);
+    }
     if (!m->has_table) {
         return;
     }

@@ -75,7 +75,7 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
         const cam_config_t *last =
             atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
         if (last != NULL) {
-            half->learned = last->learned;
+            half->learned = cam_config_is_whole(last) ? last->learned : (cam_learned_t){0};
             cam_config_learn(half);
             half->play.hand.order = last->play.hand.order;
         }

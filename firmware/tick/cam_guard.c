@@ -4,7 +4,8 @@
 
 #define ARMED_ENABLED                                                                              \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
-     CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table) | CAM_FAULT_BIT(command))
+     CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table) | CAM_FAULT_BIT(command) |                \
+     CAM_FAULT_BIT(corrupt))
 #define ARMED_SYNCED                                                                               \
     (ARMED_ENABLED | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts) |                    \
      CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |                              \
@@ -18,7 +19,7 @@
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
      CAM_FAULT_BIT(table) | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |       \
      CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range) |                        \
-     CAM_FAULT_BIT(command))
+     CAM_FAULT_BIT(command) | CAM_FAULT_BIT(corrupt))
 
 /// Bit of the states in which nothing is accepted, fault or not, and of those whose output tells
 /// that the tool cuts.
@@ -138,6 +139,10 @@ cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     // A wave is added to the set-point without its acceleration.
     const int32_t acc_q10 =
         state == cam_state_identifying ? 0 : cam_clamp_i32(g->u.acc_q10, -most_q10, most_q10);
+    if (g->u_seal != (g->u_set_q6 ^ g->u_step_q6)) { // one of them has flipped: as it was told
+        g->u_set_q6 = cam_wrap_times(g->told_nm, 64u);
+        g->u_step_q6 = cam_wrap_times(g->told_step_nm, 64u);
+    }
     const int32_t vel_q10 = cam_wrap_add(cam_wrap_times(g->u_step_q6, 16u), acc_q10);
     g->faults |= faults;
     g->first_faults = g->faults;
@@ -178,6 +183,7 @@ static cam_verdict_t forget(cam_guard_t *g, int32_t u_set_q6)
 {
     g->u_set_q6 = u_set_q6;
     g->u_step_q6 = 0;
+    g->u_seal = u_set_q6;
     g->told_nm = u_set_q6 >> 6;
     g->told_step_nm = 0;
     g->faults = 0;
@@ -200,6 +206,7 @@ static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, uint32_t wat
 {
     g->u_set_q6 = want->u_set_q6;
     g->u_step_q6 = step_q6;
+    g->u_seal = want->u_set_q6 ^ step_q6;
     g->u.acc_q10 = acc_q10;
     const bool is_in_cut = (watched & IN_CUT) != 0u;
     return (cam_verdict_t){
@@ -255,6 +262,45 @@ uint32_t cam_guard_increments_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
         }
         m->change_q10[i] = cam_wrap_sub(m->axis[i].vel_q10, g->told_vel_q10[i]);
         g->told_vel_q10[i] = m->axis[i].vel_q10;
+        g->led_nm[i] = (int32_t)(m->axis[i].pos_q10 >> 10);
     }
+    g->u_home_nm = m->u_home_nm;
     return faults;
+}
+
+CAM_STAGE uint32_t cam_guard_mend_isr(cam_guard_t *g, cam_motion_t *m)
+{
+    const bool is_off = m->state == cam_state_off;
+    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
+        cam_move_t *axis = &m->axis[i];
+        const int32_t pos_nm = (int32_t)(axis->pos_q10 >> 10);
+        if (!is_off && (uint32_t)cam_guard_strayed_nm(g, i, pos_nm) > 1u) {
+            if (cam_abs_i64(axis->vel_q10) < cam_abs_i64(g->told_vel_q10[i])) {
+                g->told_vel_q10[i] = axis->vel_q10; // of two increments the slower one
+            }
+            axis->pos_q10 = (int64_t)g->led_nm[i] * 1024 + 512 + g->told_vel_q10[i];
+            axis->vel_q10 = g->told_vel_q10[i];
+        }
+        g->led_nm[i] = (int32_t)(axis->pos_q10 >> 10);
+    }
+    return is_off ? 0u : CAM_FAULT_BIT(corrupt);
+}
+
+uint32_t cam_guard_mend_state_isr(const cam_guard_t *g, cam_motion_t *m, cam_state_t last)
+{
+    m->state = m->state == last ? last : g->state;
+    return CAM_FAULT_BIT(corrupt);
+}
+
+uint32_t cam_guard_inspect_isr(cam_guard_t *g, cam_motion_t *m)
+{
+    bool is_changed = m->u_home_nm != g->u_home_nm;
+    m->u_home_nm = g->u_home_nm;
+    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
+        if (m->axis[i].pos_q10 >> 10 != g->led_nm[i]) {
+            is_changed = true;
+            m->axis[i].pos_q10 = (int64_t)g->led_nm[i] * 1024 + 512;
+        }
+    }
+    return is_changed ? CAM_FAULT_BIT(corrupt) : 0u;
 }

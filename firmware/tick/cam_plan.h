@@ -37,6 +37,7 @@ typedef struct {
     int32_t spindle_rate_q30; ///< [1] override of the spindle, ramped
     bool is_rehearsal;        ///< what is laid is the rehearsal of a cut
     bool is_stopped;          ///< ... and nothing follows it
+    bool is_laid;             ///< cam_motion_t's is_playing, as the last plan left it
     cam_course_t course;      ///< of the feed
     cam_shaft_t shaft;        ///< lobe that is played
 } cam_plan_t;

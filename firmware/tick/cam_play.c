@@ -147,6 +147,8 @@ static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_wa
         m->is_stopping = true;
     } else if (what == (uint32_t)cam_request_table_fault) {
         want->faults |= CAM_FAULT_BIT(table);
+    } else if (what == (uint32_t)cam_request_corrupt) {
+        want->faults |= CAM_FAULT_BIT(corrupt);
     } else {
         // it does not fit the state
     }
@@ -230,6 +232,8 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         break;
     case cam_request_table_fault:
         return CAM_FAULT_BIT(table);
+    case cam_request_corrupt:
+        return CAM_FAULT_BIT(corrupt);
     case cam_request_identify:
         begin_excitation(p, cfg, m);
         break;

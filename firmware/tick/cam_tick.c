@@ -2,6 +2,7 @@
 #include "cam_tick.h"
 #include "cam_fence.h" // cam_fence_release_isr
 #include "cam_fix.h"   // cam_clamp_i32
+#include "cam_seal.h"  // cam_seal_more
 #include "hal/hal.h"   // all reads and writes
 #include <stddef.h>    // NULL
 
@@ -160,18 +161,32 @@ static void command(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, boo
     r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
 }
 
+/// @return fault corrupt where the state is not the one that the last tick left behind
+static inline uint32_t check_state(cam_t *c)
+{
+    if (c->motion.state == c->guard.state) {
+        return 0;
+    }
+    const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
+    const cam_state_t was = last != NULL ? last->want.state : cam_state_off;
+    return cam_guard_mend_state_isr(&c->guard, &c->motion, was);
+}
+
 static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->config = cfg->generation;
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     CAM_TICK_MARK(angle);
     r->want.faults = c->motion.faults | r->angle.faults | cam_sense_faults(&r->in);
+    r->want.faults |= check_state(c);
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
+    r->want.faults |= cam_guard_course_isr(&c->guard, &c->motion);
     CAM_TICK_MARK(play);
     const bool was_fault = c->motion.state == cam_state_fault;
     guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
     command(c, cfg, r, was_fault);
+    cam_guard_keep_isr(&c->guard, &c->motion);
     if (cfg->switches.n > 0u) {
         r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
     }
@@ -199,6 +214,7 @@ static void shift_u(cam_t *c, int32_t nm)
     cam_glide_shift_isr(&c->motion.glide[hal_axis_u], (int64_t)nm * 1024);
     c->motion.u_target_q10 += (int64_t)nm * 1024;
     c->guard.u_set_q6 = cam_wrap_add(c->guard.u_set_q6, by_q6);
+    c->guard.u_seal = c->guard.u_set_q6 ^ c->guard.u_step_q6;
     c->guard.told_nm = cam_wrap_add(c->guard.told_nm, nm);
     cam_play_shift_isr(&c->play, by_q6);
 }
@@ -217,30 +233,53 @@ static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t
     }
 }
 
+static uint32_t seal_of(const cam_plan_t *plan)
+{
+    _Static_assert(sizeof *plan % sizeof(uint32_t) == 0, "whole words");
+    return cam_seal_more(0, plan, sizeof *plan / sizeof(uint32_t));
+}
+
+/// @return fault corrupt where something that only plans and the slow side write is not what they
+/// wrote. The flag that axes play is kept twice, and only a fault ends it between two plans.
+static uint32_t inspect(cam_t *c)
+{
+    const cam_motion_t *m = &c->motion;
+    const bool is_ended = c->plan.is_laid != m->is_playing && m->state != cam_state_fault;
+    const bool is_changed = is_ended || c->plan_seal != seal_of(&c->plan) || c->config.is_mended;
+    c->config.is_mended = false;
+    const uint32_t led = cam_guard_inspect_isr(&c->guard, &c->motion);
+    return is_changed ? CAM_FAULT_BIT(corrupt) : led;
+}
+
 /// Do what belongs to every n-th tick only.
 CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
+    const uint32_t corrupt = inspect(c);
     const cam_move_t before[hal_n_axes] = {
         [hal_axis_x] = c->motion.axis[hal_axis_x], [hal_axis_z] = c->motion.axis[hal_axis_z]};
     c->until_plan = cfg->play.plan_ticks;
     plan_axes(c, cfg, r);
+    c->plan.is_laid = c->motion.is_playing;
+    c->plan_seal = seal_of(&c->plan);
     const uint32_t refused = cam_guard_increments_isr(&c->guard, &cfg->guard, &c->motion, before);
+    cam_guard_keep_isr(&c->guard, &c->motion);
     cam_gather_plan_isr(&c->gather, r, &c->motion);
     cam_acknowledge_isr(&c->acknowledge, &cfg->play.acknowledge, r, &c->motion);
     c->motion.faults |=
-        refused | watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
+        corrupt | refused | watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
 }
 
-static bool is_plan_due(cam_t *c)
+/// A count beyond the period is none of ours: a bit of it flipped, and the plan is due at once.
+static bool is_plan_due(cam_t *c, const cam_config_t *cfg)
 {
     c->until_plan--;
-    return c->until_plan <= 0;
+    return (uint32_t)c->until_plan - 1u >= (uint32_t)cfg->play.plan_ticks - 1u;
 }
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     steps_isr(c, cfg, r);
-    if (is_plan_due(c)) {
+    if (is_plan_due(c, cfg)) {
         plan_isr(c, cfg, r);
     }
 }
@@ -279,10 +318,13 @@ void cam_tick_isr(cam_t *c)
     CAM_TICK_MARK(sense);
     steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(c, r);
+    cam_fence_release_isr(); // what is compared is what lies in memory
+    const uint32_t corrupt = cam_guard_written_isr(&c->guard, r);
     CAM_TICK_MARK(actuate);
-    if (is_plan_due(c)) {
+    if (is_plan_due(c, cfg)) {
         plan_isr(c, cfg, r);
     }
+    c->motion.faults |= corrupt;
     CAM_TICK_MARK(plan);
     publish_isr(c, r);
 }

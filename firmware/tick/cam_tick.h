@@ -67,7 +67,8 @@ typedef struct {
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
     _Atomic uint32_t n_begun;                ///< number of the tick that has begun last
     cam_gather_t gather;                     ///< both sides write, cam_learn.h
-    cam_plan_t plan; ///< behind what every tick uses, whose offsets stay short
+    cam_plan_t plan;    ///< behind what every tick uses, whose offsets stay short
+    uint32_t plan_seal; ///< of it, since its last plan (cam_seal.h)
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use

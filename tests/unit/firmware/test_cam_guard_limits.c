@@ -78,6 +78,7 @@ static void cause(cam_fault_t fault, int32_t beyond)
     case cam_fault_table:
     case cam_fault_swing:
     case cam_fault_command:
+    case cam_fault_corrupt:
         want.faults = mask;
         break;
     case cam_fault_reverse:
@@ -132,6 +133,7 @@ static bool is_armed(cam_fault_t fault, cam_state_t state)
         [cam_fault_table] = "hrwm",
         [cam_fault_swing] = "w",
         [cam_fault_command] = "hrwfm",
+        [cam_fault_corrupt] = "hrwm",
     };
     static const char letter[cam_n_states] = "ohrwwwfwrm";
     return strchr(armed[fault], letter[state]) != NULL;

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Single bits of the controller's own state flip in the cut: each is seen by its check, and the
+// tool retracts; a configuration that was changed is not copied and is made anew in off.
+#include "cam_scrub.h"
+#include "cam_seal.h"
+#include "rig_bench.h"
+#include <stddef.h> // offsetof
+#include <string.h> // memcpy
+
+enum { plan_ticks = 8, a_round = 40 };
+
+static void flip(void *object, uint32_t bit)
+{
+    uint8_t *bytes = object;
+    bytes[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+}
+
+/// Tick, and poll as a main loop does, until a fault comes. @return ticks, `most` when none came
+static uint32_t ticks_until_fault(uint32_t most)
+{
+    uint32_t n = 0;
+    while (n < most && fixture_rig_status(&rig).state != cam_state_fault) {
+        fixture_rig_tick(&rig);
+        cam_machine_poll(&rig.machine);
+        n++;
+    }
+    return n;
+}
+
+static void test_seal_sees_every_single_bit(void)
+{
+    uint32_t words[37];
+    for (uint32_t i = 0; i < 37u; i++) {
+        words[i] = i * 2654435761u;
+    }
+    const uint32_t sum = cam_seal_more(0, words, 37);
+    for (uint32_t bit = 0; bit < 37u * 32u; bit++) {
+        flip(words, bit);
+        TEST_ASSERT_NOT_EQUAL_UINT32(sum, cam_seal_more(0, words, 37));
+        flip(words, bit);
+    }
+    TEST_ASSERT_EQUAL_HEX32(sum, cam_seal_more(cam_seal_more(0, words, 10), &words[10], 27));
+}
+
+static void test_pointer_to_the_configuration_is_mended(void)
+{
+    for (uint32_t bit = 0; bit < 32u; bit++) {
+        setUp();
+        bring(cam_state_cutting);
+        const cam_config_t *in_use = g_cam.config.in_use;
+        uintptr_t at = (uintptr_t)in_use ^ (uintptr_t)1u << bit;
+        memcpy((void *)&g_cam.config.offered, &at, sizeof at);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+        TEST_ASSERT_EQUAL_PTR(in_use, g_cam.config.offered);
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).first_fault);
+    }
+}
+
+static void test_pointer_in_use_is_taken_anew(void)
+{
+    bring(cam_state_cutting);
+    uintptr_t at = (uintptr_t)g_cam.config.offered ^ 64u;
+    memcpy((void *)&g_cam.config.in_use, &at, sizeof at);
+    TEST_ASSERT_EQUAL_UINT32(100, ticks_until_fault(100));
+    TEST_ASSERT_EQUAL_PTR(g_cam.config.offered, g_cam.config.in_use);
+}
+
+static void test_state_of_the_plan_is_sealed(void)
+{
+    for (uint32_t bit = 0; bit < 8u * sizeof g_cam.plan; bit += 29u) {
+        setUp();
+        bring(cam_state_cutting);
+        flip(&g_cam.plan, bit);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt),
+                                fixture_rig_status(&rig).faults & CAM_FAULT_BIT(corrupt));
+    }
+}
+
+static void test_count_to_the_plan_heals(void)
+{
+    bring(cam_state_cutting);
+    for (uint32_t bit = 4; bit < 32u; bit++) {
+        flip(&g_cam.until_plan, bit);
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_EQUAL_INT32(plan_ticks, g_cam.until_plan);
+        fixture_rig_ticks(&rig, bit % plan_ticks);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+}
+
+static void test_whole_turns_of_the_angle_are_watched(void)
+{
+    for (uint32_t bit = 32; bit < 64u; bit++) {
+        setUp();
+        bring(cam_state_cutting);
+        flip(&g_cam.spindle.pos_q32, bit);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+    }
+}
+
+static void test_place_in_the_turn_is_watched(void)
+{
+    static const size_t words[] = {offsetof(cam_spindle_t, index_counts),
+                                   offsetof(cam_spindle_t, index_error)};
+    for (uint32_t i = 0; i < 2u; i++) {
+        for (uint32_t bit = 0; bit < 11u; bit++) {
+            setUp();
+            bring(cam_state_cutting);
+            flip((uint8_t *)&g_cam.spindle + words[i], bit);
+            TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+        }
+    }
+}
+
+/// X and Z are told by at most this more or less than their increment, in the tick of the flip too.
+static void test_places_of_x_and_z_are_mended_in_the_tick(void)
+{
+    for (uint32_t bit = 12; bit < 64u; bit++) { // 4 nm at least
+        setUp();
+        bring(cam_state_cutting);
+        const int32_t before_nm = hal_host.out.axis[hal_axis_x].pos_nm;
+        flip(&g_cam.motion.axis[hal_axis_x].pos_q10, bit);
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_INT32_WITHIN(10, before_nm, hal_host.out.axis[hal_axis_x].pos_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+        TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).faults);
+    }
+}
+
+static void test_state_is_mended_and_off_enables_nothing(void)
+{
+    for (uint32_t bit = 0; bit < 32u; bit++) {
+        setUp();
+        bring(cam_state_cutting);
+        flip(&g_cam.motion.state, bit);
+        TEST_ASSERT_EQUAL_UINT32(1, ticks_until_fault(100));
+        TEST_ASSERT_EQUAL_HEX32(hal_out_fault | hal_out_enable, hal_host.out.outputs);
+        setUp();
+        fixture_rig_ticks(&rig, 10);
+        flip(&g_cam.motion.state, bit);
+        fixture_rig_ticks(&rig, 20);
+        TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
+        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    }
+}
+
+static void test_what_was_written_is_looked_at(void)
+{
+    bring(cam_state_cutting);
+    cam_tick_record_t r = rig.last;
+    TEST_ASSERT_EQUAL_HEX32(0, cam_guard_written_isr(&g_cam.guard, &r));
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        r = rig.last;
+        flip(&r.out[i].pos_nm, 9u * i);
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), cam_guard_written_isr(&g_cam.guard, &r));
+    }
+}
+
+static void test_configuration_is_scrubbed(void)
+{
+    for (uint32_t bit = 5; bit < 8u * sizeof(cam_config_t) - 64u; bit += 1009u) {
+        setUp();
+        bring(cam_state_cutting);
+        cam_config_t *config = &g_cam.config.half[g_cam.config.in_use == &g_cam.config.half[1]];
+        TEST_ASSERT_TRUE(cam_config_is_whole(config));
+        flip(config, bit);
+        TEST_ASSERT_FALSE(cam_config_is_whole(config));
+        TEST_ASSERT_NULL(cam_config_copy(&g_cam.config));
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(a_round, ticks_until_fault(100));
+    }
+}
+
+static void test_configuration_is_made_anew_in_off(void)
+{
+    fixture_rig_ticks(&rig, 10);
+    cam_config_t *config = &g_cam.config.half[g_cam.config.in_use == &g_cam.config.half[1]];
+    const int32_t range_q6 = config->guard.u_range_q6;
+    flip(&config->guard.u_range_q6, 3);
+    TEST_ASSERT_EQUAL_UINT32(a_round, ticks_until_fault(a_round));
+    TEST_ASSERT_NOT_EQUAL(config, g_cam.config.in_use);
+    TEST_ASSERT_EQUAL_INT32(range_q6, g_cam.config.in_use->guard.u_range_q6);
+    TEST_ASSERT_TRUE(cam_config_is_whole(g_cam.config.in_use));
+    bring(cam_state_cutting);
+}
+
+static void test_scrub_begins_anew_with_another_configuration(void)
+{
+    bring(cam_state_ready);
+    cam_scrub_t scrub = {0};
+    TEST_ASSERT_TRUE(cam_scrub_step(&scrub, &g_cam.config));
+    TEST_ASSERT_EQUAL_UINT32(cam_scrub_words, scrub.at);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 1000));
+    TEST_ASSERT_TRUE(cam_scrub_step(&scrub, &g_cam.config));
+    TEST_ASSERT_EQUAL_UINT32(cam_scrub_words, scrub.at);
+    const cam_config_bank_t none = {0};
+    TEST_ASSERT_TRUE(cam_scrub_step(&scrub, &none));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_seal_sees_every_single_bit);
+    RUN_TEST(test_pointer_to_the_configuration_is_mended);
+    RUN_TEST(test_pointer_in_use_is_taken_anew);
+    RUN_TEST(test_state_of_the_plan_is_sealed);
+    RUN_TEST(test_count_to_the_plan_heals);
+    RUN_TEST(test_whole_turns_of_the_angle_are_watched);
+    RUN_TEST(test_place_in_the_turn_is_watched);
+    RUN_TEST(test_places_of_x_and_z_are_mended_in_the_tick);
+    RUN_TEST(test_state_is_mended_and_off_enables_nothing);
+    RUN_TEST(test_what_was_written_is_looked_at);
+    RUN_TEST(test_configuration_is_scrubbed);
+    RUN_TEST(test_configuration_is_made_anew_in_off);
+    RUN_TEST(test_scrub_begins_anew_with_another_configuration);
+    return UNITY_END();
+}
