@@ -151,11 +151,13 @@ static void test_a_wrong_stamp_is_limited(void)
 /// makes of the age is beyond a turn, and counts for a count and a half still.
 static void test_an_edge_that_contradicts_the_speed_is_limited(void)
 {
-    for (int sense = -1; sense <= 1; sense += 2) {
+    static const int64_t half_a_turn_q64[] = {INT64_C(0x7FFFFFF000000000),
+                                              -INT64_C(0x7FFFFFF000000000)};
+    for (uint32_t i = 0; i < 2; i++) {
         build();
         turn(0.2, 49.7, 0.0);
         cam_sense_t wrong = in;
-        spindle.speed_q64 = sense * INT64_C(0x7FFFFFF000000000);
+        spindle.speed_q64 = half_a_turn_q64[i];
         wrong.clock += clock_hz / tick_hz;
         wrong.encoder.edge_clock = wrong.clock - 3u * (clock_hz / tick_hz);
         cam_spindle_step_isr(&spindle, &config.spindle, &wrong, 0, &angle);
