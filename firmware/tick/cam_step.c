@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_step.h"
 #include "cam_aim.h" // cam_aim_isr
-#include "cam_fix.h" // cam_sat_i32
+#include "cam_fix.h" // cam_clamp_i64, cam_sat_i32
 
 /// @return an axis as it moves from plan to plan; a speed that no limit per plan holds is
 /// saturated. Its glide goes on, or begins where something else has moved the axis meanwhile
@@ -11,9 +11,14 @@ static cam_move_t plan_by_plan(cam_motion_t *m, hal_axis_t axis, const cam_play_
     cam_glide_t *glide = &m->glide[axis];
     const cam_move_t *now = &m->axis[axis];
     const int64_t ticks = cfg->plan_ticks;
+    // A spindle that jumps drags the axes geared to it along, beyond their accelerations. A motion
+    // that went on from there would carry X into the work before it leaves.
+    const int64_t most_q10 = limits->acceleration_q10;
+    const int64_t change_q10 = m->change_q10[axis] * ticks;
+    const int64_t acc_q10 = cam_clamp_i64(change_q10, -most_q10, most_q10);
     const cam_move_t next = {.pos_q10 = now->pos_q10,
                              .vel_q10 = cam_sat_i32(now->vel_q10 * ticks),
-                             .acc_q10 = cam_sat_i32(m->change_q10[axis] * ticks)};
+                             .acc_q10 = (int32_t)acc_q10};
     if (!m->is_gliding || now->pos_q10 != glide->sum_pos_q10 >> glide->log2_window) {
         cam_glide_begin_isr(glide, &next, limits->log2_window);
     }

@@ -3,7 +3,8 @@
 ///
 /// What cam_glide.h does from tick to tick is done here from plan to plan, and the increments of
 /// the axis carry the step out in equal shares. A motion begins with the speed that the axis has,
-/// and with the change of its speed in the last plan. Context: ISR, constant time, cannot fail.
+/// and with the change of its speed in the last plan, as far as that is within its limits. Context:
+/// ISR, constant time, cannot fail.
 #ifndef CAM_STEP_H
 #define CAM_STEP_H
 
