@@ -1,4 +1,4 @@
-"""Make firmware/SAFETY.md of firmware/safety.toml, or tell what that file names and is not there.
+"""Make firmware/SAFETY.md and THREATS.md of safety.toml, or tell what is named there and missing.
 
 >>> named_function("void test_a(void)", "test_a"), named_function("def test_ab():", "test_a")
 (True, False)
@@ -20,7 +20,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCE, PAGE = ROOT / "firmware" / "safety.toml", ROOT / "firmware" / "SAFETY.md"
+SOURCE = ROOT / "firmware" / "safety.toml"
 _ALL = "*"
 _STATES = ROOT / "firmware" / "base" / "cam_state.h"
 FAULTS = re.findall(r"^    X\((\w+), ", _STATES.read_text(encoding="utf-8"), re.MULTILINE)
@@ -37,6 +37,13 @@ builder assesses the whole machine; protective functions with a performance leve
 those of the cabinet below, which work without any program. What the controller does reduces how
 often they are needed. Faults with their reaction and time stand in [FAULTS.md](FAULTS.md), who may
 command and what is not protected in [THREATS.md](THREATS.md).
+"""
+
+_THREATS_HEAD = """# Who is trusted, and what is protected from whom
+
+It is made from [safety.toml](safety.toml), like [SAFETY.md](SAFETY.md). How command, level and
+button work stands in [can/README.md](remote/can/README.md#who-may-command), the panel's threats in
+[PANEL.md](../tools/docs/PANEL.md#what-is-protected-against-and-the-test-of-it).
 """
 
 
@@ -108,6 +115,9 @@ def problems(case: dict[str, Any]) -> list[str]:
     found += [f"fault {one}: no requirement" for one in sorted(set(FAULTS) - told)]
     met = {hazard for one in case["requirement"] for hazard in one["against"]}
     found += [f"{hazard}: no requirement" for hazard in sorted(hazards - met)]
+    for one in case["threat"]:
+        found += [f"{one['id']}: no test shows it"] if not one["tests"] else []
+        found += [f"{one['id']}: {bad}" for bad in map(_missing_test, one["tests"]) if bad]
     return found
 
 
@@ -153,11 +163,32 @@ def page(case: dict[str, Any]) -> str:
         ),
         *("", "the controller", "against", "faults", "shown by", "figures"),
     )
-    limits = "".join(f"- {one}\n" for one in case["not_shown"])
+    limits = _list(case["not_shown"])
     return (
         f"{_HEAD}\n## Hazards\n\n{hazards}\n## What the cabinet must do\n\n{cabinet}"
         f"\n## What the controller does\n\n{requirements}\n## What is not shown\n\n{limits}"
     )
+
+
+def _list(lines: list[str]) -> str:
+    return "".join(f"- {line}\n" for line in lines)
+
+
+def threats_page(case: dict[str, Any]) -> str:
+    """Return the text of THREATS.md."""
+    rows = (
+        [one["id"], one["what"], one["protection"], _tests(one["tests"])] for one in case["threat"]
+    )
+    table = _rows(rows, "", "threat", "protection", "shown by")
+    return (
+        f"{_THREATS_HEAD}\n## Trusted\n\n{_list(case['trusted'])}\n## Protected\n\n{table}"
+        f"\n## Not protected\n\n{_list(case['unprotected'])}"
+    )
+
+
+def pages(case: dict[str, Any]) -> dict[str, str]:
+    """Return the texts of both pages by their names in firmware/."""
+    return {"SAFETY.md": page(case), "THREATS.md": threats_page(case)}
 
 
 def _act(options: argparse.Namespace) -> int:
@@ -165,18 +196,19 @@ def _act(options: argparse.Namespace) -> int:
     found = problems(case)
     if found:
         raise CamtoolsError([f"{SOURCE.name}: {one}" for one in found])
-    text = page(case)
+    folder, texts = SOURCE.parent, pages(case)
     if options.write:
-        write_all(PAGE.parent, {PAGE.name: text.encode("utf-8")})
-    elif PAGE.read_text(encoding="utf-8") != text:
-        raise CamtoolsError([f"{PAGE.name}: is not what {SOURCE.name} gives; use --write"])
+        write_all(folder, {name: text.encode("utf-8") for name, text in texts.items()})
+    stale = [n for n, t in texts.items() if (folder / n).read_text(encoding="utf-8") != t]
+    if stale:
+        raise CamtoolsError([f"{stale[0]}: is not what {SOURCE.name} gives; use --write"])
     return 0
 
 
 def main(words: list[str] | None = None) -> int:
-    """Check SAFETY.md, or write it anew."""
+    """Check SAFETY.md and THREATS.md, or write them anew."""
     parser = Parser(prog="checks.safety", description=__doc__)
-    parser.add_argument("--write", action="store_true", help="write firmware/SAFETY.md")
+    parser.add_argument("--write", action="store_true", help="write both pages")
     options = parser.parse_args(words)
     return run_command("safety", lambda: _act(options))
 
