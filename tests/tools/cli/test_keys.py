@@ -27,7 +27,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _controller(table: Path, *public: Path) -> subprocess.CompletedProcess[str]:
-    words = [CAMSIM, "verify", table, *public]
+    words: list[str | Path] = [CAMSIM, "verify", table, *public]
     return subprocess.run(words, capture_output=True, text=True, check=False)
 
 
