@@ -33,13 +33,6 @@ static inline cam_complex_t cam_complex_sub(cam_complex_t a, cam_complex_t b)
     return (cam_complex_t){.re = a.re - b.re, .im = a.im - b.im};
 }
 
-/// @return a * share / of, rounded towards 0; 0 <= share <= of, of > 0
-static inline cam_complex_t cam_complex_share(cam_complex_t a, int32_t share, int32_t of)
-{
-    return (cam_complex_t){.re = (int32_t)((int64_t)a.re * share / of),
-                           .im = (int32_t)((int64_t)a.im * share / of)};
-}
-
 /// @return |a|^2
 static inline uint64_t cam_complex_square(cam_complex_t a)
 {

@@ -331,7 +331,7 @@ cam_err_t cam_machine_check_places(const cam_machine_t *m, const cam_status_t *s
             return cam_err_not_homed;
         }
     }
-    return !m->has_table || is_part_in_travel(m, status) ? cam_ok : cam_err_travel;
+    return is_part_in_travel(m, status) ? cam_ok : cam_err_travel;
 }
 
 void cam_machine_hand_poll(cam_machine_t *m)

@@ -59,8 +59,8 @@ void cam_machine_hand_alive(cam_machine_t *m);
 /// @return [nm] where an axis is, in the machine's numbers
 int32_t cam_machine_place_nm(const cam_machine_t *m, hal_axis_t axis);
 
-/// Judge whether the axes may follow a table: homed where homing_required is set, and the part
-/// within the travel of X and Z where that is known.
+/// Judge whether the axes may follow the table, which there is: homed where homing_required is set,
+/// and the part within the travel of X and Z where that is known.
 /// @return cam_ok, cam_err_busy until a home that was found is in force, cam_err_not_homed,
 ///         cam_err_travel
 CAM_MUST_USE cam_err_t cam_machine_check_places(const cam_machine_t *m, const cam_status_t *status);

@@ -268,8 +268,10 @@ static void end(cam_machine_t *m)
         return;
     }
     i->phase = cam_identify_none;
-    // Behind a fault it is refused, whose retract takes the enable away as well.
-    i->disables = i->disables && cam_machine_disable(m) == cam_err_busy;
+    if (i->disables) {
+        const cam_err_t err = cam_machine_disable(m);
+        (void)err; // behind a fault it is refused, whose retract takes the enable away as well
+    }
 }
 
 void cam_machine_identify_poll(cam_machine_t *m)

@@ -21,8 +21,9 @@ static int32_t choose(int32_t vel, const cam_move_limits_t *limits, uint32_t dis
     if (faster <= 0 || can_brake((uint32_t)faster, (uint32_t)a, distance)) {
         return faster;
     }
-    if (vel <= 0 || (vel <= limits->speed_q10 && can_brake((uint32_t)vel, (uint32_t)a, distance))) {
-        return vel > 0 ? vel : 0;
+    const int32_t same = vel > 0 ? vel : 0;
+    if (same <= limits->speed_q10 && can_brake((uint32_t)same, (uint32_t)a, distance)) {
+        return same;
     }
     return less > 0 ? less : 0;
 }

@@ -338,6 +338,18 @@ static void test_at_the_slowest_tick_the_times_are_the_same(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, enable());
 }
 
+/// What is left of a press never counts below 0, and without a press nothing is left.
+static void test_what_is_left_ends_at_0(void)
+{
+    const cam_acknowledge_config_t cfg = {.good_plans = 100};
+    cam_acknowledge_t a = {.phase = cam_acknowledge_given, .n_plans = 99};
+    TEST_ASSERT_EQUAL_UINT32(1, cam_acknowledge_left(&a, &cfg));
+    a.n_plans = 101; // while the interrupt has not ended it
+    TEST_ASSERT_EQUAL_UINT32(0, cam_acknowledge_left(&a, &cfg));
+    a = (cam_acknowledge_t){.phase = cam_acknowledge_needed, .n_plans = 99};
+    TEST_ASSERT_EQUAL_UINT32(0, cam_acknowledge_left(&a, &cfg));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -361,5 +373,6 @@ int main(void)
     RUN_TEST(test_what_else_refuses_is_told_first);
     RUN_TEST(test_a_port_without_the_button_refuses_and_says_so);
     RUN_TEST(test_at_the_slowest_tick_the_times_are_the_same);
+    RUN_TEST(test_what_is_left_ends_at_0);
     return UNITY_END();
 }

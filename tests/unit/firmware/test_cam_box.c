@@ -179,6 +179,85 @@ static void test_a_recording_has_precedence_until_it_is_released_or_forgotten(vo
     TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
 }
 
+/// Record five rows by command and let ten minutes pass without anybody who reads them.
+static void record_and_wait(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_set(scope(), cam_scope_field_rows, 5));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(&rig.machine));
+    go_on(20);
+    TEST_ASSERT_EQUAL_INT(cam_scope_done, scope()->phase);
+    scope()->last_tick = rig.last.tick - tick_hz * (uint32_t)cam_scope_patience_s - 1u;
+}
+
+/// Who records may stop it; the box is not theirs to stop.
+static void test_a_recording_is_stopped_by_command(void)
+{
+    go_on(10);
+    cam_machine_scope_stop(&rig.machine);
+    TEST_ASSERT_EQUAL_INT(cam_scope_armed, scope()->phase);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(&rig.machine));
+    go_on(20);
+    TEST_ASSERT_TRUE(cam_scope_is_on(scope()));
+    cam_machine_scope_stop(&rig.machine);
+    TEST_ASSERT_FALSE(cam_scope_is_on(scope()));
+}
+
+/// A recording is forgotten by nobody who is still at work: neither while a wave is played nor
+/// while one is downloaded.
+static void test_who_is_at_work_keeps_the_recording(void)
+{
+    cam_machine_t *m = &rig.machine;
+    record_and_wait();
+    m->identify.phase = cam_identify_runs;
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_scope_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_release(m));
+    cam_machine_scope_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_scope_user, scope()->use);
+    m->identify.phase = cam_identify_none;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, 4000)); // what is done is no obstacle
+    scope()->use = cam_scope_user;
+    scope()->phase = cam_scope_done;
+    cam_machine_scope_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_scope_user, scope()->use);
+    m->identify.is_open = false;
+    cam_machine_scope_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
+}
+
+/// The box needs the trace, and memory: without one of them nothing is recorded.
+static void test_the_box_needs_trace_and_memory(void)
+{
+    cam_machine_t *m = &rig.machine;
+    m->params.trace_on = 0;
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_scope_start(m));
+    cam_machine_scope_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_scope_idle, scope()->phase);
+    m->params.trace_on = 1;
+    const uint32_t n_words = scope()->n_words;
+    scope()->n_words = 10;
+    m->is_box_kept = true;
+    cam_machine_scope_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_scope_idle, scope()->phase);
+    TEST_ASSERT_TRUE(m->is_box_kept); // there is no other one
+    scope()->n_words = n_words;
+    cam_machine_scope_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_scope_armed, scope()->phase);
+    TEST_ASSERT_FALSE(m->is_box_kept);
+}
+
+/// One look takes a whole ring, even if no record was read for as long as that fills it.
+static void test_a_full_ring_is_taken_at_once(void)
+{
+    go_on(10);
+    for (uint32_t i = 0; i < cam_trace_capacity; i++) {
+        hal_host_tick();
+    }
+    const uint32_t before = scope()->n_rows;
+    cam_machine_scope_poll(&rig.machine);
+    TEST_ASSERT_EQUAL_UINT32(before + cam_trace_capacity, scope()->n_rows);
+    TEST_ASSERT_FALSE(cam_trace_pop(&rig.machine.core->trace, &rig.last));
+}
+
 /// A wave leaves the box what is behind it, and goes with the release.
 static void test_a_wave_takes_its_share(void)
 {
@@ -228,6 +307,10 @@ int main(void)
     RUN_TEST(test_a_restart_finds_the_box_again);
     RUN_TEST(test_a_damaged_head_is_passed_over);
     RUN_TEST(test_a_recording_has_precedence_until_it_is_released_or_forgotten);
+    RUN_TEST(test_a_recording_is_stopped_by_command);
+    RUN_TEST(test_who_is_at_work_keeps_the_recording);
+    RUN_TEST(test_the_box_needs_trace_and_memory);
+    RUN_TEST(test_a_full_ring_is_taken_at_once);
     RUN_TEST(test_a_wave_takes_its_share);
     RUN_TEST(test_the_time_fits_every_memory);
     return UNITY_END();

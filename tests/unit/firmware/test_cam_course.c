@@ -287,6 +287,24 @@ static void test_ring_helix_is_held_at_a_ring(void)
     TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
 }
 
+/// What is asked again changes nothing, and a ring-helix knows no other rate but rest.
+static void test_what_is_asked_again_or_of_rings_changes_no_rate(void)
+{
+    begin();
+    until(cam_state_cutting);
+    const cam_course_t before = f.plan.course;
+    cam_course_ask_isr(&f.plan.course, &f.config.play, f.angle.pos_q32, f.angle.pos_q32);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &f.plan.course, sizeof before);
+    part.is_ring_helix = true;
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    const int64_t end_q32 = f.plan.course.end_q32;
+    f.config.play.feed_rate_q30 /= 2; // no parameter leads to it
+    fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+    TEST_ASSERT_EQUAL_INT32(f.config.play.feed_rate_q30, f.plan.course.asked_q30);
+    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.course.end_q32);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -302,5 +320,6 @@ int main(void)
     RUN_TEST(test_resume_near_the_end_creeps_there);
     RUN_TEST(test_random_changes_always_end_at_the_last_height);
     RUN_TEST(test_ring_helix_is_held_at_a_ring);
+    RUN_TEST(test_what_is_asked_again_or_of_rings_changes_no_rate);
     return UNITY_END();
 }

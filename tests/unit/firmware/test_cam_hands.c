@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the part lies: datum, tools, and what homing is demanded for.
+#include "cam_demand.h" // cam_demand_clearance_nm
+#include "fixture_newer.h"
 #include "hand_bench.h"
 #include <string.h>
 
@@ -178,6 +180,50 @@ static void test_part_beyond_the_travel_is_refused_before_motion(void)
     TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_start(machine()));
 }
 
+/// A measured Z, which others lead, needs no home of its own.
+static void test_a_measured_z_needs_no_home(void)
+{
+    set(cam_param_homing_required, 1);
+    set(cam_param_z_home, 2);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+    set(cam_param_z_is_measured, 1);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
+}
+
+/// A first pass that X cannot reach is not made up for by the last one.
+static void test_every_pass_lies_in_the_travel_of_x(void)
+{
+    static const fixture_pass_t two[] = {{100000, 300000, 2500000, 0}, {0, 300000, 2500000, 0}};
+    fixture_newer_passes(&rig.image, two, 2);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_select_table(machine(), rig.image.bytes, rig.image.size));
+    fixture_rig_ticks(&rig, 2);
+    const cam_table_t *t = &machine()->table;
+    const int32_t most_nm = t->x_max_nm + (int32_t)cam_demand_clearance_nm(t, &machine()->params);
+    set(cam_param_x_low_nm, t->x_min_nm - mm);
+    set(cam_param_x_high_nm, most_nm + 99000);
+    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
+    set(cam_param_x_high_nm, most_nm + 101000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
+}
+
+/// A home that was found while the interrupt has not taken the last configuration is handed over by
+/// the next poll, and until then the places are not known.
+static void test_a_home_that_was_found_waits_for_room(void)
+{
+    set(cam_param_x_home, 1);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
+    fixture_rig_ticks(&rig, 40);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_phase_udeg, 5));
+    cam_machine_hand_poll(machine());
+    const cam_status_t status = fixture_rig_status(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_check_places(machine(), &status));
+    fixture_rig_tick(&rig);
+    cam_machine_hand_poll(machine());
+    TEST_ASSERT_NOT_EQUAL_INT(cam_err_busy, cam_machine_check_places(machine(), &status));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -190,5 +236,8 @@ int main(void)
     RUN_TEST(test_homing_required_refuses_until_every_axis_is_homed);
     RUN_TEST(test_home_that_is_not_in_force_yet_is_busy);
     RUN_TEST(test_part_beyond_the_travel_is_refused_before_motion);
+    RUN_TEST(test_a_measured_z_needs_no_home);
+    RUN_TEST(test_every_pass_lies_in_the_travel_of_x);
+    RUN_TEST(test_a_home_that_was_found_waits_for_room);
     return UNITY_END();
 }

@@ -137,6 +137,103 @@ static void test_disable_lets_it_fade_and_then_takes_the_enable(void)
     expect_end(cam_excited_stopped, cam_state_off);
 }
 
+/// Who asks for a disable gets it, however often a stop is asked for behind it.
+static void test_a_stop_takes_no_disable_back(void)
+{
+    begin();
+    go_on(400, true);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    expect_end(cam_excited_stopped, cam_state_off);
+}
+
+/// Hand a wave over, up to where the interrupt has still to obey the request to play it.
+static void request(uint32_t n_asked)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_asked, fade).err);
+    fixture_rig_tick(&rig);
+    cam_machine_poll(&rig.machine);
+    TEST_ASSERT_EQUAL_INT(cam_identify_requested, rig.machine.identify.phase);
+}
+
+/// Between the begin and the slow side's look at it nothing can be stopped: what stops it waits.
+static void test_a_begin_that_was_not_seen_is_not_stopped(void)
+{
+    request(n_periods);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_excited_runs, field(cam_scope_field_excited));
+    expect_end(cam_excited_done, cam_state_ready);
+}
+
+/// A fault in the tick in which it should begin is told, and an excitation that has ended before
+/// the slow side looked was one.
+static void test_a_begin_that_was_missed_is_told_by_its_end(void)
+{
+    request(1);
+    fixture_rig_ticks(&rig, 4000);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    expect_end(cam_excited_done, cam_state_ready);
+    setUp();
+    request(1);
+    hal_host_fault_estop(true);
+    fixture_rig_tick(&rig);
+    expect_end(cam_excited_fault, cam_state_fault);
+}
+
+/// While the interrupt has not taken the last configuration, nothing begins, and the end waits.
+static void test_begin_and_end_need_room(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(m, cam_param_phase_udeg, 5));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_FALSE(cam_scope_is_on(&m->scope));
+    TEST_ASSERT_EQUAL_INT(cam_identify_none, m->identify.phase);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+    for (uint32_t i = 0; i < 20000u && m->identify.phase != cam_identify_ends; i++) {
+        go_on(1, true);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    (void)cam_machine_learn_begin(m); // somebody else hands a configuration over
+    cam_machine_learn_end(m);
+    cam_machine_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_identify_ends, m->identify.phase);
+    expect_end(cam_excited_done, cam_state_ready);
+}
+
+/// A black box that nobody has read is not overwritten by a wave, and neither is the wave by it.
+static void test_a_box_that_was_not_read_is_in_the_way(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    m->scope.use = cam_scope_box;
+    m->scope.phase = cam_scope_done;
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_unread, cam_machine_excite(m, 1, fade).err);
+    m->scope.phase = cam_scope_armed;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+}
+
+/// Some rows of too many signals do not fit behind the wave: nothing is handed over.
+static void test_a_recording_without_room_begins_nothing(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    m->scope.n_words = n + 2u; // three signals were chosen
+    const uint32_t generation = m->generation;
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_UINT32(generation, m->generation);
+    TEST_ASSERT_EQUAL_INT(cam_identify_none, m->identify.phase);
+}
+
 static void test_silence_ends_it(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 0));
@@ -271,6 +368,12 @@ int main(void)
     RUN_TEST(test_stop_lets_it_fade);
     RUN_TEST(test_stop_on_the_way_to_the_place_ends_it);
     RUN_TEST(test_disable_lets_it_fade_and_then_takes_the_enable);
+    RUN_TEST(test_a_stop_takes_no_disable_back);
+    RUN_TEST(test_a_begin_that_was_not_seen_is_not_stopped);
+    RUN_TEST(test_a_begin_that_was_missed_is_told_by_its_end);
+    RUN_TEST(test_begin_and_end_need_room);
+    RUN_TEST(test_a_box_that_was_not_read_is_in_the_way);
+    RUN_TEST(test_a_recording_without_room_begins_nothing);
     RUN_TEST(test_silence_ends_it);
     RUN_TEST(test_a_fault_retracts_u);
     RUN_TEST(test_following_error_has_the_room_of_the_wave);

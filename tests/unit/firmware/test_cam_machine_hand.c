@@ -198,6 +198,67 @@ static void test_work_out_of_the_travel_of_x_is_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_x_trim_nm, -2000));
 }
 
+/// An order waits for what is posted and for a stop to be taken, not for the axis to rest.
+static void test_orders_wait_for_requests_and_not_for_rest(void)
+{
+    to_manual();
+    machine()->n_requests++; // something is posted and not carried out
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_jog(machine(), hal_axis_x, 100).err);
+    machine()->n_requests--;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(machine(), hal_axis_z, 5 * mm).err);
+    fixture_rig_ticks(&rig, 400);
+    TEST_ASSERT_EQUAL_INT(cam_err_hand_moves, cam_machine_jog(machine(), hal_axis_z, -100).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_jog(machine(), hal_axis_z, -100).err);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_NOT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_z].vel_q10); // it brakes
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_z, -100).err);
+}
+
+/// Whether U was searched is remembered of U alone, of a search alone and of one that began; what
+/// comes behind it does not make it forgotten.
+static void test_only_a_search_of_u_makes_its_home_lost(void)
+{
+    set(cam_param_x_home, 2);
+    set(cam_param_u_home, 1);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
+    TEST_ASSERT_FALSE(machine()->hands.has_searched_u);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
+    (void)until_rest();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_u)); // it is here
+    TEST_ASSERT_FALSE(machine()->hands.has_searched_u);
+    (void)until_rest();
+    set(cam_param_u_home, 2);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_phase_udeg, 5));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_home_axis(machine(), hal_axis_u));
+    TEST_ASSERT_FALSE(machine()->hands.has_searched_u);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_u));
+    TEST_ASSERT_TRUE(machine()->hands.has_searched_u);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
+    (void)until_rest();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
+    TEST_ASSERT_TRUE(machine()->hands.has_searched_u);
+}
+
+/// Limits of the travel hold from the home on, which an axis without a home always has.
+static void test_travel_holds_where_the_place_is_known(void)
+{
+    set(cam_param_x_low_nm, -2 * mm);
+    set(cam_param_x_high_nm, 3 * mm);
+    set(cam_param_x_home, 2);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(machine(), hal_axis_x, 4 * mm).err);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
+    (void)until_rest();
+    set(cam_param_x_home, 0);
+    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_step(machine(), hal_axis_x, 4 * mm).err);
+}
+
 /// A session by hand, with homes, a datum, a fault and a cut, replays from its records and
 /// configurations to the bit.
 static void test_session_by_hand_replays_bit_for_bit(void)
@@ -302,6 +363,9 @@ int main(void)
     RUN_TEST(test_jog_without_limits_ends_where_the_numbers_end);
     RUN_TEST(test_u_whose_search_failed_is_not_cut_with);
     RUN_TEST(test_work_out_of_the_travel_of_x_is_refused);
+    RUN_TEST(test_orders_wait_for_requests_and_not_for_rest);
+    RUN_TEST(test_only_a_search_of_u_makes_its_home_lost);
+    RUN_TEST(test_travel_holds_where_the_place_is_known);
     RUN_TEST(test_session_by_hand_replays_bit_for_bit);
     return UNITY_END();
 }

@@ -266,6 +266,19 @@ static void test_speed_beyond_an_output_is_refused_with_the_highest(void)
     TEST_ASSERT_EQUAL_INT(cam_param_x_speed_um_per_s, machine()->refusal.param);
 }
 
+/// A jerk whose window would be too long is refused with the least that is not.
+static void test_a_jerk_that_is_too_low_is_refused_with_numbers(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_jerk,
+                          cam_machine_set_param(&f.rig.machine, cam_param_u_jerk_m_per_s3, 1));
+    const cam_refusal_t *refusal = &f.rig.machine.refusal;
+    TEST_ASSERT_EQUAL_INT(cam_param_u_jerk_m_per_s3, refusal->param);
+    TEST_ASSERT_EQUAL_INT64(1, refusal->why.needed);
+    TEST_ASSERT_GREATER_THAN_INT32(1, (int32_t)refusal->why.limit);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&f.rig.machine, cam_param_u_jerk_m_per_s3,
+                                                        (int32_t)refusal->why.limit));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -282,5 +295,6 @@ int main(void)
     RUN_TEST(test_kept_parameters_of_another_image_are_told);
     RUN_TEST(test_refusal_tells_demand_and_limit);
     RUN_TEST(test_speed_beyond_an_output_is_refused_with_the_highest);
+    RUN_TEST(test_a_jerk_that_is_too_low_is_refused_with_numbers);
     return UNITY_END();
 }

@@ -196,6 +196,53 @@ static void test_walk_waits_for_the_interrupt(void)
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
 }
 
+/// What is not learned is told with its reason: the first one that holds, in this order.
+static void test_why_nothing_is_learned_is_told(void)
+{
+    cam_machine_t *m = &rig.machine;
+    m->params.learn_harmonics = 0;
+    TEST_ASSERT_EQUAL_INT(cam_teach_not_asked, cam_machine_learning(m).reason);
+    m->params.learn_harmonics = 8;
+    TEST_ASSERT_EQUAL_INT(cam_teach_not_measured, cam_machine_learning(m).reason);
+    hal_host.slow.measures_u = true;
+    TEST_ASSERT_EQUAL_INT(cam_teach_all, cam_machine_learning(m).reason);
+    m->table.n_lobes = 2;
+    TEST_ASSERT_EQUAL_INT(cam_teach_lobes, cam_machine_learning(m).reason);
+    m->table.speed = m->table.u;
+    TEST_ASSERT_EQUAL_INT(cam_teach_modulated, cam_machine_learning(m).reason);
+    m->has_table = false;
+    TEST_ASSERT_EQUAL_INT(cam_teach_no_table, cam_machine_learning(m).reason);
+}
+
+/// A ripple alone, of the spindle and none of U, is something new, too.
+static void test_what_the_encoder_measures_alone_is_handed_over(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_ripple_turns, 4));
+    bring(cam_state_ready);
+    (void)generations(400);
+    TEST_ASSERT_EQUAL_UINT32(0, generations(10));
+    cam_learned_t *copy = cam_machine_learn_begin(&rig.machine);
+    copy->dm[1]++; // as an eccentricity would that U does not follow
+    cam_machine_learn_end(&rig.machine);
+    fixture_rig_ticks(&rig, 2);
+    rig.machine.teach.walking = cam_walk_ripple;
+    TEST_ASSERT_GREATER_THAN_UINT32(0, generations(400));
+    TEST_ASSERT_EQUAL_INT16(0, atomic_load(&rig.machine.core->config.offered)->learned.dm[1]);
+}
+
+/// A harmonic is told as far as there is one.
+static void test_harmonics_are_told(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_teach_value_correction, 64 * 64));
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_teach_value_masked, 4));
+    TEST_ASSERT_EQUAL_INT32(64 * 64, cam_machine_harmonic(&rig.machine, 0).correction_q6.re);
+    TEST_ASSERT_FALSE(cam_machine_harmonic(&rig.machine, 1).is_masked);
+    TEST_ASSERT_TRUE(cam_machine_harmonic(&rig.machine, 2).is_masked);
+    const cam_teach_harmonic_t beyond = cam_machine_harmonic(&rig.machine, cam_teach_terms);
+    TEST_ASSERT_EQUAL_INT32(0, beyond.correction_q6.re);
+    TEST_ASSERT_FALSE(beyond.is_masked);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -208,5 +255,8 @@ int main(void)
     RUN_TEST(test_a_correction_and_a_ripple_are_handed_over);
     RUN_TEST(test_each_reason_to_work_suffices);
     RUN_TEST(test_walk_waits_for_the_interrupt);
+    RUN_TEST(test_why_nothing_is_learned_is_told);
+    RUN_TEST(test_what_the_encoder_measures_alone_is_handed_over);
+    RUN_TEST(test_harmonics_are_told);
     return UNITY_END();
 }

@@ -250,6 +250,21 @@ static void test_infeasible_pass_is_refused_with_its_number(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(&rig.machine, 0));
 }
 
+/// Where a port has no axis for the swing, its speed is none, whatever the parameter says.
+static void test_a_port_without_the_swing_swings_nothing(void)
+{
+    const cam_params_t params = cam_param_defaults();
+    hal_host_reset(20000);
+    TEST_ASSERT_EQUAL_INT32(params.swing_speed_mdeg_per_s,
+                            cam_pass_params(&params, NULL, 0).swing_speed_mdeg_per_s);
+    cam_params_t fast = params;
+    fast.swing_speed_mdeg_per_s = 1000;
+    TEST_ASSERT_EQUAL_INT32(1000, cam_pass_params(&fast, NULL, 0).swing_speed_mdeg_per_s);
+    hal_host.slow.has_no_swing = true;
+    TEST_ASSERT_EQUAL_INT32(0, cam_pass_params(&fast, NULL, 0).swing_speed_mdeg_per_s);
+    hal_host_reset(20000);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -263,5 +278,6 @@ int main(void)
     RUN_TEST(test_choice_or_table_after_a_pass_stands);
     RUN_TEST(test_parameters_overrule_all_passes);
     RUN_TEST(test_infeasible_pass_is_refused_with_its_number);
+    RUN_TEST(test_a_port_without_the_swing_swings_nothing);
     return UNITY_END();
 }

@@ -2,6 +2,7 @@
 // Z geared to the spindle or measured: ramps, exactness, ends, ranges.
 #include "cam_angle.h"
 #include "cam_feasible.h"
+#include "fixture_newer.h"
 #include "fixture_play.h"
 #include "unity.h"
 #include <math.h>
@@ -210,6 +211,53 @@ static void test_measured_z_is_what_is_played(void)
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
 }
 
+/// Others lead Z, so no override changes where the cut is or ends.
+static void test_an_override_is_nothing_to_a_measured_z(void)
+{
+    start_with_measured_z();
+    const int64_t end_q32 = f.plan.disengage_at_q32;
+    const int32_t asked_q30 = f.plan.course.asked_q30;
+    f.config.play.feed_rate_q30 = asked_q30 / 2;
+    fixture_play_ticks(&f, rounds);
+    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
+    TEST_ASSERT_EQUAL_INT32(asked_q30, f.plan.course.asked_q30);
+}
+
+/// Z runs ahead of the helix by 0.16 mm in the middle.
+static void ahead(double z_nm, double w[3])
+{
+    const double k = 6.283185307179586 / 1e6; // of the short skirt's height
+    w[0] = 0.5 * (1.0 - cos(k * z_nm)) / k;
+    w[1] = 0.5 * sin(k * z_nm);
+    w[2] = 0.5 * k * cos(k * z_nm);
+}
+
+/// The way belongs to a geared Z: what is measured is the height itself.
+static void test_a_measured_z_has_no_way(void)
+{
+    int64_t height_q32[2];
+    for (int i = 0; i < 2; i++) {
+        fixture_play_init(&f, &part);
+        if (i == 1) {
+            fixture_newer_way(&f.image, ahead, 15, 4);
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+            TEST_ASSERT_NOT_NULL(f.table.way.knots);
+        }
+        f.params.z_is_measured = 1;
+        fixture_play_configure(&f);
+        f.is_axes_held = true;
+        f.in.actual_nm[hal_axis_u] = -400000;
+        f.in.actual_nm[hal_axis_x] = 46500000;
+        f.in.actual_nm[hal_axis_z] = 500000;
+        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+        fixture_play_ticks(&f, rounds);
+        TEST_ASSERT_EQUAL_INT64(INT64_C(500000) * 1024, f.axis[hal_axis_z].pos_q10);
+        height_q32[i] = f.motion.height_q32;
+    }
+    TEST_ASSERT_TRUE(height_q32[0] > INT64_C(1) << 32);
+    TEST_ASSERT_EQUAL_INT64(height_q32[0], height_q32[1]);
+}
+
 /// An angle that has jumped moves nothing: in that tick U continues at the speed of its last step.
 static void test_angle_at_fault_leaves_u_its_pace(void)
 {
@@ -309,6 +357,8 @@ int main(void)
     RUN_TEST(test_feed_ramp_of_a_measured_z_limits_no_speed);
     RUN_TEST(test_x_offset_moves_every_place_of_x);
     RUN_TEST(test_measured_z_is_what_is_played);
+    RUN_TEST(test_an_override_is_nothing_to_a_measured_z);
+    RUN_TEST(test_a_measured_z_has_no_way);
     RUN_TEST(test_angle_at_fault_leaves_u_its_pace);
     RUN_TEST(test_measured_z_beyond_table_and_margin_is_a_fault);
     RUN_TEST(test_measured_z_that_jumps_is_a_fault);

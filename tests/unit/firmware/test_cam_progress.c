@@ -197,6 +197,84 @@ static void test_without_a_table_nothing_is_told(void)
     TEST_ASSERT_EQUAL_UINT32(0, now().mrpm);
 }
 
+static void steps(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        step();
+    }
+}
+
+/// What is stopped is not resumed: the end of a hold is near, and told.
+static void test_a_stop_of_a_hold_ends_it(void)
+{
+    start();
+    until(cam_state_cutting);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
+    until(cam_state_holding);
+    steps(1000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    steps(20);
+    expect_true_end();
+}
+
+/// A hold that was asked for before the rehearsal is one of the cut behind it.
+static void test_a_rehearsal_is_not_held(void)
+{
+    set(cam_param_rehearse_turns, 3);
+    start();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
+    while (!g_cam.motion.is_playing) {
+        step();
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, fixture_rig_status(&rig).state);
+    const int32_t left = turns(now().left_q32);
+    const int32_t from = place();
+    until(cam_state_engaging);
+    TEST_ASSERT_INT32_WITHIN(50, left - turns(now().left_q32), place() - from);
+}
+
+/// Behind a rehearsal that was stopped there is no cut.
+static void test_a_stopped_rehearsal_is_followed_by_nothing(void)
+{
+    set(cam_param_rehearse_turns, 1000);
+    start();
+    while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < 1 << 29) {
+        step();
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    steps(20);
+    expect_true_end();
+}
+
+/// A measured Z has an end once it is stopped, and a spindle of the other sense the same speed.
+static void test_the_other_sense_and_a_stopped_z_are_told(void)
+{
+    fixture_part_t part = fixture_part_short();
+    part.direction = -1;
+    fixture_rig_init(&rig, &part, 20000);
+    TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
+    set(cam_param_z_is_measured, 1);
+    rig.is_z_held = true;
+    start();
+    until(cam_state_cutting);
+    steps(20);
+    TEST_ASSERT_FALSE(now().has_end);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    until(cam_state_disengaging);
+    expect_true_end();
+}
+
+/// A table that the interrupt has not taken yet is not told of.
+static void test_a_table_is_told_from_the_next_tick_on(void)
+{
+    cam_machine_init(&rig.machine, &g_cam, 20000, 200000000);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    TEST_ASSERT_EQUAL_UINT32(0, now().mrpm);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -210,5 +288,10 @@ int main(void)
     RUN_TEST(test_a_measured_z_has_no_end_before_its_stop);
     RUN_TEST(test_the_speed_is_that_of_the_pass_with_its_override);
     RUN_TEST(test_without_a_table_nothing_is_told);
+    RUN_TEST(test_a_stop_of_a_hold_ends_it);
+    RUN_TEST(test_a_rehearsal_is_not_held);
+    RUN_TEST(test_a_stopped_rehearsal_is_followed_by_nothing);
+    RUN_TEST(test_the_other_sense_and_a_stopped_z_are_told);
+    RUN_TEST(test_a_table_is_told_from_the_next_tick_on);
     return UNITY_END();
 }

@@ -99,6 +99,22 @@ static void test_stop_ends_a_rehearsal_in_ready(void)
     TEST_ASSERT_TRUE(rig.machine.is_cut_short); // the same pass again
 }
 
+/// A rehearsal has no feed: an override that comes in it leaves its end and holds from the cut on.
+static void test_an_override_in_a_rehearsal_is_for_the_cut(void)
+{
+    begin(3);
+    while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < 1 << 29) {
+        fixture_rig_tick(&rig);
+    }
+    const int64_t end_q32 = g_cam.plan.disengage_at_q32;
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_feed_override_ppm, 900000));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT64(end_q32, g_cam.plan.disengage_at_q32);
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, rehearse(20000));
+    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_cutting, 60000));
+    TEST_ASSERT_INT32_WITHIN(1, 966367642, g_cam.plan.course.asked_q30); // 0.9 of 2^30
+}
+
 /// What is watched in the cut is watched in its rehearsal, and X moves off from where it is.
 static void test_a_fault_retracts_as_in_the_cut(void)
 {
@@ -165,6 +181,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_u_plays_in_full_while_x_is_clear_by_half_the_stroke);
     RUN_TEST(test_stop_ends_a_rehearsal_in_ready);
+    RUN_TEST(test_an_override_in_a_rehearsal_is_for_the_cut);
     RUN_TEST(test_a_fault_retracts_as_in_the_cut);
     RUN_TEST(test_a_modulated_table_is_not_rehearsed);
     RUN_TEST(test_what_was_learned_is_in_the_command);

@@ -233,6 +233,28 @@ static void test_a_program_that_calls_the_machine_itself_is_unlocked(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
 }
 
+/// Who was unlocked by a challenge stays so when the key is turned on and off again.
+static void test_a_key_takes_nothing_from_a_challenge(void)
+{
+    take(12, 0);
+    cam_rights_hear(&r, 1000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(1000)), 1000));
+    (void)cam_rights_poll(&r, hal_in_key, 1001);
+    TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
+    (void)cam_rights_poll(&r, 0, 1002);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
+}
+
+/// The seconds that are left never count below 0, and a locked machine has none.
+static void test_what_is_left_of_a_level_ends_at_0(void)
+{
+    take(12, 0);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(1000)), 1000));
+    TEST_ASSERT_EQUAL_UINT32(1, cam_rights_level_left_s(&r, 1000 + 599999));
+    TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 1000 + 600001)); // not polled since
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -253,5 +275,7 @@ int main(void)
     RUN_TEST(test_challenges_depend_on_when_the_commander_was_heard);
     RUN_TEST(test_a_port_with_neither_key_nor_secret_is_never_unlocked);
     RUN_TEST(test_a_program_that_calls_the_machine_itself_is_unlocked);
+    RUN_TEST(test_a_key_takes_nothing_from_a_challenge);
+    RUN_TEST(test_what_is_left_of_a_level_ends_at_0);
     return UNITY_END();
 }

@@ -4,6 +4,7 @@
 #include "cam_feasible.h"
 #include "cam_way.h"
 #include "fixture_newer.h"
+#include "fixture_play.h"
 #include "fixture_shaft.h"
 #include "unity.h"
 
@@ -93,6 +94,51 @@ static void test_measured_z_is_refused_before_motion(void)
     TEST_ASSERT_EQUAL_INT(cam_err_z_stations, cam_feasible_check(&table, &params, 1000, tick_hz));
 }
 
+/// A machine cuts all lobes while Z stands: the lobe is found by the helix, Z by the way.
+static void test_z_stands_while_one_lobe_after_the_other_is_cut(void)
+{
+    static fixture_play_t f;
+    fixture_part_t part = fixture_part_short();
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(1));
+    f.image = image;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+    fixture_play_configure(&f);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    uint32_t seen = 0;
+    for (uint32_t i = 0; i < 100000u && f.want.state == cam_state_cutting; i++) {
+        fixture_play_tick(&f);
+        seen |= 1u << f.plan.shaft.i_lobe;
+        TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_disengaging, f.want.state);
+    TEST_ASSERT_EQUAL_HEX32(7, seen);
+}
+
+/// Without stations a measured Z finds the lobe, and is smoothed for it.
+static void test_a_measured_z_finds_the_lobe(void)
+{
+    static fixture_play_t f;
+    fixture_part_t part = fixture_part_short();
+    fixture_play_init(&f, &part);
+    const fixture_shaft_t shaft = fixture_shaft_three();
+    fixture_shaft_make(&f.image, &shaft);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+    f.params.z_is_measured = 1;
+    fixture_play_configure(&f);
+    f.is_axes_held = true;
+    f.in.actual_nm[hal_axis_u] = -400000;
+    f.in.actual_nm[hal_axis_x] = 46500000;
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    TEST_ASSERT_EQUAL_UINT32(0, f.plan.shaft.i_lobe);
+    while (f.in.actual_nm[hal_axis_z] < 800000) {
+        f.in.actual_nm[hal_axis_z] += 100;
+        fixture_play_tick(&f);
+    }
+    TEST_ASSERT_EQUAL_UINT32(2, f.plan.shaft.i_lobe);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -101,5 +147,7 @@ int main(void)
     RUN_TEST(test_skirt_has_no_stations);
     RUN_TEST(test_range_of_z_ends_where_z_does);
     RUN_TEST(test_measured_z_is_refused_before_motion);
+    RUN_TEST(test_z_stands_while_one_lobe_after_the_other_is_cut);
+    RUN_TEST(test_a_measured_z_finds_the_lobe);
     return UNITY_END();
 }

@@ -123,7 +123,8 @@ static void plan(learn_plant_t *p)
         .want = {.state = p->state}};
     const cam_motion_t m = {.is_playing =
                                 p->state == cam_state_rehearsing || p->state == cam_state_cutting,
-                            .scale_q30 = 1 << 30};
+                            .scale_q30 = 1 << 30,
+                            .phase_q32 = p->phase_q32};
     cam_gather_plan_isr(&p->gather, &r, &m);
 }
 

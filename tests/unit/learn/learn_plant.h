@@ -51,6 +51,7 @@ typedef struct {
     uint64_t tick;
     uint32_t generation;
     double scale;                     ///< amplitude at present
+    int32_t phase_q32;                ///< that the operator has set; the shape itself stays
     double turn_square, turn_most_um; ///< of the turn that runs
     uint32_t turn_ticks;
     double rms_um, most_um; ///< of the last whole turn: true U against what was due

@@ -195,6 +195,81 @@ static void test_names_are_known(void)
     TEST_ASSERT_EQUAL_STRING("?", cam_teach_reason_name(cam_teach_n_reasons));
 }
 
+/// A turn that is too slow for the gathering teaches nothing and says so.
+static void test_a_turn_that_is_too_slow_teaches_nothing(void)
+{
+    p.what.rpm = 60.0; // 2^18 of 2^32 per tick are 73 r/min
+    learn_plant_turns(&p, cam_state_rehearsing, 4);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_slow_turn, status().reason);
+    TEST_ASSERT_EQUAL_INT32(0, p.teach.k1_q16);
+}
+
+/// A cut that comes back to the speed of its rehearsal learns again.
+static void test_the_speed_of_the_rehearsal_ends_the_freeze(void)
+{
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    p.what.rpm = 2800.0;
+    learn_plant_turns(&p, cam_state_cutting, 9);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_frozen, status().phase);
+    p.what.rpm = 3000.0;
+    learn_plant_turns(&p, cam_state_cutting, 6);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_cutting, status().phase);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+}
+
+/// The operator turns the shape by a quarter: harmonic 2 of the correction turns by a half, 4 by a
+/// whole turn. Less than a 4096th of a turn is left alone.
+static void test_the_correction_turns_with_the_shape(void)
+{
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    p.setup.reason = cam_teach_not_asked; // what is in force stays
+    const cam_complex_t two = p.teach.shape.c_q6[2];
+    const cam_complex_t four = p.teach.shape.c_q6[4];
+    TEST_ASSERT_GREATER_THAN_UINT32(64, cam_complex_size(two));
+    p.phase_q32 = (1 << 20) - 1;
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    TEST_ASSERT_EQUAL_INT32(two.re, p.teach.shape.c_q6[2].re);
+    p.phase_q32 = 1 << 30;
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    TEST_ASSERT_INT32_WITHIN(2, -two.re, p.teach.shape.c_q6[2].re);
+    TEST_ASSERT_INT32_WITHIN(2, -two.im, p.teach.shape.c_q6[2].im);
+    TEST_ASSERT_INT32_WITHIN(2, four.re, p.teach.shape.c_q6[4].re);
+    TEST_ASSERT_INT32_WITHIN(2, four.im, p.teach.shape.c_q6[4].im);
+}
+
+/// A spindle that turns evenly has no ripple, and a mean of four turns says so; an eccentricity
+/// that is configured is then walked away from, in small steps.
+static void test_an_even_spindle_shows_no_ripple(void)
+{
+    p.setup.ripple_turns = 4;
+    p.setup.eccentricity.re = 20000; // [turn / 2^32]
+    p.teach.walking |= cam_walk_ripple;
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    TEST_ASSERT_NOT_EQUAL_INT16(0, p.learned.dm[0]);
+    TEST_ASSERT_EQUAL_UINT32(0, status().ripple_turns);
+    learn_plant_turns(&p, cam_state_rehearsing, 24);
+    TEST_ASSERT_EQUAL_UINT32(4, status().ripple_turns);
+    TEST_ASSERT_LESS_THAN_UINT32(100, status().ripple_nturn);
+    TEST_ASSERT_INT16_WITHIN(1, 0, p.learned.dm[0]);
+    TEST_ASSERT_EQUAL_INT32(0, cam_teach_harmonic(&p.teach, 0).ripple.re);
+    learn_plant_turns(&p, cam_state_cutting, 9);
+    TEST_ASSERT_LESS_THAN_UINT32(100, status().ripple_nturn);
+}
+
+/// Each of the three constants is something that is forgotten, and without one nothing walks.
+static void test_what_is_forgotten_is_walked_away_from(void)
+{
+    for (int i = 0; i < 4; i++) {
+        p.teach.speed_q32 = i == 1 ? 1 : 0;
+        p.teach.k1_q16 = i == 2 ? 1 : 0;
+        p.teach.k2_q16 = i == 3 ? 1 : 0;
+        p.teach.walking = 0;
+        cam_teach_forget(&p.teach);
+        TEST_ASSERT_EQUAL_HEX8(i == 0 ? 0 : cam_walk_drive | cam_walk_shape, p.teach.walking);
+        TEST_ASSERT_EQUAL_INT32(0, p.teach.speed_q32 | p.teach.k1_q16 | p.teach.k2_q16);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -211,5 +286,10 @@ int main(void)
     RUN_TEST(test_a_turn_of_few_ticks_teaches_the_oval);
     RUN_TEST(test_a_turn_of_too_few_ticks_teaches_nothing);
     RUN_TEST(test_names_are_known);
+    RUN_TEST(test_a_turn_that_is_too_slow_teaches_nothing);
+    RUN_TEST(test_the_speed_of_the_rehearsal_ends_the_freeze);
+    RUN_TEST(test_the_correction_turns_with_the_shape);
+    RUN_TEST(test_an_even_spindle_shows_no_ripple);
+    RUN_TEST(test_what_is_forgotten_is_walked_away_from);
     return UNITY_END();
 }
