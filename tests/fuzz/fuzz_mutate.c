@@ -13,9 +13,15 @@ static void change(uint8_t *order, size_t n, uint32_t *dice)
 {
     const size_t at = next(dice) % n;
     const uint32_t how = next(dice) % 4u;
-    order[at] = how == 0u   ? (uint8_t)(order[at] ^ 1u << next(dice) % 8u)
-                : how == 1u ? (uint8_t)(order[at] + next(dice) % 5u - 2u)
-                            : (uint8_t)next(dice);
+    uint32_t value = next(dice);
+    if (how == 0u) {
+        value = order[at] ^ (UINT32_C(1) << value % 8u);
+    } else if (how == 1u) {
+        value = order[at] + value % 5u - 2u;
+    } else {
+        // any byte
+    }
+    order[at] = (uint8_t)value;
 }
 
 static void fill(uint8_t *order, size_t n, uint32_t *dice)

@@ -222,9 +222,15 @@ class Session:
         if node == NODE:
             return None
         operator = Bus("vcan0", ANSWER - NODE + node)
-        operator.send(COMMAND - NODE + node, struct.pack("<BBHI", what, 0, 0, 0))
-        answer = operator.receive(1.0)
-        return None if answer is None else int(struct.unpack_from("<h", answer[1], 2)[0])
+        number, result = 0, None
+        for asked in (TAKE_COMMAND, what):
+            words = struct.pack("<BBBBi", asked, 0, SENDER, number, 0)
+            operator.send(COMMAND - NODE + node, words)
+            answer = operator.receive(1.0)
+            if answer is None:
+                return None
+            result, number = struct.unpack_from("<hi", answer[1], 2)
+        return result
 
     def begin_download(self, image: bytes, n_blocks: int) -> None:
         """Begin a download and send some blocks, by the kernel's own ISO-TP."""

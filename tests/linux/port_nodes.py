@@ -223,9 +223,7 @@ class Controller:
     def command(self, number: int, parameter: int = 0, value: int = 0) -> int | None:
         """Send a command as who has command; return its result, None without an answer."""
         result = self.raw(number, parameter, value)
-        if (
-            result is not None and result[0] == ERR_NOT_COMMANDER
-        ):  # not taken, or lost
+        if result is not None and result[0] == ERR_NOT_COMMANDER:  # not taken, or lost
             taken = self.raw(TAKE_COMMAND)
             assert taken is not None and taken[0] == 0
             self.session = taken[1]

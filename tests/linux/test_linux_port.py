@@ -233,7 +233,7 @@ def test_signal_ends_it_with_the_drives_let_go(
     for node in (U, X, Z, SPINDLE):
         assert nodes.drives[node].controls[-2:] == [0x02, 0x00]
         assert nodes.drives[node].status == DISABLED
-    assert nodes.drives[U].actual == -500_000
+    assert nodes.drives[U].actual == pytest.approx(-500_000, abs=20)  # a rest of what fades
 
 
 def test_second_signal_lets_go_at_once(nodes: Nodes, start: Start) -> None:

@@ -84,7 +84,7 @@ def rows_of(cut: Cut) -> bytes:
 def script(params: dict[str, int]) -> str:
     """Return the HAL file that puts camturn between the two functions of replay."""
     rest = {name: value for name, value in params.items() if name != "tick_hz"}
-    feeding = "measures_u=1 measures_x=1 nominal_time=1"
+    feeding = "measures_u=1 measures_x=1 nominal_time=1 waive_acknowledge=1"
     lines = [
         f"loadrt threads name1=fast period1={PERIOD_NS}",
         "loadrt replay rows=./rows kept=./kept",
