@@ -63,6 +63,9 @@ static bool is_empty(const record_t *found)
 
 void stm_table_init(void)
 {
+    in_use = 0;
+    n_written = 0;
+    is_begun = false;
     for (uint32_t i = 0; i < n_records; i++) {
         record_t found;
         const bool is_readable = stm_flash_peek(log_address(i), found.words);

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hours of machine time: an operator cuts part after part, bad luck disturbs him at random, and the
+// judge of the fuzzing looks at every tick. Whatever happened, the next part must be possible.
+//
+//     hours TICK_HZ HOURS SEED [FIRST]   prints one JSON object; ends by abort() with what was
+//     broken.
+// Sessions are numbered; with FIRST they begin there, so that one that broke is played again alone.
+#include "cam_machine_hand.h"     // cam_machine_manual
+#include "cam_machine_override.h" // cam_machine_hold
+#include "fuzz_expect.h"          // FUZZ_EXPECT
+#include "fuzz_rig.h"
+#include "hal_host.h"
+#include "sim_random.h"
+#include <inttypes.h> // PRIu64
+#include <stdio.h>    // printf
+#include <string.h>   // memset
+
+enum { session_s = 900, patience_s = 60, poll_hz = 125 };
+enum { n_bad_luck = 12 };
+
+static const char *const bad_luck_names[n_bad_luck] = {
+    "estop",          "drive",         "bus",           "late_tick",
+    "encoder_jump",   "encoder_stuck", "index_dead",    "u_held",
+    "measured_wrong", "spindle_held",  "spindle_wrong", "u_not_reported",
+};
+
+static sim_random_t dice;
+static uint64_t n_left; // [ticks] of this session
+static struct {
+    uint64_t n_ticks, n_sessions, n_parts, n_stopped, n_manual, n_faults;
+    uint64_t n_injected[n_bad_luck];
+    uint64_t n_latched[cam_n_faults];
+} sum;
+
+static uint32_t any(uint32_t n)
+{
+    return (uint32_t)((sim_random_next(&dice) >> 32) % n);
+}
+
+static void note(cam_state_t before)
+{
+    const cam_state_t now = fuzz_rig_state();
+    if (now != before && now == cam_state_fault) {
+        sum.n_faults++;
+        for (uint32_t i = 0; i < (uint32_t)cam_n_faults; i++) {
+            sum.n_latched[i] += fuzz_rig.judge.faults >> i & 1u;
+        }
+    }
+}
+
+static void pass(void)
+{
+    const cam_state_t before = fuzz_rig_state();
+    const uint32_t every = fuzz_rig.judge.tick_hz / (uint32_t)poll_hz + 1u;
+    if (hal_host.n_ticks % every == 0u) {
+        cam_machine_poll(&fuzz_rig.machine);
+    }
+    fuzz_rig_tick();
+    note(before);
+    sum.n_ticks++;
+    n_left -= n_left > 0u ? 1u : 0u;
+}
+
+static void pass_ms(uint32_t ms)
+{
+    for (uint32_t i = 0; i < fuzz_rig.judge.tick_hz / 1000u * ms; i++) {
+        pass();
+    }
+}
+
+/// A feed of nothing would never end the cut. Asked again, since what comes too soon is refused.
+static void set_right(void)
+{
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_feed_override_ppm, 1000000));
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_spindle_override_ppm, 1000000));
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_amplitude_ppm, 1000000));
+}
+
+/// Let pass until a state is reached, or the fault. An operator does not forget that he holds, and
+/// a command that came too soon behind another is given again. @return whether it was reached
+static bool wait_for(cam_state_t state)
+{
+    const uint32_t most = fuzz_rig.judge.tick_hz * (uint32_t)patience_s;
+    uint32_t n = 0;
+    while (fuzz_rig_state() != state && fuzz_rig_state() != cam_state_fault && n < most) {
+        if (n % 64u == 63u) {
+            set_right();
+            fuzz_try(cam_machine_resume(&fuzz_rig.machine));
+        }
+        pass();
+        n++;
+    }
+    FUZZ_EXPECT(n < most, "%s is not reached from %s in %d s", cam_state_name(state),
+                cam_state_name(fuzz_rig_state()), (int)patience_s);
+    return fuzz_rig_state() == state;
+}
+
+static void strike(void)
+{
+    const uint32_t what = any(n_bad_luck);
+    const int64_t hz = fuzz_rig.judge.tick_hz;
+    sum.n_injected[what]++;
+    switch (what) {
+    case 0:
+        hal_host_fault_estop(true);
+        break;
+    case 1:
+        hal_host_fault_drive(true);
+        break;
+    case 2:
+        hal_host_fault_bus(true);
+        break;
+    case 3:
+        hal_host_fault_late(any(400));
+        break;
+    case 4:
+        hal_host_fault_counts((int32_t)any(8000) - 4000);
+        fuzz_rig.judge.is_angle_doubtful = true;
+        break;
+    case 5:
+        hal_host_fault_encoder_stuck(true);
+        fuzz_rig.judge.is_angle_doubtful = true;
+        break;
+    case 6:
+        hal_host_fault_index_dead(true);
+        break;
+    case 7:
+        fuzz_rig.is_held[hal_axis_u] = true;
+        break;
+    case 8:
+        fuzz_rig.error_nm[any(hal_n_axes)] = (int32_t)any(2000000) - 1000000;
+        break;
+    case 9:
+        fuzz_rig.is_spindle_held = true;
+        break;
+    case 10:
+        fuzz_rig.is_spindle_held = true;
+        fuzz_rig.judge.is_angle_doubtful = true;
+        fuzz_rig.speed_q32 = ((int64_t)any(8000) - 4000) * INT64_C(4294967296) / 60 / hz;
+        break;
+    default:
+        fuzz_rig.is_swing_held = true;
+        fuzz_rig.is_held[hal_axis_x] = true;
+        break;
+    }
+}
+
+static void mend(void)
+{
+    hal_host_fault_estop(false);
+    hal_host_fault_drive(false);
+    hal_host_fault_bus(false);
+    hal_host_fault_encoder_stuck(false);
+    hal_host_fault_index_dead(false);
+    memset(fuzz_rig.is_held, 0, sizeof fuzz_rig.is_held);
+    memset(fuzz_rig.error_nm, 0, sizeof fuzz_rig.error_nm);
+    fuzz_rig.is_spindle_held = false;
+    fuzz_rig.is_swing_held = false;
+}
+
+/// An operator finds out what is wrong, has it mended and resets.
+static void recover(void)
+{
+    const uint32_t most = fuzz_rig.judge.tick_hz * (uint32_t)patience_s;
+    mend();
+    pass_ms(100);
+    for (uint32_t n = 0; fuzz_rig_state() == cam_state_fault; n++) {
+        FUZZ_EXPECT(n < most, "faults %x are not reset", (unsigned)fuzz_rig.judge.faults);
+        if (n % 64u == 0u) {
+            fuzz_try(cam_machine_reset(&fuzz_rig.machine));
+        }
+        pass();
+    }
+}
+
+/// A press of the button, as it is meant.
+static void press(void)
+{
+    pass_ms(125);
+    hal_host_press(true);
+    pass_ms(80 + any(400));
+    hal_host_press(false);
+    pass_ms(125);
+}
+
+/// Corrections between and in cuts; what the firmware refuses stays as it was.
+static void correct(void)
+{
+    static const struct {
+        cam_param_id_t id;
+        int32_t least;
+        uint32_t range;
+    } changes[] = {
+        {cam_param_x_trim_nm, -20000, 40000},
+        {cam_param_feed_override_ppm, 0, 1500000},
+        {cam_param_spindle_override_ppm, 700000, 400000},
+        {cam_param_phase_udeg, -2000000, 4000000},
+        {cam_param_amplitude_ppm, 900000, 150000},
+    };
+    const uint32_t i = any(sizeof changes / sizeof changes[0]);
+    const int32_t value = changes[i].least + (int32_t)any(changes[i].range);
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, changes[i].id, value));
+}
+
+/// One part, with what an operator does meanwhile, and in one of three cuts bad luck.
+static void cut(void)
+{
+    cam_machine_t *m = &fuzz_rig.machine;
+    if (cam_machine_start(m) != cam_ok) {
+        set_right();
+        pass_ms(20);
+        return;
+    }
+    const uint32_t events = any(4);
+    const bool is_struck = any(3) == 0u;
+    bool is_stopped = false;
+    for (uint32_t i = 0; i < events; i++) {
+        pass_ms(any(200));
+        if (any(4) != 0u) {
+            correct();
+        } else if (any(2) == 0u) {
+            fuzz_try(cam_machine_hold(m));
+            pass_ms(any(300));
+            fuzz_try(cam_machine_resume(m));
+        } else {
+            is_stopped = true;
+            fuzz_try(cam_machine_stop(m));
+        }
+    }
+    if (is_struck) {
+        pass_ms(any(400));
+        strike();
+        pass_ms(any(300));
+        mend(); // unseen, or the fault is latched
+    }
+    set_right();
+    if (wait_for(cam_state_ready)) {
+        sum.n_stopped += is_stopped ? 1u : 0u;
+        sum.n_parts += is_stopped ? 0u : 1u;
+    }
+}
+
+/// Some minutes by hand.
+static void by_hand(void)
+{
+    cam_machine_t *m = &fuzz_rig.machine;
+    if (cam_machine_manual(m) != cam_ok) {
+        return;
+    }
+    pass_ms(10);
+    for (uint32_t i = any(6); i > 0u && fuzz_rig_state() == cam_state_manual; i--) {
+        (void)cam_machine_jog(m, (hal_axis_t)any(hal_n_axes), (int32_t)any(2000) - 1000);
+        for (uint32_t k = any(8); k > 0u; k--) {
+            cam_machine_hand_alive(m);
+            pass_ms(20);
+        }
+    }
+    sum.n_manual++;
+    if (any(8) == 0u) {
+        strike();
+        pass_ms(200);
+    }
+    mend();
+    fuzz_try(cam_machine_disable(m));
+    (void)wait_for(cam_state_off);
+}
+
+/// What an operator does next in this state.
+static void go_on(void)
+{
+    switch (fuzz_rig_state()) {
+    case cam_state_fault:
+        recover();
+        break;
+    case cam_state_off:
+        mend();
+        hal_host.in.axis_nm[hal_axis_u] = 0; // outside of its stroke it is pushed back by hand
+        press();
+        if (any(12) == 0u) {
+            by_hand();
+            break;
+        }
+        if (cam_machine_enable(&fuzz_rig.machine) == cam_ok) {
+            pass_ms(10);
+            (void)wait_for(cam_state_ready);
+            pass_ms(700); // the spindle runs up
+        }
+        break;
+    case cam_state_ready:
+        if (any(40) == 0u) {
+            strike();
+            pass_ms(100);
+        } else if (any(60) == 0u) {
+            fuzz_try(cam_machine_disable(&fuzz_rig.machine));
+            (void)wait_for(cam_state_off);
+        } else {
+            cut();
+        }
+        break;
+    default:
+        (void)wait_for(cam_state_ready);
+        break;
+    }
+}
+
+static void session(uint32_t hz, uint32_t part, uint64_t seed)
+{
+    (void)printf("session %" PRIu64 ": %u Hz, part %u, seed %" PRIu64 "\n", sum.n_sessions,
+                 (unsigned)hz, (unsigned)part, seed);
+    (void)fflush(stdout);
+    dice = sim_random_seeded(seed);
+    fuzz_rig_start(
+        (fuzz_start_t){.tick_hz = hz, .part = part, .has_button = true, .state = cam_state_off});
+    if (part != 1u) { // what the default machine's spindle can do
+        fuzz_rig.ramp_q32 = INT64_C(4000) * 4294967296 / 60 / hz / hz;
+    }
+    const uint64_t parts_before = sum.n_parts;
+    n_left = (uint64_t)hz * session_s;
+    while (n_left > 0u) {
+        const uint64_t before = sum.n_ticks;
+        go_on();
+        if (sum.n_ticks == before) {
+            pass();
+        }
+    }
+    FUZZ_EXPECT(sum.n_parts > parts_before, "no part was cut in %d s", (int)session_s);
+    sum.n_sessions++;
+}
+
+static void tell(uint32_t hz)
+{
+    (void)printf("{\"ticks\": %" PRIu64 ", \"hours\": %.3f, \"sessions\": %" PRIu64
+                 ", \"parts\": %" PRIu64 ", \"stopped\": %" PRIu64 ", \"by_hand\": %" PRIu64
+                 ", \"faults\": %" PRIu64,
+                 sum.n_ticks, (double)sum.n_ticks / hz / 3600.0, sum.n_sessions, sum.n_parts,
+                 sum.n_stopped, sum.n_manual, sum.n_faults);
+    for (uint32_t i = 0; i < (uint32_t)n_bad_luck; i++) {
+        (void)printf(", \"injected_%s\": %" PRIu64, bad_luck_names[i], sum.n_injected[i]);
+    }
+    for (uint32_t i = 0; i < (uint32_t)cam_n_faults; i++) {
+        (void)printf(", \"latched_%s\": %" PRIu64, cam_fault_name((cam_fault_t)i),
+                     sum.n_latched[i]);
+    }
+    (void)printf("}\n");
+}
+
+int main(int argc, char **argv)
+{
+    unsigned hz;
+    double hours;
+    uint64_t seed;
+    uint32_t first = 0;
+    if ((argc != 4 && (argc != 5 || sscanf(argv[4], "%" SCNu32, &first) != 1)) ||
+        sscanf(argv[1], "%u", &hz) != 1 || sscanf(argv[2], "%lf", &hours) != 1 ||
+        sscanf(argv[3], "%" SCNu64, &seed) != 1 ||
+        (hz != 1000u && hz != 2000u && hz != 5000u && hz != 20000u)) {
+        (void)fprintf(stderr, "usage: hours 1000|2000|5000|20000 HOURS SEED [FIRST SESSION]\n");
+        return 2;
+    }
+    const uint64_t n_ticks = (uint64_t)(hours * 3600.0 * hz);
+    for (uint32_t i = first; sum.n_ticks < n_ticks; i++) {
+        session(hz, i % (uint32_t)fuzz_rig_n_parts, seed * 1000u + i);
+    }
+    tell(hz);
+    return 0;
+}
