@@ -17,6 +17,7 @@ from pathlib import Path
 from threading import Lock
 
 from mutants import Mutant, drawn, sources
+from pristine import Pristine
 from workshop import Workshop
 
 HERE = Path(__file__).resolve().parent
@@ -90,13 +91,19 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=18, help="of the draw (default: 18)")
     parser.add_argument("--jobs", type=int, default=2, help="workshops side by side (default: 2)")
     parser.add_argument("--files", nargs="*", default=[], help="draw from these files only")
+    parser.add_argument("--quick", action="store_true", help="judge by unit tests only")
     parser.add_argument("--record", action="store_true", help="write figures.json beside this")
     options = parser.parse_args()
+    if options.record and (options.quick or options.files):
+        parser.error("--record is for a whole campaign: leave out --quick and --files")
     folder = ROOT / "build" / "mutation"
     stream = drawn(ROOT, options.seed, options.files or sources(ROOT))
     campaign = Campaign(stream, options.count)
     with ThreadPoolExecutor(options.jobs) as pool:
-        shops = list(pool.map(lambda i: Workshop(ROOT, folder / str(i)), range(options.jobs)))
+        presets = ("host",) if options.quick else ("host", "host-asan")
+        builds = [Pristine(ROOT, folder / "tree", preset) for preset in presets]
+        builds[0].measure()
+        shops = [Workshop(ROOT, folder / str(i), builds) for i in range(options.jobs)]
         list(pool.map(campaign.work, shops))
     figures = figures_of(campaign, options.seed)
     text = json.dumps(figures, indent=1) + "\n"

@@ -2,167 +2,157 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
-import shlex
 import shutil
-import signal
-import subprocess
 import sys
-import time
+from functools import cache
+from itertools import product
 from pathlib import Path
 
 from mutants import Mutant
-
-_BUILD_LIMIT_S, _TEST_LIMIT_S = 300.0, 60.0
-_TEST_NAMES = "test_cam_*", "test_learn*"
+from pristine import BUILD_LIMIT_S, CAMSIM, TEST_LIMIT_S, Pristine, copy_tree, digest, run
 
 
-class Workshop:
-    """Copy of the tracked files with a build of the host preset.
+class RefusedError(Exception):
+    """The compiler refuses the mutant."""
+
+
+class Bench:
+    """Compiles what a mutant changes, and links programs with it.
 
     Parameters
     ----------
-    root : Path
-        The project.
-    folder : Path
-        Where the copy goes; what is there of an earlier campaign is used again.
+    pristine : Pristine
+        Serves all that is not changed.
+    tree : Path
+        Copy of the tree, whose folder `build` is that of the pristine one.
     """
 
-    def __init__(self, root: Path, folder: Path) -> None:
-        self.tree = folder
-        self._copy(root)
-        self.build = self.tree / "build" / "host"
-        self._checked = self.tree / "build" / "host-asan"
-        for preset in ("host", "host-asan"):
-            self._run(["cmake", "--preset", preset], _BUILD_LIMIT_S)
-            if self._run(["cmake", "--build", "--preset", preset], 6 * _BUILD_LIMIT_S) != 0:
-                raise RuntimeError(f"{self.tree}: {preset} does not build before it is changed")
-        self.tests = self._tests()
-        self._objects = self._find_objects()
+    def __init__(self, pristine: Pristine, tree: Path) -> None:
+        self._pristine, self._tree = pristine, tree
+        self.out = tree.parent / f"{tree.name}-{pristine.build.name}"
+        self._changed: dict[str, bool] = {}  # of the present mutant, by object
+        self._own = cache(self._digest_before)
 
-    def _copy(self, root: Path) -> None:
-        self.tree.mkdir(parents=True, exist_ok=True)
-        listed = subprocess.run(
-            ["git", "ls-files", "-z"], cwd=root, capture_output=True, check=True, text=True
-        ).stdout.split("\0")
-        for name in filter(None, listed):
-            source, target = root / name, self.tree / name
-            if not source.exists():
-                continue
-            target.parent.mkdir(parents=True, exist_ok=True)
-            if not target.exists() or target.read_bytes() != source.read_bytes():
-                shutil.copy2(source, target)
-        for name in ("_unity", "_monocypher"):
-            fetched, link = root / "build" / name, self.tree / "build" / name
-            link.parent.mkdir(exist_ok=True)
-            if fetched.exists() and not link.exists():
-                link.symlink_to(fetched.resolve())
+    def forget(self) -> None:
+        """Begin with the next mutant."""
+        shutil.rmtree(self.out, ignore_errors=True)
+        self._changed.clear()
 
-    def _run(self, words: list[str], limit_s: float) -> int | None:
-        """Return the exit status of a command, None when it took too long."""
-        with subprocess.Popen(
-            words,
-            cwd=self.tree,
-            env=os.environ
-            | {"PYTHONPATH": str(self.tree / "tools"), "CAMTURN_BUILD": str(self.build)},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        ) as process:
-            try:
-                return process.wait(limit_s)
-            except subprocess.TimeoutExpired:
-                os.killpg(process.pid, signal.SIGKILL)
-                return None
+    def _compile(self, name: str, target: Path, tree: Path) -> bool:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        words = [
+            word.replace(f"{self._pristine.tree}/", f"{tree}/")
+            for word in self._pristine.compiled[name]
+        ]
+        words[words.index("-o") + 1] = str(target)
+        return run(words, self._pristine.build, BUILD_LIMIT_S) == 0
 
-    def _tests(self) -> list[Path]:
-        """Return the unit tests that have to do with the firmware, the quickest first."""
-        found = [p for name in _TEST_NAMES for p in (self.build / "tests/unit").glob(name)]
-        times = {}
-        for path in sorted(p for p in found if p.is_file() and os.access(p, os.X_OK)):
-            begin = time.monotonic()
-            if self._run([str(path)], _TEST_LIMIT_S) != 0:
-                raise RuntimeError(f"{path.name} fails before anything is changed")
-            times[path] = time.monotonic() - begin
-        return sorted(times, key=lambda path: times[path])
+    def _digest_before(self, name: str) -> str:
+        target = self.out / "before.o"
+        if not self._compile(name, target, self._pristine.tree):
+            raise RuntimeError(f"{name} does not compile before it is changed")
+        return digest(target)
 
-    def _find_objects(self) -> dict[str, Path]:
-        entries = json.loads((self.build / "compile_commands.json").read_text(encoding="utf-8"))
-        return {
-            str(Path(entry["file"]).relative_to(self.tree)): self.build / _output(entry["command"])
-            for entry in entries
-            if Path(entry["file"]).is_relative_to(self.tree)
-        }
+    def is_changed(self, name: str) -> bool:
+        """Return whether the mutant makes another object of it."""
+        if name not in self._changed:
+            target = self.out / name
+            if not self._compile(name, target, self._tree):
+                raise RefusedError
+            self._changed[name] = digest(target) != self._own(name)
+        return self._changed[name]
 
-    def _ninja(self, *targets: str, build: Path | None = None) -> int | None:
-        folder = str(build or self.build)
-        return self._run(["ninja", "-C", folder, *targets], _BUILD_LIMIT_S)
-
-    def _own_first(self, mutant: Mutant) -> tuple[list[Path], list[Path]]:
-        """Return the tests of the changed module, and all the others."""
-        module = Path(mutant.file).stem
-        own = [path for path in self.tests if path.name.startswith(f"test_{module}")]
-        return own, [path for path in self.tests if path not in own]
-
-    def _is_same_code(self, mutant: Mutant, before: str) -> bool | None:
-        """Return whether the compiler makes the same code of it; None when it makes none."""
-        target = self._objects.get(mutant.file)
-        if target is None:
-            return False
-        if self._ninja(str(target.relative_to(self.build))) != 0:
+    def linked(self, program: str, needs: set[str]) -> Path | None:
+        """Return the program with the mutant in it; None when it is the same program."""
+        words, members = self._pristine.link(program)
+        changed = {name for name in sorted(members & needs) if self.is_changed(name)}
+        if not changed:
             return None
-        return _digest(target) == before
+        target = self.out / program
+        target.parent.mkdir(parents=True, exist_ok=True)
+        ahead = [str(self.out / name) for name in sorted(changed - set(words))]
+        words = [str(self.out / word) if word in changed else word for word in words]
+        at = words.index("-o")
+        words = [*words[:at], *ahead, "-fno-lto", "-o", str(target), *words[at + 2 :]]
+        if run(words, self._pristine.build, BUILD_LIMIT_S) != 0:
+            raise RefusedError
+        return target
+
+
+class Workshop:
+    """Judges one mutant after the other.
+
+    Parameters
+    ----------
+    root, folder : Path
+        The project, and where the copy goes.
+    builds : list of Pristine
+        Without sanitizers, and with them; if there is none with them, only unit tests judge.
+    """
+
+    def __init__(self, root: Path, folder: Path, builds: list[Pristine]) -> None:
+        self._tree, self._pristine = folder, builds[0]
+        copy_tree(root, folder)
+        build = folder / "build"
+        if not build.is_symlink():
+            build.symlink_to(self._pristine.tree / "build")
+        self._bench = Bench(builds[0], folder)
+        self._checked = [Bench(build, folder) for build in builds[1:]]
 
     def judge(self, mutant: Mutant) -> str:
         """Return `invalid`, `same code`, `survived`, or `killed by` what."""
-        path = self.tree / mutant.file
+        path = self._tree / mutant.file
         text = path.read_text(encoding="utf-8")
-        target = self._objects.get(mutant.file)
-        if target is not None:
-            self._ninja(str(target.relative_to(self.build)))
-        before = _digest(target) if target is not None else ""
+        for bench in (self._bench, *self._checked):
+            bench.forget()
         try:
             path.write_text(mutant.applied(text), encoding="utf-8")
-            is_same = self._is_same_code(mutant, before)
-            if is_same is None:
-                return "invalid"
-            return "same code" if is_same else self._test(mutant)
+            return self._test(mutant)
+        except RefusedError:
+            return "invalid"
         finally:
             path.write_text(text, encoding="utf-8")
 
+    def _ordered(self, mutant: Mutant) -> tuple[list[str], list[str]]:
+        """Return the tests of the module, and the others: those that name it, then quick ones."""
+        module, times = Path(mutant.file).stem, self._pristine.times
+        own = [name for name in times if f"{name}_".startswith(f"test_{module}_")]
+        naming = {
+            name
+            for name, path in self._pristine.sources.items()
+            if f"{module}_" in path.read_text(encoding="utf-8")
+        }
+        others = [name for name in times if name not in own]
+        return (
+            sorted(own, key=lambda name: times[name]),
+            sorted(others, key=lambda name: (times[name] > 1, name not in naming, times[name])),
+        )
+
     def _test(self, mutant: Mutant) -> str:
-        for group in self._own_first(mutant):
-            if not group:
+        own, others = self._ordered(mutant)
+        needs = self._pristine.needs.get(mutant.file, set())
+        for name in (*own, *others):
+            program = self._bench.linked(f"tests/unit/{name}", needs)
+            if program is None:
                 continue
-            if self._ninja(*(str(path.relative_to(self.build)) for path in group)) != 0:
-                return "invalid"
-            for path in group:
-                status = self._run([str(path)], _TEST_LIMIT_S)
-                if status != 0:
-                    return f"killed by {path.name}" + (" (time)" if status is None else "")
-        return self._test_slowly(mutant)
+            limit_s = 5 + 20 * self._pristine.times[name]
+            status = run([str(program)], self._tree, min(limit_s, TEST_LIMIT_S))
+            if status != 0:
+                return f"killed by {name}" + (" (time)" if status is None else "")
+        return self._test_slowly(own, needs)
 
-    def _test_slowly(self, mutant: Mutant) -> str:
+    def _test_slowly(self, own: list[str], needs: set[str]) -> str:
         """Judge by what takes longer: own tests with sanitizers, then whole cuts on camsim."""
-        own = [str(path.relative_to(self.build)) for path in self._own_first(mutant)[0]]
-        self._ninja(*own, build=self._checked)
-        for name in own:
-            if self._run([str(self._checked / name)], 2 * _TEST_LIMIT_S) != 0:
-                return f"killed by {Path(name).name} with sanitizers"
-        self._ninja("host_sim/camsim")
+        camsim = self._bench.linked(CAMSIM, needs)
+        if camsim is None and not any(map(self._bench.is_changed, needs)):
+            return "same code"
+        for bench, name in product(self._checked, own):
+            program = bench.linked(f"tests/unit/{name}", needs)
+            if program and run([str(program)], self._tree, 2 * TEST_LIMIT_S) != 0:
+                return f"killed by {name} with sanitizers"
+        if camsim is None or not self._checked:
+            return "survived"
         pytest = [sys.executable, "-m", "pytest", "-c", "tools/pyproject.toml", "-q", "-x"]
-        words = [*pytest, f"--rootdir={self.tree}", "-p", "no:cacheprovider", "tests/scenarios"]
-        return "survived" if self._run(words, 10 * _TEST_LIMIT_S) == 0 else "killed by scenarios"
-
-
-def _output(command: str) -> str:
-    """Return the file that a command of the compiler writes."""
-    words = shlex.split(command)
-    return words[words.index("-o") + 1]
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+        words = [*pytest, f"--rootdir={self._tree}", "-p", "no:cacheprovider", "tests/scenarios"]
+        status = run(words, self._tree, 10 * TEST_LIMIT_S, self._bench.out)
+        return "survived" if status == 0 else "killed by scenarios"
