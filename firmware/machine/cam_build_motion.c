@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build_motion.h"
+#include "cam_angle.h" // CAM_TURN_Q32
 #include "cam_cut.h"   // cam_cut_smaller
 #include "cam_fit.h"   // cam_fit_approach_share
 #include "cam_fix.h"   // cam_clamp_i64, cam_sat_i32
@@ -64,20 +65,29 @@ static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_h
     }
 }
 
+/// @return [nm per turn] fastest way of X or Z with the spindle's angle: Z moves by the feed, and X
+/// also leaves or reaches its clearance by a smooth step over whole turns, at 15/8 of its mean
+static int64_t way_nm(const cam_play_config_t *c, uint32_t axis)
+{
+    const int64_t ramp_q32 = cam_cut_smaller(c->engage_q32, c->disengage_q32);
+    const int64_t clearing_nm = (int64_t)c->x_clearance_nm * 15 / (8 * (ramp_q32 / CAM_TURN_Q32));
+    return axis == (uint32_t)hal_axis_x ? c->feed_nm + clearing_nm : c->feed_nm;
+}
+
 /// What X and Z are told changes from plan to plan by their acceleration, and by what the encoder
-/// makes of it: they follow the spindle's angle, whose steps of up to the jump window move Z by
-/// their share of the feed. Twice of both is no fault. A Z that others move is told where it is,
-/// and an X over it follows its measurement from plan to plan.
+/// makes of it: they follow the spindle's angle, whose steps of up to the jump window move them by
+/// their share of the way of a turn. Twice of both is no fault. A Z that others move is told where
+/// it is, and an X over it follows its measurement from plan to plan.
 static void build_told(cam_config_t *c)
 {
     const int32_t ticks = c->play.plan_ticks;
     cam_guard_config_t *g = &c->guard;
-    const int64_t jump_nm =
-        (int64_t)c->play.feed_nm * c->spindle.jump_window / c->spindle.counts_per_turn;
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
         const cam_move_limits_t *full = &c->play.leave[i]; // per plan
         const int64_t vel_q10 = full->speed_q10 / ticks;
         const int64_t change_q10 = full->acceleration_q10 / ticks;
+        const int64_t jump_nm =
+            way_nm(&c->play, i) * c->spindle.jump_window / c->spindle.counts_per_turn;
         const int64_t most_q10 = vel_q10 + vel_q10 / 16 + CAM_BUILD_MARGIN_Q10;
         const bool is_led = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
         const int64_t told_q10 = 2 * (change_q10 + jump_nm * 1024 / ticks) + CAM_BUILD_MARGIN_Q10;

@@ -215,6 +215,18 @@ static void test_increments_beyond_the_limits_are_a_fault_before_they_are_told(v
     }
 }
 
+/// X leaves a clearance of 5 mm in a turn: a count of the encoder moves it by 0.94 um.
+static void test_steps_of_the_encoder_move_x_off_a_wide_clearance_without_a_fault(void)
+{
+    fixture_rig_init(&rig, &part, 5000);
+    set(cam_param_engage_turns, 1);
+    set(cam_param_x_clearance_nm, 5000000);
+    set(cam_param_spindle_mrpm, 470700); // no whole number of counts per tick
+    set(cam_param_observer_bandwidth_mHz, 400000);
+    set(cam_param_following_limit_nm, 10000000);
+    bring(cam_state_cutting);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -225,5 +237,6 @@ int main(void)
     RUN_TEST(test_command_of_a_wrong_gain_is_a_fault_and_not_written);
     RUN_TEST(test_command_beyond_the_stroke_is_a_fault_and_not_clipped);
     RUN_TEST(test_increments_beyond_the_limits_are_a_fault_before_they_are_told);
+    RUN_TEST(test_steps_of_the_encoder_move_x_off_a_wide_clearance_without_a_fault);
     return UNITY_END();
 }
