@@ -21,7 +21,7 @@ typedef enum { torn_as_erased, torn_as_half, torn_unreadable, torn_not, n_torn }
 typedef enum { found_old, found_new, found_wrong } found_t;
 
 /// Place 0, place 1 and the log, where CMakeLists.txt lets the symbols of the linker script point.
-_Alignas(stm_flash_word_bytes) uint8_t campaign_flash[n_sectors * sector];
+_Alignas(stm_flash_word_bytes) __attribute__((used)) uint8_t campaign_flash[n_sectors * sector];
 
 static struct {
     uint8_t bytes[n_sectors * sector];

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of README.md are those of the campaign that was recorded."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from campaign_run import HOURS, key_of, tables
+from reactions import CASES, Reaction
+
+HERE = Path(__file__).resolve().parent
+FLAT = json.loads((HERE / "figures.json").read_text("utf-8"))
+
+
+def test_readme_tells_the_recorded_figures() -> None:
+    """Its tables are made of figures.json as it is."""
+    told = (HERE / "README.md").read_text("utf-8")
+    assert tables(FLAT) == told.partition("<!-- figures -->\n")[2].partition("<!-- end")[0]
+
+
+def test_recorded_campaign_is_whole_and_found_nothing() -> None:
+    """Hours at every rate, every disturbance with the reaction that is asked for, every fall."""
+    assert FLAT["found"] == 0
+    for hz, _, _ in HOURS:
+        assert FLAT[f"hours_hours_at_{hz}_hz"] > 0.0
+    for case in CASES:
+        assert FLAT[f"{key_of(Reaction(case, ''))}_fault"] == case.fault, case.name
+    for name in ("power_stm", "power_linux"):
+        assert FLAT[f"{name}_falls"] == FLAT[f"{name}_old"] + FLAT[f"{name}_new"] > 0
