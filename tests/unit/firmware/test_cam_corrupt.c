@@ -184,6 +184,67 @@ static void test_configuration_is_made_anew_in_off(void)
     bring(cam_state_cutting);
 }
 
+/// @return the configuration in use, which is to be changed
+static cam_config_t *changed(void)
+{
+    cam_config_t *config = &g_cam.config.half[g_cam.config.in_use == &g_cam.config.half[1]];
+    flip(&config->guard.u_range_q6, 3);
+    return config;
+}
+
+static void polls(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        cam_machine_poll(&rig.machine);
+    }
+}
+
+/// What was found waits for the request that is on its way and for room; it is found again.
+static void test_a_change_that_is_found_waits_for_request_and_room(void)
+{
+    cam_machine_t *m = &rig.machine;
+    bring(cam_state_ready);
+    (void)changed();
+    const uint32_t generation = m->generation;
+    m->n_requests++; // something is posted and not carried out
+    polls(2 * a_round);
+    TEST_ASSERT_EQUAL_UINT32(generation, m->generation);
+    m->n_requests--;
+    const uint32_t n_requests = m->n_requests;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(m, cam_param_phase_udeg, 5));
+    flip(&g_cam.config.half[g_cam.config.in_use == &g_cam.config.half[0]].guard.u_range_q6, 3);
+    polls(2 * a_round);
+    TEST_ASSERT_EQUAL_UINT32(generation + 1u, m->generation);
+    TEST_ASSERT_EQUAL_UINT32(n_requests, m->n_requests);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_LESS_THAN_UINT32(a_round, ticks_until_fault(a_round));
+    TEST_ASSERT_EQUAL_UINT32(n_requests + 1u, m->n_requests);
+    TEST_ASSERT_EQUAL_UINT32(generation + 2u, m->generation);
+}
+
+/// Behind a fault, and without a table, a changed configuration is made anew and nothing else.
+static void test_a_change_behind_a_fault_is_only_mended(void)
+{
+    cam_machine_t *m = &rig.machine;
+    bring(cam_state_ready);
+    hal_host_fault_estop(true);
+    TEST_ASSERT_LESS_THAN_UINT32(100, ticks_until_fault(100));
+    const uint32_t n_requests = m->n_requests;
+    const cam_config_t *config = changed();
+    polls(2 * a_round);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_NOT_EQUAL(config, g_cam.config.in_use);
+    TEST_ASSERT_EQUAL_UINT32(n_requests, m->n_requests);
+    hal_host_fault_estop(false);
+    cam_machine_init(m, &g_cam, 20000, hal_clock_hz());
+    fixture_rig_tick(&rig);
+    config = changed();
+    polls(2 * a_round);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_NOT_EQUAL(config, g_cam.config.in_use);
+    TEST_ASSERT_NULL(g_cam.config.in_use->play.table);
+}
+
 static void test_scrub_begins_anew_with_another_configuration(void)
 {
     bring(cam_state_ready);
@@ -212,6 +273,8 @@ int main(void)
     RUN_TEST(test_what_was_written_is_looked_at);
     RUN_TEST(test_configuration_is_scrubbed);
     RUN_TEST(test_configuration_is_made_anew_in_off);
+    RUN_TEST(test_a_change_that_is_found_waits_for_request_and_room);
+    RUN_TEST(test_a_change_behind_a_fault_is_only_mended);
     RUN_TEST(test_scrub_begins_anew_with_another_configuration);
     return UNITY_END();
 }
