@@ -231,8 +231,10 @@ static cam_state_t rehearsal_at(const cam_plan_t *p, const cam_play_config_t *cf
     return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_rehearsing : next;
 }
 
-/// The state is that of the spindle itself, not of what is planned.
-static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
+/// The state is that of the spindle itself, not of what is planned. A spindle that turns back in
+/// the cut does not make it engage again: until the fault `reverse` the state stays what it was.
+static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
+                            cam_state_t was)
 {
     if (p->is_rehearsal) {
         return rehearsal_at(p, cfg, pos_q32);
@@ -243,7 +245,8 @@ static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, i
     }
     const bool is_resting = p->course.is_held && pos_q32 >= p->course.end_q32;
     const cam_state_t fed = is_resting ? cam_state_holding : cam_state_cutting;
-    return pos_q32 < p->feed_at_q32 ? cam_state_engaging : fed;
+    const bool is_engaging = was == cam_state_engaging && pos_q32 < p->feed_at_q32;
+    return is_engaging ? cam_state_engaging : fed;
 }
 
 /// @return [turn] the first whole turn that no axis was commanded to
@@ -377,7 +380,7 @@ static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
         return; // The guard takes over in the next tick; until then nothing aims at a wrong height.
     }
     aim_axes(p, cfg, r, m);
-    m->state = state_at(p, cfg, r->angle.pos_q32);
+    m->state = state_at(p, cfg, r->angle.pos_q32, m->state);
     if (is_over(p, m->state)) { // scale 0: U has come to rest at 0
         m->axis[hal_axis_u] = (cam_move_t){0};
         cam_glide_begin_isr(&m->glide[hal_axis_u], &m->axis[hal_axis_u],

@@ -170,11 +170,18 @@ static void begin_excitation(cam_play_t *p, const cam_play_config_t *cfg, cam_mo
     }
 }
 
-/// @return whether the drives may be enabled: somebody at the machine has said so
-static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m)
+/// What holds the drives off, although off itself is no fault of it: the tick that sees one of them
+/// does not enable.
+#define HOLDS_OFF                                                                                  \
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick))
+
+/// @return whether the drives may be enabled: nothing is seen that would end it at once, and
+/// somebody at the machine has said so
+static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m, uint32_t faults)
 {
     const bool is_acknowledged = m->is_acknowledged && !m->was_open;
-    return m->state == cam_state_off && (is_acknowledged || !cfg->acknowledge.is_demanded);
+    return m->state == cam_state_off && (faults & HOLDS_OFF) == 0u &&
+           (is_acknowledged || !cfg->acknowledge.is_demanded);
 }
 
 /// The drives go on where the axes are, and U moves by time from there.
@@ -186,9 +193,9 @@ static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t
 }
 
 /// Hold the axes where they stand; the plan moves them by hand.
-static void begin_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
+static void begin_by_hand(const cam_play_config_t *cfg, cam_motion_t *m, uint32_t faults)
 {
-    if (may_enable(cfg, m)) {
+    if (may_enable(cfg, m, faults)) {
         switch_on(m, cfg, cam_state_manual);
         m->u_speed_q10 = 0;
         m->is_by_hand = true;
@@ -202,14 +209,16 @@ static bool is_approaching(cam_state_t state)
     return state == cam_state_engaging || state == cam_state_rehearsing;
 }
 
-/// Carry out a new request if it fits the state, out of the cut. @return faults that the request
-/// reports
-static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request, cam_motion_t *m)
+/// Carry out a new request if it fits the state, out of the cut.
+/// @param seen  faults that this tick has seen so far
+/// @return      faults that the request reports
+static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request, uint32_t seen,
+                     cam_motion_t *m)
 {
     p->request = request >> 8;
     switch ((cam_request_t)(request & 0xFFu)) {
     case cam_request_enable:
-        if (may_enable(cfg, m) && cfg->table != NULL) {
+        if (may_enable(cfg, m, seen) && cfg->table != NULL) {
             switch_on(m, cfg, cam_state_homing);
             m->u_target_q10 = cfg->u_retract_q10;
         }
@@ -238,7 +247,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         begin_excitation(p, cfg, m);
         break;
     case cam_request_manual:
-        begin_by_hand(cfg, m);
+        begin_by_hand(cfg, m, seen);
         break;
     case cam_request_none:
         break;
@@ -286,7 +295,7 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_se
         want->u_set_q6 = play_table(p, cfg, angle, m, want->faults);
     } else {
         if (is_new) {
-            want->faults |= obey(p, cfg, in->request, m);
+            want->faults |= obey(p, cfg, in->request, want->faults, m);
         }
         want->z_nm = cam_wrap_sub(in->actual_nm[hal_axis_z], cfg->z_origin_nm);
         want->u_set_q6 = move_u(p, cfg, in, m);

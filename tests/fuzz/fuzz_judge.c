@@ -63,13 +63,12 @@ void fuzz_judge_begin(fuzz_judge_t *j, uint32_t tick_hz, int32_t rise_nm)
 
 /// The arrows of cam_state.h. Between two plans a state may begin and end, so one that a plan
 /// passes through is not always seen.
-static bool may_follow(cam_state_t to, cam_state_t from, bool is_ordered, bool is_doubtful)
+static bool may_follow(cam_state_t to, cam_state_t from, bool is_ordered, uint32_t faults)
 {
-    if (to == cam_state_engaging && from == cam_state_cutting) {
-        return is_doubtful; // the spindle turns back, which is a fault some plans later
-    }
+    const uint32_t holding =
+        CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick);
     if (to == cam_state_fault && from == cam_state_off) {
-        return is_ordered; // homing or manual began in this very tick, in which the fault is armed
+        return is_ordered && (faults & holding) == 0u; // homing began with, say, no index
     }
 #define TO(state) (1u << cam_state_##state)
     static const uint32_t from_to[cam_n_states] = {
@@ -121,7 +120,7 @@ static void judge_state(fuzz_judge_t *j, const cam_tick_record_t *r)
     const uint32_t request = r->in.request & 0xFFu;
     const bool is_ordered = r->in.request != j->request &&
                             (request == cam_request_enable || request == cam_request_manual);
-    FUZZ_EXPECT(may_follow(want->state, j->state, is_ordered, j->is_angle_doubtful), "%s after %s",
+    FUZZ_EXPECT(may_follow(want->state, j->state, is_ordered, want->faults), "%s after %s",
                 cam_state_name(want->state), cam_state_name(j->state));
     FUZZ_EXPECT(is_fault == (want->faults != 0u), "faults %x in %s", (unsigned)want->faults,
                 cam_state_name(want->state));

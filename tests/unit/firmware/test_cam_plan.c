@@ -171,6 +171,18 @@ static void test_stop_is_obeyed_in_its_tick_and_laid_by_the_next_plan(void)
     }
 }
 
+/// Until it is a fault, a spindle that turns back in the cut does not make the state engage again.
+static void test_spindle_that_turns_back_in_the_cut_leaves_the_state(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    f.angle.speed_q32 = -f.angle.speed_q32;
+    for (uint32_t i = 0; f.angle.pos_q32 > f.plan.feed_at_q32 - CAM_TURN_Q32 / 8; i++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, i);
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -180,5 +192,6 @@ int main(void)
     RUN_TEST(test_spindle_goes_from_the_ratio_of_one_plan_to_that_of_the_next);
     RUN_TEST(test_slow_port_plans_in_every_tick);
     RUN_TEST(test_stop_is_obeyed_in_its_tick_and_laid_by_the_next_plan);
+    RUN_TEST(test_spindle_that_turns_back_in_the_cut_leaves_the_state);
     return UNITY_END();
 }

@@ -216,11 +216,49 @@ static void test_tick_steps_recorded_fault_replays_bit_for_bit(void)
     expect_replay();
 }
 
+static void see_estop(void)
+{
+    hal_host_fault_estop(true);
+}
+
+static void see_drive(void)
+{
+    hal_host_fault_drive(true);
+}
+
+static void see_bus(void)
+{
+    hal_host_fault_bus(true);
+}
+
+static void see_late(void)
+{
+    hal_host_fault_late(90);
+}
+
+/// The tick that is to enable is the one that sees the fault: the enable output does not rise.
+static void test_tick_that_sees_a_fault_does_not_enable(void)
+{
+    static void (*const sees[])(void) = {see_estop, see_drive, see_bus, see_late};
+    for (uint32_t i = 0; i < sizeof sees / sizeof sees[0]; i++) {
+        fixture_rig_init(&rig, &part, 20000);
+        fixture_rig_ticks(&rig, 100);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
+        sees[i]();
+        for (uint32_t n = 0; n < 20u; n++) {
+            fixture_rig_tick(&rig);
+            TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.want.state);
+            TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs & hal_out_enable);
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_tick_writes_outputs_and_what_it_records);
     RUN_TEST(test_tick_off_tells_u_beyond_its_stroke_the_nearer_end);
+    RUN_TEST(test_tick_that_sees_a_fault_does_not_enable);
     RUN_TEST(test_tick_status_tells_what_the_record_tells);
     RUN_TEST(test_tick_without_trace_records_nothing);
     RUN_TEST(test_tick_whole_cut_never_steps_a_setpoint);
