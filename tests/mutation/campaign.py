@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
+import time
 import tomllib
 from collections import Counter
 from collections.abc import Iterator
@@ -35,15 +37,17 @@ def explained() -> dict[tuple[str, str, str], str]:
 class Campaign:
     """Judges mutants of one stream until enough of them are valid."""
 
-    def __init__(self, stream: Iterator[Mutant], count: int) -> None:
+    def __init__(self, stream: Iterator[Mutant], count: int, seconds: float) -> None:
         self._stream, self._left = stream, count
+        self._end = time.monotonic() + seconds
         self._lock = Lock()
         self.found: list[tuple[Mutant, str]] = []
         self.passed_over: Counter[str] = Counter()
 
     def _next(self) -> Mutant | None:
         with self._lock:
-            return next(self._stream, None) if self._left > 0 else None
+            is_over = self._left <= 0 or time.monotonic() > self._end
+            return None if is_over else next(self._stream, None)
 
     def _take(self, mutant: Mutant, verdict: str) -> None:
         with self._lock:
@@ -88,24 +92,30 @@ def main() -> int:
     """Run the campaign; return 0 when enough was noticed."""
     parser = argparse.ArgumentParser(prog="tests/mutation/run", description=__doc__)
     parser.add_argument("--count", type=int, default=320, help="valid mutants (default: 320)")
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=math.inf,
+        help="draw no more after so long (default: no end)",
+    )
     parser.add_argument("--seed", type=int, default=18, help="of the draw (default: 18)")
     parser.add_argument("--jobs", type=int, default=2, help="workshops side by side (default: 2)")
     parser.add_argument("--files", nargs="*", default=[], help="draw from these files only")
     parser.add_argument("--quick", action="store_true", help="judge by unit tests only")
     parser.add_argument("--record", action="store_true", help="write figures.json beside this")
     options = parser.parse_args()
-    if options.record and (options.quick or options.files):
-        parser.error("--record is for a whole campaign: leave out --quick and --files")
+    if options.record and options.files:
+        parser.error("--record is for a sample of all files: leave out --files")
     folder = ROOT / "build" / "mutation"
     stream = drawn(ROOT, options.seed, options.files or sources(ROOT))
-    campaign = Campaign(stream, options.count)
     with ThreadPoolExecutor(options.jobs) as pool:
         presets = ("host",) if options.quick else ("host", "host-asan")
         builds = [Pristine(ROOT, folder / "tree", preset) for preset in presets]
         builds[0].measure()
         shops = [Workshop(ROOT, folder / str(i), builds) for i in range(options.jobs)]
+        campaign = Campaign(stream, options.count, options.seconds)
         list(pool.map(campaign.work, shops))
-    figures = figures_of(campaign, options.seed)
+    figures = figures_of(campaign, options.seed) | {"unit_tests_only": int(options.quick)}
     text = json.dumps(figures, indent=1) + "\n"
     print(text, end="")
     (ROOT / "build" / "verify").mkdir(parents=True, exist_ok=True)

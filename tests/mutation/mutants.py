@@ -45,7 +45,8 @@ class Mutant(NamedTuple):
 
 def _squeezed(line: str) -> str:
     """Return what the compiler sees of a line, nearly."""
-    return re.sub(r"\s+", " ", re.sub(r"//.*|/\*.*?\*/", "", line)).strip()
+    code = re.sub(r"//.*|/\*.*?\*/", "", line)
+    return re.sub(r"\s*(\W)\s*", r"\1", re.sub(r"\s+", " ", code)).strip()
 
 
 def mutants_of(root: Path, file: str) -> list[Mutant]:

@@ -41,7 +41,7 @@ class Bench:
     def _compile(self, name: str, target: Path, tree: Path) -> bool:
         target.parent.mkdir(parents=True, exist_ok=True)
         words = [
-            word.replace(f"{self._pristine.tree}/", f"{tree}/")
+            word if word.startswith("-D") else word.replace(f"{self._pristine.tree}/", f"{tree}/")
             for word in self._pristine.compiled[name]
         ]
         words[words.index("-o") + 1] = str(target)
@@ -135,7 +135,7 @@ class Workshop:
             program = self._bench.linked(f"tests/unit/{name}", needs)
             if program is None:
                 continue
-            limit_s = 5 + 20 * self._pristine.times[name]
+            limit_s = 5 + 10 * self._pristine.times[name]
             status = run([str(program)], self._tree, min(limit_s, TEST_LIMIT_S))
             if status != 0:
                 return f"killed by {name}" + (" (time)" if status is None else "")
