@@ -69,9 +69,9 @@ static inline bool cam_guard_allows_isr(const cam_guard_t *g, const cam_guard_co
 {
     const int32_t step_nm = cam_wrap_sub(u_nm, g->told_nm);
     const int32_t change_nm = cam_wrap_sub(step_nm, g->told_step_nm);
-    const int32_t most_nm = is_off_time ? cfg->told_change_off_nm : cfg->told_change_nm;
     return cam_is_within(u_nm, cfg->told_range_nm) && cam_is_within(step_nm, cfg->told_step_nm) &&
-           cam_is_within(change_nm, most_nm);
+           (cam_is_within(change_nm, cfg->told_change_nm) ||
+            (is_off_time && cam_is_within(change_nm, cfg->told_change_off_nm)));
 }
 
 /// @return [nm] the nearest command of U to a wanted one that cam_guard_allows_isr() accepts. Where
@@ -93,13 +93,14 @@ uint32_t cam_guard_mend_state_isr(const cam_guard_t *g, cam_motion_t *m, cam_sta
 uint32_t cam_guard_inspect_isr(cam_guard_t *g, cam_motion_t *m);
 
 /// What was written to the axes is compared with what was judged, once it has been written.
-/// @return fault corrupt for the next tick, or none. Context: ISR, behind actuate.
-static inline uint32_t cam_guard_written_isr(const cam_guard_t *g, const cam_tick_record_t *r)
+/// @return whether it is; if not, the next tick has the fault corrupt. Context: ISR, behind
+/// actuate.
+static inline bool cam_guard_written_isr(const cam_guard_t *g, const cam_tick_record_t *r)
 {
     const int32_t u_off = cam_wrap_add(r->out[hal_axis_u].pos_nm, g->u_home_nm) ^ g->told_nm;
     const int32_t x_off = r->out[hal_axis_x].pos_nm ^ g->led_nm[hal_axis_x];
     const int32_t z_off = r->out[hal_axis_z].pos_nm ^ g->led_nm[hal_axis_z];
-    return (u_off | x_off | z_off) == 0 ? 0u : CAM_FAULT_BIT(corrupt);
+    return (u_off | x_off | z_off) == 0;
 }
 
 /// Keep what tick or plan leave behind. Context: ISR, behind each of them.
@@ -115,19 +116,20 @@ static inline int32_t cam_guard_strayed_nm(const cam_guard_t *g, uint32_t axis, 
 }
 
 /// Between two plans X and Z move by equal increments; whatever else they would be told is not.
-/// @return fault corrupt or none. Context: ISR, every tick, behind play.
-static inline uint32_t cam_guard_course_isr(cam_guard_t *g, cam_motion_t *m)
+/// @return whether they are where that leads them; if not, cam_guard_mend_isr() has to be called.
+/// Context: ISR, every tick, behind play.
+static inline bool cam_guard_is_on_course_isr(cam_guard_t *g, const cam_motion_t *m)
 {
     const int32_t x_nm = (int32_t)(m->axis[hal_axis_x].pos_q10 >> 10);
     const int32_t z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
     const uint32_t x_off = (uint32_t)cam_guard_strayed_nm(g, hal_axis_x, x_nm);
     const uint32_t z_off = (uint32_t)cam_guard_strayed_nm(g, hal_axis_z, z_nm);
-    if ((x_off | z_off) > 1u) {
-        return cam_guard_mend_isr(g, m);
+    const bool is_on_course = (x_off | z_off) <= 1u;
+    if (is_on_course) {
+        g->led_nm[hal_axis_x] = x_nm;
+        g->led_nm[hal_axis_z] = z_nm;
     }
-    g->led_nm[hal_axis_x] = x_nm;
-    g->led_nm[hal_axis_z] = z_nm;
-    return 0;
+    return is_on_course;
 }
 
 /// Keep what was told. Context: ISR.

@@ -2,7 +2,7 @@
 #include "cam_tick.h"
 #include "cam_fence.h" // cam_fence_release_isr
 #include "cam_fix.h"   // cam_clamp_i32
-#include "cam_seal.h"  // cam_seal_more
+#include "cam_seal.h"  // cam_seal_word
 #include "hal/hal.h"   // all reads and writes
 #include <stddef.h>    // NULL
 
@@ -43,13 +43,6 @@ static int32_t feed_forward_q6(const cam_config_t *cfg, const cam_move_t *u)
     const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
     const uint32_t low = (uint32_t)(uint64_t)more_q26;
     return (int32_t)((uint32_t)high << 12 | low >> 20);
-}
-
-/// Round a position down; the plan has added half a nanometre to X, which is thus rounded to
-/// nearest.
-static int32_t plain_nm(const cam_move_t *m)
-{
-    return (int32_t)(m->pos_q10 >> 10);
 }
 
 static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
@@ -151,22 +144,21 @@ static int32_t command_u_nm(cam_t *c, const cam_config_t *cfg, cam_tick_record_t
     return u_nm;
 }
 
-/// Write the set-points into the record, in the form that the drives take.
+/// Write the set-points into the record, in the form that the drives take. Those of X and Z are
+/// their places rounded down, which the guard has kept since it judged them; the plan has added
+/// half a nanometre to X, which is thus rounded to nearest.
 static void command(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, bool was_fault)
 {
     const cam_move_t *axis = c->motion.axis;
     const int32_t u_nm = command_u_nm(c, cfg, r, was_fault);
     r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], cam_wrap_sub(u_nm, c->motion.u_home_nm));
-    r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
-    r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
+    r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], c->guard.led_nm[hal_axis_x]);
+    r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], c->guard.led_nm[hal_axis_z]);
 }
 
-/// @return fault corrupt where the state is not the one that the last tick left behind
-static inline uint32_t check_state(cam_t *c)
+/// The state is not the one that the last tick left behind. @return fault corrupt
+CAM_STAGE static uint32_t mend_state(cam_t *c)
 {
-    if (c->motion.state == c->guard.state) {
-        return 0;
-    }
     const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
     const cam_state_t was = last != NULL ? last->want.state : cam_state_off;
     return cam_guard_mend_state_isr(&c->guard, &c->motion, was);
@@ -178,9 +170,13 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     CAM_TICK_MARK(angle);
     r->want.faults = c->motion.faults | r->angle.faults | cam_sense_faults(&r->in);
-    r->want.faults |= check_state(c);
+    if (c->motion.state != c->guard.state) {
+        r->want.faults |= mend_state(c);
+    }
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
-    r->want.faults |= cam_guard_course_isr(&c->guard, &c->motion);
+    if (!cam_guard_is_on_course_isr(&c->guard, &c->motion)) {
+        r->want.faults |= cam_guard_mend_isr(&c->guard, &c->motion);
+    }
     CAM_TICK_MARK(play);
     const bool was_fault = c->motion.state == cam_state_fault;
     guard_isr(c, cfg, r);
@@ -233,10 +229,18 @@ static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t
     }
 }
 
+/// The sum of cam_seal_more(), with the loop written out by the compiler: two instructions a word.
 static uint32_t seal_of(const cam_plan_t *plan)
 {
-    _Static_assert(sizeof *plan % sizeof(uint32_t) == 0, "whole words");
-    return cam_seal_more(0, plan, sizeof *plan / sizeof(uint32_t));
+    enum { n_words = sizeof *plan / sizeof(uint32_t) };
+    _Static_assert(sizeof *plan % sizeof(uint32_t) == 0 && n_words <= 64, "whole words, no loop");
+    const cam_seal_word_t *words = (const cam_seal_word_t *)plan; // MISRA D20
+    uint32_t sum = 0;
+#pragma GCC unroll 64
+    for (uint32_t i = 0; i < (uint32_t)n_words; i++) {
+        sum = cam_seal_word(sum, words[i]);
+    }
+    return sum;
 }
 
 /// @return fault corrupt where something that only plans and the slow side write is not what they
@@ -273,7 +277,7 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
 static bool is_plan_due(cam_t *c, const cam_config_t *cfg)
 {
     c->until_plan--;
-    return (uint32_t)c->until_plan - 1u >= (uint32_t)cfg->play.plan_ticks - 1u;
+    return (uint32_t)c->until_plan - 1u >= (uint32_t)cfg->play.plan_ticks;
 }
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
@@ -319,12 +323,14 @@ void cam_tick_isr(cam_t *c)
     steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(c, r);
     cam_fence_release_isr(); // what is compared is what lies in memory
-    const uint32_t corrupt = cam_guard_written_isr(&c->guard, r);
+    const bool is_as_judged = cam_guard_written_isr(&c->guard, r);
     CAM_TICK_MARK(actuate);
     if (is_plan_due(c, cfg)) {
         plan_isr(c, cfg, r);
     }
-    c->motion.faults |= corrupt;
+    if (!is_as_judged) {
+        c->motion.faults |= CAM_FAULT_BIT(corrupt);
+    }
     CAM_TICK_MARK(plan);
     publish_isr(c, r);
 }

@@ -56,9 +56,9 @@ typedef struct {
 typedef struct {
     // interrupt writes
     cam_spindle_t spindle;
+    cam_guard_t guard;   ///< in front, as the motion: offsets of pairs of words stay short
     cam_motion_t motion; ///< set-points and their increments
     cam_play_t play;
-    cam_guard_t guard;
     cam_switches_t switches;
     cam_hand_t hand;
     cam_acknowledge_t acknowledge;

@@ -8,12 +8,12 @@
 
 /// Both cores: the compiler makes nearly the same of the firmware for either.
 enum {
-    budget_tick = 550,       ///< U plays the table: cutting, disengaging, holding; without the plan
-    budget_moved = 730,      ///< U moves by time, within its jerk, or begins to: all other states,
+    budget_tick = 585,       ///< U plays the table: cutting, disengaging, holding; without the plan
+    budget_moved = 775,      ///< U moves by time, within its jerk, or begins to: all other states,
                              ///< every fault, every request, without the plan
-    budget_plan_tick = 2550, ///< ... with it
-    budget_combined = 750,   ///< ... without it, a tick off its time, with a request and a fault
-    budget_switched = 890,   ///< ... without it, with eight position switches that change
+    budget_plan_tick = 2830, ///< ... with it
+    budget_combined = 810,   ///< ... without it, a tick off its time, with a request and a fault
+    budget_switched = 945,   ///< ... without it, with eight position switches that change
 };
 
 /// The slow side of learning: a piece of it, which a main loop waits for, and all of a turn, 2 ms

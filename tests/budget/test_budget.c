@@ -21,6 +21,7 @@ static budget_spread_t plans[cam_n_states]; ///< ... with one
 static budget_spread_t combined;            ///< without a plan, of several rare things at once
 static uint32_t per_reading;                ///< [instructions] what measuring costs
 static uint32_t n_measured;                 ///< ticks of all sessions
+static uint32_t n_corrupt;                  ///< ... whose state looked changed from outside
 static uint32_t most;                       ///< [instructions] of any tick without a plan
 static uint32_t most_with_plan;             ///< [instructions] of any tick with one
 static uint32_t most_combined;              ///< [instructions] of any combination
@@ -60,6 +61,8 @@ static void counted(void)
     budget_spread_add(of, n);
     *largest = n > *largest ? n : *largest;
     n_measured++;
+    const uint32_t faults = atomic_load(&g_cam.newest)->want.faults | g_cam.motion.faults;
+    n_corrupt += (faults & CAM_FAULT_BIT(corrupt)) != 0u ? 1u : 0u;
 }
 
 static void set(cam_param_id_t id, int32_t value)
@@ -363,6 +366,7 @@ static void test_position_switches(void)
 static void test_enough_ticks_were_measured(void)
 {
     TEST_ASSERT_GREATER_THAN_UINT32(least_ticks, n_measured);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, n_corrupt, "a state by force is none with flipped bits");
     printf("figure tick_max %lu\n", (unsigned long)most);
     printf("figure tick_combined_max %lu\n", (unsigned long)most_combined);
     printf("figure tick_switched_max %lu\n", (unsigned long)most_switched);

@@ -149,11 +149,11 @@ static void test_what_was_written_is_looked_at(void)
 {
     bring(cam_state_cutting);
     cam_tick_record_t r = rig.last;
-    TEST_ASSERT_EQUAL_HEX32(0, cam_guard_written_isr(&g_cam.guard, &r));
+    TEST_ASSERT_TRUE(cam_guard_written_isr(&g_cam.guard, &r));
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         r = rig.last;
         flip(&r.out[i].pos_nm, 9u * i);
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), cam_guard_written_isr(&g_cam.guard, &r));
+        TEST_ASSERT_FALSE(cam_guard_written_isr(&g_cam.guard, &r));
     }
 }
 
