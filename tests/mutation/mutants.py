@@ -46,6 +46,8 @@ class Mutant(NamedTuple):
 def _squeezed(line: str) -> str:
     """Return what the compiler sees of a line, nearly."""
     code = re.sub(r"//.*|/\*.*?\*/", "", line)
+    if code.lstrip().startswith("X("):  # of a list, whose entries are explained to people
+        code = re.sub(r'"[^"]*"', "", code)
     return re.sub(r"\s*(\W)\s*", r"\1", re.sub(r"\s+", " ", code)).strip()
 
 

@@ -238,6 +238,18 @@ static void test_resume_near_the_end_creeps_there(void)
     cut_to_the_end();
 }
 
+static void test_rate_without_room_for_it_before_the_end_stays(void)
+{
+    for (int tenth = 0; tenth < 30; tenth++) {
+        setUp();
+        begin();
+        until(cam_state_cutting);
+        turns(48.0 + 0.1 * tenth);
+        ask(1500000);
+        cut_to_the_end();
+    }
+}
+
 /// Any order of overrides, holds, resumes: nothing but the time of the cut changes.
 static void test_random_changes_always_end_at_the_last_height(void)
 {
@@ -318,6 +330,7 @@ int main(void)
     RUN_TEST(test_second_stop_while_held_leaves_the_end_ahead);
     RUN_TEST(test_hold_within_the_last_ramp_is_overtaken_by_the_end);
     RUN_TEST(test_resume_near_the_end_creeps_there);
+    RUN_TEST(test_rate_without_room_for_it_before_the_end_stays);
     RUN_TEST(test_random_changes_always_end_at_the_last_height);
     RUN_TEST(test_ring_helix_is_held_at_a_ring);
     RUN_TEST(test_what_is_asked_again_or_of_rings_changes_no_rate);
