@@ -129,13 +129,13 @@ typedef struct {
     uint32_t limit_u_speed_um_per_s; ///< [um/s]
     uint32_t limit_u_acceleration_mm_per_s2; ///< [mm/s2]
     uint32_t limit_spindle_mrpm;             ///< [r/min / 1000] highest spindle speed
-    int32_t u_min_nm, u_max_nm;              ///< [nm] bounds of u over the whole table
+    int32_t u_min_nm, u_max_nm;              ///< [nm] bounds of u, between the knots too
     uint32_t u1_peak_nm_per_rad;       ///< [nm/rad] bound of |u' r|: speed of U over mean speed
     uint32_t u2_peak_nm_per_rad2;      ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
     uint32_t spindle_peak_ppm_per_rad; ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
-    uint32_t ratio_max_q20;            ///< [2^-20] bound of the speed ratio r; uniform: 2^20
+    uint32_t ratio_max_q20;            ///< [2^-20] bound of the ratio r, between the knots too
     cam_pace_t pace;                   ///< what the speed demands of the spindle's loop
-    int32_t x_min_nm, x_max_nm;        ///< [nm] bounds of x over the whole table
+    int32_t x_min_nm, x_max_nm;        ///< [nm] bounds of x, between the knots too
     uint32_t x_slope_ppm;              ///< [1e-6] largest |dX/dZ|, measured by the check
     uint32_t x_bend_ppm_per_m;         ///< [1e-6 / m] largest |d2X/dZ2|, measured too
     uint32_t way_slope_ppm;            ///< [1e-6] largest feed over its mean; helix: 10^6

@@ -12,36 +12,34 @@ enum {
     max_ratio = CAM_TABLE_RATIO_ONE * 4,
 };
 
-/// @return whether the values that the entry allows lie in [low, high], in the channel's unit
-static bool is_inside(const cam_entry_t *e, int64_t low, int64_t high)
-{
-    const int64_t one = INT64_C(1) << e->frac_bits;
-    return cam_is_between(e->value_offset * one + e->p_min, low * one, high * one) &&
-           cam_is_between(e->value_offset * one + e->p_max, low * one, high * one);
-}
-
-/// @return whether a channel is over angle and height, not over height alone
-static bool is_over_angle(const cam_entry_t *e)
+bool cam_entry_is_over_angle(const cam_entry_t *e)
 {
     return e->kind != (uint32_t)cam_kind_x && e->kind != (uint32_t)cam_kind_way;
 }
 
-/// A speed ratio lies between 1/16 and 4, an angle within a quarter turn to either side. Lengths
-/// are bounded by the fields of the entry alone.
-static bool is_in_unit(const cam_entry_t *e)
+bool cam_entry_is_in_unit(const cam_entry_t *e, cam_extent_t values)
 {
-    if (e->kind == cam_kind_speed) {
-        return is_inside(e, min_ratio, max_ratio);
+    if (e->kind == (uint32_t)cam_kind_speed) {
+        return values.low >= min_ratio && values.high <= max_ratio;
     }
-    const bool is_angle = e->kind == cam_kind_swing || e->kind == cam_kind_contact;
-    return !is_angle || is_inside(e, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX);
+    const bool is_angle =
+        e->kind == (uint32_t)cam_kind_swing || e->kind == (uint32_t)cam_kind_contact;
+    return !is_angle || (values.low >= -CAM_TABLE_ANGLE_MAX && values.high <= CAM_TABLE_ANGLE_MAX);
+}
+
+/// @return [unit] the range that the entry allows its knots, rounded outwards
+static cam_extent_t allowed(const cam_entry_t *e)
+{
+    const int64_t below_one = (INT64_C(1) << e->frac_bits) - 1;
+    return (cam_extent_t){(int64_t)e->value_offset + (e->p_min >> e->frac_bits),
+                          e->value_offset + ((e->p_max + below_one) >> e->frac_bits)};
 }
 
 /// Check the fields of the entry, each by itself.
 static cam_err_t check_shape(const cam_entry_t *e)
 {
     const bool is_u = e->kind == cam_kind_u;
-    const bool is_around = is_over_angle(e);
+    const bool is_around = cam_entry_is_over_angle(e);
     const bool is_known =
         cam_is_between(e->kind, cam_kind_u, cam_kind_contact) || e->kind == cam_kind_way;
     const bool is_sound =
@@ -53,7 +51,7 @@ static cam_err_t check_shape(const cam_entry_t *e)
         e->v_max <= CAM_TABLE_SUM_MAX && e->a_max <= CAM_TABLE_SUM_MAX &&
         (!is_u || cam_is_between(e->value_offset, -max_u_offset_nm, max_u_offset_nm)) &&
         cam_is_between(e->value_offset, -cam_entry_max_height_nm, cam_entry_max_height_nm) &&
-        is_in_unit(e);
+        cam_entry_is_in_unit(e, allowed(e));
     return is_sound ? cam_ok : cam_err_image_channel;
 }
 
@@ -92,7 +90,7 @@ static bool is_pattern_place(const cam_entry_t *e, const cam_entry_place_t *in)
 static cam_err_t check_heights(const cam_entry_t *e, const cam_entry_place_t *in)
 {
     const int64_t span_nm = (int64_t)e->z_last_nm - e->z_first_nm;
-    if (in->has_lobes && is_over_angle(e)) {
+    if (in->has_lobes && cam_entry_is_over_angle(e)) {
         return is_pattern_place(e, in) ? cam_ok : cam_err_image_height;
     }
     const bool is_sound =
@@ -149,7 +147,7 @@ static cam_err_t check_knot(const cam_entry_t *e, const cam_knot_t *k)
 /// none.
 static cam_err_t check_knots(const cam_entry_t *e, const cam_channel_t *ch)
 {
-    const bool is_around = is_over_angle(e);
+    const bool is_around = cam_entry_is_over_angle(e);
     const uint32_t n = e->n_slices << e->log2_knots;
     for (uint32_t i = 0; i < n; i++) {
         const cam_err_t err = check_knot(e, &ch->knots[i]);

@@ -8,6 +8,7 @@
 
 #include "cam_err.h"     // cam_err_t
 #include "cam_channel.h" // cam_channel_t
+#include "cam_extent.h"  // cam_extent_t
 #include <stdbool.h>     // bool
 #include <stdint.h>      // uint32_t, int32_t
 
@@ -71,6 +72,15 @@ bool cam_entry_is_plain(const cam_entry_t *e, const cam_entry_place_t *in);
 /// @param used   [bytes] end of what lies before, moved behind this channel
 CAM_MUST_USE cam_err_t cam_entry_check_layout(const cam_entry_t *e, uint64_t bytes,
                                               const cam_entry_place_t *in, uint64_t *used);
+
+/// @return whether values that a channel takes, or an entry allows, lie in what its kind may have:
+/// a
+///         speed ratio between 1/16 and 4, an angle within a quarter turn to either side; a length
+///         is not limited here
+bool cam_entry_is_in_unit(const cam_entry_t *e, cam_extent_t values);
+
+/// @return whether a channel is over angle and height, not over height alone
+bool cam_entry_is_over_angle(const cam_entry_t *e);
 
 /// @return the channel of an entry whose layout has been checked; its knots lie in the image
 cam_channel_t cam_entry_channel(const cam_entry_t *e, const uint8_t *image);

@@ -2,6 +2,7 @@
 #include "cam_table.h"
 #include "cam_barrel.h"    // cam_barrel_measure
 #include "cam_entry.h"     // cam_entry_check
+#include "cam_extent.h"    // cam_extent_widened
 #include "cam_fix.h"       // cam_is_between
 #include "cam_lobes.h"     // cam_lobes_check
 #include "cam_pace.h"      // cam_pace_of
@@ -151,18 +152,34 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
 }
 
-/// Check the entry of a channel and its knots. The stroke that the header promises must cover the
-/// bounds of u's knots.
+/// Find what a channel takes between its knots too, and check it: u keeps what the header promises,
+/// with lobes its share of 0 in the middle of a gap as well; others stay within what their kind may
+/// have. What a way takes is not needed.
+static cam_err_t check_values(const cam_entry_t *e, const header_fields_t *h,
+                              const cam_entry_place_t *in, cam_extent_t *values)
+{
+    const cam_channel_t ch = cam_entry_channel(e, in->image);
+    const bool is_around = cam_entry_is_over_angle(e);
+    if (e->kind == (uint32_t)cam_kind_u) {
+        *values = cam_extent_widened(&ch, is_around, (cam_extent_t){h->u_min_nm, h->u_max_nm});
+        const bool is_kept = values->low == h->u_min_nm && values->high == h->u_max_nm &&
+                             (!in->has_lobes || cam_is_between(0, values->low, values->high));
+        return is_kept ? cam_ok : cam_err_image_limits;
+    }
+    const cam_extent_t knots = cam_extent_of_knots(&ch, e->p_min, e->p_max);
+    *values = knots;
+    if (e->kind != (uint32_t)cam_kind_way) {
+        *values = cam_extent_widened(&ch, is_around, knots);
+    }
+    return cam_entry_is_in_unit(e, *values) ? cam_ok : cam_err_image_limits;
+}
+
+/// Check the entry of a channel, its knots and its values.
 static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h,
-                             const cam_entry_place_t *in, uint64_t *used)
+                             const cam_entry_place_t *in, uint64_t *used, cam_extent_t *values)
 {
     const cam_err_t err = cam_entry_check(e, in, used);
-    if (err != cam_ok || e->kind != (uint32_t)cam_kind_u) {
-        return err;
-    }
-    const int64_t low_nm = e->value_offset + (e->p_min >> e->frac_bits);
-    const int64_t high_nm = e->value_offset + (e->p_max >> e->frac_bits);
-    return low_nm >= h->u_min_nm && high_nm <= h->u_max_nm ? cam_ok : cam_err_image_limits;
+    return err == cam_ok ? check_values(e, h, in, values) : err;
 }
 
 /// @return the place of a channel in the table; swing and contact share one, as they exclude each
@@ -211,7 +228,8 @@ static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, c
 
 /// Take a checked channel into the table. @return whether its kind is there for the first time, and
 /// swing without contact
-static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_table_t *table)
+static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_extent_t values,
+                         cam_table_t *table)
 {
     cam_channel_t *ch = channel_of(table, e->kind);
     if (ch->knots != NULL) {
@@ -223,13 +241,11 @@ static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_table_t
         table->has_stations || (e->kind == (uint32_t)cam_kind_way && e->path != 0u);
     if (e->kind == (uint32_t)cam_kind_x) {
         table->is_ring_helix = e->path != 0u;
-        table->x_min_nm = e->value_offset + (e->p_min >> e->frac_bits);
-        table->x_max_nm = e->value_offset + (e->p_max >> e->frac_bits) + 1;
+        table->x_min_nm = cam_sat_i32(values.low);
+        table->x_max_nm = cam_sat_i32(values.high);
     }
-    if (e->kind == (uint32_t)cam_kind_speed) {
-        // The shift rounds down, which 1 makes up for; 1 more covers the rounding of the
-        // evaluation.
-        table->ratio_max_q20 = (uint32_t)(e->value_offset + (e->p_max >> e->frac_bits) + 2);
+    if (e->kind == (uint32_t)cam_kind_speed && values.high >= CAM_TABLE_RATIO_ONE) {
+        table->ratio_max_q20 = (uint32_t)values.high + 1u; // 1 for what a share of it is rounded
     }
     return true;
 }
@@ -250,11 +266,12 @@ static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, const header_fi
     if (e->kind == (uint32_t)cam_kind_passes) {
         return cam_passes_check(e, &in, used, table);
     }
-    const cam_err_t err = check_entry(e, h, &in, used);
+    cam_extent_t values;
+    const cam_err_t err = check_entry(e, h, &in, used, &values);
     if (err != cam_ok) {
         return err;
     }
-    return take_channel(e, image, table) ? cam_ok : cam_err_image_channel;
+    return take_channel(e, image, values, table) ? cam_ok : cam_err_image_channel;
 }
 
 /// A way ends where the table does, and a ring-helix, whose rings stand, has none. A shaft of lobes

@@ -26,11 +26,15 @@ static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
 {
     const cam_value_t u = cam_eval_surface(&t->u, theta_q32, z_nm);
     FUZZ_EXPECT(u.y <= CAM_TABLE_SUM_MAX && u.y >= -CAM_TABLE_SUM_MAX, "u %d", (int)u.y);
+    const int64_t one = INT64_C(1) << t->u.frac_bits;
+    FUZZ_EXPECT(u.y >= (t->u_min_nm - (int64_t)t->u.value_offset) * one &&
+                    u.y <= (t->u_max_nm - (int64_t)t->u.value_offset) * one,
+                "u %d beyond the promise", (int)u.y);
     if (t->speed.knots != NULL) {
         const cam_value_t r = cam_eval_surface(&t->speed, theta_q32, z_nm);
         const int64_t ratio = unit_of(&t->speed, r.y);
-        FUZZ_EXPECT(ratio <= (int64_t)t->ratio_max_q20 + 1, "speed ratio %lld of %u",
-                    (long long)ratio, (unsigned)t->ratio_max_q20);
+        FUZZ_EXPECT(ratio <= (int64_t)t->ratio_max_q20, "speed ratio %lld of %u", (long long)ratio,
+                    (unsigned)t->ratio_max_q20);
     }
     if (t->angle.knots != NULL) {
         const cam_value_t a = cam_eval_surface(&t->angle, theta_q32, z_nm);
@@ -40,6 +44,8 @@ static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
     }
     const cam_value_t x = cam_eval_profile(&t->x, z_nm);
     FUZZ_EXPECT(x.y <= CAM_TABLE_SUM_MAX && x.y >= -CAM_TABLE_SUM_MAX, "x %d", (int)x.y);
+    const int64_t x_nm = unit_of(&t->x, x.y);
+    FUZZ_EXPECT(x_nm >= t->x_min_nm && x_nm <= t->x_max_nm, "x %lld", (long long)x_nm);
     if (t->way.knots != NULL) {
         const cam_value_t w = cam_eval_profile(&t->way, z_nm);
         FUZZ_EXPECT(w.y <= CAM_TABLE_SUM_MAX && w.y >= -CAM_TABLE_SUM_MAX, "way %d", (int)w.y);

@@ -141,6 +141,35 @@ def polynomial_bounds(coefficients: Floats) -> tuple[float, float]:
     return float(points.min()), float(points.max())
 
 
+class Extent(NamedTuple):
+    """Range of values in whole units of the channel."""
+
+    low: int
+    high: int
+
+
+_WHOLE = 10 * _SUBDIVISIONS**5  # times this, control points of whole coefficients are whole
+
+
+def _outwards(channel: Channel, low: int, high: int) -> Extent:
+    """Return a range in LSB, and an LSB more, in whole units."""
+    frac, offset = channel.frac_bits, channel.value_offset
+    return Extent(offset + ((low - 1) >> frac), offset - ((-high - 1) >> frac))
+
+
+def extent(channel: Channel) -> Extent:
+    """Return what a channel takes, between its knots and the firmware's rounding included.
+
+    Exact, and therefore the numbers that the controller finds: cam_extent.h.
+    """
+    rows = np.rint(_bernstein_rows(5) * _WHOLE).astype(np.int64)
+    points = channel_coefficients(channel).astype(np.int64) @ rows
+    low, high = int(points.min()) // _WHOLE, -(-int(points.max()) // _WHOLE)
+    knots = _outwards(channel, channel.p_min, channel.p_max)
+    found = _outwards(channel, low, high)
+    return Extent(min(knots.low, found.low), max(knots.high, found.high))
+
+
 class RawBounds(NamedTuple):
     """Bounds over all segments, in LSB: value, and magnitudes of the two t-derivatives."""
 

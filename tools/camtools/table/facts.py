@@ -18,6 +18,7 @@ import numpy as np
 
 from camtools.base.quantities import Ints
 from camtools.table.channel import KIND_SPEED, KIND_SWING, KIND_U, KIND_X, RATIO_ONE, Channel
+from camtools.table.evaluate import extent
 from camtools.table.image import Table
 from camtools.table.lobes import change_nm
 
@@ -279,7 +280,7 @@ def facts_of(table: Table) -> TableFacts:
     way = barrel_of(table.way) if table.way is not None else Barrel(0, 0, 0)
     ratio = RATIO_ONE
     if speed is not None:
-        ratio = speed.value_offset + (speed.p_max >> speed.frac_bits) + 2
+        ratio = max(RATIO_ONE, extent(speed).high + 1)
     return TableFacts(
         table=table,
         log2_knots=u.log2_knots + u.log2_repeat,

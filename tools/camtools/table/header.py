@@ -15,7 +15,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.part.common import MachineLimits, PartFile
 from camtools.table.channel import Bounds, Channel, ImageLimits
-from camtools.table.evaluate import knot_interval, raw_bounds
+from camtools.table.evaluate import extent, knot_interval, raw_bounds
 from camtools.table.image import Table
 from camtools.table.mirror import in_sense
 
@@ -35,17 +35,18 @@ class MadeTable(Protocol):
         """Its table."""
 
 
-_ROUNDING_LSB = (1, 2, 8)  # the firmware's, of value and derivatives per interval: cam_eval.h
+_ROUNDING_LSB = (2, 8)  # the firmware's, of the derivatives per interval: cam_eval.h
 
 
 def u_bounds(channel: Channel, error_nm: float) -> Bounds:
     """Return true bounds of u, the firmware's rounding included."""
+    range_nm = extent(channel)
     raw, h, lsb = raw_bounds(channel), knot_interval(channel), channel.lsb
     return Bounds(
-        u_min_nm=floor(channel.value_offset + (raw.low - _ROUNDING_LSB[0]) * lsb),
-        u_max_nm=ceil(channel.value_offset + (raw.high + _ROUNDING_LSB[0]) * lsb),
-        u1_peak_nm_per_rad=ceil((raw.first + _ROUNDING_LSB[1]) * lsb / h),
-        u2_peak_nm_per_rad2=ceil((raw.second + _ROUNDING_LSB[2]) * lsb / h**2),
+        u_min_nm=range_nm.low,
+        u_max_nm=range_nm.high,
+        u1_peak_nm_per_rad=ceil((raw.first + _ROUNDING_LSB[0]) * lsb / h),
+        u2_peak_nm_per_rad2=ceil((raw.second + _ROUNDING_LSB[1]) * lsb / h**2),
         error_pm=ceil(error_nm * 1000),
     )
 

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_extent.h"
+#include "cam_bounds.h" // cam_bounds_next
+#include "cam_fix.h"    // cam_is_between
+
+/// Ten for the Bernstein coefficients of a quintic, 2^5 for each of three halvings: with this
+/// factor all numbers are whole. Tenfold coefficients are below 2^29 LSB, so these are below 2^44;
+/// ends of a range are below 2^59.
+#define SCALE (INT64_C(10) << 15)
+
+/// Bernstein coefficients of a quintic, in LSB / SCALE.
+typedef struct {
+    int64_t c[6];
+} hull_t;
+
+/// A range, in LSB / SCALE.
+typedef struct {
+    int64_t low, high;
+} fine_t;
+
+static hull_t hull_of(const cam_knot_t *k0, const cam_knot_t *k1)
+{
+    const int64_t tenth = SCALE / 10;
+    const int64_t from = 10 * (int64_t)k0->p;
+    const int64_t to = 10 * (int64_t)k1->p;
+    const int64_t v0 = k0->v;
+    const int64_t v1 = k1->v;
+    return (hull_t){{from * tenth, (from + 2 * v0) * tenth, (from + 4 * v0 + k0->a) * tenth,
+                     (to - 4 * v1 + k1->a) * tenth, (to - 2 * v1) * tenth, to * tenth}};
+}
+
+/// Both halves of an interval.
+typedef struct {
+    hull_t lower, upper;
+} halves_t;
+
+/// Cut an interval in half by de Casteljau's means, which are whole (SCALE): what is first and last
+/// after r rounds is the coefficient r of the lower half from below, of the upper half from above.
+static halves_t halves_of(const hull_t *whole)
+{
+    halves_t half;
+    hull_t mean = *whole;
+    for (int32_t r = 0; r < 6; r++) {
+        half.lower.c[r] = mean.c[0];
+        half.upper.c[5 - r] = mean.c[5 - r];
+        for (int32_t i = 0; i + r < 5; i++) {
+            mean.c[i] = (mean.c[i] + mean.c[i + 1]) >> 1;
+        }
+    }
+    return half;
+}
+
+static bool is_covered(const fine_t *range, const hull_t *hull)
+{
+    bool is_inside = true;
+    for (int32_t i = 0; i < 6; i++) {
+        is_inside = is_inside && cam_is_between(hull->c[i], range->low, range->high);
+    }
+    return is_inside;
+}
+
+static void cover(fine_t *range, const hull_t *hull)
+{
+    for (int32_t i = 0; i < 6; i++) {
+        range->low = hull->c[i] < range->low ? hull->c[i] : range->low;
+        range->high = hull->c[i] > range->high ? hull->c[i] : range->high;
+    }
+}
+
+/// Widen a range by both eighths of a quarter of an interval, unless the quarter lies inside.
+static void widen_by_quarter(fine_t *range, const hull_t *quarter)
+{
+    if (!is_covered(range, quarter)) {
+        const halves_t halves = halves_of(quarter);
+        cover(range, &halves.lower);
+        cover(range, &halves.upper);
+    }
+}
+
+static void widen_by_half(fine_t *range, const hull_t *half)
+{
+    if (!is_covered(range, half)) {
+        const halves_t halves = halves_of(half);
+        widen_by_quarter(range, &halves.lower);
+        widen_by_quarter(range, &halves.upper);
+    }
+}
+
+static void widen(fine_t *range, const cam_knot_t *k0, const cam_knot_t *k1)
+{
+    const hull_t whole = hull_of(k0, k1);
+    if (!is_covered(range, &whole)) { // few segments
+        const halves_t halves = halves_of(&whole);
+        widen_by_half(range, &halves.lower);
+        widen_by_half(range, &halves.upper);
+    }
+}
+
+/// @return [unit] an end of a range in whole LSB, rounded down
+static int64_t in_unit(const cam_channel_t *ch, int64_t lsb)
+{
+    return ch->value_offset + (lsb >> ch->frac_bits);
+}
+
+/// @return [unit] the range of values in LSB, and of one LSB more to either side, rounded outwards
+static cam_extent_t outwards(const cam_channel_t *ch, int64_t low, int64_t high)
+{
+    const int64_t below_one = (INT64_C(1) << ch->frac_bits) - 1;
+    return (cam_extent_t){in_unit(ch, low - 1), in_unit(ch, high + 1 + below_one)};
+}
+
+cam_extent_t cam_extent_of_knots(const cam_channel_t *ch, int32_t p_min, int32_t p_max)
+{
+    return outwards(ch, p_min, p_max);
+}
+
+cam_extent_t cam_extent_widened(const cam_channel_t *ch, bool is_around, cam_extent_t known)
+{
+    const int64_t one = INT64_C(1) << ch->frac_bits;
+    const fine_t begin = {((known.low - ch->value_offset) * one + 1) * SCALE,
+                          ((known.high - ch->value_offset) * one - 1) * SCALE};
+    fine_t range = begin;
+    const uint32_t n = ch->n_slices << ch->log2_knots;
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t next = is_around ? cam_bounds_next(ch, i) : i + 1u;
+        if (next < n) {
+            widen(&range, &ch->knots[i], &ch->knots[next]);
+        }
+    }
+    // Rounding to whole units again changes nothing where the range has not been widened.
+    return outwards(ch, range.low >= 0 ? range.low / SCALE : -((SCALE - 1 - range.low) / SCALE),
+                    range.high >= 0 ? (range.high + SCALE - 1) / SCALE : -(-range.high / SCALE));
+}
