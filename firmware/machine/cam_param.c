@@ -47,10 +47,12 @@ cam_param_id_t cam_param_find(const char *name)
     return (cam_param_id_t)id;
 }
 
+#define PARAM_DEFAULT(name, min, def, max, what) .name = PARAM_DEF(name, min, def, max),
+static const cam_params_t defaults = {CAM_PARAMS(PARAM_DEFAULT)};
+
 cam_params_t cam_param_defaults(void)
 {
-#define PARAM_DEFAULT(name, min, def, max, what) .name = PARAM_DEF(name, min, def, max),
-    return (cam_params_t){CAM_PARAMS(PARAM_DEFAULT)};
+    return defaults;
 }
 
 void cam_param_learn(cam_params_t *params)

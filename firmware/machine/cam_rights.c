@@ -98,7 +98,7 @@ static uint32_t keyed(const cam_rights_t *r, const uint32_t *words, uint32_t n_w
         bytes[i] = (uint8_t)(words[i / word_bytes] >> (8u * (i % word_bytes)) & 0xFFu);
     }
     crypto_blake2b_keyed(hash, sizeof hash, r->port.secret, r->port.n_secret, bytes,
-                         n_words * word_bytes);
+                         (size_t)n_words * word_bytes);
     return (uint32_t)hash[0] | (uint32_t)hash[1] << 8 | (uint32_t)hash[2] << 16 |
            (uint32_t)hash[3] << 24;
 }

@@ -72,7 +72,7 @@ static void take_block(uint64_t h[8], const uint8_t *block)
     (void)memcpy(v, h, sizeof v);
     for (uint32_t t = 0; t < (uint32_t)n_rounds; t++) {
         if (t < (uint32_t)n_words) {
-            w[t] = big_endian(&block[8u * t]);
+            w[t] = big_endian(&block[t * sizeof w[0]]);
         }
         const uint64_t word = t < (uint32_t)n_words ? w[t] : scheduled(w, t);
         const uint64_t s1 = rotated(v[4], 14) ^ rotated(v[4], 18) ^ rotated(v[4], 41);
@@ -141,6 +141,6 @@ void cam_sha512_end(cam_sha512_t *s, uint8_t hash[cam_sha512_bytes])
                    (size_t)(n_pending < end ? end - n_pending : end + 128u - n_pending));
     cam_sha512_add(s, length, sizeof length);
     for (uint32_t i = 0; i < 8u; i++) {
-        put_big_endian(&hash[8u * i], s->h[i]);
+        put_big_endian(&hash[i * sizeof s->h[0]], s->h[i]);
     }
 }

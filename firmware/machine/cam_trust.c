@@ -10,7 +10,7 @@
 static const uint8_t *key_of(const hal_trust_t *trust, const uint8_t *id)
 {
     for (uint32_t i = 0; i < trust->n_keys; i++) {
-        const uint8_t *key = &trust->keys[i * (uint32_t)cam_trust_key_size];
+        const uint8_t *key = &trust->keys[(size_t)i * cam_trust_key_size];
         uint8_t hash[cam_sha512_bytes];
         cam_sha512_t s;
         cam_sha512_begin(&s);

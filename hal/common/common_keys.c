@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common_keys.h"
+#include <stddef.h> // size_t
 #include <string.h> // strchr, strspn
 
 static const char between[] = " ,\t\r\n";
@@ -19,9 +20,9 @@ static int digit(char c)
 /// Read 64 digits that nothing but a separator follows.
 static bool read_key(const char *text, uint8_t *key)
 {
-    for (int i = 0; i < common_keys_bytes; i++) {
-        const int high = digit(text[2 * i]);
-        const int low = high < 0 ? -1 : digit(text[2 * i + 1]);
+    for (size_t i = 0; i < (size_t)common_keys_bytes; i++) {
+        const int high = digit(text[2u * i]);
+        const int low = high < 0 ? -1 : digit(text[2u * i + 1u]);
         if (low < 0) {
             return false;
         }
@@ -36,7 +37,7 @@ bool common_keys_add(common_keys_t *keys, const char *text)
     const char *at = text + strspn(text, between);
     while (*at != '\0') {
         if (all.n == (uint32_t)common_keys_most ||
-            !read_key(at, &all.bytes[all.n * (uint32_t)common_keys_bytes])) {
+            !read_key(at, &all.bytes[(size_t)all.n * common_keys_bytes])) {
             return false;
         }
         all.n++;
