@@ -47,12 +47,13 @@ cam_param_id_t cam_param_find(const char *name)
     return (cam_param_id_t)id;
 }
 
-#define PARAM_DEFAULT(name, min, def, max, what) .name = PARAM_DEF(name, min, def, max),
-static const cam_params_t defaults = {CAM_PARAMS(PARAM_DEFAULT)};
-
 cam_params_t cam_param_defaults(void)
 {
-    return defaults;
+    cam_params_t params = {0};
+    for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
+        (void)memcpy((char *)&params + offsets[id], &infos[id].def, sizeof infos[id].def);
+    }
+    return params;
 }
 
 void cam_param_learn(cam_params_t *params)

@@ -254,7 +254,7 @@ static void test_scrub_begins_anew_with_another_configuration(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 1000));
     TEST_ASSERT_TRUE(cam_scrub_step(&scrub, &g_cam.config));
     TEST_ASSERT_EQUAL_UINT32(cam_scrub_words, scrub.at);
-    const cam_config_bank_t none = {0};
+    static const cam_config_bank_t none;
     TEST_ASSERT_TRUE(cam_scrub_step(&scrub, &none));
 }
 

@@ -32,7 +32,7 @@ static void test_play_puts_a_chirp_up_to_n_and_nothing_above(void)
     for (uint32_t n = 1; n <= cam_harmonics_most; n *= 2u) {
         cam_shape_play(&s, 64000, n);
         for (uint32_t k = 0; k < cam_shape_terms; k++) {
-            const double size = k <= n ? 64000.0 : 0.0, angle = M_PI * k * k / n;
+            const double size = k <= n ? 64000.0 : 0.0, angle = 3.14159265358979323846 * k * k / n;
             TEST_ASSERT_INT32_WITHIN(1, lround(size * cos(angle)), s.c_q6[k].re);
             TEST_ASSERT_INT32_WITHIN(1, lround(size * sin(angle)), s.c_q6[k].im);
         }
