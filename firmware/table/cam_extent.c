@@ -31,15 +31,15 @@ static hull_t hull_of(const cam_knot_t *k0, const cam_knot_t *k1)
 
 /// Both halves of an interval.
 typedef struct {
-    hull_t lower, upper;
+    hull_t lower;
+    hull_t upper;
 } halves_t;
 
 /// Cut an interval in half by de Casteljau's means, which are whole (SCALE): what is first and last
 /// after r rounds is the coefficient r of the lower half from below, of the upper half from above.
-static halves_t halves_of(const hull_t *whole)
+static halves_t halves_of(hull_t mean)
 {
     halves_t half;
-    hull_t mean = *whole;
     for (int32_t r = 0; r < 6; r++) {
         half.lower.c[r] = mean.c[0];
         half.upper.c[5 - r] = mean.c[5 - r];
@@ -71,7 +71,8 @@ static void cover(fine_t *range, const hull_t *hull)
 static void widen_by_quarter(fine_t *range, const hull_t *quarter)
 {
     if (!is_covered(range, quarter)) {
-        const halves_t halves = halves_of(quarter);
+        halves_t halves;
+        halves = halves_of(*quarter);
         cover(range, &halves.lower);
         cover(range, &halves.upper);
     }
@@ -80,24 +81,27 @@ static void widen_by_quarter(fine_t *range, const hull_t *quarter)
 static void widen_by_half(fine_t *range, const hull_t *half)
 {
     if (!is_covered(range, half)) {
-        const halves_t halves = halves_of(half);
+        halves_t halves;
+        halves = halves_of(*half);
         widen_by_quarter(range, &halves.lower);
         widen_by_quarter(range, &halves.upper);
     }
 }
 
-static void widen(fine_t *range, const cam_knot_t *k0, const cam_knot_t *k1)
+static void widen_by_segment(fine_t *range, const cam_knot_t *k0, const cam_knot_t *k1)
 {
-    const hull_t whole = hull_of(k0, k1);
+    hull_t whole;
+    whole = hull_of(k0, k1);
     if (!is_covered(range, &whole)) { // few segments
-        const halves_t halves = halves_of(&whole);
+        halves_t halves;
+        halves = halves_of(whole);
         widen_by_half(range, &halves.lower);
         widen_by_half(range, &halves.upper);
     }
 }
 
 /// @return [unit] an end of a range in whole LSB, rounded down
-static int64_t in_unit(const cam_channel_t *ch, int64_t lsb)
+static int64_t whole_units(const cam_channel_t *ch, int64_t lsb)
 {
     return ch->value_offset + (lsb >> ch->frac_bits);
 }
@@ -106,7 +110,7 @@ static int64_t in_unit(const cam_channel_t *ch, int64_t lsb)
 static cam_extent_t outwards(const cam_channel_t *ch, int64_t low, int64_t high)
 {
     const int64_t below_one = (INT64_C(1) << ch->frac_bits) - 1;
-    return (cam_extent_t){in_unit(ch, low - 1), in_unit(ch, high + 1 + below_one)};
+    return (cam_extent_t){whole_units(ch, low - 1), whole_units(ch, high + 1 + below_one)};
 }
 
 cam_extent_t cam_extent_of_knots(const cam_channel_t *ch, int32_t p_min, int32_t p_max)
@@ -124,7 +128,7 @@ cam_extent_t cam_extent_widened(const cam_channel_t *ch, bool is_around, cam_ext
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t next = is_around ? cam_bounds_next(ch, i) : i + 1u;
         if (next < n) {
-            widen(&range, &ch->knots[i], &ch->knots[next]);
+            widen_by_segment(&range, &ch->knots[i], &ch->knots[next]);
         }
     }
     // Rounding to whole units again changes nothing where the range has not been widened.
