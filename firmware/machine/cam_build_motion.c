@@ -120,11 +120,11 @@ static cam_move_limits_t leaving(const cam_config_t *c, uint32_t log2_window)
     const int64_t ahead_q10 = over_q16 > 0 ? over_q16 * a_q10 / 65536 : 0;
     const int64_t least_q10 = u->speed_q10 / 4 + 1;
     const int64_t most_q10 = u->speed_q10 - u->speed_q10 / 16 - ahead_q10;
-    const cam_move_limits_t limits = {
+    const cam_move_limits_t gentle = {
         .speed_q10 = (int32_t)cam_clamp_i64(most_q10, least_q10, u->speed_q10),
         .acceleration_q10 = (int32_t)a_q10,
     };
-    return windowed(limits, log2_window);
+    return windowed(gentle, log2_window);
 }
 
 int64_t cam_build_room_q10(const cam_config_t *config)

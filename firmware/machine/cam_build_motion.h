@@ -11,7 +11,7 @@
 #include <stdint.h>     // int64_t, uint32_t
 
 /// Set-point checks allow 1/16 over the limits for encoder noise, and three nanometres of rounding.
-#define CAM_BUILD_MARGIN_Q10 (3 * 1024)
+#define CAM_BUILD_MARGIN_Q10 3072
 
 /// Derive the limits of all axes, with their windows: of approaches and of the retract, and of what
 /// X and Z are told. The gains of the feed-forward, the spindle and the feed are known.

@@ -69,8 +69,8 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
 {
     const int64_t v = params->u_speed_um_per_s;
     const int64_t a = params->u_acceleration_mm_per_s2;
-    const int64_t u_ns = (int64_t)(step_ns(hal_axis_u, tick_hz)
-                                   << cam_gains_log2_window(params, hal_axis_u, tick_hz));
+    const uint32_t n_steps = UINT32_C(1) << cam_gains_log2_window(params, hal_axis_u, tick_hz);
+    const int64_t u_ns = (int64_t)step_ns(hal_axis_u, tick_hz) * n_steps;
     switch (id) {
     case cam_param_k1_ns: // the retract keeps a quarter of U's speed
         return u_ns / 2 + v * 750000 / a;

@@ -31,10 +31,10 @@ const cam_param_info_t *cam_param_info(cam_param_id_t id)
 }
 
 #define OPERATOR_PARAM(name) [cam_param_##name] = true,
-static const bool is_operators[cam_n_params] = {CAM_OPERATOR_PARAMS(OPERATOR_PARAM)};
 
 bool cam_param_is_locked(cam_param_id_t id)
 {
+    static const bool is_operators[cam_n_params] = {CAM_OPERATOR_PARAMS(OPERATOR_PARAM)};
     return (unsigned)id < cam_n_params && !is_operators[id];
 }
 

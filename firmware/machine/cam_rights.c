@@ -64,7 +64,7 @@ void cam_rights_hear(cam_rights_t *r, uint32_t tick)
 }
 
 /// @return whether a time of some seconds is over
-static bool is_over(const cam_rights_t *r, uint32_t from, uint32_t tick, uint32_t seconds)
+static bool has_passed(const cam_rights_t *r, uint32_t from, uint32_t tick, uint32_t seconds)
 {
     return tick - from > seconds * r->tick_hz;
 }
@@ -72,7 +72,7 @@ static bool is_over(const cam_rights_t *r, uint32_t from, uint32_t tick, uint32_
 static bool lose_command(cam_rights_t *r, uint32_t tick)
 {
     const bool is_lost =
-        r->commander != 0u && is_over(r, r->heard_tick, tick, (uint32_t)cam_rights_patience_s);
+        r->commander != 0u && has_passed(r, r->heard_tick, tick, (uint32_t)cam_rights_patience_s);
     if (is_lost) {
         r->n_losses++;
         cam_rights_release(r);
@@ -149,7 +149,7 @@ bool cam_rights_poll(cam_rights_t *r, uint32_t inputs, uint32_t tick)
     const bool is_lost = lose_command(r, tick);
     watch_key(r, inputs, tick);
     if (r->level != cam_level_locked &&
-        is_over(r, r->level_tick, tick, (uint32_t)cam_rights_level_s)) {
+        has_passed(r, r->level_tick, tick, (uint32_t)cam_rights_level_s)) {
         cam_rights_lock(r);
     }
     return is_lost;

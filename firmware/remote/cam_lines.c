@@ -239,9 +239,9 @@ static void say_command(cam_lines_t *l, const cam_rights_t *now)
 /// Report a change of who commands, or of the level. @return whether there was one
 static bool say_rights(cam_lines_t *l, const cam_rights_t *now)
 {
-    static const char *const levels[] = {[cam_level_locked] = "locked",
-                                         [cam_level_key] = "unlocked by the key switch",
-                                         [cam_level_challenge] = "unlocked by the secret"};
+    static const char *const levels[3] = {[cam_level_locked] = "locked",
+                                          [cam_level_key] = "unlocked by the key switch",
+                                          [cam_level_challenge] = "unlocked by the secret"};
     if (l->commander != now->commander || l->n_losses != now->n_losses ||
         l->n_take_overs != now->n_take_overs) {
         say_command(l, now);

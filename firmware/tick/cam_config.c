@@ -15,14 +15,14 @@ static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *off
     return offered == &bank->half[0] ? &bank->half[1] : &bank->half[0];
 }
 
-static uint32_t seal_of(const cam_config_t *config)
+static uint32_t config_seal(const cam_config_t *config)
 {
     return cam_seal_more(0, config, offsetof(cam_config_t, seal) / sizeof(uint32_t));
 }
 
 bool cam_config_is_whole(const cam_config_t *config)
 {
-    return config->seal == seal_of(config);
+    return config->seal == config_seal(config);
 }
 
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank)
@@ -89,7 +89,7 @@ void cam_config_offer(cam_config_bank_t *bank)
 {
     const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
     cam_config_t *half = other_half(bank, offered);
-    half->seal = seal_of(half);
+    half->seal = config_seal(half);
     atomic_store_explicit(&bank->offered, half, memory_order_release);
 }
 

@@ -250,8 +250,8 @@ static bool is_allowed(const cam_guard_t *g, const cam_guard_config_t *cfg, uint
            cam_is_within(jump_q10, cfg->told_jump_q10[axis]);
 }
 
-uint32_t cam_guard_increments_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_motion_t *m,
-                                  const cam_move_t before[hal_n_axes])
+CAM_STAGE uint32_t cam_guard_increments_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                            cam_motion_t *m, const cam_move_t before[hal_n_axes])
 {
     uint32_t faults = 0;
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
@@ -292,7 +292,7 @@ uint32_t cam_guard_mend_state_isr(const cam_guard_t *g, cam_motion_t *m, cam_sta
     return CAM_FAULT_BIT(corrupt);
 }
 
-uint32_t cam_guard_inspect_isr(cam_guard_t *g, cam_motion_t *m)
+CAM_STAGE uint32_t cam_guard_inspect_isr(cam_guard_t *g, cam_motion_t *m)
 {
     bool is_changed = m->u_home_nm != g->u_home_nm;
     m->u_home_nm = g->u_home_nm;

@@ -204,22 +204,27 @@ static bool brake_axis(hal_axis_t axis, const cam_play_config_t *cfg, cam_motion
     return is_u_at_rest(m);
 }
 
-/// Move the axis of the order, and bring all others to rest. @return whether all rest
+/// Move the axis of the order, or bring another one to rest. @return whether it rests
+CAM_STAGE static bool lead_axis(cam_hand_t *h, hal_axis_t axis, const cam_play_config_t *cfg,
+                                cam_motion_t *m)
+{
+    if (h->phase == cam_hand_rest || axis != h->axis) {
+        return brake_axis(axis, cfg, m);
+    }
+    if (move_axis(h, cfg, m)) {
+        end_phase(h);
+    }
+    return false;
+}
+
+/// Lead all axes. @return whether all rest
 static bool move_axes(cam_hand_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    bool are_at_rest = true;
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        if (h->phase == cam_hand_rest || i != (uint32_t)h->axis) {
-            are_at_rest = brake_axis((hal_axis_t)i, cfg, m) && are_at_rest;
-        } else {
-            are_at_rest = false;
-            if (move_axis(h, cfg, m)) {
-                end_phase(h);
-            }
-        }
-    }
+    const bool is_u_still = lead_axis(h, hal_axis_u, cfg, m);
+    const bool is_x_still = lead_axis(h, hal_axis_x, cfg, m);
+    const bool is_z_still = lead_axis(h, hal_axis_z, cfg, m);
     m->is_gliding = true;
-    return are_at_rest;
+    return is_u_still && is_x_still && is_z_still;
 }
 
 int32_t cam_hand_isr(cam_hand_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r,

@@ -107,8 +107,8 @@ static int32_t faded_q6(const cam_t *c, int32_t plain_q6, bool is_new)
 /// within them is written in its place, and the retract begins with the next tick. In off U may
 /// stand anywhere, and is told the end of the stroke that is nearer to it.
 /// @return [nm] command of U
-CAM_STAGE static int32_t refuse(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r,
-                                int32_t u_nm)
+CAM_STAGE static int32_t refuse_command(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r,
+                                        int32_t u_nm)
 {
     if (r->want.state == cam_state_off) {
         return cam_clamp_i32(u_nm, -cfg->guard.told_range_nm, cfg->guard.told_range_nm);
@@ -139,7 +139,7 @@ static int32_t command_u_nm(cam_t *c, const cam_config_t *cfg, cam_tick_record_t
     const int32_t wanted_nm = cam_sat_add(cam_wrap_add(plain_q6, c->motion.c_q6), 32) >> 6;
     const bool is_allowed =
         cam_guard_allows_isr(&c->guard, &cfg->guard, wanted_nm, r->angle.is_off_time);
-    const int32_t u_nm = is_allowed ? wanted_nm : refuse(c, cfg, r, wanted_nm);
+    const int32_t u_nm = is_allowed ? wanted_nm : refuse_command(c, cfg, r, wanted_nm);
     cam_guard_told_isr(&c->guard, u_nm);
     return u_nm;
 }
@@ -230,11 +230,11 @@ static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t
 }
 
 /// The sum of cam_seal_more(), with the loop written out by the compiler: two instructions a word.
-static uint32_t seal_of(const cam_plan_t *plan)
+CAM_STAGE static uint32_t seal_of(const cam_plan_t *plan)
 {
     enum { n_words = sizeof *plan / sizeof(uint32_t) };
     _Static_assert(sizeof *plan % sizeof(uint32_t) == 0 && n_words <= 64, "whole words, no loop");
-    const cam_seal_word_t *words = (const cam_seal_word_t *)plan; // MISRA D20
+    const cam_seal_word_t *words = (const cam_seal_word_t *)plan; // MISRA D21
     uint32_t sum = 0;
 #pragma GCC unroll 64
     for (uint32_t i = 0; i < (uint32_t)n_words; i++) {
