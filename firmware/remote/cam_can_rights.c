@@ -64,7 +64,7 @@ void cam_can_hear(cam_can_t *r, const struct camturn_command_t *m)
     }
 }
 
-static cam_outcome_t take_command(cam_can_t *r, const struct camturn_command_t *m)
+static cam_outcome_t take_session(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
     const cam_err_t err = cam_machine_take_command(machine, m->sender, m->is_take_over != 0u);
@@ -88,7 +88,7 @@ bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m)
     cam_outcome_t outcome = cam_outcome(cam_ok);
     switch (m->command) {
     case CAMTURN_COMMAND_COMMAND_TAKE_COMMAND_CHOICE:
-        outcome = take_command(r, m);
+        outcome = take_session(r, m);
         break;
     case CAMTURN_COMMAND_COMMAND_RELEASE_COMMAND_CHOICE:
         cam_machine_release_command(r->machine);
