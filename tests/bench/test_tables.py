@@ -44,7 +44,8 @@ def test_every_part_is_recorded() -> None:
 def table_of(name: str) -> Table:
     """Return the table of a part, which is made once."""
     path = parts()[name]
-    return make_table(load(path), path).table.table
+    table: Table = make_table(load(path), path).table.table
+    return table
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -186,8 +186,8 @@ def download(s: Session) -> None:
         assert place.read_bytes() == before, f"after {n_blocks} blocks"
     s.seen["n_broken_off"] = n_most + 1
     s.start_controller()
-    camctl = (sys.executable, "-m", "camtools.cli.camctl", "-i", "socketcan", "-c", "vcan0")
-    camctl += ("--secret", str(s.out / "secret"))
+    camctl = [sys.executable, "-m", "camtools.cli.camctl", "-i", "socketcan", "-c", "vcan0"]
+    camctl += ["--secret", str(s.out / "secret")]
     for words in (("table", "download", s.setup["other_table"]), ("select",), ("table", "info")):
         s.seen["camctl"] = s.spawn("camctl", *camctl, *words).wait(30)
         assert s.seen["camctl"] == 0, words

@@ -256,8 +256,7 @@ static void test_guard_armed_masks_are_those_of_the_manual(void)
 {
     const uint32_t enabled = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) |
                              CAM_FAULT_BIT(late_tick) | CAM_FAULT_BIT(index_missing) |
-                             CAM_FAULT_BIT(table) | CAM_FAULT_BIT(command) |
-                             CAM_FAULT_BIT(corrupt);
+                             CAM_FAULT_BIT(table) | CAM_FAULT_BIT(command) | CAM_FAULT_BIT(corrupt);
     const uint32_t all = (UINT32_C(1) << cam_n_faults) - 1u;
     const uint32_t in_work_only = CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |
                                   CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range) |
