@@ -27,10 +27,11 @@ static inline uint32_t cam_seal_word(uint32_t sum, uint32_t word)
 static inline uint32_t cam_seal_more(uint32_t sum, const void *words, uint32_t n)
 {
     const cam_seal_word_t *at = words; // MISRA D20
+    uint32_t longer = sum;
     for (uint32_t i = 0; i < n; i++) {
-        sum = cam_seal_word(sum, at[i]);
+        longer = cam_seal_word(longer, at[i]);
     }
-    return sum;
+    return longer;
 }
 
 #endif

@@ -39,13 +39,6 @@ often they are needed. Faults with their reaction and time stand in [FAULTS.md](
 command and what is not protected in [THREATS.md](THREATS.md).
 """
 
-_THREATS_HEAD = """# Who is trusted, and what is protected from whom
-
-It is made from [safety.toml](safety.toml), like [SAFETY.md](SAFETY.md). How command, level and
-button work stands in [can/README.md](remote/can/README.md#who-may-command), the panel's threats in
-[PANEL.md](../tools/docs/PANEL.md#what-is-protected-against-and-the-test-of-it).
-"""
-
 
 def named_function(text: str, name: str) -> bool:
     """Return whether a source in C or Python defines a function of that name."""
@@ -181,7 +174,7 @@ def threats_page(case: dict[str, Any]) -> str:
     )
     table = _rows(rows, "", "threat", "protection", "shown by")
     return (
-        f"{_THREATS_HEAD}\n## Trusted\n\n{_list(case['trusted'])}\n## Protected\n\n{table}"
+        f"{case['threats_head']}\n## Trusted\n\n{_list(case['trusted'])}\n## Protected\n\n{table}"
         f"\n## Not protected\n\n{_list(case['unprotected'])}"
     )
 
