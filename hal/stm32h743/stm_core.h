@@ -61,8 +61,8 @@
 #define DWT_LAR_KEY 0xC5ACCE55u
 
 /// Barrier: all memory accesses before it are complete, and all instructions behind it see their
-/// effect.
-static inline void stm_barrier(void)
+/// effect. Inlined always: the start-up in flash calls it before the code in RAM is there.
+__attribute__((always_inline)) static inline void stm_barrier(void)
 {
     __asm volatile("dsb\n isb" ::: "memory");
 }

@@ -137,6 +137,15 @@ class Remote:
                 result, _ = self.command(command, index, value)
         assert result == 0, f"command {command} ({index}, {value}): {result}"
 
+    def wait_until_retracted(self, seconds: float) -> None:
+        """Wait until the controller tells that its axes have left the work."""
+
+        def is_retracted() -> bool:
+            newest = [f.data for f in self.frames(DETAIL) if f.data[0] == 1][-1:]
+            return any(data[1] & 2 for data in newest)
+
+        assert self.chip.run_until(is_retracted, self.chip.seconds(seconds)), "no retract ends"
+
     def started(self) -> Status:
         """Wait for the first status behind a reset, and return it."""
         n = len(self.frames(STATE))

@@ -93,6 +93,7 @@ def test_tick_overrun_retracts_and_locks(table: bytes) -> None:
     ticks = session.board.ticks
     assert chip.run_until(lambda: ticks[-1].enable == 0, chip.seconds(0.3))
     assert any("a tick overran" in line for line in remote.lines())
+    remote.wait_until_retracted(0.5)
     assert remote.command(RESET)[0] == 0
     remote.wait_for("off", 0.1)
     assert remote.command(ENABLE)[0] == ERR["drive"]

@@ -23,7 +23,7 @@ static inline void to_manual(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&rig.machine));
     fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
 }
 
 static inline cam_hand_t hand(void)

@@ -53,7 +53,7 @@ static cam_err_t enable(void)
 
 static cam_state_t state(void)
 {
-    return fixture_rig_status(&f).state;
+    return fixture_rig_state();
 }
 
 static void expect_refused(void)

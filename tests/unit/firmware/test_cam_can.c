@@ -26,10 +26,10 @@ void tearDown(void) {}
 
 static void loop_until(cam_state_t wanted)
 {
-    for (uint32_t i = 0; i < 60000u && fixture_can_state(&f) != wanted; i++) {
+    for (uint32_t i = 0; i < 60000u && fixture_rig_state() != wanted; i++) {
         fixture_can_loop(&f, 1);
     }
-    TEST_ASSERT_EQUAL_INT(wanted, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(wanted, fixture_rig_state());
 }
 
 static void to_ready(void)
@@ -76,7 +76,7 @@ static void test_commands_out_of_order_are_refused(void)
     expect_answer(&f, cam_ok, 0, start, 0, 0);
     expect_answer(&f, cam_err_state, 0, start, 0, 0);
     expect_answer(&f, cam_err_state, 0, table_anew, 0, 0);
-    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
 }
 
 static void test_a_command_before_the_last_was_taken_is_busy(void)
@@ -96,7 +96,7 @@ static void test_an_infeasible_speed_is_refused_with_the_highest(void)
     expect_answer(&f, cam_ok, 2500000, set, cam_param_spindle_mrpm, 2500000);
     to_ready();
     expect_answer(&f, cam_err_spindle_speed, 2500000, set, cam_param_spindle_mrpm, 3500000);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
 }
 
 static void test_set_tells_the_value_in_force(void)
@@ -192,7 +192,7 @@ static void test_only_ramped_parameters_change_in_the_cut(void)
     fixture_can_loop(&f, 2);
     expect_answer(&f, cam_ok, 1000, set_phase, cam_param_phase_udeg, 1000);
     expect_answer(&f, cam_err_state, 0, home, 0, 0);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
 }
 
 static void test_home_homes_and_homes_anew(void)
@@ -218,7 +218,7 @@ static void test_home_anew_stays_off_when_the_drives_are_not_ready(void)
     fixture_can_loop(&f, 10);
     hal_host_fault_drive(false);
     fixture_can_loop(&f, 10);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
 }
 
 static void test_get_knows_every_parameter(void)
@@ -236,7 +236,7 @@ static void test_unknown_commands_have_an_error_of_their_own(void)
     expect_answer(&f, cam_err_command, 0, 18, 0, 0);
     expect_answer(&f, cam_err_command, 0, 199, 0, 0);
     expect_answer(&f, cam_err_command, 0, 255, 255, -1);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
 }
 
 static void test_an_answer_without_room_is_kept_before_the_next_command(void)
@@ -271,7 +271,7 @@ static void test_bus_off_stops_nothing_and_ends(void)
     fixture_can_receive(0x640, 8, get, 0, 0);
     fixture_can_loop(&f, 1000);
     TEST_ASSERT_EQUAL_UINT32(n_sent, hal_host.slow.n_sent);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
     hal_host.slow.is_bus_off = false;
     fixture_can_loop(&f, 1);
     const hal_can_frame_t frame = fixture_can_sent(0x5C0);

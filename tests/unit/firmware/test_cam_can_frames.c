@@ -52,7 +52,7 @@ static void test_malformed_frames_are_answered_and_do_nothing(void)
         TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, answer_to(&frame).result);
     }
     fixture_can_loop(&f, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
 }
 
 static void test_foreign_ids_are_passed_over(void)

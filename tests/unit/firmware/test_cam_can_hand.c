@@ -42,7 +42,7 @@ static hal_can_frame_t page(uint8_t number)
 static void test_jog_and_step_move_and_the_pages_tell(void)
 {
     (void)done(manual, 0, 0);
-    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
     (void)done(jog, x_axis, 5000);
     (void)done(jog, x_axis, 0);
     fixture_can_loop(&f, 2000);
@@ -86,7 +86,7 @@ static void test_wrong_axes_and_values_are_refused_with_the_limit(void)
     TEST_ASSERT_EQUAL_INT32(10000, fast.value);
     TEST_ASSERT_EQUAL_INT32(cam_err_param_range, fixture_can_command(&f, set_tool, 0, 5).result);
     fixture_can_loop(&f, 100);
-    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
 }
 
 /// Homes of U and Z are told, too, each by a bit of its own.

@@ -128,7 +128,7 @@ static void test_a_download_goes_on_in_ready_and_is_selected_there(void)
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
     TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
     fixture_can_loop(&d.can, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_status(&d.can.rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&d.can.rig.machine));
 }
 
@@ -166,7 +166,7 @@ static void test_the_cut_refuses_everything(void)
     TEST_ASSERT_EQUAL_INT32(
         cam_err_state, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     TEST_ASSERT_EQUAL_INT32(cam_err_state, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_status(&d.can.rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
 }
 
 static void test_a_command_on_its_way_makes_it_wait(void)

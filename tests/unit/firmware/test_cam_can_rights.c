@@ -47,10 +47,10 @@ static fixture_answer_t by(uint8_t sender, uint8_t its_session, uint8_t command,
 
 static void loop_until(cam_state_t wanted)
 {
-    for (uint32_t i = 0; i < 100000u && fixture_can_state(&f) != wanted; i++) {
+    for (uint32_t i = 0; i < 100000u && fixture_rig_state() != wanted; i++) {
         fixture_can_loop(&f, 1);
     }
-    TEST_ASSERT_EQUAL_INT(wanted, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(wanted, fixture_rig_state());
 }
 
 static void to_cutting(void)
@@ -145,7 +145,7 @@ static void test_a_take_over_does_not_end_the_cut(void)
     to_cutting();
     const fixture_answer_t answer = by(other, 0, take, 1);
     fixture_can_loop(&f, 10u * n_ms);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, by(me, session, disable, 0).result);
     TEST_ASSERT_EQUAL_INT32(cam_ok, by(other, (uint8_t)answer.value, stop, 0).result);
 }
@@ -154,11 +154,11 @@ static void test_a_take_over_does_not_end_the_cut(void)
 static uint32_t until_stopped(void)
 {
     uint32_t n = 0;
-    while (fixture_can_state(&f) == cam_state_cutting && n < 100000u) {
+    while (fixture_rig_state() == cam_state_cutting && n < 100000u) {
         fixture_can_loop(&f, 1);
         n++;
     }
-    TEST_ASSERT_EQUAL_INT(cam_state_disengaging, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_disengaging, fixture_rig_state());
     return n;
 }
 
@@ -202,7 +202,7 @@ static void test_a_start_on_its_way_does_not_outlive_its_commander(void)
     cam_can_poll(&f.can);
     cam_can_poll(&f.can); // both before the interrupt has taken the start
     fixture_can_loop(&f, 100);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
 }
 
 static void test_heartbeats_lost_in_manual_brake_the_axes(void)
@@ -222,7 +222,7 @@ static void test_heartbeats_lost_in_manual_brake_the_axes(void)
     fixture_can_loop(&f, 2000);
     TEST_ASSERT_EQUAL_INT32(0, f.rig.last.out[hal_axis_x].vel_q10);
     TEST_ASSERT_EQUAL_INT(cam_hand_stopped, fixture_rig_status(&f.rig).hand.end);
-    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
 }
 
 // Level
@@ -288,7 +288,7 @@ static void test_never_in_the_work(void)
     expect_answer(&f, cam_err_state, 0, table_anew, 0, 0);
     expect_answer(&f, cam_err_state, 0, begin_download, 0, 1000);
     TEST_ASSERT_EQUAL_INT32(cam_err_param_state, fixture_can_command(&f, set_learned, 0, 0).result);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
 }
 
 static void test_a_port_without_key_and_secret_says_that_it_is_locked_for_good(void)
@@ -378,7 +378,7 @@ static void try_everything(void)
         TEST_ASSERT_EQUAL_INT32(cam_err_acknowledge, by(me, session, home, 0).result);
         TEST_ASSERT_EQUAL_INT32(cam_err_acknowledge, by(me, session, manual, 0).result);
         fixture_can_loop(&f, 10u * n_ms);
-        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
+        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
         TEST_ASSERT_EQUAL_UINT32(0, hal_host.out.outputs & hal_out_enable);
         TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
         TEST_ASSERT_EQUAL_INT32(x_nm, f.rig.last.out[hal_axis_x].pos_nm);

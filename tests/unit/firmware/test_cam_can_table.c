@@ -53,7 +53,7 @@ static void expect_start_without_table(cam_err_t err)
     TEST_ASSERT_EQUAL_INT32(0, answer.value);
     TEST_ASSERT_EQUAL_INT32(err, send(table_anew));
     fixture_can_loop(&f, 3);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&f.rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
 }
 
 static void expect_homing(void)
@@ -61,7 +61,7 @@ static void expect_homing(void)
     fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(enable));
     fixture_can_loop(&f, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_status(&f.rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_state());
 }
 
 static void test_a_good_table_in_a_larger_sector_is_taken(void)

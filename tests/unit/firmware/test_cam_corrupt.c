@@ -15,11 +15,30 @@ static void flip(void *object, uint32_t bit)
     bytes[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
 }
 
+/// The controller in the cut, and the machine around it. It is brought there once and then put
+/// back: nothing here depends on how it got there.
+static void cut_anew(void)
+{
+    static cam_t cam;
+    static fixture_rig_t machine;
+    static hal_host_t host;
+    if (machine.machine.core == NULL) {
+        setUp();
+        bring(cam_state_cutting);
+        memcpy(&cam, &g_cam, sizeof cam);
+        machine = rig;
+        host = hal_host;
+    }
+    memcpy(&g_cam, &cam, sizeof cam);
+    rig = machine;
+    hal_host = host;
+}
+
 /// Tick, and poll as a main loop does, until a fault comes. @return ticks, `most` when none came
 static uint32_t ticks_until_fault(uint32_t most)
 {
     uint32_t n = 0;
-    while (n < most && fixture_rig_status(&rig).state != cam_state_fault) {
+    while (n < most && fixture_rig_state() != cam_state_fault) {
         fixture_rig_tick(&rig);
         cam_machine_poll(&rig.machine);
         n++;
@@ -45,8 +64,7 @@ static void test_seal_sees_every_single_bit(void)
 static void test_pointer_to_the_configuration_is_mended(void)
 {
     for (uint32_t bit = 0; bit < 32u; bit++) {
-        setUp();
-        bring(cam_state_cutting);
+        cut_anew();
         const cam_config_t *in_use = g_cam.config.in_use;
         uintptr_t at = (uintptr_t)in_use ^ (uintptr_t)1u << bit;
         memcpy((void *)&g_cam.config.offered, &at, sizeof at);
@@ -58,7 +76,7 @@ static void test_pointer_to_the_configuration_is_mended(void)
 
 static void test_pointer_in_use_is_taken_anew(void)
 {
-    bring(cam_state_cutting);
+    cut_anew();
     uintptr_t at = (uintptr_t)g_cam.config.offered ^ 64u;
     memcpy((void *)&g_cam.config.in_use, &at, sizeof at);
     TEST_ASSERT_EQUAL_UINT32(100, ticks_until_fault(100));
@@ -68,8 +86,7 @@ static void test_pointer_in_use_is_taken_anew(void)
 static void test_state_of_the_plan_is_sealed(void)
 {
     for (uint32_t bit = 0; bit < 8u * sizeof g_cam.plan; bit += 29u) {
-        setUp();
-        bring(cam_state_cutting);
+        cut_anew();
         flip(&g_cam.plan, bit);
         TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt),
@@ -79,7 +96,7 @@ static void test_state_of_the_plan_is_sealed(void)
 
 static void test_count_to_the_plan_heals(void)
 {
-    bring(cam_state_cutting);
+    cut_anew();
     for (uint32_t bit = 4; bit < 32u; bit++) {
         flip(&g_cam.until_plan, bit);
         fixture_rig_tick(&rig);
@@ -92,8 +109,7 @@ static void test_count_to_the_plan_heals(void)
 static void test_whole_turns_of_the_angle_are_watched(void)
 {
     for (uint32_t bit = 32; bit < 64u; bit++) {
-        setUp();
-        bring(cam_state_cutting);
+        cut_anew();
         flip(&g_cam.spindle.pos_q32, bit);
         TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
     }
@@ -105,8 +121,7 @@ static void test_place_in_the_turn_is_watched(void)
                                    offsetof(cam_spindle_t, index_error)};
     for (uint32_t i = 0; i < 2u; i++) {
         for (uint32_t bit = 0; bit < 11u; bit++) {
-            setUp();
-            bring(cam_state_cutting);
+            cut_anew();
             flip((uint8_t *)&g_cam.spindle + words[i], bit);
             TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
         }
@@ -117,8 +132,7 @@ static void test_place_in_the_turn_is_watched(void)
 static void test_places_of_x_and_z_are_mended_in_the_tick(void)
 {
     for (uint32_t bit = 12; bit < 64u; bit++) { // 4 nm at least
-        setUp();
-        bring(cam_state_cutting);
+        cut_anew();
         const int32_t before_nm = hal_host.out.axis[hal_axis_x].pos_nm;
         flip(&g_cam.motion.axis[hal_axis_x].pos_q10, bit);
         fixture_rig_tick(&rig);
@@ -131,8 +145,7 @@ static void test_places_of_x_and_z_are_mended_in_the_tick(void)
 static void test_state_is_mended_and_off_enables_nothing(void)
 {
     for (uint32_t bit = 0; bit < 32u; bit++) {
-        setUp();
-        bring(cam_state_cutting);
+        cut_anew();
         flip(&g_cam.motion.state, bit);
         TEST_ASSERT_EQUAL_UINT32(1, ticks_until_fault(100));
         TEST_ASSERT_EQUAL_HEX32(hal_out_fault | hal_out_enable, hal_host.out.outputs);
@@ -141,13 +154,13 @@ static void test_state_is_mended_and_off_enables_nothing(void)
         flip(&g_cam.motion.state, bit);
         fixture_rig_ticks(&rig, 20);
         TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
-        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     }
 }
 
 static void test_what_was_written_is_looked_at(void)
 {
-    bring(cam_state_cutting);
+    cut_anew();
     cam_tick_record_t r = rig.last;
     TEST_ASSERT_TRUE(cam_guard_written_isr(&g_cam.guard, &r));
     for (uint32_t i = 0; i < hal_n_axes; i++) {
@@ -160,8 +173,7 @@ static void test_what_was_written_is_looked_at(void)
 static void test_configuration_is_scrubbed(void)
 {
     for (uint32_t bit = 5; bit < 8u * sizeof(cam_config_t) - 64u; bit += 1009u) {
-        setUp();
-        bring(cam_state_cutting);
+        cut_anew();
         cam_config_t *config = &g_cam.config.half[g_cam.config.in_use == &g_cam.config.half[1]];
         TEST_ASSERT_TRUE(cam_config_is_whole(config));
         flip(config, bit);

@@ -24,10 +24,10 @@ static void expect_within(cam_fault_t fault, uint32_t ticks)
 
 static void expect_none(uint32_t ticks)
 {
-    const cam_state_t state = fixture_rig_status(&rig).state;
+    const cam_state_t state = fixture_rig_state();
     fixture_rig_ticks(&rig, ticks);
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
-    TEST_ASSERT_EQUAL_INT(state, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 
 static void test_guard_inputs_in_every_enabled_state_are_faults_at_once(void)
@@ -118,7 +118,7 @@ static void test_guard_reverse_and_stop_in_the_cut_are_faults(void)
     bring(cam_state_cutting);
     rig.is_spindle_held = true;
     for (; rig.rpm > -20.0; rig.rpm -= 1.0) { // 0.13 s from 2500 r/min
-        if (fixture_rig_status(&rig).state == cam_state_fault) {
+        if (fixture_rig_state() == cam_state_fault) {
             break;
         }
         fixture_rig_tick(&rig);
@@ -147,7 +147,7 @@ static void test_guard_time_of_standing_counts_in_the_work_only(void)
     expect_none(4000);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     fixture_rig_ticks(&rig, 1980);
-    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
     expect_within(cam_fault_spindle_stopped, 60);
 }
 
@@ -157,7 +157,7 @@ static void test_guard_homing_without_rotation_gives_up(void)
     rig.is_spindle_held = true;
     rig.rpm = 0.0;
     fixture_rig_ticks(&rig, 199000);
-    TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_state());
     expect_within(cam_fault_spindle_stopped, 2000);
 }
 

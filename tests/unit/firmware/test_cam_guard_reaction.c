@@ -243,7 +243,7 @@ static void test_latch_holds_until_reset_after_the_retract(void)
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_reset(&rig.machine)); // still retracting
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_enable(&rig.machine));
     fixture_rig_ticks(&rig, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_state());
     TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
     fixture_rig_tick(&rig);
@@ -263,7 +263,7 @@ static void test_latch_reset_with_the_cause_still_there_refuses_enable(void)
     fixture_rig_ticks(&rig, 20000);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
     fixture_rig_ticks(&rig, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT(cam_err_estop, cam_machine_enable(&rig.machine));
     hal_host_fault_estop(false);
     hal_host_fault_drive(true);

@@ -29,7 +29,7 @@ static void test_manual_holds_all_axes_and_the_spindle(void)
     TEST_ASSERT_EQUAL_HEX32(hal_out_enable, hal_host.out.outputs);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
     fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
 }
 
@@ -52,7 +52,7 @@ static void test_jog_without_its_commander_stops_by_the_interrupt_alone(void)
         TEST_ASSERT_INT32_WITHIN(4000, 250000, at_nm);
         fixture_rig_ticks(&rig, 5000);
         TEST_ASSERT_EQUAL_INT32(at_nm, port_nm(axis));
-        TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_status(&rig).state);
+        TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
     }
 }
 
@@ -155,7 +155,7 @@ static void test_random_orders_stay_within_speed_acceleration_and_travel(void)
         }
     }
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
-    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
     // 2 mm/s and 10 mm/s are 100 and 500 nm per tick. X and Z change their speed once per plan by
     // 0.5 m/s2 times 0.4 ms, 10 nm per tick, U by a quarter of 250 m/s2 in one tick, 156 nm per
     // tick; a step is rounded to whole nanometres, and has the rest of a division by eight.
@@ -208,7 +208,7 @@ static void test_disable_brakes_before_the_enable_drops(void)
     fixture_rig_ticks(&rig, 100);
     TEST_ASSERT_EQUAL_HEX32(hal_out_enable, hal_host.out.outputs);
     fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
 }
 

@@ -51,7 +51,7 @@ void tearDown(void) {}
 
 static cam_state_t state(void)
 {
-    return fixture_rig_status(&rig).state;
+    return fixture_rig_state();
 }
 
 /// Ticks with the main loop between them; signs of life as long as asked for.

@@ -47,7 +47,7 @@ static void test_requests_that_reach_the_interrupt_out_of_order_are_ignored(void
     for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         g_cam.request = (i + 1u) << 8 | (uint32_t)wrong[i];
         fixture_rig_tick(&rig);
-        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
         TEST_ASSERT_EQUAL_UINT32(i + 1u, fixture_rig_status(&rig).request);
     }
     setUp();
@@ -57,7 +57,7 @@ static void test_requests_that_reach_the_interrupt_out_of_order_are_ignored(void
     for (uint32_t i = 0; i < 5u; i++) { // reset as well, since the retract has not ended
         g_cam.request = (i + 100u) << 8 | (uint32_t)no_way[i];
         fixture_rig_tick(&rig);
-        TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_status(&rig).state);
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_state());
     }
 }
 
@@ -70,7 +70,7 @@ static void test_fault_is_left_by_reset_after_the_retract_only(void)
     TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
     fixture_rig_ticks(&rig, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
     TEST_ASSERT_EQUAL_INT(cam_err_estop, cam_machine_enable(&rig.machine));
     hal_host_fault_estop(false);
@@ -123,10 +123,10 @@ static void test_request_serial_wraps_without_losing_a_command(void)
     for (int i = 0; i < 4; i++) {
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
         fixture_rig_tick(&rig);
-        TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_status(&rig).state);
+        TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_state());
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
         fixture_rig_tick(&rig);
-        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     }
 }
 
@@ -179,7 +179,7 @@ static void test_what_makes_the_angle_changes_in_off_only(void)
         if (states[k] == cam_state_manual) {
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&rig.machine));
             fixture_rig_ticks(&rig, 20);
-            TEST_ASSERT_EQUAL_INT(states[k], fixture_rig_status(&rig).state);
+            TEST_ASSERT_EQUAL_INT(states[k], fixture_rig_state());
         } else {
             bring(states[k]);
         }
@@ -235,7 +235,7 @@ static void test_without_a_table_nothing_starts(void)
     TEST_ASSERT_EQUAL_UINT32(0, cam_machine_highest_mrpm(&rig.machine));
     g_cam.request = 1u << 8 | cam_request_enable;
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     cam_machine_poll(&rig.machine);
     TEST_ASSERT_FALSE(rig.machine.has_table);
 }

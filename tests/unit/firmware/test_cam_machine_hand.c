@@ -39,7 +39,7 @@ static void test_commands_of_other_states_are_refused_by_hand(void)
     for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         cam_machine_request(machine(), wrong[i]);
         fixture_rig_ticks(&rig, 20);
-        TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_status(&rig).state);
+        TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
     }
 }
 
@@ -134,7 +134,7 @@ static void test_order_is_not_kept_for_the_next_manual(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_x, 1000).err);
     cam_machine_request(machine(), cam_request_disable);
     fixture_rig_ticks(&rig, 200);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     const int32_t x_nm = hal_host.out.axis[hal_axis_x].pos_nm;
     to_manual();
     fixture_rig_ticks(&rig, 2000);

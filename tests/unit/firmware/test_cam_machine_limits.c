@@ -38,7 +38,7 @@ static void test_start_beyond_the_limits_is_refused_before_motion(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(&rig.machine, why.highest_mrpm));
     TEST_ASSERT_EQUAL_UINT32(why.highest_mrpm, cam_machine_highest_mrpm(&rig.machine));
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
 }
 
 static void test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut(void)

@@ -17,11 +17,11 @@ void tearDown(void) {}
 /// Ticks and the main loop, until a state is reached.
 static void until(cam_state_t state)
 {
-    for (int i = 0; i < 200000 && fixture_rig_status(&rig).state != state; i++) {
+    for (int i = 0; i < 200000 && fixture_rig_state() != state; i++) {
         fixture_rig_tick(&rig);
         cam_machine_poll(&rig.machine);
     }
-    TEST_ASSERT_EQUAL_INT(state, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 
 static void test_hold_needs_a_cut_and_resume_a_hold(void)

@@ -92,7 +92,7 @@ static void test_feed_forward_changes_in_ready_while_u_rests(void)
         fixture_rig_tick(&f.rig);
         TEST_ASSERT_EQUAL_INT32(before_nm, f.rig.last.out[hal_axis_u].pos_nm);
     }
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_status(&f.rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
 }
 
 /// In manual U may be jogged, and its feed-forward then stays as it is.

@@ -23,10 +23,10 @@ static void poll_for(uint32_t n)
 
 static void until(cam_state_t state)
 {
-    for (int i = 0; i < 400000 && fixture_rig_status(&rig).state != state; i++) {
+    for (int i = 0; i < 400000 && fixture_rig_state() != state; i++) {
         poll_for(1);
     }
-    TEST_ASSERT_EQUAL_INT(state, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 
 /// A rate that the interrupt does not know yet, and a spindle that is still too fast, each hold the
@@ -146,11 +146,11 @@ static void test_home_ends_where_the_state_is_another(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home(m));
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m)); // it goes on by itself
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m));
     hal_host_fault_estop(true);
     poll_for(3);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     TEST_ASSERT_FALSE(m->homes_again);
     hal_host_fault_estop(false);
     poll_for(3);
@@ -162,7 +162,7 @@ static void test_home_ends_where_the_state_is_another(void)
     m->homes_again = true; // in another state than off there is nothing to enable
     cam_machine_poll(m);
     TEST_ASSERT_FALSE(m->homes_again);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
 }
 
 /// What the slow side has still to do lets the second half of home wait; then it enables.
@@ -172,15 +172,15 @@ static void test_home_waits_until_all_homes_are_read(void)
     bring(cam_state_ready);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home(m));
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     m->hands.n_found++; // another number of homes than the interrupt has found
     cam_machine_poll(m);
     TEST_ASSERT_TRUE(m->homes_again);
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
     poll_for(2);
     TEST_ASSERT_FALSE(m->homes_again);
-    TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_state());
 }
 
 /// Downloads wait for the last command and for the last configuration, each by itself.

@@ -35,7 +35,7 @@ static void begin(int32_t turns)
 /// Tick as long as the state stays, and note where the axes are while U plays.
 static cam_state_t rehearse(uint32_t n_most)
 {
-    const cam_state_t state = fixture_rig_status(&rig).state;
+    const cam_state_t state = fixture_rig_state();
     for (uint32_t n = 0; n < n_most && rig.last.want.state == state; n++) {
         fixture_rig_tick(&rig);
         if (g_cam.motion.is_playing) {

@@ -264,11 +264,11 @@ static void bring_to(cam_state_t state)
         TEST_ASSERT_TRUE_MESSAGE(fixture_rig_bring(&f.rig, state), where);
         break;
     }
-    for (uint32_t n = 0; n < 40000u && fixture_rig_status(&f.rig).state != state; n++) {
+    for (uint32_t n = 0; n < 40000u && fixture_rig_state() != state; n++) {
         fixture_can_loop(&f, 1);
     }
     fixture_can_loop(&f, (uint32_t)any(0, state == cam_state_fault ? 400 : 30));
-    TEST_ASSERT_EQUAL_INT_MESSAGE(state, fixture_rig_status(&f.rig).state, where);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(state, fixture_rig_state(), where);
 }
 
 /// The feed swings by a part of its mean over the height.

@@ -168,7 +168,7 @@ static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
         for (int k = 0; k < 4000; k++) {
             tick(&t);
         }
-        TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_status(&rig).state);
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_state());
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(command), fixture_rig_status(&rig).first_fault);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->guard.told_step_nm, t.most_step_nm);
         TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
