@@ -189,7 +189,7 @@ static void aim_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const c
 /// @return a value led towards another by at most a step
 static int32_t led(int32_t value, int32_t to, int32_t most)
 {
-    return cam_wrap_add(value, cam_clamp_i32(to - value, -most, most));
+    return cam_wrap_add(value, cam_clamp_i32(cam_sat_i32((int64_t)to - value), -most, most));
 }
 
 /// Move phase, amplitude, trim and override of the spindle towards the operator's values, as far as

@@ -209,7 +209,7 @@ static uint32_t check_place(const cam_spindle_t *s, const cam_spindle_config_t *
     const int32_t since = cam_wrap_add(cam_wrap_diff(s->counts, s->index_counts), s->index_error);
     const int32_t off = cam_wrap_sub(s->in_turn, since);
     const bool is_there = off == 0 || off == turn || off == -turn || off == 2 * turn;
-    const int64_t moved_q32 = s->pos_q32 - s->watched_q32;
+    const int64_t moved_q32 = (int64_t)((uint64_t)s->pos_q32 - (uint64_t)s->watched_q32);
     const bool is_near = moved_q32 < CAM_TURN_Q32 / 2 && moved_q32 > -CAM_TURN_Q32 / 2;
     return is_near && (is_there || !s->is_synced) ? 0u : CAM_FAULT_BIT(corrupt);
 }

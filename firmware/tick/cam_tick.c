@@ -258,19 +258,20 @@ static uint32_t inspect(cam_t *c)
 /// Do what belongs to every n-th tick only.
 CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
-    const uint32_t corrupt = inspect(c);
+    const uint32_t seen = inspect(c) | watch_index(c, cfg, r);
     const cam_move_t before[hal_n_axes] = {
         [hal_axis_x] = c->motion.axis[hal_axis_x], [hal_axis_z] = c->motion.axis[hal_axis_z]};
     c->until_plan = cfg->play.plan_ticks;
-    plan_axes(c, cfg, r);
+    if ((seen & CAM_FAULT_BIT(corrupt)) == 0u) { // else the axes move on until the guard leads them
+        plan_axes(c, cfg, r);
+    }
     c->plan.is_laid = c->motion.is_playing;
     c->plan_seal = seal_of(&c->plan);
     const uint32_t refused = cam_guard_increments_isr(&c->guard, &cfg->guard, &c->motion, before);
     cam_guard_keep_isr(&c->guard, &c->motion);
     cam_gather_plan_isr(&c->gather, r, &c->motion);
     cam_acknowledge_isr(&c->acknowledge, &cfg->play.acknowledge, r, &c->motion);
-    c->motion.faults |=
-        corrupt | refused | watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
+    c->motion.faults |= seen | refused | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
 }
 
 /// A count beyond the period is none of ours: a bit of it flipped, and the plan is due at once.
