@@ -195,7 +195,6 @@ static uint32_t watch_index(cam_t *c, const cam_config_t *cfg, const cam_tick_re
     if (!c->motion.was_off) {
         return cam_spindle_watch_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     }
-    c->motion.was_off = false;
     cam_spindle_forget_isr(&c->spindle, &r->in.encoder);
     return 0;
 }
@@ -265,6 +264,7 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
     if ((seen & CAM_FAULT_BIT(corrupt)) == 0u) { // else the axes move on until the guard leads them
         plan_axes(c, cfg, r);
     }
+    c->motion.was_off = false;
     c->plan.is_laid = c->motion.is_playing;
     c->plan_seal = seal_of(&c->plan);
     const uint32_t refused = cam_guard_increments_isr(&c->guard, &cfg->guard, &c->motion, before);
