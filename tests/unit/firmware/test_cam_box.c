@@ -96,6 +96,14 @@ static void test_a_later_fault_does_not_take_its_place(void)
     TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->faults);
 }
 
+static void test_a_box_is_handed_over_once(void)
+{
+    (void)fail();
+    hal_host.slow.n_kept = 0;
+    go_on(50);
+    TEST_ASSERT_EQUAL_UINT32(0, hal_host.slow.n_kept);
+}
+
 static void test_nothing_takes_an_unread_box_but_a_release(void)
 {
     cam_machine_t *m = &rig.machine;
@@ -303,6 +311,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_half_a_second_before_a_fault_is_there);
     RUN_TEST(test_a_later_fault_does_not_take_its_place);
+    RUN_TEST(test_a_box_is_handed_over_once);
     RUN_TEST(test_nothing_takes_an_unread_box_but_a_release);
     RUN_TEST(test_a_restart_finds_the_box_again);
     RUN_TEST(test_a_damaged_head_is_passed_over);

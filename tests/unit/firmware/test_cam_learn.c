@@ -36,6 +36,8 @@ static void tick(int32_t step_q32)
     if (++n_ticks % plan_ticks == 0u) {
         record.angle.pos_q32 = pos_q32;
         record.angle.speed_q32 = step_q32;
+        record.want.z_nm += 10;
+        motion.height_q32 += 1000;
         cam_gather_plan_isr(&g, &record, &motion);
     }
 }
@@ -102,6 +104,9 @@ static void test_a_turn_is_gathered_whole_and_alone(void)
         }
         TEST_ASSERT_UINT32_WITHIN(1, ticks_per_turn, n);
         TEST_ASSERT_TRUE(turn.is_steady);
+        const int32_t n_steps = (int32_t)turn.n_plans - 1;
+        TEST_ASSERT_EQUAL_INT32(10 * n_steps, turn.z_end_nm - turn.z_begin_nm);
+        TEST_ASSERT_EQUAL_INT64(1000 * n_steps, turn.height_end_q32 - turn.height_begin_q32);
         TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, turn.state);
         TEST_ASSERT_EQUAL_UINT32(7, turn.config_begin);
         TEST_ASSERT_TRUE(cam_gather_release(&g));
