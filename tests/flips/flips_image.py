@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import struct
 import subprocess
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,12 @@ NOTHING, REGISTER, MEMORY, STACK = range(4)
 RAN, EXCEPTION, WATCHDOG, HALT, LOCKUP = range(5)
 CHECKPOINTS = 6
 PERIOD = 20000  # counts of the ticker in a tick
-MOST_STRIKES = 16000  # of one start of the emulator
-PATIENCE_S = 20.0  # of real time without a result: the core is caught where no timer reaches it
-EMULATOR = "qemu-system-arm -M mps2-an500 -icount shift=7 -nographic -monitor none -serial none"
-SEMIHOSTING = ["-semihosting-config", "enable=on,target=native"]
+PATIENCE_S = 4.0  # of the emulator's own time without a result: the core is caught somewhere
+EMULATOR = [
+    *("qemu-system-arm", "-M", "mps2-an500", "-icount", "shift=7", "-nographic"),
+    *("-monitor", "none", "-serial", "none"),
+    *("-semihosting-config", "enable=on,target=native"),
+]
 HEAD = struct.Struct("<12I")
 TICK = np.dtype(
     [
@@ -53,6 +56,7 @@ class Strike:
 class Result:
     """What happened; `ticks` is the trace from tick `first` on."""
 
+    number: int  # among the strikes of its start of the emulator
     end: int
     detail: int
     pc: int
@@ -67,6 +71,10 @@ class Result:
 
 class ImageError(RuntimeError):
     """The image did not do its part."""
+
+
+class StoppedError(RuntimeError):
+    """Somebody wants the campaign to end."""
 
 
 def read_map(folder: Path) -> dict[str, tuple[int, int]]:
@@ -86,78 +94,105 @@ def _pack(strikes: Sequence[Strike]) -> bytes:
 def _parse(data: bytes) -> list[Result]:
     results, at = [], 0
     while at + HEAD.size <= len(data):
-        _, end, detail, pc, address, struck, n, idle, digest, _, first, told = HEAD.unpack_from(
-            data, at
+        number, end, detail, pc, address, struck, n, idle, digest, _, first, told = (
+            HEAD.unpack_from(data, at)
         )
         stop = at + HEAD.size + told * TICK.itemsize
         if stop > len(data):
             break
         ticks = np.frombuffer(data, TICK, told, at + HEAD.size)
         results.append(
-            Result(end, detail, pc, address, bool(struck), n, idle, digest, first, ticks)
+            Result(number, end, detail, pc, address, bool(struck), n, idle, digest, first, ticks)
         )
         at = stop
     return results
 
 
-def _emulate(image: Path, folder: Path) -> str:
-    """Run to the end, or until nothing comes any more. Return what the emulator said."""
-    emulator = shutil.which("qemu-system-arm")
-    if emulator is None:
-        raise ImageError("qemu-system-arm is missing: install the package qemu-system-arm")
+def _cpu_seconds(pid: int) -> float:
+    """Return how long a process has run, which a busy computer does not change."""
+    words = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def _watch(process: subprocess.Popen[bytes], out: Path, stop: Event) -> bool:
+    """Wait for the end. Return False where nothing comes any more."""
+    size, since_s = -1, 0.0
+    while process.poll() is None:
+        if stop.wait(0.02):
+            raise StoppedError
+        now = out.stat().st_size if out.exists() else -1
+        if now != size:
+            size, since_s = now, _cpu_seconds(process.pid)
+        elif _cpu_seconds(process.pid) - since_s > PATIENCE_S:
+            return False
+    return True
+
+
+def _emulate(image: Path, folder: Path, strikes: Sequence[Strike], stop: Event) -> list[Result]:
+    """Return the results of the strikes up to the end, or to one after which nothing comes."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "flips.in").write_bytes(_pack(strikes))
     out = folder / "flips.out"
     out.unlink(missing_ok=True)
-    command = [emulator, *EMULATOR.split()[1:], *SEMIHOSTING, "-kernel", str(image)]
+    # The kernel ends the emulator with the thread that started it, however that ends.
+    command = ["setpriv", "--pdeathsig", "KILL", *EMULATOR, "-kernel", str(image)]
+    if missing := [name for name in (command[0], EMULATOR[0]) if shutil.which(name) is None]:
+        raise ImageError(f"{missing[0]} is missing: install util-linux and qemu-system-arm")
     with (folder / "flips.log").open("w+") as log:
         process = subprocess.Popen(
             command, cwd=folder, stdin=subprocess.DEVNULL, stdout=log, stderr=log
         )
-        size, since = -1, time.monotonic()
-        while process.poll() is None:
-            time.sleep(0.02)
-            now = out.stat().st_size if out.exists() else -1
-            if now != size:
-                size, since = now, time.monotonic()
-            elif time.monotonic() - since > PATIENCE_S:
-                process.kill()
-                process.wait()
-                return "no answer"
+        try:
+            said = "no answer" if not _watch(process, out, stop) else ""
+        finally:
+            process.kill()
+            process.wait()
         log.seek(0)
-        return log.read()
+        said = said or log.read()
+    results = _parse(out.read_bytes()) if out.exists() else []
+    if len(results) < CHECKPOINTS:
+        raise ImageError(f"{image}: the cut was not cut: {said.strip()[-300:]}")
+    return results
 
 
-def run_strikes(image: Path, folder: Path, strikes: Sequence[Strike]) -> list[Result]:
-    """Return the result of each strike. One that ends the emulator itself is a lock-up."""
-    folder.mkdir(parents=True, exist_ok=True)
-    golden = [Strike(c) for c in range(CHECKPOINTS)]
+def _is_intact(results: Sequence[Result], first: int) -> bool:
+    """Return whether results are in their order, and unstruck runs at their end as at first."""
+    in_order = all(r.number == i for i, r in enumerate(results))
+    return in_order and all(r.first == r.n_ticks for r in results[first:])
+
+
+def _some_results(
+    image: Path, folder: Path, strikes: Sequence[Strike], stop: Event
+) -> list[Result]:
+    """Return at least one result, up to a strike that ended the emulator: the next start tries it.
+
+    What a strike has broken in the rig's own memory is seen by the unstruck runs behind them: then
+    each half of the strikes gets an emulator of its own.
+    """
+    first = [Strike(c) for c in range(CHECKPOINTS)]
+    again = [Strike(c, bit=1) for c in range(CHECKPOINTS)]
+    told = _emulate(image, folder, [*first, *strikes, *again], stop)
+    results = told[CHECKPOINTS : CHECKPOINTS + len(strikes)]
+    if not results:  # a fresh emulator that ends at its first strike is a lock-up of the core
+        return [replace(told[0], end=LOCKUP, ticks=told[0].ticks[:0], n_ticks=0, first=0)]
+    if len(strikes) > 1 and not _is_intact(told, CHECKPOINTS + len(strikes)):
+        return _some_results(image, folder, strikes[: len(strikes) // 2], stop)
+    return results
+
+
+def run_strikes(image: Path, folder: Path, strikes: Sequence[Strike], stop: Event) -> list[Result]:
+    """Return the result of each strike."""
     results: list[Result] = []
     while len(results) < len(strikes):
-        left = strikes[len(results) : len(results) + MOST_STRIKES]
-        (folder / "flips.in").write_bytes(_pack([*golden, *left]))
-        said = _emulate(image, folder)
-        out = folder / "flips.out"
-        parsed = _parse(out.read_bytes()) if out.exists() else []
-        if len(parsed) < CHECKPOINTS:
-            raise ImageError(f"{image}: the cut was not cut: {said.strip()[-300:]}")
-        results += parsed[CHECKPOINTS:]
-        if len(parsed) - CHECKPOINTS < len(left):
-            nothing = parsed[0]
-            results.append(replace(nothing, end=LOCKUP, ticks=nothing.ticks[:0], n_ticks=0))
+        results += _some_results(image, folder, strikes[len(results) :], stop)
     return results
 
 
 def golden_runs(image: Path, folder: Path) -> list[Result]:
     """Return the runs in which nothing was struck, after a proof that they repeat."""
-    folder.mkdir(parents=True, exist_ok=True)
     first = [Strike(c) for c in range(CHECKPOINTS)]
     again = [Strike(c, bit=1) for c in range(CHECKPOINTS)]
-    (folder / "flips.in").write_bytes(_pack([*first, *again]))
-    said = _emulate(image, folder)
-    out = folder / "flips.out"
-    parsed = _parse(out.read_bytes()) if out.exists() else []
-    if len(parsed) != 2 * CHECKPOINTS:
-        raise ImageError(f"{image}: the cut was not cut: {said.strip()[-300:]}")
-    for a, b in zip(parsed[:CHECKPOINTS], parsed[CHECKPOINTS:], strict=True):
-        if b.first != b.n_ticks or a.digest != b.digest:
-            raise ImageError(f"{image}: two runs without a strike differ")
-    return parsed[:CHECKPOINTS]
+    told = _emulate(image, folder, [*first, *again], Event())
+    if len(told) != 2 * CHECKPOINTS or not _is_intact(told, CHECKPOINTS):
+        raise ImageError(f"{image}: two runs without a strike differ")
+    return told[:CHECKPOINTS]

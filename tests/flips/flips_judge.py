@@ -15,14 +15,16 @@ PLAN_TICKS = 8
 MARGIN = 1.0 + 1.0 / 16.0  # that of the guard
 CHANGE_MARGIN = MARGIN + 1.0 / 8.0  # and what a move takes to end within its way
 U, X, Z = range(3)
-COURSE_NM = np.array([10_000, 10_000, 100_000])  # off the course of the unstruck run
+COURSE_NM = (10_000, 10_000, 100_000)  # off the course of the unstruck run
+EARLY_TICKS = 16  # X and Z may be before or behind it: two plans
 DEPTH_NM = 20_000  # deeper than the unstruck run ever is, behind a fault
 SPINDLE_MRPM = 25_000  # 1 % of its speed
 MOST_TICKS = 4000  # the retract is over by then
 IDLE_TICKS = 400  # the main loop rests at least this often
 
-CLASSES = ("none", "small", "detected", "stopped", "main", "limits", "course")
+CLASSES = ("none", "small", "out", "detected", "stopped", "main", "limits", "course")
 WRONG = ("limits", "course")
+ORDER = (*WRONG, "out")  # what is worst comes first
 
 
 @dataclass(frozen=True)
@@ -40,9 +42,29 @@ class Verdict:
 
     kind: str
     what: str = ""
+    most: int = 0  # of what is wrong: nm, nm per tick, and so on
     wrong_after: int | None = None
     seen_after: int | None = None
     faults: int = 0
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """Something that is wrong in some ticks."""
+
+    kind: str
+    what: str
+    ticks: NDArray[np.int64]
+    most: int
+
+    @property
+    def begin(self) -> int:
+        """The first of these ticks."""
+        return int(self.ticks[0])
+
+    def is_late(self, seen: int | None) -> bool:
+        """Return whether any of them is far from the reaction."""
+        return seen is None or bool((np.abs(self.ticks - seen) > IN_TIME).any())
 
 
 def limits_of(told: dict[str, tuple[int, int]]) -> Limits:
@@ -63,55 +85,81 @@ def limits_of(told: dict[str, tuple[int, int]]) -> Limits:
     )
 
 
-def _first(mask: NDArray[np.bool_]) -> int | None:
-    return int(np.argmax(mask)) if mask.any() else None
+def _found(kind: str, what: str, size: NDArray[np.int64], mask: NDArray[np.bool_]) -> list[Wrong]:
+    """Return what is wrong, if it is in any tick."""
+    if not mask.any():
+        return []
+    return [Wrong(kind, what, np.flatnonzero(mask), int(np.abs(size[mask]).max()))]
 
 
-def _beyond(nm: NDArray[np.int64], limits: Limits) -> list[tuple[str, NDArray[np.bool_]]]:
-    """Return what is beyond the limits in which tick."""
+def _beyond(nm: NDArray[np.int64], limits: Limits) -> list[Wrong]:
+    """Return what is beyond the limits."""
     step = np.diff(nm, axis=0, prepend=nm[:1])
     change = np.diff(step, axis=0, prepend=step[:1])
     change[:2] = 0  # what was before the checkpoint is not known here
     found = []
-    for axis, name in enumerate("UXZ"):
-        found.append((f"{name} speed", np.abs(step[:, axis]) > limits.speed[axis]))
-        found.append((f"{name} acceleration", np.abs(change[:, axis]) > limits.change[axis]))
-    found.append(("U range", np.abs(nm[:, U]) > limits.u_range))
-    return found
+    for i, axis in enumerate("UXZ"):
+        is_fast = np.abs(step[:, i]) > limits.speed[i]
+        is_hard = np.abs(change[:, i]) > limits.change[i]
+        found += _found("limits", f"{axis} speed", step[:, i], is_fast)
+        found += _found("limits", f"{axis} acceleration", change[:, i], is_hard)
+    return found + _found("limits", "U range", nm[:, U], np.abs(nm[:, U]) > limits.u_range)
 
 
-def _lasting(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return where something lasts longer than the reaction may take: no drive obeys a blink."""
+def _lasting(mask: NDArray[np.bool_], ticks: int) -> NDArray[np.bool_]:
+    """Return where something lasts longer than that: nothing obeys a blink."""
     kept = mask.copy()
-    for i in range(1, IN_TIME + 1):
+    for i in range(1, ticks + 1):
         kept[:-i] &= mask[i:]
         kept[-i:] = False
     return kept
 
 
-def _off(ticks: NDArray[np.void], golden: NDArray[np.void]) -> list[tuple[str, NDArray[np.bool_]]]:
-    """Return what is off its course, in ticks without a fault, and too deep in those with one."""
-    is_faulty = (ticks["outputs"] & FAULT) != 0
+def _off(nm: NDArray[np.int64], golden: NDArray[np.int64], early: int) -> NDArray[np.int64]:
+    """Return how far a course is off that of the unstruck run, at the nearest of some ticks."""
+    n = min(len(nm), len(golden))
+    off = np.full(len(nm), np.iinfo(np.int64).max)
+    for shift in range(-early, early + 1):
+        other = golden[np.clip(np.arange(n) + shift, 0, len(golden) - 1)]
+        off[:n] = np.where(np.abs(nm[:n] - other) < np.abs(off[:n]), nm[:n] - other, off[:n])
+    off[n:] = 0
+    return off
+
+
+def _off_course(ticks: NDArray[np.void], golden: NDArray[np.void]) -> list[Wrong]:
+    """Return what is off its course in ticks without a fault."""
+    is_good = (ticks["outputs"] & FAULT) == 0
     n = min(len(ticks), len(golden))
-    off = np.zeros((len(ticks), 3), dtype=bool)
-    off[:n] = np.abs(ticks["nm"][:n].astype(np.int64) - golden["nm"][:n]) > COURSE_NM
-    found = [(f"{name} off", off[:, axis] & ~is_faulty) for axis, name in enumerate("UXZ")]
-    spindle = np.zeros(len(ticks), dtype=bool)
-    spindle[:n] = (
-        np.abs(ticks["spindle_mrpm"][:n].astype(np.int64) - golden["spindle_mrpm"][:n])
-        > SPINDLE_MRPM
+    spindle = np.zeros(len(ticks), dtype=np.int64)
+    spindle[:n] = ticks["spindle_mrpm"][:n].astype(np.int64) - golden["spindle_mrpm"][:n]
+    enable = np.zeros(len(ticks), dtype=np.int64)
+    enable[:n] = (ticks["outputs"][:n] ^ golden["outputs"][:n]) & ENABLE
+    found = []
+    radius = ticks["nm"][:, X].astype(np.int64) - ticks["nm"][:, U]
+    golden_radius = golden["nm"][:, X].astype(np.int64) - golden["nm"][:, U]
+    is_deep = (_off(radius, golden_radius, EARLY_TICKS) < -COURSE_NM[X]).any()
+    for i, axis in enumerate("UXZ"):
+        early = 0 if i == U else EARLY_TICKS  # U follows the angle, not the time
+        off = _off(ticks["nm"][:, i].astype(np.int64), golden["nm"][:, i].astype(np.int64), early)
+        kind = "course" if i == Z or is_deep else "out"
+        found += _found(kind, f"{axis} off", off, (np.abs(off) > COURSE_NM[i]) & is_good)
+    is_off = np.abs(spindle) > SPINDLE_MRPM
+    found += _found("course", "spindle off", spindle, _lasting(is_off & is_good, PLAN_TICKS))
+    return found + _found(
+        "course", "enable off", enable, _lasting((enable != 0) & is_good, IN_TIME)
     )
-    found.append(("spindle off", _lasting(spindle & ~is_faulty)))
-    outputs = np.zeros(len(ticks), dtype=bool)
-    outputs[:n] = ((ticks["outputs"][:n] ^ golden["outputs"][:n]) & ENABLE) != 0
-    found.append(("enable off", _lasting(outputs & ~is_faulty)))
+
+
+def _retract(ticks: NDArray[np.void], golden: NDArray[np.void]) -> list[Wrong]:
+    """Return what is wrong in ticks with a fault."""
+    is_faulty = (ticks["outputs"] & FAULT) != 0
     radius = ticks["nm"][:, X].astype(np.int64) - ticks["nm"][:, U]
     least = (golden["nm"][:, X].astype(np.int64) - golden["nm"][:, U]).min()
-    found.append(("too deep", is_faulty & (radius < least - DEPTH_NM)))
+    depth = least - radius
     endless = np.zeros(len(ticks), dtype=bool)
     endless[MOST_TICKS - 2 :] = (ticks["outputs"][MOST_TICKS - 2 :] & ENABLE) != 0
-    found.append(("retract without end", is_faulty & endless))
-    return found
+    found = _found("course", "too deep", depth, is_faulty & (depth > DEPTH_NM))
+    return found + _found("course", "retract without end", depth, is_faulty & endless)
 
 
 def whole(result: Result, golden: Result) -> NDArray[np.void]:
@@ -121,9 +169,9 @@ def whole(result: Result, golden: Result) -> NDArray[np.void]:
 
 def _reaction(result: Result, ticks: NDArray[np.void]) -> tuple[int | None, str]:
     """Return the tick of the reaction and its class."""
-    fault = _first((ticks["outputs"] & FAULT) != 0)
-    if fault is not None:
-        return fault, "detected"
+    is_faulty = (ticks["outputs"] & FAULT) != 0
+    if is_faulty.any():
+        return int(np.argmax(is_faulty)), "detected"
     if result.end in (EXCEPTION, HALT, LOCKUP, WATCHDOG):
         return len(ticks), "stopped"
     if result.n_ticks - result.idle_tick > IDLE_TICKS:
@@ -131,32 +179,22 @@ def _reaction(result: Result, ticks: NDArray[np.void]) -> tuple[int | None, str]
     return None, "small" if result.first < result.n_ticks else "none"
 
 
-def _is_late(wrong: tuple[int, str, str], seen: int, kind: str) -> bool:
-    """Return whether the reaction came too late, or was wrong itself."""
-    return kind == "main" or seen - wrong[0] > IN_TIME or wrong[0] > seen + IN_TIME
-
-
 def judge(result: Result, golden: Result, limits: Limits, tick: int) -> Verdict:
     """Judge one run, struck in `tick`."""
     if result.end == LOCKUP:
         return Verdict("stopped", "lock-up")
     ticks = whole(result, golden)[1:]  # tick 0 is before the checkpoint
-    nm = ticks["nm"].astype(np.int64)
     seen, kind = _reaction(result, ticks)
     faults = int(np.bitwise_or.reduce(ticks["faults"])) if len(ticks) else 0
-    first_seen = None if seen is None else seen + 1 - tick
-    wrong: list[tuple[int, str, str]] = []
-    for name, masks in (("limits", _beyond(nm, limits)), ("course", _off(ticks, golden.ticks[1:]))):
-        for what, mask in masks:
-            at = _first(mask)
-            if at is not None:
-                wrong.append((at, name, what))
-    late = [w for w in wrong if seen is None or _is_late(w, seen, kind)]
+    seen_after = None if seen is None else seen + 1 - tick
+    wrong = _beyond(ticks["nm"].astype(np.int64), limits)
+    wrong += _off_course(ticks, golden.ticks[1:]) + _retract(ticks, golden.ticks[1:])
+    late = [w for w in wrong if kind == "main" or w.is_late(seen)]
+    if seen is not None:  # it may have left the work before that
+        late = [w for w in late if w.kind != "out"]
     if late:
-        at, name, what = min(late, key=lambda w: (w[1] != "limits", w[0]))
-        return Verdict(name, what, at + 1 - tick, first_seen, faults)
-    at_first = min((w[0] for w in wrong), default=None)
-    what = "exception" if result.end == EXCEPTION else "watchdog" if result.end == WATCHDOG else ""
-    return Verdict(
-        kind, what, None if at_first is None else at_first + 1 - tick, first_seen, faults
-    )
+        one = min(late, key=lambda w: (ORDER.index(w.kind), w.begin))
+        return Verdict(one.kind, one.what, one.most, one.begin + 1 - tick, seen_after, faults)
+    at = min((w.begin + 1 - tick for w in wrong), default=None)
+    what = {EXCEPTION: "exception", WATCHDOG: "watchdog"}.get(result.end, "")
+    return Verdict(kind, what, 0, at, seen_after, faults)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from flips_image import CHECKPOINTS, MEMORY, PERIOD, REGISTER, STACK, Result, Strike
+from flips_layout import Layout
 
 ROOT = Path(__file__).resolve().parents[2]
 TICKS = 16  # behind a checkpoint: two plans and what is between them
@@ -25,6 +26,13 @@ SHARES = {  # of all strikes
     "table": 0.06,
     "code": 0.06,
     "constants": 0.02,
+}
+SHORT_SHARES = {  # where most of the protections are
+    "registers, interrupt": 0.20,
+    "stack": 0.05,
+    "state": 0.45,
+    "configuration": 0.25,
+    "table": 0.05,
 }
 RECORDS = ("state.gather", "state.trace")
 REGISTERS = [*(f"r{i}" for i in range(13)), "sp", "lr", "pc", "xPSR"]
@@ -78,6 +86,7 @@ class Sites:
 
     def __init__(self, image: Path, told: dict[str, tuple[int, int]]) -> None:
         self.parts = [Place(n, a, s) for n, (a, s) in told.items() if not n.startswith("limit.")]
+        self.layout = Layout(image, ("g_cam", "flips_machine"))
         self.functions = [
             Place(name, address & ~1, size)
             for address, size, kind, name in _symbols(image)
@@ -85,7 +94,9 @@ class Sites:
         ]
 
     def of_address(self, address: int) -> str:
-        """Return the part and the offset in it."""
+        """Return the member of the state, or the part and the offset in it."""
+        if (name := self.layout.of_address(address)) is not None:
+            return name
         for place in self.parts:
             if place.address <= address < place.address + place.size:
                 return f"{place.name}+{address - place.address}"
@@ -167,10 +178,11 @@ class Planner:
             return Strike(checkpoint, tick, at, STACK, share, bit, stratum)
         return Strike(checkpoint, tick, at, MEMORY, self._byte(stratum), bit, stratum)
 
-    def plan(self, count: int) -> list[Strike]:
+    def plan(self, count: int, *, short: bool = False) -> list[Strike]:
         """Return as many strikes, by the shares of the strata."""
+        shares = SHORT_SHARES if short else SHARES
         return [
             self.draw(stratum)
-            for stratum, share in SHARES.items()
+            for stratum, share in shares.items()
             for _ in range(max(1, round(count * share)))
         ]

@@ -5,128 +5,102 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import sys
 import time
-from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
-from flips_image import ImageError, Result, Strike, golden_runs, read_map, run_strikes
-from flips_judge import CLASSES, WRONG, Verdict, judge, limits_of
-from flips_plan import REGISTERS, ROOT, SHARES, Planner, Sites
-from scipy.stats import beta
+from flips_campaign import Campaign, Outcome
+from flips_figures import figures, record, table
+from flips_image import ImageError
+from flips_judge import WRONG
+from flips_listed import read_listed, unlisted
+from flips_plan import ROOT, SHARES
 
-HEADINGS = {
-    "none": "no effect",
-    "small": "within the course",
-    "detected": "retracted",
-    "stopped": "stopped at once",
-    "main": "stopped, main loop",
-    "limits": "wrong: limits",
-    "course": "wrong: course",
-}
+TOLD = ROOT / "build" / "verify"
+SHORT, SHORT_MOST = 160, 2  # flips, and how many of them may be wrong
 
 
-def most_wrong_percent(n_wrong: int, n: int) -> float:
-    """Return the upper bound of the share, at 95 %, by Clopper and Pearson."""
-    return 100.0 * float(beta.ppf(0.95, n_wrong + 1, n - n_wrong)) if n_wrong < n else 100.0
-
-
-def describe(strike: Strike, result: Result, verdict: Verdict, sites: Sites) -> str:
-    """Return one line about one run."""
-    where = (
-        f"{REGISTERS[strike.place]} in {sites.of_code(result.pc)} at 0x{result.pc:x}"
-        if strike.stratum.startswith("registers")
-        else sites.of_code(result.address)
-        if strike.stratum == "code"
-        else sites.of_address(result.address)
-    )
-    return (
-        f"{strike.stratum}: {where} bit {strike.bit}, checkpoint {strike.checkpoint} tick"
-        f" {strike.tick} at {strike.at}: {verdict.what}, {verdict.wrong_after} ticks behind,"
-        f" reaction {verdict.seen_after} (faults 0x{verdict.faults:x})"
-    )
-
-
-def table(counts: dict[str, Counter[str]], sizes: dict[str, int]) -> list[str]:
-    """Return the rows of the table."""
-    rows = [
-        "| stratum | bytes | flips | " + " | ".join(HEADINGS.values()) + " | wrong at most |",
-        "|---" * (len(HEADINGS) + 4) + "|",
-    ]
-    every: Counter[str] = Counter()
-    for stratum, count in counts.items():
-        every += count
-        rows.append(_row(stratum, str(sizes[stratum] or "-"), count))
-    return [*rows, _row("all", "", every)]
-
-
-def _row(name: str, size: str, count: Counter[str]) -> str:
-    n = sum(count.values())
-    n_wrong = sum(count[k] for k in WRONG)
-    cells = " | ".join(str(count[k]) for k in CLASSES)
-    return f"| {name} | {size} | {n} | {cells} | {most_wrong_percent(n_wrong, n):.2f} % |"
-
-
-def figures(counts: dict[str, Counter[str]], seed: int, seconds: float) -> dict[str, float]:
-    """Return everything as one flat object."""
-    flat: dict[str, float] = {"seed": seed, "seconds": round(seconds)}
-    every: Counter[str] = Counter()
-    for stratum, count in counts.items():
-        every += count
-        key = stratum.replace(", ", "_").replace(" ", "_")
-        for kind in CLASSES:
-            flat[f"{key}.{kind}"] = count[kind]
-    for kind in CLASSES:
-        flat[f"all.{kind}"] = every[kind]
-    flat["all.count"] = sum(every.values())
-    n_wrong = sum(every[k] for k in WRONG)
-    flat["all.wrong_most_percent"] = round(most_wrong_percent(n_wrong, sum(every.values())), 3)
-    return flat
-
-
-def main() -> int:
-    """Run the campaign. Return 0 when nothing wrong stayed unseen but what README.md lists."""
+def arguments() -> argparse.Namespace:
+    """Return what the command line asks for."""
     parser = argparse.ArgumentParser(prog="tests/flips/run", description=__doc__)
-    parser.add_argument("--count", type=int, default=10000, help="flips, default %(default)s")
-    parser.add_argument("--seed", type=int, default=1, help="default %(default)s")
-    parser.add_argument("--record", action="store_true", help="keep the figures in the folder")
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument("--count", type=int, default=10000, help="flips (%(default)s)")
+    length.add_argument(
+        "--short",
+        action="store_true",
+        help=f"{SHORT} flips, mostly into the state; at most {SHORT_MOST} may be wrong",
+    )
+    parser.add_argument("--seed", type=int, default=1, help="of the draw (%(default)s)")
+    parser.add_argument("--jobs", type=int, default=2, help="emulators at a time (%(default)s)")
+    parser.add_argument(
+        "--record", action="store_true", help="write tests/flips/figures.json and README.md's table"
+    )
     parser.add_argument("--image", type=Path, default=ROOT / "build/mcu-qemu/tests/flips/flips.elf")
     parser.add_argument("--work", type=Path, default=ROOT / "build/flips", help="scratch folder")
     words = parser.parse_args()
-    image = words.image.resolve()
-    if not image.exists():
-        parser.error(f"{image} is missing: build it by 'cmake --build --preset mcu-qemu'")
-    begin = time.monotonic()
+    if words.count < 1 or words.jobs < 1 or words.seed < 0:
+        parser.error("--count and --jobs: give a number above 0; --seed: 0 or more")
+    if words.short and words.record:
+        parser.error("--record: leave --short away; a short campaign is not recorded")
+    if not words.image.exists():
+        parser.error(f"{words.image} is missing: tests/flips/run builds it")
+    return words
+
+
+def tell_wrong(outcomes: Sequence[Outcome], name: str) -> list[Outcome]:
+    """Write the wrong ones into a file, and return those that are not listed."""
+    wrong = [o for o in outcomes if o.verdict.kind in WRONG]
+    found = unlisted(wrong, outcomes, read_listed())
+    lines = [f"{'' if o in found else 'listed, '}{o}\n" for o in wrong]
+    TOLD.mkdir(parents=True, exist_ok=True)
+    (TOLD / f"{name}.wrong.txt").write_text("".join(lines))
+    return found
+
+
+def run(words: argparse.Namespace) -> int:
+    """Run the campaign. Return 0 when nothing was wrong but what is listed."""
+    begin_s = time.monotonic()
+    name = "flips-short" if words.short else "flips"
+    campaign = Campaign(words.image.resolve(), words.work.resolve(), words.seed, words.jobs)
+    planner = campaign.planner
+    strikes = planner.plan(SHORT if words.short else words.count, short=words.short)
+    outcomes = campaign.run(strikes)
+    found = tell_wrong(outcomes, name)
+    flat = figures(outcomes, {s: planner.bytes_of(s) for s in SHARES}, words.seed, len(found))
+    (TOLD / f"{name}.json").write_text(json.dumps(flat, indent=1) + "\n")
+    print(table(flat), end="")
+    for one in found:
+        print(one)
+    if words.record:
+        record(flat)
+    seconds = time.monotonic() - begin_s
+    print(
+        f"seed {words.seed}: {len(strikes)} flips in {seconds:.0f} s, {flat['wrong']} wrong,"
+        f" {len(found)} of them not listed (build/verify/{name}.wrong.txt)"
+    )
+    return int(flat["wrong"] > SHORT_MOST if words.short else bool(found))
+
+
+def interrupt(*_: object) -> None:
+    """End the campaign where it is. A shell's background process would ignore the keyboard's."""
+    raise KeyboardInterrupt
+
+
+def main() -> int:
+    """Run the campaign; return the exit status."""
+    words = arguments()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, interrupt)
     try:
-        golden = golden_runs(image, words.work)
-        told = read_map(words.work)
-        planner = Planner(image, told, golden, words.seed)
-        strikes = planner.plan(words.count)
-        results = run_strikes(image, words.work, strikes)
+        return run(words)
     except ImageError as error:
         print(error, file=sys.stderr)
         return 2
-    limits, sites = limits_of(told), Sites(image, told)
-    counts: dict[str, Counter[str]] = {s: Counter() for s in SHARES}
-    wrong = []
-    for strike, result in zip(strikes, results, strict=True):
-        verdict = judge(result, golden[strike.checkpoint], limits, strike.tick)
-        counts[strike.stratum][verdict.kind] += 1
-        if verdict.kind in WRONG:
-            wrong.append(f"{verdict.kind}: {describe(strike, result, verdict, sites)}")
-    seconds = time.monotonic() - begin
-    print("\n".join(table(counts, {s: planner.bytes_of(s) for s in SHARES})))
-    print(f"seed {words.seed}, {len(strikes)} flips in {seconds:.0f} s")
-    flat = figures(counts, words.seed, seconds)
-    kept = ROOT / "build" / "verify"
-    kept.mkdir(parents=True, exist_ok=True)
-    (kept / "flips.json").write_text(json.dumps(flat, indent=1, sort_keys=True) + "\n")
-    (kept / "flips.wrong.txt").write_text("\n".join([*wrong, ""]))
-    if words.record:
-        (Path(__file__).parent / "figures.json").write_text(
-            json.dumps(flat, indent=1, sort_keys=True) + "\n"
-        )
-    return 1 if wrong else 0
+    except KeyboardInterrupt:
+        print("interrupted; the same command goes on where this one ended", file=sys.stderr)
+        return 130
 
 
 if __name__ == "__main__":
