@@ -5,12 +5,13 @@
 #include "cam_machine_rights.h" // cam_machine_rights
 #include "cam_machine_scope.h"  // cam_machine_box
 #include "sim_live.h"
-#include <errno.h>  // errno
-#include <fcntl.h>  // fcntl
-#include <poll.h>   // poll
-#include <stdio.h>  // fprintf
-#include <string.h> // memcpy
-#include <unistd.h> // read, write
+#include "sim_params.h" // sim_params_apply
+#include <errno.h>      // errno
+#include <fcntl.h>      // fcntl
+#include <poll.h>       // poll
+#include <stdio.h>      // fprintf
+#include <string.h>     // memcpy
+#include <unistd.h>     // read, write
 
 /// Ticks between two looks at stdin: at 20 kHz 0.2 ms.
 enum { look_ticks = 4 };
@@ -103,30 +104,16 @@ static void tick(sim_live_t *l)
     (void)sim_wire_tell_written(&l->wire, &played);
 }
 
-/// Set the parameters that fit the machine; one tick takes each change, so that the next can be
-/// made.
-static bool set_parameters(sim_live_t *l, const cam_params_t *params, common_error_t *e)
+/// Set a parameter that differs; one tick takes the change, so that the next can be made.
+static cam_err_t set_param(void *live, cam_param_id_t id, int32_t value)
 {
     cam_machine_t *m = &controller.machine;
-    for (uint32_t i = 0; i < cam_n_params; i++) {
-        const cam_param_id_t id = (cam_param_id_t)i;
-        const int32_t value = cam_param_get(params, id);
-        cam_err_t err = cam_ok;
-        if (cam_param_get(&m->params, id) != value) {
-            err = cam_machine_set_param(m, id, value);
-            tick(l);
-        }
-        if (err == cam_err_busy) { // what was learned is led to the parameter that was set before
-            err = cam_machine_set_param(m, id, value);
-            tick(l);
-        }
-        if (err != cam_ok) {
-            return common_error(e,
-                                "parameter %s = %d: refused: %s; change the machine file or --set",
-                                cam_param_info(id)->name, (int)value, cam_err_text(err));
-        }
+    if (cam_param_get(&m->params, id) == value) {
+        return cam_ok;
     }
-    return true;
+    const cam_err_t err = cam_machine_set_param(m, id, value);
+    tick(live);
+    return err;
 }
 
 /// What main() does before its loop.
@@ -145,7 +132,7 @@ static bool start(sim_live_t *l, common_error_t *e)
     hal_host.slow.people.n_secret = l->options.n_secret;
     cam_machine_init(&controller.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
     cam_machine_box(&controller.machine);
-    if (!set_parameters(l, &params, e)) {
+    if (!sim_params_apply(&params, hal_tick_hz(), set_param, l, e)) {
         return false;
     }
     hal_host.slow.table = (hal_image_t){.bytes = l->session.image, .size = (uint32_t)l->n_image};

@@ -2,8 +2,8 @@
 #include "sim_cut.h"
 #include "sim_cut_pass.h"       // sim_cut_plan_pass
 #include "cam_feed.h"           // cam_feed_least_nm
-#include "cam_fit.h"            // cam_fit_most
 #include "sim_lobe_cut.h"       // sim_lobe_cut_begin
+#include "sim_params.h"         // sim_params_apply
 #include "sim_slow.h"           // sim_slow_check
 #include "sim_switch_summary.h" // sim_switch_windows
 #include "sim_units.h"          // SIM_NM_PER_MM
@@ -62,43 +62,22 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
                         field, least_mm, least_mm);
 }
 
-/// Say why the firmware takes no such value, and which one it would take. @return false
-static bool refused_param(const sim_cut_t *cut, cam_param_id_t id, cam_err_t err, common_error_t *e)
+/// Set a parameter that differs; one tick takes the change, so that the next can be made.
+static cam_err_t set_param(void *controller, cam_param_id_t id, int32_t value)
 {
-    const char *name = cam_param_info(id)->name;
-    const int value = (int)cam_param_get(&cut->params, id);
-    if (err == cam_err_param_tick) {
-        const double tick_hz = cut->session.options.config.lathe.tick_hz;
-        return common_error(e,
-                            "parameter %s = %d: refused: %s of %.0f Hz; give at most %d in the "
-                            "machine file or --set, or a machine with a faster tick_hz",
-                            name, value, cam_err_text(err), tick_hz,
-                            (int)cam_fit_most(id, (uint32_t)tick_hz));
+    sim_cut_t *cut = controller;
+    if (sim_firmware_param(&cut->firmware, id) == value) {
+        return cam_ok;
     }
-    return common_error(e, "parameter %s = %d: refused: %s; change the machine file or --set", name,
-                        value, cam_err_text(err));
+    const cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
+    sim_cut_idle(cut);
+    return err;
 }
 
-/// Set the parameters that differ; one tick takes each change, so that the next can be made.
 static bool apply_params(sim_cut_t *cut, common_error_t *e)
 {
-    for (uint32_t i = 0; i < cam_n_params; i++) {
-        const cam_param_id_t id = (cam_param_id_t)i;
-        const int32_t value = cam_param_get(&cut->params, id);
-        if (sim_firmware_param(&cut->firmware, id) == value) {
-            continue;
-        }
-        cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
-        sim_cut_idle(cut);
-        if (err == cam_err_busy) { // what was learned is led to the parameter that was set before
-            err = sim_firmware_set_param(&cut->firmware, id, value);
-            sim_cut_idle(cut);
-        }
-        if (err != cam_ok) {
-            return refused_param(cut, id, err, e);
-        }
-    }
-    return true;
+    const double tick_hz = cut->session.options.config.lathe.tick_hz;
+    return sim_params_apply(&cut->params, (uint32_t)tick_hz, set_param, cut, e);
 }
 
 static const char *unit_of(cam_err_t err, double *per_unit)

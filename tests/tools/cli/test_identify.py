@@ -164,13 +164,19 @@ def test_bad_input_is_one_line(words: str, says: str, capsys: pytest.CaptureFixt
 def test_part_that_the_machine_cannot_cut_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Before anything moves."""
+    """Before anything moves; a drive that is too slow for its own feed-forward is one, too."""
     machine = tmp_path / "slow.toml"
-    machine.write_text("[u]\nspeed_mm_per_s = 5\n", "ascii")
-    assert run("--machine", machine, PERKINS)[0] == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1
-    assert "U would have to move faster than it can: needs 39.281 mm/s" in lines[0]
+    refusals = {
+        "bandwidth_hz = 1000": "U would have to move faster than it can: needs 39.281 mm/s",
+        "bandwidth_hz = 300": "parameter k2_us2 = 281448: refused: the feed-forward would tell U"
+        " more than its limits allow; with the other parameters it is at most 32000",
+    }
+    for bandwidth, says in refusals.items():
+        machine.write_text(f"[u]\nspeed_mm_per_s = 5\n{bandwidth}\n", "ascii")
+        assert run("--machine", machine, PERKINS)[0] == 2
+        lines = capsys.readouterr().err.splitlines()
+        assert len(lines) == 1
+        assert says in lines[0]
 
 
 @pytest.mark.slow

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// A set of parameters is right or wrong as a whole, whatever the order in which it is taken.
+#include "fixture_rig.h"
+#include "sim_params.h"
+#include "unity.h"
+#include <stdio.h>  // sscanf
+#include <string.h> // strstr
+
+static fixture_rig_t rig;
+static fixture_part_t part;
+static cam_params_t params;
+static common_error_t error;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_rig_init(&rig, &part, 20000);
+    params = rig.machine.params;
+}
+
+void tearDown(void) {}
+
+static cam_err_t set(void *controller, cam_param_id_t id, int32_t value)
+{
+    fixture_rig_t *to = controller;
+    return cam_param_get(&to->machine.params, id) == value ? cam_ok
+                                                           : fixture_rig_set(to, id, value);
+}
+
+static bool apply(void)
+{
+    return sim_params_apply(&params, 20000, set, &rig, &error);
+}
+
+/// A slow U passes the gains of before, which the set makes smaller later.
+static void test_set_is_taken_whose_first_part_is_wrong_alone(void)
+{
+    params.k1_ns = 0;
+    params.k2_us2 = 200000;
+    TEST_ASSERT_TRUE(apply());
+    params.u_speed_um_per_s = 5000;
+    params.k2_us2 = 1000;
+    TEST_ASSERT_EQUAL_INT(cam_err_gain, set(&rig, cam_param_u_speed_um_per_s, 5000));
+    TEST_ASSERT_TRUE(apply());
+    for (uint32_t i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&params, id), cam_param_get(&rig.machine.params, id));
+    }
+}
+
+static void expect_refusal(const char *says)
+{
+    TEST_ASSERT_FALSE(apply());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, says), error.text);
+}
+
+/// The gain is named, although the speed of U was set before it, and what would be taken.
+static void test_gain_that_is_wrong_in_the_whole_set_is_told_with_its_bound(void)
+{
+    params.u_speed_um_per_s = 5000;
+    params.k1_ns = 0;
+    params.k2_us2 = 200000;
+    expect_refusal(
+        "parameter k2_us2 = 200000: refused: the feed-forward would tell U more than its "
+        "limits allow; with the other parameters it is at most ");
+    int bound = 0;
+    TEST_ASSERT_EQUAL_INT(1, sscanf(strstr(error.text, "at most "), "at most %d", &bound));
+    params.k2_us2 = bound + 1;
+    TEST_ASSERT_FALSE(apply());
+    params.k2_us2 = bound;
+    TEST_ASSERT_TRUE(apply());
+}
+
+static void test_jerk_is_told_with_its_bound(void)
+{
+    params.u_jerk_m_per_s3 = 1;
+    expect_refusal("parameter u_jerk_m_per_s3 = 1: refused: ");
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "it is at least "));
+}
+
+static void test_other_values_are_told_by_the_parameter_that_is_refused(void)
+{
+    params.counts_per_turn = 0;
+    expect_refusal("parameter counts_per_turn = 0: refused: ");
+    params = rig.machine.params;
+    params.observer_bandwidth_mHz = 100000000;
+    expect_refusal("parameter observer_bandwidth_mHz = 100000000: refused: ");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_set_is_taken_whose_first_part_is_wrong_alone);
+    RUN_TEST(test_gain_that_is_wrong_in_the_whole_set_is_told_with_its_bound);
+    RUN_TEST(test_jerk_is_told_with_its_bound);
+    RUN_TEST(test_other_values_are_told_by_the_parameter_that_is_refused);
+    return UNITY_END();
+}
