@@ -282,7 +282,6 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
     c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
     c->u_range_q6 = p->u_stroke_nm * 32;
-    c->told_range_nm = p->u_stroke_nm / 2;
 }
 
 /// A set-point is held for a tick, so that the drive sees less of the motion than was commanded.
@@ -330,8 +329,8 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     config->switches = cam_windows_build(params, sense, tick_hz);
-    config->k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
-    config->k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
+    config->tell.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
+    config->tell.k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
     cam_build_motion(config, params, tick_hz);
     cam_build_hand(config, params, tick_hz);
     cam_changes_build(&config->play, params, tick_hz);
@@ -340,6 +339,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->guard.approach_nm = cam_fit_approach_nm(params, table, tick_hz);
     config->play.u_retract_q10 = retract_q10(params, table, cam_build_room_q10(config));
     config->guard.u_retract_q10 = config->play.u_retract_q10;
+    config->tell.range_nm = params->u_stroke_nm / 2;
     cam_config_tell(config);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return cam_ok;

@@ -81,7 +81,7 @@ static int64_t way_nm(const cam_play_config_t *c, uint32_t axis)
 static void build_told(cam_config_t *c)
 {
     const int32_t ticks = c->play.plan_ticks;
-    cam_guard_config_t *g = &c->guard;
+    cam_tell_config_t *t = &c->tell;
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
         const cam_move_limits_t *full = &c->play.leave[i]; // per plan
         const int64_t vel_q10 = full->speed_q10 / ticks;
@@ -91,10 +91,10 @@ static void build_told(cam_config_t *c)
         const int64_t most_q10 = vel_q10 + vel_q10 / 16 + CAM_BUILD_MARGIN_Q10;
         const bool is_led = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
         const int64_t told_q10 = 2 * (change_q10 + jump_nm * 1024 / ticks) + CAM_BUILD_MARGIN_Q10;
-        g->told_vel_q10[i] = is_led ? INT32_MAX : (int32_t)most_q10;
-        g->told_change_q10[i] =
+        t->vel_q10[i] = is_led ? INT32_MAX : (int32_t)most_q10;
+        t->change_q10[i] =
             is_led ? INT32_MAX : cam_sat_i32(c->play.is_z_measured ? 2 * most_q10 : told_q10);
-        g->told_jump_q10[i] = is_led ? INT32_MAX : 4 * ticks; // what equal increments leave
+        t->jump_q10[i] = is_led ? INT32_MAX : 4 * ticks; // what equal increments leave
     }
 }
 
@@ -103,7 +103,7 @@ static void build_told(cam_config_t *c)
 static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window)
 {
     const int64_t n_q16 = INT64_C(65536) << log2_window;
-    const int64_t ticks_q16 = n_q16 / 2 + c->k1_q16 + (c->k2_q16 >> log2_window);
+    const int64_t ticks_q16 = n_q16 / 2 + c->tell.k1_q16 + (c->tell.k2_q16 >> log2_window);
     return (int64_t)c->guard.u.speed_q10 * 49152 / ticks_q16 + 1;
 }
 
@@ -116,7 +116,7 @@ static cam_move_limits_t leaving(const cam_config_t *c, uint32_t log2_window)
     const cam_move_limits_t *u = &c->guard.u;
     const int64_t a_q10 =
         cam_cut_smaller(u->acceleration_q10, most_acceleration_q10(c, log2_window));
-    const int64_t over_q16 = c->k1_q16 - (INT64_C(32768) << log2_window);
+    const int64_t over_q16 = c->tell.k1_q16 - (INT64_C(32768) << log2_window);
     const int64_t ahead_q10 = over_q16 > 0 ? over_q16 * a_q10 / 65536 : 0;
     const int64_t least_q10 = u->speed_q10 / 4 + 1;
     const int64_t most_q10 = u->speed_q10 - u->speed_q10 / 16 - ahead_q10;
@@ -131,7 +131,7 @@ int64_t cam_build_room_q10(const cam_config_t *config)
 {
     const cam_move_limits_t *leave = &config->guard.leave;
     const int64_t n = INT64_C(1) << leave->log2_window;
-    const int64_t over_q8 = (config->k1_q16 - n * 32768) / 256;
+    const int64_t over_q8 = (config->tell.k1_q16 - n * 32768) / 256;
     const int64_t squares_q16 = (over_q8 > 0 ? over_q8 * over_q8 / 2 : 0) + n * n * 65536 / 12;
     const int64_t ahead_q10 = over_q8 > 0 ? leave->acceleration_q10 * (squares_q16 / 256) / 256 : 0;
     return config->guard.u.acceleration_q10 / 8 + ahead_q10;

@@ -10,10 +10,10 @@
 #ifndef CAM_HANDS_H
 #define CAM_HANDS_H
 
-#include "cam_param.h" // cam_params_t
-#include "cam_tick.h"  // cam_status_t
-#include <stdbool.h>   // bool
-#include <stdint.h>    // int32_t, uint32_t
+#include "cam_param.h"  // cam_params_t
+#include "cam_status.h" // cam_status_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int32_t, uint32_t
 
 /// State; zero-initialised nothing was ordered and nothing is homed.
 typedef struct {

@@ -40,7 +40,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
 
 cam_status_t cam_machine_status(const cam_machine_t *m)
 {
-    return cam_tick_status(m->core);
+    return cam_status_read(m->core);
 }
 
 /// Stop using a damaged table. While the drives are enabled, the interrupt raises the fault `table`

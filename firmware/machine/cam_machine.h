@@ -23,7 +23,7 @@
 #include "cam_table.h"    // cam_table_t
 #include "cam_teach.h"    // cam_teach_status_t, cam_teach_harmonic_t
 #include "cam_trust.h"    // cam_trust_t
-#include "cam_tick.h"     // cam_t, cam_status_t
+#include "cam_status.h"   // cam_t, cam_status_t
 #include <stdbool.h>      // bool
 
 /// Why a change or a command was refused, with the numbers.

@@ -50,16 +50,16 @@ cam_config_t *cam_config_copy(cam_config_bank_t *bank)
         }
         *half = *offered;
         cam_config_tie(half, offered->play.table != NULL);
-        half->k1_q16 -= half->learned.k1_q16;
-        half->k2_q16 -= half->learned.k2_q16;
+        half->tell.k1_q16 -= half->learned.k1_q16;
+        half->tell.k2_q16 -= half->learned.k2_q16;
     }
     return half;
 }
 
 void cam_config_learn(cam_config_t *config)
 {
-    config->k1_q16 += config->learned.k1_q16;
-    config->k2_q16 += config->learned.k2_q16;
+    config->tell.k1_q16 += config->learned.k1_q16;
+    config->tell.k2_q16 += config->learned.k2_q16;
     cam_config_tell(config);
 }
 
@@ -72,17 +72,18 @@ static int32_t limit_nm(int64_t q10)
 
 void cam_config_tell(cam_config_t *config)
 {
-    cam_guard_config_t *g = &config->guard;
-    const int64_t k1_q16 = cam_abs_i64(config->k1_q16);
-    const int64_t k2_q16 = cam_abs_i64(config->k2_q16);
+    const cam_guard_config_t *g = &config->guard;
+    cam_tell_config_t *t = &config->tell;
+    const int64_t k1_q16 = cam_abs_i64(config->tell.k1_q16);
+    const int64_t k2_q16 = cam_abs_i64(config->tell.k2_q16);
     const int64_t v_q10 = (int64_t)g->u_vel_q6 * 16;
     const int64_t a_q10 = (int64_t)g->u_acc_q6 * 16;
     const int64_t j_q10 = 2 * a_q10 / (INT64_C(1) << g->leave.log2_window) + 1;
     const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536;
     const int64_t change_q10 = a_q10 + k1_q16 * j_q10 / 65536 + 2 * (k2_q16 * j_q10 / 65536);
-    g->told_step_nm = limit_nm(step_q10);
-    g->told_change_nm = limit_nm(change_q10);
-    g->told_change_off_nm = limit_nm(change_q10 + step_q10);
+    t->step_nm = limit_nm(step_q10);
+    t->change_nm = limit_nm(change_q10);
+    t->change_off_nm = limit_nm(change_q10 + step_q10);
 }
 
 void cam_config_offer(cam_config_bank_t *bank)

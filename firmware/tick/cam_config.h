@@ -154,15 +154,21 @@ typedef struct {
     int32_t u_range_q6;         ///< [nm / 64] half the stroke
     cam_move_limits_t u;        ///< all that U can
     cam_move_limits_t leave;    ///< for the retract: its speed leaves room for the feed-forward
-    int32_t told_range_nm;      ///< [nm] half the stroke, for the command of U
-    int32_t told_step_nm;       ///< [nm per tick] speed of the command of U, feed-forward included
-    int32_t told_change_nm;     ///< [nm per tick^2] its acceleration
-    int32_t told_change_off_nm; ///< ... in a tick off its time
-    int32_t told_vel_q10[hal_n_axes];    ///< [nm / 1024 per tick] X and Z
-    int32_t told_change_q10[hal_n_axes]; ///< [nm / 1024 per tick] by which a plan changes it
-    int32_t told_jump_q10[hal_n_axes];   ///< [nm / 1024] by which a plan moves the place at once
-    int64_t u_retract_q10;               ///< [nm / 1024] place of U out of the work
+    int64_t u_retract_q10;      ///< [nm / 1024] place of U out of the work
 } cam_guard_config_t;
+
+/// Limits of what the axes are told, and what U is told beside its set-point (cam_tell.h).
+typedef struct {
+    int32_t k1_q16;              ///< [ticks] velocity feed-forward, with what was learned of it
+    int32_t k2_q16;              ///< [ticks^2] acceleration feed-forward, likewise
+    int32_t range_nm;            ///< [nm] half the stroke, for the command of U
+    int32_t step_nm;             ///< [nm per tick] speed of the command of U, feed-forward included
+    int32_t change_nm;           ///< [nm per tick^2] its acceleration
+    int32_t change_off_nm;       ///< ... in a tick off its time
+    int32_t vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] X and Z
+    int32_t change_q10[hal_n_axes]; ///< [nm / 1024 per tick] by which a plan changes it
+    int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] by which a plan moves the place at once
+} cam_tell_config_t;
 
 enum { cam_n_switches = 8 }; ///< position switches
 
@@ -189,10 +195,9 @@ typedef struct {
     cam_spindle_config_t spindle;
     cam_play_config_t play;
     cam_guard_config_t guard;
+    cam_tell_config_t tell;
     cam_switches_config_t switches;
     cam_table_t table;   ///< play.table points here
-    int32_t k1_q16;      ///< [ticks] velocity feed-forward, with what was learned of it
-    int32_t k2_q16;      ///< [ticks^2] acceleration feed-forward, likewise
     uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
     uint32_t generation; ///< rises with every hand-over
     cam_learned_t learned;

@@ -133,15 +133,15 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
 }
 
 cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_state_t state,
-                                  uint32_t faults)
+                                  uint32_t faults, const cam_told_t *told)
 {
     const int32_t most_q10 = cfg->leave.acceleration_q10;
     // A wave is added to the set-point without its acceleration.
     const int32_t acc_q10 =
         state == cam_state_identifying ? 0 : cam_clamp_i32(g->u.acc_q10, -most_q10, most_q10);
     if (g->u_seal != (g->u_set_q6 ^ g->u_step_q6)) { // one of them has flipped: as it was told
-        g->u_set_q6 = cam_wrap_times(g->told_nm, 64u);
-        g->u_step_q6 = cam_wrap_times(g->told_step_nm, 64u);
+        g->u_set_q6 = cam_wrap_times(told->nm, 64u);
+        g->u_step_q6 = cam_wrap_times(told->step_nm, 64u);
     }
     const int32_t vel_q10 = cam_wrap_add(cam_wrap_times(g->u_step_q6, 16u), acc_q10);
     g->faults |= faults;
@@ -184,8 +184,6 @@ static cam_verdict_t forget(cam_guard_t *g, int32_t u_set_q6)
     g->u_set_q6 = u_set_q6;
     g->u_step_q6 = 0;
     g->u_seal = u_set_q6;
-    g->told_nm = u_set_q6 >> 6;
-    g->told_step_nm = 0;
     g->faults = 0;
     g->counted = 0;
     g->n_stopped = 0;
@@ -215,7 +213,8 @@ static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, uint32_t wat
 }
 
 cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
-                                 const cam_tick_record_t *r, const cam_motion_t *m)
+                                 const cam_tick_record_t *r, const cam_motion_t *m,
+                                 const cam_told_t *told)
 {
     const cam_want_t *want = &r->want;
     const uint32_t watched = armed[want->state];
@@ -225,82 +224,5 @@ cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
     const uint32_t faults = blame(g, cfg, r, m->is_playing, step_q6) & watched;
     return faults == 0u ? accept(g, want, watched, step_q6, m->axis[hal_axis_u].acc_q10)
-                        : cam_guard_enter_isr(g, cfg, want->state, faults);
-}
-
-int32_t cam_guard_nearest_isr(const cam_guard_t *g, const cam_guard_config_t *cfg, int32_t u_nm)
-{
-    const int32_t change_nm = cfg->told_change_nm;
-    const int32_t wanted_nm = cam_wrap_sub(cam_wrap_sub(u_nm, g->told_nm), g->told_step_nm);
-    const int32_t step_nm =
-        cam_wrap_add(g->told_step_nm, cam_clamp_i32(wanted_nm, -change_nm, change_nm));
-    const int32_t within_nm = cam_clamp_i32(step_nm, -cfg->told_step_nm, cfg->told_step_nm);
-    return cam_clamp_i32(cam_wrap_add(g->told_nm, within_nm), -cfg->told_range_nm,
-                         cfg->told_range_nm);
-}
-
-/// @return whether a plan may tell an axis what it wants to
-static bool is_allowed(const cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t axis,
-                       const cam_move_t *now, const cam_move_t *before)
-{
-    const int32_t jump_q10 = cam_sat_i32(now->pos_q10 - before->pos_q10);
-    const int32_t change_q10 = cam_wrap_sub(now->vel_q10, g->told_vel_q10[axis]);
-    return cam_is_within(now->vel_q10, cfg->told_vel_q10[axis]) &&
-           cam_is_within(change_q10, cfg->told_change_q10[axis]) &&
-           cam_is_within(jump_q10, cfg->told_jump_q10[axis]);
-}
-
-CAM_STAGE uint32_t cam_guard_increments_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
-                                            cam_motion_t *m, const cam_move_t before[hal_n_axes])
-{
-    uint32_t faults = 0;
-    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
-        if (m->state != cam_state_off && !is_allowed(g, cfg, i, &m->axis[i], &before[i])) {
-            m->axis[i] = before[i];
-            m->is_gliding = false;
-            faults = CAM_FAULT_BIT(command);
-        }
-        m->change_q10[i] = cam_wrap_sub(m->axis[i].vel_q10, g->told_vel_q10[i]);
-        g->told_vel_q10[i] = m->axis[i].vel_q10;
-        g->led_nm[i] = (int32_t)(m->axis[i].pos_q10 >> 10);
-    }
-    g->u_home_nm = m->u_home_nm;
-    return faults;
-}
-
-CAM_STAGE uint32_t cam_guard_mend_isr(cam_guard_t *g, cam_motion_t *m)
-{
-    const bool is_off = m->state == cam_state_off;
-    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
-        cam_move_t *axis = &m->axis[i];
-        const int32_t pos_nm = (int32_t)(axis->pos_q10 >> 10);
-        if (!is_off && (uint32_t)cam_guard_strayed_nm(g, i, pos_nm) > 1u) {
-            if (cam_abs_i64(axis->vel_q10) < cam_abs_i64(g->told_vel_q10[i])) {
-                g->told_vel_q10[i] = axis->vel_q10; // of two increments the slower one
-            }
-            axis->pos_q10 = (int64_t)g->led_nm[i] * 1024 + 512 + g->told_vel_q10[i];
-            axis->vel_q10 = g->told_vel_q10[i];
-        }
-        g->led_nm[i] = (int32_t)(axis->pos_q10 >> 10);
-    }
-    return is_off ? 0u : CAM_FAULT_BIT(corrupt);
-}
-
-uint32_t cam_guard_mend_state_isr(const cam_guard_t *g, cam_motion_t *m, cam_state_t last)
-{
-    m->state = m->state == last ? last : g->state;
-    return CAM_FAULT_BIT(corrupt);
-}
-
-CAM_STAGE uint32_t cam_guard_inspect_isr(cam_guard_t *g, cam_motion_t *m)
-{
-    bool is_changed = m->u_home_nm != g->u_home_nm;
-    m->u_home_nm = g->u_home_nm;
-    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
-        if (m->axis[i].pos_q10 >> 10 != g->led_nm[i]) {
-            is_changed = true;
-            m->axis[i].pos_q10 = (int64_t)g->led_nm[i] * 1024 + 512;
-        }
-    }
-    return is_changed ? CAM_FAULT_BIT(corrupt) : 0u;
+                        : cam_guard_enter_isr(g, cfg, want->state, faults, told);
 }

@@ -121,7 +121,6 @@ CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, con
 {
     cam_move_t *u = &m->axis[hal_axis_u];
     int32_t wave_q6 = 0;
-    m->c_q6 = m->state == cam_state_fault ? m->c_q6 : 0; // there it fades (cam_tick.c)
     if (m->state == cam_state_off) {
         follow_axes(m, in);
     } else if (m->state == cam_state_identifying) {

@@ -79,7 +79,7 @@ typedef struct {
     int32_t u_home_nm;    ///< [nm] U of the controller less U of the port, found by homing
     uint32_t faults;      ///< seen by the plan, for the ticks up to the next one
     cam_move_t axis[hal_n_axes];       ///< while playing, U's position is in cam_want_t
-    int32_t c_q6;                      ///< [nm / 64] correction of U's command that was learned
+    int32_t c_q6;                      ///< [nm / 64] while playing: what was learned of U's command
     int64_t u_target_q10;              ///< [nm / 1024] where U goes while it does not play
     int32_t u_speed_q10;               ///< [nm / 1024 per tick] manual: highest of U, 0: it brakes
     int64_t x_left_q10;                ///< [nm / 1024] X in the tick of the fault
@@ -109,6 +109,12 @@ typedef struct {
     uint32_t outputs;     ///< guard: hal_out_*
     bool is_retracted;    ///< guard: tool at rest out of the work
 } cam_want_t;
+
+/// What U was told (cam_tell.h).
+typedef struct {
+    int32_t nm;      ///< [nm] its command, feed-forward included
+    int32_t step_nm; ///< [nm per tick] since the tick before
+} cam_told_t;
 
 /// The guard's judgement of a tick.
 typedef struct {

@@ -2,7 +2,6 @@
 #include "cam_tick.h"
 #include "cam_fence.h" // cam_fence_release_isr
 #include "cam_fix.h"   // cam_clamp_i32
-#include "cam_seal.h"  // cam_seal_word
 #include "hal/hal.h"   // all reads and writes
 #include <stddef.h>    // NULL
 
@@ -30,19 +29,6 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     in->inputs = hal_inputs_read_isr();
     in->request = atomic_load_explicit(&c->request, CAM_ORDER_ACQUIRE);
     cam_fence_acquire_isr();
-}
-
-/// Inverse of a second-order drive, MATHS.md (56) and (189): what is added to U so that the tool is
-/// there. It is limited to what fits a word together with U, far beyond every stroke: a command
-/// that large is refused.
-/// @return [nm / 64]
-static int32_t feed_forward_q6(const cam_config_t *cfg, const cam_move_t *u)
-{
-    const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
-    const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32, beyond every stroke
-    const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
-    const uint32_t low = (uint32_t)(uint64_t)more_q26;
-    return (int32_t)((uint32_t)high << 12 | low >> 20);
 }
 
 static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
@@ -77,7 +63,8 @@ static void obey_guard(cam_t *c, cam_tick_record_t *r, cam_verdict_t verdict)
 
 static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    const cam_verdict_t verdict = cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
+    const cam_verdict_t verdict =
+        cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion, &c->tell.u);
     obey_guard(c, r, verdict);
     if (!verdict.is_in_charge) { // what U does in a fault is not to be learned
         cam_gather_isr(&c->gather, r->angle.pos_q32, r->angle.measured_q32, r->want.u_due_q6,
@@ -85,75 +72,34 @@ static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     }
 }
 
-/// @return [nm / 64] the command of U without what was learned of it
-static int32_t plain_command_q6(const cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+/// U would be told what is beyond its limits: a fault, and the retract begins with the next tick.
+CAM_STAGE static void refuse_command(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    return cam_wrap_add(r->want.u_set_q6, feed_forward_q6(cfg, &c->motion.axis[hal_axis_u]));
-}
-
-/// In the tick of a fault the command of U goes on with its last step. What that differs from the
-/// command of the retract, a correction that was learned or a wave, fades away over the next ticks:
-/// by a sixteenth each, towards 0 and to it.
-/// @return [nm / 64] the difference
-static int32_t faded_q6(const cam_t *c, int32_t plain_q6, bool is_new)
-{
-    const int32_t next_nm = cam_wrap_add(c->guard.told_nm, c->guard.told_step_nm);
-    return is_new
-               ? cam_wrap_sub((int32_t)((uint32_t)next_nm * 64u), plain_q6)
-               : c->motion.c_q6 - c->motion.c_q6 / 16 - (c->motion.c_q6 > 0) + (c->motion.c_q6 < 0);
-}
-
-/// The command of U is beyond its limits: it is not written, but a fault. The nearest one that is
-/// within them is written in its place, and the retract begins with the next tick. In off U may
-/// stand anywhere, and is told the end of the stroke that is nearer to it.
-/// @return [nm] command of U
-CAM_STAGE static int32_t refuse_command(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r,
-                                        int32_t u_nm)
-{
-    if (r->want.state == cam_state_off) {
-        return cam_clamp_i32(u_nm, -cfg->guard.told_range_nm, cfg->guard.told_range_nm);
-    }
-    int32_t nearest_nm = u_nm;
-    if (r->want.state == cam_state_fault) {
+    const bool is_new = r->want.state != cam_state_fault;
+    if (is_new) {
+        obey_guard(c, r,
+                   cam_guard_enter_isr(&c->guard, &cfg->guard, r->want.state,
+                                       CAM_FAULT_BIT(command), &c->tell.u));
+    } else {
         c->guard.faults |= CAM_FAULT_BIT(command);
         r->want.faults = c->guard.faults;
-    } else {
-        obey_guard(
-            c, r,
-            cam_guard_enter_isr(&c->guard, &cfg->guard, r->want.state, CAM_FAULT_BIT(command)));
-        nearest_nm = cam_wrap_add(c->guard.told_nm, c->guard.told_step_nm);
     }
-    nearest_nm = cam_guard_nearest_isr(&c->guard, &cfg->guard, nearest_nm);
-    c->motion.c_q6 =
-        cam_wrap_sub((int32_t)((uint32_t)nearest_nm * 64u), plain_command_q6(c, cfg, r));
-    return nearest_nm;
-}
-
-/// @return [nm] command of U, judged
-static int32_t command_u_nm(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, bool was_fault)
-{
-    const int32_t plain_q6 = plain_command_q6(c, cfg, r);
-    if (r->want.state == cam_state_fault) {
-        c->motion.c_q6 = faded_q6(c, plain_q6, !was_fault);
-    }
-    const int32_t wanted_nm = cam_sat_add(cam_wrap_add(plain_q6, c->motion.c_q6), 32) >> 6;
-    const bool is_allowed =
-        cam_guard_allows_isr(&c->guard, &cfg->guard, wanted_nm, r->angle.is_off_time);
-    const int32_t u_nm = is_allowed ? wanted_nm : refuse_command(c, cfg, r, wanted_nm);
-    cam_guard_told_isr(&c->guard, u_nm);
-    return u_nm;
+    cam_tell_nearest_isr(&c->tell, &cfg->tell, r, &c->motion, is_new);
 }
 
 /// Write the set-points into the record, in the form that the drives take. Those of X and Z are
-/// their places rounded down, which the guard has kept since it judged them; the plan has added
-/// half a nanometre to X, which is thus rounded to nearest.
-static void command(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, bool was_fault)
+/// their places rounded down, as they were watched; the plan has added half a nanometre to X, which
+/// is thus rounded to nearest.
+static void tell(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, bool is_new)
 {
     const cam_move_t *axis = c->motion.axis;
-    const int32_t u_nm = command_u_nm(c, cfg, r, was_fault);
-    r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], cam_wrap_sub(u_nm, c->motion.u_home_nm));
-    r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], c->guard.led_nm[hal_axis_x]);
-    r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], c->guard.led_nm[hal_axis_z]);
+    if (!cam_tell_isr(&c->tell, &cfg->tell, r, &c->motion, is_new)) {
+        refuse_command(c, cfg, r);
+    }
+    const int32_t u_nm = cam_wrap_sub(c->tell.u.nm, c->motion.u_home_nm);
+    r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
+    r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], c->watch.led_nm[hal_axis_x]);
+    r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], c->watch.led_nm[hal_axis_z]);
 }
 
 /// The state is not the one that the last tick left behind. @return fault corrupt
@@ -161,7 +107,7 @@ CAM_STAGE static uint32_t mend_state(cam_t *c)
 {
     const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
     const cam_state_t was = last != NULL ? last->want.state : cam_state_off;
-    return cam_guard_mend_state_isr(&c->guard, &c->motion, was);
+    return cam_watch_mend_state_isr(&c->watch, &c->motion, was);
 }
 
 static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
@@ -170,19 +116,19 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     CAM_TICK_MARK(angle);
     r->want.faults = c->motion.faults | r->angle.faults | cam_sense_faults(&r->in);
-    if (c->motion.state != c->guard.state) {
+    if (c->motion.state != c->watch.state) {
         r->want.faults |= mend_state(c);
     }
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
-    if (!cam_guard_is_on_course_isr(&c->guard, &c->motion)) {
-        r->want.faults |= cam_guard_mend_isr(&c->guard, &c->motion);
+    if (!cam_watch_is_on_course_isr(&c->watch, &c->tell, &c->motion)) {
+        r->want.faults |= cam_watch_mend_isr(&c->watch, &c->tell, &c->motion);
     }
     CAM_TICK_MARK(play);
     const bool was_fault = c->motion.state == cam_state_fault;
     guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
-    command(c, cfg, r, was_fault);
-    cam_guard_keep_isr(&c->guard, &c->motion);
+    tell(c, cfg, r, !was_fault);
+    cam_watch_keep_isr(&c->watch, &c->motion);
     if (cfg->switches.n > 0u) {
         r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
     }
@@ -210,7 +156,7 @@ static void shift_u(cam_t *c, int32_t nm)
     c->motion.u_target_q10 += (int64_t)nm * 1024;
     c->guard.u_set_q6 = cam_wrap_add(c->guard.u_set_q6, by_q6);
     c->guard.u_seal = c->guard.u_set_q6 ^ c->guard.u_step_q6;
-    c->guard.told_nm = cam_wrap_add(c->guard.told_nm, nm);
+    cam_tell_shift_isr(&c->tell, nm);
     cam_play_shift_isr(&c->play, by_q6);
 }
 
@@ -228,30 +174,13 @@ static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t
     }
 }
 
-/// The sum of cam_seal_more(), with the loop written out by the compiler: two instructions a word.
-CAM_STAGE static uint32_t seal_of(const cam_plan_t *plan)
-{
-    enum { n_words = sizeof *plan / sizeof(uint32_t) };
-    _Static_assert(sizeof *plan % sizeof(uint32_t) == 0 && n_words <= 64, "whole words, no loop");
-    const cam_seal_word_t *words = (const cam_seal_word_t *)plan; // MISRA D21
-    uint32_t sum = 0;
-#pragma GCC unroll 64
-    for (uint32_t i = 0; i < (uint32_t)n_words; i++) {
-        sum = cam_seal_word(sum, words[i]);
-    }
-    return sum;
-}
-
 /// @return fault corrupt where something that only plans and the slow side write is not what they
-/// wrote. The flag that axes play is kept twice, and only a fault ends it between two plans.
+/// wrote
 static uint32_t inspect(cam_t *c)
 {
-    const cam_motion_t *m = &c->motion;
-    const bool is_ended = c->plan.is_laid != m->is_playing && m->state != cam_state_fault;
-    const bool is_changed = is_ended || c->plan_seal != seal_of(&c->plan) || c->config.is_mended;
+    const uint32_t offered = c->config.is_mended ? CAM_FAULT_BIT(corrupt) : 0u;
     c->config.is_mended = false;
-    const uint32_t led = cam_guard_inspect_isr(&c->guard, &c->motion);
-    return is_changed ? CAM_FAULT_BIT(corrupt) : led;
+    return offered | cam_watch_inspect_isr(&c->watch, &c->motion, &c->plan);
 }
 
 /// Do what belongs to every n-th tick only.
@@ -265,10 +194,8 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
         plan_axes(c, cfg, r);
     }
     c->motion.was_off = false;
-    c->plan.is_laid = c->motion.is_playing;
-    c->plan_seal = seal_of(&c->plan);
-    const uint32_t refused = cam_guard_increments_isr(&c->guard, &cfg->guard, &c->motion, before);
-    cam_guard_keep_isr(&c->guard, &c->motion);
+    const uint32_t refused = cam_tell_plan_isr(&c->tell, &cfg->tell, &c->motion, before);
+    cam_watch_plan_isr(&c->watch, &c->motion, &c->plan);
     cam_gather_plan_isr(&c->gather, r, &c->motion);
     cam_acknowledge_isr(&c->acknowledge, &cfg->play.acknowledge, r, &c->motion);
     c->motion.faults |= seen | refused | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
@@ -324,7 +251,7 @@ void cam_tick_isr(cam_t *c)
     steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(c, r);
     cam_fence_release_isr(); // what is compared is what lies in memory
-    const bool is_as_judged = cam_guard_written_isr(&c->guard, r);
+    const bool is_as_judged = cam_watch_written_isr(&c->watch, &c->tell, r);
     CAM_TICK_MARK(actuate);
     if (is_plan_due(c, cfg)) {
         plan_isr(c, cfg, r);
@@ -339,90 +266,4 @@ void cam_tick_isr(cam_t *c)
 void cam_isr(void)
 {
     cam_tick_isr(&g_cam);
-}
-
-/// A word of any structure.
-typedef uint32_t __attribute__((may_alias)) any_word_t;
-
-/// Copy words that the interrupt may be writing; what was read then is not used. C11 calls that a
-/// race, because the interrupt's words are no atomics: it would pay for them in every tick. They
-/// are read as volatile ones, so that the compiler takes each of them once and as it is.
-__attribute__((noinline, no_sanitize("thread"))) static void copy_words(void *to, const void *from,
-                                                                        size_t n_bytes)
-{
-    any_word_t *words = to;                   // MISRA D20
-    const volatile any_word_t *shared = from; // MISRA D20
-    for (size_t i = 0; i < n_bytes / sizeof *words; i++) {
-        words[i] = shared[i];
-    }
-}
-
-#define COPY(to, from)                                                                             \
-    do {                                                                                           \
-        _Static_assert(sizeof(to) == sizeof(from) && sizeof(to) % sizeof(uint32_t) == 0u,          \
-                       "words");                                                                   \
-        copy_words(&(to), &(from), sizeof(to));                                                    \
-    } while (false)
-
-/// The count of ticks that have ended is n when a reading begins; where the newest tick that has
-/// begun is number n - 1 behind it, none was in progress.
-bool cam_tick_moment(const cam_t *c, cam_moment_t *now)
-{
-    uint32_t n_ended = 0;
-    uint32_t begun = 0;
-    do {
-        n_ended = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
-        const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
-        if (newest == NULL) {
-            *now = (cam_moment_t){.record.want.state = cam_state_off};
-            return false;
-        }
-        COPY(now->record, *newest);
-        COPY(now->spindle, c->spindle);
-        COPY(now->motion, c->motion);
-        COPY(now->guard, c->guard);
-        COPY(now->hand, c->hand);
-        COPY(now->acknowledge, c->acknowledge);
-        COPY(now->plan, c->plan);
-        atomic_thread_fence(memory_order_acquire);
-        begun = atomic_load_explicit(&c->n_begun, memory_order_relaxed);
-    } while (begun + 1u != n_ended);
-    return true;
-}
-
-cam_status_t cam_tick_status(const cam_t *c)
-{
-    cam_moment_t now;
-    (void)cam_tick_moment(c, &now);
-    const cam_tick_record_t *r = &now.record;
-    const cam_guard_t *guard = &now.guard;
-    cam_status_t status = {
-        .tick = r->tick,
-        .config = r->config,
-        .request = r->in.request >> 8,
-        .state = r->want.state,
-        .faults = r->want.faults,
-        .first_fault = guard->first_faults,
-        .is_synced = r->angle.is_synced,
-        .is_retracted = r->want.is_retracted,
-        .is_u_at_rest = r->out[hal_axis_u].vel_q10 == 0 && r->out[hal_axis_u].acc_q10 == 0,
-        .inputs = r->in.inputs,
-        .outputs = r->want.outputs,
-        .hand = now.hand,
-        .acknowledge = now.acknowledge,
-        .pos_q32 = r->angle.pos_q32,
-        .speed_q32 = r->angle.speed_q32,
-        .z_nm = r->want.z_nm,
-        .u_set_q6 = r->want.u_set_q6,
-        .u_actual_nm = r->in.actual_nm[hal_axis_u],
-        .x_actual_nm = r->in.actual_nm[hal_axis_x],
-        .z_actual_nm = r->in.actual_nm[hal_axis_z],
-        .following_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6),
-        .n_late = now.spindle.n_late,
-        .max_period = now.spindle.max_period,
-    };
-    for (uint32_t i = 0; i < cam_n_faults; i++) {
-        status.fault_count[i] = cam_guard_count(guard, (cam_fault_t)i);
-    }
-    return status;
 }

@@ -73,6 +73,8 @@ static void tell_map(void)
     TELL("state.motion", g_cam.motion);
     TELL("state.play", g_cam.play);
     TELL("state.guard", g_cam.guard);
+    TELL("state.tell", g_cam.tell);
+    TELL("state.watch", g_cam.watch);
     TELL("state.plan", g_cam.plan);
     TELL("state.hand", g_cam.hand);
     TELL("state.switches", g_cam.switches);
@@ -87,10 +89,11 @@ static void tell_map(void)
     TELL("config.spindle", cfg->spindle);
     TELL("config.play", cfg->play);
     TELL("config.guard", cfg->guard);
+    TELL("config.tell", cfg->tell);
     TELL("config.switches", cfg->switches);
     TELL("config.table", cfg->table);
-    tell(file, "config.words", &cfg->k1_q16,
-         (size_t)((const char *)&cfg->learned - (const char *)&cfg->k1_q16));
+    tell(file, "config.words", &cfg->trace_room,
+         (size_t)((const char *)&cfg->learned - (const char *)&cfg->trace_room));
     TELL("config.learned", cfg->learned);
     TELL("slow.machine", flips_machine);
     tell(file, "table.image", image.bytes, image.size);

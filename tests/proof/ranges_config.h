@@ -158,16 +158,20 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(u_acc_q6, 1, 1 << 26)                                                                        \
     X(u_acc_off_q6, 1, 1 << 27)                                                                    \
     X(u_range_q6, 0, 30000000 * 32)                                                                \
-    X(told_range_nm, 0, 15000000)                                                                  \
-    X(told_step_nm, 0, INT32_MAX / 2)                                                              \
-    X(told_change_nm, 0, INT32_MAX / 2)                                                            \
-    X(told_change_off_nm, 0, INT32_MAX / 2)                                                        \
     X(u_retract_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)
 
-#define TOLD_CONFIG(X)                                                                             \
-    X(told_vel_q10[i], 0, INT32_MAX)                                                               \
-    X(told_change_q10[i], 0, INT32_MAX)                                                            \
-    X(told_jump_q10[i], 0, INT32_MAX)
+#define TELL_CONFIG(X)                                                                             \
+    X(k1_q16, 0, INT32_MAX)                                                                        \
+    X(k2_q16, 0, INT32_MAX)                                                                        \
+    X(range_nm, 0, 15000000)                                                                       \
+    X(step_nm, 0, INT32_MAX / 2)                                                                   \
+    X(change_nm, 0, INT32_MAX / 2)                                                                 \
+    X(change_off_nm, 0, INT32_MAX / 2)
+
+#define TELL_AXIS_CONFIG(X)                                                                        \
+    X(vel_q10[i], 0, INT32_MAX)                                                                    \
+    X(change_q10[i], 0, INT32_MAX)                                                                 \
+    X(jump_q10[i], 0, INT32_MAX)
 
 #define ACKNOWLEDGE_CONFIG(X)                                                                      \
     X(is_demanded, 0, 1)                                                                           \

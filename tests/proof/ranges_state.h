@@ -92,9 +92,12 @@
     X(is_retracted, 0, 1)                                                                          \
     X(n_stopped, 0, UINT32_MAX)                                                                    \
     X(u_set_q6, INT32_MIN, INT32_MAX)                                                              \
-    X(u_step_q6, INT32_MIN, INT32_MAX)                                                             \
-    X(told_nm, INT32_MIN, INT32_MAX)                                                               \
-    X(told_step_nm, INT32_MIN, INT32_MAX)
+    X(u_step_q6, INT32_MIN, INT32_MAX)
+
+#define TELL(X)                                                                                    \
+    X(u.nm, INT32_MIN, INT32_MAX)                                                                  \
+    X(u.step_nm, INT32_MIN, INT32_MAX)                                                             \
+    X(fading_q6, INT32_MIN, INT32_MAX)
 
 #define SWITCHES(X)                                                                                \
     X(on, 0, UINT32_MAX)                                                                           \

@@ -125,9 +125,10 @@ static void make_config(cam_config_t *config)
 #define P config->guard.leave
     LIMITS(SET)
 #undef P
-#define P config->guard
+#define P config->tell
+    TELL_CONFIG(SET)
     for (int i = 0; i < hal_n_axes; i++) {
-        TOLD_CONFIG(SET)
+        TELL_AXIS_CONFIG(SET)
     }
 #undef P
     config->switches.n = any(0, cam_n_switches);
@@ -136,8 +137,6 @@ static void make_config(cam_config_t *config)
         SWITCH_CONFIG(SET)
 #undef P
     }
-    config->k1_q16 = any(0, INT32_MAX);
-    config->k2_q16 = any(0, INT32_MAX);
     config->generation = any(0, UINT32_MAX);
     make_learned(&config->learned);
     make_table(&config->table);
@@ -189,10 +188,13 @@ static void make_state(void)
 #define P c.guard
     GUARD(SET)
 #undef P
+#define P c.tell
+    TELL(SET)
+#undef P
     make_axis(&c.guard.u);
     make_glide(&c.guard.glide);
     for (int i = 0; i < hal_n_axes; i++) {
-        c.guard.told_vel_q10[i] = any(INT32_MIN, INT32_MAX);
+        c.tell.vel_q10[i] = any(INT32_MIN, INT32_MAX);
     }
 #define P c.acknowledge
     ACKNOWLEDGE(SET)

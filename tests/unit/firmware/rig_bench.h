@@ -7,6 +7,7 @@
 #include "fixture_rig.h" // fixture_rig_t
 #include "hal_host.h"    // hal_host_fault_estop
 #include "unity.h"       // TEST_ASSERT_TRUE
+#include <string.h>      // memcpy
 
 static fixture_rig_t rig;
 static fixture_part_t part;
@@ -26,6 +27,32 @@ static inline void bring(cam_state_t state)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+}
+
+/// Flip a bit of any object.
+static inline void flip(void *object, uint32_t bit)
+{
+    uint8_t *bytes = object;
+    bytes[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+}
+
+/// The controller in the cut, and the machine around it. It is brought there once and then put
+/// back, for tests that do not depend on how it got there.
+static inline void cut_anew(void)
+{
+    static cam_t cam;
+    static fixture_rig_t machine;
+    static hal_host_t host;
+    if (machine.machine.core == NULL) {
+        setUp();
+        bring(cam_state_cutting);
+        memcpy(&cam, &g_cam, sizeof cam);
+        machine = rig;
+        host = hal_host;
+    }
+    memcpy(&g_cam, &cam, sizeof cam);
+    rig = machine;
+    hal_host = host;
 }
 
 #endif

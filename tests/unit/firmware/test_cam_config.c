@@ -58,8 +58,8 @@ static void test_build_times_and_gains_are_ticks(void)
         build(tick_hz);
         expect_share(123456e-9 * tick_hz * 65536.0, config.play.lead_q16);
         expect_share(6366198e-9 * tick_hz * 65536.0, config.play.xz_lag_q16);
-        expect_share(742723e-9 * tick_hz * 65536.0, config.k1_q16);
-        expect_share((281448e-12 * tick_hz * tick_hz - 1.0 / 48.0) * 65536.0, config.k2_q16);
+        expect_share(742723e-9 * tick_hz * 65536.0, config.tell.k1_q16);
+        expect_share((281448e-12 * tick_hz * tick_hz - 1.0 / 48.0) * 65536.0, config.tell.k2_q16);
         const double wt = 2.0 * 3.14159265358979 * 0.05;
         expect_share(2.0 * wt * 2147483648.0, config.spindle.kp_q31);
         expect_share(wt * wt * 4294967296.0, config.spindle.ki_q32);
@@ -181,10 +181,10 @@ static void test_build_a_hold_is_compensated_where_there_is_feed_forward(void)
     params.observer_bandwidth_mHz = 50000;
     params.k2_us2 = 0;
     build(1000);
-    TEST_ASSERT_EQUAL_INT32(0, config.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(0, config.tell.k2_q16);
     params.k2_us2 = 20000; // less than the hold of a tick of 1 ms
     build(1000);
-    TEST_ASSERT_INT32_WITHIN(1, 1311, config.k2_q16);
+    TEST_ASSERT_INT32_WITHIN(1, 1311, config.tell.k2_q16);
 }
 
 static cam_err_t build_with(cam_param_id_t id, int32_t value, uint32_t tick_hz)

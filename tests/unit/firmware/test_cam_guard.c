@@ -217,6 +217,7 @@ static void test_guard_damaged_table_is_a_fault_and_stays_refused(void)
 /// Set-point faults come from inside only: want is made by hand, in nanometres.
 static uint32_t judge_want(int32_t at_nm, int32_t next_nm)
 {
+    const cam_told_t told = {.nm = at_nm};
     cam_guard_t guard;
     memset(&guard, 0, sizeof guard);
     const cam_config_t *config = g_cam.config.offered;
@@ -228,9 +229,9 @@ static uint32_t judge_want(int32_t at_nm, int32_t next_nm)
     };
     const cam_motion_t motion = {.axis[hal_axis_u].vel_q10 = next_nm};
     guard.u_set_q6 = r.want.u_set_q6;
-    TEST_ASSERT_FALSE(cam_guard_step_isr(&guard, cfg, &r, &motion).is_in_charge);
+    TEST_ASSERT_FALSE(cam_guard_step_isr(&guard, cfg, &r, &motion, &told).is_in_charge);
     r.want.u_set_q6 = next_nm * 64;
-    const cam_verdict_t verdict = cam_guard_step_isr(&guard, cfg, &r, &motion);
+    const cam_verdict_t verdict = cam_guard_step_isr(&guard, cfg, &r, &motion, &told);
     TEST_ASSERT_EQUAL_HEX32(guard.first_faults, verdict.faults);
     TEST_ASSERT_TRUE(verdict.is_in_charge == (verdict.faults != 0u));
     if (verdict.is_in_charge) {

@@ -34,7 +34,8 @@ static cam_want_t tick(void)
 {
     cam_tick_record_t r = {.in = in, .angle = angle, .want = want};
     r.want.faults |= angle.faults | cam_sense_faults(&in) | cam_guard_plan_isr(&guard, cfg, &r);
-    const cam_verdict_t verdict = cam_guard_step_isr(&guard, cfg, &r, &motion);
+    static const cam_told_t told; // no bit flips
+    const cam_verdict_t verdict = cam_guard_step_isr(&guard, cfg, &r, &motion, &told);
     cam_want_t safe = want;
     if (verdict.is_in_charge) {
         safe.state = cam_state_fault;

@@ -122,9 +122,9 @@ static void expect_axes(const cam_config_t *c)
 #define P c->guard.leave
     LIMITS(IN)
 #undef P
-#define P c->guard
+#define P c->tell
     for (int i = hal_axis_x; i < hal_n_axes; i++) {
-        TOLD_CONFIG(IN)
+        TELL_AXIS_CONFIG(IN)
     }
 #undef P
     expect("u_end_q10", c->play.hand.u_end_q10, 0, INT64_C(1) << 34);
@@ -163,8 +163,9 @@ static void expect_ranges(const cam_config_t *c)
 #undef P
     }
     expect_axes(c);
-    expect("k1_q16", c->k1_q16, 0, INT32_MAX);
-    expect("k2_q16", c->k2_q16, 0, INT32_MAX);
+#define P c->tell
+    TELL_CONFIG(IN)
+#undef P
 }
 
 /// Relations that the proof takes from here, because its ranges do not hold them.

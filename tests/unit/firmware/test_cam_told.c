@@ -63,7 +63,7 @@ static void test_command_through_faults_at_any_angle_keeps_the_speed_of_u(void)
         }
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(20000, t.most_step_nm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->guard.told_change_nm, t.most_change_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->tell.change_nm, t.most_change_nm);
         TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
     }
 }
@@ -161,7 +161,7 @@ static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
         bring(i == 0 ? cam_state_off : cam_state_cutting);
         fixture_rig_ticks(&rig, 200);
         told_t t = begin();
-        in_force()->k2_q16 *= 48;
+        in_force()->tell.k2_q16 *= 48;
         if (i == 0) {
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
         }
@@ -170,7 +170,7 @@ static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
         }
         TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_state());
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(command), fixture_rig_status(&rig).first_fault);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->guard.told_step_nm, t.most_step_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->tell.step_nm, t.most_step_nm);
         TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
         TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
         TEST_ASSERT_EQUAL_INT32(0, t.step_nm);
@@ -182,7 +182,7 @@ static void test_command_beyond_the_stroke_is_a_fault_and_not_clipped(void)
     with_feed_forward();
     bring(cam_state_cutting);
     fixture_rig_ticks(&rig, 2400);
-    in_force()->guard.told_range_nm = 60000; // the short skirt is 0.1 mm deep
+    in_force()->tell.range_nm = 60000; // the short skirt is 0.1 mm deep
     for (int i = 0; i < 300 && rig.last.want.state != cam_state_fault; i++) {
         TEST_ASSERT_INT32_WITHIN(60000, 0, hal_host.out.axis[hal_axis_u].pos_nm);
         fixture_rig_tick(&rig);
@@ -203,7 +203,7 @@ static void test_increments_beyond_the_limits_are_a_fault_before_they_are_told(v
         }
         const int32_t vel_q10 = hal_host.out.axis[i].vel_q10;
         TEST_ASSERT_NOT_EQUAL_INT32(0, vel_q10);
-        in_force()->guard.told_vel_q10[i] = 0; // the axis moves, and may not
+        in_force()->tell.vel_q10[i] = 0; // the axis moves, and may not
         uint32_t n = 0;
         while (rig.last.want.state != cam_state_fault && n < 20) {
             TEST_ASSERT_INT32_WITHIN(8000, vel_q10, hal_host.out.axis[i].vel_q10);

@@ -116,7 +116,7 @@ static void test_status_belongs_to_one_tick(void)
     first_tick = fixture_rig_status(&rig).tick + 1u;
     TEST_ASSERT_EQUAL_INT(0, pthread_create(&core, NULL, tick, NULL));
     while (!atomic_load(&is_over)) {
-        const cam_status_t status = cam_tick_status(&g_cam);
+        const cam_status_t status = cam_status_read(&g_cam);
         if (status.tick - first_tick < UINT32_MAX / 2u) {
             expect_one_tick(&status);
             n_read++;

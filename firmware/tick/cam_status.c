@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_status.h"
+#include "cam_fix.h" // cam_wrap_sub
+#include <stddef.h>  // NULL, size_t
+
+/// A word of any structure.
+typedef uint32_t __attribute__((may_alias)) any_word_t;
+
+/// Copy words that the interrupt may be writing; what was read then is not used. C11 calls that a
+/// race, because the interrupt's words are no atomics: it would pay for them in every tick. They
+/// are read as volatile ones, so that the compiler takes each of them once and as it is.
+__attribute__((noinline, no_sanitize("thread"))) static void copy_words(void *to, const void *from,
+                                                                        size_t n_bytes)
+{
+    any_word_t *words = to;                   // MISRA D20
+    const volatile any_word_t *shared = from; // MISRA D20
+    for (size_t i = 0; i < n_bytes / sizeof *words; i++) {
+        words[i] = shared[i];
+    }
+}
+
+#define COPY(to, from)                                                                             \
+    do {                                                                                           \
+        _Static_assert(sizeof(to) == sizeof(from) && sizeof(to) % sizeof(uint32_t) == 0u,          \
+                       "words");                                                                   \
+        copy_words(&(to), &(from), sizeof(to));                                                    \
+    } while (false)
+
+/// The count of ticks that have ended is n when a reading begins; where the newest tick that has
+/// begun is number n - 1 behind it, none was in progress.
+bool cam_status_moment(const cam_t *c, cam_moment_t *now)
+{
+    uint32_t n_ended = 0;
+    uint32_t begun = 0;
+    do {
+        n_ended = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
+        const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
+        if (newest == NULL) {
+            *now = (cam_moment_t){.record.want.state = cam_state_off};
+            return false;
+        }
+        COPY(now->record, *newest);
+        COPY(now->spindle, c->spindle);
+        COPY(now->motion, c->motion);
+        COPY(now->guard, c->guard);
+        COPY(now->hand, c->hand);
+        COPY(now->acknowledge, c->acknowledge);
+        COPY(now->plan, c->plan);
+        atomic_thread_fence(memory_order_acquire);
+        begun = atomic_load_explicit(&c->n_begun, memory_order_relaxed);
+    } while (begun + 1u != n_ended);
+    return true;
+}
+
+cam_status_t cam_status_read(const cam_t *c)
+{
+    cam_moment_t now;
+    (void)cam_status_moment(c, &now);
+    const cam_tick_record_t *r = &now.record;
+    const cam_guard_t *guard = &now.guard;
+    cam_status_t status = {
+        .tick = r->tick,
+        .config = r->config,
+        .request = r->in.request >> 8,
+        .state = r->want.state,
+        .faults = r->want.faults,
+        .first_fault = guard->first_faults,
+        .is_synced = r->angle.is_synced,
+        .is_retracted = r->want.is_retracted,
+        .is_u_at_rest = r->out[hal_axis_u].vel_q10 == 0 && r->out[hal_axis_u].acc_q10 == 0,
+        .inputs = r->in.inputs,
+        .outputs = r->want.outputs,
+        .hand = now.hand,
+        .acknowledge = now.acknowledge,
+        .pos_q32 = r->angle.pos_q32,
+        .speed_q32 = r->angle.speed_q32,
+        .z_nm = r->want.z_nm,
+        .u_set_q6 = r->want.u_set_q6,
+        .u_actual_nm = r->in.actual_nm[hal_axis_u],
+        .x_actual_nm = r->in.actual_nm[hal_axis_x],
+        .z_actual_nm = r->in.actual_nm[hal_axis_z],
+        .following_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6),
+        .n_late = now.spindle.n_late,
+        .max_period = now.spindle.max_period,
+    };
+    for (uint32_t i = 0; i < cam_n_faults; i++) {
+        status.fault_count[i] = cam_guard_count(guard, (cam_fault_t)i);
+    }
+    return status;
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Single bits of what only ticks and plans may change flip in the cut: each is seen by the copy or
+// the sum of it, mended, and the tool retracts. test_cam_corrupt.c flips the rest of the state.
+#include "rig_bench.h"
+
+enum { plan_ticks = 8 };
+
+/// @return ticks until a fault comes, `most` when none came
+static uint32_t ticks_until_fault(uint32_t most)
+{
+    uint32_t n = 0;
+    while (n < most && fixture_rig_state() != cam_state_fault) {
+        fixture_rig_tick(&rig);
+        n++;
+    }
+    return n;
+}
+
+static void test_state_of_the_plan_is_sealed(void)
+{
+    for (uint32_t bit = 0; bit < 8u * sizeof g_cam.plan; bit += 29u) {
+        cut_anew();
+        flip(&g_cam.plan, bit);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt),
+                                fixture_rig_status(&rig).faults & CAM_FAULT_BIT(corrupt));
+    }
+}
+
+/// The place of U on the machine is what homing has found, and nothing else.
+static void test_home_of_u_is_mended_in_the_plan(void)
+{
+    for (uint32_t bit = 0; bit < 10u; bit++) { // further ones are seen by the limits of U first
+        setUp();
+        bring(cam_state_ready);
+        const int32_t home_nm = g_cam.motion.u_home_nm;
+        flip(&g_cam.motion.u_home_nm, bit);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).first_fault);
+        fixture_rig_ticks(&rig, plan_ticks);
+        TEST_ASSERT_EQUAL_INT32(home_nm, g_cam.motion.u_home_nm);
+    }
+}
+
+/// X and Z are told by at most this more or less than their increment, in the tick of the flip too.
+static void test_places_of_x_and_z_are_mended_in_the_tick(void)
+{
+    for (uint32_t bit = 12; bit < 64u; bit++) { // 4 nm at least
+        cut_anew();
+        const int32_t before_nm = hal_host.out.axis[hal_axis_x].pos_nm;
+        flip(&g_cam.motion.axis[hal_axis_x].pos_q10, bit);
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_INT32_WITHIN(10, before_nm, hal_host.out.axis[hal_axis_x].pos_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+        TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).faults);
+    }
+}
+
+/// An increment is mended in the tick that would use it.
+static void test_increment_that_flipped_is_the_slower_of_both(void)
+{
+    cut_anew();
+    const int32_t vel_q10 = g_cam.motion.axis[hal_axis_z].vel_q10;
+    flip(&g_cam.motion.axis[hal_axis_z].vel_q10, 20);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT32(vel_q10, g_cam.motion.axis[hal_axis_z].vel_q10);
+    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).faults);
+}
+
+static void test_state_is_mended_and_off_enables_nothing(void)
+{
+    for (uint32_t bit = 0; bit < 32u; bit++) {
+        cut_anew();
+        flip(&g_cam.motion.state, bit);
+        TEST_ASSERT_EQUAL_UINT32(1, ticks_until_fault(100));
+        TEST_ASSERT_EQUAL_HEX32(hal_out_fault | hal_out_enable, hal_host.out.outputs);
+        setUp();
+        fixture_rig_ticks(&rig, 10);
+        flip(&g_cam.motion.state, bit);
+        fixture_rig_ticks(&rig, 20);
+        TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
+        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
+    }
+}
+
+static void test_what_was_written_is_looked_at(void)
+{
+    cut_anew();
+    cam_tick_record_t r = rig.last;
+    TEST_ASSERT_TRUE(cam_watch_written_isr(&g_cam.watch, &g_cam.tell, &r));
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        r = rig.last;
+        flip(&r.out[i].pos_nm, 9u * i);
+        TEST_ASSERT_FALSE(cam_watch_written_isr(&g_cam.watch, &g_cam.tell, &r));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_state_of_the_plan_is_sealed);
+    RUN_TEST(test_home_of_u_is_mended_in_the_plan);
+    RUN_TEST(test_places_of_x_and_z_are_mended_in_the_tick);
+    RUN_TEST(test_increment_that_flipped_is_the_slower_of_both);
+    RUN_TEST(test_state_is_mended_and_off_enables_nothing);
+    RUN_TEST(test_what_was_written_is_looked_at);
+    return UNITY_END();
+}
