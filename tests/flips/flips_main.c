@@ -82,7 +82,6 @@ static void tell_map(void)
     tell(file, "state.words", &g_cam.until_plan,
          (size_t)((const char *)&g_cam.gather - (const char *)&g_cam.until_plan));
     TELL("state.acknowledge", g_cam.acknowledge);
-    TELL("state.seal", g_cam.plan_seal);
     TELL("state.request", g_cam.request);
     tell(file, "state.config", &g_cam.config, offsetof(cam_config_bank_t, half));
     tell(file, "state.trace", &g_cam.trace, sizeof g_cam.trace);

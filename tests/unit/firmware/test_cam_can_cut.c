@@ -19,10 +19,10 @@ void tearDown(void) {}
 
 static void until(cam_state_t state)
 {
-    for (int i = 0; i < 20000 && fixture_can_state(&f) != state; i++) {
+    for (int i = 0; i < 20000 && fixture_rig_state() != state; i++) {
         fixture_can_loop(&f, 1);
     }
-    TEST_ASSERT_EQUAL_INT(state, fixture_can_state(&f));
+    TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 
 /// Overrides and trim are parameters, and the answer names which.
