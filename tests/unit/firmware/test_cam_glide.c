@@ -98,6 +98,17 @@ static void test_glide_from_rest_keeps_every_limit_and_lands_exactly(void)
     }
 }
 
+/// At rest from the begin it is still for a whole window; in motion it is not.
+static void test_glide_that_begins_at_rest_is_still(void)
+{
+    static const int32_t cases[][2] = {{0, 0}, {1, 0}, {0, 1}, {5, -5}};
+    for (int i = 0; i < 4; i++) {
+        const cam_move_t m = {.vel_q10 = cases[i][0], .acc_q10 = cases[i][1]};
+        cam_glide_begin_isr(&glide, &m, 3);
+        TEST_ASSERT_EQUAL_UINT32(i == 0 ? 8 : 0, glide.n_still);
+    }
+}
+
 static void test_glide_from_motion_keeps_every_limit_and_lands_exactly(void)
 {
     fixture_random_t dice = {.state = 11};
@@ -207,6 +218,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_glide_from_rest_keeps_every_limit_and_lands_exactly);
+    RUN_TEST(test_glide_that_begins_at_rest_is_still);
     RUN_TEST(test_glide_from_motion_keeps_every_limit_and_lands_exactly);
     RUN_TEST(test_glide_is_the_mean_of_the_last_places);
     RUN_TEST(test_glide_takes_a_window_longer_than_the_motion_without_a_limit_of_jerk);

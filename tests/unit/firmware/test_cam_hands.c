@@ -15,6 +15,39 @@ static void home_here(hal_axis_t axis)
 
 /// The tool touches a diameter: from now on X of the part is half of it plus U, whatever the port
 /// counts, no set-point of the port moves, and a cut goes to where the part is.
+/// Each axis has the parameters of its own name.
+static void test_each_axis_has_its_parameters(void)
+{
+    cam_params_t p = cam_param_defaults();
+    const int32_t first[] = {cam_param_u_home, cam_param_x_home, cam_param_z_home};
+    for (int i = cam_param_u_jog_um_per_s; i < cam_n_params; i++) {
+        const cam_param_info_t *info = cam_param_info((cam_param_id_t)i);
+        const int32_t value = info->min + 2 + i;
+        TEST_ASSERT_EQUAL_INT(
+            cam_ok, cam_param_set(&p, (cam_param_id_t)i, value < info->max ? value : info->max));
+    }
+    p.tool = 0;
+    for (uint32_t i = 0; i < 3u; i++) {
+        const cam_hand_axis_t a = cam_hands_axis(&p, (hal_axis_t)i);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)first[i]), a.method);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 1)), a.sense);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 2)),
+                                a.search_um_per_s);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 3)), a.slow_um_per_s);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 4)), a.home_nm);
+    }
+    const cam_hand_axis_t x = cam_hands_axis(&p, hal_axis_x);
+    const cam_hand_axis_t z = cam_hands_axis(&p, hal_axis_z);
+    TEST_ASSERT_EQUAL_INT32(p.x_home_travel_nm, x.way_nm);
+    TEST_ASSERT_EQUAL_INT32(p.z_home_travel_nm, z.way_nm);
+    TEST_ASSERT_EQUAL_INT32(p.x_low_nm, x.low_nm);
+    TEST_ASSERT_EQUAL_INT32(p.x_high_nm, x.high_nm);
+    TEST_ASSERT_EQUAL_INT32(p.z_low_nm, z.low_nm);
+    TEST_ASSERT_EQUAL_INT32(p.z_high_nm, z.high_nm);
+    TEST_ASSERT_EQUAL_INT32(p.x_datum_nm, x.datum_nm);
+    TEST_ASSERT_EQUAL_INT32(p.z_datum_nm, z.datum_nm);
+}
+
 static void test_zero_moves_the_part_not_the_axes(void)
 {
     for (int32_t i = 0; i < 3; i++) {
@@ -227,6 +260,7 @@ static void test_a_home_that_was_found_waits_for_room(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_each_axis_has_its_parameters);
     RUN_TEST(test_zero_moves_the_part_not_the_axes);
     RUN_TEST(test_cut_at_another_place_is_the_same_cut);
     RUN_TEST(test_measured_z_is_read_from_its_datum_on);

@@ -220,9 +220,19 @@ static void test_they_do_not_disturb_a_message(void)
     expect_bytes(15);
 }
 
+static void test_a_single_frame_may_fill_the_room(void)
+{
+    static const uint8_t six[] = {6, 1, 2, 3, 4, 5, 6};
+    t.capacity = 6;
+    TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(7, six));
+    t.capacity = 5;
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give(7, six));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_single_frame_may_fill_the_room);
     RUN_TEST(test_single_frames);
     RUN_TEST(test_long_messages_of_every_form);
     RUN_TEST(test_padded_last_frame);

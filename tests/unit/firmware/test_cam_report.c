@@ -65,6 +65,13 @@ static void test_inputs_are_told_bit_by_bit(void)
     expect(1, 1, 8, 5);
 }
 
+static void test_late_ticks_are_told_beside_the_rate(void)
+{
+    status.n_late = 0x89ABCDEFu;
+    expect(20000, 2, 8, 24);
+    expect(0x89ABCDEFu, 2, 32, 32);
+}
+
 static void test_following_error_is_bounded_by_its_bits(void)
 {
     static const int32_t cases[][2] = {{8388607, 8388607},    {8388608, 8388607},
@@ -242,6 +249,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_inputs_are_told_bit_by_bit);
+    RUN_TEST(test_late_ticks_are_told_beside_the_rate);
     RUN_TEST(test_following_error_is_bounded_by_its_bits);
     RUN_TEST(test_learning_is_told);
     RUN_TEST(test_learning_is_bounded_by_its_bits);

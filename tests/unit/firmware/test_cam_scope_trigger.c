@@ -219,6 +219,7 @@ static void test_fields_set_the_trigger(void)
         {cam_scope_field_trigger, -1, cam_err_scope_range},
         {cam_scope_field_watched, cam_scope_n_signals - 1, cam_ok},
         {cam_scope_field_watched, cam_scope_n_signals, cam_err_scope_range},
+        {cam_scope_field_watched, -1, cam_err_scope_range},
         {cam_scope_field_level, INT32_MIN, cam_ok},
         {cam_scope_field_edge, 1, cam_ok},
         {cam_scope_field_edge, 2, cam_err_scope_range},

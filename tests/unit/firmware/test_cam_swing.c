@@ -171,6 +171,8 @@ static void test_cut_waits_for_the_swing_to_come_to_rest(void)
         fixture_play_tick(&f);
     }
     TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    fixture_play_ticks(&f, 4 * FIXTURE_PLAN_TICKS);
+    TEST_ASSERT_FALSE(f.motion.swing.is_there); // it follows the table
 }
 
 static void expect_peak(double exact, uint32_t found)

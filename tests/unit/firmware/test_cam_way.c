@@ -55,6 +55,21 @@ static void test_way_is_measured(void)
     TEST_ASSERT_EQUAL_UINT32(0, f.table.way_bend_ppm_per_m);
 }
 
+/// A way that falls back in one slice and regains it evenly, whichever slice it is.
+static void test_a_way_that_falls_in_one_slice_is_refused(void)
+{
+    enum { rise = 1000000 * 16 / (n_knots - 1), drop = rise / 3 };
+    for (int fallen = -1; fallen < n_knots - 1; fallen++) {
+        cam_knot_t knots[n_knots] = {{0}};
+        for (int i = 1; i < n_knots - 1; i++) {
+            knots[i].p = fallen < 0 ? 0 : drop * i / (n_knots - 1) - (i > fallen ? drop : 0);
+        }
+        cam_table_t table = {
+            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+        TEST_ASSERT_EQUAL_INT(fallen < 0 ? cam_ok : cam_err_image_channel, cam_way_check(&table));
+    }
+}
+
 static void test_z_follows_the_way_over_the_turns(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
@@ -168,6 +183,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_way_is_measured);
+    RUN_TEST(test_a_way_that_falls_in_one_slice_is_refused);
     RUN_TEST(test_z_follows_the_way_over_the_turns);
     RUN_TEST(test_limits_of_z_hold_with_the_way);
     RUN_TEST(test_way_that_turns_back_is_refused);

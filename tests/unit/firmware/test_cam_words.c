@@ -4,8 +4,10 @@
 #include "cam_err.h"
 #include "cam_param.h"
 #include "cam_state.h"
+#include "cam_table.h" // cam_crc32
 #include "cam_trace.h"
 #include "unity.h"
+#include <stdio.h> // snprintf
 #include <string.h>
 
 void setUp(void) {}
@@ -81,6 +83,45 @@ static void test_param_foreign_ids_and_names_are_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&params, cam_param_encoder_sign, 0));
 }
 
+/// Names, ranges and defaults are what kept parameters, the tools and the manuals rest on. Who
+/// means to change one changes the number here.
+static void test_params_are_those_that_are_known(void)
+{
+    uint32_t crc = 0;
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_info_t *info = cam_param_info((cam_param_id_t)i);
+        char line[120];
+        const int n = snprintf(line, sizeof line, "%s %d %d %d\n", info->name, (int)info->min,
+                               (int)info->def, (int)info->max);
+        crc = cam_crc32(crc, line, (uint32_t)n);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0x8183528A, crc);
+}
+
+/// Learning sets what it needs and leaves all else; what is out of its range is brought back.
+static void test_params_of_learning_and_their_fit(void)
+{
+    const cam_params_t usual = cam_param_defaults();
+    cam_params_t params = usual;
+    cam_param_learn(&params);
+    TEST_ASSERT_EQUAL_INT32(30, params.feed_ramp_turns);
+    TEST_ASSERT_EQUAL_INT32(100000, params.observer_bandwidth_mHz);
+    TEST_ASSERT_EQUAL_INT32(40, params.rehearse_turns);
+    TEST_ASSERT_EQUAL_INT32(16, params.learn_harmonics);
+    TEST_ASSERT_EQUAL_INT32(8, params.ripple_turns);
+    int n_changed = 0;
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        n_changed += cam_param_get(&params, id) != cam_param_get(&usual, id) ? 1 : 0;
+    }
+    TEST_ASSERT_EQUAL_INT(5, n_changed);
+    params.engage_turns = -7;
+    params.feed_ramp_turns = 1000;
+    cam_param_fit(&params);
+    TEST_ASSERT_EQUAL_INT32(1, params.engage_turns);
+    TEST_ASSERT_EQUAL_INT32(100, params.feed_ramp_turns);
+}
+
 static cam_trace_t trace;
 
 static void push(uint32_t tick, uint32_t room)
@@ -127,6 +168,8 @@ int main(void)
     RUN_TEST(test_err_text_knows_every_error);
     RUN_TEST(test_param_set_takes_its_range_and_nothing_else);
     RUN_TEST(test_param_foreign_ids_and_names_are_refused);
+    RUN_TEST(test_params_are_those_that_are_known);
+    RUN_TEST(test_params_of_learning_and_their_fit);
     RUN_TEST(test_trace_keeps_order_and_counts_what_it_drops);
     RUN_TEST(test_trace_record_that_nobody_wants_is_not_kept);
     return UNITY_END();

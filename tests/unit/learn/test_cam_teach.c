@@ -107,6 +107,28 @@ static void test_a_fault_in_the_probe_leaves_no_probe(void)
     TEST_ASSERT_EQUAL_INT16(0, p.learned.c[0]);
 }
 
+/// The correction and the constants of the smallest errors come back.
+static void test_a_fault_brings_the_best_back(void)
+{
+    static cam_gather_t nothing;
+    cam_teach_t t;
+    const cam_teach_setup_t setup = {.reason = cam_teach_all, .n_harmonics = 4};
+    cam_teach_init(&t);
+    t.shape.c_q6[3] = (cam_complex_t){.re = 640, .im = -64};
+    t.shape.kept[3].re_nm = 5;
+    t.shape.kept[3].im_nm = 7;
+    t.shape.best_q6[3] = 100;
+    t.best_square = 1000;
+    t.best_k1_q16 = 111;
+    t.best_k2_q16 = 222;
+    cam_teach_poll(&t, &setup, cam_state_fault, &nothing);
+    TEST_ASSERT_EQUAL_INT32(5 * 64, t.shape.c_q6[3].re);
+    TEST_ASSERT_EQUAL_INT32(7 * 64, t.shape.c_q6[3].im);
+    TEST_ASSERT_EQUAL_INT32(111, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(222, t.k2_q16);
+    TEST_ASSERT_BITS_HIGH(cam_walk_drive | cam_walk_shape, t.walking);
+}
+
 static void test_nothing_is_learned_where_nothing_is_asked(void)
 {
     p.setup.reason = cam_teach_not_measured;
@@ -279,6 +301,7 @@ int main(void)
     RUN_TEST(test_all_values_are_read_and_set_again);
     RUN_TEST(test_values_out_of_range_are_refused);
     RUN_TEST(test_a_fault_in_the_probe_leaves_no_probe);
+    RUN_TEST(test_a_fault_brings_the_best_back);
     RUN_TEST(test_nothing_is_learned_where_nothing_is_asked);
     RUN_TEST(test_lobes_teach_the_drive_alone);
     RUN_TEST(test_harmonics_without_the_motion_do_not_tell_the_drive);

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a lesson compares with, and how much of an error a step removes.
+#include "cam_lesson.h"
+#include "unity.h"
+
+static cam_teach_t t;
+static cam_teach_setup_t s;
+
+void setUp(void)
+{
+    t = (cam_teach_t){.phase = cam_teach_shape};
+    s = (cam_teach_setup_t){.gain_q16 = 32768, .cut_gain_q16 = 9830, .n_harmonics = 8};
+}
+
+void tearDown(void) {}
+
+/// A 1024th of what there was in the rehearsal, a 16th in the cut, not less than the scale tells.
+static void test_guard_compares_above_a_part_of_the_first_error(void)
+{
+    t.begun_nm = 16000;
+    t.floor_q6 = 999;
+    TEST_ASSERT_EQUAL_UINT32(1000, cam_lesson_guarded_q6(&t));
+    t.floor_q6 = 1001;
+    TEST_ASSERT_EQUAL_UINT32(1001, cam_lesson_guarded_q6(&t));
+    t.phase = cam_teach_cutting;
+    TEST_ASSERT_EQUAL_UINT32(64000, cam_lesson_guarded_q6(&t));
+}
+
+static void test_a_speed_is_another_beyond_two_percent(void)
+{
+    t.speed_q32 = 1000000;
+    TEST_ASSERT_FALSE(cam_lesson_is_other_speed(&t, 1019999));
+    TEST_ASSERT_FALSE(cam_lesson_is_other_speed(&t, 980001));
+    TEST_ASSERT_TRUE(cam_lesson_is_other_speed(&t, 1020001));
+    TEST_ASSERT_TRUE(cam_lesson_is_other_speed(&t, 979999));
+}
+
+static void test_phase_begins_with_no_steps(void)
+{
+    t.n_steps = 9;
+    cam_lesson_phase(&t, cam_teach_probing);
+    TEST_ASSERT_EQUAL_UINT8(cam_teach_probing, t.phase);
+    TEST_ASSERT_EQUAL_UINT8(0, t.n_steps);
+}
+
+/// In the cut the larger gain holds for 16 steps; where nothing is learned there, none does.
+static void test_gain_is_that_of_the_phase(void)
+{
+    TEST_ASSERT_EQUAL_INT32(32768, cam_lesson_gain_q16(&t, &s));
+    t.n_steps = 16;
+    TEST_ASSERT_EQUAL_INT32(32768, cam_lesson_gain_q16(&t, &s));
+    t.phase = cam_teach_cutting;
+    TEST_ASSERT_EQUAL_INT32(9830, cam_lesson_gain_q16(&t, &s));
+    t.n_steps = 15;
+    TEST_ASSERT_EQUAL_INT32(32768, cam_lesson_gain_q16(&t, &s));
+    s.cut_gain_q16 = 0;
+    TEST_ASSERT_EQUAL_INT32(0, cam_lesson_gain_q16(&t, &s));
+}
+
+/// Its harmonics hold most of the motion, which is 64 times as large as what the scale can not
+/// tell.
+static void test_drive_is_told_by_a_large_motion(void)
+{
+    t.floor_q6 = 100;
+    t.larger = 6464;
+    TEST_ASSERT_TRUE(cam_lesson_tells_drive(&t));
+    t.larger = 6463;
+    TEST_ASSERT_FALSE(cam_lesson_tells_drive(&t));
+    t.larger = 10000;
+    t.told_square = -1;
+    TEST_ASSERT_FALSE(cam_lesson_tells_drive(&t));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_gain_is_that_of_the_phase);
+    RUN_TEST(test_drive_is_told_by_a_large_motion);
+    RUN_TEST(test_guard_compares_above_a_part_of_the_first_error);
+    RUN_TEST(test_a_speed_is_another_beyond_two_percent);
+    RUN_TEST(test_phase_begins_with_no_steps);
+    return UNITY_END();
+}
