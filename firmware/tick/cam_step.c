@@ -29,7 +29,12 @@ bool cam_step_to_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *
                      const cam_move_limits_t *limits, int64_t place_q10)
 {
     cam_move_t next = plan_by_plan(m, axis, cfg, limits);
-    const bool is_there = cam_glide_to_isr(&m->glide[axis], &next, limits, place_q10);
+    cam_glide_t *glide = &m->glide[axis];
+    bool is_there = cam_glide_to_isr(glide, &next, limits, place_q10);
+    if (is_there && next.pos_q10 != place_q10) {
+        glide->sum_pos_q10 = ~glide->sum_pos_q10; // a bit of it flipped: it begins anew from here
+        is_there = false;
+    }
     cam_aim_isr(&m->axis[axis], cfg, next.pos_q10);
     return is_there;
 }
