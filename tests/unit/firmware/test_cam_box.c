@@ -135,6 +135,8 @@ static void test_a_restart_finds_the_box_again(void)
     TEST_ASSERT_EQUAL_UINT32(tick, scope()->trigger_tick);
     TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->faults);
     TEST_ASSERT_EQUAL_UINT32(n_before, scope()->n_before);
+    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, scope()->n_rows);
+    TEST_ASSERT_EQUAL_UINT32(tick - n_before, scope()->first_tick);
     for (uint32_t i = 0; i < (n_before + n_behind) * n_signals; i++) {
         TEST_ASSERT_EQUAL_INT32(words[i], word(i / n_signals, i % n_signals));
     }

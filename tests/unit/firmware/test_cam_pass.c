@@ -77,6 +77,14 @@ static void test_records_out_of_range_are_refused(void)
     }
 }
 
+static void test_the_largest_stock_is_taken(void)
+{
+    static const fixture_pass_t most[2] = {{10000000, 10000000, 60000000, 0}, {0, 1, 1, 0}};
+    cam_table_t table;
+    fixture_newer_passes(&image, most, 2);
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
+}
+
 static void test_entry_of_passes_is_plain(void)
 {
     static const size_t field[] = {fixture_in_log2_knots,   fixture_in_log2_repeat,
@@ -271,6 +279,7 @@ int main(void)
     RUN_TEST(test_records_are_taken_in_their_order);
     RUN_TEST(test_version_belongs_to_the_kinds);
     RUN_TEST(test_records_out_of_range_are_refused);
+    RUN_TEST(test_the_largest_stock_is_taken);
     RUN_TEST(test_entry_of_passes_is_plain);
     RUN_TEST(test_starts_cut_one_pass_after_the_other);
     RUN_TEST(test_pass_that_is_stopped_or_fails_is_cut_again);
