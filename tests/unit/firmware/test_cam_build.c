@@ -229,7 +229,7 @@ static void test_guard(void)
     TEST_ASSERT_TRUE(c->u_acc_q6 > a_q6 * 17.0 / 16.0 - 1.0);
     TEST_ASSERT_EQUAL_INT32(c->u_acc_q6 + c->u_vel_q6, c->u_acc_off_q6);
     TEST_ASSERT_EQUAL_INT32(550000 * 64, c->u_range_q6);
-    TEST_ASSERT_EQUAL_INT32(550000, c->told_range_nm);
+    TEST_ASSERT_EQUAL_INT32(550000, config.tell.range_nm);
 }
 
 static void test_trace_and_no_table(void)
