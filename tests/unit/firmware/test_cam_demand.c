@@ -132,6 +132,22 @@ static void test_swing_has_the_same_terms(void)
                               (double)why.needed);
 }
 
+static void test_speed_of_the_swing_is_that_of_its_slope(void)
+{
+    part = fixture_part_swung();
+    fixture_play_init(&f, &part);
+    f.table.swing_change = (cam_change_t){0};
+    f.params.swing_range_mdeg = 30000;
+    f.params.swing_speed_mdeg_per_s = 1000;
+    f.params.swing_acceleration_deg_per_s2 = 100000000;
+    const double first = f.table.swing.first_mdeg_per_rad;
+    const cam_feasibility_t why = judge();
+    TEST_ASSERT_EQUAL_INT(cam_err_swing_speed, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(3.0 * 80.0 * pi, (first + 2.0) * 80.0 * pi, (double)why.needed);
+    TEST_ASSERT_GREATER_THAN_UINT32(6000,
+                                    f.table.swing.first_mdeg_per_rad); // so that this is sharp
+}
+
 /// The ovality steps by 20 um between two slices.
 static void stepped(double theta, double z_nm, double u[3])
 {
@@ -203,6 +219,7 @@ int main(void)
     RUN_TEST(test_speed_of_u_has_both_its_terms);
     RUN_TEST(test_largest_feed_and_highest_speed_are_edges);
     RUN_TEST(test_no_feed_helps_where_the_feed_does_not_count);
+    RUN_TEST(test_speed_of_the_swing_is_that_of_its_slope);
     RUN_TEST(test_swing_has_the_same_terms);
     RUN_TEST(test_cut_at_the_largest_feed_stays_within_the_limit);
     RUN_TEST(test_patterns_of_a_low_shaft_do_not_drift);

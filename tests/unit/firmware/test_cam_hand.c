@@ -243,9 +243,25 @@ static void test_fault_by_hand_brakes_all_axes_where_they_are(void)
     }
 }
 
+/// A jog of speed 0 stops what runs; of an axis at rest it changes nothing.
+static void test_a_stop_at_rest_leaves_what_came_of_the_order_before(void)
+{
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(&rig.machine, hal_axis_x, 20000).err);
+    TEST_ASSERT_EQUAL_INT(cam_hand_done, until_rest());
+    jog(hal_axis_x, 0);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_hand_done, hand().end);
+    jog(hal_axis_x, 1000);
+    fixture_rig_ticks(&rig, 20);
+    jog(hal_axis_x, 0);
+    TEST_ASSERT_EQUAL_INT(cam_hand_stopped, until_rest());
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_stop_at_rest_leaves_what_came_of_the_order_before);
     RUN_TEST(test_manual_holds_all_axes_and_the_spindle);
     RUN_TEST(test_jog_without_its_commander_stops_by_the_interrupt_alone);
     RUN_TEST(test_jog_repeated_in_time_goes_on_at_its_speed);

@@ -2,6 +2,7 @@
 // What a lesson compares with, and how much of an error a step removes.
 #include "cam_lesson.h"
 #include "unity.h"
+#include <math.h> // cos, lround
 
 static cam_teach_t t;
 static cam_teach_setup_t s;
@@ -71,9 +72,35 @@ static void test_drive_is_told_by_a_large_motion(void)
     TEST_ASSERT_FALSE(cam_lesson_tells_drive(&t));
 }
 
+/// U moves by 1000 nm in harmonic 1, and its error is 10 nm there.
+static void test_a_harmonic_is_taken_at_its_size(void)
+{
+    static cam_gather_bin_t bins[cam_learn_bins];
+    for (int i = 0; i < cam_learn_bins; i++) {
+        const double at = 2.0 * 3.14159265358979323846 * i / cam_learn_bins;
+        bins[i] = (cam_gather_bin_t){.n = 1};
+        bins[i].u_nm = (int32_t)lround(1000.0 * cos(at));
+        bins[i].error_q6 = (int32_t)lround(640.0 * cos(at));
+    }
+    t.bin = bins;
+    t.k = 1;
+    t.scale_q30 = 1 << 30;
+    t.turn_speed_q32 = 1 << 22;
+    t.phase = cam_teach_drive;
+    t.told_square = -500000;
+    cam_lesson_harmonic(&t, &s);
+    TEST_ASSERT_UINT32_WITHIN(200, 64000, t.larger);
+    TEST_ASSERT_INT64_WITHIN(3000, 500000, t.told_square);
+    TEST_ASSERT_UINT64_WITHIN(3000, 640 * 640 / 2, t.square);
+    t.scale_q30 = 1 << 29; // at half the amplitude it would be twice that at the full one
+    cam_lesson_harmonic(&t, &s);
+    TEST_ASSERT_UINT32_WITHIN(400, 128000, t.larger);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_harmonic_is_taken_at_its_size);
     RUN_TEST(test_gain_is_that_of_the_phase);
     RUN_TEST(test_drive_is_told_by_a_large_motion);
     RUN_TEST(test_guard_compares_above_a_part_of_the_first_error);

@@ -147,6 +147,10 @@ static void test_a_gap_before_the_trigger_empties_the_ring(void)
     take(31, 0);
     TEST_ASSERT_EQUAL_INT(cam_scope_gap, scope.end);
     TEST_ASSERT_EQUAL_UINT32(2, scope.n_lost);
+    plan.before = 0;
+    begin(40); // with nothing of what was before
+    TEST_ASSERT_EQUAL_UINT32(0, scope.n_before);
+    TEST_ASSERT_EQUAL_UINT32(0, scope.n_rows);
 }
 
 /// What is beyond the level when the ticks come again was not seen to reach it.

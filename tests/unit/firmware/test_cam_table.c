@@ -302,6 +302,13 @@ static void test_check_directory_beyond_the_image_is_refused(void)
     part = fixture_part_smallest();
     fixture_image_make(&image, &part);
     TEST_ASSERT_EQUAL_INT(cam_err_image_layout, with_word(fixture_at_n_channels, 8u));
+    fixture_image_put(&image, fixture_at_n_channels, 8u);
+    fixture_image_seal(&image);
+    uint8_t *alone = malloc(image.size); // nothing behind it is looked at
+    TEST_ASSERT_NOT_NULL(alone);
+    memcpy(alone, image.bytes, image.size);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, cam_table_check(alone, image.size, &table));
+    free(alone);
 }
 
 static void test_check_heights_that_do_not_fit_are_refused(void)

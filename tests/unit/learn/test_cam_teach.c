@@ -85,6 +85,23 @@ static void test_all_values_are_read_and_set_again(void)
     TEST_ASSERT_TRUE(p.rms_um < 0.1);
 }
 
+/// The numbers are part of the CAN protocol, and each value has one of its own.
+static void test_values_have_their_numbers(void)
+{
+    TEST_ASSERT_EQUAL_INT(5, cam_teach_value_correction);
+    TEST_ASSERT_EQUAL_INT(39, cam_teach_value_gain);
+    TEST_ASSERT_EQUAL_INT(73, cam_teach_value_ripple);
+    TEST_ASSERT_EQUAL_INT(105, cam_teach_n_values);
+    cam_teach_t t;
+    cam_teach_init(&t);
+    for (uint32_t i = cam_teach_value_correction; i < cam_teach_n_values; i++) {
+        TEST_ASSERT_TRUE(cam_teach_set(&t, i, (int32_t)i));
+    }
+    for (uint32_t i = cam_teach_value_correction; i < cam_teach_n_values; i++) {
+        TEST_ASSERT_EQUAL_INT32((int32_t)i, cam_teach_get(&t, i));
+    }
+}
+
 static void test_values_out_of_range_are_refused(void)
 {
     TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_n_values, 0));
@@ -299,6 +316,7 @@ int main(void)
     RUN_TEST(test_the_next_part_begins_with_what_was_learned);
     RUN_TEST(test_another_speed_freezes_the_correction);
     RUN_TEST(test_all_values_are_read_and_set_again);
+    RUN_TEST(test_values_have_their_numbers);
     RUN_TEST(test_values_out_of_range_are_refused);
     RUN_TEST(test_a_fault_in_the_probe_leaves_no_probe);
     RUN_TEST(test_a_fault_brings_the_best_back);
