@@ -170,7 +170,15 @@ def host_steps() -> list[Step]:
     )
     # main() never returns and runs on machines only.
     files = ("--filter", "firmware/", "--exclude", r"firmware/main\.c")
-    limits = ("--fail-under-line", MIN_LINE_PERCENT, "--fail-under-branch", MIN_BRANCH_PERCENT)
+    # Lines of loops are passed more than 2^32 times, which gcovr takes for a defect of gcov.
+    hits = ("--gcov-suspicious-hits-threshold", "0")
+    limits = (
+        *hits,
+        "--fail-under-line",
+        MIN_LINE_PERCENT,
+        "--fail-under-branch",
+        MIN_BRANCH_PERCENT,
+    )
     gcovr = ("--root", ROOT, *files, *limits, "--print-summary", BUILD / "host-cov")
     # The firmware is covered by its own tests; the simulator's run in three other builds.
     own_tests = ("-R", r"^unit\.test_cam_")
