@@ -317,6 +317,26 @@ static void test_what_is_asked_again_or_of_rings_changes_no_rate(void)
     TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.course.end_q32);
 }
 
+/// However little of the part is left where the feed came to rest, it is fed to the end.
+static void test_resume_feeds_the_least_that_is_left(void)
+{
+    static const double at[] = {48.0, 48.3, 48.6, 48.8, 48.9, 49.0, 49.2};
+    for (int i = 0; i < 7; i++) {
+        for (int feed = 0; feed < 2; feed++) {
+            setUp();
+            begin();
+            until(cam_state_cutting);
+            turns(at[i]);
+            hold(true);
+            turns(6.0);
+            if (f.want.state == cam_state_holding) {
+                ask(feed == 0 ? 1000000 : 1500000);
+            }
+            cut_to_the_end();
+        }
+    }
+}
+
 /// Rings have no other rate than theirs: an override leaves their course as it is.
 static void test_override_changes_no_rings(void)
 {
@@ -347,6 +367,7 @@ static void test_override_changes_no_rings(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_resume_feeds_the_least_that_is_left);
     RUN_TEST(test_override_changes_no_rings);
     RUN_TEST(test_override_is_the_rate_of_the_feed);
     RUN_TEST(test_override_before_the_feed_holds_from_its_first_turn);
