@@ -107,6 +107,7 @@ static const err_text_t entries[] = {
     {cam_err_sign_no_keys, "signed tables are required here, but the port names no public key"},
     {cam_err_gain, "the feed-forward would tell U more than its limits allow"},
     {cam_err_jerk, "the jerk is so small that its window does not fit"},
+    {cam_err_turns, "the feed is so small that the part has too many turns"},
 };
 
 const char *cam_err_text(cam_err_t err)

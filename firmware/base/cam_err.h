@@ -117,6 +117,8 @@ typedef enum {
     // Motions by time and what the feed-forward adds to them (cam_gains.h)
     cam_err_gain = -135, ///< the feed-forward would tell U more than its limits allow
     cam_err_jerk = -136, ///< a jerk that small takes a longer window than there is
+    // How long a cut may be (cam_feasible.h)
+    cam_err_turns = -137, ///< the part has more turns of feed than the controller counts
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

@@ -37,11 +37,29 @@ static cam_cut_t cut_of(const cam_table_t *table, const cam_params_t *params, ui
     return c;
 }
 
+/// A feed of a nanometre makes more turns of a tall part than the course of the feed can count. It
+/// is no demand of an axis: it falls with the feed, which those never do (cam_demand_t).
+static cam_demand_t turns_demand(const cam_cut_t *c)
+{
+    const uint64_t per_feed = c->t->is_ring_helix ? 2u : 1u; // a ring follows each turn of it
+    const uint64_t fed = per_feed * cam_cut_divided_up(cam_cut_span_nm(c), c->programmed_nm);
+    return (cam_demand_t){cam_err_turns, cam_feasible_most_turns,
+                          fed + (uint64_t)c->p->feed_ramp_turns};
+}
+
+/// @return the first limit that a cut exceeds
+static cam_demand_t first_exceeded(const cam_cut_t *c)
+{
+    const cam_demand_t axes = cam_demand_first_exceeded(c);
+    const cam_demand_t turns = turns_demand(c);
+    return axes.err == cam_ok && turns.needed > (uint64_t)turns.limit ? turns : axes;
+}
+
 cam_err_t cam_feasible_check(const cam_table_t *table, const cam_params_t *params,
                              uint32_t speed_mrpm, uint32_t tick_hz)
 {
     const cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
-    return cam_demand_first_exceeded(&c).err;
+    return first_exceeded(&c).err;
 }
 
 uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t *params,
@@ -74,7 +92,7 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
                                uint32_t speed_mrpm, uint32_t tick_hz)
 {
     const cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
-    const cam_demand_t exceeded = cam_demand_first_exceeded(&c);
+    const cam_demand_t exceeded = first_exceeded(&c);
     return (cam_feasibility_t){
         .err = exceeded.err,
         .speed_mrpm = speed_mrpm,

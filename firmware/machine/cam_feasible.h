@@ -12,6 +12,10 @@
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // uint32_t, int64_t
 
+/// [turns] of feed that a part has at the most, ramps included: a day at 3000 r/min. All lengths of
+/// cam_course.h fit their words with it, whatever the override.
+enum { cam_feasible_most_turns = 1 << 22 };
+
 /// Why a speed is feasible or not, and what would be.
 typedef struct {
     cam_err_t err;            ///< cam_ok, or the first limit that is exceeded
@@ -21,7 +25,7 @@ typedef struct {
     uint32_t pass;            ///< number of the pass that was judged; 0: the table has none
     int64_t needed;           ///< what the motion needs, in the unit of the limit
     int64_t limit; ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000], [degrees /
-                   ///< 1000 / s], [degrees / s2], [1e-6] or per tick, depending on err
+                   ///< 1000 / s], [degrees / s2], [1e-6], [turns] or per tick, depending on err
 } cam_feasibility_t;
 
 /// Judge a speed, the verdict alone: one comparison with each limit.

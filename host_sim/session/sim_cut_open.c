@@ -157,6 +157,11 @@ static bool infeasible(const sim_cut_t *cut, common_error_t *e)
                             (double)f->needed * 1e-6, cam_err_text(f->err),
                             (double)f->limit * 1e-6);
     }
+    if (f->err == cam_err_turns) {
+        return common_error(e, "--feed %.12g: infeasible: %s: %lld, limit %lld; give a larger feed",
+                            sim_cut_feed_mm(cut), cam_err_text(f->err), (long long)f->needed,
+                            (long long)f->limit);
+    }
     if (f->err == cam_err_u_retract) { // of what was set: the default fits every stroke
         const double most_nm = (double)f->limit - ((double)f->needed + u_retract_nm);
         return common_error(e,

@@ -254,6 +254,26 @@ def test_stations_are_judged_alike(tmp_path: Path) -> None:
     assert {"ok", "z_acceleration"} <= {one.err for one in found}
 
 
+@pytest.mark.parametrize("is_ring_helix", [False, True])
+def test_a_feed_too_small_is_refused_alike(tmp_path: Path, *, is_ring_helix: bool) -> None:
+    """More turns than the controller counts, at the edge of it; the feed is what helps."""
+    made = replace(random_table(0), is_ring_helix=is_ring_helix)
+    limits = MachineLimits(u_stroke_mm=30)
+    span_nm, per_feed = made.z_last_nm - made.z_first_nm, 1 + is_ring_helix
+    least_nm = -(-span_nm * per_feed // ((1 << 22) - 2 - per_feed))
+    lines, expected = [], []
+    machine = tmp_path / "machine.toml"
+    machine.write_text(machine_text(limits))
+    for feed_nm in (1, least_nm - 1, least_nm + 1):
+        table = replace(made, feed_nm=feed_nm, spindle_mrpm=1000)
+        image = tmp_path / f"{feed_nm}.camtab"
+        image.write_bytes(pack(table))
+        lines.append(f"{image} {machine} 1000")
+        expected.append(ours(cut_of(table, limits)))
+    assert theirs(lines) == expected
+    assert [one.err for one in expected] == ["turns", "turns", "ok"]
+
+
 DISC = (ROOT / "tools" / "parts" / "cam-disc.toml").read_text()
 
 

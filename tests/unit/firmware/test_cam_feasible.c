@@ -153,6 +153,45 @@ static void test_feed_larger_than_the_part_is_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(100000).err);
 }
 
+/// The course of the feed counts 2^22 turns, the ramps among them, whoever moves Z and whatever the
+/// override; a turn of a ring-helix has a ring with it. No speed helps, and a larger feed does.
+static void test_more_turns_than_are_counted_are_refused(void)
+{
+    table.z_last_nm = 4194304 - 100;
+    params.feed_nm = 1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+    params.feed_ramp_turns = 99;
+    table.z_last_nm += 2;
+    const cam_feasibility_t why = judge(2500000);
+    TEST_ASSERT_EQUAL_INT(cam_err_turns, why.err);
+    TEST_ASSERT_EQUAL_INT64(4194305, why.needed);
+    TEST_ASSERT_EQUAL_INT64(4194304, why.limit);
+    TEST_ASSERT_GREATER_THAN_UINT32(2500000, why.highest_mrpm);
+    TEST_ASSERT_GREATER_THAN_UINT32(1, why.largest_feed_nm);
+    TEST_ASSERT_EQUAL_INT(cam_err_turns, cam_feasible_check(&table, &params, 2500000, 20000));
+    params.feed_override_ppm = 1500000;
+    TEST_ASSERT_EQUAL_INT(cam_err_turns, judge(2500000).err);
+    params.feed_override_ppm = 1000000;
+    params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT(cam_err_turns, judge(2500000).err);
+    params.feed_nm = 2;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+    params.z_is_measured = 0;
+    table.is_ring_helix = true;
+    TEST_ASSERT_EQUAL_INT(cam_err_turns, judge(2500000).err);
+    params.feed_nm = 3;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+}
+
+/// What exceeds the limit of an axis is told first.
+static void test_an_axis_is_blamed_before_the_turns(void)
+{
+    params.feed_nm = 1;
+    params.spindle_limit_mrpm = 3000000;
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, judge(3500000).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_turns, judge(2500000).err);
+}
+
 /// A ring-helix of 0.2 mm: 4 feed n^2 of acceleration, feed n / (1 - r) of speed at least. What is
 /// reported as the highest speed has 1 / n = feed / v + v / a.
 static void test_ring_helix_needs_ramps_of_z(void)
@@ -418,6 +457,8 @@ int main(void)
     RUN_TEST(test_retract_that_was_set_counts_from_the_outermost_place);
     RUN_TEST(test_default_retract_blocks_no_part_that_fits_the_stroke);
     RUN_TEST(test_feed_larger_than_the_part_is_refused);
+    RUN_TEST(test_more_turns_than_are_counted_are_refused);
+    RUN_TEST(test_an_axis_is_blamed_before_the_turns);
     RUN_TEST(test_ring_helix_needs_ramps_of_z);
     RUN_TEST(test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits);
     RUN_TEST(test_z_speed_and_acceleration_limit_feed_times_speed);

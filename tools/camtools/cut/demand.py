@@ -27,6 +27,7 @@ _SPEED_BITS, _FEED_BITS = 26, 24
 _PLAN_PERIOD_US = 400
 _WHOLE_PPM = 1_000_000
 _LEAST_FEED_NM, _LEAST_RAMP_Q32 = 4, 1 << 24
+_MOST_TURNS = 1 << 22
 _ONE_MM_PER_S2 = 360_000_000_000
 # e, 1.03 2 e' / 2 pi and 1.03 e'' / (2 pi)^2 of the smooth step, MATHS.md (62), in 1e-6
 _ENGAGING = (
@@ -340,8 +341,14 @@ def _x_demands(cut: JudgedCut) -> Iterator[Demand]:
     yield Demand("x_acceleration", p.x_acceleration_mm_per_s2, max(bend + along + 1, clearing))
 
 
-def demands_of(cut: JudgedCut) -> Iterator[Demand]:
-    """Return every limit and what the cut needs of it, in the order in which they are reported."""
+def _turns_demand(cut: JudgedCut) -> Demand:
+    """Return the turns of feed, which alone fall with the feed: no search goes by them."""
+    per_feed = 2 if cut.facts.table.is_ring_helix else 1
+    fed = per_feed * divided_up(cut.facts.span_nm, cut.feed_nm)
+    return Demand("turns", _MOST_TURNS, fed + cut.p.feed_ramp_turns)
+
+
+def _demands_of_axes(cut: JudgedCut) -> Iterator[Demand]:
     facts, p = cut.facts, cut.p
     yield Demand("cam_amplitude", p.amplitude_ppm, _WHOLE_PPM if facts.is_lobe else 0)
     yield Demand("swing_axis", 0, int(facts.is_swung and p.swing_speed_mdeg_per_s == 0))
@@ -354,13 +361,19 @@ def demands_of(cut: JudgedCut) -> Iterator[Demand]:
     yield from _x_demands(cut)
 
 
+def demands_of(cut: JudgedCut) -> Iterator[Demand]:
+    """Return every limit and what the cut needs of it, in the order in which they are reported."""
+    yield from _demands_of_axes(cut)
+    yield _turns_demand(cut)
+
+
 def exceeded(cut: JudgedCut) -> list[Demand]:
     """Return the limits that a cut exceeds."""
     return [one for one in demands_of(cut) if one.needed > one.limit]
 
 
 def _is_feasible(cut: JudgedCut) -> bool:
-    return all(one.needed <= one.limit for one in demands_of(cut))
+    return all(one.needed <= one.limit for one in _demands_of_axes(cut))
 
 
 def _highest(n_bits: int, is_taken: Callable[[int], bool]) -> int:

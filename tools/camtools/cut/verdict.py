@@ -53,13 +53,15 @@ _NAMES = {
     "x_acceleration": _Named("x_acceleration_mm_s2", 1, "mm/s2"),
     "feed": _Named("feed_mm", 1e6, "mm"),
     "cam_amplitude": _Named("amplitude", 1e6, ""),
+    "turns": _Named("feed_mm", 1, "turns"),
 }
 _AT_ANY_SPEED = {
     "u_stroke": "no speed would do: less {}, or a longer stroke",
     "swing_range": "no speed would do: less steep a lift",
+    "turns": "no speed would do: a larger feed_mm",
 }
-_YES_OR_NO = ("swing_axis", "cam_amplitude")
-_NOT_OF_A_PART = ("x_speed", "x_acceleration", "tick_rate", "feed", "cam_amplitude")
+_TOLD_WHERE_EXCEEDED = ("swing_axis", "cam_amplitude", "turns")
+_NOT_OF_A_PART = ("x_speed", "x_acceleration", "tick_rate", "feed", "cam_amplitude", "turns")
 
 
 class RefusedError(CamtoolsError):
@@ -106,7 +108,7 @@ def margins_of(table: Table, limits: MachineLimits) -> list[LimitMargin]:
     found = []
     for one in demands_of(cut_of(table, limits)):
         named = _NAMES[one.name]
-        if one.name in _YES_OR_NO and one.needed <= one.limit:
+        if one.name in _TOLD_WHERE_EXCEEDED and one.needed <= one.limit:
             continue
         needed, limit = one.needed / named.per_unit, one.limit / named.per_unit
         found.append(LimitMargin(one.name, named.name, needed, limit, named.unit))

@@ -40,6 +40,7 @@ REMEDIES = {
     "download_store": "its memory failed, the old table stays in force; try again",
     "busy": "try again",
     "cam_amplitude": "set the amplitude to 100 % or more",
+    "turns": "no speed helps: set a larger feed",
     "u_retract": "set u_retract_nm nearer to 0, or to its default, which fits every stroke",
     "hand_axis": "u, x and z are there, and a z that is measured is moved by others",
     "hand_moves": "wait until the axis stands, or stop it",
@@ -109,6 +110,7 @@ DEMANDS = {
         "Z acceleration", "m/s2", 1e-3, "z_acceleration_mm_per_s2", "z_acceleration"
     ),
     "feed": Excess("feed", "mm", 1e-6, "", "the height of the part"),
+    "turns": Excess("feed of", "turns", 1, "", "what the controller counts,"),
     "tick_rate": Excess("spindle speed", "r/min", 1e-3, "", "what the tick can follow,"),
     "spindle_acceleration": Excess(
         *("spindle acceleration", "rad/s2", 1e-3),
@@ -176,7 +178,10 @@ def _by_numbers(link: Link, answer: Answer) -> str:
     if answer.result in DEMANDS:
         demand = DEMANDS[answer.result]
         label = _label(link, answer, demand, limit)
-        return demand.text(needed, limit, label) + _speed_text(refusal)
+        numbers = demand.text(needed, limit, label)
+        if answer.result == "turns":
+            return f"{numbers}; {REMEDIES['turns']}"
+        return numbers + _speed_text(refusal)
     return ""
 
 
