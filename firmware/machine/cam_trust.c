@@ -5,6 +5,24 @@
 #include "monocypher.h" // crypto_eddsa_check_equation
 #include <string.h>     // memcmp, memcpy
 
+/// The field's prime is 2^255 - 19: what is written of a coordinate beyond it ends in ones.
+static bool is_beyond_prime(const uint8_t *key)
+{
+    bool are_ones = (key[cam_trust_key_size - 1] & 0x7Fu) == 0x7Fu && key[0] >= 0xEDu;
+    for (uint32_t i = 1; i < (uint32_t)cam_trust_key_size - 1u; i++) {
+        are_ones = are_ones && key[i] == UINT8_MAX;
+    }
+    return are_ones;
+}
+
+bool cam_trust_is_weak(const uint8_t *key)
+{
+    // R = 0, s = 0: 0 B = R + 8 A holds for the eight points alone of which 8 A is 0.
+    static const uint8_t zero_signature[64] = {1};
+    static const uint8_t eight[32] = {8};
+    return is_beyond_prime(key) || crypto_eddsa_check_equation(zero_signature, key, eight) == 0;
+}
+
 /// @return the trusted key that has this id, NULL: none. Two keys with one id cannot be made, as
 /// long as SHA-512 holds; the first of them would count.
 static const uint8_t *key_of(const hal_trust_t *trust, const uint8_t *id)
@@ -16,7 +34,7 @@ static const uint8_t *key_of(const hal_trust_t *trust, const uint8_t *id)
         cam_sha512_begin(&s);
         cam_sha512_add(&s, key, cam_trust_key_size);
         cam_sha512_end(&s, hash);
-        if (memcmp(hash, id, cam_signature_id_size) == 0) {
+        if (memcmp(hash, id, cam_signature_id_size) == 0 && !cam_trust_is_weak(key)) {
             return key;
         }
     }

@@ -11,7 +11,9 @@
 ///     of another key    refused            refused               unchecked
 ///     wrong             refused            refused               unchecked
 ///
-/// Required without keys refuses every table. Ed25519 (RFC 8032) by Monocypher.
+/// Required without keys refuses every table. A weak key signs for everybody and is therefore no
+/// trusted key, whoever named it: a table that names it is refused as of another key. Ed25519 (RFC
+/// 8032) by Monocypher.
 #ifndef CAM_TRUST_H
 #define CAM_TRUST_H
 
@@ -44,6 +46,13 @@ typedef struct {
 /// Context: slow side.
 bool cam_trust_is_signed_by(const uint8_t *key, const void *bytes, size_t n,
                             const uint8_t *signature);
+
+/// @param key  32 bytes, any
+/// @return     whether this is no honest public key: a point of small order, among them the key of
+///             zeros, for which signatures can be made up without any secret, or a coordinate
+///             beyond the field's prime, which nobody writes who makes keys
+/// Source: RFC 8032, 5.1.3. Context: slow side.
+bool cam_trust_is_weak(const uint8_t *key);
 
 /// Check an image and the signature behind it.
 /// @param image    `size` bytes of any content; must stay unchanged while *table is used

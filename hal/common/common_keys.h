@@ -14,7 +14,8 @@ enum {
 
 /// What a message adds when common_keys_add() refuses.
 #define COMMON_KEYS_REMEDY                                                                         \
-    "give public keys as tools/keys show prints them, 64 digits each, at most 4"
+    "give public keys as tools/keys show prints them, 64 digits each, none of them weak, at most " \
+    "4"
 
 /// Keys, one behind the other. Zero-initialised: none.
 typedef struct {
@@ -23,8 +24,9 @@ typedef struct {
 } common_keys_t;
 
 /// Add the keys of a text: 64 hexadecimal digits each, with blanks, commas or line ends between.
-/// @return false when the text holds something else, or more keys than there is room for; the keys
-///         are then as before
+/// @return false when the text holds something else, a point of small order as key, for which
+///         anybody can make up signatures, or more keys than there is room for; the keys are then
+///         as before
 bool common_keys_add(common_keys_t *keys, const char *text);
 
 #endif

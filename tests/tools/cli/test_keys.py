@@ -56,6 +56,32 @@ def test_signing_again_replaces_the_signature(made: Path, tmp_path: Path) -> Non
     assert _controller(table, made / "one.pub").returncode == 1
 
 
+_ORDER_8 = (
+    "26e8958fc2b227b045c3f489f2ef98f0d5dfac05d3c63339b13802886d53fc",
+    "c7176a703d4dd84fba3c0b760d10670f2a2053fa2c39ccc64ec7fd7792ac03",
+)
+_WEAK = (
+    *(f"0{y}" + "00" * 30 + sign for y in (0, 1) for sign in ("00", "80")),
+    *(f"{y:02x}" + "ff" * 30 + sign for y in (0xEC, 0xED, 0xEE, 0xFF) for sign in ("7f", "ff")),
+    *(_ORDER_8[0] + sign for sign in ("05", "85")),
+    *(_ORDER_8[1] + sign for sign in ("7a", "fa")),
+)
+
+
+@pytest.mark.parametrize("digits", _WEAK)
+def test_weak_keys_are_refused_wherever_they_are_named(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], digits: str
+) -> None:
+    """For these anybody makes up signatures; keys, the controller's settings and camsim say no."""
+    table, public = made / "perkins240.camtab", tmp_path / "weak.pub"
+    public.write_text(digits + "\n")
+    assert keys.main(["verify", str(table), str(made / "one.pub"), str(public)]) == 2
+    assert f"{public}: a weak key, for which anybody" in capsys.readouterr().err
+    refused = _controller(table, made / "one.pub", public)
+    assert refused.returncode == 2
+    assert "none of them weak" in refused.stderr
+
+
 @pytest.mark.parametrize("at", [-1, -64, -128 + 16, -128 + 30])
 def test_both_refuse_a_changed_block(made: Path, tmp_path: Path, at: int) -> None:
     """Signature, key and zeros."""

@@ -6,7 +6,7 @@
 #include "fixture_sign.h"
 #include "hal_host.h"
 #include "unity.h"
-#include <string.h> // memcpy
+#include <string.h> // memcpy, memset
 
 /// Emulated cores verify a hundred times more slowly than the host; there every 61st bit is turned.
 enum { step = sizeof(void *) == 4u ? 61 : 1 };
@@ -110,6 +110,55 @@ static void test_the_policy_as_a_matrix(void)
         image.bytes[image.size - 1] ^= 1u;
         TEST_ASSERT_EQUAL_INT(rows[i].wrong, check(image.size));
     }
+}
+
+/// The eight points of small order, in each of the ways in which they can be written, and what lies
+/// beyond the prime: with such a key somebody signs who has no secret.
+static const char *const weak[] = {
+    "0100000000000000000000000000000000000000000000000000000000000000", // order 1
+    "ecffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff7f", // 2
+    "0000000000000000000000000000000000000000000000000000000000000000", // 4: the key of zeros
+    "0000000000000000000000000000000000000000000000000000000000000080", // 4
+    "26e8958fc2b227b045c3f489f2ef98f0d5dfac05d3c63339b13802886d53fc05", // 8
+    "26e8958fc2b227b045c3f489f2ef98f0d5dfac05d3c63339b13802886d53fc85", // 8
+    "c7176a703d4dd84fba3c0b760d10670f2a2053fa2c39ccc64ec7fd7792ac037a", // 8
+    "c7176a703d4dd84fba3c0b760d10670f2a2053fa2c39ccc64ec7fd7792ac03fa", // 8
+    "0100000000000000000000000000000000000000000000000000000000000080", // x = 0, and a sign
+    "ecffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff",
+    "edffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff7f", // p is 0
+    "edffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff",
+    "eeffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff7f", // p + 1 is 1
+    "eeffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff",
+    "f0ffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff7f", // p + 3
+    "ffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff",
+};
+
+static void test_weak_keys_are_known(void)
+{
+    uint8_t key[32];
+    for (size_t i = 0; i < sizeof weak / sizeof weak[0]; i++) {
+        hex(weak[i], key);
+        TEST_ASSERT_TRUE_MESSAGE(cam_trust_is_weak(key), weak[i]);
+    }
+    for (uint32_t i = 1; i < 20u; i++) {
+        const fixture_keys_t honest = fixture_keys((uint8_t)i);
+        TEST_ASSERT_FALSE(cam_trust_is_weak(honest.public));
+    }
+    hex("ebffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff7f", key); // p - 2
+    TEST_ASSERT_FALSE(cam_trust_is_weak(key));
+}
+
+/// R = 0 and s = 0 are a signature of the point of order 1 over anything.
+static void test_a_table_signed_for_a_weak_key_is_refused_where_that_key_was_named(void)
+{
+    hex(weak[0], keys.public);
+    fixture_sign(&image, &keys);
+    uint8_t *signature = &image.bytes[image.size - 64];
+    memset(signature, 0, 64);
+    signature[0] = 1;
+    TEST_ASSERT_TRUE(cam_trust_is_signed_by(keys.public, image.bytes, image.size - 64, signature));
+    trust(2, true);
+    TEST_ASSERT_EQUAL_INT(cam_err_sign_key, check(image.size));
 }
 
 static void test_the_verdict_names_the_key(void)
@@ -220,6 +269,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_the_vectors_of_rfc_8032_hold);
     RUN_TEST(test_the_policy_as_a_matrix);
+    RUN_TEST(test_weak_keys_are_known);
+    RUN_TEST(test_a_table_signed_for_a_weak_key_is_refused_where_that_key_was_named);
     RUN_TEST(test_the_verdict_names_the_key);
     RUN_TEST(test_every_bit_of_the_block_counts);
     RUN_TEST(test_every_bit_of_the_header_counts_with_a_right_crc);

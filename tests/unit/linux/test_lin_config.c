@@ -281,6 +281,9 @@ static void test_what_is_no_trusted_key_is_refused(void)
             "trust.key_3 = \"g011");
     refused("[trust]\nkey_1 = \"" KEY_A "0\"\n", "at most 64 characters");
     refused("[trust]\nkey_5 = \"" KEY_A "\"\n", "there is no such key");
+    refused("[trust]\nkey_1 = \"00000000000000000000000000000000"
+            "00000000000000000000000000000000\"\n",
+            "none of them weak");
     refused("[trust]\nkey_1 = 1\n", "give one \"text\"");
     refused("[trust]\nrequired = 1\n", "give true or false");
 }

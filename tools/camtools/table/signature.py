@@ -36,12 +36,30 @@ from camtools.table.image import (
 
 VERSION, ID_SIZE, KEY_SIZE, SIGNED_SIZE = 1, 8, 32, 64
 _FIELDS = struct.Struct("<8sII8s40x")
+_PRIME = 2**255 - 19
+_WEAK = (  # y of the eight points of small order, with which everybody signs
+    0,
+    1,
+    _PRIME - 1,
+    0x05FC536D880238B13933C6D305ACDFD5F098EFF289F4C345B027B2C28F95E826,
+    0x7A03AC9277FDC74EC6CC392CFA53202A0F67100D760B3CBA4FD84D3D706A17C7,
+)
 _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
 def key_id(public: bytes) -> bytes:
     """Return the name of a public key: the first bytes of its SHA-512."""
     return hashlib.sha512(public).digest()[:ID_SIZE]
+
+
+def is_weak(public: bytes) -> bool:
+    r"""Return whether no honest key looks so: a point of small order, or a number too large.
+
+    >>> is_weak(bytes(32)), is_weak(b"\xed" + b"\xff" * 30 + b"\x7f"), is_weak(b"\x02" + bytes(31))
+    (True, True, False)
+    """
+    y = int.from_bytes(public, "little") % 2**255
+    return y >= _PRIME or y in _WEAK
 
 
 def image_of(data: bytes) -> bytes:
@@ -151,4 +169,7 @@ def read_public(file: Path) -> bytes:
         key = b""
     if len(key) != KEY_SIZE:
         raise CamtoolsError([f"{file}: no public key; give a .pub file of tools/keys make"])
+    if is_weak(key):
+        problem = f"{file}: a weak key, for which anybody can make up signatures"
+        raise CamtoolsError([f"{problem}; give a .pub file of tools/keys make"])
     return key
