@@ -7,6 +7,7 @@ void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_
     *r = (cam_rights_t){.port = *port,
                         .tick_hz = tick_hz,
                         .session = (uint8_t)(port->nonce & 0xFFu),
+                        .is_key_on = true, // until it is seen off: a key that was left on is no key
                         .challenge_tick = 0u - tick_hz,
                         .noise = port->nonce};
 }
@@ -27,9 +28,6 @@ static void begin_session(cam_rights_t *r, uint8_t sender, uint32_t tick)
     r->heard_tick = tick;
     r->is_challenged = false;
     cam_rights_lock(r);
-    if (r->is_key_on) {
-        unlock(r, cam_level_key, tick);
-    }
 }
 
 cam_err_t cam_rights_take(cam_rights_t *r, uint8_t sender, bool is_over, uint32_t tick)
@@ -130,8 +128,8 @@ cam_err_t cam_rights_unlock(cam_rights_t *r, uint32_t answer, uint32_t tick)
     return cam_ok;
 }
 
-/// The key unlocks when it is turned on, for whoever has command then, and locks when it is turned
-/// off.
+/// The key unlocks in the moment in which it is turned on, for whoever has command then, and locks
+/// when it is turned off. One that was left on unlocks nobody who comes later.
 static void watch_key(cam_rights_t *r, uint32_t inputs, uint32_t tick)
 {
     const bool was_on = r->is_key_on;

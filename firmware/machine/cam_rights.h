@@ -7,9 +7,10 @@
 /// session keeps those apart who follow the rules, and tells the old commander that it is one no
 /// more.
 ///
-/// Limits, constants and tables change in the unlocked level only. A key switch or the answer to a
-/// challenge unlocks; it ends with command, by lock, and after ten minutes. The secret of the
-/// challenge never crosses the bus.
+/// Limits, constants and tables change in the unlocked level only. A key switch that is turned on
+/// while somebody has command, or the answer to a challenge unlocks for him; it ends with command,
+/// by lock, and after ten minutes. A key that was left on is nothing to the next commander. The
+/// secret of the challenge never crosses the bus.
 ///
 /// This is about what comes over a bus. The program that calls cam_machine.h is trusted, as in a
 /// run of the simulator or under LinuxCNC: it has command and is unlocked. All functions: slow
@@ -84,7 +85,7 @@ CAM_MUST_USE cam_err_t cam_rights_challenge(cam_rights_t *r, uint32_t tick, uint
 /// @return cam_ok, cam_err_unlock
 CAM_MUST_USE cam_err_t cam_rights_unlock(cam_rights_t *r, uint32_t answer, uint32_t tick);
 
-/// Lock the level; the key switch unlocks it again when it is turned anew or with the next session.
+/// Lock the level; the key switch unlocks it again when it is turned anew.
 void cam_rights_lock(cam_rights_t *r);
 
 /// Let time pass.

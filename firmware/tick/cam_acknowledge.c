@@ -50,8 +50,8 @@ static void watch_press(cam_acknowledge_t *a, const cam_acknowledge_config_t *cf
             enter(a, cam_acknowledge_needed);
         }
         break;
-    case cam_acknowledge_used:
-        a->n_plans = 0;
+    case cam_acknowledge_used: // the drives are off again, and whoever pressed may have left
+        enter(a, cam_acknowledge_given);
         break;
     }
 }

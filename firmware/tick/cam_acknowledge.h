@@ -5,13 +5,14 @@
 /// when the input acknowledge has had a press: released for a while, pressed for 0.05 to 2 s,
 /// released. All of it happens in the state off with the emergency-stop chain closed, so that a
 /// press before the reset or before the chain was closed is none. A stuck button is pressed too
-/// long, and of one that bounces only what is stable for 20 ms counts. A press is good for 60 s; an
-/// enable within them is good until the next emergency stop or fault.
+/// long, and of one that bounces only what is stable for 20 ms counts. A press is good for 60 s of
+/// the state off: an enable must come within them, and after a disable another one within 60 s.
 ///
 ///     needed --released 50 ms--> armed --pressed--> pressed --released, 50 ms .. 2 s--> given
 ///                                  ^---- too short ----'                                  |
 ///     needed <------------------------ pressed too long, or 60 s --------------------------
-///     given --enable, manual--> used;    any --fault, chain open, even for one tick--> needed
+///     given --enable, manual--> used --off--> given
+///     any --fault, chain open, even for one tick--> needed
 ///
 /// The interrupt judges it, in the plan, and refuses by itself; the slow side only explains.
 /// Context: ISR unless noted; constant time.

@@ -19,3 +19,10 @@ bool sim_operator_step(sim_operator_t *o, bool is_needed, double time_s)
     }
     return is_pressing || time_s < o->until_s;
 }
+
+bool sim_operator_key(sim_operator_t *o, uint32_t session)
+{
+    const bool is_new = o->turns_key && session != 0u && session != o->session;
+    o->session = session;
+    return o->is_key_on && !is_new;
+}

@@ -3,17 +3,22 @@
 /// needed, or stays away.
 ///
 /// He needs a moment to see that the machine may move again: 0.3 s after the emergency-stop chain
-/// is closed and the fault is reset he presses for 0.2 s, and again when that did not do.
+/// is closed and the fault is reset he presses for 0.2 s, and again when that did not do. He turns
+/// the key switch anew for each commander.
 #ifndef SIM_OPERATOR_H
 #define SIM_OPERATOR_H
 
 #include <stdbool.h> // bool
+#include <stdint.h>  // uint32_t
 
 typedef struct {
     bool is_present;
     bool is_waiting; ///< the button is needed since since_s
     double since_s;
-    double until_s; ///< a press that was typed ends then
+    double until_s;   ///< a press that was typed ends then
+    bool is_key_on;   ///< the key switch
+    bool turns_key;   ///< off and on again with each new session
+    uint32_t session; ///< at the last look
 } sim_operator_t;
 
 /// Let somebody press the button at once.
@@ -24,5 +29,9 @@ void sim_operator_press(sim_operator_t *o, double time_s, double press_s);
 /// @param time_s     [s] rises from call to call
 /// @return           whether the button is pressed
 bool sim_operator_step(sim_operator_t *o, bool is_needed, double time_s);
+
+/// @param session  of the commander, 0: nobody
+/// @return         whether the key switch is on; it is off for one tick where a session is new
+bool sim_operator_key(sim_operator_t *o, uint32_t session);
 
 #endif

@@ -35,7 +35,8 @@ enum { sim_live_word_bytes = 80 }; ///< longest line on the lathe's stdin
 /// Who stands at the machine.
 typedef enum {
     sim_live_waived,  ///< nobody, and the controller needs no button
-    sim_live_present, ///< somebody presses the button when it is needed; the key switch is on
+    sim_live_present, ///< somebody presses the button when it is needed, and turns
+                      ///< the key switch on for each commander
     sim_live_absent,  ///< nobody; the key switch is off
 } sim_live_operator_t;
 

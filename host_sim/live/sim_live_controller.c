@@ -100,6 +100,7 @@ static void tick(sim_live_t *l)
         .table_crc32 = m->has_table ? m->table.crc32 : 0u,
         .phase_udeg = m->params.phase_udeg,
         .is_waiting = is_waiting(m) ? 1u : 0u,
+        .session = m->rights.commander != 0u ? m->rights.session : 0u,
     };
     (void)sim_wire_tell_written(&l->wire, &played);
 }

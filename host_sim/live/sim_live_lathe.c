@@ -32,6 +32,14 @@ static bool parse(sim_inject_t *what, const char *word, common_error_t *e)
                         word);
 }
 
+static void inject(sim_live_t *l, const sim_inject_t *what)
+{
+    if (what->kind == sim_inject_key) {
+        l->people.is_key_on = what->value != 0.0;
+    }
+    sim_port_inject(&l->port, what, l->session.table.direction);
+}
+
 /// Let a fault happen that somebody typed: KIND or KIND:VALUE.
 static void carry_out(sim_live_t *l, const char *word)
 {
@@ -43,7 +51,7 @@ static void carry_out(sim_live_t *l, const char *word)
         if (what.kind == sim_inject_acknowledge) {
             sim_operator_press(&l->people, l->port.time_s, what.value);
         }
-        sim_port_inject(&l->port, &what, l->session.table.direction);
+        inject(l, &what);
     } else {
         (void)fprintf(stderr, "lathe: %s\n", e.text);
         return;
@@ -120,6 +128,7 @@ static void attend(sim_live_t *l)
     const bool is_needed =
         l->wire.played.is_waiting != 0u && is_closed && (hal_host.out.outputs & busy) == 0u;
     hal_host_press(sim_operator_step(&l->people, is_needed, l->port.time_s));
+    hal_host_turn_key(sim_operator_key(&l->people, l->wire.played.session));
 }
 
 static void tick(sim_live_t *l)
@@ -133,7 +142,7 @@ static void tick(sim_live_t *l)
         sim_pace_tick(&l->pace);
     }
     while ((what = sim_session_next_inject(&l->session, l->port.time_s)) != NULL) {
-        sim_port_inject(&l->port, what, l->session.table.direction);
+        inject(l, what);
     }
     sim_live_gauge(l);
     sim_port_advance(&l->port);
@@ -142,7 +151,8 @@ static void tick(sim_live_t *l)
 void sim_live_lathe(sim_live_t *l)
 {
     l->people.is_present = l->options.people == sim_live_present;
-    hal_host_turn_key(l->options.people != sim_live_absent);
+    l->people.turns_key = l->options.people != sim_live_absent;
+    l->people.is_key_on = l->people.turns_key;
     for (uint32_t i = 0; i % look_ticks != 0u || listen_to_words(l); i++) {
         tick(l);
     }

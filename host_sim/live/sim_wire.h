@@ -27,6 +27,7 @@ typedef struct {
     uint32_t table_crc32; ///< of the table in use, 0: none
     int32_t phase_udeg;   ///< by which the part is turned
     uint32_t is_waiting;  ///< 1: nothing is enabled before somebody presses the button
+    uint32_t session;     ///< of the commander, 0: nobody
 } sim_wire_played_t;
 
 typedef struct {

@@ -3,24 +3,26 @@
 // The firmware with main()'s loop around an ideal machine. CAN frames come on standard input and
 // leave on standard output, 72 bytes each: id, bytes, data. A frame with the id `bench_estop`
 // presses the emergency stop (data 1) or releases it, bench_button likewise the button acknowledge,
-// and bench_key turns the key switch, which is on at the start. Virtual time keeps pace with the
-// clock, so that time-outs mean what they say. Ends with its input. With a word the controller
-// demands the button, and the word is the secret that unlocks it.
+// and bench_key turns the key switch, which is on at the start and turned anew for each commander.
+// Virtual time keeps pace with the clock, so that time-outs mean what they say. Ends with its
+// input. With a word the controller demands the button, and the word is the secret that unlocks it.
 #include "cam_machine_scope.h" // cam_machine_box
 #include "fixture_can.h"
 #include "hal_host.h"
-#include <errno.h>  // errno
-#include <poll.h>   // poll
-#include <string.h> // memcpy
-#include <time.h>   // nanosleep
-#include <unistd.h> // read, write
+#include "sim_operator.h" // sim_operator_key
+#include <errno.h>        // errno
+#include <poll.h>         // poll
+#include <string.h>       // memcpy
+#include <time.h>         // nanosleep
+#include <unistd.h>       // read, write
 
 enum { tick_hz = 20000, ticks_per_turn = 20, frame_bytes = 8 + hal_can_max_bytes };
 
 enum { bench_estop = 0x10000, bench_button, bench_key };
 
 static fixture_can_t f;
-static uint32_t n_told; // frames of the port's ring
+static sim_operator_t people; // turns the key anew for each commander
+static uint32_t n_told;       // frames of the port's ring
 
 static bool read_whole(uint8_t *bytes, size_t n)
 {
@@ -48,7 +50,7 @@ static void take(const uint8_t *bytes)
         hal_host_press(is_on);
         break;
     case bench_key:
-        hal_host_turn_key(is_on);
+        people.is_key_on = is_on;
         break;
     default:
         (void)hal_host_can_receive(&frame);
@@ -108,7 +110,7 @@ static void start(void)
 {
     cam_machine_init(&f.rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
     cam_can_init(&f.can, &f.rig.machine);
-    hal_host_turn_key(true);
+    people = (sim_operator_t){.is_key_on = true, .turns_key = true};
     f.rig.is_silent = true;
     fixture_rig_tick(&f.rig);
 }
@@ -133,6 +135,9 @@ int main(int n_words, char **words)
             if (!listen()) {
                 return 0;
             }
+            const cam_rights_t *rights = &f.rig.machine.rights;
+            const uint32_t session_now = rights->commander != 0u ? rights->session : 0u;
+            hal_host_turn_key(sim_operator_key(&people, session_now));
             fixture_can_loop(&f, 1);
             if (!speak()) {
                 return 0;

@@ -14,6 +14,7 @@ import pytest
 
 from background import PATIENCE_S, background, python
 from camctl_bench import Bench, keeping, order
+from camtools.cli import camctl_rights
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal import ask_done
@@ -208,7 +209,20 @@ def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
     secret.chmod(0o644)
     assert "others may read it; chmod 600" in refusal(strict, 2, "unlock")
     monkeypatch.delenv("CAMTURN_SECRET")
-    assert "no secret; give --secret FILE" in refusal(strict, 2, "unlock")
+    monkeypatch.setattr(camctl_rights, "_KEY_S", 0.3)
+    assert "nobody turned the key switch; give --secret FILE" in refusal(strict, 1, "unlock")
+
+
+def test_unlock_without_a_secret_waits_for_the_key(bench: Bench, refusal: Refusal) -> None:
+    """Which counts for the commander in whose time it is turned, and for what he does meanwhile."""
+    bench.turn_key(False)
+    assert "refused: locked; turn the key switch" in refusal(bench, 1, "set u_stroke_nm 1000000")
+    threading.Timer(0.6, bench.turn_key, [True]).start()
+    threading.Timer(2.0, bench.turn_key, [False]).start()
+    told = bench.do("unlock")
+    assert told.startswith("unlock: turn the key switch at the machine off and on, within 60 s\n")
+    assert "\nunlock: unlocked by the key switch, for " in told
+    assert told.endswith("unlock: locked again\n")
 
 
 def test_a_port_without_a_secret_says_so(bench: Bench, secret: Path, refusal: Refusal) -> None:

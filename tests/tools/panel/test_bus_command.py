@@ -132,7 +132,7 @@ def test_what_is_locked_is_told_with_the_remedy(strict: Bench, first: Seat) -> N
     strict.turn_key(False)
     until(lambda: first.desk.snapshot().signals.get("level") == 0)
     told = first.refused("set", name="u_stroke_nm", value=1_000_000)
-    assert "refused: locked; turn the key switch at the machine, or unlock by the secret" in told
+    assert "refused: locked; turn the key switch at the machine anew" in told
     assert first.do("speed", rpm=900.0) == "speed = 900 r/min"
     assert "start it with --secret" in first.refused("unlock")
     first.desk._secret = SECRET.encode()  # as --secret gives it

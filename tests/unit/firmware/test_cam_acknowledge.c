@@ -104,10 +104,25 @@ static void test_manual_wants_a_press_and_takes_it(void)
 static void test_without_a_stop_between_one_press_serves_for_more(void)
 {
     press();
+    for (int i = 0; i < 3; i++) {
+        expect_enabled();
+        fixture_rig_ticks(&f, ms(70000)); // of the drives being on
+        disable();
+        fixture_rig_ticks(&f, ms(59800));
+    }
+    expect_enabled();
+}
+
+/// Whoever pressed may have left long since.
+static void test_drives_that_were_off_for_a_minute_want_another_press(void)
+{
+    press();
     expect_enabled();
     fixture_rig_ticks(&f, 8); // to the next plan
     disable();
-    fixture_rig_ticks(&f, ms(70000));
+    fixture_rig_ticks(&f, ms(60000));
+    expect_refused();
+    press();
     expect_enabled();
 }
 
@@ -374,6 +389,7 @@ int main(void)
     RUN_TEST(test_power_on_wants_a_press);
     RUN_TEST(test_manual_wants_a_press_and_takes_it);
     RUN_TEST(test_without_a_stop_between_one_press_serves_for_more);
+    RUN_TEST(test_drives_that_were_off_for_a_minute_want_another_press);
     RUN_TEST(test_a_press_is_good_for_a_minute);
     RUN_TEST(test_a_button_that_is_stuck_does_not_count);
     RUN_TEST(test_a_press_of_nearly_two_seconds_counts);

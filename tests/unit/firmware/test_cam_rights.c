@@ -125,17 +125,46 @@ static void test_a_key_unlocks_for_who_has_command_when_it_is_turned_on(void)
     TEST_ASSERT_EQUAL_INT(cam_err_locked, cam_rights_check_level(&r));
 }
 
-static void test_a_key_that_is_on_unlocks_the_next_session(void)
+/// The key is turned off and on again.
+static void turn_anew(uint32_t tick)
 {
-    (void)cam_rights_poll(&r, hal_in_key, 0);
-    take(12, 0);
+    (void)cam_rights_poll(&r, 0, tick);
+    (void)cam_rights_poll(&r, hal_in_key, tick);
+}
+
+static void expect_locked_until_the_key_is_turned(uint32_t tick)
+{
+    (void)cam_rights_poll(&r, hal_in_key, tick);
+    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
+    TEST_ASSERT_EQUAL_INT(cam_err_locked, cam_rights_check_level(&r));
+    turn_anew(tick);
     TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
+}
+
+/// Whoever takes command, takes it over, or has it behind a loss, finds it locked: the setter who
+/// left the key on did not unlock for him. Neither did one who left it on at power-on.
+static void test_a_key_that_was_left_on_unlocks_nobody(void)
+{
+    take(12, 0); // before the first look at the key
+    expect_locked_until_the_key_is_turned(0);
     cam_rights_lock(&r);
-    (void)cam_rights_poll(&r, hal_in_key, 1);
-    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level); // lock holds until the key is turned anew
+    expect_locked_until_the_key_is_turned(1); // lock holds until then as well
     cam_rights_release(&r);
     take(9, 2);
-    TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
+    expect_locked_until_the_key_is_turned(2);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 12, true, 3));
+    expect_locked_until_the_key_is_turned(3);
+    TEST_ASSERT_TRUE(cam_rights_poll(&r, hal_in_key, 4u + hz));
+    take(9, 4u + hz);
+    expect_locked_until_the_key_is_turned(4u + hz);
+}
+
+/// A key that is turned while nobody commands is turned for nobody.
+static void test_a_key_that_is_turned_before_the_session_does_not_count(void)
+{
+    turn_anew(0);
+    take(12, 1);
+    expect_locked_until_the_key_is_turned(1);
 }
 
 static void test_a_key_input_without_a_key_switch_is_nothing(void)
@@ -148,8 +177,9 @@ static void test_a_key_input_without_a_key_switch_is_nothing(void)
 
 static void test_the_level_ends_with_command(void)
 {
-    (void)cam_rights_poll(&r, hal_in_key, 0);
     take(12, 0);
+    turn_anew(0);
+    TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
     TEST_ASSERT_TRUE(cam_rights_poll(&r, hal_in_key, hz + 1u)); // lost
     TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
     take(12, hz + 1u);
@@ -163,7 +193,7 @@ static void test_the_level_ends_with_command(void)
 static void test_the_level_ends_after_ten_minutes(void)
 {
     take(12, 0);
-    (void)cam_rights_poll(&r, hal_in_key, 5);
+    turn_anew(5);
     TEST_ASSERT_EQUAL_UINT32(600, cam_rights_level_left_s(&r, 5));
     cam_rights_hear(&r, 600u * hz);
     TEST_ASSERT_EQUAL_UINT32(1, cam_rights_level_left_s(&r, 600u * hz));
@@ -239,7 +269,7 @@ static void test_a_key_takes_nothing_from_a_challenge(void)
     take(12, 0);
     cam_rights_hear(&r, 1000);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(1000)), 1000));
-    (void)cam_rights_poll(&r, hal_in_key, 1001);
+    turn_anew(1001);
     TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
     (void)cam_rights_poll(&r, 0, 1002);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
@@ -265,7 +295,8 @@ int main(void)
     RUN_TEST(test_command_is_lost_after_a_second_of_silence);
     RUN_TEST(test_nobody_cannot_be_lost);
     RUN_TEST(test_a_key_unlocks_for_who_has_command_when_it_is_turned_on);
-    RUN_TEST(test_a_key_that_is_on_unlocks_the_next_session);
+    RUN_TEST(test_a_key_that_was_left_on_unlocks_nobody);
+    RUN_TEST(test_a_key_that_is_turned_before_the_session_does_not_count);
     RUN_TEST(test_a_key_input_without_a_key_switch_is_nothing);
     RUN_TEST(test_the_level_ends_with_command);
     RUN_TEST(test_the_level_ends_after_ten_minutes);

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import argparse
 import os
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from camtools.base.command import Interrupted, Parser
-from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.link.refusal import ask_done
@@ -27,6 +27,7 @@ from camtools.link.shared_session import SharedSession
 Say = Callable[[str], None]
 SECRET = "CAMTURN_SECRET"  # of the environment: the file of the secret
 _MOST_SENDER = 254
+_KEY_S = 60.0  # within which the key is turned
 _SETTLE_S = 0.5  # within which the status tells what an order about rights has done
 
 
@@ -59,7 +60,9 @@ def add_rights_options(parser: argparse.ArgumentParser) -> None:
 def add_rights(commands: argparse._SubParsersAction[Parser]) -> None:
     """Add the subcommands to the command line."""
     commands.add_parser("who", help="who commands, whether it is unlocked and acknowledged")
-    commands.add_parser("unlock", help="unlock by the secret, until control-C or lock")
+    commands.add_parser(
+        "unlock", help="unlock by the secret, or wait for the key switch; until control-C or lock"
+    )
     commands.add_parser("lock", help="end what unlock has begun")
 
 
@@ -104,20 +107,31 @@ def _level(link: Link) -> str:
     return name_of(link.status.signals, "level")
 
 
+def _await_key(link: Link, say: Say) -> None:
+    """Take command, and wait until somebody turns the key for it."""
+    if link.ask("get_challenge").result == "lock_none":  # which takes command, too
+        raise Refused("unlock: the port has neither a secret nor a key switch; name them there")
+    say(f"unlock: turn the key switch at the machine off and on, within {_KEY_S:.0f} s")
+    end_s = time.monotonic() + _KEY_S
+    while _level(link) == "locked":
+        if time.monotonic() > end_s:
+            remedy = f"give --secret FILE, or set {SECRET}, where the port has a secret"
+            raise Refused(f"unlock: nobody turned the key switch; {remedy}")
+
+
 def unlock(link: Link, say: Say) -> None:
     """Unlock the controller and keep it so, until control-C or until it is locked again.
 
     Raises
     ------
-    CamtoolsError
-        There is no secret.
     Refused
-        The controller refuses, or command is lost.
+        The controller refuses, command is lost, or nobody turns the key.
     """
-    if link.rights.secret is None:
-        raise CamtoolsError([f"unlock: no secret; give --secret FILE, or set {SECRET}"])
-    link.rights.unlock()
-    _level(link)
+    if link.rights.secret is not None:
+        link.rights.unlock()
+        _level(link)
+    else:
+        _await_key(link, say)
     say(f"unlock: {level_text(link.listen().signals)}; control-C locks")
     try:
         while _level(link) != "locked":

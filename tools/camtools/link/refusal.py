@@ -28,8 +28,8 @@ REMEDIES = {
     "released and faults reset; give the order again within 60 s",
     "acknowledge_none": "the port has no such button; wire one and name it in the port's settings, "
     "or waive it there",
-    "locked": "turn the key switch at the machine, or unlock by the secret: camctl unlock --secret "
-    "FILE",
+    "locked": "turn the key switch at the machine anew while somebody commands (camctl unlock), or "
+    "unlock by the secret (camctl unlock --secret FILE)",
     "lock_none": "this port is never unlocked; its settings name a key switch or a secret",
     "hard_limit": "the image was built with limits that nobody changes over the bus",
     "drive": "see that all drives are ready",

@@ -37,6 +37,7 @@ _PROGRAMS = ("camctl", "panel", "identify")
 _PROOF_BYTES = 4
 _LEAST_SECRET, _MOST_SECRET = 16, 64
 _BUSY_S = 0.1
+_KEY_S = 0.5  # in which a key counts that is turned at the sight of a new commander
 _CHALLENGE_S = 5.0  # a controller gives one a second, a simulated one by a slower clock
 
 
@@ -147,6 +148,7 @@ class Rights:
         self.joined: Callable[[], int] = lambda: 0
         self.is_joined = self._was_joined = False
         self._sent_s, self._sent_rows, self._n_heard = 0.0, 0, 0
+        self._begun_s = 0.0
 
     # Frames
 
@@ -207,6 +209,14 @@ class Rights:
         if answer.result == "locked" and self.secret is not None:
             self.unlock()
             return True
+        return answer.result == "locked" and self._awaits_key()
+
+    def _awaits_key(self) -> bool:
+        """Wait a moment, in which somebody may turn the key for the session that has begun."""
+        is_new = self.session != 0 and time.monotonic() < self._begun_s + _KEY_S
+        if is_new and not self.is_joined:
+            self._link.wait(lambda: False, _BUSY_S)
+            return True
         return False
 
     def _mend_command(self, holder: int) -> bool:
@@ -263,6 +273,7 @@ class Rights:
     def _begin(self, session: int, *, is_joined: bool = False) -> None:
         self.session, self.is_joined = session, is_joined
         self._sent_s, self._sent_rows = time.monotonic(), self._link.status.n_rows
+        self._begun_s = self._sent_s
 
     def _change(self) -> None:
         self._link.status.signals.pop("commander", None)  # the page of before
@@ -307,7 +318,7 @@ class Rights:
         """
         key = self.secret if secret is None else secret
         if key is None:
-            raise Refused("unlock: no secret; give --secret FILE, or turn the key switch")
+            raise Refused("unlock: no secret; give --secret FILE, or turn the key switch anew")
         challenge = self._challenge()
         if challenge.result == "done":
             proof = proof_of(key, int(challenge.value))
@@ -319,7 +330,7 @@ class Rights:
 
 _UNLOCK_TEXTS = {
     "unlock": "the secret is not the controller's; give the right file",
-    "locked": "the port has no secret; turn the key switch at the machine",
+    "locked": "the port has no secret; turn the key switch at the machine anew",
     "lock_none": "the port has neither a secret nor a key switch; its settings name them",
     "command": "the controller knows no levels",
 }

@@ -7,7 +7,7 @@
 'acknowledged; enable within 42 s'
 >>> level_text({"level": 0.0})
 'locked: limits, constants and tables do not change; to unlock, turn the key switch at the \
-machine, or give the secret'
+machine anew, or give the secret'
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def level_text(signals: Signals) -> str:
     if level == "locked":
         return (
             "locked: limits, constants and tables do not change; to unlock, turn the key switch "
-            "at the machine, or give the secret"
+            "at the machine anew, or give the secret"
         )
     return "unknown"
 

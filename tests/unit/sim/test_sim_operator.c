@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Somebody at the simulated machine: when he presses the button, and when he turns the key.
+#include "sim_operator.h"
+#include "unity.h"
+
+static sim_operator_t o;
+
+void setUp(void)
+{
+    o = (sim_operator_t){.is_present = true, .is_key_on = true, .turns_key = true};
+}
+
+void tearDown(void) {}
+
+static void test_he_presses_for_a_fifth_of_a_second_and_again_where_that_did_not_do(void)
+{
+    int n_pressed = 0;
+    for (int i = 0; i < 1000; i++) {
+        const bool is_pressed = sim_operator_step(&o, true, i * 1e-3);
+        TEST_ASSERT_TRUE(!is_pressed || i % 500 >= 299);
+        n_pressed += is_pressed ? 1 : 0;
+    }
+    TEST_ASSERT_INT_WITHIN(4, 400, n_pressed);
+}
+
+static void test_who_is_not_there_presses_only_what_is_typed(void)
+{
+    o.is_present = false;
+    for (int i = 0; i < 1000; i++) {
+        TEST_ASSERT_FALSE(sim_operator_step(&o, true, i * 1e-3));
+    }
+    sim_operator_press(&o, 1.0, 0.5);
+    TEST_ASSERT_TRUE(sim_operator_step(&o, true, 1.49));
+    TEST_ASSERT_FALSE(sim_operator_step(&o, true, 1.51));
+}
+
+static void test_the_key_is_off_for_one_look_where_a_session_is_new(void)
+{
+    TEST_ASSERT_TRUE(sim_operator_key(&o, 0));
+    TEST_ASSERT_FALSE(sim_operator_key(&o, 7));
+    TEST_ASSERT_TRUE(sim_operator_key(&o, 7));
+    TEST_ASSERT_TRUE(sim_operator_key(&o, 0)); // given up
+    TEST_ASSERT_FALSE(sim_operator_key(&o, 8));
+    TEST_ASSERT_FALSE(sim_operator_key(&o, 9)); // taken over
+    TEST_ASSERT_TRUE(sim_operator_key(&o, 9));
+}
+
+static void test_a_key_that_nobody_turns_stays_as_it_is(void)
+{
+    o.turns_key = false;
+    TEST_ASSERT_TRUE(sim_operator_key(&o, 7));
+    o.is_key_on = false;
+    TEST_ASSERT_FALSE(sim_operator_key(&o, 7));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_he_presses_for_a_fifth_of_a_second_and_again_where_that_did_not_do);
+    RUN_TEST(test_who_is_not_there_presses_only_what_is_typed);
+    RUN_TEST(test_the_key_is_off_for_one_look_where_a_session_is_new);
+    RUN_TEST(test_a_key_that_nobody_turns_stays_as_it_is);
+    return UNITY_END();
+}
