@@ -18,9 +18,9 @@ static bool is_beyond_prime(const uint8_t *key)
 bool cam_trust_is_weak(const uint8_t *key)
 {
     // R = 0, s = 0: 0 B = R + 8 A holds for the eight points alone of which 8 A is 0.
-    static const uint8_t zero_signature[64] = {1};
-    static const uint8_t eight[32] = {8};
-    return is_beyond_prime(key) || crypto_eddsa_check_equation(zero_signature, key, eight) == 0;
+    uint8_t signature[64] = {1};
+    uint8_t eight[32] = {8};
+    return is_beyond_prime(key) || crypto_eddsa_check_equation(signature, key, eight) == 0;
 }
 
 /// @return the trusted key that has this id, NULL: none. Two keys with one id cannot be made, as

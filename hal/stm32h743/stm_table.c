@@ -139,6 +139,7 @@ bool hal_table_commit(void)
     const uint32_t address = log_address(n_written);
     n_written++;
     is_begun = false;
+    hal_idle(); // feeds the watchdog: the table was checked before, and is checked again behind
     if (!stm_flash_program(address, (const uint8_t *)record.words, sizeof record)) {
         return false;
     }

@@ -99,10 +99,11 @@ class Remote:
         """Send a command as who has command; return result and value of its answer."""
         result = self.raw(command, index, value)
         if result[0] == ERR_NOT_COMMANDER:  # not taken yet, or lost while the test did other things
-            self.chip.gpio.drive(KEY, 1)
-            self.chip.run(self.chip.seconds(0.002))
             done, self.session = self.raw(TAKE)
             assert done == 0, "command is not to be had"
+            for level in (0, 1):  # the key is turned anew for each commander
+                self.chip.gpio.drive(KEY, level)
+                self.chip.run(self.chip.seconds(0.002))
             result = self.raw(command, index, value)
         if result[0] == ERR_ACKNOWLEDGE:
             self.press()

@@ -77,6 +77,29 @@ def test_downloads_take_turns_and_are_kept(table: bytes) -> None:
     remote.wait_for("homing", 0.1)
 
 
+def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
+    table: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A large signed table takes long to be checked: never two checks within one second."""
+    session = started(table)
+    chip, long_gaps, last = session.chip, 0, 0
+    session.remote.download(named(table, "second"))
+    write = chip.iwdg1.write
+
+    def spy(offset: int, size: int, value: int) -> None:
+        nonlocal long_gaps, last
+        is_before_commit = chip.read_memory(LOG, RECORD_BYTES) == b"\xff" * RECORD_BYTES
+        long_gaps += is_before_commit and chip.clock.now - last > chip.seconds(100e-6)
+        last = chip.clock.now
+        write(offset, size, value)
+
+    monkeypatch.setattr(chip.iwdg1, "write", spy)
+    chip.run(chip.seconds(200e-6))
+    long_gaps = 0
+    session.remote.do(SELECT)
+    assert long_gaps == 1  # behind the first check, which takes longer than two ticks
+
+
 def give_until_dark(session: Session, table: bytes) -> None:
     """Download and select until the supply falls."""
     remote, chip = session.remote, session.chip
