@@ -74,10 +74,22 @@ static int64_t way_nm(const cam_play_config_t *c, uint32_t axis)
     return axis == (uint32_t)hal_axis_x ? c->feed_nm + clearing_nm : c->feed_nm;
 }
 
+/// @return [counts] what moves the place that X and Z are aimed at from plan to plan: a step of the
+/// encoder within the jump window, or a count and what the observer makes of it. That is a speed of
+/// w T counts per tick, which the reading ahead multiplies; half of it was seen at most.
+static int64_t unrest_counts(const cam_config_t *c)
+{
+    const int64_t wt_q31 = c->spindle.kp_q31 / 2; // kp = 2 w T
+    const int64_t ahead_q16 = c->play.xz_plan_q16;
+    const int64_t observed = 1 + ((wt_q31 >> 8) * (ahead_q16 >> 8) >> 32);
+    return observed > c->spindle.jump_window ? observed : c->spindle.jump_window;
+}
+
 /// What X and Z are told changes from plan to plan by their acceleration, and by what the encoder
-/// makes of it: they follow the spindle's angle, whose steps of up to the jump window move them by
-/// their share of the way of a turn. Twice of both is no fault. A Z that others move is told where
-/// it is, and an X over it follows its measurement from plan to plan.
+/// makes of it: they follow the spindle's angle, whose unrest moves them by their share of the way
+/// of a turn. Twice of both is no fault, nor is a speed that is beyond its limit by one of it. A Z
+/// that others move is told where it is, and an X over it follows its measurement from plan to
+/// plan.
 static void build_told(cam_config_t *c)
 {
     const int32_t ticks = c->play.plan_ticks;
@@ -86,12 +98,12 @@ static void build_told(cam_config_t *c)
         const cam_move_limits_t *full = &c->play.leave[i]; // per plan
         const int64_t vel_q10 = full->speed_q10 / ticks;
         const int64_t change_q10 = full->acceleration_q10 / ticks;
-        const int64_t jump_nm =
-            way_nm(&c->play, i) * c->spindle.jump_window / c->spindle.counts_per_turn;
-        const int64_t most_q10 = vel_q10 + vel_q10 / 16 + CAM_BUILD_MARGIN_Q10;
+        const int64_t unrest_q10 =
+            way_nm(&c->play, i) * unrest_counts(c) / c->spindle.counts_per_turn * 1024 / ticks;
+        const int64_t most_q10 = vel_q10 + vel_q10 / 16 + unrest_q10 + CAM_BUILD_MARGIN_Q10;
         const bool is_led = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
-        const int64_t told_q10 = 2 * (change_q10 + jump_nm * 1024 / ticks) + CAM_BUILD_MARGIN_Q10;
-        t->vel_q10[i] = is_led ? INT32_MAX : (int32_t)most_q10;
+        const int64_t told_q10 = 2 * (change_q10 + unrest_q10) + CAM_BUILD_MARGIN_Q10;
+        t->vel_q10[i] = is_led ? INT32_MAX : cam_sat_i32(most_q10);
         t->change_q10[i] =
             is_led ? INT32_MAX : cam_sat_i32(c->play.is_z_measured ? 2 * most_q10 : told_q10);
         t->jump_q10[i] = is_led ? INT32_MAX : 4 * ticks; // what equal increments leave

@@ -227,6 +227,20 @@ static void test_steps_of_the_encoder_move_x_off_a_wide_clearance_without_a_faul
     bring(cam_state_cutting);
 }
 
+/// A fast observer makes a speed of every count, and the lag of X multiplies it.
+static void test_fast_observer_moves_x_off_a_wide_clearance_without_a_fault(void)
+{
+    set(cam_param_x_clearance_nm, 20000000);
+    set(cam_param_engage_turns, 10);
+    set(cam_param_xz_lag_ns, 6366198);
+    set(cam_param_spindle_mrpm, 1507300);
+    set(cam_param_observer_bandwidth_mHz, 1000000);
+    set(cam_param_following_limit_nm, 10000000);
+    bring(cam_state_ready);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    TEST_ASSERT_LESS_THAN_UINT32(200000, fixture_rig_until(&rig, cam_state_cutting, 200000));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -238,5 +252,6 @@ int main(void)
     RUN_TEST(test_command_beyond_the_stroke_is_a_fault_and_not_clipped);
     RUN_TEST(test_increments_beyond_the_limits_are_a_fault_before_they_are_told);
     RUN_TEST(test_steps_of_the_encoder_move_x_off_a_wide_clearance_without_a_fault);
+    RUN_TEST(test_fast_observer_moves_x_off_a_wide_clearance_without_a_fault);
     return UNITY_END();
 }
