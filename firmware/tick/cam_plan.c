@@ -231,15 +231,16 @@ static cam_state_t rehearsal_at(const cam_plan_t *p, const cam_play_config_t *cf
     return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_rehearsing : next;
 }
 
-/// The state is that of the spindle itself, not of what is planned. A spindle that turns back in
-/// the cut does not make it engage again: until the fault `reverse` the state stays what it was.
+/// The state is that of the spindle itself, not of what is planned. A spindle that turns back does
+/// not make the tool engage again, nor cut again behind it: until the fault `reverse` the state
+/// stays what it was.
 static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
                             cam_state_t was)
 {
     if (p->is_rehearsal) {
         return rehearsal_at(p, cfg, pos_q32);
     }
-    if (pos_q32 >= p->disengage_at_q32) {
+    if (pos_q32 >= p->disengage_at_q32 || was == cam_state_disengaging) {
         return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_disengaging
                                                                   : cam_state_ready;
     }

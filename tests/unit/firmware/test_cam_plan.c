@@ -183,6 +183,29 @@ static void test_spindle_that_turns_back_in_the_cut_leaves_the_state(void)
     }
 }
 
+static void test_spindle_that_turns_back_while_disengaging_leaves_the_state(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    fixture_play_do(&f, cam_request_stop);
+    for (uint32_t i = 0; f.want.state != cam_state_disengaging; i++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, i);
+        fixture_play_tick(&f);
+    }
+    fixture_play_ticks(&f, 100);
+    f.angle.speed_q32 = -f.angle.speed_q32;
+    for (uint32_t i = 0; f.angle.pos_q32 > f.plan.disengage_at_q32 - CAM_TURN_Q32 / 8; i++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, i);
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_INT(cam_state_disengaging, f.want.state);
+    }
+    f.angle.speed_q32 = -f.angle.speed_q32;
+    for (uint32_t i = 0; f.want.state == cam_state_disengaging; i++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, i);
+        fixture_play_tick(&f);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -193,5 +216,6 @@ int main(void)
     RUN_TEST(test_slow_port_plans_in_every_tick);
     RUN_TEST(test_stop_is_obeyed_in_its_tick_and_laid_by_the_next_plan);
     RUN_TEST(test_spindle_that_turns_back_in_the_cut_leaves_the_state);
+    RUN_TEST(test_spindle_that_turns_back_while_disengaging_leaves_the_state);
     return UNITY_END();
 }
