@@ -274,9 +274,19 @@ static void test_blocks_of_a_wave_and_of_a_table_are_told_apart(void)
     TEST_ASSERT_FALSE(f.can.is_wave);
 }
 
+static void test_a_sign_of_life_is_taken(void)
+{
+    fixture_rig_ticks(&f.rig, 100);
+    f.rig.machine.identify.alive_tick = 0;
+    expect(cam_ok, 0, keep_alive, 3, 0);
+    TEST_ASSERT_UINT32_WITHIN(2, fixture_rig_status(&f.rig).tick,
+                              f.rig.machine.identify.alive_tick);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_sign_of_life_is_taken);
     RUN_TEST(test_pieces_are_the_words_of_the_recording);
     RUN_TEST(test_pieces_over_fd_are_the_same_words);
     RUN_TEST(test_pieces_of_a_ring_are_in_order);

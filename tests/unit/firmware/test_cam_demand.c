@@ -212,9 +212,26 @@ static void test_patterns_of_a_low_shaft_do_not_drift(void)
     TEST_ASSERT_EQUAL_INT64(tall.needed, low.needed);
 }
 
+/// What no speed helps against is refused by its own error.
+static void test_what_the_table_cannot_be_cut_with_is_told(void)
+{
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge().err);
+    f.params.feed_override_ppm = 900000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge().err);
+    f.table.is_ring_helix = true;
+    TEST_ASSERT_EQUAL_INT(cam_err_override_rings, judge().err);
+    f.table.is_ring_helix = false;
+    f.params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT(cam_err_override_measured, judge().err);
+    f.table.has_stations = true;
+    TEST_ASSERT_EQUAL_INT(cam_err_z_stations, judge().err);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_what_the_table_cannot_be_cut_with_is_told);
     RUN_TEST(test_acceleration_of_u_has_all_its_terms);
     RUN_TEST(test_speed_of_u_has_both_its_terms);
     RUN_TEST(test_largest_feed_and_highest_speed_are_edges);

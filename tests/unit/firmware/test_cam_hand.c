@@ -258,9 +258,26 @@ static void test_a_stop_at_rest_leaves_what_came_of_the_order_before(void)
     TEST_ASSERT_EQUAL_INT(cam_hand_stopped, until_rest());
 }
 
+/// An order holds before its tick, not in it.
+static void test_order_holds_to_the_tick_before_its_last(void)
+{
+    static cam_play_config_t cfg;
+    const cam_tick_record_t r = {.tick = 5000};
+    for (uint32_t until = 4999; until <= 5002u; until++) {
+        cfg.hand.order = (cam_hand_order_t){
+            .serial = 7, .until = until, .begin = cam_hand_jog, .axis = hal_axis_x, .sense = 1};
+        cam_hand_t h = {0};
+        cam_motion_t m = {.state = cam_state_manual};
+        (void)cam_hand_isr(&h, &cfg, &r, &m);
+        TEST_ASSERT_EQUAL_UINT32(7, h.serial);
+        TEST_ASSERT_EQUAL(until <= 5000u, h.end == cam_hand_silent);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_order_holds_to_the_tick_before_its_last);
     RUN_TEST(test_a_stop_at_rest_leaves_what_came_of_the_order_before);
     RUN_TEST(test_manual_holds_all_axes_and_the_spindle);
     RUN_TEST(test_jog_without_its_commander_stops_by_the_interrupt_alone);

@@ -264,6 +264,20 @@ static void test_a_fault_retracts_u(void)
 
 /// The limit is the usual one and the largest sample: a drive that answers the wave by its
 /// opposite is accepted, one that is further off is not.
+static void test_following_error_has_the_room_of_the_larger_side(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        for (int i = 0; i < n; i++) {
+            const bool is_large = sign * wave_nm[i] > 0;
+            wave_nm[i] = is_large ? wave_nm[i] : wave_nm[i] / 2;
+        }
+        begin();
+        const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
+        TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm + 20000, cfg->guard.following_nm);
+    }
+}
+
 static void test_following_error_has_the_room_of_the_wave(void)
 {
     begin();
@@ -376,6 +390,7 @@ int main(void)
     RUN_TEST(test_a_recording_without_room_begins_nothing);
     RUN_TEST(test_silence_ends_it);
     RUN_TEST(test_a_fault_retracts_u);
+    RUN_TEST(test_following_error_has_the_room_of_the_larger_side);
     RUN_TEST(test_following_error_has_the_room_of_the_wave);
     RUN_TEST(test_it_begins_in_ready_only_and_with_a_whole_wave);
     RUN_TEST(test_nothing_else_is_accepted_meanwhile);

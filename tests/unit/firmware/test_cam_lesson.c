@@ -97,9 +97,38 @@ static void test_a_harmonic_is_taken_at_its_size(void)
     TEST_ASSERT_UINT32_WITHIN(400, 128000, t.larger);
 }
 
+/// What a large harmonic shares with the drive's constants it learns by half the gain.
+static void test_large_harmonics_share_their_gain(void)
+{
+    static cam_gather_bin_t bins[cam_learn_bins];
+    cam_complex_t learned[2];
+    for (uint32_t i = 0; i < 2u; i++) {
+        for (int k = 0; k < cam_learn_bins; k++) {
+            const double at = 2.0 * 3.14159265358979323846 * (k + 0.5) / cam_learn_bins;
+            bins[k].u_nm = (int32_t)lround(1000.0 * cos(at));
+            bins[k].error_q6 = (int32_t)lround(64000.0 * cos(at));
+        }
+        t = (cam_teach_t){.phase = cam_teach_shape,
+                          .bin = bins,
+                          .k = 1,
+                          .scale_q30 = 1 << 30,
+                          .turn_speed_q32 = 1 << 22,
+                          .largest = i == 0u ? 64000 : 64000 * 10,
+                          .room_q6 = 1 << 24};
+        t.shape.is_probed = true;
+        t.shape.gain[1] = (cam_gain_t){.re_q12 = 4096};
+        t.shape.best_q6[1] = UINT32_MAX;
+        cam_lesson_harmonic(&t, &s);
+        learned[i] = t.shape.c_q6[1];
+    }
+    TEST_ASSERT_INT32_WITHIN(400, 32000, learned[1].re);
+    TEST_ASSERT_INT32_WITHIN(200, 16000, learned[0].re);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_large_harmonics_share_their_gain);
     RUN_TEST(test_a_harmonic_is_taken_at_its_size);
     RUN_TEST(test_gain_is_that_of_the_phase);
     RUN_TEST(test_drive_is_told_by_a_large_motion);

@@ -78,6 +78,8 @@ static void test_changes_in_the_cut_are_bounded(void)
     TEST_ASSERT_EQUAL_INT(cam_err_trim_limit,
                           cam_machine_set_param(&rig.machine, cam_param_x_trim_nm, -limit_nm - 1));
     TEST_ASSERT_EQUAL_INT64(limit_nm + 1, rig.machine.refusal.why.needed);
+    TEST_ASSERT_EQUAL_INT(cam_err_trim_limit, rig.machine.refusal.why.err);
+    TEST_ASSERT_EQUAL_INT(cam_param_x_trim_nm, rig.machine.refusal.param);
     TEST_ASSERT_EQUAL_INT64(limit_nm, rig.machine.refusal.why.limit);
     TEST_ASSERT_EQUAL_INT(cam_ok,
                           cam_machine_set_param(&rig.machine, cam_param_x_trim_nm, -limit_nm));

@@ -243,9 +243,46 @@ static void test_harmonics_are_told(void)
     TEST_ASSERT_FALSE(beyond.is_masked);
 }
 
+/// Turns of 1000 ticks in a rehearsal, of which nothing but the gather knows.
+/// @return [nm / 64] what the scale cannot tell, of the last turn that counted
+static uint32_t floor_of(int32_t scale_nm)
+{
+    enum { n_ticks = 1000, plan_ticks = 8, n_turns = 12 };
+    setUp();
+    hal_host.slow.measures_u = true;
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_learn_harmonics, 4));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_u_scale_nm, scale_nm));
+    cam_gather_t *g = &rig.machine.core->gather;
+    cam_tick_record_t record = {.config = rig.machine.generation,
+                                .want = {.state = cam_state_rehearsing}};
+    const cam_motion_t motion = {.is_playing = true, .scale_q30 = 1 << 30};
+    const int32_t step_q32 = (int32_t)(INT64_C(4294967296) / n_ticks) + 1;
+    for (int i = 1; i < n_ticks * n_turns; i++) {
+        const int64_t pos_q32 = (int64_t)i * step_q32;
+        cam_gather_isr(g, pos_q32, (uint32_t)(uint64_t)pos_q32, -64 * 300, -300);
+        if (i % plan_ticks == 0) {
+            record.angle.pos_q32 = pos_q32;
+            record.angle.speed_q32 = step_q32;
+            cam_gather_plan_isr(g, &record, &motion);
+        }
+        cam_machine_teach_poll(&rig.machine, cam_state_rehearsing);
+        rig.machine.teach.walking = 0;
+    }
+    TEST_ASSERT_TRUE(rig.machine.teach.n_turns > 0u);
+    return rig.machine.teach.floor_q6;
+}
+
+/// 78 / 64 quanta by the root of the ticks, and a nanometre.
+static void test_a_coarse_scale_tells_less(void)
+{
+    TEST_ASSERT_UINT32_WITHIN(2, 64 + 78 * 10 / 31, floor_of(10));
+    TEST_ASSERT_UINT32_WITHIN(10, 64 + 78 * 1000 / 31, floor_of(1000));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_coarse_scale_tells_less);
     RUN_TEST(test_learned_values_are_set_in_off_and_ready_only);
     RUN_TEST(test_constants_of_the_drive_stay_within_what_can_be_learned);
     RUN_TEST(test_values_beyond_their_range_leave_the_old_ones);

@@ -245,9 +245,18 @@ static void test_pages_of_the_table_hold_its_name_in_pieces(void)
     }
 }
 
+static void test_without_a_table_nothing_is_told_of_one(void)
+{
+    m->has_table = false;
+    expect(0, 3, 8, 56);
+    expect(0, 4, 8, 56);
+    expect(0, 5, 8, 56);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_without_a_table_nothing_is_told_of_one);
     RUN_TEST(test_inputs_are_told_bit_by_bit);
     RUN_TEST(test_late_ticks_are_told_beside_the_rate);
     RUN_TEST(test_following_error_is_bounded_by_its_bits);

@@ -207,6 +207,10 @@ static void test_a_recording_without_room_behind_the_trigger_is_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_err_scope_before,
                           cam_scope_begin(&scope, &plan, cam_scope_user, 0, 0));
     TEST_ASSERT_EQUAL_INT(cam_scope_idle, scope.phase);
+    plan.before = 0;
+    plan.signals = 0;
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory,
+                          cam_scope_begin(&scope, &plan, cam_scope_user, 0, 0));
 }
 
 static void test_fields_set_the_trigger(void)

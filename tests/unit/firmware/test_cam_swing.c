@@ -240,9 +240,28 @@ static void test_tool_leaves_a_cam_beyond_its_lift(void)
                           cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
 }
 
+/// On either side of 0, standing for the moment in which it turns back is not being there.
+static void test_swing_that_turns_back_is_not_there(void)
+{
+    static cam_play_config_t cfg;
+    cfg.plan_ticks = 8;
+    const cam_swing_limits_t limits = {
+        .speed_q32 = 1 << 20, .step_q32 = 1 << 16, .gain_q32 = 1 << 26};
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        cam_swing_t s = {.set = {.pos_q32 = sign * (1 << 27), .vel_q32 = sign * (1 << 16)}};
+        cam_swing_rest_isr(&s, &cfg, &limits);
+        TEST_ASSERT_EQUAL_INT32(0, s.set.vel_q32);
+        TEST_ASSERT_FALSE(s.is_there);
+    }
+    cam_swing_t s = {0};
+    cam_swing_rest_isr(&s, &cfg, &limits);
+    TEST_ASSERT_TRUE(s.is_there);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_swing_that_turns_back_is_not_there);
     RUN_TEST(test_lines_leave_the_table_by_their_sagitta_at_most);
     RUN_TEST(test_swing_follows_phase_amplitude_and_envelope);
     RUN_TEST(test_swing_nears_zero_within_its_limits_from_anywhere);

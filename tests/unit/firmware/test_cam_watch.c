@@ -95,9 +95,26 @@ static void test_what_was_written_is_looked_at(void)
     }
 }
 
+/// Where the increment leads from the place that was told, to the middle of its nanometre.
+static void test_mended_place_is_the_one_told_and_its_increment(void)
+{
+    cam_watch_t w = {.led_nm = {0, 1000, -2000}};
+    cam_tell_t t = {.vel_q10 = {0, 3 * 1024, -5 * 1024}};
+    cam_motion_t m = {.state = cam_state_cutting};
+    m.axis[hal_axis_x] = (cam_move_t){.pos_q10 = INT64_C(1) << 40, .vel_q10 = 3 * 1024};
+    m.axis[hal_axis_z] = (cam_move_t){.pos_q10 = -(INT64_C(1) << 40), .vel_q10 = 1 << 30};
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), cam_watch_mend_isr(&w, &t, &m));
+    TEST_ASSERT_EQUAL_INT64(1003 * 1024 + 512, m.axis[hal_axis_x].pos_q10);
+    TEST_ASSERT_EQUAL_INT64(-2005 * 1024 + 512, m.axis[hal_axis_z].pos_q10);
+    TEST_ASSERT_EQUAL_INT32(-5 * 1024, m.axis[hal_axis_z].vel_q10);
+    TEST_ASSERT_EQUAL_INT32(1003, w.led_nm[hal_axis_x]);
+    TEST_ASSERT_EQUAL_INT32(-2005, w.led_nm[hal_axis_z]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_mended_place_is_the_one_told_and_its_increment);
     RUN_TEST(test_state_of_the_plan_is_sealed);
     RUN_TEST(test_home_of_u_is_mended_in_the_plan);
     RUN_TEST(test_places_of_x_and_z_are_mended_in_the_tick);

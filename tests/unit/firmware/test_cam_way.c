@@ -179,9 +179,18 @@ static void test_shafts_of_lobes_have_no_way(void)
                           cam_table_check(f.image.bytes, f.image.size, &f.table));
 }
 
+static void test_a_second_way_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    fixture_newer_way(&f.image, sine, n_knots, 4);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_second_way_is_refused);
     RUN_TEST(test_way_is_measured);
     RUN_TEST(test_a_way_that_falls_in_one_slice_is_refused);
     RUN_TEST(test_z_follows_the_way_over_the_turns);

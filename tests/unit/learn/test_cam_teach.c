@@ -309,9 +309,34 @@ static void test_what_is_forgotten_is_walked_away_from(void)
     }
 }
 
+/// A step of the command is 1000 nm in a rehearsal and 50 in the cut; out of the work it is whole.
+static void test_steps_are_those_of_the_state(void)
+{
+    static const struct {
+        cam_state_t state;
+        int most_nm;
+    } cases[] = {{cam_state_rehearsing, 1000}, {cam_state_cutting, 50},
+                 {cam_state_holding, 50},      {cam_state_engaging, 50},
+                 {cam_state_disengaging, 50},  {cam_state_ready, 5000}};
+    const cam_teach_setup_t setup = {.reason = cam_teach_all};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        static cam_learned_t in;
+        in = (cam_learned_t){0};
+        cam_teach_t t;
+        cam_teach_init(&t);
+        t.state = (uint8_t)cases[i].state;
+        t.walking = cam_walk_shape;
+        t.shape.c_q6[0].re = 64 * 5000;
+        cam_teach_walk(&t, &setup, 0, &in);
+        TEST_ASSERT_EQUAL_INT(cases[i].most_nm, in.c[7]);
+        TEST_ASSERT_EQUAL(cases[i].state != cam_state_ready, (t.walking & cam_walk_shape) != 0);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_steps_are_those_of_the_state);
     RUN_TEST(test_a_rehearsal_goes_through_its_phases);
     RUN_TEST(test_the_next_part_begins_with_what_was_learned);
     RUN_TEST(test_another_speed_freezes_the_correction);
