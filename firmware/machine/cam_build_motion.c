@@ -119,17 +119,32 @@ static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window
     return (int64_t)c->guard.u.speed_q10 * 49152 / ticks_q16 + 1;
 }
 
+/// @return [ticks / 2^16] times the acceleration: by how much the command of U runs ahead at the
+/// highest speed of a retract. While the acceleration falls from a to 0 in n ticks U is slower by
+/// m (m - 1) a / 2 n with m of them left, and told k1 m a / n more and k2 a / n less: that is most
+/// at m = k1 + 1/2, which counts in short windows; in a window shorter than twice k1 it is k1 -
+/// n/2. MATHS.md (212)
+static int64_t ahead_ticks_q16(const cam_config_t *c, uint32_t log2_window)
+{
+    const int64_t n_q8 = INT64_C(256) << log2_window;
+    const int64_t k1_q8 = c->tell.k1_q16 / 256;
+    const int64_t m_q8 = cam_clamp_i64(k1_q8 + 128, 0, n_q8);
+    const int64_t told_q16 = (2 * k1_q8 + 256 - m_q8) * m_q8 / 2;
+    const int64_t falling_q16 = (told_q16 - c->tell.k2_q16) >> log2_window;
+    const int64_t over_q16 = c->tell.k1_q16 - (INT64_C(32768) << log2_window);
+    return cam_clamp_i64(over_q16 > falling_q16 ? over_q16 : falling_q16, 0, INT32_MAX);
+}
+
 /// The command of U runs ahead of U by the feed-forward. So the retract begins with less than the
-/// acceleration of U where that told too much, and in a window shorter than twice k1 it is so much
-/// slower as the command runs ahead at its speed, and a sixteenth for what fades meanwhile; but not
-/// slower than a quarter. MATHS.md (212).
+/// acceleration of U where that told too much, and it is so much slower as the command runs ahead
+/// at its speed, and a sixteenth for what fades meanwhile; but not slower than a quarter. MATHS.md
+/// (212).
 static cam_move_limits_t leaving(const cam_config_t *c, uint32_t log2_window)
 {
     const cam_move_limits_t *u = &c->guard.u;
     const int64_t a_q10 =
         cam_cut_smaller(u->acceleration_q10, most_acceleration_q10(c, log2_window));
-    const int64_t over_q16 = c->tell.k1_q16 - (INT64_C(32768) << log2_window);
-    const int64_t ahead_q10 = over_q16 > 0 ? over_q16 * a_q10 / 65536 : 0;
+    const int64_t ahead_q10 = ahead_ticks_q16(c, log2_window) * a_q10 / 65536;
     const int64_t least_q10 = u->speed_q10 / 4 + 1;
     const int64_t most_q10 = u->speed_q10 - u->speed_q10 / 16 - ahead_q10;
     const cam_move_limits_t gentle = {

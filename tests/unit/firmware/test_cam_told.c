@@ -101,6 +101,30 @@ static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract(voi
     }
 }
 
+/// A stiff drive of 900 Hz at 2 kHz: a window is two ticks, and what the feed-forward adds while
+/// the acceleration of the retract ends is a tenth of the speed.
+static void test_command_of_the_retract_keeps_the_speed_of_u_in_a_short_window(void)
+{
+    for (uint32_t at = 0; at < 20u; at++) {
+        fixture_rig_init(&rig, &part, 2000);
+        set(cam_param_u_speed_um_per_s, 300000);
+        set(cam_param_u_acceleration_mm_per_s2, 2000000);
+        set(cam_param_k1_ns, 282942);
+        set(cam_param_k2_us2, 31270);
+        set(cam_param_spindle_mrpm, 100000);
+        set(cam_param_following_limit_nm, 10000000);
+        bring(cam_state_cutting);
+        fixture_rig_ticks(&rig, 37u * at);
+        told_t t = begin();
+        hal_host_fault_estop(true);
+        for (int k = 0; k < 200; k++) {
+            tick(&t);
+        }
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(150000, t.most_step_nm);
+    }
+}
+
 /// The tick of the fault tells the acceleration with which its set-point goes on.
 static void test_fault_tick_tells_the_acceleration_of_its_set_points(void)
 {
@@ -246,6 +270,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_command_through_faults_at_any_angle_keeps_the_speed_of_u);
     RUN_TEST(test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract);
+    RUN_TEST(test_command_of_the_retract_keeps_the_speed_of_u_in_a_short_window);
     RUN_TEST(test_fault_tick_tells_the_acceleration_of_its_set_points);
     RUN_TEST(test_x_and_z_are_told_the_acceleration_of_their_increments);
     RUN_TEST(test_command_of_a_wrong_gain_is_a_fault_and_not_written);
