@@ -310,6 +310,66 @@ static void test_any_fault_wants_another_press(void)
     expect_enabled();
 }
 
+/// Post a request as the slow side does, but without its judgement.
+static void post(cam_request_t request)
+{
+    f.machine.n_requests++;
+    atomic_store(&g_cam.request, f.machine.n_requests << 8 | (uint32_t)request);
+}
+
+/// However early the reset comes, and between which plans: in ready, and by hand where nothing
+/// moves and the fault is over soonest.
+static void test_a_fault_that_is_reset_at_once_wants_another_press_in_every_phase_of_the_plan(void)
+{
+    for (uint32_t at = 0; at < 16u; at++) {
+        setUp();
+        press();
+        post(at < 8u ? cam_request_enable : cam_request_manual);
+        fixture_rig_ticks(&f, ms(2000) + at);
+        TEST_ASSERT_EQUAL_INT(at < 8u ? cam_state_ready : cam_state_manual, state());
+        hal_host_fault_drive(true);
+        fixture_rig_tick(&f);
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, state());
+        hal_host_fault_drive(false);
+        for (uint32_t i = 0; i < ms(2000) && state() == cam_state_fault; i++) {
+            post(cam_request_reset);
+            fixture_rig_tick(&f);
+        }
+        TEST_ASSERT_EQUAL_INT(cam_state_off, state());
+        post(cam_request_enable); // before the next plan as well
+        fixture_rig_tick(&f);
+        TEST_ASSERT_EQUAL_INT(cam_state_off, state());
+        TEST_ASSERT_EQUAL_UINT32(0, hal_host.out.outputs & hal_out_enable);
+        expect_refused();
+    }
+}
+
+/// Enable is carried out in the very tick in which something is seen that would end it at once: the
+/// drives do not come on, not even for the retract.
+static void test_enable_does_not_rise_in_the_tick_that_sees_what_holds_it_off(void)
+{
+    static const cam_request_t requests[] = {cam_request_enable, cam_request_manual};
+    for (uint32_t i = 0; i < 8u; i++) {
+        setUp();
+        press();
+        post(requests[i % 2u]);
+        hal_host_fault_estop(i / 2u == 0u);
+        hal_host_fault_drive(i / 2u == 1u);
+        hal_host_fault_bus(i / 2u == 2u);
+        if (i / 2u == 3u) {
+            hal_host_fault_late(300);
+        }
+        for (uint32_t k = 0; k < 20u; k++) {
+            fixture_rig_tick(&f);
+            TEST_ASSERT_EQUAL_UINT32(0, hal_host.out.outputs & hal_out_enable);
+        }
+        TEST_ASSERT_EQUAL_INT(cam_state_off, state());
+        hal_host_fault_estop(false);
+        hal_host_fault_drive(false);
+        hal_host_fault_bus(false);
+    }
+}
+
 static void test_what_else_refuses_is_told_first(void)
 {
     hal_host_fault_estop(true);
@@ -404,6 +464,8 @@ int main(void)
     RUN_TEST(test_an_emergency_stop_wants_another_press_behind_the_reset);
     RUN_TEST(test_a_press_across_the_reset_does_not_count);
     RUN_TEST(test_any_fault_wants_another_press);
+    RUN_TEST(test_a_fault_that_is_reset_at_once_wants_another_press_in_every_phase_of_the_plan);
+    RUN_TEST(test_enable_does_not_rise_in_the_tick_that_sees_what_holds_it_off);
     RUN_TEST(test_what_else_refuses_is_told_first);
     RUN_TEST(test_a_port_without_the_button_refuses_and_says_so);
     RUN_TEST(test_at_the_slowest_tick_the_times_are_the_same);
