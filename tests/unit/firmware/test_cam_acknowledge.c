@@ -425,27 +425,9 @@ static void test_what_is_left_ends_at_0(void)
     TEST_ASSERT_EQUAL_UINT32(0, cam_acknowledge_left(&a, &cfg));
 }
 
-/// Whatever is done with enabled drives uses the press up; a fault and the chain want a new one.
-static void test_every_state_with_enabled_drives_uses_it_up(void)
-{
-    static const cam_acknowledge_config_t cfg = {.is_demanded = true, .good_plans = 100};
-    static const cam_state_t used[] = {cam_state_homing, cam_state_rehearsing,
-                                       cam_state_identifying, cam_state_manual, cam_state_holding};
-    static cam_tick_record_t r;
-    for (uint32_t i = 0; i < 7u; i++) {
-        cam_acknowledge_t a = {.phase = cam_acknowledge_given};
-        cam_motion_t m = {.state = i < 5u ? used[i] : cam_state_fault, .was_open = i == 6u};
-        cam_acknowledge_isr(&a, &cfg, &r, &m);
-        TEST_ASSERT_EQUAL_INT(i < 5u ? cam_acknowledge_used : cam_acknowledge_needed, a.phase);
-        TEST_ASSERT_EQUAL(i < 5u, m.is_acknowledged);
-        TEST_ASSERT_FALSE(m.was_open);
-    }
-}
-
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_every_state_with_enabled_drives_uses_it_up);
     RUN_TEST(test_power_on_wants_a_press);
     RUN_TEST(test_manual_wants_a_press_and_takes_it);
     RUN_TEST(test_without_a_stop_between_one_press_serves_for_more);
