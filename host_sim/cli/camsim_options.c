@@ -156,9 +156,10 @@ static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e
         return common_error(e, "--inject %.60s: one too many; give at most %d", text,
                             sim_session_max_injects);
     }
-    const bool is_bus = strcmp(o->command, "bus") == 0;
-    return sim_inject_parse(&session->inject[session->n_injects++], text,
-                            is_bus ? sim_inject_on_bus : sim_inject_in_run, e);
+    const sim_inject_place_t place = strcmp(o->command, "bus") == 0    ? sim_inject_on_bus
+                                     : strcmp(o->command, "live") == 0 ? sim_inject_in_live
+                                                                       : sim_inject_in_run;
+    return sim_inject_parse(&session->inject[session->n_injects++], text, place, e);
 }
 
 static bool take_switch(camsim_options_t *o, int option)

@@ -41,8 +41,8 @@ static const kind_t kinds[sim_n_injects] = {
     [sim_inject_spindle_override] = {"spindle-override", "percent", 50.0, 120.0, false,
                                      sim_inject_in_run},
     [sim_inject_trim] = {"trim", "um", -1000.0, 1000.0, false, sim_inject_in_run},
-    [sim_inject_acknowledge] = {"acknowledge", "seconds", 0.0, 1000.0, false, 0},
-    [sim_inject_key] = {"key", "0 or 1", 0.0, 1.0, true, 0},
+    [sim_inject_acknowledge] = {"acknowledge", "seconds", 0.0, 1000.0, false, sim_inject_at_button},
+    [sim_inject_key] = {"key", "0 or 1", 0.0, 1.0, true, sim_inject_at_button},
     [sim_inject_encoder_late] = {"encoder-late", "us", 1.0, 1e6, false, sim_inject_on_bus},
     [sim_inject_encoder_missing] = {"encoder-missing", "frames", 1.0, 1e9, true, sim_inject_on_bus},
     [sim_inject_encoder_repeated] = {"encoder-repeated", "frames", 1.0, 1e9, true,
@@ -93,7 +93,9 @@ bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t
     if (value != NULL) {
         *value++ = '\0';
     }
-    const char *command = place == sim_inject_on_bus ? "bus" : "run";
+    const char *command = place == sim_inject_on_bus    ? "bus"
+                          : place == sim_inject_in_live ? "live"
+                                                        : "run";
     int kind = 0;
     while (kind < sim_n_injects && strcmp(kinds[kind].name, copy) != 0) {
         kind++;

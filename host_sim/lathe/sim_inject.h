@@ -87,8 +87,13 @@ typedef enum {
     sim_n_injects
 } sim_inject_kind_t;
 
-/// Where a kind can happen.
-typedef enum { sim_inject_in_run = 1, sim_inject_on_bus = 2 } sim_inject_place_t;
+/// Where a kind can happen. Only the live lathe has a button and a key switch.
+typedef enum {
+    sim_inject_in_run = 1,
+    sim_inject_on_bus = 2,
+    sim_inject_at_button = 4,
+    sim_inject_in_live = sim_inject_in_run | sim_inject_at_button,
+} sim_inject_place_t;
 
 typedef struct {
     sim_inject_kind_t kind;

@@ -24,7 +24,7 @@ static bool parse(sim_inject_t *what, const char *word, common_error_t *e)
     const char *colon = strchr(word, ':');
     const int n_kind = (int)(colon != NULL ? colon - word : (long)strlen(word));
     (void)snprintf(text, sizeof text, "%.*s@t0%s", n_kind, word, colon != NULL ? colon : "");
-    if (!sim_inject_parse(what, text, sim_inject_in_run, e)) {
+    if (!sim_inject_parse(what, text, sim_inject_in_live, e)) {
         return false;
     }
     return (what->kind != sim_inject_stop && what->kind != sim_inject_table_flip) ||
@@ -36,6 +36,9 @@ static void inject(sim_live_t *l, const sim_inject_t *what)
 {
     if (what->kind == sim_inject_key) {
         l->people.is_key_on = what->value != 0.0;
+    } else if (what->kind == sim_inject_acknowledge) {
+        sim_operator_press(&l->people, l->port.time_s, what->value);
+    } else { // it is the lathe's or the port's
     }
     sim_port_inject(&l->port, what, l->session.table.direction);
 }
@@ -48,9 +51,6 @@ static void carry_out(sim_live_t *l, const char *word)
     if (strcmp(word, "release") == 0) {
         release();
     } else if (parse(&what, word, &e)) {
-        if (what.kind == sim_inject_acknowledge) {
-            sim_operator_press(&l->people, l->port.time_s, what.value);
-        }
         inject(l, &what);
     } else {
         (void)fprintf(stderr, "lathe: %s\n", e.text);

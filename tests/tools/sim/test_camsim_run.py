@@ -122,6 +122,8 @@ def test_outputs_begin_with_the_promised_columns(table: Path, tmp_path: Path) ->
         (("--seed", "x"), "--seed"),
         (("--machine", "none.toml"), "none.toml"),
         (("--inject", "earthquake@1"), "earthquake"),
+        (("--inject", "acknowledge@1:0.5"), "acknowledge@1:0.5: cannot happen here"),
+        (("--inject", "key@1:1"), "key@1:1: cannot happen here"),
         (("--set", "no_such=1"), "no_such"),
         (("--set", "lead_ns=-1"), "lead_ns"),
         (("--frobnicate",), "frobnicate"),

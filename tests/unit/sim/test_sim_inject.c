@@ -31,6 +31,23 @@ static void happen(const char *text)
     sim_port_inject(&port, &inject, -1);
 }
 
+/// A run has an operator of its own, and no button: what presses nothing is refused.
+static void test_only_the_live_lathe_has_a_button_and_a_key(void)
+{
+    static const char *const texts[] = {"acknowledge@1:0.5", "key@t2:1"};
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_FALSE(sim_inject_parse(&inject, texts[i], sim_inject_in_run, &error));
+        TEST_ASSERT_NOT_NULL(strstr(error.text, "cannot happen here; camsim run --help"));
+        TEST_ASSERT_FALSE(sim_inject_parse(&inject, texts[i], sim_inject_on_bus, &error));
+        TEST_ASSERT_NOT_NULL(strstr(error.text, "camsim bus --help"));
+        TEST_ASSERT_TRUE(sim_inject_parse(&inject, texts[i], sim_inject_in_live, &error));
+    }
+    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "late-tick@1:50", sim_inject_in_live, &error));
+    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "estop@1", sim_inject_in_live, &error));
+    TEST_ASSERT_FALSE(sim_inject_parse(&inject, "node-dead@1:2", sim_inject_in_live, &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "camsim live --help"));
+}
+
 static void test_parse_takes_kind_time_and_value(void)
 {
     TEST_ASSERT_TRUE(sim_inject_parse(&inject, "lost-counts@1.5:30", sim_inject_in_run, &error));
@@ -132,6 +149,7 @@ static void test_apply_reaches_the_lathe(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_only_the_live_lathe_has_a_button_and_a_key);
     RUN_TEST(test_parse_takes_kind_time_and_value);
     RUN_TEST(test_parse_refuses_what_is_wrong);
     RUN_TEST(test_apply_reaches_the_port);
