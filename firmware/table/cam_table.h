@@ -19,8 +19,8 @@
 ///               behind it, if there is one (cam_signature.h)
 /// @param table  filled on success, zeroed otherwise
 /// @return       cam_ok, or the first thing wrong in the order of TABLE_FORMAT.md
-/// Context: slow side; a few passes over the image, some 26 instructions per byte on a Cortex-M7,
-/// 65 with a speed channel, and what the range of values costs. Source: TABLE_FORMAT.md.
+/// Context: slow side; a few passes over the image. Source: TABLE_FORMAT.md, which counts the
+/// instructions per byte.
 CAM_MUST_USE cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table);
 
 /// Compute the CRC-32 of an image piece by piece: begin with 0 and pass each result on.

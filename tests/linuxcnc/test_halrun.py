@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from camtools.cli import keys
+from camtools.table.signature import read_private, sign
 from halbox import Halbox
 from replays import COMMANDED, Cut, Whole, cut, replay
 
@@ -67,6 +69,47 @@ def test_no_table_is_refused(box: Halbox) -> None:
     """Without a path the line says how to give one."""
     assert box.load("loadrt camturn\n") != 0
     assert "camturn: table=: no table is given; loadrt camturn table=" in box.said()
+
+
+@pytest.fixture(scope="module")
+def keys_of(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, str]]:
+    """Return two pairs of keys: the file of the private one, the digits of the public one."""
+    folder, made = tmp_path_factory.mktemp("keys"), {}
+    for name in ("ours", "foreign"):
+        assert keys.main(["make", str(folder / name)]) == 0
+        made[name] = folder / f"{name}.pem", (folder / f"{name}.pub").read_text().strip()
+    return made
+
+
+@pytest.mark.parametrize(
+    ("signed_by", "words", "said"),
+    [
+        ("ours", "trust_keys={foreign},{ours} trust_required=1", ""),
+        ("foreign", "trust_keys={ours}", "signed by a key that is not trusted here"),
+        ("", "trust_keys={ours}", ""),
+        ("", "trust_keys={ours} trust_required=1", "./part.camtab: refused: "),
+        ("ours", "trust_required=1", "trust_keys=: give public keys as tools/keys show prints"),
+        ("ours", "trust_keys=0011", "trust_keys=0011: give public keys as tools/keys show"),
+        ("ours", "trust_keys={weak}", "none of them weak"),
+    ],
+)
+def test_trusted_keys_decide_which_tables_are_taken(
+    box: Halbox,
+    table_of: TableOf,
+    keys_of: dict[str, tuple[Path, str]],
+    signed_by: str,
+    words: str,
+    said: str,
+) -> None:
+    """By the parameters of loadrt; what is refused says why, and the component does not load."""
+    image = table_of("perkins240").read_bytes()
+    if signed_by:
+        image = sign(image, read_private(keys_of[signed_by][0]))
+    (box.folder / "part.camtab").write_bytes(image)
+    digits = {name: public for name, (_, public) in keys_of.items()} | {"weak": "0" * 64}
+    line = LOAD.format("./part.camtab").strip() + " " + words.format_map(digits) + "\n"
+    assert (box.load(line) == 0) == (said == "")
+    assert said in box.said()
 
 
 def test_damaged_table_is_refused(box: Halbox, table_of: TableOf) -> None:
