@@ -77,11 +77,10 @@ static int64_t way_nm(const cam_play_config_t *c, uint32_t axis)
 /// @return [counts] what moves the place that X and Z are aimed at from plan to plan: a step of the
 /// encoder within the jump window, or a count and what the observer makes of it. That is a speed of
 /// w T counts per tick, which the reading ahead multiplies; half of it was seen at most.
-static int64_t unrest_counts(const cam_config_t *c)
+static int32_t unrest_counts(const cam_config_t *c)
 {
-    const int64_t wt_q31 = c->spindle.kp_q31 / 2; // kp = 2 w T
-    const int64_t ahead_q16 = c->play.xz_plan_q16;
-    const int64_t observed = 1 + ((wt_q31 >> 8) * (ahead_q16 >> 8) >> 32);
+    const int64_t ahead_q47 = (int64_t)c->spindle.kp_q31 * c->play.xz_plan_q16; // kp = 2 w T
+    const int32_t observed = 1 + (int32_t)(ahead_q47 >> 49);
     return observed > c->spindle.jump_window ? observed : c->spindle.jump_window;
 }
 
@@ -93,13 +92,14 @@ static int64_t unrest_counts(const cam_config_t *c)
 static void build_told(cam_config_t *c)
 {
     const int32_t ticks = c->play.plan_ticks;
+    const int64_t unrest = unrest_counts(c);
     cam_tell_config_t *t = &c->tell;
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
         const cam_move_limits_t *full = &c->play.leave[i]; // per plan
         const int64_t vel_q10 = full->speed_q10 / ticks;
         const int64_t change_q10 = full->acceleration_q10 / ticks;
         const int64_t unrest_q10 =
-            way_nm(&c->play, i) * unrest_counts(c) / c->spindle.counts_per_turn * 1024 / ticks;
+            way_nm(&c->play, i) * unrest * 256 / (c->spindle.counts_per_turn * ticks) * 4;
         const int64_t most_q10 = vel_q10 + vel_q10 / 16 + unrest_q10 + CAM_BUILD_MARGIN_Q10;
         const bool is_led = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
         const int64_t told_q10 = 2 * (change_q10 + unrest_q10) + CAM_BUILD_MARGIN_Q10;
@@ -124,15 +124,15 @@ static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window
 /// m (m - 1) a / 2 n with m of them left, and told k1 m a / n more and k2 a / n less: that is most
 /// at m = k1 + 1/2, which counts in short windows; in a window shorter than twice k1 it is k1 -
 /// n/2. MATHS.md (212)
-static int64_t ahead_ticks_q16(const cam_config_t *c, uint32_t log2_window)
+static int32_t ahead_ticks_q16(const cam_config_t *c, uint32_t log2_window)
 {
-    const int64_t n_q8 = INT64_C(256) << log2_window;
-    const int64_t k1_q8 = c->tell.k1_q16 / 256;
-    const int64_t m_q8 = cam_clamp_i64(k1_q8 + 128, 0, n_q8);
-    const int64_t told_q16 = (2 * k1_q8 + 256 - m_q8) * m_q8 / 2;
-    const int64_t falling_q16 = (told_q16 - c->tell.k2_q16) >> log2_window;
-    const int64_t over_q16 = c->tell.k1_q16 - (INT64_C(32768) << log2_window);
-    return cam_clamp_i64(over_q16 > falling_q16 ? over_q16 : falling_q16, 0, INT32_MAX);
+    const int32_t k1_q8 = c->tell.k1_q16 >> 8;
+    const int32_t m_q8 = cam_clamp_i32(k1_q8 + 128, 0, INT32_C(256) << log2_window);
+    const int64_t told_q16 = ((int64_t)(2 * k1_q8 + 256 - m_q8) * m_q8) >> 1;
+    const int32_t falling_q16 = cam_sat_i32((told_q16 - c->tell.k2_q16) >> log2_window);
+    const int32_t over_q16 = c->tell.k1_q16 - (INT32_C(32768) << log2_window);
+    const int32_t more_q16 = over_q16 > falling_q16 ? over_q16 : falling_q16;
+    return more_q16 > 0 ? more_q16 : 0;
 }
 
 /// The command of U runs ahead of U by the feed-forward. So the retract begins with less than the
@@ -144,7 +144,7 @@ static cam_move_limits_t leaving(const cam_config_t *c, uint32_t log2_window)
     const cam_move_limits_t *u = &c->guard.u;
     const int64_t a_q10 =
         cam_cut_smaller(u->acceleration_q10, most_acceleration_q10(c, log2_window));
-    const int64_t ahead_q10 = ahead_ticks_q16(c, log2_window) * a_q10 / 65536;
+    const int64_t ahead_q10 = (ahead_ticks_q16(c, log2_window) * a_q10) >> 16;
     const int64_t least_q10 = u->speed_q10 / 4 + 1;
     const int64_t most_q10 = u->speed_q10 - u->speed_q10 / 16 - ahead_q10;
     const cam_move_limits_t gentle = {
