@@ -30,7 +30,8 @@ static inline uint32_t cam_angle_of_pos(int64_t pos_q32)
 /// @return [turn, Q32.32] the first whole turn at or after pos_q32
 static inline int64_t cam_angle_next_turn(int64_t pos_q32)
 {
-    return (pos_q32 + (CAM_TURN_Q32 - 1)) & ~(CAM_TURN_Q32 - 1);
+    return (int64_t)(((uint64_t)pos_q32 + (uint64_t)(CAM_TURN_Q32 - 1)) &
+                     ~(uint64_t)(CAM_TURN_Q32 - 1));
 }
 
 #endif

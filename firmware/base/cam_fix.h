@@ -244,6 +244,31 @@ static inline int32_t cam_wrap_sub(int32_t a, int32_t b)
     return (int32_t)((uint32_t)a - (uint32_t)b);
 }
 
+/// @return a + b modulo 2^64: the same instructions as a + b, and defined for any arguments
+/*@ assigns \result \from a, b;
+    ensures plain: INT64_MIN <= a + b <= INT64_MAX ==> \result == a + b;
+*/
+static inline int64_t cam_wrap_add_i64(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a + (uint64_t)b);
+}
+
+/// @return a - b modulo 2^64
+/*@ assigns \result \from a, b;
+    ensures plain: INT64_MIN <= a - b <= INT64_MAX ==> \result == a - b;
+*/
+static inline int64_t cam_wrap_sub_i64(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a - (uint64_t)b);
+}
+
+/// @return a * b modulo 2^64
+//@ assigns \result \from a, b;
+static inline int64_t cam_wrap_times_i64(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a * (uint64_t)b);
+}
+
 /// Test a symmetric range with one comparison instead of two.
 /// @param limit  0 .. 2^31 - 1
 /// @return       whether -limit <= v <= limit

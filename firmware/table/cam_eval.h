@@ -226,8 +226,13 @@ CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t the
     const uint32_t k_next = (k + 1u) & (n_knots - 1u);
     const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
     const cam_knot_t *high = low + n_knots;
+    const cam_knot_t *before = low + k;
+    const cam_knot_t *behind = low + k_next;
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    __asm("" : "+r"(before), "+r"(behind)); // else the first word of each is addressed apart
+#endif
     return (cam_place_t){
-        .low = {low + k, low + k_next},
+        .low = {before, behind},
         .high = {high + k, high + k_next},
         .w_q31 = z.w_q31,
         .s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u),

@@ -101,10 +101,12 @@ int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm)
     }
     const uint32_t beside_nm = is_below ? (uint32_t)lobe->z_first_nm - (uint32_t)z_nm
                                         : (uint32_t)z_nm - (uint32_t)lobe->z_last_nm;
+    //@ split is_below;
     if (beside_nm <= (uint32_t)cam_lobes_kept_off_nm || (is_below && i == 0u)) {
         return 0;
     }
-    const uint32_t per_nm_q48 = is_below ? lobe[-1].changes_per_nm_q48 : lobe->changes_per_nm_q48;
+    const uint32_t per_nm_q48 =
+        is_below ? t->lobes[i - 1u].changes_per_nm_q48 : lobe->changes_per_nm_q48;
     const uint64_t q31 =
         ((uint64_t)(beside_nm - (uint32_t)cam_lobes_kept_off_nm) * per_nm_q48) >> 17;
     return q31 < (uint64_t)INT32_MAX ? (int32_t)q31 : INT32_MAX;

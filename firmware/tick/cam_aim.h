@@ -26,10 +26,11 @@ static inline void cam_aim_isr(cam_move_t *m, const cam_play_config_t *cfg, int6
 {
     const int64_t most_q10 = (int64_t)cam_aim_most_nm * 1024;
     const int64_t held_q10 = cam_clamp_i64(target_q10, -most_q10, most_q10);
-    const int32_t left_q10 = cam_sat_i32(held_q10 - m->pos_q10);
+    const int32_t left_q10 = cam_sat_i32(cam_wrap_sub_i64(held_q10, m->pos_q10));
     m->vel_q10 = cam_aim_share(cfg, left_q10);
     m->acc_q10 = 0;
-    m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cfg->plan_ticks;
+    const int64_t rest_q10 = left_q10 - (int64_t)m->vel_q10 * cfg->plan_ticks;
+    m->pos_q10 = cam_wrap_add_i64(m->pos_q10, rest_q10);
 }
 
 /// @param trim_q4  [nm / 16] stock and trim in force

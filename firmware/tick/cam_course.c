@@ -7,6 +7,19 @@
 /// Times that a rate is halved to fit what is left of the part: down to a 128th.
 enum { most_halvings = 7 };
 
+/// Positions and lengths lie far from the ends of 64 bits. Sums of them are computed modulo 2^64
+/// nevertheless: it costs nothing, and no state, not even one that was changed from outside, is
+/// undefined.
+static int64_t plus(int64_t a, int64_t b)
+{
+    return cam_wrap_add_i64(a, b);
+}
+
+static int64_t minus(int64_t a, int64_t b)
+{
+    return cam_wrap_sub_i64(a, b);
+}
+
 static int64_t later(int64_t a, int64_t b)
 {
     return a > b ? a : b;
@@ -16,15 +29,15 @@ static int64_t later(int64_t a, int64_t b)
 static int64_t times(int64_t a, int32_t b, uint32_t n)
 {
     const int64_t low = a & ((INT64_C(1) << n) - 1);
-    return (a >> n) * b + ((low * b) >> n);
+    return plus(cam_wrap_times_i64(a >> n, b), cam_wrap_times_i64(low, b) >> n);
 }
 
 /// @return [turn] fed while the rate rises from 0 for a number of turns, x^2 / 2r
 static int64_t risen_q32(const cam_play_config_t *cfg, int64_t turns_q32)
 {
     const int64_t turns_q24 = turns_q32 >> 8;
-    const int64_t share_q31 = (turns_q24 * cfg->per_ramp_q31) >> 24;
-    return (share_q31 * turns_q24) >> 24;
+    const int64_t share_q31 = cam_wrap_times_i64(turns_q24, cfg->per_ramp_q31) >> 24;
+    return cam_wrap_times_i64(share_q31, turns_q24) >> 24;
 }
 
 /// @return [turn] over which the rate changes by so much
@@ -38,30 +51,31 @@ static int64_t fed_before_brake_q32(const cam_course_t *c, const cam_play_config
                                     int64_t pos_q32)
 {
     if (pos_q32 >= c->to_q32) {
-        return c->fed_to_q32 + times(pos_q32 - c->to_q32, c->to_rate_q30, 30);
+        return plus(c->fed_to_q32, times(minus(pos_q32, c->to_q32), c->to_rate_q30, 30));
     }
-    const int64_t done_q32 = pos_q32 - c->from_q32;
+    const int64_t done_q32 = minus(pos_q32, c->from_q32);
     if (c->rate_q30 <= c->to_rate_q30 || done_q32 <= 0) {
         const int64_t more_q32 = done_q32 > 0 ? risen_q32(cfg, done_q32) : 0;
-        return c->fed_q32 + times(done_q32, c->rate_q30, 30) + more_q32;
+        return plus(plus(c->fed_q32, times(done_q32, c->rate_q30, 30)), more_q32);
     }
-    const int64_t left_q32 = c->to_q32 - pos_q32;
-    return c->fed_to_q32 - times(left_q32, c->to_rate_q30, 30) - risen_q32(cfg, left_q32);
+    const int64_t left_q32 = minus(c->to_q32, pos_q32);
+    const int64_t less_q32 = plus(times(left_q32, c->to_rate_q30, 30), risen_q32(cfg, left_q32));
+    return minus(c->fed_to_q32, less_q32);
 }
 
 int32_t cam_course_fed_nm_isr(const cam_course_t *c, const cam_play_config_t *cfg, int64_t pos_q32)
 {
-    const int64_t left_q32 = c->end_q32 - pos_q32;
+    const int64_t left_q32 = minus(c->end_q32, pos_q32);
     if (cfg->rings.is_on) {
         const int64_t until_q32 = left_q32 > 0 ? pos_q32 : c->end_q32;
-        const int64_t done_q32 = later(until_q32 - c->from_q32, 0);
+        const int64_t done_q32 = later(minus(until_q32, c->from_q32), 0);
         return cam_feed_height_nm_isr(&cfg->rings, done_q32,
                                       cam_feed_risen_q30_isr(&cfg->rings, done_q32));
     }
     const int64_t fed_q32 = pos_q32 < c->brake_q32
                                 ? fed_before_brake_q32(c, cfg, pos_q32)
-                                : c->fed_end_q32 - risen_q32(cfg, later(left_q32, 0));
-    return (int32_t)((fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32);
+                                : minus(c->fed_end_q32, risen_q32(cfg, later(left_q32, 0)));
+    return (int32_t)(plus(cam_wrap_times_i64(fed_q32, cfg->feed_nm), INT64_C(1) << 31) >> 32);
 }
 
 /// Lay the end of the part behind a change of the rate.
@@ -73,10 +87,11 @@ static void lay_brake(cam_course_t *c, const cam_play_config_t *cfg, int64_t lef
 {
     const int32_t per_q24 = cfg->per_feed_rate_q24;
     const int64_t scale = INT64_C(1) << halvings;
-    const int64_t near_q32 = times(left_q32, per_q24, 24) * scale;
-    const int64_t rest_q32 = left_q32 - times(near_q32, c->to_rate_q30, 30);
-    c->brake_q32 = c->to_q32 + near_q32 + times(rest_q32, per_q24, 24) * scale;
-    c->end_q32 = c->brake_q32 + ramp_q32(cfg, c->to_rate_q30);
+    const int64_t near_q32 = cam_wrap_times_i64(times(left_q32, per_q24, 24), scale);
+    const int64_t rest_q32 = minus(left_q32, times(near_q32, c->to_rate_q30, 30));
+    const int64_t more_q32 = cam_wrap_times_i64(times(rest_q32, per_q24, 24), scale);
+    c->brake_q32 = plus(plus(c->to_q32, near_q32), more_q32);
+    c->end_q32 = plus(c->brake_q32, ramp_q32(cfg, c->to_rate_q30));
     c->fed_end_q32 = cfg->feed_q32 - cfg->ramp_q32;
     c->is_held = false;
 }
@@ -94,9 +109,11 @@ static bool lay_change(cam_course_t *c, const cam_play_config_t *cfg, int64_t fr
     const int32_t by_q30 = is_rising ? to_rate_q30 - rate_q30 : rate_q30 - to_rate_q30;
     const int32_t slower_q30 = is_rising ? rate_q30 : to_rate_q30;
     const int64_t turns_q32 = ramp_q32(cfg, by_q30);
-    const int64_t more_q32 = times(turns_q32, slower_q30, 30) + times(turns_q32, by_q30, 30) / 2;
+    const int64_t more_q32 =
+        plus(times(turns_q32, slower_q30, 30), times(turns_q32, by_q30, 30) / 2);
     const int64_t braked_q32 = times(ramp_q32(cfg, to_rate_q30), to_rate_q30, 30) / 2;
-    const int64_t left_q32 = cfg->feed_q32 - cfg->ramp_q32 - fed_q32 - more_q32 - braked_q32;
+    const int64_t left_q32 =
+        minus(minus(cfg->feed_q32 - cfg->ramp_q32, plus(more_q32, braked_q32)), fed_q32);
     if (left_q32 < 0) {
         return false;
     }
@@ -104,8 +121,8 @@ static bool lay_change(cam_course_t *c, const cam_play_config_t *cfg, int64_t fr
     c->fed_q32 = fed_q32;
     c->rate_q30 = rate_q30;
     c->to_rate_q30 = to_rate_q30;
-    c->to_q32 = from_q32 + turns_q32;
-    c->fed_to_q32 = fed_q32 + more_q32;
+    c->to_q32 = plus(from_q32, turns_q32);
+    c->fed_to_q32 = plus(fed_q32, more_q32);
     lay_brake(c, cfg, left_q32, halvings);
     return true;
 }
@@ -115,7 +132,7 @@ static void lay_begin(cam_course_t *c, const cam_play_config_t *cfg, int64_t fro
                       int64_t fed_q32)
 {
     const int32_t rate_q30 = cfg->feed_rate_q30;
-    const int64_t left_q32 = cfg->feed_q32 - cfg->ramp_q32 - fed_q32;
+    const int64_t left_q32 = minus(cfg->feed_q32 - cfg->ramp_q32, fed_q32);
     int64_t needed_q32 = times(ramp_q32(cfg, rate_q30), rate_q30, 30);
     int32_t halvings = 0;
     while (needed_q32 > left_q32 && halvings < most_halvings) {
@@ -150,7 +167,7 @@ void cam_course_lay_isr(cam_course_t *c, const cam_play_config_t *cfg, int64_t a
     if (cfg->feed_rate_q30 == 0) {
         c->is_held = true;
     } else if (cfg->rings.is_on) {
-        c->end_q32 = at_q32 + cfg->feed_q32;
+        c->end_q32 = plus(at_q32, cfg->feed_q32);
     } else {
         lay_begin(c, cfg, at_q32, 0);
     }
@@ -165,14 +182,15 @@ static bool brake_early(cam_course_t *c, const cam_play_config_t *cfg, int64_t n
         return true;
     }
     const int64_t braked_q32 = ramp_q32(cfg, c->to_rate_q30);
-    const int64_t end_q32 = cam_angle_next_turn(later(next_q32, c->to_q32) + braked_q32);
+    const int64_t end_q32 = cam_angle_next_turn(plus(later(next_q32, c->to_q32), braked_q32));
     if (end_q32 >= c->end_q32) {
         return false;
     }
-    c->brake_q32 = end_q32 - braked_q32;
+    c->brake_q32 = minus(end_q32, braked_q32);
     c->end_q32 = end_q32;
-    c->fed_end_q32 = c->fed_to_q32 + times(c->brake_q32 - c->to_q32, c->to_rate_q30, 30) +
-                     times(braked_q32, c->to_rate_q30, 30) / 2;
+    const int64_t even_q32 = times(minus(c->brake_q32, c->to_q32), c->to_rate_q30, 30);
+    const int64_t last_q32 = times(braked_q32, c->to_rate_q30, 30) / 2;
+    c->fed_end_q32 = plus(plus(c->fed_to_q32, even_q32), last_q32);
     return true;
 }
 
@@ -180,12 +198,13 @@ static bool brake_early(cam_course_t *c, const cam_play_config_t *cfg, int64_t n
 /// one ends for a stop
 static int64_t ring_q32(const cam_course_t *c, int64_t next_q32, bool is_end)
 {
-    const int64_t done_q32 = next_q32 - c->from_q32;
+    const int64_t done_q32 = minus(next_q32, c->from_q32);
     if (done_q32 <= 0) {
         return next_q32;
     }
     const int64_t odd_q32 = done_q32 & CAM_TURN_Q32;
-    return c->from_q32 + (is_end ? cam_feed_ring_end_q32(done_q32) : done_q32 + odd_q32);
+    const int64_t whole_q32 = is_end ? cam_feed_ring_end_q32(done_q32) : plus(done_q32, odd_q32);
+    return plus(c->from_q32, whole_q32);
 }
 
 /// @return whether a ring-helix rests before its end
@@ -200,8 +219,9 @@ static bool rest_rings(cam_course_t *c, int64_t end_q32)
 static void feed_on(cam_course_t *c, const cam_play_config_t *cfg, int64_t next_q32)
 {
     if (cfg->rings.is_on) {
-        c->from_q32 = later(c->from_q32, next_q32 - later(c->end_q32 - c->from_q32, 0));
-        c->end_q32 = c->from_q32 + cfg->feed_q32;
+        const int64_t done_q32 = later(minus(c->end_q32, c->from_q32), 0);
+        c->from_q32 = later(c->from_q32, minus(next_q32, done_q32));
+        c->end_q32 = plus(c->from_q32, cfg->feed_q32);
         c->is_held = false;
     } else {
         lay_begin(c, cfg, later(c->from_q32, next_q32), c->fed_end_q32);

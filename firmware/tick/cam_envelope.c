@@ -27,9 +27,9 @@ int32_t cam_envelope_smooth_q30(int32_t s_q31)
 /// @param d_q31  [1 / 2^31] 0 .. 2^31 / 16
 /// @return       [1 / 2^30]
 /*@ requires share: s_q31 >= 0;
-    requires lag: 0 <= d_q31 <= 0x8000000;
+    requires lag: 0 <= d_q31 <= 0xFFFFFFF;
     assigns \result \from s_q31, d_q31;
-    ensures most: -0x8000000 <= \result <= 0x8000000;
+    ensures most: -0x10000000 <= \result <= 0x10000000;
 */
 static int32_t inverse_q30(int32_t s_q31, int32_t d_q31)
 {
@@ -44,13 +44,15 @@ int32_t cam_envelope_step_q30(int64_t done_q32, int64_t lag_q32, int64_t length_
                               uint32_t per_length_q31)
 {
     const int64_t inverted_q32 = cam_clamp_i64(lag_q32, 0, length_q32 / 16);
-    const int64_t at_q32 = done_q32 + lag_q32 - inverted_q32;
+    const int64_t at_q32 = cam_wrap_add_i64(done_q32, lag_q32 - inverted_q32);
     if (at_q32 <= 0 || at_q32 >= length_q32) { // most of a cut lies outside of both steps
         return at_q32 <= 0 ? 0 : ONE_Q30;
     }
     const uint32_t at_q24 = (uint32_t)(at_q32 >> 8); // 100 turns at most
     const uint32_t lag_q24 = (uint32_t)(inverted_q32 >> 8);
-    const int32_t s_q31 = (int32_t)(((uint64_t)at_q24 * per_length_q31) >> 24);
-    const int32_t d_q31 = (int32_t)(((uint64_t)lag_q24 * per_length_q31) >> 24);
+    // The reciprocal is rounded down, so that both shares are below 1 and a sixteenth; the masks
+    // tell that to everybody, and hold where length and reciprocal are those of no configuration.
+    const int32_t s_q31 = (int32_t)((((uint64_t)at_q24 * per_length_q31) >> 24) & 0x7FFFFFFFu);
+    const int32_t d_q31 = (int32_t)((((uint64_t)lag_q24 * per_length_q31) >> 24) & 0x0FFFFFFFu);
     return cam_envelope_smooth_q30(s_q31) + inverse_q30(s_q31, d_q31);
 }

@@ -104,8 +104,9 @@ uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32)
 
 int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32, uint32_t risen_q30)
 {
-    const int32_t ring_nm = lesser_nm((int32_t)(done_q32 >> 33) * rings->feed_nm, rings->span_nm);
-    const int32_t step_nm = lesser_nm(rings->feed_nm, rings->span_nm - ring_nm);
+    const int32_t fed_nm = cam_wrap_times((int32_t)(done_q32 >> 33), (uint32_t)rings->feed_nm);
+    const int32_t ring_nm = lesser_nm(fed_nm, rings->span_nm);
+    const int32_t step_nm = lesser_nm(rings->feed_nm, cam_wrap_sub(rings->span_nm, ring_nm));
     const uint64_t fed_q30 = (uint64_t)risen_q30 * (uint32_t)step_nm + (UINT32_C(1) << 29);
-    return ring_nm + (int32_t)(fed_q30 >> 30);
+    return cam_wrap_add(ring_nm, (int32_t)(fed_q30 >> 30));
 }

@@ -20,9 +20,9 @@ void cam_glide_begin_isr(cam_glide_t *g, const cam_move_t *m, uint32_t log2_wind
         cam_sat_i32((int64_t)m->vel_q10 - cam_wrap_times(slope_q10, (uint32_t)n - 1u) / 2);
     const int64_t behind = (int64_t)oldest_q10 * sums[log2_window].first +
                            (int64_t)slope_q10 * sums[log2_window].second;
-    g->raw.pos_q10 = m->pos_q10 + (behind >> log2_window);
+    g->raw.pos_q10 = cam_wrap_add_i64(m->pos_q10, behind >> log2_window);
     g->raw.vel_q10 = cam_sat_i32((int64_t)oldest_q10 + cam_wrap_times(slope_q10, (uint32_t)n - 1u));
-    g->sum_pos_q10 = g->raw.pos_q10 * n - behind;
+    g->sum_pos_q10 = cam_wrap_sub_i64(cam_wrap_times_i64(g->raw.pos_q10, n), behind);
     g->sum_vel_q10 = (int64_t)oldest_q10 * n + (int64_t)slope_q10 * sums[log2_window].first;
     g->line_q10 = oldest_q10;
     g->slope_q10 = slope_q10;
@@ -55,10 +55,10 @@ static bool carry(cam_glide_t *g, cam_move_t *m, bool is_still)
     *place = g->raw.vel_q10;
     g->at++;
     const int64_t change_q10 = (int64_t)g->raw.vel_q10 - leaving_q10;
-    g->sum_vel_q10 += change_q10;
-    g->sum_pos_q10 += g->sum_vel_q10;
+    g->sum_vel_q10 = cam_wrap_add_i64(g->sum_vel_q10, change_q10);
+    g->sum_pos_q10 = cam_wrap_add_i64(g->sum_pos_q10, g->sum_vel_q10);
     const int64_t pos_q10 = g->sum_pos_q10 >> g->log2_window;
-    m->vel_q10 = (int32_t)(pos_q10 - m->pos_q10);
+    m->vel_q10 = (int32_t)cam_wrap_sub_i64(pos_q10, m->pos_q10);
     m->acc_q10 = (int32_t)(change_q10 >> g->log2_window);
     m->pos_q10 = pos_q10;
     const uint32_t n_still = is_still ? g->n_still + 1u : 0u;
@@ -83,6 +83,7 @@ bool cam_glide_stop_isr(cam_glide_t *g, cam_move_t *m, const cam_move_limits_t *
 
 void cam_glide_shift_isr(cam_glide_t *g, int64_t by_q10)
 {
-    g->raw.pos_q10 += by_q10;
-    g->sum_pos_q10 += by_q10 * (INT64_C(1) << g->log2_window);
+    const int64_t sum_q10 = cam_wrap_times_i64(by_q10, INT64_C(1) << g->log2_window);
+    g->raw.pos_q10 = cam_wrap_add_i64(g->raw.pos_q10, by_q10);
+    g->sum_pos_q10 = cam_wrap_add_i64(g->sum_pos_q10, sum_q10);
 }

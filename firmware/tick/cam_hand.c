@@ -40,7 +40,8 @@ static void begin_phase(cam_hand_t *h, const cam_hand_order_t *o, cam_hand_phase
 {
     const int32_t sense = phase == cam_hand_search ? o->sense : -o->sense;
     h->phase = phase;
-    h->target_q10 = cam_clamp_i64(from_q10 + sense * o->distance_q10, o->low_q10, o->high_q10);
+    h->target_q10 =
+        cam_clamp_i64(cam_wrap_add_i64(from_q10, sense * o->distance_q10), o->low_q10, o->high_q10);
 }
 
 /// [nm] U's number rises by less than this at once: set-points in nm / 64 end here.
@@ -53,9 +54,9 @@ static int32_t take_home(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_
     const hal_axis_t axis = h->axis;
     const int32_t place_nm = r->in.actual_nm[axis];
     const int64_t shift_nm = axis == hal_axis_u ? (int64_t)cfg->order.home_nm - place_nm : 0;
-    const int64_t u_q10 = m->axis[hal_axis_u].pos_q10 + shift_nm * 1024;
+    const int64_t u_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, shift_nm * 1024);
     const bool is_far = cam_abs_i64(shift_nm) >= most_shift_nm;
-    if (shift_nm != 0 && (is_far || cam_abs_i64(u_q10) > cfg->u_end_q10)) {
+    if (shift_nm != 0 && (is_far || !cam_is_between(u_q10, -cfg->u_end_q10, cfg->u_end_q10))) {
         end_order(h, cam_hand_no_stroke);
         return 0;
     }
@@ -79,8 +80,8 @@ static int32_t begin_homing(cam_hand_t *h, const cam_hand_config_t *cfg, const c
     h->homed &= ~(UINT32_C(1) << (uint32_t)o->axis);
     if (o->axis == hal_axis_u) {
         const int64_t end_q10 = (is_on ? o->sense : -o->sense) * cfg->u_end_q10;
-        shift_nm = (end_q10 - from_q10) / 1024;
-        from_q10 += shift_nm * 1024;
+        shift_nm = cam_wrap_sub_i64(end_q10, from_q10) / 1024;
+        from_q10 = cam_wrap_add_i64(from_q10, shift_nm * 1024);
         if (cam_abs_i64(shift_nm) >= most_shift_nm) {
             end_order(h, cam_hand_no_stroke);
             return 0;
@@ -99,8 +100,9 @@ static int64_t travel_q10(const cam_hand_config_t *cfg, int64_t pos_q10)
     const int64_t low_q10 = pos_q10 < o->low_q10 - room_q10 ? pos_q10 : o->low_q10;
     const int64_t high_q10 = pos_q10 > o->high_q10 + room_q10 ? pos_q10 : o->high_q10;
     const int64_t far_q10 = o->sense > 0 ? high_q10 : low_q10;
-    return o->begin == cam_hand_jog ? far_q10
-                                    : cam_clamp_i64(pos_q10 + o->distance_q10, low_q10, high_q10);
+    return o->begin == cam_hand_jog
+               ? far_q10
+               : cam_clamp_i64(cam_wrap_add_i64(pos_q10, o->distance_q10), low_q10, high_q10);
 }
 
 /// Begin the order of the configuration. @return [nm] by which U's number rises

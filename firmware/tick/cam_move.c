@@ -30,9 +30,9 @@ static int32_t choose(int32_t vel, const cam_move_limits_t *limits, uint32_t dis
 
 bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t target_q10)
 {
-    const int64_t distance = target_q10 - m->pos_q10;
+    const int64_t distance = cam_wrap_sub_i64(target_q10, m->pos_q10);
     const bool is_backward = distance < 0;
-    const int64_t magnitude = is_backward ? -distance : distance;
+    const int64_t magnitude = is_backward ? cam_wrap_sub_i64(0, distance) : distance;
     // A longer distance never limits the speed: the axis can always brake within it.
     const int32_t ahead = magnitude < INT32_MAX ? (int32_t)magnitude : INT32_MAX;
     const int32_t vel = is_backward ? cam_wrap_sub(0, m->vel_q10) : m->vel_q10;
@@ -43,7 +43,7 @@ bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t tar
     const int32_t vel_q10 = is_backward ? cam_wrap_sub(0, next) : next;
     m->acc_q10 = cam_wrap_sub(vel_q10, m->vel_q10);
     m->vel_q10 = vel_q10;
-    m->pos_q10 += vel_q10;
+    m->pos_q10 = cam_wrap_add_i64(m->pos_q10, vel_q10);
     return m->pos_q10 == target_q10 && next == 0;
 }
 
@@ -52,6 +52,6 @@ bool cam_move_stop_isr(cam_move_t *m, const cam_move_limits_t *limits)
     const int32_t a = limits->acceleration_q10;
     m->acc_q10 = -cam_clamp_i32(m->vel_q10, -a, a);
     m->vel_q10 = cam_wrap_add(m->vel_q10, m->acc_q10);
-    m->pos_q10 += m->vel_q10;
+    m->pos_q10 = cam_wrap_add_i64(m->pos_q10, m->vel_q10);
     return m->vel_q10 == 0;
 }

@@ -26,7 +26,7 @@
 static int64_t ahead_q32(const cam_angle_t *angle, int32_t ticks_q16, int32_t alpha_q40,
                          int32_t ticks2)
 {
-    return cam_angle_ahead(angle, ticks_q16) + (((int64_t)alpha_q40 * ticks2) >> 8);
+    return cam_wrap_add_i64(cam_angle_ahead(angle, ticks_q16), ((int64_t)alpha_q40 * ticks2) >> 8);
 }
 
 /// @param lag_q32  [turn] travelled during the lag of the drive
@@ -34,10 +34,11 @@ static int64_t ahead_q32(const cam_angle_t *angle, int32_t ticks_q16, int32_t al
 static int32_t envelope_q30(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
                             int64_t lag_q32)
 {
-    const int32_t risen_q30 = cam_envelope_step_q30(pos_q32 - p->engage_at_q32, lag_q32,
-                                                    cfg->engage_q32, cfg->per_engage_q31);
-    const int32_t fallen_q30 = cam_envelope_step_q30(pos_q32 - p->disengage_at_q32, lag_q32,
-                                                     cfg->disengage_q32, cfg->per_disengage_q31);
+    const int32_t risen_q30 = cam_envelope_step_q30(cam_wrap_sub_i64(pos_q32, p->engage_at_q32),
+                                                    lag_q32, cfg->engage_q32, cfg->per_engage_q31);
+    const int32_t fallen_q30 =
+        cam_envelope_step_q30(cam_wrap_sub_i64(pos_q32, p->disengage_at_q32), lag_q32,
+                              cfg->disengage_q32, cfg->per_disengage_q31);
     return cam_mul_shift(risen_q30, ONE_Q30 - fallen_q30, 30);
 }
 
@@ -72,7 +73,7 @@ static int64_t slice_q32(const cam_play_config_t *cfg, int32_t z_nm)
 /// towards the target as well: U never leaves the table.
 static void aim_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t target_q32)
 {
-    const int32_t left_q28 = cam_sat_i32((target_q32 - m->height_q32) >> 4);
+    const int32_t left_q28 = cam_sat_i32(cam_wrap_sub_i64(target_q32, m->height_q32) >> 4);
     const int64_t step_q58 = (int64_t)left_q28 * cfg->per_plan_q30;
     const int32_t exact_q28 = (int32_t)((step_q58 < 0 ? step_q58 + ONE_Q30 - 1 : step_q58) >> 30);
     const int32_t step_q28 = cam_clamp_i32(exact_q28, -MOST_STEP_Q28, MOST_STEP_Q28);
@@ -189,7 +190,12 @@ static void aim_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const c
 /// @return a value led towards another by at most a step
 static int32_t led(int32_t value, int32_t to, int32_t most)
 {
-    return cam_wrap_add(value, cam_clamp_i32(cam_sat_i32((int64_t)to - value), -most, most));
+    if (value < to) {
+        const int32_t more = cam_sat_add(value, most);
+        return more < to ? more : to;
+    }
+    const int32_t less = cam_sat_add(value, -most);
+    return less > to ? less : to;
 }
 
 /// Move phase, amplitude, trim and override of the spindle towards the operator's values, as far as
@@ -217,18 +223,25 @@ static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 static uint32_t check_z(const cam_play_config_t *cfg, int32_t z_nm, int32_t last_nm,
                         const cam_move_t *z)
 {
-    const int64_t due_q10 = z->pos_q10 - (((int64_t)z->vel_q10 * cfg->xz_lag_q16) >> 16);
+    const int64_t behind_q10 = ((int64_t)z->vel_q10 * cfg->xz_lag_q16) >> 16;
+    const int64_t due_q10 = cam_wrap_sub_i64(z->pos_q10, behind_q10);
     const int64_t due_nm = cfg->is_z_measured ? last_nm : due_q10 >> 10;
     const bool is_off = cam_abs_i64(z_nm - due_nm) > cfg->z_margin_nm;
     const bool is_out = z_nm < cfg->z_low_nm || z_nm > cfg->z_high_nm;
     return is_off || is_out ? CAM_FAULT_BIT(z_range) : 0u;
 }
 
+/// @return [turn] master position where the cut or its rehearsal is over
+static int64_t out_at_q32(const cam_plan_t *p, const cam_play_config_t *cfg)
+{
+    return cam_wrap_add_i64(p->disengage_at_q32, cfg->disengage_q32);
+}
+
 /// A rehearsal ends when the amplitude has fallen, and the cut follows unless it was stopped.
 static cam_state_t rehearsal_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
 {
     const cam_state_t next = p->is_stopped ? cam_state_ready : cam_state_engaging;
-    return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_rehearsing : next;
+    return pos_q32 < out_at_q32(p, cfg) ? cam_state_rehearsing : next;
 }
 
 /// The state is that of the spindle itself, not of what is planned. A spindle that turns back does
@@ -241,8 +254,7 @@ static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, i
         return rehearsal_at(p, cfg, pos_q32);
     }
     if (pos_q32 >= p->disengage_at_q32 || was == cam_state_disengaging) {
-        return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_disengaging
-                                                                  : cam_state_ready;
+        return pos_q32 < out_at_q32(p, cfg) ? cam_state_disengaging : cam_state_ready;
     }
     const bool is_resting = p->course.is_held && pos_q32 >= p->course.end_q32;
     const cam_state_t fed = is_resting ? cam_state_holding : cam_state_cutting;
@@ -286,7 +298,7 @@ static void follow_override(cam_plan_t *p, const cam_play_config_t *cfg, const c
 /// A rehearsal has no feed: the amplitude rises, stays, and falls at the first height.
 static void lay_rehearsal(cam_plan_t *p, const cam_play_config_t *cfg)
 {
-    p->disengage_at_q32 = p->feed_at_q32 + cfg->rehearse_q32;
+    p->disengage_at_q32 = cam_wrap_add_i64(p->feed_at_q32, cfg->rehearse_q32);
     p->feed_at_q32 = NEVER_Q32;
     cam_course_lay_isr(&p->course, cfg, NEVER_Q32);
 }
@@ -302,7 +314,7 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     const int32_t z_nm = cfg->is_z_measured ? part_nm : cfg->z_first_nm;
     p->engage_at_q32 = cam_angle_next_turn(
         cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));
-    p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
+    p->feed_at_q32 = cam_wrap_add_i64(p->engage_at_q32, cfg->engage_q32);
     cam_course_lay_isr(&p->course, cfg, p->feed_at_q32);
     p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : end_of_course_q32(p);
     p->is_stopped = false;
@@ -349,7 +361,8 @@ static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     const int32_t z_nm = at.z_nm;
     const int32_t scale_q30 =
         cam_mul_shift(cam_mul_shift(u_envelope, at.share.lift_q30, 30), p->amplitude_q30, 30);
-    aim_x(p, cfg, m, z_nm, p->is_rehearsal ? 0 : envelope_q30(p, cfg, xz_q32 - lag_q32, lag_q32));
+    aim_x(p, cfg, m, z_nm,
+          p->is_rehearsal ? 0 : envelope_q30(p, cfg, cam_wrap_sub_i64(xz_q32, lag_q32), lag_q32));
     aim_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
     aim_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
     if (cfg->swing.is_swung && !p->is_rehearsal) {

@@ -17,7 +17,10 @@ CAM_STAGE static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, 
     const cam_u_scale_t *by = &cfg->u;
     const cam_channel_t *ch = &cfg->table->u;
     const uint64_t height_q32 = (uint64_t)m->height_q32;
-    const cam_height_t z = {.i = (uint32_t)(height_q32 >> 32),
+    const uint32_t i = (uint32_t)(height_q32 >> 32);
+    const uint32_t most = (uint32_t)((uint64_t)cfg->height_max_q32 >> 32);
+    const cam_height_t z = {.i = i < most ? i
+                                          : most, // not even a flipped bit reads beyond the table
                             .w_q31 = (int32_t)((uint32_t)height_q32 >> 1)};
     const cam_fine_t fine = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z));
     const int32_t scale_q30 = m->scale_q30;
@@ -35,7 +38,7 @@ CAM_STAGE static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, 
 
 static void advance(cam_move_t *m)
 {
-    m->pos_q10 += m->vel_q10;
+    m->pos_q10 = cam_wrap_add_i64(m->pos_q10, m->vel_q10);
 }
 
 /// Move everything that is linear between two plans on by one tick.
@@ -44,9 +47,9 @@ static void move_on(cam_motion_t *m)
     advance(&m->axis[hal_axis_x]);
     advance(&m->axis[hal_axis_z]);
     m->phase_q32 = cam_wrap_add(m->phase_q32, m->phase_step_q32);
-    m->scale_q30 += m->scale_step_q30;
-    m->behind_q4 += m->behind_step_q4;
-    m->height_q32 += m->height_step_q32;
+    m->scale_q30 = cam_wrap_add(m->scale_q30, m->scale_step_q30);
+    m->behind_q4 = cam_wrap_add(m->behind_q4, m->behind_step_q4);
+    m->height_q32 = cam_wrap_add_i64(m->height_q32, m->height_step_q32);
 }
 
 /// Take U from the angle. In the tick of a fault U continues at the speed of its last step, and the

@@ -9,6 +9,7 @@
 #ifndef CAM_RECORD_H
 #define CAM_RECORD_H
 
+#include "cam_fix.h"   // cam_wrap_add_i64
 #include "cam_glide.h" // cam_glide_t, cam_move_t
 #include "cam_state.h" // cam_state_t
 #include "hal/hal.h"   // hal_encoder_t, hal_n_axes
@@ -52,7 +53,7 @@ typedef struct {
 /// @return           [turn, Q32.32] master position after some ticks at this speed
 static inline int64_t cam_angle_ahead(const cam_angle_t *angle, int32_t ticks_q16)
 {
-    return angle->pos_q32 + (((int64_t)angle->speed_q32 * ticks_q16) >> 16);
+    return cam_wrap_add_i64(angle->pos_q32, ((int64_t)angle->speed_q32 * ticks_q16) >> 16);
 }
 
 /// Set-point of the tool's swing. Between two plans its drive goes on by itself.

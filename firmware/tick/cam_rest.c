@@ -90,7 +90,7 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
 /// and Z brakes to rest. Behind the state manual X brakes to rest as well.
 static void move_off(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
-    const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
+    const int64_t off_q10 = cam_wrap_add_i64(m->x_left_q10, (int64_t)cfg->x_clearance_nm * 1024);
     const cam_move_limits_t *x_limits = &cfg->leave[hal_axis_x];
     if (cfg->swing.is_swung) {
         cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.full);

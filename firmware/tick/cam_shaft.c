@@ -47,11 +47,11 @@ void cam_shaft_lay_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_m
 
 int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm)
 {
-    s->z_q8 += s->speed_q8;
-    const int64_t off_q8 = (int64_t)z_nm * 256 - s->z_q8;
-    s->z_q8 += off_q8 >> 3; // two equal poles: 1/8 and (1/8)^2 / 4
-    s->speed_q8 += off_q8 >> 8;
-    return (int32_t)((s->z_q8 + 128) >> 8);
+    const int64_t led_q8 = cam_wrap_add_i64(s->z_q8, s->speed_q8);
+    const int64_t off_q8 = cam_wrap_sub_i64((int64_t)z_nm * 256, led_q8);
+    s->z_q8 = cam_wrap_add_i64(led_q8, off_q8 >> 3); // two equal poles: 1/8 and (1/8)^2 / 4
+    s->speed_q8 = cam_wrap_add_i64(s->speed_q8, off_q8 >> 8);
+    return (int32_t)(cam_wrap_add_i64(s->z_q8, 128) >> 8);
 }
 
 cam_share_t cam_shaft_aim_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)

@@ -90,11 +90,6 @@ static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, u
     return faults;
 }
 
-static int64_t wrap_add_i64(int64_t a, int64_t b)
-{
-    return (int64_t)((uint64_t)a + (uint64_t)b);
-}
-
 /// The angle that is measured. Where the last edge has a time stamp, it is the place of that edge
 /// plus what the spindle has travelled since, at most a count, MATHS.md (138); else, and while
 /// edges are rare, the middle of the count. A speed that is half a turn within the age of the edge
@@ -132,9 +127,10 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t sm
 {
     const uint32_t predicted = cam_angle_of_pos(s->pos_q32) + (uint32_t)travel_q32;
     const int32_t error_q32 = cam_angle_diff_q32(smooth_q32, predicted);
-    s->pos_q32 += (int64_t)travel_q32 + INT64_C(2) * cam_mulhi(error_q32, cfg->kp_q31);
-    s->speed_q64 = wrap_add_i64(s->speed_q64, (int64_t)error_q32 * cfg->ki_q32);
-    s->speed_q64 = wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
+    const int64_t more_q32 = (int64_t)travel_q32 + INT64_C(2) * cam_mulhi(error_q32, cfg->kp_q31);
+    s->pos_q32 = cam_wrap_add_i64(s->pos_q32, more_q32);
+    s->speed_q64 = cam_wrap_add_i64(s->speed_q64, (int64_t)error_q32 * cfg->ki_q32);
+    s->speed_q64 = cam_wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
 }
 
 /// The time stamp counts only when the tick came visibly off its time: a coarse clock must not
@@ -209,7 +205,7 @@ static uint32_t check_place(const cam_spindle_t *s, const cam_spindle_config_t *
     const int32_t since = cam_wrap_add(cam_wrap_diff(s->counts, s->index_counts), s->index_error);
     const int32_t off = cam_wrap_sub(s->in_turn, since);
     const bool is_there = off == 0 || off == turn || off == -turn || off == 2 * turn;
-    const int64_t moved_q32 = (int64_t)((uint64_t)s->pos_q32 - (uint64_t)s->watched_q32);
+    const int64_t moved_q32 = cam_wrap_sub_i64(s->pos_q32, s->watched_q32);
     const bool is_near = moved_q32 < CAM_TURN_Q32 / 2 && moved_q32 > -CAM_TURN_Q32 / 2;
     return is_near && (is_there || !s->is_synced) ? 0u : CAM_FAULT_BIT(corrupt);
 }

@@ -110,7 +110,7 @@ CAM_STAGE void cam_tell_nearest_isr(cam_tell_t *t, const cam_tell_config_t *cfg,
 static bool is_plan_allowed(const cam_tell_t *t, const cam_tell_config_t *cfg, uint32_t axis,
                             const cam_move_t *now, const cam_move_t *before)
 {
-    const int32_t jump_q10 = cam_sat_i32(now->pos_q10 - before->pos_q10);
+    const int32_t jump_q10 = cam_sat_i32(cam_wrap_sub_i64(now->pos_q10, before->pos_q10));
     const int32_t change_q10 = cam_wrap_sub(now->vel_q10, t->vel_q10[axis]);
     return cam_is_within(now->vel_q10, cfg->vel_q10[axis]) &&
            cam_is_within(change_q10, cfg->change_q10[axis]) &&

@@ -151,9 +151,11 @@ static void shift_u(cam_t *c, int32_t nm)
 {
     const int32_t by_q6 = (int32_t)((uint32_t)nm * 64u);
     c->motion.u_home_nm = cam_wrap_add(c->motion.u_home_nm, nm);
-    c->motion.axis[hal_axis_u].pos_q10 += (int64_t)nm * 1024;
-    cam_glide_shift_isr(&c->motion.glide[hal_axis_u], (int64_t)nm * 1024);
-    c->motion.u_target_q10 += (int64_t)nm * 1024;
+    const int64_t by_q10 = (int64_t)nm * 1024;
+    cam_move_t *u = &c->motion.axis[hal_axis_u];
+    u->pos_q10 = cam_wrap_add_i64(u->pos_q10, by_q10);
+    cam_glide_shift_isr(&c->motion.glide[hal_axis_u], by_q10);
+    c->motion.u_target_q10 = cam_wrap_add_i64(c->motion.u_target_q10, by_q10);
     c->guard.u_set_q6 = cam_wrap_add(c->guard.u_set_q6, by_q6);
     c->guard.u_seal = c->guard.u_set_q6 ^ c->guard.u_step_q6;
     cam_tell_shift_isr(&c->tell, nm);
@@ -204,7 +206,7 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
 /// A count beyond the period is none of ours: a bit of it flipped, and the plan is due at once.
 static bool is_plan_due(cam_t *c, const cam_config_t *cfg)
 {
-    c->until_plan--;
+    c->until_plan = cam_wrap_sub(c->until_plan, 1);
     return (uint32_t)c->until_plan - 1u >= (uint32_t)cfg->play.plan_ticks;
 }
 

@@ -50,13 +50,13 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(ahead2, 0, 1 << 21)                                                                          \
     X(following_q32, 0, Q30)                                                                       \
     X(offset_q30, -(1 << 28), 1 << 28)                                                             \
-    X(unit_q30, 1 << 23, INT32_MAX)                                                                \
-    X(gentle.speed_q32, 1, 1 << 24)                                                                \
-    X(gentle.step_q32, 1, 1 << 24)                                                                 \
-    X(gentle.gain_q32, 1, Q30)                                                                     \
-    X(full.speed_q32, 1, 1 << 24)                                                                  \
-    X(full.step_q32, 1, 1 << 24)                                                                   \
-    X(full.gain_q32, 1, Q30)
+    X(unit_q30, 0, INT32_MAX)                                                                      \
+    X(gentle.speed_q32, 0, 1 << 24)                                                                \
+    X(gentle.step_q32, 0, 1 << 24)                                                                 \
+    X(gentle.gain_q32, 0, Q30)                                                                     \
+    X(full.speed_q32, 0, 1 << 24)                                                                  \
+    X(full.step_q32, 0, 1 << 24)                                                                   \
+    X(full.gain_q32, 0, Q30)
 
 #define LIMITS(X)                                                                                  \
     X(speed_q10, 1, 1 << 29)                                                                       \
@@ -111,11 +111,11 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(spindle_step_q30, 1, 1 << 25)
 
 #define RINGS_CONFIG(X)                                                                            \
-    X(ramp_q32, 1 << 24, 1u << 31)                                                                 \
-    X(per_ramp_q24, 1 << 24, UINT32_MAX)                                                           \
-    X(per_rest_q30, Q30, 2 * Q30)                                                                  \
-    X(feed_nm, 4, 10000000)                                                                        \
-    X(span_nm, 1, 2000000000)
+    X(ramp_q32, 0, 1u << 31)                                                                       \
+    X(per_ramp_q24, 0, UINT32_MAX)                                                                 \
+    X(per_rest_q30, 0, 2 * Q30)                                                                    \
+    X(feed_nm, 0, 10000000)                                                                        \
+    X(span_nm, 0, 2000000000)
 
 #define SPEED_CONFIG(X)                                                                            \
     X(mean_mrpm, 0, 60000000)                                                                      \
@@ -128,8 +128,8 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(n, 0, WAVE_SAMPLES)                                                                          \
     X(first, 0, WAVE_SAMPLES - 1)                                                                  \
     X(n_play, 0, UINT32_MAX)                                                                       \
-    X(fade.speed_q10, 1, Q30)                                                                      \
-    X(fade.acceleration_q10, 1, Q30)                                                               \
+    X(fade.speed_q10, 0, Q30)                                                                      \
+    X(fade.acceleration_q10, 0, Q30)                                                               \
     X(place_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)
 
 #define ORDER(X)                                                                                   \
@@ -139,8 +139,8 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(axis, 0, 2)                                                                                  \
     X(sense, -1, 1)                                                                                \
     X(has_index, 0, 1)                                                                             \
-    X(speed_q10, 1, 1 << 29)                                                                       \
-    X(slow_q10, 1, 1 << 29)                                                                        \
+    X(speed_q10, 0, 1 << 29)                                                                       \
+    X(slow_q10, 0, 1 << 29)                                                                        \
     X(low_q10, -(INT64_C(1) << 45), INT64_C(1) << 45)                                              \
     X(high_q10, -(INT64_C(1) << 45), INT64_C(1) << 45)                                             \
     X(distance_q10, -(INT64_C(1) << 45), INT64_C(1) << 45)                                         \
@@ -161,8 +161,8 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(u_retract_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)
 
 #define TELL_CONFIG(X)                                                                             \
-    X(k1_q16, 0, INT32_MAX)                                                                        \
-    X(k2_q16, 0, INT32_MAX)                                                                        \
+    X(k1_q16, -INT32_MAX, INT32_MAX)                                                               \
+    X(k2_q16, -INT32_MAX, INT32_MAX)                                                               \
     X(range_nm, 0, 15000000)                                                                       \
     X(step_nm, 0, INT32_MAX / 2)                                                                   \
     X(change_nm, 0, INT32_MAX / 2)                                                                 \
@@ -204,5 +204,9 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(phase_q32, 0, UINT32_MAX)                                                                    \
     X(pattern, 0, 4095)                                                                            \
     X(changes_per_nm_q48, 0, UINT32_MAX)
+
+#define WHOLE_CONFIG(X)                                                                            \
+    X(play.hand.u_end_q10, 0, INT64_C(1) << 34)                                                    \
+    X(switches.n, 0, cam_n_switches)
 
 #endif

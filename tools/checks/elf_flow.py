@@ -85,12 +85,26 @@ def _writes_pc(one: ImageInstruction) -> bool:
     )
 
 
+def _table_size(flow: Flow, one: ImageInstruction) -> int | None:
+    """Return how many entries a jump table has: its index was compared with the last one before.
+
+    Behind the table constants of the function may stand, which are none of it.
+    """
+    index = one.operands.strip("[]").split(",")[1].strip()
+    before = [flow.function.at[at] for at in sorted(flow.function.at) if at < one.address][-2:]
+    if [instruction.base for instruction in before] != ["cmp", "bhi"]:
+        return None
+    found = re.match(rf"{index}, #(\d+)\b", before[0].operands)
+    return int(found[1]) + 1 if found else None
+
+
 def _table_targets(flow: Flow, one: ImageInstruction) -> list[int]:
     """Return where a jump table leads: the data that stands behind the instruction."""
     function, width = flow.function, 2 if one.base == "tbh" else 1
     start = function.following.get(one.address, one.address)
+    size = _table_size(flow, one)
     targets, at = list[int](), start
-    while all(at + i in function.data for i in range(width)):
+    while all(at + i in function.data for i in range(width)) and len(targets) != size:
         entry = sum(function.data[at + i] << (8 * i) for i in range(width))
         is_padding = entry == 0 and at + width not in function.data and targets
         if not is_padding:

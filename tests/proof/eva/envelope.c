@@ -13,6 +13,6 @@ void main(void)
         const int64_t low = i << 23;
         const int32_t s_q31 = any(low, low + (1 << 23) - 1);
         (void)cam_envelope_smooth_q30(s_q31);
-        (void)inverse_q30(s_q31, any(0, 1 << 27));
+        (void)inverse_q30(s_q31, any(0, (1 << 28) - 1));
     }
 }

@@ -3,12 +3,13 @@
 #ifndef PROOF_WORLD_H
 #define PROOF_WORLD_H
 
-#include "cam_tick.h"     // cam_t
-#include "ranges_state.h" // the ranges of all members
-#include <stdint.h>       // int64_t
+#include "cam_tick.h" // cam_t
+#include <stddef.h>   // size_t
+#include <stdint.h>   // int64_t
 
 /// Provided by Eva.
 long long Frama_C_long_long_interval(long long low, long long high);
+void Frama_C_make_unknown(char *bytes, size_t n);
 
 /// @return any number of a range
 static inline int64_t any(int64_t low, int64_t high)

@@ -59,6 +59,16 @@ def test_jump_tables_are_followed(tmp_path: Path, table: str, n_nops: int) -> No
     assert n_nops < report.instructions < n_nops + 15
 
 
+def test_constants_behind_a_jump_table_are_none_of_it(tmp_path: Path) -> None:
+    """The compiler may put constants of the function right behind the table."""
+    source = assembled(
+        "cmp r0, #1\nbhi 4f\ntbb [pc, r0]\n1: .byte (2f - 1b) / 2, (3f - 1b) / 2\n"
+        ".byte 0, 0xC6\n.word 0x200E13D0\n2: nop\n3: nop\n4: bx lr"
+    )
+    report = examined(link(tmp_path, source, "-g0"))
+    assert (report.instructions, report.problems) == (6, [])
+
+
 @pytest.mark.parametrize(
     "body", ["return n < 2 ? n : root(n - 1) + root(n - 2);", "return deeper(n) * 3;"]
 )

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Configurations of any parameters, for any table and rate of the tick, lie within the ranges from
-// which the proof of the interrupt starts (tests/proof).
+// which the proof of the interrupt starts (tests/proof). So do those of a controller that is in
+// use, with its orders by hand, its wave and what it has learned, and its state behind every tick.
 #include "cam_build.h"
 #include "cam_config.h"
 #include "cam_entry.h"
+#include "cam_machine_hand.h"
+#include "cam_machine_identify.h"
+#include "cam_machine_override.h"
+#include "cam_machine_scope.h"
 #include "cam_param.h"
+#include "cam_table.h"
 #include "fixture_random.h"
-#include "ranges_config.h"
+#include "fixture_rig.h"
+#include "hal_host.h"
 #include "unity.h"
 #include <stdio.h> // snprintf
 
-enum { n_draws = 20000 };
+enum { n_draws = 20000, n_session_steps = 150 };
 
 static cam_config_t config;
 static fixture_random_t source;
@@ -27,9 +34,12 @@ void tearDown(void) {}
 static void expect(const char *name, int64_t value, int64_t low, int64_t high)
 {
     char text[160];
+    if (value >= low && value <= high) {
+        return;
+    }
     (void)snprintf(text, sizeof text, "%s: %lld is not in %lld .. %lld", name, (long long)value,
                    (long long)low, (long long)high);
-    TEST_ASSERT_MESSAGE(value >= low && value <= high, text);
+    TEST_FAIL_MESSAGE(text);
 }
 
 /// @return a number of a range: an end of it, one near 0 or 1, or any
@@ -101,72 +111,8 @@ static cam_table_t any_table(void)
     return t;
 }
 
-#define IN(member, low, high) expect(#member, (int64_t)P.member, low, high);
-
-static void expect_axes(const cam_config_t *c)
-{
-    for (int i = 0; i < hal_n_axes; i++) {
-#define P c->play.approach[i]
-        LIMITS(IN)
-#undef P
-#define P c->play.leave[i]
-        LIMITS(IN)
-#undef P
-#define P c->play.hand.limits[i]
-        LIMITS(IN)
-#undef P
-    }
-#define P c->guard.u
-    LIMITS(IN)
-#undef P
-#define P c->guard.leave
-    LIMITS(IN)
-#undef P
-#define P c->tell
-    for (int i = hal_axis_x; i < hal_n_axes; i++) {
-        TELL_AXIS_CONFIG(IN)
-    }
-#undef P
-    expect("u_end_q10", c->play.hand.u_end_q10, 0, INT64_C(1) << 34);
-}
-
-static void expect_ranges(const cam_config_t *c)
-{
-#define P c->spindle
-    SPINDLE_CONFIG(IN)
-#undef P
-#define P c->play
-    PLAY_CONFIG(IN)
-#undef P
-#define P c->play.u
-    SCALE_CONFIG(IN)
-#undef P
-#define P c->play.speed
-    SPEED_CONFIG(IN)
-#undef P
-#define P c->guard
-    GUARD_CONFIG(IN)
-#undef P
-    if (c->play.swing.is_swung) {
-#define P c->play.swing
-        SWING_CONFIG(IN)
-#undef P
-    }
-    if (c->play.rings.is_on) {
-#define P c->play.rings
-        RINGS_CONFIG(IN)
-#undef P
-    }
-    for (uint32_t i = 0; i < c->switches.n; i++) {
-#define P c->switches.each[i]
-        SWITCH_CONFIG(IN)
-#undef P
-    }
-    expect_axes(c);
-#define P c->tell
-    TELL_CONFIG(IN)
-#undef P
-}
+#define VISIT(name, member, low, high) expect(name, (int64_t)(member), low, high);
+#include "ranges_walk.h"
 
 /// Relations that the proof takes from here, because its ranges do not hold them.
 static void expect_relations(const cam_config_t *c)
@@ -191,16 +137,203 @@ static void test_every_configuration_is_within_the_ranges_of_the_proof(void)
         const uint32_t most_mrpm = (uint32_t)drawn(1, cam_table_max_mrpm);
         if (cam_build_config(&config, &params, &table, most_mrpm, tick_hz, clock_hz) == cam_ok) {
             n_built++;
-            expect_ranges(&config);
+            walk_config(&config);
             expect_relations(&config);
         }
     }
     TEST_ASSERT_GREATER_THAN(n_draws / 100, n_built);
 }
 
+static fixture_rig_t rig;
+static uint32_t visited; // bit of a state
+
+static void walk_configuration(void)
+{
+    cam_config_t *in_use = &g_cam.config.half[0];
+    walk_config(atomic_load(&g_cam.config.in_use) == in_use ? in_use : in_use + 1);
+}
+
+static void pass(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        fixture_rig_tick(&rig);
+        cam_machine_poll(&rig.machine);
+        cam_machine_keep_alive(&rig.machine);
+        cam_machine_hand_alive(&rig.machine);
+        walk_state(&g_cam);
+        visited |= UINT32_C(1) << (uint32_t)rig.last.want.state;
+    }
+}
+
+static void excite(void)
+{
+    static int32_t wave_nm[200];
+    const uint8_t *bytes = (const uint8_t *)wave_nm;
+    for (int i = 0; i < 200; i++) {
+        wave_nm[i] = i < 100 ? 100 * i : 100 * (200 - i);
+    }
+    hal_host.in.axis_nm[hal_axis_x] += 100000000; // clear of the part
+    pass(20);
+    if (cam_machine_wave_begin(&rig.machine, sizeof wave_nm) == cam_ok &&
+        cam_machine_wave_block(&rig.machine, 0, bytes, sizeof wave_nm) == cam_ok &&
+        cam_machine_wave_end(&rig.machine, cam_crc32(0, bytes, sizeof wave_nm)) == cam_ok) {
+        const int32_t place_nm = (int32_t)drawn(-600000, 600000);
+        (void)!cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, place_nm);
+        (void)cam_machine_excite(&rig.machine, 3, 100);
+    }
+}
+
+/// A command, one in four at a wrong time.
+static void command(void)
+{
+    cam_machine_t *m = &rig.machine;
+    const hal_axis_t axis = (hal_axis_t)fixture_random_range(&source, 0, hal_n_axes - 1);
+    const int32_t value = (int32_t)fixture_random_range(&source, -60000, 60000);
+    switch (fixture_random_range(&source, 0, 13)) {
+    case 0:
+        (void)!cam_machine_manual(m);
+        break;
+    case 1:
+        (void)!cam_machine_disable(m);
+        break;
+    case 2:
+        (void)!cam_machine_start(m);
+        break;
+    case 3:
+        (void)!cam_machine_stop(m);
+        break;
+    case 4:
+    case 5:
+        (void)!cam_machine_reset(m);
+        break;
+    case 6:
+        (void)cam_machine_jog(m, axis, value);
+        break;
+    case 7:
+        (void)cam_machine_step(m, axis, value * 1000);
+        break;
+    case 8:
+        (void)!cam_machine_home_axis(m, axis);
+        break;
+    case 9:
+        (void)!cam_machine_hold(m);
+        break;
+    case 10:
+        (void)!cam_machine_resume(m);
+        break;
+    case 11:
+        excite();
+        break;
+    default:
+        (void)!cam_machine_enable(m);
+        break;
+    }
+}
+
+static void set_any_parameter(void)
+{
+    const cam_param_id_t id = (cam_param_id_t)fixture_random_range(&source, 0, cam_n_params - 1);
+    const cam_param_info_t *info = cam_param_info(id);
+    const int64_t fine = fixture_random_range(&source, -1000, 1000);
+    const int64_t near = info->def + fine * (((int64_t)info->max - info->min) / 100000);
+    (void)!cam_machine_set_param(&rig.machine, id, (int32_t)near);
+}
+
+static void disturb(void)
+{
+    const bool is_on = fixture_random_range(&source, 0, 3) == 0;
+    switch (fixture_random_range(&source, 0, 7)) {
+    case 0:
+        hal_host_fault_estop(is_on);
+        break;
+    case 1:
+        hal_host_fault_drive(is_on);
+        break;
+    case 2:
+        hal_host_fault_late((uint32_t)fixture_random_range(&source, 0, 100));
+        break;
+    case 3:
+        hal_host_fault_counts((int32_t)fixture_random_range(&source, -3000, 3000));
+        break;
+    case 4:
+        rig.u_error_nm = is_on ? (int32_t)fixture_random_range(&source, INT32_MIN, INT32_MAX) : 0;
+        break;
+    case 5:
+        rig.home[hal_axis_u].side = is_on ? -1 : 1;
+        break;
+    case 6:
+        rig.is_z_held = is_on;
+        break;
+    default:
+        rig.is_swing_held = is_on;
+        break;
+    }
+}
+
+static void until(cam_state_t state)
+{
+    for (int i = 0; i < 1000 && rig.last.want.state != state; i++) {
+        pass(20);
+    }
+}
+
+/// A rehearsal, and a cut with a hold, from its begin to its end.
+static void cut(uint32_t tick_hz)
+{
+    (void)!cam_machine_set_param(&rig.machine, cam_param_rehearse_turns, 1);
+    pass(10);
+    (void)!cam_machine_enable(&rig.machine);
+    until(cam_state_ready);
+    pass(tick_hz / 4u); // the spindle runs up
+    (void)!cam_machine_start(&rig.machine);
+    until(cam_state_cutting);
+    (void)!cam_machine_hold(&rig.machine);
+    until(cam_state_holding);
+    (void)!cam_machine_resume(&rig.machine);
+    pass(tick_hz / 10u);
+    (void)!cam_machine_stop(&rig.machine);
+    until(cam_state_ready);
+}
+
+static void run_session(const fixture_part_t *part, uint32_t tick_hz, int n_steps)
+{
+    fixture_rig_init(&rig, part, tick_hz);
+    cut(tick_hz);
+    for (int i = 0; i < n_steps; i++) {
+        const int64_t what = fixture_random_range(&source, 0, 15);
+        if (what < 8) {
+            command();
+        } else if (what < 10) {
+            set_any_parameter();
+        } else if (what == 10) {
+            disturb();
+        } else {
+            hal_host_fault_estop(false);
+            hal_host_fault_drive(false);
+            rig.u_error_nm = 0;
+        }
+        pass((uint32_t)fixture_random_range(&source, 1, 120));
+        walk_configuration();
+    }
+}
+
+static void test_every_tick_leaves_the_state_within_the_ranges_of_the_proof(void)
+{
+    const fixture_part_t parts[] = {fixture_part_short(), fixture_part_modulated(),
+                                    fixture_part_swung()};
+    static cam_t fresh;
+    walk_state(&fresh);
+    for (uint32_t i = 0; i < 9u; i++) {
+        const uint32_t rates_hz[] = {1000u, 5000u, 20000u};
+        run_session(&parts[i % 3u], rates_hz[i / 3u], n_session_steps);
+    }
+    TEST_ASSERT_EQUAL_HEX32((1u << cam_n_states) - 1u, visited);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_every_tick_leaves_the_state_within_the_ranges_of_the_proof);
     RUN_TEST(test_every_configuration_is_within_the_ranges_of_the_proof);
     return UNITY_END();
 }
