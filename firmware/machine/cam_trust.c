@@ -18,8 +18,10 @@ static bool is_beyond_prime(const uint8_t *key)
 bool cam_trust_is_weak(const uint8_t *key)
 {
     // R = 0, s = 0: 0 B = R + 8 A holds for the eight points alone of which 8 A is 0.
-    uint8_t signature[64] = {1};
-    uint8_t eight[32] = {8};
+    uint8_t signature[64] = {0};
+    uint8_t eight[32] = {0};
+    signature[0] = 1;
+    eight[0] = 8;
     return is_beyond_prime(key) || crypto_eddsa_check_equation(signature, key, eight) == 0;
 }
 
