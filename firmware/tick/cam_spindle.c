@@ -198,13 +198,15 @@ static uint32_t watch_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg,
 }
 
 /// Position in the turn and counts since the last edge are kept apart, and one follows from the
-/// other but for whole turns. @return fault corrupt or none
+/// other but for whole turns. Where an edge is overdue, which is a fault of its own, these have no
+/// bound. @return fault corrupt or none
 static uint32_t check_place(const cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const int32_t turn = cfg->counts_per_turn;
     const int32_t since = cam_wrap_add(cam_wrap_diff(s->counts, s->index_counts), s->index_error);
     const int32_t off = cam_wrap_sub(s->in_turn, since);
-    const bool is_there = off == 0 || off == turn || off == -turn || off == 2 * turn;
+    const bool is_there = off == 0 || off == turn || off == -turn || off == 2 * turn ||
+                          !cam_is_within(since, cfg->index_overdue);
     const int64_t moved_q32 = cam_wrap_sub_i64(s->pos_q32, s->watched_q32);
     const bool is_near = moved_q32 < CAM_TURN_Q32 / 2 && moved_q32 > -CAM_TURN_Q32 / 2;
     return is_near && (is_there || !s->is_synced) ? 0u : CAM_FAULT_BIT(corrupt);

@@ -192,7 +192,9 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
     const cam_move_t before[hal_n_axes] = {
         [hal_axis_x] = c->motion.axis[hal_axis_x], [hal_axis_z] = c->motion.axis[hal_axis_z]};
     c->until_plan = cfg->play.plan_ticks;
-    if ((seen & CAM_FAULT_BIT(corrupt)) == 0u) { // else the axes move on until the guard leads them
+    // What was changed is not planned with: the axes move on until the fault, in which they brake
+    // and leave whatever is seen, for no other plan would end that.
+    if ((seen & CAM_FAULT_BIT(corrupt)) == 0u || c->motion.state == cam_state_fault) {
         plan_axes(c, cfg, r);
     }
     c->motion.was_off = false;

@@ -111,9 +111,51 @@ static void test_mended_place_is_the_one_told_and_its_increment(void)
     TEST_ASSERT_EQUAL_INT32(-2005, w.led_nm[hal_axis_z]);
 }
 
+/// @return [nm] X a second behind the fault, where it has to stand
+static int32_t x_at_rest(void)
+{
+    fixture_rig_ticks(&rig, 20000);
+    const int32_t x_nm = hal_host.out.axis[hal_axis_x].pos_nm;
+    const int32_t z_nm = hal_host.out.axis[hal_axis_z].pos_nm;
+    fixture_rig_ticks(&rig, 2000);
+    TEST_ASSERT_EQUAL_INT32(x_nm, hal_host.out.axis[hal_axis_x].pos_nm);
+    TEST_ASSERT_EQUAL_INT32(z_nm, hal_host.out.axis[hal_axis_z].pos_nm);
+    return x_nm;
+}
+
+/// A spindle that turns on without edges is missing them, and nothing else; X and Z come to rest.
+static void test_axes_rest_behind_an_index_that_died(void)
+{
+    cut_anew();
+    hal_host_fault_index_dead(true);
+    (void)ticks_until_fault(4000);
+    const int32_t left_nm = hal_host.out.axis[hal_axis_x].pos_nm;
+    rig.is_spindle_held = true; // it turns on
+    TEST_ASSERT_INT32_WITHIN(3000, left_nm + rig.machine.params.x_clearance_nm, x_at_rest());
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(index_missing), fixture_rig_status(&rig).faults);
+}
+
+/// Whatever is found to be changed in every plan of the state fault, X and Z come to rest.
+static void test_axes_rest_behind_a_change_that_is_found_for_ever(void)
+{
+    cut_anew();
+    const int32_t cut_nm = hal_host.out.axis[hal_axis_x].pos_nm;
+    int32_t x_nm = 0;
+    for (uint32_t i = 0; i < 22000u; i++) {
+        g_cam.watch.plan_seal ^= i % plan_ticks == 0u ? 1u : 0u; // once between two plans
+        fixture_rig_tick(&rig);
+        x_nm = i == 20000u ? hal_host.out.axis[hal_axis_x].pos_nm : x_nm;
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_state());
+    TEST_ASSERT_EQUAL_INT32(x_nm, hal_host.out.axis[hal_axis_x].pos_nm);
+    TEST_ASSERT_INT32_WITHIN(3000, cut_nm + rig.machine.params.x_clearance_nm, x_nm);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_axes_rest_behind_an_index_that_died);
+    RUN_TEST(test_axes_rest_behind_a_change_that_is_found_for_ever);
     RUN_TEST(test_mended_place_is_the_one_told_and_its_increment);
     RUN_TEST(test_state_of_the_plan_is_sealed);
     RUN_TEST(test_home_of_u_is_mended_in_the_plan);
