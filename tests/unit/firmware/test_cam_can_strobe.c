@@ -257,6 +257,9 @@ static void test_a_piece_of_a_recording_takes_as_long_as_ever(void)
     begin(40);
     TEST_ASSERT_EQUAL_UINT32(n, read_piece());
     TEST_ASSERT_UINT32_WITHIN(2, n / 160u, n_sent); // 125 a second
+    for (uint32_t i = 2; i + 1u < n_sent; i++) {    // to the end of the piece
+        TEST_ASSERT_EQUAL_UINT32(160, sent_tick[i] - sent_tick[i - 1u]);
+    }
 }
 
 static void test_a_renewal_does_not_end_a_piece(void)
