@@ -74,14 +74,30 @@ static int64_t way_nm(const cam_play_config_t *c, uint32_t axis)
     return axis == (uint32_t)hal_axis_x ? c->feed_nm + clearing_nm : c->feed_nm;
 }
 
-/// @return [counts] what moves the place that X and Z are aimed at from plan to plan: a step of the
-/// encoder within the jump window, or a count and what the observer makes of it. That is a speed of
-/// w T counts per tick, which the reading ahead multiplies; half of it was seen at most.
-static int32_t unrest_counts(const cam_config_t *c)
+/// @return [counts] by how much the place that X and Z are aimed at changes beyond the spindle's
+/// speed when its acceleration goes from one end of what it can to the other: what is read ahead
+/// by the square of the time, which covers the time from plan to plan
+static int32_t swung_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t per_mrad_q40 = 174993054; // 2^40 / 2000 pi
+    const int64_t alpha_q40 = cam_units_scale(p->spindle_acceleration_mrad_per_s2, per_mrad_q40,
+                                              (int64_t)tick_hz * tick_hz);
+    const int64_t ahead_q4 = c->play.xz_plan_q16 >> 12;
+    const int64_t turn_q40 =
+        cam_cut_smaller((ahead_q4 * ahead_q4 * alpha_q40) >> 8, INT64_C(1) << 40);
+    return (int32_t)((turn_q40 * c->spindle.counts_per_turn) >> 40) + 1;
+}
+
+/// @return [counts] what moves the place that X and Z are aimed at from plan to plan: the spindle's
+/// acceleration, and a step of the encoder within the jump window, or a count and what the observer
+/// makes of it. That is a speed of w T counts per tick, which the reading ahead multiplies; half of
+/// it was seen at most.
+static int32_t unrest_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const int64_t ahead_q47 = (int64_t)c->spindle.kp_q31 * c->play.xz_plan_q16; // kp = 2 w T
     const int32_t observed = 1 + (int32_t)(ahead_q47 >> 49);
-    return observed > c->spindle.jump_window ? observed : c->spindle.jump_window;
+    const int32_t seen = observed > c->spindle.jump_window ? observed : c->spindle.jump_window;
+    return seen + swung_counts(c, p, tick_hz);
 }
 
 /// What X and Z are told changes from plan to plan by their acceleration, and by what the encoder
@@ -89,10 +105,10 @@ static int32_t unrest_counts(const cam_config_t *c)
 /// of a turn. Twice of both is no fault, nor is a speed that is beyond its limit by one of it. A Z
 /// that others move is told where it is, and an X over it follows its measurement from plan to
 /// plan.
-static void build_told(cam_config_t *c)
+static void build_told(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const int32_t ticks = c->play.plan_ticks;
-    const int64_t unrest = unrest_counts(c);
+    const int64_t unrest = unrest_counts(c, p, tick_hz);
     cam_tell_config_t *t = &c->tell;
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
         const cam_move_limits_t *full = &c->play.leave[i]; // per plan
@@ -168,5 +184,5 @@ void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t
 {
     build_limits(config, params, tick_hz);
     config->guard.leave = leaving(config, cam_gains_log2_window(params, hal_axis_u, tick_hz));
-    build_told(config);
+    build_told(config, params, tick_hz);
 }
