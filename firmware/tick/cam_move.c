@@ -3,6 +3,7 @@
 #include "cam_fix.h" // cam_is_within
 
 /// Braking by a per tick from v covers v (v - a) / 2a; with the tick at v itself v (v + a) / 2a.
+//@ assigns \result \from vel, acceleration, distance;
 static bool can_brake(uint32_t vel, uint32_t acceleration, uint32_t distance)
 {
     const uint32_t sum = vel + acceleration;
@@ -10,6 +11,15 @@ static bool can_brake(uint32_t vel, uint32_t acceleration, uint32_t distance)
     return (uint64_t)vel * sum <= (uint64_t)twice * distance;
 }
 
+/*@ requires limits: \valid_read(limits) && 0 <= limits->speed_q10 <= 0x40000000 &&
+      0 <= limits->acceleration_q10 <= 0x40000000;
+    assigns \result \from vel, *limits, distance;
+    behavior usual:
+      assumes \abs(vel) <= 0x3FFFFFFF;
+      ensures change: vel - limits->acceleration_q10 <= \result <= vel + limits->acceleration_q10;
+      ensures most: \result <= \max(limits->speed_q10, vel - limits->acceleration_q10);
+      ensures back: \result >= \min(0, vel + limits->acceleration_q10);
+*/
 /// Highest of faster, same, slower speed from which the target is not overshot.
 static int32_t choose(int32_t vel, const cam_move_limits_t *limits, uint32_t distance)
 {

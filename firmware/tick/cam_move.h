@@ -32,11 +32,37 @@ typedef struct {
 /// start speed makes more unavoidable.
 /// @return true when the axis rests on the target
 /// Context: ISR, constant time.
+/*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
+    requires limits: 0 <= limits->speed_q10 <= 0x40000000 &&
+      0 <= limits->acceleration_q10 <= 0x40000000;
+    assigns *m, \result \from *m, *limits, target_q10;
+    behavior usual:
+      assumes \abs(m->vel_q10) <= 0x3FFFFFFF;
+      assumes \abs(m->pos_q10) <= 0x1000000000000000 && \abs(target_q10) <= 0x1000000000000000;
+      ensures most: \abs(m->vel_q10) <=
+        \max(limits->speed_q10, \abs(\old(m->vel_q10)) - limits->acceleration_q10);
+      ensures change: \abs(m->vel_q10 - \old(m->vel_q10)) <= limits->acceleration_q10;
+      ensures acceleration: m->acc_q10 == m->vel_q10 - \old(m->vel_q10);
+      ensures step: m->pos_q10 == \old(m->pos_q10) + m->vel_q10;
+      ensures there: \result <==> m->pos_q10 == target_q10 && m->vel_q10 == 0;
+*/
 bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t target_q10);
 
 /// One tick of braking to rest, wherever that is.
 /// @return true when the axis rests
 /// Context: ISR, constant time.
+/*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
+    requires limits: 0 <= limits->acceleration_q10 <= 0x40000000;
+    assigns *m, \result \from *m, *limits;
+    ensures slower: \abs(m->vel_q10) ==
+      \max(0, \abs(\old(m->vel_q10)) - limits->acceleration_q10);
+    ensures change: \abs(m->vel_q10 - \old(m->vel_q10)) <= limits->acceleration_q10;
+    ensures acceleration: m->acc_q10 == m->vel_q10 - \old(m->vel_q10);
+    ensures rest: \result <==> m->vel_q10 == 0;
+    behavior usual:
+      assumes \abs(m->pos_q10) <= 0x1000000000000000;
+      ensures step: m->pos_q10 == \old(m->pos_q10) + m->vel_q10;
+*/
 bool cam_move_stop_isr(cam_move_t *m, const cam_move_limits_t *limits);
 
 #endif

@@ -187,7 +187,14 @@ static void aim_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const c
                       cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm), scale_q30);
 }
 
+/// It never leaves the range between the two, and reaches the other one exactly.
 /// @return a value led towards another by at most a step
+/*@ requires most >= 0;
+    assigns \result \from value, to, most;
+    ensures between: \min(value, to) <= \result <= \max(value, to);
+    ensures step: \abs(\result - value) <= most;
+    ensures there: \abs(to - value) <= most ==> \result == to;
+*/
 static int32_t led(int32_t value, int32_t to, int32_t most)
 {
     if (value < to) {

@@ -43,6 +43,26 @@ static int32_t nearest_to_q6(int32_t q6)
     return cam_sat_add(q6, 32) >> 6;
 }
 
+/*@ predicate cam_limits(cam_tell_config_t *cfg) = 0 <= cfg->range_nm <= 0x1000000 &&
+      0 <= cfg->step_nm <= 0x3FFFFFFF && 0 <= cfg->change_nm <= 0x3FFFFFFF &&
+      0 <= cfg->change_off_nm <= 0x3FFFFFFF;
+    predicate cam_was_told(cam_told_t *u, cam_tell_config_t *cfg) =
+      \abs(u->nm) <= cfg->range_nm && \abs(u->step_nm) <= 0x40000000;
+*/
+/// What is accepted lies within the stroke, differs from the last command by no more than the speed
+/// allows, and that difference from the one before by no more than the acceleration; and all that
+/// does is accepted.
+/*@ requires valid: \valid_read(u) && \valid_read(cfg);
+    requires limits: cam_limits(cfg);
+    requires flag: is_off_time == 0 || is_off_time == 1;
+    assigns \result \from *u, *cfg, u_nm, is_off_time;
+    behavior usual:
+      assumes cam_was_told(u, cfg);
+      ensures exact: \result <==> \abs(u_nm) <= cfg->range_nm &&
+        \abs(u_nm - u->nm) <= cfg->step_nm &&
+        (\abs(u_nm - u->nm - u->step_nm) <= cfg->change_nm ||
+         (is_off_time && \abs(u_nm - u->nm - u->step_nm) <= cfg->change_off_nm));
+*/
 static bool is_allowed(const cam_told_t *u, const cam_tell_config_t *cfg, int32_t u_nm,
                        bool is_off_time)
 {
@@ -53,6 +73,11 @@ static bool is_allowed(const cam_told_t *u, const cam_tell_config_t *cfg, int32_
             (is_off_time && cam_is_within(change_nm, cfg->change_off_nm)));
 }
 
+/*@ requires valid: \valid(u);
+    assigns *u;
+    ensures place: u->nm == u_nm;
+    ensures step: \abs(u_nm - \old(u->nm)) <= INT32_MAX ==> u->step_nm == u_nm - \old(u->nm);
+*/
 static void keep_told(cam_told_t *u, int32_t u_nm)
 {
     u->step_nm = cam_wrap_sub(u_nm, u->nm);
@@ -86,7 +111,22 @@ bool cam_tell_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_re
     return is_told;
 }
 
+/// It lies within the stroke and differs from the last command by no more than the speed allows,
+/// whatever is wanted; by no more than the acceleration, too, where neither of these two cuts it
+/// off; and what would be accepted is not changed.
 /// @return [nm] the nearest command of U to a wanted one that is_allowed() accepts
+/*@ requires valid: \valid_read(u) && \valid_read(cfg);
+    requires limits: cam_limits(cfg);
+    assigns \result \from *u, *cfg, u_nm;
+    ensures place: \abs(\result) <= cfg->range_nm;
+    behavior usual:
+      assumes cam_was_told(u, cfg) && \abs(u_nm) <= 0x10000000;
+      ensures step: \abs(\result - u->nm) <= cfg->step_nm;
+      ensures change: \abs(\result) < cfg->range_nm && \abs(\result - u->nm) < cfg->step_nm ==>
+        \abs(\result - u->nm - u->step_nm) <= cfg->change_nm;
+      ensures same: \abs(u_nm) <= cfg->range_nm && \abs(u_nm - u->nm) <= cfg->step_nm &&
+        \abs(u_nm - u->nm - u->step_nm) <= cfg->change_nm ==> \result == u_nm;
+*/
 static int32_t nearest_nm(const cam_told_t *u, const cam_tell_config_t *cfg, int32_t u_nm)
 {
     const int32_t wanted_nm = cam_wrap_sub(cam_wrap_sub(u_nm, u->nm), u->step_nm);

@@ -36,7 +36,9 @@
 */
 
 /// What C says of conversions to an unsigned word, and GCC and Clang of those to a signed one: they
-/// are modulo 2^32. WP knows it of values that fit only.
+/// are modulo 2^32, or 2^64. WP knows it of values that fit only.
+/// A product of unsigned words is the same modulo 2^32, whichever of the numbers that are alike a
+/// factor stands for.
 /*@ axiomatic word {
       axiom unsigned_below: \forall integer v;
         -0x100000000 <= v < 0 ==> (uint32_t)v == v + 0x100000000;
@@ -48,6 +50,13 @@
         0x80000000 <= v < 0x180000000 ==> (int32_t)v == v - 0x100000000;
       axiom signed_far: \forall integer v;
         0x180000000 <= v < 0x200000000 ==> (int32_t)v == v - 0x200000000;
+      axiom product: \forall integer v, b; (int32_t)((uint32_t)v * b) == (int32_t)(v * b);
+      axiom unsigned_long_below: \forall integer v;
+        -0x10000000000000000 <= v < 0 ==> (uint64_t)v == v + 0x10000000000000000;
+      axiom unsigned_long_above: \forall integer v;
+        0x10000000000000000 <= v < 0x20000000000000000 ==> (uint64_t)v == v - 0x10000000000000000;
+      axiom signed_long_above: \forall integer v;
+        0x8000000000000000 <= v < 0x10000000000000000 ==> (int64_t)v == v - 0x10000000000000000;
     }
 */
 

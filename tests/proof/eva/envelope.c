@@ -15,4 +15,5 @@ void main(void)
         (void)cam_envelope_smooth_q30(s_q31);
         (void)inverse_q30(s_q31, any(0, (1 << 28) - 1));
     }
+    Frama_C_show_each_end();
 }

@@ -16,4 +16,5 @@ void main(void)
         (void)cam_eval_height(&ch, any(INT32_MIN, INT32_MAX));
         (void)cam_lobes_slice(n, any(0, UINT32_MAX));
     }
+    Frama_C_show_each_end();
 }

@@ -15,4 +15,5 @@ void main(void)
     place->tick = trace->n_written;
     cam_trace_commit_isr(trace);
     (void)cam_trace_pop(trace, &record);
+    Frama_C_show_each_end();
 }
