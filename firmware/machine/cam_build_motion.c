@@ -83,9 +83,10 @@ static int32_t swung_counts(const cam_config_t *c, const cam_params_t *p, uint32
     const int64_t alpha_q40 = cam_units_scale(p->spindle_acceleration_mrad_per_s2, per_mrad_q40,
                                               (int64_t)tick_hz * tick_hz);
     const int64_t ahead_q4 = c->play.xz_plan_q16 >> 12;
-    const int64_t turn_q40 =
-        cam_cut_smaller((ahead_q4 * ahead_q4 * alpha_q40) >> 8, INT64_C(1) << 40);
-    return (int32_t)((turn_q40 * c->spindle.counts_per_turn) >> 40) + 1;
+    // It is a tick ahead at least, so that what is cut off here is beyond a turn, as below.
+    const int64_t once_q44 = cam_cut_smaller(ahead_q4 * alpha_q40, INT64_C(1) << 45);
+    const int64_t turn_q40 = cam_cut_smaller((ahead_q4 * once_q44) >> 8, INT64_C(1) << 40);
+    return (int32_t)(((turn_q40 >> 8) * c->spindle.counts_per_turn) >> 32) + 1;
 }
 
 /// @return [counts] what moves the place that X and Z are aimed at from plan to plan: the spindle's
