@@ -79,14 +79,13 @@ static int64_t way_nm(const cam_play_config_t *c, uint32_t axis)
 /// by the square of the time, which covers the time from plan to plan
 static int32_t swung_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
-    const int64_t per_mrad_q40 = 174993054; // 2^40 / 2000 pi
-    const int64_t alpha_q40 = cam_units_scale(p->spindle_acceleration_mrad_per_s2, per_mrad_q40,
+    const int64_t per_mrad_q32 = 683566; // 2^32 / 2000 pi
+    const int64_t alpha_q32 = cam_units_scale(p->spindle_acceleration_mrad_per_s2, per_mrad_q32,
                                               (int64_t)tick_hz * tick_hz);
-    const int64_t ahead_q4 = c->play.xz_plan_q16 >> 12;
-    // It is a tick ahead at least, so that what is cut off here is beyond a turn, as below.
-    const int64_t once_q44 = cam_cut_smaller(ahead_q4 * alpha_q40, INT64_C(1) << 45);
-    const int64_t turn_q40 = cam_cut_smaller((ahead_q4 * once_q44) >> 8, INT64_C(1) << 40);
-    return (int32_t)(((turn_q40 >> 8) * c->spindle.counts_per_turn) >> 32) + 1;
+    const int64_t ahead_q1 = (c->play.xz_plan_q16 >> 15) + 1; // rounded up, as the acceleration
+    const int64_t turn_q32 =
+        cam_cut_smaller(ahead_q1 * ahead_q1 * (alpha_q32 + 1) >> 2, INT64_C(1) << 32);
+    return (int32_t)((turn_q32 * c->spindle.counts_per_turn) >> 32) + 1;
 }
 
 /// @return [counts] what moves the place that X and Z are aimed at from plan to plan: the spindle's
