@@ -36,13 +36,13 @@ def file_target(path: Path) -> Path:
     OSError
         A folder on the way cannot be read.
     """
-    path = followed(path)
+    place = followed(path)
     with suppress(FileNotFoundError):
-        mode = path.stat().st_mode
+        mode = place.stat().st_mode
         if not stat.S_ISREG(mode):
             what = "Is a directory" if stat.S_ISDIR(mode) else "not a regular file"
             raise CamtoolsError([f"{path}: cannot write: {what}; give the name of a file"])
-    return Path(os.path.realpath(path))
+    return Path(os.path.realpath(place))
 
 
 def _write_temporary(

@@ -20,7 +20,7 @@ from camtools.link.scope import Recording
 Floats = npt.NDArray[np.float64]
 FAULTS = tuple(FAULT_TEXTS)
 # Bits of hal.h by their numbers, hal_in_* and hal_out_*.
-_AT = "estop drive_ready bus_lost home_u home_x home_z index_u index_x index_z"
+_AT = "estop drive_ready bus_lost home_u home_x home_z index_u index_x index_z acknowledge key"
 INPUTS = dict(enumerate(_AT.split()))
 OUTPUTS = {0: "enable", 1: "fault", 2: "in_cut"} | {8 + i: f"switch_{i + 1}" for i in range(8)}
 BITS = {"faults": dict(enumerate(FAULTS)), "inputs": INPUTS, "outputs": OUTPUTS}
