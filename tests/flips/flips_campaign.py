@@ -54,8 +54,11 @@ class Campaign:
         self._golden = golden_runs(image, work / "golden")
         told = read_map(work / "golden")
         self.planner = Planner(image, told, self._golden, seed)
-        self._limits, self._sites = limits_of(told), Sites(image, told)
-        tools = (path.read_bytes() for path in sorted(HERE.glob("*.py")))
+        self._limits, self.sites = limits_of(told), Sites(image, told)
+        tools = (
+            (HERE / f"flips_{name}.py").read_bytes()
+            for name in ("image", "judge", "plan", "layout")
+        )
         self._base = hashlib.sha256(b"".join([image.read_bytes(), *tools])).digest()
         self._folders: queue.Queue[Path] = queue.Queue()
         for i in range(jobs):
@@ -73,7 +76,7 @@ class Campaign:
         finally:
             self._folders.put(folder)
         return [
-            Outcome(s, _site(s, r, self._sites), self._verdict(s, r))
+            Outcome(s, _site(s, r, self.sites), self._verdict(s, r))
             for s, r in zip(batch, results, strict=True)
         ]
 
@@ -97,10 +100,14 @@ class Campaign:
     def run(self, strikes: Sequence[Strike]) -> list[Outcome]:
         """Return what came of the strikes, in their order.
 
-        An interruption leaves the batches that were judged; the same campaign goes on with them.
+        What was judged is kept until another campaign begins: one that was interrupted goes on with
+        it, and one that is run again tells the same at once.
         """
         size = min(BATCH, -(-len(strikes) // 2))  # the same whatever the jobs
         batches = [strikes[i : i + size] for i in range(0, len(strikes), size)]
+        needed = {self._kept(batch) for batch in batches}
+        for other in set((self.work / "judged").glob("*")) - needed:
+            other.unlink()
         with ThreadPoolExecutor(self.jobs) as pool:
             try:
                 judged = list(pool.map(self._batch, batches))
@@ -108,6 +115,4 @@ class Campaign:
                 self._stop.set()
                 pool.shutdown(cancel_futures=True)
                 raise
-        for batch in batches:
-            self._kept(batch).unlink()
         return [outcome for batch in judged for outcome in batch]

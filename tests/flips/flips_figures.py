@@ -14,11 +14,12 @@ from pathlib import Path
 
 from flips_campaign import Outcome
 from flips_judge import CLASSES, WRONG
+from flips_listed import read_listed
 from flips_plan import SHARES
 from scipy.stats import beta
 
 HERE = Path(__file__).resolve().parent
-MARKS = ("<!-- figures -->\n", "<!-- end of figures -->")
+NOTICED = ("detected", "stopped", "main")
 HEADINGS = {
     "none": "no effect",
     "small": "within the course",
@@ -42,16 +43,21 @@ def key_of(stratum: str) -> str:
 
 
 def figures(
-    outcomes: Sequence[Outcome], sizes: Mapping[str, int], seed: int, n_unlisted: int
+    outcomes: Sequence[Outcome],
+    sizes: Mapping[str, int],
+    seed: int,
+    kinds: Mapping[str, Sequence[Outcome]],
 ) -> dict[str, float]:
     """Return everything as one flat object."""
-    flat: dict[str, float] = {"seed": seed, "count": len(outcomes), "unlisted": n_unlisted}
+    flat: dict[str, float] = {"seed": seed, "count": len(outcomes), "unlisted": len(kinds[""])}
+    flat |= {f"listed.{name}": len(found) for name, found in kinds.items() if name}
     every = Counter(o.verdict.kind for o in outcomes)
     for stratum in SHARES:
         count = Counter(o.verdict.kind for o in outcomes if o.strike.stratum == stratum)
         flat |= {f"{key_of(stratum)}.{kind}": count[kind] for kind in CLASSES}
         flat[f"{key_of(stratum)}.bytes"] = sizes[stratum]
     flat |= {f"all.{kind}": every[kind] for kind in CLASSES}
+    flat["noticed"] = sum(every[kind] for kind in NOTICED)
     n_wrong = flat["wrong"] = sum(every[kind] for kind in WRONG)
     flat["wrong_percent"] = round(100.0 * n_wrong / len(outcomes), 2)
     flat["wrong_most_percent"] = round(most_percent(int(n_wrong), len(outcomes)), 2)
@@ -65,7 +71,7 @@ def table(flat: Mapping[str, float]) -> str:
         "| stratum | bytes | flips | " + " | ".join(HEADINGS.values()) + " | wrong at most |",
         "|---" + "|---:" * (len(HEADINGS) + 3) + "|",
     ]
-    for name in names:
+    for name in (n for n in names if any(flat[f"{key_of(n)}.{kind}"] for kind in CLASSES)):
         counts = [int(flat[f"{key_of(name)}.{kind}"]) for kind in CLASSES]
         n_wrong = sum(c for c, kind in zip(counts, CLASSES, strict=True) if kind in WRONG)
         most = most_percent(n_wrong, sum(counts))
@@ -75,6 +81,24 @@ def table(flat: Mapping[str, float]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def listed_table(flat: Mapping[str, float]) -> str:
+    """Return the table of what is listed."""
+    lines = ["| struck | seen | moves | why nothing prevents it |", "|---|---:|---|---|"]
+    for kind in read_listed():
+        seen = int(flat[f"listed.{kind.name}"])
+        lines.append(f"| {kind.stratum}: {kind.name} | {seen} | {kind.moves} | {kind.why} |")
+    return "\n".join(lines) + "\n"
+
+
+def told(flat: Mapping[str, float]) -> dict[str, str]:
+    """Return what README.md holds between which marks."""
+    now = (
+        f"As recorded, seed {flat['seed']:.0f}: {flat['noticed']:.0f} of {flat['count']:.0f} flips"
+        f" were noticed, {flat['wrong']:.0f} were wrong, {flat['wrong_percent']} %.\n"
+    )
+    return {"figures": table(flat), "listed": listed_table(flat), "now": now}
+
+
 def recorded() -> dict[str, float]:
     """Return the figures of the campaign that was recorded."""
     flat: dict[str, float] = json.loads((HERE / "figures.json").read_text("utf-8"))
@@ -82,10 +106,12 @@ def recorded() -> dict[str, float]:
 
 
 def record(flat: Mapping[str, float]) -> None:
-    """Keep the figures, and write their table into README.md."""
-    text = json.dumps(flat, indent=1) + "\n"
-    (HERE / "figures.json").write_text(text, "utf-8")
+    """Keep the figures, and write their tables into README.md."""
+    (HERE / "figures.json").write_text(json.dumps(flat, indent=1) + "\n", "utf-8")
     readme = HERE / "README.md"
-    begin, _, rest = readme.read_text("utf-8").partition(MARKS[0])
-    end = rest.partition(MARKS[1])[2]
-    readme.write_text(f"{begin}{MARKS[0]}{table(flat)}{MARKS[1]}{end}", "utf-8")
+    text = readme.read_text("utf-8")
+    for name, rows in told(flat).items():
+        begin, _, rest = text.partition(f"<!-- {name} -->\n")
+        end = rest.partition(f"<!-- end of {name} -->")[2]
+        text = f"{begin}<!-- {name} -->\n{rows}<!-- end of {name} -->{end}"
+    readme.write_text(text, "utf-8")

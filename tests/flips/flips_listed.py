@@ -21,7 +21,9 @@ CERTAINTY = 0.99
 class Listed:
     """A kind of wrong motion."""
 
+    name: str
     stratum: str
+    moves: str  # what moved how far, for people
     why: str
     most_percent: float  # of all flips in the stratum
     site: str = ".*"  # regular expression, for the whole site
@@ -54,14 +56,18 @@ def least_percent(n: int, of: int) -> float:
     return 100.0 * float(beta.ppf(1.0 - CERTAINTY, n, of - n + 1)) if n > 0 else 0.0
 
 
-def unlisted(
+def by_kind(
     wrong: Sequence[Outcome], outcomes: Sequence[Outcome], listed: Sequence[Listed]
-) -> list[Outcome]:
-    """Return those that no kind covers, or whose kind is more frequent than it may be."""
+) -> dict[str, list[Outcome]]:
+    """Return the wrong ones of each kind, the first that covers them; of "" those that none covers.
+
+    A kind that is more frequent than it may be covers nothing.
+    """
     sizes = Counter(o.strike.stratum for o in outcomes)
-    left = list(wrong)
+    found, left = {}, list(wrong)
     for kind in listed:
         covered = [o for o in left if kind.covers(o)]
-        if least_percent(len(covered), max(sizes[kind.stratum], 1)) <= kind.most_percent:
-            left = [o for o in left if o not in covered]
-    return left
+        is_rare = least_percent(len(covered), max(sizes[kind.stratum], 1)) <= kind.most_percent
+        found[kind.name] = covered if is_rare else []
+        left = [o for o in left if not is_rare or not kind.covers(o)]
+    return {**found, "": left}

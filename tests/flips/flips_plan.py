@@ -27,13 +27,6 @@ SHARES = {  # of all strikes
     "code": 0.06,
     "constants": 0.02,
 }
-SHORT_SHARES = {  # where most of the protections are
-    "registers, interrupt": 0.20,
-    "stack": 0.05,
-    "state": 0.45,
-    "configuration": 0.25,
-    "table": 0.05,
-}
 RECORDS = ("state.gather", "state.trace")
 REGISTERS = [*(f"r{i}" for i in range(13)), "sp", "lr", "pc", "xPSR"]
 FLAG_BITS = (31, 30, 29, 28, 27, 24)  # of xPSR: N, Z, C, V, Q, and T
@@ -134,7 +127,7 @@ class Planner:
         """Return how many bytes a stratum has, 0 where that is not told."""
         return sum(p.size for p in self.places.get(stratum, []))
 
-    def _when(self, *, is_main: bool) -> tuple[int, int, int]:
+    def when(self, *, is_main: bool) -> tuple[int, int, int]:
         """Return checkpoint, tick and place in the tick, uniform over the time at work."""
         while True:
             checkpoint = int(self.rng.integers(CHECKPOINTS))
@@ -168,7 +161,7 @@ class Planner:
 
     def draw(self, stratum: str) -> Strike:
         """Return one strike in a stratum."""
-        checkpoint, tick, at = self._when(is_main=stratum == "registers, main loop")
+        checkpoint, tick, at = self.when(is_main=stratum == "registers, main loop")
         if stratum.startswith("registers"):
             number, bit = self._register()
             return Strike(checkpoint, tick, at, REGISTER, number, bit, stratum)
@@ -178,11 +171,10 @@ class Planner:
             return Strike(checkpoint, tick, at, STACK, share, bit, stratum)
         return Strike(checkpoint, tick, at, MEMORY, self._byte(stratum), bit, stratum)
 
-    def plan(self, count: int, *, short: bool = False) -> list[Strike]:
+    def plan(self, count: int) -> list[Strike]:
         """Return as many strikes, by the shares of the strata."""
-        shares = SHORT_SHARES if short else SHARES
         return [
             self.draw(stratum)
-            for stratum, share in shares.items()
+            for stratum, share in SHARES.items()
             for _ in range(max(1, round(count * share)))
         ]

@@ -8,18 +8,18 @@ import json
 import signal
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from flips_campaign import Campaign, Outcome
 from flips_figures import figures, record, table
 from flips_image import ImageError
 from flips_judge import WRONG
-from flips_listed import read_listed, unlisted
+from flips_listed import by_kind, read_listed
 from flips_plan import ROOT, SHARES
+from flips_short import COUNT, LEAST_RETRACTED, MOST_WRONG, judge_short, short_strikes
 
 TOLD = ROOT / "build" / "verify"
-SHORT, SHORT_MOST = 160, 2  # flips, and how many of them may be wrong
 
 
 def arguments() -> argparse.Namespace:
@@ -30,7 +30,7 @@ def arguments() -> argparse.Namespace:
     length.add_argument(
         "--short",
         action="store_true",
-        help=f"{SHORT} flips, mostly into the state; at most {SHORT_MOST} may be wrong",
+        help=f"{COUNT} aimed ones: {MOST_WRONG} may be wrong, {LEAST_RETRACTED} have to be noticed",
     )
     parser.add_argument("--seed", type=int, default=1, help="of the draw (%(default)s)")
     parser.add_argument("--jobs", type=int, default=2, help="emulators at a time (%(default)s)")
@@ -49,14 +49,11 @@ def arguments() -> argparse.Namespace:
     return words
 
 
-def tell_wrong(outcomes: Sequence[Outcome], name: str) -> list[Outcome]:
-    """Write the wrong ones into a file, and return those that are not listed."""
-    wrong = [o for o in outcomes if o.verdict.kind in WRONG]
-    found = unlisted(wrong, outcomes, read_listed())
-    lines = [f"{'' if o in found else 'listed, '}{o}\n" for o in wrong]
+def tell_wrong(kinds: Mapping[str, Sequence[Outcome]], name: str) -> None:
+    """Write the wrong ones into a file, kind by kind."""
+    lines = [f"{kind or 'not listed'}: {one}\n" for kind, found in kinds.items() for one in found]
     TOLD.mkdir(parents=True, exist_ok=True)
     (TOLD / f"{name}.wrong.txt").write_text("".join(lines))
-    return found
 
 
 def run(words: argparse.Namespace) -> int:
@@ -65,13 +62,17 @@ def run(words: argparse.Namespace) -> int:
     name = "flips-short" if words.short else "flips"
     campaign = Campaign(words.image.resolve(), words.work.resolve(), words.seed, words.jobs)
     planner = campaign.planner
-    strikes = planner.plan(SHORT if words.short else words.count, short=words.short)
+    aimed = short_strikes(planner, campaign.sites.layout) if words.short else None
+    strikes = aimed or planner.plan(words.count)
     outcomes = campaign.run(strikes)
-    found = tell_wrong(outcomes, name)
-    flat = figures(outcomes, {s: planner.bytes_of(s) for s in SHARES}, words.seed, len(found))
+    wrong = [o for o in outcomes if o.verdict.kind in WRONG]
+    kinds = by_kind(wrong, outcomes, read_listed())
+    tell_wrong(kinds, name)
+    found = kinds[""]
+    flat = figures(outcomes, {s: planner.bytes_of(s) for s in SHARES}, words.seed, kinds)
     (TOLD / f"{name}.json").write_text(json.dumps(flat, indent=1) + "\n")
     print(table(flat), end="")
-    for one in found:
+    for one in [] if words.short else found:
         print(one)
     if words.record:
         record(flat)
@@ -80,7 +81,11 @@ def run(words: argparse.Namespace) -> int:
         f"seed {words.seed}: {len(strikes)} flips in {seconds:.0f} s, {flat['wrong']} wrong,"
         f" {len(found)} of them not listed (build/verify/{name}.wrong.txt)"
     )
-    return int(flat["wrong"] > SHORT_MOST if words.short else bool(found))
+    if not words.short:
+        return int(bool(found))
+    complaint = judge_short(outcomes)
+    print(complaint, end="\n" if complaint else "", file=sys.stderr)
+    return int(bool(complaint))
 
 
 def interrupt(*_: object) -> None:
