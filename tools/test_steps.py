@@ -116,7 +116,14 @@ def files_with(mark: str) -> list[str]:
 
 def tools_steps(is_fast: bool) -> list[Step]:
     """Return the tests of the tools, and the scenarios, with the simulator of the host."""
-    paths = ("tests/tools", "tests/scenarios", "tests/fuzz", "tests/campaign", "tests/flips")
+    paths = (
+        "tests/tools",
+        "tests/scenarios",
+        "tests/fuzz",
+        "tests/campaign",
+        "tests/flips",
+        "tests/mutation",
+    )
     needs = ("build host",)
     rest = " and not slow" if is_fast else ""
     # Those that judge the clock mostly wait, so that several of them do not disturb one another.

@@ -7,10 +7,12 @@ number another number, a condition its opposite, true or false, a statement goes
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import io
-import random
 import re
+from collections import Counter
 from collections.abc import Iterator
+from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,15 +40,11 @@ class Mutant(NamedTuple):
         lines[self.line - 1] = self.becomes + "\n"
         return "".join(lines)
 
-    def told(self) -> str:
-        """Return place and change in one line, for people."""
-        return f"{self.file}:{self.line}: {self.was.strip()} -> {self.becomes.strip()}"
-
 
 def _squeezed(line: str) -> str:
     """Return what the compiler sees of a line, nearly."""
     code = re.sub(r"//.*|/\*.*?\*/", "", line)
-    if code.lstrip().startswith("X("):  # of a list, whose entries are explained to people
+    if re.match(r"\s*(X\(|\{cam_err_)", code):  # of a list, whose entries are told to people
         code = re.sub(r'"[^"]*"', "", code)
     return re.sub(r"\s*(\W)\s*", r"\1", re.sub(r"\s+", " ", code)).strip()
 
@@ -70,21 +68,29 @@ def sources(root: Path) -> list[str]:
     return [file for file in files if not file.endswith("/main.c")]
 
 
-def drawn(root: Path, seed: int, files: list[str]) -> Iterator[Mutant]:
-    """Yield mutants without end of order but without repetition, the same ones for a seed.
+def _rank(seed: int, *words: str) -> bytes:
+    """Return where something stands in the order of a seed, whatever else there is."""
+    return hashlib.blake2b("\0".join((str(seed), *words)).encode(), digest_size=16).digest()
 
-    A file is drawn by the number of its lines that can be changed, a line of it at random, and one
-    of the changes of the line: a line with many operators does not outweigh the others.
+
+def drawn(root: Path, seed: int, files: list[str]) -> Iterator[Mutant]:
+    """Yield each mutant once, in an order that depends on the seed.
+
+    A line of all that can be changed is drawn, then one of its changes: a line with many operators
+    does not outweigh the others. Each has its place in the order by its own text, so that a change
+    of the sources elsewhere leaves the others where they are.
     """
     by_line: dict[tuple[str, int], list[Mutant]] = {}
     for file in files:
         for one in mutants_of(root, file):
             by_line.setdefault((one.file, one.line), []).append(one)
-    chance = random.Random(seed)
-    places = sorted(by_line)
-    while places:
-        place = chance.choice(places)
-        choices = by_line[place]
-        yield choices.pop(chance.randrange(len(choices)))
-        if not choices:
-            places.remove(place)
+    seen: Counter[tuple[str, str]] = Counter()
+    ranked = []
+    for (file, _), choices in sorted(by_line.items()):
+        line = choices[0].was.strip()
+        seen[file, line] += 1
+        choices.sort(key=lambda one: _rank(seed, one.becomes))
+        ranked.append((_rank(seed, file, line, str(seen[file, line])), choices))
+    ranked.sort()
+    for turn in zip_longest(*(choices for _, choices in ranked)):
+        yield from filter(None, turn)

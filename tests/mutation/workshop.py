@@ -3,13 +3,33 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from functools import cache
 from itertools import product
 from pathlib import Path
+from typing import Literal
 
+from journal import Killers
 from mutants import Mutant
-from pristine import BUILD_LIMIT_S, CAMSIM, TEST_LIMIT_S, Pristine, copy_tree, digest, run
+from pristine import (
+    BUILD_LIMIT_S,
+    CAMSIM,
+    TEST_LIMIT_S,
+    Pristine,
+    copy_tree,
+    digest,
+    play_scenarios,
+    run,
+)
+
+_LONG_S = 0.5  # a test that computes for longer is asked late
+Care = Literal["all", "own", "deaf"]
+
+
+def _is_own(test: str, module: str) -> bool:
+    """Return whether a test has the name of the module, or one of the two begins with the other."""
+    name, whole = f"{test}_", f"test_{module}_"
+    short = f"test_cam_{module.removeprefix('cam_machine_')}_"
+    return name.startswith((whole, short)) or whole.startswith(name)
 
 
 class RefusedError(Exception):
@@ -45,6 +65,7 @@ class Bench:
             for word in self._pristine.compiled[name]
         ]
         words[words.index("-o") + 1] = str(target)
+        words.append(f"-ffile-prefix-map={tree}/=")  # where the tree lies is no difference
         return run(words, self._pristine.build, BUILD_LIMIT_S) == 0
 
     def _digest_before(self, name: str) -> str:
@@ -88,9 +109,20 @@ class Workshop:
         The project, and where the copy goes.
     builds : list of Pristine
         Without sanitizers, and with them; if there is none with them, only unit tests judge.
+    killers : Killers
+        The test that killed a mutant before is asked first.
+    n_others : int or None
+        Most tests of other modules that judge.
     """
 
-    def __init__(self, root: Path, folder: Path, builds: list[Pristine]) -> None:
+    def __init__(
+        self,
+        root: Path,
+        folder: Path,
+        builds: list[Pristine],
+        killers: Killers,
+        n_others: int | None,
+    ) -> None:
         self._tree, self._pristine = folder, builds[0]
         copy_tree(root, folder)
         build = folder / "build"
@@ -98,61 +130,81 @@ class Workshop:
             build.symlink_to(self._pristine.tree / "build")
         self._bench = Bench(builds[0], folder)
         self._checked = [Bench(build, folder) for build in builds[1:]]
+        self._killers, self._n_others = killers, n_others
+        self._texts = {
+            name: path.read_text(encoding="utf-8") for name, path in builds[0].sources.items()
+        }
 
-    def judge(self, mutant: Mutant) -> str:
-        """Return `invalid`, `same code`, `survived`, or `killed by` what."""
+    def judge(self, mutant: Mutant, care: Care = "all") -> str:
+        """Return `invalid`, `same code`, `survived`, or `killed by` what.
+
+        With the care `own` only the module's own tests judge; with `deaf` even their assertions are
+        not heard: only a crash or a time-out kills.
+        """
         path = self._tree / mutant.file
         text = path.read_text(encoding="utf-8")
         for bench in (self._bench, *self._checked):
             bench.forget()
         try:
             path.write_text(mutant.applied(text), encoding="utf-8")
-            return self._test(mutant)
+            return self._test(mutant, care)
         except RefusedError:
             return "invalid"
         finally:
             path.write_text(text, encoding="utf-8")
 
     def _ordered(self, mutant: Mutant) -> tuple[list[str], list[str]]:
-        """Return the tests of the module, and the others: those that name it, then quick ones."""
-        module, times = Path(mutant.file).stem, self._pristine.times
-        own = [name for name in times if f"{name}_".startswith(f"test_{module}_")]
-        naming = {
-            name
-            for name, path in self._pristine.sources.items()
-            if f"{module}_" in path.read_text(encoding="utf-8")
-        }
-        others = [name for name in times if name not in own]
-        return (
-            sorted(own, key=lambda name: times[name]),
-            sorted(others, key=lambda name: (times[name] > 1, name not in naming, times[name])),
-        )
+        """Return the tests of the module, and the others.
 
-    def _test(self, mutant: Mutant) -> str:
+        Of these those come first that killed mutants of its file, then those that name the module,
+        then the quick ones.
+        """
+        module, times = Path(mutant.file).stem, self._pristine.times
+        own = [name for name in times if _is_own(name, module)]
+        others = [name for name in times if name not in own]
+        others.sort(
+            key=lambda name: (
+                times[name] > _LONG_S,
+                -self._killers.count(mutant.file, name),
+                f"{module}_" not in self._texts[name],
+                times[name],
+            )
+        )
+        return sorted(own, key=lambda name: times[name]), others[: self._n_others]
+
+    def _test(self, mutant: Mutant, care: Care) -> str:
         own, others = self._ordered(mutant)
+        tests = own
+        if care == "all":
+            killer = self._killers.of(mutant)
+            known = [killer] if killer in self._pristine.times else []
+            tests = list(dict.fromkeys([*known, *own, *others]))
         needs = self._pristine.needs.get(mutant.file, set())
-        for name in (*own, *others):
+        for name in tests:
             program = self._bench.linked(f"tests/unit/{name}", needs)
             if program is None:
                 continue
-            limit_s = 5 + 10 * self._pristine.times[name]
+            limit_s = 2 + 10 * self._pristine.times[name]
             status = run([str(program)], self._tree, min(limit_s, TEST_LIMIT_S))
-            if status != 0:
-                return f"killed by {name}" + (" (time)" if status is None else "")
-        return self._test_slowly(own, needs)
+            if status is None or status < 0 or (status > 0 and care != "deaf"):
+                self._pristine.assure(name)
+                how = "time" if status is None else "crash" if status < 0 else ""
+                if care == "all":
+                    self._killers.add(mutant, name)
+                return f"killed by {name}" + (f" ({how})" if how else "")
+        return self._test_slowly(own, needs) if care == "all" else "survived"
 
     def _test_slowly(self, own: list[str], needs: set[str]) -> str:
         """Judge by what takes longer: own tests with sanitizers, then whole cuts on camsim."""
-        camsim = self._bench.linked(CAMSIM, needs)
-        if camsim is None and not any(map(self._bench.is_changed, needs)):
+        camsim = self._bench.linked(CAMSIM, needs) if self._checked else None
+        changed = {name for name in sorted(needs) if self._bench.is_changed(name)}
+        if not changed:
             return "same code"
         for bench, name in product(self._checked, own):
-            program = bench.linked(f"tests/unit/{name}", needs)
+            program = bench.linked(f"tests/unit/{name}", changed)
             if program and run([str(program)], self._tree, 2 * TEST_LIMIT_S) != 0:
                 return f"killed by {name} with sanitizers"
         if camsim is None or not self._checked:
             return "survived"
-        pytest = [sys.executable, "-m", "pytest", "-c", "tools/pyproject.toml", "-q", "-x"]
-        words = [*pytest, f"--rootdir={self._tree}", "-p", "no:cacheprovider", "tests/scenarios"]
-        status = run(words, self._tree, 10 * TEST_LIMIT_S, self._bench.out)
+        status = play_scenarios(self._tree, self._bench.out)
         return "survived" if status == 0 else "killed by scenarios"

@@ -1,0 +1,130 @@
+"""What was judged already: a campaign that was interrupted goes on behind it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:  # it needs universalmutator, which who only reads figures has not
+    from mutants import Mutant
+
+# What a verdict depends on.
+_JUDGES = (
+    "firmware",
+    "hal",
+    "host_sim",
+    "tests/unit",
+    "tests/scenarios",
+    "tests/mutation/mutants.py",
+    "tests/mutation/workshop.py",
+    "CMakeLists.txt",
+)
+
+
+class Judged(NamedTuple):
+    """One mutant and what became of it."""
+
+    file: str
+    line: int
+    was: str
+    becomes: str
+    verdict: str
+    seconds: float  # by the clock
+
+    @property
+    def is_valid(self) -> bool:
+        """Return whether it says something: it is another program, and the compiler takes it."""
+        return self.verdict not in ("invalid", "same code")
+
+    def told(self) -> str:
+        """Return verdict, place and change in one line, for people."""
+        change = f"{self.was.strip()} -> {self.becomes.strip()}"
+        return f"{self.verdict:40} {self.file}:{self.line}: {change}"
+
+
+def digest_of(root: Path, *settings: object) -> str:
+    """Return what tells whether verdicts are those of this tree and these settings."""
+    whole = hashlib.blake2b(repr(settings).encode(), digest_size=16)
+    for name in _JUDGES:
+        top = root / name
+        for path in sorted(p for p in (top, *top.rglob("*")) if p.is_file()):
+            if "__pycache__" not in path.parts:
+                whole.update(path.relative_to(root).as_posix().encode() + b"\0")
+                whole.update(path.read_bytes())
+    return whole.hexdigest()
+
+
+class Journal:
+    """A file with a line for each judged mutant, behind one that says of what tree.
+
+    Parameters
+    ----------
+    path : Path
+        The file. What another tree or other settings left there is given up.
+    key : str
+        From digest_of().
+    """
+
+    def __init__(self, path: Path, key: str) -> None:
+        self._path = path
+        self.judged: dict[tuple[str, int, str], Judged] = {}
+        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+        if lines and lines[0] == json.dumps({"of": key}):
+            for line in lines[1:]:
+                if line.endswith("]"):  # else the process ended while it was written
+                    self._know(Judged(*json.loads(line)))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        whole = [json.dumps({"of": key}), *(json.dumps(one) for one in self.judged.values())]
+        path.write_text("".join(f"{line}\n" for line in whole), encoding="utf-8")
+
+    def _know(self, one: Judged) -> None:
+        self.judged[one.file, one.line, one.becomes] = one
+
+    def add(self, one: Judged) -> None:
+        """Keep a verdict at once."""
+        self._know(one)
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(one) + "\n")
+
+
+class Killers:
+    """Tests that killed mutants, in this campaign or an earlier one: hints whom to ask first.
+
+    Parameters
+    ----------
+    path : Path
+        A file that keeps them, whatever else has changed.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._known: dict[tuple[str, str, str], str] = {}
+        self._counts: Counter[tuple[str, str]] = Counter()
+        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+        for line in lines:
+            if line.endswith("]"):
+                *key, test = json.loads(line)
+                self._know((key[0], key[1], key[2]), test)
+
+    def _know(self, key: tuple[str, str, str], test: str) -> None:
+        self._known[key] = test
+        self._counts[key[0], test] += 1
+
+    def of(self, mutant: Mutant) -> str | None:
+        """Return the name of the test that killed it, or that none is known."""
+        return self._known.get((mutant.file, mutant.was, mutant.becomes))
+
+    def count(self, file: str, test: str) -> int:
+        """Return how many mutants of a file a test killed."""
+        return self._counts[file, test]
+
+    def add(self, mutant: Mutant, test: str) -> None:
+        """Keep one at once."""
+        key = mutant.file, mutant.was, mutant.becomes
+        if self._known.get(key) != test:
+            self._know(key, test)
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps([*key, test]) + "\n")

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The campaign of mutants: its figures, its explanations, and that it goes on where it was."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, figures_of, reasons, table
+from journal import Journal, Judged
+
+RECORDED = json.loads((HERE / "figures.json").read_text(encoding="utf-8"))
+
+
+def judged(line: int, verdict: str) -> Judged:
+    """Return a mutant of a file that is not there."""
+    return Judged("firmware/no.c", line, "a = b;", "a = c;", verdict, 1.0)
+
+
+def test_readme_tells_the_recorded_figures() -> None:
+    """Its table is made of figures.json as it is."""
+    told = (HERE / "README.md").read_text(encoding="utf-8")
+    assert table(RECORDED) == told.partition("<!-- figures -->\n")[2].partition("<!-- end")[0]
+
+
+def test_recorded_campaign_is_whole_and_notices() -> None:
+    """It judged as many as it says, and a judge that hears no assertion lets most of them live."""
+    noticed = RECORDED["killed"] + RECORDED["explained"]
+    assert RECORDED["count"] == noticed + RECORDED["survived"] >= 300
+    assert RECORDED["percent"] == round(100 * noticed / RECORDED["count"], 2) >= LEAST_PERCENT
+    assert RECORDED["deaf_percent"] < MOST_DEAF_PERCENT
+
+
+@pytest.mark.parametrize("reason", reasons(), ids=lambda reason: f"{reason.file}: {reason.was}")
+def test_each_explanation_is_of_one_line(reason: Reason) -> None:
+    """One that fits no line, or several, explains something else than was meant."""
+    assert len(reason.lines()) == 1
+    assert reason.was != reason.becomes
+    assert len(reason.why.split()) > 5
+
+
+def test_figures_count_only_what_says_something() -> None:
+    """Neither what the compiler refuses nor what is the same code; a survivor counts against."""
+    verdicts = ("killed by x", "invalid", "same code", "survived", "killed by x (crash)")
+    figures = figures_of(
+        [judged(n, verdict) for n, verdict in enumerate(verdicts)], 7, ["survived", "killed by x"]
+    )
+    assert figures == {
+        "seed": 7,
+        "count": 3,
+        "killed": 2,
+        "explained": 0,
+        "survived": 1,
+        "percent": 66.67,
+        "refused_by_compiler": 1,
+        "same_code": 1,
+        "deaf_count": 2,
+        "deaf_percent": 50.0,
+    }
+
+
+def test_journal_knows_what_was_judged(tmp_path: Path) -> None:
+    """A line that was being written counts for nothing; nothing of another tree is believed."""
+    path = tmp_path / "mutation.jsonl"
+    first = Journal(path, "tree")
+    for line in (1, 2):
+        first.add(judged(line, "survived"))
+    path.write_text(path.read_text(encoding="utf-8")[:-9], encoding="utf-8")
+    again = Journal(path, "tree")
+    assert list(again.judged.values()) == [judged(1, "survived")]
+    again.add(judged(3, "invalid"))
+    assert len(Journal(path, "tree").judged) == 2
+    assert not Journal(path, "another tree").judged
