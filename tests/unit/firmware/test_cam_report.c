@@ -234,6 +234,10 @@ static void test_pages_of_the_table_hold_its_name_in_pieces(void)
     for (uint32_t i = 0; i < cam_table_name_size; i++) {
         m->table.name[i] = name[i];
     }
+    m->table.image_size = 0xFEDCBA98u;
+    m->table.crc32 = 0x12345678u;
+    expect(0xFEDCBA98u, 3, 32, 32);
+    expect(0x12345678u, 4, 32, 32);
     f.can.store.generation = 0x89ABCDEFu;
     expect(0xABCDEF, 3, 8, 24);
     for (uint8_t k = 0; k < 6u; k++) {

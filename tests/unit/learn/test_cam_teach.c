@@ -333,9 +333,26 @@ static void test_steps_are_those_of_the_state(void)
     }
 }
 
+/// A probe that was cut short is led back, too: what is in force is not yet what is known.
+static void test_a_probe_cut_short_is_walked_away_from(void)
+{
+    static cam_gather_t nothing;
+    cam_teach_t t;
+    const cam_teach_setup_t setup = {.reason = cam_teach_all, .n_harmonics = 4};
+    cam_teach_init(&t);
+    t.state = cam_state_rehearsing;
+    t.phase = cam_teach_probing;
+    t.shape.c_q6[2].re = 64 * 500;
+    t.walking = 0;
+    cam_teach_poll(&t, &setup, cam_state_ready, &nothing);
+    TEST_ASSERT_EQUAL_INT32(0, t.shape.c_q6[2].re);
+    TEST_ASSERT_BITS_HIGH(cam_walk_shape, t.walking);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_probe_cut_short_is_walked_away_from);
     RUN_TEST(test_steps_are_those_of_the_state);
     RUN_TEST(test_a_rehearsal_goes_through_its_phases);
     RUN_TEST(test_the_next_part_begins_with_what_was_learned);
