@@ -114,8 +114,8 @@ static void build_told(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
         const cam_move_limits_t *full = &c->play.leave[i]; // per plan
         const int64_t vel_q10 = full->speed_q10 / ticks;
         const int64_t change_q10 = full->acceleration_q10 / ticks;
-        const int64_t unrest_q10 =
-            way_nm(&c->play, i) * unrest * 256 / (c->spindle.counts_per_turn * ticks) * 4;
+        const int64_t ticks_counts = (int64_t)c->spindle.counts_per_turn * ticks;
+        const int64_t unrest_q10 = way_nm(&c->play, i) * unrest * 256 / ticks_counts * 4;
         const int64_t most_q10 = vel_q10 + vel_q10 / 16 + unrest_q10 + CAM_BUILD_MARGIN_Q10;
         const bool is_led = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
         const int64_t told_q10 = 2 * (change_q10 + unrest_q10) + CAM_BUILD_MARGIN_Q10;
