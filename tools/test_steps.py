@@ -28,8 +28,8 @@ N_CORES = min(len(os.sched_getaffinity(0)), MAX_CORES)
 # A crash is reported and ends its process for good.
 PARALLEL = ("-n", str(N_CORES), "--dist", "loadfile", "--max-worker-restart=0")
 NOTHING = r"^\b$"  # closing line of a step that has none worth reading
-MIN_LINE_PERCENT = "95"
-MIN_BRANCH_PERCENT = "90"
+MIN_LINE_PERCENT = "99"
+MIN_BRANCH_PERCENT = "97"
 
 
 def gate(
