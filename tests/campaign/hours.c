@@ -290,6 +290,7 @@ static void go_on(void)
         if (any(40) == 0u) {
             strike();
             pass_ms(100);
+            mend(); // a spindle that somebody turns slowly is seen by nobody, and a cut would last
         } else if (any(60) == 0u) {
             fuzz_try(cam_machine_disable(&fuzz_rig.machine));
             (void)wait_for(cam_state_off);
