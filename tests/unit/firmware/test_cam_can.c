@@ -26,10 +26,7 @@ void tearDown(void) {}
 
 static void loop_until(cam_state_t wanted)
 {
-    for (uint32_t i = 0; i < 60000u && fixture_rig_state() != wanted; i++) {
-        fixture_can_loop(&f, 1);
-    }
-    TEST_ASSERT_EQUAL_INT(wanted, fixture_rig_state());
+    expect_state_within(&f, wanted, 60000);
 }
 
 static void to_ready(void)

@@ -1,19 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which commands anybody on the bus may give, one by one, and that all others need command.
-#include "fixture_can.h"
+#include "can_bench.h"
 #include "unity.h"
 #include <string.h> // memchr
-
-static fixture_can_t f;
-
-void setUp(void)
-{
-    const fixture_part_t part = fixture_part_short();
-    fixture_can_init(&f, &part, 20000);
-    fixture_can_start(&f);
-}
-
-void tearDown(void) {}
 
 /// Stop, everything that only reads, and asking for command.
 static void test_a_stranger_may_read_and_stop_and_nothing_else(void)

@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Overrides, trim, hold and the number of parts over CAN: what is answered, and what is done.
+#include "can_bench.h"
 #include "expect_can.h"
-#include "fixture_can.h"
 #include "unity.h"
 
 enum { hold = 40, resume, set_feed_override, set_spindle_override, set_trim, set_parts, get_parts };
 
-static fixture_can_t f;
-
-void setUp(void)
-{
-    const fixture_part_t part = fixture_part_short();
-    fixture_can_init(&f, &part, 20000);
-    fixture_can_start(&f);
-}
-
-void tearDown(void) {}
-
 static void until(cam_state_t state)
 {
-    for (int i = 0; i < 20000 && fixture_rig_state() != state; i++) {
-        fixture_can_loop(&f, 1);
-    }
-    TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
+    expect_state_within(&f, state, 20000);
 }
 
 /// Overrides and trim are parameters, and the answer names which.

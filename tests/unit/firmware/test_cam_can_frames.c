@@ -2,26 +2,14 @@
 // Frames that no tool should send: malformed, foreign, too many, random. The bytes are those of
 // camturn.dbc, written out by hand.
 #include "cam_can.h"
+#include "can_bench.h"
 #include "expect_can.h"
-#include "fixture_can.h"
 #include "fixture_random.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <string.h> // memcpy
 
 enum { enable = 1, get = 7 };
-
-static fixture_can_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_can_init(&f, &part, 20000);
-    fixture_can_start(&f);
-}
-
-void tearDown(void) {}
 
 static fixture_answer_t answer_to(const hal_can_frame_t *frame)
 {

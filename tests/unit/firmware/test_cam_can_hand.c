@@ -1,22 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commands by hand over CAN, and the pages that tell how they go.
-#include "fixture_can.h"
+#include "can_bench.h"
 #include "hal_host.h"
 #include "unity.h"
 
 enum { manual = 30, jog, step, home_axis, zero_x, zero_z, set_tool, get_place };
 enum { page_homes = 16, page_hand = 17, x_axis = 1, z_axis = 2 };
-
-static fixture_can_t f;
-
-void setUp(void)
-{
-    const fixture_part_t part = fixture_part_short();
-    fixture_can_init(&f, &part, 20000);
-    fixture_can_start(&f);
-}
-
-void tearDown(void) {}
 
 static fixture_answer_t done(uint8_t command, uint8_t axis, int32_t value)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // All parameters over CAN: staged and committed, saved and brought back, numbers of a refusal.
 #include "cam_machine.h" // cam_refusal_needed
+#include "can_bench.h"
 #include "expect_can.h"
 #include "hal_host.h" // hal_host
 #include "unity.h"
@@ -16,17 +17,6 @@ enum {
     revert = 55,
     refusal = 56,
 };
-
-static fixture_can_t f;
-
-void setUp(void)
-{
-    const fixture_part_t part = fixture_part_short();
-    fixture_can_init(&f, &part, 20000);
-    fixture_can_start(&f);
-}
-
-void tearDown(void) {}
 
 static void test_staged_parameters_come_into_force_by_commit(void)
 {

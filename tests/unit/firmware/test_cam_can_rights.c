@@ -47,10 +47,7 @@ static fixture_answer_t by(uint8_t sender, uint8_t its_session, uint8_t command,
 
 static void loop_until(cam_state_t wanted)
 {
-    for (uint32_t i = 0; i < 100000u && fixture_rig_state() != wanted; i++) {
-        fixture_can_loop(&f, 1);
-    }
-    TEST_ASSERT_EQUAL_INT(wanted, fixture_rig_state());
+    expect_state_within(&f, wanted, 100000);
 }
 
 static void to_cutting(void)
