@@ -118,14 +118,15 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
 /// Set a parameter. In state off every parameter may change. In ready, where the spindle turns, all
-/// may but those of the encoder and z_is_measured, and the result must be feasible; the
-/// feed-forward of U may as soon as U is at rest, where it adds nothing to the command. In the work
-/// only phase_udeg, amplitude_ppm, x_trim_nm, feed_override_ppm and spindle_override_ppm may, and
-/// they are ramped. In manual the same may as in ready. In the other states none may. What is
-/// refused for its numbers is in m->refusal.
+/// may but those of the encoder and z_is_measured, and the result must be feasible; feed-forward
+/// and limits of U may as soon as U is at rest, where the one adds nothing to the command and the
+/// others are not exceeded. In the work only phase_udeg, amplitude_ppm, x_trim_nm,
+/// feed_override_ppm and spindle_override_ppm may, and they are ramped. In manual the same may as
+/// in ready. In the other states none may. What is refused for its numbers is in m->refusal.
 /// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_trim_limit, cam_err_busy,
-///         cam_err_locked, cam_err_lock_none (cam_rights.h), or a feasibility error, for example
-///         for an amplitude that the running speed does not allow
+///         cam_err_u_place for a stroke within which U does not stand, cam_err_locked,
+///         cam_err_lock_none (cam_rights.h), or a feasibility error, for example for an amplitude
+///         that the running speed does not allow
 CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value);
 
 /// Begin to change several parameters at once: all are staged as they are in force.

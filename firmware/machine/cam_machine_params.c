@@ -40,10 +40,13 @@ static bool may_change(cam_param_id_t id, cam_state_t state)
     return false;
 }
 
-/// U's feed-forward adds nothing to its command while U stands, so it may change without a step.
+/// U's feed-forward adds nothing to its command while U stands, so it may change without a step;
+/// and a U that stands exceeds none of its limits, whatever they become.
 static bool needs_rest(cam_param_id_t id)
 {
-    return id == cam_param_k1_ns || id == cam_param_k2_us2;
+    return id == cam_param_k1_ns || id == cam_param_k2_us2 || id == cam_param_u_stroke_nm ||
+           id == cam_param_u_speed_um_per_s || id == cam_param_u_acceleration_mm_per_s2 ||
+           id == cam_param_u_jerk_m_per_s3;
 }
 
 /// @return whether a parameter is named, or has another value than in force
@@ -74,6 +77,20 @@ static cam_err_t check_trim(cam_machine_t *m, const cam_params_t *params,
     m->refusal.why.needed = cam_abs_i64(params->x_trim_nm);
     m->refusal.why.limit = params->x_trim_limit_nm;
     return cam_err_trim_limit;
+}
+
+/// Enabled, U must stand within its stroke, or it could not move without a leap.
+static cam_err_t check_stroke(cam_machine_t *m, const cam_params_t *params,
+                              const cam_status_t *status)
+{
+    const int32_t half_nm = params->u_stroke_nm / 2;
+    if (status->state == cam_state_off || cam_is_within(status->u_set_q6, half_nm * 64)) {
+        return cam_ok;
+    }
+    (void)refuse_change(m, cam_err_u_place, (uint32_t)cam_param_u_stroke_nm);
+    m->refusal.why.needed = cam_abs_i64(status->u_set_q6) / 64;
+    m->refusal.why.limit = half_nm;
+    return cam_err_u_place;
 }
 
 /// Check whether the state allows all changes.
@@ -169,6 +186,9 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
     cam_err_t err = check_level(m, params, named);
     if (err == cam_ok) {
         err = check_state(m, params, named, &status);
+    }
+    if (err == cam_ok) {
+        err = check_stroke(m, params, &status);
     }
     if (err == cam_ok) {
         err = check_trim(m, params, &status);

@@ -22,8 +22,18 @@ static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
                    #name ": CAM_HARD_LIMITS leaves no value of its range");
 CAM_PARAMS(PARAM_CHECK)
 
-#define PARAM_OFFSET(name, min, def, max, what) offsetof(cam_params_t, name),
-static const size_t offsets[cam_n_params] = {CAM_PARAMS(PARAM_OFFSET)};
+/// Parameters are numbers of one type in the order of the list, so that the number of a parameter
+/// tells its place.
+#define PARAM_PLACE(name, min, def, max, what)                                                     \
+    _Static_assert(offsetof(cam_params_t, name) ==                                                 \
+                       (size_t)cam_param_##name * sizeof(((cam_params_t *)NULL)->name),            \
+                   #name ": out of its order");
+CAM_PARAMS(PARAM_PLACE)
+
+static size_t place_of(cam_param_id_t id)
+{
+    return (size_t)id * sizeof(int32_t);
+}
 
 const cam_param_info_t *cam_param_info(cam_param_id_t id)
 {
@@ -51,7 +61,8 @@ cam_params_t cam_param_defaults(void)
 {
     cam_params_t params = {0};
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
-        (void)memcpy((char *)&params + offsets[id], &infos[id].def, sizeof infos[id].def);
+        const size_t place = place_of((cam_param_id_t)id);
+        (void)memcpy((char *)&params + place, &infos[id].def, sizeof infos[id].def);
     }
     return params;
 }
@@ -69,17 +80,18 @@ void cam_param_learn(cam_params_t *params)
 void cam_param_fit(cam_params_t *params)
 {
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
+        const size_t place = place_of((cam_param_id_t)id);
         const int32_t value = cam_param_get(params, (cam_param_id_t)id);
         const int32_t most = LEAST_OF(value, infos[id].max);
         const int32_t fitted = MOST_OF(most, infos[id].min);
-        (void)memcpy((char *)params + offsets[id], &fitted, sizeof fitted);
+        (void)memcpy((char *)params + place, &fitted, sizeof fitted);
     }
 }
 
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id)
 {
     int32_t value = 0;
-    (void)memcpy(&value, (const char *)params + offsets[id], sizeof value);
+    (void)memcpy(&value, (const char *)params + place_of(id), sizeof value);
     return value;
 }
 
@@ -99,6 +111,6 @@ cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
     if (value < info->min || value > info->max || is_no_sign) {
         return info->is_hard ? cam_err_hard_limit : cam_err_param_range;
     }
-    (void)memcpy((char *)params + offsets[id], &value, sizeof value);
+    (void)memcpy((char *)params + place_of(id), &value, sizeof value);
     return cam_ok;
 }

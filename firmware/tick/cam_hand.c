@@ -180,13 +180,15 @@ static bool is_u_at_rest(const cam_motion_t *m)
     return u->vel_q10 == 0 && u->acc_q10 == 0;
 }
 
-/// Move the axis of the order. @return whether it has come to where the phase ends
+/// Move the axis of the order, within limits that may have become lower since. @return whether it
+/// has come to where the phase ends
 static bool move_axis(const cam_hand_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const cam_hand_order_t *o = &cfg->hand.order;
     const bool is_slow = h->phase == cam_hand_release || h->phase == cam_hand_index;
     cam_move_limits_t limits = cfg->hand.limits[h->axis];
-    limits.speed_q10 = is_slow ? o->slow_q10 : o->speed_q10;
+    const int32_t ordered_q10 = is_slow ? o->slow_q10 : o->speed_q10;
+    limits.speed_q10 = ordered_q10 < limits.speed_q10 ? ordered_q10 : limits.speed_q10;
     if (h->axis != hal_axis_u) {
         return cam_step_to_isr(m, h->axis, cfg, &limits, h->target_q10);
     }

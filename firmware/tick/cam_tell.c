@@ -111,16 +111,18 @@ bool cam_tell_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_re
     return is_told;
 }
 
-/// It lies within the stroke and differs from the last command by no more than the speed allows,
-/// whatever is wanted; by no more than the acceleration, too, where neither of these two cuts it
-/// off; and what would be accepted is not changed.
+/// It lies within the stroke, or no farther out than the last command where that lies beyond: a
+/// shorter way back would be a leap. It differs from the last command by no more than the speed
+/// allows, whatever is wanted; by no more than the acceleration, too, where neither of these two
+/// cuts it off; and what would be accepted is not changed.
 /// @return [nm] the nearest command of U to a wanted one that is_allowed() accepts
 /*@ requires valid: \valid_read(u) && \valid_read(cfg);
     requires limits: cam_limits(cfg);
     assigns \result \from *u, *cfg, u_nm;
-    ensures place: \abs(\result) <= cfg->range_nm;
+    ensures place: \min(-cfg->range_nm, u->nm) <= \result <= \max(cfg->range_nm, u->nm);
     behavior usual:
-      assumes cam_was_told(u, cfg) && \abs(u_nm) <= 0x10000000;
+      assumes \abs(u->nm) <= 0x10000000 && \abs(u->step_nm) <= 0x40000000 &&
+        \abs(u_nm) <= 0x10000000;
       ensures step: \abs(\result - u->nm) <= cfg->step_nm;
       ensures change: \abs(\result) < cfg->range_nm && \abs(\result - u->nm) < cfg->step_nm ==>
         \abs(\result - u->nm - u->step_nm) <= cfg->change_nm;
@@ -133,7 +135,9 @@ static int32_t nearest_nm(const cam_told_t *u, const cam_tell_config_t *cfg, int
     const int32_t step_nm =
         cam_wrap_add(u->step_nm, cam_clamp_i32(wanted_nm, -cfg->change_nm, cfg->change_nm));
     const int32_t within_nm = cam_clamp_i32(step_nm, -cfg->step_nm, cfg->step_nm);
-    return cam_clamp_i32(cam_wrap_add(u->nm, within_nm), -cfg->range_nm, cfg->range_nm);
+    const int32_t least_nm = u->nm < -cfg->range_nm ? u->nm : -cfg->range_nm;
+    const int32_t most_nm = u->nm > cfg->range_nm ? u->nm : cfg->range_nm;
+    return cam_clamp_i32(cam_wrap_add(u->nm, within_nm), least_nm, most_nm);
 }
 
 CAM_STAGE void cam_tell_nearest_isr(cam_tell_t *t, const cam_tell_config_t *cfg,
@@ -146,13 +150,17 @@ CAM_STAGE void cam_tell_nearest_isr(cam_tell_t *t, const cam_tell_config_t *cfg,
     t->fading_q6 = cam_wrap_sub(cam_wrap_times(t->u.nm, 64u), plain);
 }
 
+/// An axis that is faster than its limit has to be let brake, and its speed may stay until it does.
 /// @return whether a plan may tell an axis what it wants to
 static bool is_plan_allowed(const cam_tell_t *t, const cam_tell_config_t *cfg, uint32_t axis,
                             const cam_move_t *now, const cam_move_t *before)
 {
     const int32_t jump_q10 = cam_sat_i32(cam_wrap_sub_i64(now->pos_q10, before->pos_q10));
     const int32_t change_q10 = cam_wrap_sub(now->vel_q10, t->vel_q10[axis]);
-    return cam_is_within(now->vel_q10, cfg->vel_q10[axis]) &&
+    const int32_t was_q10 = t->vel_q10[axis];
+    const bool is_no_faster =
+        cam_is_within(now->vel_q10, was_q10 < 0 ? cam_wrap_sub(0, was_q10) : was_q10);
+    return (is_no_faster || cam_is_within(now->vel_q10, cfg->vel_q10[axis])) &&
            cam_is_within(change_q10, cfg->change_q10[axis]) &&
            cam_is_within(jump_q10, cfg->jump_q10[axis]);
 }

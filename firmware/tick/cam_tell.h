@@ -41,14 +41,16 @@ bool cam_tell_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_re
                   const cam_motion_t *m, bool is_new);
 
 /// Tell U the nearest place within its limits to what was refused, or behind a new fault to where
-/// its last step leads; what that differs from the command of the retract fades. Where step and
-/// place contradict one another the place holds.
+/// its last step leads; what that differs from the command of the retract fades. Where change and
+/// place contradict one another the place holds, and where place and step do, since U stands beyond
+/// its stroke, the step: U never leaps, and never goes farther out.
 /// @param r, m  in state fault
 void cam_tell_nearest_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_record_t *r,
                           const cam_motion_t *m, bool is_new);
 
 /// Judge what a plan would tell X and Z until the next one: speed, change of speed, and no step of
-/// the place. What is not accepted goes on as before the plan.
+/// the place. An axis that is faster than its limit may brake. What is not accepted goes on as
+/// before the plan.
 /// @param m       increments of the plan; what is refused is put back
 /// @param before  both axes before the plan
 /// @return        fault command or none

@@ -208,6 +208,28 @@ static void test_refused_command_is_followed_as_far_as_the_limits_allow(void)
     }
 }
 
+/// Beyond the stroke U goes no farther, and back by steps.
+static void test_refused_command_beyond_the_stroke_is_no_leap(void)
+{
+    static const int32_t cases[][5] = {// place, step, wanted -> place, step
+                                       {300000, 0, 0, 299950, -50},
+                                       {-300000, 0, 0, -299950, 50},
+                                       {300000, 0, 400000, 300000, 0},
+                                       {-300000, 0, -400000, -300000, 0},
+                                       {100100, -990, 0, 99100, -1000},
+                                       {-100100, 990, 0, -99100, 1000},
+                                       {300000, -1000, -300000, 299000, -1000}};
+    r.want.state = cam_state_fault;
+    motion.is_playing = false;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        told(cases[i][0], cases[i][1]);
+        tell.fading_q6 = 0;
+        r.want.u_set_q6 = cases[i][2] * 64;
+        cam_tell_nearest_isr(&tell, &cfg, &r, &motion, false);
+        expect_told(cases[i][3], cases[i][4]);
+    }
+}
+
 /// What a plan makes of an axis, from its speed before. @return the fault
 static uint32_t plan(uint32_t axis, int32_t before_q10, int32_t vel_q10, int64_t jump_q10)
 {
@@ -243,6 +265,12 @@ static void test_plan_tells_what_is_within_speed_change_and_place(void)
         {0, 0, -32, true},
         {0, 0, -33, false},
         {0, 0, INT64_MAX / 2, false},
+        {2000000, 1999999, 0, true}, // faster than the limit: it may brake
+        {2000000, 2000001, 0, false},
+        {2000000, 1989759, 0, false}, // ... by no more than the change
+        {-2000000, -1999999, 0, true},
+        {-2000000, -2000001, 0, false},
+        {-2000000, -1989759, 0, false},
     };
     for (uint32_t axis = (uint32_t)hal_axis_x; axis <= (uint32_t)hal_axis_z; axis++) {
         for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -286,6 +314,7 @@ int main(void)
     RUN_TEST(test_difference_of_the_other_sign_fades_alike);
     RUN_TEST(test_new_fault_tells_the_last_step_within_the_limits);
     RUN_TEST(test_refused_command_is_followed_as_far_as_the_limits_allow);
+    RUN_TEST(test_refused_command_beyond_the_stroke_is_no_leap);
     RUN_TEST(test_plan_tells_what_is_within_speed_change_and_place);
     RUN_TEST(test_plan_in_off_is_told_as_it_is);
     RUN_TEST(test_u_that_is_called_otherwise_is_told_no_step);
