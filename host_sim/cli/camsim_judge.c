@@ -5,7 +5,7 @@
 /// Explain the first fault; of several at once the first in the list is named.
 static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
-    const uint32_t first = sim_cut_status(cut)->first_fault;
+    const uint32_t first = sim_cut_status(cut).first_fault;
     int i = 0;
     while (i + 1 < cam_n_faults && (first >> i & 1u) == 0u) {
         i++;

@@ -10,9 +10,9 @@
 /// within 0.8 s at 20 kHz.
 enum { background_polls = 64 };
 
-const cam_status_t *sim_cut_status(const sim_cut_t *cut)
+cam_status_t sim_cut_status(const sim_cut_t *cut)
 {
-    return &cut->firmware.status;
+    return sim_firmware_status(&cut->firmware);
 }
 
 /// @return [nm] feed per turn of a pass
@@ -120,19 +120,18 @@ static void count_turn(sim_cut_t *cut, uint64_t n_before)
 static void observe(sim_cut_t *cut)
 {
     sim_session_t *s = &cut->session;
-    const cam_status_t *status = sim_cut_status(cut);
-    const bool is_cutting =
-        status->state == cam_state_cutting || status->state == cam_state_holding;
+    const cam_state_t state = cut->firmware.state;
+    const bool is_cutting = state == cam_state_cutting || state == cam_state_holding;
     const sim_sample_t at = sim_lathe_sample(&cut->port.lathe, cut->port.time_s);
-    if (status->state == cam_state_fault && cut->fault_s < 0.0) {
+    if (state == cam_state_fault && cut->fault_s < 0.0) {
         cut->fault_s = cut->port.time_s;
         cut->fault_turn = s->part_turn;
         cut->fault_z_mm = s->z_mm;
         cut->fault_state = cut->state; // of the tick before
     }
-    cut->state = status->state;
+    cut->state = state;
     const uint64_t n_before = s->work.n;
-    sim_session_touch(s, &at, is_cutting, status->following_nm);
+    sim_session_touch(s, &at, is_cutting, cut->firmware.following_nm);
     count_turn(cut, n_before);
     sim_switches_tick(&cut->switches, at.t_s, at.turn, s->z_mm, sim_port_switches());
     sim_lathe_bite(&cut->port.lathe, sim_session_depth_mm(s));
@@ -226,19 +225,19 @@ static void lead_z(sim_cut_t *cut)
 static void operate(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
-    const cam_status_t status = *sim_cut_status(cut);
+    const cam_state_t state = cut->firmware.state;
     if (cut->n_polls++ % background_polls == 0u) {
         sim_firmware_poll(&cut->firmware);
     }
-    if (status.state == cam_state_fault) {
-        cut->end = status.is_retracted ? sim_cut_fault : cut->end;
-    } else if (status.state == cam_state_off) {
+    if (state == cam_state_fault) {
+        cut->end = sim_cut_status(cut).is_retracted ? sim_cut_fault : cut->end;
+    } else if (state == cam_state_off) {
         take_answer(cut, sim_firmware_enable(&cut->firmware));
-    } else if (status.state == cam_state_ready && !cut->is_started) {
+    } else if (state == cam_state_ready && !cut->is_started) {
         const cam_err_t err = sim_firmware_start(&cut->firmware);
         cut->is_started = err == cam_ok;
         take_answer(cut, err);
-    } else if (status.state == cam_state_ready && (s->cut_at_s >= 0.0 || cut->is_stopped)) {
+    } else if (state == cam_state_ready && (s->cut_at_s >= 0.0 || cut->is_stopped)) {
         if (sim_cut_has_next_pass(cut)) {
             sim_cut_next_pass(cut);
         } else {

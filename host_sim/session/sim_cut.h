@@ -118,7 +118,7 @@ void sim_cut_idle(sim_cut_t *cut);
 void sim_cut_close(sim_cut_t *cut);
 
 /// @return what the controller published in the last tick
-const cam_status_t *sim_cut_status(const sim_cut_t *cut);
+cam_status_t sim_cut_status(const sim_cut_t *cut);
 
 /// @return [mm] feed per turn in force; of a ring-helix the distance of its rings
 double sim_cut_feed_mm(const sim_cut_t *cut);

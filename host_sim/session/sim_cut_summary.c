@@ -43,12 +43,12 @@ static void add_tool(cJSON *root, const sim_session_t *s)
 
 static void add_faults(cJSON *root, const sim_cut_t *cut)
 {
-    const cam_status_t *status = sim_cut_status(cut);
-    sim_summary_faults(root, "faults", status->faults);
+    const cam_status_t status = sim_cut_status(cut);
+    sim_summary_faults(root, "faults", status.faults);
     if (cut->fault_s < 0.0) {
         return;
     }
-    sim_summary_faults(root, "first_faults", status->first_fault);
+    sim_summary_faults(root, "first_faults", status.first_fault);
     cJSON *fault = cJSON_AddObjectToObject(root, "fault");
     sim_summary_number(fault, "time_s", cut->fault_s);
     sim_summary_sampled(fault, &cut->session, "time_of_cutting_s",
@@ -206,7 +206,7 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
     add_what(root, cut, table_path);
     sim_summary_text(root, "end", sim_cut_end_name(cut));
     (void)cJSON_AddBoolToObject(root, "is_good", sim_cut_is_good(cut));
-    sim_summary_text(root, "state", cam_state_name(sim_cut_status(cut)->state));
+    sim_summary_text(root, "state", cam_state_name(cut->firmware.state));
     add_faults(root, cut);
     sim_summary_errors(root, &cut->session);
     sim_learn_summary(root, cut);

@@ -43,12 +43,12 @@ static bool make_ready(sim_cut_t *cut, common_error_t *e)
     const double end_s = cut->port.time_s + patience_s;
     do {
         go_on(cut);
-        const cam_state_t state = sim_cut_status(cut)->state;
+        const cam_state_t state = cut->firmware.state;
         if (state == cam_state_fault || cut->port.time_s > end_s) {
             return common_error(e, "homing: the controller is in %s, not ready; see camsim run",
                                 cam_state_name(state));
         }
-    } while (sim_cut_status(cut)->state != cam_state_ready);
+    } while (cut->firmware.state != cam_state_ready);
     return true;
 }
 

@@ -27,7 +27,7 @@ static void reading_columns(sim_out_t *o, const cam_tick_record_t *r, const sim_
 {
     const sim_session_t *s = &cut->session;
     const double behind =
-        (double)(sim_cut_status(cut)->tick - r->tick); // records made before the first tick
+        (double)(cut->firmware.tick - r->tick); // records made before the first tick
     sim_out_integer(o, r->tick);
     sim_out_real_column(o, s->at.t_s - behind * cut->port.lathe.step_s, 9);
     sim_out_real_column(o, s->table.direction * ((double)r->angle.pos_q32 / 4294967296.0), 9);

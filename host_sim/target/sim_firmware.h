@@ -8,18 +8,24 @@
 #ifndef SIM_FIRMWARE_H
 #define SIM_FIRMWARE_H
 
+#include "cam_fix.h"      // cam_wrap_sub
 #include "cam_machine.h"  // cam_machine_t
 #include "cam_trace.h"    // cam_trace_t
 #include "hal_host.h"     // hal_host_tick
 #include "common_error.h" // common_error_t
 #include "sim_remote.h"   // sim_remote_t
+#include <stdatomic.h>    // atomic_load_explicit
 #include <stdbool.h>      // bool
 #include <stddef.h>       // size_t
 
 typedef struct {
     cam_machine_t machine; ///< in this process
     sim_remote_t *remote;  ///< NULL: in this process
-    cam_status_t status;   ///< of the last tick
+    cam_status_t told;     ///< by a target, of the last tick
+    // what is looked at behind every tick; a whole status costs as much as two ticks
+    uint32_t tick;        ///< number of the last tick
+    cam_state_t state;    ///< of the last tick
+    int32_t following_nm; ///< [nm] following error of U in the last tick
 } sim_firmware_t;
 
 /// Bring the controller into state off, after the machine is initialised.
@@ -42,14 +48,29 @@ enum { sim_firmware_busy_hz = 10000 };
 static inline bool sim_firmware_tick(sim_firmware_t *f)
 {
     if (f->remote != NULL) {
-        return sim_remote_tick(f->remote, &f->status);
+        const bool is_there = sim_remote_tick(f->remote, &f->told);
+        f->tick = f->told.tick;
+        f->state = f->told.state;
+        f->following_nm = f->told.following_nm;
+        return is_there;
     }
     hal_host_tick();
-    f->status = cam_machine_status(&f->machine);
+    // No tick is in progress here, so the record need not be copied.
+    const cam_tick_record_t *r =
+        atomic_load_explicit(&f->machine.core->newest, memory_order_relaxed);
+    f->tick = r->tick;
+    f->state = r->want.state;
+    f->following_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6);
     for (uint32_t hz = 0; hz < sim_firmware_busy_hz; hz += hal_host.tick_hz) {
-        cam_machine_teach_poll(&f->machine, f->status.state);
+        cam_machine_teach_poll(&f->machine, f->state);
     }
     return true;
+}
+
+/// @return all that the controller tells of the last tick
+static inline cam_status_t sim_firmware_status(const sim_firmware_t *f)
+{
+    return f->remote != NULL ? f->told : cam_machine_status(&f->machine);
 }
 
 /// @return where records of the ticks come from, by cam_trace_pop()

@@ -138,7 +138,7 @@ static void test_estop_ends_in_a_fault_with_the_tool_out(void)
 {
     inject("estop@0.1");
     TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), sim_cut_status(&cut)->faults);
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), sim_cut_status(&cut).faults);
     TEST_ASSERT_DOUBLE_WITHIN(100e-6, 0.1, cut.fault_s - cut.session.cut_at_s);
     TEST_ASSERT_TRUE(cut.session.radius_mm > cut.session.work.blank_mm);
     TEST_ASSERT_TRUE(cut.session.work.gouge_um < 1.0);
@@ -148,7 +148,7 @@ static void test_flipped_table_byte_is_found(void)
 {
     inject("table-flip@0:1000");
     TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), sim_cut_status(&cut)->first_fault);
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), sim_cut_status(&cut).first_fault);
 }
 
 static void test_flip_outside_the_table_is_refused(void)
@@ -248,7 +248,7 @@ static void test_late_tick_lets_the_machine_live_longer(void)
 {
     inject("late-tick@0.1:80");
     TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
-    TEST_ASSERT_TRUE((sim_cut_status(&cut)->first_fault & CAM_FAULT_BIT(late_tick)) != 0u);
+    TEST_ASSERT_TRUE((sim_cut_status(&cut).first_fault & CAM_FAULT_BIT(late_tick)) != 0u);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40e-6,
                               cut.port.time_s - (double)hal_host.n_ticks * cut.port.lathe.step_s);
 }
