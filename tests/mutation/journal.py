@@ -19,6 +19,7 @@ _JUDGES = (
     "tests/unit",
     "tests/scenarios",
     "tests/mutation/mutants.py",
+    "tests/mutation/asserted.py",
     "tests/mutation/workshop.py",
     "CMakeLists.txt",
 )

@@ -16,11 +16,12 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
+from asserted import asserted
 from universalmutator import mutator
 
 _RULES = ["universal.rules", "c_like.rules", "c.rules"]
 _LEFT_OUT = [
-    r"^\s*(#|_Static_assert|///|return \"|\")",  # texts for people, and what the compiler judges
+    r"^\s*(#|///|return \"|\")",  # texts for people
     r"static const char|static inline.*\($|__asm|^\s*case [a-z_]+:$",
 ]
 
@@ -54,10 +55,11 @@ def mutants_of(root: Path, file: str) -> list[Mutant]:
     lines = (root / file).read_text(encoding="utf-8").splitlines(keepends=True)
     with contextlib.redirect_stdout(io.StringIO()):
         found = mutator.mutants_regexp(lines, list(_RULES), ignorePatterns=list(_LEFT_OUT))
+    left_out = asserted(lines)
     made = []
     for number, text, *_ in found:
         was, becomes = lines[number - 1].rstrip("\n"), text.rstrip("\n")
-        if "\n" not in becomes and _squeezed(was) != _squeezed(becomes):
+        if number not in left_out and "\n" not in becomes and _squeezed(was) != _squeezed(becomes):
             made.append(Mutant(file, number, was, becomes))
     return made
 

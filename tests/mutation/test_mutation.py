@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, figures_of, reasons, table
+from asserted import asserted
 from journal import Journal, Judged
 
 RECORDED = json.loads((HERE / "figures.json").read_text(encoding="utf-8"))
@@ -38,6 +39,17 @@ def test_each_explanation_is_of_one_line(reason: Reason) -> None:
     assert len(reason.lines()) == 1
     assert reason.was != reason.becomes
     assert len(reason.why.split()) > 5
+
+
+def test_all_lines_of_what_the_compiler_asserts_are_left_out() -> None:
+    """One that goes on in the next line is left out to its end, and nothing behind it."""
+    lines = (HERE.parent.parent / "firmware/tick/cam_record.h").read_text("utf-8").splitlines()
+    left_out = asserted(lines)
+    begin = next(n for n, line in enumerate(lines, 1) if line.startswith("_Static_assert("))
+    end = next(n for n, line in enumerate(lines, 1) if n >= begin and line.endswith(");"))
+    assert end > begin
+    assert {n for n in left_out if begin <= n <= end + 1} == set(range(begin, end + 1))
+    assert begin - 1 not in left_out
 
 
 def test_figures_count_only_what_says_something() -> None:
