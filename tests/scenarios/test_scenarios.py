@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pyarrow import csv
 
 from camsim_cases import ROOT, camsim
 
@@ -42,15 +43,9 @@ class Outcome:
 
 
 def read_trace(path: Path) -> Columns:
-    """Return the columns of a trace; `state` stays text, `faults` becomes an integer."""
-    with path.open() as file:
-        names = file.readline().strip().split(",")
-        rows = [line.rstrip("\n").split(",") for line in file]
-    text = dict(zip(names, zip(*rows, strict=True), strict=True))
-    columns: Columns = {"state": np.array(text.pop("state"))}
-    columns["faults"] = np.array([int(word, 16) for word in text.pop("faults")])
-    columns.update({name: np.array(words, dtype=float) for name, words in text.items()})
-    return columns
+    """Return the columns of a trace; `state` stays text, and `faults`, which is hexadecimal."""
+    table = csv.read_csv(path)
+    return {name: table[name].to_numpy() for name in table.column_names}
 
 
 def damaged(table: Path, at: int, folder: Path) -> Path:
