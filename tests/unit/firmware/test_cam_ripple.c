@@ -129,6 +129,106 @@ static void test_a_sum_beyond_its_word_keeps_its_sign(void)
     TEST_ASSERT_EQUAL_INT32(-cam_ripple_most, r.mean[0].im);
 }
 
+/// Nothing is told before as many turns as a mean is made of; the next mean begins without them.
+static void test_a_mean_is_made_of_its_turns_and_begins_anew(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t least = 1000;
+    for (int turn = 0; turn < 4; turn++) {
+        cam_ripple_add(&r, 3, (cam_complex_t){.re = 512 * (10 + turn), .im = -512 * 8});
+        TEST_ASSERT_EQUAL(turn == 3, cam_ripple_close(&r, 4, least, 1 << 26));
+        TEST_ASSERT_EQUAL_UINT32(turn < 3 ? 0 : 4, r.n_mean);
+        TEST_ASSERT_EQUAL_UINT32((turn + 1) % 4, r.n);
+    }
+    TEST_ASSERT_EQUAL_INT32(12 * 512, cam_ripple_order(&r, 3).re); // 11.5, rounded
+    TEST_ASSERT_EQUAL_INT32(-8 * 512, cam_ripple_order(&r, 3).im);
+    TEST_ASSERT_EQUAL_INT32(1 << 22, r.speed_q32);
+    cam_ripple_add(&r, 3, (cam_complex_t){.re = 512 * 100});
+    TEST_ASSERT_FALSE(cam_ripple_close(&r, 3, least, 1 << 27));
+    cam_ripple_drop(&r);
+    TEST_ASSERT_EQUAL_INT32(12 * 512, cam_ripple_order(&r, 3).re);
+    cam_ripple_add(&r, 3, (cam_complex_t){.re = 512 * 4, .im = 512 * 3});
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, least, 1 << 25));
+    TEST_ASSERT_EQUAL_INT32(4 * 512, cam_ripple_order(&r, 3).re);
+    TEST_ASSERT_EQUAL_INT32(3 * 512, cam_ripple_order(&r, 3).im);
+    TEST_ASSERT_EQUAL_UINT32(1, r.n_mean);
+    TEST_ASSERT_EQUAL_INT32(1 << 21, r.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(0, r.sum[2].re);
+}
+
+/// An order that is just as large as what counts can feign, by its magnitude, is nothing.
+static void test_the_least_that_is_told_is_beyond_what_counts_feign(void)
+{
+    cam_ripple_t r = {0};
+    const cam_complex_t five = {.re = 3 * 512, .im = -4 * 512};
+    cam_ripple_add(&r, 2, five);
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 5 * 512, 1 << 26));
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, 2).re);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, 2).im);
+    for (int turn = 0; turn < 2; turn++) {
+        cam_ripple_add(&r, 2, five);
+        (void)cam_ripple_close(&r, 2, 5 * 512 - 1, 1 << 26);
+    }
+    TEST_ASSERT_EQUAL_INT32(3 * 512, cam_ripple_order(&r, 2).re);
+    TEST_ASSERT_EQUAL_INT32(-4 * 512, cam_ripple_order(&r, 2).im);
+}
+
+/// A drift of d per turn leaves d / (2 pi^2) in order 1, and 1 / k^2 of that in order k, real.
+static void test_drift_is_taken_off_by_the_square_of_the_order(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t last_q36 = 1 << 27;
+    const double per_turn = 0.002;
+    for (int turn = 0; turn < 3; turn++) {
+        (void)cam_ripple_close(&r, 3, 0, last_q36 - (int32_t)((2 - turn) * per_turn * last_q36));
+    }
+    const double first = -per_turn * 4294967296.0 / (TURN * TURN / 2.0);
+    for (uint32_t k = 1; k <= 16u; k++) {
+        TEST_ASSERT_INT32_WITHIN(400, (int32_t)lround(first / (k * k)), cam_ripple_order(&r, k).re);
+        TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, k).im);
+    }
+}
+
+/// The encoder is told from the spindle by speeds that differ by more than a tenth, either way.
+static void test_speeds_within_a_tenth_tell_nothing_of_the_scale(void)
+{
+    static const struct {
+        int32_t speed_q36;
+        bool is_told;
+    } cases[] = {{110 << 20, false}, {111 << 20, true}, {90 << 20, false}, {89 << 20, true}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        cam_ripple_t r = {0};
+        cam_ripple_add(&r, 1, (cam_complex_t){.im = 1 << 19});
+        TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, 100 << 20));
+        cam_ripple_add(&r, 1, (cam_complex_t){.im = 1 << 19});
+        TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, cases[i].speed_q36));
+        TEST_ASSERT_EQUAL(cases[i].is_told, r.scale.im != 0);
+        if (cases[i].is_told) { // what is the same at both speeds is the encoder's
+            TEST_ASSERT_INT32_WITHIN(64, 1 << 19, r.scale.im);
+        }
+    }
+}
+
+/// Fewer ticks than bins leave one of them empty.
+static void test_a_turn_of_few_ticks_has_no_ripple(void)
+{
+    const cam_gather_bin_t one = {.n = 1, .angle_q24 = 65536};
+    for (int i = 0; i < cam_learn_bins; i++) {
+        bin[i] = one;
+    }
+    const int64_t speed_q36 = INT64_C(68719476736) / cam_learn_bins;
+    TEST_ASSERT_INT64_WITHIN(1, speed_q36, cam_ripple_deviate(bin));
+    for (int i = 0; i < cam_learn_bins; i++) {
+        TEST_ASSERT_EQUAL_INT32(bin[0].angle_q24, bin[i].angle_q24); // even, but for a constant
+    }
+    for (int i = 0; i < cam_learn_bins; i++) {
+        bin[i] = one;
+    }
+    bin[5] = (cam_gather_bin_t){.n = 2, .angle_q24 = 2 * 65536};
+    bin[100].n = 0;
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -138,5 +238,10 @@ int main(void)
     RUN_TEST(test_two_speeds_tell_the_scale_from_the_spindle);
     RUN_TEST(test_a_turn_with_a_hole_or_a_jump_is_refused);
     RUN_TEST(test_a_sum_beyond_its_word_keeps_its_sign);
+    RUN_TEST(test_a_mean_is_made_of_its_turns_and_begins_anew);
+    RUN_TEST(test_the_least_that_is_told_is_beyond_what_counts_feign);
+    RUN_TEST(test_drift_is_taken_off_by_the_square_of_the_order);
+    RUN_TEST(test_speeds_within_a_tenth_tell_nothing_of_the_scale);
+    RUN_TEST(test_a_turn_of_few_ticks_has_no_ripple);
     return UNITY_END();
 }

@@ -85,34 +85,6 @@ static void test_all_values_are_read_and_set_again(void)
     TEST_ASSERT_TRUE(p.rms_um < 0.1);
 }
 
-/// The numbers are part of the CAN protocol, and each value has one of its own.
-static void test_values_have_their_numbers(void)
-{
-    TEST_ASSERT_EQUAL_INT(5, cam_teach_value_correction);
-    TEST_ASSERT_EQUAL_INT(39, cam_teach_value_gain);
-    TEST_ASSERT_EQUAL_INT(73, cam_teach_value_ripple);
-    TEST_ASSERT_EQUAL_INT(105, cam_teach_n_values);
-    cam_teach_t t;
-    cam_teach_init(&t);
-    for (uint32_t i = cam_teach_value_correction; i < cam_teach_n_values; i++) {
-        TEST_ASSERT_TRUE(cam_teach_set(&t, i, (int32_t)i));
-    }
-    for (uint32_t i = cam_teach_value_correction; i < cam_teach_n_values; i++) {
-        TEST_ASSERT_EQUAL_INT32((int32_t)i, cam_teach_get(&t, i));
-    }
-}
-
-static void test_values_out_of_range_are_refused(void)
-{
-    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_n_values, 0));
-    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_value_speed, -1));
-    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_value_correction, 64 * 30001));
-    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_value_gain, 40000));
-    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_value_ripple, 3000));
-    TEST_ASSERT_EQUAL_INT32(0, cam_teach_get(&p.teach, cam_teach_value_correction));
-    TEST_ASSERT_EQUAL_INT32(0, cam_teach_get(&p.teach, cam_teach_n_values));
-}
-
 static void test_a_fault_in_the_probe_leaves_no_probe(void)
 {
     while (status().phase != cam_teach_probing || p.teach.n_steps < 2u) {
@@ -224,14 +196,6 @@ static void test_a_turn_of_too_few_ticks_teaches_nothing(void)
     learn_plant_turns(&p, cam_state_rehearsing, 10);
     TEST_ASSERT_EQUAL_INT32(cam_teach_fast_turn, status().reason);
     TEST_ASSERT_EQUAL_INT32(0, p.teach.k1_q16);
-}
-
-static void test_names_are_known(void)
-{
-    TEST_ASSERT_EQUAL_STRING("probing", cam_teach_phase_name(cam_teach_probing));
-    TEST_ASSERT_EQUAL_STRING("lobes", cam_teach_reason_name(cam_teach_lobes));
-    TEST_ASSERT_EQUAL_STRING("?", cam_teach_phase_name(cam_teach_n_phases));
-    TEST_ASSERT_EQUAL_STRING("?", cam_teach_reason_name(cam_teach_n_reasons));
 }
 
 /// A turn that is too slow for the gathering teaches nothing and says so.
@@ -358,8 +322,6 @@ int main(void)
     RUN_TEST(test_the_next_part_begins_with_what_was_learned);
     RUN_TEST(test_another_speed_freezes_the_correction);
     RUN_TEST(test_all_values_are_read_and_set_again);
-    RUN_TEST(test_values_have_their_numbers);
-    RUN_TEST(test_values_out_of_range_are_refused);
     RUN_TEST(test_a_fault_in_the_probe_leaves_no_probe);
     RUN_TEST(test_a_fault_brings_the_best_back);
     RUN_TEST(test_nothing_is_learned_where_nothing_is_asked);
@@ -368,7 +330,6 @@ int main(void)
     RUN_TEST(test_a_shape_that_grows_from_nothing_is_learned_in_the_cut);
     RUN_TEST(test_a_turn_of_few_ticks_teaches_the_oval);
     RUN_TEST(test_a_turn_of_too_few_ticks_teaches_nothing);
-    RUN_TEST(test_names_are_known);
     RUN_TEST(test_a_turn_that_is_too_slow_teaches_nothing);
     RUN_TEST(test_the_speed_of_the_rehearsal_ends_the_freeze);
     RUN_TEST(test_the_correction_turns_with_the_shape);
