@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from camsim_cases import ROOT, camsim
 
@@ -38,6 +40,37 @@ def retract(table: Path, folder: Path, at_s: float) -> dict[str, float]:
         "step": np.abs(np.diff(told)).max(),
         "change": np.abs(np.diff(told, 2)).max(),
     }
+
+
+@pytest.mark.parametrize(
+    ("rpm", "at_s", "jerk", "k2_us2"),
+    [(60, 0.793, 10**6, None), (500, 0.76, 2 * 10**9, 1000), (500, 1.424, 10**6, 0)],
+)
+def test_slow_tick_retracts_within_the_stroke_by_single_steps(
+    table_of: Callable[[str], Path],
+    tmp_path: Path,
+    rpm: int,
+    at_s: float,
+    jerk: int,
+    k2_us2: int | None,
+) -> None:
+    """With a window of one tick the command passes U's target most, and raises no second fault."""
+    machine, summary = tmp_path / "slow.toml", tmp_path / "summary.json"
+    machine.write_text("[machine]\ntick_hz = 1000\n")
+    words: list[str | Path] = [
+        "--machine",
+        machine,
+        "--rpm",
+        str(rpm),
+        "--set",
+        f"u_jerk_m_per_s3={jerk}",
+    ]
+    words += [] if k2_us2 is None else ["--set", f"k2_us2={k2_us2}"]
+    done = camsim(
+        "run", table_of("perkins240"), *words, "--inject", f"bus@{at_s}", "--summary", summary
+    )
+    assert done.returncode == 1
+    assert json.loads(summary.read_text())["faults"] == ["bus"]
 
 
 def test_retract_costs_what_the_manual_states(
