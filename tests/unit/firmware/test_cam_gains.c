@@ -110,6 +110,49 @@ static void test_accepted_gains_leave_the_retract_within_the_speed_of_u(void)
     }
 }
 
+/// The least jerk of an axis is that of the longest window, 64 ticks of U or plans of X and Z:
+/// twice its acceleration in that time, rounded up. A jerk of 0 is a derived one.
+static void test_least_jerk_is_that_of_the_longest_window_of_its_axis(void)
+{
+    static const cam_param_id_t jerks[] = {cam_param_u_jerk_m_per_s3, cam_param_x_jerk_m_per_s3,
+                                           cam_param_z_jerk_m_per_s3};
+    static const uint32_t hz[] = {1000, 20000, 100000};
+    for (int i = 0; i < 3; i++) {
+        cam_params_t p = usual();
+        p.k1_ns = p.k2_us2 = 0;
+        p.x_acceleration_mm_per_s2 = 1700;
+        p.z_acceleration_mm_per_s2 = 2300;
+        const double accelerations[] = {p.u_acceleration_mm_per_s2, 1700.0, 2300.0};
+        const double plan = fmax(round(400e-6 * hz[i]), 1.0);
+        for (uint32_t axis = 0; axis < 3u; axis++) {
+            const double window = 64.0 * (axis == 0u ? 1.0 : plan) / hz[i];
+            const double least = ceil(2e-3 * accelerations[axis] / window - 1e-6);
+            TEST_ASSERT_EQUAL_INT64((int64_t)least, cam_gains_bound(&p, jerks[axis], hz[i]));
+            cam_param_id_t which = cam_n_params;
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, jerks[axis], (int32_t)least));
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_gains_check(&p, hz[i], &which));
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, jerks[axis], (int32_t)least - 1));
+            const bool is_zero = least < 2.0;
+            TEST_ASSERT_EQUAL_INT(is_zero ? cam_ok : cam_err_jerk,
+                                  cam_gains_check(&p, hz[i], &which));
+            TEST_ASSERT_EQUAL(!is_zero, which == jerks[axis]);
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, jerks[axis], 0));
+        }
+    }
+}
+
+/// What the bounds of the gains are made of: half of the window and three quarters of the way to
+/// U's speed for k1, the speed over the jerk for k2.
+static void test_bounds_of_the_gains_are_those_of_the_window(void)
+{
+    cam_params_t p = usual();
+    p.k1_ns = p.k2_us2 = 0;
+    p.u_jerk_m_per_s3 = 625000; // 2 * 250 m/s2 in 0.8 ms
+    TEST_ASSERT_EQUAL_UINT32(4, cam_gains_log2_window(&p, hal_axis_u, 20000));
+    TEST_ASSERT_EQUAL_INT64(400000 + 1200000, cam_gains_bound(&p, cam_param_k1_ns, 20000));
+    TEST_ASSERT_EQUAL_INT64(640000, cam_gains_bound(&p, cam_param_k2_us2, 20000));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -118,5 +161,7 @@ int main(void)
     RUN_TEST(test_bounds_are_the_last_that_are_accepted);
     RUN_TEST(test_refused_gain_is_named_with_the_largest_that_would_do);
     RUN_TEST(test_accepted_gains_leave_the_retract_within_the_speed_of_u);
+    RUN_TEST(test_least_jerk_is_that_of_the_longest_window_of_its_axis);
+    RUN_TEST(test_bounds_of_the_gains_are_those_of_the_window);
     return UNITY_END();
 }

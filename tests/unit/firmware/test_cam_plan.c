@@ -206,6 +206,24 @@ static void test_spindle_that_turns_back_while_disengaging_leaves_the_state(void
     TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
 }
 
+/// The glides of X and Z are those of motions by time: behind a cut, whichever way it ends, they
+/// begin where the axes are.
+static void test_a_cut_ends_the_glides_of_the_approach(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    TEST_ASSERT_TRUE(f.motion.is_gliding);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+    TEST_ASSERT_TRUE(f.motion.is_playing);
+    TEST_ASSERT_FALSE(f.motion.is_gliding);
+    while (f.want.state != cam_state_ready) {
+        fixture_play_tick(&f);
+        TEST_ASSERT_FALSE(f.motion.is_playing && f.motion.is_gliding);
+    }
+    fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+    TEST_ASSERT_TRUE(f.motion.is_gliding);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -217,5 +235,6 @@ int main(void)
     RUN_TEST(test_stop_is_obeyed_in_its_tick_and_laid_by_the_next_plan);
     RUN_TEST(test_spindle_that_turns_back_in_the_cut_leaves_the_state);
     RUN_TEST(test_spindle_that_turns_back_while_disengaging_leaves_the_state);
+    RUN_TEST(test_a_cut_ends_the_glides_of_the_approach);
     return UNITY_END();
 }
