@@ -151,6 +151,60 @@ static void test_axes_rest_behind_a_change_that_is_found_for_ever(void)
     TEST_ASSERT_INT32_WITHIN(3000, cut_nm + rig.machine.params.x_clearance_nm, x_nm);
 }
 
+/// Of the state and its copy the one that the last record does not know has flipped.
+static void test_state_that_the_record_knows_is_the_one_that_stays(void)
+{
+    for (uint32_t last = 0; last < cam_n_states; last++) {
+        for (uint32_t other = 0; other < cam_n_states; other++) {
+            const cam_watch_t w = {.state = (cam_state_t)last};
+            cam_motion_t m = {.state = (cam_state_t)other};
+            TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt),
+                                    cam_watch_mend_state_isr(&w, &m, (cam_state_t)last));
+            TEST_ASSERT_EQUAL_INT(last, m.state);
+            const cam_watch_t flipped = {.state = (cam_state_t)other};
+            m.state = (cam_state_t)last;
+            (void)cam_watch_mend_state_isr(&flipped, &m, (cam_state_t)last);
+            TEST_ASSERT_EQUAL_INT(last, m.state);
+        }
+    }
+}
+
+/// In off the axes are followed, however they move: that is no fault.
+static void test_axes_may_stray_in_off(void)
+{
+    cam_watch_t w = {.led_nm = {0, 1000, -2000}};
+    cam_tell_t t = {.vel_q10 = {0, 1024, 1024}};
+    cam_motion_t m = {.state = cam_state_off};
+    m.axis[hal_axis_x].pos_q10 = 500 * 1024;
+    m.axis[hal_axis_z].pos_q10 = -77 * 1024;
+    TEST_ASSERT_FALSE(cam_watch_is_on_course_isr(&w, &t, &m));
+    TEST_ASSERT_EQUAL_HEX32(0, cam_watch_mend_isr(&w, &t, &m));
+    TEST_ASSERT_EQUAL_INT64(500 * 1024, m.axis[hal_axis_x].pos_q10);
+    TEST_ASSERT_EQUAL_INT32(500, w.led_nm[hal_axis_x]);
+    TEST_ASSERT_EQUAL_INT32(-77, w.led_nm[hal_axis_z]);
+}
+
+/// A place may be its increment and a rounding further than the last one, and not more.
+static void test_course_is_the_increment_and_a_rounding(void)
+{
+    static const struct {
+        int64_t x_nm;
+        bool is_on_course;
+    } cases[] = {{1002, false}, {1003, true}, {1004, true}, {1005, false}};
+    for (uint32_t i = 0; i < 8u; i++) {
+        const hal_axis_t axis = i < 4u ? hal_axis_x : hal_axis_z;
+        cam_watch_t w = {.led_nm = {0}};
+        cam_tell_t t = {.vel_q10 = {0}};
+        cam_motion_t m = {.state = cam_state_cutting};
+        w.led_nm[axis] = 1000;
+        t.vel_q10[axis] = 3 * 1024 + 1000;
+        m.axis[axis].pos_q10 = cases[i % 4u].x_nm * 1024 + 5;
+        TEST_ASSERT_EQUAL(cases[i % 4u].is_on_course, cam_watch_is_on_course_isr(&w, &t, &m));
+        const int32_t led_nm = cases[i % 4u].is_on_course ? (int32_t)cases[i % 4u].x_nm : 1000;
+        TEST_ASSERT_EQUAL_INT32(led_nm, w.led_nm[axis]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -163,5 +217,8 @@ int main(void)
     RUN_TEST(test_increment_that_flipped_is_the_slower_of_both);
     RUN_TEST(test_state_is_mended_and_off_enables_nothing);
     RUN_TEST(test_what_was_written_is_looked_at);
+    RUN_TEST(test_state_that_the_record_knows_is_the_one_that_stays);
+    RUN_TEST(test_axes_may_stray_in_off);
+    RUN_TEST(test_course_is_the_increment_and_a_rounding);
     return UNITY_END();
 }

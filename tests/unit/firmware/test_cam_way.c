@@ -70,6 +70,55 @@ static void test_a_way_that_falls_in_one_slice_is_refused(void)
     }
 }
 
+/// Between two knots as well: each of the five Bernstein coefficients of the slope bounds it, the
+/// slopes at both knots and the curvatures there. Of a feed that falls to a fiftieth of its mean
+/// one LSB more is refused.
+static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
+{
+    enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain * 98 / 100 };
+    for (int i = 0; i < 8; i++) {
+        cam_knot_t knots[n_knots] = {{0}};
+        const int at = i % 2 == 0 ? 0 : 7;
+        const int more = i < 4 ? 0 : 2;
+        if (i % 4 < 2) {
+            knots[at].v = -deepest - more;
+        } else {
+            knots[at].a = 2 * (-deepest - more);
+            knots[at + 1].a = at == 0 ? 0 : 2 * (deepest + more);
+            knots[at].p = 0;
+        }
+        cam_table_t table = {
+            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel, cam_way_check(&table));
+    }
+}
+
+/// With stations Z may end anywhere above its begin that an axis reaches; the offset counts.
+static void test_end_of_a_way_with_stations_is_where_an_axis_reaches(void)
+{
+    static const struct {
+        int32_t offset_nm, ahead_nm, first_nm;
+        bool is_good;
+    } cases[] = {{0, -900000, 0, true},        {-500000, 0, 0, true},
+                 {-500000, -600000, 0, false}, {300000, -1300000, 0, true},
+                 {300000, -1300001, 0, false}, {0, 0, 999000000, true},
+                 {0, 1000, 999000000, false},  {-1000, 1000, 999000000, true}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        cam_knot_t knots[2] = {{.p = -cases[i].offset_nm * 16}, {.p = cases[i].ahead_nm * 16}};
+        const int32_t rise = knots[1].p - knots[0].p; // a straight line between the two
+        knots[0].v = knots[1].v = rise;
+        cam_table_t table = {.way = {.knots = knots,
+                                     .n_slices = 2,
+                                     .span_nm = 1000000,
+                                     .z_first_nm = cases[i].first_nm,
+                                     .value_offset = cases[i].offset_nm,
+                                     .frac_bits = 4},
+                             .has_stations = true};
+        TEST_ASSERT_EQUAL_INT_MESSAGE(cases[i].is_good ? cam_ok : cam_err_image_channel,
+                                      cam_way_check(&table), cases[i].is_good ? "good" : "bad");
+    }
+}
+
 static void test_z_follows_the_way_over_the_turns(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
@@ -200,5 +249,7 @@ int main(void)
     RUN_TEST(test_rings_have_no_way);
     RUN_TEST(test_offset_counts_in_the_ends_of_a_way);
     RUN_TEST(test_shafts_of_lobes_have_no_way);
+    RUN_TEST(test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots);
+    RUN_TEST(test_end_of_a_way_with_stations_is_where_an_axis_reaches);
     return UNITY_END();
 }
