@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import can
@@ -16,8 +15,9 @@ from camtools.link.controller import Link
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.part import SkirtPart
+from command_cases import command, end_commands
 from linuxcnc import Interpreter, NotHereError, interpreter
-from part_cases import PERKINS, Mktables, environment, load_part
+from part_cases import PERKINS, Command, load_part
 
 # The same examples every time, however busy the machine is: what fails once fails again.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
@@ -43,16 +43,21 @@ def generated(perkins: SkirtPart) -> GeneratedSkirt:
 
 
 @pytest.fixture(scope="session")
-def mktables() -> Mktables:
+def mktables() -> Command:
     """Run the command line in a process of its own."""
+    return partial(command, "camtools.cli.mktables")
 
-    def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "camtools.cli.mktables", *map(str, words)]
-        return subprocess.run(
-            command, env=environment(), capture_output=True, text=True, timeout=60, check=False
-        )
 
-    return run
+@pytest.fixture
+def run(tmp_path: Path) -> Command:
+    """Run tools/run in a process of its own, in a folder of its own."""
+    return partial(command, "camtools.cli.run", cwd=tmp_path)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _commands_end() -> Iterator[None]:
+    yield
+    end_commands()
 
 
 @pytest.fixture

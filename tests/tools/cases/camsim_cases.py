@@ -9,7 +9,8 @@ import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-CAMSIM = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "host_sim" / "camsim"
+BUILD = (ROOT / (os.environ.get("CAMTURN_BUILD") or "build/host")).resolve()
+CAMSIM = BUILD / "host_sim" / "camsim"
 
 
 def camsim(*words: str | Path, stdin: str = "") -> subprocess.CompletedProcess[str]:

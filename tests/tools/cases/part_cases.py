@@ -7,18 +7,19 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+from camsim_cases import BUILD
 from camtools.pipeline.load import load_for, parse_for
 from camtools.skirt.part import SkirtPart
 
 ROOT = Path(__file__).resolve().parents[3]
 PERKINS = ROOT / "tools" / "parts" / "perkins240.toml"
 
-Mktables = Callable[..., subprocess.CompletedProcess[str]]
+Command = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def environment() -> dict[str, str]:
-    """Return the environment in which a child finds camtools."""
-    return os.environ | {"PYTHONPATH": str(ROOT / "tools")}
+    """Return the environment in which a child finds camtools and the build, in any folder."""
+    return os.environ | {"PYTHONPATH": str(ROOT / "tools"), "CAMTURN_BUILD": str(BUILD)}
 
 
 def load_part(path: Path) -> SkirtPart:
@@ -29,3 +30,8 @@ def load_part(path: Path) -> SkirtPart:
 def parse_part(data: bytes, file: str, folder: Path = Path()) -> SkirtPart:
     """Return the skirt that the bytes of a part file describe."""
     return parse_for("analyse", SkirtPart, data, file, folder)
+
+
+def listing(folder: Path) -> list[str]:
+    """Return all names in a folder, hidden ones too."""
+    return sorted(path.name for path in folder.iterdir())

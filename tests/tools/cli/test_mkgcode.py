@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import os
 import re
-import resource
 import signal
 import subprocess
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,25 +20,22 @@ from camtools.ngc.words import CLEARANCE_MM, ENGAGE_TURNS
 from camtools.skirt.blank import section_cut
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.turning import path_of
+from command_cases import command, fresh_command
 from linuxcnc import AXES, Interpreter
 from maths_tables import TABLE_4
 from ngc_cases import moves
 from part_cases import PERKINS, ROOT, environment, load_part
 
+MKGCODE = "camtools.cli.mkgcode"
 EVEN = PERKINS.with_name("perkins240_equal_volume.toml")
 
 
 def words_of(*words: str | Path) -> list[str]:
     """Return the words of a process of its own."""
-    return [sys.executable, "-m", "camtools.cli.mkgcode", *map(str, words)]
+    return [sys.executable, "-m", MKGCODE, *map(str, words)]
 
 
-def mkgcode(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    """Run the command."""
-    env = environment()
-    return subprocess.run(
-        words_of(*words), env=env, capture_output=True, text=True, timeout=120, check=False
-    )
+mkgcode = partial(command, MKGCODE)
 
 
 def made(folder: Path, part: Path, *words: str) -> Path:
@@ -235,7 +232,9 @@ def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     """Both programs are the same from run to run."""
     for axes in ("xz", "cxzu"):
         first = made(tmp_path, PERKINS, "--axes", axes).read_bytes()
-        assert made(tmp_path, PERKINS, "--axes", axes).read_bytes() == first
+        again = tmp_path / "again.ngc"
+        assert fresh_command(MKGCODE, PERKINS, "--axes", axes, "-o", again).returncode == 0
+        assert again.read_bytes() == first
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -259,24 +258,11 @@ def test_interrupted_program_leaves_nothing(tmp_path: Path, number: int) -> None
 
 def test_full_disk_leaves_nothing(tmp_path: Path) -> None:
     """A program that does not fit is refused with status 2 and leaves no file."""
-
-    def small_files() -> None:
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
-
-    folder = tmp_path / "out"
-    folder.mkdir()
-    done = subprocess.run(
-        words_of(PERKINS, "-o", folder / "p.ngc", "--axes", "cxzu"),
-        env=environment(),
-        preexec_fn=small_files,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    program = tmp_path / "p.ngc"
+    done = mkgcode(PERKINS, "-o", program, "--axes", "cxzu", largest_file=100_000)
     assert done.returncode == 2
     assert "cannot write: File too large" in done.stderr
-    assert list(folder.iterdir()) == []
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow

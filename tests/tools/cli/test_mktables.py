@@ -5,7 +5,6 @@ from __future__ import annotations
 import filecmp
 import json
 import os
-import resource
 import shutil
 import signal
 import subprocess
@@ -24,18 +23,14 @@ from camtools.skirt.generate import GeneratedSkirt
 from camtools.skirt.kind import KIND
 from camtools.skirt.plots import draw_all
 from camtools.table.csource import emit_header, emit_source, identifier
-from part_cases import PERKINS, ROOT, Mktables, environment
+from command_cases import fresh_command
+from part_cases import PERKINS, ROOT, Command, environment, listing
 
 STRICT_C = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror"]
 NAMES = ["perkins240.camtab", "perkins240.json", "perkins240_table.c", "perkins240_table.h"]
 
 
-def listing(folder: Path) -> list[str]:
-    """Return all names in a folder, hidden ones too."""
-    return sorted(path.name for path in folder.iterdir())
-
-
-def test_all_files_are_written(mktables: Mktables, tmp_path: Path) -> None:
+def test_all_files_are_written(mktables: Command, tmp_path: Path) -> None:
     """A good part gives exit status 0, four files, a summary, and nothing on stderr."""
     run = mktables(PERKINS, "-o", tmp_path / "new" / "deep")
     assert (run.returncode, run.stderr) == (0, "")
@@ -44,10 +39,11 @@ def test_all_files_are_written(mktables: Mktables, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_two_runs_give_the_same_bytes(mktables: Mktables, tmp_path: Path) -> None:
+def test_two_runs_give_the_same_bytes(mktables: Command, tmp_path: Path) -> None:
     """Every file, plots too, is the same from run to run and from folder to folder."""
-    for name in ("one", "two"):
-        assert mktables(PERKINS, "-o", tmp_path / name, "--plot").returncode == 0
+    assert mktables(PERKINS, "-o", tmp_path / "one", "--plot").returncode == 0
+    again = fresh_command("camtools.cli.mktables", PERKINS, "-o", tmp_path / "two", "--plot")
+    assert again.returncode == 0
     assert len(listing(tmp_path / "one")) == 7
     for name in listing(tmp_path / "one"):
         assert filecmp.cmp(tmp_path / "one" / name, tmp_path / "two" / name, shallow=False), name
@@ -153,7 +149,7 @@ def test_bad_part_leaves_nothing(
         ([str(PERKINS), "-o", "/proc/none"], "/proc/none: cannot write"),
     ],
 )
-def test_wrong_usage_is_one_line(mktables: Mktables, words: list[str], named: str) -> None:
+def test_wrong_usage_is_one_line(mktables: Command, words: list[str], named: str) -> None:
     """Wrong usage gives exit status 2 and one line that names what is wrong."""
     run = mktables(*words)
     assert (run.returncode, run.stdout) == (2, "")
@@ -191,24 +187,11 @@ def test_every_part_name_makes_valid_c(tmp_path: Path, name: str) -> None:
     assert (built.returncode, built.stderr) == (0, "")
 
 
-def _small_files_only() -> None:
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192))
-
-
-def test_full_disk_leaves_the_old_set(mktables: Mktables, tmp_path: Path) -> None:
+def test_full_disk_leaves_the_old_set(mktables: Command, tmp_path: Path) -> None:
     """When writing fails half-way, older files are as they were and nothing is added."""
     for name in NAMES:
         (tmp_path / name).write_text("older")
-    command = [sys.executable, "-m", "camtools.cli.mktables", str(PERKINS), "-o", str(tmp_path)]
-    run = subprocess.run(
-        command,
-        env=environment(),
-        preexec_fn=_small_files_only,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    run = mktables(PERKINS, "-o", tmp_path, largest_file=8192)
     assert run.returncode == 2
     assert "cannot write: File too large; " in run.stderr
     assert run.stderr.count("\n") == 1

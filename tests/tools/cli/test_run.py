@@ -5,12 +5,9 @@ from __future__ import annotations
 import json
 import os
 import re
-import resource
 import shutil
 import signal
 import subprocess
-import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -18,23 +15,21 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from camsim_cases import BUILD, CAMSIM
 from camtools.base.errors import CamtoolsError
-from camtools.base.stage import Stage
 from camtools.cli.run import main
 from camtools.part.common import MachineLimits
 from camtools.pipeline.job import RunJob, without_faults
 from camtools.pipeline.load import load
 from camtools.sim.camsim import machine_text, traced_turns, variant_of
 from camtools.sim.results import read_surface, read_trace
+from command_cases import fresh_command
 from page_cases import PageReader, map_of
-from part_cases import PERKINS, ROOT, environment
+from part_cases import PERKINS, ROOT, Command, listing
 
-BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
-CAMSIM = BUILD / "host_sim" / "camsim"
 built = pytest.mark.skipif(not CAMSIM.exists(), reason="camsim is not built")
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
-Command = Callable[..., tuple[int, str, str]]
+Here = Callable[..., tuple[int, str, str]]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 WALL_CLOCK = ("wall_time_s", "ticks_per_s", "run_wall_time_s")
 RESULTS = [
@@ -55,23 +50,9 @@ RESULTS = [
 
 
 @pytest.fixture
-def run(tmp_path: Path) -> Run:
-    """Run the command in a process of its own, in a folder of its own."""
-
-    def start(*words: str | Path, **settings: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "camtools.cli.run", *map(str, words)]
-        env = environment() | {"CAMTURN_BUILD": str(BUILD)} | settings
-        return subprocess.run(
-            command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120, check=False
-        )
-
-    return start
-
-
-@pytest.fixture
-def command(
+def here(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> Iterator[Command]:
+) -> Iterator[Here]:
     """Run the command in this process, in a folder of its own; return status and output."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("CAMTURN_BUILD", str(BUILD))
@@ -89,11 +70,6 @@ def command(
         signal.signal(number, handler)
 
 
-def listing(folder: Path) -> list[str]:
-    """Return all names in a folder, hidden ones too."""
-    return sorted(path.name for path in folder.iterdir())
-
-
 def complaints(stderr: str) -> list[str]:
     """Return stderr without the lines that tell what is going on."""
     steps = re.compile(
@@ -103,7 +79,7 @@ def complaints(stderr: str) -> list[str]:
 
 
 @built
-def test_default_cut_is_within_a_micrometre(run: Run, tmp_path: Path) -> None:
+def test_default_cut_is_within_a_micrometre(run: Command, tmp_path: Path) -> None:
     """The Perkins skirt at 2500 r/min gives all results, a table on stdout, and status 0."""
     folder = tmp_path / "ein Ordner für Kolben"
     done = run("-o", folder)
@@ -134,7 +110,7 @@ def test_default_cut_is_within_a_micrometre(run: Run, tmp_path: Path) -> None:
 
 
 @built
-def test_csv_is_kept_where_it_is_wanted(run: Run, tmp_path: Path) -> None:
+def test_csv_is_kept_where_it_is_wanted(run: Command, tmp_path: Path) -> None:
     """Beside the compact trace, with the same numbers; --keep is about build/run alone."""
     done = run("--feed", "2", "--csv", "-o", tmp_path / "out")
     assert done.returncode == 0, done.stderr
@@ -163,11 +139,12 @@ def without_clock(name: str, content: bytes) -> object:
 
 @pytest.mark.slow
 @built
-def test_two_cuts_differ_in_clock_times_only(run: Run, tmp_path: Path) -> None:
+def test_two_cuts_differ_in_clock_times_only(run: Command, tmp_path: Path) -> None:
     """Tables, trace and surface are the same bytes, pictures show the same; so does the report."""
-    for name in ("one", "two"):
-        done = run("--feed", "2", "-o", tmp_path / name, SOURCE_DATE_EPOCH="1700000000")
-        assert done.returncode == 0
+    words, day = ("--feed", "2", "-o"), "1700000000"
+    assert run(*words, tmp_path / "one", SOURCE_DATE_EPOCH=day).returncode == 0
+    again = fresh_command("camtools.cli.run", *words, tmp_path / "two", SOURCE_DATE_EPOCH=day)
+    assert again.returncode == 0
     for name in RESULTS:
         one, two = tmp_path / "one" / name, tmp_path / "two" / name
         if name.endswith(".png"):
@@ -180,7 +157,7 @@ def test_two_cuts_differ_in_clock_times_only(run: Run, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @built
-def test_fault_gives_a_report_and_status_1(run: Run, tmp_path: Path) -> None:
+def test_fault_gives_a_report_and_status_1(run: Command, tmp_path: Path) -> None:
     """An emergency stop in the cut is told by camsim's line, by the table and by the report."""
     done = run("--feed", "2", "-o", tmp_path / "out", "--", "--inject", "estop@0.3")
     assert done.returncode == 1
@@ -192,7 +169,7 @@ def test_fault_gives_a_report_and_status_1(run: Run, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @built
-def test_out_of_tolerance_is_status_1(run: Run, tmp_path: Path) -> None:
+def test_out_of_tolerance_is_status_1(run: Command, tmp_path: Path) -> None:
     """A cut that is too far off is reported all the same."""
     done = run("--feed", "2", "-o", tmp_path / "out", "--", "--no-feed-forward")
     assert done.returncode == 1
@@ -228,121 +205,15 @@ def test_out_of_tolerance_is_status_1(run: Run, tmp_path: Path) -> None:
         (["--", "--machine", "missing.toml"], "missing.toml: cannot be opened"),
     ],
 )
-def test_wrong_usage_is_one_line(
-    command: Command, tmp_path: Path, words: list[str], named: str
-) -> None:
+def test_wrong_usage_is_one_line(here: Here, tmp_path: Path, words: list[str], named: str) -> None:
     """Bad input gives exit status 2, one line that names it, and no file."""
     (tmp_path / "older").write_text("older, not a folder\n")
     output = [] if "-o" in words else ["-o", "out"]
-    status, out, err = command(*output, *words)
+    status, out, err = here(*output, *words)
     assert (status, out) == (2, "")
     assert len(complaints(err)) == 1
     assert named in err
     assert listing(tmp_path) == ["older"]
-
-
-@built
-def test_failed_run_leaves_earlier_results(run: Run, tmp_path: Path) -> None:
-    """What an earlier run wrote stays as it was, byte for byte and nothing beside it."""
-    for name in ("report.html", "summary.json", "notes.txt"):
-        (tmp_path / name).write_text("older")
-    assert run("--rpm", "4000", "-o", tmp_path).returncode == 2
-    assert listing(tmp_path) == ["notes.txt", "report.html", "summary.json"]
-    assert {path.read_text() for path in tmp_path.iterdir()} == {"older"}
-
-
-def test_missing_simulator_is_told(run: Run, tmp_path: Path) -> None:
-    """Without a build the remedy is named."""
-    done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "nowhere"))
-    assert done.returncode == 2
-    assert "cannot be started: No such file or directory; start tools/run" in done.stderr
-    assert listing(tmp_path) == []
-
-
-def _small_files_only() -> None:
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
-
-
-@built
-def test_full_disk_leaves_nothing(tmp_path: Path) -> None:
-    """When the trace does not fit, nothing appears and the status is 2."""
-    command = [sys.executable, "-m", "camtools.cli.run", "--feed", "2", "-o", "out"]
-    done = subprocess.run(
-        command,
-        cwd=tmp_path,
-        env=environment() | {"CAMTURN_BUILD": str(BUILD)},
-        preexec_fn=_small_files_only,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "File too large" in done.stderr
-    assert listing(tmp_path) == []
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
-    """A signal ends the simulator too, removes the stage and the new folder."""
-    camsim = tmp_path / "build" / "host_sim" / "camsim"
-    camsim.parent.mkdir(parents=True)
-    camsim.write_text('#!/bin/sh\necho $$ > "$0.pid"\nexec sleep 60\n')
-    camsim.chmod(0o755)
-    command = [sys.executable, "-m", "camtools.cli.run", "-o", str(tmp_path / "out")]
-    env = environment() | {"CAMTURN_BUILD": str(tmp_path / "build")}
-    with subprocess.Popen(command, env=env, stderr=subprocess.PIPE, text=True) as job:
-        pid_file = camsim.with_name("camsim.pid")
-        end_s = time.monotonic() + 30
-        while not (pid_file.exists() and pid_file.read_text()) and time.monotonic() < end_s:
-            time.sleep(0.05)
-        time.sleep(0.3)  # by then the command has left the fork and knows its child
-        job.send_signal(number)
-        _, err = job.communicate(timeout=20)
-    assert job.returncode == 128 + number
-    assert err.endswith("run: interrupted; nothing was written\n")
-    assert listing(tmp_path) == ["build"]
-    with pytest.raises(ProcessLookupError):
-        os.kill(int(pid_file.read_text()), 0)
-
-
-def test_crashed_simulator_is_told(run: Run, tmp_path: Path) -> None:
-    """A simulator that dies of a signal gives one line and status 2."""
-    camsim = tmp_path / "build" / "host_sim" / "camsim"
-    camsim.parent.mkdir(parents=True)
-    camsim.write_text("#!/bin/sh\nkill -SEGV $$\n")
-    camsim.chmod(0o755)
-    done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "build"))
-    assert done.returncode == 2
-    assert "camsim: ended by signal 11" in done.stderr
-    assert listing(tmp_path) == ["build"]
-
-
-def test_stage_publishes_over_earlier_files(tmp_path: Path) -> None:
-    """Files of the stage replace those of the same name; others stay."""
-    (tmp_path / "a").write_text("older")
-    (tmp_path / "b").write_text("older")
-    with Stage(tmp_path) as stage:
-        (stage.folder / "a").write_text("new")
-        assert (tmp_path / "a").read_text() == "older"
-        stage.publish()
-    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
-        "a": "new",
-        "b": "older",
-    }
-
-
-def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
-    """When one name cannot be given, none is."""
-    (tmp_path / "b").mkdir()
-    with (
-        pytest.raises(CamtoolsError, match="/b: cannot write: Is a directory; "),
-        Stage(tmp_path) as stage,
-    ):
-        (stage.folder / "a").write_text("new")
-        (stage.folder / "b").write_text("new")
-        stage.publish()
-    assert listing(tmp_path) == ["b"]
 
 
 @pytest.mark.parametrize("kind", ["piston", "cam"])
@@ -424,7 +295,7 @@ def test_script_runs_from_anywhere(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_machine_that_is_believed_wrong_learns_and_the_report_shows_it(
-    run: Run, tmp_path: Path
+    run: Command, tmp_path: Path
 ) -> None:
     """The report of the machine `real` says what was learned, draws it, and what it is worth."""
     done = run("--machine", "real", "--feed", "1", "-o", "out")

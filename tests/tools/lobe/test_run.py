@@ -4,10 +4,6 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,10 +18,9 @@ from camtools.lobe.report import band, draw_rake, make_lobe_report, speed_of_con
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.report.text import page_text
 from camtools.sim.results import STATES, CutTrace, GaugedSurface
-from part_cases import ROOT, environment
+from part_cases import ROOT, Command
 from report_cases import without_scripts
 
-BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
 PARTS = ROOT / "tools" / "parts"
 SHORT = ("--feed", "4", "--", "--set", "engage_turns=1", "--set", "disengage_turns=1")
 PICTURES = (
@@ -33,25 +28,9 @@ PICTURES = (
     "stroke",
 )
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
-
-
-@pytest.fixture
-def run(tmp_path: Path) -> Run:
-    """Run the command in a process of its own, in a folder of its own."""
-
-    def start(*words: str | Path) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "camtools.cli.run", *map(str, words)]
-        env = environment() | {"CAMTURN_BUILD": str(BUILD)}
-        return subprocess.run(
-            command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120, check=False
-        )
-
-    return start
-
 
 @pytest.mark.slow
-def test_disc_is_ground_and_reported(run: Run, tmp_path: Path) -> None:
+def test_disc_is_ground_and_reported(run: Command, tmp_path: Path) -> None:
     """All results appear, the profile is good, the page holds every picture and no link."""
     done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT)
     assert done.returncode == 0, done.stderr
@@ -74,7 +53,7 @@ def test_disc_is_ground_and_reported(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_rpm_is_the_speed_on_the_base_circle(run: Run, tmp_path: Path) -> None:
+def test_rpm_is_the_speed_on_the_base_circle(run: Command, tmp_path: Path) -> None:
     """The law of a constant surface speed is made anew for it; the table carries it."""
     done = run(PARTS / "cam-disc.toml", "--rpm", "30", "-o", "out", *SHORT)
     assert done.returncode == 0, done.stderr
@@ -83,7 +62,7 @@ def test_rpm_is_the_speed_on_the_base_circle(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_turned_cam_is_reported_with_its_rake(run: Run, tmp_path: Path) -> None:
+def test_turned_cam_is_reported_with_its_rake(run: Command, tmp_path: Path) -> None:
     """The swing is measured: its picture and its row are there."""
     done = run(PARTS / "cam-345.toml", "-o", "out", *SHORT)
     assert done.returncode == 0, done.stderr
@@ -95,7 +74,7 @@ def test_turned_cam_is_reported_with_its_rake(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_fault_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
+def test_fault_is_told_and_drawn(run: Command, tmp_path: Path) -> None:
     """An emergency stop ends the cut with status 1 and a page that explains it."""
     done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT, "--inject", "estop@1")
     assert done.returncode == 1, done.stderr
@@ -112,7 +91,9 @@ def test_fault_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
         (["--", "--removal", "r.csv"], "--removal r.csv: forces are told of skirts only"),
     ],
 )
-def test_bad_request_leaves_nothing(words: list[str], named: str, run: Run, tmp_path: Path) -> None:
+def test_bad_request_leaves_nothing(
+    words: list[str], named: str, run: Command, tmp_path: Path
+) -> None:
     """One line says what is wrong; status 2, no folder."""
     done = run(PARTS / "cam-disc.toml", "-o", "out", *words)
     lines = [line for line in done.stderr.splitlines() if not line.startswith("run: making")]

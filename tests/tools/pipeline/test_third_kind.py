@@ -59,7 +59,7 @@ def test_kinds_are_those_of_the_packages(ring: Path) -> None:
 
 
 def test_table_of_the_third_kind(ring: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Mktables writes the files that every part has."""
+    """Command writes the files that every part has."""
     assert mktables([str(ring), "-o", "out"]) == 0
     assert capsys.readouterr().out.startswith("ring: ring, table of ")
     names = sorted(path.name for path in Path("out").iterdir())
