@@ -121,6 +121,16 @@ static void test_nothing_takes_an_unread_box_but_a_release(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(m));
 }
 
+/// However long nobody reads it.
+static void test_an_unread_box_waits(void)
+{
+    (void)fail();
+    scope()->last_tick -= (uint32_t)tick_hz * (cam_scope_patience_s + 1u);
+    go_on(50);
+    TEST_ASSERT_TRUE(cam_box_is_unread(scope()));
+    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, scope()->n_rows);
+}
+
 static void test_a_restart_finds_the_box_again(void)
 {
     const uint32_t tick = fail();
@@ -315,6 +325,7 @@ int main(void)
     RUN_TEST(test_a_later_fault_does_not_take_its_place);
     RUN_TEST(test_a_box_is_handed_over_once);
     RUN_TEST(test_nothing_takes_an_unread_box_but_a_release);
+    RUN_TEST(test_an_unread_box_waits);
     RUN_TEST(test_a_restart_finds_the_box_again);
     RUN_TEST(test_a_damaged_head_is_passed_over);
     RUN_TEST(test_a_recording_has_precedence_until_it_is_released_or_forgotten);

@@ -224,6 +224,7 @@ static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_start(&f.rig.machine.scope, 0));
     go_on(10);
     TEST_ASSERT_EQUAL_INT32(cam_err_scope_range, fixture_can_answer(&last).result);
+    TEST_ASSERT_EQUAL_INT32(0, fixture_can_answer(&last).value);
 }
 
 static void test_words_that_are_not_there_are_refused(void)

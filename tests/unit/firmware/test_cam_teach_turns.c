@@ -74,6 +74,44 @@ static void test_a_step_is_the_share_of_the_gain_and_halves_with_each_strike(voi
     }
 }
 
+/// Beside the shape layer 1 takes half of its gain, in the cut as well, where it is that of the
+/// first turns, and then the smaller one of the cut.
+static void test_the_two_layers_share_their_gain(void)
+{
+    static const struct {
+        cam_state_t state;
+        cam_teach_phase_t phase;
+        bool is_probed;
+        uint8_t n_steps;
+        int32_t share; ///< of the gain of the rehearsal, in 1 / 8
+    } cases[] = {
+        {cam_state_rehearsing, cam_teach_drive, false, 0, 8},
+        {cam_state_rehearsing, cam_teach_shape, true, 0, 4},
+        {cam_state_rehearsing, cam_teach_shape, true, 99, 4},
+        {cam_state_cutting, cam_teach_cutting, false, 0, 8},
+        {cam_state_cutting, cam_teach_cutting, false, 15, 8},
+        {cam_state_cutting, cam_teach_cutting, false, 16, 2},
+        {cam_state_cutting, cam_teach_cutting, true, 0, 4},
+        {cam_state_cutting, cam_teach_cutting, true, 16, 1},
+    };
+    settle();
+    const int32_t first_q16 = t.k1_q16;
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        setUp();
+        settle();
+        how.state = cases[i].state;
+        play();
+        t.phase = (uint8_t)cases[i].phase;
+        t.n_steps = cases[i].n_steps;
+        t.shape.is_probed = cases[i].is_probed;
+        t.shape.masked = UINT32_MAX;
+        t.k1_q16 = t.k2_q16 = 0;
+        t.best_square = UINT64_MAX;
+        play();
+        TEST_ASSERT_INT32_WITHIN(2, first_q16 * cases[i].share / 8, t.k1_q16);
+    }
+}
+
 /// An error 1.5 times as large as the best is still one to learn from. A larger one brings the best
 /// constants back; four times, then layer 1 is given up, until the state begins anew.
 static void test_the_guard_brings_the_best_back_four_times(void)
@@ -178,6 +216,7 @@ int main(void)
     RUN_TEST(test_lobes_are_not_probed);
     RUN_TEST(test_error_is_told_as_rms);
     RUN_TEST(test_a_step_is_the_share_of_the_gain_and_halves_with_each_strike);
+    RUN_TEST(test_the_two_layers_share_their_gain);
     RUN_TEST(test_the_guard_brings_the_best_back_four_times);
     RUN_TEST(test_the_end_of_the_probe_lets_the_guard_begin_anew);
     RUN_TEST(test_a_larger_shape_lets_the_guard_begin_anew);
