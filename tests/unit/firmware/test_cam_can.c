@@ -250,6 +250,7 @@ static void test_an_answer_without_room_is_kept_before_the_next_command(void)
     hal_can_frame_t frame = fixture_can_sent(0x5C0);
     TEST_ASSERT_EQUAL_UINT32(get, fixture_can_answer(&frame).command);
     TEST_ASSERT_EQUAL_INT32(10, fixture_can_answer(&frame).value);
+    TEST_ASSERT_EQUAL_INT32(20, f.rig.machine.params.engage_turns); // nothing waited any more
     hal_host.slow.n_room = 1;
     cam_can_poll(&f.can);
     frame = fixture_can_sent(0x5C0);

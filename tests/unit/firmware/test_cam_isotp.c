@@ -148,7 +148,8 @@ static void test_wrong_sequence_breaks(void)
         TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
         const cam_isotp_event_t event = give_next(wrong, 13, 7);
         TEST_ASSERT_EQUAL_INT(wrong == 2u ? cam_isotp_nothing : cam_isotp_broken, event);
-        if (wrong != 2u) { // the message has ended
+        if (wrong != 2u) { // the message has ended, and nobody waits for the rest of it
+            TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * timeout_ticks));
             TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(2, 13, 7));
         }
     }
@@ -177,6 +178,9 @@ static void test_a_new_message_takes_the_place_of_the_old(void)
     static const uint8_t one[] = {1, 0};
     TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(2, one));
     expect_bytes(1);
+    hal_can_frame_t frame;
+    TEST_ASSERT_FALSE(cam_isotp_flow(&t, &frame)); // of the message that it takes the place of
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * timeout_ticks));
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
 }
 

@@ -48,6 +48,32 @@ static void test_move_from_rest_reaches_the_target_without_passing_it(void)
     }
 }
 
+/// Each step takes the highest of faster, same and slower from which the axis can still brake: from
+/// v that needs v (v + a) / 2a with the step itself.
+static void test_move_takes_the_highest_speed_from_which_it_can_brake(void)
+{
+    enum { a = 64000, v = 10 * a, same_needs = 55 * a, faster_needs = 66 * a };
+    static const struct {
+        int32_t distance, vel;
+    } cases[] = {
+        {faster_needs, v + a}, {faster_needs - 1, v}, {same_needs, v}, {same_needs - 1, v - a}};
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+            cam_move_t m = {.pos_q10 = 77, .vel_q10 = sign * v};
+            const int64_t target_q10 = 77 + (int64_t)sign * cases[i].distance;
+            TEST_ASSERT_FALSE(cam_move_to_isr(&m, &limits, target_q10));
+            TEST_ASSERT_EQUAL_INT32(sign * cases[i].vel, m.vel_q10);
+        }
+    }
+    const int32_t most = limits.speed_q10 - limits.speed_q10 % a; // a step more is beyond the limit
+    cam_move_t m = {.vel_q10 = most};
+    (void)cam_move_to_isr(&m, &limits, INT64_C(1) << 40);
+    TEST_ASSERT_EQUAL_INT32(limits.speed_q10, m.vel_q10);
+    m.vel_q10 = limits.speed_q10 - a;
+    (void)cam_move_to_isr(&m, &limits, INT64_C(1) << 40);
+    TEST_ASSERT_EQUAL_INT32(limits.speed_q10, m.vel_q10);
+}
+
 static void test_move_from_motion_turns_round_and_arrives(void)
 {
     for (int32_t vel = -2000000; vel <= 2000000; vel += 250000) {
@@ -146,6 +172,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_move_from_rest_reaches_the_target_without_passing_it);
+    RUN_TEST(test_move_takes_the_highest_speed_from_which_it_can_brake);
     RUN_TEST(test_move_from_motion_turns_round_and_arrives);
     RUN_TEST(test_move_faster_than_allowed_brakes_to_the_limit);
     RUN_TEST(test_move_slower_than_a_step_of_acceleration_keeps_its_speed);

@@ -81,10 +81,88 @@ static void test_homing_ends_when_the_tool_is_out_and_all_stand(void)
     expect_homing_ends(h, false);
 }
 
+enum {
+    clear_nm = 50000,
+    first_nm = -3000,
+    origin_nm = 1000,
+    begin_q10 = (first_nm + origin_nm) * 1024
+};
+
+/// @return an engaging controller with U at 0, X clear of the work and Z where the cut begins
+static homing_t approaching(void)
+{
+    static const cam_knot_t knots[2];
+    static const cam_table_t table = {.x = {.knots = knots, .n_slices = 2, .span_nm = 1000000}};
+    homing_t h = homed();
+    h.cfg.table = &table;
+    h.cfg.u_retract_q10 = 0;
+    h.cfg.x_clear_q10 = clear_nm * 1024;
+    h.cfg.z_first_nm = first_nm;
+    h.cfg.z_origin_nm = origin_nm;
+    h.m.state = cam_state_engaging;
+    h.m.axis[hal_axis_u].pos_q10 = 0;
+    h.m.axis[hal_axis_x].pos_q10 = clear_nm * 1024;
+    h.m.axis[hal_axis_z].pos_q10 = begin_q10;
+    return h;
+}
+
+/// The tool nears the work only where it will cut: an X that is not off it moves out while Z comes
+/// to rest, then Z moves while X comes to rest.
+static void test_one_of_x_and_z_moves_at_a_time(void)
+{
+    homing_t h = approaching();
+    h.m.axis[hal_axis_x].pos_q10 -= 1024;
+    h.m.axis[hal_axis_z] = (cam_move_t){.pos_q10 = begin_q10 + 7 * 1024, .vel_q10 = 800};
+    TEST_ASSERT_FALSE(cam_rest_isr(&h.cfg, &h.r, &h.m));
+    TEST_ASSERT_GREATER_THAN_INT32(0, h.m.axis[hal_axis_x].vel_q10);
+    TEST_ASSERT_LESS_THAN_INT32(800, h.m.axis[hal_axis_z].vel_q10);
+    h = approaching();
+    h.m.axis[hal_axis_z].pos_q10 += 700 * 1024;
+    h.m.axis[hal_axis_x].vel_q10 = 800;
+    TEST_ASSERT_FALSE(cam_rest_isr(&h.cfg, &h.r, &h.m));
+    TEST_ASSERT_LESS_THAN_INT32(0, h.m.axis[hal_axis_z].vel_q10);
+    TEST_ASSERT_LESS_THAN_INT32(800, h.m.axis[hal_axis_x].vel_q10);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, h.m.axis[hal_axis_x].vel_q10);
+    h = approaching(); // Z is there, X moves to the work
+    TEST_ASSERT_FALSE(cam_rest_isr(&h.cfg, &h.r, &h.m));
+    TEST_ASSERT_EQUAL_INT32(0, h.m.axis[hal_axis_z].vel_q10);
+    TEST_ASSERT_LESS_THAN_INT32(0, h.m.axis[hal_axis_x].vel_q10);
+    h = approaching(); // at the place where the cut begins an X that is not off the work may stay
+    h.m.axis[hal_axis_x].pos_q10 = 0;
+    TEST_ASSERT_TRUE(cam_rest_isr(&h.cfg, &h.r, &h.m));
+    h = approaching(); // U has to be at 0 as well
+    h.m.axis[hal_axis_x].pos_q10 = 0;
+    h.m.axis[hal_axis_u].pos_q10 = -1;
+    TEST_ASSERT_FALSE(cam_rest_isr(&h.cfg, &h.r, &h.m));
+    TEST_ASSERT_EQUAL_INT64(0, h.m.u_target_q10);
+}
+
+/// Over a Z that others move X waits for U, and Z's set-point is where it is measured, whatever its
+/// glide was in the middle of; in the state fault, too.
+static void test_a_measured_z_is_never_led(void)
+{
+    for (int i = 0; i < 3; i++) {
+        homing_t h = approaching();
+        h.cfg.is_z_measured = true;
+        h.m.state = i == 2 ? cam_state_fault : cam_state_engaging;
+        h.m.axis[hal_axis_u].pos_q10 = i == 0 ? -1024 : 0;
+        h.m.axis[hal_axis_z] = (cam_move_t){.pos_q10 = 4321 * 1024, .vel_q10 = 900};
+        cam_glide_begin_isr(&h.m.glide[hal_axis_z], &h.m.axis[hal_axis_z], 2);
+        h.m.is_gliding = true;
+        h.r.in.actual_nm[hal_axis_z] = 4321;
+        (void)cam_rest_isr(&h.cfg, &h.r, &h.m);
+        TEST_ASSERT_EQUAL_INT64(4321 * 1024, h.m.axis[hal_axis_z].pos_q10);
+        TEST_ASSERT_EQUAL_INT32(0, h.m.axis[hal_axis_z].vel_q10);
+        TEST_ASSERT_EQUAL(i == 1, h.m.axis[hal_axis_x].vel_q10 < 0);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_clear_is_forgotten_behind_a_fault);
     RUN_TEST(test_homing_ends_when_the_tool_is_out_and_all_stand);
+    RUN_TEST(test_one_of_x_and_z_moves_at_a_time);
+    RUN_TEST(test_a_measured_z_is_never_led);
     return UNITY_END();
 }

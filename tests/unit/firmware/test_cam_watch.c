@@ -169,6 +169,21 @@ static void test_state_that_the_record_knows_is_the_one_that_stays(void)
     }
 }
 
+/// A plan has led from one state to the next behind the record; what flips then is not mended to
+/// the state before it.
+static void test_state_that_flips_behind_its_change_is_taken_from_the_copy(void)
+{
+    for (uint32_t bit = 0; bit < 32u; bit++) {
+        const cam_watch_t w = {.state = cam_state_engaging};
+        cam_motion_t m = {.state = cam_state_engaging};
+        flip(&m.state, bit);
+        if (m.state != cam_state_ready) {
+            (void)cam_watch_mend_state_isr(&w, &m, cam_state_ready);
+            TEST_ASSERT_EQUAL_INT(cam_state_engaging, m.state);
+        }
+    }
+}
+
 /// In off the axes are followed, however they move: that is no fault.
 static void test_axes_may_stray_in_off(void)
 {
@@ -218,6 +233,7 @@ int main(void)
     RUN_TEST(test_state_is_mended_and_off_enables_nothing);
     RUN_TEST(test_what_was_written_is_looked_at);
     RUN_TEST(test_state_that_the_record_knows_is_the_one_that_stays);
+    RUN_TEST(test_state_that_flips_behind_its_change_is_taken_from_the_copy);
     RUN_TEST(test_axes_may_stray_in_off);
     RUN_TEST(test_course_is_the_increment_and_a_rounding);
     return UNITY_END();

@@ -93,6 +93,23 @@ static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
     }
 }
 
+/// At its ends too: a slope that falls below the bound only at the first or the last knot, where
+/// the curvature takes it up again at once.
+static void test_a_way_is_bounded_at_its_first_and_last_knot(void)
+{
+    enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain * 98 / 100 };
+    for (int i = 0; i < 4; i++) {
+        cam_knot_t knots[n_knots] = {{0}};
+        const int at = i % 2 == 0 ? 0 : n_knots - 1;
+        const int more = i < 2 ? 0 : 2;
+        knots[at].v = -deepest - more;
+        knots[at].a = at == 0 ? 2 * (deepest + more) : -2 * (deepest + more);
+        cam_table_t table = {
+            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel, cam_way_check(&table));
+    }
+}
+
 /// With stations Z may end anywhere above its begin that an axis reaches; the offset counts.
 static void test_end_of_a_way_with_stations_is_where_an_axis_reaches(void)
 {
@@ -250,6 +267,7 @@ int main(void)
     RUN_TEST(test_offset_counts_in_the_ends_of_a_way);
     RUN_TEST(test_shafts_of_lobes_have_no_way);
     RUN_TEST(test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots);
+    RUN_TEST(test_a_way_is_bounded_at_its_first_and_last_knot);
     RUN_TEST(test_end_of_a_way_with_stations_is_where_an_axis_reaches);
     return UNITY_END();
 }
