@@ -273,6 +273,8 @@ static void test_scale_of_u(void)
         const int64_t most_q32 = INT64_C(5) * cam_build_speed_q32(3000000, hz) / 4;
         const bool is_least = (int)c->speed_shift <= (all > 6 ? all - 6 : 0);
         TEST_ASSERT_TRUE(is_least || most_q32 << c->speed_shift < INT64_C(1) << 30);
+        const bool is_most = c->v_up == 0u || c->speed_shift == 20u; // else one more would not fit
+        TEST_ASSERT_TRUE(is_most || most_q32 << (c->speed_shift + 1u) >= INT64_C(1) << 30);
     }
 }
 

@@ -24,6 +24,32 @@ static void until(cam_state_t state)
     TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 
+/// While the feed is held the axes follow the table as in the cut: nothing is switched off.
+static void test_disable_and_a_start_do_not_fit_a_hold(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    until(cam_state_cutting);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_disable(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
+    until(cam_state_holding);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_disable(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_start(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_home(&rig.machine));
+    fixture_rig_ticks(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(cam_state_holding, fixture_rig_state());
+}
+
+/// A rate that the interrupt does not know yet goes with the next configuration, whatever it was
+/// made for.
+static void test_rate_that_is_due_goes_with_any_configuration(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    rig.machine.is_rate_due = true;
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 1000));
+    TEST_ASSERT_FALSE(rig.machine.is_rate_due);
+}
+
 static void test_hold_needs_a_cut_and_resume_a_hold(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_hold(&rig.machine));
@@ -135,6 +161,8 @@ static void test_parts_are_set_from_0_on(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_disable_and_a_start_do_not_fit_a_hold);
+    RUN_TEST(test_rate_that_is_due_goes_with_any_configuration);
     RUN_TEST(test_hold_needs_a_cut_and_resume_a_hold);
     RUN_TEST(test_hold_is_forgotten_when_the_cut_ends);
     RUN_TEST(test_hold_is_handed_over_as_soon_as_there_is_room);

@@ -3,6 +3,7 @@
 // camturn.dbc says.
 #include "cam_report.h"
 #include "cam_hands.h"
+#include "cam_progress.h"
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -214,6 +215,49 @@ static void test_button_is_told_with_its_seconds(void)
     }
 }
 
+/// The mean is that of the interrupts that were looked at since the page was sent last, sent or
+/// not, in 10 ns; the longest is that since the start, in ns. Both end with their bits.
+static void test_time_of_the_interrupt_is_told(void)
+{
+    hal_host.slow.load = (hal_load_t){.cycles_hz = 400000000, .max_cycles = 8001};
+    expect(20002, 1, 32, 32);
+    hal_host.slow.load.last_cycles = 0;
+    (void)bits(24, 8, 24);
+    for (uint32_t i = 0; i < 5u; i++) { // one page or none, all are looked at
+        hal_host.slow.load.last_cycles = 1000u * (i + 1u);
+        report.status_tick = status.tick;
+        cam_report_send(&report, &f.can.store, &status);
+    }
+    TEST_ASSERT_EQUAL_UINT64(15000, report.load_cycles);
+    TEST_ASSERT_EQUAL_UINT32(5, report.n_loads);
+    hal_host.slow.load.last_cycles = 3000;
+    expect(750, 24, 32, 16);
+    TEST_ASSERT_EQUAL_UINT64(0, report.load_cycles);
+    TEST_ASSERT_EQUAL_UINT32(0, report.n_loads);
+    hal_host.slow.load.last_cycles = UINT32_MAX;
+    hal_host.slow.load.max_cycles = UINT32_MAX;
+    expect(UINT16_MAX, 24, 32, 16);
+    hal_host.slow.load.cycles_hz = 1;
+    expect(UINT32_MAX, 1, 32, 32);
+    hal_host.slow.load.cycles_hz = 0; // the port does not measure
+    expect(0, 24, 32, 16);
+    expect(0, 1, 32, 32);
+}
+
+/// Turns are told in 1 / 128, the speed of the pass in 1 / 100 r/min.
+static void test_progress_is_told(void)
+{
+    const cam_progress_t p = cam_progress(m);
+    TEST_ASSERT_TRUE(p.has_end);
+    TEST_ASSERT_GREATER_THAN_INT64(0, p.left_q32);
+    expect(1, 23, 8, 1);
+    expect((uint64_t)(p.left_q32 >> 25), 23, 9, 27);
+    expect((uint64_t)(p.whole_q32 >> 25), 23, 36, 27);
+    expect(p.mrpm / 10u, 24, 8, 24);
+    m->strobe.n_lost = 0x5ABCDu;
+    expect(0xABCD, 24, 48, 16);
+}
+
 static void test_every_page_comes_in_turn(void)
 {
     uint32_t seen = 0;
@@ -272,6 +316,8 @@ int main(void)
     RUN_TEST(test_recorder_is_told);
     RUN_TEST(test_rights_are_told);
     RUN_TEST(test_button_is_told_with_its_seconds);
+    RUN_TEST(test_time_of_the_interrupt_is_told);
+    RUN_TEST(test_progress_is_told);
     RUN_TEST(test_every_page_comes_in_turn);
     RUN_TEST(test_pages_of_the_table_hold_its_name_in_pieces);
     return UNITY_END();
