@@ -16,6 +16,7 @@
 #include "cam_move.h"    // cam_move_limits_t
 #include "cam_order.h"   // cam_hand_config_t
 #include "cam_speed.h"   // cam_speed_config_t
+#include "cam_state.h"   // CAM_FAULT_BIT
 #include "hal/hal.h"     // hal_n_axes
 #include <stdatomic.h>   // offered, in_use
 #include <stdbool.h>     // bool
@@ -255,6 +256,21 @@ cam_config_take_isr(cam_config_bank_t *bank)
     const cam_config_t *in_use = atomic_load_explicit(&bank->in_use, memory_order_relaxed);
     cam_fence_acquire_isr();
     return offered == in_use ? offered : cam_config_change_isr(bank);
+}
+
+/// Ask anew for the configuration of this tick, so that nothing is judged by a pointer of which a
+/// bit has flipped since.
+/// @param cfg     as it was taken
+/// @param faults  more of them where it is another one: corrupt
+/// @return        that in use. Context: ISR, behind cam_config_take_isr()
+static inline const cam_config_t *cam_config_again_isr(const cam_config_bank_t *bank,
+                                                       const cam_config_t *cfg, uint32_t *faults)
+{
+    const cam_config_t *in_use = atomic_load_explicit(&bank->in_use, memory_order_relaxed);
+    if (in_use != cfg) {
+        *faults |= CAM_FAULT_BIT(corrupt);
+    }
+    return in_use;
 }
 
 #endif

@@ -45,7 +45,8 @@ static void fit(cam_glide_t *g, const cam_move_t *m, const cam_move_limits_t *li
 static bool carry(cam_glide_t *g, cam_move_t *m, bool is_still)
 {
     const uint32_t n = UINT32_C(1) << g->log2_window;
-    int32_t *place = &g->past_q10[g->at & (n - 1u)];
+    const uint32_t most = (UINT32_C(1) << cam_glide_most_log2) - 1u; // whatever bit has flipped
+    int32_t *place = &g->past_q10[g->at & (n - 1u) & most];
     int32_t leaving_q10 = *place;
     if (g->n_line > 0u) {
         leaving_q10 = g->line_q10;

@@ -28,7 +28,8 @@
 _Static_assert(cam_n_faults < 31, "two bits are left");
 
 #define ARMED_IN_FAULT                                                                             \
-    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command))
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command) |   \
+     CAM_FAULT_BIT(corrupt))
 
 static const uint32_t armed[cam_n_states] = {
     [cam_state_off] = AT_REST,
@@ -156,6 +157,14 @@ cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
         .outputs = hal_out_fault | is_held * hal_out_enable,
         .is_in_charge = true,
     };
+}
+
+void cam_guard_begin_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_told_t *told)
+{
+    g->u = (cam_move_t){.pos_q10 = (int64_t)told->nm * 1024,
+                        .vel_q10 = cam_wrap_times(told->step_nm, 1024u)};
+    g->u_set_q6 = cam_wrap_times(told->nm, 64u);
+    cam_glide_begin_isr(&g->glide, &g->u, cfg->leave.log2_window);
 }
 
 /// In the ticks after that of the fault U retracts, or brakes where it was moved by hand, while the

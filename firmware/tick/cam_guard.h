@@ -58,6 +58,11 @@ cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
 cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_state_t state,
                                   uint32_t faults, const cam_told_t *told);
 
+/// In the fault state: the retract begins again where U was told to be, with the speed of that.
+/// @param cfg   limits of the retract
+/// @param told  command of U of this tick
+void cam_guard_begin_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_told_t *told);
+
 /// The part of the guard that runs once per plan: it judges the speed of the spindle and counts the
 /// new faults, which would make the tick of a fault longer.
 /// @return faults for the next tick: reverse, spindle_stopped, overspeed

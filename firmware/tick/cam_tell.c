@@ -97,11 +97,11 @@ bool cam_tell_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_re
     const int32_t plain = plain_q6(cfg, r, m);
     int32_t more_q6 = m->c_q6;
     if (!m->is_playing) {
-        more_q6 = r->want.state == cam_state_fault ? faded_q6(t, plain, is_new) : 0;
+        more_q6 = m->state == cam_state_fault ? faded_q6(t, plain, is_new) : 0;
         t->fading_q6 = more_q6;
     }
     const int32_t u_nm = nearest_to_q6(cam_wrap_add(plain, more_q6));
-    if (r->want.state == cam_state_off) {
+    if (m->state == cam_state_off) {
         return follow_u(t, cfg, u_nm);
     }
     const bool is_told = is_allowed(&t->u, cfg, u_nm, r->angle.is_off_time);
@@ -148,6 +148,12 @@ CAM_STAGE void cam_tell_nearest_isr(cam_tell_t *t, const cam_tell_config_t *cfg,
         is_new ? led_nm(&t->u) : nearest_to_q6(cam_wrap_add(plain, t->fading_q6));
     keep_told(&t->u, nearest_nm(&t->u, cfg, wanted_nm));
     t->fading_q6 = cam_wrap_sub(cam_wrap_times(t->u.nm, 64u), plain);
+}
+
+void cam_tell_fade_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_record_t *r,
+                       const cam_motion_t *m)
+{
+    t->fading_q6 = cam_wrap_sub(cam_wrap_times(t->u.nm, 64u), plain_q6(cfg, r, m));
 }
 
 /// An axis that is faster than its limit has to be let brake, and its speed may stay until it does.

@@ -48,6 +48,11 @@ bool cam_tell_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_re
 void cam_tell_nearest_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_record_t *r,
                           const cam_motion_t *m, bool is_new);
 
+/// Let fade what U was told beyond the command of its set-point.
+/// @param r, m  in state fault, with a set-point that begins anew
+void cam_tell_fade_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_record_t *r,
+                       const cam_motion_t *m);
+
 /// Judge what a plan would tell X and Z until the next one: speed, change of speed, and no step of
 /// the place. An axis that is faster than its limit may brake. What is not accepted goes on as
 /// before the plan.

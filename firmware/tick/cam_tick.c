@@ -40,7 +40,7 @@ static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
 static void take_over(cam_t *c, cam_want_t *want)
 {
     if (c->motion.state != cam_state_fault) {
-        c->motion.x_left_q10 = c->motion.axis[hal_axis_x].pos_q10;
+        c->motion.x_left_q10 = (int64_t)c->watch.led_nm[hal_axis_x] * 1024; // as it is told
     }
     c->motion.axis[hal_axis_u] = c->guard.u;
     c->motion.state = cam_state_fault;
@@ -72,19 +72,45 @@ static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     }
 }
 
-/// U would be told what is beyond its limits: a fault, and the retract begins with the next tick.
-CAM_STAGE static void refuse_command(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+/// What U was told last is what the record of the last tick says, unless a bit of it has flipped.
+/// @return fault corrupt or none
+static uint32_t mend_told(cam_t *c)
 {
-    const bool is_new = r->want.state != cam_state_fault;
-    if (is_new) {
-        obey_guard(c, r,
-                   cam_guard_enter_isr(&c->guard, &cfg->guard, r->want.state,
-                                       CAM_FAULT_BIT(command), &c->tell.u));
-    } else {
-        c->guard.faults |= CAM_FAULT_BIT(command);
-        r->want.faults = c->guard.faults;
+    const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
+    const int32_t u_nm = c->tell.u.nm;
+    if (last != NULL) {
+        c->tell.u.nm = cam_wrap_add(last->out[hal_axis_u].pos_nm, c->watch.u_home_nm);
     }
-    cam_tell_nearest_isr(&c->tell, &cfg->tell, r, &c->motion, is_new);
+    return c->tell.u.nm != u_nm ? CAM_FAULT_BIT(corrupt) : 0u;
+}
+
+/// In state fault the retract goes on; what has flipped has led it away from what U is told, and it
+/// begins again from there.
+static void retract_on(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    cam_tell_nearest_isr(&c->tell, &cfg->tell, r, &c->motion, false);
+    r->want.faults = c->guard.faults;
+    if ((c->guard.faults & CAM_FAULT_BIT(corrupt)) != 0u) {
+        cam_guard_begin_isr(&c->guard, &cfg->guard, &c->tell.u);
+        c->motion.axis[hal_axis_u] = c->guard.u;
+        r->want.u_set_q6 = c->guard.u_set_q6;
+        cam_tell_fade_isr(&c->tell, &cfg->tell, r, &c->motion);
+    }
+}
+
+/// U would be told what is beyond its limits: a fault, and the retract begins with the next tick.
+CAM_STAGE static void refuse_command(cam_t *c, cam_tick_record_t *r)
+{
+    const cam_config_t *cfg = atomic_load_explicit(&c->config.in_use, memory_order_relaxed);
+    const uint32_t faults = CAM_FAULT_BIT(command) | mend_told(c);
+    if (c->motion.state == cam_state_fault) {
+        c->guard.faults |= faults;
+        retract_on(c, cfg, r);
+        return;
+    }
+    obey_guard(c, r,
+               cam_guard_enter_isr(&c->guard, &cfg->guard, r->want.state, faults, &c->tell.u));
+    cam_tell_nearest_isr(&c->tell, &cfg->tell, r, &c->motion, true);
 }
 
 /// Write the set-points into the record, in the form that the drives take. Those of X and Z are
@@ -94,7 +120,7 @@ static void tell(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, bool i
 {
     const cam_move_t *axis = c->motion.axis;
     if (!cam_tell_isr(&c->tell, &cfg->tell, r, &c->motion, is_new)) {
-        refuse_command(c, cfg, r);
+        refuse_command(c, r);
     }
     const int32_t u_nm = cam_wrap_sub(c->tell.u.nm, c->motion.u_home_nm);
     r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
@@ -110,7 +136,15 @@ CAM_STAGE static uint32_t mend_state(cam_t *c)
     return cam_watch_mend_state_isr(&c->watch, &c->motion, was);
 }
 
-static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+/// X or Z is not where its last place and its increment lead. @return fault corrupt, in off none
+CAM_STAGE static uint32_t mend_course(cam_t *c)
+{
+    const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
+    return cam_watch_mend_isr(&c->watch, &c->tell, &c->motion, last);
+}
+
+/// angle -> play: what the tick wants.
+static inline void want_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->config = cfg->generation;
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
@@ -121,9 +155,14 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     }
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
     if (!cam_watch_is_on_course_isr(&c->watch, &c->tell, &c->motion)) {
-        r->want.faults |= cam_watch_mend_isr(&c->watch, &c->tell, &c->motion);
+        r->want.faults |= mend_course(c);
     }
     CAM_TICK_MARK(play);
+}
+
+/// guard -> tell: what the axes will be told.
+static inline void judge_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
     const bool was_fault = c->motion.state == cam_state_fault;
     guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
@@ -151,6 +190,7 @@ static void shift_u(cam_t *c, int32_t nm)
 {
     const int32_t by_q6 = (int32_t)((uint32_t)nm * 64u);
     c->motion.u_home_nm = cam_wrap_add(c->motion.u_home_nm, nm);
+    c->watch.u_home_nm = cam_wrap_add(c->watch.u_home_nm, nm);
     const int64_t by_q10 = (int64_t)nm * 1024;
     cam_move_t *u = &c->motion.axis[hal_axis_u];
     u->pos_q10 = cam_wrap_add_i64(u->pos_q10, by_q10);
@@ -214,7 +254,9 @@ static bool is_plan_due(cam_t *c, const cam_config_t *cfg)
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    steps_isr(c, cfg, r);
+    atomic_store_explicit(&c->config.in_use, cfg, memory_order_relaxed);
+    want_isr(c, cfg, r);
+    judge_isr(c, cfg, r);
     if (is_plan_due(c, cfg)) {
         plan_isr(c, cfg, r);
     }
@@ -243,25 +285,56 @@ static void publish_isr(cam_t *c, const cam_tick_record_t *r)
     atomic_store_explicit(&c->n_ticks, r->tick + 1u, CAM_ORDER_RELEASE);
 }
 
+/// A tick that has begun and has not ended worked at another place, by a pointer of which a bit has
+/// flipped, or was withheld. The first one of all has none before it, and is in off, where that is
+/// no fault.
+static void begin_isr(cam_t *c, cam_tick_record_t *r)
+{
+    r->tick = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
+    if (atomic_load_explicit(&c->n_begun, memory_order_relaxed) + 1u != r->tick) {
+        c->motion.faults |= CAM_FAULT_BIT(corrupt);
+    }
+    atomic_store_explicit(&c->n_begun, r->tick, memory_order_relaxed);
+    cam_fence_release_isr(); // a reader that sees what this tick writes sees that it has begun
+}
+
+/// @return whether controller and record are still those with which the tick began, and the record
+/// tells the axes what was judged
+static bool is_as_judged(const cam_t *c, const cam_tick_record_t *r)
+{
+    cam_fence_release_isr(); // what is compared is what lies in memory
+    const uint32_t begun = atomic_load_explicit(&c->n_begun, memory_order_relaxed);
+    return ((begun ^ r->tick) | cam_watch_strayed(&c->watch, &c->tell, r)) == 0u;
+}
+
+/// It is not, and is not written: the axes hold their set-points, and the next tick sees that this
+/// one did not end.
+CAM_STAGE static void withhold(cam_t *c)
+{
+    const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
+    if (last != NULL) {
+        cam_watch_mend_home_isr(&c->watch, &c->tell, &c->motion, last);
+    }
+}
+
 void cam_tick_isr(cam_t *c)
 {
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
     cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->trace_room);
-    r->tick = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
-    atomic_store_explicit(&c->n_begun, r->tick, memory_order_relaxed);
-    cam_fence_release_isr(); // a reader that sees what this tick writes sees that it has begun
+    begin_isr(c, r);
     sense_isr(c, &r->in);
     CAM_TICK_MARK(sense);
-    steps_isr(c, cfg, r); // angle -> play -> guard
+    want_isr(c, cfg, r); // angle -> play
+    cfg = cam_config_again_isr(&c->config, cfg, &r->want.faults);
+    judge_isr(c, cfg, r); // guard -> tell
+    if (!is_as_judged(c, r)) {
+        withhold(c);
+        return;
+    }
     actuate_isr(c, r);
-    cam_fence_release_isr(); // what is compared is what lies in memory
-    const bool is_as_judged = cam_watch_written_isr(&c->watch, &c->tell, r);
     CAM_TICK_MARK(actuate);
     if (is_plan_due(c, cfg)) {
         plan_isr(c, cfg, r);
-    }
-    if (!is_as_judged) {
-        c->motion.faults |= CAM_FAULT_BIT(corrupt);
     }
     CAM_TICK_MARK(plan);
     publish_isr(c, r);

@@ -271,7 +271,7 @@ static void test_guard_armed_masks_are_those_of_the_manual(void)
     TEST_ASSERT_EQUAL_HEX32(all, cam_guard_armed(cam_state_cutting));
     TEST_ASSERT_EQUAL_HEX32(all, cam_guard_armed(cam_state_disengaging));
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) |
-                                CAM_FAULT_BIT(command),
+                                CAM_FAULT_BIT(command) | CAM_FAULT_BIT(corrupt),
                             cam_guard_armed(cam_state_fault));
 }
 

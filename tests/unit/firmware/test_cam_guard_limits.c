@@ -134,7 +134,7 @@ static bool is_armed(cam_fault_t fault, cam_state_t state)
         [cam_fault_table] = "hrwm",
         [cam_fault_swing] = "w",
         [cam_fault_command] = "hrwfm",
-        [cam_fault_corrupt] = "hrwm",
+        [cam_fault_corrupt] = "hrwfm",
     };
     static const char letter[cam_n_states] = "ohrwwwfwrm";
     return strchr(armed[fault], letter[state]) != NULL;

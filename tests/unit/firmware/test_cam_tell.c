@@ -25,7 +25,6 @@ void setUp(void)
                               .jump_q10 = {0, 32, 32}};
     motion.state = cam_state_cutting;
     motion.is_playing = true;
-    r.want.state = cam_state_cutting;
 }
 
 void tearDown(void) {}
@@ -70,7 +69,7 @@ static void test_correction_belongs_to_play(void)
     told(0, 0);
     motion.c_q6 = 640;
     motion.is_playing = false;
-    r.want.state = cam_state_ready;
+    motion.state = cam_state_ready;
     TEST_ASSERT_TRUE(tells(3, false));
     expect_told(3, 3);
 }
@@ -112,7 +111,7 @@ static void test_feed_forward_beyond_a_word_is_refused(void)
         cfg.step_nm = cfg.change_nm = INT32_MAX / 2;
         motion.axis[hal_axis_u] = (cam_move_t){.vel_q10 = most[i], .acc_q10 = most[i]};
         TEST_ASSERT_FALSE(tells(0, false));
-        r.want.state = cam_state_fault;
+        motion.state = cam_state_fault;
         cam_tell_nearest_isr(&tell, &cfg, &r, &motion, false);
         TEST_ASSERT_EQUAL_INT32(i == 0u ? -100000 : 100000, tell.u.nm);
     }
@@ -122,7 +121,7 @@ static void test_feed_forward_beyond_a_word_is_refused(void)
 static void test_off_follows_u_without_a_step(void)
 {
     motion.is_playing = false;
-    r.want.state = cam_state_off;
+    motion.state = cam_state_off;
     static const int32_t places_nm[][2] = {
         {-70000, -70000}, {70000, 70000}, {5000000, 100000}, {-5000000, -100000}};
     for (size_t i = 0; i < 4u; i++) {
@@ -137,7 +136,7 @@ static void test_tick_of_a_fault_goes_on_and_the_difference_fades(void)
     told(10000, 300);
     motion.is_playing = false;
     motion.c_q6 = 12345; // of the cut that has ended
-    r.want.state = cam_state_fault;
+    motion.state = cam_state_fault;
     TEST_ASSERT_TRUE(tells(10140, true));
     expect_told(10300, 300);
     TEST_ASSERT_EQUAL_INT32(160 * 64, tell.fading_q6);
@@ -157,7 +156,7 @@ static void test_difference_of_the_other_sign_fades_alike(void)
 {
     told(10000, -300);
     motion.is_playing = false;
-    r.want.state = cam_state_fault;
+    motion.state = cam_state_fault;
     cfg.change_nm = 400;
     TEST_ASSERT_TRUE(tells(9860, true));
     TEST_ASSERT_EQUAL_INT32(-160 * 64, tell.fading_q6);
@@ -176,7 +175,7 @@ static void test_new_fault_tells_the_last_step_within_the_limits(void)
                                        {1000, 200, 1200, 200},
                                        {99900, 200, 100000, 100},
                                        {-99900, -200, -100000, -100}};
-    r.want.state = cam_state_fault;
+    motion.state = cam_state_fault;
     motion.is_playing = false;
     for (size_t i = 0; i < 3u; i++) {
         told(cases[i][0], cases[i][1]);
@@ -196,7 +195,7 @@ static void test_refused_command_is_followed_as_far_as_the_limits_allow(void)
         {0, 0, 5000, 50, 50},           {0, 0, -5000, -50, -50},
         {0, 990, 5000, 1000, 1000},     {0, -990, -5000, -1000, -1000},
         {99980, 0, 200000, 100000, 20}, {-99980, 0, -200000, -100000, -20}};
-    r.want.state = cam_state_fault;
+    motion.state = cam_state_fault;
     motion.is_playing = false;
     for (size_t i = 0; i < 6u; i++) {
         told(cases[i][0], cases[i][1]);
@@ -219,7 +218,7 @@ static void test_refused_command_beyond_the_stroke_is_no_leap(void)
                                        {100100, -990, 0, 99100, -1000},
                                        {-100100, 990, 0, -99100, 1000},
                                        {300000, -1000, -300000, 299000, -1000}};
-    r.want.state = cam_state_fault;
+    motion.state = cam_state_fault;
     motion.is_playing = false;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         told(cases[i][0], cases[i][1]);

@@ -27,19 +27,98 @@ static void test_state_of_the_plan_is_sealed(void)
     }
 }
 
-/// The place of U on the machine is what homing has found, and nothing else.
-static void test_home_of_u_is_mended_in_the_plan(void)
+/// @return [nm] U on the machine as it was told
+static int32_t u_nm(void)
 {
-    for (uint32_t bit = 0; bit < 10u; bit++) { // further ones are seen by the limits of U first
-        setUp();
-        bring(cam_state_ready);
+    return hal_host.out.axis[hal_axis_u].pos_nm;
+}
+
+/// The place of U on the machine is what homing has found, and nothing else, whichever of both
+/// words has flipped. A command made with a false one is not written.
+static void test_home_of_u_is_mended_before_it_is_told(void)
+{
+    int32_t *words[] = {&g_cam.motion.u_home_nm, &g_cam.watch.u_home_nm};
+    for (uint32_t bit = 0; bit < 64u; bit++) {
+        cut_anew();
         const int32_t home_nm = g_cam.motion.u_home_nm;
-        flip(&g_cam.motion.u_home_nm, bit);
-        TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).first_fault);
-        fixture_rig_ticks(&rig, plan_ticks);
+        const int32_t before_nm = u_nm();
+        flip(words[bit / 32u], bit % 32u);
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_EQUAL_INT32(before_nm, u_nm());
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_INT32_WITHIN(20000, before_nm, u_nm());
         TEST_ASSERT_EQUAL_INT32(home_nm, g_cam.motion.u_home_nm);
+        TEST_ASSERT_EQUAL_INT32(home_nm, g_cam.watch.u_home_nm);
+        TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).faults);
     }
+}
+
+/// One that has begun is one that has ended, or the next one is a fault.
+static void test_tick_that_did_not_end_is_seen(void)
+{
+    for (uint32_t bit = 0; bit < 32u; bit++) {
+        cut_anew();
+        flip(&g_cam.n_begun, bit);
+        TEST_ASSERT_EQUAL_UINT32(1, ticks_until_fault(100));
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).first_fault);
+    }
+}
+
+static void test_pointer_to_the_configuration_is_asked_for_anew(void)
+{
+    cut_anew();
+    const cam_config_t *in_use = g_cam.config.in_use;
+    uint32_t faults = CAM_FAULT_BIT(table);
+    TEST_ASSERT_EQUAL_PTR(in_use, cam_config_again_isr(&g_cam.config, in_use, &faults));
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), faults);
+    TEST_ASSERT_EQUAL_PTR(in_use, cam_config_again_isr(&g_cam.config, in_use + 1, &faults));
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table) | CAM_FAULT_BIT(corrupt), faults);
+}
+
+/// What U was told last is in the record as well: no leap where the word of it flips.
+static void test_last_command_of_u_is_mended_where_it_is_refused(void)
+{
+    for (uint32_t bit = 0; bit < 32u; bit++) {
+        cut_anew();
+        const int32_t before_nm = u_nm();
+        const int32_t step_nm = g_cam.tell.u.step_nm;
+        flip(&g_cam.tell.u.nm, bit);
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_INT32_WITHIN(2000, before_nm + step_nm, u_nm());
+    }
+}
+
+/// Whatever leads the retract away, U goes on from where it was told, and out of the work.
+static void test_retract_that_flipped_begins_again_where_u_is(void)
+{
+    for (uint32_t bit = 22; bit < 30u; bit++) { // 4 um and more: less is within the limits
+        cut_anew();
+        flip(&g_cam.n_begun, 0);
+        fixture_rig_ticks(&rig, 30);
+        flip(&g_cam.guard.glide.sum_pos_q10, bit + g_cam.guard.glide.log2_window);
+        fixture_rig_ticks(&rig, 2);
+        const int32_t most_nm = 2 * (g_cam.config.in_use->guard.u_acc_q6 >> 6);
+        int32_t last_nm = u_nm();
+        int32_t step_nm = g_cam.tell.u.step_nm;
+        for (uint32_t i = 0; i < 4000u; i++) {
+            fixture_rig_tick(&rig);
+            TEST_ASSERT_INT32_WITHIN(most_nm, step_nm, u_nm() - last_nm);
+            step_nm = u_nm() - last_nm;
+            last_nm = u_nm();
+        }
+        TEST_ASSERT_INT32_WITHIN(10, g_cam.config.in_use->guard.u_retract_q10 / 1024,
+                                 last_nm + g_cam.motion.u_home_nm);
+    }
+}
+
+/// X moves off from where it is told to be, not from a set-point that may have flipped.
+static void test_x_leaves_from_where_it_is_told(void)
+{
+    cut_anew();
+    flip(&g_cam.n_begun, 0);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT64((int64_t)hal_host.out.axis[hal_axis_x].pos_nm * 1024,
+                            g_cam.motion.x_left_q10);
 }
 
 /// X and Z are told by at most this more or less than their increment, in the tick of the flip too.
@@ -52,6 +131,19 @@ static void test_places_of_x_and_z_are_mended_in_the_tick(void)
         fixture_rig_tick(&rig);
         TEST_ASSERT_INT32_WITHIN(10, before_nm, hal_host.out.axis[hal_axis_x].pos_nm);
         TEST_ASSERT_LESS_OR_EQUAL_UINT32(plan_ticks + 1u, ticks_until_fault(100));
+        TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).faults);
+    }
+}
+
+/// The copy flips instead: what the last record tells is what was told.
+static void test_copy_of_a_place_that_flipped_moves_nothing(void)
+{
+    for (uint32_t bit = 2; bit < 32u; bit++) {
+        cut_anew();
+        const int32_t before_nm = hal_host.out.axis[hal_axis_x].pos_nm;
+        flip(&g_cam.watch.led_nm[hal_axis_x], bit);
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_INT32_WITHIN(10, before_nm, hal_host.out.axis[hal_axis_x].pos_nm);
         TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(corrupt), fixture_rig_status(&rig).faults);
     }
 }
@@ -83,15 +175,15 @@ static void test_state_is_mended_and_off_enables_nothing(void)
     }
 }
 
-static void test_what_was_written_is_looked_at(void)
+static void test_what_would_be_written_is_looked_at(void)
 {
     cut_anew();
     cam_tick_record_t r = rig.last;
-    TEST_ASSERT_TRUE(cam_watch_written_isr(&g_cam.watch, &g_cam.tell, &r));
+    TEST_ASSERT_EQUAL_HEX32(0, cam_watch_strayed(&g_cam.watch, &g_cam.tell, &r));
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         r = rig.last;
         flip(&r.out[i].pos_nm, 9u * i);
-        TEST_ASSERT_FALSE(cam_watch_written_isr(&g_cam.watch, &g_cam.tell, &r));
+        TEST_ASSERT_NOT_EQUAL_HEX32(0, cam_watch_strayed(&g_cam.watch, &g_cam.tell, &r));
     }
 }
 
@@ -103,7 +195,7 @@ static void test_mended_place_is_the_one_told_and_its_increment(void)
     cam_motion_t m = {.state = cam_state_cutting};
     m.axis[hal_axis_x] = (cam_move_t){.pos_q10 = INT64_C(1) << 40, .vel_q10 = 3 * 1024};
     m.axis[hal_axis_z] = (cam_move_t){.pos_q10 = -(INT64_C(1) << 40), .vel_q10 = 1 << 30};
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), cam_watch_mend_isr(&w, &t, &m));
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(corrupt), cam_watch_mend_isr(&w, &t, &m, NULL));
     TEST_ASSERT_EQUAL_INT64(1003 * 1024 + 512, m.axis[hal_axis_x].pos_q10);
     TEST_ASSERT_EQUAL_INT64(-2005 * 1024 + 512, m.axis[hal_axis_z].pos_q10);
     TEST_ASSERT_EQUAL_INT32(-5 * 1024, m.axis[hal_axis_z].vel_q10);
@@ -193,7 +285,7 @@ static void test_axes_may_stray_in_off(void)
     m.axis[hal_axis_x].pos_q10 = 500 * 1024;
     m.axis[hal_axis_z].pos_q10 = -77 * 1024;
     TEST_ASSERT_FALSE(cam_watch_is_on_course_isr(&w, &t, &m));
-    TEST_ASSERT_EQUAL_HEX32(0, cam_watch_mend_isr(&w, &t, &m));
+    TEST_ASSERT_EQUAL_HEX32(0, cam_watch_mend_isr(&w, &t, &m, NULL));
     TEST_ASSERT_EQUAL_INT64(500 * 1024, m.axis[hal_axis_x].pos_q10);
     TEST_ASSERT_EQUAL_INT32(500, w.led_nm[hal_axis_x]);
     TEST_ASSERT_EQUAL_INT32(-77, w.led_nm[hal_axis_z]);
@@ -227,11 +319,17 @@ int main(void)
     RUN_TEST(test_axes_rest_behind_a_change_that_is_found_for_ever);
     RUN_TEST(test_mended_place_is_the_one_told_and_its_increment);
     RUN_TEST(test_state_of_the_plan_is_sealed);
-    RUN_TEST(test_home_of_u_is_mended_in_the_plan);
+    RUN_TEST(test_home_of_u_is_mended_before_it_is_told);
+    RUN_TEST(test_tick_that_did_not_end_is_seen);
+    RUN_TEST(test_pointer_to_the_configuration_is_asked_for_anew);
+    RUN_TEST(test_last_command_of_u_is_mended_where_it_is_refused);
+    RUN_TEST(test_retract_that_flipped_begins_again_where_u_is);
+    RUN_TEST(test_x_leaves_from_where_it_is_told);
+    RUN_TEST(test_copy_of_a_place_that_flipped_moves_nothing);
     RUN_TEST(test_places_of_x_and_z_are_mended_in_the_tick);
     RUN_TEST(test_increment_that_flipped_is_the_slower_of_both);
     RUN_TEST(test_state_is_mended_and_off_enables_nothing);
-    RUN_TEST(test_what_was_written_is_looked_at);
+    RUN_TEST(test_what_would_be_written_is_looked_at);
     RUN_TEST(test_state_that_the_record_knows_is_the_one_that_stays);
     RUN_TEST(test_state_that_flips_behind_its_change_is_taken_from_the_copy);
     RUN_TEST(test_axes_may_stray_in_off);
