@@ -19,6 +19,7 @@ static cam_gather_t g;
 static cam_turn_t how;   ///< the turns to come; turn is the number of the last one
 static uint32_t n_ticks; ///< of each turn
 static double error_nm;  ///< amplitude of the error in harmonic 1
+static int n_polls;      ///< of the slow side, for each turn
 static uint8_t walked;   ///< what the last turn has changed
 
 void setUp(void)
@@ -40,6 +41,7 @@ void setUp(void)
                        .scale_q30 = 1 << 30};
     n_ticks = usual_ticks;
     error_nm = 1000.0;
+    n_polls = 40;
 }
 
 void tearDown(void) {}
@@ -61,7 +63,7 @@ static void play(void)
     g.closed_turn[bank] = how.turn | 1u << 24;
     g.at_q8 = (how.turn + 1u) << 8 | 10u;
     t.walking = 0; // what the last turn has changed is in force
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < n_polls; i++) {
         cam_teach_poll(&t, &s, how.state, &g);
     }
     TEST_ASSERT_NULL(t.bin);

@@ -14,6 +14,7 @@ enum { tick_hz = 20000, n = 200, n_periods = 3, fade = 100, place_nm = -300000 }
 
 static fixture_rig_t rig;
 static int32_t wave_nm[n];
+static uint32_t fade_ticks; ///< in which the wave rises, and falls
 
 static int32_t field(uint32_t which)
 {
@@ -37,6 +38,7 @@ static cam_err_t load(uint32_t crc_error)
 void setUp(void)
 {
     const fixture_part_t part = fixture_part_short();
+    fade_ticks = fade;
     fixture_rig_init(&rig, &part, tick_hz);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
     fixture_rig_tick(&rig);
@@ -70,7 +72,7 @@ static void begin(void)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
     TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_periods, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_periods, fade_ticks).err);
     go_on(3, true);
     TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
 }
@@ -89,8 +91,11 @@ static void expect_end(cam_excited_t excited, cam_state_t wanted)
     TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm, cfg->guard.following_nm);
 }
 
-static void test_a_wave_is_played_recorded_and_left(void)
+/// The first period in full begins with the first sample, however many periods it takes to rise.
+static void expect_wave_is_played(uint32_t ticks)
 {
+    setUp();
+    fade_ticks = ticks;
     begin();
     expect_end(cam_excited_done, cam_state_ready);
     TEST_ASSERT_EQUAL_INT32(cam_scope_state_left, field(cam_scope_field_end));
@@ -103,6 +108,12 @@ static void test_a_wave_is_played_recorded_and_left(void)
         TEST_ASSERT_EQUAL_INT32((place_nm + wave_nm[i % n]) * 64, words[at]); // u_set_q6
         TEST_ASSERT_EQUAL_INT32(place_nm + wave_nm[i % n], words[at + 1]);    // no feed-forward
     }
+}
+
+static void test_a_wave_is_played_recorded_and_left(void)
+{
+    expect_wave_is_played(7 * n + 30);
+    expect_wave_is_played(fade);
     go_on(2000, false);
     TEST_ASSERT_EQUAL_INT32(rig.machine.params.u_retract_nm, hal_host.in.axis_nm[hal_axis_u]);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine)); // a cut follows as ever

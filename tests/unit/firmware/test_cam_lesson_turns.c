@@ -39,6 +39,21 @@ static void test_a_turn_that_is_not_like_the_others_does_not_count(void)
     TEST_ASSERT_FALSE(counts());
 }
 
+/// A turn that tells nothing is given back at once, so that the slow side is free for the next.
+static void test_a_turn_that_tells_nothing_is_given_back_at_once(void)
+{
+    begin();
+    how.is_steady = false;
+    n_polls = 1;
+    play();
+    const uint32_t bank = how.turn & 1u;
+    TEST_ASSERT_EQUAL_UINT32(0, g.bin[bank * cam_learn_bins].n);
+    TEST_ASSERT_EQUAL_UINT32((how.turn + 2u) | 1u << 24, g.cleared[bank]);
+    n_polls = 40;
+    how.is_steady = true;
+    TEST_ASSERT_TRUE(counts());
+}
+
 /// While what the last step changed is not yet in force, or before the first turn in which it all
 /// is, a turn tells nothing of the next step.
 static void test_a_turn_counts_when_the_drive_has_settled(void)
@@ -238,6 +253,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_turn_that_is_not_like_the_others_does_not_count);
+    RUN_TEST(test_a_turn_that_tells_nothing_is_given_back_at_once);
     RUN_TEST(test_a_turn_counts_when_the_drive_has_settled);
     RUN_TEST(test_a_turn_of_another_speed_than_the_last_does_not_count);
     RUN_TEST(test_slow_and_fast_turns_are_told);

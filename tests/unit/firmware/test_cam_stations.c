@@ -137,6 +137,7 @@ static void test_a_measured_z_finds_the_lobe(void)
     }
     TEST_ASSERT_EQUAL_UINT32(2, f.plan.shaft.i_lobe);
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+    TEST_ASSERT_INT64_WITHIN(20000 * 256, 800000 * 256, f.plan.shaft.z_q8); // by the lead of a plan
 }
 
 int main(void)

@@ -258,6 +258,33 @@ static void test_swing_that_turns_back_is_not_there(void)
     TEST_ASSERT_TRUE(s.is_there);
 }
 
+/// A spindle that accelerates by alpha is ahead by alpha t^2 / 2 when the line ends: what is aimed
+/// at then is what a shape turned back by that would be aimed at without.
+static void test_acceleration_of_the_spindle_is_read_ahead(void)
+{
+    enum { alpha_q40 = 400000000 };
+    hal_swing_t aimed[2];
+    const double ticks = f.config.play.swing.ahead_q16 / 65536.0;
+    const double by_q32 = alpha_q40 / 256.0 * ticks * ticks / 2.0;
+    for (int i = 0; i < 2; i++) {
+        setUp();
+        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+        fixture_play_ticks(&f, 100);
+        f.motion.alpha_q40 = i == 0 ? alpha_q40 : 0;
+        const int32_t turned_q32 = i == 0 ? 0 : -(int32_t)by_q32;
+        f.motion.phase_q32 += turned_q32;
+        f.config.play.phase_q32 += turned_q32;
+        const int32_t before_q32 = f.motion.swing.set.pos_q32;
+        for (int k = 0; k < FIXTURE_PLAN_TICKS && f.motion.swing.set.pos_q32 == before_q32; k++) {
+            fixture_play_tick(&f);
+        }
+        aimed[i] = f.motion.swing.set;
+    }
+    TEST_ASSERT_TRUE(by_q32 > TURN / 100.0);
+    TEST_ASSERT_INT32_WITHIN(200, aimed[1].vel_q32, aimed[0].vel_q32);
+    f.motion.alpha_q40 = 0;
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -271,5 +298,6 @@ int main(void)
     RUN_TEST(test_peaks_are_bounds_within_two_per_cent);
     RUN_TEST(test_infeasible_swing_is_refused_with_the_numbers);
     RUN_TEST(test_tool_leaves_a_cam_beyond_its_lift);
+    RUN_TEST(test_acceleration_of_the_spindle_is_read_ahead);
     return UNITY_END();
 }
