@@ -36,23 +36,38 @@ static inline void flip(void *object, uint32_t bit)
     bytes[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
 }
 
+/// A controller and the machine around it, to begin with more than once.
+typedef struct {
+    cam_t cam;
+    fixture_rig_t rig;
+    hal_host_t host;
+} bench_t;
+
+static inline void keep(bench_t *bench)
+{
+    memcpy(&bench->cam, &g_cam, sizeof g_cam);
+    bench->rig = rig;
+    bench->host = hal_host;
+}
+
+static inline void go_back(const bench_t *bench)
+{
+    memcpy(&g_cam, &bench->cam, sizeof g_cam);
+    rig = bench->rig;
+    hal_host = bench->host;
+}
+
 /// The controller in the cut, and the machine around it. It is brought there once and then put
 /// back, for tests that do not depend on how it got there.
 static inline void cut_anew(void)
 {
-    static cam_t cam;
-    static fixture_rig_t machine;
-    static hal_host_t host;
-    if (machine.machine.core == NULL) {
+    static bench_t bench;
+    if (bench.rig.machine.core == NULL) {
         setUp();
         bring(cam_state_cutting);
-        memcpy(&cam, &g_cam, sizeof cam);
-        machine = rig;
-        host = hal_host;
+        keep(&bench);
     }
-    memcpy(&g_cam, &cam, sizeof cam);
-    rig = machine;
-    hal_host = host;
+    go_back(&bench);
 }
 
 #endif

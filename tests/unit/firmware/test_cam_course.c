@@ -3,6 +3,7 @@
 // and U at the height that Z has.
 #include "cam_angle.h"
 #include "fixture_play.h"
+#include "fixture_random.h" // fixture_rarer
 #include "unity.h"
 #include <math.h>
 
@@ -238,15 +239,38 @@ static void test_resume_near_the_end_creeps_there(void)
     cut_to_the_end();
 }
 
+/// A cut to go on from more than once: most of the way to the end of the part is always the same.
+typedef struct {
+    fixture_play_t f;
+    double z_nm, step_nm;
+} place_t;
+
+static void keep(place_t *place)
+{
+    place->f = f;
+    place->z_nm = z_nm;
+    place->step_nm = step_nm;
+}
+
+static void go_back(const place_t *place)
+{
+    f = place->f;
+    z_nm = place->z_nm;
+    step_nm = place->step_nm;
+}
+
 static void test_rate_without_room_for_it_before_the_end_stays(void)
 {
+    static place_t place;
+    begin();
+    until(cam_state_cutting);
+    turns(48.0);
     for (int tenth = 0; tenth < 30; tenth++) {
-        setUp();
-        begin();
-        until(cam_state_cutting);
-        turns(48.0 + 0.1 * tenth);
+        keep(&place);
         ask(1500000);
         cut_to_the_end();
+        go_back(&place);
+        turns(0.1);
     }
 }
 
@@ -254,7 +278,7 @@ static void test_rate_without_room_for_it_before_the_end_stays(void)
 static void test_random_changes_always_end_at_the_last_height(void)
 {
     uint32_t seed = 1;
-    for (int cut = 0; cut < 40; cut++) {
+    for (int cut = 0; cut < 40 / fixture_rarer; cut++) {
         setUp();
         begin();
         for (int i = 0; i < 12 && f.want.state != cam_state_ready; i++) {
@@ -321,12 +345,16 @@ static void test_what_is_asked_again_or_of_rings_changes_no_rate(void)
 static void test_resume_feeds_the_least_that_is_left(void)
 {
     static const double at[] = {48.0, 48.3, 48.6, 48.8, 48.9, 49.0, 49.2};
-    for (int i = 0; i < 7; i++) {
+    static place_t place;
+    begin();
+    until(cam_state_cutting);
+    for (int i = 0, n = 0; i < 7; i++) {
+        for (; n < (int)(at[i] * ticks_per_turn); n++) {
+            tick();
+        }
+        keep(&place);
         for (int feed = 0; feed < 2; feed++) {
-            setUp();
-            begin();
-            until(cam_state_cutting);
-            turns(at[i]);
+            go_back(&place);
             hold(true);
             turns(6.0);
             if (f.want.state == cam_state_holding) {
@@ -334,6 +362,7 @@ static void test_resume_feeds_the_least_that_is_left(void)
             }
             cut_to_the_end();
         }
+        go_back(&place);
     }
 }
 

@@ -43,7 +43,7 @@ static void expect_surface(uint32_t theta_q32, int32_t z_nm)
 static void test_surface_random_points_are_within_the_documented_error(void)
 {
     make();
-    for (int i = 0; i < 200000; i++) {
+    for (int i = 0; i < 200000 / fixture_rarer; i++) {
         expect_surface(fixture_random_u32(&dice), (int32_t)fixture_random_range(&dice, 0, 1000000));
     }
 }
@@ -128,7 +128,7 @@ static void test_height_outside_is_clamped_and_flagged(void)
 static void test_height_weight_is_exact_for_every_nanometre_spacing(void)
 {
     make();
-    for (int i = 0; i < 100000; i++) {
+    for (int i = 0; i < 100000 / fixture_rarer; i++) {
         const int32_t z_nm = (int32_t)fixture_random_range(&dice, 0, 1000000);
         const cam_height_t h = cam_eval_height(&table.u, z_nm);
         const double slice = z_nm / 100000.0;
@@ -140,7 +140,7 @@ static void test_height_weight_is_exact_for_every_nanometre_spacing(void)
 static void test_profile_random_heights_are_within_the_documented_error(void)
 {
     make();
-    for (int i = 0; i < 50000; i++) {
+    for (int i = 0; i < 50000 / fixture_rarer; i++) {
         const int32_t z_nm = (int32_t)fixture_random_range(&dice, 0, 999999);
         const cam_value_t got = cam_eval_profile(&table.x, z_nm);
         const uint32_t interval = (uint32_t)z_nm / 250000u;
@@ -156,7 +156,7 @@ static void test_surface_exact_ellipse_is_within_a_nanometre(void)
     part.u = fixture_ellipse;
     make();
     const double lsb_nm = 1.0 / (double)(1u << table.u.frac_bits);
-    for (uint32_t i = 0; i < 100000u; i++) {
+    for (uint32_t i = 0; i < 100000u; i += fixture_rarer) {
         const uint32_t theta_q32 = i * 42949u;
         double exact[3];
         fixture_ellipse(theta_q32 / 4294967296.0 * 6.283185307179586, 0.0, exact);
@@ -193,7 +193,7 @@ static void test_surface_wildest_accepted_tables_do_not_overflow(void)
     TEST_ASSERT_GREATER_THAN_INT32(30000, scale);
     TEST_ASSERT_EQUAL_INT(cam_err_image_knots, with_wild_knots(scale + scale / 10));
     TEST_ASSERT_EQUAL_INT(cam_ok, with_wild_knots(scale - scale / 50));
-    for (int i = 0; i < 200000; i++) {
+    for (int i = 0; i < 200000 / fixture_rarer; i++) {
         expect_surface(fixture_random_u32(&dice), (int32_t)fixture_random_range(&dice, 0, 1000000));
     }
 }
@@ -210,7 +210,7 @@ static void test_surface_constant_at_the_bound_is_exact(void)
     fixture_image_remeasure(&image, fixture_u);
     fixture_image_seal(&image);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
-    for (int i = 0; i < 100000; i++) {
+    for (int i = 0; i < 100000 / fixture_rarer; i++) {
         expect_surface(fixture_random_u32(&dice), (int32_t)fixture_random_range(&dice, 0, 1000000));
     }
 }

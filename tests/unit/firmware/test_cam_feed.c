@@ -41,7 +41,7 @@ static void test_ramp_is_the_shortest_that_the_acceleration_allows(void)
     check_ramp(100000, 2500000, 2000); // 0.0960 turns
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0960267, cam_feed_ramp_q32(100000, 2500000, 2000) / turn_q32);
     fixture_random_t random = {.state = 5};
-    for (int i = 0; i < 20000; i++) {
+    for (int i = 0; i < 20000 / fixture_rarer; i++) {
         const uint32_t feed_nm = (uint32_t)fixture_random_range(&random, 4, 10000000);
         const uint32_t mrpm = (uint32_t)fixture_random_range(&random, 1, 60000000);
         check_ramp(feed_nm >> (i % 20) | 4u, mrpm >> (i % 17),

@@ -191,7 +191,7 @@ static void test_glide_takes_a_window_longer_than_the_motion_without_a_limit_of_
 static void test_glide_brakes_to_rest_within_its_limits(void)
 {
     fixture_random_t dice = {.state = 13};
-    for (int i = 0; i < 1000; i++) {
+    for (int i = 0; i < 1000 / fixture_rarer; i++) {
         const cam_move_limits_t limits = random_limits(&dice);
         const int32_t a = limits.acceleration_q10;
         cam_move_t m = {

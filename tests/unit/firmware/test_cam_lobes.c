@@ -184,7 +184,7 @@ static void test_lobe_and_change_are_those_of_the_format(void)
     for (uint32_t n = 1; n <= 64; n += n < 6u ? 1u : 29u) {
         scatter(&random, n);
         make();
-        for (uint32_t k = 0; k < 4000u; k++) {
+        for (uint32_t k = 0; k < 4000u / fixture_rarer; k++) {
             const int32_t low = shaft.lobe[0].z_first_nm - 1000000;
             const int32_t high = shaft.lobe[n - 1u].z_last_nm + 1000000;
             const int32_t z_nm = (int32_t)fixture_random_range(&random, low, high);

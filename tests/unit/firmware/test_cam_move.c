@@ -120,7 +120,7 @@ static void test_move_random_starts_and_targets_always_arrive(void)
 static void test_move_keeps_limits_of_any_proportion(void)
 {
     fixture_random_t dice = {.state = 21};
-    for (int i = 0; i < 20000; i++) {
+    for (int i = 0; i < 20000 / fixture_rarer; i++) {
         const int32_t speed = (int32_t)fixture_random_range(&dice, 1, 2000);
         const int32_t a = (int32_t)fixture_random_range(&dice, 1, 10000);
         const cam_move_limits_t any = {.speed_q10 = speed, .acceleration_q10 = a};

@@ -76,9 +76,8 @@ static void expect_true_end(void)
         TEST_ASSERT_LESS_OR_EQUAL_INT32(last_left, left);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(turns(p.whole_q32), left);
         last_left = left;
-        for (int i = 0; i < 7; i++) { // of a plan of eight ticks
-            step();
-        }
+        fixture_rig_ticks(&rig, 7); // of a plan of eight
+        cam_machine_poll(&rig.machine);
     }
     TEST_ASSERT_INT32_WITHIN(30, turns(told.left_q32), place() - from);
     TEST_ASSERT_LESS_OR_EQUAL_INT32(50, last_left);

@@ -65,7 +65,7 @@ static double random_real(fixture_random_t *random, double low, double high)
 static void test_set_point_is_the_inverse_of_the_speed_loop(void)
 {
     fixture_random_t random = {.state = 7};
-    for (int i = 0; i < 20000; i++) {
+    for (int i = 0; i < 20000 / fixture_rarer; i++) {
         cam_speed_config_t cfg = config.play.speed;
         cfg.sense = i % 2 == 0 ? 1 : -1;
         const double from = random_real(&random, 0.25, 4.0);
@@ -93,7 +93,7 @@ static void test_spindle_with_the_lag_reaches_the_ratio_at_every_plan(void)
 static void test_ratio_is_eased_by_the_envelope(void)
 {
     fixture_random_t random = {.state = 9};
-    for (int i = 0; i < 20000; i++) {
+    for (int i = 0; i < 20000 / fixture_rarer; i++) {
         const double ratio = random_real(&random, 0.0625, 4.0);
         const double envelope = random_real(&random, 0.0, 1.0);
         const int32_t found = cam_speed_eased_q28((int32_t)lround(ldexp(ratio, 28)),

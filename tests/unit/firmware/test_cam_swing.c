@@ -100,7 +100,7 @@ static void test_swing_nears_zero_within_its_limits_from_anywhere(void)
     fixture_random_t random = {.state = 5};
     const cam_play_config_t *cfg = &f.config.play;
     const cam_swing_limits_t *limits = &cfg->swing.gentle;
-    for (int k = 0; k < 200; k++) {
+    for (int k = 0; k < 200 / fixture_rarer; k++) {
         cam_swing_t s = {
             .set = {.pos_q32 = (int32_t)fixture_random_range(&random, -(1 << 29), 1 << 29),
                     .vel_q32 = (int32_t)fixture_random_range(&random, -limits->speed_q32,

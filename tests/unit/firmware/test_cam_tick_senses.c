@@ -20,7 +20,7 @@
 #include <stdlib.h> // llabs
 #include <string.h> // memcpy
 
-enum { n_bursts = 40, most_burst = 120, n_wave = 200, mm = 1000000 };
+enum { n_bursts = 40 / fixture_rarer, most_burst = 120, n_wave = 200, mm = 1000000 };
 
 /// Words that a tick senses, one bit each.
 enum {
