@@ -68,7 +68,7 @@ int32_t cam_course_fed_nm_isr(const cam_course_t *c, const cam_play_config_t *cf
     const int64_t left_q32 = minus(c->end_q32, pos_q32);
     if (cfg->rings.is_on) {
         const int64_t until_q32 = left_q32 > 0 ? pos_q32 : c->end_q32;
-        const int64_t done_q32 = later(minus(until_q32, c->from_q32), 0);
+        const int64_t done_q32 = minus(later(until_q32, c->to_q32), c->from_q32);
         return cam_feed_height_nm_isr(&cfg->rings, done_q32,
                                       cam_feed_risen_q30_isr(&cfg->rings, done_q32));
     }
@@ -221,6 +221,7 @@ static void feed_on(cam_course_t *c, const cam_play_config_t *cfg, int64_t next_
     if (cfg->rings.is_on) {
         const int64_t done_q32 = later(minus(c->end_q32, c->from_q32), 0);
         c->from_q32 = later(c->from_q32, minus(next_q32, done_q32));
+        c->to_q32 = plus(c->from_q32, done_q32); // until then Z stays where it rests
         c->end_q32 = plus(c->from_q32, cfg->feed_q32);
         c->is_held = false;
     } else {

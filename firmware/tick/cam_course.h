@@ -26,7 +26,8 @@
 
 /// State, made by cam_course_lay_isr().
 typedef struct {
-    int64_t from_q32, to_q32;    ///< [turn] master positions of the change of the rate
+    int64_t from_q32, to_q32;    ///< [turn] master positions of the change of the rate; rings lie
+                                 ///< from the first on, and Z rests until the second
     int64_t fed_q32, fed_to_q32; ///< [turn] fed at these
     int64_t brake_q32, end_q32;  ///< [turn] master positions where the feed slows down and rests
     int64_t fed_end_q32;         ///< [turn] fed there

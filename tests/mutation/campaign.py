@@ -128,9 +128,14 @@ def options_of(words: list[str]) -> argparse.Namespace:
         action="store_true",
         help=f"judge by the module's own unit tests and {_N_QUICK} others only",
     )
+    parser.add_argument(
+        "--units",
+        action="store_true",
+        help="judge by all unit tests, without sanitizers and scenarios",
+    )
     parser.add_argument("--record", action="store_true", help="write figures.json beside this")
     options = parser.parse_args(words)
-    if options.record and (options.files or options.quick):
+    if options.record and (options.files or options.quick or options.units):
         parser.error("--record is for a sample of all files and all judges: leave out the others")
     return options
 
@@ -139,13 +144,14 @@ def main(words: list[str]) -> int:
     """Run the campaign; return 0 when enough was noticed."""
     options = options_of(words)
     folder, verify = ROOT / "build" / "mutation", ROOT / "build" / "verify"
-    key = digest_of(ROOT, options.seed, options.files, options.quick)
+    key = digest_of(ROOT, options.seed, options.files, options.quick, options.units)
     journal = Journal(verify / "mutation.jsonl", key)
     stream = drawn(ROOT, options.seed, options.files or sources(ROOT))
-    presets = ("host",) if options.quick else ("host", "host-asan")
+    is_short = options.quick or options.units
+    presets = ("host",) if is_short else ("host", "host-asan")
     builds = [Pristine(ROOT, folder / "tree", preset) for preset in presets]
     builds[0].measure()
-    if not options.quick:
+    if not is_short:
         builds[0].check_scenarios()
     killers = Killers(folder / "killers.jsonl")
     n_others = _N_QUICK if options.quick else None

@@ -69,6 +69,20 @@ static void test_home_here_needs_no_motion(void)
     TEST_ASSERT_EQUAL_INT32(-50 * mm, cam_machine_place_nm(&rig.machine, hal_axis_z));
 }
 
+/// The number of U changes by a single nanometre, too, and the port is told nothing of it.
+static void test_home_of_u_changes_its_number_by_a_nanometre(void)
+{
+    for (int32_t by_nm = -1; by_nm <= 1; by_nm++) {
+        setUp();
+        hal_host.in.axis_nm[hal_axis_u] = 5000;
+        set_home(hal_axis_u, 1, 1, 5000 + by_nm);
+        to_manual();
+        home(hal_axis_u);
+        TEST_ASSERT_EQUAL_INT32(5000 + by_nm, fixture_rig_status(&rig).u_actual_nm);
+        TEST_ASSERT_EQUAL_INT32(5000, port_nm(hal_axis_u));
+    }
+}
+
 /// Set-points of the port go on evenly while the controller's numbers of U change twice.
 static void test_home_of_u_changes_its_number_and_moves_nothing_by_that(void)
 {
@@ -217,5 +231,6 @@ int main(void)
     RUN_TEST(test_home_of_u_beyond_its_stroke_is_refused);
     RUN_TEST(test_homing_without_a_sign_of_life_stops);
     RUN_TEST(test_homes_are_forgotten_when_the_drives_lose_power);
+    RUN_TEST(test_home_of_u_changes_its_number_by_a_nanometre);
     return UNITY_END();
 }

@@ -162,6 +162,37 @@ static void test_stop_before_the_first_ring_leaves_z_where_it_is(void)
     }
 }
 
+/// A held feed rests where the next ring begins and goes on from there, without a step, to the same
+/// end.
+static void test_hold_rests_before_a_ring_and_goes_on_from_it(void)
+{
+    engage();
+    const int32_t rate_q30 = f.config.play.feed_rate_q30;
+    while (turns_of(f.angle.pos_q32) < 6.3) {
+        fixture_play_tick(&f);
+    }
+    f.config.play.feed_rate_q30 = 0;
+    for (int i = 0; i < 100000 && f.want.state != cam_state_holding; i++) {
+        fixture_play_tick(&f);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_holding, f.want.state);
+    fixture_play_ticks(&f, 100);
+    const int64_t rest_q10 = f.axis[hal_axis_z].pos_q10;
+    TEST_ASSERT_EQUAL_INT64((int64_t)(part.z_first_nm + 400000) * 1024, rest_q10);
+    fixture_play_ticks(&f, 480 * 9 + 77);
+    TEST_ASSERT_EQUAL_INT64(rest_q10, f.axis[hal_axis_z].pos_q10);
+    f.config.play.feed_rate_q30 = rate_q30;
+    double most_nm = 0.0;
+    while (f.want.state != cam_state_ready) {
+        fixture_play_tick(&f);
+        const int64_t step_q10 = f.axis[hal_axis_z].pos_q10 - f.before[hal_axis_z].pos_q10;
+        most_nm = fmax(most_nm, fabs((double)step_q10 / 1024.0));
+        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+    }
+    TEST_ASSERT_TRUE(most_nm < 1.12 * part.feed_nm / 480.0); // the feed less its ramps
+    TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
+}
+
 /// Only a geared Z follows the path; a measured Z is led by others.
 static void test_measured_z_knows_no_path(void)
 {
@@ -210,5 +241,6 @@ int main(void)
     RUN_TEST(test_stop_before_the_first_ring_leaves_z_where_it_is);
     RUN_TEST(test_measured_z_knows_no_path);
     RUN_TEST(test_ramps_fit_the_speed_in_force);
+    RUN_TEST(test_hold_rests_before_a_ring_and_goes_on_from_it);
     return UNITY_END();
 }
