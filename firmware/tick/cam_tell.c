@@ -164,8 +164,8 @@ static bool is_plan_allowed(const cam_tell_t *t, const cam_tell_config_t *cfg, u
     const int32_t jump_q10 = cam_sat_i32(cam_wrap_sub_i64(now->pos_q10, before->pos_q10));
     const int32_t change_q10 = cam_wrap_sub(now->vel_q10, t->vel_q10[axis]);
     const int32_t was_q10 = t->vel_q10[axis];
-    const bool is_no_faster =
-        cam_is_within(now->vel_q10, was_q10 < 0 ? cam_wrap_sub(0, was_q10) : was_q10);
+    const int32_t most_q10 = was_q10 < 0 ? cam_sat_add(~was_q10, 1) : was_q10; // its amount
+    const bool is_no_faster = cam_is_within(now->vel_q10, most_q10);
     return (is_no_faster || cam_is_within(now->vel_q10, cfg->vel_q10[axis])) &&
            cam_is_within(change_q10, cfg->change_q10[axis]) &&
            cam_is_within(jump_q10, cfg->jump_q10[axis]);

@@ -301,9 +301,21 @@ static void test_u_that_is_called_otherwise_is_told_no_step(void)
     expect_told(605, 5);
 }
 
+/// The amount of the least number is no number: it counts as the largest one.
+static void test_axis_at_the_end_of_its_word_may_brake(void)
+{
+    cam_move_t before[hal_n_axes] = {0};
+    cfg.vel_q10[hal_axis_x] = 1000;
+    tell.vel_q10[hal_axis_x] = INT32_MIN;
+    motion.axis[hal_axis_x].vel_q10 = INT32_MIN + 1;
+    TEST_ASSERT_EQUAL_HEX32(0, cam_tell_plan_isr(&tell, &cfg, &motion, before));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN + 1, tell.vel_q10[hal_axis_x]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_axis_at_the_end_of_its_word_may_brake);
     RUN_TEST(test_command_is_set_point_feed_forward_and_correction);
     RUN_TEST(test_correction_belongs_to_play);
     RUN_TEST(test_limits_hold_to_the_nanometre);
