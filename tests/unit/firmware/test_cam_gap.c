@@ -73,10 +73,25 @@ static void test_needs_rise_with_the_feed_and_vanish_without_a_change(void)
     TEST_ASSERT_EQUAL_UINT64(p.f2, cam_gap_second(&t, 100000, &p, 8u));
 }
 
+/// A change over next to nothing needs no more than is told of the steepest: numbers stay in their
+/// words.
+static void test_needs_of_the_steepest_change_are_bounded(void)
+{
+    const cam_gap_peaks_t p = {8000000u, 12000000u, 40000000u};
+    cam_table_t t = {.least_change_nm = 1, .ratio_max_q20 = 4u << 20};
+    const uint64_t first = cam_gap_first(&t, 1u << 24, &p);
+    const uint64_t second = cam_gap_second(&t, 1u << 24, &p, 80u);
+    t.least_change_nm = 3;
+    TEST_ASSERT_EQUAL_UINT64(first, cam_gap_first(&t, 1u << 24, &p));
+    TEST_ASSERT_EQUAL_UINT64(second, cam_gap_second(&t, 1u << 24, &p, 80u));
+    TEST_ASSERT_TRUE(first <= p.f1 + 2u * p.f * 34u && first > p.f * 60u); // 2^25 ppm, 15 / 8
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_needs_are_bounded_tightly);
     RUN_TEST(test_needs_rise_with_the_feed_and_vanish_without_a_change);
+    RUN_TEST(test_needs_of_the_steepest_change_are_bounded);
     return UNITY_END();
 }

@@ -85,6 +85,26 @@ static void test_the_largest_stock_is_taken(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
 }
 
+/// The highest speed is that of the pass that allows the least, wherever it stands.
+static void test_highest_speed_is_that_of_the_pass_that_allows_the_least(void)
+{
+    static const uint32_t feeds_nm[][3] = {
+        {100000, 100000, 400000}, {100000, 400000, 100000}, {400000, 100000, 100000}};
+    for (uint32_t i = 0; i < 3u; i++) {
+        fixture_pass_t passes[3] = {three[0], three[1], three[2]};
+        cam_params_t params = cam_param_defaults();
+        params.z_speed_um_per_s = 10000;
+        cam_table_t table;
+        fixture_image_make(&image, &part);
+        for (uint32_t k = 0; k < 3u; k++) {
+            passes[k].feed_nm = feeds_nm[i][k];
+        }
+        fixture_newer_passes(&image, passes, 3);
+        TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
+        TEST_ASSERT_UINT32_WITHIN(2000, 1500000, cam_pass_highest_mrpm(&table, &params, 20000));
+    }
+}
+
 static void test_entry_of_passes_is_plain(void)
 {
     static const size_t field[] = {fixture_in_log2_knots,   fixture_in_log2_repeat,
@@ -280,6 +300,7 @@ int main(void)
     RUN_TEST(test_version_belongs_to_the_kinds);
     RUN_TEST(test_records_out_of_range_are_refused);
     RUN_TEST(test_the_largest_stock_is_taken);
+    RUN_TEST(test_highest_speed_is_that_of_the_pass_that_allows_the_least);
     RUN_TEST(test_entry_of_passes_is_plain);
     RUN_TEST(test_starts_cut_one_pass_after_the_other);
     RUN_TEST(test_pass_that_is_stopped_or_fails_is_cut_again);

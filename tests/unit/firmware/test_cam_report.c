@@ -234,6 +234,9 @@ static void test_time_of_the_interrupt_is_told(void)
     expect(750, 24, 32, 16);
     TEST_ASSERT_EQUAL_UINT64(0, report.load_cycles);
     TEST_ASSERT_EQUAL_UINT32(0, report.n_loads);
+    report.load_cycles = 777; // begins anew behind its own page, not behind the next
+    (void)bits(25, 8, 8);
+    TEST_ASSERT_EQUAL_UINT64(3777, report.load_cycles);
     hal_host.slow.load.last_cycles = UINT32_MAX;
     hal_host.slow.load.max_cycles = UINT32_MAX;
     expect(UINT16_MAX, 24, 32, 16);
