@@ -126,8 +126,10 @@ def tools_steps(is_fast: bool) -> list[Step]:
     )
     needs = ("build host",)
     rest = " and not slow" if is_fast else ""
-    # Those that judge the clock mostly wait, so that several of them do not disturb one another.
-    alone = ("-n", "3", "--dist", "load", *files_with("alone"))
+    # Those that judge the clock mostly wait, so that several of them do not disturb one another;
+    # the longest begins first.
+    longest = "tests/tools/panel/test_missing_live.py"
+    alone = ("-n", "6", "--dist", "worksteal", longest, *files_with("alone"))
     return [
         pytest("tools", *paths, "-m", f"not alone{rest}", needs=needs, wide=True),
         pytest("alone", "-m", f"alone{rest}", *alone, needs=needs, alone=True),

@@ -9,13 +9,14 @@ from pathlib import Path
 import can
 import pytest
 from hypothesis import settings
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from camctl_bench import Bench
 from camtools.link.controller import Link
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.part import SkirtPart
-from command_cases import command, end_commands
+from command_cases import command, end_commands, leave_empty
 from linuxcnc import Interpreter, NotHereError, interpreter
 from part_cases import PERKINS, Command, load_part
 
@@ -52,6 +53,12 @@ def mktables() -> Command:
 def run(tmp_path: Path) -> Command:
     """Run tools/run in a process of its own, in a folder of its own."""
     return partial(command, "camtools.cli.run", cwd=tmp_path)
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave pictures empty, for tests of what else a run tells: drawing takes most of its time."""
+    monkeypatch.setattr(FigureCanvasAgg, "draw", leave_empty)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -21,6 +21,8 @@ from functools import cache
 from pathlib import Path
 from typing import IO, Any, NoReturn
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
 from part_cases import environment
 
 IMPORTED = (
@@ -35,6 +37,7 @@ def command(
     *words: str | Path,
     cwd: Path | None = None,
     largest_file: int | None = None,
+    draws: bool = True,
     **settings: str,
 ) -> subprocess.CompletedProcess[str]:
     """Run the command of a module in a folder, with settings in its environment.
@@ -43,6 +46,8 @@ def command(
     ----------
     largest_file : int
         Bytes beyond which a file cannot be written, as on a disk that is full.
+    draws : bool
+        False leaves pictures empty, for tests of what else there is; drawing takes the longest.
     """
     server = _server()
     with tempfile.TemporaryDirectory() as folder:
@@ -52,6 +57,7 @@ def command(
             "cwd": str(cwd or Path.cwd()),
             "environment": environment() | settings,
             "largest_file": largest_file,
+            "draws": draws,
             "output": [f"{folder}/stdout", f"{folder}/stderr"],
         }
         _pipe(server.stdin).write(json.dumps(order) + "\n")
@@ -83,6 +89,11 @@ def end_commands() -> None:
         _server.cache_clear()
 
 
+def leave_empty(canvas: FigureCanvasAgg) -> None:
+    """Take the place of the drawing of a picture, whose pixels are there all the same."""
+    canvas.get_renderer()  # type: ignore[no-untyped-call]
+
+
 @cache
 def _server() -> subprocess.Popen[str]:
     here, pipe = str(Path(__file__).parent), subprocess.PIPE
@@ -109,6 +120,8 @@ def _carry_out(order: Mapping[str, Any]) -> NoReturn:
     if order["largest_file"] is not None:
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (order["largest_file"],) * 2)
+    if not order["draws"]:
+        setattr(FigureCanvasAgg, "draw", leave_empty)  # noqa: B010 - mypy forbids the assignment
     sys.argv = [order["module"], *order["words"]]
     sys.exit(importlib.import_module(order["module"]).main(order["words"]))
 

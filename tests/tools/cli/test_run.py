@@ -112,7 +112,7 @@ def test_default_cut_is_within_a_micrometre(run: Command, tmp_path: Path) -> Non
 @built
 def test_csv_is_kept_where_it_is_wanted(run: Command, tmp_path: Path) -> None:
     """Beside the compact trace, with the same numbers; --keep is about build/run alone."""
-    done = run("--feed", "2", "--csv", "-o", tmp_path / "out")
+    done = run("--feed", "2", "--csv", "-o", tmp_path / "out", draws=False)
     assert done.returncode == 0, done.stderr
     ours, text = (read_trace(tmp_path / "out" / f"trace.{end}") for end in ("parquet", "csv"))
     assert all(np.array_equal(one, other) for one, other in zip(ours, text, strict=True))
@@ -159,7 +159,7 @@ def test_two_cuts_differ_in_clock_times_only(run: Command, tmp_path: Path) -> No
 @built
 def test_fault_gives_a_report_and_status_1(run: Command, tmp_path: Path) -> None:
     """An emergency stop in the cut is told by camsim's line, by the table and by the report."""
-    done = run("--feed", "2", "-o", tmp_path / "out", "--", "--inject", "estop@0.3")
+    done = run("--feed", "2", "-o", "out", "--", "--inject", "estop@0.3", draws=False)
     assert done.returncode == 1
     assert [line for line in complaints(done.stderr) if "fault estop" in line]
     assert done.stdout.startswith("perkins240: fault: estop\n")
@@ -171,7 +171,7 @@ def test_fault_gives_a_report_and_status_1(run: Command, tmp_path: Path) -> None
 @built
 def test_out_of_tolerance_is_status_1(run: Command, tmp_path: Path) -> None:
     """A cut that is too far off is reported all the same."""
-    done = run("--feed", "2", "-o", tmp_path / "out", "--", "--no-feed-forward")
+    done = run("--feed", "2", "-o", "out", "--", "--no-feed-forward", draws=False)
     assert done.returncode == 1
     assert done.stdout.startswith("perkins240: out of tolerance\n")
     assert "report.html" in listing(tmp_path / "out")

@@ -13,6 +13,7 @@ from part_cases import PERKINS
 
 
 @pytest.mark.parametrize(("roundness_um", "status"), [(0.001, 1), (1.0, 0)])
+@pytest.mark.usefixtures("undrawn")
 def test_stated_roundness_decides(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], roundness_um: float, status: int
 ) -> None:

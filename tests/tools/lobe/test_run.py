@@ -55,7 +55,7 @@ def test_disc_is_ground_and_reported(run: Command, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_rpm_is_the_speed_on_the_base_circle(run: Command, tmp_path: Path) -> None:
     """The law of a constant surface speed is made anew for it; the table carries it."""
-    done = run(PARTS / "cam-disc.toml", "--rpm", "30", "-o", "out", *SHORT)
+    done = run(PARTS / "cam-disc.toml", "--rpm", "30", "-o", "out", *SHORT, draws=False)
     assert done.returncode == 0, done.stderr
     cam = json.loads((tmp_path / "out" / "summary.json").read_text())["cam"]
     assert cam["surface_speed_mm_s"]["base_circle"] == pytest.approx(np.pi * 20, rel=1e-5)

@@ -106,6 +106,7 @@ def test_cut_surface_is_the_drawing(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_verdict_is_against_the_drawing(tmp_path: Path) -> None:
     """A blend beyond the tolerance makes a bad part, however well the controller plays it."""
     text = (PARTS / "p4c-35.toml").read_text()
@@ -204,6 +205,7 @@ def test_blends_of_repeated_sides_are_alike() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.usefixtures("undrawn")
 def test_both_senses_cut_the_drawing(direction: int, tmp_path: Path) -> None:
     """Four sides without symmetry, turned with M3 and with M4, are those of the drawing."""
     corners = [[9.0, -9.0], [9.0, 8.0], [-9.0, 7.0], [-7.0, -8.0]]
@@ -228,6 +230,7 @@ def test_area_and_inch_sizes() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
     """U needs half of the travel, the tool enters and leaves through the air, the part is good."""
     text = (PARTS / "p3g-25.toml").read_text()
@@ -288,6 +291,7 @@ def test_advised_blend_makes_a_table(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_passes(tmp_path: Path) -> None:
     """Roughing and finishing of a hexagon in one run; the last pass is the drawing."""
     text = (PARTS / "hexagon.toml").read_text().replace("[0, 15]", "[0, 3]")

@@ -61,6 +61,7 @@ def test_machine_that_cannot_be_read_is_refused(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_real_machine_is_run_by_name(tmp_path: Path) -> None:
     """The results hold the machine that was named, and most of what it does wrong is learned."""
     part = LEARN.parent / "parts" / "oval30.toml"

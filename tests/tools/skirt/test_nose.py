@@ -247,6 +247,7 @@ def test_a_wrong_tool_is_refused_by_name(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_run_tells_of_the_tool_and_sets_its_offset(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -38,6 +38,7 @@ def test_ridges_are_told() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_rings_in_passes_claim_no_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The forces of rings are not measured, so none is told; the table may be less accurate."""
     text = PERKINS.read_text().replace("[machine.limits]", RINGS)
