@@ -206,6 +206,32 @@ static void test_spindle_that_turns_back_while_disengaging_leaves_the_state(void
     TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
 }
 
+/// A Z that others move is taken to go on as it went since the last plan, up or down: there the
+/// next plan's heights are read.
+static void test_measured_z_is_extrapolated_to_the_next_plan(void)
+{
+    f.params.z_is_measured = 1;
+    fixture_play_configure(&f);
+    f.is_axes_held = true;
+    f.in.actual_nm[hal_axis_u] = -400000;
+    f.in.actual_nm[hal_axis_x] = 46500000;
+    f.in.actual_nm[hal_axis_z] = 437000;
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    for (int32_t step_nm = -5; step_nm <= 5; step_nm += 5) {
+        for (int i = 0; i < 5 * FIXTURE_PLAN_TICKS; i++) {
+            f.in.actual_nm[hal_axis_z] += step_nm;
+            fixture_play_tick(&f);
+            if (i > 2 * FIXTURE_PLAN_TICKS && is_planned()) {
+                const cam_move_t *z = &f.motion.axis[hal_axis_z];
+                const int64_t then_q10 = z->pos_q10 + (int64_t)z->vel_q10 * FIXTURE_PLAN_TICKS;
+                const int32_t now_nm = f.in.actual_nm[hal_axis_z];
+                TEST_ASSERT_EQUAL_INT64(now_nm + step_nm * FIXTURE_PLAN_TICKS, then_q10 / 1024);
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+}
+
 /// The glides of X and Z are those of motions by time: behind a cut, whichever way it ends, they
 /// begin where the axes are.
 static void test_a_cut_ends_the_glides_of_the_approach(void)
@@ -235,6 +261,7 @@ int main(void)
     RUN_TEST(test_stop_is_obeyed_in_its_tick_and_laid_by_the_next_plan);
     RUN_TEST(test_spindle_that_turns_back_in_the_cut_leaves_the_state);
     RUN_TEST(test_spindle_that_turns_back_while_disengaging_leaves_the_state);
+    RUN_TEST(test_measured_z_is_extrapolated_to_the_next_plan);
     RUN_TEST(test_a_cut_ends_the_glides_of_the_approach);
     return UNITY_END();
 }
