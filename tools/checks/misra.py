@@ -32,6 +32,8 @@ IN_PLACE = "in place"
 DEVIATIONS = "firmware/MISRA.md"
 SOURCES = "firmware"
 INCLUDES = ("firmware/*/", "hal/include/")
+OVER_ALL = ("2.3", "2.4", "2.5", "5.6", "5.7", "5.8", "5.9", "8.6", "8.7")  # of all files at once
+CORE = {"__ARM_FEATURE_DSP": "1", "__ARM_ARCH_PROFILE": "'M'"}  # a compiler for it defines them
 
 _ROW = re.compile(r"^\| (D\d+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]*) \| ([^|]+) \|$")
 _REMEDY = "write | Dn | rules | category | scope | words | reason |"
@@ -107,20 +109,52 @@ def parse_findings(text: str) -> list[Finding]:
     return sorted(found)
 
 
+def of_the_core(root: Path, sources: list[Path]) -> list[Path]:
+    """Return a source for each file that has lines of the core: itself, or one that includes it.
+
+    Parameters
+    ----------
+    root : Path
+        Of the tree.
+    sources : list of Path
+        The firmware's C files.
+    """
+    files = [*sources, *sorted(root.glob(f"{SOURCES}/**/*.h"))]
+    names = [path.name for path in files if any(m in path.read_text("utf-8") for m in CORE)]
+    found = set()
+    for name in names:
+        texts = ((path, path.read_text("utf-8")) for path in sources)
+        found |= set([p for p, text in texts if p.name == name or f'"{name}"' in text][:1])
+    return sorted(found)
+
+
 def cppcheck(root: Path) -> list[Finding]:
     """Return what cppcheck finds in the firmware, its MISRA addon included.
+
+    By itself cppcheck would read every file three times, since headers that nearly all include have
+    a few lines for the core: those are read once.
 
     Raises
     ------
     CamtoolsError
         It is not installed, or breaks down.
     """
-    sources = sorted(path.relative_to(root).as_posix() for path in root.glob(f"{SOURCES}/**/*.c"))
-    command = ["cppcheck", "--addon=misra", "--std=c11", "--platform=unix32", "-q"]
+    sources = sorted(root.glob(f"{SOURCES}/**/*.c"))
+    found = _findings(root, sources, [f"-U{name}" for name in CORE])
+    core = of_the_core(root, sources)
+    if core:
+        more = _findings(root, core, [f"-D{name}={value}" for name, value in CORE.items()])
+        found += [one for one in more if one.rule not in OVER_ALL]
+    return sorted(set(found))
+
+
+def _findings(root: Path, sources: list[Path], macros: list[str]) -> list[Finding]:
+    command = ["cppcheck", "--addon=misra", "--std=c11", "--platform=unix32", "-q", *macros]
     command += ["-UCAM_HARD_LIMITS_FILE"]  # a builder's own header, whose name is a macro
     command += ["--enable=warning,style,performance,portability", "--template={file}|{line}|{id}"]
     folders = [path.relative_to(root) for glob in INCLUDES for path in sorted(root.glob(glob))]
-    command += [*(f"-I{folder}" for folder in folders), *sources]
+    command += [f"-I{folder}" for folder in folders]
+    command += [path.relative_to(root).as_posix() for path in sources]
     try:
         with TemporaryDirectory() as folder:  # the addon's dumps would lie beside the sources
             command.insert(1, f"--cppcheck-build-dir={folder}")

@@ -9,7 +9,15 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import InputError
-from checks.misra import Finding, check, judge, parse_deviations, parse_findings
+from checks.misra import (
+    Finding,
+    check,
+    cppcheck,
+    judge,
+    of_the_core,
+    parse_deviations,
+    parse_findings,
+)
 from part_cases import ROOT
 
 TABLE = """
@@ -83,6 +91,34 @@ def test_gate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source.write_text("int f(int a);\nint f(int a)\n{\n    return a + 1;\n}\n", "utf-8")
     assert check(tmp_path) == 1
     assert "D1 covers nothing any more" in capsys.readouterr().out
+
+
+def test_lines_of_the_core_are_read_in_one_source(tmp_path: Path) -> None:
+    """A header with such lines is read where it is included first, a source by itself."""
+    folder = tmp_path / "firmware"
+    folder.mkdir()
+    lines = "#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP\n#endif\n"
+    texts = {
+        "a.c": "",
+        "b.c": '#include "f.h"\n',
+        "c.c": '#include "f.h"\n',
+        "d.c": lines,
+        "f.h": lines,
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text, "utf-8")
+    found = of_the_core(tmp_path, sorted(folder.glob("*.c")))
+    assert [path.name for path in found] == ["b.c", "d.c"]
+
+
+@pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
+def test_breach_in_a_line_of_the_core_is_found(tmp_path: Path) -> None:
+    """Lines that only a compiler for the core reads are held to the rules as well."""
+    (tmp_path / "firmware").mkdir()
+    core = "#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP\n    a = a >> 1;\n#endif\n"
+    text = f"int f(int a);\nint f(int a)\n{{\n{core}    return a;\n}}\n"
+    (tmp_path / "firmware" / "a.c").write_text(text, "utf-8")
+    assert ("firmware/a.c", 5, "10.1") in cppcheck(tmp_path)
 
 
 def test_table_of_the_firmware_is_understood() -> None:
