@@ -115,6 +115,23 @@ static void test_search_forgets_the_home_of_its_axis(void)
     TEST_ASSERT_EQUAL_HEX32(0, h.homed);
 }
 
+/// A stop ends the order, and the state when all axes rest; it is carried out once, so that what is
+/// begun next is not stopped by it.
+static void test_stop_ends_order_and_state_once(void)
+{
+    (void)order(cam_hand_jog, hal_axis_x);
+    m.is_stopping = true;
+    for (int i = 0; i < 1000 && m.state != cam_state_off; i++) {
+        TEST_ASSERT_TRUE(m.is_stopping);
+        TEST_ASSERT_EQUAL_INT32(0, cam_hand_isr(&h, &cfg, &r, &m));
+        TEST_ASSERT_EQUAL_INT(cam_hand_stopped, h.end);
+        TEST_ASSERT_EQUAL_INT(cam_hand_rest, h.phase);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_off, m.state);
+    TEST_ASSERT_FALSE(m.is_stopping);
+    TEST_ASSERT_EQUAL_INT32(0, m.axis[hal_axis_x].vel_q10);
+}
+
 /// A jog leads to the end of the travel in its sense, a step by its distance but not beyond an end;
 /// from outside of the travel neither leads farther out.
 static void test_jog_and_step_end_within_the_travel(void)
@@ -155,6 +172,7 @@ int main(void)
     RUN_TEST(test_home_here_is_the_number_that_was_ordered);
     RUN_TEST(test_search_of_u_has_the_whole_stroke_before_it);
     RUN_TEST(test_search_forgets_the_home_of_its_axis);
+    RUN_TEST(test_stop_ends_order_and_state_once);
     RUN_TEST(test_jog_and_step_end_within_the_travel);
     return UNITY_END();
 }

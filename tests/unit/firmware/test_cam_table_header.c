@@ -75,6 +75,30 @@ static void test_image_is_followed_by_a_signature_or_nothing(void)
                           cam_table_check(bytes, image.size + block - 1u, &table));
 }
 
+/// A name has 1 to 31 printable characters and zeros behind them.
+static void test_name_has_a_character_and_an_end(void)
+{
+    for (uint32_t n = 0; n <= cam_table_name_size; n++) {
+        setUp();
+        memset(&image.bytes[fixture_at_name], 0, cam_table_name_size);
+        memset(&image.bytes[fixture_at_name], n % 2u == 0u ? 0x20 : 0x7E, n);
+        fixture_image_seal(&image);
+        const bool is_good = n > 0u && n < cam_table_name_size;
+        TEST_ASSERT_EQUAL_INT(is_good ? cam_ok : cam_err_image_name,
+                              cam_table_check(image.bytes, image.size, &table));
+    }
+    static const uint8_t bad[] = {0x1F, 0x7F, 0x80, 0xFF};
+    for (uint32_t i = 0; i < sizeof bad; i++) {
+        for (uint32_t at = 1; at < cam_table_name_size; at += 29u) { // in it, and behind its end
+            setUp();
+            image.bytes[fixture_at_name + at] = bad[i];
+            fixture_image_seal(&image);
+            TEST_ASSERT_EQUAL_INT(cam_err_image_name,
+                                  cam_table_check(image.bytes, image.size, &table));
+        }
+    }
+}
+
 /// The most passes of the format are taken, one more is refused.
 static void test_passes_are_sixteen_at_most(void)
 {
@@ -100,6 +124,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_fields_are_told_as_they_stand);
     RUN_TEST(test_image_is_followed_by_a_signature_or_nothing);
+    RUN_TEST(test_name_has_a_character_and_an_end);
     RUN_TEST(test_passes_are_sixteen_at_most);
     return UNITY_END();
 }
