@@ -78,6 +78,19 @@ static void test_state_fires_when_it_is_entered(void)
     TEST_ASSERT_FALSE(fires(t, 3, 5));
 }
 
+/// From whichever state, and not while it lasts.
+static void test_state_fires_from_any_other_state(void)
+{
+    for (int32_t to = 0; to < 5; to++) {
+        const cam_trigger_t t = {.kind = cam_trigger_state, .level = to};
+        for (int32_t last = 0; last < 5; last++) {
+            for (int32_t now = 0; now < 5; now++) {
+                TEST_ASSERT_EQUAL(now == to && last != to, fires(t, last, now));
+            }
+        }
+    }
+}
+
 static void test_fault_fires_for_a_new_bit_of_the_mask(void)
 {
     const cam_trigger_t any = {.kind = cam_trigger_fault};
@@ -117,6 +130,7 @@ int main(void)
     RUN_TEST(test_level_fires_where_it_is_reached_and_not_beyond);
     RUN_TEST(test_angle_fires_once_per_turn_in_its_sense_alone);
     RUN_TEST(test_state_fires_when_it_is_entered);
+    RUN_TEST(test_state_fires_from_any_other_state);
     RUN_TEST(test_fault_fires_for_a_new_bit_of_the_mask);
     RUN_TEST(test_time_and_now_need_no_tick_before);
     RUN_TEST(test_a_first_tick_is_no_change);
