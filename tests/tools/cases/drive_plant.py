@@ -90,19 +90,21 @@ def played(plants: list[Plant], u_nm: Floats, tick_hz: float) -> Floats:
     kick = np.array([plant.friction_m_s2 for plant in plants]) * 1e9 * dt_s / 2
     lag = np.array([round(plant.delay_us * 1e-6 / dt_s) for plant in plants])
     quantum = np.array([max(plant.quantum_nm, 1e-9) for plant in plants])
-    commands = np.concatenate([np.zeros(lag.max()), np.repeat(u_nm, steps)])
+    given_nm = np.concatenate([np.zeros(lag.max()), np.repeat(u_nm, steps)])
+    places = np.arange(u_nm.size * steps)[:, None] + lag.max() - lag
+    commands = np.round(given_nm[places] / quantum) * quantum
     gain = np.array([plant.gain for plant in plants])
     stiffness = np.array([(2 * np.pi * plant.hz) ** 2 for plant in plants])
     share = np.array([plant.mode_share for plant in plants])
+    friction = kick / (dt_s / 2)
     state = np.zeros((len(plants), 4))
     measured = np.empty((len(plants), u_nm.size))
     for i in range(u_nm.size):
         measured[:, i] = state[:, 0] + state[:, 2]
         for j in range(steps):
-            command = commands[i * steps + j + lag.max() - lag]
-            command = np.round(command / quantum) * quantum
+            command = commands[i * steps + j]
             push = np.abs(gain * command - state[:, 0]) * stiffness
-            held = (state[:, 1] == 0) & (push <= kick / (dt_s / 2))
+            held = (state[:, 1] == 0) & (push <= friction)
             before = state[:, 0].copy()
             _rub(state, kick, share)
             state = np.einsum("pij,pj->pi", flow, state) + given * command[:, None]
