@@ -61,6 +61,21 @@ static const cam_gather_bin_t *take_next(void)
     return bins;
 }
 
+/// Turns are numbered modulo 2^24: behind the last number the first one follows as any other.
+static void test_turns_go_on_behind_the_last_number(void)
+{
+    pos_q32 = ((INT64_C(1) << 24) - 4) * CAM_TURN_Q32;
+    uint32_t next = 0;
+    for (int i = 0; i < 6; i++) {
+        TEST_ASSERT_NOT_NULL(take_next());
+        TEST_ASSERT_TRUE(i == 0 || turn.turn == next);
+        TEST_ASSERT_TRUE(turn.is_steady);
+        next = (turn.turn + 1u) & 0xFFFFFFu;
+        TEST_ASSERT_TRUE(cam_gather_release(&g));
+    }
+    TEST_ASSERT_LESS_THAN_UINT32(10, next);
+}
+
 static void test_tables_are_linear_between_knots(void)
 {
     int16_t table[cam_learn_points + 2];
@@ -217,5 +232,6 @@ int main(void)
     RUN_TEST(test_a_turn_that_nobody_waited_for_is_not_offered);
     RUN_TEST(test_turning_back_is_not_a_turn);
     RUN_TEST(test_a_copy_keeps_the_configuration_and_its_ties);
+    RUN_TEST(test_turns_go_on_behind_the_last_number);
     return UNITY_END();
 }
