@@ -62,9 +62,10 @@ def command(
         }
         _pipe(server.stdin).write(json.dumps(order) + "\n")
         _pipe(server.stdin).flush()
-        status = int(_pipe(server.stdout).readline())
+        status = _pipe(server.stdout).readline()
+        assert status, "the process that commands are forked off has ended: see its stderr"
         said = [Path(path).read_text() for path in order["output"]]
-    return subprocess.CompletedProcess([module, *order["words"]], status, *said)
+    return subprocess.CompletedProcess([module, *order["words"]], int(status), *said)
 
 
 def fresh_command(
