@@ -52,6 +52,17 @@ static cam_err_t with_word(size_t at, uint32_t value)
     return check();
 }
 
+/// Lobes are 0.2 mm apart at least, whatever reciprocal the entry tells of a smaller gap.
+static void test_gap_between_lobes_has_its_least(void)
+{
+    for (int32_t less_nm = 0; less_nm < 2; less_nm++) {
+        fixture_shaft_t shaft = fixture_shaft_three();
+        shaft.lobe[1].z_first_nm -= less_nm;
+        fixture_shaft_make(&image, &shaft);
+        TEST_ASSERT_EQUAL_INT(less_nm == 0 ? cam_ok : cam_err_image_height, check());
+    }
+}
+
 static void test_lobes_out_of_order_or_too_near_are_refused(void)
 {
     const struct {
@@ -226,6 +237,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_shaft_is_described);
+    RUN_TEST(test_gap_between_lobes_has_its_least);
     RUN_TEST(test_lobes_out_of_order_or_too_near_are_refused);
     RUN_TEST(test_entry_without_meaning_is_refused);
     RUN_TEST(test_version_tells_whether_there_are_lobes);
