@@ -56,7 +56,7 @@ static cam_err_t with_word(size_t at, uint32_t value)
 static void test_gap_between_lobes_has_its_least(void)
 {
     for (int32_t less_nm = 0; less_nm < 2; less_nm++) {
-        fixture_shaft_t shaft = fixture_shaft_three();
+        shaft = fixture_shaft_three();
         shaft.lobe[1].z_first_nm -= less_nm;
         fixture_shaft_make(&image, &shaft);
         TEST_ASSERT_EQUAL_INT(less_nm == 0 ? cam_ok : cam_err_image_height, check());
