@@ -30,7 +30,7 @@ CAM_PARAMS(PARAM_CHECK)
                    #name ": out of its order");
 CAM_PARAMS(PARAM_PLACE)
 
-static size_t place_of(cam_param_id_t id)
+static size_t offset_of(cam_param_id_t id)
 {
     return (size_t)id * sizeof(int32_t);
 }
@@ -61,7 +61,7 @@ cam_params_t cam_param_defaults(void)
 {
     cam_params_t params = {0};
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
-        const size_t place = place_of((cam_param_id_t)id);
+        const size_t place = offset_of((cam_param_id_t)id);
         (void)memcpy((char *)&params + place, &infos[id].def, sizeof infos[id].def);
     }
     return params;
@@ -80,7 +80,7 @@ void cam_param_learn(cam_params_t *params)
 void cam_param_fit(cam_params_t *params)
 {
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
-        const size_t place = place_of((cam_param_id_t)id);
+        const size_t place = offset_of((cam_param_id_t)id);
         const int32_t value = cam_param_get(params, (cam_param_id_t)id);
         const int32_t most = LEAST_OF(value, infos[id].max);
         const int32_t fitted = MOST_OF(most, infos[id].min);
@@ -91,7 +91,7 @@ void cam_param_fit(cam_params_t *params)
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id)
 {
     int32_t value = 0;
-    (void)memcpy(&value, (const char *)params + place_of(id), sizeof value);
+    (void)memcpy(&value, (const char *)params + offset_of(id), sizeof value);
     return value;
 }
 
@@ -111,6 +111,6 @@ cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
     if (value < info->min || value > info->max || is_no_sign) {
         return info->is_hard ? cam_err_hard_limit : cam_err_param_range;
     }
-    (void)memcpy((char *)params + place_of(id), &value, sizeof value);
+    (void)memcpy((char *)params + offset_of(id), &value, sizeof value);
     return cam_ok;
 }
