@@ -222,7 +222,7 @@ def linux_steps() -> list[Step]:
     # The compile commands are gcc's: clang does not know all of its optimisations.
     files = (r"/hal/linux/.*\.c$", "-extra-arg=-Wno-ignored-optimization-argument")
     start = ("tests/linux/test_uml.py", "tests/linux/test_linux_start.py")
-    needs = ("build host", "build linux")
+    needs = ("build host", "build linux", "build linux-gpiod2")
     return [
         build("linux"),
         # The first time it builds the kernel, beside other steps.

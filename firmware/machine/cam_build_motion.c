@@ -174,7 +174,8 @@ int64_t cam_build_room_q10(const cam_config_t *config)
 {
     const cam_move_limits_t *leave = &config->guard.leave;
     const int64_t n = INT64_C(1) << leave->log2_window;
-    const int64_t over_q8 = (config->tell.k1_q16 - (n - 2) * 32768) / 256;
+    const int64_t half_q16 = n == 1 ? -32768 : n * 32768; // of the window; a step is told ahead
+    const int64_t over_q8 = (config->tell.k1_q16 - half_q16) / 256;
     const int64_t squares_q16 = (over_q8 > 0 ? over_q8 * over_q8 / 2 : 0) + n * n * 65536 / 12;
     const int64_t ahead_q10 = over_q8 > 0 ? leave->acceleration_q10 * (squares_q16 / 256) / 256 : 0;
     return config->guard.u.acceleration_q10 / 8 + ahead_q10;

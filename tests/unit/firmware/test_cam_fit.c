@@ -181,7 +181,7 @@ static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
     params.k1_ns = 742723;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
     const double a = config.guard.leave.acceleration_q10 / 1024.0; // [nm / tick^2]
-    const double over = 742723e-9 * 20000.0 - (16.0 / 2.0 - 1.0);
+    const double over = 742723e-9 * 20000.0 - 8.0;
     const double room_nm = 625.0 / 8.0 + a * (over * over / 2.0 + 256.0 / 12.0);
     TEST_ASSERT_DOUBLE_WITHIN(60.0, -(400000.0 - room_nm),
                               (double)config.guard.u_retract_q10 / 1024.0);
