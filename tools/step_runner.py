@@ -259,14 +259,15 @@ class Runner:
     def _fits(self, step: Step) -> bool:
         """Return whether there is room for a step.
 
-        As many steps run as there are cores, at most one of them wide and with it one more: what it
-        leaves of the cores when it links or waits is used by the others.
+        As many steps run as there are cores, at most one of them wide: what it leaves of the cores
+        when it links or waits is used by the others.
         """
         others = [one.step for one in self._running]
         if step.is_alone or any(other.is_alone for other in others):
             return not others
-        n_wide = sum(other.is_wide for other in (*others, step))
-        return n_wide <= 1 and len(others) < self._n_cores + n_wide
+        if step.is_wide and any(other.is_wide for other in others):
+            return False
+        return len(others) < self._n_cores
 
     def _begin(self) -> None:
         """Begin whatever can begin."""

@@ -172,15 +172,6 @@ def test_only_one_wide_step_runs_at_a_time(run: Run) -> None:
     assert "c" in beside(said, "a") and "b" not in beside(said, "a")
 
 
-def test_one_more_step_runs_beside_a_wide_one(run: Run) -> None:
-    """What a wide step leaves when it waits is used."""
-    small = [shell(name, "sleep 0.2") for name in "bcd"]
-    said = run(shell("a", "sleep 0.3", is_wide=True), *small, status=0, n_cores=2)
-    first = [line.split("] ")[1] for line in said.lines[:3]]
-    assert first == ["step 1 of 4: a", "step 2 of 4: b", "step 3 of 4: c"]
-    assert ": ok" in said.lines[3]
-
-
 def test_step_that_judges_the_clock_runs_alone(run: Run) -> None:
     """Whatever else could run waits."""
     steps = [shell(name, "sleep 0.1", is_alone=name == "b") for name in "abcd"]
