@@ -276,6 +276,29 @@ static void test_state_that_flips_behind_its_change_is_taken_from_the_copy(void)
     }
 }
 
+/// The flag that axes play is as the last plan left it; a fault alone ends playing between plans.
+static void test_playing_that_ends_without_a_fault_is_seen(void)
+{
+    static const struct {
+        cam_state_t state;
+        bool was_playing, is_playing;
+        uint32_t faults;
+    } cases[] = {
+        {cam_state_cutting, true, true, 0},
+        {cam_state_cutting, true, false, CAM_FAULT_BIT(corrupt)},
+        {cam_state_ready, false, true, CAM_FAULT_BIT(corrupt)},
+        {cam_state_fault, true, false, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        cam_watch_t w = {0};
+        static cam_plan_t plan;
+        cam_motion_t m = {.state = cases[i].state, .is_playing = cases[i].was_playing};
+        cam_watch_plan_isr(&w, &m, &plan);
+        m.is_playing = cases[i].is_playing;
+        TEST_ASSERT_EQUAL_HEX32(cases[i].faults, cam_watch_inspect_isr(&w, &m, &plan));
+    }
+}
+
 /// In off the axes are followed, however they move: that is no fault.
 static void test_axes_may_stray_in_off(void)
 {
@@ -332,6 +355,7 @@ int main(void)
     RUN_TEST(test_what_would_be_written_is_looked_at);
     RUN_TEST(test_state_that_the_record_knows_is_the_one_that_stays);
     RUN_TEST(test_state_that_flips_behind_its_change_is_taken_from_the_copy);
+    RUN_TEST(test_playing_that_ends_without_a_fault_is_seen);
     RUN_TEST(test_axes_may_stray_in_off);
     RUN_TEST(test_course_is_the_increment_and_a_rounding);
     return UNITY_END();
