@@ -117,6 +117,18 @@ def _fill(folder: Path, root: Path, modules: list[Path]) -> None:
     folder.chmod(0o755)
 
 
+def _remove(folder: Path) -> None:
+    """Remove a folder, in which a program that ends may still exchange a file for a moment."""
+    patience_s = time.monotonic() + 5.0
+    while folder.exists():
+        try:
+            shutil.rmtree(folder)
+        except OSError:
+            if time.monotonic() > patience_s:
+                raise
+            time.sleep(0.05)
+
+
 @contextmanager
 def halbox(root: Path, modules: list[Path]) -> Iterator[Halbox]:
     """Make a folder with HAL and modules in it; nothing of it is left afterwards."""
@@ -129,4 +141,4 @@ def halbox(root: Path, modules: list[Path]) -> Iterator[Halbox]:
             yield box
         finally:
             box.stop()
-            shutil.rmtree(folder)
+            _remove(folder)
