@@ -236,18 +236,18 @@ def test_signal_ends_it_with_the_drives_let_go(
     assert nodes.drives[U].actual == pytest.approx(-500_000, abs=20)  # a rest of what fades
 
 
-def test_second_signal_lets_go_at_once(nodes: Nodes, start: Start) -> None:
-    """Whoever is in a hurry: quick stop without leaving the work first."""
+def test_doubled_signal_leaves_the_work_all_the_same(nodes: Nodes, start: Start) -> None:
+    """A terminal that is closed sends one, and its shell another."""
     controller = start()
     enable(controller, nodes)
     assert controller.command(START) == OK
     assert wait_until(lambda: level(CUT_LINE), 20.0)
-    u_nm = nodes.drives[U].actual
-    controller.process.send_signal(signal.SIGINT)
+    controller.process.send_signal(signal.SIGHUP)
+    time.sleep(0.005)
     assert controller.end() == 0
     assert not level(ENABLE_LINE)
     assert nodes.drives[U].status == DISABLED
-    assert abs(nodes.drives[U].actual - u_nm) < 200_000, "no retract to -500 um"
+    assert nodes.drives[U].actual == pytest.approx(-500_000, abs=20)
 
 
 @pytest.mark.parametrize("by", [signal.SIGSEGV, signal.SIGABRT])

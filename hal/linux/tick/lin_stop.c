@@ -7,6 +7,10 @@
 #define RETRACT_NS INT64_C(2000000000)
 #define RELEASE_NS INT64_C(1000000000)
 
+/// Signals so close to the first one are the same wish: a terminal that is closed sends one, and
+/// its shell another within milliseconds.
+#define SAME_NS INT64_C(300000000)
+
 enum { least_release_ticks = 3 }; // each drive gets the command more than once
 
 static void go(lin_stop_t *s, lin_stop_phase_t phase, int64_t now_ns)
@@ -21,8 +25,12 @@ lin_stop_phase_t lin_stop_step(lin_stop_t *s, uint32_t n_signals, uint32_t outpu
     if (s->phase == lin_stop_run && n_signals > 0u) {
         go(s, lin_stop_retract, now_ns);
     }
+    if (s->phase == lin_stop_retract && now_ns - s->since_ns < SAME_NS) {
+        s->n_signals = n_signals;
+    }
     if (s->phase == lin_stop_retract &&
-        ((outputs & hal_out_enable) == 0u || n_signals > 1u || now_ns - s->since_ns > RETRACT_NS)) {
+        ((outputs & hal_out_enable) == 0u || n_signals > s->n_signals ||
+         now_ns - s->since_ns > RETRACT_NS)) {
         go(s, lin_stop_release, now_ns);
     }
     if (s->phase == lin_stop_release) {

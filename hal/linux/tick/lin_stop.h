@@ -4,8 +4,8 @@
 ///     run --signal--> retract --enable is low--> release --drives rest--> over
 ///
 /// Retract is the firmware's own reaction to an emergency stop: the tool leaves the work. After a
-/// second signal, or when retracting takes too long, the drives are disabled at once and stop by
-/// themselves.
+/// second signal, which is one that comes 0.3 s behind the first or later, or when retracting takes
+/// too long, the drives are disabled at once and stop by themselves.
 /// Pure.
 #ifndef LIN_STOP_H
 #define LIN_STOP_H
@@ -17,8 +17,9 @@ typedef enum { lin_stop_run, lin_stop_retract, lin_stop_release, lin_stop_over }
 
 typedef struct {
     lin_stop_phase_t phase;
-    int64_t since_ns; ///< of the phase
-    uint32_t n_ticks; ///< in release
+    int64_t since_ns;   ///< of the phase
+    uint32_t n_ticks;   ///< in release
+    uint32_t n_signals; ///< that were one wish
 } lin_stop_t;
 
 /// One step of the end; a zero-initialised state is lin_stop_run.

@@ -122,8 +122,17 @@ static void test_end_does_not_wait_for_ever(void)
     TEST_ASSERT_EQUAL_INT(lin_stop_release,
                           lin_stop_step(&s, 1, hal_out_enable, false, 2 * second + 1));
     TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 1, 0, false, 4 * second));
-    s = (lin_stop_t){.phase = lin_stop_run}; // two signals: no retract
-    TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 2, hal_out_enable, false, 0));
+}
+
+/// A terminal that is closed and its shell send a signal each, some milliseconds apart.
+static void test_second_signal_hurries_and_one_that_is_doubled_does_not(void)
+{
+    const int64_t ms = 1000000;
+    lin_stop_t s = {.phase = lin_stop_run};
+    TEST_ASSERT_EQUAL_INT(lin_stop_retract, lin_stop_step(&s, 2, hal_out_enable, false, 7 * ms));
+    TEST_ASSERT_EQUAL_INT(lin_stop_retract, lin_stop_step(&s, 3, hal_out_enable, false, 12 * ms));
+    TEST_ASSERT_EQUAL_INT(lin_stop_retract, lin_stop_step(&s, 3, hal_out_enable, false, 999 * ms));
+    TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 4, hal_out_enable, false, 999 * ms));
 }
 
 static void test_reason_of_a_halt_is_told_at_the_next_start_once(void)
@@ -157,6 +166,7 @@ int main(void)
     RUN_TEST(test_end_waits_for_the_retract_and_for_the_drives);
     RUN_TEST(test_end_while_off_tells_the_drives_three_times);
     RUN_TEST(test_end_does_not_wait_for_ever);
+    RUN_TEST(test_second_signal_hurries_and_one_that_is_doubled_does_not);
     RUN_TEST(test_reason_of_a_halt_is_told_at_the_next_start_once);
     setUp();
     (void)rmdir(folder);
