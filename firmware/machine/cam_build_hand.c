@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build_hand.h"
-#include "cam_fix.h" // cam_clamp_i64, cam_root_u64
+#include "cam_build_motion.h" // cam_build_room_q10
+#include "cam_fix.h"          // cam_clamp_i64, cam_root_u64
 
 /// [nm / 1024 per plan, per plan^2] as the limits of approaches, so that a sum fits a word.
 #define MOST_Q10 (INT64_C(1) << 29)
@@ -36,8 +37,12 @@ void cam_build_hand(cam_config_t *config, const cam_params_t *params, uint32_t t
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         hand->limits[i].log2_window = gentle[i].log2_window;
     }
-    // Braking by steps may lead an eighth of one beyond the target (cam_move.h).
-    const int64_t room_q10 = hand->limits[hal_axis_u].acceleration_q10 / 8 + 1024;
+    // Braking by steps may lead an eighth of one beyond the target (cam_move.h), and the command
+    // of U runs ahead of it by k1 and what is learned of that.
+    const int64_t ahead_q10 =
+        (2 * (int64_t)hand->limits[hal_axis_u].speed_q10 / n * config->tell.k1_q16) >> 16;
+    const int64_t room_q10 = hand->limits[hal_axis_u].acceleration_q10 / 8 + 1024 +
+                             cam_clamp_i64(ahead_q10, 0, cam_build_room_q10(config));
     const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - room_q10;
     hand->u_end_q10 = cam_clamp_i64(end_q10, 0, INT64_MAX) / 1024 * 1024;
 }

@@ -170,14 +170,27 @@ static cam_move_limits_t leaving(const cam_config_t *c, uint32_t log2_window)
     return windowed(gentle, log2_window);
 }
 
+/// @return [ticks^2 / 2^8] times the acceleration: by how much the command passes the end of a
+/// motion, where U begins to brake, or brakes, whichever is more. MATHS.md (214)
+static int64_t passed_q8(const cam_tell_config_t *t, uint32_t log2_window)
+{
+    const int32_t n = INT32_C(1) << log2_window;
+    const int32_t k1_q8 = t->k1_q16 >> 8;
+    const int32_t over_q8 = k1_q8 + 128 - n * 128;
+    const int64_t brakes_q17 = (int64_t)k1_q8 * ((int64_t)k1_q8 + 256);
+    const int64_t brakes_q8 = (brakes_q17 >> 9) - ((t->k2_q16 - (t->k2_q16 >> log2_window)) >> 8);
+    const int64_t begins_q8 = (((int64_t)over_q8 * over_q8) >> 9) + n * n * 64 / 3;
+    const int64_t most_q8 = over_q8 > 0 && begins_q8 > brakes_q8 ? begins_q8 : brakes_q8;
+    return most_q8 > 0 ? most_q8 : 0;
+}
+
 int64_t cam_build_room_q10(const cam_config_t *config)
 {
     const cam_move_limits_t *leave = &config->guard.leave;
-    const int64_t n = INT64_C(1) << leave->log2_window;
-    const int64_t half_q16 = n == 1 ? -32768 : n * 32768; // of the window; a step is told ahead
-    const int64_t over_q8 = (config->tell.k1_q16 - half_q16) / 256;
-    const int64_t squares_q16 = (over_q8 > 0 ? over_q8 * over_q8 / 2 : 0) + n * n * 65536 / 12;
-    const int64_t ahead_q10 = over_q8 > 0 ? leave->acceleration_q10 * (squares_q16 / 256) / 256 : 0;
+    const int64_t approach_q10 = config->play.approach[hal_axis_u].acceleration_q10;
+    const int64_t leave_q10 = leave->acceleration_q10;
+    const int64_t a_q10 = leave_q10 > approach_q10 ? leave_q10 : approach_q10;
+    const int64_t ahead_q10 = (a_q10 * passed_q8(&config->tell, leave->log2_window)) >> 8;
     return config->guard.u.acceleration_q10 / 8 + ahead_q10;
 }
 

@@ -18,9 +18,8 @@
 void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz);
 
 /// The end of a retract may take the command of U beyond its target: by an eighth of the
-/// acceleration because it brakes tick by tick (cam_move.c), and where k1 is longer than half of
-/// the window, or that is a single tick, by what the feed-forward is then ahead of the way that is
-/// left, MATHS.md (214).
+/// acceleration because it brakes tick by tick (cam_move.c), and by what the feed-forward is then
+/// ahead of the way that is left, MATHS.md (214).
 /// @return [nm / 1024]
 int64_t cam_build_room_q10(const cam_config_t *config);
 

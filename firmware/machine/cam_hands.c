@@ -56,6 +56,17 @@ int32_t cam_hands_origin_nm(const cam_hands_t *h, const cam_params_t *params, ha
     return cam_sat_i32(-part_nm - cam_hands_shift_nm(h, params, axis));
 }
 
+int32_t cam_hands_x_high_nm(const cam_hands_t *h, const cam_params_t *params)
+{
+    const bool is_found = (h->known >> (uint32_t)hal_axis_x & 1u) != 0u;
+    if ((!is_found && params->x_home != 0) || params->x_low_nm >= params->x_high_nm) {
+        return 0;
+    }
+    const int32_t shift_nm = cam_hands_shift_nm(h, params, hal_axis_x);
+    const int32_t high_nm = cam_sat_i32((int64_t)params->x_high_nm - shift_nm);
+    return high_nm != 0 ? high_nm : 1;
+}
+
 bool cam_hands_is_known(const cam_params_t *params, const cam_status_t *status, hal_axis_t axis)
 {
     const bool is_homed = (status->hand.homed >> (uint32_t)axis & 1u) != 0u;

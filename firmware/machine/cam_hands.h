@@ -44,6 +44,9 @@ int32_t cam_hands_shift_nm(const cam_hands_t *h, const cam_params_t *params, hal
 /// @return [nm] where the port counts 0 of the part, saturated; of U 0
 int32_t cam_hands_origin_nm(const cam_hands_t *h, const cam_params_t *params, hal_axis_t axis);
 
+/// @return [nm] where the port counts the end of X's travel, away from the axis; 0: it is not known
+int32_t cam_hands_x_high_nm(const cam_hands_t *h, const cam_params_t *params);
+
 /// @return whether the place of an axis is known: nothing is to be homed, or its home was found and
 ///         not forgotten
 bool cam_hands_is_known(const cam_params_t *params, const cam_status_t *status, hal_axis_t axis);

@@ -74,6 +74,7 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
                          cam_hands_origin_nm(&m->hands, params, hal_axis_z));
         const cam_config_t *last =
             atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+        half->play.x_high_nm = cam_hands_x_high_nm(&m->hands, params);
         if (last != NULL) {
             half->learned = cam_config_is_whole(last) ? last->learned : (cam_learned_t){0};
             cam_config_learn(half);

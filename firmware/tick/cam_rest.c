@@ -86,17 +86,27 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
     return is_u_there && is_xz_there;
 }
 
-/// In the state fault the guard leads U, X moves off from its set-point in the tick of the fault,
-/// and Z brakes to rest. Behind the state manual X brakes to rest as well.
+/// @return [nm / 1024] where X moves in the state fault: off its set-point in the tick of the
+/// fault, but not farther than its travel goes, where that is known
+static int64_t moved_off_q10(const cam_play_config_t *cfg, int64_t left_q10)
+{
+    const int64_t off_q10 = cam_wrap_add_i64(left_q10, (int64_t)cfg->x_clearance_nm * 1024);
+    const int64_t high_q10 = (int64_t)cfg->x_high_nm * 1024;
+    const int64_t most_q10 = high_q10 > left_q10 ? high_q10 : left_q10;
+    return high_q10 != 0 && off_q10 > most_q10 ? most_q10 : off_q10;
+}
+
+/// In the state fault the guard leads U, X moves off, and Z brakes to rest. Behind the state manual
+/// X brakes to rest as well.
 static void move_off(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
-    const int64_t off_q10 = cam_wrap_add_i64(m->x_left_q10, (int64_t)cfg->x_clearance_nm * 1024);
+    const int64_t x_q10 = moved_off_q10(cfg, m->x_left_q10);
     const cam_move_limits_t *x_limits = &cfg->leave[hal_axis_x];
     if (cfg->swing.is_swung) {
         cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.full);
     }
     const bool is_x_off = m->is_by_hand ? cam_step_brake_isr(m, hal_axis_x, cfg, x_limits)
-                                        : cam_step_to_isr(m, hal_axis_x, cfg, x_limits, off_q10);
+                                        : cam_step_to_isr(m, hal_axis_x, cfg, x_limits, x_q10);
     bool is_z_at_rest = true;
     if (cfg->is_z_measured) {
         m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};

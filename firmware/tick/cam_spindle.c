@@ -55,6 +55,7 @@ CAM_STAGE static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
     const uint32_t before_q32 = measured_q32(s, cfg);
     const int32_t lag_q32 = cam_angle_diff_q32(cam_angle_of_pos(s->pos_q32), before_q32);
     s->in_turn = 0;
+    s->index_error = 0;
     move_in_turn(s, cfg, cam_wrap_diff(s->counts, s->index_counts));
     s->pos_q32 = (int64_t)measured_q32(s, cfg) + lag_q32;
     s->is_synced = true;
@@ -74,7 +75,7 @@ static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg, 
 }
 
 /// Counts of this tick. Those that are not what the travel says are a fault, and are limited to a
-/// quarter turn. @return encoder_jump or none
+/// quarter turn: the others are lost. @return encoder_jump or none
 static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t counts,
                             int32_t travel_q32)
 {
@@ -83,7 +84,9 @@ static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, u
     uint32_t faults = 0;
     if (!cam_is_within(cam_wrap_sub(moved, expected), cfg->jump_window)) {
         faults = CAM_FAULT_BIT(encoder_jump);
-        moved = cam_clamp_i32(moved, -cfg->max_counts, cfg->max_counts);
+        const int32_t taken = cam_clamp_i32(moved, -cfg->max_counts, cfg->max_counts);
+        s->index_error = cam_wrap_sub(s->index_error, cam_wrap_sub(moved, taken));
+        moved = taken;
     }
     s->counts = counts;
     move_in_turn(s, cfg, moved);

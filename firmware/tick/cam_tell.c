@@ -28,12 +28,13 @@ static int32_t led_nm(const cam_told_t *u)
     return cam_wrap_add(u->nm, u->step_nm);
 }
 
-/// @return [nm / 64] the command of U less `plain` in state fault: in the first tick as it goes on,
-/// then by a sixteenth less in each, towards 0 and to it
-static int32_t faded_q6(const cam_tell_t *t, int32_t plain, bool is_new)
+/// @return [nm / 64] the command of U less `plain` in state fault: in the first tick as it goes on
+/// with the acceleration of its set-point, then by a sixteenth less in each, towards 0 and to it
+static int32_t faded_q6(const cam_tell_t *t, const cam_move_t *u, int32_t plain, bool is_new)
 {
     const int32_t last_q6 = t->fading_q6;
-    return is_new ? cam_wrap_sub(cam_wrap_times(led_nm(&t->u), 64u), plain)
+    const int32_t on_q6 = cam_wrap_add(cam_wrap_times(led_nm(&t->u), 64u), u->acc_q10 >> 4);
+    return is_new ? cam_wrap_sub(on_q6, plain)
                   : last_q6 - last_q6 / 16 - (last_q6 > 0) + (last_q6 < 0);
 }
 
@@ -97,7 +98,8 @@ bool cam_tell_isr(cam_tell_t *t, const cam_tell_config_t *cfg, const cam_tick_re
     const int32_t plain = plain_q6(cfg, r, m);
     int32_t more_q6 = m->c_q6;
     if (!m->is_playing) {
-        more_q6 = m->state == cam_state_fault ? faded_q6(t, plain, is_new) : 0;
+        more_q6 =
+            m->state == cam_state_fault ? faded_q6(t, &m->axis[hal_axis_u], plain, is_new) : 0;
         t->fading_q6 = more_q6;
     }
     const int32_t u_nm = nearest_to_q6(cam_wrap_add(plain, more_q6));

@@ -230,7 +230,8 @@ def test_terminated_controller_retracts_first(play: Play) -> None:
     assert result.seen["controller_status"] == 0
     for axis in ("u", "x", "z", "spindle"):
         assert is_drive_in(result, axis, DISABLED), axis
-    assert float(result.trace[-1]["u_actual"]) == pytest.approx(-500_000, abs=20)
+    # The end of the stroke, less the room that the feed-forward needs there, MATHS.md (214).
+    assert -500_000 < float(result.trace[-1]["u_actual"]) < -485_000
 
 
 @pytest.mark.parametrize("after_s", [0.1, 0.135])  # a half of the oval apart

@@ -100,6 +100,7 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(is_z_measured, 0, 1)                                                                         \
     X(u_retract_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)                                        \
     X(x_clearance_nm, 0, 200000000)                                                                \
+    X(x_high_nm, INT32_MIN, INT32_MAX)                                                             \
     X(x_clear_q10, -(INT64_C(1) << 43), INT64_C(1) << 43)                                          \
     X(x_offset_q10, -(INT64_C(1) << 43), INT64_C(1) << 43)                                         \
     X(spindle_mrpm, -60000000, 60000000)                                                           \

@@ -254,9 +254,10 @@ static void test_scale_of_u(void)
 {
     static const uint32_t knots[] = {6, 8, 10, 12};
     static const uint32_t fracs[] = {0, 2, 4, 6, 8};
-    for (uint32_t i = 0; i < 20u; i++) {
+    for (uint32_t i = 0; i < 40u; i++) {
+        params.spindle_limit_mrpm = i < 20u ? 3000000 : 4000000; // both sides of a power of 2
         table.u.log2_knots = knots[i % 4u];
-        table.u.frac_bits = fracs[i / 4u];
+        table.u.frac_bits = fracs[i / 4u % 5u];
         table.u.value_offset = 321;
         build();
         const cam_u_scale_t *c = &config.play.u;
@@ -270,7 +271,8 @@ static void test_scale_of_u(void)
         TEST_ASSERT_LESS_THAN_UINT32(32, c->a_shift);
         TEST_ASSERT_EQUAL_INT(40 - 2 * (int)c->speed_shift + all + (int)c->a_down,
                               (int)c->alpha_shift);
-        const int64_t most_q32 = INT64_C(5) * cam_build_speed_q32(3000000, hz) / 4;
+        const uint32_t limit_mrpm = (uint32_t)params.spindle_limit_mrpm;
+        const int64_t most_q32 = INT64_C(5) * cam_build_speed_q32(limit_mrpm, hz) / 4;
         const bool is_least = (int)c->speed_shift <= (all > 6 ? all - 6 : 0);
         TEST_ASSERT_TRUE(is_least || most_q32 << c->speed_shift < INT64_C(1) << 30);
         const bool is_most = c->v_up == 0u || c->speed_shift == 20u; // else one more would not fit

@@ -65,6 +65,19 @@ static void test_pointer_in_use_is_taken_anew(void)
     TEST_ASSERT_EQUAL_PTR(g_cam.config.offered, g_cam.config.in_use);
 }
 
+/// An encoder that jumps is no changed state, however far it jumps: what is beyond the quarter of a
+/// turn that is believed counts as lost.
+static void test_jump_of_the_encoder_is_no_changed_state(void)
+{
+    for (int32_t counts = -9900; counts <= 9900; counts += 330) {
+        cut_anew();
+        hal_host_fault_counts(counts);
+        fixture_rig_ticks(&rig, 3000);
+        const uint32_t jump = counts != 0 ? CAM_FAULT_BIT(encoder_jump) : 0u;
+        TEST_ASSERT_EQUAL_HEX32(jump, fixture_rig_status(&rig).faults);
+    }
+}
+
 static void test_count_to_the_plan_heals(void)
 {
     cut_anew();
@@ -199,6 +212,7 @@ int main(void)
     RUN_TEST(test_seal_sees_every_single_bit);
     RUN_TEST(test_pointer_to_the_configuration_is_mended);
     RUN_TEST(test_pointer_in_use_is_taken_anew);
+    RUN_TEST(test_jump_of_the_encoder_is_no_changed_state);
     RUN_TEST(test_count_to_the_plan_heals);
     RUN_TEST(test_whole_turns_of_the_angle_are_watched);
     RUN_TEST(test_place_in_the_turn_is_watched);

@@ -185,6 +185,25 @@ static void test_range_of_x_and_of_the_ratio_hold_between_the_knots(void)
     TEST_ASSERT_TRUE(ratio.high > table.speed.value_offset + (1 << 17) + 7800);
 }
 
+/// What the entry of x allows its knots counts, and an LSB more, even where no curve goes so far.
+static void test_range_of_x_is_that_of_its_promise(void)
+{
+    const size_t low = fixture_image_in(fixture_x, fixture_in_p_min);
+    const size_t high = fixture_image_in(fixture_x, fixture_in_p_max);
+    for (int32_t more = 40000; more < 44000; more += 333) {
+        fixture_image_make(&image, &part);
+        const int32_t p_min = (int32_t)fixture_image_get(&image, low) - more;
+        const int32_t p_max = (int32_t)fixture_image_get(&image, high) + 2 * more;
+        fixture_image_put(&image, low, (uint32_t)p_min);
+        fixture_image_put(&image, high, (uint32_t)p_max);
+        TEST_ASSERT_EQUAL_INT(cam_ok, check());
+        const int frac = (int)table.x.frac_bits;
+        const double x_nm = table.x.value_offset;
+        TEST_ASSERT_EQUAL_DOUBLE(x_nm + floor(ldexp(p_min - 1.0, -frac)), table.x_min_nm);
+        TEST_ASSERT_EQUAL_DOUBLE(x_nm + ceil(ldexp(p_max + 1.0, -frac)), table.x_max_nm);
+    }
+}
+
 /// A ratio of 4 and an angle of a quarter turn are the most between the knots, too.
 static void test_values_beyond_their_unit_between_the_knots_are_refused(void)
 {
@@ -230,6 +249,7 @@ int main(void)
     RUN_TEST(test_range_of_u_holds_between_the_knots);
     RUN_TEST(test_evaluation_keeps_the_promise);
     RUN_TEST(test_range_of_x_and_of_the_ratio_hold_between_the_knots);
+    RUN_TEST(test_range_of_x_is_that_of_its_promise);
     RUN_TEST(test_values_beyond_their_unit_between_the_knots_are_refused);
     RUN_TEST(test_range_of_a_shaft_holds_the_base_circle);
     return UNITY_END();

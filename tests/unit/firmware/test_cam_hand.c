@@ -184,6 +184,27 @@ static void test_jog_to_the_limit_rests_there_and_comes_back(void)
     TEST_ASSERT_LESS_THAN_INT32(mm - 100000, port_nm(hal_axis_z));
 }
 
+/// The command of U runs ahead by the feed-forward, here of three drives, up to the slowest one.
+static void test_jog_of_u_to_its_limit_leaves_room_for_the_feed_forward(void)
+{
+    static const int32_t gains[][2] = {{742723, 281448}, {350000, 0}, {1500000, 0}};
+    for (int i = 0; i < 6; i++) {
+        setUp();
+        const int32_t sense = i < 3 ? 1 : -1;
+        set(cam_param_k1_ns, gains[i % 3][0]);
+        set(cam_param_k2_us2, gains[i % 3][1]);
+        set(cam_param_following_limit_nm, 10000000); // the machine of the rig has no lag
+        to_manual();
+        for (int k = 0; k < 80; k++) {
+            jog(hal_axis_u, sense * 2000);
+            fixture_rig_ticks(&rig, 200);
+        }
+        TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+        TEST_ASSERT_EQUAL_INT(cam_hand_limit, hand().end);
+        TEST_ASSERT_GREATER_THAN_INT32(590000, sense * port_nm(hal_axis_u));
+    }
+}
+
 /// Outside of limits that were set later an axis goes inwards only.
 static void test_jog_from_outside_of_the_travel_goes_inwards_only(void)
 {
@@ -274,6 +295,16 @@ static void test_order_holds_to_the_tick_before_its_last(void)
     }
 }
 
+/// By hand the tool may go anywhere: a fault behind it finds nothing that counts as out of the
+/// work.
+static void test_nothing_counts_as_clear_by_hand(void)
+{
+    to_manual();
+    g_cam.motion.is_clear = true;
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_FALSE(g_cam.motion.is_clear);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -288,8 +319,10 @@ int main(void)
     RUN_TEST(test_order_that_is_already_too_old_is_not_begun);
     RUN_TEST(test_random_orders_stay_within_speed_acceleration_and_travel);
     RUN_TEST(test_jog_to_the_limit_rests_there_and_comes_back);
+    RUN_TEST(test_jog_of_u_to_its_limit_leaves_room_for_the_feed_forward);
     RUN_TEST(test_jog_from_outside_of_the_travel_goes_inwards_only);
     RUN_TEST(test_disable_brakes_before_the_enable_drops);
     RUN_TEST(test_fault_by_hand_brakes_all_axes_where_they_are);
+    RUN_TEST(test_nothing_counts_as_clear_by_hand);
     return UNITY_END();
 }

@@ -257,11 +257,53 @@ static void test_a_home_that_was_found_waits_for_room(void)
     TEST_ASSERT_NOT_EQUAL_INT(cam_err_busy, cam_machine_check_places(machine(), &status));
 }
 
+/// @return [nm] place of X behind an emergency stop in homing, which is reset
+static int32_t x_behind_a_fault_in_homing(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
+    fixture_rig_ticks(&rig, 200);
+    hal_host_fault_estop(true);
+    fixture_rig_ticks(&rig, 20000);
+    hal_host_fault_estop(false);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(machine()));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
+    return port_nm(hal_axis_x);
+}
+
+/// Each fault moves X off by its clearance, as far as its travel goes, where that is known.
+static void test_faults_again_and_again_leave_x_within_its_travel(void)
+{
+    set(cam_param_x_clearance_nm, 4 * mm);
+    hal_host.in.axis_nm[hal_axis_x] = 60 * mm;
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT32(64 * mm, x_behind_a_fault_in_homing());
+    set(cam_param_x_low_nm, 10 * mm);
+    set(cam_param_x_high_nm, 70 * mm);
+    TEST_ASSERT_EQUAL_INT32(68 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
+    set(cam_param_x_high_nm, 69 * mm); // it stands beyond, and stays
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
+    set(cam_param_x_home, 1); // not homed: its place is not known
+    TEST_ASSERT_EQUAL_INT32(74 * mm, x_behind_a_fault_in_homing());
+    set(cam_param_x_home_nm, 55 * mm); // by the machine, which counts 19 mm less than the port
+    to_manual();
+    home_here(hal_axis_x);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 200);
+    set(cam_param_x_high_nm, 60 * mm);
+    TEST_ASSERT_EQUAL_INT32(78 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(79 * mm, x_behind_a_fault_in_homing());
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_each_axis_has_its_parameters);
     RUN_TEST(test_zero_moves_the_part_not_the_axes);
+    RUN_TEST(test_faults_again_and_again_leave_x_within_its_travel);
     RUN_TEST(test_cut_at_another_place_is_the_same_cut);
     RUN_TEST(test_measured_z_is_read_from_its_datum_on);
     RUN_TEST(test_tool_moves_the_part_by_its_offset);

@@ -157,6 +157,24 @@ static void test_a_measured_z_is_never_led(void)
     }
 }
 
+/// The tool swings back to 0 behind a fault, and until then it is not out of the work.
+static void test_swing_comes_to_rest_behind_a_fault(void)
+{
+    homing_t h = homed();
+    h.cfg.swing.is_swung = true;
+    h.cfg.swing.full =
+        (cam_swing_limits_t){.speed_q32 = 1 << 20, .step_q32 = 1 << 18, .gain_q32 = 1 << 24};
+    h.m.state = cam_state_fault;
+    h.m.swing.set.pos_q32 = 1 << 26;
+    for (int i = 0; !h.m.swing.is_there; i++) {
+        TEST_ASSERT_LESS_THAN_INT(10000, i);
+        TEST_ASSERT_FALSE(h.m.is_clear);
+        (void)cam_rest_isr(&h.cfg, &h.r, &h.m);
+    }
+    TEST_ASSERT_INT32_WITHIN(1 << 10, 0, h.m.swing.set.pos_q32);
+    TEST_ASSERT_TRUE(h.m.is_clear);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -164,5 +182,6 @@ int main(void)
     RUN_TEST(test_homing_ends_when_the_tool_is_out_and_all_stand);
     RUN_TEST(test_one_of_x_and_z_moves_at_a_time);
     RUN_TEST(test_a_measured_z_is_never_led);
+    RUN_TEST(test_swing_comes_to_rest_behind_a_fault);
     return UNITY_END();
 }

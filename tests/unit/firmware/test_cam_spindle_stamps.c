@@ -129,6 +129,18 @@ static void test_a_slow_or_standing_spindle_is_in_the_middle_of_its_count(void)
     TEST_ASSERT_TRUE(fabs(off_turns(angle.measured_q32, counts / counts_per_turn)) < 1e-8);
 }
 
+/// A spindle that stood is taken to have come forwards: its first edge is the begin of a count.
+static void test_first_edge_from_rest_is_the_begin_of_its_count(void)
+{
+    build();
+    in.clock += clock_hz / tick_hz;
+    in.encoder.counts++;
+    in.encoder.edge_clock = in.clock;
+    cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+    const double counts = (double)in.encoder.counts;
+    TEST_ASSERT_TRUE(fabs(off_turns(angle.measured_q32, counts / counts_per_turn)) < 1e-8);
+}
+
 /// A stamp from nowhere is never worth more than two counts.
 static void test_a_wrong_stamp_is_limited(void)
 {
@@ -194,6 +206,7 @@ int main(void)
     RUN_TEST(test_stamps_take_the_counts_out_of_the_angle_in_both_senses);
     RUN_TEST(test_without_stamps_half_a_count_is_left);
     RUN_TEST(test_a_slow_or_standing_spindle_is_in_the_middle_of_its_count);
+    RUN_TEST(test_first_edge_from_rest_is_the_begin_of_its_count);
     RUN_TEST(test_a_wrong_stamp_is_limited);
     RUN_TEST(test_an_edge_that_contradicts_the_speed_is_limited);
     RUN_TEST(test_a_learned_ripple_leaves_the_observer_even);

@@ -71,6 +71,31 @@ static void test_command_through_faults_at_any_angle_keeps_the_speed_of_u(void)
     }
 }
 
+/// A U without feed-forward is told its set-point, and so no more than its acceleration.
+static void test_command_through_faults_at_any_angle_keeps_the_acceleration_of_u(void)
+{
+    static bench_t bench;
+    fixture_rig_init(&rig, &part, 5000);
+    set(cam_param_u_acceleration_mm_per_s2, 20000); // 800 nm per tick^2
+    set(cam_param_spindle_mrpm, (int32_t)cam_machine_highest_mrpm(&rig.machine));
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 500);
+    keep(&bench);
+    for (uint32_t at = 0; at < 120; at++) {
+        go_back(&bench);
+        fixture_rig_ticks(&rig, at);
+        told_t t = begin();
+        tick(&t);
+        t.most_change_nm = 0;
+        hal_host_fault_estop(true);
+        for (int i = 0; i < 200; i++) {
+            tick(&t);
+        }
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(850, t.most_change_nm);
+    }
+}
+
 /// At 1 kHz the acceleration of a tick is five times the speed of a tick.
 static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract(void)
 {
@@ -125,6 +150,31 @@ static void test_command_of_the_retract_keeps_the_speed_of_u_in_a_short_window(v
         }
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(150000, t.most_step_nm);
+    }
+}
+
+/// The stroke ends where U retracts to. Gains of slow drives and of fast ones, with and without an
+/// acceleration that is told ahead.
+static void test_command_stays_within_the_stroke_in_homing_and_retract(void)
+{
+    static const int32_t gains[][2] = {{350000, 0},     {398000, 0},     {200000, 0},
+                                       {350000, 40000}, {742723, 0},     {742723, 281448},
+                                       {1500000, 0},    {300000, 22500}, {100000, 0}};
+    static const uint32_t rates_hz[] = {20000, 5000, 2000};
+    for (int i = 0; i < 27; i++) {
+        const uint32_t hz = rates_hz[i / 9];
+        fixture_rig_init(&rig, &part, hz);
+        set(cam_param_u_stroke_nm, 900000);
+        set(cam_param_k1_ns, gains[i % 9][0]);
+        set(cam_param_k2_us2, gains[i % 9][1]);
+        set(cam_param_spindle_mrpm, 200000);
+        set(cam_param_following_limit_nm, 10000000);
+        bring(cam_state_engaging);
+        fixture_rig_ticks(&rig, hz / 10);
+        TEST_ASSERT_EQUAL_INT32(0, rig.last.want.u_set_q6);
+        hal_host_fault_estop(true);
+        fixture_rig_ticks(&rig, hz / 10);
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
     }
 }
 
@@ -272,8 +322,10 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_command_through_faults_at_any_angle_keeps_the_speed_of_u);
+    RUN_TEST(test_command_through_faults_at_any_angle_keeps_the_acceleration_of_u);
     RUN_TEST(test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract);
     RUN_TEST(test_command_of_the_retract_keeps_the_speed_of_u_in_a_short_window);
+    RUN_TEST(test_command_stays_within_the_stroke_in_homing_and_retract);
     RUN_TEST(test_fault_tick_tells_the_acceleration_of_its_set_points);
     RUN_TEST(test_x_and_z_are_told_the_acceleration_of_their_increments);
     RUN_TEST(test_command_of_a_wrong_gain_is_a_fault_and_not_written);
