@@ -18,9 +18,7 @@ enum {
     page_name,
     page_learning = 11,
     page_hand = 16,
-    page_hand_end = 18,
     page_changes = 18,
-    page_changes_end = 20,
     page_params = 21,
     page_recorder,
     page_progress,
@@ -110,15 +108,12 @@ static void watch_load(cam_report_t *r)
     r->n_loads++;
 }
 
-/// Fill in the signals of the pages about the progress of the pass, the mean interrupt, and samples
-/// of the live picture.
+/// Fill in the signals about the progress of the pass, the mean interrupt, and samples of the live
+/// picture.
 static void describe_progress(struct camturn_detail_t *m, const cam_report_t *r,
                               const cam_machine_t *machine)
 {
     enum { most = (1 << 24) - 1, most_turns = (1 << 27) - 1, turn_bits = 25, per_s = 100000000 };
-    if (m->page < page_progress || m->page > page_pace) {
-        return;
-    }
     const cam_progress_t p = cam_progress(machine);
     m->has_end = p.has_end ? 1u : 0u;
     m->turns_left = (uint32_t)cam_clamp_i64(p.left_q32 >> turn_bits, 0, most_turns);
@@ -142,11 +137,11 @@ static uint64_t name_part(const char *name, uint32_t part)
     return chars;
 }
 
-/// Fill in the signals of a page that describes the table; without a table they stay 0.
+/// Fill in the signals that describe the table; without a table they stay 0.
 static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
 {
     const cam_table_t *table = &store->machine->table;
-    if (!store->machine->has_table || m->page < page_table || m->page >= page_learning) {
+    if (!store->machine->has_table) {
         return;
     }
     m->table_generation = store->generation & 0xFFFFFFu;
@@ -162,13 +157,10 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
     m->table_name_5 = chars;
 }
 
-/// Fill in the signals of a page that describes the learning.
+/// Fill in the signals that describe the learning.
 static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
     enum { most = (1 << 24) - 1 };
-    if (m->page < page_learning || m->page >= page_hand) {
-        return;
-    }
     const cam_teach_status_t t = cam_machine_learning(machine);
     m->learn_phase = (uint8_t)t.phase;
     m->learn_reason = (uint8_t)t.reason;
@@ -184,37 +176,28 @@ static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *m
     m->learn_speed = t.speed_mrpm;
 }
 
-/// Fill in the signals of the page about the parameters.
+/// Fill in the signals about the parameters.
 static void describe_params(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
     enum { most = 1 << 20 };
-    if (m->page != page_params) {
-        return;
-    }
     const cam_params_status_t p = cam_machine_params_status(machine);
     m->params_kept = (uint8_t)p.kept;
     m->params_version = p.version % (uint32_t)most;
     m->params_checksum = p.checksum;
 }
 
-/// Fill in the signals of the page about the recorder and the black box.
+/// Fill in the signals about the recorder and the black box.
 static void describe_recorder(struct camturn_detail_t *m, const cam_scope_t *scope)
 {
-    if (m->page != page_recorder) {
-        return;
-    }
     m->recorder_use = (uint8_t)scope->use;
     m->recorder_phase = (uint8_t)scope->phase;
     m->recorder_faults = scope->faults;
 }
 
-/// Fill in the signals of the page about who may command.
+/// Fill in the signals about who may command.
 static void describe_rights(struct camturn_detail_t *m, const cam_machine_t *machine,
                             const cam_status_t *status)
 {
-    if (m->page != page_rights) {
-        return;
-    }
     const cam_rights_status_t s = cam_machine_rights(machine, status);
     m->commander = (uint8_t)(s.commander & 0xFFu);
     m->take_overs = (uint8_t)(s.n_take_overs & 0xFFu);
@@ -225,13 +208,10 @@ static void describe_rights(struct camturn_detail_t *m, const cam_machine_t *mac
     m->acknowledge_left = (uint8_t)(s.button_left_s & 0xFFu);
 }
 
-/// Fill in the signals of a page that describes what is done by hand.
+/// Fill in the signals that describe what is done by hand.
 static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machine,
                           const cam_status_t *status)
 {
-    if (m->page < page_hand || m->page >= page_hand_end) {
-        return;
-    }
     const uint32_t homed = status->hand.homed;
     const int64_t x_nm = (int64_t)status->x_actual_nm -
                          cam_hands_origin_nm(&machine->hands, &machine->params, hal_axis_x);
@@ -249,12 +229,9 @@ static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machi
     m->tool = (uint8_t)((uint32_t)machine->params.tool & 0xFFu);
 }
 
-/// Fill in the signals of a page that tells what the operator has changed.
+/// Fill in the signals that tell what the operator has changed.
 static void describe_changes(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
-    if (m->page < page_changes || m->page >= page_changes_end) {
-        return;
-    }
     m->override_of_feed = (uint32_t)machine->params.feed_override_ppm;
     m->override_of_spindle = (uint32_t)machine->params.spindle_override_ppm;
     m->trim_of_x = machine->params.x_trim_nm;
