@@ -1,69 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who commands over the bus, and what nobody can do over it: other senders, forged and old
-// sessions, lost heartbeats, the locked level, a restart behind the emergency stop.
+// sessions, lost heartbeats, a restart behind the emergency stop.
 #include "cam_machine_hand.h"
-#include "cam_machine_rights.h"
-#include "expect_can.h"
-#include "fixture_can.h"
-#include "hal_host.h"
-#include "monocypher.h"
-#include "unity.h"
-#include <string.h>
-
-enum { enable = 1, disable, start, stop, reset, set, get, table_anew };
-enum { home = 15, begin_download, end_download, set_learned = 29, manual, jog };
-enum { begin_params = 50, stage, commit, save, defaults, revert };
-enum { take = 60, release, beat, get_challenge, unlock, lock, last_command = lock };
-enum { me = 1, other = 9, n_ms = 20 };
-
-static fixture_can_t f;
-static fixture_part_t part;
-static uint8_t session;
-
-static void begin(void)
-{
-    fixture_can_init(&f, &part, 20000);
-}
-
-static void run(void)
-{
-    fixture_can_start(&f);
-    session = f.rig.machine.rights.session;
-}
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    begin();
-    run();
-}
-
-void tearDown(void) {}
-
-static fixture_answer_t by(uint8_t sender, uint8_t its_session, uint8_t command, int32_t value)
-{
-    return fixture_can_command_from(&f, command, 0, value, sender, its_session);
-}
-
-static void loop_until(cam_state_t wanted)
-{
-    expect_state_within(&f, wanted, 100000);
-}
-
-static void to_cutting(void)
-{
-    expect_answer(&f, cam_ok, 0, enable, 0, 0);
-    loop_until(cam_state_ready);
-    fixture_can_loop(&f, 2400); // the spindle runs up
-    expect_answer(&f, cam_ok, 0, start, 0, 0);
-    loop_until(cam_state_cutting);
-}
+#include "rights_bench.h"
+#include <string.h> // memchr
 
 /// @return page 25 of Detail, as new as can be
 static hal_can_frame_t page(void)
 {
     fixture_can_loop(&f, 800); // the port has forgotten the last one
-    for (uint32_t i = 0; i < 30u * 200u && fixture_can_detail(25).id == 0u; i++) {
+    for (uint32_t i = 0; i < 30u * 200u && fixture_can_detail(25).id == 0u; i += 8u) {
+        fixture_rig_ticks(&f.rig, 7);
         fixture_can_loop(&f, 1);
     }
     return fixture_can_detail(25);
@@ -150,11 +97,7 @@ static void test_a_take_over_does_not_end_the_cut(void)
 /// @return [ticks] from now until the tool leaves the work
 static uint32_t until_stopped(void)
 {
-    uint32_t n = 0;
-    while (fixture_rig_state() == cam_state_cutting && n < 100000u) {
-        fixture_can_loop(&f, 1);
-        n++;
-    }
+    const uint32_t n = fixture_can_until(&f, cam_state_cutting, false, 100000);
     TEST_ASSERT_EQUAL_INT(cam_state_disengaging, fixture_rig_state());
     return n;
 }
@@ -220,113 +163,6 @@ static void test_heartbeats_lost_in_manual_brake_the_axes(void)
     TEST_ASSERT_EQUAL_INT32(0, f.rig.last.out[hal_axis_x].vel_q10);
     TEST_ASSERT_EQUAL_INT(cam_hand_stopped, fixture_rig_status(&f.rig).hand.end);
     TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
-}
-
-// Level
-
-static void test_locked_limits_and_tables_stay_and_the_refusal_says_why(void)
-{
-    hal_host_turn_key(false);
-    fixture_can_loop(&f, 2);
-    expect_answer(&f, cam_err_locked, 1200000, set, cam_param_u_stroke_nm, 2000000);
-    TEST_ASSERT_EQUAL_INT(cam_param_u_stroke_nm, f.rig.machine.refusal.param);
-    expect_answer(&f, cam_err_locked, 0, table_anew, 0, 0);
-    expect_answer(&f, cam_err_locked, 0, begin_download, 0, 1000);
-    expect_answer(&f, cam_err_locked, 0, end_download, 0, 0);
-    expect_answer(&f, cam_err_locked, 0, set_learned, 0, 0);
-    expect_answer(&f, cam_ok, 5000000, set, cam_param_phase_udeg, 5000000);
-    hal_host_turn_key(true);
-    fixture_can_loop(&f, 2);
-    expect_answer(&f, cam_ok, 2000000, set, cam_param_u_stroke_nm, 2000000);
-}
-
-static void test_a_commit_that_changes_a_limit_is_refused_as_a_whole(void)
-{
-    expect_answer(&f, cam_ok, 0, lock, 0, 0);
-    (void)fixture_can_command(&f, begin_params, 0, 0);
-    expect_answer(&f, cam_ok, 700000, stage, cam_param_amplitude_ppm, 700000);
-    expect_answer(&f, cam_ok, 2000000, stage, cam_param_u_stroke_nm, 2000000);
-    TEST_ASSERT_EQUAL_INT32(cam_err_locked, fixture_can_command(&f, commit, 0, 0).result);
-    TEST_ASSERT_EQUAL_INT32(1000000, f.rig.machine.params.amplitude_ppm);
-    expect_answer(&f, cam_ok, 1200000, stage, cam_param_u_stroke_nm, 1200000);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_command(&f, commit, 0, 0).result);
-    TEST_ASSERT_EQUAL_INT32(700000, f.rig.machine.params.amplitude_ppm);
-}
-
-static void test_what_would_bring_other_limits_into_force_or_keep_them_needs_the_key(void)
-{
-    expect_answer(&f, cam_ok, 2000000, set, cam_param_u_stroke_nm, 2000000);
-    expect_answer(&f, cam_ok, 0, lock, 0, 0);
-    TEST_ASSERT_EQUAL_INT32(cam_err_locked, fixture_can_command(&f, save, 0, 0).result);
-    TEST_ASSERT_EQUAL_INT32(cam_err_locked, fixture_can_command(&f, defaults, 0, 0).result);
-    TEST_ASSERT_EQUAL_INT32(2000000, f.rig.machine.params.u_stroke_nm);
-    fixture_can_take(&f);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_command(&f, save, 0, 0).result);
-    expect_answer(&f, cam_ok, 1300000, set, cam_param_u_stroke_nm, 1300000);
-    expect_answer(&f, cam_ok, 0, lock, 0, 0);
-    TEST_ASSERT_EQUAL_INT32(cam_err_locked, fixture_can_command(&f, revert, 0, 0).result);
-    fixture_can_take(&f);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_command(&f, revert, 0, 0).result);
-    expect_answer(&f, cam_ok, 0, lock, 0, 0);
-    expect_answer(&f, cam_ok, 3, set, cam_param_tool, 3); // an operator's parameter
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_command(&f, save, 0, 0).result);
-}
-
-static void test_never_in_the_work(void)
-{
-    to_cutting();
-    TEST_ASSERT_EQUAL_INT(cam_level_key, f.rig.machine.rights.level);
-    for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
-        if (cam_param_is_locked((cam_param_id_t)id)) {
-            const int32_t value = cam_param_get(&f.rig.machine.params, (cam_param_id_t)id);
-            expect_answer(&f, cam_err_param_state, value, set, (uint8_t)id, value);
-        }
-    }
-    expect_answer(&f, cam_err_state, 0, table_anew, 0, 0);
-    expect_answer(&f, cam_err_state, 0, begin_download, 0, 1000);
-    TEST_ASSERT_EQUAL_INT32(cam_err_param_state, fixture_can_command(&f, set_learned, 0, 0).result);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
-}
-
-static void test_a_port_without_key_and_secret_says_that_it_is_locked_for_good(void)
-{
-    begin();
-    hal_host.slow.people.has_key = false;
-    run();
-    expect_answer(&f, cam_err_lock_none, 1200000, set, cam_param_u_stroke_nm, 2000000);
-    TEST_ASSERT_EQUAL_INT32(cam_err_lock_none, fixture_can_command(&f, get_challenge, 0, 0).result);
-}
-
-static void test_the_secret_unlocks_by_its_challenge(void)
-{
-    static const uint8_t secret[] = "sixteen bytes and some";
-    begin();
-    hal_host.slow.people =
-        (hal_operator_t){.is_acknowledge_waived = true, .secret = secret, .n_secret = 22};
-    run();
-    expect_answer(&f, cam_err_locked, 1200000, set, cam_param_u_stroke_nm, 2000000);
-    const fixture_answer_t asked = fixture_can_command(&f, get_challenge, 0, 0);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, asked.result);
-    uint8_t bytes[4];
-    uint8_t hash[64];
-    for (uint32_t i = 0; i < 4u; i++) {
-        bytes[i] = (uint8_t)((uint32_t)asked.value >> (8u * i));
-    }
-    crypto_blake2b_keyed(hash, sizeof hash, secret, 22, bytes, sizeof bytes);
-    const hal_can_frame_t as_frame = {.data = {hash[0], hash[1], hash[2], hash[3]}};
-    const int32_t answer = fixture_can_i32(&as_frame, 0);
-    expect_answer(&f, cam_err_unlock, 0, unlock, 0, answer ^ 1);
-    fixture_can_loop(&f, 20000);
-    const fixture_answer_t again = fixture_can_command(&f, get_challenge, 0, 0);
-    for (uint32_t i = 0; i < 4u; i++) {
-        bytes[i] = (uint8_t)((uint32_t)again.value >> (8u * i));
-    }
-    crypto_blake2b_keyed(hash, sizeof hash, secret, 22, bytes, sizeof bytes);
-    const hal_can_frame_t new_frame = {.data = {hash[0], hash[1], hash[2], hash[3]}};
-    expect_answer(&f, cam_ok, 0, unlock, 0, fixture_can_i32(&new_frame, 0));
-    expect_answer(&f, cam_ok, 2000000, set, cam_param_u_stroke_nm, 2000000);
-    fixture_can_loop(&f, 2);
-    TEST_ASSERT_EQUAL_STRING("level: unlocked by the secret", fixture_can_line(0));
 }
 
 // Blocks
@@ -458,12 +294,6 @@ int main(void)
     RUN_TEST(test_command_given_up_in_the_cut_ends_it_as_well);
     RUN_TEST(test_a_start_on_its_way_does_not_outlive_its_commander);
     RUN_TEST(test_heartbeats_lost_in_manual_brake_the_axes);
-    RUN_TEST(test_locked_limits_and_tables_stay_and_the_refusal_says_why);
-    RUN_TEST(test_a_commit_that_changes_a_limit_is_refused_as_a_whole);
-    RUN_TEST(test_what_would_bring_other_limits_into_force_or_keep_them_needs_the_key);
-    RUN_TEST(test_never_in_the_work);
-    RUN_TEST(test_a_port_without_key_and_secret_says_that_it_is_locked_for_good);
-    RUN_TEST(test_the_secret_unlocks_by_its_challenge);
     RUN_TEST(test_blocks_of_an_old_session_are_refused);
     RUN_TEST(test_a_restart_behind_the_emergency_stop_by_the_bus_alone_is_impossible);
     RUN_TEST(test_page_25_tells_commander_counts_and_level);

@@ -214,6 +214,10 @@ static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
     fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(255u << 24));
     go_on(100);
     TEST_ASSERT_TRUE(f.can.reading.is_on);
+    fixture_can_receive(0x100, 8, get_scope, cam_scope_field_every, 0); // nobody's
+    fixture_can_receive(0x700, 8, get_scope, cam_scope_field_every, 0);
+    go_on(5);
+    TEST_ASSERT_TRUE(f.can.reading.is_on);
     fixture_can_receive(0x640, 8, get_scope, cam_scope_field_every, 0);
     go_on(400);
     TEST_ASSERT_EQUAL_UINT32(0, last.id);

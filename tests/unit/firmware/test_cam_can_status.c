@@ -178,7 +178,8 @@ static void test_speed_is_rounded_signed_and_saturated(void)
 static void turn_pages(uint8_t page)
 {
     fixture_can_loop(&f, 1);
-    for (uint32_t i = 0; i < 40u * 200u && fixture_can_detail(page).id == 0u; i++) {
+    for (uint32_t i = 0; i < 40u * 200u && fixture_can_detail(page).id == 0u; i += 8u) {
+        fixture_rig_ticks(&f.rig, 7);
         fixture_can_loop(&f, 1);
     }
     TEST_ASSERT_EQUAL_HEX32(0x4C0, fixture_can_detail(page).id);

@@ -34,6 +34,40 @@ static void test_feed_below_a_hundredth_is_rest_and_rates_have_reciprocals(void)
     TEST_ASSERT_EQUAL_INT32(1000000, cam_changes_feed_ppm(&f.params));
 }
 
+static void test_rates_and_reciprocals_are_rounded_to_nearest(void)
+{
+    cam_play_config_t c = {.plan_ticks = 1, .spindle_mrpm = 60000};
+    cam_params_t p = f.params;
+    p.spindle_override_rate_ppm_per_s = 1000000;
+    p.spindle_acceleration_mrad_per_s2 = 2000000000;
+    for (int32_t ppm = 10000; ppm <= 1500000; ppm += 7919) {
+        p.feed_override_ppm = ppm;
+        p.spindle_override_ppm = ppm;
+        cam_changes_build(&c, &p, FIXTURE_PLAY_HZ);
+        const double rate = ppm * 1e-6;
+        TEST_ASSERT_EQUAL_INT64(llround(ldexp(rate, 30)), c.feed_rate_q30);
+        TEST_ASSERT_EQUAL_INT64(llround(ldexp(1.0 / rate, 24)), c.per_feed_rate_q24);
+        TEST_ASSERT_EQUAL_INT64(llround(ldexp(rate, 30)), c.spindle_rate_q30);
+        TEST_ASSERT_EQUAL_INT32((1 << 30) / FIXTURE_PLAY_HZ + 1, c.spindle_step_q30);
+    }
+}
+
+/// At least a 16th of a nanometre per plan, and at most a quarter of the approach's acceleration.
+static void test_step_of_the_trim_is_limited_to_both_sides(void)
+{
+    cam_play_config_t c = {.plan_ticks = 8};
+    c.approach[hal_axis_x].acceleration_q10 = 6400;
+    cam_params_t p = f.params;
+    static const int32_t steps[][2] = {{1, 1}, {200000, 64 + 16}, {10000000, 101}};
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        p.x_trim_rate_nm_per_s = steps[i][0];
+        p.x_trim_nm = -7;
+        cam_changes_build(&c, &p, 320000);
+        TEST_ASSERT_EQUAL_INT32(steps[i][1], c.x_trim_step_q4);
+        TEST_ASSERT_EQUAL_INT32(-7 * 16, c.x_trim_q4);
+    }
+}
+
 static void test_trim_moves_x_at_its_rate_and_leaves_the_rest(void)
 {
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
@@ -114,6 +148,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_feed_below_a_hundredth_is_rest_and_rates_have_reciprocals);
+    RUN_TEST(test_rates_and_reciprocals_are_rounded_to_nearest);
+    RUN_TEST(test_step_of_the_trim_is_limited_to_both_sides);
     RUN_TEST(test_trim_moves_x_at_its_rate_and_leaves_the_rest);
     RUN_TEST(test_trim_takes_no_more_acceleration_than_the_approach);
     RUN_TEST(test_spindle_is_led_within_rate_and_acceleration);

@@ -238,6 +238,45 @@ static void test_bank_hands_over_one_configuration_at_a_time(void)
     TEST_ASSERT_EQUAL_PTR(&bank.half[0], cam_config_free_half(&bank));
 }
 
+/// Speed, acceleration and jerk of U and what the gains make of them, and what is learned besides.
+static void test_limits_of_what_u_is_told_follow_from_gains_and_limits(void)
+{
+    const double most_learned_nm = 1000.0;
+    for (int32_t i = 0; i < 64; i++) {
+        memset(&config, 0, sizeof config);
+        cam_guard_config_t *g = &config.guard;
+        g->u_vel_q6 = 64 * (1000 + 37 * i);
+        g->u_acc_q6 = 64 * (50 + 3 * i);
+        g->leave.log2_window = (uint32_t)i % 8u;
+        config.tell.k1_q16 = (i % 3 - 1) * 65536 * 3 + i;
+        config.tell.k2_q16 = (i % 5 - 2) * 65536 * 2 - i;
+        cam_config_tell(&config);
+        const double v = g->u_vel_q6 / 64.0;
+        const double a = g->u_acc_q6 / 64.0;
+        const double j = ldexp(2.0 * a, -(int)g->leave.log2_window) + 1.0 / 1024.0;
+        const double k1 = fabs(config.tell.k1_q16 / 65536.0);
+        const double k2 = fabs(config.tell.k2_q16 / 65536.0);
+        const double step = v + k1 * a + k2 * j;
+        const double change = a + k1 * j + 2.0 * k2 * j;
+        TEST_ASSERT_DOUBLE_WITHIN(0.6, step + most_learned_nm + 0.5, config.tell.step_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(0.6, change + most_learned_nm + 0.5, config.tell.change_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(0.6, step + change + most_learned_nm + 0.5,
+                                  config.tell.change_off_nm);
+    }
+}
+
+static void test_limits_of_what_u_is_told_fit_their_words(void)
+{
+    memset(&config, 0, sizeof config);
+    config.guard.u_vel_q6 = INT32_MAX;
+    config.guard.u_acc_q6 = INT32_MAX;
+    config.tell.k1_q16 = 100 * 65536;
+    cam_config_tell(&config);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, config.tell.step_nm);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, config.tell.change_nm);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, config.tell.change_off_nm);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -255,5 +294,7 @@ int main(void)
     RUN_TEST(test_build_what_does_not_fit_the_tick_rate_is_refused);
     RUN_TEST(test_bank_mends_what_was_offered);
     RUN_TEST(test_bank_hands_over_one_configuration_at_a_time);
+    RUN_TEST(test_limits_of_what_u_is_told_follow_from_gains_and_limits);
+    RUN_TEST(test_limits_of_what_u_is_told_fit_their_words);
     return UNITY_END();
 }

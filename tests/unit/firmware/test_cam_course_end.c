@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A feed that goes on from a hold so near to the end of the part that nothing is left of it.
+// Ends of a feed: one that goes on from a hold where nothing is left of the part, a rest that is
+// asked for again, rings that rest before the first one has begun.
 #include "cam_angle.h"
 #include "cam_course.h"
 #include "fixture_play.h"
@@ -33,9 +34,61 @@ static void test_feed_of_which_nothing_is_left_ends_where_it_rests(void)
     }
 }
 
+/// Whoever asks once more for the rest that a feed is in finds it there, as often as it is asked.
+static void test_rest_that_is_asked_for_again_stays(void)
+{
+    f.config.play.feed_rate_q30 = 0;
+    cam_course_t c = {.is_held = true,
+                      .from_q32 = 3 * CAM_TURN_Q32,
+                      .to_q32 = 4 * CAM_TURN_Q32,
+                      .to_rate_q30 = 1 << 30,
+                      .brake_q32 = 89 * CAM_TURN_Q32,
+                      .end_q32 = 90 * CAM_TURN_Q32};
+    const cam_course_t before = c;
+    for (int64_t turn = 1; turn < 200; turn += 40) {
+        cam_course_ask_isr(&c, &f.config.play, turn * CAM_TURN_Q32 - 1000, turn * CAM_TURN_Q32);
+        TEST_ASSERT_EQUAL_MEMORY(&before, &c, sizeof c);
+    }
+}
+
+/// Before its first ring begins a ring-helix rests at once, for a hold and for a stop.
+static void test_rings_that_have_not_begun_rest_at_once(void)
+{
+    cam_play_config_t *cfg = &f.config.play;
+    cfg->rings.is_on = true;
+    cfg->feed_rate_q30 = 0;
+    for (int64_t early = 0; early < 14; early++) {
+        const int64_t next_q32 = 10 * CAM_TURN_Q32 - early * CAM_TURN_Q32 / 4;
+        cam_course_t c = {
+            .from_q32 = 10 * CAM_TURN_Q32, .end_q32 = 90 * CAM_TURN_Q32, .asked_q30 = 1 << 30};
+        cam_course_t stopped = c;
+        cam_course_ask_isr(&c, cfg, next_q32 - 1000, next_q32);
+        TEST_ASSERT_TRUE(c.is_held);
+        TEST_ASSERT_EQUAL_INT64(next_q32, c.end_q32);
+        TEST_ASSERT_EQUAL_INT64(next_q32, cam_course_stop_isr(&stopped, cfg, next_q32));
+        TEST_ASSERT_EQUAL_INT64(next_q32, stopped.end_q32);
+    }
+}
+
+/// A stop ends a hold where it rests, or where the next turn begins if that is later.
+static void test_stop_ends_a_hold(void)
+{
+    for (int64_t turn = 80; turn <= 100; turn += 10) {
+        cam_course_t c = {.is_held = true, .end_q32 = 90 * CAM_TURN_Q32};
+        const int64_t end_q32 = (turn > 90 ? turn : 90) * CAM_TURN_Q32;
+        TEST_ASSERT_EQUAL_INT64(end_q32,
+                                cam_course_stop_isr(&c, &f.config.play, turn * CAM_TURN_Q32));
+        TEST_ASSERT_FALSE(c.is_held);
+        TEST_ASSERT_EQUAL_INT64(90 * CAM_TURN_Q32, c.end_q32);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_feed_of_which_nothing_is_left_ends_where_it_rests);
+    RUN_TEST(test_rest_that_is_asked_for_again_stays);
+    RUN_TEST(test_rings_that_have_not_begun_rest_at_once);
+    RUN_TEST(test_stop_ends_a_hold);
     return UNITY_END();
 }

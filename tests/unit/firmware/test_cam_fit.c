@@ -2,8 +2,10 @@
 // Windows and limits that follow from encoder, spindle, drive and part.
 #include "cam_fit.h"
 #include "cam_build.h"
+#include "cam_play.h"
 #include "hal_host.h"
 #include "unity.h"
+#include <math.h>   // floor
 #include <stddef.h> // NULL
 
 static cam_params_t params;
@@ -138,6 +140,28 @@ static void test_most_is_the_largest_value_that_is_built(void)
     TEST_ASSERT_EQUAL_INT32(0, cam_fit_most(cam_n_params, 1000));
 }
 
+/// @return the smaller of a quotient, rounded down, and the end of the parameter's own range
+static int64_t whole(double exact, cam_param_id_t id)
+{
+    const double most = cam_param_info(id)->max;
+    return (int64_t)floor(exact < most ? exact : most);
+}
+
+static void test_limits_by_the_tick_are_exact(void)
+{
+    for (uint32_t hz = 500; hz <= 1000000u; hz += 1 + hz / 97u) {
+        const double n = cam_play_history - 2;
+        TEST_ASSERT_EQUAL_INT32(whole((n * 1e9 - 15259.0) / hz, cam_param_lead_ns),
+                                cam_fit_most(cam_param_lead_ns, hz));
+        TEST_ASSERT_EQUAL_INT32(whole(32766e9 / hz, cam_param_k1_ns),
+                                cam_fit_most(cam_param_k1_ns, hz));
+        TEST_ASSERT_EQUAL_INT32(whole(32766e12 / hz / hz, cam_param_k2_us2),
+                                cam_fit_most(cam_param_k2_us2, hz));
+        TEST_ASSERT_EQUAL_INT32(whole(80.0 * hz, cam_param_observer_bandwidth_mHz),
+                                cam_fit_most(cam_param_observer_bandwidth_mHz, hz));
+    }
+}
+
 /// The speeds of X and Z are limited to what the port's outputs pass on, where it names that.
 static void test_speeds_of_slow_axes_are_those_of_their_outputs(void)
 {
@@ -176,12 +200,11 @@ static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
     params.u_stroke_nm = 1000; // shorter than the room: U stays where it is
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 1000, 200000000));
     TEST_ASSERT_EQUAL_INT64(0, config.play.u_retract_q10);
-    params.u_stroke_nm =
-        800000; // the feed-forward runs ahead where k1 is longer than half the window
+    params.u_stroke_nm = 800000; // the feed-forward runs ahead where U begins to brake
     params.k1_ns = 742723;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
     const double a = config.guard.leave.acceleration_q10 / 1024.0; // [nm / tick^2]
-    const double over = 742723e-9 * 20000.0 - 8.0;
+    const double over = 742723e-9 * 20000.0 + 0.5 - 8.0;
     const double room_nm = 625.0 / 8.0 + a * (over * over / 2.0 + 256.0 / 12.0);
     TEST_ASSERT_DOUBLE_WITHIN(60.0, -(400000.0 - room_nm),
                               (double)config.guard.u_retract_q10 / 1024.0);
@@ -200,6 +223,7 @@ int main(void)
     RUN_TEST(test_approach_limit_is_what_half_of_the_lag_makes);
     RUN_TEST(test_following_limit_that_was_set_is_taken_and_without_a_table_it_is_the_least);
     RUN_TEST(test_most_is_the_largest_value_that_is_built);
+    RUN_TEST(test_limits_by_the_tick_are_exact);
     RUN_TEST(test_speeds_of_slow_axes_are_those_of_their_outputs);
     RUN_TEST(test_usual_observer_is_a_twentieth_of_a_slow_tick);
     RUN_TEST(test_retract_leaves_room_to_brake_inside_the_stroke);

@@ -99,6 +99,84 @@ static void test_turned_is_a_multiplication_by_a_unit(void)
     }
 }
 
+static void test_axes_of_the_circle_are_exact(void)
+{
+    static const int32_t cosines[] = {1 << 24, 0, -(1 << 24), 0};
+    for (uint32_t i = 0; i < 8u; i++) {
+        TEST_ASSERT_EQUAL_INT32(cosines[i % 4u], cam_cos_q24(64u * i));
+        TEST_ASSERT_EQUAL_INT32(cosines[i % 4u], cam_sin_q24(64u * i + 64u));
+    }
+}
+
+/// A cosine in 2^30ths, and the harmonic and the point by which it alone makes that point.
+typedef struct {
+    int64_t cosine;
+    uint32_t k, i;
+    bool is_sine; // of the part -im
+} place_t;
+
+/// @return a place of a step of the circle; k is 0 for the few steps that no point needs
+static place_t place_of(uint32_t step)
+{
+    for (uint32_t k = 1; k <= 16u; k++) {
+        for (uint32_t i = 0; i <= 64u; i++) {
+            for (uint32_t sine = 0; sine < 2u; sine++) {
+                if ((k * i + 64u * sine) % 256u == step) {
+                    const int64_t cosine = llround(1073741824.0 * cos(TURN * step / 256.0));
+                    return (place_t){cosine, k, i, sine == 1u};
+                }
+            }
+        }
+    }
+    return (place_t){0};
+}
+
+/// @return what a part of a harmonic makes of a point, rounded at 2^-5 and as a whole
+static int64_t point_by(int64_t part, int64_t cosine, uint32_t down)
+{
+    const int64_t sum = (part * 128 * cosine + (INT64_C(1) << 31)) >> 32;
+    return (sum + (INT64_C(1) << (down + 4u))) >> (down + 5u);
+}
+
+/// @return a part of which the point shows whether the cosine is a 2^30th more or less
+static int32_t telling_part(int64_t cosine, int64_t other, uint32_t down)
+{
+    for (int64_t point = 1; point < INT16_MAX; point++) {
+        const double sum = ldexp((double)point - 0.5, (int)down + 5);
+        const int64_t near = llround(ldexp(sum, 25) / (double)cosine);
+        for (int64_t part = near - 1; part <= near + 1; part++) {
+            if (point_by(part, cosine, down) != point_by(part, other, down)) {
+                TEST_ASSERT_TRUE(llabs(part) < 1 << 23);
+                return (int32_t)part;
+            }
+        }
+    }
+    TEST_FAIL_MESSAGE("no part tells it");
+    return 0;
+}
+
+/// On the axes of the circle a 2^30th more or less is rounded away; other steps show it.
+static void test_cosines_are_the_nearest_of_their_word(void)
+{
+    static int16_t point[257];
+    for (uint32_t n = 0; n < 512u; n++) {
+        const place_t at = place_of(n / 2u);
+        const int64_t other = at.cosine + (n % 2u == 0u ? 1 : -1);
+        const int64_t most = llabs(at.cosine) >> 2; // of a sum
+        uint32_t down = 1;
+        while (most >> (down + 5u) >= INT16_MAX) {
+            down++;
+        }
+        if (n / 2u % 64u != 0u && at.k > 0u) {
+            cam_complex_t c[17] = {0};
+            const int32_t part = telling_part(at.cosine, other, down);
+            c[at.k] = at.is_sine ? (cam_complex_t){.im = part} : (cam_complex_t){.re = part};
+            (void)cam_harmonics_lead(point, c, down, 1 << 17);
+            TEST_ASSERT_EQUAL_INT16(point_by(part, at.cosine, down), point[at.i]);
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -107,5 +185,7 @@ int main(void)
     RUN_TEST(test_points_move_by_no_more_than_a_step_and_arrive);
     RUN_TEST(test_points_beyond_their_word_stay_at_its_end);
     RUN_TEST(test_turned_is_a_multiplication_by_a_unit);
+    RUN_TEST(test_axes_of_the_circle_are_exact);
+    RUN_TEST(test_cosines_are_the_nearest_of_their_word);
     return UNITY_END();
 }

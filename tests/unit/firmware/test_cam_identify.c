@@ -119,6 +119,16 @@ static void test_a_wave_is_played_recorded_and_left(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine)); // a cut follows as ever
 }
 
+/// On its way to the place U has nothing of the wave yet.
+static void test_the_way_to_the_place_is_without_the_wave(void)
+{
+    begin();
+    const cam_move_t *u = &rig.machine.core->motion.axis[hal_axis_u];
+    for (; u->pos_q10 != (int64_t)place_nm * 1024; go_on(1, true)) {
+        TEST_ASSERT_EQUAL_INT32(u->pos_q10 >> 4, fixture_rig_status(&rig).u_set_q6);
+    }
+}
+
 static void test_stop_lets_it_fade(void)
 {
     begin();
@@ -364,6 +374,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_wave_is_played_recorded_and_left);
+    RUN_TEST(test_the_way_to_the_place_is_without_the_wave);
     RUN_TEST(test_stop_lets_it_fade);
     RUN_TEST(test_stop_on_the_way_to_the_place_ends_it);
     RUN_TEST(test_disable_lets_it_fade_and_then_takes_the_enable);

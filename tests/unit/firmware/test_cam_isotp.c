@@ -233,6 +233,18 @@ static void test_a_single_frame_may_fill_the_room(void)
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give(7, six));
 }
 
+/// A length of 32 bits counts in all of them, and what is longer than the memory is refused.
+static void test_each_byte_of_a_length_counts(void)
+{
+    static const uint32_t more[] = {1, 0x200, 0x30000, 0x4000000, 0xF0000000};
+    for (uint32_t i = 0; i < sizeof more / sizeof more[0]; i++) {
+        const uint32_t length = 4096u + more[i];
+        TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(length));
+        TEST_ASSERT_EQUAL_HEX32(length, t.length);
+        TEST_ASSERT_EQUAL(length > capacity, t.is_too_long);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -246,5 +258,6 @@ int main(void)
     RUN_TEST(test_a_new_message_takes_the_place_of_the_old);
     RUN_TEST(test_frames_without_a_place_are_passed_over);
     RUN_TEST(test_they_do_not_disturb_a_message);
+    RUN_TEST(test_each_byte_of_a_length_counts);
     return UNITY_END();
 }

@@ -125,10 +125,35 @@ static void test_large_harmonics_share_their_gain(void)
     TEST_ASSERT_INT32_WITHIN(200, 16000, learned[0].re);
 }
 
+/// In the cut the work changes: the best error that was seen counts for less from turn to turn.
+static void test_best_error_ages_in_the_cut_alone(void)
+{
+    static cam_gather_bin_t bins[cam_learn_bins];
+    for (int k = 0; k < cam_learn_bins; k++) {
+        const double at = 2.0 * 3.14159265358979323846 * (k + 0.5) / cam_learn_bins;
+        bins[k] = (cam_gather_bin_t){.n = 1, .error_q6 = (int32_t)lround(16500.0 * cos(at))};
+    }
+    for (int is_cut = 0; is_cut < 2; is_cut++) {
+        t = (cam_teach_t){.phase = is_cut ? cam_teach_cutting : cam_teach_shape,
+                          .bin = bins,
+                          .k = 1,
+                          .scale_q30 = 1 << 30,
+                          .turn_speed_q32 = 1 << 22,
+                          .largest = 64000,
+                          .room_q6 = 1 << 24};
+        t.shape.is_probed = true;
+        t.shape.gain[1] = (cam_gain_t){.re_q12 = 4096};
+        t.shape.best_q6[1] = 16000;
+        cam_lesson_harmonic(&t, &s);
+        TEST_ASSERT_EQUAL_UINT32(is_cut ? 17001 : 16000, t.shape.best_q6[1]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_large_harmonics_share_their_gain);
+    RUN_TEST(test_best_error_ages_in_the_cut_alone);
     RUN_TEST(test_a_harmonic_is_taken_at_its_size);
     RUN_TEST(test_gain_is_that_of_the_phase);
     RUN_TEST(test_drive_is_told_by_a_large_motion);

@@ -233,6 +233,32 @@ static void test_slice_is_the_pattern_alone(void)
     }
 }
 
+/// All channels over the angle have a slice for each pattern, and each lobe has one of them.
+static void test_channels_of_a_shaft_have_the_same_patterns(void)
+{
+    shaft.has_speed = true;
+    make();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_lobes_check_patterns(&table));
+    for (int32_t off = -1; off <= 1; off += 2) {
+        cam_table_t t = table;
+        t.speed.n_slices += (uint32_t)off;
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
+        t.speed.knots = NULL;
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_lobes_check_patterns(&t));
+        t.angle.n_slices += (uint32_t)off;
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
+    }
+    cam_table_t t = table;
+    t.angle.knots = NULL;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
+    t = table;
+    t.is_ring_helix = true;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
+    t = table; // two patterns are too few for the third
+    t.u.n_slices = t.speed.n_slices = t.angle.n_slices = 2;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -247,5 +273,6 @@ int main(void)
     RUN_TEST(test_lobe_and_change_are_those_of_the_format);
     RUN_TEST(test_middle_of_the_gap_belongs_to_the_upper_lobe_and_has_no_lift);
     RUN_TEST(test_slice_is_the_pattern_alone);
+    RUN_TEST(test_channels_of_a_shaft_have_the_same_patterns);
     return UNITY_END();
 }

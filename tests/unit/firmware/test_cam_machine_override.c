@@ -14,13 +14,9 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/// Ticks and the main loop, until a state is reached.
 static void until(cam_state_t state)
 {
-    for (int i = 0; i < 200000 && fixture_rig_state() != state; i++) {
-        fixture_rig_tick(&rig);
-        cam_machine_poll(&rig.machine);
-    }
+    (void)fixture_rig_wait(&rig, state, 200000);
     TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 
@@ -152,6 +148,9 @@ static void test_a_ring_helix_has_its_own_feed_or_none(void)
 static void test_parts_are_set_from_0_on(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_set_parts(&rig.machine, -1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.machine.n_parts);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, 41));
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     until(cam_state_ready);

@@ -23,9 +23,7 @@ static void poll_for(uint32_t n)
 
 static void until(cam_state_t state)
 {
-    for (int i = 0; i < 400000 && fixture_rig_state() != state; i++) {
-        poll_for(1);
-    }
+    (void)fixture_rig_wait(&rig, state, 400000);
     TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 

@@ -250,6 +250,42 @@ static void test_a_cut_ends_the_glides_of_the_approach(void)
     TEST_ASSERT_TRUE(f.motion.is_gliding);
 }
 
+/// @return ticks from the begin of the state up to where the cut is laid
+static int ticks_until_laid(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    int n = 0;
+    for (; !f.motion.is_playing; n++) {
+        TEST_ASSERT_LESS_THAN_INT(100000, n);
+        fixture_play_tick(&f);
+    }
+    return n;
+}
+
+/// Wherever the spindle is then, the cut begins on the first whole turn that lies behind all that
+/// is commanded up to the next plan; a tick is left for when the angle is looked at.
+static void test_cut_begins_on_the_first_turn_behind_the_next_plan(void)
+{
+    const int n = ticks_until_laid();
+    setUp();
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    fixture_play_ticks(&f, (uint32_t)(n - 1));
+    static fixture_play_t before;
+    before = f;
+    for (int64_t i = 0; i < 120; i++) {
+        f = before;
+        f.angle.pos_q32 += i * (CAM_TURN_Q32 / 120);
+        fixture_play_tick(&f);
+        TEST_ASSERT_TRUE(f.motion.is_playing);
+        const double ticks = f.config.play.commanded_q16 / 65536.0 + f.config.play.plan_ticks;
+        const double least = ticks * f.angle.speed_q32;
+        const double found = (double)(f.plan.engage_at_q32 - f.angle.pos_q32);
+        TEST_ASSERT_EQUAL_INT64(0, f.plan.engage_at_q32 % CAM_TURN_Q32);
+        TEST_ASSERT_TRUE(found >= least - 1.01 * f.angle.speed_q32);
+        TEST_ASSERT_TRUE(found < least + (double)CAM_TURN_Q32 + 1.01 * f.angle.speed_q32);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -263,5 +299,6 @@ int main(void)
     RUN_TEST(test_spindle_that_turns_back_while_disengaging_leaves_the_state);
     RUN_TEST(test_measured_z_is_extrapolated_to_the_next_plan);
     RUN_TEST(test_a_cut_ends_the_glides_of_the_approach);
+    RUN_TEST(test_cut_begins_on_the_first_turn_behind_the_next_plan);
     return UNITY_END();
 }

@@ -92,6 +92,19 @@ static void test_off_follows_the_axes_as_far_as_they_go(void)
     TEST_ASSERT_EQUAL_INT64(-(int64_t)cam_aim_most_nm * 1024, f.motion.axis[0].pos_q10);
 }
 
+/// Whatever an earlier motion by hand has left, the next one begins with axes that stand.
+static void test_motion_by_hand_begins_at_rest(void)
+{
+    fixture_play_ticks(&f, 3);
+    f.motion.u_speed_q10 = 12345;
+    f.motion.is_stopping = true;
+    fixture_play_do(&f, cam_request_manual);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, f.motion.state);
+    TEST_ASSERT_EQUAL_INT32(0, f.motion.u_speed_q10);
+    TEST_ASSERT_FALSE(f.motion.is_stopping);
+    TEST_ASSERT_TRUE(f.motion.is_by_hand);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -99,5 +112,6 @@ int main(void)
     RUN_TEST(test_requests_that_do_not_fit_the_cut_are_nothing);
     RUN_TEST(test_an_emergency_stop_between_two_plans_is_remembered);
     RUN_TEST(test_off_follows_the_axes_as_far_as_they_go);
+    RUN_TEST(test_motion_by_hand_begins_at_rest);
     return UNITY_END();
 }

@@ -39,14 +39,15 @@ static void step(void)
 }
 
 /// As long as nothing happens the main loop is slower than the ticks.
+static void wait(void)
+{
+    fixture_rig_ticks(&rig, 7);
+    step();
+}
+
 static void until(cam_state_t state)
 {
-    for (int i = 0; i < 400000 && fixture_rig_state() != state; i++) {
-        if (i % 8 == 0) {
-            cam_machine_poll(&rig.machine);
-        }
-        fixture_rig_tick(&rig);
-    }
+    (void)fixture_rig_wait(&rig, state, 400000);
     TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 
@@ -99,7 +100,7 @@ static void test_before_the_cut_the_whole_of_it_is_told(void)
     until(cam_state_engaging);
     TEST_ASSERT_INT32_WITHIN(1, told, turns(now().left_q32)); // while the axes approach
     while (turns(now().left_q32) > told - 1) {
-        step();
+        wait();
     }
     TEST_ASSERT_INT32_WITHIN(1, told, turns(now().whole_q32));
     expect_true_end();
@@ -141,12 +142,12 @@ static void test_a_hold_counts_as_if_it_were_resumed_at_once(void)
     until(cam_state_cutting);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
     until(cam_state_holding);
-    for (int i = 0; i < 5000; i++) {
-        step();
+    for (int i = 0; i < 625; i++) {
+        wait();
     }
     const int32_t left = turns(now().left_q32);
-    for (int i = 0; i < 5000; i++) {
-        step();
+    for (int i = 0; i < 625; i++) {
+        wait();
     }
     TEST_ASSERT_INT32_WITHIN(1, left, turns(now().left_q32));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_resume(&rig.machine));
@@ -227,7 +228,7 @@ static void test_a_rehearsal_is_not_held(void)
     start();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
     while (!g_cam.motion.is_playing) {
-        step();
+        wait();
     }
     TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, fixture_rig_state());
     const int32_t left = turns(now().left_q32);
@@ -242,7 +243,7 @@ static void test_a_stopped_rehearsal_is_followed_by_nothing(void)
     set(cam_param_rehearse_turns, 1000);
     start();
     while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < 1 << 29) {
-        step();
+        wait();
     }
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
     steps(20);

@@ -133,6 +133,29 @@ static void test_absurd_curvature_is_refused_without_overflow(void)
     TEST_ASSERT_NOT_EQUAL_INT(cam_ok, check());
 }
 
+/// Where the spindle is slow, U's acceleration is small whatever the curvature: the limit of the
+/// curvature itself, 2^40 nm per turn^2, refuses a table that no promise does.
+static void test_curvature_is_limited_by_itself(void)
+{
+    enum { n_u = 32, n_speed = 8 };
+    static cam_knot_t u[n_u], speed[n_speed];
+    cam_table_t t = {.u = {.knots = u, .n_slices = 2, .log2_knots = 4, .log2_repeat = 4},
+                     .speed = {.knots = speed,
+                               .n_slices = 2,
+                               .log2_knots = 2,
+                               .value_offset = CAM_TABLE_RATIO_ONE / 8},
+                     .u1_peak_nm_per_rad = INT32_MAX,
+                     .u2_peak_nm_per_rad2 = INT32_MAX};
+    t.u.span_nm = t.speed.span_nm = 1000000;
+    t.u.slices_per_nm_q48 = t.speed.slices_per_nm_q48 = 281474977;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        u[n_u - 1].a = sign * (1 << 23);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_promise_check(&t));
+        u[n_u - 1].a += sign;
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, cam_promise_check(&t));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -144,5 +167,6 @@ int main(void)
     RUN_TEST(test_layout_and_knots_of_speed_are_checked_as_those_of_u);
     RUN_TEST(test_every_flipped_bit_is_refused);
     RUN_TEST(test_absurd_curvature_is_refused_without_overflow);
+    RUN_TEST(test_curvature_is_limited_by_itself);
     return UNITY_END();
 }

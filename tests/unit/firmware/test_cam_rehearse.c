@@ -85,6 +85,21 @@ static void test_u_plays_in_full_while_x_is_clear_by_half_the_stroke(void)
     }
 }
 
+/// Behind a rehearsal U waits at 0, to the last digit, until the cut is laid.
+static void test_u_rests_between_rehearsal_and_cut(void)
+{
+    begin(3);
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, rehearse(200000));
+    uint32_t n = 0;
+    for (; !g_cam.motion.is_playing; n++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, n);
+        TEST_ASSERT_EQUAL_INT32(0, rig.last.want.u_set_q6);
+        TEST_ASSERT_EQUAL_INT64(0, g_cam.motion.u_target_q10);
+        fixture_rig_tick(&rig);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(0, n);
+}
+
 static void test_stop_ends_a_rehearsal_in_ready(void)
 {
     begin(1000);
@@ -180,6 +195,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_u_plays_in_full_while_x_is_clear_by_half_the_stroke);
+    RUN_TEST(test_u_rests_between_rehearsal_and_cut);
     RUN_TEST(test_stop_ends_a_rehearsal_in_ready);
     RUN_TEST(test_an_override_in_a_rehearsal_is_for_the_cut);
     RUN_TEST(test_a_fault_retracts_as_in_the_cut);

@@ -239,6 +239,36 @@ static void test_signals_are_those_of_the_record(void)
     TEST_ASSERT_EQUAL_INT32(-16, row[cam_scope_swing_q32]);
 }
 
+/// Whatever an earlier recording has left, only the memory, the wave in it and what is set stay.
+static void test_recording_begins_anew_in_each_word(void)
+{
+    static int32_t words[64];
+    cam_scope_t s;
+    cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = 64}, 20000);
+    cam_scope_plan_t plan = s.set;
+    plan.rows = 5;
+    s.phase = cam_scope_done;
+    s.end = cam_scope_gap;
+    s.oldest = s.n_rows = s.n_before = s.to_row = 3;
+    s.start_tick = s.first_tick = s.last_tick = s.trigger_tick = 7;
+    s.faults = s.n_lost = s.number = 9;
+    s.last.is_there = true;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&s, &plan, cam_scope_box, 11, 1234));
+    TEST_ASSERT_EQUAL_INT(cam_scope_armed, s.phase);
+    TEST_ASSERT_EQUAL_INT(cam_scope_open, s.end);
+    TEST_ASSERT_EQUAL_INT(cam_scope_box, s.use);
+    TEST_ASSERT_EQUAL_UINT32(11, s.at);
+    TEST_ASSERT_EQUAL_UINT32(5, s.most_rows);
+    TEST_ASSERT_EQUAL_UINT32(0, s.oldest + s.n_rows + s.n_before + s.to_row);
+    TEST_ASSERT_EQUAL_UINT32(0, s.faults + s.n_lost);
+    TEST_ASSERT_EQUAL_UINT32(10, s.number);
+    TEST_ASSERT_EQUAL_UINT32(1234, s.start_tick);
+    TEST_ASSERT_EQUAL_UINT32(1234, s.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(1234, s.last_tick);
+    TEST_ASSERT_EQUAL_UINT32(1234, s.trigger_tick);
+    TEST_ASSERT_FALSE(s.last.is_there);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -252,5 +282,6 @@ int main(void)
     RUN_TEST(test_stop_ends_it_and_keeps_the_rows);
     RUN_TEST(test_fields_are_checked);
     RUN_TEST(test_signals_are_those_of_the_record);
+    RUN_TEST(test_recording_begins_anew_in_each_word);
     return UNITY_END();
 }

@@ -209,6 +209,26 @@ static void test_the_cut_forgets_slowly(void)
     TEST_ASSERT_EQUAL_UINT8(UINT8_MAX, t.n_steps);
 }
 
+/// The interrupt has begun to write the bank again: what was taken of the turn counts for nothing,
+/// and the ripple that was summed up to it neither.
+static void test_a_turn_that_is_taken_too_late_is_dropped(void)
+{
+    settle();
+    for (uint32_t late = 0; late < 2u; late++) {
+        t.bin = g.bin;
+        t.turn = 5;
+        t.k = 1;
+        t.ripple.n = 3;
+        t.ripple.sum[15] = (cam_complex_t){.re = 77, .im = 78};
+        atomic_store(&g.at_q8, (6u + late) << 8);
+        cam_teach_poll(&t, &s, how.state, &g);
+        TEST_ASSERT_EQUAL(late == 1u, t.bin == NULL);
+        TEST_ASSERT_EQUAL_UINT32(late == 0u ? 3u : 0u, t.ripple.n);
+        TEST_ASSERT_EQUAL_INT32(late == 0u ? 77 : 0, t.ripple.sum[15].re);
+        TEST_ASSERT_EQUAL_INT32(late == 0u ? 78 : 0, t.ripple.sum[15].im);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -222,5 +242,6 @@ int main(void)
     RUN_TEST(test_a_larger_shape_lets_the_guard_begin_anew);
     RUN_TEST(test_constants_stay_within_their_bounds);
     RUN_TEST(test_the_cut_forgets_slowly);
+    RUN_TEST(test_a_turn_that_is_taken_too_late_is_dropped);
     return UNITY_END();
 }

@@ -143,10 +143,12 @@ static void wild_isr(void)
 
 static void expect(bool is_good, const char *what)
 {
-    char text[200];
-    (void)snprintf(text, sizeof text, "%s, state %s, senses 0x%X: %s", where,
-                   cam_state_name(f.rig.last.want.state), (unsigned)wild, what);
-    TEST_ASSERT_TRUE_MESSAGE(is_good, text);
+    if (!is_good) { // every tick has dozens of them
+        char text[200];
+        (void)snprintf(text, sizeof text, "%s, state %s, senses 0x%X: %s", where,
+                       cam_state_name(f.rig.last.want.state), (unsigned)wild, what);
+        TEST_FAIL_MESSAGE(text);
+    }
 }
 
 /// Held axes go on from where they were told to be, even at the ends of the words.
@@ -195,7 +197,7 @@ static void play_burst(void)
     before.want.outputs = 0;
     f.rig.isr = wild_isr;
     for (uint32_t i = 0; i < n; i++) {
-        fixture_can_loop(&f, 1);
+        fixture_can_tick(&f, i);
         check();
     }
     f.rig.isr = NULL;
@@ -264,9 +266,7 @@ static void bring_to(cam_state_t state)
         TEST_ASSERT_TRUE_MESSAGE(fixture_rig_bring(&f.rig, state), where);
         break;
     }
-    for (uint32_t n = 0; n < 40000u && fixture_rig_state() != state; n++) {
-        fixture_can_loop(&f, 1);
-    }
+    (void)fixture_can_until(&f, state, true, 40000);
     fixture_can_loop(&f, (uint32_t)any(0, state == cam_state_fault ? 400 : 30));
     TEST_ASSERT_EQUAL_INT_MESSAGE(state, fixture_rig_state(), where);
 }

@@ -203,6 +203,22 @@ static void test_mended_place_is_the_one_told_and_its_increment(void)
     TEST_ASSERT_EQUAL_INT32(-2005, w.led_nm[hal_axis_z]);
 }
 
+/// Which of two increments was flipped nobody knows: the slower one leads, whichever it is.
+static void test_mended_increment_is_the_slower_of_two(void)
+{
+    for (int32_t vel_q10 = -4 * 1024; vel_q10 <= 4 * 1024; vel_q10 += 1024) {
+        cam_watch_t w = {.led_nm = {0, 1000, -2000}};
+        cam_tell_t t = {.vel_q10 = {0, 3 * 1024, -5 * 1024}};
+        cam_motion_t m = {.state = cam_state_cutting};
+        m.axis[hal_axis_x] = (cam_move_t){.pos_q10 = INT64_C(1) << 40, .vel_q10 = vel_q10};
+        (void)cam_watch_mend_isr(&w, &t, &m, NULL);
+        const bool is_slower = vel_q10 > -3 * 1024 && vel_q10 < 3 * 1024;
+        const int32_t mended_q10 = is_slower ? vel_q10 : 3 * 1024;
+        TEST_ASSERT_EQUAL_INT32(mended_q10, m.axis[hal_axis_x].vel_q10);
+        TEST_ASSERT_EQUAL_INT64(1000 * 1024 + 512 + mended_q10, m.axis[hal_axis_x].pos_q10);
+    }
+}
+
 /// @return [nm] X a second behind the fault, where it has to stand
 static int32_t x_at_rest(void)
 {
@@ -341,6 +357,7 @@ int main(void)
     RUN_TEST(test_axes_rest_behind_an_index_that_died);
     RUN_TEST(test_axes_rest_behind_a_change_that_is_found_for_ever);
     RUN_TEST(test_mended_place_is_the_one_told_and_its_increment);
+    RUN_TEST(test_mended_increment_is_the_slower_of_two);
     RUN_TEST(test_state_of_the_plan_is_sealed);
     RUN_TEST(test_home_of_u_is_mended_before_it_is_told);
     RUN_TEST(test_tick_that_did_not_end_is_seen);

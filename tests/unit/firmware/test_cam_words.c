@@ -2,9 +2,12 @@
 // Names and texts of states, faults, errors and parameters; parameters and their ranges; the trace
 // ring.
 #include "cam_err.h"
+#include "cam_guard.h"
 #include "cam_param.h"
+#include "cam_scope.h"
 #include "cam_state.h"
 #include "cam_table.h" // cam_crc32
+#include "cam_teach.h"
 #include "cam_trace.h"
 #include "unity.h"
 #include <stdio.h> // snprintf
@@ -31,6 +34,26 @@ static void test_names_are_there_and_differ(void)
     TEST_ASSERT_EQUAL_STRING("?", cam_state_name(cam_n_states));
     TEST_ASSERT_EQUAL_STRING("?", cam_fault_name(cam_n_faults));
     TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)-1));
+}
+
+/// A number may be any that its word holds, wherever it comes from.
+static void test_numbers_beyond_a_list_stand_for_nothing(void)
+{
+    static const int beyond[] = {0, 1, 2, 30, 100};
+    for (size_t i = 0; i < sizeof beyond / sizeof beyond[0]; i++) {
+        const int by = beyond[i];
+        TEST_ASSERT_EQUAL_STRING("?", cam_state_name((cam_state_t)(cam_n_states + by)));
+        TEST_ASSERT_EQUAL_HEX32(0, cam_guard_armed((cam_state_t)(cam_n_states + by)));
+        TEST_ASSERT_EQUAL_STRING("?", cam_fault_name((cam_fault_t)(cam_n_faults + by)));
+        TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)(cam_n_faults + by)));
+        const int phase = (int)cam_teach_n_phases + by;
+        TEST_ASSERT_EQUAL_STRING("?", cam_teach_phase_name((cam_teach_phase_t)phase));
+        const int reason = (int)cam_teach_n_reasons + by;
+        TEST_ASSERT_EQUAL_STRING("?", cam_teach_reason_name((cam_teach_reason_t)reason));
+        TEST_ASSERT_EQUAL_STRING("?", cam_scope_signal_name(cam_scope_n_signals + (uint32_t)by));
+        TEST_ASSERT_NULL(cam_param_info((cam_param_id_t)(cam_n_params + by)));
+    }
+    TEST_ASSERT_EQUAL_STRING("?", cam_scope_signal_name(UINT32_MAX));
 }
 
 static void test_err_text_knows_every_error(void)
@@ -96,6 +119,20 @@ static void test_params_are_those_that_are_known(void)
         crc = cam_crc32(crc, line, (uint32_t)n);
     }
     TEST_ASSERT_EQUAL_HEX32(0x8183528A, crc);
+}
+
+#define SIGNAL(name, value, what) #name " "
+#define FIELD(name, is_set, what) #name " " #is_set " "
+
+/// The numbers of signals and fields are part of the CAN protocol: new ones come last. Who means to
+/// add one changes the number here.
+static void test_signals_and_fields_of_the_recorder_are_those_that_are_known(void)
+{
+    static const char signals[] = CAM_SCOPE_SIGNALS(SIGNAL);
+    static const char fields[] = CAM_SCOPE_FIELDS(FIELD);
+    TEST_ASSERT_EQUAL_HEX32(0x34D5A7B7, cam_crc32(0, signals, sizeof signals));
+    TEST_ASSERT_EQUAL_HEX32(0x94A3759D, cam_crc32(0, fields, sizeof fields));
+    TEST_ASSERT_EQUAL_STRING("config", cam_scope_signal_name(cam_scope_n_signals - 1));
 }
 
 /// Learning sets what it needs and leaves all else; what is out of its range is brought back.
@@ -165,10 +202,12 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_names_are_there_and_differ);
+    RUN_TEST(test_numbers_beyond_a_list_stand_for_nothing);
     RUN_TEST(test_err_text_knows_every_error);
     RUN_TEST(test_param_set_takes_its_range_and_nothing_else);
     RUN_TEST(test_param_foreign_ids_and_names_are_refused);
     RUN_TEST(test_params_are_those_that_are_known);
+    RUN_TEST(test_signals_and_fields_of_the_recorder_are_those_that_are_known);
     RUN_TEST(test_params_of_learning_and_their_fit);
     RUN_TEST(test_trace_keeps_order_and_counts_what_it_drops);
     RUN_TEST(test_trace_record_that_nobody_wants_is_not_kept);

@@ -183,10 +183,12 @@ static void fault(void)
 
 static void expect(bool is_good, const char *what)
 {
-    char text[160];
-    (void)snprintf(text, sizeof text, "session %u, tick %u, state %s: %s", (unsigned)session,
-                   (unsigned)hal_host.n_ticks, cam_state_name(last.state), what);
-    TEST_ASSERT_TRUE_MESSAGE(is_good, text);
+    if (!is_good) { // every tick has dozens of them
+        char text[160];
+        (void)snprintf(text, sizeof text, "session %u, tick %u, state %s: %s", (unsigned)session,
+                       (unsigned)hal_host.n_ticks, cam_state_name(last.state), what);
+        TEST_FAIL_MESSAGE(text);
+    }
 }
 
 /// @return whether one state may follow another
@@ -313,7 +315,7 @@ static void play_session(void)
         if (any(0, 12000) == 0) {
             fault();
         }
-        fixture_can_loop(&f, 1);
+        fixture_can_tick(&f, i);
         check();
     }
 }
