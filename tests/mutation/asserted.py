@@ -1,4 +1,4 @@
-"""What is not drawn because the compiler judges it by itself."""
+"""What is not drawn: what the compiler judges by itself, and what it does not see on the host."""
 
 from __future__ import annotations
 
@@ -18,4 +18,21 @@ def asserted(lines: Sequence[str]) -> set[int]:
         if is_inside:
             numbers.add(number)
         is_inside = is_inside and ");" not in line
+    return numbers
+
+
+def unseen(lines: Sequence[str]) -> set[int]:
+    """Return the numbers, from 1, of all lines that are compiled for the Cortex-M alone.
+
+    >>> sorted(unseen(["#if defined(__ARM_X)", "a();", "#else", "b();", "#endif", "c();"]))
+    [1, 2]
+    """
+    numbers: set[int] = set()
+    is_inside = False
+    for number, line in enumerate(lines, start=1):
+        is_inside = line.startswith("#if defined(__ARM_") or (
+            is_inside and not line.startswith(("#else", "#endif"))
+        )
+        if is_inside:
+            numbers.add(number)
     return numbers

@@ -27,7 +27,7 @@ from account import (
     why,
     write,
 )
-from journal import Journal, Judged, Killers, digest_of
+from journal import Journal, Judged, Killers, digest_compiled, digest_of
 from mutants import Mutant, drawn, sources
 from pristine import Pristine
 from workshop import Workshop
@@ -145,7 +145,7 @@ def main(words: list[str]) -> int:
     options = options_of(words)
     folder, verify = ROOT / "build" / "mutation", ROOT / "build" / "verify"
     key = digest_of(ROOT, options.seed, options.files, options.quick, options.units)
-    journal = Journal(verify / "mutation.jsonl", key)
+    journal = Journal(verify / "mutation.jsonl", key, digest_compiled(ROOT))
     stream = drawn(ROOT, options.seed, options.files or sources(ROOT))
     is_short = options.quick or options.units
     presets = ("host",) if is_short else ("host", "host-asan")

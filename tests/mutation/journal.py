@@ -11,18 +11,17 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:  # it needs universalmutator, which who only reads figures has not
     from mutants import Mutant
 
-# What a verdict depends on.
-_JUDGES = (
+# What a verdict depends on; the compiler's depends on the first alone.
+_COMPILED = (
     "firmware",
     "hal",
-    "host_sim",
-    "tests/unit",
-    "tests/scenarios",
     "tests/mutation/mutants.py",
     "tests/mutation/asserted.py",
     "tests/mutation/workshop.py",
     "CMakeLists.txt",
+    "CMakePresets.json",
 )
+_JUDGES = (*_COMPILED, "host_sim", "tests/unit", "tests/scenarios")
 
 
 class Judged(NamedTuple):
@@ -40,6 +39,11 @@ class Judged(NamedTuple):
         """Return whether it says something: it is another program, and the compiler takes it."""
         return self.verdict not in ("invalid", "same code")
 
+    @property
+    def is_refused_alone(self) -> bool:
+        """Return whether the compiler refuses it, and has not met it in the text of a test."""
+        return self.verdict == "invalid" and not self.file.endswith(".h")
+
     def told(self) -> str:
         """Return verdict, place and change in one line, for people."""
         change = f"{self.was.strip()} -> {self.becomes.strip()}"
@@ -48,10 +52,19 @@ class Judged(NamedTuple):
 
 def digest_of(root: Path, *settings: object) -> str:
     """Return what tells whether verdicts are those of this tree and these settings."""
-    whole = hashlib.blake2b(repr(settings).encode(), digest_size=16)
-    for name in _JUDGES:
+    return _digest(root, _JUDGES, "*", repr(settings))
+
+
+def digest_compiled(root: Path) -> str:
+    """Return what tells whether the compiler would say the same of a source of the firmware."""
+    return _digest(root, _COMPILED, "*.[ch]", "")
+
+
+def _digest(root: Path, names: tuple[str, ...], pattern: str, words: str) -> str:
+    whole = hashlib.blake2b(words.encode(), digest_size=16)
+    for name in names:
         top = root / name
-        for path in sorted(p for p in (top, *top.rglob("*")) if p.is_file()):
+        for path in sorted(p for p in (top, *top.rglob(pattern)) if p.is_file()):
             if "__pycache__" not in path.parts:
                 whole.update(path.relative_to(root).as_posix().encode() + b"\0")
                 whole.update(path.read_bytes())
@@ -64,21 +77,26 @@ class Journal:
     Parameters
     ----------
     path : Path
-        The file. What another tree or other settings left there is given up.
-    key : str
-        From digest_of().
+        The file. What another tree or other settings left there is given up, but for what the
+        compiler refused of the same firmware.
+    key, compiled : str
+        From digest_of() and digest_compiled().
     """
 
-    def __init__(self, path: Path, key: str) -> None:
+    def __init__(self, path: Path, key: str, compiled: str) -> None:
         self._path = path
         self.judged: dict[tuple[str, int, str], Judged] = {}
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-        if lines and lines[0] == json.dumps({"of": key}):
+        head = json.loads(lines[0]) if lines else {}
+        if head.get("compiled") == compiled:
             for line in lines[1:]:
                 if line.endswith("]"):  # else the process ended while it was written
-                    self._know(Judged(*json.loads(line)))
+                    one = Judged(*json.loads(line))
+                    if head["of"] == key or one.is_refused_alone:
+                        self._know(one)
         path.parent.mkdir(parents=True, exist_ok=True)
-        whole = [json.dumps({"of": key}), *(json.dumps(one) for one in self.judged.values())]
+        head = {"of": key, "compiled": compiled}
+        whole = [json.dumps(head), *(json.dumps(one) for one in self.judged.values())]
         path.write_text("".join(f"{line}\n" for line in whole), encoding="utf-8")
 
     def _know(self, one: Judged) -> None:

@@ -16,7 +16,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
-from asserted import asserted
+from asserted import asserted, unseen
 from universalmutator import mutator
 
 _RULES = ["universal.rules", "c_like.rules", "c.rules"]
@@ -55,7 +55,7 @@ def mutants_of(root: Path, file: str) -> list[Mutant]:
     lines = (root / file).read_text(encoding="utf-8").splitlines(keepends=True)
     with contextlib.redirect_stdout(io.StringIO()):
         found = mutator.mutants_regexp(lines, list(_RULES), ignorePatterns=list(_LEFT_OUT))
-    left_out = asserted(lines)
+    left_out = asserted(lines) | unseen(lines)
     made = []
     for number, text, *_ in found:
         was, becomes = lines[number - 1].rstrip("\n"), text.rstrip("\n")

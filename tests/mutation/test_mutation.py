@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, figures_of, reasons, table
-from asserted import asserted
+from asserted import asserted, unseen
 from journal import Journal, Judged
 
 RECORDED = json.loads((HERE / "figures.json").read_text(encoding="utf-8"))
@@ -52,6 +52,17 @@ def test_all_lines_of_what_the_compiler_asserts_are_left_out() -> None:
     assert begin - 1 not in left_out
 
 
+def test_lines_for_the_cortex_m_alone_are_left_out() -> None:
+    """What the compiler of the host reads instead is drawn."""
+    lines = (HERE.parent.parent / "firmware/base/cam_fix.h").read_text("utf-8").splitlines()
+    left_out = unseen(lines)
+    texts = [lines[n - 1] for n in sorted(left_out)]
+    n_asm = sum("__asm" in line for line in lines)
+    assert sum("__asm" in text for text in texts) == n_asm > 0
+    assert not any("int64_t" in text for text in texts)
+    assert sum(line.startswith("#else") for line in lines) == n_asm
+
+
 def test_figures_count_only_what_says_something() -> None:
     """Neither what the compiler refuses nor what is the same code; a survivor counts against."""
     verdicts = ("killed by x", "invalid", "same code", "survived", "killed by x (crash)")
@@ -75,12 +86,24 @@ def test_figures_count_only_what_says_something() -> None:
 def test_journal_knows_what_was_judged(tmp_path: Path) -> None:
     """A line that was being written counts for nothing; nothing of another tree is believed."""
     path = tmp_path / "mutation.jsonl"
-    first = Journal(path, "tree")
+    first = Journal(path, "tree", "firmware")
     for line in (1, 2):
         first.add(judged(line, "survived"))
     path.write_text(path.read_text(encoding="utf-8")[:-9], encoding="utf-8")
-    again = Journal(path, "tree")
+    again = Journal(path, "tree", "firmware")
     assert list(again.judged.values()) == [judged(1, "survived")]
     again.add(judged(3, "invalid"))
-    assert len(Journal(path, "tree").judged) == 2
-    assert not Journal(path, "another tree").judged
+    assert len(Journal(path, "tree", "firmware").judged) == 2
+    assert not Journal(path, "another tree", "another firmware").judged
+
+
+def test_journal_believes_the_compiler_when_only_tests_have_changed(tmp_path: Path) -> None:
+    """What it refused stays refused; in a header it may have been the text of a test."""
+    path = tmp_path / "mutation.jsonl"
+    refused, header = judged(1, "invalid"), judged(2, "invalid")._replace(file="firmware/no.h")
+    first = Journal(path, "tree", "firmware")
+    for one in (refused, header, judged(3, "same code"), judged(4, "killed by x")):
+        first.add(one)
+    assert list(Journal(path, "other tests", "firmware").judged.values()) == [refused]
+    assert list(Journal(path, "tree", "firmware").judged.values()) == [refused]
+    assert not Journal(path, "tree", "another firmware").judged
