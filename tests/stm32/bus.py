@@ -170,21 +170,29 @@ class Device:
 
 
 class Bus:
-    """Finds the device of an address, at a grain of 1 KB."""
+    """Finds the device of an address, at a grain of 1 KB.
+
+    Attributes
+    ----------
+    models : list of Model
+        all of them
+    by_kb : dict
+        kilobyte of the address space -> its device
+    """
 
     def __init__(self) -> None:
         self.models: list[Model] = []
-        self._by_kb: dict[int, Model] = {}
+        self.by_kb: dict[int, Model] = {}
 
     def add(self, model: Model) -> None:
         """Place a device; its size is a multiple of 1 KB."""
         for kb in range(model.base >> 10, (model.base + model.size) >> 10):
-            assert kb not in self._by_kb, f"{model.name} overlaps {self._by_kb[kb].name}"
-            self._by_kb[kb] = model
+            assert kb not in self.by_kb, f"{model.name} overlaps {self.by_kb[kb].name}"
+            self.by_kb[kb] = model
         self.models.append(model)
 
     def _model(self, address: int) -> Model:
-        model = self._by_kb.get(address >> 10)
+        model = self.by_kb.get(address >> 10)
         if model is None:
             raise UnmodelledError(f"no device at 0x{address:08x}")
         return model

@@ -101,6 +101,11 @@ class Chip(Devices):
         self.clock.know_barriers(image.barriers)
         self.exceptions = Exceptions(self.uc, self.nvic)
         self.on_request, self.pwr.on_ready = self._ask, self._check_ram
+        # Looked up at every access, and for every slice of instructions.
+        self._gate_at_kb = {
+            kb: GATES[model.name] for kb, model in self.bus.by_kb.items() if model.name in GATES
+        }
+        self._next_events = [device.next_event for device in self.timed]
         self._map()
         self.load_flash()
 
@@ -196,7 +201,7 @@ class Chip(Devices):
             self._fail(error, base + offset)
 
     def _require_clock(self, address: int) -> None:
-        gate = GATES.get(self.bus.name_at(address))
+        gate = self._gate_at_kb.get(address >> 10)
         if gate is not None and not self.rcc.is_on(gate):
             raise UnmodelledError(f"{self.bus.name_at(address)} used without its clock")
 
@@ -315,7 +320,7 @@ class Chip(Devices):
                 self._execute(deadline)
 
     def _next_event(self) -> int:
-        return min([device.next_event() for device in self.timed])
+        return min([next_event() for next_event in self._next_events])
 
     def _settle(self) -> int:
         """Do what is due: devices, resets, exceptions. Return when the next device is due."""

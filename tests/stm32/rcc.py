@@ -89,7 +89,7 @@ class Rcc(Device):
         self.on_css: Callable[[], None] = lambda: None
         self.check_supply: Callable[[int, int], None] = lambda core_hz, axi_hz: None
         self._ready_at = NEVER
-        self._core_hz = self._timer_hz = 0  # 0: to be computed
+        self._core_hz = self._timer_hz = self._apb3_hz = 0  # 0: to be computed
         self.define(
             {
                 0x00: Reg("cr", CR_RESET, 0x010D0019, write=self._write_cr, read=self._read_cr),
@@ -176,7 +176,9 @@ class Rcc(Device):
 
     def apb3_hz(self) -> int:
         """Return the frequency of APB3."""
-        return self.ahb_hz() // apb_divisor(self.v["d1cfgr"] >> 4 & 7)
+        if self._apb3_hz == 0:
+            self._apb3_hz = self.ahb_hz() // apb_divisor(self.v["d1cfgr"] >> 4 & 7)
+        return self._apb3_hz
 
     def timer_hz(self) -> int:
         """Return the frequency of the timers on APB1 and APB2, which must be equal here."""
@@ -189,7 +191,7 @@ class Rcc(Device):
         return self._timer_hz
 
     def _forget(self) -> None:
-        self._core_hz = self._timer_hz = 0
+        self._core_hz = self._timer_hz = self._apb3_hz = 0
 
     def spi3_hz(self) -> int:
         """Return the kernel clock of SPI1..3."""

@@ -111,8 +111,8 @@ class Remote:
         return result
 
     def press(self) -> None:
-        """Press the button of the machine, as somebody at it does."""
-        for level, duration_s in ((0, 0.07), (1, 0.07), (0, 0.03)):
+        """Press the button of the machine, hardly longer than must be."""
+        for level, duration_s in ((0, 0.055), (1, 0.055), (0, 0.025)):
             self.chip.gpio.drive(BUTTON, level)
             self.chip.run(self.chip.seconds(duration_s))
 

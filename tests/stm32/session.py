@@ -66,10 +66,14 @@ class Session:
             self.remote.set(name, value)
             self.changes.append(f"set {PARAMS.index(name)} {value}")
 
-    def make_ready(self) -> None:
-        """Power on, set up, home, and bring the spindle to its speed."""
+    def start(self) -> None:
+        """Power on, and wait until the image says something."""
         self.board.power_on()
         self.remote.started()
+
+    def make_ready(self) -> None:
+        """Power on, set up, home, and bring the spindle to its speed."""
+        self.start()
         self.set_up()
         self.remote.do(ENABLE)
         self.remote.wait_for("ready", 1.0)

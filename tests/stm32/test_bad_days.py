@@ -77,20 +77,18 @@ def test_bad_table_starts_refuses_and_says_why(table: bytes, case: str) -> None:
     remote.wait_for("homing", 0.1)
 
 
-def test_tick_overrun_retracts_and_locks(table: bytes) -> None:
+def test_tick_overrun_retracts_and_locks(ready: Session) -> None:
     """A tick that takes 60 us: fault in the next one, retract, no enable until a reset."""
-    session = Session(table)
-    session.make_ready()
-    remote, chip = session.remote, session.chip
+    remote, chip = ready.remote, ready.chip
     remote.do(START)
     remote.wait_for("cutting", 1.0)
     chip.stall(TIM5_CNT, chip.seconds(60e-6))
     at = chip.clock.now
     chip.run(chip.seconds(200e-6))
-    assert "fault 1" in outputs_since(session, at)
+    assert "fault 1" in outputs_since(ready, at)
     remote.wait_for("fault", 0.1)
     assert "drive" in remote.newest().faults
-    ticks = session.board.ticks
+    ticks = ready.board.ticks
     assert chip.run_until(lambda: ticks[-1].enable == 0, chip.seconds(0.3))
     assert any("a tick overran" in line for line in remote.lines())
     remote.wait_until_retracted(0.5)
@@ -104,13 +102,11 @@ def test_tick_overrun_retracts_and_locks(table: bytes) -> None:
     remote.do(ENABLE)
 
 
-def test_late_set_points_lock_too(table: bytes) -> None:
+def test_late_set_points_lock_too(ready: Session) -> None:
     """A tick that ends behind the last moment for the frames, but within its period."""
-    session = Session(table)
-    session.make_ready()
-    session.chip.stall(TIM5_CNT, session.chip.seconds(25e-6))
-    session.remote.wait_for("fault", 0.1)
-    assert any("came too late" in line for line in session.remote.lines())
+    ready.chip.stall(TIM5_CNT, ready.chip.seconds(25e-6))
+    ready.remote.wait_for("fault", 0.1)
+    assert any("came too late" in line for line in ready.remote.lines())
 
 
 def between_ticks(session: Session) -> int:
@@ -136,36 +132,30 @@ def expect_safe_halt(session: Session, at: int, why: str) -> None:
     assert "enable 1" not in outputs_since(session, at)
 
 
-def test_lost_clock_halts_and_runs_on_without(table: bytes) -> None:
+def test_lost_clock_halts_and_runs_on_without(ready: Session) -> None:
     """The HSE dies: NMI, safe, reset; then the HSI carries it, and nothing can be enabled."""
-    session = Session(table)
-    session.make_ready()
-    at = between_ticks(session)
-    session.chip.rcc.fail_hse()
-    expect_safe_halt(session, at, "clock: the HSE oscillator failed")
-    assert session.chip.rcc.core_hz() == 480_000_000
-    assert session.remote.command(ENABLE)[0] == ERR["drive"]
-    assert any("no HSE clock" in line for line in session.remote.lines())
+    at = between_ticks(ready)
+    ready.chip.rcc.fail_hse()
+    expect_safe_halt(ready, at, "clock: the HSE oscillator failed")
+    assert ready.chip.rcc.core_hz() == 480_000_000
+    assert ready.remote.command(ENABLE)[0] == ERR["drive"]
+    assert any("no HSE clock" in line for line in ready.remote.lines())
 
 
-def test_exception_halts(table: bytes) -> None:
+def test_exception_halts(ready: Session) -> None:
     """A hard fault: safe, reset, its name told."""
-    session = Session(table)
-    session.make_ready()
-    at = between_ticks(session)
-    session.chip.nvic.pending.add(HARD_FAULT)
-    expect_safe_halt(session, at, "exception: hard fault")
+    at = between_ticks(ready)
+    ready.chip.nvic.pending.add(HARD_FAULT)
+    expect_safe_halt(ready, at, "exception: hard fault")
 
 
 @pytest.mark.parametrize(
     ("reason", "text"),
     [("brown_out", "brown-out reset"), ("pin", "reset pin"), ("power_on", "power on")],
 )
-def test_reset_in_the_cut_is_safe_and_told(table: bytes, reason: str, text: str) -> None:
+def test_reset_in_the_cut_is_safe_and_told(ready: Session, reason: str, text: str) -> None:
     """The pins let go at once, start-up drives them low before all else, set-points return to 0."""
-    session = Session(table)
-    session.make_ready()
-    remote, chip, board = session.remote, session.chip, session.board
+    remote, chip, board = ready.remote, ready.chip, ready.board
     remote.do(START)
     remote.wait_for("engaging", 1.0)
     at = chip.clock.now
@@ -184,7 +174,7 @@ def test_reset_in_the_cut_is_safe_and_told(table: bytes, reason: str, text: str)
     assert (status.state, status.reset, status.faults) == ("off", reason, ())
     assert remote.lines()[0] == f"start: {text}"
     assert board.ticks[-1].words == SAFE
-    assert "enable 1" not in outputs_since(session, at)
+    assert "enable 1" not in outputs_since(ready, at)
 
 
 @pytest.mark.parametrize(
@@ -208,13 +198,10 @@ def test_protection_of_the_chip_is_told_at_the_start(
     [("tick", "window", 100e-6, 206e-6), ("main loop", "watchdog", 0.95, 1.05)],
 )
 def test_watchdog_ends_a_hang(
-    table: bytes, victim: str, dog: str, least_s: float, most_s: float
+    started: Session, victim: str, dog: str, least_s: float, most_s: float
 ) -> None:
     """Whoever hangs, the outputs let go in the time of its watchdog, and the reason is told."""
-    session = Session(table)
-    session.board.power_on()
-    remote, chip, board = session.remote, session.chip, session.board
-    remote.started()
+    remote, chip, board = started.remote, started.chip, started.board
     remote.do(ENABLE)
     remote.wait_for("homing", 0.1)
     chip.usart3.sent.clear()
@@ -234,11 +221,9 @@ def test_watchdog_ends_a_hang(
     assert board.ticks[-1].words == SAFE
 
 
-def test_window_watchdog_ends_ticks_that_come_too_fast(table: bytes) -> None:
+def test_window_watchdog_ends_ticks_that_come_too_fast(ready: Session) -> None:
     """One bit of the tick timer's period flips: 12 000 clocks become 3807, 16 us."""
-    session = Session(table)
-    session.make_ready()
-    chip = session.chip
+    chip = ready.chip
     tim4 = chip.tim[4]
     tim4.write(0x2C, 4, tim4.read(0x2C, 4) & ~(1 << 13))
     assert chip.run_until(lambda: chip.resets[-1] == "window", chip.seconds(200e-6))
@@ -277,18 +262,15 @@ def test_power_on_is_told_from_brown_out_and_flags_are_cleared(table: bytes) -> 
     assert session.chip.rcc.v["rsr"] == 0
 
 
-def test_enable_wants_the_button_and_limits_want_the_key(table: bytes) -> None:
+def test_enable_wants_the_button_and_limits_want_the_key(started: Session) -> None:
     """Without a wire at their pins nothing is enabled, and no limit changes."""
-    session = Session(table)
-    session.board.power_on()
-    remote, gpio = session.remote, session.chip.gpio
-    remote.started()
+    remote, gpio = started.remote, started.chip.gpio
     remote.session = remote.raw(TAKE)[1]
     stroke = PARAMS.index("u_stroke_nm")
     assert remote.raw(SET, stroke, 1_300_000)[0] == ERR["locked"]
     assert remote.raw(ENABLE)[0] == ERR["acknowledge"]
     gpio.drive(KEY, 1)
-    session.chip.run(session.chip.seconds(2e-3))
+    started.chip.run(started.chip.seconds(2e-3))
     assert remote.raw(SET, stroke, 1_300_000)[0] == 0
     remote.press()
     assert remote.raw(ENABLE)[0] == 0

@@ -39,51 +39,40 @@ def told(session: Session) -> str:
     return lines[-1].removeprefix("table: ").removesuffix(" in use")
 
 
-def started(table: bytes) -> Session:
-    """Return a session behind its power-on."""
-    session = Session(table)
+def restart(session: Session) -> str:
+    """Switch the supply off and on; return the name of the table that is in use then."""
     session.board.power_on()
     session.remote.started()
-    return session
+    return told(session)
 
 
-def restart(session: Session) -> None:
-    """Switch the supply off and on."""
-    session.board.power_on()
-    session.remote.started()
-
-
-def test_downloads_take_turns_and_are_kept(table: bytes) -> None:
+def test_downloads_take_turns_and_are_kept(started: Session, table: bytes) -> None:
     """The new table is in use after select, and after a restart; the next one goes to place 0."""
-    session = started(table)
-    remote, chip = session.remote, session.chip
+    remote, chip = started.remote, started.chip
     old = chip.read_memory(TABLE, len(table))
     second, third = named(table, "second"), named(table, "third")
     remote.download(second)
-    assert told(session) == "short skirt"
+    assert told(started) == "short skirt"
     assert chip.read_memory(OTHER, len(second)) == second
     assert chip.read_memory(LOG, RECORD_BYTES) == b"\xff" * RECORD_BYTES
     remote.do(SELECT)
     assert remote.table_name() == "second"
     assert chip.read_memory(TABLE, len(table)) == old
-    restart(session)
-    assert told(session) == "second"
+    assert restart(started) == "second"
     remote.download(third)
     assert chip.read_memory(TABLE, len(third)) == third
     remote.do(SELECT)
-    restart(session)
-    assert told(session) == "third"
+    assert restart(started) == "third"
     remote.do(ENABLE)
     remote.wait_for("homing", 0.1)
 
 
 def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
-    table: bytes, monkeypatch: pytest.MonkeyPatch
+    started: Session, table: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A large signed table takes long to be checked: never two checks within one second."""
-    session = started(table)
-    chip, long_gaps, last = session.chip, 0, 0
-    session.remote.download(named(table, "second"))
+    chip, long_gaps, last = started.chip, 0, 0
+    started.remote.download(named(table, "second"))
     write = chip.iwdg1.write
 
     def spy(offset: int, size: int, value: int) -> None:
@@ -96,7 +85,7 @@ def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
     monkeypatch.setattr(chip.iwdg1, "write", spy)
     chip.run(chip.seconds(200e-6))
     long_gaps = 0
-    session.remote.do(SELECT)
+    started.remote.do(SELECT)
     assert long_gaps == 1  # behind the first check, which takes longer than two ticks
 
 
@@ -111,73 +100,65 @@ def give_until_dark(session: Session, table: bytes) -> None:
 
 
 @pytest.mark.parametrize("operation", [1, 2, 3, 100, "last", "commit"])
-def test_power_lost_on_the_way_leaves_the_old_table(table: bytes, operation: int | str) -> None:
+def test_power_lost_on_the_way_leaves_the_old_table(
+    started: Session, table: bytes, operation: int | str
+) -> None:
     """In the erase, in programming, in the record itself: old table, and the next one works."""
     n_words = (len(table) + 31) // 32
     left = {"last": 1 + n_words, "commit": 2 + n_words}.get(str(operation))
-    session = started(table)
-    chip = session.chip
+    chip = started.chip
     chip.flash.left = left if left is not None else int(operation)
-    give_until_dark(session, named(table, "second"))
+    give_until_dark(started, named(table, "second"))
     assert chip.resets.count("power_on") == 2
-    session.remote.started()
-    assert told(session) == "short skirt"
-    session.remote.use(named(table, "third"))
-    restart(session)
-    assert told(session) == "third"
+    started.remote.started()
+    assert told(started) == "short skirt"
+    started.remote.use(named(table, "third"))
+    assert restart(started) == "third"
 
 
-def test_log_is_emptied_while_it_says_nothing(table: bytes) -> None:
+def test_log_is_emptied_while_it_says_nothing(started: Session, table: bytes) -> None:
     """A log that is half full is erased when place 0 is in use, and goes on from its start."""
-    session = started(table)
-    chip, remote = session.chip, session.remote
+    chip, remote = started.chip, started.remote
     magic = 0x4C424154
     records = b""
     for i in range(514):
         words = (magic, 1 - i % 2, i)
         records += struct.pack("<8I", *words, *(~word & 0xFFFFFFFF for word in words), 0, 0)
     chip.write_flash(LOG, records)
-    restart(session)
-    assert told(session) == "short skirt"
+    assert restart(started) == "short skirt"
     remote.download(named(table, "second"))
     assert chip.read_memory(LOG, SECTOR_BYTES) == b"\xff" * SECTOR_BYTES
     remote.do(SELECT)
-    restart(session)
-    assert told(session) == "second"
+    assert restart(started) == "second"
 
 
-def test_programmer_takes_the_place_back(table: bytes) -> None:
+def test_programmer_takes_the_place_back(started: Session, table: bytes) -> None:
     """After downloads, what tools/flash writes is in use: the table, and its record in the log."""
-    session = started(table)
-    session.remote.use(named(table, "second"))
-    session.board.write_table(named(table, "flashed"))
-    session.chip.write_flash(LOG, b"\xff" * SECTOR_BYTES)
-    session.chip.write_flash(LOG, FIRST_PLACE.read_bytes())
-    restart(session)
-    assert told(session) == "flashed"
-    session.remote.use(named(table, "third"))
-    restart(session)
-    assert told(session) == "third"
+    started.remote.use(named(table, "second"))
+    started.board.write_table(named(table, "flashed"))
+    started.chip.write_flash(LOG, b"\xff" * SECTOR_BYTES)
+    started.chip.write_flash(LOG, FIRST_PLACE.read_bytes())
+    assert restart(started) == "flashed"
+    started.remote.use(named(table, "third"))
+    assert restart(started) == "third"
 
 
-def test_tick_goes_on_while_flash_is_busy(table: bytes) -> None:
+def test_tick_goes_on_while_flash_is_busy(started: Session, table: bytes) -> None:
     """No tick is lost or late in a download; commands are answered behind the erase."""
-    session = started(table)
-    chip, board = session.chip, session.board
+    chip, board = started.chip, started.board
     n, at = len(board.ticks), chip.clock.now
-    session.remote.do(BEGIN, value=3 * SECTOR_BYTES)
-    assert session.remote.block(0, table[:4096]) == 0
+    started.remote.do(BEGIN, value=3 * SECTOR_BYTES)
+    assert started.remote.block(0, table[:4096]) == 0
     passed = (chip.clock.now - at) * 20_000 // chip.rcc.core_hz()
     assert passed > 3 * 40
     assert abs(len(board.ticks) - n - passed) <= 1
-    assert session.remote.status().faults == ()
+    assert started.remote.status().faults == ()
 
 
-def test_frames_of_a_block_are_no_commands(table: bytes) -> None:
+def test_frames_of_a_block_are_no_commands(started: Session) -> None:
     """A lost first frame leaves the rest without effect."""
-    session = started(table)
     for data in (b"\x21" + bytes(7), bytes(8), b"\x30\0\0"):
-        assert session.board.send(Frame(TO_CONTROLLER, data))
-        session.chip.run(session.chip.seconds(1e-3))
+        assert started.board.send(Frame(TO_CONTROLLER, data))
+        started.chip.run(started.chip.seconds(1e-3))
     assert COMMAND != TO_CONTROLLER
-    assert session.remote.command(ENABLE)[0] == 0
+    assert started.remote.command(ENABLE)[0] == 0

@@ -27,20 +27,11 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return make_table(tmp_path_factory.mktemp("table") / "short.camtab")
 
 
-@pytest.fixture
-def session(table: bytes) -> Session:
-    """Return a board in state off."""
-    session = Session(table)
-    session.board.power_on()
-    session.remote.started()
-    return session
-
-
 def test_core_reads_ahead_neither_in_system_memory_nor_in_the_code_in_flash(
-    session: Session,
+    started: Session,
 ) -> None:
     """The protection unit forbids both; tables are read ahead, which is what the cache is for."""
-    mpu = session.chip.nvic.mpu
+    mpu = started.chip.nvic.mpu
     forbidden = [SYSTEM_MEMORY + i for i in range(0, 1 << 20, 1 << 16)]
     forbidden += [0x08000000 + i for i in range(0, 1 << 17, 1 << 14)]
     assert not any(mpu.invites(address) for address in forbidden)
@@ -48,17 +39,17 @@ def test_core_reads_ahead_neither_in_system_memory_nor_in_the_code_in_flash(
 
 
 def test_download_outlives_flags_that_are_no_errors_of_its_own(
-    session: Session, table: bytes
+    started: Session, table: bytes
 ) -> None:
     """A read of system memory and a corrected bit set flags; flash is written all the same."""
-    session.chip.flash.noise = RDPERR | RDSERR | SNECCERR
-    session.remote.use(table)
+    started.chip.flash.noise = RDPERR | RDSERR | SNECCERR
+    started.remote.use(table)
 
 
-def test_keys_are_given_to_a_locked_bank_only(session: Session) -> None:
+def test_keys_are_given_to_a_locked_bank_only(started: Session) -> None:
     """A bank that is open already, as a debugger leaves it, is used as it is."""
-    session.chip.flash.v["cr0"] &= ~LOCK
-    session.remote.do(BEGIN, value=4096)
+    started.chip.flash.v["cr0"] &= ~LOCK
+    started.remote.do(BEGIN, value=4096)
 
 
 @pytest.mark.parametrize("torn_at", [0, 64, 4096])
@@ -84,19 +75,19 @@ def test_download_follows_a_torn_table(table: bytes) -> None:
     session.remote.do(ENABLE)
 
 
-def test_u_of_the_internal_converter_begins_in_the_middle(session: Session) -> None:
+def test_u_of_the_internal_converter_begins_in_the_middle(started: Session) -> None:
     """PA4 floats until it shows the middle: 0 V would be full negative U."""
-    codes = [code for _, code in session.board.at_pa4]
+    codes = [code for _, code in started.board.at_pa4]
     assert MIDDLE in codes
-    shown = session.board.at_pa4[: codes.index(MIDDLE) + 1]
+    shown = started.board.at_pa4[: codes.index(MIDDLE) + 1]
     first = next(at for at, code in shown if code is not None)
-    assert shown[-1][0] - first < session.chip.seconds(1e-6)
+    assert shown[-1][0] - first < started.chip.seconds(1e-6)
     assert set(codes[codes.index(MIDDLE) :]) == {MIDDLE}
 
 
-def test_select_of_the_converter_is_high_long_enough(session: Session) -> None:
+def test_select_of_the_converter_is_high_long_enough(started: Session) -> None:
     """Three clocks of 50 ns between two frames, where its data sheet asks for 100 ns."""
-    assert session.chip.spi3.select_high_s() == pytest.approx(150e-9)
+    assert started.chip.spi3.select_high_s() == pytest.approx(150e-9)
 
 
 def test_trace_output_is_let_go_at_once(table: bytes) -> None:
