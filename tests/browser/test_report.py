@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import re
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from accessible import grave_findings
+from camsim_cases import columns_of
 from camtools.base.quantities import Floats
 from gallery import FOLDER, Gallery
 from windows import PHONE, OpenWindow
@@ -37,11 +39,10 @@ def open_report(page: Page, folder: Path, *, has_3d: bool = False) -> None:
     expect(page.locator("#profile .main-svg").first).to_be_visible()
 
 
+@cache
 def surface(folder: Path) -> dict[str, Floats]:
     """Read the gauged surface as a spreadsheet does."""
-    path = folder / "surface.csv"
-    names = path.read_text("ascii").split("\n", 1)[0].split(",")
-    return dict(zip(names, np.loadtxt(path, delimiter=",", skiprows=1).T, strict=True))
+    return columns_of(folder / "surface.csv")
 
 
 def test_report_tells_what_was_gauged(report_folder: Path, open_window: OpenWindow) -> None:

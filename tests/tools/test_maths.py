@@ -70,7 +70,8 @@ def divided_peak(recipe: Recipe) -> float:
     """Return the bound of MATHS.md (17) in mm/s2."""
     x = sites_rad(JOINT_RAD, 48)[kept_sites(recipe, 48)]
     slopes = np.diff(PAPER.reduction(x).delta) / np.diff(x)
-    return float((2 * np.diff(slopes) / (x[2:] - x[:-2])).max()) * OMEGA**2
+    change, width = 2 * np.diff(slopes), x[2:] - x[:-2]
+    return float((change / width).max()) * OMEGA**2
 
 
 @pytest.mark.parametrize(("ends", "bound"), [("as-paper", "59115"), ("mirror", "45999")])

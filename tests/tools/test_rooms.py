@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A room of firmware, HAL or simulator sees the rooms below it and no others.
 
-The compiler is asked, not CMake: a file of one line, which includes a header of another room, is
-compiled with the include paths that the host build gives the sources of a room.
+The compiler is asked, not CMake, with the include paths that the host build gives the sources of a
+room: whether it finds a header of each other room, and whether a file of one line compiles that
+includes one which it finds.
 """
 
 from __future__ import annotations
@@ -93,19 +94,28 @@ def options(room: str) -> list[str]:
     return words[: words.index("-o")]
 
 
-def sees(room: str, header: str, folder: Path) -> bool:
+def found_by(room: str, headers: list[str], folder: Path) -> set[str]:
+    """Return which of some headers the preprocessor finds in a room."""
+    source = folder / "all.c"
+    lines = [f'#if __has_include("{one}")\n{i}\n#endif\n' for i, one in enumerate(headers)]
+    source.write_text("".join(lines))
+    done = run_compiler(room, "-E", "-P", str(source))
+    assert done.returncode == 0, done.stderr
+    return {headers[int(number)] for number in done.stdout.split()}
+
+
+def compiles(room: str, header: str, folder: Path) -> bool:
     """Return whether a file of one line that includes a header compiles in a room."""
-    source = folder / "one_line.c"
-    done = subprocess.run(
-        [*options(room), "-fsyntax-only", str(source)],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
+    source = folder / f"{header.replace('/', '_')}.c"
+    source.write_text(f'#include "{header}"\n')
+    return run_compiler(room, "-fsyntax-only", str(source)).returncode == 0
+
+
+def run_compiler(room: str, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run the compiler of the host build with the options of a room."""
+    return subprocess.run(
+        [*options(room), *words], capture_output=True, text=True, timeout=60, check=False
     )
-    assert done.returncode == 0 or f"{header}: No such file" in done.stderr, done.stderr
-    return done.returncode == 0
 
 
 def test_every_folder_of_c_is_a_room_of_the_design() -> None:
@@ -127,24 +137,22 @@ def test_every_folder_of_c_is_a_room_of_the_design() -> None:
 def test_room_sees_the_rooms_below_it_and_no_others(room: str, tmp_path: Path) -> None:
     """Its sources compile with a header of each room that the design allows, and of no other."""
     others = [one for one in (*DESIGN, *FOREIGN) if one not in {room, *WITHOUT_HEADERS}]
-
-    def look(other: str) -> bool:
-        folder = tmp_path / other.replace("/", "_")
-        folder.mkdir()
-        header = header_of(other)
-        (folder / "one_line.c").write_text(f'#include "{header}"\n')
-        return sees(room, header, folder)
-
+    headers = {one: header_of(one) for one in others}
+    found = sorted(found_by(room, list(headers.values()), tmp_path))
+    allowed = seen_by(room) - {room, *WITHOUT_HEADERS}
+    assert {one for one in others if headers[one] in found} == allowed
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        found = dict(zip(others, pool.map(look, others), strict=True))
-    assert {one for one in others if found[one]} == seen_by(room) - {room, *WITHOUT_HEADERS}
+        is_built = pool.map(lambda one: compiles(room, one, tmp_path), found)
+        assert [one for one, is_good in zip(found, is_built, strict=True) if not is_good] == []
 
 
 def test_wrong_arrow_would_be_found(tmp_path: Path) -> None:
-    """The compiler refuses a header of a room above, and says that it finds no such file."""
-    (tmp_path / "one_line.c").write_text('#include "cam_machine.h"\n')
-    assert not sees("firmware/table", "cam_machine.h", tmp_path)
-    assert sees("firmware/remote", "cam_machine.h", tmp_path)
+    """The compiler refuses a header of a room above, because it finds no such file."""
+    header = "cam_machine.h"
+    assert not found_by("firmware/table", [header], tmp_path)
+    assert not compiles("firmware/table", header, tmp_path)
+    assert found_by("firmware/remote", [header], tmp_path) == {header}
+    assert compiles("firmware/remote", header, tmp_path)
 
 
 def test_no_include_climbs_out_of_its_room() -> None:

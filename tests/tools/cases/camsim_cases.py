@@ -7,9 +7,14 @@ import itertools
 import os
 import subprocess
 from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+from pyarrow import csv
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = (ROOT / (os.environ.get("CAMTURN_BUILD") or "build/host")).resolve()
+PATIENCE_S = 150.0  # for a cut, on a computer that does much else
 CAMSIM = BUILD / "host_sim" / "camsim"
 
 
@@ -18,8 +23,14 @@ def camsim(*words: str | Path, stdin: str = "") -> subprocess.CompletedProcess[s
     assert CAMSIM.exists(), f"{CAMSIM} is missing: build the preset host, or let tools/test do it"
     command = [str(CAMSIM), *map(str, words)]
     return subprocess.run(
-        command, input=stdin, capture_output=True, text=True, timeout=60, check=False
+        command, input=stdin, capture_output=True, text=True, timeout=PATIENCE_S, check=False
     )
+
+
+def columns_of(path: Path) -> dict[str, NDArray[Any]]:
+    """Return the columns of a CSV file that camsim wrote: numbers, and text as it is."""
+    table = csv.read_csv(path)
+    return {name: table[name].to_numpy() for name in table.column_names}
 
 
 def first_difference(path: Path, other: Path) -> str:

@@ -27,7 +27,13 @@ from part_cases import environment
 
 IMPORTED = (
     *(f"camtools.cli.{name}" for name in ("run", "mktables", "mkgcode")),
-    *(f"camtools.{kind}.kind" for kind in ("skirt", "lobe", "polygon")),
+    *(
+        f"camtools.{kind}.{name}"
+        for kind in ("skirt", "lobe", "polygon")
+        for name in ("kind", "report")
+    ),
+    # what they import where they need it
+    *("pandas", "plotly.offline", "pyarrow.csv", "pyarrow.dataset", "pyarrow.parquet"),
 )
 LIMIT_S = 120  # a command that goes on for longer is ended by SIGALRM
 

@@ -25,19 +25,14 @@ def envelope_mm(
         return np.asarray((mean_mm - eccentricity_mm * np.cos(n * a)) / np.cos(at - a))
 
     grid = np.linspace(-reach_rad, reach_rad, _COARSE)
-    found = np.empty(phi.size)
-    for i, one in enumerate(phi):
-        best = int(stop(one + grid, one).argmin())
-        low, high = one + grid[max(0, best - 1)], one + grid[min(_COARSE - 1, best + 1)]
-        ratio = (np.sqrt(5) - 1) / 2
-        for _ in range(_FINE):
-            a, b = high - ratio * (high - low), low + ratio * (high - low)
-            if stop(a, one) < stop(b, one):
-                high = b
-            else:
-                low = a
-        found[i] = stop((low + high) / 2, one)
-    return found
+    best = np.array([stop(one + grid, one).argmin() for one in phi])
+    low, high = phi + grid[np.maximum(0, best - 1)], phi + grid[np.minimum(_COARSE - 1, best + 1)]
+    ratio = (np.sqrt(5) - 1) / 2
+    for _ in range(_FINE):
+        a, b = high - ratio * (high - low), low + ratio * (high - low)
+        is_left = stop(a, phi) < stop(b, phi)
+        low, high = np.where(is_left, low, a), np.where(is_left, b, high)
+    return stop((low + high) / 2, phi)
 
 
 def p3g_mm(phi: Floats, mean_diameter_mm: float, eccentricity_mm: float) -> Floats:

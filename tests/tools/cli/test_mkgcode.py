@@ -205,7 +205,8 @@ def test_full_program_by_linuxcnc(
     words = ("--axes", "cxzu", "--from-mm", "30", "--to-mm", "33", *diameter)
     message, points = linuxcnc.points(made(tmp_path, PERKINS, *words))
     assert message == ""
-    at = dict(zip(AXES, points[points[:, 0] == 1][:, 1:].T, strict=True))
+    is_feed = points[:, 0] == 1
+    at = dict(zip(AXES, points[is_feed][:, 1:].T, strict=True))
     cut = (at["C"] >= 0) & (at["C"] <= 30 * 360)
     assert cut.sum() == 30 * 120 + 1
     z, u = at["Z"][cut], at["U"][cut]

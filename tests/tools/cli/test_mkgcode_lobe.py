@@ -133,7 +133,8 @@ def test_programs_by_linuxcnc(
     program = made(tmp_path, name, *words, feed_mm="2")
     message, points = linuxcnc.points(program)
     assert message == ""
-    at = dict(zip(AXES, points[points[:, 0] == 1][:, 1:].T, strict=True))
+    is_feed = points[:, 0] == 1
+    at = dict(zip(AXES, points[is_feed][:, 1:].T, strict=True))
     letters = "CXZB" if name == "cam-345" else "CXZ"
     ours = moves(program, "G1", letters)
     if words:

@@ -7,7 +7,6 @@ derives from the machine file of the part.
 
 from __future__ import annotations
 
-import csv
 import os
 import re
 import subprocess
@@ -19,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim
+from camsim_cases import ROOT, camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cut.demand import Demand, JudgedCut, exceeded, highest_mrpm, largest_feed_nm
@@ -330,9 +329,8 @@ def test_limit_is_kept_and_reached_at_the_highest_speed(tmp_path: Path) -> None:
     words = ("--rpm", f"{mrpm / 1000}", "--turns-limit", "4", "--trace", trace)
     done = camsim("run", image, "--machine", machine, *words)
     assert done.returncode in (0, 1), done.stderr
-    with trace.open() as file:
-        rows = [(row["state"], int(row["u_due_q6"])) for row in csv.DictReader(file)]
+    columns = columns_of(trace)
     every, tick_s = 20, 1 / limits.tick_hz
-    moving = [u for state, u in rows if state in ("engaging", "cutting", "disengaging")][::every]
-    motion = np.diff(np.array(moving) / 64e6, 2) / (every * tick_s) ** 2
+    is_moving = np.isin(columns["state"].astype(str), ("engaging", "cutting", "disengaging"))
+    motion = np.diff(columns["u_due_q6"][is_moving][::every] / 64e6, 2) / (every * tick_s) ** 2
     assert 970 < np.abs(motion).max() <= 1000

@@ -16,6 +16,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from background import PATIENCE_S
 from camtools.base.errors import CamtoolsError
 from camtools.cli.forecast import main
 from camtools.forecast import compute
@@ -97,6 +98,7 @@ def test_same_command_gives_the_same_and_cuts_nothing(
     assert first == {name.name: name.read_bytes() for name in (tmp_path / "o").glob("*.*")}
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_more_runs_add_to_those_that_are_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -249,11 +251,11 @@ def test_interrupted_forecast_goes_on(tmp_path: Path) -> None:
     with subprocess.Popen(
         command, env=environment(), start_new_session=True, stderr=subprocess.PIPE, text=True
     ) as process:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + PATIENCE_S
         while len(list(store.glob("*.parquet"))) < 3 and time.monotonic() < deadline:
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)
-        told = process.communicate(timeout=30)[1].splitlines()
+        told = process.communicate(timeout=PATIENCE_S)[1].splitlines()
     assert process.returncode == 130, told
     assert told[-1] == "forecast: interrupted; what is done is kept: the same command goes on"
     assert all(line.startswith("forecast: ") for line in told), told
@@ -265,7 +267,7 @@ def test_interrupted_forecast_goes_on(tmp_path: Path) -> None:
         env=environment(),
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE_S,
         check=False,
     )
     assert done.returncode == 0, done.stderr

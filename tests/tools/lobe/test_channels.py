@@ -59,7 +59,8 @@ def share_of(z_mm: Floats, places: list[tuple[float, float]]) -> tuple[Ints, Flo
     middles = (edges[1:, 0] + edges[:-1, 1]) / 2
     i = np.searchsorted(middles, z_mm, side="right")
     beside = np.maximum(edges[i, 0] - z_mm, z_mm - edges[i, 1]) - KEPT_OFF_MM
-    gaps = np.concatenate([[np.inf], edges[1:, 0] - edges[:-1, 1], [np.inf]])
+    between = edges[1:, 0] - edges[:-1, 1]
+    gaps = np.concatenate([[np.inf], between, [np.inf]])
     half = np.where(z_mm < edges[i, 0], gaps[i], gaps[i + 1]) / 2 - KEPT_OFF_MM
     s = np.clip(beside / half, 0, 1)
     return i, 1 - s**3 * (10 - 15 * s + 6 * s**2)

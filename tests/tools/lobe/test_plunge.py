@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from dataclasses import replace
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim
+from camsim_cases import ROOT, camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.lobe.design import design_of_lobes
@@ -61,10 +60,9 @@ def run(
     )
     done = camsim("run", image, "--machine", folder / "m.toml", *paths)
     assert done.returncode in (0, 1), done.stderr
-    with (folder / "t.csv").open() as file:
-        rows = [row for row in csv.DictReader(file) if row["state"] == "cutting"]
-    names = ("turn", "z_mm", "out_x_nm", "out_z_nm")
-    trace = {name: np.array([float(row[name]) for row in rows]) for name in names}
+    columns = columns_of(folder / "t.csv")
+    names, is_cutting = ("turn", "z_mm", "out_x_nm", "out_z_nm"), columns["state"] == "cutting"
+    trace = {name: columns[name][is_cutting].astype(float) for name in names}
     return json.loads((folder / "s.json").read_text()), trace
 
 

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from camsim_cases import ROOT, camsim, only_error
+from camsim_cases import ROOT, camsim, columns_of, only_error
 
 MACHINE = ROOT / "host_sim" / "machines" / "cam.toml"
 TICK_S = 50e-6
@@ -38,16 +38,13 @@ def cam(table_of: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactor
 
 def read(path: Path) -> Columns:
     """Return what is needed of a trace."""
-    with path.open() as file:
-        names = file.readline().strip().split(",")
-        rows = [line.rstrip("\n").split(",") for line in file]
-    text = dict(zip(names, zip(*rows, strict=True), strict=True))
-    columns: Columns = {"state": np.array(text["state"])}
+    found = columns_of(path)
+    columns: Columns = {"state": found["state"].astype(str)}
     for name in (
         *("t_s", "turn", "z_mm", "true_turn", "speed_q32", "error_nm", "out_outputs", "out_x_nm"),
         *("u_set_nm", "swing_set_deg", "swing_act_deg"),
     ):
-        columns[name] = np.array(text[name], dtype=float)
+        columns[name] = found[name].astype(float)
     return columns
 
 

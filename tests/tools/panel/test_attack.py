@@ -16,11 +16,13 @@ from camtools.panel.connections import MOST_CONNECTIONS
 from panel_session import PanelSession, panel_session
 from raw_page import RawPage, get
 
+SLOWLY = ("--speed-up", "0.2")  # the lathe rests meanwhile: what it takes is left to the attacks
+
 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:
     """Run a live lathe and its panel."""
-    with panel_session(tmp_path_factory.mktemp("panel")) as one:
+    with panel_session(tmp_path_factory.mktemp("panel"), SLOWLY) as one:
         yield one
 
 

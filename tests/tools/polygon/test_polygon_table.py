@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 import polygon_cases as cases
-from camsim_cases import camsim
+from camsim_cases import camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.cli.mktables import main as mktables
 from camtools.cli.run import main as run
 from camtools.pipeline.load import load, parse
+from camtools.pipeline.make import make
 from camtools.polygon.blend import bend_of, blended
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon
 from camtools.polygon.outline import measures_of
@@ -49,12 +50,26 @@ def radius_of(name: str, phi: cases.Floats) -> cases.Floats:
 
 def surface_of(folder: Path) -> tuple[cases.Floats, cases.Floats, cases.Floats]:
     """Return turn, radius [mm] and error [nm] of the surface that was cut."""
-    path = folder / "surface.csv"
-    with path.open() as stream:
-        names = stream.readline().strip().split(",")
-    wanted = [names.index(name) for name in ("turn", "radius_mm", "error_nm")]
-    turn, radius, error = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True, usecols=wanted)
-    return turn, radius, error
+    table = columns_of(folder / "surface.csv")
+    return table["turn"], table["radius_mm"], table["error_nm"]
+
+
+def cut(path: Path, folder: Path, *words: str) -> tuple[int, dict[str, Any]]:
+    """Cut a part as tools/run does, without its report; return exit status and summary."""
+    made = make(load(path), path)
+    folder.mkdir(exist_ok=True)
+    for name, data in made.files(with_plots=False).items():
+        (folder / name).write_bytes(data)
+    part = made.table.part
+    (folder / "machine.toml").write_text(made.kind.machine(part))
+    tolerance = ("--tolerance-um", repr(made.kind.form_error_um(part)))
+    done = camsim(
+        "run", folder / f"{part.part.name}.camtab", "--machine", folder / "machine.toml",
+        *("--surface", folder / "surface.csv", "--summary", folder / "summary.json"),
+        *(*tolerance, *words),
+    )  # fmt: skip
+    summary: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    return done.returncode, summary
 
 
 def part_of(polygon: str, tail: str = TAIL) -> PolygonPart:
@@ -91,10 +106,16 @@ def test_firmware_plays_the_drawing(made: GeneratedPolygon, tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_cut_surface_is_the_drawing(name: str, tmp_path: Path) -> None:
-    """The radius that the simulator cut is the drawing's, off by what the verdict says."""
-    assert run([str(PARTS / f"{name}.toml"), "-o", str(tmp_path)]) == 0
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    ("name", "feed_mm"), [("p3g-25", "2"), ("p4c-35", "0.2"), ("hexagon", "2")]
+)
+def test_cut_surface_is_the_drawing(name: str, feed_mm: str, tmp_path: Path) -> None:
+    """The radius that the simulator cut is the drawing's, off by what the verdict says.
+
+    The cut with the fine feed is longer than its trace.
+    """
+    assert run([str(PARTS / f"{name}.toml"), "--feed", feed_mm, "-o", str(tmp_path)]) == 0
     turn, radius, error_nm = surface_of(tmp_path)
     some = np.random.default_rng(1).choice(turn.size, 300, replace=False)
     own_um = 1e3 * (radius[some] - radius_of(name, 2 * np.pi * turn[some]))
@@ -106,14 +127,13 @@ def test_cut_surface_is_the_drawing(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
 def test_verdict_is_against_the_drawing(tmp_path: Path) -> None:
     """A blend beyond the tolerance makes a bad part, however well the controller plays it."""
     text = (PARTS / "p4c-35.toml").read_text()
     path = tmp_path / "p.toml"
     path.write_text(text.replace("form_error_um = 15.0", "form_error_um = 5.0"))
-    assert run([str(path), "-o", str(tmp_path / "out")]) == 1
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    status, summary = cut(path, tmp_path, "--feed", "2")
+    assert status == 1
     assert summary["form_error_um"]["max"] == pytest.approx(12.0, abs=0.2)
     assert not summary["is_good"]
 
@@ -205,7 +225,6 @@ def test_blends_of_repeated_sides_are_alike() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("direction", [1, -1])
-@pytest.mark.usefixtures("undrawn")
 def test_both_senses_cut_the_drawing(direction: int, tmp_path: Path) -> None:
     """Four sides without symmetry, turned with M3 and with M4, are those of the drawing."""
     corners = [[9.0, -9.0], [9.0, 8.0], [-9.0, 7.0], [-7.0, -8.0]]
@@ -213,7 +232,7 @@ def test_both_senses_cut_the_drawing(direction: int, tmp_path: Path) -> None:
     tail = TAIL.replace("100\n", f"100\ndirection = {direction}\n").replace("12\n", "20\n")
     path = tmp_path / "a.toml"
     path.write_text(HEAD + lines + tail)
-    assert run([str(path), "-o", str(tmp_path)]) == 0
+    assert cut(path, tmp_path)[0] == 0
     turn, radius, _ = surface_of(tmp_path)
     some = np.random.default_rng(1).choice(turn.size, 500, replace=False)
     drawn = cases.rounded_mm(2 * np.pi * turn[some], np.array(corners), 4.0)
@@ -230,7 +249,6 @@ def test_area_and_inch_sizes() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
 def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
     """U needs half of the travel, the tool enters and leaves through the air, the part is good."""
     text = (PARTS / "p3g-25.toml").read_text()
@@ -241,7 +259,7 @@ def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
         generate_polygon(load(path).part)
     more = 'u_zero = "mean"\nrun_in_mm = 1.5\nrun_out_mm = 1.0\n[machine.limits]'
     path.write_text(text.replace("[machine.limits]", more))
-    assert run([str(path), "-o", str(tmp_path)]) == 0
+    assert cut(path, tmp_path)[0] == 0
     turn, radius, _ = surface_of(tmp_path)
     some = np.random.default_rng(2).choice(turn.size, 200, replace=False)
     drawn = radius_of("p3g-25", 2 * np.pi * turn[some])
@@ -291,7 +309,6 @@ def test_advised_blend_makes_a_table(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
 def test_passes(tmp_path: Path) -> None:
     """Roughing and finishing of a hexagon in one run; the last pass is the drawing."""
     text = (PARTS / "hexagon.toml").read_text().replace("[0, 15]", "[0, 3]")
@@ -301,8 +318,8 @@ def test_passes(tmp_path: Path) -> None:
     )
     path = tmp_path / "a.toml"
     path.write_text(text.replace("[machine.limits]", more))
-    assert run([str(path), "-o", str(tmp_path)]) == 0
-    summary = json.loads((tmp_path / "summary.json").read_text())
+    status, summary = cut(path, tmp_path)
+    assert status == 0
     assert [one["allowance_um"] for one in summary["passes"]] == [40, 0]
     assert summary["form_error_um"]["max"] < 2.0
     weak = more.replace("= 0.2", "= 2") + "\nz_speed_mm_s = 5"

@@ -92,7 +92,8 @@ def test_lines_are_those_of_the_trace(real: RealCut) -> None:
     assert [one.angle_deg for one in real.gauged.lines] == [0.0, 90.0, 180.0, 270.0]
     error, height = CubicSpline(real.turn, real.error_mm), CubicSpline(real.turn, real.z_mm)
     for line in real.gauged.lines:
-        turns = np.arange(np.ceil(real.turn[0]), real.turn[-1] - 1) + line.angle_deg / 360
+        turns = np.arange(np.ceil(real.turn[0]), real.turn[-1] - 1)
+        turns += line.angle_deg / 360
         turns = turns[turns > real.turn[1]]
         inside = (line.z_mm > height(turns[0])) & (line.z_mm < height(turns[-1]))
         assert inside.sum() > 0.9 * line.z_mm.size

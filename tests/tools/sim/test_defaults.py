@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from camsim_cases import camsim, only_error
+from camsim_cases import camsim, columns_of, only_error
 from camtools.cli.mktables import main as mktables
 from part_cases import PERKINS
 
@@ -112,12 +112,12 @@ def blocked_s(table: Path, rpm: int, at_s: float, folder: Path) -> tuple[float, 
     trace = folder / "t.csv"
     done = camsim("run", table, "--rpm", str(rpm), "--inject", f"u-block@{at_s}", "--trace", trace)
     assert "fault following_error:" in done.stderr
-    with trace.open() as file:
-        rows = [r for r in csv.DictReader(file) if r["state"] in ("cutting", "fault")]
-    begin = float(rows[0]["t_s"]) + at_s
-    first = next(r for r in rows if r["state"] == "fault")
-    off_um = (float(first["u_act_nm"]) - float(first["u_due_nm"])) * 1e-3
-    return float(first["t_s"]) - begin, abs(off_um)
+    columns = columns_of(trace)
+    state, t_s = columns["state"], columns["t_s"]
+    begin = t_s[(state == "cutting") | (state == "fault")][0] + at_s
+    first = int(np.argmax(state == "fault"))
+    off_um = (columns["u_act_nm"][first] - columns["u_due_nm"][first]) * 1e-3
+    return float(t_s[first] - begin), abs(float(off_um))
 
 
 @pytest.mark.parametrize("at_s", [0.1, 0.1025, 0.105, 0.1075])
@@ -152,9 +152,7 @@ def test_default_retract_fits_every_stroke(
     words = ("--rpm", "1500", *QUICK, "--machine", lathe, "--trace", trace)
     done = camsim("run", oval, *words)
     assert done.returncode == 0, done.stderr
-    with trace.open() as file:
-        u_nm = [float(row["u_set_nm"]) for row in csv.DictReader(file)]
-    assert max(map(abs, u_nm)) <= stroke_mm * 5e5
+    assert np.abs(columns_of(trace)["u_set_nm"]).max() <= stroke_mm * 5e5
 
 
 def test_retract_that_was_set_beyond_the_stroke_is_blamed_itself(

@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim
+from camsim_cases import ROOT, camsim, columns_of
 from camtools.cli.mktables import main as mktables
 
 # Part, words for camsim, and what the blank is thicker than the largest radius that is cut.
@@ -44,11 +42,8 @@ def test_the_tip_stays_off_the_blank(tables: Path, tmp_path: Path, case: str) ->
         *("--tolerance-um", "1000", "--trace-every", "11"),
     )
     assert summary.exists(), done.stderr
-    with trace.open() as file:
-        rows = list(csv.DictReader(file))
-    state = np.array([row["state"] for row in rows])
-    u_mm = np.array([float(row["in_u_nm"]) for row in rows]) * 1e-6
-    x_mm = np.array([float(row["in_x_nm"]) for row in rows]) * 1e-6
+    columns = columns_of(trace)
+    state, u_mm, x_mm = columns["state"], columns["in_u_nm"] * 1e-6, columns["in_x_nm"] * 1e-6
     tip_mm = x_mm - u_mm
     plays = (state == "rehearsing") & (u_mm > 0.1 * u_mm.max())
     blank_mm = tip_mm[state == "cutting"].max() + stock_mm

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim
+from camsim_cases import ROOT, camsim, columns_of
 from camtools.base.quantities import Floats
 from camtools.cli.mkgcode import main as mkgcode
 from camtools.cli.mktables import main as mktables
@@ -118,8 +118,8 @@ def surface(table: Path, *words: str, status: int = 0) -> tuple[Floats, Floats, 
     path, summary = table.with_name("s.csv"), table.with_name("s.json")
     done = camsim("run", table, "--surface", path, "--summary", summary, *words)
     assert done.returncode == status, done.stderr
-    rows = np.loadtxt(path, delimiter=",", skiprows=1).T
-    return rows[0], rows[1], rows[2]
+    turn, z_mm, radius_mm, *_ = columns_of(path).values()
+    return turn, z_mm, radius_mm
 
 
 @pytest.mark.parametrize("direction", SENSES)
@@ -254,11 +254,9 @@ def test_even_volume_is_as_even_with_m4(tmp_path: Path) -> None:
 
 
 def columns(path: Path) -> dict[str, Floats]:
-    """Return the columns of numbers of a CSV file that start with a number."""
-    with path.open() as lines:
-        rows = list(csv.DictReader(lines))
-    names = [name for name in rows[0] if re.fullmatch(r"-?[0-9.]+", rows[0][name])]
-    return {name: np.array([float(row[name]) for row in rows]) for name in names}
+    """Return the columns of numbers of a CSV file."""
+    found = columns_of(path)
+    return {name: column for name, column in found.items() if column.dtype.kind in "if"}
 
 
 @pytest.mark.parametrize("direction", SENSES)
@@ -293,7 +291,7 @@ def test_surface_between_tracks_is_the_same_with_m4(tmp_path: Path) -> None:
         words = ("--nose-mm", "0.8", "--scallop-mm", "4:6", "--scallop", path)
         done = camsim("run", table, *words)
         assert done.returncode == 0, done.stderr
-        turn, _, proud_um = np.loadtxt(path, delimiter=",", skiprows=1).T
+        turn, _, proud_um = columns_of(path).values()
         rows = proud_um.reshape(240, -1)
         assert turn.reshape(240, -1)[1, 0] == pytest.approx(1 / 240)
         found.append(np.ptp(rows, axis=1))

@@ -8,14 +8,13 @@ as the trace of camsim has them.
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from camsim_cases import camsim
+from camsim_cases import camsim, columns_of
 from camtools.cli.mktables import main as mktables
 
 PARTS = Path(__file__).parents[3] / "tests" / "learn" / "parts"
@@ -99,16 +98,15 @@ def test_slide_with_friction_moves_as_the_closed_form(
         "999",
     ]
     assert camsim("run", table, *words).returncode == 0
-    with trace.open() as stream:
-        rows = list(csv.DictReader(stream))
-    enabled = np.array([int(row["out_outputs"]) & 1 for row in rows])
-    command = np.round(np.array([float(row["out_u_nm"]) for row in rows]) / 10) * 10
-    seen = np.array([float(row["u_act_nm"]) for row in rows])
+    columns = columns_of(trace)
+    enabled = columns["out_outputs"] & 1
+    command = np.round(columns["out_u_nm"] / 10) * 10
+    seen = columns["u_act_nm"].astype(float)
     first = int(np.argmax(enabled))
     assert seen[first] == 0
     pos, vel, stuck, off = 0.0, 0.0, 0, []
     part = DELAY_S % TICK_S
-    for i in range(first, len(rows) - 1):
+    for i in range(first, len(seen) - 1):
         pos, vel = piece(pos, vel, command[i - 2], friction * 1e9, part)
         pos, vel = piece(pos, vel, command[i - 1], friction * 1e9, TICK_S - part)
         off.append(pos - seen[i + 1])

@@ -6,7 +6,6 @@ equation of its circles in extended precision.
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from camsim_cases import camsim
+from camsim_cases import camsim, columns_of
 from camtools.base.errors import GeometryError
 from camtools.ngc.profile import segments
 from camtools.pipeline.make import Made
@@ -55,9 +54,9 @@ def cut_radii(part: SkirtPart, folder: Path) -> tuple[np.ndarray, np.ndarray, di
     results = ["--surface", str(folder / "s.csv"), "--summary", str(folder / "s.json")]
     done = camsim("run", folder / "example.camtab", *results)
     assert done.returncode == 0, done.stderr
-    with (folder / "s.csv").open() as stream:
-        rows = [row for row in csv.DictReader(stream) if float(row["turn"]) % 0.5 < 1 / 720]
-    z_mm, radius_mm = (np.array([float(row[key]) for row in rows]) for key in ("z_mm", "radius_mm"))
+    table = columns_of(folder / "s.csv")
+    on_axis = table["turn"] % 0.5 < 1 / 720
+    z_mm, radius_mm = (table[key][on_axis] for key in ("z_mm", "radius_mm"))
     return z_mm, radius_mm, json.loads((folder / "s.json").read_text())
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
+from camsim_cases import camsim, columns_of
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.pipeline.make import Made
@@ -61,8 +60,7 @@ def test_remedy_of_a_long_scan_makes_the_table(tmp_path: Path) -> None:
     words = ("--surface", str(tmp_path / "s.csv"), "--summary", str(tmp_path / "s.json"))
     done = camsim("run", tmp_path / "scan90.camtab", *words)
     assert done.returncode == 0, done.stderr
-    with (tmp_path / "s.csv").open() as stream:
-        rows = np.array([[float(cell) for cell in row] for row in list(csv.reader(stream))[1:]]).T
+    rows = list(columns_of(tmp_path / "s.csv").values())
     off_um = 1e3 * (result.geometry.radius_mm(rows[1]) - rows[2]) - true_um(
         2 * np.pi * rows[0], rows[1]
     )

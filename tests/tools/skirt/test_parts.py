@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
+from camsim_cases import camsim, columns_of
 from camtools.base.quantities import omega_rad_s
 from camtools.cut.speedlaw import uniform
 from camtools.pipeline.load import load
@@ -95,10 +95,8 @@ def test_equal_volume_evens_the_removal_rate(modulated: GeneratedSkirt, tmp_path
 def test_spindle_stays_within_its_acceleration(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """The set-points of the trace, seen as a speed, never exceed what the spindle can do."""
     cut(modulated, tmp_path, "--turns-limit", "8", "--trace", str(tmp_path / "t.csv"))
-    with (tmp_path / "t.csv").open() as stream:
-        rows = [row for row in csv.DictReader(stream) if row["state"] == "cutting"]
-    turn = np.array([float(row["true_turn"]) for row in rows])
-    t_s = np.array([float(row["t_s"]) for row in rows])
+    trace = columns_of(tmp_path / "t.csv")
+    turn, t_s = (trace[name][trace["state"] == "cutting"] for name in ("true_turn", "t_s"))
     step = 40  # 2 ms: the encoder's truth is smooth, the kinematic ripple of 0.2 % is not counted
     speed = 2 * np.pi * (turn[step:] - turn[:-step]) / (t_s[step:] - t_s[:-step])
     alpha = (speed[step:] - speed[:-step]) / (t_s[step:-step] - t_s[: -2 * step])

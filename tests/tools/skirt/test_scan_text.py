@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
+from camsim_cases import camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main as mktables
@@ -154,7 +154,7 @@ def test_cut_from_uneven_points_is_the_formula(tmp_path: Path, direction: int) -
     surface = tmp_path / "s.csv"
     done = camsim("run", tmp_path / "points.camtab", "--surface", surface)
     assert done.returncode == 0, done.stderr
-    turn, z_mm, radius_mm = np.loadtxt(surface, delimiter=",", skiprows=1).T[:3]
+    turn, z_mm, radius_mm, *_ = columns_of(surface).values()
     off_um = 1e3 * np.abs(radius_mm - RADIUS_MM + reduction_mm(360 * turn, z_mm))
     assert off_um.max() < 0.3
 

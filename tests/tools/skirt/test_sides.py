@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from camsim_cases import ROOT, camsim, only_error
+from camsim_cases import ROOT, camsim, columns_of, only_error
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main as mktables
@@ -114,7 +114,7 @@ def test_cut_part_is_the_formula(tmp_path: Path, name: str, direction: str) -> N
     table, surface = tmp_path / f"{name}.camtab", tmp_path / "s.csv"
     done = camsim("run", table, "--tolerance-um", "0.5", "--surface", surface)
     assert done.returncode == 0, done.stderr
-    turn, z_mm, radius_mm, error_nm = np.loadtxt(surface, delimiter=",", skiprows=1).T
+    turn, z_mm, radius_mm, error_nm = columns_of(surface).values()
     exact_mm = formula(360 * turn, z_mm)
     assert turn.size > 20_000
     assert np.abs(radius_mm - exact_mm).max() < 0.5e-3

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
+from camsim_cases import camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.pipeline.make import Made
@@ -47,8 +47,7 @@ def cut(part: SkirtPart, folder: Path, *words: str) -> tuple[int, dict[str, Any]
     results = ["--surface", str(folder / "s.csv"), "--summary", str(folder / "s.json")]
     done = camsim("run", folder / f"{part.part.name}.camtab", *results, *words)
     assert done.returncode in (0, 1), done.stderr
-    with (folder / "s.csv").open() as stream:
-        rows = np.array([[float(cell) for cell in row] for row in list(csv.reader(stream))[1:]])
+    rows = np.column_stack(list(columns_of(folder / "s.csv").values()))
     return done.returncode, json.loads((folder / "s.json").read_text()), rows
 
 

@@ -151,8 +151,8 @@ def _speed_of(trace: CutTrace) -> Floats:
     """Return the spindle's speed from its angle over some ticks to both sides [rad/s]."""
     k, speed = _SPEED_TICKS, np.full(trace.t_s.size, np.nan)
     if trace.t_s.size > 2 * k:
-        turned = np.abs(trace.turn[2 * k :] - trace.turn[: -2 * k])
-        speed[k:-k] = 2 * np.pi * turned / (trace.t_s[2 * k :] - trace.t_s[: -2 * k])
+        turned = trace.turn[2 * k :] - trace.turn[: -2 * k]
+        speed[k:-k] = 2 * np.pi * np.abs(turned) / (trace.t_s[2 * k :] - trace.t_s[: -2 * k])
     return speed
 
 

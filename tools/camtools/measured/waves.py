@@ -38,31 +38,29 @@ class _Basis:
 
     def __init__(self, turn: Floats, order: int) -> None:
         self.order = order
+        k = np.arange(order + 1)
+        self._both, self._apart = k[:, None] + k, np.abs(k[:, None] - k)
+        self._is_below = k[:, None] < k
         steps = np.exp(2j * np.pi * turn)
         self._powers = np.ones((2 * order + 1, turn.size), dtype=np.complex128)
-        for k in range(1, 2 * order + 1):
-            self._powers[k] = self._powers[k - 1] * steps
+        for i in range(1, 2 * order + 1):
+            self._powers[i] = self._powers[i - 1] * steps
 
     def fitted(self, weight: Floats, values: Floats) -> Complexes:
         """Return the waves of least squares with these weights."""
-        k, n = np.arange(self.order + 1), self.order + 1
+        n = self.order + 1
         sums = np.einsum("i,ki->k", weight, self._powers)
         right = np.einsum("i,ki->k", weight * values, self._powers[:n])
-        both, apart = sums[k[:, None] + k], sums[np.abs(k[:, None] - k)]
-        apart = np.where(k[:, None] < k, apart.conj(), apart)  # of e^(j (k - l) phi)
-        normal = np.block(
-            [
-                [(apart + both).real, (both - apart).imag],
-                [(both + apart).imag, (apart - both).real],
-            ]
-        )
+        both, apart = sums[self._both], sums[self._apart]
+        apart = np.where(self._is_below, apart.conj(), apart)  # of e^(j (k - l) phi)
+        normal = np.empty((2 * n - 1, 2 * n - 1))  # the mean has no sine
+        normal[:n, :n], normal[:n, n:] = (apart + both).real, (both - apart).imag[:, 1:]
+        normal[n:, :n], normal[n:, n:] = (both + apart).imag[1:], (apart - both).real[1:, 1:]
         normal /= 2
-        inner = np.delete(np.arange(2 * n), n)  # the mean has no sine
-        found = np.zeros(2 * n)
-        found[inner] = np.linalg.solve(
-            normal[np.ix_(inner, inner)], np.concatenate([right.real, right.imag])[inner]
-        )
-        return np.asarray(found[:n] + 1j * found[n:], dtype=np.complex128)
+        found = np.linalg.solve(normal, np.concatenate([right.real, right.imag[1:]]))
+        waves = found[:n].astype(np.complex128)
+        waves[1:] += 1j * found[n:]
+        return waves
 
     def values(self, waves: Complexes) -> Floats:
         """Return waves at the angles."""

@@ -44,8 +44,9 @@ def _polygon(geometry: Geometry, z_mm: Floats, middle_mm: float) -> Segments:
     z = np.round(z_mm, LENGTH_DECIMALS)
     x = np.round(geometry.radius_mm(z) - middle_mm, LENGTH_DECIMALS)
     dense = np.linspace(z[0], z[-1], _DENSE)
-    off = np.abs(np.interp(dense, z, x) - (geometry.radius_mm(dense) - middle_mm))
-    return Segments(z, x, float(off.max()))
+    drawn = geometry.radius_mm(dense) - middle_mm
+    off = np.interp(dense, z, x) - drawn
+    return Segments(z, x, float(np.abs(off).max()))
 
 
 def _kinks_mm(geometry: Geometry, z_first_mm: float, z_last_mm: float) -> Floats:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, angle_axis, png_of, titled_figure
@@ -49,8 +50,10 @@ def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
     for diameter, label, style in circles:
         x, y = diameter / 2 * np.cos(turn), diameter / 2 * np.sin(turn)
         axes.plot(x, y, color=GREY, lw=0.9, ls=style, label=label)
-    axes.fill(*_closed(phi, made.drawing.polar(phi).r), color=PALE, alpha=0.5, lw=0)
-    axes.plot(*_closed(phi, made.drawing.polar(phi).r), color=BLUE, lw=1.8, label="drawing")
+    x, y = _closed(phi, made.drawing.polar(phi).r)
+    # As axes.fill, which looks for the limits of so many corners by itself: they are set below.
+    axes.add_artist(Polygon(np.column_stack((x, y)), color=PALE, alpha=0.5, lw=0))
+    axes.plot(x, y, color=BLUE, lw=1.8, label="drawing")
     joints = np.array([blend.joint_rad for blend in made.blended.blends])
     if joints.size:
         r = made.drawing.polar(joints).r

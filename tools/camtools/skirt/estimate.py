@@ -55,7 +55,8 @@ def height_error(geometry: Geometry) -> HeightError:
     breaks = geometry.breaks_mm()
     share = np.arange(_PIECES + 1) / _PIECES
     step = np.diff(breaks)[:, None, None] / _PIECES
-    z = breaks[:-1, None] + np.diff(breaks)[:, None] * share
+    along = np.diff(breaks)[:, None] * share
+    z = breaks[:-1, None] + along
     pattern_rad = 2 * np.pi / (1 << geometry.surface.log2_repeat)
     u = geometry.delta(np.linspace(0, pattern_rad, _ANGLES), z[..., None])
     peaks = float(np.abs(u.d1).max()), float(np.abs(u.d2).max())

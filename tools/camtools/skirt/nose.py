@@ -68,7 +68,8 @@ class _Continued:
         out = np.flatnonzero(z != within)
         if out.size:
             slopes = self.inside.along(phi[out], within[out]).first
-            found[:, out] += slopes * (z - within)[out]
+            beyond = z - within
+            found[:, out] += slopes * beyond[out]
         return found
 
 

@@ -125,14 +125,18 @@ class PolySurface:
         """Return value and derivatives, shape (4, z.size, phi.size), some heights at a time."""
         found = np.empty((4, z.size, phi.size))
         n = max(1, _CHUNK // phi.size)
+        # Without a joint a place is the same at every height.
+        alike = self._place(phi, 0.0) if self.joint_turn is None else None
         for first in range(0, z.size, n):
             some = slice(first, first + n)
             j, w = self._height(z[some])
             powers = w[:, None] ** np.arange(N_HEIGHT)
-            i, t, slope = self._place(phi, z[some, None])
-            c = np.empty((N_ANGLE, *t.shape))
+            i, t, slope = alike or self._place(phi, z[some, None])
+            pieces = np.broadcast_to(i, (j.size, phi.size))
+            c = np.empty((N_ANGLE, j.size, phi.size))
             for row in range(j.size):
-                c[:, row] = (self.coefficients[j[row]] @ powers[row]).T[:, i[row]]
+                of_height = (self.coefficients[j[row]] @ powers[row]).T
+                c[:, row] = of_height.take(pieces[row], axis=1)
             found[:, some] = _horner(c, t, slope)
         return found
 
@@ -167,12 +171,15 @@ def _rounded(knots: Floats, breaks: Floats) -> list[float]:
 
 def _horner(c: Floats, t: Floats, slope: Floats) -> Floats:
     """Return value and three derivatives by angle, shape (4, ..), of coefficients (6, ..)."""
-    found = np.empty((4, *t.shape))
+    found = np.empty((4, *c.shape[1:]))
     for n in range(4):
-        value = np.zeros(t.shape)
-        for k in range(N_ANGLE - 1, n - 1, -1):
-            value = value * t + _FACTORS[n, k] * c[k]
-        found[n] = value * slope**n
+        value = found[n]
+        np.multiply(_FACTORS[n, -1], c[-1], out=value)
+        for k in range(N_ANGLE - 2, n - 1, -1):
+            value *= t
+            value += _FACTORS[n, k] * c[k]
+        if n:
+            value *= slope**n
     return found
 
 

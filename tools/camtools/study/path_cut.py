@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from pyarrow import csv as csv_file
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
@@ -60,7 +61,7 @@ def grid(column: Floats) -> Floats:
 
 def read_scallop(path: Path) -> Floats:
     """Return the map of a table that `camsim run --scallop` wrote [um]."""
-    return grid(np.loadtxt(path, delimiter=",", skiprows=1, usecols=2))
+    return grid(csv_file.read_csv(path).column(2).to_numpy())
 
 
 def with_path(part: SkirtPart, path: str) -> SkirtPart:
