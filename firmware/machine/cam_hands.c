@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_hands.h"
-#include "cam_fix.h" // cam_sat_i32
+#include "cam_fix.h" // cam_clamp_i64, cam_sat_i32
 
 static int32_t tool_x_nm(const cam_params_t *p)
 {
@@ -56,15 +56,17 @@ int32_t cam_hands_origin_nm(const cam_hands_t *h, const cam_params_t *params, ha
     return cam_sat_i32(-part_nm - cam_hands_shift_nm(h, params, axis));
 }
 
-int32_t cam_hands_x_high_nm(const cam_hands_t *h, const cam_params_t *params)
+cam_hands_travel_t cam_hands_travel(const cam_hands_t *h, const cam_params_t *params,
+                                    hal_axis_t axis, bool is_known)
 {
-    const bool is_found = (h->known >> (uint32_t)hal_axis_x & 1u) != 0u;
-    if ((!is_found && params->x_home != 0) || params->x_low_nm >= params->x_high_nm) {
-        return 0;
+    const cam_hand_axis_t a = cam_hands_axis(params, axis);
+    if (a.low_nm >= a.high_nm || !is_known) {
+        return (cam_hands_travel_t){-CAM_HANDS_FAR_NM, CAM_HANDS_FAR_NM};
     }
-    const int32_t shift_nm = cam_hands_shift_nm(h, params, hal_axis_x);
-    const int32_t high_nm = cam_sat_i32((int64_t)params->x_high_nm - shift_nm);
-    return high_nm != 0 ? high_nm : 1;
+    const int64_t shift_nm = cam_hands_shift_nm(h, params, axis);
+    return (cam_hands_travel_t){
+        (int32_t)cam_clamp_i64(a.low_nm - shift_nm, -CAM_HANDS_FAR_NM, CAM_HANDS_FAR_NM),
+        (int32_t)cam_clamp_i64(a.high_nm - shift_nm, -CAM_HANDS_FAR_NM, CAM_HANDS_FAR_NM)};
 }
 
 bool cam_hands_is_known(const cam_params_t *params, const cam_status_t *status, hal_axis_t axis)

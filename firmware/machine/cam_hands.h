@@ -44,8 +44,18 @@ int32_t cam_hands_shift_nm(const cam_hands_t *h, const cam_params_t *params, hal
 /// @return [nm] where the port counts 0 of the part, saturated; of U 0
 int32_t cam_hands_origin_nm(const cam_hands_t *h, const cam_params_t *params, hal_axis_t axis);
 
-/// @return [nm] where the port counts the end of X's travel, away from the axis; 0: it is not known
-int32_t cam_hands_x_high_nm(const cam_hands_t *h, const cam_params_t *params);
+/// [nm] as far to either side goes an axis without limits: the port's numbers wrap beyond 2.1 m.
+#define CAM_HANDS_FAR_NM 2000000000
+
+/// Travel of an axis in the numbers of the port.
+typedef struct {
+    int32_t low_nm, high_nm;
+} cam_hands_travel_t;
+
+/// @param axis      X or Z
+/// @param is_known  whether its place is; if not, nothing is known of its travel
+cam_hands_travel_t cam_hands_travel(const cam_hands_t *h, const cam_params_t *params,
+                                    hal_axis_t axis, bool is_known);
 
 /// @return whether the place of an axis is known: nothing is to be homed, or its home was found and
 ///         not forgotten

@@ -7,10 +7,6 @@
 #include "cam_units.h"         // cam_units_scale
 #include <stddef.h>            // NULL
 
-/// [nm / 1024] the travel of an axis without limits: 2 m to either side by the port, whose numbers
-/// would wrap beyond 2.1 m.
-#define FAR_Q10 (INT64_C(2000000000) * 1024)
-
 static cam_hand_verdict_t hand_verdict(cam_err_t err, int32_t value)
 {
     return (cam_hand_verdict_t){.err = err, .value = value};
@@ -86,27 +82,23 @@ static int32_t most_um_per_s(const cam_machine_t *m, hal_axis_t axis)
                                     INT64_C(1024000) * play->plan_ticks);
 }
 
-/// Travel of an axis in the numbers of the port.
+/// How far an axis may be moved by hand, in the numbers of the port.
 typedef struct {
     int64_t low_q10, high_q10;
-} travel_t;
+} way_t;
 
-/// @return the stroke of U; where the place of X or Z is known and limits are set, these
-static travel_t travel_of(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
+/// @return the stroke of U; the travel of X or Z, less an eighth of the acceleration, by which
+/// braking by steps may lead beyond its target (cam_move.h)
+static way_t way_of(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
 {
-    const cam_hand_axis_t a = cam_hands_axis(&m->params, axis);
-    const int64_t shift_nm = cam_hands_shift_nm(&m->hands, &m->params, axis);
+    const cam_hand_config_t *hand = &newest_config(m)->play.hand;
     if (axis == hal_axis_u) {
-        const int64_t end_q10 = newest_config(m)->play.hand.u_end_q10;
-        return (travel_t){-end_q10, end_q10};
+        return (way_t){-hand->u_end_q10, hand->u_end_q10};
     }
-    if (a.low_nm >= a.high_nm || !cam_hands_is_known(&m->params, status, axis)) {
-        return (travel_t){-FAR_Q10, FAR_Q10};
-    }
-    // Braking by steps may lead an eighth of one beyond its target (cam_move.h).
-    const int64_t room_q10 = newest_config(m)->play.hand.limits[axis].acceleration_q10 / 8 + 1;
-    return (travel_t){cam_clamp_i64((a.low_nm - shift_nm) * 1024 + room_q10, -FAR_Q10, FAR_Q10),
-                      cam_clamp_i64((a.high_nm - shift_nm) * 1024 - room_q10, -FAR_Q10, FAR_Q10)};
+    const bool is_known = cam_hands_is_known(&m->params, status, axis);
+    const cam_hands_travel_t t = cam_hands_travel(&m->hands, &m->params, axis, is_known);
+    const int64_t room_q10 = hand->limits[axis].acceleration_q10 / 8 + 1;
+    return (way_t){(int64_t)t.low_nm * 1024 + room_q10, (int64_t)t.high_nm * 1024 - room_q10};
 }
 
 cam_err_t cam_machine_manual(cam_machine_t *m)
@@ -136,15 +128,15 @@ cam_hand_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um
     if (!cam_is_between(um_per_s, -most, most)) {
         return hand_verdict(cam_err_hand_speed, most);
     }
-    const travel_t travel = travel_of(m, &status, axis);
+    const way_t way = way_of(m, &status, axis);
     cam_hand_order_t order = {
         .begin = um_per_s == 0 ? cam_hand_rest : cam_hand_jog,
         .axis = axis,
         .sense = um_per_s < 0 ? -1 : 1,
         .speed_q10 = order_speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s,
                                      newest_config(m)->play.hand.limits[axis].speed_q10),
-        .low_q10 = travel.low_q10,
-        .high_q10 = travel.high_q10,
+        .low_q10 = way.low_q10,
+        .high_q10 = way.high_q10,
     };
     return hand_verdict(give_order(m, &status, &order), um_per_s);
 }
@@ -159,11 +151,11 @@ cam_hand_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t n
     if (err != cam_ok) {
         return hand_verdict(err, 0);
     }
-    const travel_t travel = travel_of(m, &status, axis);
+    const way_t way = way_of(m, &status, axis);
     const int32_t port_nm[hal_n_axes] = {status.u_actual_nm, status.x_actual_nm,
                                          status.z_actual_nm};
     const int64_t to_q10 = ((int64_t)port_nm[axis] + nm) * 1024;
-    const int64_t end_q10 = nm < 0 ? travel.low_q10 : travel.high_q10;
+    const int64_t end_q10 = nm < 0 ? way.low_q10 : way.high_q10;
     if (nm < 0 ? to_q10 < end_q10 : to_q10 > end_q10) {
         const int32_t shift_nm = cam_hands_shift_nm(&m->hands, &m->params, axis);
         return hand_verdict(cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm));
@@ -173,8 +165,8 @@ cam_hand_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t n
         .axis = axis,
         .sense = nm < 0 ? -1 : 1,
         .speed_q10 = newest_config(m)->play.hand.limits[axis].speed_q10,
-        .low_q10 = travel.low_q10,
-        .high_q10 = travel.high_q10,
+        .low_q10 = way.low_q10,
+        .high_q10 = way.high_q10,
         .distance_q10 = (int64_t)nm * 1024,
     };
     return hand_verdict(give_order(m, &status, &order), nm);
@@ -197,7 +189,7 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     }
     const cam_hand_config_t *hand = &newest_config(m)->play.hand;
     const int32_t most_q10 = hand->limits[axis].speed_q10;
-    const int64_t end_q10 = axis == hal_axis_u ? hand->u_end_q10 : FAR_Q10;
+    const int64_t end_q10 = axis == hal_axis_u ? hand->u_end_q10 : (int64_t)CAM_HANDS_FAR_NM * 1024;
     cam_hand_order_t order = {
         .begin = a.method == here ? cam_hand_here : cam_hand_search,
         .axis = axis,
@@ -283,10 +275,10 @@ static bool lacks_home(const cam_machine_t *m, const cam_status_t *status, hal_a
 static bool is_in_travel(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis,
                          int64_t low_nm, int64_t high_nm)
 {
-    const travel_t travel = travel_of(m, status, axis);
+    const way_t way = way_of(m, status, axis);
     const int64_t origin_nm = cam_hands_origin_nm(&m->hands, &m->params, axis);
-    return (low_nm + origin_nm) * 1024 >= travel.low_q10 &&
-           (high_nm + origin_nm) * 1024 <= travel.high_q10;
+    return (low_nm + origin_nm) * 1024 >= way.low_q10 &&
+           (high_nm + origin_nm) * 1024 <= way.high_q10;
 }
 
 /// @return [nm] how far X stays off the largest radius at most

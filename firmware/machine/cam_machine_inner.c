@@ -55,6 +55,14 @@ cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params, const 
     return err;
 }
 
+/// @return [nm] where the port counts the end of X's travel, by the homes that were found
+static int32_t x_high_nm(const cam_machine_t *m, const cam_params_t *params)
+{
+    const bool is_found = (m->hands.known >> (uint32_t)hal_axis_x & 1u) != 0u;
+    const bool is_known = is_found || params->x_home == 0;
+    return cam_hands_travel(&m->hands, params, hal_axis_x, is_known).high_nm;
+}
+
 cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
                                 const cam_table_t *table, uint32_t pass)
 {
@@ -74,7 +82,7 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
                          cam_hands_origin_nm(&m->hands, params, hal_axis_z));
         const cam_config_t *last =
             atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
-        half->play.x_high_nm = cam_hands_x_high_nm(&m->hands, params);
+        half->play.x_high_nm = x_high_nm(m, params);
         if (last != NULL) {
             half->learned = cam_config_is_whole(last) ? last->learned : (cam_learned_t){0};
             cam_config_learn(half);

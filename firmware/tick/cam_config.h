@@ -122,7 +122,7 @@ typedef struct {
     bool is_z_measured;
     int64_t u_retract_q10;  ///< [nm / 1024]
     int32_t x_clearance_nm; ///< [nm]
-    int32_t x_high_nm;      ///< [nm] end of X's travel by the port, 0: not known
+    int32_t x_high_nm;      ///< [nm] end of X's travel by the port
     int64_t x_clear_q10;    ///< [nm / 1024] X off the work at every height, by the port
     int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0, by the port
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan

@@ -87,13 +87,13 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
 }
 
 /// @return [nm / 1024] where X moves in the state fault: off its set-point in the tick of the
-/// fault, but not farther than its travel goes, where that is known
+/// fault, but not farther than its travel goes
 static int64_t moved_off_q10(const cam_play_config_t *cfg, int64_t left_q10)
 {
     const int64_t off_q10 = cam_wrap_add_i64(left_q10, (int64_t)cfg->x_clearance_nm * 1024);
     const int64_t high_q10 = (int64_t)cfg->x_high_nm * 1024;
     const int64_t most_q10 = high_q10 > left_q10 ? high_q10 : left_q10;
-    return high_q10 != 0 && off_q10 > most_q10 ? most_q10 : off_q10;
+    return off_q10 < most_q10 ? off_q10 : most_q10;
 }
 
 /// In the state fault the guard leads U, X moves off, and Z brakes to rest. Behind the state manual

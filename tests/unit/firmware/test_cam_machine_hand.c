@@ -162,7 +162,7 @@ static void test_jog_without_limits_ends_where_the_numbers_end(void)
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_x, 10000).err);
         fixture_rig_ticks(&rig, 1000);
     }
-    TEST_ASSERT_EQUAL_INT32(2000 * mm, port_nm(hal_axis_x));
+    TEST_ASSERT_INT32_WITHIN(10, 2000 * mm - 10, port_nm(hal_axis_x)); // less room to brake
     TEST_ASSERT_EQUAL_INT(cam_hand_limit, hand().end);
 }
 
