@@ -30,7 +30,21 @@ ROOT = Path(__file__).resolve().parents[3]
 BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl" / "can_bench"
 FRAME = struct.Struct("<IB3x64s")
 CLASSIC_BYTES = 8
+Act = Callable[[], object]
 ESTOP_ID, BUTTON_ID, KEY_ID = range(0x10000, 0x10003)
+
+
+class _Listened(io.StringIO):
+    """What a command prints; words in it begin something beside the command."""
+
+    def __init__(self, on: str, act: Act) -> None:
+        super().__init__()
+        self._on, self._act = on, act
+
+    def write(self, text: str) -> int:
+        if self._on and self._on in text:
+            threading.Thread(target=self._act).start()
+        return super().write(text)
 
 
 class Bench:
@@ -58,8 +72,7 @@ class Bench:
         self.drop: Callable[[can.Message], bool] = lambda frame: False
         self._bus = can.Bus(interface="virtual", channel=channel)
         self._process = subprocess.Popen(
-            # Where cores are short its virtual time waits, and not the tool that keeps it alive.
-            ["nice", str(BENCH), *([secret] if secret else [])],
+            [str(BENCH), *([secret] if secret else [])],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -124,9 +137,9 @@ class Bench:
         self._process.stdout.close()
         self._bus.shutdown()
 
-    def run(self, *words: str | Path) -> tuple[int, str]:
-        """Run camctl; return its status and what it printed."""
-        out = io.StringIO()
+    def run(self, *words: str | Path, on: str = "", act: Act = print) -> tuple[int, str]:
+        """Run camctl; return its status and what it printed; act beside it when it says `on`."""
+        out = _Listened(on, act)
         bus = ["--interface", "virtual", "--channel", self.channel, "--node", str(self.node)]
         return main([*bus, *map(str, words)], out), out.getvalue()
 
@@ -171,9 +184,9 @@ class Bench:
             thread.join()
             bus.shutdown()
 
-    def do(self, *words: str | Path) -> str:
-        """Run camctl, which must succeed."""
-        status, text = self.run(*words)
+    def do(self, *words: str | Path, on: str = "", act: Act = print) -> str:
+        """Run camctl, which must succeed; act beside it when it says `on`."""
+        status, text = self.run(*words, on=on, act=act)
         assert status == 0, text
         return text
 

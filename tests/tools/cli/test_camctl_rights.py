@@ -198,8 +198,7 @@ def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
     assert "level             locked" in strict.do("who")
     monkeypatch.setenv("CAMTURN_SECRET", str(secret))
     assert strict.do("set", "u_stroke_nm", "1200000") == "u_stroke_nm = 1200000\n"
-    threading.Timer(1.5, order, [strict, "lock"]).start()
-    told = strict.do("unlock")
+    told = strict.do("unlock", on="unlocked by", act=lambda: order(strict, "lock"))
     assert told.startswith("unlock: unlocked by the secret, for ")
     assert told.endswith("unlock: locked again\n")
     secret.write_text("of another machine")
@@ -218,8 +217,7 @@ def test_unlock_without_a_secret_waits_for_the_key(bench: Bench, refusal: Refusa
     bench.turn_key(False)
     assert "refused: locked; turn the key switch" in refusal(bench, 1, "set u_stroke_nm 1000000")
     threading.Timer(0.6, bench.turn_key, [True]).start()
-    threading.Timer(2.0, bench.turn_key, [False]).start()
-    told = bench.do("unlock")
+    told = bench.do("unlock", on="unlocked by", act=lambda: bench.turn_key(False))
     assert told.startswith("unlock: turn the key switch at the machine off and on, within 60 s\n")
     assert "\nunlock: unlocked by the key switch, for " in told
     assert told.endswith("unlock: locked again\n")
