@@ -145,7 +145,6 @@ static bool set_in_tables(cam_teach_t *t, uint32_t index, int32_t value)
         return narrow == value;
     }
     *(l % 2u == 0u ? &t->ripple.mean[l / 2u].re : &t->ripple.mean[l / 2u].im) = narrow;
-    t->ripple.n_mean = t->ripple.n_mean > 0u ? t->ripple.n_mean : 1u;
     return is_within(value, cam_ripple_most);
 }
 
@@ -159,6 +158,8 @@ bool cam_teach_set(cam_teach_t *t, uint32_t index, int32_t value)
     const bool is_good = is_table ? set_in_tables(t, index, value) : set_one(t, index, value);
     if (!is_good) {
         (void)(is_table ? set_in_tables(t, index, before) : set_one(t, index, before));
+    } else if (index >= cam_teach_value_ripple && t->ripple.n_mean == 0u) {
+        t->ripple.n_mean = 1u;
     }
     t->walking = cam_walk_all;
     return is_good;

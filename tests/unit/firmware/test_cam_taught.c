@@ -105,6 +105,7 @@ static void test_what_is_set_is_walked_to(void)
     t.walking = 0;
     TEST_ASSERT_TRUE(cam_teach_set(&t, cam_teach_value_k1, 7));
     TEST_ASSERT_EQUAL_HEX8(cam_walk_all, t.walking);
+    TEST_ASSERT_FALSE(cam_teach_set(&t, cam_teach_value_ripple, cam_ripple_most + 1));
     TEST_ASSERT_EQUAL_UINT32(0, t.ripple.n_mean);
     TEST_ASSERT_TRUE(cam_teach_set(&t, cam_teach_value_ripple, 7));
     TEST_ASSERT_EQUAL_UINT32(1, cam_teach_status(&t, &s, 20000).ripple_turns);
