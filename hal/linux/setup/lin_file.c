@@ -41,9 +41,12 @@ static bool close_well(int fd, bool is_good)
     return is_closed && is_good;
 }
 
+/// What an interrupted run, or somebody with a link to another file, has left there is removed: a
+/// file of our own is written, or none.
 static bool store(const char *path, const uint8_t *bytes, uint32_t n)
 {
-    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    (void)unlink(path);
+    const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     if (fd < 0) {
         return false;
     }

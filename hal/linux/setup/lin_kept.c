@@ -24,8 +24,8 @@ hal_start_t lin_kept_start(const char *table_file)
 
 void lin_kept_halt(const char *why)
 {
-    const int fd =
-        path[0] != '\0' ? open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644) : -1;
+    const int flags = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC;
+    const int fd = path[0] != '\0' ? open(path, flags, 0644) : -1;
     if (fd >= 0) {
         (void)!write(fd, why, strlen(why));
         (void)close(fd);

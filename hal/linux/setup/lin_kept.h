@@ -12,7 +12,7 @@ enum { lin_kept_bytes = 100 }; ///< a longer reason is cut off
 /// @param table_file  the reason is kept in this path with ".halt" behind it
 hal_start_t lin_kept_start(const char *table_file);
 
-/// Leave a reason for the next start. Context: any.
+/// Leave a reason for the next start, unless a link lies in its place. Context: any.
 void lin_kept_halt(const char *why);
 
 #endif

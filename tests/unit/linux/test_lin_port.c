@@ -152,6 +152,18 @@ static void test_reason_of_a_halt_is_told_at_the_next_start_once(void)
     TEST_ASSERT_EQUAL_size_t(lin_kept_bytes, strlen(lin_kept_start(path).why));
 }
 
+/// Who may write into the folder may not have a file of somebody else overwritten.
+static void test_reason_of_a_halt_follows_no_link(void)
+{
+    char kept[110];
+    (void)lin_kept_start(path);
+    (void)snprintf(kept, sizeof kept, "%s.halt", path);
+    TEST_ASSERT_EQUAL_INT(0, symlink(path, kept));
+    lin_kept_halt("broken");
+    TEST_ASSERT_NOT_EQUAL_INT(0, access(path, F_OK));
+    TEST_ASSERT_EQUAL_INT(0, unlink(kept));
+}
+
 int main(void)
 {
     if (mkdtemp(folder) == NULL) {
@@ -168,6 +180,7 @@ int main(void)
     RUN_TEST(test_end_does_not_wait_for_ever);
     RUN_TEST(test_second_signal_hurries_and_one_that_is_doubled_does_not);
     RUN_TEST(test_reason_of_a_halt_is_told_at_the_next_start_once);
+    RUN_TEST(test_reason_of_a_halt_follows_no_link);
     setUp();
     (void)rmdir(folder);
     return UNITY_END();

@@ -153,6 +153,20 @@ static void test_disk_that_does_not_take_the_file_leaves_the_old_one(void)
     expect_file("second");
 }
 
+/// Who may write into the folder may not have a file of somebody else overwritten.
+static void test_a_link_in_the_place_of_the_new_file_is_not_followed(void)
+{
+    char other[110];
+    (void)snprintf(other, sizeof other, "%s.other", path);
+    begin_second();
+    put_file(other, "of somebody else");
+    TEST_ASSERT_EQUAL_INT(0, symlink(other, fresh));
+    TEST_ASSERT_TRUE(lin_table_commit(&error));
+    expect_file("second");
+    TEST_ASSERT_EQUAL_INT(0, rename(other, path));
+    expect_file("of somebody else");
+}
+
 /// After the renaming memory and file must agree, even when the disk does not confirm the folder.
 static void test_folder_that_is_not_confirmed_is_told(void)
 {
@@ -180,6 +194,7 @@ int main(void)
     RUN_TEST(test_interrupted_download_leaves_the_old_table);
     RUN_TEST(test_table_that_cannot_be_stored_leaves_the_old_one);
     RUN_TEST(test_disk_that_does_not_take_the_file_leaves_the_old_one);
+    RUN_TEST(test_a_link_in_the_place_of_the_new_file_is_not_followed);
     RUN_TEST(test_folder_that_is_not_confirmed_is_told);
     setUp();
     (void)rmdir(folder);
