@@ -199,11 +199,9 @@ def host_steps() -> list[Step]:
         build("host-asan"),
         ctest("host-asan"),
         pytest("host-asan", *simulator, needs=("build host-asan",), preset="host-asan", wide=True),
+        clang_tidy("host-asan", r"(firmware|hal|host_sim)/.*\.c"),
         build("host-tsan"),
         ctest("host-tsan", "-R", r"^unit\.test_cam_status$"),
-        build("host-clang"),
-        ctest("host-clang"),
-        clang_tidy("host-clang", r"(firmware|hal|host_sim)/.*\.c"),
         build("host-cov", "firmware_tests"),
         ctest("host-cov", *own_tests, clears="build/host-cov/**/*.gcda"),
         tool("coverage of firmware", "gcovr", *gcovr, needs=("ctest host-cov",), closing="%"),
@@ -231,7 +229,7 @@ def linux_steps() -> list[Step]:
         # The first time it builds the kernel, beside other steps.
         pytest("linux kernel", *start, "tests/linux/test_kernel.py", needs=needs, limit_s=1800),
         pytest("linux", "tests/linux/test_linux.py", needs=(*needs, "pytest linux kernel")),
-        # The port's rooms are in the build host-clang, too; one file knows the version of libgpiod.
+        # The port's rooms are in the build host-asan, too; one file knows the version of libgpiod.
         clang_tidy("linux", r"hal/linux/[^/]*\.c", known),
         build("linux-gpiod2"),
         clang_tidy("linux-gpiod2", r"hal/linux/gpio_v2\.c", known),
