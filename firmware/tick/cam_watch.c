@@ -17,6 +17,7 @@ uint32_t cam_watch_mend_isr(cam_watch_t *w, cam_tell_t *t, cam_motion_t *m,
             axis->pos_q10 = (int64_t)w->led_nm[i] * 1024 + 512 + t->vel_q10[i];
             axis->vel_q10 = t->vel_q10[i];
         }
+        t->vel_q10[i] = axis->vel_q10; // in off 0, and so in the tick that ends it
         w->led_nm[i] = (int32_t)(axis->pos_q10 >> 10);
     }
     return is_off ? 0u : CAM_FAULT_BIT(corrupt);
