@@ -1,40 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 /// fuzz_judge: what must hold after every tick, whatever came in.
-///
-/// Limits are worked out here from the parameters alone, by arithmetic of its own, because the
-/// judge must not be the accused: no function of the firmware that derives a limit is asked.
 #ifndef FUZZ_JUDGE_H
 #define FUZZ_JUDGE_H
 
-#include "cam_param.h"  // cam_params_t
-#include "cam_record.h" // cam_tick_record_t
-#include <stdbool.h>    // bool
-#include <stdint.h>     // int32_t, int64_t
+#include "cam_param.h"   // cam_params_t
+#include "cam_record.h"  // cam_tick_record_t
+#include "fuzz_limits.h" // fuzz_limits_t
+#include <stdbool.h>     // bool
+#include <stdint.h>      // int32_t, int64_t
 
-enum { fuzz_judge_ticks = 16 }; ///< more than from plan to plan
-
-/// The loosest limits since the machine was off last; a limit that is narrowed meanwhile binds from
-/// the next off on.
-typedef struct {
-    int64_t speed_nm[hal_n_axes];        ///< [nm per tick]
-    int64_t acceleration_nm[hal_n_axes]; ///< [nm per tick^2]
-    int64_t stroke_nm;                   ///< [nm] of U to either side
-    int64_t clearance_nm;                ///< [nm] of X in a fault
-    int64_t feed_nm;                     ///< [nm] per turn
-    int64_t spindle_mrpm;
-    int64_t swing_q32; ///< [turn / 2^32] to either side
-} fuzz_limits_t;
+enum { fuzz_judge_ticks = 64 }; ///< more than from plan to plan
 
 typedef struct {
     uint32_t tick_hz;
-    uint32_t plan_ticks; ///< from plan to plan
-    uint32_t version;    ///< of the parameters that the limits are of
-    fuzz_limits_t limits;
-    int32_t rise_nm;   ///< [nm] by which U and X may leave further in a fault
-    cam_state_t state; ///< of the last tick
-    bool is_wild;      ///< by the target: gains and lags are any that are accepted, so that only
-                       ///< what the controller supervises is judged, in its wider limits
-    bool has_button;   ///< set by the rig: nothing moves again before a press
+    uint32_t plan_ticks;  ///< from plan to plan
+    uint32_t version;     ///< of the parameters that the limits are of
+    fuzz_limits_t limits; ///< the loosest since the machine was off last; a limit that is narrowed
+                          ///< meanwhile binds from the next off on
+    int32_t rise_nm;      ///< [nm] by which U and X may leave further in a fault
+    cam_state_t state;    ///< of the last tick
+    bool is_wild;         ///< by the target: gains and lags are any that are accepted, so that only
+                          ///< what the controller supervises is judged, in its wider limits
+    bool is_drawn; ///< by the target: a machine of any limits, whose X and Z have the limits of the
+                   ///< fault `command` while they are geared to the angle
+    uint32_t may_fault;    ///< by the target: faults that it causes; others are the machine's own
+    bool has_button;       ///< set by the rig: nothing moves again before a press
     bool is_pressed_right; ///< since the last fault and emergency stop there was one
     bool was_pressed;
     uint32_t n_pressed; ///< [ticks] that the button has been pressed in off, so far
@@ -43,7 +33,7 @@ typedef struct {
                             ///< which are geared to it, have the limits of the fault `command`
                             ///< until the next off
     bool is_z_led;          ///< Z is measured and not led by this controller
-    bool was_by_hand;       ///< the fault came in manual
+    bool was_geared;        ///< the fault came while axes followed the angle
     uint32_t n_moved;       ///< [ticks] since the enable
     uint32_t n_fault;       ///< [ticks] in state fault
     uint32_t patience;      ///< [ticks] within which the retract has to end
@@ -53,8 +43,11 @@ typedef struct {
     int32_t told_nm[hal_n_axes];         ///< [nm] what the axes were told last, by the port
     int32_t step_nm[hal_n_axes];         ///< ... by how much that differed from the one before
     int32_t change_nm[fuzz_judge_ticks]; ///< ... X: by how much its steps differed, a ring
+    int64_t u_change_nm;                 ///< ... U: by how much its steps differed
     uint32_t at;                         ///< place of the newest in it
     int32_t fault_x_nm;                  ///< [nm] X told in the tick of the fault
+    int64_t swing_on_q32;                ///< [turn / 2^32] of the swing in two plans, as it came
+    double outwards_nm;                  ///< [nm] by which it may go on outwards from there
     uint64_t n_visits[cam_n_states];
 } fuzz_judge_t;
 

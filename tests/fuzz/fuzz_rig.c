@@ -10,7 +10,7 @@
 #include <string.h>           // memcpy, memset
 
 enum { skirt, modulated, camshaft };
-enum { n_rates = 4, n_states = 4, mm = 1000000, counts_per_turn = 10000 };
+enum { n_rates = fuzz_rig_n_rates, n_states = 4, mm = 1000000, counts_per_turn = 10000 };
 
 fuzz_rig_t fuzz_rig;
 
@@ -29,7 +29,8 @@ static fixture_image_t images[fuzz_rig_n_parts];
 static const struct {
     uint32_t tick_hz;
     int32_t spindle_mrpm;
-} rates[n_rates] = {{1000, 1200000}, {2000, 1500000}, {5000, 2000000}, {20000, 2500000}};
+} rates[n_rates] = {{1000, 1200000}, {2000, 1500000},  {5000, 2000000},  {20000, 2500000},
+                    {500, 600000},   {10000, 2500000}, {50000, 2500000}, {100000, 2500000}};
 
 static const cam_state_t states[n_states] = {cam_state_off, cam_state_ready, cam_state_cutting,
                                              cam_state_manual};
@@ -43,6 +44,11 @@ const void *fuzz_rig_image(uint32_t part, size_t *size)
     }
     *size = images[part].size;
     return images[part].bytes;
+}
+
+uint32_t fuzz_rig_hz(uint32_t rate)
+{
+    return rates[rate % (uint32_t)n_rates].tick_hz;
 }
 
 const cam_tick_record_t *fuzz_rig_record(void)
@@ -102,7 +108,25 @@ static void feel_home(uint32_t i, int32_t from_nm)
     set_input((uint32_t)hal_in_index_u << i, h->n_seen > 0u);
 }
 
-/// Axes with power are where they were told to be, one tick later.
+/// @return [nm] by which an axis is told more than its place, because its drive lags: the drives
+/// are those that the parameters tell of, MATHS.md (56) and (189)
+static int32_t ahead_nm(uint32_t i)
+{
+    const cam_params_t *p = &fuzz_rig.machine.params;
+    const hal_setpoint_t *out = &hal_host.out.axis[i];
+    const double tick_us = 1e6 / (double)hal_host.tick_hz;
+    const bool is_u = i == (uint32_t)hal_axis_u;
+    const double lag_us = (is_u ? p->k1_ns : p->xz_lag_ns) / 1e3;
+    const double hold_us2 = tick_us * tick_us / 48.0;
+    const double k2_us2 = is_u && p->k2_us2 > hold_us2 ? p->k2_us2 - hold_us2
+                          : is_u                       ? p->k2_us2
+                                                       : 0;
+    const double ahead_q10 =
+        lag_us / tick_us * out->vel_q10 + k2_us2 / tick_us / tick_us * out->acc_q10;
+    return (int32_t)(ahead_q10 > 1e12 ? 1e9 : ahead_q10 < -1e12 ? -1e9 : ahead_q10 / 1024.0);
+}
+
+/// Axes with power are one tick later where they were told to be, less what they lag.
 static void move_axes(void)
 {
     const bool has_power = (hal_host.out.outputs & hal_out_enable) != 0u;
@@ -110,7 +134,8 @@ static void move_axes(void)
         const int32_t from_nm = hal_host.in.axis_nm[i];
         if (has_power && !fuzz_rig.is_held[i]) {
             hal_host.in.axis_nm[i] =
-                (int32_t)((uint32_t)hal_host.out.axis[i].pos_nm + (uint32_t)fuzz_rig.error_nm[i]);
+                (int32_t)((uint32_t)hal_host.out.axis[i].pos_nm - (uint32_t)ahead_nm(i) +
+                          (uint32_t)fuzz_rig.error_nm[i]);
         }
         feel_home(i, from_nm);
     }
@@ -123,12 +148,16 @@ static void move_axes(void)
     }
 }
 
-/// To understand what was found, CAM_FUZZ_TRACE=1 has every tick told.
-static void trace(void)
+bool fuzz_rig_is_traced(void)
 {
     static int is_on = -1;
     is_on = is_on < 0 ? getenv("CAM_FUZZ_TRACE") != NULL : is_on;
-    if (is_on > 0) {
+    return is_on > 0;
+}
+
+static void trace(void)
+{
+    if (fuzz_rig_is_traced()) {
         const cam_tick_record_t *r = fuzz_rig_record();
         (void)printf("%u %s faults %x turn %.4f u %d x %d z %d outputs %x\n", (unsigned)r->tick,
                      cam_state_name(r->want.state), (unsigned)r->want.faults,

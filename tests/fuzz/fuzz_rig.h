@@ -19,6 +19,7 @@ typedef struct {
 } fuzz_start_t;
 
 enum { fuzz_rig_n_parts = 3 }; ///< the short skirt, the modulated skirt, the camshaft
+enum { fuzz_rig_n_rates = 8 }; ///< from 500 Hz to 100 kHz
 
 /// What an axis has to be homed by.
 typedef struct {
@@ -52,8 +53,14 @@ static inline void fuzz_try(cam_err_t err)
     (void)err;
 }
 
+/// @return [Hz] a tick rate
+uint32_t fuzz_rig_hz(uint32_t rate);
+
 /// Bring the rig to a start, from a copy when it was there before.
 void fuzz_rig_start(fuzz_start_t start);
+
+/// @return whether everything is told, to understand what was found: CAM_FUZZ_TRACE=1
+bool fuzz_rig_is_traced(void);
 
 /// One tick and the judge's verdict on it.
 void fuzz_rig_tick(void);

@@ -7,6 +7,7 @@
 #include "fixture_newer.h"
 #include "fixture_part.h"
 #include "fixture_shaft.h"
+#include "fuzz_draw.h"
 #include "fuzz_expect.h"
 #include "fuzz_rig.h"
 #include "fuzz_mutate.h"
@@ -137,6 +138,68 @@ static void put_sessions(void)
     }
 }
 
+/// What is done with a machine at a rate: one of the defaults, a fast one whose every ramp is
+/// short, and one with a soft drive of U in a short stroke.
+static void put_machine(const char *name, uint8_t rate, const uint8_t (*orders)[session_order],
+                        size_t n)
+{
+    static const struct {
+        cam_param_id_t id;
+        int32_t value;
+    } fast[] = {
+        {cam_param_u_acceleration_mm_per_s2, 20000},
+        {cam_param_x_speed_um_per_s, 1000000},
+        {cam_param_x_acceleration_mm_per_s2, 300000},
+        {cam_param_z_speed_um_per_s, 1000000},
+        {cam_param_z_acceleration_mm_per_s2, 300000},
+        {cam_param_engage_turns, 1},
+        {cam_param_disengage_turns, 1},
+        {cam_param_feed_ramp_turns, 1},
+        {cam_param_u_jog_um_per_s, 100000},
+        {cam_param_x_jog_um_per_s, 300000},
+        {cam_param_z_jog_um_per_s, 300000},
+        {cam_param_x_low_nm, 45000000},
+        {cam_param_x_high_nm, 50000000},
+        {cam_param_z_low_nm, -1000000},
+        {cam_param_z_high_nm, 2000000},
+        {cam_param_spindle_limit_mrpm, 60000000},
+        {cam_param_spindle_acceleration_mrad_per_s2, 1000000000},
+    };
+    uint8_t bytes[256] = {rate, 0, 230, 0};
+    char path[64];
+    memcpy(bytes + 4 + fuzz_draw_bytes, orders, n * session_order);
+    (void)snprintf(path, sizeof path, "%s_%u", name, (unsigned)rate);
+    put("machine", path, bytes, 4 + fuzz_draw_bytes + n * session_order);
+    for (size_t i = 0; i < sizeof fast / sizeof fast[0]; i++) {
+        fuzz_draw_write(bytes + 4, fast[i].id, fast[i].value);
+    }
+    (void)snprintf(path, sizeof path, "%s_fast_%u", name, (unsigned)rate);
+    put("machine", path, bytes, 4 + fuzz_draw_bytes + n * session_order);
+    fuzz_draw_write(bytes + 4, cam_param_u_stroke_nm, 900000);
+    fuzz_draw_write(bytes + 4, cam_param_k1_ns, 400000);
+    (void)snprintf(path, sizeof path, "%s_soft_%u", name, (unsigned)rate);
+    put("machine", path, bytes, 4 + fuzz_draw_bytes + n * session_order);
+}
+
+static void put_machines(void)
+{
+    // Order, its kind, a number: 0 wait, 3 await, 4 mishap, 5 jog on, 6 the usual and await.
+    static const uint8_t cut[][4] = {{14, 0, 0, 255}, {14, 0, 0, 255}, {14, 0, 0, 255},
+                                     {3, 0, 0, 255},  {3, 0, 0, 255},  {3, 0, 0, 255},
+                                     {0, 0, 250, 0}};
+    static const uint8_t stopped[][4] = {
+        {14, 0, 0, 255}, {14, 0, 0, 255}, {14, 0, 0, 255}, {3, 0, 0, 255}, {0, 0, 44, 1},
+        {12, 0, 0, 128}, {3, 0, 0, 255},  {12, 6, 0, 0},   {14, 0, 1, 0},  {14, 0, 0, 255}};
+    static const uint8_t jogged[][4] = {{10, 6, 0, 0},    {13, 0, 31, 255},   {13, 128, 31, 255},
+                                        {13, 1, 31, 255}, {13, 129, 31, 255}, {13, 2, 31, 255},
+                                        {12, 0, 0, 128},  {3, 0, 0, 255}};
+    for (uint8_t rate = 0; rate < (uint8_t)fuzz_rig_n_rates; rate++) {
+        put_machine("cut", rate, ALL(cut));
+        put_machine("stopped", rate, ALL(stopped));
+        put_machine("jogged", rate, ALL(jogged));
+    }
+}
+
 /// Every command in every start, some of them in one input.
 static void put_frames(void)
 {
@@ -260,6 +323,7 @@ int main(int argc, char **argv)
     (void)mkdir(folder, 0777);
     put_images();
     put_sessions();
+    put_machines();
     put_frames();
     put_messages();
     put_kept();

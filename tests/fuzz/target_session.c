@@ -2,33 +2,15 @@
 // A session: commands, parameters, senses and faults in any order, as the operator, the machine and
 // bad luck would give them. The input is a start and orders of four bytes each, so that what the
 // mutator adds or takes away leaves the others what they were.
-#include "cam_machine_hand.h"     // cam_machine_jog
-#include "cam_machine_override.h" // cam_machine_hold
+#include "cam_machine_hand.h" // cam_machine_hand_alive
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
-#include "fuzz_rig.h"
 #include "fuzz_mutate.h"
-#include "hal_host.h"
-#include <string.h> // memcpy
+#include "fuzz_orders.h"
+#include "fuzz_rig.h"
+#include "hal_host.h" // hal_host
 
 enum { head_bytes = 4, order_bytes = 4, most_ticks = 4000 };
-/// The background check of the table costs as much as ten ticks.
-enum { poll_ticks = 16 };
-
-static uint32_t n_left; // [ticks] that this input may still take
-
-static void let_pass(uint32_t n)
-{
-    const uint32_t now = n < n_left ? n : n_left;
-    for (uint32_t i = 0; i < now; i++) {
-        if (i % (uint32_t)poll_ticks == 0u) {
-            cam_machine_poll(&fuzz_rig.machine);
-        }
-        fuzz_rig_tick();
-    }
-    n_left -= now;
-}
-
 /// Parameters that an operator changes. Gains of the feed-forward and what is learned are not
 /// among them: only where they are 0 is what U is told the set-point that is judged.
 static const cam_param_id_t ids[] = {
@@ -162,142 +144,6 @@ static void sense(uint8_t what, int16_t value)
     }
 }
 
-static void disturb(uint8_t what, uint16_t code)
-{
-    const int16_t value = (int16_t)code;
-    switch (what % 15u) {
-    case 0:
-        hal_host_fault_estop(value < 0);
-        break;
-    case 1:
-        hal_host_fault_drive(value < 0);
-        break;
-    case 2:
-        hal_host_fault_bus(value < 0);
-        break;
-    case 3:
-        hal_host_fault_late((uint32_t)(uint16_t)value % 400u);
-        break;
-    case 4:
-        hal_host_fault_counts(value);
-        fuzz_rig.judge.is_angle_doubtful = true;
-        break;
-    case 5:
-        hal_host_fault_encoder_stuck(value < 0);
-        fuzz_rig.judge.is_angle_doubtful = true;
-        break;
-    case 6:
-        hal_host_fault_index_dead(value < 0);
-        break;
-    case 7:
-        fuzz_rig.is_spindle_held = value < 0;
-        break;
-    case 8:
-        fuzz_rig.is_spindle_held = true;
-        fuzz_rig.judge.is_angle_doubtful = true;
-        fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
-        break;
-    case 9:
-        hal_host.in.encoder.n_index += (uint32_t)(int32_t)value & 0xFFu;
-        break;
-    case 10:
-        hal_host.in.encoder.index_counts = hal_host.in.encoder.index_counts + code - 0x8000u;
-        break;
-    case 11:
-        hal_host_press(value < 0);
-        break;
-    case 12: // as it is meant
-        let_pass(fuzz_rig.judge.tick_hz / 16u);
-        hal_host_press(true);
-        let_pass(fuzz_rig.judge.tick_hz / 10u);
-        hal_host_press(false);
-        let_pass(fuzz_rig.judge.tick_hz / 16u);
-        break;
-    case 13:
-        hal_host_turn_key(value < 0);
-        break;
-    default: // all is mended
-        hal_host_fault_estop(false);
-        hal_host_fault_drive(false);
-        hal_host_fault_bus(false);
-        hal_host_fault_encoder_stuck(false);
-        hal_host_fault_index_dead(false);
-        fuzz_rig.is_spindle_held = false;
-        memset(fuzz_rig.is_held, 0, sizeof fuzz_rig.is_held);
-        memset(fuzz_rig.error_nm, 0, sizeof fuzz_rig.error_nm);
-        fuzz_rig.is_swing_held = false;
-        break;
-    }
-}
-
-static void command(uint8_t what, int16_t value)
-{
-    cam_machine_t *m = &fuzz_rig.machine;
-    const hal_axis_t axis = (hal_axis_t)(what / 16u % hal_n_axes);
-    switch (what % 16u) {
-    case 0:
-        fuzz_try(cam_machine_enable(m));
-        break;
-    case 1:
-        fuzz_try(cam_machine_disable(m));
-        break;
-    case 2:
-        fuzz_try(cam_machine_start(m));
-        break;
-    case 3:
-        fuzz_try(cam_machine_stop(m));
-        break;
-    case 4:
-        fuzz_try(cam_machine_reset(m));
-        break;
-    case 5:
-        fuzz_try(cam_machine_home(m));
-        break;
-    case 6:
-        fuzz_try(cam_machine_manual(m));
-        break;
-    case 7:
-        (void)cam_machine_jog(m, axis, value);
-        break;
-    case 8:
-        (void)cam_machine_step(m, axis, value * 128);
-        break;
-    case 9:
-        fuzz_try(cam_machine_home_axis(m, axis));
-        break;
-    case 10:
-        (void)cam_machine_zero(m, axis, axis == hal_axis_x ? 92000000 + value * 256 : value * 256);
-        break;
-    case 11:
-        fuzz_try(cam_machine_hold(m));
-        break;
-    case 12:
-        fuzz_try(cam_machine_resume(m));
-        break;
-    case 13:
-        cam_machine_hand_alive(m);
-        break;
-    case 14:
-        cam_machine_stage_begin(m);
-        break;
-    default:
-        fuzz_try(cam_machine_stage_commit(m));
-        break;
-    }
-}
-
-/// The command that a good operator gives most often in a state.
-static void usual(int16_t value)
-{
-    static const uint8_t commands[cam_n_states] = {
-        [cam_state_off] = 0,         [cam_state_ready] = 2,       [cam_state_fault] = 4,
-        [cam_state_manual] = 7,      [cam_state_cutting] = 11,    [cam_state_holding] = 12,
-        [cam_state_engaging] = 3,    [cam_state_homing] = 13,     [cam_state_disengaging] = 13,
-        [cam_state_rehearsing] = 13, [cam_state_identifying] = 3,
-    };
-    command(commands[fuzz_rig_state()], value);
-}
-
 static void carry_out(fuzz_bytes_t *b)
 {
     const uint8_t what = fuzz_u8(b);
@@ -306,19 +152,19 @@ static void carry_out(fuzz_bytes_t *b)
     const int16_t value = (int16_t)code;
     switch (what % 8u) {
     case 0:
-        let_pass(code % 600u + 1u);
+        fuzz_let_pass(code % 600u + 1u);
         break;
     case 1:
-        usual(value);
+        fuzz_usual(value);
         break;
     case 2:
-        command(which, value);
+        fuzz_command(which, value);
         break;
     case 3:
         set_parameter(which, code);
         break;
     case 4:
-        disturb(which, code);
+        fuzz_disturb(which, code);
         break;
     case 5:
         sense(which, value);
@@ -328,10 +174,10 @@ static void carry_out(fuzz_bytes_t *b)
         break;
     default: // by hand somebody lives
         cam_machine_hand_alive(&fuzz_rig.machine);
-        let_pass(code % 200u + 1u);
+        fuzz_let_pass(code % 200u + 1u);
         break;
     }
-    let_pass((what >> 3) % 4u); // a command is posted for the next tick
+    fuzz_let_pass((what >> 3) % 4u); // a command is posted for the next tick
 }
 
 static void start(uint8_t how, bool has_button)
@@ -355,11 +201,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     start(how, fuzz_u8(&b) == 1u);
     fuzz_rig.judge.is_wild = fuzz_u8(&b) == 1u;
     (void)fuzz_u8(&b);
-    n_left = most_ticks;
-    while (b.n > 0u && n_left > 0u) {
+    fuzz_orders_begin(most_ticks);
+    while (b.n > 0u && fuzz_orders_has_time()) {
         carry_out(&b);
     }
-    let_pass(8);
+    fuzz_let_pass(8);
     return 0;
 }
 

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fuzz_orders.h"
+#include "cam_machine_hand.h"     // cam_machine_jog
+#include "cam_machine_override.h" // cam_machine_hold
+#include "fuzz_rig.h"
+#include "hal_host.h"
+#include <string.h> // memset
+
+/// The background check of the table costs as much as ten ticks.
+enum { poll_ticks = 16 };
+
+static uint32_t n_left; // [ticks] that this input may still take
+
+void fuzz_orders_begin(uint32_t most_ticks)
+{
+    n_left = most_ticks;
+}
+
+bool fuzz_orders_has_time(void)
+{
+    return n_left > 0u;
+}
+
+void fuzz_let_pass(uint32_t n)
+{
+    const uint32_t now = n < n_left ? n : n_left;
+    for (uint32_t i = 0; i < now; i++) {
+        if (i % (uint32_t)poll_ticks == 0u) {
+            cam_machine_poll(&fuzz_rig.machine);
+        }
+        fuzz_rig_tick();
+    }
+    n_left -= now;
+}
+
+void fuzz_disturb(uint8_t what, uint16_t code)
+{
+    const int16_t value = (int16_t)code;
+    switch (what % 15u) {
+    case fuzz_disturb_estop:
+        hal_host_fault_estop(value < 0);
+        break;
+    case fuzz_disturb_drive:
+        hal_host_fault_drive(value < 0);
+        break;
+    case fuzz_disturb_bus:
+        hal_host_fault_bus(value < 0);
+        break;
+    case 3:
+        hal_host_fault_late((uint32_t)(uint16_t)value % 400u);
+        break;
+    case 4:
+        hal_host_fault_counts(value);
+        fuzz_rig.judge.is_angle_doubtful = true;
+        break;
+    case 5:
+        hal_host_fault_encoder_stuck(value < 0);
+        fuzz_rig.judge.is_angle_doubtful = true;
+        break;
+    case 6:
+        hal_host_fault_index_dead(value < 0);
+        break;
+    case 7:
+        fuzz_rig.is_spindle_held = value < 0;
+        break;
+    case 8:
+        fuzz_rig.is_spindle_held = true;
+        fuzz_rig.judge.is_angle_doubtful = true;
+        fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
+        break;
+    case 9:
+        hal_host.in.encoder.n_index += (uint32_t)(int32_t)value & 0xFFu;
+        break;
+    case 10:
+        hal_host.in.encoder.index_counts = hal_host.in.encoder.index_counts + code - 0x8000u;
+        break;
+    case fuzz_disturb_button:
+        hal_host_press(value < 0);
+        break;
+    case fuzz_disturb_press:
+        fuzz_let_pass(fuzz_rig.judge.tick_hz / 16u);
+        hal_host_press(true);
+        fuzz_let_pass(fuzz_rig.judge.tick_hz / 10u);
+        hal_host_press(false);
+        fuzz_let_pass(fuzz_rig.judge.tick_hz / 16u);
+        break;
+    case fuzz_disturb_key:
+        hal_host_turn_key(value < 0);
+        break;
+    default: // fuzz_disturb_mend
+        hal_host_fault_estop(false);
+        hal_host_fault_drive(false);
+        hal_host_fault_bus(false);
+        hal_host_fault_encoder_stuck(false);
+        hal_host_fault_index_dead(false);
+        fuzz_rig.is_spindle_held = false;
+        memset(fuzz_rig.is_held, 0, sizeof fuzz_rig.is_held);
+        memset(fuzz_rig.error_nm, 0, sizeof fuzz_rig.error_nm);
+        fuzz_rig.is_swing_held = false;
+        break;
+    }
+}
+
+void fuzz_command(uint8_t what, int32_t value)
+{
+    cam_machine_t *m = &fuzz_rig.machine;
+    const hal_axis_t axis = (hal_axis_t)(what / 16u % hal_n_axes);
+    switch (what % 16u) {
+    case 0:
+        fuzz_try(cam_machine_enable(m));
+        break;
+    case 1:
+        fuzz_try(cam_machine_disable(m));
+        break;
+    case 2:
+        fuzz_try(cam_machine_start(m));
+        break;
+    case 3:
+        fuzz_try(cam_machine_stop(m));
+        break;
+    case 4:
+        fuzz_try(cam_machine_reset(m));
+        break;
+    case 5:
+        fuzz_try(cam_machine_home(m));
+        break;
+    case 6:
+        fuzz_try(cam_machine_manual(m));
+        break;
+    case 7:
+        (void)cam_machine_jog(m, axis, value);
+        break;
+    case 8:
+        (void)cam_machine_step(m, axis, value * 128);
+        break;
+    case 9:
+        fuzz_try(cam_machine_home_axis(m, axis));
+        break;
+    case 10:
+        (void)cam_machine_zero(m, axis, axis == hal_axis_x ? 92000000 + value * 256 : value * 256);
+        break;
+    case 11:
+        fuzz_try(cam_machine_hold(m));
+        break;
+    case 12:
+        fuzz_try(cam_machine_resume(m));
+        break;
+    case 13:
+        cam_machine_hand_alive(m);
+        break;
+    case 14:
+        cam_machine_stage_begin(m);
+        break;
+    default:
+        fuzz_try(cam_machine_stage_commit(m));
+        break;
+    }
+}
+
+void fuzz_usual(int32_t value)
+{
+    static const uint8_t commands[cam_n_states] = {
+        [cam_state_off] = 0,         [cam_state_ready] = 2,       [cam_state_fault] = 4,
+        [cam_state_manual] = 7,      [cam_state_cutting] = 11,    [cam_state_holding] = 12,
+        [cam_state_engaging] = 3,    [cam_state_homing] = 13,     [cam_state_disengaging] = 13,
+        [cam_state_rehearsing] = 13, [cam_state_identifying] = 3,
+    };
+    fuzz_command(commands[fuzz_rig_state()], value);
+}
