@@ -69,14 +69,13 @@ static bool is_geared(cam_state_t state)
 
 /// A cut is judged by its set-points before it begins (cam_demand.h). What the feed-forward adds to
 /// them is not known then, nor how far U goes on when a fault takes it out of its motion: both may
-/// be too much, and are not told.
+/// be too much. The nearest place within the limits is told then, and `command` is latched.
 /// @param faults  of this tick
 /// @return faults that are not the machine's own
 static uint32_t may_fault(const fuzz_judge_t *j, uint32_t faults)
 {
     const bool is_led = is_geared(j->state) && j->limits.gain_rounding_nm > 0.0;
-    const bool is_leaving =
-        j->state == cam_state_fault ? j->was_geared : (faults & j->may_fault) != 0u;
+    const bool is_leaving = j->state == cam_state_fault || (faults & j->may_fault) != 0u;
     return is_led || is_leaving ? j->may_fault | CAM_FAULT_BIT(command) : j->may_fault;
 }
 
@@ -164,7 +163,6 @@ static void judge_fault(fuzz_judge_t *j, const cam_tick_record_t *r)
     }
     if (j->state != cam_state_fault) {
         j->n_fault = 0;
-        j->was_geared = is_geared(j->state);
         j->swing_on_q32 = size_of(hal_host.out.swing.vel_q32) * 2 * j->plan_ticks;
         j->patience = patience(j);
         j->fault_x_nm = hal_host.out.axis[hal_axis_x].pos_nm;

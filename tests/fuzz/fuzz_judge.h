@@ -33,7 +33,6 @@ typedef struct {
                             ///< which are geared to it, have the limits of the fault `command`
                             ///< until the next off
     bool is_z_led;          ///< Z is measured and not led by this controller
-    bool was_geared;        ///< the fault came while axes followed the angle
     uint32_t n_moved;       ///< [ticks] since the enable
     uint32_t n_fault;       ///< [ticks] in state fault
     uint32_t patience;      ///< [ticks] within which the retract has to end

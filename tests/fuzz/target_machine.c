@@ -17,12 +17,13 @@ enum { head_bytes = 4 + fuzz_draw_bytes, order_bytes = 4, most_ticks = 8000 };
 /// [rev/min / 1000] slower, and the spindle would count as standing
 enum { least_mrpm = 30000 };
 
-/// The spindle turns at a share of the highest speed at which the machine can cut the part.
+/// The spindle turns at a share of nine tenths of the highest speed at which the machine can cut
+/// the part: above that a short disengagement may want more of U than was judged (README.md).
 static void draw_spindle(uint8_t share)
 {
     cam_machine_t *m = &fuzz_rig.machine;
     const int64_t highest_mrpm = cam_machine_highest_mrpm(m);
-    const int64_t mrpm = highest_mrpm * (share + 1) / 256;
+    const int64_t mrpm = highest_mrpm * (share + 1) / 285;
     const int32_t least_spindle = mrpm > least_mrpm ? (int32_t)mrpm : least_mrpm;
     fuzz_try(cam_machine_set_param(m, cam_param_spindle_mrpm, least_spindle));
     fuzz_rig_tick();
