@@ -21,7 +21,7 @@ from pathlib import Path
 from types import FrameType
 from xml.etree import ElementTree
 
-STEP_LIMIT_S = 900.0  # several times what the longest takes; a step that hangs is a failure
+STEP_LIMIT_S = 2400.0  # several times what the longest takes; a step that hangs is a failure
 KILL_AFTER_S = 10.0  # between SIGTERM and SIGKILL
 LOOK_S = 0.05  # between two looks at what runs
 STILL_RUNNING_S = 30.0  # without news: what runs is said again

@@ -126,12 +126,9 @@ def tools_steps(is_fast: bool) -> list[Step]:
     )
     needs = ("build host",)
     rest = " and not slow" if is_fast else ""
-    # Those that judge the clock wait more than they work, so that one per core does not disturb the
-    # others; the longest begins first. A computer that is held up makes one of them fail: it is
-    # tried again, which the last line tells.
-    longest = "tests/tools/panel/test_missing_live.py"
-    tried = ("-n", str(N_CORES), "--dist", "worksteal", "--reruns", "2")
-    alone = (*tried, longest, *files_with("alone"))
+    # Those that judge the clock run one by one. A computer that is held up makes one of them fail
+    # all the same: it is tried again, which the last line tells.
+    alone = ("--reruns", "2", *files_with("alone"))
     return [
         pytest("tools", *paths, "-m", f"not alone{rest}", needs=needs, wide=True),
         pytest("alone", "-m", f"alone{rest}", *alone, needs=needs, alone=True),
