@@ -13,7 +13,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from step_runner import STEP_LIMIT_S, Runner, Step
+from step_runner import Runner, Step
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
@@ -86,7 +86,6 @@ def pytest(
     preset: str = "host",
     wide: bool = False,
     alone: bool = False,
-    limit_s: float = STEP_LIMIT_S,
 ) -> Step:
     """Return tests in Python; those that start the simulator take it from a preset."""
     report = BUILD / "reports" / f"pytest-{name.replace(' ', '-')}.xml"
@@ -99,7 +98,6 @@ def pytest(
         is_alone=alone,
         report=report,
         environment={"CAMTURN_BUILD": str(BUILD / preset)},
-        limit_s=limit_s,
     )
 
 
@@ -189,7 +187,7 @@ def host_steps() -> list[Step]:
         MIN_BRANCH_PERCENT,
     )
     gcovr = ("--root", ROOT, *files, *limits, "--print-summary", BUILD / "host-cov")
-    # The firmware is covered by its own tests; the simulator's run in three other builds.
+    # The firmware is covered by its own tests; the simulator's run in two other builds.
     own_tests = ("-L", "^firmware$")
     return [
         *tools_steps(is_fast=False),
@@ -224,7 +222,7 @@ def linux_steps() -> list[Step]:
     return [
         build("linux"),
         # The first time it builds the kernel, beside other steps.
-        pytest("linux kernel", *start, "tests/linux/test_kernel.py", needs=needs, limit_s=1800),
+        pytest("linux kernel", *start, "tests/linux/test_kernel.py", needs=needs),
         pytest("linux", "tests/linux/test_linux.py", needs=(*needs, "pytest linux kernel")),
         # The port's rooms are in the build host-asan, too; one file knows the version of libgpiod.
         clang_tidy("linux", r"hal/linux/[^/]*\.c", known),

@@ -11,25 +11,25 @@ enum { poll_ticks = 16 };
 
 static uint32_t n_left; // [ticks] that this input may still take
 
-void fuzz_orders_begin(uint32_t most_ticks)
-{
-    n_left = most_ticks;
-}
-
 bool fuzz_orders_has_time(void)
 {
     return n_left > 0u;
 }
 
-void fuzz_let_pass(uint32_t n)
+void fuzz_ticks(uint32_t n)
 {
-    const uint32_t now = n < n_left ? n : n_left;
-    for (uint32_t i = 0; i < now; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         if (i % (uint32_t)poll_ticks == 0u) {
             cam_machine_poll(&fuzz_rig.machine);
         }
         fuzz_rig_tick();
     }
+}
+
+void fuzz_let_pass(uint32_t n)
+{
+    const uint32_t now = n < n_left ? n : n_left;
+    fuzz_ticks(now);
     n_left -= now;
 }
 
@@ -49,7 +49,7 @@ void fuzz_disturb(uint8_t what, uint16_t code)
     case 3:
         hal_host_fault_late((uint32_t)(uint16_t)value % 400u);
         break;
-    case 4:
+    case fuzz_disturb_counts:
         hal_host_fault_counts(value);
         fuzz_rig.judge.is_angle_doubtful = true;
         break;
@@ -63,7 +63,7 @@ void fuzz_disturb(uint8_t what, uint16_t code)
     case 7:
         fuzz_rig.is_spindle_held = value < 0;
         break;
-    case 8:
+    case fuzz_disturb_speed:
         fuzz_rig.is_spindle_held = true;
         fuzz_rig.judge.is_angle_doubtful = true;
         fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
@@ -166,4 +166,34 @@ void fuzz_usual(int32_t value)
         [cam_state_rehearsing] = 13, [cam_state_identifying] = 3,
     };
     fuzz_command(commands[fuzz_rig_state()], value);
+}
+
+/// What is the same in every session, or what the target makes of the order.
+static void carry_out(fuzz_order_t order, void (*other)(fuzz_order_t))
+{
+    switch (order.what % 8u) {
+    case fuzz_order_pause:
+        fuzz_let_pass(order.code % 600u + 1u);
+        break;
+    case fuzz_order_alive:
+        cam_machine_hand_alive(&fuzz_rig.machine);
+        fuzz_let_pass(order.code % 200u + 1u);
+        break;
+    default:
+        other(order);
+        break;
+    }
+    fuzz_let_pass((order.what >> 3) % 4u); // a command is posted for the next tick
+}
+
+void fuzz_orders_play(fuzz_bytes_t *b, uint32_t most_ticks, void (*other)(fuzz_order_t))
+{
+    n_left = most_ticks;
+    while (b->n > 0u && n_left > 0u) {
+        fuzz_order_t order = {.what = fuzz_u8(b)};
+        order.which = fuzz_u8(b);
+        order.code = fuzz_u16(b);
+        carry_out(order, other);
+    }
+    fuzz_let_pass(8);
 }

@@ -4,28 +4,48 @@
 #ifndef FUZZ_ORDERS_H
 #define FUZZ_ORDERS_H
 
-#include <stdbool.h> // bool
-#include <stdint.h>  // int32_t
+#include "fuzz_bytes.h" // fuzz_bytes_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int32_t
+
+/// An order of a session, four bytes of the input, so that what the mutator adds or takes away
+/// leaves the others what they were.
+typedef struct {
+    uint8_t what; ///< modulo 8 the kind; bits 3 and 4: ticks behind it
+    uint8_t which;
+    uint16_t code;
+} fuzz_order_t;
+
+enum { fuzz_order_bytes = 4 };
+
+/// Kinds of orders that are the same in every session: ticks pass; by hand somebody lives.
+enum { fuzz_order_pause, fuzz_order_alive = 7 };
 
 /// Of fuzz_disturb().
 enum {
     fuzz_disturb_estop,
     fuzz_disturb_drive,
     fuzz_disturb_bus,
+    fuzz_disturb_counts = 4,  ///< of the encoder jump
+    fuzz_disturb_speed = 8,   ///< of the spindle is held
     fuzz_disturb_button = 11, ///< as it comes
     fuzz_disturb_press,       ///< as it is meant
     fuzz_disturb_key,
     fuzz_disturb_mend, ///< all is mended
 };
 
-/// A session begins, of so many ticks at most.
-void fuzz_orders_begin(uint32_t most_ticks);
+/// Play the orders of an input, in so many ticks at most.
+/// @param other  carries out the kinds that are the target's own
+void fuzz_orders_play(fuzz_bytes_t *b, uint32_t most_ticks, void (*other)(fuzz_order_t));
 
-/// @return whether ticks are left
+/// @return whether ticks of the session are left
 bool fuzz_orders_has_time(void);
 
-/// Let n ticks pass, or as many as are left.
+/// Let n ticks of the session pass, or as many as are left.
 void fuzz_let_pass(uint32_t n);
+
+/// Let n ticks pass, with rare rounds of the main loop.
+void fuzz_ticks(uint32_t n);
 
 /// A command of the operator.
 /// @param what   which, and of which axis

@@ -6,31 +6,22 @@
 #include "fuzz_expect.h"
 #include "fuzz_image.h"
 #include "fuzz_mutate.h"
+#include "fuzz_orders.h"
 #include "fuzz_rig.h"
 #include "hal_host.h"
 #include <string.h>
 
 /// Three things that happen to the spindle, four bytes each, and how the rig starts.
 enum { n_events = 3, head_bytes = 4 + 4 * n_events, most_bytes = 8192 };
-enum { ready_ticks = 700, cut_ticks = 150, poll_ticks = 16 };
+enum { ready_ticks = 700, cut_ticks = 150 };
 
 static _Alignas(32) uint8_t image[most_bytes];
-
-static void let_pass(uint32_t n)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        if (i % (uint32_t)poll_ticks == 0u) {
-            cam_machine_poll(&fuzz_rig.machine);
-        }
-        fuzz_rig_tick();
-    }
-}
 
 static void until_ready(void)
 {
     for (uint32_t i = 0; i < (uint32_t)ready_ticks && fuzz_rig_state() == cam_state_homing;
          i += 8u) {
-        let_pass(8);
+        fuzz_ticks(8);
     }
 }
 
@@ -39,16 +30,13 @@ static void disturb(fuzz_bytes_t *b)
     const uint8_t what = fuzz_u8(b);
     const uint8_t pause = fuzz_u8(b);
     const int16_t value = (int16_t)fuzz_u16(b);
-    let_pass(pause);
+    fuzz_ticks(pause);
     switch (what % 8u) {
     case 0:
-        hal_host_fault_counts(value);
-        fuzz_rig.judge.is_angle_doubtful = true;
+        fuzz_disturb(fuzz_disturb_counts, (uint16_t)value);
         break;
     case 1:
-        fuzz_rig.is_spindle_held = true;
-        fuzz_rig.judge.is_angle_doubtful = true;
-        fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
+        fuzz_disturb(fuzz_disturb_speed, (uint16_t)value);
         break;
     case 2:
         fuzz_rig.is_spindle_held = false;
@@ -86,21 +74,21 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (fuzz_rig_select(image, n_image) != cam_ok) {
         return 0;
     }
-    let_pass(1);
+    fuzz_ticks(1);
     const int32_t mrpm = fuzz_u8(&b) * 10000;
     fuzz_try(cam_machine_set_param(m, cam_param_spindle_mrpm, mrpm));
-    let_pass(1);
+    fuzz_ticks(1);
     (void)fuzz_u16(&b);
     if (cam_machine_enable(m) != cam_ok) {
         return 0;
     }
-    let_pass(8);
+    fuzz_ticks(8);
     until_ready();
     fuzz_try(cam_machine_start(m));
     for (uint32_t i = 0; i < (uint32_t)n_events; i++) {
         disturb(&b);
     }
-    let_pass(cut_ticks);
+    fuzz_ticks(cut_ticks);
     return 0;
 }
 

@@ -3,7 +3,7 @@
 // refused stays at its default. Its drives are the ones that it was told of, and nothing goes wrong
 // but stops and drives without power. So it may have no fault of its own, whatever the operator
 // does.
-#include "cam_machine_hand.h" // cam_machine_hand_alive
+#include "cam_machine_hand.h" // cam_machine_jog
 #include "fuzz_bytes.h"
 #include "fuzz_draw.h"
 #include "fuzz_expect.h"
@@ -12,7 +12,7 @@
 #include "fuzz_rig.h"
 #include "hal_host.h" // hal_host
 
-enum { head_bytes = 4 + fuzz_draw_bytes, order_bytes = 4, most_ticks = 8000 };
+enum { head_bytes = 4 + fuzz_draw_bytes, most_ticks = 8000 };
 
 /// [rev/min / 1000] slower, and the spindle would count as standing
 enum { least_mrpm = 30000 };
@@ -92,19 +92,15 @@ static void jog_to_end(uint8_t which, uint16_t code)
     jog_on(axis, (int32_t)((which & 0x80u) != 0u ? -wanted : wanted), code % 32u + 1u);
 }
 
-static void carry_out(fuzz_bytes_t *b)
+static void carry_out(fuzz_order_t order)
 {
     static const uint8_t mishaps[] = {fuzz_disturb_estop,  fuzz_disturb_drive, fuzz_disturb_bus,
                                       fuzz_disturb_button, fuzz_disturb_press, fuzz_disturb_key,
                                       fuzz_disturb_mend,   fuzz_disturb_mend};
-    const uint8_t what = fuzz_u8(b);
-    const uint8_t which = fuzz_u8(b);
-    const uint16_t code = fuzz_u16(b);
+    const uint8_t which = order.which;
+    const uint16_t code = order.code;
     const int32_t value = (int16_t)code * 32;
-    switch (what % 8u) {
-    case 0:
-        fuzz_let_pass(code % 600u + 1u);
-        break;
+    switch (order.what % 8u) {
     case 1:
         fuzz_usual(value);
         break;
@@ -120,16 +116,11 @@ static void carry_out(fuzz_bytes_t *b)
     case 5:
         jog_to_end(which, code);
         break;
-    case 6:
+    default:
         fuzz_usual(value);
         await(code);
         break;
-    default: // by hand somebody lives
-        cam_machine_hand_alive(&fuzz_rig.machine);
-        fuzz_let_pass(code % 200u + 1u);
-        break;
     }
-    fuzz_let_pass((what >> 3) % 4u); // a command is posted for the next tick
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -139,15 +130,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return -1;
     }
     set_up(&b);
-    fuzz_orders_begin(most_ticks);
-    while (b.n > 0u && fuzz_orders_has_time()) {
-        carry_out(&b);
-    }
-    fuzz_let_pass(8);
+    fuzz_orders_play(&b, most_ticks, carry_out);
     return 0;
 }
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed)
 {
-    return fuzz_mutate_orders(data, size, max_size, seed, head_bytes, order_bytes);
+    return fuzz_mutate_orders(data, size, max_size, seed, head_bytes, fuzz_order_bytes);
 }

@@ -2,7 +2,6 @@
 // A session: commands, parameters, senses and faults in any order, as the operator, the machine and
 // bad luck would give them. The input is a start and orders of four bytes each, so that what the
 // mutator adds or takes away leaves the others what they were.
-#include "cam_machine_hand.h" // cam_machine_hand_alive
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"
@@ -10,7 +9,8 @@
 #include "fuzz_rig.h"
 #include "hal_host.h" // hal_host
 
-enum { head_bytes = 4, order_bytes = 4, most_ticks = 4000 };
+enum { head_bytes = 4, most_ticks = 4000 };
+
 /// Parameters that an operator changes. Gains of the feed-forward and what is learned are not
 /// among them: only where they are 0 is what U is told the set-point that is judged.
 static const cam_param_id_t ids[] = {
@@ -144,16 +144,12 @@ static void sense(uint8_t what, int16_t value)
     }
 }
 
-static void carry_out(fuzz_bytes_t *b)
+static void carry_out(fuzz_order_t order)
 {
-    const uint8_t what = fuzz_u8(b);
-    const uint8_t which = fuzz_u8(b);
-    const uint16_t code = fuzz_u16(b);
+    const uint8_t which = order.which;
+    const uint16_t code = order.code;
     const int16_t value = (int16_t)code;
-    switch (what % 8u) {
-    case 0:
-        fuzz_let_pass(code % 600u + 1u);
-        break;
+    switch (order.what % 8u) {
     case 1:
         fuzz_usual(value);
         break;
@@ -169,15 +165,10 @@ static void carry_out(fuzz_bytes_t *b)
     case 5:
         sense(which, value);
         break;
-    case 6:
+    default:
         stage(which, code);
         break;
-    default: // by hand somebody lives
-        cam_machine_hand_alive(&fuzz_rig.machine);
-        fuzz_let_pass(code % 200u + 1u);
-        break;
     }
-    fuzz_let_pass((what >> 3) % 4u); // a command is posted for the next tick
 }
 
 static void start(uint8_t how, bool has_button)
@@ -201,15 +192,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     start(how, fuzz_u8(&b) == 1u);
     fuzz_rig.judge.is_wild = fuzz_u8(&b) == 1u;
     (void)fuzz_u8(&b);
-    fuzz_orders_begin(most_ticks);
-    while (b.n > 0u && fuzz_orders_has_time()) {
-        carry_out(&b);
-    }
-    fuzz_let_pass(8);
+    fuzz_orders_play(&b, most_ticks, carry_out);
     return 0;
 }
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed)
 {
-    return fuzz_mutate_orders(data, size, max_size, seed, head_bytes, order_bytes);
+    return fuzz_mutate_orders(data, size, max_size, seed, head_bytes, fuzz_order_bytes);
 }
