@@ -199,7 +199,7 @@ def host_steps() -> list[Step]:
         ctest("host-tsan", "-R", r"^unit\.test_cam_status$"),
         build("host-cov", "firmware_tests"),
         ctest("host-cov", *own_tests, clears="build/host-cov/**/*.gcda"),
-        tool("coverage of firmware", "gcovr", *gcovr, needs=("ctest host-cov",), closing="%"),
+        tool("coverage of firmware", "gcovr", *gcovr, needs=("ctest host-cov",), closing=r"^\w+: "),
     ]
 
 
@@ -209,7 +209,7 @@ def fuzz_steps() -> list[Step]:
     needs = ("build host-fuzz",)
     return [
         build("host-fuzz", "fuzz"),
-        gate("fuzz", *run, needs=needs, closing="executions", wide=True),
+        gate("fuzz", *run, needs=needs, closing="executions, ", wide=True),
     ]
 
 

@@ -100,8 +100,10 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
 /// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is taken at fourteen
 /// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
 /// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
-/// than its mean speed, and accelerate.
-static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks)
+/// than its mean speed, and accelerate. The slope of the envelope stays the same within a plan, so
+/// the first set-point of the next plan takes e'' of all of a plan's at once.
+/// @param n_set_points  of a plan
+static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks, uint32_t n_set_points)
 {
     static const struct {
         uint32_t e_ppm, e1_ppm, e2_ppm; // e, 1.03 2 e' / 2 pi and 1.03 e'' / (2 pi)^2
@@ -115,7 +117,7 @@ static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks)
     const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
     const uint64_t alpha = cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000);
     const uint64_t first = cam_cut_divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
-    const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024);
+    const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024) * n_set_points;
     uint64_t most = peaks->f2;
     for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
         most = cam_cut_greater(most, cam_cut_divided_up(peaks->f2 * at[i].e_ppm +
@@ -162,8 +164,9 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
     const int64_t limit =
         cam_cut_smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
     const cam_gap_peaks_t u = u_peaks(t);
-    const uint64_t most = cam_cut_greater(
-        engaging(c, &u), cam_gap_second(t, c->feed_nm, &u, (uint32_t)cam_plan_ticks(c->tick_hz)));
+    const uint32_t plan_ticks = (uint32_t)cam_plan_ticks(c->tick_hz);
+    const uint64_t most =
+        cam_cut_greater(engaging(c, &u, plan_ticks), cam_gap_second(t, c->feed_nm, &u, plan_ticks));
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
     const uint64_t turning = scaled_up(at_amplitude(c, most), omega2, 100000000);
@@ -232,7 +235,7 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
     }
     const cam_gap_peaks_t swing = swing_peaks(t);
     const uint64_t second = at_amplitude(
-        c, cam_cut_greater(engaging(c, &swing), cam_gap_second(t, c->feed_nm, &swing, 1u)));
+        c, cam_cut_greater(engaging(c, &swing, 1u), cam_gap_second(t, c->feed_nm, &swing, 1u)));
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
     const uint64_t turning = scaled_up(second, omega2, 1000000);

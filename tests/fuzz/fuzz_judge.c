@@ -212,11 +212,14 @@ static double most_step_nm(const fuzz_judge_t *j, uint32_t axis)
 }
 
 /// @return [nm per tick^2] by how much the command of U changes its step: with gains an excursion
-/// that no window bounds is the controller's to bound, in its wider limit
+/// that no window bounds is the controller's to bound, in its wider limit, which is also the one
+/// of the fault `command`
 static double most_change_of_u_nm(const fuzz_judge_t *j)
 {
     const fuzz_limits_t *l = &j->limits;
-    const bool is_supervised = j->is_wild || (l->gain_rounding_nm > 0.0 && is_geared(j->state));
+    const bool is_cut_off = (j->faults & CAM_FAULT_BIT(command)) != 0u;
+    const bool is_supervised =
+        j->is_wild || is_cut_off || (l->gain_rounding_nm > 0.0 && is_geared(j->state));
     return l->told_change_nm * (tolerance + 1) / tolerance + l->gain_rounding_nm + rounding_nm +
            (is_supervised ? learned_nm : 0);
 }
@@ -335,8 +338,8 @@ void fuzz_judge_tick(fuzz_judge_t *j, const cam_params_t *p, uint32_t version,
     judge_fault(j, r);
     const cam_state_t before = j->state;
     j->state = r->want.state;
-    judge_axes(j, r);
     j->faults = r->want.faults;
+    judge_axes(j, r);
     j->request = r->in.request;
     j->n_visits[r->want.state] += before != r->want.state ? 1u : 0u;
 }

@@ -17,13 +17,22 @@ enum { head_bytes = 4 + fuzz_draw_bytes, most_ticks = 8000 };
 /// [rev/min / 1000] slower, and the spindle would count as standing
 enum { least_mrpm = 30000 };
 
-/// The spindle turns at a share of nine tenths of the highest speed at which the machine can cut
-/// the part: above that a short disengagement may want more of U than was judged (README.md).
+/// @return [rev/min / 1000] at which the drive of U still follows an ellipse: k1 times the angular
+///         frequency of two swings per turn is 1
+static int64_t followed_mrpm(int32_t k1_ns)
+{
+    return k1_ns > 0 ? INT64_C(4774648292756) / k1_ns : INT32_MAX;
+}
+
+/// The spindle turns at a share of the highest speed at which the machine can cut the part and its
+/// drive follows: the feed-forward of a slower drive would have to leave the stroke (README.md).
 static void draw_spindle(uint8_t share)
 {
     cam_machine_t *m = &fuzz_rig.machine;
     const int64_t highest_mrpm = cam_machine_highest_mrpm(m);
-    const int64_t mrpm = highest_mrpm * (share + 1) / 285;
+    const int64_t by_drive_mrpm = followed_mrpm(m->params.k1_ns);
+    const int64_t most_mrpm = highest_mrpm < by_drive_mrpm ? highest_mrpm : by_drive_mrpm;
+    const int64_t mrpm = most_mrpm * (share + 1) / 256;
     const int32_t least_spindle = mrpm > least_mrpm ? (int32_t)mrpm : least_mrpm;
     fuzz_try(cam_machine_set_param(m, cam_param_spindle_mrpm, least_spindle));
     fuzz_rig_tick();

@@ -31,6 +31,8 @@ static void test_u_speed_limit_is_the_smaller_of_machine_and_table(void)
 static void test_u_acceleration_limit_is_the_smaller_of_machine_and_table(void)
 {
     params.u_acceleration_mm_per_s2 = 15000;
+    params.engage_turns = 100; // a short one adds to it
+    params.disengage_turns = 100;
     const double needed = 300e3 * omega(2500e3) * omega(2500e3) / 1e6;
     const double most = sqrt(15e9 / 300e3) * 60000 / (2 * pi);
     expect_refused(cam_err_u_acceleration, 2500000, needed, 15000, most);

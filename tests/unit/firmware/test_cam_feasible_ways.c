@@ -43,8 +43,11 @@ static void test_x_follows_the_barrel_within_its_limits(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * bent, bent, (double)judge(3000000).needed / 1.44);
 }
 
+/// Ticks of a plan, in which the slope of the smooth step stays the same, at 20 kHz.
+enum { plan_ticks = 8 };
+
 /// @return the largest e u'' + 2 e' u' + |e''| u over the smooth step e, where u, u' and u'' of the
-///         oval are each at their largest
+///         oval are each at their largest and one tick takes e'' of a whole plan
 /// @param f, f1, f2  largest magnitudes of u, u' and u''
 static double engaging_peak_of(double turns, double f, double f1, double f2)
 {
@@ -55,7 +58,7 @@ static double engaging_peak_of(double turns, double f, double f1, double f2)
         const double e = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
         const double e1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * per;
         const double e2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * per * per;
-        most = fmax(most, e * f2 + 2.0 * e1 * f1 + fabs(e2) * f);
+        most = fmax(most, e * f2 + 2.0 * e1 * f1 + plan_ticks * fabs(e2) * f);
     }
     return most;
 }

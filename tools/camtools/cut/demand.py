@@ -213,13 +213,16 @@ def _drift_acceleration(cut: JudgedCut, drift: _Drift) -> int:
     return divided_up(2 * drift.speed_per_rad * omega_crad_per_s, 100) + drift.acceleration
 
 
-def _engaging(cut: JudgedCut, peaks: AxisPeaks) -> int:
-    """Return the largest second derivative while the amplitude rises, MATHS.md (62)."""
+def _engaging(cut: JudgedCut, peaks: AxisPeaks, n_set_points: int) -> int:
+    """Return the largest second derivative while the amplitude rises, MATHS.md (62).
+
+    The first of a plan's set-points takes what the slope of the envelope changes in a plan.
+    """
     value, first, second = peaks
     ratio_q10 = divided_up(cut.facts.ratio_max_q20, 1024)
     alpha = divided_up(value * cut.facts.table.bounds.spindle_peak_ppm_per_rad, 2_000_000)
     risen = divided_up(first * ratio_q10, 1024) + alpha
-    far = divided_up(divided_up(value * ratio_q10, 1024) * ratio_q10, 1024)
+    far = divided_up(divided_up(value * ratio_q10, 1024) * ratio_q10, 1024) * n_set_points
     turns = cut.turns
     sums = (
         second * e + risen * e1 // turns + far * e2 // (turns * turns) for e, e1, e2 in _ENGAGING
@@ -254,7 +257,8 @@ def _u_demands(cut: JudgedCut) -> Iterator[Demand]:
     turning = divided_up(cut.at_amplitude(first) * omega, 1_000_000)
     limit = min(cut.p.u_speed_um_per_s, limits.u_speed_um_per_s)
     yield Demand("u_speed", limit, turning + cut.at_amplitude(drift.speed))
-    most = max(_engaging(cut, u), _gap(cut).second(u, cut.feed_nm, _plan_ticks(cut)))
+    per_plan = _plan_ticks(cut)
+    most = max(_engaging(cut, u, per_plan), _gap(cut).second(u, cut.feed_nm, per_plan))
     omega2 = divided_up(omega * omega, 10_000)
     turning = _scaled_up(cut.at_amplitude(most), omega2, 100_000_000)
     feeding = divided_up(_drift_acceleration(cut, drift), 1000)
@@ -284,7 +288,7 @@ def _swing_demands(cut: JudgedCut) -> Iterator[Demand]:
     feeding = cut.at_amplitude(_mdeg_of(drift.speed))
     speed = divided_up(first * omega, 1000) + feeding
     yield Demand("swing_speed", p.swing_speed_mdeg_per_s, speed)
-    second = max(_engaging(cut, peaks), _gap(cut).second(peaks, cut.feed_nm, 1))
+    second = max(_engaging(cut, peaks, 1), _gap(cut).second(peaks, cut.feed_nm, 1))
     omega2 = divided_up(omega * omega, 1000)
     turning = _scaled_up(cut.at_amplitude(second), omega2, 1_000_000)
     feeding = divided_up(_mdeg_of(_drift_acceleration(cut, drift)), 1000)
