@@ -63,6 +63,7 @@ def test_a_cut_is_seen_as_it_is(tmp_path: Path) -> None:
         case.until("cutting")
         compare(case, strobe)
         case.until("ready")
+        assert case.link.wait(lambda: bool(ended), PATIENCE_S)  # its row has more messages
         strobe.end()
     at_s, left_s, fraction = np.array(told).T
     end_s = ended[-1]
