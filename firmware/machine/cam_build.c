@@ -183,14 +183,15 @@ static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t spee
 static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceleration_deg_per_s2,
                                        uint32_t tick_hz)
 {
-    const int64_t most = INT64_C(1) << 24; // a turn in 256 ticks
+    const int64_t most = INT64_C(1) << 24;      // a turn in 256 ticks
+    const int64_t most_step = INT64_C(1) << 30; // beyond what a cut at 8 ticks per turn needs
     const int64_t plan_ticks = cam_plan_ticks(tick_hz);
     const int64_t speed =
         cam_units_scale(speed_mdeg_per_s, CAM_TURN_Q32 / 64, (int64_t)tick_hz * 5625);
     const int64_t per_tick2 = cam_units_scale(acceleration_deg_per_s2 * plan_ticks,
                                               CAM_TURN_Q32 / 8, (int64_t)tick_hz * tick_hz * 45);
     const int64_t speed_q32 = cam_clamp_i64(speed, 1, most);
-    const int64_t step_q32 = cam_clamp_i64(per_tick2, 1, most);
+    const int64_t step_q32 = cam_clamp_i64(per_tick2, 1, most_step);
     const int64_t gain = step_q32 * (CAM_TURN_Q32 / plan_ticks) / speed_q32;
     return (cam_swing_limits_t){
         .speed_q32 = (int32_t)speed_q32,

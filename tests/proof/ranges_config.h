@@ -52,10 +52,10 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(offset_q30, -(1 << 28), 1 << 28)                                                             \
     X(unit_q30, 0, INT32_MAX)                                                                      \
     X(gentle.speed_q32, 0, 1 << 24)                                                                \
-    X(gentle.step_q32, 0, 1 << 24)                                                                 \
+    X(gentle.step_q32, 0, Q30)                                                                     \
     X(gentle.gain_q32, 0, Q30)                                                                     \
     X(full.speed_q32, 0, 1 << 24)                                                                  \
-    X(full.step_q32, 0, 1 << 24)                                                                   \
+    X(full.step_q32, 0, Q30)                                                                       \
     X(full.gain_q32, 0, Q30)
 
 #define LIMITS(X)                                                                                  \

@@ -209,6 +209,16 @@ static void test_swing(void)
     TEST_ASSERT_FALSE(c->is_swung);
 }
 
+/// What the start accepts by this parameter, the way home has to brake with.
+static void test_swing_brakes_with_the_largest_acceleration(void)
+{
+    params.swing_speed_mdeg_per_s = 400000;
+    params.swing_acceleration_deg_per_s2 = 100000000;
+    table.is_swung = true;
+    build();
+    expect_near(1e8 / 360.0 * plan / hz / hz * turn_q32, config.play.swing.full.step_q32);
+}
+
 static void test_guard(void)
 {
     params.stopped_ms = 40;
@@ -290,6 +300,7 @@ int main(void)
     RUN_TEST(test_feed);
     RUN_TEST(test_speed);
     RUN_TEST(test_swing);
+    RUN_TEST(test_swing_brakes_with_the_largest_acceleration);
     RUN_TEST(test_guard);
     RUN_TEST(test_trace_and_no_table);
     RUN_TEST(test_scale_of_u);
