@@ -68,13 +68,15 @@ static bool is_geared(cam_state_t state)
 }
 
 /// A cut is judged by its set-points before it begins (cam_demand.h). What the feed-forward adds to
-/// them is not known then, nor how far U goes on when a fault takes it out of its motion: both may
-/// be too much. The nearest place within the limits is told then, and `command` is latched.
+/// them is not known then, nor how far U goes on when a fault or a stop takes it out of its motion:
+/// both may be too much. The nearest place within the limits is told then, and `command` is
+/// latched.
 /// @param faults  of this tick
 /// @return faults that are not the machine's own
 static uint32_t may_fault(const fuzz_judge_t *j, uint32_t faults)
 {
-    const bool is_led = is_geared(j->state) && j->limits.gain_rounding_nm > 0.0;
+    const bool is_led =
+        (is_geared(j->state) || j->is_taken_out) && j->limits.gain_rounding_nm > 0.0;
     const bool is_leaving = j->state == cam_state_fault || (faults & j->may_fault) != 0u;
     return is_led || is_leaving ? j->may_fault | CAM_FAULT_BIT(command) : j->may_fault;
 }
@@ -338,6 +340,7 @@ void fuzz_judge_tick(fuzz_judge_t *j, const cam_params_t *p, uint32_t version,
     judge_fault(j, r);
     const cam_state_t before = j->state;
     j->state = r->want.state;
+    j->is_taken_out = j->state == cam_state_ready && (is_geared(before) || j->is_taken_out);
     j->faults = r->want.faults;
     judge_axes(j, r);
     j->request = r->in.request;

@@ -77,7 +77,7 @@ def test_limits_and_highest_speed_are_the_controllers(name: str, tables: Tables)
     for field in ("u_speed_mm_s", "u_acceleration_mm_s2"):
         assert ours[field]["limit"] == theirs[field]["limit"]
         # the controller rounds what it needs up to whole units
-        assert ours[field]["needed"] == pytest.approx(theirs[field]["needed"], rel=2e-3)
+        assert ours[field]["needed"] == pytest.approx(theirs[field]["needed"], rel=4e-3)
 
 
 def evaluated(folder: Path, name: str, turn: np.ndarray, z_mm: float) -> np.ndarray:
