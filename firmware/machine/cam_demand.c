@@ -101,7 +101,7 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
 /// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
 /// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
 /// than its mean speed, and accelerate. The slope of the envelope stays the same within a plan, so
-/// the first set-point of the next plan takes e'' of all of a plan's at once.
+/// the first set-point of the next one takes at once what e'' adds to it over a whole plan.
 /// @param n_set_points  of a plan
 static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks, uint32_t n_set_points)
 {
