@@ -366,38 +366,10 @@ static void test_resume_feeds_the_least_that_is_left(void)
     }
 }
 
-/// Rings have no other rate than theirs: an override leaves their course as it is.
-static void test_override_changes_no_rings(void)
-{
-    enum { one = 1 << 30 };
-    static cam_play_config_t cfg;
-    cfg.rings.is_on = true;
-    cfg.feed_rate_q30 = one / 2;
-    cfg.feed_nm = feed_nm;
-    cfg.ramp_q32 = cfg.feed_q32 = CAM_TURN_Q32;
-    const cam_course_t before = {.from_q32 = 10 * CAM_TURN_Q32,
-                                 .to_q32 = 11 * CAM_TURN_Q32,
-                                 .brake_q32 = 70 * CAM_TURN_Q32,
-                                 .end_q32 = 71 * CAM_TURN_Q32,
-                                 .rate_q30 = one,
-                                 .to_rate_q30 = one,
-                                 .asked_q30 = one};
-    for (int64_t turn = 5; turn < 80; turn += 5) {
-        cam_course_t c = before;
-        cam_course_ask_isr(&c, &cfg, turn * CAM_TURN_Q32, (turn + 1) * CAM_TURN_Q32);
-        TEST_ASSERT_EQUAL_INT32(one / 2, c.asked_q30); // and is not looked at again
-        TEST_ASSERT_EQUAL_INT64(before.from_q32, c.from_q32);
-        TEST_ASSERT_EQUAL_INT64(before.to_q32, c.to_q32);
-        TEST_ASSERT_EQUAL_INT64(before.end_q32, c.end_q32);
-        TEST_ASSERT_EQUAL_INT32(one, c.to_rate_q30);
-    }
-}
-
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_resume_feeds_the_least_that_is_left);
-    RUN_TEST(test_override_changes_no_rings);
     RUN_TEST(test_override_is_the_rate_of_the_feed);
     RUN_TEST(test_override_before_the_feed_holds_from_its_first_turn);
     RUN_TEST(test_untouched_feed_is_laid_as_it_was_before_overrides);

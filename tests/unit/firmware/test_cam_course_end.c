@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ends of a feed: one that goes on from a hold where nothing is left of the part, a rest that is
-// asked for again, rings that rest before the first one has begun.
+// asked for again, rings that rest before the first one has begun, and that know no override.
 #include "cam_angle.h"
 #include "cam_course.h"
 #include "fixture_play.h"
@@ -83,6 +83,33 @@ static void test_stop_ends_a_hold(void)
     }
 }
 
+/// Rings have no other rate than theirs: an override leaves their course as it is.
+static void test_override_changes_no_rings(void)
+{
+    enum { one = 1 << 30, feed_nm = 20000 };
+    static cam_play_config_t cfg;
+    cfg.rings.is_on = true;
+    cfg.feed_rate_q30 = one / 2;
+    cfg.feed_nm = feed_nm;
+    cfg.ramp_q32 = cfg.feed_q32 = CAM_TURN_Q32;
+    const cam_course_t before = {.from_q32 = 10 * CAM_TURN_Q32,
+                                 .to_q32 = 11 * CAM_TURN_Q32,
+                                 .brake_q32 = 70 * CAM_TURN_Q32,
+                                 .end_q32 = 71 * CAM_TURN_Q32,
+                                 .rate_q30 = one,
+                                 .to_rate_q30 = one,
+                                 .asked_q30 = one};
+    for (int64_t turn = 5; turn < 80; turn += 5) {
+        cam_course_t c = before;
+        cam_course_ask_isr(&c, &cfg, turn * CAM_TURN_Q32, (turn + 1) * CAM_TURN_Q32);
+        TEST_ASSERT_EQUAL_INT32(one / 2, c.asked_q30); // and is not looked at again
+        TEST_ASSERT_EQUAL_INT64(before.from_q32, c.from_q32);
+        TEST_ASSERT_EQUAL_INT64(before.to_q32, c.to_q32);
+        TEST_ASSERT_EQUAL_INT64(before.end_q32, c.end_q32);
+        TEST_ASSERT_EQUAL_INT32(one, c.to_rate_q30);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -90,5 +117,6 @@ int main(void)
     RUN_TEST(test_rest_that_is_asked_for_again_stays);
     RUN_TEST(test_rings_that_have_not_begun_rest_at_once);
     RUN_TEST(test_stop_ends_a_hold);
+    RUN_TEST(test_override_changes_no_rings);
     return UNITY_END();
 }
