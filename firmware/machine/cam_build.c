@@ -184,7 +184,7 @@ static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceler
                                        uint32_t tick_hz)
 {
     const int64_t most = INT64_C(1) << 24;      // a turn in 256 ticks
-    const int64_t most_step = INT64_C(1) << 30; // beyond what a cut at 8 ticks per turn needs
+    const int64_t most_step = INT64_C(1) << 30; // a quarter of a turn per tick, from plan to plan
     const int64_t plan_ticks = cam_plan_ticks(tick_hz);
     const int64_t speed =
         cam_units_scale(speed_mdeg_per_s, CAM_TURN_Q32 / 64, (int64_t)tick_hz * 5625);

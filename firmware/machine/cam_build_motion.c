@@ -91,13 +91,14 @@ static int32_t swung_counts(const cam_config_t *c, const cam_params_t *p, uint32
 /// @return [counts] what moves the place that X and Z are aimed at from plan to plan: the spindle's
 /// acceleration, and a step of the encoder within the jump window, or a count and what the observer
 /// makes of it. That is a speed of w T counts per tick, which the reading ahead multiplies; half of
-/// it was seen at most.
+/// it was seen at most. More than a quarter of a turn is none of the spindle's.
 static int32_t unrest_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const int64_t ahead_q47 = (int64_t)c->spindle.kp_q31 * c->play.xz_plan_q16; // kp = 2 w T
     const int32_t observed = 1 + (int32_t)(ahead_q47 >> 49);
     const int32_t seen = observed > c->spindle.jump_window ? observed : c->spindle.jump_window;
-    return seen + swung_counts(c, p, tick_hz);
+    return (int32_t)cam_cut_smaller((int64_t)seen + swung_counts(c, p, tick_hz),
+                                    c->spindle.counts_per_turn / 4);
 }
 
 /// What X and Z are told changes from plan to plan by their acceleration, and by what the encoder

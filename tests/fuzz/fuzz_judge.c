@@ -340,7 +340,8 @@ void fuzz_judge_tick(fuzz_judge_t *j, const cam_params_t *p, uint32_t version,
     judge_fault(j, r);
     const cam_state_t before = j->state;
     j->state = r->want.state;
-    j->is_taken_out = j->state == cam_state_ready && (is_geared(before) || j->is_taken_out);
+    const bool is_stopped = before == cam_state_engaging || before == cam_state_rehearsing;
+    j->is_taken_out = j->state == cam_state_ready && (is_stopped || j->is_taken_out);
     j->faults = r->want.faults;
     judge_axes(j, r);
     j->request = r->in.request;

@@ -32,7 +32,7 @@ typedef struct {
     bool is_angle_doubtful; ///< by the target: the spindle moved as no spindle can, and X and Z,
                             ///< which are geared to it, have the limits of the fault `command`
                             ///< until the next off
-    bool is_taken_out;      ///< ready, behind a stop in the cut: U retracts out of its motion
+    bool is_taken_out;      ///< ready, behind a stop in the approach: U retracts out of its motion
     bool is_z_led;          ///< Z is measured and not led by this controller
     uint32_t n_moved;       ///< [ticks] since the enable
     uint32_t n_fault;       ///< [ticks] in state fault

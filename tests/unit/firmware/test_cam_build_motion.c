@@ -111,7 +111,8 @@ static double unrest(void)
     const double halves = floor(2.0 * ahead) + 1.0; // rounded up, as the acceleration
     const double turn = fmin(halves * halves / 4.0 * (alpha + ldexp(1.0, -32)), 1.0);
     const double swung = floor(turn * config.spindle.counts_per_turn) + 1.0;
-    return fmax(observed, config.spindle.jump_window) + swung;
+    return fmin(fmax(observed, config.spindle.jump_window) + swung,
+                floor(config.spindle.counts_per_turn / 4.0));
 }
 
 static void expect_told(double feed_nm, double clearing_nm)
@@ -128,6 +129,17 @@ static void expect_told(double feed_nm, double clearing_nm)
         TEST_ASSERT_DOUBLE_WITHIN(0.04 * by_unrest + 8.0, told, config.tell.change_q10[axis]);
         TEST_ASSERT_EQUAL_INT32(4 * config.play.plan_ticks, config.tell.jump_q10[axis]);
     }
+}
+
+/// However far a lag makes the controller read ahead of a spindle that is believed to be wild.
+static void test_told_is_bounded_by_a_quarter_of_a_turn(void)
+{
+    params.xz_lag_ns = 57608496;
+    params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    build(2000);
+    TEST_ASSERT_EQUAL_DOUBLE(config.spindle.counts_per_turn / 4, unrest());
+    expect_told(config.play.feed_nm,
+                config.play.x_clearance_nm * 15.0 / 8.0 / (double)(config.play.engage_q32 >> 32));
 }
 
 /// X and Z may change by twice their acceleration and what the encoder makes of their way of a
@@ -229,6 +241,7 @@ int main(void)
     RUN_TEST(test_limits_are_those_of_the_parameters_per_step);
     RUN_TEST(test_limits_are_limited_to_their_words);
     RUN_TEST(test_told_is_bounded_by_acceleration_and_encoder);
+    RUN_TEST(test_told_is_bounded_by_a_quarter_of_a_turn);
     RUN_TEST(test_z_that_is_measured_is_not_bounded);
     RUN_TEST(test_retract_leaves_room_for_the_feed_forward);
     return UNITY_END();

@@ -49,7 +49,9 @@ enum { plan_ticks = 8 };
 /// @return the largest e u'' + 2 e' u' + |e''| u over the smooth step e, where u, u' and u'' of the
 ///         oval are each at their largest and one tick takes e'' of a whole plan
 /// @param f, f1, f2  largest magnitudes of u, u' and u''
-static double engaging_peak_of(double turns, double f, double f1, double f2)
+/// @param spindle    largest |r r'|, with which the spindle accelerates: what that changes of the
+///                   slope of the envelope one tick takes as well
+static double engaging_peak_of(double turns, double f, double f1, double f2, double spindle)
 {
     double most = 0.0;
     for (int i = 0; i <= 1000; i++) {
@@ -58,14 +60,15 @@ static double engaging_peak_of(double turns, double f, double f1, double f2)
         const double e = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
         const double e1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * per;
         const double e2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * per * per;
-        most = fmax(most, e * f2 + 2.0 * e1 * f1 + plan_ticks * fabs(e2) * f);
+        most = fmax(most, e * f2 + 2.0 * e1 * f1 + plan_ticks * (fabs(e2) + e1 * spindle) * f);
     }
     return most;
 }
 
 static double engaging_peak(double turns)
 {
-    return engaging_peak_of(turns, 150000.0, 150000.0, 300000.0);
+    return engaging_peak_of(turns, 150000.0, 150000.0, 300000.0,
+                            table.spindle_peak_ppm_per_rad * 1e-6);
 }
 
 /// An eccentric disc: u is as large as u' and u''. It needs more than u'' alone at any length.
@@ -85,13 +88,13 @@ static void test_engaging_of_a_disc_is_never_taken_too_small(void)
         const cam_feasibility_t why = judge(300000);
         TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
         const double bound = (double)why.needed * 1e6 / w / w;
-        const double needed = engaging_peak_of(turns, 14.8e6, 7.4e6, 8.2e6);
+        const double needed = engaging_peak_of(turns, 14.8e6, 7.4e6, 8.2e6, 0.0);
         TEST_ASSERT_TRUE(bound >= 0.9998 * needed && bound <= 1.031 * needed);
         TEST_ASSERT_TRUE(turns > 3 || needed > 1.04 * 8.2e6);
     }
 }
 
-static void test_short_engaging_adds_to_what_u_needs(void)
+static void expect_engaging_needs(void)
 {
     const double w = 2500.0 * 2.0 * pi / 60.0;
     for (int turns = 1; turns <= 10; turns++) {
@@ -105,6 +108,17 @@ static void test_short_engaging_adds_to_what_u_needs(void)
     }
 }
 
+static void test_short_engaging_adds_to_what_u_needs(void)
+{
+    expect_engaging_needs();
+}
+
+static void test_short_engaging_with_a_modulated_spindle_adds_more(void)
+{
+    table.spindle_peak_ppm_per_rad = 1500000;
+    expect_engaging_needs();
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -112,5 +126,6 @@ int main(void)
     RUN_TEST(test_x_follows_the_barrel_within_its_limits);
     RUN_TEST(test_engaging_of_a_disc_is_never_taken_too_small);
     RUN_TEST(test_short_engaging_adds_to_what_u_needs);
+    RUN_TEST(test_short_engaging_with_a_modulated_spindle_adds_more);
     return UNITY_END();
 }
