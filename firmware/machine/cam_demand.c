@@ -101,8 +101,7 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
 /// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
 /// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
 /// than its mean speed, and accelerate. The slope of the envelope stays the same within a plan, so
-/// the first set-point of the next one takes at once what e'', and e' with the acceleration of the
-/// spindle, add to it over a whole plan.
+/// the first set-point of the next one takes at once what e'' adds to it over a whole plan.
 /// @param n_set_points  of a plan
 static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks, uint32_t n_set_points)
 {
@@ -116,8 +115,7 @@ static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks, uint3
     const uint64_t turns = (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
     const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
     const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
-    const uint64_t alpha =
-        cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000) * n_set_points;
+    const uint64_t alpha = cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000);
     const uint64_t first = cam_cut_divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
     const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024) * n_set_points;
     uint64_t most = peaks->f2;

@@ -147,6 +147,18 @@ static void judge_button(fuzz_judge_t *j, const cam_tick_record_t *r)
     j->was_pressed = is_pressed;
 }
 
+/// @return whether X and Z have the limits of the fault `command`
+static bool is_loose(const fuzz_judge_t *j)
+{
+    return j->is_wild || j->is_angle_doubtful || (j->is_drawn && is_geared(j->state));
+}
+
+/// @return [nm per tick] what a jump of the encoder, a quarter turn at most, makes of the way
+static double unrest_nm(const fuzz_judge_t *j, uint32_t axis)
+{
+    return j->limits.way_nm[axis] / 4.0 / j->plan_ticks;
+}
+
 /// @return [nm] that X, which moves outwards when the fault comes, needs to brake
 static double outwards_nm(const fuzz_judge_t *j)
 {
@@ -178,7 +190,8 @@ static void judge_fault(fuzz_judge_t *j, const cam_tick_record_t *r)
                 "the retract lasts longer than %u ticks", (unsigned)j->patience);
     const int64_t off_nm = (int64_t)hal_host.out.axis[hal_axis_x].pos_nm - j->fault_x_nm;
     const fuzz_limits_t *l = &j->limits;
-    const double v_nm = l->speed_nm[hal_axis_x];
+    const double shaken_nm = is_loose(j) ? unrest_nm(j, (uint32_t)hal_axis_x) : 0.0;
+    const double v_nm = l->speed_nm[hal_axis_x] + shaken_nm;
     const double window = ((double)fuzz_limits_steps + 2.0) * j->plan_ticks;
     const double brakes_nm = v_nm * (v_nm / l->brake_nm[hal_axis_x] + window);
     FUZZ_EXPECT((double)off_nm >= -brakes_nm, "X enters the work by %lld nm in a fault",
@@ -188,18 +201,6 @@ static void judge_fault(fuzz_judge_t *j, const cam_tick_record_t *r)
     const int32_t x_nm = hal_host.out.axis[hal_axis_x].pos_nm;
     FUZZ_EXPECT(!j->is_drawn || x_nm <= end_nm, "X goes to %d nm in a fault, its travel to %g",
                 (int)x_nm, end_nm);
-}
-
-/// @return whether X and Z have the limits of the fault `command`
-static bool is_loose(const fuzz_judge_t *j)
-{
-    return j->is_wild || j->is_angle_doubtful || (j->is_drawn && is_geared(j->state));
-}
-
-/// @return [nm per tick] what a jump of the encoder, a quarter turn at most, makes of the way
-static double unrest_nm(const fuzz_judge_t *j, uint32_t axis)
-{
-    return j->limits.way_nm[axis] / 4.0 / j->plan_ticks;
 }
 
 /// @return [nm per tick] how fast an axis is told to move at most

@@ -221,7 +221,6 @@ def _engaging(cut: JudgedCut, peaks: AxisPeaks, n_set_points: int) -> int:
     value, first, second = peaks
     ratio_q10 = divided_up(cut.facts.ratio_max_q20, 1024)
     alpha = divided_up(value * cut.facts.table.bounds.spindle_peak_ppm_per_rad, 2_000_000)
-    alpha *= n_set_points
     risen = divided_up(first * ratio_q10, 1024) + alpha
     far = divided_up(divided_up(value * ratio_q10, 1024) * ratio_q10, 1024) * n_set_points
     turns = cut.turns

@@ -66,7 +66,7 @@ class GapSums(NamedTuple):
             return most
         x = self._x_ppm(feed_nm)
         f_x, f1_x = _part(peaks.f, x), _part(peaks.f1, x)
-        f_xx, f_xs = _part(f_x, x) * n_set_points, _part(f_x, self.spindle_ppm) * n_set_points
+        f_xx, f_xs = _part(f_x, x) * n_set_points, _part(f_x, self.spindle_ppm)
         for i in range(1, _PLACES + 1):
             e, e1, e2 = _step(i)
             more = _part(2 * f1_x + f_xs, e1) + _part(f_xx, e2)
