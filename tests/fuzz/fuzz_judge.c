@@ -153,10 +153,11 @@ static bool is_loose(const fuzz_judge_t *j)
     return j->is_wild || j->is_angle_doubtful || (j->is_drawn && is_geared(j->state));
 }
 
-/// @return [nm per tick] what a jump of the encoder, a quarter turn at most, makes of the way
+/// @return [nm per tick] what a jump of the encoder, a quarter turn at most, makes of the way of X
+/// or Z, where it counts
 static double unrest_nm(const fuzz_judge_t *j, uint32_t axis)
 {
-    return j->limits.way_nm[axis] / 4.0 / j->plan_ticks;
+    return is_loose(j) ? j->limits.way_nm[axis] / 4.0 / j->plan_ticks : 0.0;
 }
 
 /// @return [nm] that X, which moves outwards when the fault comes, needs to brake
@@ -190,8 +191,7 @@ static void judge_fault(fuzz_judge_t *j, const cam_tick_record_t *r)
                 "the retract lasts longer than %u ticks", (unsigned)j->patience);
     const int64_t off_nm = (int64_t)hal_host.out.axis[hal_axis_x].pos_nm - j->fault_x_nm;
     const fuzz_limits_t *l = &j->limits;
-    const double shaken_nm = is_loose(j) ? unrest_nm(j, (uint32_t)hal_axis_x) : 0.0;
-    const double v_nm = l->speed_nm[hal_axis_x] + shaken_nm;
+    const double v_nm = l->speed_nm[hal_axis_x] + unrest_nm(j, (uint32_t)hal_axis_x);
     const double window = ((double)fuzz_limits_steps + 2.0) * j->plan_ticks;
     const double brakes_nm = v_nm * (v_nm / l->brake_nm[hal_axis_x] + window);
     FUZZ_EXPECT((double)off_nm >= -brakes_nm, "X enters the work by %lld nm in a fault",
@@ -209,7 +209,7 @@ static double most_step_nm(const fuzz_judge_t *j, uint32_t axis)
     const fuzz_limits_t *l = &j->limits;
     const bool is_u = axis == (uint32_t)hal_axis_u;
     const double own_nm = is_u ? l->told_step_nm : l->speed_nm[axis];
-    const double shaken_nm = !is_u && is_loose(j) ? unrest_nm(j, axis) : 0.0;
+    const double shaken_nm = is_u ? 0.0 : unrest_nm(j, axis);
     const double rounded_nm = counts_nm + (is_u ? l->gain_rounding_nm : 0.0);
     return own_nm * (tolerance + 1) / tolerance + shaken_nm + rounded_nm;
 }
