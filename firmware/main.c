@@ -14,7 +14,7 @@ int main(void)
         hal_halt("main: the port cannot be used");
     }
     cam_machine_init(&machine, &g_cam, hal_tick_hz(), hal_clock_hz());
-    cam_machine_box(&machine);
+    cam_machine_blackbox(&machine);
     cam_can_init(&remote, &machine); // selects the table; a bad one is reported, not fatal
     hal_tick_start();
     for (;;) {

@@ -77,7 +77,7 @@ typedef enum {
     cam_err_wave_speed = -68,        ///< U would exceed its highest speed
     cam_err_wave_acceleration = -69, ///< U would exceed its highest acceleration
     cam_err_wave_clear = -70,        ///< X is so near that U would lead the tool to the work
-    // By hand (cam_machine_hand.h)
+    // By hand (cam_machine_jog.h)
     cam_err_hand_axis = -71,  ///< there is no such axis, or others move it
     cam_err_hand_speed = -72, ///< the speed exceeds that of the axis by hand
     cam_err_travel = -73,     ///< the axis would leave its travel
@@ -98,7 +98,7 @@ typedef enum {
     cam_err_params_keep = -91,    ///< the port could not keep the parameters
     cam_err_scope_unread = -95,   ///< the black box of a fault has not been read
     cam_err_scope_before = -96,   ///< no row is left behind the trigger
-    // Outputs of the port (cam_fit.h)
+    // Outputs of the port (cam_derived_limits.h)
     cam_err_param_output = -110, ///< the axis would be faster than the port's output passes on
     // Who may command (cam_rights.h, cam_acknowledge.h)
     cam_err_acknowledge = -120,      ///< nobody has acknowledged at the machine
@@ -108,7 +108,7 @@ typedef enum {
     cam_err_lock_none = -124,        ///< it needs the unlocked level, which this port never has
     cam_err_unlock = -125,           ///< the challenge was answered wrong, or none was asked for
     cam_err_hard_limit = -126, ///< the value is beyond the limits that the port's builder fixed
-    // Signature of a table (cam_trust.h)
+    // Signature of a table (cam_signature_check.h)
     cam_err_sign_none = -130,    ///< it has none, and the port requires one
     cam_err_sign_block = -131,   ///< its block is not one that this firmware knows
     cam_err_sign_key = -132,     ///< it is of a key that the port does not trust

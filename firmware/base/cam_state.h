@@ -59,7 +59,7 @@ typedef enum {
     cam_request_reset,
     cam_request_table_fault, ///< raise fault `table`: the background check found damage
     cam_request_identify,    ///< play the wave of the configuration by U
-    cam_request_manual,      ///< enable the drives without the spindle, for hands (cam_hand.h)
+    cam_request_manual,      ///< enable the drives without the spindle, for hands (cam_jog.h)
     cam_request_corrupt,     ///< raise fault `corrupt`: the background check found a change
 } cam_request_t;
 

@@ -2,7 +2,7 @@
 #include "cam_machine.h"
 #include "cam_build.h"            // cam_build_speed_q32
 #include "cam_fix.h"              // cam_is_within
-#include "cam_machine_hand.h"     // cam_machine_check_places
+#include "cam_machine_jog.h"      // cam_machine_check_places
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_machine_inner.h"    // cam_machine_post
 #include "cam_machine_override.h" // cam_machine_override_poll
@@ -28,7 +28,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     const hal_operator_t people = hal_operator();
     cam_rights_init(&m->rights, &people, tick_hz);
     cam_scope_init(&m->scope, hal_scope_memory(), tick_hz);
-    cam_teach_init(&m->teach);
+    cam_ilc_init(&m->ilc);
     // The tick does not run yet, so both halves may be written.
     const bool is_kept = cam_machine_load_params(m);
     const cam_err_t err = is_kept ? cam_ok : cam_machine_hand_over(m, &m->params, NULL, 0);
@@ -66,7 +66,7 @@ static void report_change(cam_machine_t *m, const cam_status_t *status)
         cam_machine_hand_over(m, &m->params, table, m->pass) != cam_ok) {
         return;
     }
-    cam_teach_forget(&m->teach);
+    cam_ilc_forget(&m->ilc);
     if (status->state != cam_state_off && status->state != cam_state_fault) {
         cam_machine_request(m, cam_request_corrupt);
     }
@@ -94,16 +94,16 @@ static cam_err_t check_exchange(cam_machine_t *m, const cam_table_t *table)
 cam_err_t cam_machine_check_table(cam_machine_t *m, const void *image, size_t size)
 {
     cam_table_t table;
-    cam_trust_t trust;
-    const cam_err_t err = cam_trust_check_table(image, size, &table, &trust);
+    cam_signature_check_t signature;
+    const cam_err_t err = cam_signature_check_table(image, size, &table, &signature);
     return err == cam_ok ? check_exchange(m, &table) : err;
 }
 
 cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
 {
     cam_table_t table;
-    cam_trust_t trust;
-    cam_err_t err = cam_trust_check_table(image, size, &table, &trust);
+    cam_signature_check_t signature;
+    cam_err_t err = cam_signature_check_table(image, size, &table, &signature);
     if (err != cam_ok) {
         if (m->has_table && image == m->table.image) { // the table in use was overwritten
             report_damage(m);
@@ -116,7 +116,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     }
     if (err == cam_ok) {
         m->table = table;
-        m->trust = trust;
+        m->signature = signature;
         m->has_table = true;
         m->is_in_pass = false; // what the old table has cut does not count
         m->scrub_at = 0;
@@ -278,7 +278,7 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
         return cam_machine_identify_stop(m, false);
     }
     if (status.state == cam_state_manual) {
-        return cam_machine_hand_stop(m);
+        return cam_machine_jog_stop(m);
     }
     const cam_err_t err = cam_machine_post_if(m, &status, may_stop(status.state), cam_request_stop);
     // A cut over a measured Z has no other end.
@@ -301,12 +301,12 @@ void cam_machine_poll(cam_machine_t *m)
     }
     cam_machine_scope_poll(m);
     cam_machine_identify_poll(m);
-    cam_machine_hand_poll(m);
+    cam_machine_jog_poll(m);
     const cam_status_t status = cam_machine_status(m);
     cam_machine_rights_poll(m, &status);
     end_pass(m, &status);
     cam_machine_override_poll(m, &status);
-    cam_machine_teach_poll(m, status.state);
+    cam_machine_ilc_poll(m, status.state);
     if (!cam_scrub_step(&m->scrub, &m->core->config)) {
         report_change(m, &status);
     }

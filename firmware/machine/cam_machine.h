@@ -10,21 +10,21 @@
 #ifndef CAM_MACHINE_H
 #define CAM_MACHINE_H
 
-#include "cam_err.h"      // cam_err_t
-#include "cam_feasible.h" // cam_feasibility_t
-#include "cam_hands.h"    // cam_hands_t
-#include "cam_identify.h" // cam_identify_t
-#include "cam_keep.h"     // cam_keep_found_t
-#include "cam_param.h"    // cam_params_t
-#include "cam_rights.h"   // cam_rights_t
-#include "cam_scope.h"    // cam_scope_t
-#include "cam_scrub.h"    // cam_scrub_t
-#include "cam_strobe.h"   // cam_strobe_t
-#include "cam_table.h"    // cam_table_t
-#include "cam_teach.h"    // cam_teach_status_t, cam_teach_harmonic_t
-#include "cam_trust.h"    // cam_trust_t
-#include "cam_status.h"   // cam_t, cam_status_t
-#include <stdbool.h>      // bool
+#include "cam_err.h"             // cam_err_t
+#include "cam_feasible.h"        // cam_feasibility_t
+#include "cam_offsets.h"         // cam_offsets_t
+#include "cam_identify.h"        // cam_identify_t
+#include "cam_param_store.h"     // cam_param_store_found_t
+#include "cam_param.h"           // cam_params_t
+#include "cam_rights.h"          // cam_rights_t
+#include "cam_scope.h"           // cam_scope_t
+#include "cam_scrub.h"           // cam_scrub_t
+#include "cam_strobe.h"          // cam_strobe_t
+#include "cam_table.h"           // cam_table_t
+#include "cam_ilc.h"             // cam_ilc_status_t, cam_ilc_harmonic_t
+#include "cam_signature_check.h" // cam_signature_check_t
+#include "cam_status.h"          // cam_t, cam_status_t
+#include <stdbool.h>             // bool
 
 /// Why a change or a command was refused, with the numbers.
 typedef struct {
@@ -56,48 +56,48 @@ typedef enum {
 /// The parameters in force, as a whole.
 typedef struct {
     uint32_t version;  ///< rises with every change; that of the kept ones after a start
-    uint32_t checksum; ///< cam_keep_checksum()
+    uint32_t checksum; ///< cam_param_store_checksum()
     cam_kept_t kept;
 } cam_params_status_t;
 
 /// The slow side's state. Only has_table, table, trust, params, pass, n_parts, is_held, tick_hz,
 /// refusal and kept are for others to read.
 typedef struct {
-    cam_t *core;                ///< the interrupt's side
-    cam_params_t params;        ///< as last set
-    uint32_t version;           ///< of params: rises with every change
-    uint32_t checksum;          ///< of params (cam_keep_checksum())
-    cam_keep_found_t kept;      ///< what the port keeps; .err is also that of handing it over
-    uint32_t kept_checksum;     ///< of the kept parameters, when kept.err is cam_ok
-    cam_params_t staged;        ///< parameters that are to change at once
-    uint32_t staged_version;    ///< version on which those rest, UINT32_MAX when there are none
-    cam_refusal_t refusal;      ///< why the last change or command was infeasible
-    cam_table_t table;          ///< valid when has_table
-    cam_trust_t trust;          ///< verdict about its signature, valid when has_table
-    bool has_table;             ///< a good table is in use
-    uint32_t tick_hz, clock_hz; ///< from the port
-    uint32_t generation;        ///< number of the newest configuration
-    uint32_t n_requests;        ///< serial number of the last request
-    bool homes_again;           ///< enable as soon as the state is off
-    uint32_t pass;              ///< the pass that is cut, or that start cuts next; from 0
-    bool is_in_pass;            ///< start was accepted, and the end of the pass not yet seen
-    bool is_cut_short;          ///< stopped before its end: start cuts the same pass again
-    uint32_t n_parts;           ///< parts that were cut to their end
-    bool is_held;               ///< the feed is to rest, whatever its override
-    bool is_rate_due;           ///< ... and the interrupt does not know it yet
-    uint32_t limit_mrpm;        ///< [r/min / 1000] overspeed of the newest configuration
-    uint32_t scrub_at;          ///< [bytes] progress of the background check of the table
-    uint32_t scrub_crc;         ///< CRC-32 of the bytes up to there
-    cam_scrub_t scrub;          ///< ... of that of the configuration
-    cam_scope_t scope;          ///< recorder
-    cam_strobe_t strobe;        ///< samples for a live picture
-    bool has_box;               ///< the recorder is the black box while nobody else needs it
-    bool is_box_kept;           ///< the box that is done was handed to the port
-    cam_identify_t identify;    ///< excitation of U
-    cam_teach_t teach;          ///< what was learned
-    cam_hands_t hands;          ///< orders by hand, homes
-    cam_rights_t rights;        ///< who may command, and change limits
-    bool is_stop_due;           ///< command was lost: what moves by it is to stop
+    cam_t *core;                  ///< the interrupt's side
+    cam_params_t params;          ///< as last set
+    uint32_t version;             ///< of params: rises with every change
+    uint32_t checksum;            ///< of params (cam_param_store_checksum())
+    cam_param_store_found_t kept; ///< what the port keeps; .err is also that of handing it over
+    uint32_t kept_checksum;       ///< of the kept parameters, when kept.err is cam_ok
+    cam_params_t staged;          ///< parameters that are to change at once
+    uint32_t staged_version;      ///< version on which those rest, UINT32_MAX when there are none
+    cam_refusal_t refusal;        ///< why the last change or command was infeasible
+    cam_table_t table;            ///< valid when has_table
+    cam_signature_check_t signature; ///< verdict about its signature, valid when has_table
+    bool has_table;                  ///< a good table is in use
+    uint32_t tick_hz, clock_hz;      ///< from the port
+    uint32_t generation;             ///< number of the newest configuration
+    uint32_t n_requests;             ///< serial number of the last request
+    bool homes_again;                ///< enable as soon as the state is off
+    uint32_t pass;                   ///< the pass that is cut, or that start cuts next; from 0
+    bool is_in_pass;                 ///< start was accepted, and the end of the pass not yet seen
+    bool is_cut_short;               ///< stopped before its end: start cuts the same pass again
+    uint32_t n_parts;                ///< parts that were cut to their end
+    bool is_held;                    ///< the feed is to rest, whatever its override
+    bool is_rate_due;                ///< ... and the interrupt does not know it yet
+    uint32_t limit_mrpm;             ///< [r/min / 1000] overspeed of the newest configuration
+    uint32_t scrub_at;               ///< [bytes] progress of the background check of the table
+    uint32_t scrub_crc;              ///< CRC-32 of the bytes up to there
+    cam_scrub_t scrub;               ///< ... of that of the configuration
+    cam_scope_t scope;               ///< recorder
+    cam_strobe_t strobe;             ///< samples for a live picture
+    bool has_box;                    ///< the recorder is the black box while nobody else needs it
+    bool is_box_kept;                ///< the box that is done was handed to the port
+    cam_identify_t identify;         ///< excitation of U
+    cam_ilc_t ilc;                   ///< what was learned
+    cam_offsets_t offsets;           ///< orders by hand, homes
+    cam_rights_t rights;             ///< who may command, and change limits
+    bool is_stop_due;                ///< command was lost: what moves by it is to stop
 } cam_machine_t;
 
 /// Bring interrupt and slow side into state off. To be called before the tick starts.
@@ -114,7 +114,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
 ///         cam_err_busy. On error the old table stays in force, unless the bad image is the one at
 ///         the very address of the old table: that is then treated as damaged, as if
 ///         cam_machine_poll() had found it.
-/// Context: lasts as long as cam_trust_check_table().
+/// Context: lasts as long as cam_signature_check_table().
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
 /// Set a parameter. In state off every parameter may change. In ready, where the spindle turns, all
@@ -177,7 +177,7 @@ cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed
 
 /// Enable the drives and search the index: off -> homing.
 /// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _u_place, _not_homed,
-///         _travel (cam_machine_hand.h), cam_err_acknowledge, cam_err_acknowledge_none, or a
+///         _travel (cam_machine_jog.h), cam_err_acknowledge, cam_err_acknowledge_none, or a
 ///         feasibility error
 CAM_MUST_USE cam_err_t cam_machine_enable(cam_machine_t *m);
 
@@ -245,17 +245,17 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id);
 /// is in force one step towards what was learned. A part of cam_machine_poll(); a loop that calls
 /// that one seldom calls this one more often, at least a hundred times per turn of the spindle.
 /// @param state  as the status says
-void cam_machine_teach_poll(cam_machine_t *m, cam_state_t state);
+void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state);
 
 /// @return what learning does, and what it has reached
-cam_teach_status_t cam_machine_learning(const cam_machine_t *m);
+cam_ilc_status_t cam_machine_learning(const cam_machine_t *m);
 
-/// @param k  0 .. cam_teach_harmonics, 0 is the mean
+/// @param k  0 .. cam_ilc_harmonics, 0 is the mean
 /// @return   what is known of a harmonic, all 0 beyond those
-cam_teach_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k);
+cam_ilc_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k);
 
 /// Read one of the learned values, to keep them.
-/// @param index  below cam_teach_n_values
+/// @param index  below cam_ilc_n_values
 /// @return       cam_ok, cam_err_param_id when there is no such value
 CAM_MUST_USE cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index,
                                                int32_t *value);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_identify.h"
-#include "cam_box.h"           // cam_box_is_unread
+#include "cam_blackbox.h"      // cam_blackbox_is_unread
 #include "cam_fix.h"           // cam_sat_i32
-#include "cam_machine_hand.h"  // cam_machine_hand_alive
+#include "cam_machine_jog.h"   // cam_machine_jog_alive
 #include "cam_machine_inner.h" // cam_machine_request
 #include "cam_machine_scope.h" // cam_machine_scope_is_free
 #include "cam_table.h"         // cam_crc32
@@ -104,7 +104,7 @@ static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status
     if (m->identify.n == 0u) {
         return cam_err_wave_none;
     }
-    if (cam_box_is_unread(&m->scope)) {
+    if (cam_blackbox_is_unread(&m->scope)) {
         return cam_err_scope_unread;
     }
     return m->params.trace_on != 0 ? cam_ok : cam_err_scope_trace;
@@ -188,7 +188,7 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
     }
     const cam_config_t *cfg = atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
     const cam_wave_range_t range = cam_wave_range(m->scope.words, m->identify.n);
-    const cam_move_limits_t fade = cam_wave_fade(fade_ticks);
+    const cam_motion_limits_t fade = cam_wave_fade(fade_ticks);
     const uint32_t n_fall = cam_wave_fall_ticks(&fade); // and as many it rises
     const uint32_t n = m->identify.n;
     const cam_excite_config_t excite = {
@@ -215,7 +215,7 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
 void cam_machine_keep_alive(cam_machine_t *m)
 {
     m->identify.alive_tick = cam_machine_status(m).tick;
-    cam_machine_hand_alive(m);
+    cam_machine_jog_alive(m);
 }
 
 // The sequence

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_inner.h"
-#include "cam_build.h"      // cam_build_config
-#include "cam_build_hand.h" // cam_build_origin
-#include "cam_identify.h"   // cam_identify_is_between
-#include "cam_pass.h"       // cam_pass_params
-#include <stdatomic.h>      // atomic_store_explicit
-#include <stddef.h>         // NULL
+#include "cam_build.h"     // cam_build_config
+#include "cam_build_jog.h" // cam_build_origin
+#include "cam_identify.h"  // cam_identify_is_between
+#include "cam_pass.h"      // cam_pass_params
+#include <stdatomic.h>     // atomic_store_explicit
+#include <stddef.h>        // NULL
 
 /// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
 enum { overspeed_percent = 1 };
@@ -58,9 +58,9 @@ cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params, const 
 /// @return [nm] where the port counts the end of X's travel, by the homes that were found
 static int32_t x_high_nm(const cam_machine_t *m, const cam_params_t *params)
 {
-    const bool is_found = (m->hands.known >> (uint32_t)hal_axis_x & 1u) != 0u;
+    const bool is_found = (m->offsets.known >> (uint32_t)hal_axis_x & 1u) != 0u;
     const bool is_known = is_found || params->x_home == 0;
-    return cam_hands_travel(&m->hands, params, hal_axis_x, is_known).high_nm;
+    return cam_offsets_travel(&m->offsets, params, hal_axis_x, is_known).high_nm;
 }
 
 cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
@@ -78,15 +78,15 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
     const cam_err_t err = cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
     if (err == cam_ok) {
-        cam_build_origin(half, cam_hands_origin_nm(&m->hands, params, hal_axis_x),
-                         cam_hands_origin_nm(&m->hands, params, hal_axis_z));
+        cam_build_origin(half, cam_offsets_origin_nm(&m->offsets, params, hal_axis_x),
+                         cam_offsets_origin_nm(&m->offsets, params, hal_axis_z));
         const cam_config_t *last =
             atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
         half->play.x_high_nm = x_high_nm(m, params);
         if (last != NULL) {
             half->learned = cam_config_is_whole(last) ? last->learned : (cam_learned_t){0};
             cam_config_learn(half);
-            half->play.hand.order = last->play.hand.order;
+            half->play.jog.order = last->play.jog.order;
         }
         half->play.acknowledge = cam_machine_acknowledge_config(m);
         if (m->is_held) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What parameters may change when, one or all of them at once, and how they are kept.
-#include "cam_fit.h"           // cam_fit_most
-#include "cam_fix.h"           // cam_is_within
-#include "cam_gains.h"         // cam_gains_check
-#include "cam_machine_hand.h"  // cam_machine_is_x_in_travel
-#include "cam_machine_inner.h" // cam_machine_judge, cam_machine_hand_over
-#include "cam_pass.h"          // cam_pass_first
-#include "hal/hal.h"           // hal_params_kept
-#include <stddef.h>            // NULL
+#include "cam_derived_limits.h" // cam_derived_limits_most
+#include "cam_fix.h"            // cam_is_within
+#include "cam_gains.h"          // cam_gains_check
+#include "cam_machine_jog.h"    // cam_machine_is_x_in_travel
+#include "cam_machine_inner.h"  // cam_machine_judge, cam_machine_hand_over
+#include "cam_pass.h"           // cam_pass_first
+#include "hal/hal.h"            // hal_params_kept
+#include <stddef.h>             // NULL
 
 /// A version that no parameters have.
 #define NO_VERSION UINT32_MAX
@@ -117,8 +117,9 @@ static cam_err_t check_state(cam_machine_t *m, const cam_params_t *params, cam_p
 static void explain_fit(cam_machine_t *m, const cam_params_t *params, cam_err_t err)
 {
     uint32_t id = 0;
-    while (id < (uint32_t)cam_n_params && cam_param_get(params, (cam_param_id_t)id) <=
-                                              cam_fit_most((cam_param_id_t)id, m->tick_hz)) {
+    while (id < (uint32_t)cam_n_params &&
+           cam_param_get(params, (cam_param_id_t)id) <=
+               cam_derived_limits_most((cam_param_id_t)id, m->tick_hz)) {
         id++;
     }
     const bool is_sum = id == (uint32_t)cam_n_params;
@@ -127,7 +128,7 @@ static void explain_fit(cam_machine_t *m, const cam_params_t *params, cam_err_t 
         .why.err = err,
         .why.needed =
             (int64_t)cam_param_get(params, which) + (is_sum ? params->u_scale_latency_ns : 0),
-        .why.limit = cam_fit_most(which, m->tick_hz),
+        .why.limit = cam_derived_limits_most(which, m->tick_hz),
         .param = which,
     };
 }
@@ -170,7 +171,7 @@ static void adopt(cam_machine_t *m, const cam_params_t *params, cam_param_id_t n
     }
     if (is_changed) {
         m->version++;
-        m->checksum = cam_keep_checksum(params);
+        m->checksum = cam_param_store_checksum(params);
     }
 }
 
@@ -256,15 +257,18 @@ static void limit_to(int32_t *value, int32_t most)
 cam_params_t cam_machine_defaults(uint32_t tick_hz)
 {
     cam_params_t params = cam_param_defaults();
-    if (hal_measures_u() && tick_hz >= (uint32_t)cam_fit_least_hz) {
+    if (hal_measures_u() && tick_hz >= (uint32_t)cam_derived_limits_least_hz) {
         params.following_limit_nm = 0; // derived from the part
         cam_param_learn(&params);      // and all of them led into their ranges
     }
     // The defaults fit every tick rate from 500 Hz on but for the observer's bandwidth, which is
     // limited to a twentieth of the rate, and the speeds of X and Z to what their outputs pass on.
-    params.observer_bandwidth_mHz = cam_fit_usual_mHz(params.observer_bandwidth_mHz, tick_hz);
-    limit_to(&params.x_speed_um_per_s, cam_fit_most(cam_param_x_speed_um_per_s, tick_hz));
-    limit_to(&params.z_speed_um_per_s, cam_fit_most(cam_param_z_speed_um_per_s, tick_hz));
+    params.observer_bandwidth_mHz =
+        cam_derived_limits_usual_mHz(params.observer_bandwidth_mHz, tick_hz);
+    limit_to(&params.x_speed_um_per_s,
+             cam_derived_limits_most(cam_param_x_speed_um_per_s, tick_hz));
+    limit_to(&params.z_speed_um_per_s,
+             cam_derived_limits_most(cam_param_z_speed_um_per_s, tick_hz));
     return params;
 }
 
@@ -280,8 +284,8 @@ bool cam_machine_load_params(cam_machine_t *m)
     const hal_params_t kept = hal_params_kept();
     cam_params_t params = m->params;
     m->staged_version = NO_VERSION;
-    m->checksum = cam_keep_checksum(&params);
-    m->kept = cam_keep_read(&kept, &params);
+    m->checksum = cam_param_store_checksum(&params);
+    m->kept = cam_param_store_read(&kept, &params);
     forget_overrides(&params);
     if (m->kept.err == cam_ok) {
         m->kept.err = cam_machine_hand_over(m, &params, NULL, 0);
@@ -291,7 +295,7 @@ bool cam_machine_load_params(cam_machine_t *m)
     }
     m->params = params;
     m->version = m->kept.version;
-    m->checksum = cam_keep_checksum(&params);
+    m->checksum = cam_param_store_checksum(&params);
     m->kept_checksum = m->checksum;
     return true;
 }
@@ -302,7 +306,7 @@ static cam_err_t check_keep(cam_machine_t *m, const cam_params_t *params)
 {
     const hal_params_t kept = hal_params_kept();
     cam_params_t next = cam_machine_defaults(m->tick_hz);
-    (void)cam_keep_read(&kept, &next);
+    (void)cam_param_store_read(&kept, &next);
     const cam_err_t err = cam_rights_check_level(&m->rights);
     for (uint32_t i = 0; i < (uint32_t)cam_n_params && err != cam_ok; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
@@ -315,7 +319,7 @@ static cam_err_t check_keep(cam_machine_t *m, const cam_params_t *params)
 
 cam_err_t cam_machine_save_params(cam_machine_t *m)
 {
-    static char text[cam_keep_most_bytes];
+    static char text[cam_param_store_most_bytes];
     cam_params_t params = m->params;
     forget_overrides(&params);
     cam_err_t err = cam_machine_may_keep(m);
@@ -325,12 +329,12 @@ cam_err_t cam_machine_save_params(cam_machine_t *m)
     if (err != cam_ok) {
         return err;
     }
-    const uint32_t n = cam_keep_write(text, &params, m->version);
+    const uint32_t n = cam_param_store_write(text, &params, m->version);
     if (!hal_params_keep(text, n)) {
         return cam_err_params_keep;
     }
-    m->kept = (cam_keep_found_t){.err = cam_ok, .version = m->version};
-    m->kept_checksum = cam_keep_checksum(&params);
+    m->kept = (cam_param_store_found_t){.err = cam_ok, .version = m->version};
+    m->kept_checksum = cam_param_store_checksum(&params);
     return cam_ok;
 }
 
@@ -344,7 +348,7 @@ cam_err_t cam_machine_revert_params(cam_machine_t *m)
 {
     const hal_params_t kept = hal_params_kept();
     cam_params_t params = cam_machine_defaults(m->tick_hz);
-    const cam_keep_found_t found = cam_keep_read(&kept, &params);
+    const cam_param_store_found_t found = cam_param_store_read(&kept, &params);
     forget_overrides(&params);
     return found.err == cam_ok ? apply(m, &params, cam_n_params) : found.err;
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_scope.h"
-#include "cam_box.h" // cam_box_begin
+#include "cam_blackbox.h" // cam_blackbox_begin
 
-void cam_machine_box(cam_machine_t *m)
+void cam_machine_blackbox(cam_machine_t *m)
 {
     m->has_box = true;
-    m->is_box_kept = cam_box_restore(&m->scope, hal_scope_memory().n_kept);
+    m->is_box_kept = cam_blackbox_restore(&m->scope, hal_scope_memory().n_kept);
 }
 
 cam_err_t cam_machine_scope_is_free(const cam_machine_t *m)
 {
-    if (cam_box_is_unread(&m->scope)) {
+    if (cam_blackbox_is_unread(&m->scope)) {
         return cam_err_scope_unread;
     }
     const bool is_taken = m->scope.use == cam_scope_user && cam_scope_is_on(&m->scope);
@@ -25,7 +25,7 @@ cam_err_t cam_machine_scope_start(cam_machine_t *m)
     if (m->params.trace_on == 0) {
         return cam_err_scope_trace;
     }
-    if (cam_box_is_unread(&m->scope)) {
+    if (cam_blackbox_is_unread(&m->scope)) {
         return cam_err_scope_unread;
     }
     return cam_scope_start(&m->scope, cam_machine_status(m).tick);
@@ -51,7 +51,7 @@ cam_err_t cam_machine_release(cam_machine_t *m)
     if (m->identify.phase != cam_identify_none) {
         return cam_err_state;
     }
-    if (cam_box_is_unread(&m->scope)) {
+    if (cam_blackbox_is_unread(&m->scope)) {
         hal_scope_keep(m->scope.words, 0);
     }
     give_up(m);
@@ -93,7 +93,7 @@ cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t 
 static void keep_box(cam_machine_t *m)
 {
     if (!m->is_box_kept) {
-        cam_box_keep(&m->scope);
+        cam_blackbox_keep(&m->scope);
         m->is_box_kept = true;
     }
 }
@@ -110,7 +110,7 @@ static bool is_abandoned(const cam_machine_t *m, uint32_t tick)
 static void go_on_with_box(cam_machine_t *m)
 {
     const uint32_t tick = cam_machine_status(m).tick;
-    if (cam_box_is_unread(&m->scope)) {
+    if (cam_blackbox_is_unread(&m->scope)) {
         keep_box(m);
         return;
     }
@@ -118,7 +118,7 @@ static void go_on_with_box(cam_machine_t *m)
         give_up(m);
     }
     if (m->scope.phase == cam_scope_idle && m->params.trace_on != 0 &&
-        cam_box_begin(&m->scope, tick) == cam_ok) {
+        cam_blackbox_begin(&m->scope, tick) == cam_ok) {
         m->is_box_kept = false;
     }
 }

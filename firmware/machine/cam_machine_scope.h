@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_machine_scope: who has the recorder and its memory.
 ///
-///     nobody -> black box (cam_box.h), when cam_machine_box() asked for it
+///     nobody -> black box (cam_blackbox.h), when cam_machine_blackbox() asked for it
 ///     black box -> recording, wave: by command at any time, as long as no fault was recorded
 ///     black box of a fault: stays, over further faults and restarts, until cam_machine_release()
 ///     recording, wave -> black box: by cam_machine_release(), or cam_scope_patience_s after its
@@ -22,7 +22,7 @@ enum { cam_scope_patience_s = 600 };
 
 /// Let the recorder be the black box from now on, with the box that the port has kept. A loop that
 /// takes the records of the ticks itself does without.
-void cam_machine_box(cam_machine_t *m);
+void cam_machine_blackbox(cam_machine_t *m);
 
 /// @return cam_ok when a command may take the memory; cam_err_scope_on, cam_err_scope_unread
 CAM_MUST_USE cam_err_t cam_machine_scope_is_free(const cam_machine_t *m);

@@ -50,7 +50,7 @@ static int64_t feed_q32(const cam_play_config_t *cfg, int32_t ppm)
 }
 
 /// @return [turn] of the feed behind a hold, if it is resumed at once
-static int64_t held_q32(const cam_course_t *c, const cam_play_config_t *cfg, int32_t ppm)
+static int64_t held_q32(const cam_feed_motion_t *c, const cam_play_config_t *cfg, int32_t ppm)
 {
     return cfg->rings.is_on
                ? cfg->feed_q32 - at_least_0(c->end_q32 - c->from_q32)
@@ -62,10 +62,10 @@ static int64_t held_q32(const cam_course_t *c, const cam_play_config_t *cfg, int
 static int64_t laid_q32(const moment_t *now, const cam_play_config_t *cfg, int32_t ppm)
 {
     const cam_plan_t *p = &now->plan;
-    const bool is_held = p->course.is_held && !p->is_stopped && !p->is_rehearsal;
+    const bool is_held = p->feed_motion.is_held && !p->is_stopped && !p->is_rehearsal;
     if (is_held) {
-        return at_least_0(p->course.end_q32 - now->pos_q32) + held_q32(&p->course, cfg, ppm) +
-               cfg->disengage_q32;
+        return at_least_0(p->feed_motion.end_q32 - now->pos_q32) +
+               held_q32(&p->feed_motion, cfg, ppm) + cfg->disengage_q32;
     }
     return at_least_0(p->disengage_at_q32 + cfg->disengage_q32 - now->pos_q32);
 }

@@ -25,22 +25,22 @@ cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n)
 }
 
 /// A triangle of speed covers the way in 2 sqrt(way / acceleration).
-cam_move_limits_t cam_wave_fade(uint32_t fade_ticks)
+cam_motion_limits_t cam_wave_fade(uint32_t fade_ticks)
 {
     const uint64_t ticks = fade_ticks;
     const uint64_t four_ways = (uint64_t)cam_excite_full_q30 * 4u;
     const int32_t acceleration = (int32_t)(four_ways / (ticks * ticks)) + 1;
-    return (cam_move_limits_t){
+    return (cam_motion_limits_t){
         .speed_q10 = (int32_t)(four_ways / (2u * ticks)) + acceleration,
         .acceleration_q10 = acceleration,
     };
 }
 
-uint32_t cam_wave_fall_ticks(const cam_move_limits_t *fade)
+uint32_t cam_wave_fall_ticks(const cam_motion_limits_t *fade)
 {
-    cam_move_t gain = {.pos_q10 = cam_excite_full_q30};
+    cam_axis_motion_t gain = {.pos_q10 = cam_excite_full_q30};
     uint32_t n = 0;
-    while (!cam_move_to_isr(&gain, fade, 0)) {
+    while (!cam_move_profile_to_isr(&gain, fade, 0)) {
         n++;
     }
     return n;
@@ -57,7 +57,7 @@ static cam_wave_verdict_t refuse(cam_err_t err, int64_t value)
     return (cam_wave_verdict_t){.err = err, .value = cam_sat_i32(value)};
 }
 
-cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_move_limits_t *fade,
+cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motion_limits_t *fade,
                                   int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz)
 {
     const int64_t most_nm = cfg->guard.u_range_q6 / 64;

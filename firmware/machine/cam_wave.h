@@ -9,10 +9,10 @@
 #ifndef CAM_WAVE_H
 #define CAM_WAVE_H
 
-#include "cam_config.h" // cam_config_t
-#include "cam_err.h"    // cam_err_t
-#include "cam_move.h"   // cam_move_limits_t
-#include <stdint.h>     // int32_t, int64_t, uint32_t
+#include "cam_config.h"       // cam_config_t
+#include "cam_err.h"          // cam_err_t
+#include "cam_move_profile.h" // cam_motion_limits_t
+#include <stdint.h>           // int32_t, int64_t, uint32_t
 
 enum {
     cam_wave_least = 16,           ///< [ticks] shortest period, and shortest fade
@@ -40,16 +40,16 @@ cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n);
 /// @param fade_ticks  [ticks] cam_wave_least .. cam_wave_longest_fade
 /// @return            limits of a gain that rises from 0 to 1 in that many ticks, up to a quarter
 ///                    less where they are many; cam_wave_fall_ticks() tells
-cam_move_limits_t cam_wave_fade(uint32_t fade_ticks);
+cam_motion_limits_t cam_wave_fade(uint32_t fade_ticks);
 
 /// @return [ticks] in which the gain falls from 1 to 0, the last one before it rests there
-/// Context: lasts as long as as many steps of cam_move.h.
-uint32_t cam_wave_fall_ticks(const cam_move_limits_t *fade);
+/// Context: lasts as long as as many steps of cam_move_profile.h.
+uint32_t cam_wave_fall_ticks(const cam_motion_limits_t *fade);
 
 /// Compare with the stroke, the speed and the acceleration of U.
 /// @param place_nm  [nm] about which it is played
 /// @param cfg       configuration in force
-cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_move_limits_t *fade,
+cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motion_limits_t *fade,
                                   int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz);
 
 #endif

@@ -105,9 +105,9 @@ void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value
 /// Select the table and report it in a line of text, unless the error is of the moment only.
 static cam_err_t select_and_say(cam_can_t *r)
 {
-    const cam_err_t err = cam_store_select(&r->store);
-    if (!cam_store_is_of_moment(err)) {
-        cam_lines_table(&r->lines, &r->store);
+    const cam_err_t err = cam_table_store_select(&r->store);
+    if (!cam_table_store_is_of_moment(err)) {
+        cam_log_text_table(&r->lines, &r->store);
     }
     return err;
 }
@@ -137,7 +137,7 @@ cam_outcome_t cam_can_begin_download(cam_can_t *r, uint32_t size, bool is_wave)
     r->is_wave = is_wave;
     r->download_session = r->machine->rights.session;
     return cam_can_received(r, is_wave ? cam_machine_wave_begin(r->machine, size)
-                                       : cam_store_begin(&r->store, size));
+                                       : cam_table_store_begin(&r->store, size));
 }
 
 /// Carry out a command that has exactly one answer.
@@ -168,7 +168,7 @@ static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
     case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
         return cam_can_begin_download(r, m->size, false);
     case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
-        return cam_can_received(r, cam_store_end(&r->store, m->crc));
+        return cam_can_received(r, cam_table_store_end(&r->store, m->crc));
     default:
         return cam_outcome(cam_err_command);
     }
@@ -194,7 +194,7 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
         cam_can_set(r, m->command, cam_param_phase_udeg, m->phase);
         break;
     default:
-        if (!cam_can_scope(r, m) && !cam_can_params(r, m) && !cam_can_hand(r, m) &&
+        if (!cam_can_scope(r, m) && !cam_can_params(r, m) && !cam_can_jog(r, m) &&
             !cam_can_cut(r, m) && !cam_can_strobe(r, m) && !cam_can_rights(r, m)) {
             cam_can_answer(r, m->command, m->parameter, carry_out(r, m));
         }
@@ -214,8 +214,8 @@ static void give(cam_can_t *r, const struct camturn_command_t *m)
         follow(r, m);
     } else {
         cam_can_answer(r, m->command, m->parameter, refused);
-        cam_lines_refused(&r->lines, m->sender, m->command, refused.err,
-                          cam_machine_status(r->machine).tick);
+        cam_log_text_refused(&r->lines, m->sender, m->command, refused.err,
+                             cam_machine_status(r->machine).tick);
     }
     cam_can_hear(r, m);
     rights->is_bus_calling = false;
@@ -249,13 +249,14 @@ static cam_err_t store_block(cam_can_t *r, uint32_t n)
         return cam_err_not_commander;
     }
     if (!r->is_wave) {
-        return cam_store_block(&r->store, b, n);
+        return cam_table_store_block(&r->store, b, n);
     }
-    if (n <= cam_store_block_header) {
+    if (n <= cam_table_store_block_header) {
         return cam_err_download_order;
     }
-    return cam_machine_wave_block(r->machine, cam_store_word(b), &b[cam_store_block_header],
-                                  n - cam_store_block_header);
+    return cam_machine_wave_block(r->machine, cam_table_store_word(b),
+                                  &b[cam_table_store_block_header],
+                                  n - cam_table_store_block_header);
 }
 
 /// Store a block that is complete, or report one that is lost.
@@ -353,11 +354,11 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine)
     r->isotp = (cam_isotp_t){
         .bytes = r->block, .capacity = sizeof r->block, .timeout_ticks = machine->tick_hz};
     r->lines.refused_ticks = machine->tick_hz;
-    cam_store_init(&r->store, machine);
-    cam_lines_start(&r->report.start);
-    cam_lines_params(machine);
+    cam_table_store_init(&r->store, machine);
+    cam_log_text_start(&r->report.start);
+    cam_log_text_params(machine);
     (void)select_and_say(r);
-    cam_lines_scales(machine);
+    cam_log_text_scales(machine);
 }
 
 void cam_can_poll(cam_can_t *r)
@@ -368,5 +369,5 @@ void cam_can_poll(cam_can_t *r)
     if (is_idle) { // a live picture waits for everything else
         cam_can_send_sample(r, status.tick);
     }
-    cam_lines_change(&r->lines, &r->store, &status);
+    cam_log_text_change(&r->lines, &r->store, &status);
 }

@@ -73,7 +73,7 @@ bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m);
 bool cam_can_is_foreign_download(const cam_can_t *r);
 
 /// Topic: axes by hand, homes, datum and tools.
-bool cam_can_hand(cam_can_t *r, const struct camturn_command_t *m);
+bool cam_can_jog(cam_can_t *r, const struct camturn_command_t *m);
 
 /// Set a parameter by a command and answer with the value in force; a value out of its range gets
 /// the range too.

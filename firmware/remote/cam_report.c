@@ -44,7 +44,8 @@ static void send(hal_can_frame_t *frame, uint32_t id, int n)
 }
 
 /// Send the message State: a bit for each fault, and why the controller is as it is.
-static void send_state(const cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
+static void send_state(const cam_report_t *r, const cam_table_store_t *store,
+                       const cam_status_t *status)
 {
     struct camturn_state_t m = {
         .state = (uint8_t)status->state,
@@ -70,7 +71,7 @@ static uint32_t drawing_angle_q32(const cam_machine_t *m, const cam_status_t *st
 
 /// The speed is [turn / 2^32 per tick]; times ticks per minute it is [r/min / 2^32], and
 /// 60 000 = 1875 * 2^5 makes it [r/min / 1000 / 2^27].
-static void send_motion(const cam_store_t *store, const cam_status_t *status)
+static void send_motion(const cam_table_store_t *store, const cam_status_t *status)
 {
     const int64_t mrpm_q27 = (int64_t)status->speed_q32 * store->machine->tick_hz * 1875;
     const struct camturn_spindle_t spindle = {
@@ -138,7 +139,7 @@ static uint64_t name_part(const char *name, uint32_t part)
 }
 
 /// Fill in the signals that describe the table; without a table they stay 0.
-static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
+static void describe_table(struct camturn_detail_t *m, const cam_table_store_t *store)
 {
     const cam_table_t *table = &store->machine->table;
     if (!store->machine->has_table) {
@@ -161,7 +162,7 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
 static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
     enum { most = (1 << 24) - 1 };
-    const cam_teach_status_t t = cam_machine_learning(machine);
+    const cam_ilc_status_t t = cam_machine_learning(machine);
     m->learn_phase = (uint8_t)t.phase;
     m->learn_reason = (uint8_t)t.reason;
     m->learn_harmonics = (uint8_t)(t.n_harmonics & 0xFFu);
@@ -212,20 +213,20 @@ static void describe_rights(struct camturn_detail_t *m, const cam_machine_t *mac
 static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machine,
                           const cam_status_t *status)
 {
-    const uint32_t homed = status->hand.homed;
+    const uint32_t homed = status->jog.homed;
     const int64_t x_nm = (int64_t)status->x_actual_nm -
-                         cam_hands_origin_nm(&machine->hands, &machine->params, hal_axis_x);
+                         cam_offsets_origin_nm(&machine->offsets, &machine->params, hal_axis_x);
     m->homed_u = (homed & 1u << hal_axis_u) != 0u ? 1u : 0u;
     m->homed_x = (homed & 1u << hal_axis_x) != 0u ? 1u : 0u;
     m->homed_z = (homed & 1u << hal_axis_z) != 0u ? 1u : 0u;
     m->on_home_u = (status->inputs & hal_in_home_u) != 0u ? 1u : 0u;
     m->on_home_x = (status->inputs & hal_in_home_x) != 0u ? 1u : 0u;
     m->on_home_z = (status->inputs & hal_in_home_z) != 0u ? 1u : 0u;
-    m->hand_orders = (uint16_t)(status->hand.serial & 0xFFFFu);
+    m->hand_orders = (uint16_t)(status->jog.serial & 0xFFFFu);
     m->x = cam_sat_i32(x_nm);
-    m->hand_phase = (uint8_t)status->hand.phase;
-    m->hand_end = (uint8_t)status->hand.end;
-    m->hand_axis = (uint8_t)status->hand.axis;
+    m->hand_phase = (uint8_t)status->jog.phase;
+    m->hand_end = (uint8_t)status->jog.end;
+    m->hand_axis = (uint8_t)status->jog.axis;
     m->tool = (uint8_t)((uint32_t)machine->params.tool & 0xFFu);
 }
 
@@ -248,7 +249,7 @@ static uint8_t pass_of(const cam_machine_t *m)
 
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the
 /// page.
-static void send_detail(uint32_t page, const cam_report_t *r, const cam_store_t *store,
+static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_store_t *store,
                         const cam_status_t *status)
 {
     enum { most = (1 << 23) - 1 };
@@ -281,7 +282,7 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_store_t 
 }
 
 /// The rate holds on average. Periods during which the main loop did not come here are skipped.
-void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
+void cam_report_send(cam_report_t *r, const cam_table_store_t *store, const cam_status_t *status)
 {
     static const uint8_t turns[] = {page_load,
                                     page_rate,

@@ -8,10 +8,10 @@
 #ifndef CAM_REPORT_H
 #define CAM_REPORT_H
 
-#include "cam_store.h" // cam_store_t
-#include "cam_tick.h"  // cam_status_t
-#include "hal/hal.h"   // hal_start_t
-#include <stdint.h>    // uint32_t, uint64_t
+#include "cam_table_store.h" // cam_table_store_t
+#include "cam_tick.h"        // cam_status_t
+#include "hal/hal.h"         // hal_start_t
+#include <stdint.h>          // uint32_t, uint64_t
 
 /// State; zero-initialised except for start.
 typedef struct {
@@ -23,6 +23,6 @@ typedef struct {
 } cam_report_t;
 
 /// Send the status if it is due.
-void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status);
+void cam_report_send(cam_report_t *r, const cam_table_store_t *store, const cam_status_t *status);
 
 #endif

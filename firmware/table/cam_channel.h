@@ -92,14 +92,14 @@ typedef struct {
 } cam_change_t;
 
 /// Places at which the set-point of a speed loop is bounded: k^2 / 128 rad, up to 8.
-enum { cam_pace_places = 33, cam_pace_per_rad = 128 };
+enum { cam_spindle_demand_places = 33, cam_spindle_demand_per_rad = 128 };
 
-/// What a speed channel demands of the spindle's speed loop (cam_pace.h).
+/// What a speed channel demands of the spindle's speed loop (cam_spindle_demand.h).
 typedef struct {
-    uint32_t fall_ppm_per_rad;         ///< [1e-6 / rad] largest -r': bandwidth over mean speed
-    uint32_t set_q20[cam_pace_places]; ///< [2^-20] largest r + c r r' at these places c
-    uint32_t rise_q20;                 ///< [2^-20 / rad] largest r r'
-} cam_pace_t;
+    uint32_t fall_ppm_per_rad; ///< [1e-6 / rad] largest -r': bandwidth over mean speed
+    uint32_t set_q20[cam_spindle_demand_places]; ///< [2^-20] largest r + c r r' at these places c
+    uint32_t rise_q20;                           ///< [2^-20 / rad] largest r r'
+} cam_spindle_demand_t;
 
 /// A checked table. All members are read-only after cam_table_check().
 typedef struct {
@@ -130,20 +130,20 @@ typedef struct {
     uint32_t limit_u_acceleration_mm_per_s2; ///< [mm/s2]
     uint32_t limit_spindle_mrpm;             ///< [r/min / 1000] highest spindle speed
     int32_t u_min_nm, u_max_nm;              ///< [nm] bounds of u, between the knots too
-    uint32_t u1_peak_nm_per_rad;       ///< [nm/rad] bound of |u' r|: speed of U over mean speed
-    uint32_t u2_peak_nm_per_rad2;      ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
-    uint32_t spindle_peak_ppm_per_rad; ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
-    uint32_t ratio_max_q20;            ///< [2^-20] bound of the ratio r, between the knots too
-    cam_pace_t pace;                   ///< what the speed demands of the spindle's loop
-    int32_t x_min_nm, x_max_nm;        ///< [nm] bounds of x, between the knots too
-    uint32_t x_slope_ppm;              ///< [1e-6] largest |dX/dZ|, measured by the check
-    uint32_t x_bend_ppm_per_m;         ///< [1e-6 / m] largest |d2X/dZ2|, measured too
-    uint32_t way_slope_ppm;            ///< [1e-6] largest feed over its mean; helix: 10^6
-    uint32_t way_bend_ppm_per_m;       ///< [1e-6 / m] largest change of that with the height
-    uint32_t error_pm;                 ///< [pm] total error that the generator measured
-    uint32_t crc32;                    ///< of the image's bytes from 24 on
-    const void *image;                 ///< start of the image
-    uint32_t image_size;               ///< [bytes] of the whole image
+    uint32_t u1_peak_nm_per_rad;         ///< [nm/rad] bound of |u' r|: speed of U over mean speed
+    uint32_t u2_peak_nm_per_rad2;        ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
+    uint32_t spindle_peak_ppm_per_rad;   ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
+    uint32_t ratio_max_q20;              ///< [2^-20] bound of the ratio r, between the knots too
+    cam_spindle_demand_t spindle_demand; ///< what the speed demands of the spindle's loop
+    int32_t x_min_nm, x_max_nm;          ///< [nm] bounds of x, between the knots too
+    uint32_t x_slope_ppm;                ///< [1e-6] largest |dX/dZ|, measured by the check
+    uint32_t x_bend_ppm_per_m;           ///< [1e-6 / m] largest |d2X/dZ2|, measured too
+    uint32_t way_slope_ppm;              ///< [1e-6] largest feed over its mean; helix: 10^6
+    uint32_t way_bend_ppm_per_m;         ///< [1e-6 / m] largest change of that with the height
+    uint32_t error_pm;                   ///< [pm] total error that the generator measured
+    uint32_t crc32;                      ///< of the image's bytes from 24 on
+    const void *image;                   ///< start of the image
+    uint32_t image_size;                 ///< [bytes] of the whole image
 } cam_table_t;
 
 /// @return whether the part is a lobe, whose u is minus the lift above the base circle

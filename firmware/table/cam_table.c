@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table.h"
-#include "cam_barrel.h"    // cam_barrel_measure
-#include "cam_entry.h"     // cam_entry_check
-#include "cam_extent.h"    // cam_extent_widened
-#include "cam_fix.h"       // cam_is_between
-#include "cam_lobes.h"     // cam_lobes_check
-#include "cam_pace.h"      // cam_pace_of
-#include "cam_peaks.h"     // cam_peaks_of_swing
-#include "cam_passes.h"    // cam_passes_check
-#include "cam_promise.h"   // cam_promise_check
-#include "cam_signature.h" // cam_signature_follows
-#include "cam_way.h"       // cam_way_check
-#include <stdbool.h>       // bool
-#include <string.h>        // memcpy, memcmp
+#include "cam_x_slope.h"         // cam_x_slope_measure
+#include "cam_entry.h"           // cam_entry_check
+#include "cam_extent.h"          // cam_extent_widened
+#include "cam_fix.h"             // cam_is_between
+#include "cam_lobes.h"           // cam_lobes_check
+#include "cam_spindle_demand.h"  // cam_spindle_demand_of
+#include "cam_peaks.h"           // cam_peaks_of_swing
+#include "cam_passes.h"          // cam_passes_check
+#include "cam_header_limits.h"   // cam_header_limits_check
+#include "cam_signature_block.h" // cam_signature_block_follows
+#include "cam_feed_profile.h"    // cam_feed_profile_check
+#include <stdbool.h>             // bool
+#include <string.h>              // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
 
@@ -82,7 +82,7 @@ static size_t without_signature(const uint8_t *image, size_t size)
     const size_t stored = word_at(image, at_image_size);
     const bool is_signed = stored >= (size_t)cam_table_header_size && stored < size &&
                            size - stored == (size_t)cam_signature_block_size &&
-                           cam_signature_follows(image, stored, size);
+                           cam_signature_block_follows(image, stored, size);
     return is_signed ? stored : size;
 }
 
@@ -214,7 +214,7 @@ static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, c
     table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
     table->spindle_peak_ppm_per_rad = h->spindle_peak_ppm_per_rad;
     if (table->speed.knots != NULL) {
-        return cam_promise_check(table);
+        return cam_header_limits_check(table);
     }
     const uint32_t log2_knots = u->log2_knots + u->log2_repeat; // per turn
     const int64_t u1 = knot_per_rad(u->v_max, log2_knots) >> u->frac_bits;
@@ -297,7 +297,7 @@ static cam_err_t check_together(const uint8_t *image, uint32_t largest_kind,
     if (!is_complete || !is_known || !is_way_placed(table, h)) {
         return is_newer || !is_complete ? cam_err_image_channel : cam_err_image_version;
     }
-    const cam_err_t err = cam_way_check(table);
+    const cam_err_t err = cam_feed_profile_check(table);
     return err == cam_ok && table->lobes != NULL ? cam_lobes_check_patterns(table) : err;
 }
 
@@ -349,8 +349,8 @@ static void describe(const uint8_t *image, const header_fields_t *h, cam_table_t
     table->crc32 = word_at(image, at_crc);
     table->image = image;
     table->image_size = word_at(image, at_image_size);
-    cam_barrel_measure(table);
-    table->pace = cam_pace_of(&table->speed);
+    cam_x_slope_measure(table);
+    table->spindle_demand = cam_spindle_demand_of(&table->speed);
     const cam_change_t none = {0}; // patterns are not next to each other
     table->u_change = table->lobes != NULL ? none : cam_peaks_of_change(&table->u);
     if (table->is_swung) {

@@ -16,7 +16,7 @@
 /// Check an image and describe it.
 /// @param image  bytes of an image, any content; must stay unchanged while *table is used
 /// @param size   [bytes] that may be read from image on: those of the image, and of the signature
-///               behind it, if there is one (cam_signature.h)
+///               behind it, if there is one (cam_signature_block.h)
 /// @param table  filled on success, zeroed otherwise
 /// @return       cam_ok, or the first thing wrong in the order of TABLE_FORMAT.md
 /// Context: slow side; a few passes over the image. Source: TABLE_FORMAT.md, which counts the

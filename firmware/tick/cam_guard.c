@@ -134,7 +134,7 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
 }
 
 cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_state_t state,
-                                  uint32_t faults, const cam_told_t *told)
+                                  uint32_t faults, const cam_u_command_t *told)
 {
     const int32_t most_q10 = cfg->leave.acceleration_q10;
     // A wave is added to the set-point without its acceleration.
@@ -147,10 +147,10 @@ cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     const int32_t vel_q10 = cam_wrap_add(cam_wrap_times(g->u_step_q6, 16u), acc_q10);
     g->faults |= faults;
     g->first_faults = g->faults;
-    g->u = (cam_move_t){
+    g->u = (cam_axis_motion_t){
         .pos_q10 = (int64_t)g->u_set_q6 * 16 + vel_q10, .vel_q10 = vel_q10, .acc_q10 = acc_q10};
     g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
-    cam_glide_begin_isr(&g->glide, &g->u, cfg->leave.log2_window);
+    cam_jerk_filter_begin_isr(&g->filter, &g->u, cfg->leave.log2_window);
     const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
     return (cam_verdict_t){
         .faults = faults,
@@ -159,12 +159,12 @@ cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     };
 }
 
-void cam_guard_begin_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_told_t *told)
+void cam_guard_begin_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_u_command_t *told)
 {
-    g->u = (cam_move_t){.pos_q10 = (int64_t)told->nm * 1024,
-                        .vel_q10 = cam_wrap_times(told->step_nm, 1024u)};
+    g->u = (cam_axis_motion_t){.pos_q10 = (int64_t)told->nm * 1024,
+                               .vel_q10 = cam_wrap_times(told->step_nm, 1024u)};
     g->u_set_q6 = cam_wrap_times(told->nm, 64u);
-    cam_glide_begin_isr(&g->glide, &g->u, cfg->leave.log2_window);
+    cam_jerk_filter_begin_isr(&g->filter, &g->u, cfg->leave.log2_window);
 }
 
 /// In the ticks after that of the fault U retracts, or brakes where it was moved by hand, while the
@@ -173,9 +173,9 @@ static cam_verdict_t leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, u
                                 const cam_motion_t *m)
 {
     g->faults |= faults;
-    const bool is_u_out = m->is_by_hand
-                              ? cam_glide_stop_isr(&g->glide, &g->u, &cfg->leave)
-                              : cam_glide_to_isr(&g->glide, &g->u, &cfg->leave, cfg->u_retract_q10);
+    const bool is_u_out =
+        m->is_by_hand ? cam_jerk_filter_stop_isr(&g->filter, &g->u, &cfg->leave)
+                      : cam_jerk_filter_to_isr(&g->filter, &g->u, &cfg->leave, cfg->u_retract_q10);
     g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
     g->is_retracted = g->is_retracted || (is_u_out && m->is_clear);
     const bool is_held = !g->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
@@ -223,7 +223,7 @@ static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, uint32_t wat
 
 cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                                  const cam_tick_record_t *r, const cam_motion_t *m,
-                                 const cam_told_t *told)
+                                 const cam_u_command_t *told)
 {
     const cam_want_t *want = &r->want;
     const uint32_t watched = armed[want->state];

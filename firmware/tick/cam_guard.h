@@ -13,12 +13,12 @@
 #ifndef CAM_GUARD_H
 #define CAM_GUARD_H
 
-#include "cam_config.h" // cam_guard_config_t
-#include "cam_glide.h"  // cam_glide_t, cam_move_t
-#include "cam_record.h" // cam_tick_record_t, cam_motion_t, cam_verdict_t
-#include "cam_state.h"  // cam_fault_t
-#include <stdbool.h>    // bool
-#include <stdint.h>     // int32_t, int64_t
+#include "cam_config.h"      // cam_guard_config_t
+#include "cam_jerk_filter.h" // cam_jerk_filter_t, cam_axis_motion_t
+#include "cam_record.h"      // cam_tick_record_t, cam_motion_t, cam_verdict_t
+#include "cam_state.h"       // cam_fault_t
+#include <stdbool.h>         // bool
+#include <stdint.h>          // int32_t, int64_t
 
 enum { cam_guard_count_bits = 8 }; ///< faults are counted modulo 256
 
@@ -29,13 +29,13 @@ typedef struct {
     uint32_t first_faults;                ///< those that entered the fault state last
     uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
     bool is_retracted;
-    uint32_t n_stopped; ///< [ticks] without rotation
-    int32_t u_set_q6;   ///< [nm / 64] U written last
-    int32_t u_step_q6;  ///< [nm / 64 per tick] its last step
-    int32_t u_seal;     ///< u_set_q6 ^ u_step_q6
-    cam_move_t u;       ///< set-point in the fault state; before it speed and acceleration of the
-                        ///< last tick
-    cam_glide_t glide;  ///< of U in the fault state
+    uint32_t n_stopped;  ///< [ticks] without rotation
+    int32_t u_set_q6;    ///< [nm / 64] U written last
+    int32_t u_step_q6;   ///< [nm / 64 per tick] its last step
+    int32_t u_seal;      ///< u_set_q6 ^ u_step_q6
+    cam_axis_motion_t u; ///< set-point in the fault state; before it speed and acceleration of the
+                         ///< last tick
+    cam_jerk_filter_t filter; ///< of U in the fault state
 } cam_guard_t;
 
 /// Judge one tick.
@@ -47,7 +47,7 @@ typedef struct {
 /// Constant time.
 cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                                  const cam_tick_record_t *r, const cam_motion_t *m,
-                                 const cam_told_t *told);
+                                 const cam_u_command_t *told);
 
 /// Enter the fault state. In this tick U continues from its last set-point with the speed and the
 /// acceleration of its last step.
@@ -56,12 +56,13 @@ cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
 /// @param told    command of U of the last tick, for a set-point of which a bit has flipped
 /// @return        the verdict of the tick
 cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_state_t state,
-                                  uint32_t faults, const cam_told_t *told);
+                                  uint32_t faults, const cam_u_command_t *told);
 
 /// In the fault state: the retract begins again where U was told to be, with the speed of that.
 /// @param cfg   limits of the retract
 /// @param told  command of U of this tick
-void cam_guard_begin_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_told_t *told);
+void cam_guard_begin_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                         const cam_u_command_t *told);
 
 /// The part of the guard that runs once per plan: it judges the speed of the spindle and counts the
 /// new faults, which would make the tick of a fault longer.

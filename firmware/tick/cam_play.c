@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_play.h"
-#include "cam_aim.h"   // cam_aim_most_nm
-#include "cam_angle.h" // cam_angle_of_pos
-#include "cam_eval.h"  // cam_eval_segment
-#include "cam_fix.h"   // cam_mulhi
-#include <stddef.h>    // NULL
+#include "cam_interpolate.h" // cam_interpolate_most_nm
+#include "cam_angle.h"       // cam_angle_of_pos
+#include "cam_eval.h"        // cam_eval_segment
+#include "cam_fix.h"         // cam_mulhi
+#include <stddef.h>          // NULL
 
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
 /// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
@@ -36,7 +36,7 @@ CAM_STAGE static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, 
     return (int32_t)((uint32_t)y << by->y_up);
 }
 
-static void advance(cam_move_t *m)
+static void advance(cam_axis_motion_t *m)
 {
     m->pos_q10 = cam_wrap_add_i64(m->pos_q10, m->vel_q10);
 }
@@ -64,9 +64,9 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
         return cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
     }
     const uint32_t even_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
-    const cam_learn_place_t at = cam_learn_place(even_q32);
-    const uint32_t angle_q32 = even_q32 + cam_learn_turn_q32(cfg->d, at);
-    m->c_q6 = cam_mulhi(cam_learn_at_q8(cfg->c, at), m->scale_q30);
+    const cam_learned_place_t at = cam_learned_place(even_q32);
+    const uint32_t angle_q32 = even_q32 + cam_learned_turn_q32(cfg->d, at);
+    m->c_q6 = cam_mulhi(cam_learned_at_q8(cfg->c, at), m->scale_q30);
     return surface(m, cfg, angle->speed_q32, angle_q32 - (uint32_t)m->phase_q32);
 }
 
@@ -74,15 +74,16 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
 static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        const int32_t nm = cam_clamp_i32(in->actual_nm[i], -cam_aim_most_nm, cam_aim_most_nm);
-        m->axis[i] = (cam_move_t){.pos_q10 = (int64_t)nm * 1024};
+        const int32_t nm =
+            cam_clamp_i32(in->actual_nm[i], -cam_interpolate_most_nm, cam_interpolate_most_nm);
+        m->axis[i] = (cam_axis_motion_t){.pos_q10 = (int64_t)nm * 1024};
     }
     m->spindle_mrpm = 0;
     m->faults = 0;
     m->was_off = true;
     m->was_open = m->was_open || (in->inputs & (uint32_t)hal_in_estop) != 0u;
     m->is_by_hand = false;
-    m->is_gliding = false;
+    m->is_filtering = false;
 }
 
 /// Move U to its place and play the wave there, whose end ends the state. While U rests at the
@@ -90,15 +91,15 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
 /// @return [nm / 64] what the wave adds
 static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    cam_move_t *u = &m->axis[hal_axis_u];
+    cam_axis_motion_t *u = &m->axis[hal_axis_u];
     const cam_excite_config_t *excite = &cfg->excite;
     int32_t wave_q6 = 0;
     bool is_over = false;
     if (u->pos_q10 == excite->place_q10 && u->vel_q10 == 0 && u->acc_q10 == 0) {
         is_over = cam_excite_step_isr(&p->excite, excite, &wave_q6);
     } else {
-        (void)cam_glide_to_isr(&m->glide[hal_axis_u], u, &cfg->approach[hal_axis_u],
-                               excite->place_q10);
+        (void)cam_jerk_filter_to_isr(&m->filter[hal_axis_u], u, &cfg->approach[hal_axis_u],
+                                     excite->place_q10);
         is_over = p->excite.n_left == 0u;
     }
     m->state = is_over ? cam_state_ready : m->state;
@@ -108,13 +109,13 @@ static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion
 /// By hand U goes to its target at the speed that the plan allows, or brakes.
 static void move_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    cam_move_limits_t limits = cfg->hand.limits[hal_axis_u];
-    cam_glide_t *glide = &m->glide[hal_axis_u];
+    cam_motion_limits_t limits = cfg->jog.limits[hal_axis_u];
+    cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
     if (m->u_speed_q10 > 0) {
         limits.speed_q10 = m->u_speed_q10;
-        (void)cam_glide_to_isr(glide, &m->axis[hal_axis_u], &limits, m->u_target_q10);
+        (void)cam_jerk_filter_to_isr(filter, &m->axis[hal_axis_u], &limits, m->u_target_q10);
     } else {
-        (void)cam_glide_stop_isr(glide, &m->axis[hal_axis_u], &limits);
+        (void)cam_jerk_filter_stop_isr(filter, &m->axis[hal_axis_u], &limits);
     }
 }
 
@@ -122,7 +123,7 @@ static void move_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
 CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                                 cam_motion_t *m)
 {
-    cam_move_t *u = &m->axis[hal_axis_u];
+    cam_axis_motion_t *u = &m->axis[hal_axis_u];
     int32_t wave_q6 = 0;
     if (m->state == cam_state_off) {
         follow_axes(m, in);
@@ -131,8 +132,8 @@ CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, con
     } else if (m->state == cam_state_manual) {
         move_by_hand(cfg, m);
     } else if (m->state != cam_state_fault) {
-        (void)cam_glide_to_isr(&m->glide[hal_axis_u], u, &cfg->approach[hal_axis_u],
-                               m->u_target_q10);
+        (void)cam_jerk_filter_to_isr(&m->filter[hal_axis_u], u, &cfg->approach[hal_axis_u],
+                                     m->u_target_q10);
     } else { // U is where the guard has led it
         m->spindle_mrpm = 0;
     }
@@ -190,8 +191,8 @@ static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m, uint
 static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t state)
 {
     m->state = state;
-    cam_glide_begin_isr(&m->glide[hal_axis_u], &m->axis[hal_axis_u],
-                        cfg->approach[hal_axis_u].log2_window);
+    cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], &m->axis[hal_axis_u],
+                              cfg->approach[hal_axis_u].log2_window);
 }
 
 /// Hold the axes where they stand; the plan moves them by hand.

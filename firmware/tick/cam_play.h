@@ -10,9 +10,9 @@
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
 /// passed. All the rest changes slowly and moves on by the increments of the plan (cam_plan.h). In
-/// all other states U moves to a place within its limits (cam_glide.h), X and Z by the plan; while
-/// identifying a wave is added to that place (cam_excite.h), and in manual U goes where the
-/// plan says (cam_hand.h).
+/// all other states U moves to a place within its limits (cam_jerk_filter.h), X and Z by the plan;
+/// while identifying a wave is added to that place (cam_excite.h), and in manual U goes where the
+/// plan says (cam_jog.h).
 /// Requests are carried out in the tick that senses them.
 /// Source: MATHS.md (54), (55). Context: ISR.
 #ifndef CAM_PLAY_H

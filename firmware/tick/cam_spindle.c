@@ -120,7 +120,7 @@ static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t 
 /// @return [turn / 2^32] a measured angle without the deviation that was learned: it turns evenly
 static uint32_t smoothed_q32(const cam_spindle_config_t *cfg, uint32_t measured_q32)
 {
-    return measured_q32 - cam_learn_turn_q32(cfg->dm, cam_learn_place(measured_q32));
+    return measured_q32 - cam_learned_turn_q32(cfg->dm, cam_learned_place(measured_q32));
 }
 
 /// Tracking loop: the error is the shorter of the two angles, so turns are counted by the position

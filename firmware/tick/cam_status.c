@@ -43,7 +43,7 @@ bool cam_status_moment(const cam_t *c, cam_moment_t *now)
         COPY(now->spindle, c->spindle);
         COPY(now->motion, c->motion);
         COPY(now->guard, c->guard);
-        COPY(now->hand, c->hand);
+        COPY(now->jog, c->jog);
         COPY(now->acknowledge, c->acknowledge);
         COPY(now->plan, c->plan);
         atomic_thread_fence(memory_order_acquire);
@@ -70,7 +70,7 @@ cam_status_t cam_status_read(const cam_t *c)
         .is_u_at_rest = r->out[hal_axis_u].vel_q10 == 0 && r->out[hal_axis_u].acc_q10 == 0,
         .inputs = r->in.inputs,
         .outputs = r->want.outputs,
-        .hand = now.hand,
+        .jog = now.jog,
         .acknowledge = now.acknowledge,
         .pos_q32 = r->angle.pos_q32,
         .speed_q32 = r->angle.speed_q32,

@@ -24,7 +24,7 @@ typedef struct {
     bool is_u_at_rest;             ///< the set-point of U stands
     uint32_t inputs;               ///< hal_in_*
     uint32_t outputs;              ///< hal_out_*
-    cam_hand_t hand;               ///< what is moved by hand, and what is homed
+    cam_jog_t jog;                 ///< what is moved by hand, and what is homed
     cam_acknowledge_t acknowledge; ///< what is known of the button at the machine
     int64_t pos_q32;               ///< [turn, Q32.32] master position
     int32_t speed_q32;             ///< [turn / 2^32 per tick]
@@ -45,7 +45,7 @@ typedef struct {
     cam_spindle_t spindle;
     cam_motion_t motion;
     cam_guard_t guard;
-    cam_hand_t hand;
+    cam_jog_t jog;
     cam_acknowledge_t acknowledge;
     cam_plan_t plan;
 } cam_moment_t;

@@ -31,7 +31,7 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
+static hal_setpoint_t setpoint(const cam_axis_motion_t *m, int32_t pos_nm)
 {
     return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
 }
@@ -64,11 +64,11 @@ static void obey_guard(cam_t *c, cam_tick_record_t *r, cam_verdict_t verdict)
 static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     const cam_verdict_t verdict =
-        cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion, &c->tell.u);
+        cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion, &c->command.u);
     obey_guard(c, r, verdict);
     if (!verdict.is_in_charge) { // what U does in a fault is not to be learned
-        cam_gather_isr(&c->gather, r->angle.pos_q32, r->angle.measured_q32, r->want.u_due_q6,
-                       r->in.actual_nm[hal_axis_u]);
+        cam_turn_bins_add_isr(&c->bins, r->angle.pos_q32, r->angle.measured_q32, r->want.u_due_q6,
+                              r->in.actual_nm[hal_axis_u]);
     }
 }
 
@@ -77,24 +77,24 @@ static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 static uint32_t mend_told(cam_t *c)
 {
     const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
-    const int32_t u_nm = c->tell.u.nm;
+    const int32_t u_nm = c->command.u.nm;
     if (last != NULL) {
-        c->tell.u.nm = cam_wrap_add(last->out[hal_axis_u].pos_nm, c->watch.u_home_nm);
+        c->command.u.nm = cam_wrap_add(last->out[hal_axis_u].pos_nm, c->watch.u_home_nm);
     }
-    return c->tell.u.nm != u_nm ? CAM_FAULT_BIT(corrupt) : 0u;
+    return c->command.u.nm != u_nm ? CAM_FAULT_BIT(corrupt) : 0u;
 }
 
 /// In state fault the retract goes on; what has flipped has led it away from what U is told, and it
 /// begins again from there.
 static void retract_on(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    cam_tell_nearest_isr(&c->tell, &cfg->tell, r, &c->motion, false);
+    cam_axis_command_nearest_isr(&c->command, &cfg->command, r, &c->motion, false);
     r->want.faults = c->guard.faults;
     if ((c->guard.faults & CAM_FAULT_BIT(corrupt)) != 0u) {
-        cam_guard_begin_isr(&c->guard, &cfg->guard, &c->tell.u);
+        cam_guard_begin_isr(&c->guard, &cfg->guard, &c->command.u);
         c->motion.axis[hal_axis_u] = c->guard.u;
         r->want.u_set_q6 = c->guard.u_set_q6;
-        cam_tell_fade_isr(&c->tell, &cfg->tell, r, &c->motion);
+        cam_axis_command_fade_isr(&c->command, &cfg->command, r, &c->motion);
     }
 }
 
@@ -109,8 +109,8 @@ CAM_STAGE static void refuse_command(cam_t *c, cam_tick_record_t *r)
         return;
     }
     obey_guard(c, r,
-               cam_guard_enter_isr(&c->guard, &cfg->guard, r->want.state, faults, &c->tell.u));
-    cam_tell_nearest_isr(&c->tell, &cfg->tell, r, &c->motion, true);
+               cam_guard_enter_isr(&c->guard, &cfg->guard, r->want.state, faults, &c->command.u));
+    cam_axis_command_nearest_isr(&c->command, &cfg->command, r, &c->motion, true);
 }
 
 /// Write the set-points into the record, in the form that the drives take. Those of X and Z are
@@ -118,11 +118,11 @@ CAM_STAGE static void refuse_command(cam_t *c, cam_tick_record_t *r)
 /// is thus rounded to nearest.
 static void tell(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, bool is_new)
 {
-    const cam_move_t *axis = c->motion.axis;
-    if (!cam_tell_isr(&c->tell, &cfg->tell, r, &c->motion, is_new)) {
+    const cam_axis_motion_t *axis = c->motion.axis;
+    if (!cam_axis_command_isr(&c->command, &cfg->command, r, &c->motion, is_new)) {
         refuse_command(c, r);
     }
-    const int32_t u_nm = cam_wrap_sub(c->tell.u.nm, c->motion.u_home_nm);
+    const int32_t u_nm = cam_wrap_sub(c->command.u.nm, c->motion.u_home_nm);
     r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
     r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], c->watch.led_nm[hal_axis_x]);
     r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], c->watch.led_nm[hal_axis_z]);
@@ -140,7 +140,7 @@ CAM_STAGE static uint32_t mend_state(cam_t *c)
 CAM_STAGE static uint32_t mend_course(cam_t *c)
 {
     const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
-    return cam_watch_mend_isr(&c->watch, &c->tell, &c->motion, last);
+    return cam_watch_mend_isr(&c->watch, &c->command, &c->motion, last);
 }
 
 /// angle -> play: what the tick wants.
@@ -154,7 +154,7 @@ static inline void want_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t
         r->want.faults |= mend_state(c);
     }
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
-    if (!cam_watch_is_on_course_isr(&c->watch, &c->tell, &c->motion)) {
+    if (!cam_watch_is_on_course_isr(&c->watch, &c->command, &c->motion)) {
         r->want.faults |= mend_course(c);
     }
     CAM_TICK_MARK(play);
@@ -192,13 +192,13 @@ static void shift_u(cam_t *c, int32_t nm)
     c->motion.u_home_nm = cam_wrap_add(c->motion.u_home_nm, nm);
     c->watch.u_home_nm = cam_wrap_add(c->watch.u_home_nm, nm);
     const int64_t by_q10 = (int64_t)nm * 1024;
-    cam_move_t *u = &c->motion.axis[hal_axis_u];
+    cam_axis_motion_t *u = &c->motion.axis[hal_axis_u];
     u->pos_q10 = cam_wrap_add_i64(u->pos_q10, by_q10);
-    cam_glide_shift_isr(&c->motion.glide[hal_axis_u], by_q10);
+    cam_jerk_filter_shift_isr(&c->motion.filter[hal_axis_u], by_q10);
     c->motion.u_target_q10 = cam_wrap_add_i64(c->motion.u_target_q10, by_q10);
     c->guard.u_set_q6 = cam_wrap_add(c->guard.u_set_q6, by_q6);
     c->guard.u_seal = c->guard.u_set_q6 ^ c->guard.u_step_q6;
-    cam_tell_shift_isr(&c->tell, nm);
+    cam_axis_command_shift_isr(&c->command, nm);
     cam_play_shift_isr(&c->play, by_q6);
 }
 
@@ -206,11 +206,11 @@ static void shift_u(cam_t *c, int32_t nm)
 static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     if (c->motion.state != cam_state_manual) {
-        cam_hand_idle_isr(&c->hand, &cfg->play, r);
+        cam_jog_idle_isr(&c->jog, &cfg->play, r);
         cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
         return;
     }
-    const int32_t shift_nm = cam_hand_isr(&c->hand, &cfg->play, r, &c->motion);
+    const int32_t shift_nm = cam_jog_isr(&c->jog, &cfg->play, r, &c->motion);
     if (shift_nm != 0) {
         shift_u(c, shift_nm);
     }
@@ -229,7 +229,7 @@ static uint32_t inspect(cam_t *c)
 CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     const uint32_t seen = inspect(c) | watch_index(c, cfg, r);
-    const cam_move_t before[hal_n_axes] = {
+    const cam_axis_motion_t before[hal_n_axes] = {
         [hal_axis_x] = c->motion.axis[hal_axis_x], [hal_axis_z] = c->motion.axis[hal_axis_z]};
     c->until_plan = cfg->play.plan_ticks;
     // What was changed is not planned with: the axes move on until the fault, in which they brake
@@ -238,9 +238,10 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
         plan_axes(c, cfg, r);
     }
     c->motion.was_off = false;
-    const uint32_t refused = cam_tell_plan_isr(&c->tell, &cfg->tell, &c->motion, before);
+    const uint32_t refused =
+        cam_axis_command_plan_isr(&c->command, &cfg->command, &c->motion, before);
     cam_watch_plan_isr(&c->watch, &c->motion, &c->plan);
-    cam_gather_plan_isr(&c->gather, r, &c->motion);
+    cam_turn_bins_plan_isr(&c->bins, r, &c->motion);
     cam_acknowledge_isr(&c->acknowledge, &cfg->play.acknowledge, r, &c->motion);
     c->motion.faults |= seen | refused | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
 }
@@ -304,7 +305,7 @@ static bool is_as_judged(const cam_t *c, const cam_tick_record_t *r)
 {
     cam_fence_release_isr(); // what is compared is what lies in memory
     const uint32_t begun = atomic_load_explicit(&c->n_begun, memory_order_relaxed);
-    return ((begun ^ r->tick) | cam_watch_strayed(&c->watch, &c->tell, r)) == 0u;
+    return ((begun ^ r->tick) | cam_watch_strayed(&c->watch, &c->command, r)) == 0u;
 }
 
 /// It is not, and is not written: the axes hold their set-points, and the next tick sees that this
@@ -313,7 +314,7 @@ CAM_STAGE static void withhold(cam_t *c)
 {
     const cam_tick_record_t *last = atomic_load_explicit(&c->newest, memory_order_relaxed);
     if (last != NULL) {
-        cam_watch_mend_home_isr(&c->watch, &c->tell, &c->motion, last);
+        cam_watch_mend_home_isr(&c->watch, &c->command, &c->motion, last);
     }
 }
 

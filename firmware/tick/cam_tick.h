@@ -11,39 +11,39 @@
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
 
-#include "cam_acknowledge.h" // cam_acknowledge_t
-#include "cam_config.h"      // cam_config_bank_t
-#include "cam_guard.h"       // cam_guard_t
-#include "cam_hand.h"        // cam_hand_t
-#include "cam_learn.h"       // cam_gather_t
-#include "cam_plan.h"        // cam_plan_t
-#include "cam_play.h"        // cam_play_t
-#include "cam_record.h"      // cam_motion_t, cam_tick_record_t
-#include "cam_spindle.h"     // cam_spindle_t
-#include "cam_switch.h"      // cam_switches_t
-#include "cam_tell.h"        // cam_tell_t
-#include "cam_trace.h"       // cam_trace_t
-#include "cam_watch.h"       // cam_watch_t
-#include <stdatomic.h>       // request, status sequence
-#include <stdint.h>          // int32_t, int64_t, uint32_t
+#include "cam_acknowledge.h"  // cam_acknowledge_t
+#include "cam_config.h"       // cam_config_bank_t
+#include "cam_guard.h"        // cam_guard_t
+#include "cam_jog.h"          // cam_jog_t
+#include "cam_turn_bins.h"    // cam_turn_bins_t
+#include "cam_plan.h"         // cam_plan_t
+#include "cam_play.h"         // cam_play_t
+#include "cam_record.h"       // cam_motion_t, cam_tick_record_t
+#include "cam_spindle.h"      // cam_spindle_t
+#include "cam_switch.h"       // cam_switches_t
+#include "cam_axis_command.h" // cam_axis_command_t
+#include "cam_trace.h"        // cam_trace_t
+#include "cam_watch.h"        // cam_watch_t
+#include <stdatomic.h>        // request, status sequence
+#include <stdint.h>           // int32_t, int64_t, uint32_t
 
 /// The controller as the interrupt sees it.
 typedef struct {
     // interrupt writes
     cam_spindle_t spindle;
-    cam_tell_t tell; ///< in front, as the motion: offsets of pairs of words stay short
+    cam_axis_command_t command; ///< in front, as the motion: offsets of pairs of words stay short
     cam_watch_t watch;
     cam_guard_t guard;
     cam_motion_t motion; ///< set-points and their increments
     cam_play_t play;
     cam_switches_t switches;
-    cam_hand_t hand;
+    cam_jog_t jog;
     cam_acknowledge_t acknowledge;
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
     _Atomic uint32_t n_begun;                ///< number of the tick that has begun last
-    cam_gather_t gather;                     ///< both sides write, cam_learn.h
+    cam_turn_bins_t bins;                    ///< both sides write, cam_turn_bins.h
     cam_plan_t plan; ///< behind what every tick uses, whose offsets stay short
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t

@@ -2,12 +2,12 @@
 #include "cam_watch.h"
 #include "cam_seal.h" // cam_seal_word
 
-uint32_t cam_watch_mend_isr(cam_watch_t *w, cam_tell_t *t, cam_motion_t *m,
+uint32_t cam_watch_mend_isr(cam_watch_t *w, cam_axis_command_t *t, cam_motion_t *m,
                             const cam_tick_record_t *last)
 {
     const bool is_off = m->state == cam_state_off;
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
-        cam_move_t *axis = &m->axis[i];
+        cam_axis_motion_t *axis = &m->axis[i];
         const int32_t pos_nm = (int32_t)(axis->pos_q10 >> 10);
         w->led_nm[i] = last != NULL ? last->out[i].pos_nm : w->led_nm[i];
         if (!is_off && (uint32_t)cam_watch_strayed_nm(w, t, i, pos_nm) > 1u) {
@@ -29,7 +29,7 @@ uint32_t cam_watch_mend_state_isr(const cam_watch_t *w, cam_motion_t *m, cam_sta
     return CAM_FAULT_BIT(corrupt);
 }
 
-void cam_watch_mend_home_isr(cam_watch_t *w, const cam_tell_t *t, cam_motion_t *m,
+void cam_watch_mend_home_isr(cam_watch_t *w, const cam_axis_command_t *t, cam_motion_t *m,
                              const cam_tick_record_t *last)
 {
     const int32_t before_nm = cam_wrap_sub(t->u.nm, t->u.step_nm);

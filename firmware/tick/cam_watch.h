@@ -6,16 +6,16 @@
 /// and compared: the state, the places of X and Z, home of U and what is about to be written to the
 /// axes in every tick, the state of the plan in every plan. What differs is mended from the copy,
 /// which one flip has not changed, too, and is the fault `corrupt`. U needs no copy: it is
-/// what the tick before told it, within its limits (cam_tell.h). Context: ISR.
+/// what the tick before told it, within its limits (cam_axis_command.h). Context: ISR.
 #ifndef CAM_WATCH_H
 #define CAM_WATCH_H
 
-#include "cam_fix.h"    // cam_wrap_sub
-#include "cam_plan.h"   // cam_plan_t
-#include "cam_record.h" // cam_motion_t, cam_tick_record_t
-#include "cam_tell.h"   // cam_tell_t
-#include <stdbool.h>    // bool
-#include <stdint.h>     // int32_t, uint32_t
+#include "cam_fix.h"          // cam_wrap_sub
+#include "cam_plan.h"         // cam_plan_t
+#include "cam_record.h"       // cam_motion_t, cam_tick_record_t
+#include "cam_axis_command.h" // cam_axis_command_t
+#include <stdbool.h>          // bool
+#include <stdint.h>           // int32_t, uint32_t
 
 /// State; zero-initialised knows the state off, all places 0 and a plan that was not sealed.
 typedef struct {
@@ -27,8 +27,8 @@ typedef struct {
 
 /// @return [nm] X or Z is told by this more than its last place and its increment, 0 or 1 by
 /// rounding
-static inline int32_t cam_watch_strayed_nm(const cam_watch_t *w, const cam_tell_t *t, uint32_t axis,
-                                           int32_t pos_nm)
+static inline int32_t cam_watch_strayed_nm(const cam_watch_t *w, const cam_axis_command_t *t,
+                                           uint32_t axis, int32_t pos_nm)
 {
     return cam_wrap_sub(cam_wrap_sub(pos_nm, w->led_nm[axis]), t->vel_q10[axis] >> 10);
 }
@@ -36,7 +36,7 @@ static inline int32_t cam_watch_strayed_nm(const cam_watch_t *w, const cam_tell_
 /// Between two plans X and Z move by equal increments; whatever else they would be told is not.
 /// @return whether they are where that leads them; if not, cam_watch_mend_isr() has to be called.
 /// Every tick, behind play.
-static inline bool cam_watch_is_on_course_isr(cam_watch_t *w, const cam_tell_t *t,
+static inline bool cam_watch_is_on_course_isr(cam_watch_t *w, const cam_axis_command_t *t,
                                               const cam_motion_t *m)
 {
     const int32_t x_nm = (int32_t)(m->axis[hal_axis_x].pos_q10 >> 10);
@@ -56,7 +56,7 @@ static inline bool cam_watch_is_on_course_isr(cam_watch_t *w, const cam_tell_t *
 /// is what the last record tells.
 /// @param last  NULL: none
 /// @return      fault corrupt, in off none
-uint32_t cam_watch_mend_isr(cam_watch_t *w, cam_tell_t *t, cam_motion_t *m,
+uint32_t cam_watch_mend_isr(cam_watch_t *w, cam_axis_command_t *t, cam_motion_t *m,
                             const cam_tick_record_t *last);
 
 /// The state is not the one that was left behind: one of both has flipped. That of the last record
@@ -72,7 +72,7 @@ static inline void cam_watch_keep_isr(cam_watch_t *w, const cam_motion_t *m)
 
 /// What the axes will be told is compared with what was judged. Before actuate.
 /// @return 0 where it is the same; if not, cam_watch_mend_home_isr() has to be called
-static inline uint32_t cam_watch_strayed(const cam_watch_t *w, const cam_tell_t *t,
+static inline uint32_t cam_watch_strayed(const cam_watch_t *w, const cam_axis_command_t *t,
                                          const cam_tick_record_t *r)
 {
     const int32_t u_off = cam_wrap_add(r->out[hal_axis_u].pos_nm, w->u_home_nm) ^ t->u.nm;
@@ -84,7 +84,7 @@ static inline uint32_t cam_watch_strayed(const cam_watch_t *w, const cam_tell_t 
 /// Home of U is kept twice, and where both differ one of them has flipped: it is the copy where the
 /// other one is what the tick before was told by.
 /// @param last  record of that tick
-void cam_watch_mend_home_isr(cam_watch_t *w, const cam_tell_t *t, cam_motion_t *m,
+void cam_watch_mend_home_isr(cam_watch_t *w, const cam_axis_command_t *t, cam_motion_t *m,
                              const cam_tick_record_t *last);
 
 /// What only plans change is what the last one has left behind: places of X and Z in full,

@@ -32,7 +32,8 @@ static bool read_key(const char *text, uint8_t *key)
 }
 
 /// @return whether a key is a point of small order, whatever its sign, or beyond the field's prime
-/// 2^255 - 19. The firmware trusts none of them either (cam_trust.h); here the builder is told.
+/// 2^255 - 19. The firmware trusts none of them either (cam_signature_check.h); here the builder is
+/// told.
 static bool is_weak(const uint8_t *key)
 {
     enum { last = common_keys_bytes - 1 };

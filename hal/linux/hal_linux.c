@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Port for Linux: the tick, start and end, and the functions of hal.h on top of the modules.
 #include "hal/hal.h"
-#include "lin_box.h"
+#include "lin_blackbox.h"
 #include "lin_bus.h"
 #include "lin_can.h"
 #include "lin_check.h"
 #include "lin_clock.h"
 #include "lin_config.h"
-#include "lin_kept.h"
+#include "lin_halt_text.h"
 #include "lin_lines.h"
 #include "lin_notify.h"
 #include "lin_operator.h"
@@ -15,7 +15,7 @@
 #include "lin_params.h"
 #include "lin_stop.h"
 #include "lin_table.h"
-#include "lin_tell.h"
+#include "lin_report.h"
 #include "lin_thread.h"
 #include "lin_words.h"
 #include <signal.h>    // sigaction
@@ -130,12 +130,12 @@ static bool bring_up(common_error_t *e)
         return false;
     }
     start_or_end(&options);
-    port.start = lin_kept_start(port.config.table_file);
+    port.start = lin_halt_text_start(port.config.table_file);
     lin_params_open(port.config.params_file, e);
     if (e->text[0] != '\0') {
         hal_text(e->text); // the controller starts all the same, with its defaults
     }
-    lin_box_open(port.config.table_file, e);
+    lin_blackbox_open(port.config.table_file, e);
     if (e->text[0] != '\0') {
         hal_text(e->text);
     }
@@ -155,7 +155,7 @@ int hal_init(void)
         return -1;
     }
     port.is_up = true;
-    lin_tell_set_up(&port.config, port.can.n_room);
+    lin_report_set_up(&port.config, port.can.n_room);
     catch_signals();
     return 0;
 }
@@ -242,16 +242,17 @@ static void look_after(void)
     last_ns = now_ns;
     lin_can_rebind(&port.can);
     lin_can_rebind(&port.remote);
-    lin_tell_overruns(lin_thread_overruns());
+    lin_report_overruns(lin_thread_overruns());
 }
 
 void hal_idle(void)
 {
     static uint32_t told_cause, told_not_ready;
     const bool goes_on = lin_thread_wait();
-    lin_tell_change(&told_cause, atomic_load(&port.cause), lin_words_bus, &port.config);
-    lin_tell_change(&told_not_ready, atomic_load(&port.not_ready), lin_words_drives, &port.config);
-    lin_tell_lost_line();
+    lin_report_change(&told_cause, atomic_load(&port.cause), lin_words_bus, &port.config);
+    lin_report_change(&told_not_ready, atomic_load(&port.not_ready), lin_words_drives,
+                      &port.config);
+    lin_report_lost_line();
     look_after();
     if (!goes_on) {
         hal_text("port: ended by a signal");
@@ -263,7 +264,7 @@ void hal_halt(const char *why)
 {
     make_safe();
     if (port.is_up) { // otherwise the reason was printed already
-        lin_kept_halt(why);
+        lin_halt_text_halt(why);
         (void)fprintf(stderr, "camturn-linux: halted: %s\n", why);
     }
     _exit(port.is_up ? exit_fault : exit_usage);

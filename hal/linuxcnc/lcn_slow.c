@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcn_slow.h"
-#include "cam_fit.h"     // cam_fit_most
-#include "cam_fix.h"     // cam_clamp_i32
-#include "cam_machine.h" // cam_machine_t
-#include "cam_state.h"   // cam_state_name
-#include "lcn_port.h"    // lcn_port_say
-#include "lcn_table.h"   // lcn_table_read
-#include <stddef.h>      // NULL
-#include <stdio.h>       // snprintf
+#include "cam_derived_limits.h" // cam_derived_limits_most
+#include "cam_fix.h"            // cam_clamp_i32
+#include "cam_machine.h"        // cam_machine_t
+#include "cam_state.h"          // cam_state_name
+#include "lcn_port.h"           // lcn_port_say
+#include "lcn_table.h"          // lcn_table_read
+#include <stddef.h>             // NULL
+#include <stdio.h>              // snprintf
 
 enum { line_bytes = 256, lessons_per_turn = 100 };
 
@@ -97,7 +97,7 @@ static int32_t derived_observer_mHz(void)
         p->spindle_mrpm > 0 ? p->spindle_mrpm : (int64_t)slow.machine.table.spindle_mrpm;
     const cam_param_id_t id = cam_param_observer_bandwidth_mHz;
     return cam_clamp_i32(cam_sat_i32(mrpm * (480000 + mrpm) / 3600000), cam_param_info(id)->min,
-                         cam_fit_most(id, slow.machine.tick_hz));
+                         cam_derived_limits_most(id, slow.machine.tick_hz));
 }
 
 /// @return what a parameter that HAL shows as `value` is to be
@@ -239,7 +239,7 @@ static void learn(int32_t period_ns)
     const int64_t turns_per_s = slow.machine.params.spindle_limit_mrpm / 60000 + 1;
     const int64_t n = turns_per_s * lessons_per_turn * period_ns / 1000000000;
     for (int64_t i = 0; i < n; i++) {
-        cam_machine_teach_poll(&slow.machine, cam_machine_status(&slow.machine).state);
+        cam_machine_ilc_poll(&slow.machine, cam_machine_status(&slow.machine).state);
     }
 }
 

@@ -7,7 +7,7 @@ static const char help[] =
     "camsim params TABLE [options]\n"
     "\n"
     "prints what the controller is configured with: name,value in each line, the parameters of\n"
-    "firmware/machine/cam_param.h behind tick_hz and the length of the cut: planned_turns of "
+    "firmware/param/cam_param.h behind tick_hz and the length of the cut: planned_turns of "
     "cutting\n"
     "and planned_s of machine time, passes, rehearsal, engaging and disengaging included\n"
     "\n"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
-#include "cam_trust.h"   // cam_trust_check_table
-#include "common_keys.h" // common_keys_add
-#include "hal_host.h"    // hal_host
-#include <stdio.h>       // printf, puts
-#include <string.h>      // strcmp
+#include "cam_signature_check.h" // cam_signature_check_table
+#include "common_keys.h"         // common_keys_add
+#include "hal_host.h"            // hal_host
+#include <stdio.h>               // printf, puts
+#include <string.h>              // strcmp
 
 static const char help[] =
     "camsim verify TABLE [KEY.pub ...]\n"
@@ -37,8 +37,8 @@ static int verify(const char *path)
         return camsim_complain(&e);
     }
     cam_table_t table;
-    cam_trust_t verdict;
-    const cam_err_t err = cam_trust_check_table(file.bytes, file.size, &table, &verdict);
+    cam_signature_check_t verdict;
+    const cam_err_t err = cam_signature_check_table(file.bytes, file.size, &table, &verdict);
     static const char *const kinds[] = {"not signed", "signature not checked", "signed"};
     (void)printf("%s: %s\n", path, err == cam_ok ? kinds[verdict.kind] : cam_err_text(err));
     sim_file_free(&file);

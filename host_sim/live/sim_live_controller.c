@@ -3,7 +3,7 @@
 #include "cam_can.h"            // cam_can_init
 #include "cam_machine.h"        // cam_machine_init
 #include "cam_machine_rights.h" // cam_machine_rights
-#include "cam_machine_scope.h"  // cam_machine_box
+#include "cam_machine_scope.h"  // cam_machine_blackbox
 #include "sim_live.h"
 #include "sim_params.h" // sim_params_apply
 #include <errno.h>      // errno
@@ -132,12 +132,12 @@ static bool start(sim_live_t *l, common_error_t *e)
     hal_host.slow.people.secret = l->options.secret;
     hal_host.slow.people.n_secret = l->options.n_secret;
     cam_machine_init(&controller.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
-    cam_machine_box(&controller.machine);
+    cam_machine_blackbox(&controller.machine);
     if (!sim_params_apply(&params, hal_tick_hz(), set_param, l, e)) {
         return false;
     }
     hal_host.slow.table = (hal_image_t){.bytes = l->session.image, .size = (uint32_t)l->n_image};
-    cam_machine_box(&controller.machine);
+    cam_machine_blackbox(&controller.machine);
     cam_can_init(&controller.remote, &controller.machine);
     return true;
 }

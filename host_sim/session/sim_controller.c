@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_controller.h"
-#include "cam_fit.h"   // cam_fit_usual_mHz
-#include "sim_units.h" // SIM_TWO_PI, sim_floor
-#include <math.h>      // ceil, floor
+#include "cam_derived_limits.h" // cam_derived_limits_usual_mHz
+#include "sim_units.h"          // SIM_TWO_PI, sim_floor
+#include <math.h>               // ceil, floor
 
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
                     common_error_t *e)
 {
     const cam_param_id_t id = cam_param_find(name);
     if (id >= cam_n_params) {
-        return common_error(e, "%s: %.60s: no such parameter; see firmware/machine/cam_param.h",
+        return common_error(e, "%s: %.60s: no such parameter; see firmware/param/cam_param.h",
                             origin, name);
     }
     const cam_param_info_t *info = cam_param_info(id);
@@ -86,7 +86,8 @@ static void derive_limits(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_z_speed_um_per_s, axis[hal_axis_z].speed_units_per_s * 1e3);
     put(d, cam_param_z_acceleration_mm_per_s2, axis[hal_axis_z].acceleration_units_per_s2);
     put(d, cam_param_spindle_limit_mrpm, m->spindle_limit_rpm * 1e3);
-    put(d, cam_param_following_limit_nm, 0.0); // the simulated drive measures: derived (cam_fit.h)
+    put(d, cam_param_following_limit_nm,
+        0.0); // the simulated drive measures: derived (cam_derived_limits.h)
     // The speed loop is of first order; what is beyond a parameter's range is beyond any use.
     const sim_spindle_config_t *s = &m->spindle;
     put(d, cam_param_spindle_lag_us, sim_clamp(1e6 / s->bandwidth_rad_per_s, 0.0, 1e6));
@@ -114,7 +115,8 @@ static void derive_encoder(derive_t *d, const sim_lathe_config_t *m)
     const double turn = sim_fraction(c->index_turn + 0.5) - 0.5;
     const double noise_counts = ceil(7.0 * c->jitter_counts); // two readings of +-3.47 rms each
     const uint32_t tick_hz = (uint32_t)m->tick_hz;
-    const int32_t observer_mHz = cam_fit_usual_mHz(d->params->observer_bandwidth_mHz, tick_hz);
+    const int32_t observer_mHz =
+        cam_derived_limits_usual_mHz(d->params->observer_bandwidth_mHz, tick_hz);
     put(d, cam_param_counts_per_turn, c->counts_per_turn);
     put(d, cam_param_encoder_sign, c->sign);
     put(d, cam_param_index_offset_udeg, turn * SIM_UDEG_PER_TURN);

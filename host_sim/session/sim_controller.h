@@ -11,8 +11,9 @@
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
 ///
 /// The limits are those of the lathe; the following error and the window for jumps are left to the
-/// firmware, which derives them from machine and part (cam_fit.h); jitter widens the window for the
-/// index by seven times its rms. The observer has 200 Hz, or a twentieth of a slower tick.
+/// firmware, which derives them from machine and part (cam_derived_limits.h); jitter widens the
+/// window for the index by seven times its rms. The observer has 200 Hz, or a twentieth of a slower
+/// tick.
 ///
 /// A parameter that is given in [controller] of the machine file or by --set overrules the derived
 /// one, so that a mismatch between machine and controller can be studied.

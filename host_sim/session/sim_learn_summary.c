@@ -6,22 +6,21 @@
 static const double nm_per_um = 1e3, q6 = 64.0, q12 = 4096.0;
 
 /// Names as on the bus (camturn.dbc).
-static const char *const phases[cam_teach_n_phases] = {
-    [cam_teach_off] = "off",           [cam_teach_waiting] = "waiting",
-    [cam_teach_settling] = "settling", [cam_teach_drive] = "drive",
-    [cam_teach_probing] = "probing",   [cam_teach_shape] = "shape",
-    [cam_teach_cutting] = "cutting",   [cam_teach_frozen] = "frozen",
+static const char *const phases[cam_ilc_n_phases] = {
+    [cam_ilc_off] = "off",         [cam_ilc_waiting] = "waiting", [cam_ilc_settling] = "settling",
+    [cam_ilc_drive] = "drive",     [cam_ilc_probing] = "probing", [cam_ilc_shape] = "shape",
+    [cam_ilc_cutting] = "cutting", [cam_ilc_frozen] = "frozen",
 };
-static const char *const reasons[cam_teach_n_reasons] = {
-    [cam_teach_all] = "all",
-    [cam_teach_not_asked] = "not_asked",
-    [cam_teach_not_measured] = "not_measured",
-    [cam_teach_no_table] = "no_table",
-    [cam_teach_modulated] = "modulated",
-    [cam_teach_slow_turn] = "slow_turn",
-    [cam_teach_fast_turn] = "fast_turn",
-    [cam_teach_lobes] = "lobes",
-    [cam_teach_diverged] = "diverged",
+static const char *const reasons[cam_ilc_n_reasons] = {
+    [cam_ilc_all] = "all",
+    [cam_ilc_not_asked] = "not_asked",
+    [cam_ilc_not_measured] = "not_measured",
+    [cam_ilc_no_table] = "no_table",
+    [cam_ilc_modulated] = "modulated",
+    [cam_ilc_slow_turn] = "slow_turn",
+    [cam_ilc_fast_turn] = "fast_turn",
+    [cam_ilc_lobes] = "lobes",
+    [cam_ilc_diverged] = "diverged",
 };
 
 static void add_turns(cJSON *root, const sim_turns_t *t)
@@ -39,7 +38,7 @@ static void add_turns(cJSON *root, const sim_turns_t *t)
     }
 }
 
-static void add_masked(cJSON *learning, const cam_teach_status_t *t)
+static void add_masked(cJSON *learning, const cam_ilc_status_t *t)
 {
     cJSON *list = cJSON_AddArrayToObject(learning, "masked");
     for (uint32_t k = 0; k <= t->n_harmonics; k++) {
@@ -49,7 +48,7 @@ static void add_masked(cJSON *learning, const cam_teach_status_t *t)
     }
 }
 
-static void add_harmonic(cJSON *list, uint32_t k, const cam_teach_harmonic_t *h)
+static void add_harmonic(cJSON *list, uint32_t k, const cam_ilc_harmonic_t *h)
 {
     const double nturn_per_q32 = 1e9 / 4294967296.0;
     cJSON *one = cJSON_CreateObject();
@@ -67,9 +66,9 @@ static void add_harmonic(cJSON *list, uint32_t k, const cam_teach_harmonic_t *h)
 
 static void add_learning(cJSON *root, sim_cut_t *cut)
 {
-    const cam_teach_status_t t = sim_firmware_learning(&cut->firmware);
-    const bool is_asked = t.reason != cam_teach_not_asked && t.reason != cam_teach_not_measured &&
-                          t.reason != cam_teach_modulated && t.reason != cam_teach_no_table;
+    const cam_ilc_status_t t = sim_firmware_learning(&cut->firmware);
+    const bool is_asked = t.reason != cam_ilc_not_asked && t.reason != cam_ilc_not_measured &&
+                          t.reason != cam_ilc_modulated && t.reason != cam_ilc_no_table;
     cJSON *learning = cJSON_AddObjectToObject(root, "learning");
     (void)cJSON_AddBoolToObject(learning, "is_on", is_asked && t.n_turns > 0u);
     sim_summary_text(learning, "phase", phases[t.phase]);
@@ -85,7 +84,7 @@ static void add_learning(cJSON *root, sim_cut_t *cut)
     sim_summary_number(learning, "ripple_nturn", t.ripple_nturn);
     cJSON *list = cJSON_AddArrayToObject(learning, "harmonics");
     for (uint32_t k = 0; is_asked && t.n_turns > 0u && k <= t.n_harmonics; k++) {
-        const cam_teach_harmonic_t h = sim_firmware_harmonic(&cut->firmware, k);
+        const cam_ilc_harmonic_t h = sim_firmware_harmonic(&cut->firmware, k);
         add_harmonic(list, k, &h);
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_params.h"
-#include "cam_fit.h"   // cam_fit_most
-#include "cam_gains.h" // cam_gains_check
+#include "cam_derived_limits.h" // cam_derived_limits_most
+#include "cam_gains.h"          // cam_gains_check
 
 /// Gains or a jerk are refused; the one that is wrong in the whole set is named, which need not be
 /// the parameter that was set last. @return false
@@ -30,7 +30,7 @@ static bool refuse(const cam_params_t *params, cam_param_id_t id, cam_err_t err,
                             "parameter %s = %d: refused: %s of %.0f Hz; give at most %d in the "
                             "machine file or --set, or a machine with a faster tick_hz",
                             name, value, cam_err_text(err), (double)tick_hz,
-                            (int)cam_fit_most(id, tick_hz));
+                            (int)cam_derived_limits_most(id, tick_hz));
     }
     return common_error(e, "parameter %s = %d: refused: %s; change the machine file or --set", name,
                         value, cam_err_text(err));

@@ -93,7 +93,7 @@ void sim_firmware_poll(sim_firmware_t *f)
     }
 }
 
-cam_teach_status_t sim_firmware_learning(sim_firmware_t *f)
+cam_ilc_status_t sim_firmware_learning(sim_firmware_t *f)
 {
     if (f->remote == NULL) {
         return cam_machine_learning(&f->machine);
@@ -102,7 +102,7 @@ cam_teach_status_t sim_firmware_learning(sim_firmware_t *f)
     return f->remote->answer.learning;
 }
 
-cam_teach_harmonic_t sim_firmware_harmonic(sim_firmware_t *f, uint32_t k)
+cam_ilc_harmonic_t sim_firmware_harmonic(sim_firmware_t *f, uint32_t k)
 {
     if (f->remote == NULL) {
         return cam_machine_harmonic(&f->machine, k);

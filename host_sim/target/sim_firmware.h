@@ -62,7 +62,7 @@ static inline bool sim_firmware_tick(sim_firmware_t *f)
     f->state = r->want.state;
     f->following_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6);
     for (uint32_t hz = 0; hz < sim_firmware_busy_hz; hz += hal_host.tick_hz) {
-        cam_machine_teach_poll(&f->machine, f->state);
+        cam_machine_ilc_poll(&f->machine, f->state);
     }
     return true;
 }
@@ -93,9 +93,9 @@ CAM_MUST_USE cam_err_t sim_firmware_stop(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_hold(sim_firmware_t *f, bool is_held);
 void sim_firmware_poll(sim_firmware_t *f);
 
-/// What was learned as a whole, and of a harmonic: 0 .. cam_teach_harmonics, 0 is the mean.
-cam_teach_status_t sim_firmware_learning(sim_firmware_t *f);
-cam_teach_harmonic_t sim_firmware_harmonic(sim_firmware_t *f, uint32_t k);
+/// What was learned as a whole, and of a harmonic: 0 .. cam_ilc_harmonics, 0 is the mean.
+cam_ilc_status_t sim_firmware_learning(sim_firmware_t *f);
+cam_ilc_harmonic_t sim_firmware_harmonic(sim_firmware_t *f, uint32_t k);
 
 /// The lowest bit of a byte of the table image flips in the controller's memory.
 /// @param image  that was selected: the controller's memory when it runs in this process

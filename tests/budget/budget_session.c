@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "budget_session.h"
 #include "budget_strike.h"
-#include "cam_machine_hand.h"     // cam_machine_jog
+#include "cam_machine_jog.h"      // cam_machine_jog
 #include "cam_machine_identify.h" // cam_machine_excite
 #include "cam_machine_override.h" // cam_machine_hold
 #include "cam_table.h"            // cam_crc32
@@ -215,12 +215,12 @@ static bool home_axis(fixture_rig_t *rig, hal_axis_t axis)
         return false;
     }
     fixture_rig_ticks(rig, 10);
-    for (uint32_t i = 0; i < patience && m->hands.n_found <= (uint32_t)axis; i++) {
+    for (uint32_t i = 0; i < patience && m->offsets.n_found <= (uint32_t)axis; i++) {
         fixture_rig_tick(rig);
-        cam_machine_hand_poll(m);
+        cam_machine_jog_poll(m);
         cam_machine_keep_alive(m);
     }
-    return m->hands.n_found == (uint32_t)axis + 1u;
+    return m->offsets.n_found == (uint32_t)axis + 1u;
 }
 
 bool budget_session_hand(fixture_rig_t *rig, void (*isr)(void))

@@ -2,27 +2,27 @@
 // Instructions of the slow side of learning: each piece, and all of a turn.
 #include "budget.h"
 #include "budget_count.h"
-#include "cam_teach.h"
+#include "cam_ilc.h"
 #include "unity.h"
 #include <stdio.h>
 
 enum { ticks_per_turn = 400, n_turns = 60 };
 
-static cam_teach_t teach;
-static cam_gather_t gather;
+static cam_ilc_t ilc;
+static cam_turn_bins_t bins;
 static cam_learned_t learned;
 static int64_t pos_q32;
 static uint32_t tick, generation;
 static uint32_t most_piece, most_turn, in_turn;
 
-static const cam_teach_setup_t setup = {
-    .n_harmonics = cam_teach_harmonics,
+static const cam_ilc_setup_t setup = {
+    .n_harmonics = cam_ilc_harmonics,
     .gain_q16 = 1 << 15,
     .cut_gain_q16 = 9830,
     .probe_q6 = 64000,
     .ripple_turns = 2,
     .scale_nm = 10,
-    .most_q6 = cam_teach_most_nm * 64,
+    .most_q6 = cam_ilc_most_nm * 64,
     .k1_q16 = 15 << 16,
     .k2_q16 = 113 << 16,
     .k1_most_q16 = 20 << 16,
@@ -51,11 +51,11 @@ static void piece(cam_state_t state)
 {
     const uint32_t at_q8 = (uint32_t)((uint64_t)pos_q32 >> 24);
     const uint32_t from = budget_count();
-    cam_teach_poll(&teach, &setup, state, &gather);
+    cam_ilc_poll(&ilc, &setup, state, &bins);
     count(from);
-    if (cam_teach_is_walking(&teach, at_q8)) {
+    if (cam_ilc_is_blending(&ilc, at_q8)) {
         const uint32_t begin = budget_count();
-        cam_teach_walk(&teach, &setup, at_q8, &learned);
+        cam_ilc_blend(&ilc, &setup, at_q8, &learned);
         count(begin);
         generation++;
     }
@@ -69,18 +69,18 @@ static void play_turn(cam_state_t state)
     for (int i = 0; i < ticks_per_turn; i++) {
         const uint32_t at_q32 = cam_angle_of_pos(pos_q32);
         int32_t error_nm = 0;
-        for (uint32_t k = 1; k < cam_teach_terms; k++) {
+        for (uint32_t k = 1; k < cam_ilc_terms; k++) {
             error_nm += wave(k, at_q32) >> 11;
         }
         const int32_t u_nm = wave(2, at_q32) / 2;
         const uint32_t measured_q32 = at_q32 + (uint32_t)wave(5, at_q32);
-        cam_gather_isr(&gather, pos_q32, measured_q32, u_nm * 64, u_nm - error_nm);
+        cam_turn_bins_add_isr(&bins, pos_q32, measured_q32, u_nm * 64, u_nm - error_nm);
         if (tick % 8u == 0u) {
             const cam_tick_record_t r = {.config = generation,
                                          .angle = {.pos_q32 = pos_q32, .speed_q32 = speed_q32},
                                          .want = {.state = state}};
             const cam_motion_t m = {.is_playing = true, .scale_q30 = 1 << 30};
-            cam_gather_plan_isr(&gather, &r, &m);
+            cam_turn_bins_plan_isr(&bins, &r, &m);
         }
         piece(state);
         pos_q32 += speed_q32;
@@ -92,13 +92,13 @@ static void play_turn(cam_state_t state)
 static void test_pieces_and_turns_fit_their_budgets(void)
 {
     budget_count_start();
-    cam_teach_init(&teach);
+    cam_ilc_init(&ilc);
     for (int turn = 0; turn < n_turns; turn++) {
         play_turn(turn < n_turns / 2 ? cam_state_rehearsing : cam_state_cutting);
     }
     printf("figure learn_piece %lu\nfigure learn_turn %lu\n", (unsigned long)most_piece,
            (unsigned long)most_turn);
-    TEST_ASSERT_GREATER_THAN_UINT32(10, teach.n_turns);
+    TEST_ASSERT_GREATER_THAN_UINT32(10, ilc.n_turns);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_learn_piece, most_piece);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_learn_turn, most_turn);
 }

@@ -6,7 +6,7 @@
 // Virtual time keeps pace with the clock, so that time-outs mean what they say; on a computer that
 // is busy it falls behind and does not run after it, which no tool could follow. Ends with its
 // input. With a word the controller demands the button, and the word is the secret that unlocks it.
-#include "cam_machine_scope.h" // cam_machine_box
+#include "cam_machine_scope.h" // cam_machine_blackbox
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "sim_operator.h" // sim_operator_key
@@ -115,7 +115,7 @@ int main(int n_words, char **words)
         demand(words[1]);
     }
     start();
-    cam_machine_box(&f.rig.machine);
+    cam_machine_blackbox(&f.rig.machine);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
     f.rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 61000000, .pitch_nm = 500000};
     f.rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 100000};

@@ -5,7 +5,7 @@
 //     hours TICK_HZ HOURS SEED [FIRST]   prints one JSON object; ends by abort() with what was
 //     broken.
 // Sessions are numbered; with FIRST they begin there, so that one that broke is played again alone.
-#include "cam_machine_hand.h"     // cam_machine_manual
+#include "cam_machine_jog.h"      // cam_machine_manual
 #include "cam_machine_override.h" // cam_machine_hold
 #include "fuzz_expect.h"          // FUZZ_EXPECT
 #include "fuzz_rig.h"
@@ -251,7 +251,7 @@ static void by_hand(void)
     for (uint32_t i = any(6); i > 0u && fuzz_rig_state() == cam_state_manual; i--) {
         (void)cam_machine_jog(m, (hal_axis_t)any(hal_n_axes), (int32_t)any(2000) - 1000);
         for (uint32_t k = any(8); k > 0u; k--) {
-            cam_machine_hand_alive(m);
+            cam_machine_jog_alive(m);
             pass_ms(20);
         }
     }

@@ -8,7 +8,7 @@
 // falls is a matter of fsync() before rename(), whose order is checked here, too.
 //
 // Prints one JSON object; exits 1 where a start finds something else.
-#include "lin_box.h"
+#include "lin_blackbox.h"
 #include "lin_params.h"
 #include "lin_table.h"
 #include <fcntl.h>       // O_CREAT
@@ -107,7 +107,8 @@ static bool keep(keeper_t keeper, int version)
     case keeps_params:
         return lin_params_keep(content[version], size_of(version), &e);
     default:
-        lin_box_keep((const int32_t *)(const void *)content[version], size_of(version) / 4u, &e);
+        lin_blackbox_keep((const int32_t *)(const void *)content[version], size_of(version) / 4u,
+                          &e);
         return e.text[0] == '\0';
     }
 }
@@ -135,9 +136,9 @@ static int start(keeper_t keeper)
         bytes = lin_params_kept().bytes;
         size = lin_params_kept().size;
     } else {
-        lin_box_open(table_path, &e);
-        bytes = lin_box_memory().words;
-        size = lin_box_memory().n_kept * 4u;
+        lin_blackbox_open(table_path, &e);
+        bytes = lin_blackbox_memory().words;
+        size = lin_blackbox_memory().n_kept * 4u;
     }
     const bool is_well = e.text[0] == '\0';
     return is_well && is_found(bytes, size, 0) ? 0 : is_well && is_found(bytes, size, 1) ? 1 : 2;

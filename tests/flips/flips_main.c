@@ -73,14 +73,14 @@ static void tell_map(void)
     TELL("state.motion", g_cam.motion);
     TELL("state.play", g_cam.play);
     TELL("state.guard", g_cam.guard);
-    TELL("state.tell", g_cam.tell);
+    TELL("state.tell", g_cam.command);
     TELL("state.watch", g_cam.watch);
     TELL("state.plan", g_cam.plan);
-    TELL("state.hand", g_cam.hand);
+    TELL("state.hand", g_cam.jog);
     TELL("state.switches", g_cam.switches);
-    TELL("state.gather", g_cam.gather);
+    TELL("state.gather", g_cam.bins);
     tell(file, "state.words", &g_cam.until_plan,
-         (size_t)((const char *)&g_cam.gather - (const char *)&g_cam.until_plan));
+         (size_t)((const char *)&g_cam.bins - (const char *)&g_cam.until_plan));
     TELL("state.acknowledge", g_cam.acknowledge);
     TELL("state.request", g_cam.request);
     tell(file, "state.config", &g_cam.config, offsetof(cam_config_bank_t, half));
@@ -88,7 +88,7 @@ static void tell_map(void)
     TELL("config.spindle", cfg->spindle);
     TELL("config.play", cfg->play);
     TELL("config.guard", cfg->guard);
-    TELL("config.tell", cfg->tell);
+    TELL("config.tell", cfg->command);
     TELL("config.switches", cfg->switches);
     TELL("config.table", cfg->table);
     tell(file, "config.words", &cfg->trace_room,

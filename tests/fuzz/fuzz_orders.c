@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz_orders.h"
-#include "cam_machine_hand.h"     // cam_machine_jog
+#include "cam_machine_jog.h"      // cam_machine_jog
 #include "cam_machine_override.h" // cam_machine_hold
 #include "fuzz_rig.h"
 #include "hal_host.h"
@@ -146,7 +146,7 @@ void fuzz_command(uint8_t what, int32_t value)
         fuzz_try(cam_machine_resume(m));
         break;
     case 13:
-        cam_machine_hand_alive(m);
+        cam_machine_jog_alive(m);
         break;
     case 14:
         cam_machine_stage_begin(m);
@@ -176,7 +176,7 @@ static void carry_out(fuzz_order_t order, void (*other)(fuzz_order_t))
         fuzz_let_pass(order.code % 600u + 1u);
         break;
     case fuzz_order_alive:
-        cam_machine_hand_alive(&fuzz_rig.machine);
+        cam_machine_jog_alive(&fuzz_rig.machine);
         fuzz_let_pass(order.code % 200u + 1u);
         break;
     default:

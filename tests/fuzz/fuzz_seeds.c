@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the inputs that a campaign begins with: real tables, sessions and messages, made by code
 // so that they follow the formats.
-#include "cam_box.h"
-#include "cam_keep.h"
+#include "cam_blackbox.h"
+#include "cam_param_store.h"
 #include "fixture_image.h"
 #include "fixture_newer.h"
 #include "fixture_part.h"
@@ -253,16 +253,16 @@ static void put_messages(void)
 
 static void put_kept(void)
 {
-    static char text[cam_keep_most_bytes];
+    static char text[cam_param_store_most_bytes];
     cam_params_t params = cam_param_defaults();
-    put("kept", "defaults", text, cam_keep_write(text, &params, 7));
+    put("kept", "defaults", text, cam_param_store_write(text, &params, 7));
     static const char brief[] = "# a comment\nversion = 3\nlead_ns = 5000\nu_stroke_nm = 900000\n";
     char closed[128];
     const int n = snprintf(closed, sizeof closed, "%scrc32 = %lu\n", brief,
                            (unsigned long)cam_crc32(0, brief, sizeof brief - 1u));
     put("kept", "brief", closed, (size_t)n);
-    const uint32_t head[] = {0x31584243, CAM_BOX_SIGNALS, 20000, 1, 10, 20, 3, 15, 7, 1, 11, 1, 0,
-                             0};
+    const uint32_t head[] = {
+        0x31584243, CAM_BLACKBOX_SIGNALS, 20000, 1, 10, 20, 3, 15, 7, 1, 11, 1, 0, 0};
     uint8_t box[1 + sizeof head + 20 * 9 * 4 + 4] = {'B'};
     memcpy(box + 1, head, sizeof head);
     const uint32_t n_kept = 14 + 20 * 9;

@@ -61,7 +61,7 @@ TARGETS = (
     Target("can", 16, 400, ("firmware/base/cam_err.h",)),
     Target("session", 20, 200),
     Target("machine", 20, 250),
-    Target("kept", 4, 1500, ("firmware/machine/cam_param.h", "firmware/machine/cam_keep.c")),
+    Target("kept", 4, 1500, ("firmware/param/cam_param.h", "firmware/param/cam_param_store.c")),
     Target(
         "settings",
         5,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a port keeps over a restart is untrusted bytes: parameters as text, the head of a black box,
 // values that were learned.
-#include "cam_box.h"
-#include "cam_keep.h"
+#include "cam_blackbox.h"
+#include "cam_param_store.h"
 #include "cam_table.h" // cam_crc32
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
@@ -24,22 +24,22 @@ static void expect_in_range(const cam_params_t *p)
 
 static void read_params(const uint8_t *data, size_t size)
 {
-    static char text[cam_keep_most_bytes];
+    static char text[cam_param_store_most_bytes];
     const cam_params_t before = cam_param_defaults();
     cam_params_t params = before;
     const hal_params_t kept = {.bytes = (const char *)data, .size = (uint32_t)size};
-    const cam_keep_found_t found = cam_keep_read(&kept, &params);
+    const cam_param_store_found_t found = cam_param_store_read(&kept, &params);
     expect_in_range(&params);
     FUZZ_EXPECT(memchr(found.unknown, 0, sizeof found.unknown) != NULL, "no end of a name");
     if (found.err != cam_ok) {
         FUZZ_EXPECT(memcmp(&params, &before, sizeof params) == 0, "damaged, and taken");
         return;
     }
-    const uint32_t n = cam_keep_write(text, &params, found.version);
-    FUZZ_EXPECT(n <= (uint32_t)cam_keep_most_bytes, "%u bytes", (unsigned)n);
+    const uint32_t n = cam_param_store_write(text, &params, found.version);
+    FUZZ_EXPECT(n <= (uint32_t)cam_param_store_most_bytes, "%u bytes", (unsigned)n);
     cam_params_t again = before;
     const hal_params_t written = {.bytes = text, .size = n};
-    const cam_keep_found_t second = cam_keep_read(&written, &again);
+    const cam_param_store_found_t second = cam_param_store_read(&written, &again);
     FUZZ_EXPECT(second.err == cam_ok && second.version == found.version, "%d", (int)second.err);
     FUZZ_EXPECT(second.n_unknown + second.n_unfit + second.n_missing == 0u, "not all came back");
     FUZZ_EXPECT(memcmp(&params, &again, sizeof params) == 0, "others came back");
@@ -54,12 +54,12 @@ static void read_box(const uint8_t *data, size_t size)
     cam_scope_init(&scope, (hal_memory_t){.words = words, .n_words = box_words}, 20000);
     fuzz_bytes_t b = {.at = data + size - (size > 4u ? 4u : size), .n = size > 4u ? 4u : 0u};
     const uint32_t n_kept = fuzz_u16(&b) % (box_words + 2u);
-    if (!cam_box_restore(&scope, n_kept)) {
+    if (!cam_blackbox_restore(&scope, n_kept)) {
         return;
     }
     FUZZ_EXPECT(scope.n_signals == (uint32_t)signals_of_box, "%u", (unsigned)scope.n_signals);
     FUZZ_EXPECT(scope.at + scope.most_rows * scope.n_signals <= n_kept, "rows beyond the words");
-    FUZZ_EXPECT(cam_box_is_unread(&scope), "a box that nobody reads");
+    FUZZ_EXPECT(cam_blackbox_is_unread(&scope), "a box that nobody reads");
     const uint32_t n_bytes = cam_scope_n_recorded(&scope) * 4u;
     uint32_t sum = 0;
     for (uint32_t at = 0; at < n_bytes;) {
@@ -87,11 +87,11 @@ static void read_learned(const uint8_t *data, size_t size)
                             is == value,
                         "learned value %u is %d, not %d", (unsigned)index, (int)is, (int)value);
         }
-        cam_machine_teach_poll(&fuzz_rig.machine, cam_state_off);
+        cam_machine_ilc_poll(&fuzz_rig.machine, cam_state_off);
         fuzz_rig_tick();
     }
     for (uint32_t i = 0; i < 16u; i++) {
-        cam_machine_teach_poll(&fuzz_rig.machine, cam_state_off);
+        cam_machine_ilc_poll(&fuzz_rig.machine, cam_state_off);
         fuzz_rig_tick();
     }
 }

@@ -3,7 +3,7 @@
 // refused stays at its default. Its drives are the ones that it was told of, and nothing goes wrong
 // but stops and drives without power. So it may have no fault of its own, whatever the operator
 // does.
-#include "cam_machine_hand.h" // cam_machine_jog
+#include "cam_machine_jog.h" // cam_machine_jog
 #include "fuzz_bytes.h"
 #include "fuzz_draw.h"
 #include "fuzz_expect.h"
@@ -85,7 +85,7 @@ static void jog_on(hal_axis_t axis, int32_t um_per_s, uint32_t n)
     for (uint32_t i = 0; i < n && fuzz_orders_has_time(); i++) {
         (void)cam_machine_jog(m, axis, um_per_s);
         fuzz_let_pass(fuzz_rig.judge.tick_hz / 10u);
-        if (cam_machine_status(m).hand.end == cam_hand_limit) {
+        if (cam_machine_status(m).jog.end == cam_jog_limit) {
             return;
         }
     }
@@ -96,7 +96,7 @@ static void jog_on(hal_axis_t axis, int32_t um_per_s, uint32_t n)
 static void jog_to_end(uint8_t which, uint16_t code)
 {
     const hal_axis_t axis = (hal_axis_t)(which % hal_n_axes);
-    const cam_hand_verdict_t told = cam_machine_jog(&fuzz_rig.machine, axis, INT32_MAX);
+    const cam_jog_verdict_t told = cam_machine_jog(&fuzz_rig.machine, axis, INT32_MAX);
     const int64_t wanted = (int64_t)told.value * (code >> 8) / 255;
     jog_on(axis, (int32_t)((which & 0x80u) != 0u ? -wanted : wanted), code % 32u + 1u);
 }

@@ -80,7 +80,7 @@ def config_text(table: Path, lines: dict[str, str], setup: Setup) -> str:
 
 def parameter(name: str) -> int:
     """Return the number of a parameter, from the header that lists them."""
-    header = (ROOT / "firmware/machine/cam_param.h").read_text()
+    header = (ROOT / "firmware/param/cam_param.h").read_text()
     return re.findall(r"X\((\w+), +-?\d", header).index(name)
 
 

@@ -43,7 +43,7 @@ def test_each_explanation_is_of_one_line(reason: Reason) -> None:
 
 def test_all_lines_of_what_the_compiler_asserts_are_left_out() -> None:
     """One that goes on in the next line is left out to its end, and nothing behind it."""
-    lines = (HERE.parent.parent / "firmware/tick/cam_record.h").read_text("utf-8").splitlines()
+    lines = (HERE.parent.parent / "firmware/record/cam_record.h").read_text("utf-8").splitlines()
     left_out = asserted(lines)
     begin = next(n for n, line in enumerate(lines, 1) if line.startswith("_Static_assert("))
     end = next(n for n, line in enumerate(lines, 1) if n >= begin and line.endswith(");"))

@@ -29,8 +29,8 @@ BY_CONTRACT = ("cam_eval_height", "cam_lobes_slice", "cam_envelope_smooth_q30", 
 WP = {
     "base": ("cam_fix.h", ()),
     "evaluator": ("cam_eval.h", ("cam_eval_round",)),
-    "move": ("cam_move.c", ("can_brake", "choose", "cam_move_to_isr", "cam_move_stop_isr")),
-    "tell": ("cam_tell.c", ("is_allowed", "nearest_nm", "keep_told")),
+    "move": ("cam_move_profile.c", ("can_brake", "choose", "cam_move_profile_to_isr", "cam_move_profile_stop_isr")),
+    "tell": ("cam_axis_command.c", ("is_allowed", "nearest_nm", "keep_told")),
     "plan": ("cam_plan.c", ("led",)),
 }
 MACHINES = {"32": "gcc_x86_32", "64": "gcc_x86_64"}
@@ -96,7 +96,7 @@ def prove(name: str) -> Result:
 def sources() -> list[Path]:
     """Return what the interrupt runs."""
     tick = sorted((ROOT / "firmware" / "tick").glob("*.c"))
-    table = [ROOT / "firmware" / "table" / name for name in ("cam_way.c", "cam_lobes.c")]
+    table = [ROOT / "firmware" / "table" / name for name in ("cam_feed_profile.c", "cam_lobes.c")]
     share = subprocess.run(
         ["frama-c", "-print-share-path"], capture_output=True, text=True, check=True
     ).stdout.strip()

@@ -207,7 +207,7 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(changes_per_nm_q48, 0, UINT32_MAX)
 
 #define WHOLE_CONFIG(X)                                                                            \
-    X(play.hand.u_end_q10, 0, INT64_C(1) << 34)                                                    \
+    X(play.jog.u_end_q10, 0, INT64_C(1) << 34)                                                     \
     X(switches.n, 0, cam_n_switches)
 
 #endif

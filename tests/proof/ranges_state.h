@@ -33,7 +33,7 @@
     X(was_open, 0, 1)                                                                              \
     X(is_acknowledged, 0, 1)                                                                       \
     X(u_speed_q10, 0, 1 << 29)                                                                     \
-    X(is_gliding, 0, 1)                                                                            \
+    X(is_filtering, 0, 1)                                                                          \
     X(phase_step_q32, -(1 << 22), 1 << 22)                                                         \
     X(swing.is_new, 0, 1)                                                                          \
     X(swing.is_there, 0, 1)
@@ -47,8 +47,8 @@
 #define SWITCHES(X) X(next, 0, cam_n_switches - 1)
 
 #define HAND(X)                                                                                    \
-    X(phase, 0, cam_hand_n_phases - 1)                                                             \
-    X(end, 0, cam_hand_n_ends - 1)                                                                 \
+    X(phase, 0, cam_jog_n_phases - 1)                                                              \
+    X(end, 0, cam_jog_n_ends - 1)                                                                  \
     X(axis, 0, hal_n_axes - 1)
 
 #define PLAN(X)                                                                                    \
@@ -75,8 +75,8 @@
 
 #define WHOLE_STATE(X)                                                                             \
     X(config.is_mended, 0, 1)                                                                      \
-    X(gather.is_clean, 0, 1)                                                                       \
-    X(gather.now.state, 0, cam_n_states - 1)                                                       \
-    X(gather.now.is_steady, 0, 1)
+    X(bins.is_clean, 0, 1)                                                                         \
+    X(bins.now.state, 0, cam_n_states - 1)                                                         \
+    X(bins.now.is_steady, 0, 1)
 
 #endif

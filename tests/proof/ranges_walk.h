@@ -13,7 +13,7 @@
 #define WALK_NAME(place, member) WALK_TEXT(place) "." #member
 #define EACH(member, low, high) VISIT(WALK_NAME(P, member), P.member, low, high)
 
-static inline void walk_limits(cam_move_limits_t *limits)
+static inline void walk_limits(cam_motion_limits_t *limits)
 {
 #define P (*limits)
     LIMITS(EACH)
@@ -53,13 +53,13 @@ static inline void walk_play_config(cam_play_config_t *play)
 #define P play->acknowledge
     ACKNOWLEDGE_CONFIG(EACH)
 #undef P
-#define P play->hand.order
+#define P play->jog.order
     ORDER(EACH)
 #undef P
     for (int i = 0; i < hal_n_axes; i++) {
         walk_limits(&play->approach[i]);
         walk_limits(&play->leave[i]);
-        walk_limits(&play->hand.limits[i]);
+        walk_limits(&play->jog.limits[i]);
     }
     walk_optional(play);
 }
@@ -73,7 +73,7 @@ static inline void walk_guard_config(cam_guard_config_t *guard)
     walk_limits(&guard->leave);
 }
 
-static inline void walk_tell_config(cam_tell_config_t *tell)
+static inline void walk_tell_config(cam_axis_command_config_t *tell)
 {
 #define P (*tell)
     TELL_CONFIG(EACH)
@@ -90,7 +90,7 @@ static inline void walk_config(cam_config_t *cfg)
 #undef P
     walk_play_config(&cfg->play);
     walk_guard_config(&cfg->guard);
-    walk_tell_config(&cfg->tell);
+    walk_tell_config(&cfg->command);
     for (int i = 0; i < cam_n_switches; i++) {
 #define P cfg->switches.each[i]
         SWITCH_CONFIG(EACH)
@@ -101,9 +101,9 @@ static inline void walk_config(cam_config_t *cfg)
 #undef P
 }
 
-static inline void walk_glide(cam_glide_t *glide)
+static inline void walk_glide(cam_jerk_filter_t *filter)
 {
-#define P (*glide)
+#define P (*filter)
     GLIDE(EACH)
 #undef P
 }
@@ -114,7 +114,7 @@ static inline void walk_motion(cam_motion_t *motion)
     MOTION(EACH)
 #undef P
     for (int i = 0; i < hal_n_axes; i++) {
-        walk_glide(&motion->glide[i]);
+        walk_glide(&motion->filter[i]);
     }
 }
 
@@ -123,7 +123,7 @@ static inline void walk_plan(cam_plan_t *plan)
 #define P (*plan)
     PLAN(EACH)
 #undef P
-#define P plan->course
+#define P plan->feed_motion
     COURSE(EACH)
 #undef P
 }
@@ -143,14 +143,14 @@ static inline void walk_state(cam_t *c)
 #define P c->watch
     WATCH(EACH)
 #undef P
-    walk_glide(&c->guard.glide);
+    walk_glide(&c->guard.filter);
 #define P c->acknowledge
     ACKNOWLEDGE(EACH)
 #undef P
 #define P c->switches
     SWITCHES(EACH)
 #undef P
-#define P c->hand
+#define P c->jog
     HAND(EACH)
 #undef P
     walk_plan(&c->plan);

@@ -81,8 +81,8 @@ typedef struct {
     cam_status_t status;
     cam_tick_record_t record;
     cam_feasibility_t feasibility;
-    cam_teach_status_t learning;
-    cam_teach_harmonic_t harmonic;
+    cam_ilc_status_t learning;
+    cam_ilc_harmonic_t harmonic;
 } pil_answer_t;
 
 _Static_assert(sizeof(cam_state_t) == 4 && sizeof(cam_err_t) == 4, "enumerations of 32 bits");

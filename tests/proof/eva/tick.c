@@ -18,7 +18,7 @@ void main(void)
         make_world();
         if ((channels & 1u) == 0) {
             cfg->table.way.knots = NULL;
-            cfg->table.has_stations = false; // cam_way_check()
+            cfg->table.has_stations = false; // cam_feed_profile_check()
         }
         if ((channels & 2u) == 0) {
             cfg->table.angle.knots = NULL;

@@ -62,7 +62,7 @@ static void make_table(cam_table_t *t)
 
 static void make_learned(cam_learned_t *learned)
 {
-    for (int i = 0; i < cam_learn_points + 2; i++) {
+    for (int i = 0; i < cam_learned_points + 2; i++) {
         learned->c[i] = any(INT16_MIN, INT16_MAX);
         learned->d[i] = any(INT16_MIN, INT16_MAX);
         learned->dm[i] = any(INT16_MIN, INT16_MAX);
@@ -86,12 +86,12 @@ static void make_state(void)
     UNKNOWN(c.spindle);
     UNKNOWN(c.guard);
     UNKNOWN(c.motion);
-    UNKNOWN(c.tell);
+    UNKNOWN(c.command);
     UNKNOWN(c.play);
     UNKNOWN(c.switches);
-    UNKNOWN(c.hand);
+    UNKNOWN(c.jog);
     UNKNOWN(c.acknowledge);
-    UNKNOWN(c.gather);
+    UNKNOWN(c.bins);
     UNKNOWN(c.plan);
     UNKNOWN(c.watch);
     UNKNOWN(c.n_ticks);

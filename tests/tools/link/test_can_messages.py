@@ -142,30 +142,30 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
     assert triggers.popitem()[1] == "n"
     assert tables["trigger"] == triggers
     assert tables["excited"] == enumerators(identify, "cam_excited_t", "cam_excited_")
-    detail, teach = database.get_message_by_name("Detail"), header_of("cam_teach.h")
+    detail, teach = database.get_message_by_name("Detail"), header_of("cam_ilc.h")
     kept = enumerators(header_of("cam_machine.h"), "cam_kept_t", "cam_kept_")
     assert choices(detail, "params_kept") == kept
     for name in ("use", "phase"):
         assert choices(detail, f"recorder_{name}") == tables[f"scope_{name}"]
     for name in ("phase", "reason"):
-        words = enumerators(teach, f"cam_teach_{name}_t", "cam_teach_")
+        words = enumerators(teach, f"cam_ilc_{name}_t", "cam_ilc_")
         assert words.popitem()[1].startswith("n_")
         assert choices(detail, f"learn_{name}") == words
 
 
 def test_orders_by_hand_are_those_of_the_firmware(database: Database) -> None:
-    """Phases and ends of the hands are enumerations of cam_order.h."""
-    detail, order = database.get_message_by_name("Detail"), header_of("cam_order.h")
+    """Phases and ends of the hands are enumerations of cam_jog_order.h."""
+    detail, order = database.get_message_by_name("Detail"), header_of("cam_jog_order.h")
     for name in ("phase", "end"):
-        words = enumerators(order, f"cam_hand_{name}_t", "cam_hand_")
+        words = enumerators(order, f"cam_jog_{name}_t", "cam_jog_")
         assert words.popitem()[1].startswith("n_")
         assert choices(detail, f"hand_{name}") == words
 
 
 def test_kept_values_are_those_of_learning() -> None:
-    """The file of learned values has the groups of cam_teach.h, each as long as there."""
-    body = header_of("cam_teach.h").split("    cam_teach_value_speed,")[1].split("};")[0]
-    numbers = {"cam_teach_value_speed": 0, "cam_teach_terms": 17, "cam_teach_harmonics": 16}
+    """The file of learned values has the groups of cam_ilc.h, each as long as there."""
+    body = header_of("cam_ilc.h").split("    cam_ilc_value_speed,")[1].split("};")[0]
+    numbers = {"cam_ilc_value_speed": 0, "cam_ilc_terms": 17, "cam_ilc_harmonics": 16}
     last = 0
     for name, value in re.findall(r"(\w+)(?: = ([^,\n]*))?,?\n", body):
         text = re.sub(r"[a-z]\w*", lambda word: str(numbers[word[0]]), value)
@@ -175,7 +175,7 @@ def test_kept_values_are_those_of_learning() -> None:
     begins = [value for name, value in numbers.items() if "_value_" in name]
     assert last == sum(LAYOUT.values())
     assert [b - a for a, b in itertools.pairwise([*begins, last])] == list(LAYOUT.values())
-    told = [name.removeprefix("cam_teach_value_") for name in numbers if "_value_" in name]
+    told = [name.removeprefix("cam_ilc_value_") for name in numbers if "_value_" in name]
     assert told == [name.rpartition("_")[0] for name in LAYOUT]
 
 

@@ -73,7 +73,7 @@ def test_what_is_missing_is_told_in_the_order_of_doing() -> None:
 
 
 def test_a_z_that_others_lead_needs_no_home() -> None:
-    """As cam_machine_hand.c has it."""
+    """As cam_machine_jog.c has it."""
     values = {"homing_required": 1, "z_home": 2, "z_is_measured": 1}
     assert way_on("off", GOOD, values).missing == ()
 

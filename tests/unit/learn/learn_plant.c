@@ -27,14 +27,14 @@ static void set_up(learn_plant_t *p)
     const double w = omega(b->bandwidth_hz);
     const double due = lead_ticks(p) + b->latency_us * 1e-6 * hz;
     const double part = due - floor(due);
-    p->setup = (cam_teach_setup_t){
-        .reason = cam_teach_all,
+    p->setup = (cam_ilc_setup_t){
+        .reason = cam_ilc_all,
         .n_harmonics = 16,
         .gain_q16 = 32768,
         .cut_gain_q16 = 9830,
         .probe_q6 = 1000 * 64,
         .scale_nm = (int32_t)(p->what.truth.quantum_um * 1e3),
-        .most_q6 = cam_teach_most_nm * 64,
+        .most_q6 = cam_ilc_most_nm * 64,
         .k1_q16 = q16(2.0 * b->damping / w * hz),
         .k2_q16 = q16(hz * hz / (w * w)),
         .between_q16 = q16(0.5 * part * (1.0 - part)),
@@ -47,7 +47,7 @@ void learn_plant_init(learn_plant_t *p, const learn_case_t *what)
 {
     memset(p, 0, sizeof *p);
     p->what = *what;
-    cam_teach_init(&p->teach);
+    cam_ilc_init(&p->ilc);
     set_up(p);
     p->generation = 1;
     p->scale = 1.0;
@@ -141,7 +141,7 @@ static void plan(learn_plant_t *p)
                                 p->state == cam_state_rehearsing || p->state == cam_state_cutting,
                             .scale_q30 = 1 << 30,
                             .phase_q32 = p->phase_q32};
-    cam_gather_plan_isr(&p->gather, &r, &m);
+    cam_turn_bins_plan_isr(&p->bins, &r, &m);
 }
 
 static void slow_side(learn_plant_t *p)
@@ -150,9 +150,9 @@ static void slow_side(learn_plant_t *p)
     if (p->what.slow_turns > 1u && (at_q8 >> 8) % p->what.slow_turns > 1u) {
         return;
     }
-    cam_teach_poll(&p->teach, &p->setup, p->state, &p->gather);
-    if (cam_teach_is_walking(&p->teach, at_q8)) {
-        cam_teach_walk(&p->teach, &p->setup, at_q8, &p->learned);
+    cam_ilc_poll(&p->ilc, &p->setup, p->state, &p->bins);
+    if (cam_ilc_is_blending(&p->ilc, at_q8)) {
+        cam_ilc_blend(&p->ilc, &p->setup, at_q8, &p->learned);
         p->generation++;
     }
 }
@@ -197,7 +197,7 @@ static void tick(learn_plant_t *p)
     const int32_t actual_nm = (int32_t)(floor(seen * 1e6 / quantum_nm + 0.5) * quantum_nm);
     const double due_nm =
         ago(p->set, p->tick, lead_ticks(p) + p->what.believed.latency_us * 1e-6 * hz);
-    cam_gather_isr(&p->gather, p->pos_q32, at_q32, (int32_t)floor(due_nm * 64.0), actual_nm);
+    cam_turn_bins_add_isr(&p->bins, p->pos_q32, at_q32, (int32_t)floor(due_nm * 64.0), actual_nm);
     judge(p, (measured_mm(p) - height(p, angle - w * lead_ticks(p))) * 1e3);
     if (p->tick % 8u == 0u) {
         plan(p);

@@ -12,7 +12,7 @@
 #ifndef LEARN_PLANT_H
 #define LEARN_PLANT_H
 
-#include "cam_teach.h"
+#include "cam_ilc.h"
 #include <stdint.h>
 
 enum { learn_ring = 256 };
@@ -38,9 +38,9 @@ typedef struct {
 
 typedef struct {
     learn_case_t what;
-    cam_teach_t teach;
-    cam_teach_setup_t setup;
-    cam_gather_t gather;
+    cam_ilc_t ilc;
+    cam_ilc_setup_t setup;
+    cam_turn_bins_t bins;
     cam_learned_t learned;
     cam_state_t state;
     double y, v, q, p; ///< mm, mm/s: U and its mode

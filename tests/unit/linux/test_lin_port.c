@@ -2,7 +2,7 @@
 // Small parts of the Linux port: due times, places of lines, the phases of the end, the reason of a
 // halt.
 #include "hal/hal.h"
-#include "lin_kept.h"
+#include "lin_halt_text.h"
 #include "lin_period.h"
 #include "lin_place.h"
 #include "lin_stop.h"
@@ -137,29 +137,29 @@ static void test_second_signal_hurries_and_one_that_is_doubled_does_not(void)
 
 static void test_reason_of_a_halt_is_told_at_the_next_start_once(void)
 {
-    char longest[2 * lin_kept_bytes];
-    hal_start_t start = lin_kept_start(path);
+    char longest[2 * lin_halt_text_bytes];
+    hal_start_t start = lin_halt_text_start(path);
     TEST_ASSERT_EQUAL_INT(hal_reset_power_on, start.reset);
     TEST_ASSERT_EQUAL_STRING("", start.why);
-    lin_kept_halt("broken");
-    start = lin_kept_start(path);
+    lin_halt_text_halt("broken");
+    start = lin_halt_text_start(path);
     TEST_ASSERT_EQUAL_INT(hal_reset_halt, start.reset);
     TEST_ASSERT_EQUAL_STRING("broken", start.why);
-    TEST_ASSERT_EQUAL_INT(hal_reset_power_on, lin_kept_start(path).reset);
+    TEST_ASSERT_EQUAL_INT(hal_reset_power_on, lin_halt_text_start(path).reset);
     memset(longest, 'x', sizeof longest);
     longest[sizeof longest - 1u] = '\0';
-    lin_kept_halt(longest);
-    TEST_ASSERT_EQUAL_size_t(lin_kept_bytes, strlen(lin_kept_start(path).why));
+    lin_halt_text_halt(longest);
+    TEST_ASSERT_EQUAL_size_t(lin_halt_text_bytes, strlen(lin_halt_text_start(path).why));
 }
 
 /// Who may write into the folder may not have a file of somebody else overwritten.
 static void test_reason_of_a_halt_follows_no_link(void)
 {
     char kept[110];
-    (void)lin_kept_start(path);
+    (void)lin_halt_text_start(path);
     (void)snprintf(kept, sizeof kept, "%s.halt", path);
     TEST_ASSERT_EQUAL_INT(0, symlink(path, kept));
-    lin_kept_halt("broken");
+    lin_halt_text_halt("broken");
     TEST_ASSERT_NOT_EQUAL_INT(0, access(path, F_OK));
     TEST_ASSERT_EQUAL_INT(0, unlink(kept));
 }

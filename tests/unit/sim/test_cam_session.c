@@ -277,7 +277,7 @@ static void check(void)
     check_axes(p, is_enabled);
     if (want->state != cam_state_fault && cam_state_is_in_work(want->state)) {
         const int32_t x_nm = hal_host.out.axis[hal_axis_x].pos_nm +
-                             cam_hands_shift_nm(&f.rig.machine.hands, p, hal_axis_x);
+                             cam_offsets_shift_nm(&f.rig.machine.offsets, p, hal_axis_x);
         const bool has_limits = p->x_low_nm < p->x_high_nm; // the defaults have none
         const int32_t step_nm = last.step_nm[hal_axis_x];   // a fault may have left X outside
         const bool goes_out = x_nm < p->x_low_nm ? step_nm < 0 : x_nm > p->x_high_nm && step_nm > 0;

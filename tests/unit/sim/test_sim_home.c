@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Home switches, indices and zeros of the simulated lathe, and the firmware that homes by them.
-#include "cam_machine_hand.h"
+#include "cam_machine_jog.h"
 #include "cam_machine_identify.h" // cam_machine_keep_alive
 #include "hal_host.h"
 #include "sim_port.h"
@@ -62,13 +62,13 @@ static void set(cam_param_id_t id, int32_t value)
 static void home_axis(hal_axis_t axis)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&machine, axis));
-    for (int i = 0; i < 600 && (cam_machine_status(&machine).hand.homed >> axis & 1u) == 0u; i++) {
+    for (int i = 0; i < 600 && (cam_machine_status(&machine).jog.homed >> axis & 1u) == 0u; i++) {
         ticks(2000);
         cam_machine_keep_alive(&machine);
-        cam_machine_hand_poll(&machine);
+        cam_machine_jog_poll(&machine);
     }
     ticks(4000);
-    TEST_ASSERT_EQUAL_INT(cam_hand_done, cam_machine_status(&machine).hand.end);
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, cam_machine_status(&machine).jog.end);
 }
 
 /// Real drives, scales that count from anywhere: the machine's numbers are the truth afterwards, X

@@ -1,6 +1,6 @@
 """What a cut demands of every axis: the controller's rule, number for number.
 
-This is firmware/machine/cam_demand.c, cam_drift.c and cam_feasible.c in Python's integers, with
+This is firmware/feasible/cam_demand.c, cam_z_coupling.c and cam_feasible.c in Python's integers, with
 the same roundings, so that the generator refuses what the controller would refuse, and nothing
 else. The equations are MATHS.md (61) .. (64), (42), (44) and (80).
 

@@ -1,4 +1,4 @@
-"""What an axis needs between two lobes, in the controller's integers: firmware/machine/cam_gap.c.
+"""What an axis needs between two lobes, in the controller's integers: firmware/feasible/cam_lobe_transition.c.
 
 >>> largest = AxisPeaks(8_000_000, 12_000_000, 40_000_000)
 >>> GapSums(least_change_nm=0, ratio_max_q20=1 << 20, spindle_ppm=0).first(largest, 100_000)
@@ -47,7 +47,7 @@ class GapSums(NamedTuple):
         return min(((per_turn_ppb * self.ratio_max_q20) >> 20) // 1000 + 1, _MOST_X_PPM)
 
     def first(self, peaks: AxisPeaks, feed_nm: int) -> int:
-        """Return the bound of the speed over the mean speed: cam_gap_first()."""
+        """Return the bound of the speed over the mean speed: cam_lobe_transition_first()."""
         most, before = peaks.f1, 0
         if self.least_change_nm == 0:
             return most
@@ -60,7 +60,7 @@ class GapSums(NamedTuple):
         return most
 
     def second(self, peaks: AxisPeaks, feed_nm: int, n_set_points: int) -> int:
-        """Return the bound of the acceleration over its square: cam_gap_second()."""
+        """Return the bound of the acceleration over its square: cam_lobe_transition_second()."""
         most, before = peaks.f2, 0
         if self.least_change_nm == 0:
             return most

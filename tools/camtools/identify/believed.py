@@ -30,7 +30,7 @@ PARAMETERS = (
 
 @dataclass(frozen=True)
 class Believed:
-    """Parameters of the controller (firmware/machine/cam_param.h) that matter here."""
+    """Parameters of the controller (firmware/param/cam_param.h) that matter here."""
 
     tick_hz: float
     k1_ns: int

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 r"""All parameters of a controller as a TOML file, and brought back all at once.
 
-Names, ranges and meanings are those of firmware/machine/cam_param.h.
+Names, ranges and meanings are those of firmware/param/cam_param.h.
 
 >>> values = {name: info.default for name, info in INFOS.items()}
 >>> parse(text_of(values, "defaults").encode(), "all.toml") == values
@@ -93,7 +93,7 @@ def group_of(name: str) -> str:
 
 
 def checksum(values: Mapping[str, int]) -> int:
-    """Return the checksum of all parameters, as the status tells it (cam_keep.h)."""
+    """Return the checksum of all parameters, as the status tells it (cam_param_store.h)."""
     return zlib.crc32("".join(f"{name} = {values[name]}\n" for name in INFOS).encode())
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 r"""Command over a controller: one sender has it, his heartbeat keeps it, the others read.
 
-What the controller demands stands in firmware/machine/cam_rights.h. A link reads without command;
+What the controller demands stands in firmware/param/cam_rights.h. A link reads without command;
 the first order that needs it takes it, if it is allowed to, and what needs the unlocked level
 unlocks the controller where a secret is at hand.
 

@@ -115,7 +115,7 @@ def simulate(
         End the cut after so many turns of cutting; those in which the feed then falls
         (`feed_ramp_turns`) are gauged, too.
     set : mapping, optional
-        Parameters of the controller, by their names in `firmware/machine/cam_param.h`.
+        Parameters of the controller, by their names in `firmware/param/cam_param.h`.
     seed : int
         Of all noise.
     trace : bool

@@ -3,7 +3,7 @@
 The judgement of a cut (camtools.cut.demand) needs more than the header promises: how much u and
 the swing change from slice to slice, how steep the profile of X is, what a modulated speed demands
 of the spindle's loop. The functions here are those of firmware/table (cam_bounds, cam_peaks,
-cam_barrel, cam_pace), so that generator and controller judge by the same numbers.
+cam_x_slope, cam_spindle_demand), so that generator and controller judge by the same numbers.
 
 >>> saturated(-1), saturated(1 << 40)
 (0, 4294967295)
@@ -189,7 +189,7 @@ def _truncated(value: Ints, by: int) -> Ints:
 
 
 def pace_of(channel: Channel | None) -> Pace:
-    """Return what a speed channel demands of the spindle's loop: cam_pace_of()."""
+    """Return what a speed channel demands of the spindle's loop: cam_spindle_demand_of()."""
     if channel is None:
         return Pace(0, (RATIO_ONE,) * PACE_PLACES, 0)
     knots, frac = _wide(channel), channel.frac_bits
@@ -252,7 +252,7 @@ class Barrel(NamedTuple):
 
 
 def barrel_of(channel: Channel) -> Barrel:
-    """Return slope and bend of a channel over height: cam_barrel_of()."""
+    """Return slope and bend of a channel over height: cam_x_slope_of()."""
     span_nm, n_slices = channel.z_last_nm - channel.z_first_nm, channel.n_slices - 1
     n = n_slices * _PER_SLICE
     d1, d2 = _profile(channel, [span_nm * i // n for i in range(n + 1)])

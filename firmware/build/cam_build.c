@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_build.h"
+#include "cam_angle.h"          // CAM_TURN_Q32
+#include "cam_build_jog.h"      // cam_build_jog
+#include "cam_build_motion.h"   // cam_build_motion
+#include "cam_changes.h"        // cam_changes_build
+#include "cam_demand.h"         // cam_demand_half_stroke_nm
+#include "cam_derived_limits.h" // cam_derived_limits_jump_counts
+#include "cam_fix.h"            // cam_sat_i32
+#include "cam_plan.h"           // cam_plan_ticks
+#include "cam_play.h"           // cam_play_history
+#include "cam_trace.h"          // cam_trace_capacity
+#include "cam_units.h"          // cam_units_ticks_of_ns
+#include "cam_feed_profile.h"   // cam_feed_profile_z_last_nm
+#include "cam_windows.h"        // cam_windows_build
+#include "hal/hal.h"            // hal_has_edge_time
+#include <stddef.h>             // NULL
+
+/// 2 pi * 2^24, for gains of the observer.
+#define TWO_PI_Q24 INT64_C(105414357)
+
+/// [slices / 2^32] that U's height stays below the last slice, rounding of its increments included.
+enum { height_end = 64 };
+
+/// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
+enum { max_rate_bits = 4 };
+
+/// One turn in 2^22 ticks is slower than any spindle turns.
+enum { most_speed_shift = 20 };
+
+/// Homing waits this many times longer for the spindle to turn than the cut does.
+enum { homing_patience = 100 };
+
+int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
+{
+    return cam_sat_i32(cam_units_scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
+}
+
+/// @param room_q10  [nm / 1024] which the end of the retract may take
+/// @return [nm / 1024] place of U out of the work, beyond the outermost place of the cut, so far
+/// inside the stroke that U is never told to leave it, whatever was set
+static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int64_t room_q10)
+{
+    const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
+    const int32_t room_nm = cam_sat_i32(room_q10 / 1024 + 1);
+    const int32_t half_nm = cam_demand_half_stroke_nm(table, p);
+    const int32_t most_nm = half_nm > room_nm ? half_nm - room_nm : 0;
+    return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -most_nm, most_nm) * 1024;
+}
+
+/// Double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
+static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t wt_q24 =
+        cam_units_scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
+    c->kp_q31 = cam_sat_i32(wt_q24 * 256);
+    c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
+}
+
+/// Periods that a tick may take by late_percent at its largest; after a longer pause it counts as
+/// that long.
+enum { most_periods = 10 };
+
+/// An edge that is older than this many periods tells no better where the spindle is than the
+/// middle of its count.
+enum { stamp_periods = 4 };
+
+/// On time is within a sixteenth of the period, or within one unit of a coarse clock.
+static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
+                        uint32_t clock_hz)
+{
+    c->tick_clocks = (uint32_t)cam_units_scale(clock_hz, 1, tick_hz);
+    c->ticks_per_clock_q27 = (uint32_t)cam_units_scale(tick_hz, INT64_C(1) << 27, clock_hz);
+    c->most_clocks = most_periods * c->tick_clocks;
+    const uint32_t off = 1u + (c->tick_clocks - 1u) / 16u;
+    c->late_clocks =
+        (uint32_t)cam_units_scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
+    c->early_clocks = c->tick_clocks - off;
+    c->on_time_clocks = 2u * off + 1u;
+    c->stamp_clocks = hal_has_edge_time() ? (stamp_periods + 1) * c->tick_clocks : 0u;
+}
+
+static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_t sense,
+                          uint32_t tick_hz, uint32_t clock_hz)
+{
+    const int32_t turn = p->counts_per_turn;
+    const uint64_t count_q32 = (uint64_t)CAM_TURN_Q32 / (uint32_t)turn;
+    const uint64_t left = (uint64_t)CAM_TURN_Q32 % (uint32_t)turn;
+    c->sign_mask = sense == p->encoder_sign ? 0u : ~0u;
+    c->counts_per_turn = turn;
+    c->turn_per_count_q32 = (uint32_t)count_q32;
+    c->turn_per_count_fraction = (uint32_t)(left * (uint64_t)CAM_TURN_Q32 / (uint32_t)turn);
+    c->centre_q32 =
+        (uint32_t)cam_units_turn_of_udeg(sense * p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
+    c->index_tolerance = p->index_tolerance_counts;
+    c->index_overdue = turn + turn / 8;
+    c->max_counts = turn / 4;
+    c->jump_window = cam_clamp_i32(cam_derived_limits_jump_counts(p, tick_hz), 0, c->max_counts);
+    build_clock(c, p->late_percent, tick_hz, clock_hz);
+    build_observer(c, p, tick_hz);
+}
+
+/// Mean speeds beyond 1/64 turn per tick are beyond what any spindle can be modulated at: its
+/// acceleration is limited to that of 1/64.
+static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t direction,
+                        int32_t mean_mrpm, uint32_t tick_hz)
+{
+    const int64_t plan_us_hz = cam_plan_ticks(tick_hz) * INT64_C(1000000);
+    const int64_t mean_q32 = cam_build_speed_q32((uint32_t)mean_mrpm, tick_hz);
+    c->mean_mrpm = mean_mrpm;
+    c->limit_mrpm = p->spindle_limit_mrpm;
+    c->sense = direction;
+    c->lag_q16 = cam_sat_i32(
+        cam_units_scale((int64_t)p->spindle_lag_us * tick_hz, INT64_C(1) << 16, plan_us_hz));
+    c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
+}
+
+/// A table may demand a ring-helix of a geared Z instead. Its ramps are made for the speed that the
+/// spindle is commanded.
+static void build_rings(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                        uint32_t speed_mrpm)
+{
+    if (table->is_ring_helix && !c->is_z_measured) {
+        const int32_t span_nm = table->z_last_nm - table->z_first_nm;
+        c->rings = cam_feed_rings((uint32_t)c->feed_nm, span_nm, speed_mrpm,
+                                  (uint32_t)p->z_acceleration_mm_per_s2);
+        c->feed_q32 = cam_feed_turns_q32(&c->rings);
+    }
+}
+
+/// Feed in turns rounded down by less than 2^-32; heights are rounded, so the last one is reached.
+static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                       uint32_t tick_hz)
+{
+    const int64_t span_nm = (int64_t)table->z_last_nm - table->z_first_nm;
+    c->feed_nm = p->feed_nm > 0 ? p->feed_nm : (int32_t)table->feed_nm;
+    const int64_t fed_q32 =
+        span_nm / c->feed_nm * CAM_TURN_Q32 + span_nm % c->feed_nm * CAM_TURN_Q32 / c->feed_nm;
+    c->ramp_q32 = cam_clamp_i64(fed_q32, CAM_TURN_Q32 / 2, p->feed_ramp_turns * CAM_TURN_Q32);
+    c->per_ramp_q31 = (uint32_t)(((UINT64_C(1) << 63) - 1u) / (uint64_t)c->ramp_q32);
+    c->feed_q32 = fed_q32 + c->ramp_q32;
+    c->z_margin_nm = p->z_margin_nm;
+    c->z_first_nm = table->z_first_nm;
+    c->z_low_nm = cam_sat_i32((int64_t)table->z_first_nm - p->z_margin_nm);
+    c->z_high_nm = cam_sat_i32((int64_t)cam_feed_profile_z_last_nm(table) + p->z_margin_nm);
+    const int64_t wanted_mrpm =
+        p->spindle_mrpm > 0 ? p->spindle_mrpm : (int64_t)table->spindle_mrpm;
+    const uint32_t speed_mrpm = (uint32_t)cam_clamp_i64(wanted_mrpm, 0, p->spindle_limit_mrpm);
+    c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
+    build_speed(&c->speed, p, table->direction, (int32_t)speed_mrpm, tick_hz);
+    build_rings(c, p, table, speed_mrpm);
+}
+
+/// Shifts so that products fill their words: k bits bring the speed to 2^30, R = knots per tick.
+///     y:   nm / 2^(4 + frac), times scale_q30 / 2^32, to nm / 2^6
+///     d1:  nm / 2^(4 + frac) per knot, times R scale = rate 2^(log2 knots - k - 30), to nm / 2^10
+///     d2:  ... times R^2 scale = rate2 2^(2 log2 knots - 2 k - 30), to nm / 2^10
+/// k is small enough that the high word of d1 rate is never shifted down; frac <= 8 leaves room.
+static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t speed_max_q32)
+{
+    const int32_t knots = (int32_t)(u->log2_knots + u->log2_repeat);
+    const int32_t frac = (int32_t)u->frac_bits;
+    const int32_t least_k = knots > max_rate_bits + 2 ? knots - max_rate_bits - 2 : 0;
+    const int32_t v_bits = 8 + knots - frac;
+    int32_t k = cam_clamp_i32(v_bits, least_k, most_speed_shift);
+    while (k > least_k && (int64_t)speed_max_q32 << k >= INT64_C(1) << 30) {
+        k--;
+    }
+    const int32_t a_bits = 24 + frac + 2 * k - 2 * knots;
+    c->speed_shift = (uint32_t)k;
+    c->y_up = (uint32_t)(frac < 4 ? 4 - frac : 0);
+    c->scale_down = (uint32_t)(frac > 4 ? frac - 4 : 0);
+    c->offset = u->value_offset * (256 >> c->y_up);
+    c->v_up = (uint32_t)(v_bits - k);
+    c->a_down = (uint32_t)(a_bits > 31 ? a_bits - 31 : 0);
+    c->a_shift = (uint32_t)a_bits - c->a_down;
+    const int32_t alpha_bits = 40 - 2 * k + knots + (int32_t)c->a_down;
+    c->alpha_shift = (uint32_t)cam_clamp_i32(alpha_bits, 1, 62);
+}
+
+/// Speed over distance such that slowing down by it takes no more than the acceleration, and one
+/// set-point does not lead past a quarter of the distance.
+static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceleration_deg_per_s2,
+                                       uint32_t tick_hz)
+{
+    const int64_t most = INT64_C(1) << 24;      // a turn in 256 ticks
+    const int64_t most_step = INT64_C(1) << 30; // a quarter of a turn per tick, from plan to plan
+    const int64_t plan_ticks = cam_plan_ticks(tick_hz);
+    const int64_t speed =
+        cam_units_scale(speed_mdeg_per_s, CAM_TURN_Q32 / 64, (int64_t)tick_hz * 5625);
+    const int64_t per_tick2 = cam_units_scale(acceleration_deg_per_s2 * plan_ticks,
+                                              CAM_TURN_Q32 / 8, (int64_t)tick_hz * tick_hz * 45);
+    const int64_t speed_q32 = cam_clamp_i64(speed, 1, most);
+    const int64_t step_q32 = cam_clamp_i64(per_tick2, 1, most_step);
+    const int64_t gain = step_q32 * (CAM_TURN_Q32 / plan_ticks) / speed_q32;
+    return (cam_swing_limits_t){
+        .speed_q32 = (int32_t)speed_q32,
+        .step_q32 = (int32_t)step_q32,
+        .gain_q32 = (int32_t)cam_clamp_i64(gain, 1, CAM_TURN_Q32 / (4 * plan_ticks)),
+    };
+}
+
+/// @return [ticks^2] half the square, as of an acceleration, below 2^21: products with it fit 62
+/// bits
+static int32_t half_square(int64_t ticks_q16)
+{
+    const int64_t ticks_q8 = ticks_q16 >> 8;
+    return (int32_t)cam_clamp_i64((ticks_q8 * ticks_q8) >> 17, 0, 1 << 21);
+}
+
+/// The channel is read in LSB / 16, each of which is 2^-(30 + frac) turn.
+static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_channel_t *ch,
+                        uint32_t tick_hz)
+{
+    c->lag_q16 = cam_units_ticks_of_ns(p->swing_lag_ns, tick_hz);
+    c->following_q32 = cam_units_turn_of_mdeg(p->swing_following_limit_mdeg);
+    c->unit_q30 = cam_sat_i32((INT64_C(1) << 31) >> ch->frac_bits);
+    c->offset_q30 = ch->value_offset * 16;
+    const int32_t line_q16 = (cam_plan_ticks(tick_hz) + 1) * 65536;
+    c->is_swung = true;
+    c->ahead_q16 = c->lag_q16 + line_q16;
+    c->ahead2 = half_square(c->ahead_q16);
+    c->full = swing_limits(p->swing_speed_mdeg_per_s, p->swing_acceleration_deg_per_s2, tick_hz);
+    c->gentle =
+        swing_limits(p->swing_speed_mdeg_per_s / cam_derived_limits_approach_share,
+                     p->swing_acceleration_deg_per_s2 / cam_derived_limits_approach_share, tick_hz);
+}
+
+/// X, Z and U are planned ahead, to the next plan and by their lag, the speed ratio to the next
+/// plan alone. U is at the height that a geared Z reaches after its own lag, and a measured Z has
+/// reached. While the spindle accelerates two equal poles lag by the square of half their lag more.
+static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
+{
+    const int32_t ticks = cam_plan_ticks(tick_hz);
+    const int32_t lag_q16 = c->xz_lag_q16;
+    c->plan_ticks = ticks;
+    c->per_plan_q30 = (INT32_C(1) << 30) / ticks;
+    c->xz_plan_q16 = lag_q16 + ticks * 65536;
+    c->u_plan_q16 = c->lead_q16 + ticks * 65536;
+    c->commanded_q16 = lag_q16 > c->lead_q16 ? lag_q16 : c->lead_q16;
+    // In force from the next tick to the one behind the plan, where the spindle itself has the
+    // ratio of that angle: read ahead by more, the removal rate would ripple by twice that angle
+    // times the largest r' / r.
+    c->ratio_q16 = (ticks + 1) * 65536;
+    c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
+}
+
+/// @param is_rehearsed  nothing is learned where the speed is modulated, so there is no rehearsal
+static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense,
+                       bool is_rehearsed, uint32_t tick_hz)
+{
+    c->lead_q16 = cam_units_ticks_of_ns(p->lead_ns, tick_hz);
+    c->xz_lag_q16 = cam_units_ticks_of_ns(p->xz_lag_ns, tick_hz);
+    const int32_t due_q16 = cam_units_ticks_of_ns(p->lead_ns + p->u_scale_latency_ns, tick_hz);
+    c->due_ticks = (uint32_t)due_q16 >> 16;
+    c->due_part_q31 = (due_q16 & 0xFFFF) * 32768;
+    c->phase_q32 = cam_units_turn_of_udeg(sense * p->phase_udeg);
+    c->phase_step_q32 =
+        (int32_t)(cam_units_turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
+    c->amplitude_q30 = (int32_t)cam_units_scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
+    c->amplitude_step_q30 = (int32_t)cam_units_scale(p->amplitude_rate_ppm_per_s, INT64_C(1) << 30,
+                                                     (int64_t)tick_hz * 1000000) +
+                            1;
+    c->engage_q32 = p->engage_turns * CAM_TURN_Q32;
+    c->disengage_q32 = p->disengage_turns * CAM_TURN_Q32;
+    c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
+    c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
+    c->rehearse_q32 = is_rehearsed ? p->rehearse_turns * CAM_TURN_Q32 : 0;
+    c->is_z_measured = p->z_is_measured != 0;
+    c->turning_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
+    build_plan(c, tick_hz);
+}
+
+static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
+                        uint32_t tick_hz)
+{
+    const cam_motion_limits_t *u = &c->u;
+    c->overspeed_q32 = cam_build_speed_q32(speed_limit_mrpm, tick_hz);
+    c->stopped_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
+    c->plan_ticks = (uint32_t)cam_plan_ticks(tick_hz);
+    c->stopped_ticks = (uint32_t)cam_units_scale(p->stopped_ms, tick_hz, 1000);
+    c->homing_ticks = c->stopped_ticks * homing_patience;
+    c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
+    c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
+    c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
+    c->u_range_q6 = p->u_stroke_nm * 32;
+}
+
+/// A set-point is held for a tick, so that the drive sees less of the motion than was commanded.
+/// Half of what the hold takes is given back, MATHS.md (189): all of it would be right at the ticks
+/// alone. Where there is no feed-forward, none is added.
+/// @return [ticks^2 / 2^16]
+static int32_t held_k2_q16(int32_t k2_us2, uint32_t tick_hz)
+{
+    const int32_t hold_q16 = 65536 / 48;
+    const int32_t k2_q16 = cam_units_ticks2_of_us2(k2_us2, tick_hz);
+    return k2_q16 > hold_q16 ? k2_q16 - hold_q16 : k2_q16;
+}
+
+cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
+                           const cam_table_t *table, uint32_t speed_limit_mrpm, uint32_t tick_hz,
+                           uint32_t clock_hz)
+{
+    const cam_err_t err = cam_derived_limits_check(params, tick_hz);
+    if (err != cam_ok) {
+        return err;
+    }
+    *config = (cam_config_t){.generation = config->generation};
+    cam_config_tie(config, table != NULL);
+    // Tables and observer count angles in the sense of cutting; parameters those of the drawing.
+    const int32_t sense = table != NULL ? table->direction : 1;
+    build_spindle(&config->spindle, params, sense, tick_hz, clock_hz);
+    const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
+    const bool is_rehearsed = table != NULL && table->speed.knots == NULL;
+    build_play(&config->play, params, sense, is_rehearsed, tick_hz);
+    config->play.rehearse_x_q10 = (int64_t)cam_demand_half_stroke_nm(table, params) * 1024;
+    config->play.x_clearance_nm = cam_demand_clearance_nm(table, params);
+    if (is_swung) {
+        build_swing(&config->play.swing, params, &table->angle, tick_hz);
+    }
+    if (table != NULL) {
+        config->table = *table;
+        config->play.x_clear_q10 =
+            ((int64_t)table->x_max_nm + params->x_trim_nm + config->play.x_clearance_nm) * 1024;
+        config->play.x_offset_q10 = (int64_t)table->x.value_offset * 1024;
+        build_feed(&config->play, params, table, tick_hz);
+        // Made for the spindle's limit, not its speed: the scale must not change while it cuts.
+        const int32_t limit_q32 =
+            cam_build_speed_q32((uint32_t)params->spindle_limit_mrpm, tick_hz);
+        config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;
+        build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
+    }
+    config->switches = cam_windows_build(params, sense, tick_hz);
+    config->command.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
+    config->command.k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
+    cam_build_motion(config, params, tick_hz);
+    cam_build_jog(config, params, tick_hz);
+    cam_changes_build(&config->play, params, tick_hz);
+    build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
+    config->guard.following_nm = cam_derived_limits_following_nm(params, table);
+    config->guard.approach_nm = cam_derived_limits_approach_nm(params, table, tick_hz);
+    config->play.u_retract_q10 = retract_q10(params, table, cam_build_room_q10(config));
+    config->guard.u_retract_q10 = config->play.u_retract_q10;
+    config->command.range_nm = params->u_stroke_nm / 2;
+    cam_config_tell(config);
+    config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
+    return cam_ok;
+}

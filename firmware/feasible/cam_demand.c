@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_demand.h"
+#include "cam_z_coupling.h"      // cam_z_coupling_of
+#include "cam_fix.h"             // cam_abs_i64
+#include "cam_lobe_transition.h" // cam_lobe_transition_first
+#include "cam_spindle_demand.h"  // cam_spindle_demand_set_q20
+#include "cam_plan.h"            // cam_plan_ticks
+#include <stdbool.h>             // bool
+#include <stddef.h>              // size_t
+
+/// The interrupt's arithmetic holds up to 16 knots per tick; half of that leaves room for
+/// overspeed.
+enum { max_knots_per_tick = 8 };
+/// The angle observer follows up to a quarter turn per tick; an eighth leaves room.
+enum { min_ticks_per_turn = 8 };
+
+/// @return a peak of U or of the swing at the amplitude in force, rounded up
+static uint64_t at_amplitude(const cam_cut_t *c, uint64_t peak)
+{
+    return cam_cut_divided_up(peak * (uint32_t)c->p->amplitude_ppm, 1000000);
+}
+
+/// The spindle accelerates with r r' omega^2, in mrad/s2. At uniform speed nothing is needed.
+static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
+{
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
+    return (cam_demand_t){cam_err_spindle_acceleration, c->p->spindle_acceleration_mrad_per_s2,
+                          cam_cut_divided_up(omega2 * c->t->spindle_peak_ppm_per_rad, 1000000)};
+}
+
+/// A speed loop of the bandwidth b takes at most b of its speed away in a second, told 0. So it
+/// must be as fast as the ratio falls, -r' times the mean speed.
+static cam_demand_t spindle_loop_demand(const cam_cut_t *c)
+{
+    const int64_t lag_us = c->p->spindle_lag_us;
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    return (cam_demand_t){
+        cam_err_spindle_loop, lag_us > 0 ? 1000000000 / lag_us : INT64_MAX,
+        cam_cut_divided_up(omega * c->t->spindle_demand.fall_ppm_per_rad, 1000000)};
+}
+
+/// What the loop is told so that the spindle follows must not exceed its highest speed.
+static cam_demand_t spindle_set_point_demand(const cam_cut_t *c)
+{
+    const uint64_t lag_us = (uint64_t)c->p->spindle_lag_us;
+    const uint64_t c_q16 =
+        cam_cut_divided_up(cam_cut_omega_mrad_per_s(c->mean_mrpm) * lag_us * 4096u, 62500000);
+    const uint64_t set_q20 = cam_spindle_demand_set_q20(&c->t->spindle_demand, c_q16);
+    const bool is_told = c->t->speed.knots != NULL;
+    return (cam_demand_t){
+        cam_err_spindle_set_point, c->p->spindle_limit_mrpm,
+        is_told ? cam_cut_divided_up(set_q20 * c->mean_mrpm, (uint32_t)CAM_TABLE_RATIO_ONE) : 0u};
+}
+
+/// The speed must not let more knots or more of a turn pass in a tick than the interrupt can
+/// follow.
+static cam_demand_t tick_demand(const cam_cut_t *c)
+{
+    const uint64_t knots = UINT64_C(1) << (c->t->u.log2_knots + c->t->u.log2_repeat);
+    const uint64_t by_knots = (uint64_t)c->tick_hz * max_knots_per_tick * 60000u / knots;
+    const uint64_t by_turn = (uint64_t)c->tick_hz * 60000u / min_ticks_per_turn;
+    return (cam_demand_t){cam_err_tick_rate, (int64_t)(by_knots < by_turn ? by_knots : by_turn),
+                          c->peak_mrpm};
+}
+
+/// U gets a set-point in every tick.
+static cam_z_coupling_t u_drift(const cam_cut_t *c)
+{
+    return cam_z_coupling_of(c, &c->t->u, &c->t->u_change, c->tick_hz);
+}
+
+/// @return [nm] how far U travels outwards from the middle of its stroke in the cut, rounded up
+static uint64_t outwards_nm(const cam_cut_t *c)
+{
+    const int64_t out_nm = -(int64_t)c->t->u_min_nm;
+    return at_amplitude(c, (uint64_t)(out_nm > 0 ? out_nm : 0));
+}
+
+/// In the cut U travels to both sides of the middle of its stroke, inwards by the largest u and
+/// outwards by the least.
+static cam_demand_t stroke_demand(const cam_cut_t *c)
+{
+    const int64_t in_nm = c->t->u_max_nm;
+    const uint64_t inwards_nm = at_amplitude(c, (uint64_t)(in_nm > 0 ? in_nm : 0));
+    return (cam_demand_t){cam_err_u_stroke, cam_demand_half_stroke_nm(c->t, c->p),
+                          cam_cut_greater(inwards_nm, outwards_nm(c))};
+}
+
+/// A retract that was set begins at the outermost place of the cut. The default goes as far as the
+/// stroke allows, and X takes the tool away from the work in any case.
+static cam_demand_t retract_demand(const cam_cut_t *c)
+{
+    const int32_t retract_nm = c->p->u_retract_nm;
+    const bool is_set = retract_nm != cam_param_info(cam_param_u_retract_nm)->def;
+    return (cam_demand_t){cam_err_u_retract, cam_demand_half_stroke_nm(c->t, c->p),
+                          is_set ? outwards_nm(c) + (uint64_t) - (int64_t)retract_nm : 0u};
+}
+
+/// The acceleration while engaging, when the envelope e, a smooth step over t turns, adds to it:
+/// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is taken at fourteen
+/// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
+/// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
+/// than its mean speed, and accelerate. The slope of the envelope stays the same within a plan, so
+/// the first set-point of the next one takes at once what e'' adds to it over a whole plan.
+/// @param n_set_points  of a plan
+static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *peaks,
+                         uint32_t n_set_points)
+{
+    static const struct {
+        uint32_t e_ppm, e1_ppm, e2_ppm; // e, 1.03 2 e' / 2 pi and 1.03 e'' / (2 pi)^2
+    } at[] = {{500000, 614736, 0},      {611425, 597160, 46287},  {716510, 545958, 88515},
+              {809474, 465722, 122629}, {885658, 364099, 144569}, {925567, 289630, 150430},
+              {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
+              {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
+              {999984, 1383, 18115},    {999999, 244, 7711}};
+    const uint64_t turns = (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
+    const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
+    const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
+    const uint64_t alpha = cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000);
+    const uint64_t first = cam_cut_divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
+    const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024) * n_set_points;
+    uint64_t most = peaks->f2;
+    for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
+        most = cam_cut_greater(most, cam_cut_divided_up(peaks->f2 * at[i].e_ppm +
+                                                            first * at[i].e1_ppm / turns +
+                                                            far * at[i].e2_ppm / (turns * turns),
+                                                        1000000));
+    }
+    return most;
+}
+
+/// @return a * b / c, rounded up, saturated
+static uint64_t scaled_up(uint64_t a, uint64_t b, uint64_t c)
+{
+    return a == 0u || b < (uint64_t)INT64_MAX / a ? cam_cut_divided_up(a * b, c)
+                                                  : (uint64_t)INT64_MAX;
+}
+
+/// @return what U does over the angle
+static cam_lobe_transition_peaks_t u_peaks(const cam_table_t *t)
+{
+    return (cam_lobe_transition_peaks_t){
+        .f =
+            cam_cut_greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm)),
+        .f1 = t->u1_peak_nm_per_rad,
+        .f2 = t->u2_peak_nm_per_rad2,
+    };
+}
+
+/// U moves with u' omega, in um/s, and with what the feed adds.
+static cam_demand_t u_speed_demand(const cam_cut_t *c)
+{
+    const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
+    const cam_lobe_transition_peaks_t u = u_peaks(c->t);
+    const uint64_t u1 = at_amplitude(c, cam_lobe_transition_first(c->t, c->feed_nm, &u));
+    const uint64_t turning =
+        cam_cut_divided_up(u1 * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000000);
+    return (cam_demand_t){cam_err_u_speed, limit, turning + at_amplitude(c, u_drift(c).speed)};
+}
+
+/// U accelerates with u'' omega^2, in mm/s2, and with what the feed adds.
+static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
+{
+    const cam_table_t *t = c->t;
+    const int64_t limit =
+        cam_cut_smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
+    const cam_lobe_transition_peaks_t u = u_peaks(t);
+    const uint32_t plan_ticks = (uint32_t)cam_plan_ticks(c->tick_hz);
+    const uint64_t most = cam_cut_greater(
+        engaging(c, &u, plan_ticks), cam_lobe_transition_second(t, c->feed_nm, &u, plan_ticks));
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
+    const uint64_t turning = scaled_up(at_amplitude(c, most), omega2, 100000000);
+    const cam_z_coupling_t d = u_drift(c);
+    const uint64_t feeding = cam_cut_divided_up(cam_z_coupling_acceleration(c, &d), 1000);
+    return (cam_demand_t){cam_err_u_acceleration, limit, turning + at_amplitude(c, feeding)};
+}
+
+/// @return [degrees / 1000] of thousands of 2^-26 turn, at most 0.2 % too large
+static uint64_t mdeg_of(uint64_t thousands)
+{
+    return cam_cut_divided_up(thousands * 43u, 8);
+}
+
+/// The swing gets a set-point from every plan.
+static cam_z_coupling_t swing_drift(const cam_cut_t *c)
+{
+    const uint32_t set_point_hz = c->tick_hz / (uint32_t)cam_plan_ticks(c->tick_hz) + 1u;
+    return cam_z_coupling_of(c, &c->t->angle, &c->t->swing_change, set_point_hz);
+}
+
+/// @return [degrees / 1000 / rad] bound of swing' r
+static uint64_t swing_first(const cam_table_t *t)
+{
+    const uint64_t ratio_q20 = t->ratio_max_q20;
+    return ((t->swing.first_mdeg_per_rad * ratio_q20) >> 20) + 1u;
+}
+
+/// @return what the swing does over the angle, in degrees / 1000: its acceleration goes with
+///         swing'' r^2 + swing' r r'
+static cam_lobe_transition_peaks_t swing_peaks(const cam_table_t *t)
+{
+    const uint64_t ratio_q20 = t->ratio_max_q20;
+    const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
+    return (cam_lobe_transition_peaks_t){
+        .f = t->swing.most_mdeg,
+        .f1 = swing_first(t),
+        .f2 = bend +
+              (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm_per_rad / 1000000u + 1u,
+    };
+}
+
+/// The swing moves with swing' omega, in degrees / 1000 per second, and with what the feed adds.
+static cam_demand_t swing_speed_demand(const cam_cut_t *c)
+{
+    const int64_t limit = c->p->swing_speed_mdeg_per_s;
+    if (!c->t->is_swung) {
+        return (cam_demand_t){cam_err_swing_speed, limit, 0};
+    }
+    const cam_lobe_transition_peaks_t swing = swing_peaks(c->t);
+    const uint64_t first = at_amplitude(c, cam_lobe_transition_first(c->t, c->feed_nm, &swing));
+    const uint64_t turning =
+        cam_cut_divided_up(first * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000);
+    const uint64_t feeding = at_amplitude(c, mdeg_of(swing_drift(c).speed));
+    return (cam_demand_t){cam_err_swing_speed, limit, turning + feeding};
+}
+
+/// The swing accelerates, in degrees per second squared, over the angle and with what the feed
+/// adds.
+static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
+{
+    const cam_table_t *t = c->t;
+    const int64_t limit = c->p->swing_acceleration_deg_per_s2;
+    if (!t->is_swung) {
+        return (cam_demand_t){cam_err_swing_acceleration, limit, 0};
+    }
+    const cam_lobe_transition_peaks_t swing = swing_peaks(t);
+    const uint64_t second =
+        at_amplitude(c, cam_cut_greater(engaging(c, &swing, 1u),
+                                        cam_lobe_transition_second(t, c->feed_nm, &swing, 1u)));
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
+    const uint64_t turning = scaled_up(second, omega2, 1000000);
+    const cam_z_coupling_t d = swing_drift(c);
+    const uint64_t feeding = cam_cut_divided_up(mdeg_of(cam_z_coupling_acceleration(c, &d)), 1000);
+    return (cam_demand_t){cam_err_swing_acceleration, limit, turning + at_amplitude(c, feeding)};
+}
+
+int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p)
+{
+    if (t == NULL) {
+        return p->x_clearance_nm;
+    }
+    const int64_t stock_nm = cam_cut_smaller(t->depth_nm, cam_demand_most_stock_nm);
+    const int64_t clear_nm = p->x_clearance_nm > stock_nm ? p->x_clearance_nm : stock_nm;
+    return (int32_t)clear_nm + cam_table_rise_nm(t);
+}
+
+/// @return [nm] distance over which X engages
+static uint64_t clearance_nm(const cam_cut_t *c)
+{
+    return (uint64_t)cam_demand_clearance_nm(c->t, c->p);
+}
+
+/// @return turns of the shorter of the two ramps of the depth
+static uint64_t depth_turns(const cam_cut_t *c)
+{
+    return (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
+}
+
+/// X first leaves its clearance c by a smooth step over t turns while Z stands, which at n turns
+/// per second needs the speed 15/8 c n / t. Afterwards it follows the barrel with slope times the
+/// speed of Z. The two do not coincide, so the larger one counts.
+static cam_demand_t x_speed_demand(const cam_cut_t *c)
+{
+    const uint64_t clearing =
+        (clearance_nm(c) * 15u / 8u + 1u) * c->peak_mrpm / (depth_turns(c) * 60000000u) + 1u;
+    const uint64_t barrel = cam_z_coupling_x_um_per_s(c) * c->t->x_slope_ppm / 1000000u + 1u;
+    return (cam_demand_t){cam_err_x_speed, c->p->x_speed_um_per_s,
+                          cam_cut_greater(barrel, clearing)};
+}
+
+/// The smooth step needs the acceleration 5.774 c (n / t)^2, computed from whole r/min. The barrel
+/// needs its bend times the square of Z's speed, and its slope times Z's acceleration.
+static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
+{
+    const uint64_t turns = depth_turns(c);
+    const uint64_t rpm = cam_cut_divided_up(c->peak_mrpm, 1000);
+    const uint64_t step = (clearance_nm(c) + 1u) * rpm * rpm;
+    const uint64_t clearing = (step / (3600u * turns * turns) + 1u) / 173180u + 1u;
+    const int64_t v_um_per_s =
+        cam_cut_smaller((int64_t)cam_z_coupling_x_um_per_s(c), cam_z_coupling_max_z_um_per_s);
+    const uint64_t v_tenth_mm_per_s = (uint64_t)v_um_per_s / 100u + 1u;
+    const uint64_t bend =
+        v_tenth_mm_per_s * v_tenth_mm_per_s * c->t->x_bend_ppm_per_m / 100000000000u;
+    const uint64_t along = cam_z_coupling_x_mm_per_s2(c) * c->t->x_slope_ppm / 1000000u;
+    return (cam_demand_t){cam_err_x_acceleration, c->p->x_acceleration_mm_per_s2,
+                          cam_cut_greater(bend + along + 1u, clearing)};
+}
+
+int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p)
+{
+    const int64_t made_for_nm = t != NULL ? t->limit_u_stroke_nm : INT32_MAX;
+    return (int32_t)(cam_cut_smaller(p->u_stroke_nm, made_for_nm) / 2);
+}
+
+cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
+{
+    const cam_table_t *t = c->t;
+    const cam_params_t *p = c->p;
+    const bool is_led = p->z_is_measured != 0; // others move Z: neither geared nor limited here
+    const uint32_t whole_ppm = 1000000;
+    const bool is_overridden = p->feed_override_ppm != (int32_t)whole_ppm;
+    // The ramps of a ring-helix are made for the programmed feed and speed.
+    const bool is_beyond_rings = is_overridden || p->spindle_override_ppm > (int32_t)whole_ppm;
+    const cam_demand_t demands[] = {
+        // For a skirt the amplitude is a trim; a lobe of less than its whole lift is another lobe.
+        {cam_err_cam_amplitude, p->amplitude_ppm, cam_table_is_lobe(t) ? whole_ppm : 0u},
+        // A tool that does not swing where it has to would cut another lobe: no speed helps.
+        {cam_err_swing_axis, 0, t->is_swung && p->swing_speed_mdeg_per_s == 0 ? 1u : 0u},
+        // Turns are counted by the helix, which a measured Z cannot tell.
+        {cam_err_z_stations, 0, t->has_stations && is_led ? 1u : 0u},
+        {cam_err_override_measured, 0, is_led && is_overridden ? 1u : 0u},
+        {cam_err_override_rings, 0, t->is_ring_helix && is_beyond_rings ? 1u : 0u},
+        {cam_err_swing_range, p->swing_range_mdeg, at_amplitude(c, t->swing.most_mdeg)},
+        swing_speed_demand(c),
+        swing_acceleration_demand(c),
+        {cam_err_spindle_speed, cam_cut_smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm),
+         c->peak_mrpm},
+        stroke_demand(c),
+        retract_demand(c),
+        u_speed_demand(c),
+        u_acceleration_demand(c),
+        {cam_err_feed, (int64_t)cam_cut_span_nm(c), is_led ? 0u : c->programmed_nm},
+        {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s, cam_z_coupling_z_um_per_s(c)},
+        {cam_err_z_acceleration, p->z_acceleration_mm_per_s2,
+         is_led ? 0u : cam_z_coupling_z_mm_per_s2(c)},
+        tick_demand(c),
+        spindle_acceleration_demand(c),
+        spindle_loop_demand(c),
+        spindle_set_point_demand(c),
+        x_speed_demand(c),
+        x_acceleration_demand(c),
+    };
+    // The order of the demands decides which of several excesses is reported.
+    for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {
+        if (demands[i].needed > (uint64_t)demands[i].limit) {
+            return demands[i];
+        }
+    }
+    return (cam_demand_t){.err = cam_ok};
+}

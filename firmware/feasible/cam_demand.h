@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_demand: what a cut demands of every axis, compared with what the machine can do.
+///
+/// A limit is the smaller of the machine's parameter and of the limit that the table was made for.
+/// The table guarantees peaks of u, u' and u''; at a spindle speed omega, U needs the speed
+/// u' omega and the acceleration u'' omega^2. What the feed adds to that is told by
+/// cam_z_coupling.h. When Z is led by others, its feed is taken from the parameters or the table.
+/// Context: slow side, integers only.
+#ifndef CAM_DEMAND_H
+#define CAM_DEMAND_H
+
+#include "cam_cut.h"   // cam_cut_t
+#include "cam_err.h"   // cam_err_t
+#include "cam_param.h" // cam_params_t
+#include "cam_table.h" // cam_table_t
+#include <stdint.h>    // int64_t, uint64_t
+
+enum {
+    cam_demand_most_stock_nm = 100000000, ///< [nm] no part has more stock on its radius
+};
+
+/// One limit and what the cut needs of it.
+typedef struct {
+    cam_err_t err;   ///< error that reports an excess
+    int64_t limit;   ///< in the unit that cam_feasibility_t gives for err
+    uint64_t needed; ///< in the same unit, rounded up; it never falls with rising speed or feed
+} cam_demand_t;
+
+/// @param t  NULL: without a table
+/// @return   [nm] travel of U to either side of the middle of its stroke
+/// Context: slow side.
+int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p);
+
+/// X has to be off the stock that is still on the part, whatever a pass of it leaves, and off what
+/// rises above u = 0 (cam_table_rise_nm).
+/// @param t  NULL: without a table
+/// @return   [nm] distance from which X engages, and by which it leaves
+/// Context: slow side.
+int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p);
+
+/// Compare a cut with all limits.
+/// @return the first limit that the cut exceeds; err = cam_ok when it exceeds none
+/// Context: slow side. Source: MATHS.md (61) .. (64), (42), (44).
+cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c);
+
+#endif

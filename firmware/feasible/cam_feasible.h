@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_feasible: can this machine turn this table at this speed? In integers, with the numbers.
+///
+/// Speeds are mean speeds. Where the table modulates the spindle, its highest speed within a turn
+/// is larger by the largest ratio, and the peaks that the table guarantees contain the modulation.
+/// Context of all functions: slow side. Source: MATHS.md (61).
+#ifndef CAM_FEASIBLE_H
+#define CAM_FEASIBLE_H
+
+#include "cam_err.h"   // cam_err_t
+#include "cam_param.h" // cam_params_t
+#include "cam_table.h" // cam_table_t
+#include <stdint.h>    // uint32_t, int64_t
+
+/// [turns] of feed that a part has at the most, ramps included: a day at 3000 r/min. All lengths of
+/// cam_feed_motion.h fit their words with it, whatever the override.
+enum { cam_feasible_most_turns = 1 << 22 };
+
+/// Why a speed is feasible or not, and what would be.
+typedef struct {
+    cam_err_t err;            ///< cam_ok, or the first limit that is exceeded
+    uint32_t speed_mrpm;      ///< [r/min / 1000] the speed that was judged
+    uint32_t highest_mrpm;    ///< [r/min / 1000] cam_feasible_highest_mrpm()
+    uint32_t largest_feed_nm; ///< [nm] cam_feasible_largest_feed_nm()
+    uint32_t pass;            ///< number of the pass that was judged; 0: the table has none
+    int64_t needed;           ///< what the motion needs, in the unit of the limit
+    int64_t limit; ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000], [degrees /
+                   ///< 1000 / s], [degrees / s2], [1e-6], [turns] or per tick, depending on err
+} cam_feasibility_t;
+
+/// Judge a speed, the verdict alone: one comparison with each limit.
+/// @param speed_mrpm  [r/min / 1000] > 0
+/// @param tick_hz     [Hz] rate of the tick
+/// @return            cam_ok, or the error of the first limit that is exceeded
+CAM_MUST_USE cam_err_t cam_feasible_check(const cam_table_t *table, const cam_params_t *params,
+                                          uint32_t speed_mrpm, uint32_t tick_hz);
+
+/// Search the highest feasible speed by halving: 26 judgements.
+/// @return [r/min / 1000] highest mean speed at which all limits hold; 0 when none does
+uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t *params,
+                                   uint32_t tick_hz);
+
+/// Search the largest feasible feed by halving: 24 judgements.
+/// @return [nm] largest feed per turn with which all limits hold at this speed; 0 when none does
+uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params_t *params,
+                                      uint32_t speed_mrpm, uint32_t tick_hz);
+
+/// Judge a speed with all numbers, for a message to people: the verdict and both searches.
+/// Parameters as of cam_feasible_check().
+/// @return `needed` is rounded up: where it is near the limit by 0.1 % at most, for the
+/// acceleration
+///         of the swing by 1 %
+/// Context: slow side. Source: MATHS.md (61).
+cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
+                               uint32_t speed_mrpm, uint32_t tick_hz);
+
+/// @return [r/min / 1000] highest speed within a turn of this mean speed, rounded up, saturated.
+/// Example: a ratio of up to 1.25 makes 1250 r/min of a mean speed of 1000 r/min.
+uint32_t cam_feasible_peak_mrpm(const cam_table_t *table, uint32_t mean_mrpm);
+
+#endif

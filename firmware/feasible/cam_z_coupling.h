@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_z_coupling: how Z moves in a cut, and what that adds to the motion of the other axes.
+///
+/// Along a helix Z moves evenly, but for its ramps and for the way of a table; along a ring-helix
+/// it stands in every other turn. While it moves, U and the swing also change from slice to slice
+/// of the table: they drift. Their rate jumps where one slice ends, and the acceleration of that
+/// jump, spread over one set-point, is added. Context: slow side, integers only. Source: MATHS.md
+/// (63), (64), (104).
+#ifndef CAM_Z_COUPLING_H
+#define CAM_Z_COUPLING_H
+
+#include "cam_cut.h" // cam_cut_t
+#include <stdint.h>  // uint32_t, uint64_t
+
+/// [um/s] larger speeds of Z are judged as this one: 6.5 m/s, far beyond any slide.
+enum { cam_z_coupling_max_z_um_per_s = 6553400 };
+
+/// What the feed adds to the motion of an axis, in thousands of the unit of its channel: um for u.
+typedef struct {
+    uint64_t speed;         ///< [1/s]
+    uint64_t speed_per_rad; ///< [1/s/rad] how the speed differs over the angle
+    uint64_t acceleration;  ///< [1/s2]
+} cam_z_coupling_t;
+
+/// @return [um/s] highest speed of Z; on a ring-helix that between its ramps
+uint64_t cam_z_coupling_z_um_per_s(const cam_cut_t *c);
+
+/// On a helix Z accelerates with feed * (turns per second)^2 / ramp, computed from whole r/min,
+/// where a ramp is not longer than the height that is fed. On a ring-helix the ramps are as short
+/// as the limit allows, so that only the least acceleration that any ramp needs can exceed it.
+/// @return [mm/s2]
+uint64_t cam_z_coupling_z_mm_per_s2(const cam_cut_t *c);
+
+/// @return [mm/s2] acceleration of Z that the other axes have to follow. A measured Z is not
+///         accelerated by this controller, and is taken as moving evenly.
+uint64_t cam_z_coupling_z_feeding_mm_per_s2(const cam_cut_t *c);
+
+/// @return [um/s] how fast X runs along its profile: with stations that is over the helix, not Z
+uint64_t cam_z_coupling_x_um_per_s(const cam_cut_t *c);
+
+/// @return [mm/s2] how fast that rises
+uint64_t cam_z_coupling_x_mm_per_s2(const cam_cut_t *c);
+
+/// Bound the drift of a channel. Slices pass at the speed of Z over their spacing. The rate of
+/// change jumps from one slice to the next, and an axis takes the jump within one set-point; while
+/// Z accelerates the rate rises as well. Patterns of lobes have no spacing, and do not drift.
+/// @param set_point_hz  [Hz] rate of the axis's set-points
+cam_z_coupling_t cam_z_coupling_of(const cam_cut_t *c, const cam_channel_t *ch,
+                                   const cam_change_t *change, uint32_t set_point_hz);
+
+/// @return [1/s2] what a drift adds to an acceleration, including that of a rate of change which
+///         differs over the angle
+uint64_t cam_z_coupling_acceleration(const cam_cut_t *c, const cam_z_coupling_t *d);
+
+#endif

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_harmonic_correction.h"
+#include "cam_fix.h"      // cam_clamp_i32
+#include "cam_ff_adapt.h" // cam_harmonic_correction_change
+#include <string.h>       // memset
+
+/// Times that the guard may strike before a harmonic is left as it is.
+enum { most_halved = 4 };
+
+void cam_harmonic_correction_forget(cam_harmonic_correction_t *s)
+{
+    (void)memset(s, 0, sizeof *s);
+    cam_harmonic_correction_renew(s);
+}
+
+void cam_harmonic_correction_renew(cam_harmonic_correction_t *s)
+{
+    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+        s->best_q6[k] = UINT32_MAX;
+        s->n_halved[k] = 0;
+    }
+}
+
+static int16_t nm_of(int32_t q6)
+{
+    return (int16_t)cam_clamp_i32((q6 + 32) >> 6, -INT16_MAX, INT16_MAX);
+}
+
+static void keep(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t q6)
+{
+    s->kept[k].re_nm = nm_of(q6.re);
+    s->kept[k].im_nm = nm_of(q6.im);
+}
+
+static cam_complex_t kept_q6(const cam_harmonic_correction_t *s, uint32_t k)
+{
+    return (cam_complex_t){.re = 64 * s->kept[k].re_nm, .im = 64 * s->kept[k].im_nm};
+}
+
+void cam_harmonic_correction_play(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n)
+{
+    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+        const int64_t size = (int64_t)size_q6 * (k <= n ? 1 : 0);
+        const uint32_t step = 128u * k * k / n;
+        s->c_q6[k].re = (int32_t)(size * cam_cos_q24(step) >> 24);
+        s->c_q6[k].im = (int32_t)(size * cam_sin_q24(step) >> 24);
+    }
+}
+
+static bool has_bit(uint32_t mask, uint32_t k)
+{
+    return (mask >> k & 1u) != 0u;
+}
+
+/// @return whether U answers too little, or not in proportion to the size of the probe
+static bool is_unfit(cam_gain_t small, cam_gain_t large)
+{
+    const cam_complex_t off = {.re = large.re_q12 - small.re_q12,
+                               .im = large.im_q12 - small.im_q12};
+    const uint64_t square = cam_gain_square_q24(large);
+    const uint64_t least = UINT64_C(1) << 24;
+    return square * 100u < least || cam_complex_square(off) * 25u > square;
+}
+
+void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage, uint32_t k,
+                                   cam_complex_t error_q6)
+{
+    if (stage == 0u) {
+        keep(s, k, error_q6);
+        return;
+    }
+    const cam_complex_t fallen = cam_complex_sub(kept_q6(s, k), error_q6);
+    const cam_gain_t gain = cam_gain_ratio(fallen, s->c_q6[k]);
+    if (stage == 2u && is_unfit(s->gain[k], gain)) {
+        s->masked |= UINT32_C(1) << k;
+    }
+    s->gain[k] = gain;
+}
+
+/// The guard: @return whether the error is one to learn from
+static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q6,
+                       uint32_t floor_q6)
+{
+    const uint32_t best_q6 = s->best_q6[k] > floor_q6 ? s->best_q6[k] : floor_q6;
+    if (size_q6 < s->best_q6[k]) {
+        s->best_q6[k] = size_q6;
+        keep(s, k, s->c_q6[k]);
+    }
+    if (size_q6 / 3u <= best_q6 / 2u) {
+        return true;
+    }
+    s->c_q6[k] = kept_q6(s, k);
+    s->n_halved[k]++;
+    s->masked |= s->n_halved[k] >= most_halved ? UINT32_C(1) << k : 0u;
+    return false;
+}
+
+void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
+                                   uint32_t floor_q6, int32_t mu_q16, uint32_t room_q6)
+{
+    // The mean is not guarded: U answers to it without a phase, and the chip's force moves it.
+    const bool is_guarded = k > 0u;
+    if (has_bit(s->masked, k) ||
+        (is_guarded && !is_as_good(s, k, cam_complex_size(error_q6), floor_q6))) {
+        return;
+    }
+    const cam_complex_t change =
+        cam_harmonic_correction_change(error_q6, s->gain[k], mu_q16 >> s->n_halved[k]);
+    if (cam_complex_size(change) <= room_q6) {
+        s->c_q6[k] = cam_complex_add(s->c_q6[k], change);
+    }
+}
+
+void cam_harmonic_correction_age(cam_harmonic_correction_t *s, uint32_t k)
+{
+    const uint32_t best_q6 = s->best_q6[k];
+    s->best_q6[k] = best_q6 < UINT32_MAX / 2u ? best_q6 + best_q6 / 16u + 1u : best_q6;
+}
+
+void cam_harmonic_correction_restore(cam_harmonic_correction_t *s)
+{
+    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+        s->c_q6[k] = s->best_q6[k] != UINT32_MAX ? kept_q6(s, k) : s->c_q6[k];
+    }
+}
+
+uint32_t cam_harmonic_correction_sum_q6(const cam_harmonic_correction_t *s)
+{
+    uint32_t sum = 0;
+    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+        sum += cam_complex_size(s->c_q6[k]);
+    }
+    return sum;
+}
+
+void cam_harmonic_correction_turn(cam_harmonic_correction_t *s, uint32_t angle_q32)
+{
+    for (uint32_t k = 1; k < cam_harmonic_terms; k++) {
+        s->c_q6[k] = cam_harmonics_turned(s->c_q6[k], k, angle_q32);
+        keep(s, k, cam_harmonics_turned(kept_q6(s, k), k, angle_q32));
+    }
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_ripple.h"
+#include "cam_angle.h" // CAM_TURN_Q32
+#include "cam_fix.h"   // cam_abs_i64, cam_clamp_i64
+#include <string.h>    // memset
+
+/// A deviation beyond this is no ripple: 1/64 turn.
+#define MOST_Q32 INT64_C(67108864)
+
+static uint32_t ticks_of(const cam_turn_bin_t *bin)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < cam_turn_bins_n; i++) {
+        n += bin[i].n;
+    }
+    return n;
+}
+
+/// Measured angle minus that of as many ticks of a uniform rotation, per bin.
+static bool subtract_uniform(cam_turn_bin_t *bin, uint32_t n_ticks)
+{
+    const int64_t per_tick_q40 = CAM_TURN_Q32 * 256 / n_ticks;
+    int64_t begun = 0;
+    bool is_good = true;
+    for (uint32_t i = 0; i < cam_turn_bins_n && is_good; i++) {
+        const int64_t n = bin[i].n;
+        const int64_t begin_q32 = (int64_t)i << (32 - cam_turn_bins_log2);
+        const int64_t uniform_q32 = per_tick_q40 * (2 * begun + n - 1) >> 9;
+        const int64_t mean_q32 = n > 0 ? (int64_t)bin[i].angle_q24 * 256 / n : 0;
+        const int64_t off_q32 = begin_q32 + mean_q32 - uniform_q32;
+        const bool is_small = cam_abs_i64(off_q32) < MOST_Q32;
+        is_good = is_small && n > 0;
+        bin[i].angle_q24 = is_good ? (int32_t)off_q32 : 0;
+        begun += n;
+    }
+    return is_good;
+}
+
+/// The turn began and ended at the same angle, so its deviation is the same at both ends, each
+/// half a bin from a mean: what is not, is the speed. @return [turn / 2^33] what was not
+static int64_t close_ends(cam_turn_bin_t *bin)
+{
+    const cam_turn_bin_t *end = &bin[cam_turn_bins_n - 1];
+    const int64_t first = 3 * (int64_t)bin[0].angle_q24 - bin[1].angle_q24;
+    const int64_t last = 3 * (int64_t)end[0].angle_q24 - end[-1].angle_q24;
+    const int64_t twice = last - first;
+    const int64_t share = INT64_C(4) * cam_turn_bins_n;
+    for (int32_t i = 0; i < cam_turn_bins_n; i++) {
+        bin[i].angle_q24 -= (int32_t)(twice * (2 * (int64_t)i + 1) / share);
+    }
+    return twice;
+}
+
+int32_t cam_ripple_deviate(cam_turn_bin_t *bin)
+{
+    const uint32_t n_ticks = ticks_of(bin);
+    if (n_ticks < cam_turn_bins_n || !subtract_uniform(bin, n_ticks)) {
+        return 0;
+    }
+    return cam_sat_i32((CAM_TURN_Q32 * 2 + close_ends(bin)) * 8 / n_ticks);
+}
+
+void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32)
+{
+    cam_complex_t *sum = &r->sum[k - 1u];
+    sum->re = cam_sat_i32((int64_t)sum->re + angle_q32.re);
+    sum->im = cam_sat_i32((int64_t)sum->im + angle_q32.im);
+}
+
+void cam_ripple_drop(cam_ripple_t *r)
+{
+    (void)memset(r->sum, 0, sizeof r->sum);
+    r->n = 0;
+}
+
+cam_complex_t cam_ripple_order(const cam_ripple_t *r, uint32_t k)
+{
+    const int32_t unit = 1 << cam_ripple_down;
+    return (cam_complex_t){.re = r->mean[k - 1u].re * unit, .im = r->mean[k - 1u].im * unit};
+}
+
+/// @return what does not fall with the square of the speed: (a v^2 - b w^2) / (v^2 - w^2)
+static cam_complex_t lasting(cam_complex_t a, int64_t v, cam_complex_t b, int64_t w)
+{
+    const int64_t v2 = (v >> 8) * (v >> 8) >> 4;
+    const int64_t w2 = (w >> 8) * (w >> 8) >> 4;
+    const int64_t d = v2 - w2;
+    return (cam_complex_t){.re = cam_sat_i32((a.re * v2 - b.re * w2) / d),
+                           .im = cam_sat_i32((a.im * v2 - b.im * w2) / d)};
+}
+
+/// Two means at speeds that differ by more than a tenth tell the encoder from the spindle.
+static void compare(cam_ripple_t *r, cam_complex_t before, int32_t speed_q32)
+{
+    const int64_t other = r->speed_q32;
+    if (other > 0 && cam_abs_i64(speed_q32 - other) > other / 10) {
+        r->scale = lasting(cam_ripple_order(r, 1), speed_q32, before, other);
+    }
+}
+
+/// @return [turn / 2^32] the order 1 that a speed that drifts leaves in the mean of n turns, real:
+///         d / (2 pi^2), d the change of the speed per turn; order k has 1 / k^2 of it
+static int64_t drift_q32(const cam_ripple_t *r)
+{
+    const int64_t change_q36 = (int64_t)r->last_q36 - r->first_q36;
+    const int64_t turns = r->n > 1u ? (int64_t)r->n - 1 : 1;
+    const int64_t per_turn_q32 = change_q36 * CAM_TURN_Q32 / r->last_q36 / turns;
+    return per_turn_q32 * 849937 >> 24; // 2^24 / (2 pi^2)
+}
+
+/// @return a, or 0 where it is smaller than what counts can feign
+static cam_complex_t told(cam_complex_t a, int64_t least)
+{
+    const bool is_more = cam_complex_square(a) > (uint64_t)(least * least);
+    return is_more ? a : (cam_complex_t){0};
+}
+
+/// @param n  turns in the sum; of none the mean is 0
+static int16_t mean_of(int64_t sum, uint32_t n)
+{
+    const int64_t unit = (int64_t)n << cam_ripple_down;
+    const int64_t half = sum < 0 ? -unit / 2 : unit / 2;
+    const int64_t mean = unit > 0 ? (sum + half) / unit : 0;
+    return (int16_t)cam_clamp_i64(mean, -cam_ripple_most, cam_ripple_most);
+}
+
+bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int32_t speed_q36)
+{
+    r->first_q36 = r->n == 0u ? speed_q36 : r->first_q36;
+    r->last_q36 = speed_q36;
+    r->n++;
+    if (r->n < n_turns) {
+        return false;
+    }
+    const cam_complex_t before = cam_ripple_order(r, 1);
+    const int64_t drift = drift_q32(r) * r->n;
+    for (int64_t k = 1; k <= cam_harmonics_most; k++) {
+        const cam_complex_t sum = {.re = cam_sat_i32(r->sum[k - 1].re - drift / (k * k)),
+                                   .im = r->sum[k - 1].im};
+        const cam_complex_t order = told(sum, (int64_t)least_q32 * r->n);
+        r->mean[k - 1].re = mean_of(order.re, r->n);
+        r->mean[k - 1].im = mean_of(order.im, r->n);
+    }
+    compare(r, before, speed_q36 >> 4);
+    r->n_mean = r->n;
+    r->speed_q32 = speed_q36 >> 4;
+    cam_ripple_drop(r);
+    return true;
+}

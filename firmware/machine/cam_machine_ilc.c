@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Learning as a part of the machine: what parameters and table ask of it, and its hand-over.
+#include "cam_angle.h" // CAM_TURN_Q32
+#include "cam_gains.h" // cam_gains_bound
+#include "cam_machine.h"
+#include "hal/hal.h" // hal_measures_u
+#include <stddef.h>  // NULL
+
+_Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8192u,
+               "RAM of learning: state, bins of two turns, and what is in force in two halves");
+
+/// Learned constants of the drive may differ from the configured ones by those, and this more.
+enum { spare_ticks = 4, spare_ticks2 = 16 };
+
+/// Counts that fall on the same angles in every tick feign an order of the ripple of up to this
+/// part of a count.
+enum { feigned_part = 4 };
+
+static int32_t q16_of_ppm(int32_t ppm)
+{
+    return (int32_t)((int64_t)ppm * 65536 / 1000000);
+}
+
+static int32_t ticks_q16(const cam_machine_t *m, int64_t ns)
+{
+    return cam_sat_i32(ns * m->tick_hz / 1000000 * 65536 / 1000);
+}
+
+static int32_t ticks2_q16(const cam_machine_t *m, int64_t us2)
+{
+    return cam_sat_i32(us2 * m->tick_hz / 1000 * m->tick_hz / 1000 * 8192 / 125000);
+}
+
+static cam_ilc_reason_t asked_of(const cam_machine_t *m)
+{
+    if (m->params.learn_harmonics == 0) {
+        return cam_ilc_not_asked;
+    }
+    if (!hal_measures_u()) {
+        return cam_ilc_not_measured;
+    }
+    if (!m->has_table) {
+        return cam_ilc_no_table;
+    }
+    if (m->table.speed.knots != NULL) {
+        return cam_ilc_modulated;
+    }
+    return m->table.n_lobes > 0u ? cam_ilc_lobes : cam_ilc_all;
+}
+
+/// The encoder's error A sin(angle - phase), in the sense of cutting: -j A e^(-j phase).
+static cam_complex_t eccentricity(const cam_machine_t *m)
+{
+    const int64_t size_q32 = m->params.eccentricity_nturn * CAM_TURN_Q32 / 1000000000;
+    const int64_t sense = m->has_table ? m->table.direction : 1;
+    const int64_t phase_q32 = sense * m->params.eccentricity_udeg * CAM_TURN_Q32 / 360000000;
+    const cam_complex_t at_0 = {.im = -(int32_t)size_q32};
+    return cam_harmonics_turned(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
+}
+
+/// @return [nm] the probe, which is at least three steps of the scale
+static int32_t probe_nm(const cam_params_t *p)
+{
+    const int32_t least_nm =
+        cam_clamp_i32(3 * p->u_scale_nm, 0, cam_param_info(cam_param_probe_nm)->max);
+    return p->probe_nm > least_nm ? p->probe_nm : least_nm;
+}
+
+/// @return [ticks / 2^16] what may be learned of k1, up to the largest gain that may be set
+static int32_t k1_most_q16(const cam_machine_t *m)
+{
+    const cam_params_t *p = &m->params;
+    const int64_t most_ns = cam_gains_bound(p, cam_param_k1_ns, m->tick_hz) - p->k1_ns;
+    const int64_t spare_q16 =
+        (int64_t)ticks_q16(m, (int64_t)p->k1_ns + p->lead_ns) + spare_ticks * INT64_C(65536);
+    return cam_sat_i32(cam_clamp_i64(ticks_q16(m, most_ns), 0, spare_q16));
+}
+
+/// @return [ticks^2 / 2^16] the same of k2
+static int32_t k2_most_q16(const cam_machine_t *m)
+{
+    const cam_params_t *p = &m->params;
+    const int64_t most_us2 = cam_gains_bound(p, cam_param_k2_us2, m->tick_hz) - p->k2_us2;
+    const int64_t spare_q16 = (int64_t)ticks2_q16(m, p->k2_us2) + spare_ticks2 * INT64_C(65536);
+    return cam_sat_i32(cam_clamp_i64(ticks2_q16(m, most_us2), 0, spare_q16));
+}
+
+/// @return turns of a mean of the ripple, at least two: the walk to a mean takes the next turn, so
+///         that with one turn nothing would ever stand still
+static uint32_t ripple_turns(const cam_machine_t *m)
+{
+    const bool is_asked = m->has_table && m->table.speed.knots == NULL;
+    const uint32_t turns = is_asked ? (uint32_t)m->params.ripple_turns : 0u;
+    return turns == 1u ? 2u : turns;
+}
+
+static cam_ilc_setup_t setup_of(const cam_machine_t *m)
+{
+    const cam_params_t *p = &m->params;
+    const int32_t k1_q16 = ticks_q16(m, p->k1_ns);
+    const int32_t k2_q16 = ticks2_q16(m, p->k2_us2);
+    const int64_t part_q16 = ticks_q16(m, (int64_t)p->lead_ns + p->u_scale_latency_ns) & 0xFFFF;
+    return (cam_ilc_setup_t){
+        .reason = asked_of(m),
+        .n_harmonics = (uint32_t)p->learn_harmonics,
+        .gain_q16 = q16_of_ppm(p->learn_gain_ppm),
+        .cut_gain_q16 = q16_of_ppm(p->learn_cut_gain_ppm),
+        .probe_q6 = probe_nm(p) * 64,
+        .ripple_turns = ripple_turns(m),
+        .scale_nm = p->u_scale_nm,
+        .least_ripple_q32 =
+            hal_has_edge_time() ? 0 : (int32_t)(CAM_TURN_Q32 / p->counts_per_turn / feigned_part),
+        .count_urad = 6283185 / p->counts_per_turn,
+        .most_q6 = cam_ilc_most_nm * 64,
+        .k1_q16 = k1_q16,
+        .k2_q16 = k2_q16,
+        .k1_most_q16 = k1_most_q16(m),
+        .k2_most_q16 = k2_most_q16(m),
+        .between_q16 = (int32_t)(part_q16 * (65536 - part_q16) >> 17),
+        .eccentricity = eccentricity(m),
+    };
+}
+
+cam_learned_t *cam_machine_learn_begin(cam_machine_t *m)
+{
+    cam_config_t *copy = cam_config_copy(&m->core->config);
+    return copy != NULL ? &copy->learned : NULL;
+}
+
+void cam_machine_learn_end(cam_machine_t *m)
+{
+    cam_config_t *half = cam_config_free_half(&m->core->config);
+    m->generation++;
+    half->generation = m->generation;
+    cam_config_learn(half);
+    cam_config_offer(&m->core->config);
+}
+
+void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
+{
+    if (id == cam_param_k1_ns || id == cam_param_k2_us2 || id == cam_param_lead_ns ||
+        id == cam_param_u_scale_latency_ns) {
+        cam_ilc_forget(&m->ilc);
+    }
+    if (id == cam_param_eccentricity_nturn || id == cam_param_eccentricity_udeg ||
+        id == cam_param_ripple_turns) {
+        m->ilc.blending |= cam_ilc_blend_ripple;
+    }
+}
+
+/// @return whether both play the same, found out fast where they do not
+static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
+{
+    bool is = a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16;
+    for (uint32_t i = 0; is && i <= (uint32_t)cam_learned_points; i++) {
+        is = a->c[i] == b->c[i] && a->d[i] == b->d[i] && a->dm[i] == b->dm[i];
+    }
+    return is;
+}
+
+void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state)
+{
+    const cam_params_t *p = &m->params;
+    if (p->learn_harmonics == 0 && p->ripple_turns == 0 && m->ilc.blending == 0u) {
+        return;
+    }
+    cam_ilc_setup_t setup = setup_of(m);
+    setup.is_u_moving = !cam_machine_status(m).is_u_at_rest;
+    cam_turn_bins_t *bins = &m->core->bins;
+    cam_ilc_poll(&m->ilc, &setup, state, bins);
+    const uint32_t at_q8 = atomic_load_explicit(&bins->at_q8, memory_order_relaxed);
+    const bool is_walking = cam_ilc_is_blending(&m->ilc, at_q8);
+    cam_learned_t *in = is_walking ? cam_machine_learn_begin(m) : NULL;
+    if (in != NULL) {
+        cam_ilc_blend(&m->ilc, &setup, at_q8, in);
+        const cam_config_bank_t *bank = &m->core->config;
+        const cam_config_t *last = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+        if (!is_same(in, &last->learned)) { // nothing new is no new configuration
+            cam_machine_learn_end(m);
+        }
+    }
+}
+
+cam_ilc_status_t cam_machine_learning(const cam_machine_t *m)
+{
+    const cam_ilc_setup_t setup = setup_of(m);
+    return cam_ilc_status(&m->ilc, &setup, m->tick_hz);
+}
+
+cam_ilc_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k)
+{
+    return cam_ilc_harmonic(&m->ilc, k);
+}
+
+cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index, int32_t *value)
+{
+    *value = cam_ilc_get(&m->ilc, index);
+    return index < cam_ilc_n_values ? cam_ok : cam_err_param_id;
+}
+
+/// @return whether the drive's constants stay within what learning itself may reach
+static bool is_learnable(const cam_machine_t *m, uint32_t index, int32_t value)
+{
+    const cam_ilc_setup_t setup = setup_of(m);
+    const int64_t size = cam_abs_i64(value);
+    return (index != (uint32_t)cam_ilc_value_k1 || size <= setup.k1_most_q16) &&
+           (index != (uint32_t)cam_ilc_value_k2 || size <= setup.k2_most_q16);
+}
+
+cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t value)
+{
+    const cam_state_t state = cam_machine_status(m).state;
+    if (index >= cam_ilc_n_values) {
+        return cam_err_param_id;
+    }
+    if (state != cam_state_off && state != cam_state_ready) {
+        return cam_err_param_state;
+    }
+    return is_learnable(m, index, value) && cam_ilc_set(&m->ilc, index, value)
+               ? cam_ok
+               : cam_err_param_range;
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_excite.h"
+#include "cam_fix.h" // cam_wrap_times_i64
+
+void cam_excite_begin_isr(cam_excite_t *e, const cam_excite_config_t *cfg)
+{
+    *e = (cam_excite_t){.at = cfg->first, .n_left = cfg->n_play};
+}
+
+void cam_excite_end_isr(cam_excite_t *e)
+{
+    e->n_left = 0;
+}
+
+bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, int32_t *offset_q6)
+{
+    const bool is_falling = e->n_left == 0u;
+    const bool is_at_goal =
+        cam_move_profile_to_isr(&e->gain, &cfg->fade, is_falling ? 0 : cam_excite_full_q30);
+    *offset_q6 = (int32_t)(cam_wrap_times_i64(cfg->wave_nm[e->at], e->gain.pos_q10) >> 24);
+    e->at = e->at + 1u < cfg->n ? e->at + 1u : 0u;
+    e->n_left -= is_falling ? 0u : 1u;
+    return is_falling && is_at_goal;
+}

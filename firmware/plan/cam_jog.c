@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_jog.h"
+#include "cam_interpolate.h" // cam_interpolate_share
+#include "cam_fix.h"         // cam_clamp_i64, cam_wrap_diff
+#include "cam_plan_move.h"   // cam_plan_move_to_isr
+
+static void end_order(cam_jog_t *h, cam_jog_end_t how)
+{
+    h->phase = cam_jog_rest;
+    h->end = how;
+}
+
+/// Drives without power may come back anywhere.
+static void forget_homes(cam_jog_t *h, uint32_t inputs)
+{
+    if ((inputs & hal_in_drive_ready) == 0u) {
+        h->homed = 0;
+    }
+}
+
+static bool is_on_switch(const cam_tick_record_t *r, hal_axis_t axis)
+{
+    return (r->in.inputs & ((uint32_t)hal_in_home_u << (uint32_t)axis)) != 0u;
+}
+
+static bool is_at_index(const cam_tick_record_t *r, hal_axis_t axis)
+{
+    return (r->in.inputs & ((uint32_t)hal_in_index_u << (uint32_t)axis)) != 0u;
+}
+
+/// @return whether the order holds no more
+static bool is_too_old(const cam_jog_order_t *o, const cam_tick_record_t *r)
+{
+    return cam_wrap_diff(o->until, r->tick) <= 0;
+}
+
+/// Begin a phase of homing; U stays within its stroke, X and Z within the numbers of the port.
+static void begin_phase(cam_jog_t *h, const cam_jog_order_t *o, cam_jog_phase_t phase,
+                        int64_t from_q10)
+{
+    const int32_t sense = phase == cam_jog_search ? o->sense : -o->sense;
+    h->phase = phase;
+    h->target_q10 =
+        cam_clamp_i64(cam_wrap_add_i64(from_q10, sense * o->distance_q10), o->low_q10, o->high_q10);
+}
+
+/// [nm] U's number rises by less than this at once: set-points in nm / 64 end here.
+enum { most_shift_nm = 1 << 25 };
+
+/// The home is found. @return [nm] by which U's number rises
+static int32_t take_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
+                         const cam_motion_t *m)
+{
+    const hal_axis_t axis = h->axis;
+    const int32_t place_nm = r->in.actual_nm[axis];
+    const int64_t shift_nm = axis == hal_axis_u ? (int64_t)cfg->order.home_nm - place_nm : 0;
+    const int64_t u_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, shift_nm * 1024);
+    const bool is_far = cam_abs_i64(shift_nm) >= most_shift_nm;
+    if (shift_nm != 0 && (is_far || !cam_is_between(u_q10, -cfg->u_end_q10, cfg->u_end_q10))) {
+        end_order(h, cam_jog_no_stroke);
+        return 0;
+    }
+    h->homed |= UINT32_C(1) << (uint32_t)axis;
+    h->n_found++;
+    h->found_nm[axis] = place_nm;
+    end_order(h, cam_jog_done);
+    return (int32_t)shift_nm;
+}
+
+/// The search begins, or on the switch the way off it; not for a U that is called by a number
+/// beyond its set-points. @return [nm] by which U's number rises, so that it has its whole stroke
+/// before it
+static int32_t begin_homing(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
+                            const cam_motion_t *m)
+{
+    const cam_jog_order_t *o = &cfg->order;
+    const bool is_on = is_on_switch(r, o->axis);
+    int64_t from_q10 = m->axis[o->axis].pos_q10;
+    int64_t shift_nm = 0;
+    h->homed &= ~(UINT32_C(1) << (uint32_t)o->axis);
+    if (o->axis == hal_axis_u) {
+        const int64_t end_q10 = (is_on ? o->sense : -o->sense) * cfg->u_end_q10;
+        shift_nm = cam_wrap_sub_i64(end_q10, from_q10) / 1024;
+        from_q10 = cam_wrap_add_i64(from_q10, shift_nm * 1024);
+        if (cam_abs_i64(shift_nm) >= most_shift_nm) {
+            end_order(h, cam_jog_no_stroke);
+            return 0;
+        }
+    }
+    begin_phase(h, o, is_on ? cam_jog_release : cam_jog_search, from_q10);
+    return (int32_t)shift_nm;
+}
+
+/// Where a jog or a step ends: within the travel, or outside of it not farther out than now. A set
+/// point that has just passed the end, as braking by steps may lead it, is not outside.
+static int64_t travel_q10(const cam_jog_config_t *cfg, int64_t pos_q10)
+{
+    const cam_jog_order_t *o = &cfg->order;
+    const int64_t room_q10 = cfg->limits[o->axis].acceleration_q10;
+    const int64_t low_q10 = pos_q10 < o->low_q10 - room_q10 ? pos_q10 : o->low_q10;
+    const int64_t high_q10 = pos_q10 > o->high_q10 + room_q10 ? pos_q10 : o->high_q10;
+    const int64_t far_q10 = o->sense > 0 ? high_q10 : low_q10;
+    return o->begin == cam_jog_jog
+               ? far_q10
+               : cam_clamp_i64(cam_wrap_add_i64(pos_q10, o->distance_q10), low_q10, high_q10);
+}
+
+/// Begin the order of the configuration. @return [nm] by which U's number rises
+static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
+                           const cam_motion_t *m)
+{
+    const cam_jog_order_t *o = &cfg->order;
+    const bool was_running = h->phase != cam_jog_rest;
+    h->serial = o->serial;
+    if (o->begin == cam_jog_rest) {
+        end_order(h, was_running ? cam_jog_stopped : h->end);
+        return 0;
+    }
+    h->axis = o->axis;
+    h->phase = o->begin;
+    h->end = cam_jog_runs;
+    if (is_too_old(o, r)) { // before it could find or forget a home
+        end_order(h, cam_jog_silent);
+        return 0;
+    }
+    if (o->begin == cam_jog_here) {
+        return take_home(h, cfg, r, m);
+    }
+    if (o->begin == cam_jog_search) {
+        return begin_homing(h, cfg, r, m);
+    }
+    h->target_q10 = travel_q10(cfg, m->axis[o->axis].pos_q10);
+    return 0;
+}
+
+/// @return whether the axis moves back from the switch, not on by the way that it brakes
+static bool is_back(const cam_jog_order_t *o, const cam_axis_motion_t *axis)
+{
+    return o->sense > 0 ? axis->vel_q10 < 0 : axis->vel_q10 > 0;
+}
+
+/// Look whether the phase of homing has found what it looks for. @return [nm] by which U's number
+/// rises
+static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
+                             const cam_motion_t *m)
+{
+    const cam_jog_order_t *o = &cfg->order;
+    const cam_axis_motion_t *axis = &m->axis[h->axis];
+    const bool is_on = is_on_switch(r, h->axis);
+    if (h->phase == cam_jog_search && is_on) {
+        begin_phase(h, o, cam_jog_release, axis->pos_q10);
+    } else if (h->phase == cam_jog_release && !is_on && is_back(o, axis)) {
+        if (!o->has_index) {
+            return take_home(h, cfg, r, m);
+        }
+        begin_phase(h, o, cam_jog_index, axis->pos_q10);
+    } else if (h->phase == cam_jog_index && is_at_index(r, h->axis)) {
+        return take_home(h, cfg, r, m);
+    } else {
+        // the phase goes on
+    }
+    return 0;
+}
+
+/// The axis has come to where its phase ends.
+static void end_phase(cam_jog_t *h)
+{
+    static const cam_jog_end_t ends[cam_jog_n_phases] = {
+        [cam_jog_jog] = cam_jog_limit,        [cam_jog_step] = cam_jog_done,
+        [cam_jog_search] = cam_jog_no_switch, [cam_jog_release] = cam_jog_no_release,
+        [cam_jog_index] = cam_jog_no_index,
+    };
+    end_order(h, ends[h->phase]);
+}
+
+/// U moves from tick to tick; the plan tells where to, and how fast. @return whether it rests
+static bool is_u_at_rest(const cam_motion_t *m)
+{
+    const cam_axis_motion_t *u = &m->axis[hal_axis_u];
+    return u->vel_q10 == 0 && u->acc_q10 == 0;
+}
+
+/// Move the axis of the order, within limits that may have become lower since. @return whether it
+/// has come to where the phase ends
+static bool move_axis(const cam_jog_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    const cam_jog_order_t *o = &cfg->jog.order;
+    const bool is_slow = h->phase == cam_jog_release || h->phase == cam_jog_index;
+    cam_motion_limits_t limits = cfg->jog.limits[h->axis];
+    const int32_t ordered_q10 = is_slow ? o->slow_q10 : o->speed_q10;
+    limits.speed_q10 = ordered_q10 < limits.speed_q10 ? ordered_q10 : limits.speed_q10;
+    if (h->axis != hal_axis_u) {
+        return cam_plan_move_to_isr(m, h->axis, cfg, &limits, h->target_q10);
+    }
+    const int32_t speed_q10 = cam_interpolate_share(cfg, limits.speed_q10);
+    m->u_speed_q10 = speed_q10 > 0 ? speed_q10 : 1;
+    m->u_target_q10 = h->target_q10;
+    return m->axis[hal_axis_u].pos_q10 == h->target_q10 && is_u_at_rest(m);
+}
+
+/// Bring an axis to rest. @return whether it rests
+static bool brake_axis(hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    if (axis != hal_axis_u) {
+        return cam_plan_move_brake_isr(m, axis, cfg, &cfg->jog.limits[axis]);
+    }
+    m->u_speed_q10 = 0;
+    return is_u_at_rest(m);
+}
+
+/// Move the axis of the order, or bring another one to rest. @return whether it rests
+CAM_STAGE static bool lead_axis(cam_jog_t *h, hal_axis_t axis, const cam_play_config_t *cfg,
+                                cam_motion_t *m)
+{
+    if (h->phase == cam_jog_rest || axis != h->axis) {
+        return brake_axis(axis, cfg, m);
+    }
+    if (move_axis(h, cfg, m)) {
+        end_phase(h);
+    }
+    return false;
+}
+
+/// Lead all axes. @return whether all rest
+static bool move_axes(cam_jog_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    const bool is_u_still = lead_axis(h, hal_axis_u, cfg, m);
+    const bool is_x_still = lead_axis(h, hal_axis_x, cfg, m);
+    const bool is_z_still = lead_axis(h, hal_axis_z, cfg, m);
+    m->is_filtering = true;
+    return is_u_still && is_x_still && is_z_still;
+}
+
+int32_t cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                    cam_motion_t *m)
+{
+    const cam_jog_order_t *o = &cfg->jog.order;
+    int32_t shift_nm = 0;
+    m->faults = 0;
+    m->spindle_mrpm = 0;
+    m->is_clear = false;
+    forget_homes(h, r->in.inputs);
+    if (o->serial != h->serial) {
+        shift_nm = begin_order(h, &cfg->jog, r, m);
+    } else if (h->phase != cam_jog_rest) {
+        shift_nm = look_for_home(h, &cfg->jog, r, m);
+    } else {
+        // nothing is ordered
+    }
+    if (h->phase != cam_jog_rest && m->is_stopping) {
+        end_order(h, cam_jog_stopped);
+    }
+    if (h->phase != cam_jog_rest && is_too_old(o, r)) {
+        end_order(h, cam_jog_silent);
+    }
+    // Where U gets other numbers the target has them already, and the axis does not: it waits.
+    const bool are_at_rest = shift_nm == 0 && move_axes(h, cfg, m);
+    if (m->is_stopping && are_at_rest) {
+        m->is_stopping = false;
+        m->state = cam_state_off;
+    }
+    return shift_nm;
+}
+
+void cam_jog_idle_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r)
+{
+    forget_homes(h, r->in.inputs);
+    h->serial = cfg->jog.order.serial;
+    if (h->phase != cam_jog_rest) {
+        end_order(h, cam_jog_stopped);
+    }
+}

@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_plan.h"
+#include "cam_interpolate.h"  // cam_interpolate_isr
+#include "cam_angle.h"        // cam_angle_diff_q32
+#include "cam_envelope.h"     // cam_envelope_step_q30
+#include "cam_eval.h"         // cam_eval_height
+#include "cam_fix.h"          // cam_clamp_i32
+#include "cam_positioning.h"  // cam_positioning_isr
+#include "cam_shaft.h"        // cam_shaft_aim_isr
+#include "cam_swing.h"        // cam_swing_aim_isr
+#include "cam_feed_profile.h" // cam_feed_profile_at
+
+/// [nm / 1024] half a nanometre: the tick takes whole ones of X, which are thus rounded to nearest.
+#define HALF_NM_Q10 512
+
+/// [1] in the unit of envelopes.
+#define ONE_Q30 (INT32_C(1) << 30)
+
+/// [slices] half of one: sixteen times as much still fits 32 bits.
+#define MOST_STEP_Q28 ((INT32_C(1) << 27) - 1)
+
+/// Disengage position of a cut that only stop ends.
+#define NEVER_Q32 (INT64_MAX / 2)
+
+/// @return [turn] where the master will be, the acceleration of the spindle allowed for
+static int64_t ahead_q32(const cam_angle_t *angle, int32_t ticks_q16, int32_t alpha_q40,
+                         int32_t ticks2)
+{
+    return cam_wrap_add_i64(cam_angle_ahead(angle, ticks_q16), ((int64_t)alpha_q40 * ticks2) >> 8);
+}
+
+/// @param lag_q32  [turn] travelled during the lag of the drive
+/// @return         [1 / 2^30] 0 out of the work, 2^30 at full depth and amplitude
+static int32_t envelope_q30(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
+                            int64_t lag_q32)
+{
+    const int32_t risen_q30 = cam_envelope_step_q30(cam_wrap_sub_i64(pos_q32, p->engage_at_q32),
+                                                    lag_q32, cfg->engage_q32, cfg->per_engage_q31);
+    const int32_t fallen_q30 =
+        cam_envelope_step_q30(cam_wrap_sub_i64(pos_q32, p->disengage_at_q32), lag_q32,
+                              cfg->disengage_q32, cfg->per_disengage_q31);
+    return cam_mul_shift(risen_q30, ONE_Q30 - fallen_q30, 30);
+}
+
+/// @return [nm / 1024] a height of the part where the port counts Z, MATHS.md (170)
+static int64_t by_port_q10(const cam_play_config_t *cfg, int32_t z_nm)
+{
+    return ((int64_t)z_nm + cfg->z_origin_nm) * 1024;
+}
+
+/// @return [nm] Z at the next plan, along a plain helix; a measured Z is extrapolated by its travel
+/// since the last plan
+static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t actual_nm,
+                         int64_t pos_q32)
+{
+    const int32_t moved_nm = cam_wrap_sub(actual_nm, p->measured_nm);
+    p->measured_nm = actual_nm;
+    return cfg->is_z_measured
+               ? cam_wrap_add(cam_wrap_sub(actual_nm, cfg->z_origin_nm), moved_nm)
+               : cam_wrap_add(cfg->z_first_nm,
+                              cam_feed_motion_fed_nm_isr(&p->feed_motion, cfg, pos_q32));
+}
+
+/// @return [slices] of U at a height
+static int64_t slice_q32(const cam_play_config_t *cfg, int32_t z_nm)
+{
+    const cam_height_t at = cam_eval_height(&cfg->table->u, z_nm);
+    const int64_t found_q32 = (int64_t)((uint64_t)at.i << 32 | (uint32_t)at.w_q31 << 1);
+    return cam_clamp_i64(found_q32, 0, cfg->height_max_q32);
+}
+
+/// Plan U's height on the table. The increment saturates at half a slice per tick, which is faster
+/// than any feed. It is rounded towards 0, so that the remainder, which is added at once, points
+/// towards the target as well: U never leaves the table.
+static void aim_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t target_q32)
+{
+    const int32_t left_q28 = cam_sat_i32(cam_wrap_sub_i64(target_q32, m->height_q32) >> 4);
+    const int64_t step_q58 = (int64_t)left_q28 * cfg->per_plan_q30;
+    const int32_t exact_q28 = (int32_t)((step_q58 < 0 ? step_q58 + ONE_Q30 - 1 : step_q58) >> 30);
+    const int32_t step_q28 = cam_clamp_i32(exact_q28, -MOST_STEP_Q28, MOST_STEP_Q28);
+    m->height_step_q32 = step_q28 * 16;
+    m->height_q32 = target_q32 - (int64_t)m->height_step_q32 * cfg->plan_ticks;
+}
+
+/// @return [nm] where Z itself will be when U has moved to what it is commanded at the next plan.
+/// It is read off the feed at that instant. Taking Z's set-point less its speed times its lag comes
+/// to the same, but it multiplies the noise of the observed speed by the lag once more, which U
+/// shows where the table is steep over the height.
+static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
+                           int32_t z_nm, int32_t z_vel_q10)
+{
+    return cfg->is_z_measured
+               ? cam_wrap_add(z_nm, (int32_t)(((int64_t)z_vel_q10 * cfg->lead_q16) >> 26))
+               : cam_wrap_add(cfg->z_first_nm,
+                              cam_feed_motion_fed_nm_isr(&p->feed_motion, cfg, pos_q32));
+}
+
+/// Plan U's amplitude and the distance of its height on the table behind Z's set-point.
+static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
+                  int32_t u_z_nm)
+{
+    // Only the reported height uses it, so beyond 134 mm it may wrap.
+    const int32_t behind_q4 = (int32_t)(((uint32_t)z_nm - (uint32_t)u_z_nm) * 16u);
+    m->scale_step_q30 = cam_interpolate_share(cfg, cam_wrap_sub(scale_q30, m->scale_q30));
+    m->scale_q30 =
+        cam_wrap_sub(scale_q30, cam_wrap_times(m->scale_step_q30, (uint32_t)cfg->plan_ticks));
+    m->behind_step_q4 = cam_interpolate_share(cfg, cam_wrap_sub(behind_q4, m->behind_q4));
+    m->behind_q4 =
+        cam_wrap_sub(behind_q4, cam_wrap_times(m->behind_step_q4, (uint32_t)cfg->plan_ticks));
+}
+
+/// Where Z is aimed at, where U is read on the table, and the lobe's share in both.
+typedef struct {
+    int32_t z_nm, u_z_nm;
+    cam_share_t share;
+} height_t;
+
+/// Plan Z and the height of U of a skirt. Where the feed changes with the height, Z runs ahead of
+/// the helix by the way; U is so near to Z that the feed at Z holds for it as well.
+static height_t aim_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
+                          int32_t helix_nm, int64_t u_q32)
+{
+    const bool has_way = cfg->table->way.knots != NULL && !cfg->is_z_measured;
+    const cam_feed_profile_t plain = {.z_nm = helix_nm};
+    const cam_feed_profile_t way = has_way ? cam_feed_profile_at(cfg->table, helix_nm) : plain;
+    cam_interpolate_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, way.z_nm));
+    const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
+    const int64_t behind_q16 = (int64_t)cam_wrap_sub(u_nm, helix_nm) * way.slope_q16;
+    const int32_t u_z_nm = has_way ? cam_wrap_add(way.z_nm, (int32_t)(behind_q16 >> 16)) : u_nm;
+    aim_height(m, cfg, slice_q32(cfg, u_z_nm));
+    return (height_t){way.z_nm, u_z_nm, {ONE_Q30, ONE_Q30}};
+}
+
+/// Plan Z and the pattern of U of a shaft of lobes. With stations lobes and X are found by the
+/// helix, which Z follows by the way; there the lift changes while X is off, so that U's lead over
+/// X does not matter.
+static height_t aim_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
+                          int32_t helix_nm, int64_t u_q32)
+{
+    const cam_table_t *t = cfg->table;
+    cam_axis_motion_t *z = &m->axis[hal_axis_z];
+    int32_t u_z_nm = helix_nm;
+    int32_t lobe_z_nm = helix_nm;
+    if (t->has_stations) {
+        cam_interpolate_isr(z, cfg, by_port_q10(cfg, cam_feed_profile_at(t, helix_nm).z_nm));
+    } else {
+        cam_interpolate_isr(z, cfg, by_port_q10(cfg, helix_nm));
+        u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, z->vel_q10);
+        lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_z_nm) : u_z_nm;
+    }
+    return (height_t){helix_nm, u_z_nm, cam_shaft_aim_isr(&p->shaft, t, lobe_z_nm, m)};
+}
+
+/// @return [turn / 2^32] the operator's phase at the next plan
+static uint32_t phase_then_q32(const cam_motion_t *m, const cam_play_config_t *cfg)
+{
+    return (uint32_t)m->phase_q32 + (uint32_t)m->phase_step_q32 * (uint32_t)cfg->plan_ticks;
+}
+
+/// Plan the spindle: the speed ratio moves linearly to that of the next plan, and the set-point is
+/// what makes a spindle with its lag do so. Without a speed channel the ratio is 1.
+static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
+                      int32_t z_nm, int32_t envelope, cam_motion_t *m)
+{
+    const cam_channel_t *ch = &cfg->table->speed;
+    if (ch->knots == NULL) {
+        m->spindle_mrpm = cam_mul_shift(cfg->spindle_mrpm, p->spindle_rate_q30, 30);
+        return;
+    }
+    const cam_speed_config_t speed = cam_speed_overridden(&cfg->speed, p->spindle_rate_q30);
+    const uint32_t theta_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ratio_q16));
+    const cam_ratio_t ratio = cam_speed_ratio_at(ch, theta_q32 - phase_then_q32(m, cfg),
+                                                 cam_shaft_slice(&p->shaft, cfg->table, ch, z_nm));
+    const int32_t from_q28 = p->ratio_q28;
+    const int32_t held_q28 = // beyond every ratio of a table that was not changed in memory
+        cam_clamp_i32(ratio.ratio_q28, CAM_RATIO_ONE_Q28 / 32, CAM_RATIO_ONE_Q28 * 5);
+    p->ratio_q28 = cam_speed_eased_q28(held_q28, envelope);
+    m->spindle_mrpm = cam_speed_mrpm(&speed, from_q28, p->ratio_q28);
+    m->alpha_q40 = cam_speed_alpha_q40(&speed, cam_interpolate_share(cfg, p->ratio_q28 - from_q28));
+    m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
+}
+
+static void aim_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
+                      int32_t z_nm, int32_t scale_q30, cam_motion_t *m)
+{
+    const cam_swing_config_t *swing = &cfg->swing;
+    const int64_t pos_q32 = ahead_q32(angle, swing->ahead_q16, m->alpha_q40, swing->ahead2);
+    cam_swing_aim_isr(&m->swing, cfg, cam_angle_of_pos(pos_q32) - phase_then_q32(m, cfg),
+                      cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm), scale_q30);
+}
+
+/// It never leaves the range between the two, and reaches the other one exactly.
+/// @return a value led towards another by at most a step
+/*@ requires most >= 0;
+    assigns \result \from value, to, most;
+    ensures between: \min(value, to) <= \result <= \max(value, to);
+    ensures step: \abs(\result - value) <= most;
+    ensures there: \abs(to - value) <= most ==> \result == to;
+*/
+static int32_t led(int32_t value, int32_t to, int32_t most)
+{
+    if (value < to) {
+        const int32_t more = cam_sat_add(value, most);
+        return more < to ? more : to;
+    }
+    const int32_t less = cam_sat_add(value, -most);
+    return less > to ? less : to;
+}
+
+/// Move phase, amplitude, trim and override of the spindle towards the operator's values, as far as
+/// their rates allow until the next plan.
+static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    const uint32_t to_q32 = (uint32_t)cfg->phase_q32 + p->shaft.phase_q32;
+    const int32_t left_q32 = cam_angle_diff_q32(to_q32, (uint32_t)m->phase_q32);
+    m->phase_step_q32 = cam_clamp_i32(cam_interpolate_share(cfg, left_q32), -cfg->phase_step_q32,
+                                      cfg->phase_step_q32);
+    if (m->phase_step_q32 == 0) {
+        m->phase_q32 = (int32_t)to_q32;
+    }
+    const int32_t most_q30 = cfg->amplitude_step_q30 * cfg->plan_ticks;
+    p->amplitude_q30 = led(p->amplitude_q30, cfg->amplitude_q30, most_q30);
+    p->x_trim_q4 = led(p->x_trim_q4, cfg->x_trim_q4, cfg->x_trim_step_q4);
+    p->spindle_rate_q30 = led(p->spindle_rate_q30, cfg->spindle_rate_q30, cfg->spindle_step_q30);
+}
+
+/// Compare the measured Z with where it must be: on the table, a geared Z moreover where its
+/// set-point was one lag ago, and a measured Z near where the last plan found it. A Z that jumps
+/// further within a plan is no motion that U and X could follow.
+/// @param last_nm  [nm] measured Z of the last plan
+/// @return         fault z_range or none
+static uint32_t check_z(const cam_play_config_t *cfg, int32_t z_nm, int32_t last_nm,
+                        const cam_axis_motion_t *z)
+{
+    const int64_t behind_q10 = ((int64_t)z->vel_q10 * cfg->xz_lag_q16) >> 16;
+    const int64_t due_q10 = cam_wrap_sub_i64(z->pos_q10, behind_q10);
+    const int64_t due_nm = cfg->is_z_measured ? last_nm : due_q10 >> 10;
+    const bool is_off = cam_abs_i64(z_nm - due_nm) > cfg->z_margin_nm;
+    const bool is_out = z_nm < cfg->z_low_nm || z_nm > cfg->z_high_nm;
+    return is_off || is_out ? CAM_FAULT_BIT(z_range) : 0u;
+}
+
+/// @return [turn] master position where the cut or its rehearsal is over
+static int64_t out_at_q32(const cam_plan_t *p, const cam_play_config_t *cfg)
+{
+    return cam_wrap_add_i64(p->disengage_at_q32, cfg->disengage_q32);
+}
+
+/// A rehearsal ends when the amplitude has fallen, and the cut follows unless it was stopped.
+static cam_state_t rehearsal_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
+{
+    const cam_state_t next = p->is_stopped ? cam_state_ready : cam_state_engaging;
+    return pos_q32 < out_at_q32(p, cfg) ? cam_state_rehearsing : next;
+}
+
+/// The state is that of the spindle itself, not of what is planned. A spindle that turns back does
+/// not make the tool engage again, nor cut again behind it: until the fault `reverse` the state
+/// stays what it was.
+static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
+                            cam_state_t was)
+{
+    if (p->is_rehearsal) {
+        return rehearsal_at(p, cfg, pos_q32);
+    }
+    if (pos_q32 >= p->disengage_at_q32 || was == cam_state_disengaging) {
+        return pos_q32 < out_at_q32(p, cfg) ? cam_state_disengaging : cam_state_ready;
+    }
+    const bool is_resting = p->feed_motion.is_held && pos_q32 >= p->feed_motion.end_q32;
+    const cam_state_t fed = is_resting ? cam_state_holding : cam_state_cutting;
+    const bool is_engaging = was == cam_state_engaging && pos_q32 < p->feed_at_q32;
+    return is_engaging ? cam_state_engaging : fed;
+}
+
+/// @return [turn] the first whole turn that no axis was commanded to
+static int64_t next_turn_q32(const cam_play_config_t *cfg, const cam_angle_t *angle)
+{
+    return cam_angle_next_turn(cam_angle_ahead(angle, cfg->commanded_q16));
+}
+
+/// Lay the end of the feed, and behind it that of the cut, onto a whole turn that no axis was
+/// commanded to.
+static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
+{
+    const int64_t next_q32 = next_turn_q32(cfg, angle);
+    const bool has_feed = !cfg->is_z_measured && !p->is_rehearsal;
+    const int64_t end_q32 =
+        has_feed ? cam_feed_motion_stop_isr(&p->feed_motion, cfg, next_q32) : next_q32;
+    p->disengage_at_q32 = end_q32 < p->disengage_at_q32 ? end_q32 : p->disengage_at_q32;
+    p->is_stopped = true;
+}
+
+/// @return [turn] where the cut ends that the course of its feed leads to
+static int64_t end_of_course_q32(const cam_plan_t *p)
+{
+    return p->feed_motion.is_held ? NEVER_Q32 : p->feed_motion.end_q32;
+}
+
+/// Follow the override of the feed, and a hold, as long as the cut has no end of its own.
+static void follow_override(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
+{
+    if (cfg->feed_rate_q30 != p->feed_motion.asked_q30 && !p->is_rehearsal && !p->is_stopped &&
+        !cfg->is_z_measured) {
+        cam_feed_motion_request_isr(&p->feed_motion, cfg, angle->pos_q32,
+                                    next_turn_q32(cfg, angle));
+        p->disengage_at_q32 = end_of_course_q32(p);
+    }
+}
+
+/// A rehearsal has no feed: the amplitude rises, stays, and falls at the first height.
+static void lay_rehearsal(cam_plan_t *p, const cam_play_config_t *cfg)
+{
+    p->disengage_at_q32 = cam_wrap_add_i64(p->feed_at_q32, cfg->rehearse_q32);
+    p->feed_at_q32 = NEVER_Q32;
+    cam_feed_motion_begin_isr(&p->feed_motion, cfg, NEVER_Q32);
+}
+
+/// Lay the cut onto whole turns of the master, and set all that changes in it to its first value.
+/// All axes rest, as cam_positioning_isr() left them, until the next plan aims them, and the cut
+/// begins behind that.
+static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                cam_motion_t *m)
+{
+    const int32_t actual_nm = r->in.actual_nm[hal_axis_z];
+    const int32_t part_nm = cam_wrap_sub(actual_nm, cfg->z_origin_nm);
+    const int32_t z_nm = cfg->is_z_measured ? part_nm : cfg->z_first_nm;
+    p->engage_at_q32 = cam_angle_next_turn(
+        cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));
+    p->feed_at_q32 = cam_wrap_add_i64(p->engage_at_q32, cfg->engage_q32);
+    cam_feed_motion_begin_isr(&p->feed_motion, cfg, p->feed_at_q32);
+    p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : end_of_course_q32(p);
+    p->is_stopped = false;
+    p->is_rehearsal = m->state == cam_state_rehearsing;
+    if (p->is_rehearsal) {
+        lay_rehearsal(p, cfg);
+    }
+    p->amplitude_q30 = cfg->amplitude_q30;
+    p->x_trim_q4 = cfg->x_trim_q4;
+    p->spindle_rate_q30 = cfg->spindle_rate_q30;
+    p->measured_nm = actual_nm;
+    p->ratio_q28 = CAM_RATIO_ONE_Q28;
+    m->phase_q32 = cfg->phase_q32;
+    m->scale_q30 = 0;
+    m->behind_q4 = 0;
+    m->height_q32 = slice_q32(cfg, z_nm);
+    m->is_stopping = false;
+    m->is_playing = true;
+    cam_shaft_lay_isr(&p->shaft, cfg->table, z_nm, m);
+}
+
+/// X follows its profile less the envelope; in a rehearsal it stays off the work altogether.
+static void aim_x(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m, int32_t z_nm,
+                  int32_t envelope)
+{
+    const int64_t away_q10 = p->is_rehearsal ? cfg->rehearse_x_q10 : 0;
+    cam_interpolate_isr(&m->axis[hal_axis_x], cfg,
+                        cam_interpolate_profile_q10(cfg, z_nm, envelope, p->x_trim_q4) +
+                            HALF_NM_Q10 + away_q10);
+}
+
+/// Plan all axes for the instant of the next plan.
+static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                     cam_motion_t *m)
+{
+    const cam_angle_t *angle = &r->angle;
+    const int64_t xz_q32 = ahead_q32(angle, cfg->xz_plan_q16, m->alpha_q40, cfg->xz_lag2);
+    const int32_t helix_nm = height_nm(p, cfg, r->in.actual_nm[hal_axis_z], xz_q32);
+    const int64_t lag_q32 = ((int64_t)angle->speed_q32 * cfg->xz_lag_q16) >> 16;
+    const int64_t u_q32 = cam_angle_ahead(angle, cfg->u_plan_q16);
+    const int32_t u_envelope = envelope_q30(p, cfg, u_q32, 0);
+    ramp(p, cfg, m);
+    const height_t at = cfg->table->n_lobes == 0u ? aim_skirt(p, cfg, m, helix_nm, u_q32)
+                                                  : aim_shaft(p, cfg, m, helix_nm, u_q32);
+    const int32_t z_nm = at.z_nm;
+    const int32_t scale_q30 =
+        cam_mul_shift(cam_mul_shift(u_envelope, at.share.lift_q30, 30), p->amplitude_q30, 30);
+    aim_x(p, cfg, m, z_nm,
+          p->is_rehearsal ? 0 : envelope_q30(p, cfg, cam_wrap_sub_i64(xz_q32, lag_q32), lag_q32));
+    aim_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
+    aim_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
+    if (cfg->swing.is_swung && !p->is_rehearsal) {
+        aim_swing(p, cfg, angle, z_nm, scale_q30, m);
+    }
+}
+
+/// @return whether nothing of what was laid is left
+static bool is_over(const cam_plan_t *p, cam_state_t state)
+{
+    return state == cam_state_ready || (p->is_rehearsal && state == cam_state_engaging);
+}
+
+/// One plan while the axes follow the table.
+static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                     cam_motion_t *m)
+{
+    m->faults = check_z(cfg, r->in.actual_nm[hal_axis_z], p->measured_nm, &m->axis[hal_axis_z]);
+    if (cfg->swing.is_swung) {
+        m->faults |= cam_swing_check_isr(&m->swing, cfg, r->in.swing_q32);
+    }
+    if (m->is_stopping) {
+        lay_end(p, cfg, &r->angle);
+        m->is_stopping = false;
+    } else {
+        follow_override(p, cfg, &r->angle);
+    }
+    if ((m->faults & CAM_FAULT_BIT(z_range)) != 0u) {
+        return; // The guard takes over in the next tick; until then nothing aims at a wrong height.
+    }
+    aim_axes(p, cfg, r, m);
+    m->state = state_at(p, cfg, r->angle.pos_q32, m->state);
+    if (is_over(p, m->state)) { // scale 0: U has come to rest at 0
+        m->axis[hal_axis_u] = (cam_axis_motion_t){0};
+        cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], &m->axis[hal_axis_u],
+                                  cfg->approach[hal_axis_u].log2_window);
+        m->u_target_q10 = m->state == cam_state_ready ? cfg->u_retract_q10 : 0;
+        m->is_playing = false;
+    }
+}
+
+void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                  cam_motion_t *m)
+{
+    if (m->is_playing) {
+        m->is_filtering = false;
+        plan_cut(p, cfg, r, m);
+    } else if (cam_positioning_isr(cfg, r, m)) {
+        lay(p, cfg, r, m);
+    }
+}

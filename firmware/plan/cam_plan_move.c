@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_plan_move.h"
+#include "cam_interpolate.h" // cam_interpolate_isr
+#include "cam_fix.h"         // cam_clamp_i64, cam_sat_i32
+
+/// @return an axis as it moves from plan to plan; a speed that no limit per plan holds is
+/// saturated. Its glide goes on, or begins where something else has moved the axis meanwhile
+static cam_axis_motion_t plan_by_plan(cam_motion_t *m, hal_axis_t axis,
+                                      const cam_play_config_t *cfg,
+                                      const cam_motion_limits_t *limits)
+{
+    cam_jerk_filter_t *filter = &m->filter[axis];
+    const cam_axis_motion_t *now = &m->axis[axis];
+    const int64_t ticks = cfg->plan_ticks;
+    // A spindle that jumps drags the axes geared to it along, beyond their accelerations. A motion
+    // that went on from there would carry X into the work before it leaves.
+    const int64_t most_q10 = limits->acceleration_q10;
+    const int64_t change_q10 = m->change_q10[axis] * ticks;
+    const int64_t acc_q10 = cam_clamp_i64(change_q10, -most_q10, most_q10);
+    const cam_axis_motion_t next = {.pos_q10 = now->pos_q10,
+                                    .vel_q10 = cam_sat_i32(now->vel_q10 * ticks),
+                                    .acc_q10 = (int32_t)acc_q10};
+    if (!m->is_filtering || now->pos_q10 != filter->sum_pos_q10 >> filter->log2_window) {
+        cam_jerk_filter_begin_isr(filter, &next, limits->log2_window);
+    }
+    return next;
+}
+
+bool cam_plan_move_to_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *cfg,
+                          const cam_motion_limits_t *limits, int64_t place_q10)
+{
+    cam_axis_motion_t next = plan_by_plan(m, axis, cfg, limits);
+    cam_jerk_filter_t *filter = &m->filter[axis];
+    bool is_there = cam_jerk_filter_to_isr(filter, &next, limits, place_q10);
+    if (is_there && next.pos_q10 != place_q10) {
+        filter->sum_pos_q10 = ~filter->sum_pos_q10; // a bit of it flipped: it begins anew from here
+        is_there = false;
+    }
+    cam_interpolate_isr(&m->axis[axis], cfg, next.pos_q10);
+    return is_there;
+}
+
+bool cam_plan_move_brake_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *cfg,
+                             const cam_motion_limits_t *limits)
+{
+    cam_axis_motion_t next = plan_by_plan(m, axis, cfg, limits);
+    const bool is_at_rest = cam_jerk_filter_stop_isr(&m->filter[axis], &next, limits);
+    cam_interpolate_isr(&m->axis[axis], cfg, next.pos_q10);
+    return is_at_rest;
+}

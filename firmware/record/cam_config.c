@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_config.h"
+#include "cam_fence.h" // cam_fence_acquire_isr
+#include "cam_fix.h"   // cam_abs_i64, cam_sat_i32
+#include "cam_seal.h"  // cam_seal_more
+#include "cam_state.h" // CAM_STAGE
+#include <stddef.h>    // NULL, offsetof
+
+/// [nm] what is learned moves the command of U by this at once, at most.
+#define LEARNED_STEP_NM 1000
+
+/// @return the half that is not offered
+static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *offered)
+{
+    return offered == &bank->half[0] ? &bank->half[1] : &bank->half[0];
+}
+
+static uint32_t config_seal(const cam_config_t *config)
+{
+    return cam_seal_more(0, config, offsetof(cam_config_t, seal) / sizeof(uint32_t));
+}
+
+bool cam_config_is_whole(const cam_config_t *config)
+{
+    return config->seal == config_seal(config);
+}
+
+cam_config_t *cam_config_free_half(cam_config_bank_t *bank)
+{
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    const cam_config_t *in_use = atomic_load_explicit(&bank->in_use, memory_order_acquire);
+    return offered == in_use ? other_half(bank, offered) : NULL;
+}
+
+void cam_config_tie(cam_config_t *config, bool has_table)
+{
+    config->play.table = has_table ? &config->table : NULL;
+    config->play.c = config->learned.c;
+    config->play.d = config->learned.d;
+    config->spindle.dm = config->learned.dm;
+}
+
+cam_config_t *cam_config_copy(cam_config_bank_t *bank)
+{
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    cam_config_t *half = cam_config_free_half(bank);
+    if (half != NULL && offered != NULL) {
+        if (!cam_config_is_whole(offered)) {
+            return NULL;
+        }
+        *half = *offered;
+        cam_config_tie(half, offered->play.table != NULL);
+        half->command.k1_q16 -= half->learned.k1_q16;
+        half->command.k2_q16 -= half->learned.k2_q16;
+    }
+    return half;
+}
+
+void cam_config_learn(cam_config_t *config)
+{
+    config->command.k1_q16 += config->learned.k1_q16;
+    config->command.k2_q16 += config->learned.k2_q16;
+    cam_config_tell(config);
+}
+
+/// @return [nm] of nm / 1024, rounded up, and what is learned more; below 2^30, so that two of them
+/// fit a word
+static int32_t limit_nm(int64_t q10)
+{
+    return (int32_t)cam_clamp_i64(q10 / 1024 + 1 + LEARNED_STEP_NM, 0, INT64_C(1) << 29);
+}
+
+void cam_config_tell(cam_config_t *config)
+{
+    const cam_guard_config_t *g = &config->guard;
+    cam_axis_command_config_t *t = &config->command;
+    const int64_t k1_q16 = cam_abs_i64(config->command.k1_q16);
+    const int64_t k2_q16 = cam_abs_i64(config->command.k2_q16);
+    const int64_t v_q10 = (int64_t)g->u_vel_q6 * 16;
+    const int64_t a_q10 = (int64_t)g->u_acc_q6 * 16;
+    const int64_t j_q10 = 2 * a_q10 / (INT64_C(1) << g->leave.log2_window) + 1;
+    const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536;
+    const int64_t change_q10 = a_q10 + k1_q16 * j_q10 / 65536 + 2 * (k2_q16 * j_q10 / 65536);
+    t->step_nm = limit_nm(step_q10);
+    t->change_nm = limit_nm(change_q10);
+    t->change_off_nm = limit_nm(change_q10 + step_q10);
+}
+
+void cam_config_offer(cam_config_bank_t *bank)
+{
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    cam_config_t *half = other_half(bank, offered);
+    half->seal = config_seal(half);
+    atomic_store_explicit(&bank->offered, half, memory_order_release);
+}
+
+CAM_STAGE const cam_config_t *cam_config_change_isr(cam_config_bank_t *bank)
+{
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, CAM_ORDER_ACQUIRE);
+    cam_fence_acquire_isr();
+    if (offered != &bank->half[0] && offered != &bank->half[1]) {
+        offered = atomic_load_explicit(&bank->in_use, memory_order_relaxed);
+        atomic_store_explicit(&bank->offered, offered, memory_order_relaxed);
+        bank->is_mended = true;
+    }
+    cam_fence_release_isr(); // what the last tick read of the other half was read before this
+    atomic_store_explicit(&bank->in_use, offered, CAM_ORDER_RELEASE);
+    return offered;
+}

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_config: what the interrupt reads and never changes, and how it is handed over.
+///
+/// cam_build.h makes a configuration of parameters and table on the slow side, with all divisions
+/// and all checks of fit, in the half of the bank that the interrupt does not use; the interrupt
+/// takes it at the start of a tick and keeps it for that tick. There is no lock, but one atomic
+/// pointer in each direction.
+#ifndef CAM_CONFIG_H
+#define CAM_CONFIG_H
+
+#include "cam_channel.h"      // cam_table_t
+#include "cam_excite.h"       // cam_excite_config_t
+#include "cam_feed.h"         // cam_rings_t
+#include "cam_fence.h"        // cam_fence_acquire_isr, CAM_ORDER_ACQUIRE
+#include "cam_turn_bins.h"    // cam_learned_t
+#include "cam_move_profile.h" // cam_motion_limits_t
+#include "cam_jog_order.h"    // cam_jog_config_t
+#include "cam_speed.h"        // cam_speed_config_t
+#include "cam_state.h"        // CAM_FAULT_BIT
+#include "hal/hal.h"          // hal_n_axes
+#include <stdatomic.h>        // offered, in_use
+#include <stdbool.h>          // bool
+#include <stdint.h>           // int32_t, int64_t, uint32_t
+
+/// What the angle needs (cam_spindle.h).
+typedef struct {
+    const int16_t *dm;                ///< cam_learned_t of the same configuration
+    uint32_t sign_mask;               ///< 0, or ~0 when counts fall while cutting
+    int32_t counts_per_turn;          ///< 64 .. 2^24
+    uint32_t turn_per_count_q32;      ///< [turn / 2^32 per count] whole part of 2^32 / counts
+    uint32_t turn_per_count_fraction; ///< ... and 2^32 times what is left
+    uint32_t centre_q32;              ///< [turn / 2^32] offset of the index and half a count
+    int32_t kp_q31;                   ///< observer gain of the position per tick
+    int32_t ki_q32;                   ///< ... of the speed, below 1/2
+    int32_t index_tolerance;          ///< [counts]
+    int32_t index_overdue;            ///< [counts] travel without an index edge that is too far
+    int32_t jump_window;              ///< [counts] at most a quarter turn
+    int32_t max_counts;               ///< [counts / tick] a quarter turn
+    uint32_t tick_clocks;             ///< [1 / clock_hz] period
+    uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
+    uint32_t on_time_clocks;          ///< [1 / clock_hz] width of what counts as on time
+    uint32_t late_clocks;             ///< [1 / clock_hz] a longer period is a fault
+    uint32_t most_clocks;             ///< [1 / clock_hz] a longer period counts as this one
+    uint32_t ticks_per_clock_q27;     ///< [ticks per unit of the time stamp]
+    uint32_t stamp_clocks;            ///< [1 / clock_hz] an edge older than this less a tick has no
+                                      ///< use; 0 where edges have no time stamps
+} cam_spindle_config_t;
+
+/// Powers of two that bring what the table says of U to nm / 64 and nm / 1024.
+typedef struct {
+    uint32_t speed_shift; ///< speed << this is below 2^30
+    int32_t offset;       ///< value at p = 0 in the unit of y
+    uint32_t scale_down;  ///< scale_q30 >> this makes the factor of y
+    uint32_t y_up, v_up;  ///< shifts of the high words of the products
+    uint32_t a_down;      ///< of d2 before, and
+    uint32_t a_shift;     ///< of the product
+    uint32_t alpha_shift; ///< of the acceleration that the spindle is commanded
+} cam_u_scale_t;
+
+/// Limits of the return to 0.
+typedef struct {
+    int32_t speed_q32; ///< [turn / 2^32 per tick]
+    int32_t step_q32;  ///< ... by which it may change from one set-point to the next
+    int32_t gain_q32;  ///< [1 / tick] speed over distance, at most a quarter per plan
+} cam_swing_limits_t;
+
+/// What the plan needs of the tool's swing (cam_swing.h).
+typedef struct {
+    bool is_swung;             ///< the table swings the tool and there is an axis for it
+    int32_t ahead_q16;         ///< [ticks] from a plan to the end of its line, lag included
+    int32_t lag_q16;           ///< [ticks] of the drive
+    int32_t ahead2;            ///< [ticks^2] what the acceleration of the spindle adds until then
+    int32_t following_q32;     ///< [turn / 2^32] accepted following error
+    int32_t offset_q30;        ///< [turn / 2^30] value at 0 of the channel
+    int32_t unit_q30;          ///< what is read, twice LSB / 16, times this / 2^32 is turn / 2^30
+    cam_swing_limits_t gentle; ///< of the return to 0: a quarter of the machine's limits
+    cam_swing_limits_t full;   ///< ... in state fault: all of them
+} cam_swing_config_t;
+
+/// What is demanded of the button at the machine (cam_acknowledge.h).
+typedef struct {
+    bool is_demanded;      ///< false: the drives are enabled without it
+    uint32_t settle_plans; ///< [plans] for which a level of the input is stable before it counts
+    uint32_t least_plans;  ///< [plans] it is released, and then pressed, at least
+    uint32_t most_plans;   ///< [plans] it is pressed at most
+    uint32_t good_plans;   ///< [plans] in which enable must come
+} cam_acknowledge_config_t;
+
+/// What play and plan need (cam_play.h, cam_plan.h).
+typedef struct {
+    const cam_table_t *table; ///< NULL: none, enable is refused
+    const int16_t *c;         ///< of cam_learned_t of the same configuration
+    const int16_t *d;         ///< ... likewise
+    cam_u_scale_t u;
+    int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
+    uint32_t due_ticks;              ///< [ticks] whole ones of lead and latency of U's scale
+    int32_t due_part_q31;            ///< [ticks / 2^31] the rest
+    int32_t plan_ticks;              ///< [ticks] from plan to plan, 1 .. 80
+    int32_t per_plan_q30;            ///< [1 / ticks] its reciprocal, rounded down
+    int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
+    int32_t u_plan_q16, xz_plan_q16; ///< [ticks] lead and lag, and to the end of a plan
+    int32_t commanded_q16;  ///< [ticks] ahead of the master: no axis was commanded beyond it
+    int32_t ratio_q16;      ///< [ticks] the speed ratio is read this much ahead
+    int32_t xz_lag2;        ///< [ticks^2] what the spindle's acceleration adds to X and Z
+    int64_t height_max_q32; ///< [slices] end of the table for U
+    int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
+    int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
+    int64_t engage_q32, disengage_q32;          ///< [turn] lengths
+    uint32_t per_engage_q31, per_disengage_q31; ///< [1/turn] their reciprocals
+    int64_t rehearse_q32;   ///< [turn] at full amplitude before a cut, 0: there is no rehearsal
+    int64_t rehearse_x_q10; ///< [nm / 1024] X is this much farther off than at its approach
+    int64_t feed_q32;       ///< [turn] from first to last height, ramps included
+    int64_t ramp_q32;       ///< [turn] over which the feed rises, and falls
+    uint32_t per_ramp_q31;  ///< [1/turn] its reciprocal
+    cam_rings_t rings;      ///< off: the feed is that of a helix
+    int32_t feed_nm;        ///< [nm] per turn
+    int32_t z_first_nm;     ///< [nm] where the feed starts
+    int32_t z_origin_nm;    ///< [nm] where the port counts Z at height 0 of the part
+    int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z, by the port
+    int32_t z_margin_nm;         ///< [nm] accepted distance of a geared Z from its place
+    int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
+    bool is_z_measured;
+    int64_t u_retract_q10;  ///< [nm / 1024]
+    int32_t x_clearance_nm; ///< [nm]
+    int32_t x_high_nm;      ///< [nm] end of X's travel by the port
+    int64_t x_clear_q10;    ///< [nm / 1024] X off the work at every height, by the port
+    int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0, by the port
+    cam_motion_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan
+    cam_motion_limits_t leave[hal_n_axes];    ///< full limits per plan, of X and Z in state fault
+    int32_t spindle_mrpm;       ///< mean set-point, signed by the table's direction, programmed
+    cam_speed_config_t speed;   ///< modulation, of a table with a speed channel
+    cam_swing_config_t swing;   ///< of a table that swings the tool
+    cam_excite_config_t excite; ///< wave of U in the state identifying
+    cam_jog_config_t jog;       ///< order of the state manual
+    cam_acknowledge_config_t acknowledge;
+    // What the operator changes in the cut (cam_changes.h); the plan alone reads it
+    int32_t feed_rate_q30;     ///< [1] override of the feed; 0: it is held, else at least 1/100
+    int32_t per_feed_rate_q24; ///< [1] its reciprocal, 0 where it is held
+    int32_t x_trim_q4;         ///< [nm / 16] stock of the pass and the operator's trim
+    int32_t x_trim_step_q4;    ///< [nm / 16] by which that may change from plan to plan
+    int32_t spindle_rate_q30;  ///< [1] override of the spindle
+    int32_t spindle_step_q30;  ///< [1] by which that may change from plan to plan
+} cam_play_config_t;
+
+/// What the guard needs (cam_guard.h).
+typedef struct {
+    int32_t overspeed_q32;      ///< [turn / 2^32 per tick]
+    int32_t stopped_q32;        ///< [turn / 2^32 per tick]
+    uint32_t plan_ticks;        ///< [ticks] from plan to plan
+    uint32_t stopped_ticks;     ///< [ticks] in the cut
+    uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
+    int32_t following_nm;       ///< [nm] accepted following error of U in the cut
+    int32_t approach_nm;        ///< [nm] the same where U moves by time, not less
+    int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
+    int32_t u_acc_off_q6;       ///< [nm / 64 per tick^2] of a tick off its time, whose step differs
+    int32_t u_range_q6;         ///< [nm / 64] half the stroke
+    cam_motion_limits_t u;      ///< all that U can
+    cam_motion_limits_t leave;  ///< for the retract: its speed leaves room for the feed-forward
+    int64_t u_retract_q10;      ///< [nm / 1024] place of U out of the work
+} cam_guard_config_t;
+
+/// Limits of what the axes are told, and what U is told beside its set-point (cam_axis_command.h).
+typedef struct {
+    int32_t k1_q16;              ///< [ticks] velocity feed-forward, with what was learned of it
+    int32_t k2_q16;              ///< [ticks^2] acceleration feed-forward, likewise
+    int32_t range_nm;            ///< [nm] half the stroke, for the command of U
+    int32_t step_nm;             ///< [nm per tick] speed of the command of U, feed-forward included
+    int32_t change_nm;           ///< [nm per tick^2] its acceleration
+    int32_t change_off_nm;       ///< ... in a tick off its time
+    int32_t vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] X and Z
+    int32_t change_q10[hal_n_axes]; ///< [nm / 1024 per tick] by which a plan changes it
+    int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] by which a plan moves the place at once
+} cam_axis_command_config_t;
+
+enum { cam_n_switches = 8 }; ///< position switches
+
+/// Window of one position switch (cam_switch.h).
+typedef struct {
+    uint32_t per_turn;           ///< windows per turn, 0: never on
+    uint32_t from_q32;           ///< [turn / 2^32] begin of the window, times per_turn
+    uint32_t width_q32;          ///< ... its width likewise
+    uint32_t hysteresis_q32;     ///< [turn / 2^32] below a quarter of a turn
+    int32_t ahead_q16;           ///< [ticks] dead time of what is switched, and half a tick
+    bool is_anywhere;            ///< there is no window of the height
+    int32_t z_low_nm, z_high_nm; ///< [nm] that window, both ends included
+    int32_t sense;               ///< 1, -1: on in this sense of rotation only; 0: in both
+} cam_switch_config_t;
+
+/// All of them.
+typedef struct {
+    uint32_t n; ///< up to the last that is in use
+    cam_switch_config_t each[cam_n_switches];
+} cam_switches_config_t;
+
+/// Everything that a tick reads and does not change.
+typedef struct {
+    cam_spindle_config_t spindle;
+    cam_play_config_t play;
+    cam_guard_config_t guard;
+    cam_axis_command_config_t command;
+    cam_switches_config_t switches;
+    cam_table_t table;   ///< play.table points here
+    uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
+    uint32_t generation; ///< rises with every hand-over
+    cam_learned_t learned;
+    uint32_t seal; ///< cam_seal.h, over all before it, since it was offered; stays the last member
+} cam_config_t;
+
+/// Two configurations, one in use.
+typedef struct {
+    const cam_config_t *_Atomic offered; ///< slow side writes: to be taken from the next tick on
+    const cam_config_t *_Atomic in_use;  ///< interrupt writes: that of this tick
+    bool is_mended; ///< interrupt only: `offered` was no half, and was set to the last one
+    cam_config_t half[2];
+} cam_config_bank_t;
+
+/// @return the half that may be written, NULL while the interrupt has not taken the last one.
+/// Context: slow side.
+cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
+
+/// @return whether a configuration that was offered is what it was then, 2000 instructions.
+/// Context: slow side.
+bool cam_config_is_whole(const cam_config_t *config);
+
+/// Copy the configuration that was handed over last into the free half, and take what was learned
+/// off its gains.
+/// @return the copy, NULL while the interrupt has not taken the last one, and when that was changed
+///         from outside. Context: slow side.
+cam_config_t *cam_config_copy(cam_config_bank_t *bank);
+
+/// Let a configuration point to its own table and to what it has learned.
+/// Context: slow side, before it is offered.
+void cam_config_tie(cam_config_t *config, bool has_table);
+
+/// Add what a configuration has learned of the drive to its gains.
+/// Context: slow side, once before it is offered.
+void cam_config_learn(cam_config_t *config);
+
+/// Derive the limits of what U is told from its own and from the gains of the feed-forward: of the
+/// command's speed v + k1 a + k2 j and of its acceleration a + k1 j + k2 j / tick, with the largest
+/// of each at once, MATHS.md (213). Context: slow side, behind every change of the gains.
+void cam_config_tell(cam_config_t *config);
+
+/// Seal the free half and hand it over; it is in force from the next tick on. Context: slow side.
+void cam_config_offer(cam_config_bank_t *bank);
+
+/// What is offered is not what is in use: take it, unless it is neither half of the bank. Then a
+/// bit of the pointer flipped, and the half in use stays in force.
+/// @return the configuration of this tick. Context: ISR, constant time.
+const cam_config_t *cam_config_change_isr(cam_config_bank_t *bank);
+
+/// @return the configuration of this tick. Context: ISR, constant time.
+static inline __attribute__((always_inline)) const cam_config_t *
+cam_config_take_isr(cam_config_bank_t *bank)
+{
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, CAM_ORDER_ACQUIRE);
+    const cam_config_t *in_use = atomic_load_explicit(&bank->in_use, memory_order_relaxed);
+    cam_fence_acquire_isr();
+    return offered == in_use ? offered : cam_config_change_isr(bank);
+}
+
+/// Ask anew for the configuration of this tick, so that nothing is judged by a pointer of which a
+/// bit has flipped since.
+/// @param cfg     as it was taken
+/// @param faults  more of them where it is another one: corrupt
+/// @return        that in use. Context: ISR, behind cam_config_take_isr()
+static inline const cam_config_t *cam_config_again_isr(const cam_config_bank_t *bank,
+                                                       const cam_config_t *cfg, uint32_t *faults)
+{
+    const cam_config_t *in_use = atomic_load_explicit(&bank->in_use, memory_order_relaxed);
+    if (in_use != cfg) {
+        *faults |= CAM_FAULT_BIT(corrupt);
+    }
+    return in_use;
+}
+
+#endif

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_turn_bins.h"
+#include "cam_fence.h" // cam_fence_release_isr
+#include <stddef.h>    // NULL, size_t
+#include <string.h>    // memset
+
+/// Turns are numbered modulo 2^24; this bit tells a number from none.
+#define IS_TURN (UINT32_C(1) << 24)
+
+/// @return number of a turn, with the bit that tells it from none
+static uint32_t numbered(uint32_t turn)
+{
+    return (turn & (IS_TURN - 1u)) | IS_TURN;
+}
+
+static uint32_t turn_at(uint32_t at_q8)
+{
+    return at_q8 >> 8;
+}
+
+/// @return whether this plan found U playing with nothing but the height in motion
+static bool is_still(const cam_motion_t *m)
+{
+    return m->is_playing && m->scale_step_q30 == 0 && m->phase_step_q32 == 0;
+}
+
+static void open_turn(cam_turn_bins_t *g, uint32_t turn, const cam_tick_record_t *r,
+                      const cam_motion_t *m)
+{
+    const uint32_t cleared = atomic_load_explicit(&g->cleared[turn & 1u], CAM_ORDER_ACQUIRE);
+    g->is_clean = cleared == numbered(turn);
+    cam_turn_t *now = &g->now;
+    now->turn = turn;
+    now->config_begin = r->config;
+    now->state = r->want.state;
+    now->is_steady = true;
+    now->z_begin_nm = r->want.z_nm;
+    now->height_begin_q32 = m->height_q32;
+    now->n_plans = 0;
+}
+
+static void close_turn(cam_turn_bins_t *g, uint32_t next)
+{
+    const cam_turn_t *now = &g->now;
+    const uint32_t bank = now->turn & 1u;
+    const bool is_good = g->is_clean && next == ((now->turn + 1u) & (IS_TURN - 1u));
+    g->closed[bank] = *now;
+    cam_fence_release_isr();
+    atomic_store_explicit(&g->closed_turn[bank], is_good ? numbered(now->turn) : 0u,
+                          CAM_ORDER_RELEASE);
+}
+
+void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, const cam_motion_t *m)
+{
+    const uint32_t at_q8 = (uint32_t)((uint64_t)r->angle.pos_q32 >> 24);
+    const uint32_t turn = turn_at(at_q8);
+    cam_turn_t *now = &g->now;
+    if (turn != now->turn) {
+        close_turn(g, turn);
+        open_turn(g, turn, r, m);
+    }
+    now->is_steady = now->is_steady && is_still(m) && r->want.state == now->state;
+    now->config_end = r->config;
+    now->speed_q32 = r->angle.speed_q32;
+    now->scale_q30 = m->scale_q30;
+    now->phase_q32 = m->phase_q32;
+    now->z_end_nm = r->want.z_nm;
+    now->height_end_q32 = m->height_q32;
+    now->n_plans++;
+    cam_fence_release_isr(); // what was closed is complete before the turn is seen to be over
+    atomic_store_explicit(&g->at_q8, at_q8, CAM_ORDER_RELEASE);
+}
+
+/// @return the first bin of bank 0 or 1
+static cam_turn_bin_t *bank_of(cam_turn_bins_t *g, uint32_t bank)
+{
+    return &g->bin[bank != 0u ? cam_turn_bins_n : 0];
+}
+
+/// Clear the bank that is idle in a turn, and mark it when the interrupt cannot have reached the
+/// next turn meanwhile: a plan is at most a quarter of a turn old, or the turn is too short to
+/// learn from. A late mark names a turn that the interrupt has opened as not clean.
+/// @return whether it was in time
+static bool clear(cam_turn_bins_t *g, uint32_t turn)
+{
+    const uint32_t bank = (turn + 1u) & 1u;
+    (void)memset(bank_of(g, bank), 0, (size_t)cam_turn_bins_n * sizeof g->bin[0]);
+    atomic_thread_fence(memory_order_acq_rel);
+    const uint32_t at_q8 = atomic_load_explicit(&g->at_q8, memory_order_acquire);
+    const bool is_in_time = turn_at(at_q8) == turn && (at_q8 & 0xFFu) < 192u;
+    if (is_in_time) {
+        atomic_store_explicit(&g->cleared[bank], numbered(turn + 1u), memory_order_release);
+    }
+    return is_in_time;
+}
+
+const cam_turn_bin_t *cam_gather_take(cam_turn_bins_t *g, cam_turn_t *turn)
+{
+    const uint32_t now = turn_at(atomic_load_explicit(&g->at_q8, memory_order_acquire));
+    const uint32_t bank = (now + 1u) & 1u;
+    const uint32_t before = numbered(now - 1u);
+    const uint32_t closed = atomic_load_explicit(&g->closed_turn[bank], memory_order_acquire);
+    if (closed == before && g->taken != before) {
+        g->taken = before;
+        *turn = g->closed[bank];
+        return bank_of(g, bank);
+    }
+    if (atomic_load_explicit(&g->cleared[bank], memory_order_relaxed) != numbered(now + 1u)) {
+        (void)clear(g, now);
+    }
+    return NULL;
+}
+
+bool cam_gather_release(cam_turn_bins_t *g)
+{
+    return clear(g, (g->taken + 1u) & (IS_TURN - 1u));
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_turn_bins: what the interrupt gathers for learning, and what it plays of what was learned.
+///
+/// In every tick the interrupt adds the error of U to one of 128 bins per turn. There are two banks
+/// of bins, which take the turns alternately: the bank of a tick is the lowest bit of the master
+/// position's turn, so that a bank holds exactly the ticks of one turn. While one bank fills, the
+/// slow side reads the other one and empties it:
+///
+///     turn      | k - 1      | k          | k + 1      |
+///     interrupt | odd bank   | even bank  | odd bank   |
+///     slow side |            | reads and clears k - 1, until three quarters of turn k
+///
+/// The slow side makes of them cam_learned_t, which reaches the interrupt as a part of the
+/// configuration (cam_machine_learn_begin()): gains of the feed-forward, a correction c of U's
+/// command and the deviation d of the spindle from uniform rotation. All tables and bins are over
+/// the angle of the spindle; the slow side turns them by the operator's phase. Zeros change
+/// nothing. Source: MATHS.md (135) .. (138).
+#ifndef CAM_TURN_BINS_H
+#define CAM_TURN_BINS_H
+
+#include "cam_angle.h"  // cam_angle_of_pos
+#include "cam_fix.h"    // cam_wrap_add
+#include "cam_record.h" // cam_tick_record_t, cam_motion_t
+#include <stdatomic.h>  // cam_turn_bins_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int16_t, int32_t, uint32_t
+
+enum {
+    cam_turn_bins_log2 = 7,
+    cam_turn_bins_n = 1 << cam_turn_bins_log2, ///< per turn
+    cam_learned_points = 256,                  ///< knots per turn of the tables
+    cam_turn_bins_most_ticks = 16384,          ///< a longer turn is not gathered: its sums may wrap
+};
+
+/// What was learned. The slow side fills it, the interrupt only reads it. A table has one entry
+/// more than knots, entry 256 = entry 0, and is linear in between. Over the angle of the spindle:
+/// entry i is at i / 256 turn of the master position.
+typedef struct {
+    int32_t k1_q16;                    ///< [ticks] added to the configured velocity feed-forward
+    int32_t k2_q16;                    ///< [ticks^2] added to the acceleration feed-forward
+    int16_t c[cam_learned_points + 2]; ///< [nm] at full amplitude, added to U's command
+    int16_t d[cam_learned_points + 2]; ///< [turn / 2^23] true deviation of the spindle: its angle
+                                       ///< is that of the observer plus d
+    int16_t dm[cam_learned_points + 2]; ///< [turn / 2^23] what the encoder measures of it: d plus
+                                        ///< eccentricity, taken off before the observer
+} cam_learned_t;
+
+/// One bin; sums over its ticks wrap. Means are the sums over n.
+typedef struct {
+    int32_t error_q6;  ///< [nm / 64] set-point of U that was due, minus measured U
+    int32_t u_nm;      ///< [nm] set-point that was due, rounded down
+    int32_t angle_q24; ///< [turn / 2^24] measured angle behind the begin of the bin; as measured,
+                       ///< before anything learned is taken off, so it may lie outside the bin
+    uint32_t n;        ///< ticks
+} cam_turn_bin_t;
+
+/// What is known of a turn whose bank is closed.
+typedef struct {
+    uint32_t turn;                     ///< number of the turn, modulo 2^24
+    uint32_t config_begin, config_end; ///< generation of the configuration in its first and
+                                       ///< last plan
+    cam_state_t state;                 ///< of all of it, where is_steady
+    bool is_steady;                    ///< U played the table in all of it in one state, while
+                                       ///< envelope, amplitude and phase stood still
+    int32_t speed_q32;                 ///< [turn / 2^32 per tick] at its last plan
+    int32_t scale_q30;                 ///< [1] amplitude * envelope at its last plan
+    int32_t phase_q32;                 ///< [turn / 2^32] the table's angle is the spindle's
+                                       ///< minus this
+    int32_t z_begin_nm, z_end_nm;      ///< [nm] height played in its first and last plan
+    int64_t height_begin_q32, height_end_q32; ///< [slices] U's height on the table likewise
+    uint32_t n_plans;                         ///< plans in it
+} cam_turn_t;
+
+/// Bins and their turns. Zero-initialised is empty; nothing is gathered into a bank that the slow
+/// side has not cleared, so that learning begins with its first call of cam_gather_take().
+typedef struct {
+    cam_turn_bin_t bin[2 * cam_turn_bins_n]; ///< interrupt adds, slow side clears the idle bank
+    cam_turn_t now;                          ///< interrupt only: the turn that is gathered
+    bool is_clean;                           ///< interrupt only: its bank was empty at its begin
+    cam_turn_t closed[2];                    ///< interrupt writes: the last turn of each bank
+    _Atomic uint32_t closed_turn[2]; ///< interrupt writes: its number + 2^24, 0 when it is no good
+    _Atomic uint32_t at_q8;          ///< interrupt writes: [turn / 256] position at the last plan
+    _Atomic uint32_t cleared[2];     ///< slow side writes: turn + 2^24 for which a bank is empty
+    uint32_t taken;                  ///< slow side only: turn + 2^24 that was taken last
+} cam_turn_bins_t;
+
+/// Four words by two instructions, which the compiler does not find by itself.
+static inline cam_turn_bin_t cam_gather_load(const cam_turn_bin_t *bin)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    cam_turn_bin_t sum;
+    __asm("ldrd %0, %1, [%4]\n\tldrd %2, %3, [%4, #8]"
+          : "=&r"(sum.error_q6), "=&r"(sum.u_nm), "=&r"(sum.angle_q24), "=&r"(sum.n)
+          : "r"(bin), "m"(*bin));
+    return sum;
+#else
+    return *bin;
+#endif
+}
+
+static inline void cam_gather_store(cam_turn_bin_t *bin, cam_turn_bin_t sum)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    __asm("strd %1, %2, [%5]\n\tstrd %3, %4, [%5, #8]"
+          : "=m"(*bin)
+          : "r"(sum.error_q6), "r"(sum.u_nm), "r"(sum.angle_q24), "r"(sum.n), "r"(bin));
+#else
+    *bin = sum;
+#endif
+}
+
+/// Add one tick to its bin. Wrapping sums are computed in uint32.
+/// @param pos_q32       [turn, Q32.32] master position
+/// @param measured_q32  [turn / 2^32] angle that was measured, nothing learned taken off
+/// @param due_q6        [nm / 64] set-point of U that is due
+/// @param actual_nm     [nm] measured U
+/// Context: ISR, constant time.
+static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, int64_t pos_q32, uint32_t measured_q32,
+                                         int32_t due_q6, int32_t actual_nm)
+{
+    const uint32_t low = cam_angle_of_pos(pos_q32) >> (32 - cam_turn_bins_log2);
+    const uint32_t high = (uint32_t)((uint64_t)pos_q32 >> 32);
+    const uint32_t i = cam_insert_bits(low, high, cam_turn_bins_log2, 1);
+    // The bank shifts out of the word, so this is the begin of the bin in the turn.
+    const int32_t behind_q32 = (int32_t)(measured_q32 - (i << (32 - cam_turn_bins_log2)));
+    const uint32_t error_q6 = (uint32_t)due_q6 - 64u * (uint32_t)actual_nm;
+    cam_turn_bin_t *bin = &g->bin[i];
+    cam_turn_bin_t sum = cam_gather_load(bin);
+    sum.error_q6 = (int32_t)((uint32_t)sum.error_q6 + error_q6);
+    sum.u_nm = cam_wrap_add(sum.u_nm, due_q6 >> 6);
+    sum.angle_q24 = cam_wrap_add(sum.angle_q24, behind_q32 >> 8);
+    sum.n++;
+    cam_gather_store(bin, sum);
+}
+
+/// Where between two knots an angle lies.
+typedef struct {
+    uint32_t knot;  ///< the one before, 0 .. 255
+    uint32_t share; ///< [1 / 256] of both knots, that of the one before in the lower half
+} cam_learned_place_t;
+
+/// Context: ISR, constant time.
+static inline cam_learned_place_t cam_learned_place(uint32_t theta_q32)
+{
+    uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
+    __asm("" : "+r"(part_q8)); // the compiler would take it out of theta twice
+    return (cam_learned_place_t){.knot = theta_q32 >> 24, .share = part_q8 * 0xFFFFu + 256u};
+}
+
+/// Read a table between two knots.
+/// @param table  cam_learned_points + 1 knots
+/// @return       2^8 times the value at the angle, which is rounded down to 2^-16 turn
+/// Context: ISR, constant time.
+static inline int32_t cam_learned_at_q8(const int16_t *table, cam_learned_place_t at)
+{
+    uint32_t knots = 0;
+    (void)__builtin_memcpy(&knots, &table[at.knot], sizeof knots); // one load, not a call
+    return cam_dot_i16(knots, at.share);
+}
+
+/// @return [turn / 2^32] a deviation
+static inline uint32_t cam_learned_turn_q32(const int16_t *table, cam_learned_place_t at)
+{
+    return 2u * (uint32_t)cam_learned_at_q8(table, at);
+}
+
+/// Once per plan: notice a new turn, close its predecessor and open it.
+/// @param generation  of the configuration in force
+/// Context: ISR.
+void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, const cam_motion_t *m);
+
+/// Take the bank of the turn before the present one, if it holds that turn and nothing else. Where
+/// there is none, the idle bank is cleared for the next turn.
+/// @param turn  result
+/// @return      128 bins, bin i from i / 128 turn of the master position on, NULL for none; valid
+///              until cam_gather_release()
+/// Context: slow side, one caller, at least three times a turn.
+const cam_turn_bin_t *cam_gather_take(cam_turn_bins_t *g, cam_turn_t *turn);
+
+/// Give a bank back, cleared. @return false when it was late, more than three quarters of a turn
+/// behind the end of that turn: what was read may have been overwritten and must be forgotten.
+/// Context: slow side.
+bool cam_gather_release(cam_turn_bins_t *g);
+
+#endif

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_blackbox.h"
+#include "hal/hal.h" // hal_scope_keep
+#include <string.h>  // memcpy
+
+/// Words of the kept box in front of its rows. The layout changes its number with the signals'.
+typedef struct {
+    uint32_t layout;
+    uint32_t signals;
+    uint32_t tick_hz;
+    uint32_t every;
+    uint32_t before;
+    uint32_t most_rows;
+    uint32_t oldest;
+    uint32_t n_rows;
+    uint32_t n_before;
+    uint32_t first_tick;
+    uint32_t trigger_tick;
+    uint32_t faults;
+    uint32_t n_lost;
+    uint32_t end;
+} head_t;
+
+enum { layout_1 = 0x31584243, head_words = sizeof(head_t) / sizeof(int32_t), ms_per_s = 1000 };
+
+/// @return rows that a time takes, one at least
+static uint32_t rows_of(uint32_t ms, const cam_scope_t *s, uint32_t every)
+{
+    const uint32_t ticks = s->tick_hz * ms / (uint32_t)ms_per_s;
+    const uint32_t rows = (ticks + every - 1u) / every;
+    return rows > 0u ? rows : 1u;
+}
+
+cam_err_t cam_blackbox_begin(cam_scope_t *s, uint32_t tick)
+{
+    const uint32_t taken = s->n_wave + (uint32_t)head_words;
+    const uint32_t room = s->n_words > taken ? s->n_words - taken : 0u;
+    const uint32_t fitting = room / cam_scope_count(CAM_BLACKBOX_SIGNALS);
+    if (fitting < 2u) {
+        return cam_err_scope_memory;
+    }
+    uint32_t every = 1;
+    while (rows_of(cam_blackbox_before_ms, s, every) + rows_of(cam_blackbox_after_ms, s, every) >
+           fitting) {
+        every++;
+    }
+    const uint32_t before = rows_of(cam_blackbox_before_ms, s, every);
+    const cam_scope_plan_t plan = {
+        .signals = CAM_BLACKBOX_SIGNALS,
+        .every = every,
+        .rows = before + rows_of(cam_blackbox_after_ms, s, every),
+        .before = before,
+        .from_state = -1,
+        .trigger = {.kind = cam_trigger_fault},
+    };
+    return cam_scope_begin(s, &plan, cam_scope_box, head_words, tick);
+}
+
+void cam_blackbox_keep(const cam_scope_t *s)
+{
+    const head_t head = {
+        .layout = layout_1,
+        .signals = s->plan.signals,
+        .tick_hz = s->tick_hz,
+        .every = s->plan.every,
+        .before = s->plan.before,
+        .most_rows = s->most_rows,
+        .oldest = s->oldest,
+        .n_rows = s->n_rows,
+        .n_before = s->n_before,
+        .first_tick = s->first_tick,
+        .trigger_tick = s->trigger_tick,
+        .faults = s->faults,
+        .n_lost = s->n_lost,
+        .end = (uint32_t)s->end,
+    };
+    int32_t *begin = &s->words[s->at - (uint32_t)head_words];
+    (void)memcpy((uint8_t *)begin, (const uint8_t *)&head, sizeof head);
+    hal_scope_keep(begin, (uint32_t)head_words + s->most_rows * s->n_signals);
+}
+
+/// @return whether a head describes rows that can be in the words that were kept
+static bool is_head_sound(const head_t *h, const cam_scope_t *s, uint32_t n_kept)
+{
+    const uint32_t n_signals = cam_scope_count(CAM_BLACKBOX_SIGNALS);
+    return h->layout == (uint32_t)layout_1 && h->signals == CAM_BLACKBOX_SIGNALS &&
+           h->tick_hz == s->tick_hz && h->every >= 1u && h->most_rows >= 1u &&
+           h->most_rows == (n_kept - (uint32_t)head_words) / n_signals &&
+           h->oldest < h->most_rows && h->n_rows <= h->most_rows && h->n_before <= h->n_rows &&
+           h->end <= (uint32_t)cam_scope_gap;
+}
+
+bool cam_blackbox_restore(cam_scope_t *s, uint32_t n_kept)
+{
+    head_t head;
+    if (n_kept <= (uint32_t)head_words || n_kept > s->n_words) {
+        return false;
+    }
+    (void)memcpy((uint8_t *)&head, (const uint8_t *)s->words, sizeof head);
+    if (!is_head_sound(&head, s, n_kept) || cam_blackbox_begin(s, 0) != cam_ok) {
+        return false;
+    }
+    s->plan.every = head.every;
+    s->plan.before = head.before;
+    s->most_rows = head.most_rows;
+    s->oldest = head.oldest;
+    s->n_rows = head.n_rows;
+    s->n_before = head.n_before;
+    s->first_tick = head.first_tick;
+    s->trigger_tick = head.trigger_tick;
+    s->faults = head.faults;
+    s->n_lost = head.n_lost;
+    s->end = (cam_scope_end_t)head.end;
+    s->phase = cam_scope_done;
+    return true;
+}

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_log_text.h"
+#include "cam_resolution_limit.h" // cam_resolution_limit_form_pm
+#include <stddef.h>               // NULL
+
+enum { max_line = 120 }; ///< longest line that hal_text() allows
+
+/// A line that is being put together.
+typedef struct {
+    char text[max_line + 1];
+    uint32_t n;
+} line_t;
+
+/// Append text; what does not fit is cut off.
+static void add(line_t *line, const char *text)
+{
+    for (const char *at = text; *at != '\0' && line->n < max_line; at++) {
+        line->text[line->n] = *at;
+        line->n++;
+    }
+    line->text[line->n] = '\0';
+}
+
+/// Write four pieces of text as one line.
+static void say(const char *first, const char *second, const char *third, const char *fourth)
+{
+    line_t line = {.n = 0};
+    add(&line, first);
+    add(&line, second);
+    add(&line, third);
+    add(&line, fourth);
+    hal_text(line.text);
+}
+
+void cam_log_text_start(const hal_start_t *start)
+{
+    static const char *const reasons[hal_reset_brown_out + 1] = {
+        [hal_reset_power_on] = "power on",       [hal_reset_pin] = "reset pin",
+        [hal_reset_software] = "software reset", [hal_reset_halt] = "halt",
+        [hal_reset_watchdog] = "watchdog reset", [hal_reset_brown_out] = "brown-out reset",
+    };
+    const bool is_known = (uint32_t)start->reset < sizeof reasons / sizeof reasons[0];
+    const char *reason = is_known ? reasons[start->reset] : "unknown reset";
+    say("start: ", reason, start->why[0] != '\0' ? ": " : "", start->why);
+}
+
+/// Write a number behind a text.
+static void add_number(line_t *line, uint32_t number)
+{
+    static const char digits[] = "0123456789";
+    char text[12];
+    uint32_t at = (uint32_t)sizeof text - 1u;
+    uint32_t left = number;
+    text[at] = '\0';
+    do {
+        at--;
+        text[at] = digits[left % 10u];
+        left /= 10u;
+    } while (left > 0u);
+    add(line, &text[at]);
+}
+
+/// Report that of the kept parameters some are not used as they are.
+/// @param n     how many; 0: nothing is reported
+/// @param name  of the first
+static void say_some(uint32_t n, const char *name, const char *what)
+{
+    line_t line = {.n = 0};
+    if (n > 0u) {
+        add(&line, "params: ");
+        add_number(&line, n);
+        add(&line, what);
+        add(&line, name);
+        hal_text(line.text);
+    }
+}
+
+static const char *name_of(cam_param_id_t id)
+{
+    const cam_param_info_t *info = cam_param_info(id);
+    return info != NULL ? info->name : "";
+}
+
+void cam_log_text_params(const cam_machine_t *machine)
+{
+    const cam_param_store_found_t *kept = &machine->kept;
+    if (kept->err != cam_ok) {
+        say("params: ", cam_err_text(kept->err), " - defaults in use", "");
+        return;
+    }
+    line_t line = {.n = 0};
+    add(&line, "params: version ");
+    add_number(&line, kept->version);
+    add(&line, kept->is_torn ? " in use, what was to be saved after it is not whole" : " in use");
+    hal_text(line.text);
+    say_some(kept->n_unknown, kept->unknown, " unknown to this firmware and left out, first ");
+    say_some(kept->n_unfit, name_of(kept->unfit), " out of range and left at default, first ");
+    say_some(kept->n_missing, name_of(kept->missing), " not among those kept, at default, first ");
+}
+
+/// Append picometres as nanometres with one place.
+static void add_nm(line_t *line, uint32_t pm)
+{
+    add_number(line, pm / 1000u);
+    add(line, ".");
+    add_number(line, pm % 1000u / 100u);
+    add(line, " nm");
+}
+
+/// Append what an axis resolves.
+static void add_axis(line_t *line, const char *name, const hal_axis_scale_t *scale)
+{
+    add(line, name);
+    add_nm(line, scale->command_pm);
+    if (scale->most_um_per_s > 0) {
+        add(line, " up to ");
+        add_number(line, (uint32_t)scale->most_um_per_s);
+        add(line, " um/s");
+    }
+    if (scale->measured_pm != 0u) {
+        add(line, ", read to ");
+        add_nm(line, scale->measured_pm);
+    }
+}
+
+/// Say what follows for the form of the part.
+static void say_reach(const cam_machine_t *machine)
+{
+    const cam_table_t *table = machine->has_table ? &machine->table : NULL;
+    line_t line = {.n = 0};
+    add(&line, "form error by the steps of the outputs: ");
+    const uint32_t form_nm = cam_resolution_limit_form_pm(table) / 1000u;
+    add_number(&line, form_nm / 1000u);
+    add(&line, form_nm % 1000u < 10u ? ".00" : form_nm % 1000u < 100u ? ".0" : ".");
+    add_number(&line, form_nm % 1000u);
+    add(&line, " um");
+    if (table != NULL) {
+        add(&line, "; a count of the encoder is ");
+        add_nm(&line, cam_resolution_limit_count_pm(table, machine->params.counts_per_turn));
+        add(&line, " of U");
+    }
+    hal_text(line.text);
+}
+
+void cam_log_text_scales(const cam_machine_t *machine)
+{
+    static const char *const names[hal_n_axes] = {
+        [hal_axis_u] = "U ", [hal_axis_x] = "X ", [hal_axis_z] = "Z "};
+    line_t line = {.n = 0};
+    const char *before = "scales: ";
+    for (uint32_t i = 0; i < (uint32_t)hal_n_axes; i++) {
+        const hal_axis_scale_t scale = hal_axis_scale((hal_axis_t)i);
+        if (scale.command_pm != 0u) {
+            add(&line, before);
+            add_axis(&line, names[i], &scale);
+            before = "; ";
+        }
+    }
+    if (line.n > 0u) {
+        hal_text(line.text);
+        say_reach(machine);
+    }
+}
+
+/// Append whose table it is. That nobody signed it is news only where somebody could have.
+static void add_trust(line_t *line, const cam_signature_check_t *trust)
+{
+    static const char digits[] = "0123456789abcdef";
+    static const char *const kinds[cam_signature_check_signed + 1] = {
+        [cam_signature_check_unsigned] = "",
+        [cam_signature_check_unchecked] = ", signature not checked, it names key ",
+        [cam_signature_check_signed] = ", signed by key ",
+    };
+    add(line, kinds[trust->kind]);
+    if (trust->kind == cam_signature_check_unsigned && hal_trust().n_keys > 0u) {
+        add(line, ", not signed");
+    }
+    for (uint32_t i = 0; trust->kind != cam_signature_check_unsigned && i < sizeof trust->key_id;
+         i++) {
+        const char text[3] = {digits[trust->key_id[i] >> 4], digits[trust->key_id[i] & 15u], '\0'};
+        add(line, text);
+    }
+}
+
+void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
+{
+    l->has_table = store->machine->has_table;
+    if (store->err == cam_ok) {
+        line_t line = {.n = 0};
+        add(&line, "table: ");
+        add(&line, store->machine->table.name);
+        add(&line, " in use");
+        add_trust(&line, &store->machine->signature);
+        hal_text(line.text);
+    } else {
+        say("table: ", cam_err_text(store->err),
+            l->has_table ? "" : " - home refused until a table is written", "");
+    }
+}
+
+/// Report the first of the faults that have not been reported.
+static void say_fault(cam_log_text_t *l, uint32_t unreported)
+{
+    uint32_t i = 0;
+    while ((unreported >> i & 1u) == 0u) {
+        i++;
+    }
+    say("fault ", cam_fault_name((cam_fault_t)i), ": ", cam_fault_text((cam_fault_t)i));
+    l->faults |= UINT32_C(1) << i;
+}
+
+/// Report a change of command: the first of a take-over, a loss and another commander.
+static void say_command(cam_log_text_t *l, const cam_rights_t *now)
+{
+    line_t line = {.n = 0};
+    const bool is_lost = now->n_losses != l->n_losses;
+    const bool is_taken_over = now->n_take_overs != l->n_take_overs;
+    add(&line, "command: ");
+    if (is_lost) {
+        add(&line, "lost, nothing was heard of ");
+        add_number(&line, l->commander);
+    } else if (now->commander == 0u) {
+        add(&line, "given up by ");
+        add_number(&line, l->commander);
+    } else {
+        add(&line, "taken by ");
+        add_number(&line, now->commander);
+    }
+    if (is_taken_over) {
+        add(&line, " over from ");
+        add_number(&line, l->commander);
+    }
+    hal_text(line.text);
+    // Who took it after a loss is told next.
+    l->commander = is_lost ? 0u : now->commander;
+    l->n_losses = now->n_losses;
+    l->n_take_overs = now->n_take_overs;
+}
+
+/// Report a change of who commands, or of the level. @return whether there was one
+static bool say_rights(cam_log_text_t *l, const cam_rights_t *now)
+{
+    static const char *const levels[3] = {[cam_level_locked] = "locked",
+                                          [cam_level_key] = "unlocked by the key switch",
+                                          [cam_level_challenge] = "unlocked by the secret"};
+    if (l->commander != now->commander || l->n_losses != now->n_losses ||
+        l->n_take_overs != now->n_take_overs) {
+        say_command(l, now);
+        return true;
+    }
+    if (l->level != now->level) {
+        l->level = now->level;
+        say("level: ", levels[now->level], "", "");
+        return true;
+    }
+    return false;
+}
+
+void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, cam_err_t err,
+                          uint32_t tick)
+{
+    line_t line = {.n = 0};
+    const bool is_due = l->n_refused == 0u || tick - l->refused_tick >= l->refused_ticks;
+    l->n_refused++;
+    if (!is_due) {
+        return;
+    }
+    l->refused_tick = tick;
+    add(&line, "refused: command ");
+    add_number(&line, command);
+    add(&line, " of ");
+    add_number(&line, sender);
+    add(&line, ": ");
+    add(&line, cam_err_text(err));
+    hal_text(line.text);
+}
+
+void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_status_t *status)
+{
+    l->faults &= status->faults;
+    const uint32_t unreported = status->faults & ~l->faults;
+    if (l->has_table && !store->machine->has_table) {
+        store->err = store->err == cam_ok ? cam_err_image_crc : store->err; // found damaged
+        cam_log_text_table(l, store);
+    } else if (l->state != status->state) {
+        l->state = status->state;
+        say("state ", cam_state_name(status->state), "", "");
+    } else if (unreported != 0u) {
+        say_fault(l, unreported);
+    } else {
+        (void)say_rights(l, &store->machine->rights);
+    }
+}

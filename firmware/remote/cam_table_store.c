@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_table_store.h"
+#include <stddef.h> // NULL
+#include <string.h> // memcmp
+
+/// Offset of the field image_size in the header of an image (TABLE_FORMAT.md).
+enum { at_image_size = 16 };
+
+void cam_table_store_init(cam_table_store_t *s, cam_machine_t *machine)
+{
+    *s = (cam_table_store_t){.machine = machine, .err = cam_err_no_table};
+}
+
+// Select
+
+/// Select the table in the place in use. The place may be larger than the image; its size is then
+/// taken from its header. When that cannot be right, the whole place is offered, and
+/// cam_table_check() finds what is wrong.
+static cam_err_t select_in_place(cam_machine_t *m)
+{
+    const hal_image_t place = hal_table_image();
+    if (place.bytes == NULL || place.size == 0u) {
+        return cam_err_no_table;
+    }
+    uint32_t size = place.size;
+    if (place.size >= cam_table_header_size) {
+        const uint32_t stored = cam_table_store_word((const uint8_t *)place.bytes + at_image_size);
+        const uint8_t *bytes = place.bytes;
+        if (stored >= cam_table_header_size && stored < place.size) {
+            const bool is_signed = cam_signature_block_follows(bytes, stored, place.size);
+            size = stored + (is_signed ? (uint32_t)cam_signature_block_size : 0u);
+        }
+    }
+    return cam_machine_select_table(m, place.bytes, size);
+}
+
+/// Make the place of the download the one in use. Before, the table is judged as it will be when it
+/// is taken: behind this step nothing may refuse it.
+static cam_err_t take_downloaded(cam_table_store_t *s)
+{
+    cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err == cam_ok) {
+        err = cam_machine_check_table(s->machine, hal_table_staged().bytes, s->size);
+    }
+    if (err != cam_ok) {
+        return err;
+    }
+    // If the port could not, the download stays due: otherwise the next select would take the old
+    // table without a word.
+    s->is_checked = !hal_table_commit();
+    return s->is_checked ? cam_err_download_store : cam_ok;
+}
+
+bool cam_table_store_is_of_moment(cam_err_t err)
+{
+    return err == cam_err_state || err == cam_err_busy || err == cam_err_download_store ||
+           err == cam_err_table_sense;
+}
+
+cam_err_t cam_table_store_select(cam_table_store_t *s)
+{
+    cam_err_t err = s->is_checked ? take_downloaded(s) : cam_ok;
+    if (err != cam_ok) {
+        return err; // the table in use stays, and what is known of it
+    }
+    err = select_in_place(s->machine);
+    if (!cam_table_store_is_of_moment(err)) {
+        s->err = err;
+    }
+    // The generation counts selects that succeeded, so that a tool can see its own.
+    s->generation += err == cam_ok ? 1u : 0u;
+    return err;
+}
+
+// Download
+
+cam_err_t cam_table_store_begin(cam_table_store_t *s, uint32_t size)
+{
+    const cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err != cam_ok) {
+        return err;
+    }
+    // After a commit that no select has followed, the machine still uses the table in the place
+    // that would be emptied.
+    if (s->machine->has_table && s->machine->table.image != hal_table_image().bytes) {
+        return cam_err_state;
+    }
+    if (size < cam_table_header_size) {
+        return cam_err_image_size;
+    }
+    s->is_checked = false;
+    s->is_open = hal_table_begin(size);
+    s->size = size;
+    s->received = 0;
+    return s->is_open ? cam_ok : cam_err_download_room;
+}
+
+/// @return whether the block is stored already: it is sent again when its acknowledgement was lost
+static bool is_there(const cam_table_store_t *s, uint32_t offset, const uint8_t *bytes, uint32_t n)
+{
+    const uint8_t *staged = (const uint8_t *)hal_table_staged().bytes;
+    return offset + n <= s->received && memcmp(&staged[offset], bytes, n) == 0;
+}
+
+cam_err_t cam_table_store_block(cam_table_store_t *s, const uint8_t *block, uint32_t n)
+{
+    const cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err != cam_ok) {
+        return err;
+    }
+    if (!s->is_open || n <= cam_table_store_block_header) {
+        return cam_err_download_order;
+    }
+    const uint32_t offset = cam_table_store_word(block);
+    const uint8_t *bytes = &block[cam_table_store_block_header];
+    const uint32_t n_bytes = n - cam_table_store_block_header;
+    if (offset > s->size || n_bytes > s->size - offset) {
+        return cam_err_download_room;
+    }
+    if (is_there(s, offset, bytes, n_bytes)) {
+        return cam_ok;
+    }
+    const bool is_whole = n_bytes % hal_table_grain == 0u || offset + n_bytes == s->size;
+    if (offset != s->received || !is_whole) {
+        return cam_err_download_order;
+    }
+    if (!hal_table_write(offset, bytes, n_bytes)) {
+        s->is_open = false;
+        return cam_err_download_store;
+    }
+    s->received += n_bytes;
+    return cam_ok;
+}
+
+cam_err_t cam_table_store_end(cam_table_store_t *s, uint32_t crc)
+{
+    cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err != cam_ok) {
+        return err;
+    }
+    if (!s->is_open) {
+        return cam_err_download_order;
+    }
+    if (s->received < s->size) {
+        return cam_err_download_short;
+    }
+    // Whatever the check finds, this download takes no further blocks.
+    s->is_open = false;
+    const hal_image_t staged = hal_table_staged();
+    if (cam_crc32(0, staged.bytes, s->size) != crc) {
+        return cam_err_download_crc;
+    }
+    cam_table_t table;
+    cam_signature_check_t signature;
+    err = cam_signature_check_table(staged.bytes, s->size, &table, &signature);
+    s->is_checked = err == cam_ok;
+    return err;
+}

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_table_store: the places of tables: take the table of the place in use into use, and download
+/// a new one into the other place.
+///
+///     begin(size) -> block, block, .. -> end(crc) -> select
+///
+/// Only the last step touches the table in use, and only when the new one is complete: its bytes
+/// are the ones that were sent (CRC-32), and cam_signature_check_table() finds it good. Any error
+/// before, or a new begin, leaves the old table in force. All steps need the state off or ready, in
+/// which no tick reads a table; in ready the new table must turn in the same sense and be feasible.
+/// All functions: slow side, main() only.
+#ifndef CAM_TABLE_STORE_H
+#define CAM_TABLE_STORE_H
+
+#include "cam_err.h"     // cam_err_t
+#include "cam_machine.h" // cam_machine_t
+#include <stdbool.h>     // bool
+#include <stdint.h>      // uint32_t
+
+enum {
+    cam_table_store_block_header = 4,   ///< [bytes] offset of a block, the lowest byte first
+    cam_table_store_block_bytes = 4096, ///< [bytes] of the image in a block, at most
+};
+
+/// @return the little-endian word at some bytes, as of the offset of a block
+static inline uint32_t cam_table_store_word(const uint8_t *bytes)
+{
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
+           (uint32_t)bytes[3] << 24;
+}
+
+/// State.
+typedef struct {
+    cam_machine_t *machine;
+    cam_err_t err;       ///< result of the last check of the table in use
+    uint32_t generation; ///< how often a table has been taken into use
+    uint32_t size;       ///< [bytes] of the image that is being downloaded
+    uint32_t received;   ///< [bytes] of it that have been stored
+    bool is_open;        ///< a download has begun, blocks are accepted
+    bool is_checked;     ///< the download is complete and good: the next select takes it
+} cam_table_store_t;
+
+/// Begin without a table.
+/// @param machine  initialised; kept
+void cam_table_store_init(cam_table_store_t *s, cam_machine_t *machine);
+
+/// Take a table into use: the downloaded one if it is complete; otherwise
+/// the one in the place in use, which is checked anew.
+/// @return as cam_machine_select_table(); cam_err_no_table when the place is empty;
+///         cam_err_download_store when the port could not keep the downloaded table: the old one
+///         then stays in force, and every further select tries again until one succeeds or a new
+///         download begins
+/// Context: lasts as long as cam_signature_check_table() takes for the image, and for a download
+/// also as long as hal_table_commit().
+CAM_MUST_USE cam_err_t cam_table_store_select(cam_table_store_t *s);
+
+/// @return whether an error of cam_table_store_select() is due to the moment (state, busy, store),
+/// so that
+///         it says nothing about the table
+bool cam_table_store_is_of_moment(cam_err_t err);
+
+/// Begin a download: empty the other place. What was downloaded before is lost.
+/// @param size  [bytes] of the image
+/// @return cam_ok, cam_err_state, cam_err_busy, cam_err_image_size (less than a header),
+///         cam_err_download_room (larger than the place, or the place cannot be emptied)
+/// Context: lasts as long as hal_table_begin().
+CAM_MUST_USE cam_err_t cam_table_store_begin(cam_table_store_t *s, uint32_t size);
+
+/// Store the next block. A block that is stored already is accepted without being written again.
+/// @param block  n bytes: the offset, then bytes of the image; every block but the last holds a
+///               multiple of hal_table_grain
+/// @return cam_ok; cam_err_state, cam_err_busy; cam_err_download_order: nothing has changed, and
+///         `received` is the offset of the block that is due; cam_err_download_room: beyond the
+///         announced size; cam_err_download_store: the download has to begin anew
+/// Context: lasts as long as hal_table_write().
+CAM_MUST_USE cam_err_t cam_table_store_block(cam_table_store_t *s, const uint8_t *block,
+                                             uint32_t n);
+
+/// End a download: check what has been stored.
+/// @param crc  CRC-32 of all bytes of the image, as sent
+/// @return cam_ok: the next select takes the table; cam_err_state, _busy, cam_err_download_order,
+///         _short: the download may go on; cam_err_download_crc or an error of
+///         cam_signature_check_table(): the download has to begin anew
+/// Context: lasts as long as cam_signature_check_table().
+CAM_MUST_USE cam_err_t cam_table_store_end(cam_table_store_t *s, uint32_t crc);
+
+#endif

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_signature_check: which tables a controller takes, by the signature behind their image.
+///
+/// The port names the public keys that it trusts, and whether a signature is required
+/// (hal_trust()). A table is judged wherever it could come into force: at the end of a download,
+/// when it is selected, and at the start.
+///
+///     signature         required           optional, with keys   no keys
+///     none              refused            unsigned              unsigned
+///     of a trusted key  signed             signed                unchecked
+///     of another key    refused            refused               unchecked
+///     wrong             refused            refused               unchecked
+///
+/// Required without keys refuses every table. A weak key signs for everybody and is therefore no
+/// trusted key, whoever named it: a table that names it is refused as of another key. Ed25519 (RFC
+/// 8032) by Monocypher.
+#ifndef CAM_SIGNATURE_CHECK_H
+#define CAM_SIGNATURE_CHECK_H
+
+#include "cam_err.h"             // cam_err_t
+#include "cam_signature_block.h" // cam_signature_block_id_size
+#include "cam_table.h"           // cam_table_t
+#include <stdbool.h>             // bool
+#include <stddef.h>              // size_t
+#include <stdint.h>              // uint8_t
+
+enum { cam_signature_check_key_size = 32 }; ///< [bytes] of a public key
+
+/// What is known of who made a table.
+typedef enum {
+    cam_signature_check_unsigned,  ///< it has no signature
+    cam_signature_check_unchecked, ///< it has one, but the port names no keys to check it against
+    cam_signature_check_signed,    ///< a trusted key signed exactly these bytes
+} cam_signature_check_kind_t;
+
+/// The verdict about a table that is not refused.
+typedef struct {
+    cam_signature_check_kind_t kind;
+    uint8_t
+        key_id[cam_signature_block_id_size]; ///< of the key that signed, or says so; 0: unsigned
+} cam_signature_check_t;
+
+/// @param key        32 bytes, a public key of Ed25519
+/// @param bytes      n bytes that were signed
+/// @param signature  64 bytes
+/// @return           whether the signature is that of this key over these bytes. RFC 8032, 5.1.7
+/// Context: slow side.
+bool cam_signature_check_is_signed_by(const uint8_t *key, const void *bytes, size_t n,
+                                      const uint8_t *signature);
+
+/// @param key  32 bytes, any
+/// @return     whether this is no honest public key: a point of small order, among them the key of
+///             zeros, for which signatures can be made up without any secret, or a coordinate
+///             beyond the field's prime, which nobody writes who makes keys
+/// Source: RFC 8032, 5.1.3. Context: slow side.
+bool cam_signature_check_is_weak(const uint8_t *key);
+
+/// Check an image and the signature behind it.
+/// @param image    `size` bytes of any content; must stay unchanged while *table is used
+/// @param table    as of cam_table_check()
+/// @param verdict  filled on success, zeroed otherwise
+/// @return         cam_ok, an error of cam_table_check(), or cam_err_sign_*
+/// Context: slow side; as long as cam_table_check(), and with a signature that is checked the hash
+/// of all bytes and one verification more (TABLE_FORMAT.md, "Signature", says how long).
+CAM_MUST_USE cam_err_t cam_signature_check_table(const void *image, size_t size, cam_table_t *table,
+                                                 cam_signature_check_t *verdict);
+
+#endif

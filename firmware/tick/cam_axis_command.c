@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_axis_command.h"
+#include "cam_fix.h" // cam_clamp_i32, cam_is_within
+
+/// Inverse of a second-order drive, MATHS.md (56) and (189): what is added to U so that the tool is
+/// there. It is limited to what fits a word together with U, far beyond every stroke: a command
+/// that large is refused.
+/// @return [nm / 64]
+static int32_t feed_forward_q6(const cam_axis_command_config_t *cfg, const cam_axis_motion_t *u)
+{
+    const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
+    const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32, beyond every stroke
+    const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
+    const uint32_t low = (uint32_t)(uint64_t)more_q26;
+    return (int32_t)((uint32_t)high << 12 | low >> 20);
+}
+
+/// @return [nm / 64] the command of U that belongs to its set-point, without what was learned of it
+static int32_t plain_q6(const cam_axis_command_config_t *cfg, const cam_tick_record_t *r,
+                        const cam_motion_t *m)
+{
+    return cam_wrap_add(r->want.u_set_q6, feed_forward_q6(cfg, &m->axis[hal_axis_u]));
+}
+
+/// @return [nm] where the last step of U leads
+static int32_t led_nm(const cam_u_command_t *u)
+{
+    return cam_wrap_add(u->nm, u->step_nm);
+}
+
+/// @return [nm / 64] the command of U less `plain` in state fault: in the first tick as it goes on
+/// with the acceleration of its set-point, then by a sixteenth less in each, towards 0 and to it
+static int32_t faded_q6(const cam_axis_command_t *t, const cam_axis_motion_t *u, int32_t plain,
+                        bool is_new)
+{
+    const int32_t last_q6 = t->fading_q6;
+    const int32_t on_q6 = cam_wrap_add(cam_wrap_times(led_nm(&t->u), 64u), u->acc_q10 >> 4);
+    return is_new ? cam_wrap_sub(on_q6, plain)
+                  : last_q6 - last_q6 / 16 - (last_q6 > 0) + (last_q6 < 0);
+}
+
+/// @return [nm] rounded to nearest
+static int32_t nearest_to_q6(int32_t q6)
+{
+    return cam_sat_add(q6, 32) >> 6;
+}
+
+/*@ predicate cam_limits(cam_axis_command_config_t *cfg) = 0 <= cfg->range_nm <= 0x1000000 &&
+      0 <= cfg->step_nm <= 0x3FFFFFFF && 0 <= cfg->change_nm <= 0x3FFFFFFF &&
+      0 <= cfg->change_off_nm <= 0x3FFFFFFF;
+    predicate cam_was_told(cam_u_command_t *u, cam_axis_command_config_t *cfg) =
+      \abs(u->nm) <= cfg->range_nm && \abs(u->step_nm) <= 0x40000000;
+*/
+/// What is accepted lies within the stroke, differs from the last command by no more than the speed
+/// allows, and that difference from the one before by no more than the acceleration; and all that
+/// does is accepted.
+/*@ requires valid: \valid_read(u) && \valid_read(cfg);
+    requires limits: cam_limits(cfg);
+    requires flag: is_off_time == 0 || is_off_time == 1;
+    assigns \result \from *u, *cfg, u_nm, is_off_time;
+    behavior usual:
+      assumes cam_was_told(u, cfg);
+      ensures exact: \result <==> \abs(u_nm) <= cfg->range_nm &&
+        \abs(u_nm - u->nm) <= cfg->step_nm &&
+        (\abs(u_nm - u->nm - u->step_nm) <= cfg->change_nm ||
+         (is_off_time && \abs(u_nm - u->nm - u->step_nm) <= cfg->change_off_nm));
+*/
+static bool is_allowed(const cam_u_command_t *u, const cam_axis_command_config_t *cfg, int32_t u_nm,
+                       bool is_off_time)
+{
+    const int32_t step_nm = cam_wrap_sub(u_nm, u->nm);
+    const int32_t change_nm = cam_wrap_sub(step_nm, u->step_nm);
+    return cam_is_within(u_nm, cfg->range_nm) && cam_is_within(step_nm, cfg->step_nm) &&
+           (cam_is_within(change_nm, cfg->change_nm) ||
+            (is_off_time && cam_is_within(change_nm, cfg->change_off_nm)));
+}
+
+/*@ requires valid: \valid(u);
+    assigns *u;
+    ensures place: u->nm == u_nm;
+    ensures step: \abs(u_nm - \old(u->nm)) <= INT32_MAX ==> u->step_nm == u_nm - \old(u->nm);
+*/
+static void keep_told(cam_u_command_t *u, int32_t u_nm)
+{
+    u->step_nm = cam_wrap_sub(u_nm, u->nm);
+    u->nm = u_nm;
+}
+
+/// In off nothing is a motion.
+static bool follow_u(cam_axis_command_t *t, const cam_axis_command_config_t *cfg, int32_t u_nm)
+{
+    t->u = (cam_u_command_t){.nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm)};
+    return true;
+}
+
+bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
+                          const cam_tick_record_t *r, const cam_motion_t *m, bool is_new)
+{
+    const int32_t plain = plain_q6(cfg, r, m);
+    int32_t more_q6 = m->c_q6;
+    if (!m->is_playing) {
+        more_q6 =
+            m->state == cam_state_fault ? faded_q6(t, &m->axis[hal_axis_u], plain, is_new) : 0;
+        t->fading_q6 = more_q6;
+    }
+    const int32_t u_nm = nearest_to_q6(cam_wrap_add(plain, more_q6));
+    if (m->state == cam_state_off) {
+        return follow_u(t, cfg, u_nm);
+    }
+    const bool is_told = is_allowed(&t->u, cfg, u_nm, r->angle.is_off_time);
+    if (is_told) {
+        keep_told(&t->u, u_nm);
+    }
+    return is_told;
+}
+
+/// It lies within the stroke, or no farther out than the last command where that lies beyond: a
+/// shorter way back would be a leap. It differs from the last command by no more than the speed
+/// allows, whatever is wanted; by no more than the acceleration, too, where neither of these two
+/// cuts it off; and what would be accepted is not changed.
+/// @return [nm] the nearest command of U to a wanted one that is_allowed() accepts
+/*@ requires valid: \valid_read(u) && \valid_read(cfg);
+    requires limits: cam_limits(cfg);
+    assigns \result \from *u, *cfg, u_nm;
+    ensures place: \min(-cfg->range_nm, u->nm) <= \result <= \max(cfg->range_nm, u->nm);
+    behavior usual:
+      assumes \abs(u->nm) <= 0x10000000 && \abs(u->step_nm) <= 0x40000000 &&
+        \abs(u_nm) <= 0x10000000;
+      ensures step: \abs(\result - u->nm) <= cfg->step_nm;
+      ensures change: \abs(\result) < cfg->range_nm && \abs(\result - u->nm) < cfg->step_nm ==>
+        \abs(\result - u->nm - u->step_nm) <= cfg->change_nm;
+      ensures same: \abs(u_nm) <= cfg->range_nm && \abs(u_nm - u->nm) <= cfg->step_nm &&
+        \abs(u_nm - u->nm - u->step_nm) <= cfg->change_nm ==> \result == u_nm;
+*/
+static int32_t nearest_nm(const cam_u_command_t *u, const cam_axis_command_config_t *cfg,
+                          int32_t u_nm)
+{
+    const int32_t wanted_nm = cam_wrap_sub(cam_wrap_sub(u_nm, u->nm), u->step_nm);
+    const int32_t step_nm =
+        cam_wrap_add(u->step_nm, cam_clamp_i32(wanted_nm, -cfg->change_nm, cfg->change_nm));
+    const int32_t within_nm = cam_clamp_i32(step_nm, -cfg->step_nm, cfg->step_nm);
+    const int32_t least_nm = u->nm < -cfg->range_nm ? u->nm : -cfg->range_nm;
+    const int32_t most_nm = u->nm > cfg->range_nm ? u->nm : cfg->range_nm;
+    return cam_clamp_i32(cam_wrap_add(u->nm, within_nm), least_nm, most_nm);
+}
+
+CAM_STAGE void cam_axis_command_nearest_isr(cam_axis_command_t *t,
+                                            const cam_axis_command_config_t *cfg,
+                                            const cam_tick_record_t *r, const cam_motion_t *m,
+                                            bool is_new)
+{
+    const int32_t plain = plain_q6(cfg, r, m);
+    const int32_t wanted_nm =
+        is_new ? led_nm(&t->u) : nearest_to_q6(cam_wrap_add(plain, t->fading_q6));
+    keep_told(&t->u, nearest_nm(&t->u, cfg, wanted_nm));
+    t->fading_q6 = cam_wrap_sub(cam_wrap_times(t->u.nm, 64u), plain);
+}
+
+void cam_axis_command_fade_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
+                               const cam_tick_record_t *r, const cam_motion_t *m)
+{
+    t->fading_q6 = cam_wrap_sub(cam_wrap_times(t->u.nm, 64u), plain_q6(cfg, r, m));
+}
+
+/// An axis that is faster than its limit has to be let brake, and its speed may stay until it does.
+/// @return whether a plan may tell an axis what it wants to
+static bool is_plan_allowed(const cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
+                            uint32_t axis, const cam_axis_motion_t *now,
+                            const cam_axis_motion_t *before)
+{
+    const int32_t jump_q10 = cam_sat_i32(cam_wrap_sub_i64(now->pos_q10, before->pos_q10));
+    const int32_t change_q10 = cam_wrap_sub(now->vel_q10, t->vel_q10[axis]);
+    const int32_t was_q10 = t->vel_q10[axis];
+    const int32_t most_q10 = was_q10 < 0 ? cam_sat_add(~was_q10, 1) : was_q10; // its amount
+    const bool is_no_faster = cam_is_within(now->vel_q10, most_q10);
+    return (is_no_faster || cam_is_within(now->vel_q10, cfg->vel_q10[axis])) &&
+           cam_is_within(change_q10, cfg->change_q10[axis]) &&
+           cam_is_within(jump_q10, cfg->jump_q10[axis]);
+}
+
+CAM_STAGE uint32_t cam_axis_command_plan_isr(cam_axis_command_t *t,
+                                             const cam_axis_command_config_t *cfg, cam_motion_t *m,
+                                             const cam_axis_motion_t before[hal_n_axes])
+{
+    uint32_t faults = 0;
+    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
+        if (m->state != cam_state_off && !is_plan_allowed(t, cfg, i, &m->axis[i], &before[i])) {
+            m->axis[i] = before[i];
+            m->is_filtering = false;
+            faults = CAM_FAULT_BIT(command);
+        }
+        m->change_q10[i] = cam_wrap_sub(m->axis[i].vel_q10, t->vel_q10[i]);
+        t->vel_q10[i] = m->axis[i].vel_q10;
+    }
+    return faults;
+}
+
+void cam_axis_command_shift_isr(cam_axis_command_t *t, int32_t by_nm)
+{
+    t->u.nm = cam_wrap_add(t->u.nm, by_nm);
+}

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a configuration holds, number by number, of parameters that all differ from one another.
+#include "cam_build.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <math.h>
+
+enum { hz = 20000, clock_hz = 200000000, plan = 8 };
+
+static const double turn_q32 = 4294967296.0;
+static cam_params_t params;
+static cam_config_t config;
+static cam_table_t table;
+
+void setUp(void)
+{
+    hal_host_reset(hz);
+    params = cam_param_defaults();
+    table = (cam_table_t){
+        .u = {.log2_knots = 10, .log2_repeat = 1, .frac_bits = 6, .n_slices = 30},
+        .x = {.value_offset = 1234},
+        .angle = {.frac_bits = 3, .value_offset = -77},
+        .z_first_nm = -1000000,
+        .z_last_nm = 61000000,
+        .x_max_nm = 45000000,
+        .direction = 1,
+        .spindle_mrpm = 2500000,
+        .feed_nm = 100000,
+        .limit_u_stroke_nm = 1200000,
+    };
+}
+
+void tearDown(void) {}
+
+static void build(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_build_config(&config, &params, &table, 3000000, hz, clock_hz));
+}
+
+static void expect_near(double wanted, double got)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(wanted) + 1.0, wanted, got);
+}
+
+static void test_clock(void)
+{
+    hal_host.slow.has_edge_time = true;
+    build();
+    const cam_spindle_config_t *c = &config.spindle;
+    TEST_ASSERT_EQUAL_UINT32(10000, c->tick_clocks);
+    expect_near(ldexp((double)hz / clock_hz, 27), c->ticks_per_clock_q27);
+    TEST_ASSERT_EQUAL_UINT32(100000, c->most_clocks);
+    TEST_ASSERT_EQUAL_UINT32(15000, c->late_clocks);
+    TEST_ASSERT_EQUAL_UINT32(10000 - 625, c->early_clocks);
+    TEST_ASSERT_EQUAL_UINT32(1251, c->on_time_clocks);
+    TEST_ASSERT_EQUAL_UINT32(50000, c->stamp_clocks);
+    hal_host.slow.has_edge_time = false;
+    build();
+    TEST_ASSERT_EQUAL_UINT32(0, c->stamp_clocks);
+}
+
+static void test_spindle(void)
+{
+    params.counts_per_turn = 10001;
+    params.index_tolerance_counts = 7;
+    build();
+    const cam_spindle_config_t *c = &config.spindle;
+    TEST_ASSERT_EQUAL_INT32(10001, c->counts_per_turn);
+    const double count = turn_q32 / 10001.0;
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)count, c->turn_per_count_q32);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, count - floor(count), c->turn_per_count_fraction / turn_q32);
+    TEST_ASSERT_EQUAL_INT32(7, c->index_tolerance);
+    TEST_ASSERT_EQUAL_INT32(11251, c->index_overdue);
+    TEST_ASSERT_EQUAL_INT32(2500, c->max_counts);
+    TEST_ASSERT_GREATER_THAN_INT32(0, c->jump_window);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(c->max_counts, c->jump_window);
+    params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    params.spindle_limit_mrpm = 60000000;
+    build();
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(c->max_counts, c->jump_window);
+}
+
+static void test_play(void)
+{
+    params.lead_ns = 120000;
+    params.u_scale_latency_ns = 31234;
+    params.xz_lag_ns = 70000;
+    params.phase_rate_udeg_per_s = 1000000;
+    params.amplitude_ppm = 800000;
+    params.amplitude_rate_ppm_per_s = 200000;
+    params.engage_turns = 7;
+    params.disengage_turns = 9;
+    params.rehearse_turns = 11;
+    params.stopped_mrpm = 6000;
+    build();
+    const cam_play_config_t *c = &config.play;
+    TEST_ASSERT_EQUAL_UINT32(3, c->due_ticks); // 3.0247 ticks
+    const double part = 151234e-9 * hz - 3.0;
+    TEST_ASSERT_DOUBLE_WITHIN(1.0 / 65536.0, part, c->due_part_q31 / 2147483648.0);
+    expect_near(turn_q32 / 360.0 / hz + 1.0, c->phase_step_q32);
+    expect_near(0.8 * 1073741824.0, c->amplitude_q30);
+    expect_near(0.2 * 1073741824.0 / hz + 1.0, c->amplitude_step_q30);
+    TEST_ASSERT_EQUAL_INT64(7 * (INT64_C(1) << 32), c->engage_q32);
+    TEST_ASSERT_EQUAL_INT64(9 * (INT64_C(1) << 32), c->disengage_q32);
+    TEST_ASSERT_EQUAL_INT64(11 * (INT64_C(1) << 32), c->rehearse_q32);
+    expect_near(2147483648.0 / 7.0, c->per_engage_q31);
+    expect_near(2147483648.0 / 9.0, c->per_disengage_q31);
+    TEST_ASSERT_FALSE(c->is_z_measured);
+    TEST_ASSERT_EQUAL_INT32(cam_build_speed_q32(6000, hz), c->turning_q32);
+    static const cam_knot_t some = {0};
+    table.speed.knots = &some; // what is modulated is not rehearsed
+    params.z_is_measured = 1;
+    build();
+    TEST_ASSERT_EQUAL_INT64(0, c->rehearse_q32);
+    TEST_ASSERT_TRUE(c->is_z_measured);
+}
+
+static void test_plan(void)
+{
+    params.lead_ns = 120000;
+    params.xz_lag_ns = 200000;
+    build();
+    const cam_play_config_t *c = &config.play;
+    TEST_ASSERT_EQUAL_INT32(plan, c->plan_ticks);
+    TEST_ASSERT_EQUAL_INT32((1 << 30) / plan, c->per_plan_q30);
+    TEST_ASSERT_EQUAL_INT32((4 + plan) * 65536, c->xz_plan_q16);
+    expect_near((2.4 + plan) * 65536.0, c->u_plan_q16);
+    TEST_ASSERT_EQUAL_INT32(4 * 65536, c->commanded_q16);
+    TEST_ASSERT_EQUAL_INT32((plan + 1) * 65536, c->ratio_q16);
+    TEST_ASSERT_EQUAL_INT32(12 * 12 / 2 - 4 * 4 / 4, c->xz_lag2);
+    params.lead_ns = 300000;
+    build();
+    TEST_ASSERT_EQUAL_INT32(6 * 65536, c->commanded_q16);
+}
+
+static void test_feed(void)
+{
+    params.feed_ramp_turns = 3;
+    params.z_margin_nm = 54321;
+    build();
+    const cam_play_config_t *c = &config.play;
+    TEST_ASSERT_EQUAL_INT64(3 * (INT64_C(1) << 32), c->ramp_q32);
+    expect_near(2147483648.0 / 3.0, c->per_ramp_q31);
+    TEST_ASSERT_EQUAL_INT64(623 * (INT64_C(1) << 32), c->feed_q32);
+    TEST_ASSERT_EQUAL_INT32(54321, c->z_margin_nm);
+    TEST_ASSERT_EQUAL_INT32(-1000000, c->z_first_nm);
+    TEST_ASSERT_EQUAL_INT32(-1054321, c->z_low_nm);
+    TEST_ASSERT_EQUAL_INT32(61054321, c->z_high_nm);
+    params.feed_nm = 900000;
+    params.x_trim_nm = -150000;
+    build();
+    const double turns = 62000000.0 / 900000.0;
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, (turns + 3.0) * turn_q32, (double)c->feed_q32);
+    TEST_ASSERT_EQUAL_INT64((45000000 - 150000 + (int64_t)c->x_clearance_nm) * 1024,
+                            c->x_clear_q10);
+    TEST_ASSERT_EQUAL_INT64(1234 * 1024, c->x_offset_q10);
+    TEST_ASSERT_EQUAL_INT64(29 * (INT64_C(1) << 32) - 64, c->height_max_q32);
+    table.z_last_nm = table.z_first_nm + 10000; // less than half a turn of feed
+    build();
+    TEST_ASSERT_EQUAL_INT64(INT64_C(1) << 31, c->ramp_q32);
+}
+
+static void test_speed(void)
+{
+    params.spindle_lag_us = 40000;
+    build();
+    const cam_speed_config_t *c = &config.play.speed;
+    TEST_ASSERT_EQUAL_INT32(2500000, c->mean_mrpm);
+    TEST_ASSERT_EQUAL_INT32(3000000, c->limit_mrpm);
+    TEST_ASSERT_EQUAL_INT32(1, c->sense);
+    TEST_ASSERT_EQUAL_INT32(100 * 65536, c->lag_q16); // plans
+    TEST_ASSERT_EQUAL_INT32(cam_build_speed_q32(2500000, hz), c->mean_q32);
+    params.spindle_mrpm = 2000000;
+    table.direction = -1;
+    build();
+    TEST_ASSERT_EQUAL_INT32(2000000, c->mean_mrpm);
+    TEST_ASSERT_EQUAL_INT32(-1, c->sense);
+}
+
+static void test_swing(void)
+{
+    params.swing_speed_mdeg_per_s = 400000;
+    params.swing_acceleration_deg_per_s2 = 20000;
+    params.swing_lag_ns = 200000;
+    params.swing_following_limit_mdeg = 1500;
+    build();
+    TEST_ASSERT_FALSE(config.play.swing.is_swung);
+    table.is_swung = true;
+    build();
+    const cam_swing_config_t *c = &config.play.swing;
+    TEST_ASSERT_TRUE(c->is_swung);
+    TEST_ASSERT_EQUAL_INT32(4 * 65536, c->lag_q16);
+    TEST_ASSERT_EQUAL_INT32((4 + plan + 1) * 65536, c->ahead_q16);
+    TEST_ASSERT_EQUAL_INT32(13 * 13 / 2, c->ahead2);
+    expect_near(1.5 / 360.0 * turn_q32, c->following_q32);
+    TEST_ASSERT_EQUAL_INT32(1 << 28, c->unit_q30);
+    TEST_ASSERT_EQUAL_INT32(-77 * 16, c->offset_q30);
+    const double speed = 400.0 / 360.0 / hz * turn_q32;
+    const double step = 20000.0 / 360.0 * plan / hz / hz * turn_q32;
+    expect_near(speed, c->full.speed_q32);
+    expect_near(step, c->full.step_q32);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * step / speed, step / speed / plan,
+                              c->full.gain_q32 / turn_q32);
+    TEST_ASSERT_LESS_THAN_INT32(c->full.speed_q32, c->gentle.speed_q32);
+    TEST_ASSERT_LESS_THAN_INT32(c->full.step_q32, c->gentle.step_q32);
+    params.swing_speed_mdeg_per_s = 0;
+    build();
+    TEST_ASSERT_FALSE(c->is_swung);
+}
+
+/// What the start accepts by this parameter, the way home has to brake with.
+static void test_swing_brakes_with_the_largest_acceleration(void)
+{
+    params.swing_speed_mdeg_per_s = 400000;
+    params.swing_acceleration_deg_per_s2 = 100000000;
+    table.is_swung = true;
+    build();
+    expect_near(1e8 / 360.0 * plan / hz / hz * turn_q32, config.play.swing.full.step_q32);
+}
+
+static void test_guard(void)
+{
+    params.stopped_ms = 40;
+    params.stopped_mrpm = 7000;
+    params.u_stroke_nm = 1100000;
+    build();
+    const cam_guard_config_t *c = &config.guard;
+    TEST_ASSERT_EQUAL_INT32(cam_build_speed_q32(3000000, hz), c->overspeed_q32);
+    TEST_ASSERT_EQUAL_INT32(cam_build_speed_q32(7000, hz), c->stopped_q32);
+    TEST_ASSERT_EQUAL_UINT32(plan, c->plan_ticks);
+    TEST_ASSERT_EQUAL_UINT32(800, c->stopped_ticks);
+    TEST_ASSERT_EQUAL_UINT32(80000, c->homing_ticks);
+    const double v_q6 = 64.0 * 400e6 / hz;
+    const double a_q6 = 64.0 * 250e9 / hz / hz;
+    TEST_ASSERT_DOUBLE_WITHIN(200.0, v_q6 * 17.0 / 16.0, c->u_vel_q6);
+    TEST_ASSERT_DOUBLE_WITHIN(200.0, a_q6 * 17.0 / 16.0, c->u_acc_q6);
+    TEST_ASSERT_TRUE(c->u_vel_q6 > v_q6 * 17.0 / 16.0 - 1.0);
+    TEST_ASSERT_TRUE(c->u_acc_q6 > a_q6 * 17.0 / 16.0 - 1.0);
+    TEST_ASSERT_EQUAL_INT32(c->u_acc_q6 + c->u_vel_q6, c->u_acc_off_q6);
+    TEST_ASSERT_EQUAL_INT32(550000 * 64, c->u_range_q6);
+    TEST_ASSERT_EQUAL_INT32(550000, config.command.range_nm);
+}
+
+static void test_trace_and_no_table(void)
+{
+    params.trace_on = 0;
+    build();
+    TEST_ASSERT_EQUAL_UINT32(0, config.trace_room);
+    params.trace_on = 1;
+    params.phase_udeg = 90000000;
+    params.encoder_sign = -1;
+    config.generation = 4711;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, hz, clock_hz));
+    TEST_ASSERT_GREATER_THAN_UINT32(0, config.trace_room);
+    TEST_ASSERT_EQUAL_INT64(INT64_C(-500000) * 1024, config.play.u_retract_q10);
+    TEST_ASSERT_EQUAL_INT32(1 << 30, config.play.phase_q32); // in the sense of the drawing
+    TEST_ASSERT_EQUAL_HEX32(~0u, config.spindle.sign_mask);
+    TEST_ASSERT_EQUAL_UINT32(4711, config.generation);
+}
+
+/// What the shifts of U make of the largest values is what they are worth.
+static void test_scale_of_u(void)
+{
+    static const uint32_t knots[] = {6, 8, 10, 12};
+    static const uint32_t fracs[] = {0, 2, 4, 6, 8};
+    for (uint32_t i = 0; i < 40u; i++) {
+        params.spindle_limit_mrpm = i < 20u ? 3000000 : 4000000; // both sides of a power of 2
+        table.u.log2_knots = knots[i % 4u];
+        table.u.frac_bits = fracs[i / 4u % 5u];
+        table.u.value_offset = 321;
+        build();
+        const cam_u_scale_t *c = &config.play.u;
+        const int frac = (int)table.u.frac_bits;
+        const int all = (int)(table.u.log2_knots + table.u.log2_repeat);
+        TEST_ASSERT_EQUAL_INT(frac - 4, (int)c->scale_down - (int)c->y_up);
+        TEST_ASSERT_EQUAL_INT32(321 * 256 >> c->y_up, c->offset);
+        TEST_ASSERT_EQUAL_INT(8 + all - frac, (int)(c->v_up + c->speed_shift));
+        TEST_ASSERT_EQUAL_INT(24 + frac + 2 * (int)c->speed_shift - 2 * all,
+                              (int)(c->a_shift + c->a_down));
+        TEST_ASSERT_LESS_THAN_UINT32(32, c->a_shift);
+        TEST_ASSERT_EQUAL_INT(40 - 2 * (int)c->speed_shift + all + (int)c->a_down,
+                              (int)c->alpha_shift);
+        const uint32_t limit_mrpm = (uint32_t)params.spindle_limit_mrpm;
+        const int64_t most_q32 = INT64_C(5) * cam_build_speed_q32(limit_mrpm, hz) / 4;
+        const bool is_least = (int)c->speed_shift <= (all > 6 ? all - 6 : 0);
+        TEST_ASSERT_TRUE(is_least || most_q32 << c->speed_shift < INT64_C(1) << 30);
+        const bool is_most = c->v_up == 0u || c->speed_shift == 20u; // else one more would not fit
+        TEST_ASSERT_TRUE(is_most || most_q32 << (c->speed_shift + 1u) >= INT64_C(1) << 30);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_clock);
+    RUN_TEST(test_spindle);
+    RUN_TEST(test_play);
+    RUN_TEST(test_plan);
+    RUN_TEST(test_feed);
+    RUN_TEST(test_speed);
+    RUN_TEST(test_swing);
+    RUN_TEST(test_swing_brakes_with_the_largest_acceleration);
+    RUN_TEST(test_guard);
+    RUN_TEST(test_trace_and_no_table);
+    RUN_TEST(test_scale_of_u);
+    return UNITY_END();
+}

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// Windows and limits that follow from encoder, spindle, drive and part.
+#include "cam_derived_limits.h"
+#include "cam_build.h"
+#include "cam_play.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <math.h>   // floor
+#include <stddef.h> // NULL
+
+static cam_params_t params;
+static cam_table_t table;
+
+void setUp(void)
+{
+    hal_host_reset(20000);
+    params = cam_param_defaults();
+    params.following_limit_nm = 0;
+    params.k1_ns = 742723; // 300 Hz, 0.7
+    params.k2_us2 = 281448;
+    table = (cam_table_t){.u_min_nm = 0, .u_max_nm = 150000};
+}
+
+void tearDown(void) {}
+
+/// Equation (166) in double, with the spindle's acceleration and a hundredth of its speed.
+static double window(double counts, double tick_hz)
+{
+    const double pi = 3.14159265358979;
+    const double omega = 2.0 * pi * params.observer_bandwidth_mHz * 1e-3;
+    const double lag_rad = 2.0 * params.spindle_acceleration_mrad_per_s2 * 1e-3 / (omega * tick_hz);
+    const double ripple = 0.01 * params.spindle_limit_mrpm / 60000.0 / tick_hz;
+    return 4.0 + 2.0 * counts * (lag_rad / (2.0 * pi) + ripple);
+}
+
+static void test_jump_window_scales_with_encoder_observer_and_tick(void)
+{
+    static const int32_t counts[] = {64, 10000, 65536, 1000000, 16777216};
+    static const int32_t bandwidth_mHz[] = {20000, 50000, 200000};
+    static const uint32_t tick_hz[] = {1000, 20000, 100000};
+    for (int i = 0; i < 45; i++) {
+        params.counts_per_turn = counts[i % 5];
+        params.observer_bandwidth_mHz = bandwidth_mHz[i / 5 % 3];
+        const uint32_t hz = tick_hz[i / 15];
+        const double wanted = window(params.counts_per_turn, hz);
+        const double got = cam_derived_limits_jump_counts(&params, hz);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0 + 1e-4 * wanted, wanted > 8.0 ? wanted : 8.0, got);
+        TEST_ASSERT_TRUE(got >= 0.9999 * wanted); // 2 pi^2 is taken as 987 / 50
+    }
+}
+
+static void test_jump_window_of_the_usual_machine_is_eight_counts_and_the_jitter(void)
+{
+    TEST_ASSERT_EQUAL_INT32(8, cam_derived_limits_jump_counts(&params, 20000));
+    params.index_tolerance_counts = 3;
+    TEST_ASSERT_EQUAL_INT32(11, cam_derived_limits_jump_counts(&params, 20000));
+}
+
+static void test_jump_window_that_was_set_is_taken(void)
+{
+    params.jump_window_counts = 4;
+    TEST_ASSERT_EQUAL_INT32(4, cam_derived_limits_jump_counts(&params, 20000));
+}
+
+static void test_jump_window_of_extremes_stays_in_its_word_and_a_quarter_turn(void)
+{
+    cam_config_t config = {0};
+    params.counts_per_turn = 16777216;
+    params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    params.spindle_limit_mrpm = 60000000;
+    params.observer_bandwidth_mHz = 1000;
+    TEST_ASSERT_EQUAL_INT32(1 << 30, cam_derived_limits_jump_counts(&params, 500));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 500, 200000000));
+    TEST_ASSERT_EQUAL_INT32(16777216 / 4, config.spindle.jump_window);
+}
+
+static void test_following_limit_is_a_tenth_of_the_ovality(void)
+{
+    TEST_ASSERT_EQUAL_INT32(30000, cam_derived_limits_following_nm(&params, &table)); // of 0.3 mm
+    params.amplitude_ppm = 1250000;
+    TEST_ASSERT_EQUAL_INT32(37500, cam_derived_limits_following_nm(&params, &table));
+}
+
+static void test_following_limit_does_not_grow_beyond_a_fifth_of_a_millimetre(void)
+{
+    table.u_min_nm = -7500000; // a lobe
+    TEST_ASSERT_EQUAL_INT32(200000, cam_derived_limits_following_nm(&params, &table));
+}
+
+static void test_following_limit_has_a_floor_and_a_drive_of_which_nothing_is_known_another(void)
+{
+    table.u_max_nm = 10000;
+    TEST_ASSERT_EQUAL_INT32(10000, cam_derived_limits_following_nm(&params, &table));
+    params.k1_ns = 0;
+    TEST_ASSERT_EQUAL_INT32(100000, cam_derived_limits_following_nm(&params, &table));
+}
+
+/// Approach at 100 mm/s and 62.5 m/s2: half of the lag, and half a tick of the way.
+static void test_approach_limit_is_what_half_of_the_lag_makes(void)
+{
+    const double lag_nm = (742723e-9 + 100e-6) * 100e6 + 281448e-12 * 62.5e9;
+    TEST_ASSERT_INT32_WITHIN(2, (int32_t)(lag_nm / 2.0 + 100e6 * 25e-6),
+                             cam_derived_limits_approach_nm(&params, &table, 20000));
+    TEST_ASSERT_INT32_WITHIN(2, (int32_t)(lag_nm / 2.0 + 100e6 * 500e-6),
+                             cam_derived_limits_approach_nm(&params, &table, 1000));
+    table.u_max_nm = 1000000;
+    TEST_ASSERT_EQUAL_INT32(
+        200000, cam_derived_limits_approach_nm(&params, &table, 20000)); // that of the cut
+    params.following_limit_nm = 100;
+    TEST_ASSERT_EQUAL_INT32(100, cam_derived_limits_approach_nm(&params, &table, 20000));
+}
+
+static void test_following_limit_that_was_set_is_taken_and_without_a_table_it_is_the_least(void)
+{
+    TEST_ASSERT_EQUAL_INT32(10000, cam_derived_limits_following_nm(&params, NULL));
+    params.following_limit_nm = 100;
+    TEST_ASSERT_EQUAL_INT32(100, cam_derived_limits_following_nm(&params, &table));
+}
+
+/// What is at the limit is built, what is beyond it is refused, at every rate.
+static void test_most_is_the_largest_value_that_is_built(void)
+{
+    static const cam_param_id_t ids[] = {cam_param_observer_bandwidth_mHz, cam_param_lead_ns,
+                                         cam_param_k1_ns, cam_param_k2_us2};
+    static const uint32_t tick_hz[] = {500, 1000, 20000, 33333, 100000};
+    for (int i = 0; i < 20; i++) {
+        const uint32_t hz = tick_hz[i / 4];
+        const int32_t most = cam_derived_limits_most(ids[i % 4], hz);
+        cam_params_t p = cam_param_defaults();
+        p.observer_bandwidth_mHz = 1000;
+        p.u_speed_um_per_s = 10000000; // no gain is too large for such limits (cam_gains.h)
+        p.u_acceleration_mm_per_s2 = 100;
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, ids[i % 4], most));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_derived_limits_check(&p, hz));
+        if (cam_param_set(&p, ids[i % 4], most + 1) == cam_ok) {
+            TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_derived_limits_check(&p, hz));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(80000, cam_derived_limits_most(cam_param_observer_bandwidth_mHz, 1000));
+    TEST_ASSERT_EQUAL_INT32(30000000, cam_derived_limits_most(cam_param_u_stroke_nm, 1000));
+    TEST_ASSERT_EQUAL_INT32(0, cam_derived_limits_most(cam_n_params, 1000));
+}
+
+/// @return the smaller of a quotient, rounded down, and the end of the parameter's own range
+static int64_t whole(double exact, cam_param_id_t id)
+{
+    const double most = cam_param_info(id)->max;
+    return (int64_t)floor(exact < most ? exact : most);
+}
+
+static void test_limits_by_the_tick_are_exact(void)
+{
+    for (uint32_t hz = 500; hz <= 1000000u; hz += 1 + hz / 97u) {
+        const double n = cam_play_history - 2;
+        TEST_ASSERT_EQUAL_INT32(whole((n * 1e9 - 15259.0) / hz, cam_param_lead_ns),
+                                cam_derived_limits_most(cam_param_lead_ns, hz));
+        TEST_ASSERT_EQUAL_INT32(whole(32766e9 / hz, cam_param_k1_ns),
+                                cam_derived_limits_most(cam_param_k1_ns, hz));
+        TEST_ASSERT_EQUAL_INT32(whole(32766e12 / hz / hz, cam_param_k2_us2),
+                                cam_derived_limits_most(cam_param_k2_us2, hz));
+        TEST_ASSERT_EQUAL_INT32(whole(80.0 * hz, cam_param_observer_bandwidth_mHz),
+                                cam_derived_limits_most(cam_param_observer_bandwidth_mHz, hz));
+    }
+}
+
+/// The speeds of X and Z are limited to what the port's outputs pass on, where it names that.
+static void test_speeds_of_slow_axes_are_those_of_their_outputs(void)
+{
+    cam_params_t p = cam_param_defaults();
+    TEST_ASSERT_EQUAL_INT32(10000000, cam_derived_limits_most(cam_param_x_speed_um_per_s, 20000));
+    hal_host.slow.scale[hal_axis_x].most_um_per_s = 36000;
+    hal_host.slow.scale[hal_axis_z].most_um_per_s = 200000;
+    TEST_ASSERT_EQUAL_INT32(36000, cam_derived_limits_most(cam_param_x_speed_um_per_s, 20000));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_derived_limits_check(&p, 20000));
+    p.x_speed_um_per_s = 36000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_derived_limits_check(&p, 20000));
+    p.z_speed_um_per_s = 200001;
+    TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_derived_limits_check(&p, 20000));
+    p.k1_ns = INT32_MAX; // the tick is judged first
+    TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_derived_limits_check(&p, 20000));
+}
+
+static void test_usual_observer_is_a_twentieth_of_a_slow_tick(void)
+{
+    TEST_ASSERT_EQUAL_INT32(50000, cam_derived_limits_usual_mHz(200000, 1000));
+    TEST_ASSERT_EQUAL_INT32(200000, cam_derived_limits_usual_mHz(200000, 4000));
+    TEST_ASSERT_EQUAL_INT32(200000, cam_derived_limits_usual_mHz(200000, 100000));
+}
+
+/// Braking tick by tick ends up to an eighth of the acceleration beyond the target
+/// (cam_move_profile.c).
+static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
+{
+    cam_config_t config = {0};
+    params.u_stroke_nm = 800000;
+    params.observer_bandwidth_mHz = 50000;
+    params.k1_ns = 0;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 1000, 200000000));
+    TEST_ASSERT_EQUAL_INT64(-(400000 - 31251) * INT64_C(1024), config.play.u_retract_q10);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
+    TEST_ASSERT_EQUAL_INT64(-(400000 - 79) * INT64_C(1024), config.guard.u_retract_q10);
+    params.u_stroke_nm = 1000; // shorter than the room: U stays where it is
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 1000, 200000000));
+    TEST_ASSERT_EQUAL_INT64(0, config.play.u_retract_q10);
+    params.u_stroke_nm = 800000; // the feed-forward runs ahead where U begins to brake
+    params.k1_ns = 742723;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
+    const double a = config.guard.leave.acceleration_q10 / 1024.0; // [nm / tick^2]
+    const double over = 742723e-9 * 20000.0 + 0.5 - 8.0;
+    const double room_nm = 625.0 / 8.0 + a * (over * over / 2.0 + 256.0 / 12.0);
+    TEST_ASSERT_DOUBLE_WITHIN(60.0, -(400000.0 - room_nm),
+                              (double)config.guard.u_retract_q10 / 1024.0);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_jump_window_scales_with_encoder_observer_and_tick);
+    RUN_TEST(test_jump_window_of_the_usual_machine_is_eight_counts_and_the_jitter);
+    RUN_TEST(test_jump_window_that_was_set_is_taken);
+    RUN_TEST(test_jump_window_of_extremes_stays_in_its_word_and_a_quarter_turn);
+    RUN_TEST(test_following_limit_is_a_tenth_of_the_ovality);
+    RUN_TEST(test_following_limit_does_not_grow_beyond_a_fifth_of_a_millimetre);
+    RUN_TEST(test_following_limit_has_a_floor_and_a_drive_of_which_nothing_is_known_another);
+    RUN_TEST(test_approach_limit_is_what_half_of_the_lag_makes);
+    RUN_TEST(test_following_limit_that_was_set_is_taken_and_without_a_table_it_is_the_least);
+    RUN_TEST(test_most_is_the_largest_value_that_is_built);
+    RUN_TEST(test_limits_by_the_tick_are_exact);
+    RUN_TEST(test_speeds_of_slow_axes_are_those_of_their_outputs);
+    RUN_TEST(test_usual_observer_is_a_twentieth_of_a_slow_tick);
+    RUN_TEST(test_retract_leaves_room_to_brake_inside_the_stroke);
+    return UNITY_END();
+}

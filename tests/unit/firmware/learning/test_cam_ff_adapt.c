@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Layer 1 finds constants that are wrong, layer 2 removes what is left: against the equations in
+// floating point.
+#include "cam_ff_adapt.h"
+#include "unity.h"
+#include <complex.h>
+#include <math.h>
+
+#define TURN 6.283185307179586
+
+enum { speed_q32 = 10737418 }; // 3000 r/min at 20 kHz
+
+static const double k1_ticks = 14.9, k2_ticks2 = 112.6;
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static double omega(uint32_t k)
+{
+    return TURN * k * speed_q32 / 4294967296.0;
+}
+
+static double complex response(uint32_t k)
+{
+    const double w = omega(k);
+    return 1.0 / (1.0 + I * w * k1_ticks - w * w * k2_ticks2);
+}
+
+static int32_t q16(double ticks)
+{
+    return (int32_t)lround(ticks * 65536.0);
+}
+
+static cam_complex_t fixed(double complex value)
+{
+    return (cam_complex_t){.re = (int32_t)lround(creal(value)),
+                           .im = (int32_t)lround(cimag(value))};
+}
+
+static void test_the_answer_of_the_drive_is_that_of_its_constants(void)
+{
+    for (uint32_t k = 1; k <= 16u; k++) {
+        const cam_gain_t g = cam_drive_gain(k, speed_q32, q16(k1_ticks), q16(k2_ticks2));
+        TEST_ASSERT_INT32_WITHIN(16, (int32_t)lround(4096.0 * creal(response(k))), g.re_q12);
+        TEST_ASSERT_INT32_WITHIN(16, (int32_t)lround(4096.0 * cimag(response(k))), g.im_q12);
+    }
+}
+
+/// The error that wrong constants leave is U G (j w dk1 - w^2 dk2).
+static void test_wrong_constants_are_found_from_their_error(void)
+{
+    static const double dk1[] = {0.5, -1.0, 0.0, 0.02};
+    static const double dk2[] = {-4.0, 0.0, 6.0, 0.1};
+    for (int i = 0; i < 4; i++) {
+        cam_drive_sums_t sums = {0};
+        for (uint32_t k = 2; k <= 6u; k += 2u) {
+            const double complex u = 32e6 / (k * k) * cexp(I * 0.3 * k);
+            const double w = omega(k);
+            const double complex e = u * response(k) * (I * w * dk1[i] - w * w * dk2[i]);
+            const cam_gain_t g = cam_drive_gain(k, speed_q32, q16(k1_ticks), q16(k2_ticks2));
+            cam_drive_add(&sums, k, fixed(e), fixed(u), g);
+        }
+        const cam_drive_change_t by = cam_drive_solve(&sums, speed_q32);
+        TEST_ASSERT_INT32_WITHIN(800, q16(dk1[i]), by.k1_q16);
+        TEST_ASSERT_INT32_WITHIN(12000, q16(dk2[i]), by.k2_q16);
+    }
+}
+
+static void test_nothing_says_nothing(void)
+{
+    const cam_drive_sums_t sums = {0};
+    const cam_drive_change_t by = cam_drive_solve(&sums, speed_q32);
+    TEST_ASSERT_EQUAL_INT32(0, by.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(0, by.k2_q16);
+    const cam_complex_t change =
+        cam_harmonic_correction_change((cam_complex_t){.re = 64}, (cam_gain_t){0}, 65536);
+    TEST_ASSERT_EQUAL_INT32(0, change.re);
+}
+
+static void test_a_correction_is_the_error_over_the_answer(void)
+{
+    const cam_gain_t g = {.re_q12 = 2048, .im_q12 = -3000};
+    const double complex answer = (2048.0 - 3000.0 * I) / 4096.0;
+    const cam_complex_t e = {.re = 640000, .im = -123456};
+    const double complex want = 0.5 * (640000.0 - 123456.0 * I) / answer;
+    const cam_complex_t change = cam_harmonic_correction_change(e, g, 32768);
+    TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(creal(want)), change.re);
+    TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(cimag(want)), change.im);
+}
+
+/// All of it at the ends of its range, under the sanitizers.
+static void test_the_largest_numbers_fit(void)
+{
+    const cam_complex_t most = {.re = INT32_MAX, .im = INT32_MIN + 1};
+    cam_drive_sums_t sums = {0};
+    for (uint32_t k = 1; k <= 16u; k++) {
+        cam_drive_add(&sums, k, most, most, (cam_gain_t){.re_q12 = INT16_MAX, .im_q12 = INT16_MAX});
+    }
+    const cam_drive_change_t by = cam_drive_solve(&sums, 1 << 18);
+    TEST_ASSERT_TRUE(by.k1_q16 != 0 || by.k2_q16 != 0);
+    (void)cam_harmonic_correction_change(most, (cam_gain_t){.re_q12 = 1}, 65536);
+    (void)cam_drive_gain(16, 1 << 26, INT32_MAX, INT32_MAX);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_answer_of_the_drive_is_that_of_its_constants);
+    RUN_TEST(test_wrong_constants_are_found_from_their_error);
+    RUN_TEST(test_nothing_says_nothing);
+    RUN_TEST(test_a_correction_is_the_error_over_the_answer);
+    RUN_TEST(test_the_largest_numbers_fit);
+    return UNITY_END();
+}

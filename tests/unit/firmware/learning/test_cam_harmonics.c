@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// From bins to harmonics and from harmonics to points, against sums in floating point.
+#include "cam_harmonics.h"
+#include "fixture_random.h"
+#include "unity.h"
+#include <math.h>
+#include <stdlib.h>
+
+#define TURN 6.283185307179586
+
+enum { most_nm = 30000 };
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static void test_a_wave_is_its_own_harmonic_and_no_other(void)
+{
+    static int32_t mean[2 * cam_turn_bins_n]; // a stride of two words
+    for (uint32_t k = 0; k <= 16u; k += 5u) {
+        for (int i = 0; i < cam_turn_bins_n; i++) {
+            const double angle = (i + 0.5) / cam_turn_bins_n * TURN;
+            mean[2 * i] = (int32_t)lround(1e8 * cos(k * angle + 0.7));
+            mean[2 * i + 1] = 12345;
+        }
+        for (uint32_t other = 0; other <= 16u; other += 1u) {
+            const cam_complex_t c = cam_harmonics_of(mean, 2, other);
+            const double re = other == k ? 1e8 * cos(0.7) : 0.0;
+            const double im = other == k && k > 0u ? 1e8 * sin(0.7) : 0.0;
+            TEST_ASSERT_INT32_WITHIN(8, (int32_t)lround(re), c.re);
+            TEST_ASSERT_INT32_WITHIN(8, (int32_t)lround(im), c.im);
+        }
+    }
+}
+
+static double sum_at(const cam_complex_t *c, int i)
+{
+    double sum = 0.0;
+    for (int k = 0; k <= 16; k++) {
+        const double angle = TURN * k * i / 256.0;
+        sum += c[k].re * cos(angle) - c[k].im * sin(angle);
+    }
+    return sum / 64.0;
+}
+
+static void test_points_are_the_sum_of_the_harmonics(void)
+{
+    static int16_t point[257];
+    fixture_random_t random = {.state = 5};
+    cam_complex_t c[17];
+    for (int k = 0; k <= 16; k++) {
+        c[k].re = (int32_t)fixture_random_range(&random, -60000, 60000);
+        c[k].im = k > 0 ? (int32_t)fixture_random_range(&random, -60000, 60000) : 0;
+    }
+    TEST_ASSERT_TRUE(cam_harmonics_lead(point, c, 6, 1 << 17));
+    for (int i = 0; i <= 256; i += 3) {
+        TEST_ASSERT_INT32_WITHIN(1, (int32_t)lround(sum_at(c, i)), point[i]);
+    }
+    TEST_ASSERT_EQUAL_INT16(point[0], point[256]);
+}
+
+static void test_points_move_by_no_more_than_a_step_and_arrive(void)
+{
+    static int16_t point[257];
+    static int16_t before[257];
+    const cam_complex_t c[17] = {[0] = {.re = 64 * 300}, [3] = {.re = 64 * 500, .im = -64 * 200}};
+    bool is_there = false;
+    int n = 0;
+    for (; !is_there && n < 100; n++) {
+        for (int i = 0; i <= 256; i++) {
+            before[i] = point[i];
+        }
+        is_there = cam_harmonics_lead(point, c, 6, 50);
+        for (int i = 0; i <= 256; i++) {
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(50, abs(point[i] - before[i]));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(17, n); // 300 + |500 - 200j| = 838.5 nm in steps of 50
+}
+
+static void test_points_beyond_their_word_stay_at_its_end(void)
+{
+    static int16_t point[257];
+    const cam_complex_t c[17] = {[0] = {.re = 64 * most_nm}, [1] = {.re = 64 * most_nm}};
+    (void)cam_harmonics_lead(point, c, 6, 1 << 17);
+    TEST_ASSERT_EQUAL_INT16(INT16_MAX, point[0]);
+    TEST_ASSERT_INT16_WITHIN(1, 0, point[128]);
+}
+
+static void test_turned_is_a_multiplication_by_a_unit(void)
+{
+    const cam_complex_t c = {.re = 100000000, .im = -50000000};
+    for (uint32_t k = 1; k <= 16u; k += 3u) {
+        const uint32_t angle_q32 = 123456789u * k;
+        const double by = TURN * k * angle_q32 / 4294967296.0;
+        const cam_complex_t turned = cam_harmonics_turned(c, k, angle_q32);
+        TEST_ASSERT_INT32_WITHIN(9000, (int32_t)lround(1e8 * cos(by) + 5e7 * sin(by)), turned.re);
+        TEST_ASSERT_INT32_WITHIN(9000, (int32_t)lround(1e8 * sin(by) - 5e7 * cos(by)), turned.im);
+    }
+}
+
+static void test_axes_of_the_circle_are_exact(void)
+{
+    static const int32_t cosines[] = {1 << 24, 0, -(1 << 24), 0};
+    for (uint32_t i = 0; i < 8u; i++) {
+        TEST_ASSERT_EQUAL_INT32(cosines[i % 4u], cam_cos_q24(64u * i));
+        TEST_ASSERT_EQUAL_INT32(cosines[i % 4u], cam_sin_q24(64u * i + 64u));
+    }
+}
+
+/// A cosine in 2^30ths, and the harmonic and the point by which it alone makes that point.
+typedef struct {
+    int64_t cosine;
+    uint32_t k, i;
+    bool is_sine; // of the part -im
+} place_t;
+
+/// @return a place of a step of the circle; k is 0 for the few steps that no point needs
+static place_t place_of(uint32_t step)
+{
+    for (uint32_t k = 1; k <= 16u; k++) {
+        for (uint32_t i = 0; i <= 64u; i++) {
+            for (uint32_t sine = 0; sine < 2u; sine++) {
+                if ((k * i + 64u * sine) % 256u == step) {
+                    const int64_t cosine = llround(1073741824.0 * cos(TURN * step / 256.0));
+                    return (place_t){cosine, k, i, sine == 1u};
+                }
+            }
+        }
+    }
+    return (place_t){0};
+}
+
+/// @return what a part of a harmonic makes of a point, rounded at 2^-5 and as a whole
+static int64_t point_by(int64_t part, int64_t cosine, uint32_t down)
+{
+    const int64_t sum = (part * 128 * cosine + (INT64_C(1) << 31)) >> 32;
+    return (sum + (INT64_C(1) << (down + 4u))) >> (down + 5u);
+}
+
+/// @return a part of which the point shows whether the cosine is a 2^30th more or less
+static int32_t telling_part(int64_t cosine, int64_t other, uint32_t down)
+{
+    for (int64_t point = 1; point < INT16_MAX; point++) {
+        const double sum = ldexp((double)point - 0.5, (int)down + 5);
+        const int64_t near = llround(ldexp(sum, 25) / (double)cosine);
+        for (int64_t part = near - 1; part <= near + 1; part++) {
+            if (point_by(part, cosine, down) != point_by(part, other, down)) {
+                TEST_ASSERT_TRUE(llabs(part) < 1 << 23);
+                return (int32_t)part;
+            }
+        }
+    }
+    TEST_FAIL_MESSAGE("no part tells it");
+    return 0;
+}
+
+/// On the axes of the circle a 2^30th more or less is rounded away; other steps show it.
+static void test_cosines_are_the_nearest_of_their_word(void)
+{
+    static int16_t point[257];
+    for (uint32_t n = 0; n < 512u; n++) {
+        const place_t at = place_of(n / 2u);
+        const int64_t other = at.cosine + (n % 2u == 0u ? 1 : -1);
+        const int64_t most = llabs(at.cosine) >> 2; // of a sum
+        uint32_t down = 1;
+        while (most >> (down + 5u) >= INT16_MAX) {
+            down++;
+        }
+        if (n / 2u % 64u != 0u && at.k > 0u) {
+            cam_complex_t c[17] = {0};
+            const int32_t part = telling_part(at.cosine, other, down);
+            c[at.k] = at.is_sine ? (cam_complex_t){.im = part} : (cam_complex_t){.re = part};
+            (void)cam_harmonics_lead(point, c, down, 1 << 17);
+            TEST_ASSERT_EQUAL_INT16(point_by(part, at.cosine, down), point[at.i]);
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_wave_is_its_own_harmonic_and_no_other);
+    RUN_TEST(test_points_are_the_sum_of_the_harmonics);
+    RUN_TEST(test_points_move_by_no_more_than_a_step_and_arrive);
+    RUN_TEST(test_points_beyond_their_word_stay_at_its_end);
+    RUN_TEST(test_turned_is_a_multiplication_by_a_unit);
+    RUN_TEST(test_axes_of_the_circle_are_exact);
+    RUN_TEST(test_cosines_are_the_nearest_of_their_word);
+    return UNITY_END();
+}

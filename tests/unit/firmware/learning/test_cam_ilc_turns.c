@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// Learning turn by turn, of turns that the test makes: which count, what the guard does, how the
+// phases follow each other.
+#include "ilc_bench.h"
+
+/// The first turn only tells the speed, the second one settles; the third is the first step.
+static void settle(void)
+{
+    play_turns(2);
+    TEST_ASSERT_EQUAL_UINT32(1, t.n_turns);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_drive, t.phase);
+}
+
+static void test_a_rehearsal_is_a_turn_to_settle_three_of_the_drive_and_three_of_the_probe(void)
+{
+    static const cam_ilc_phase_t after[] = {
+        cam_ilc_settling, cam_ilc_drive,   cam_ilc_drive, cam_ilc_drive, cam_ilc_probing,
+        cam_ilc_probing,  cam_ilc_probing, cam_ilc_shape, cam_ilc_shape,
+    };
+    static const uint32_t played_q6[] = {0, 0, 0, 0, 0, 64 * 1000, 64 * 2000, 0, 0};
+    for (uint32_t i = 0; i < sizeof after / sizeof after[0]; i++) {
+        play();
+        TEST_ASSERT_EQUAL_UINT8(after[i], t.phase);
+        if (t.phase != cam_ilc_shape) { // at each of 4 harmonics and the mean
+            TEST_ASSERT_UINT32_WITHIN(9, 5u * played_q6[i],
+                                      cam_harmonic_correction_sum_q6(&t.correction));
+        }
+        TEST_ASSERT_EQUAL(after[i] == cam_ilc_shape, t.correction.is_probed);
+    }
+    TEST_ASSERT_EQUAL_UINT32(8, t.n_turns);
+    TEST_ASSERT_EQUAL_INT32(usual_speed_q32, t.speed_q32);
+}
+
+/// Of a shaft with lobes only the drive's constants are learned, however long it is rehearsed.
+static void test_lobes_are_not_probed(void)
+{
+    s.reason = cam_ilc_lobes;
+    play_turns(20);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_drive, t.phase);
+    TEST_ASSERT_FALSE(t.correction.is_probed);
+    TEST_ASSERT_NOT_EQUAL(0, t.k1_q16);
+}
+
+static void test_error_is_told_as_rms(void)
+{
+    settle();
+    TEST_ASSERT_UINT32_WITHIN(2, 707, t.begun_nm);
+    TEST_ASSERT_EQUAL_UINT32(t.begun_nm, t.error_nm);
+    error_nm = 500.0;
+    play();
+    TEST_ASSERT_UINT32_WITHIN(2, 354, t.error_nm);
+    TEST_ASSERT_UINT32_WITHIN(2, 707, t.begun_nm);
+    TEST_ASSERT_UINT32_WITHIN(1000, 64 * usual_set_nm, t.largest);
+}
+
+/// An error of a hundredth, behind by a quarter turn, is k1 w = 1 / 100; of it a step removes the
+/// gain's share, and half as much with each strike of the guard. After four of them none.
+static void test_a_step_is_the_share_of_the_gain_and_halves_with_each_strike(void)
+{
+    settle();
+    const double w = TURN / usual_ticks;
+    const int32_t first_q16 = t.k1_q16;
+    TEST_ASSERT_INT32_WITHIN(first_q16 / 20, (int32_t)lround(0.5 * 0.01 / w * 65536.0), first_q16);
+    for (uint8_t strikes = 0; strikes <= 4u; strikes++) {
+        t.n_halved = strikes;
+        t.k1_q16 = t.k2_q16 = 0;
+        t.phase = cam_ilc_drive;
+        t.n_steps = 0;
+        t.best_square = UINT64_MAX;
+        play();
+        const int32_t due_q16 = strikes < 4u ? first_q16 >> strikes : 0;
+        TEST_ASSERT_INT32_WITHIN(2, due_q16, t.k1_q16);
+        TEST_ASSERT_EQUAL_HEX8(strikes < 4u ? cam_ilc_blend_drive : 0,
+                               walked & cam_ilc_blend_drive);
+        TEST_ASSERT_EQUAL_UINT8(strikes < 4u ? cam_ilc_all : cam_ilc_diverged, t.hindrance);
+    }
+}
+
+/// Beside the shape layer 1 takes half of its gain, in the cut as well, where it is that of the
+/// first turns, and then the smaller one of the cut.
+static void test_the_two_layers_share_their_gain(void)
+{
+    static const struct {
+        cam_state_t state;
+        cam_ilc_phase_t phase;
+        bool is_probed;
+        uint8_t n_steps;
+        int32_t share; ///< of the gain of the rehearsal, in 1 / 8
+    } cases[] = {
+        {cam_state_rehearsing, cam_ilc_drive, false, 0, 8},
+        {cam_state_rehearsing, cam_ilc_shape, true, 0, 4},
+        {cam_state_rehearsing, cam_ilc_shape, true, 99, 4},
+        {cam_state_cutting, cam_ilc_cutting, false, 0, 8},
+        {cam_state_cutting, cam_ilc_cutting, false, 15, 8},
+        {cam_state_cutting, cam_ilc_cutting, false, 16, 2},
+        {cam_state_cutting, cam_ilc_cutting, true, 0, 4},
+        {cam_state_cutting, cam_ilc_cutting, true, 16, 1},
+    };
+    settle();
+    const int32_t first_q16 = t.k1_q16;
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        setUp();
+        settle();
+        how.state = cases[i].state;
+        play();
+        t.phase = (uint8_t)cases[i].phase;
+        t.n_steps = cases[i].n_steps;
+        t.correction.is_probed = cases[i].is_probed;
+        t.correction.masked = UINT32_MAX;
+        t.k1_q16 = t.k2_q16 = 0;
+        t.best_square = UINT64_MAX;
+        play();
+        TEST_ASSERT_INT32_WITHIN(2, first_q16 * cases[i].share / 8, t.k1_q16);
+    }
+}
+
+/// An error 1.5 times as large as the best is still one to learn from. A larger one brings the best
+/// constants back; four times, then layer 1 is given up, until the state begins anew.
+static void test_the_guard_brings_the_best_back_four_times(void)
+{
+    s.reason = cam_ilc_lobes;
+    settle();
+    play();
+    const int32_t best_q16 = t.best_k1_q16;
+    TEST_ASSERT_NOT_EQUAL(t.k1_q16, best_q16);
+    error_nm = 1490.0;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(0, t.n_halved);
+    TEST_ASSERT_NOT_EQUAL(best_q16, t.k1_q16);
+    error_nm = 1510.0;
+    for (uint8_t strikes = 1; strikes <= 4u; strikes++) {
+        t.k1_q16 = 12345;
+        t.k2_q16 = 54321;
+        play();
+        TEST_ASSERT_EQUAL_UINT8(strikes, t.n_halved);
+        TEST_ASSERT_EQUAL_INT32(t.best_k1_q16, t.k1_q16);
+        TEST_ASSERT_EQUAL_INT32(t.best_k2_q16, t.k2_q16);
+        TEST_ASSERT_EQUAL_INT32(best_q16, t.k1_q16);
+    }
+    play_turns(2);
+    TEST_ASSERT_EQUAL_UINT8(4, t.n_halved);
+    TEST_ASSERT_EQUAL_INT32(best_q16, t.k1_q16);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_diverged, t.hindrance);
+    how.state = cam_state_cutting;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(0, t.n_halved);
+    TEST_ASSERT_NOT_EQUAL(best_q16, t.k1_q16);
+}
+
+/// Behind the probe the motion is another one: what layer 1 compared with before does not hold.
+static void test_the_end_of_the_probe_lets_the_guard_begin_anew(void)
+{
+    play_turns(7);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_probing, t.phase);
+    t.n_halved = 3;
+    t.best_square = 1;
+    t.trusted = UINT32_MAX;
+    t.correction.best_q6[1] = 1;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_shape, t.phase);
+    TEST_ASSERT_EQUAL_UINT8(0, t.n_halved);
+    TEST_ASSERT_EQUAL_UINT64(UINT64_MAX, t.best_square);
+    TEST_ASSERT_EQUAL_UINT32(0, t.trusted);
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, t.correction.best_q6[1]);
+}
+
+/// An error that grows with the shape is no worse: 5 / 4 of the shape lets the guard begin anew.
+static void test_a_larger_shape_lets_the_guard_begin_anew(void)
+{
+    settle();
+    t.n_halved = 2;
+    t.trusted = 64 * usual_set_nm * 81 / 100;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(2, t.n_halved);
+    t.trusted = 64 * usual_set_nm * 79 / 100;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(0, t.n_halved);
+    TEST_ASSERT_UINT32_WITHIN(1000, 64 * usual_set_nm, t.trusted);
+}
+
+static void test_constants_stay_within_their_bounds(void)
+{
+    settle();
+    s.k1_most_q16 = 100;
+    s.k2_most_q16 = 50;
+    play();
+    TEST_ASSERT_EQUAL_INT32(100, t.k1_q16);
+    TEST_ASSERT_TRUE(t.k2_q16 >= -50 && t.k2_q16 <= 50);
+    error_nm = -1000.0;
+    t.best_square = UINT64_MAX;
+    play_turns(2);
+    TEST_ASSERT_EQUAL_INT32(-100, t.k1_q16);
+}
+
+/// In the cut the best error ages by a sixteenth a turn, since the work changes; in the rehearsal
+/// it does not. The shares of the two layers are half of the gain each once there is a shape.
+static void test_the_cut_forgets_slowly(void)
+{
+    settle();
+    play();
+    const uint64_t best = t.best_square;
+    play();
+    TEST_ASSERT_TRUE(t.best_square <= best);
+    how.state = cam_state_cutting;
+    play();
+    const uint64_t square = t.square;
+    TEST_ASSERT_EQUAL_UINT64(square + (square >> 4), t.best_square);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    t.n_steps = UINT8_MAX;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(UINT8_MAX, t.n_steps);
+}
+
+/// The interrupt has begun to write the bank again: what was taken of the turn counts for nothing,
+/// and the ripple that was summed up to it neither.
+static void test_a_turn_that_is_taken_too_late_is_dropped(void)
+{
+    settle();
+    for (uint32_t late = 0; late < 2u; late++) {
+        t.bin = g.bin;
+        t.turn = 5;
+        t.k = 1;
+        t.ripple.n = 3;
+        t.ripple.sum[15] = (cam_complex_t){.re = 77, .im = 78};
+        atomic_store(&g.at_q8, (6u + late) << 8);
+        cam_ilc_poll(&t, &s, how.state, &g);
+        TEST_ASSERT_EQUAL(late == 1u, t.bin == NULL);
+        TEST_ASSERT_EQUAL_UINT32(late == 0u ? 3u : 0u, t.ripple.n);
+        TEST_ASSERT_EQUAL_INT32(late == 0u ? 77 : 0, t.ripple.sum[15].re);
+        TEST_ASSERT_EQUAL_INT32(late == 0u ? 78 : 0, t.ripple.sum[15].im);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_rehearsal_is_a_turn_to_settle_three_of_the_drive_and_three_of_the_probe);
+    RUN_TEST(test_lobes_are_not_probed);
+    RUN_TEST(test_error_is_told_as_rms);
+    RUN_TEST(test_a_step_is_the_share_of_the_gain_and_halves_with_each_strike);
+    RUN_TEST(test_the_two_layers_share_their_gain);
+    RUN_TEST(test_the_guard_brings_the_best_back_four_times);
+    RUN_TEST(test_the_end_of_the_probe_lets_the_guard_begin_anew);
+    RUN_TEST(test_a_larger_shape_lets_the_guard_begin_anew);
+    RUN_TEST(test_constants_stay_within_their_bounds);
+    RUN_TEST(test_the_cut_forgets_slowly);
+    RUN_TEST(test_a_turn_that_is_taken_too_late_is_dropped);
+    return UNITY_END();
+}

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a turn tells: whether it counts, its harmonics by its ticks, its gaps, its feed, its phase.
+#include "ilc_bench.h"
+
+enum { usual_turns = 2 }; ///< the first one tells only the speed
+
+static void begin(void)
+{
+    setUp();
+    play_turns(usual_turns);
+    TEST_ASSERT_EQUAL_UINT32(1, t.n_turns);
+}
+
+/// Play one turn. @return whether it counted
+static bool counts(void)
+{
+    const uint32_t before = t.n_turns;
+    play();
+    return t.n_turns != before;
+}
+
+/// Each single exception is enough.
+static void test_a_turn_that_is_not_like_the_others_does_not_count(void)
+{
+    begin();
+    TEST_ASSERT_TRUE(counts());
+    how.is_steady = false;
+    TEST_ASSERT_FALSE(counts());
+    how.is_steady = true;
+    TEST_ASSERT_TRUE(counts());
+    how.scale_q30 = (1 << 27) - 1; // an eighth of the amplitude is the least
+    TEST_ASSERT_FALSE(counts());
+    how.scale_q30 = 1 << 27;
+    TEST_ASSERT_TRUE(counts());
+    s.reason = cam_ilc_not_asked;
+    TEST_ASSERT_FALSE(counts());
+    s.reason = cam_ilc_all;
+    s.n_harmonics = 0;
+    TEST_ASSERT_FALSE(counts());
+}
+
+/// A turn that tells nothing is given back at once, so that the slow side is free for the next.
+static void test_a_turn_that_tells_nothing_is_given_back_at_once(void)
+{
+    begin();
+    how.is_steady = false;
+    n_polls = 1;
+    play();
+    const uint32_t bank = how.turn & 1u;
+    TEST_ASSERT_EQUAL_UINT32(0, g.bin[bank * cam_turn_bins_n].n);
+    TEST_ASSERT_EQUAL_UINT32((how.turn + 2u) | 1u << 24, g.cleared[bank]);
+    n_polls = 40;
+    how.is_steady = true;
+    TEST_ASSERT_TRUE(counts());
+}
+
+/// While what the last step changed is not yet in force, or before the first turn in which it all
+/// is, a turn tells nothing of the next step.
+static void test_a_turn_counts_when_the_drive_has_settled(void)
+{
+    begin();
+    t.good_from = how.turn + 2u;
+    TEST_ASSERT_FALSE(counts());
+    TEST_ASSERT_TRUE(counts());
+    t.good_from = 0xFFFFFFu; // turns are numbered modulo 2^24
+    TEST_ASSERT_TRUE(counts());
+}
+
+/// A speed that changes by a 128th runs up.
+static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        begin();
+        how.speed_q32 += sign * (usual_speed_q32 / 120);
+        TEST_ASSERT_FALSE(counts());
+        TEST_ASSERT_TRUE(counts());
+        how.speed_q32 += sign * (usual_speed_q32 / 140);
+        TEST_ASSERT_TRUE(counts());
+    }
+}
+
+static void test_slow_and_fast_turns_are_told(void)
+{
+    begin();
+    how.speed_q32 = 1 << 18;
+    TEST_ASSERT_FALSE(counts());
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_slow_turn, t.hindrance);
+    how.is_steady = false;
+    (void)counts();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_all, t.hindrance);
+    how.is_steady = true;
+    how.speed_q32 = (1 << 18) + 1;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_all, t.hindrance);
+    TEST_ASSERT_TRUE(counts());
+    n_ticks = 12; // 10 or 11 bins from one to the next, where 8 are the most
+    TEST_ASSERT_FALSE(counts());
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_fast_turn, t.hindrance);
+}
+
+/// A harmonic needs 24 ticks in its period, but for those of the oval, the first two, which do
+/// with 9.
+static void test_harmonics_are_as_many_as_the_ticks_tell(void)
+{
+    static const struct {
+        uint32_t ticks, harmonics;
+    } cases[] = {{15, 0}, {16, 1}, {17, 1}, {18, 2}, {47, 2},
+                 {48, 2}, {71, 2}, {72, 3}, {96, 4}, {400, 4}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        begin();
+        n_ticks = cases[i].ticks;
+        play();
+        TEST_ASSERT_EQUAL_UINT8(cases[i].harmonics, t.n_orders);
+    }
+    begin();
+    s.n_harmonics = 16;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(16, t.n_orders);
+}
+
+/// Of few ticks the bins between them are filled by straight lines: the error stays what it is.
+static void test_gaps_are_filled_by_straight_lines(void)
+{
+    begin();
+    n_ticks = 32;
+    play();
+    TEST_ASSERT_UINT32_WITHIN(10, 707, t.error_nm);
+    TEST_ASSERT_UINT32_WITHIN(64 * 1000, 64 * usual_set_nm, t.larger);
+    TEST_ASSERT_EQUAL_INT32(0, t.true_q36); // it tells no ripple
+}
+
+/// At half the amplitude the same error would be twice as large at the full one.
+static void test_errors_are_those_at_full_amplitude(void)
+{
+    begin();
+    how.scale_q30 = 1 << 29;
+    play();
+    TEST_ASSERT_UINT32_WITHIN(3, 1414, t.error_nm);
+}
+
+/// 78 / 64 times what the scale and the counts of the encoder make of a tick, over the root of the
+/// ticks, and a nanometre.
+static void test_the_floor_is_what_scale_and_encoder_cannot_tell(void)
+{
+    begin();
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64, t.floor_q6);
+    s.scale_nm = 100;
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64 + 78 * 100 / 20, t.floor_q6);
+    s.scale_nm = 0;
+    s.count_urad = 1000; // of 100 um: 100 nm
+    play();
+    TEST_ASSERT_UINT32_WITHIN(4, 64 + 78 * 100 / 20, t.floor_q6);
+    how.scale_q30 = 1 << 29;
+    s.count_urad = 0;
+    play();
+    TEST_ASSERT_EQUAL_UINT32(128, t.floor_q6);
+}
+
+/// The corrections may grow until their sum is the bound; each has an equal share of what is left.
+static void test_room_is_what_the_bound_leaves(void)
+{
+    begin();
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64 * 30000 / 17, t.room_q6);
+    t.correction.c_q6[5] = (cam_complex_t){.im = -64 * 13000};
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64 * 17000 / 17, t.room_q6);
+    s.most_q6 = 64 * 12000;
+    play();
+    TEST_ASSERT_EQUAL_UINT32(0, t.room_q6);
+}
+
+/// A cut at another speed than that of the rehearsal keeps what is in force, and goes on learning
+/// when the speed comes back. Without a probe there is nothing to keep.
+static void test_another_speed_freezes_a_cut(void)
+{
+    begin();
+    how.state = cam_state_cutting;
+    play_turns(2);
+    how.speed_q32 = usual_speed_q32 / 100 * 103;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    t.correction.is_probed = true;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_frozen, t.phase);
+    TEST_ASSERT_FALSE(counts());
+    how.speed_q32 = usual_speed_q32 / 100 * 101;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    TEST_ASSERT_TRUE(counts());
+}
+
+/// In the cut a feed that changes by more than a 64th lets the larger gain hold anew.
+static void test_a_feed_that_changes_begins_the_steps_anew(void)
+{
+    begin();
+    how.z_end_nm = 6400;
+    how.state = cam_state_cutting;
+    play_turns(4);
+    TEST_ASSERT_EQUAL_UINT8(4, t.n_steps);
+    how.z_begin_nm = -99;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(5, t.n_steps);
+    how.z_begin_nm = -99 - 105;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(1, t.n_steps);
+}
+
+/// The correction turns with the shape that the operator turns, by 2^-12 turn at least.
+static void test_the_phase_of_the_operator_turns_the_correction(void)
+{
+    begin();
+    t.correction.c_q6[2] = (cam_complex_t){.re = 64000};
+    how.phase_q32 = (1 << 20) - 1;
+    play();
+    TEST_ASSERT_EQUAL_INT32(64000, t.correction.c_q6[2].re);
+    TEST_ASSERT_EQUAL_UINT32(0, t.phase_q32);
+    how.phase_q32 = 1 << 29; // an eighth of a turn is a quarter of harmonic 2
+    play();
+    TEST_ASSERT_INT32_WITHIN(64, 0, t.correction.c_q6[2].re);
+    TEST_ASSERT_INT32_WITHIN(64, -64000, t.correction.c_q6[2].im);
+    TEST_ASSERT_EQUAL_UINT32(1u << 29, t.phase_q32);
+    TEST_ASSERT_EQUAL_HEX8(cam_ilc_blend_correction, walked & cam_ilc_blend_correction);
+    how.phase_q32 = 0;
+    play();
+    TEST_ASSERT_INT32_WITHIN(128, 64000, t.correction.c_q6[2].re);
+}
+
+/// At another speed nothing of the correction holds: a rehearsal there begins without it.
+static void test_a_rehearsal_at_another_speed_forgets_the_correction(void)
+{
+    for (int percent = 101; percent <= 103; percent += 2) {
+        begin();
+        t.correction.is_probed = true;
+        t.correction.c_q6[2] = (cam_complex_t){.re = 64000};
+        how.state = cam_state_ready;
+        play();
+        how.state = cam_state_rehearsing;
+        how.speed_q32 = usual_speed_q32 / 100 * percent;
+        play_turns(2);
+        TEST_ASSERT_EQUAL_UINT8(percent == 103 ? cam_ilc_settling : cam_ilc_shape, t.phase);
+        TEST_ASSERT_EQUAL(percent == 101, t.correction.is_probed);
+        TEST_ASSERT_EQUAL(percent == 103, t.correction.c_q6[2].re == 0);
+        TEST_ASSERT_EQUAL_INT32(how.speed_q32, t.speed_q32);
+        play();
+        TEST_ASSERT_EQUAL_UINT8(percent == 103 ? cam_ilc_drive : cam_ilc_shape, t.phase);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_turn_that_is_not_like_the_others_does_not_count);
+    RUN_TEST(test_a_turn_that_tells_nothing_is_given_back_at_once);
+    RUN_TEST(test_a_turn_counts_when_the_drive_has_settled);
+    RUN_TEST(test_a_turn_of_another_speed_than_the_last_does_not_count);
+    RUN_TEST(test_slow_and_fast_turns_are_told);
+    RUN_TEST(test_harmonics_are_as_many_as_the_ticks_tell);
+    RUN_TEST(test_gaps_are_filled_by_straight_lines);
+    RUN_TEST(test_errors_are_those_at_full_amplitude);
+    RUN_TEST(test_the_floor_is_what_scale_and_encoder_cannot_tell);
+    RUN_TEST(test_room_is_what_the_bound_leaves);
+    RUN_TEST(test_another_speed_freezes_a_cut);
+    RUN_TEST(test_a_feed_that_changes_begins_the_steps_anew);
+    RUN_TEST(test_the_phase_of_the_operator_turns_the_correction);
+    RUN_TEST(test_a_rehearsal_at_another_speed_forgets_the_correction);
+    return UNITY_END();
+}

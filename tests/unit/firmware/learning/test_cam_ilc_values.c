@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was learned, as others see and set it: numbers of the values, their ranges, their units.
+#include "cam_ilc.h"
+#include "unity.h"
+#include <string.h> // memcmp
+
+static cam_ilc_t t;
+static cam_ilc_setup_t s;
+
+void setUp(void)
+{
+    cam_ilc_init(&t);
+    s = (cam_ilc_setup_t){.reason = cam_ilc_all, .n_harmonics = 8};
+}
+
+void tearDown(void) {}
+
+/// The numbers are part of the CAN protocol, and each value has one of its own.
+static void test_values_have_their_numbers(void)
+{
+    TEST_ASSERT_EQUAL_INT(5, cam_ilc_value_correction);
+    TEST_ASSERT_EQUAL_INT(39, cam_ilc_value_gain);
+    TEST_ASSERT_EQUAL_INT(73, cam_ilc_value_ripple);
+    TEST_ASSERT_EQUAL_INT(105, cam_ilc_n_values);
+    for (uint32_t i = 0; i < cam_ilc_n_values; i++) {
+        TEST_ASSERT_TRUE(cam_ilc_set(&t, i, (int32_t)i + 1));
+    }
+    for (uint32_t i = 0; i < cam_ilc_n_values; i++) {
+        TEST_ASSERT_EQUAL_INT32((int32_t)i + 1, cam_ilc_get(&t, i));
+    }
+    TEST_ASSERT_EQUAL_INT32(1, t.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(2, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(3, t.k2_q16);
+    TEST_ASSERT_EQUAL_HEX32(4, t.correction.masked);
+    TEST_ASSERT_EQUAL_UINT32(5, t.phase_q32);
+    TEST_ASSERT_EQUAL_INT32(6, t.correction.c_q6[0].re);
+    TEST_ASSERT_EQUAL_INT32(39, t.correction.c_q6[16].im);
+    TEST_ASSERT_EQUAL_INT16(40, t.correction.gain[0].re_q12);
+    TEST_ASSERT_EQUAL_INT16(73, t.correction.gain[16].im_q12);
+    TEST_ASSERT_EQUAL_INT16(74, t.ripple.mean[0].re);
+    TEST_ASSERT_EQUAL_INT16(105, t.ripple.mean[15].im);
+}
+
+/// The ends of each range are accepted; one beyond them is refused and leaves the old value.
+static void test_each_value_has_its_range(void)
+{
+    static const struct {
+        uint32_t index;
+        int32_t least, most;
+    } ranges[] = {
+        {cam_ilc_value_speed, 0, 1 << 26},
+        {cam_ilc_value_k1, -(1 << 30), 1 << 30},
+        {cam_ilc_value_k2, -(1 << 30), 1 << 30},
+        {cam_ilc_value_correction, -64 * 30000, 64 * 30000},
+        {cam_ilc_value_gain - 1, -64 * 30000, 64 * 30000},
+        {cam_ilc_value_gain, INT16_MIN, INT16_MAX},
+        {cam_ilc_value_ripple - 1, INT16_MIN, INT16_MAX},
+        {cam_ilc_value_ripple, -2047, 2047},
+        {cam_ilc_n_values - 1, -2047, 2047},
+    };
+    for (uint32_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        const uint32_t index = ranges[i].index;
+        TEST_ASSERT_TRUE(cam_ilc_set(&t, index, ranges[i].least));
+        TEST_ASSERT_FALSE(cam_ilc_set(&t, index, ranges[i].least - 1));
+        TEST_ASSERT_EQUAL_INT32(ranges[i].least, cam_ilc_get(&t, index));
+        TEST_ASSERT_TRUE(cam_ilc_set(&t, index, ranges[i].most));
+        TEST_ASSERT_FALSE(cam_ilc_set(&t, index, ranges[i].most + 1));
+        TEST_ASSERT_EQUAL_INT32(ranges[i].most, cam_ilc_get(&t, index));
+    }
+    TEST_ASSERT_TRUE(cam_ilc_set(&t, cam_ilc_value_phase, INT32_MIN));
+    TEST_ASSERT_TRUE(cam_ilc_set(&t, cam_ilc_value_phase, INT32_MAX));
+}
+
+/// A harmonic has bit k of the masks, and bit 30 says that the answers of U are known.
+static void test_masks_are_those_of_the_harmonics(void)
+{
+    const int32_t all = (1 << 17) - 1;
+    TEST_ASSERT_TRUE(cam_ilc_set(&t, cam_ilc_value_masked, all | 1 << 30));
+    TEST_ASSERT_EQUAL_HEX32(all, t.correction.masked);
+    TEST_ASSERT_TRUE(t.correction.is_probed);
+    TEST_ASSERT_FALSE(cam_ilc_set(&t, cam_ilc_value_masked, 1 << 17));
+    TEST_ASSERT_EQUAL_HEX32(all | 1 << 30, cam_ilc_get(&t, cam_ilc_value_masked));
+    TEST_ASSERT_TRUE(cam_ilc_set(&t, cam_ilc_value_masked, 1 << 16));
+    TEST_ASSERT_FALSE(t.correction.is_probed);
+    TEST_ASSERT_TRUE(cam_ilc_harmonic(&t, 16).is_masked);
+    TEST_ASSERT_FALSE(cam_ilc_harmonic(&t, 15).is_masked);
+    TEST_ASSERT_FALSE(cam_ilc_harmonic(&t, 17).is_masked);
+}
+
+/// A number that no value has changes nothing at all.
+static void test_number_beyond_the_last_is_refused(void)
+{
+    t.blending = 0;
+    const cam_ilc_t before = t;
+    TEST_ASSERT_FALSE(cam_ilc_set(&t, cam_ilc_n_values, 1));
+    TEST_ASSERT_FALSE(cam_ilc_set(&t, UINT32_MAX, 1));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&before, &t, sizeof t));
+    TEST_ASSERT_EQUAL_INT32(0, cam_ilc_get(&t, cam_ilc_n_values));
+    TEST_ASSERT_EQUAL_INT32(0, cam_ilc_get(&t, UINT32_MAX));
+}
+
+/// What is set is walked to, and a ripple that is set is that of a mean.
+static void test_what_is_set_is_walked_to(void)
+{
+    t.blending = 0;
+    TEST_ASSERT_TRUE(cam_ilc_set(&t, cam_ilc_value_k1, 7));
+    TEST_ASSERT_EQUAL_HEX8(cam_ilc_blend_all, t.blending);
+    TEST_ASSERT_FALSE(cam_ilc_set(&t, cam_ilc_value_ripple, cam_ripple_most + 1));
+    TEST_ASSERT_EQUAL_UINT32(0, t.ripple.n_mean);
+    TEST_ASSERT_TRUE(cam_ilc_set(&t, cam_ilc_value_ripple, 7));
+    TEST_ASSERT_EQUAL_UINT32(1, cam_ilc_status(&t, &s, 20000).ripple_turns);
+    t.ripple.n_mean = 5;
+    TEST_ASSERT_TRUE(cam_ilc_set(&t, cam_ilc_value_ripple, 8));
+    TEST_ASSERT_EQUAL_UINT32(5, t.ripple.n_mean);
+}
+
+/// Ticks of 50 us: a tick is 50000 ns, its square 2500 us^2, and 2^32 / 400 per tick 3000 r/min.
+static void test_status_is_told_in_the_units_of_people(void)
+{
+    t.k1_q16 = 3 << 15;
+    t.k2_q16 = -(5 << 16);
+    t.speed_q32 = 10737418;
+    t.correction.c_q6[3] = (cam_complex_t){.re = 300 * 64, .im = -400 * 64};
+    t.correction.c_q6[0] = (cam_complex_t){.re = 64};
+    t.ripple.mean[0].re = 300;
+    t.ripple.mean[15].im = -400;
+    t.ripple.scale = (cam_complex_t){.re = 11, .im = -12};
+    t.n_turns = 13;
+    t.n_orders = 14;
+    t.error_nm = 15;
+    t.begun_nm = 16;
+    const cam_ilc_status_t told = cam_ilc_status(&t, &s, 20000);
+    TEST_ASSERT_EQUAL_INT32(75000, told.k1_ns);
+    TEST_ASSERT_EQUAL_INT32(-12500, told.k2_us2);
+    TEST_ASSERT_UINT32_WITHIN(1, 3000000, told.speed_mrpm);
+    TEST_ASSERT_EQUAL_UINT32(501, told.correction_nm);
+    TEST_ASSERT_UINT32_WITHIN(1, 83446, told.ripple_nturn); // 700 / 2^23 turn
+    TEST_ASSERT_EQUAL_INT32(11, told.scale_re_q32);
+    TEST_ASSERT_EQUAL_INT32(-12, told.scale_im_q32);
+    TEST_ASSERT_EQUAL_UINT32(13, told.n_turns);
+    TEST_ASSERT_EQUAL_UINT32(14, told.n_harmonics);
+    TEST_ASSERT_EQUAL_UINT32(15, told.error_nm);
+    TEST_ASSERT_EQUAL_UINT32(16, told.begin_error_nm);
+}
+
+/// What hinders the whole comes before what hinders a part, and where nothing is asked it is off.
+static void test_phase_and_reason_are_told(void)
+{
+    t.phase = cam_ilc_shape;
+    TEST_ASSERT_EQUAL_INT(cam_ilc_shape, cam_ilc_status(&t, &s, 20000).phase);
+    TEST_ASSERT_EQUAL_INT(cam_ilc_all, cam_ilc_status(&t, &s, 20000).reason);
+    t.hindrance = cam_ilc_fast_turn;
+    TEST_ASSERT_EQUAL_INT(cam_ilc_fast_turn, cam_ilc_status(&t, &s, 20000).reason);
+    s.reason = cam_ilc_lobes;
+    TEST_ASSERT_EQUAL_INT(cam_ilc_shape, cam_ilc_status(&t, &s, 20000).phase);
+    TEST_ASSERT_EQUAL_INT(cam_ilc_fast_turn, cam_ilc_status(&t, &s, 20000).reason);
+    t.hindrance = cam_ilc_all;
+    TEST_ASSERT_EQUAL_INT(cam_ilc_lobes, cam_ilc_status(&t, &s, 20000).reason);
+    t.hindrance = cam_ilc_fast_turn;
+    s.reason = cam_ilc_no_table;
+    TEST_ASSERT_EQUAL_INT(cam_ilc_off, cam_ilc_status(&t, &s, 20000).phase);
+    TEST_ASSERT_EQUAL_INT(cam_ilc_no_table, cam_ilc_status(&t, &s, 20000).reason);
+}
+
+/// The mean has a correction and no ripple; order k of the ripple is told at harmonic k.
+static void test_harmonic_is_told(void)
+{
+    t.correction.c_q6[2] = (cam_complex_t){.re = 5, .im = 6};
+    t.correction.gain[2] = (cam_gain_t){.re_q12 = 7, .im_q12 = 8};
+    t.correction.best_q6[2] = 9;
+    t.ripple.mean[1].re = 3;
+    t.ripple.mean[1].im = -4;
+    const cam_ilc_harmonic_t told = cam_ilc_harmonic(&t, 2);
+    TEST_ASSERT_EQUAL_INT32(5, told.correction_q6.re);
+    TEST_ASSERT_EQUAL_INT32(6, told.correction_q6.im);
+    TEST_ASSERT_EQUAL_INT16(7, told.gain.re_q12);
+    TEST_ASSERT_EQUAL_INT16(8, told.gain.im_q12);
+    TEST_ASSERT_EQUAL_UINT32(9, told.best_q6);
+    TEST_ASSERT_EQUAL_INT32(3 * 512, told.ripple.re); // 2^-23 turn in 2^-32 turn
+    TEST_ASSERT_EQUAL_INT32(-4 * 512, told.ripple.im);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ilc_harmonic(&t, 0).ripple.re);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ilc_harmonic(&t, 1).ripple.re);
+    t.correction.c_q6[16].re = 1;
+    TEST_ASSERT_EQUAL_INT32(1, cam_ilc_harmonic(&t, 16).correction_q6.re);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ilc_harmonic(&t, 17).correction_q6.re);
+}
+
+static void test_names_are_those_of_the_enumerations(void)
+{
+    static const char *const phases[] = {"off",     "waiting", "settling", "drive",
+                                         "probing", "shape",   "cutting",  "frozen"};
+    static const char *const reasons[] = {"all",       "not_asked", "not_measured",
+                                          "no_table",  "modulated", "slow_turn",
+                                          "fast_turn", "lobes",     "diverged"};
+    for (uint32_t i = 0; i < cam_ilc_n_phases; i++) {
+        TEST_ASSERT_EQUAL_STRING(phases[i], cam_ilc_phase_name((cam_ilc_phase_t)i));
+    }
+    for (uint32_t i = 0; i < cam_ilc_n_reasons; i++) {
+        TEST_ASSERT_EQUAL_STRING(reasons[i], cam_ilc_reason_name((cam_ilc_reason_t)i));
+    }
+    TEST_ASSERT_EQUAL_STRING("?", cam_ilc_phase_name(cam_ilc_n_phases));
+    TEST_ASSERT_EQUAL_STRING("?", cam_ilc_reason_name(cam_ilc_n_reasons));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_values_have_their_numbers);
+    RUN_TEST(test_each_value_has_its_range);
+    RUN_TEST(test_masks_are_those_of_the_harmonics);
+    RUN_TEST(test_number_beyond_the_last_is_refused);
+    RUN_TEST(test_what_is_set_is_walked_to);
+    RUN_TEST(test_status_is_told_in_the_units_of_people);
+    RUN_TEST(test_phase_and_reason_are_told);
+    RUN_TEST(test_harmonic_is_told);
+    RUN_TEST(test_names_are_those_of_the_enumerations);
+    return UNITY_END();
+}

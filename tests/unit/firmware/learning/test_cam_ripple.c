@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ripple of a spindle from the bins of its turns: orders, drift of the speed, counts.
+#include "cam_ripple.h"
+#include "cam_angle.h"
+#include "unity.h"
+#include <math.h>
+
+#define TURN 6.283185307179586
+
+static cam_turn_bin_t bin[cam_turn_bins_n];
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/// One turn of 401.3 ticks with ripple of the orders 2 and 5, in a speed that drifts by a share per
+/// turn, measured in counts (0: exactly).
+static void fill(double drift, double counts)
+{
+    for (int i = 0; i < cam_turn_bins_n; i++) {
+        bin[i] = (cam_turn_bin_t){0};
+    }
+    const double ticks = 401.3;
+    for (int i = 0; i < 410; i++) {
+        const double t = (i + 0.4) / ticks;
+        const double even = t + 0.5 * drift * t * (t - 1.0);
+        const double turn = even + 1e-4 * sin(2.0 * TURN * even) + 3e-5 * cos(5.0 * TURN * even);
+        if (turn < 0.0 || turn >= 1.0) {
+            continue;
+        }
+        const double shown = counts > 0.0 ? (floor(turn * counts) + 0.5) / counts : turn;
+        const int b = (int)(turn * cam_turn_bins_n);
+        bin[b].n++;
+        bin[b].angle_q24 += (int32_t)lround((shown - (double)b / cam_turn_bins_n) * 16777216.0);
+    }
+}
+
+static int32_t q32(double turns)
+{
+    return (int32_t)lround(turns * 4294967296.0);
+}
+
+static int32_t take(cam_ripple_t *r, double drift, double counts)
+{
+    fill(drift, counts);
+    const int32_t speed_q36 = cam_ripple_deviate(bin);
+    TEST_ASSERT_NOT_EQUAL(0, speed_q36);
+    for (uint32_t k = 1; k <= 16u; k++) {
+        cam_ripple_add(r, k, cam_harmonics_of(&bin[0].angle_q24, sizeof bin[0] / 4u, k));
+    }
+    return speed_q36;
+}
+
+static void test_orders_are_found(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t speed_q36 = take(&r, 0.0, 0.0);
+    TEST_ASSERT_INT32_WITHIN(speed_q36 / 100000, (int32_t)lround(68719476736.0 / 401.3), speed_q36);
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, speed_q36));
+    const cam_complex_t second = cam_ripple_order(&r, 2);
+    const cam_complex_t fifth = cam_ripple_order(&r, 5);
+    TEST_ASSERT_INT32_WITHIN(q32(3e-6), q32(-1e-4), second.im);
+    TEST_ASSERT_INT32_WITHIN(q32(3e-6), 0, second.re);
+    TEST_ASSERT_INT32_WITHIN(q32(3e-6), q32(3e-5), fifth.re);
+    TEST_ASSERT_INT32_WITHIN(q32(3e-6), 0, cam_ripple_order(&r, 1).re);
+}
+
+/// The speed of the last turn is what the first one's was and what drifted since.
+static void test_a_drift_of_the_speed_is_no_ripple(void)
+{
+    cam_ripple_t r = {0};
+    const double drift = 0.002;
+    bool is_new = false;
+    for (int i = 0; i < 4; i++) {
+        const int32_t speed_q36 = take(&r, drift, 0.0);
+        const double now = 1.0 + drift * i;
+        is_new = cam_ripple_close(&r, 4, 0, (int32_t)lround(speed_q36 * now));
+    }
+    TEST_ASSERT_TRUE(is_new);
+    TEST_ASSERT_INT32_WITHIN(q32(5e-6), 0, cam_ripple_order(&r, 1).re);
+    TEST_ASSERT_INT32_WITHIN(q32(5e-6), q32(-1e-4), cam_ripple_order(&r, 2).im);
+}
+
+static void test_what_counts_feign_is_not_learned(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t speed_q36 = take(&r, 0.0, 10000.0);
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, q32(0.25 / 10000.0), speed_q36));
+    TEST_ASSERT_INT32_WITHIN(q32(2e-5), q32(-1e-4), cam_ripple_order(&r, 2).im);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, 7).re);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, 16).im);
+}
+
+/// A ripple of torque falls with the square of the speed, an error of the scale stays.
+static void test_two_speeds_tell_the_scale_from_the_spindle(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t of_spindle = q32(4e-5);
+    const int32_t of_scale = q32(1e-5);
+    const int32_t slow_q36 = 1 << 26;
+    cam_ripple_add(&r, 1, (cam_complex_t){.re = of_spindle + of_scale});
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, slow_q36));
+    TEST_ASSERT_EQUAL_INT32(0, r.scale.re);
+    cam_ripple_add(&r, 1, (cam_complex_t){.re = of_spindle / 4 + of_scale});
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, 2 * slow_q36));
+    TEST_ASSERT_INT32_WITHIN(q32(1e-6), of_scale, r.scale.re);
+}
+
+static void test_a_turn_with_a_hole_or_a_jump_is_refused(void)
+{
+    fill(0.0, 0.0);
+    bin[17].n = 0;
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
+    fill(0.0, 0.0);
+    bin[60].angle_q24 += 1 << 22;
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
+}
+
+/// The largest that a turn can tell, as often as the parameter allows.
+static void test_a_sum_beyond_its_word_keeps_its_sign(void)
+{
+    cam_ripple_t r = {0};
+    const cam_complex_t large = {.re = 1 << 26, .im = -(1 << 26)};
+    for (int turn = 0; turn < 64; turn++) {
+        cam_ripple_add(&r, 1, large);
+        (void)cam_ripple_close(&r, 64, 0, 1 << 28);
+    }
+    TEST_ASSERT_EQUAL_INT32(cam_ripple_most, r.mean[0].re);
+    TEST_ASSERT_EQUAL_INT32(-cam_ripple_most, r.mean[0].im);
+}
+
+/// Nothing is told before as many turns as a mean is made of; the next mean begins without them.
+static void test_a_mean_is_made_of_its_turns_and_begins_anew(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t least = 1000;
+    for (int turn = 0; turn < 4; turn++) {
+        cam_ripple_add(&r, 3, (cam_complex_t){.re = 512 * (10 + turn), .im = -512 * 8});
+        TEST_ASSERT_EQUAL(turn == 3, cam_ripple_close(&r, 4, least, 1 << 26));
+        TEST_ASSERT_EQUAL_UINT32(turn < 3 ? 0 : 4, r.n_mean);
+        TEST_ASSERT_EQUAL_UINT32((turn + 1) % 4, r.n);
+    }
+    TEST_ASSERT_EQUAL_INT32(12 * 512, cam_ripple_order(&r, 3).re); // 11.5, rounded
+    TEST_ASSERT_EQUAL_INT32(-8 * 512, cam_ripple_order(&r, 3).im);
+    TEST_ASSERT_EQUAL_INT32(1 << 22, r.speed_q32);
+    cam_ripple_add(&r, 3, (cam_complex_t){.re = 512 * 100});
+    TEST_ASSERT_FALSE(cam_ripple_close(&r, 3, least, 1 << 27));
+    cam_ripple_drop(&r);
+    TEST_ASSERT_EQUAL_INT32(12 * 512, cam_ripple_order(&r, 3).re);
+    cam_ripple_add(&r, 3, (cam_complex_t){.re = 512 * 4, .im = 512 * 3});
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, least, 1 << 25));
+    TEST_ASSERT_EQUAL_INT32(4 * 512, cam_ripple_order(&r, 3).re);
+    TEST_ASSERT_EQUAL_INT32(3 * 512, cam_ripple_order(&r, 3).im);
+    TEST_ASSERT_EQUAL_UINT32(1, r.n_mean);
+    TEST_ASSERT_EQUAL_INT32(1 << 21, r.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(0, r.sum[2].re);
+}
+
+/// An order that is just as large as what counts can feign, by its magnitude, is nothing.
+static void test_the_least_that_is_told_is_beyond_what_counts_feign(void)
+{
+    cam_ripple_t r = {0};
+    const cam_complex_t five = {.re = 3 * 512, .im = -4 * 512};
+    cam_ripple_add(&r, 2, five);
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 5 * 512, 1 << 26));
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, 2).re);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, 2).im);
+    for (int turn = 0; turn < 2; turn++) {
+        cam_ripple_add(&r, 2, five);
+        (void)cam_ripple_close(&r, 2, 5 * 512 - 1, 1 << 26);
+    }
+    TEST_ASSERT_EQUAL_INT32(3 * 512, cam_ripple_order(&r, 2).re);
+    TEST_ASSERT_EQUAL_INT32(-4 * 512, cam_ripple_order(&r, 2).im);
+}
+
+/// A drift of d per turn leaves d / (2 pi^2) in order 1, and 1 / k^2 of that in order k, real.
+static void test_drift_is_taken_off_by_the_square_of_the_order(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t last_q36 = 1 << 27;
+    const double per_turn = 0.002;
+    for (int turn = 0; turn < 3; turn++) {
+        (void)cam_ripple_close(&r, 3, 0, last_q36 - (int32_t)((2 - turn) * per_turn * last_q36));
+    }
+    const double first = -per_turn * 4294967296.0 / (TURN * TURN / 2.0);
+    for (uint32_t k = 1; k <= 16u; k++) {
+        TEST_ASSERT_INT32_WITHIN(400, (int32_t)lround(first / (k * k)), cam_ripple_order(&r, k).re);
+        TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, k).im);
+    }
+}
+
+/// The encoder is told from the spindle by speeds that differ by more than a tenth, either way.
+static void test_speeds_within_a_tenth_tell_nothing_of_the_scale(void)
+{
+    static const struct {
+        int32_t speed_q36;
+        bool is_told;
+    } cases[] = {{110 << 20, false}, {111 << 20, true}, {90 << 20, false}, {89 << 20, true}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        cam_ripple_t r = {0};
+        cam_ripple_add(&r, 1, (cam_complex_t){.im = 1 << 19});
+        TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, 100 << 20));
+        cam_ripple_add(&r, 1, (cam_complex_t){.im = 1 << 19});
+        TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, cases[i].speed_q36));
+        TEST_ASSERT_EQUAL(cases[i].is_told, r.scale.im != 0);
+        if (cases[i].is_told) { // what is the same at both speeds is the encoder's
+            TEST_ASSERT_INT32_WITHIN(64, 1 << 19, r.scale.im);
+        }
+    }
+}
+
+/// Fewer ticks than bins leave one of them empty.
+static void test_a_turn_of_few_ticks_has_no_ripple(void)
+{
+    const cam_turn_bin_t one = {.n = 1, .angle_q24 = 65536};
+    for (int i = 0; i < cam_turn_bins_n; i++) {
+        bin[i] = one;
+    }
+    const int64_t speed_q36 = INT64_C(68719476736) / cam_turn_bins_n;
+    TEST_ASSERT_INT64_WITHIN(1, speed_q36, cam_ripple_deviate(bin));
+    for (int i = 0; i < cam_turn_bins_n; i++) {
+        TEST_ASSERT_EQUAL_INT32(bin[0].angle_q24, bin[i].angle_q24); // even, but for a constant
+    }
+    for (int i = 0; i < cam_turn_bins_n; i++) {
+        bin[i] = one;
+    }
+    bin[5] = (cam_turn_bin_t){.n = 2, .angle_q24 = 2 * 65536};
+    bin[100].n = 0;
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_orders_are_found);
+    RUN_TEST(test_a_drift_of_the_speed_is_no_ripple);
+    RUN_TEST(test_what_counts_feign_is_not_learned);
+    RUN_TEST(test_two_speeds_tell_the_scale_from_the_spindle);
+    RUN_TEST(test_a_turn_with_a_hole_or_a_jump_is_refused);
+    RUN_TEST(test_a_sum_beyond_its_word_keeps_its_sign);
+    RUN_TEST(test_a_mean_is_made_of_its_turns_and_begins_anew);
+    RUN_TEST(test_the_least_that_is_told_is_beyond_what_counts_feign);
+    RUN_TEST(test_drift_is_taken_off_by_the_square_of_the_order);
+    RUN_TEST(test_speeds_within_a_tenth_tell_nothing_of_the_scale);
+    RUN_TEST(test_a_turn_of_few_ticks_has_no_ripple);
+    return UNITY_END();
+}

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: Apache-2.0
+// Excitation of U by the commands of the slow side, and every way out of it.
+#include "cam_fix.h"
+#include "cam_machine_identify.h"
+#include "cam_machine_scope.h"
+#include "cam_table.h"
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <math.h>   // sin
+#include <string.h> // memcpy
+
+enum { tick_hz = 20000, n = 200, n_periods = 3, fade = 100, place_nm = -300000 };
+
+static fixture_rig_t rig;
+static int32_t wave_nm[n];
+static uint32_t fade_ticks; ///< in which the wave rises, and falls
+
+static int32_t field(uint32_t which)
+{
+    int32_t value = 0;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_get(&rig.machine, which, &value));
+    return value;
+}
+
+static cam_err_t load(uint32_t crc_error)
+{
+    const uint8_t *bytes = (const uint8_t *)wave_nm;
+    cam_err_t err = cam_machine_wave_begin(&rig.machine, sizeof wave_nm);
+    if (err == cam_ok) {
+        err = cam_machine_wave_block(&rig.machine, 0, bytes, sizeof wave_nm);
+    }
+    return err != cam_ok ? err
+                         : cam_machine_wave_end(&rig.machine,
+                                                cam_crc32(0, bytes, sizeof wave_nm) ^ crc_error);
+}
+
+void setUp(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fade_ticks = fade;
+    fixture_rig_init(&rig, &part, tick_hz);
+    hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
+    fixture_rig_tick(&rig);
+    for (int i = 0; i < n; i++) {
+        wave_nm[i] = (int32_t)(20000.0 * sin(6.283185307179586 * i / n));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, place_nm));
+}
+
+void tearDown(void) {}
+
+static cam_state_t state(void)
+{
+    return fixture_rig_state();
+}
+
+/// Ticks with the main loop between them; signs of life as long as asked for.
+static void go_on(uint32_t ticks, bool is_alive)
+{
+    for (uint32_t i = 0; i < ticks; i++) {
+        fixture_rig_tick(&rig);
+        cam_machine_poll(&rig.machine);
+        if (is_alive) {
+            cam_machine_keep_alive(&rig.machine);
+        }
+    }
+}
+
+static void begin(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_periods, fade_ticks).err);
+    go_on(3, true);
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
+}
+
+/// Until the machine has its usual configuration again.
+static void expect_end(cam_excited_t excited, cam_state_t wanted)
+{
+    for (uint32_t i = 0; i < 20000u && rig.machine.identify.phase != cam_identify_none; i++) {
+        go_on(1, true);
+    }
+    go_on(2, true);
+    TEST_ASSERT_EQUAL_INT(excited, field(cam_scope_field_excited));
+    TEST_ASSERT_EQUAL_INT(wanted, state());
+    const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
+    TEST_ASSERT_EQUAL_UINT32(0, cfg->play.excite.n);
+    TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm, cfg->guard.following_nm);
+}
+
+/// The first period in full begins with the first sample, however many periods it takes to rise.
+static void expect_wave_is_played(uint32_t ticks)
+{
+    setUp();
+    fade_ticks = ticks;
+    begin();
+    expect_end(cam_excited_done, cam_state_ready);
+    TEST_ASSERT_EQUAL_INT32(cam_scope_state_left, field(cam_scope_field_end));
+    const int32_t n_fall = field(cam_scope_field_n_fall);
+    const int32_t first = field(cam_scope_field_n_rows) - n_fall - n_periods * n;
+    TEST_ASSERT_GREATER_THAN_INT32(0, first);
+    const int32_t *words = cam_scope_recorded(&rig.machine.scope);
+    for (int32_t i = 0; i < n_periods * n; i++) {
+        const int32_t at = (first + i) * 3;
+        TEST_ASSERT_EQUAL_INT32((place_nm + wave_nm[i % n]) * 64, words[at]); // u_set_q6
+        TEST_ASSERT_EQUAL_INT32(place_nm + wave_nm[i % n], words[at + 1]);    // no feed-forward
+    }
+}
+
+static void test_a_wave_is_played_recorded_and_left(void)
+{
+    expect_wave_is_played(7 * n + 30);
+    expect_wave_is_played(fade);
+    go_on(2000, false);
+    TEST_ASSERT_EQUAL_INT32(rig.machine.params.u_retract_nm, hal_host.in.axis_nm[hal_axis_u]);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine)); // a cut follows as ever
+}
+
+/// On its way to the place U has nothing of the wave yet.
+static void test_the_way_to_the_place_is_without_the_wave(void)
+{
+    begin();
+    const cam_axis_motion_t *u = &rig.machine.core->motion.axis[hal_axis_u];
+    for (; u->pos_q10 != (int64_t)place_nm * 1024; go_on(1, true)) {
+        TEST_ASSERT_EQUAL_INT32(u->pos_q10 >> 4, fixture_rig_status(&rig).u_set_q6);
+    }
+}
+
+static void test_stop_lets_it_fade(void)
+{
+    begin();
+    go_on(400, true);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(&rig.machine));
+    expect_end(cam_excited_stopped, cam_state_ready);
+    TEST_ASSERT_EQUAL_UINT32(0, fixture_rig_status(&rig).faults);
+}
+
+static void test_stop_on_the_way_to_the_place_ends_it(void)
+{
+    begin();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    go_on(5, true);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    expect_end(cam_excited_stopped, cam_state_ready);
+}
+
+static void test_disable_lets_it_fade_and_then_takes_the_enable(void)
+{
+    begin();
+    go_on(400, true);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    go_on(1, true);
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, state()); // the enable stays meanwhile
+    expect_end(cam_excited_stopped, cam_state_off);
+}
+
+/// Who asks for a disable gets it, however often a stop is asked for behind it.
+static void test_a_stop_takes_no_disable_back(void)
+{
+    begin();
+    go_on(400, true);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    expect_end(cam_excited_stopped, cam_state_off);
+}
+
+/// Hand a wave over, up to where the interrupt has still to obey the request to play it.
+static void request(uint32_t n_asked)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_asked, fade).err);
+    fixture_rig_tick(&rig);
+    cam_machine_poll(&rig.machine);
+    TEST_ASSERT_EQUAL_INT(cam_identify_requested, rig.machine.identify.phase);
+}
+
+/// Between the begin and the slow side's look at it nothing can be stopped: what stops it waits.
+static void test_a_begin_that_was_not_seen_is_not_stopped(void)
+{
+    request(n_periods);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_excited_runs, field(cam_scope_field_excited));
+    expect_end(cam_excited_done, cam_state_ready);
+}
+
+/// A fault in the tick in which it should begin is told, and an excitation that has ended before
+/// the slow side looked was one.
+static void test_a_begin_that_was_missed_is_told_by_its_end(void)
+{
+    request(1);
+    fixture_rig_ticks(&rig, 4000);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    expect_end(cam_excited_done, cam_state_ready);
+    setUp();
+    request(1);
+    hal_host_fault_estop(true);
+    fixture_rig_tick(&rig);
+    expect_end(cam_excited_fault, cam_state_fault);
+}
+
+/// While the interrupt has not taken the last configuration, nothing begins, and the end waits.
+static void test_begin_and_end_need_room(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(m, cam_param_phase_udeg, 5));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_FALSE(cam_scope_is_on(&m->scope));
+    TEST_ASSERT_EQUAL_INT(cam_identify_none, m->identify.phase);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+    for (uint32_t i = 0; i < 20000u && m->identify.phase != cam_identify_ends; i++) {
+        go_on(1, true);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    (void)cam_machine_learn_begin(m); // somebody else hands a configuration over
+    cam_machine_learn_end(m);
+    cam_machine_poll(m);
+    TEST_ASSERT_EQUAL_INT(cam_identify_ends, m->identify.phase);
+    expect_end(cam_excited_done, cam_state_ready);
+}
+
+/// A black box that nobody has read is not overwritten by a wave, and neither is the wave by it.
+static void test_a_box_that_was_not_read_is_in_the_way(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    m->scope.use = cam_scope_box;
+    m->scope.phase = cam_scope_done;
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_unread, cam_machine_excite(m, 1, fade).err);
+    m->scope.phase = cam_scope_armed;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+}
+
+/// Some rows of too many signals do not fit behind the wave: nothing is handed over.
+static void test_a_recording_without_room_begins_nothing(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    m->scope.n_words = n + 2u; // three signals were chosen
+    const uint32_t generation = m->generation;
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_UINT32(generation, m->generation);
+    TEST_ASSERT_EQUAL_INT(cam_identify_none, m->identify.phase);
+}
+
+static void test_silence_ends_it(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 0));
+    begin();
+    const int32_t longest = tick_hz / 1000 * cam_identify_patience_ms;
+    int32_t ticks = 0;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    expect_end(cam_excited_stopped, cam_state_ready);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, 100, fade).err);
+    while (field(cam_scope_field_excited) == cam_excited_runs && ticks < 2 * longest) {
+        go_on(1, false);
+        ticks++;
+    }
+    TEST_ASSERT_INT32_WITHIN(4, longest, ticks);
+    expect_end(cam_excited_silent, cam_state_ready);
+}
+
+static void test_a_fault_retracts_u(void)
+{
+    begin();
+    go_on(400, true);
+    hal_host_fault_estop(true);
+    expect_end(cam_excited_fault, cam_state_fault);
+    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+    go_on(6000, true);
+    TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
+}
+
+/// The limit is the usual one and the largest sample: a drive that answers the wave by its
+/// opposite is accepted, one that is further off is not.
+static void test_following_error_has_the_room_of_the_larger_side(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        for (int i = 0; i < n; i++) {
+            const bool is_large = sign * wave_nm[i] > 0;
+            wave_nm[i] = is_large ? wave_nm[i] : wave_nm[i] / 2;
+        }
+        begin();
+        const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
+        TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm + 20000, cfg->guard.following_nm);
+    }
+}
+
+static void test_following_error_has_the_room_of_the_wave(void)
+{
+    begin();
+    go_on(400, true);
+    const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
+    TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm + 20000, cfg->guard.following_nm);
+    rig.u_error_nm = cfg->guard.following_nm + 2000;
+    go_on(3, true);
+    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(following_error), fixture_rig_status(&rig).faults);
+}
+
+static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_crc, load(1));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_none, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 0, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 1, 15).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 1, 65536).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, UINT32_MAX, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 6001, 16).err);
+    hal_host.in.axis_nm[hal_axis_x] = 0; // seen by the next tick
+    rig.is_z_held = true;
+    m->core->motion.axis[hal_axis_x].pos_q10 = 0;
+    m->core->watch.led_nm[hal_axis_x] = 0; // or it would be a change from outside
+    fixture_rig_ticks(&rig, 2);
+    const cam_wave_verdict_t v = cam_machine_excite(m, 1, fade);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_clear, v.err);
+    TEST_ASSERT_GREATER_THAN_INT32(0, v.value);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_trace_on, 0));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_scope_start(m));
+}
+
+static void test_nothing_else_is_accepted_meanwhile(void)
+{
+    cam_machine_t *m = &rig.machine;
+    begin();
+    go_on(100, true);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_enable(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_scope_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_wave_begin(m, 64));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
+                          cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
+    TEST_ASSERT_EQUAL_INT(cam_err_state,
+                          cam_machine_select_table(m, rig.image.bytes, rig.image.size));
+    expect_end(cam_excited_done, cam_state_ready);
+}
+
+static void test_between_two_states_everything_waits(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_disable(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_wave_begin(m, 64));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
+    go_on(3, true);
+    expect_end(cam_excited_done, cam_state_ready);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_wave_is_played_recorded_and_left);
+    RUN_TEST(test_the_way_to_the_place_is_without_the_wave);
+    RUN_TEST(test_stop_lets_it_fade);
+    RUN_TEST(test_stop_on_the_way_to_the_place_ends_it);
+    RUN_TEST(test_disable_lets_it_fade_and_then_takes_the_enable);
+    RUN_TEST(test_a_stop_takes_no_disable_back);
+    RUN_TEST(test_a_begin_that_was_not_seen_is_not_stopped);
+    RUN_TEST(test_a_begin_that_was_missed_is_told_by_its_end);
+    RUN_TEST(test_begin_and_end_need_room);
+    RUN_TEST(test_a_box_that_was_not_read_is_in_the_way);
+    RUN_TEST(test_a_recording_without_room_begins_nothing);
+    RUN_TEST(test_silence_ends_it);
+    RUN_TEST(test_a_fault_retracts_u);
+    RUN_TEST(test_following_error_has_the_room_of_the_larger_side);
+    RUN_TEST(test_following_error_has_the_room_of_the_wave);
+    RUN_TEST(test_it_begins_in_ready_only_and_with_a_whole_wave);
+    RUN_TEST(test_nothing_else_is_accepted_meanwhile);
+    RUN_TEST(test_between_two_states_everything_waits);
+    return UNITY_END();
+}

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the part lies: datum, tools, and what homing is demanded for.
+#include "cam_demand.h" // cam_demand_clearance_nm
+#include "fixture_newer.h"
+#include "jog_bench.h"
+#include <string.h>
+
+static void home_here(hal_axis_t axis)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), axis));
+    fixture_rig_ticks(&rig, 20);
+    cam_machine_jog_poll(machine());
+    fixture_rig_ticks(&rig, 20);
+}
+
+/// The tool touches a diameter: from now on X of the part is half of it plus U, whatever the port
+/// counts, no set-point of the port moves, and a cut goes to where the part is.
+/// Each axis has the parameters of its own name.
+static void test_each_axis_has_its_parameters(void)
+{
+    cam_params_t p = cam_param_defaults();
+    const int32_t first[] = {cam_param_u_home, cam_param_x_home, cam_param_z_home};
+    for (int i = cam_param_u_jog_um_per_s; i < cam_n_params; i++) {
+        const cam_param_info_t *info = cam_param_info((cam_param_id_t)i);
+        const int32_t value = info->min + 2 + i;
+        TEST_ASSERT_EQUAL_INT(
+            cam_ok, cam_param_set(&p, (cam_param_id_t)i, value < info->max ? value : info->max));
+    }
+    p.tool = 0;
+    for (uint32_t i = 0; i < 3u; i++) {
+        const cam_offsets_axis_t a = cam_offsets_axis(&p, (hal_axis_t)i);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)first[i]), a.method);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 1)), a.sense);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 2)),
+                                a.search_um_per_s);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 3)), a.slow_um_per_s);
+        TEST_ASSERT_EQUAL_INT32(cam_param_get(&p, (cam_param_id_t)(first[i] + 4)), a.home_nm);
+    }
+    const cam_offsets_axis_t x = cam_offsets_axis(&p, hal_axis_x);
+    const cam_offsets_axis_t z = cam_offsets_axis(&p, hal_axis_z);
+    TEST_ASSERT_EQUAL_INT32(p.x_home_travel_nm, x.way_nm);
+    TEST_ASSERT_EQUAL_INT32(p.z_home_travel_nm, z.way_nm);
+    TEST_ASSERT_EQUAL_INT32(p.x_low_nm, x.low_nm);
+    TEST_ASSERT_EQUAL_INT32(p.x_high_nm, x.high_nm);
+    TEST_ASSERT_EQUAL_INT32(p.z_low_nm, z.low_nm);
+    TEST_ASSERT_EQUAL_INT32(p.z_high_nm, z.high_nm);
+    TEST_ASSERT_EQUAL_INT32(p.x_datum_nm, x.datum_nm);
+    TEST_ASSERT_EQUAL_INT32(p.z_datum_nm, z.datum_nm);
+}
+
+static void test_zero_moves_the_part_not_the_axes(void)
+{
+    for (int32_t i = 0; i < 3; i++) {
+        setUp();
+        const int32_t x_nm = (17 + 30 * i) * mm;
+        const int32_t z_nm = -5 * mm * i;
+        hal_host.in.axis_nm[hal_axis_x] = x_nm;
+        hal_host.in.axis_nm[hal_axis_z] = z_nm;
+        hal_host.in.axis_nm[hal_axis_u] = 40000;
+        fixture_rig_tick(&rig);
+        to_manual();
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_zero(machine(), hal_axis_x, 92 * mm).err);
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_zero(machine(), hal_axis_z, -3 * mm).err);
+        fixture_rig_ticks(&rig, 100);
+        TEST_ASSERT_EQUAL_INT32(x_nm, hal_host.out.axis[hal_axis_x].pos_nm);
+        TEST_ASSERT_EQUAL_INT32(z_nm, hal_host.out.axis[hal_axis_z].pos_nm);
+        TEST_ASSERT_EQUAL_INT32(-3 * mm, fixture_rig_status(&rig).z_nm);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+        fixture_rig_ticks(&rig, 20);
+        bring(cam_state_cutting);
+        const cam_tick_record_t *r = &rig.last;
+        const int32_t shift_x_nm = x_nm - 46 * mm - 40000;
+        const int32_t shift_z_nm = z_nm + 3 * mm;
+        TEST_ASSERT_INT32_WITHIN(2, r->want.z_nm + shift_z_nm, r->out[hal_axis_z].pos_nm);
+        TEST_ASSERT_INT32_WITHIN(500000, 46 * mm + shift_x_nm, r->out[hal_axis_x].pos_nm);
+        fixture_rig_ticks(&rig, 4000);
+        TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    }
+}
+
+/// The same cut at another place of the machine: every set-point is off by the datum, to the bit.
+static void test_cut_at_another_place_is_the_same_cut(void)
+{
+    enum { n = 3000 };
+    static hal_setpoint_t plain[n][hal_n_axes];
+    for (int32_t run = 0; run < 2; run++) {
+        setUp();
+        const int32_t by_nm = run * 12345678;
+        hal_host.in.axis_nm[hal_axis_x] = 50 * mm - by_nm;
+        hal_host.in.axis_nm[hal_axis_z] = -mm + 2 * by_nm;
+        fixture_rig_tick(&rig);
+        set(cam_param_x_datum_nm, by_nm);
+        set(cam_param_z_datum_nm, -3 * by_nm);
+        set(cam_param_tool, run);
+        set(cam_param_tool_1_z_nm, by_nm);
+        bring(cam_state_cutting);
+        for (uint32_t i = 0; i < n; i++) {
+            fixture_rig_tick(&rig);
+            if (run == 0) {
+                memcpy(plain[i], rig.last.out, sizeof plain[i]);
+                continue;
+            }
+            hal_setpoint_t out[hal_n_axes];
+            memcpy(out, rig.last.out, sizeof out);
+            out[hal_axis_x].pos_nm += by_nm;
+            out[hal_axis_z].pos_nm -= 2 * by_nm;
+            TEST_ASSERT_EQUAL_MEMORY(plain[i], out, sizeof out);
+        }
+    }
+}
+
+static void test_measured_z_is_read_from_its_datum_on(void)
+{
+    set(cam_param_z_is_measured, 1);
+    set(cam_param_z_datum_nm, -100 * mm);
+    hal_host.in.axis_nm[hal_axis_z] = 100 * mm;
+    rig.is_z_held = true;
+    bring(cam_state_cutting);
+    for (int i = 0; i < 4000; i++) {
+        hal_host.in.axis_nm[hal_axis_z] += 50;
+        fixture_rig_tick(&rig);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    TEST_ASSERT_INT32_WITHIN(1000, 200000, rig.last.want.z_nm);
+}
+
+static void test_tool_moves_the_part_by_its_offset(void)
+{
+    set(cam_param_tool_2_x_nm, 4 * mm);
+    set(cam_param_tool_2_z_nm, -7 * mm);
+    const int32_t x_nm = cam_offsets_origin_nm(&machine()->offsets, &machine()->params, hal_axis_x);
+    const int32_t z_nm = cam_offsets_origin_nm(&machine()->offsets, &machine()->params, hal_axis_z);
+    to_manual();
+    set(cam_param_tool, 2);
+    const cam_params_t *p = &machine()->params;
+    TEST_ASSERT_EQUAL_INT32(x_nm - 4 * mm,
+                            cam_offsets_origin_nm(&machine()->offsets, p, hal_axis_x));
+    TEST_ASSERT_EQUAL_INT32(z_nm + 7 * mm,
+                            cam_offsets_origin_nm(&machine()->offsets, p, hal_axis_z));
+    // Zero with this tool makes a datum that holds for all of them.
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_zero(machine(), hal_axis_z, 0).err);
+    TEST_ASSERT_EQUAL_INT32(7 * mm, p->z_datum_nm);
+}
+
+static void test_zero_is_refused_where_it_cannot_be(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_hand_axis, cam_machine_zero(machine(), hal_axis_u, 0).err);
+    set(cam_param_x_home, 1);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_zero(machine(), hal_axis_x, 0).err);
+    hal_host.in.axis_nm[hal_axis_z] = 2000 * mm;
+    fixture_rig_tick(&rig);
+    const cam_jog_verdict_t verdict = cam_machine_zero(machine(), hal_axis_z, 0);
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range, verdict.err);
+    TEST_ASSERT_EQUAL_INT32(0, verdict.value);
+    hal_host.in.axis_nm[hal_axis_z] = 0;
+    fixture_rig_tick(&rig);
+    bring(cam_state_engaging);
+    TEST_ASSERT_EQUAL_INT(cam_err_param_state, cam_machine_zero(machine(), hal_axis_z, 0).err);
+}
+
+// What homing is demanded for
+
+static void test_without_homing_required_nothing_is_demanded(void)
+{
+    set(cam_param_x_home, 2);
+    bring(cam_state_cutting);
+}
+
+static void test_homing_required_refuses_until_every_axis_is_homed(void)
+{
+    set(cam_param_homing_required, 1);
+    bring(cam_state_ready); // no axis has a way of homing: their places are known
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_tick(&rig);
+    set(cam_param_x_home, 1);
+    set(cam_param_u_home, 1);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+    to_manual();
+    home_here(hal_axis_x);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+    to_manual();
+    home_here(hal_axis_u);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 20);
+    bring(cam_state_ready);
+}
+
+/// Between the tick that finds a home and the configuration that knows it no cut begins.
+static void test_home_that_is_not_in_force_yet_is_busy(void)
+{
+    set(cam_param_x_home, 1);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_enable(machine()));
+    cam_machine_poll(machine());
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
+}
+
+static void test_part_beyond_the_travel_is_refused_before_motion(void)
+{
+    set(cam_param_z_low_nm, -10 * mm);
+    set(cam_param_z_high_nm, 10 * mm);
+    set(cam_param_z_datum_nm, -9500000); // the part, 1 mm long, would end at 10.5 mm
+    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
+    set(cam_param_z_datum_nm, -8 * mm);
+    bring(cam_state_ready);
+    set(cam_param_z_datum_nm, 10500000);
+    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_start(machine()));
+}
+
+/// A measured Z, which others lead, needs no home of its own.
+static void test_a_measured_z_needs_no_home(void)
+{
+    set(cam_param_homing_required, 1);
+    set(cam_param_z_home, 2);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+    set(cam_param_z_is_measured, 1);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
+}
+
+/// A first pass that X cannot reach is not made up for by the last one.
+static void test_every_pass_lies_in_the_travel_of_x(void)
+{
+    static const fixture_pass_t two[] = {{100000, 300000, 2500000, 0}, {0, 300000, 2500000, 0}};
+    fixture_newer_passes(&rig.image, two, 2);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_select_table(machine(), rig.image.bytes, rig.image.size));
+    fixture_rig_ticks(&rig, 2);
+    const cam_table_t *t = &machine()->table;
+    const int32_t most_nm = t->x_max_nm + (int32_t)cam_demand_clearance_nm(t, &machine()->params);
+    set(cam_param_x_low_nm, t->x_min_nm - mm);
+    set(cam_param_x_high_nm, most_nm + 99000);
+    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
+    set(cam_param_x_high_nm, most_nm + 101000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
+}
+
+/// A home that was found while the interrupt has not taken the last configuration is handed over by
+/// the next poll, and until then the places are not known.
+static void test_a_home_that_was_found_waits_for_room(void)
+{
+    set(cam_param_x_home, 1);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
+    fixture_rig_ticks(&rig, 40);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_phase_udeg, 5));
+    cam_machine_jog_poll(machine());
+    const cam_status_t status = fixture_rig_status(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_check_places(machine(), &status));
+    fixture_rig_tick(&rig);
+    cam_machine_jog_poll(machine());
+    TEST_ASSERT_NOT_EQUAL_INT(cam_err_busy, cam_machine_check_places(machine(), &status));
+}
+
+/// @return [nm] place of X behind an emergency stop in homing, which is reset
+static int32_t x_behind_a_fault_in_homing(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
+    fixture_rig_ticks(&rig, 200);
+    hal_host_fault_estop(true);
+    fixture_rig_ticks(&rig, 20000);
+    hal_host_fault_estop(false);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(machine()));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
+    return port_nm(hal_axis_x);
+}
+
+/// Each fault moves X off by its clearance, as far as its travel goes, where that is known.
+static void test_faults_again_and_again_leave_x_within_its_travel(void)
+{
+    set(cam_param_x_clearance_nm, 4 * mm);
+    hal_host.in.axis_nm[hal_axis_x] = 60 * mm;
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT32(64 * mm, x_behind_a_fault_in_homing());
+    set(cam_param_x_low_nm, 10 * mm);
+    set(cam_param_x_high_nm, 70 * mm);
+    TEST_ASSERT_EQUAL_INT32(68 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
+    set(cam_param_x_high_nm, 69 * mm); // it stands beyond, and stays
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
+    set(cam_param_x_home, 1); // not homed: its place is not known
+    TEST_ASSERT_EQUAL_INT32(74 * mm, x_behind_a_fault_in_homing());
+    set(cam_param_x_home_nm, 55 * mm); // by the machine, which counts 19 mm less than the port
+    to_manual();
+    home_here(hal_axis_x);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 200);
+    set(cam_param_x_high_nm, 60 * mm);
+    TEST_ASSERT_EQUAL_INT32(78 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(79 * mm, x_behind_a_fault_in_homing());
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_each_axis_has_its_parameters);
+    RUN_TEST(test_zero_moves_the_part_not_the_axes);
+    RUN_TEST(test_faults_again_and_again_leave_x_within_its_travel);
+    RUN_TEST(test_cut_at_another_place_is_the_same_cut);
+    RUN_TEST(test_measured_z_is_read_from_its_datum_on);
+    RUN_TEST(test_tool_moves_the_part_by_its_offset);
+    RUN_TEST(test_zero_is_refused_where_it_cannot_be);
+    RUN_TEST(test_without_homing_required_nothing_is_demanded);
+    RUN_TEST(test_homing_required_refuses_until_every_axis_is_homed);
+    RUN_TEST(test_home_that_is_not_in_force_yet_is_busy);
+    RUN_TEST(test_part_beyond_the_travel_is_refused_before_motion);
+    RUN_TEST(test_a_measured_z_needs_no_home);
+    RUN_TEST(test_every_pass_lies_in_the_travel_of_x);
+    RUN_TEST(test_a_home_that_was_found_waits_for_room);
+    return UNITY_END();
+}

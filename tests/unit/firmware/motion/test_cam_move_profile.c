@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// To a place within speed and acceleration, from any start.
+#include "cam_move_profile.h"
+#include "fixture_random.h"
+#include "unity.h"
+#include <stdlib.h>
+
+static const cam_motion_limits_t limits = {.speed_q10 = 2000000, .acceleration_q10 = 64000};
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/// Drive to the target and check every step. @return largest travel beyond the target
+static int64_t drive(cam_axis_motion_t *m, int64_t target_q10, uint32_t n_max)
+{
+    const bool was_below = m->pos_q10 <= target_q10;
+    int64_t beyond = 0;
+    bool is_there = false;
+    for (uint32_t i = 0; i < n_max && !is_there; i++) {
+        const cam_axis_motion_t before = *m;
+        is_there = cam_move_profile_to_isr(m, &limits, target_q10);
+        const int32_t change = m->vel_q10 - before.vel_q10;
+        TEST_ASSERT_EQUAL_INT64(before.pos_q10 + m->vel_q10, m->pos_q10);
+        TEST_ASSERT_EQUAL_INT32(change, m->acc_q10);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(limits.acceleration_q10, abs(change));
+        const int32_t fastest =
+            abs(before.vel_q10) > limits.speed_q10 ? abs(before.vel_q10) : limits.speed_q10;
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(fastest, abs(m->vel_q10));
+        const int64_t past = was_below ? m->pos_q10 - target_q10 : target_q10 - m->pos_q10;
+        beyond = past > beyond ? past : beyond;
+    }
+    TEST_ASSERT_TRUE(is_there);
+    TEST_ASSERT_EQUAL_INT64(target_q10, m->pos_q10);
+    TEST_ASSERT_EQUAL_INT32(0, m->vel_q10);
+    return beyond;
+}
+
+static void test_move_from_rest_reaches_the_target_without_passing_it(void)
+{
+    static const int64_t targets[] = {0,       1,         -1,        63999,
+                                      64000,   64001,     200000,    -999999,
+                                      5000000, -70000000, 900000000, INT64_C(1) << 40};
+    for (uint32_t i = 0; i < sizeof targets / sizeof targets[0]; i++) {
+        cam_axis_motion_t m = {0};
+        TEST_ASSERT_LESS_OR_EQUAL_INT64(limits.acceleration_q10 / 8,
+                                        drive(&m, targets[i], 2000000));
+    }
+}
+
+/// Each step takes the highest of faster, same and slower from which the axis can still brake: from
+/// v that needs v (v + a) / 2a with the step itself.
+static void test_move_takes_the_highest_speed_from_which_it_can_brake(void)
+{
+    enum { a = 64000, v = 10 * a, same_needs = 55 * a, faster_needs = 66 * a };
+    static const struct {
+        int32_t distance, vel;
+    } cases[] = {
+        {faster_needs, v + a}, {faster_needs - 1, v}, {same_needs, v}, {same_needs - 1, v - a}};
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+            cam_axis_motion_t m = {.pos_q10 = 77, .vel_q10 = sign * v};
+            const int64_t target_q10 = 77 + (int64_t)sign * cases[i].distance;
+            TEST_ASSERT_FALSE(cam_move_profile_to_isr(&m, &limits, target_q10));
+            TEST_ASSERT_EQUAL_INT32(sign * cases[i].vel, m.vel_q10);
+        }
+    }
+    const int32_t most = limits.speed_q10 - limits.speed_q10 % a; // a step more is beyond the limit
+    cam_axis_motion_t m = {.vel_q10 = most};
+    (void)cam_move_profile_to_isr(&m, &limits, INT64_C(1) << 40);
+    TEST_ASSERT_EQUAL_INT32(limits.speed_q10, m.vel_q10);
+    m.vel_q10 = limits.speed_q10 - a;
+    (void)cam_move_profile_to_isr(&m, &limits, INT64_C(1) << 40);
+    TEST_ASSERT_EQUAL_INT32(limits.speed_q10, m.vel_q10);
+}
+
+static void test_move_from_motion_turns_round_and_arrives(void)
+{
+    for (int32_t vel = -2000000; vel <= 2000000; vel += 250000) {
+        cam_axis_motion_t m = {.vel_q10 = vel};
+        (void)drive(&m, 1000000, 100000);
+        m = (cam_axis_motion_t){.vel_q10 = vel};
+        (void)drive(&m, -1000000, 100000);
+    }
+}
+
+static void test_move_faster_than_allowed_brakes_to_the_limit(void)
+{
+    cam_axis_motion_t m = {.vel_q10 = 3 * limits.speed_q10};
+    (void)drive(&m, INT64_C(4000000000), 100000);
+}
+
+/// A speed that one step reaches: the last step is no faster, and a speed beyond the limit by less
+/// than a step falls to the limit, not through 0.
+static void test_move_slower_than_a_step_of_acceleration_keeps_its_speed(void)
+{
+    const cam_motion_limits_t slow = {.speed_q10 = 1000, .acceleration_q10 = 64000};
+    cam_axis_motion_t m = {.vel_q10 = 1007};
+    for (int i = 0; i < 200 && (m.pos_q10 != 60500 || m.vel_q10 != 0); i++) {
+        (void)cam_move_profile_to_isr(&m, &slow, 60500);
+        TEST_ASSERT_TRUE(m.vel_q10 >= 0 && m.vel_q10 <= slow.speed_q10);
+    }
+    TEST_ASSERT_EQUAL_INT64(60500, m.pos_q10);
+}
+
+static void test_move_random_starts_and_targets_always_arrive(void)
+{
+    fixture_random_t dice = {.state = 5};
+    for (int i = 0; i < 2000; i++) {
+        cam_axis_motion_t m = {
+            .pos_q10 = fixture_random_range(&dice, -600000000, 600000000),
+            .vel_q10 = (int32_t)fixture_random_range(&dice, -limits.speed_q10, limits.speed_q10),
+        };
+        (void)drive(&m, fixture_random_range(&dice, -600000000, 600000000), 20000);
+    }
+}
+
+/// Of any limits, a step of acceleration above the speed as well, no step is faster than the speed,
+/// none changes by more than the acceleration, and the target is passed by an eighth of it at most.
+static void test_move_keeps_limits_of_any_proportion(void)
+{
+    fixture_random_t dice = {.state = 21};
+    for (int i = 0; i < 20000 / fixture_rarer; i++) {
+        const int32_t speed = (int32_t)fixture_random_range(&dice, 1, 2000);
+        const int32_t a = (int32_t)fixture_random_range(&dice, 1, 10000);
+        const cam_motion_limits_t any = {.speed_q10 = speed, .acceleration_q10 = a};
+        const int64_t target = i == 0 ? 5000 : fixture_random_range(&dice, -20000, 20000);
+        const cam_motion_limits_t *l =
+            i == 0 ? &(const cam_motion_limits_t){.speed_q10 = 1000, .acceleration_q10 = 5000}
+                   : &any;
+        cam_axis_motion_t m = {0};
+        bool is_there = false;
+        for (int k = 0; k < 60000 && !is_there; k++) {
+            const cam_axis_motion_t before = m;
+            is_there = cam_move_profile_to_isr(&m, l, target);
+            TEST_ASSERT_LESS_OR_EQUAL_INT64(l->speed_q10, labs((long)(m.pos_q10 - before.pos_q10)));
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(l->acceleration_q10, abs(m.vel_q10 - before.vel_q10));
+            const int64_t past = target >= 0 ? m.pos_q10 - target : target - m.pos_q10;
+            TEST_ASSERT_LESS_OR_EQUAL_INT64(l->acceleration_q10 / 8, past);
+        }
+        TEST_ASSERT_TRUE(is_there);
+    }
+}
+
+static void test_move_takes_about_the_time_of_a_trapezoid(void)
+{
+    cam_axis_motion_t m = {0};
+    uint32_t n = 0;
+    while (!cam_move_profile_to_isr(&m, &limits,
+                                    100000000)) { // 50 ticks at full speed, 31 up, 31 down
+        n++;
+    }
+    TEST_ASSERT_UINT32_WITHIN(4, 50 + 31, n);
+}
+
+static void test_stop_brakes_to_rest_wherever_that_is(void)
+{
+    static const int32_t speeds[] = {0, 1, -1, 64000, -64001, 2000000, -2000000};
+    for (uint32_t i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
+        cam_axis_motion_t m = {.vel_q10 = speeds[i]};
+        uint32_t n = 0;
+        int32_t last = abs(speeds[i]);
+        while (!cam_move_profile_stop_isr(&m, &limits)) {
+            TEST_ASSERT_LESS_THAN_INT32(last, abs(m.vel_q10));
+            last = abs(m.vel_q10);
+            n++;
+        }
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(32, n);
+        TEST_ASSERT_TRUE((int64_t)speeds[i] * m.pos_q10 >= 0);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_move_from_rest_reaches_the_target_without_passing_it);
+    RUN_TEST(test_move_takes_the_highest_speed_from_which_it_can_brake);
+    RUN_TEST(test_move_from_motion_turns_round_and_arrives);
+    RUN_TEST(test_move_faster_than_allowed_brakes_to_the_limit);
+    RUN_TEST(test_move_slower_than_a_step_of_acceleration_keeps_its_speed);
+    RUN_TEST(test_move_random_starts_and_targets_always_arrive);
+    RUN_TEST(test_move_keeps_limits_of_any_proportion);
+    RUN_TEST(test_move_takes_about_the_time_of_a_trapezoid);
+    RUN_TEST(test_stop_brakes_to_rest_wherever_that_is);
+    return UNITY_END();
+}

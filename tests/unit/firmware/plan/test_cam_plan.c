@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plan: its period, its increments, which arrive exactly, X behind a real drive, the speed of
+// the spindle, ports with slow ticks.
+#include "cam_angle.h"
+#include "fixture_play.h"
+#include "unity.h"
+#include <math.h>
+
+#define PI 3.14159265358979323846
+
+static fixture_play_t f;
+static fixture_part_t part;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_play_init(&f, &part);
+}
+
+void tearDown(void) {}
+
+/// @return whether the last tick had a plan
+static bool is_planned(void)
+{
+    return f.until_plan == f.config.play.plan_ticks;
+}
+
+static void engage(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+}
+
+static void test_plan_comes_every_400_us_or_in_every_tick(void)
+{
+    static const struct {
+        uint32_t tick_hz;
+        int32_t ticks;
+    } cases[] = {{500, 1},   {1000, 1},  {2500, 1},   {3750, 2},   {5000, 2},
+                 {10000, 4}, {20000, 8}, {40000, 16}, {50000, 20}, {100000, 40}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        TEST_ASSERT_EQUAL_INT32(cases[i].ticks, cam_plan_ticks(cases[i].tick_hz));
+    }
+    TEST_ASSERT_EQUAL_INT32(FIXTURE_PLAN_TICKS, f.config.play.plan_ticks);
+}
+
+/// Z is aimed at whole nanometres, and all linear motion arrives in the tick of the next plan.
+static void test_increments_arrive_exactly(void)
+{
+    engage();
+    int64_t x_q10 = 0;
+    int64_t height_q32 = 0;
+    int32_t scale_q30 = 0;
+    uint32_t n = 0;
+    while (f.want.state != cam_state_disengaging) {
+        fixture_play_tick(&f);
+        if (!is_planned()) {
+            continue;
+        }
+        const int32_t ticks = f.config.play.plan_ticks;
+        const cam_motion_t *m = &f.motion;
+        if (n > 0u) { // the height of this tick, which was played before the plan
+            TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10 % 1024);
+            TEST_ASSERT_EQUAL_INT64(x_q10, f.axis[hal_axis_x].pos_q10);
+        }
+        x_q10 = m->axis[hal_axis_x].pos_q10 + (int64_t)m->axis[hal_axis_x].vel_q10 * ticks;
+        height_q32 = m->height_q32 + (int64_t)m->height_step_q32 * ticks;
+        scale_q30 = m->scale_q30 + m->scale_step_q30 * ticks;
+        TEST_ASSERT_TRUE(height_q32 >= 0 && height_q32 <= f.config.play.height_max_q32);
+        TEST_ASSERT_TRUE(scale_q30 >= 0 && scale_q30 <= INT32_C(1) << 30);
+        n++;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(1000, n);
+}
+
+/// A drive of two equal poles of 50 Hz, fed with X's set-points. While engaging X falls by its
+/// clearance of a millimetre; when the feed begins it must be where it shall be.
+static void test_x_of_a_drive_with_that_lag_is_at_the_first_height_when_the_feed_begins(void)
+{
+    const double tau = FIXTURE_PLAY_HZ / (2.0 * PI * 50.0); // ticks
+    f.params.xz_lag_ns = (int32_t)lround(2.0 * tau * 1e9 / FIXTURE_PLAY_HZ);
+    f.params.z_margin_nm = 1000000; // Z is ideal here, not behind
+    fixture_play_configure(&f);
+    engage();
+    double x_nm = (double)f.axis[hal_axis_x].pos_q10 / 1024.0;
+    double speed = 0.0;
+    double worst_nm = 0.0;
+    while (f.angle.pos_q32 < f.plan.feed_at_q32 + CAM_TURN_Q32 / 50) {
+        fixture_play_tick(&f);
+        const double set_nm = (double)f.axis[hal_axis_x].pos_q10 / 1024.0;
+        for (int i = 0; i < 8; i++) { // an eighth of a tick each, the set-point in between
+            const double at = set_nm + f.axis[hal_axis_x].vel_q10 / 1024.0 * (i + 0.5) / 8.0;
+            speed += ((at - x_nm) / (tau * tau) - 2.0 * speed / tau) / 8.0;
+            x_nm += speed / 8.0;
+        }
+        if (f.angle.pos_q32 + f.angle.speed_q32 >= f.plan.feed_at_q32) {
+            worst_nm = fmax(worst_nm, fabs(x_nm - fixture_play_x_nm(&f, 0.0)));
+        }
+    }
+    TEST_ASSERT_TRUE(worst_nm < 10.0); // reading ahead alone would leave 100
+}
+
+static void test_spindle_goes_from_the_ratio_of_one_plan_to_that_of_the_next(void)
+{
+    part = fixture_part_modulated();
+    fixture_play_init(&f, &part);
+    f.params.spindle_lag_us = 25000;
+    f.params.lead_ns = 100000; // of U: it does not lead the spindle
+    fixture_play_configure(&f);
+    f.angle.speed_q32 = 715828; // 200 r/min
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    fixture_play_ticks(&f, 100);
+    const cam_play_config_t *cfg = &f.config.play;
+    for (int i = 0; i < 6000; i++) {
+        const int32_t from_q28 = f.plan.ratio_q28;
+        fixture_play_tick(&f);
+        if (!is_planned()) {
+            TEST_ASSERT_EQUAL_INT32(from_q28, f.plan.ratio_q28);
+            continue;
+        }
+        double r[3]; // at the angle of the spindle itself when the next plan's set-point begins
+        const double turn =
+            fixture_play_turns(f.angle.pos_q32 + (FIXTURE_PLAN_TICKS + 1) * f.angle.speed_q32);
+        const cam_axis_motion_t *z = &f.motion.axis[hal_axis_z];
+        const double z_nm = (double)(z->pos_q10 + z->vel_q10 * FIXTURE_PLAN_TICKS) / 1024.0;
+        fixture_ratio(2.0 * PI * (turn - floor(turn)), z_nm, r);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-6, r[0], ldexp(f.plan.ratio_q28, -28));
+        TEST_ASSERT_EQUAL_INT32(cam_speed_mrpm(&cfg->speed, from_q28, f.plan.ratio_q28),
+                                f.motion.spindle_mrpm);
+        const double step = (double)(f.plan.ratio_q28 - from_q28) / FIXTURE_PLAN_TICKS;
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, ldexp(cfg->speed.mean_q32, -20) * step,
+                                  (double)f.motion.alpha_q40);
+    }
+}
+
+/// At 1 kHz every tick plans for the next one: nothing is interpolated.
+static void test_slow_port_plans_in_every_tick(void)
+{
+    f.tick_hz = 1000;
+    f.params.observer_bandwidth_mHz = 40000;
+    f.params.z_margin_nm = 1000000;
+    fixture_play_configure(&f);
+    TEST_ASSERT_EQUAL_INT32(1, f.config.play.plan_ticks);
+    f.angle.speed_q32 = 14316558; // 200 r/min: 300 ticks a turn
+    engage();
+    while (f.want.state != cam_state_ready) {
+        fixture_play_tick(&f);
+        TEST_ASSERT_TRUE(is_planned());
+        TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10 % 1024);
+        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+    }
+    TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
+}
+
+/// A stop in any tick is carried out in it, and the next plan lays the end of the cut.
+static void test_stop_is_obeyed_in_its_tick_and_laid_by_the_next_plan(void)
+{
+    for (uint32_t late = 0; late < FIXTURE_PLAN_TICKS; late++) {
+        setUp();
+        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+        fixture_play_ticks(&f, 1000 + late);
+        const int64_t end_q32 = f.plan.disengage_at_q32;
+        fixture_play_do(&f, cam_request_stop);
+        TEST_ASSERT_EQUAL_UINT32(f.n_asked, f.play.request);
+        for (int i = 1; i < FIXTURE_PLAN_TICKS && f.plan.disengage_at_q32 == end_q32; i++) {
+            TEST_ASSERT_TRUE(f.motion.is_stopping);
+            fixture_play_tick(&f);
+        }
+        TEST_ASSERT_TRUE(f.plan.disengage_at_q32 < end_q32);
+        TEST_ASSERT_FALSE(f.motion.is_stopping);
+    }
+}
+
+/// Until it is a fault, a spindle that turns back in the cut does not make the state engage again.
+static void test_spindle_that_turns_back_in_the_cut_leaves_the_state(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    f.angle.speed_q32 = -f.angle.speed_q32;
+    for (uint32_t i = 0; f.angle.pos_q32 > f.plan.feed_at_q32 - CAM_TURN_Q32 / 8; i++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, i);
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+    }
+}
+
+static void test_spindle_that_turns_back_while_disengaging_leaves_the_state(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    fixture_play_do(&f, cam_request_stop);
+    for (uint32_t i = 0; f.want.state != cam_state_disengaging; i++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, i);
+        fixture_play_tick(&f);
+    }
+    fixture_play_ticks(&f, 100);
+    f.angle.speed_q32 = -f.angle.speed_q32;
+    for (uint32_t i = 0; f.angle.pos_q32 > f.plan.disengage_at_q32 - CAM_TURN_Q32 / 8; i++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, i);
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_INT(cam_state_disengaging, f.want.state);
+    }
+    f.angle.speed_q32 = -f.angle.speed_q32;
+    for (uint32_t i = 0; f.want.state == cam_state_disengaging; i++) {
+        TEST_ASSERT_LESS_THAN_UINT32(100000, i);
+        fixture_play_tick(&f);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
+}
+
+/// A Z that others move is taken to go on as it went since the last plan, up or down: there the
+/// next plan's heights are read.
+static void test_measured_z_is_extrapolated_to_the_next_plan(void)
+{
+    f.params.z_is_measured = 1;
+    fixture_play_configure(&f);
+    f.is_axes_held = true;
+    f.in.actual_nm[hal_axis_u] = -400000;
+    f.in.actual_nm[hal_axis_x] = 46500000;
+    f.in.actual_nm[hal_axis_z] = 437000;
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    for (int32_t step_nm = -5; step_nm <= 5; step_nm += 5) {
+        for (int i = 0; i < 5 * FIXTURE_PLAN_TICKS; i++) {
+            f.in.actual_nm[hal_axis_z] += step_nm;
+            fixture_play_tick(&f);
+            if (i > 2 * FIXTURE_PLAN_TICKS && is_planned()) {
+                const cam_axis_motion_t *z = &f.motion.axis[hal_axis_z];
+                const int64_t then_q10 = z->pos_q10 + (int64_t)z->vel_q10 * FIXTURE_PLAN_TICKS;
+                const int32_t now_nm = f.in.actual_nm[hal_axis_z];
+                TEST_ASSERT_EQUAL_INT64(now_nm + step_nm * FIXTURE_PLAN_TICKS, then_q10 / 1024);
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+}
+
+/// The glides of X and Z are those of motions by time: behind a cut, whichever way it ends, they
+/// begin where the axes are.
+static void test_a_cut_ends_the_glides_of_the_approach(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    TEST_ASSERT_TRUE(f.motion.is_filtering);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+    TEST_ASSERT_TRUE(f.motion.is_playing);
+    TEST_ASSERT_FALSE(f.motion.is_filtering);
+    while (f.want.state != cam_state_ready) {
+        fixture_play_tick(&f);
+        TEST_ASSERT_FALSE(f.motion.is_playing && f.motion.is_filtering);
+    }
+    fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+    TEST_ASSERT_TRUE(f.motion.is_filtering);
+}
+
+/// @return ticks from the begin of the state up to where the cut is laid
+static int ticks_until_laid(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    int n = 0;
+    for (; !f.motion.is_playing; n++) {
+        TEST_ASSERT_LESS_THAN_INT(100000, n);
+        fixture_play_tick(&f);
+    }
+    return n;
+}
+
+/// Wherever the spindle is then, the cut begins on the first whole turn that lies behind all that
+/// is commanded up to the next plan; a tick is left for when the angle is looked at.
+static void test_cut_begins_on_the_first_turn_behind_the_next_plan(void)
+{
+    const int n = ticks_until_laid();
+    setUp();
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    fixture_play_ticks(&f, (uint32_t)(n - 1));
+    static fixture_play_t before;
+    before = f;
+    for (int64_t i = 0; i < 120; i++) {
+        f = before;
+        f.angle.pos_q32 += i * (CAM_TURN_Q32 / 120);
+        fixture_play_tick(&f);
+        TEST_ASSERT_TRUE(f.motion.is_playing);
+        const double ticks = f.config.play.commanded_q16 / 65536.0 + f.config.play.plan_ticks;
+        const double least = ticks * f.angle.speed_q32;
+        const double found = (double)(f.plan.engage_at_q32 - f.angle.pos_q32);
+        TEST_ASSERT_EQUAL_INT64(0, f.plan.engage_at_q32 % CAM_TURN_Q32);
+        TEST_ASSERT_TRUE(found >= least - 1.01 * f.angle.speed_q32);
+        TEST_ASSERT_TRUE(found < least + (double)CAM_TURN_Q32 + 1.01 * f.angle.speed_q32);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_plan_comes_every_400_us_or_in_every_tick);
+    RUN_TEST(test_increments_arrive_exactly);
+    RUN_TEST(test_x_of_a_drive_with_that_lag_is_at_the_first_height_when_the_feed_begins);
+    RUN_TEST(test_spindle_goes_from_the_ratio_of_one_plan_to_that_of_the_next);
+    RUN_TEST(test_slow_port_plans_in_every_tick);
+    RUN_TEST(test_stop_is_obeyed_in_its_tick_and_laid_by_the_next_plan);
+    RUN_TEST(test_spindle_that_turns_back_in_the_cut_leaves_the_state);
+    RUN_TEST(test_spindle_that_turns_back_while_disengaging_leaves_the_state);
+    RUN_TEST(test_measured_z_is_extrapolated_to_the_next_plan);
+    RUN_TEST(test_a_cut_ends_the_glides_of_the_approach);
+    RUN_TEST(test_cut_begins_on_the_first_turn_behind_the_next_plan);
+    return UNITY_END();
+}

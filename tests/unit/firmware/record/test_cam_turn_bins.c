@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the interrupt gathers of a turn, who may touch its bins when, and tables between knots.
+#include "cam_turn_bins.h"
+#include "cam_config.h"
+#include "fixture_random.h"
+#include "unity.h"
+#include <math.h>
+#include <string.h>
+
+enum { ticks_per_turn = 400, plan_ticks = 8 };
+
+static cam_turn_bins_t g;
+static cam_tick_record_t record;
+static cam_motion_t motion;
+static cam_turn_t turn;
+static int64_t pos_q32;
+static uint32_t n_ticks;
+
+void setUp(void)
+{
+    memset(&g, 0, sizeof g);
+    record = (cam_tick_record_t){.config = 7, .want = {.state = cam_state_rehearsing}};
+    motion = (cam_motion_t){.is_playing = true, .scale_q30 = 1 << 30};
+    pos_q32 = 0;
+    n_ticks = 0;
+}
+
+void tearDown(void) {}
+
+/// One tick at a uniform speed; the encoder reads a thousandth of a turn too much.
+static void tick(int32_t step_q32)
+{
+    pos_q32 += step_q32;
+    const uint32_t measured_q32 = cam_angle_of_pos(pos_q32) + UINT32_C(4294967);
+    cam_turn_bins_add_isr(&g, pos_q32, measured_q32, -64 * 300 + 5, -310);
+    if (++n_ticks % plan_ticks == 0u) {
+        record.angle.pos_q32 = pos_q32;
+        record.angle.speed_q32 = step_q32;
+        record.want.z_nm += 10;
+        motion.height_q32 += 1000;
+        cam_turn_bins_plan_isr(&g, &record, &motion);
+    }
+}
+
+static void turn_on(double turns)
+{
+    const int64_t to_q32 = pos_q32 + llround(turns * 4294967296.0);
+    while (pos_q32 < to_q32) {
+        tick((int32_t)(CAM_TURN_Q32 / ticks_per_turn) + 1);
+    }
+}
+
+/// Let the slow side look in until a turn is taken. @return its bins, NULL after three turns
+static const cam_turn_bin_t *take_next(void)
+{
+    const cam_turn_bin_t *bins = NULL;
+    for (int i = 0; i < 24 && bins == NULL; i++) {
+        turn_on(0.125);
+        bins = cam_gather_take(&g, &turn);
+    }
+    return bins;
+}
+
+/// Turns are numbered modulo 2^24: behind the last number the first one follows as any other.
+static void test_turns_go_on_behind_the_last_number(void)
+{
+    pos_q32 = ((INT64_C(1) << 24) - 4) * CAM_TURN_Q32;
+    uint32_t next = 0;
+    for (int i = 0; i < 6; i++) {
+        TEST_ASSERT_NOT_NULL(take_next());
+        TEST_ASSERT_TRUE(i == 0 || turn.turn == next);
+        TEST_ASSERT_TRUE(turn.is_steady);
+        next = (turn.turn + 1u) & 0xFFFFFFu;
+        TEST_ASSERT_TRUE(cam_gather_release(&g));
+    }
+    TEST_ASSERT_LESS_THAN_UINT32(10, next);
+}
+
+static void test_tables_are_linear_between_knots(void)
+{
+    int16_t table[cam_learned_points + 2];
+    fixture_random_t random = {1};
+    for (int i = 0; i < cam_learned_points; i++) {
+        table[i] = (int16_t)fixture_random_u32(&random);
+    }
+    table[0] = INT16_MIN; // the extremes side by side
+    table[1] = INT16_MAX;
+    table[cam_learned_points] = table[0];
+    for (int i = 0; i < 20000; i++) {
+        const uint32_t theta_q32 = i == 0 ? UINT32_MAX : fixture_random_u32(&random);
+        const double at = floor(theta_q32 / 65536.0) / 256.0; // [knots] the angle's upper 16 bits
+        const int knot = (int)at;
+        const double exact = table[knot] + (at - knot) * ((double)table[knot + 1] - table[knot]);
+        const cam_learned_place_t place = cam_learned_place(theta_q32);
+        TEST_ASSERT_EQUAL_INT32(lround(exact * 256.0), cam_learned_at_q8(table, place));
+        TEST_ASSERT_EQUAL_UINT32((uint32_t)(int32_t)lround(exact * 512.0),
+                                 cam_learned_turn_q32(table, place));
+    }
+}
+
+static void test_a_turn_is_gathered_whole_and_alone(void)
+{
+    const cam_turn_bin_t *bins = NULL;
+    uint32_t last = 0;
+    for (int i = 0; i < 5; i++) {
+        bins = take_next();
+        TEST_ASSERT_NOT_NULL(bins);
+        TEST_ASSERT_TRUE(i == 0 || turn.turn == last + 1u);
+        last = turn.turn;
+        uint32_t n = 0;
+        for (uint32_t k = 0; k < cam_turn_bins_n; k++) {
+            const int32_t ticks = (int32_t)bins[k].n;
+            TEST_ASSERT_INT_WITHIN(1, 3, ticks);
+            TEST_ASSERT_EQUAL_INT32(ticks * (64 * 10 + 5), bins[k].error_q6);
+            TEST_ASSERT_EQUAL_INT32(ticks * -300, bins[k].u_nm);
+            const double mean_q24 = (double)bins[k].angle_q24 / ticks;
+            TEST_ASSERT_DOUBLE_WITHIN(65536.0, 16777.0 + 65536.0, mean_q24);
+            n += bins[k].n;
+        }
+        TEST_ASSERT_UINT32_WITHIN(1, ticks_per_turn, n);
+        TEST_ASSERT_TRUE(turn.is_steady);
+        const int32_t n_steps = (int32_t)turn.n_plans - 1;
+        TEST_ASSERT_EQUAL_INT32(10 * n_steps, turn.z_end_nm - turn.z_begin_nm);
+        TEST_ASSERT_EQUAL_INT64(1000 * n_steps, turn.height_end_q32 - turn.height_begin_q32);
+        TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, turn.state);
+        TEST_ASSERT_EQUAL_UINT32(7, turn.config_begin);
+        TEST_ASSERT_TRUE(cam_gather_release(&g));
+    }
+}
+
+/// The mean measured angle of a bin is that of its ticks, which a sum of bins of one tick each
+/// shows: there the angle is that of the tick.
+static void test_the_angle_is_counted_from_the_begin_of_the_bin(void)
+{
+    cam_turn_bins_add_isr(&g, 5 * CAM_TURN_Q32 + 3 * (CAM_TURN_Q32 / 128) + 256 * 11,
+                          (uint32_t)(3 * (CAM_TURN_Q32 / 128)) - 256u * 5u, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(-5, g.bin[128 + 3].angle_q24);
+    TEST_ASSERT_EQUAL_UINT32(1, g.bin[128 + 3].n);
+    cam_turn_bins_add_isr(&g, -1, 0, 0, 0); // the last bin of turn -1, an odd one
+    TEST_ASSERT_EQUAL_UINT32(1, g.bin[255].n);
+    TEST_ASSERT_EQUAL_INT32(131072, g.bin[255].angle_q24);
+}
+
+static void test_a_turn_in_motion_is_not_steady(void)
+{
+    TEST_ASSERT_NOT_NULL(take_next());
+    TEST_ASSERT_TRUE(cam_gather_release(&g));
+    turn_on(0.3);
+    motion.phase_step_q32 = 1;
+    turn_on(0.1);
+    motion.phase_step_q32 = 0;
+    record.config = 9;
+    bool was_seen = false;
+    for (int i = 0; i < 3 && !was_seen; i++) {
+        TEST_ASSERT_NOT_NULL(take_next());
+        was_seen = !turn.is_steady;
+        TEST_ASSERT_TRUE(!was_seen || (turn.config_begin == 7u && turn.config_end == 9u));
+        TEST_ASSERT_TRUE(cam_gather_release(&g));
+    }
+    TEST_ASSERT_TRUE(was_seen);
+}
+
+static void test_a_late_reader_is_told_and_its_bank_left_alone(void)
+{
+    TEST_ASSERT_NOT_NULL(take_next());
+    turn_on(0.9);
+    TEST_ASSERT_FALSE(cam_gather_release(&g));
+    TEST_ASSERT_NOT_NULL(take_next()); // the bank is cleared for a later turn
+    TEST_ASSERT_TRUE(cam_gather_release(&g));
+}
+
+static void test_a_turn_that_nobody_waited_for_is_not_offered(void)
+{
+    turn_on(10.2); // dirty: nothing has been cleared
+    TEST_ASSERT_NULL(cam_gather_take(&g, &turn));
+    turn_on(1.0);
+    TEST_ASSERT_NULL(cam_gather_take(&g, &turn));
+    turn_on(1.0);
+    TEST_ASSERT_NOT_NULL(cam_gather_take(&g, &turn));
+    TEST_ASSERT_NULL(cam_gather_take(&g, &turn)); // only once
+}
+
+static void test_turning_back_is_not_a_turn(void)
+{
+    TEST_ASSERT_NOT_NULL(take_next());
+    TEST_ASSERT_TRUE(cam_gather_release(&g));
+    const int64_t at_q32 = pos_q32;
+    while (pos_q32 > at_q32 - 2 * CAM_TURN_Q32) {
+        tick(-(int32_t)(CAM_TURN_Q32 / ticks_per_turn));
+        TEST_ASSERT_NULL(cam_gather_take(&g, &turn));
+    }
+}
+
+/// The copy changes nothing but what was learned, and its gains are the configured ones again.
+static void test_a_copy_keeps_the_configuration_and_its_ties(void)
+{
+    static cam_config_bank_t bank;
+    memset(&bank, 0, sizeof bank);
+    cam_config_t *first = cam_config_free_half(&bank);
+    first->command.k1_q16 = 1000;
+    first->command.k2_q16 = 50;
+    first->generation = 3;
+    cam_config_tie(first, true);
+    const cam_learned_t learned = {.k1_q16 = -30, .k2_q16 = 7, .c = {1, 2}, .d = {3}, .dm = {4}};
+    first->learned = learned;
+    cam_config_learn(first);
+    TEST_ASSERT_EQUAL_INT32(970, first->command.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(57, first->command.k2_q16);
+    cam_config_offer(&bank);
+    TEST_ASSERT_NULL(cam_config_copy(&bank)); // not taken yet
+    (void)cam_config_take_isr(&bank);
+    cam_config_t *copy = cam_config_copy(&bank);
+    TEST_ASSERT_NOT_NULL(copy);
+    TEST_ASSERT_TRUE(copy != first);
+    TEST_ASSERT_EQUAL_INT32(1000, copy->command.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(50, copy->command.k2_q16);
+    TEST_ASSERT_EQUAL_MEMORY(&learned, &copy->learned, sizeof learned);
+    TEST_ASSERT_EQUAL_PTR(&copy->table, copy->play.table);
+    TEST_ASSERT_EQUAL_PTR(copy->learned.c, copy->play.c);
+    TEST_ASSERT_EQUAL_PTR(copy->learned.d, copy->play.d);
+    TEST_ASSERT_EQUAL_PTR(copy->learned.dm, copy->spindle.dm);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_tables_are_linear_between_knots);
+    RUN_TEST(test_a_turn_is_gathered_whole_and_alone);
+    RUN_TEST(test_the_angle_is_counted_from_the_begin_of_the_bin);
+    RUN_TEST(test_a_turn_in_motion_is_not_steady);
+    RUN_TEST(test_a_late_reader_is_told_and_its_bank_left_alone);
+    RUN_TEST(test_a_turn_that_nobody_waited_for_is_not_offered);
+    RUN_TEST(test_turning_back_is_not_a_turn);
+    RUN_TEST(test_a_copy_keeps_the_configuration_and_its_ties);
+    RUN_TEST(test_turns_go_on_behind_the_last_number);
+    return UNITY_END();
+}

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who commands over the bus, and what nobody can do over it: other senders, forged and old
+// sessions, lost heartbeats, a restart behind the emergency stop.
+#include "cam_machine_jog.h"
+#include "rights_bench.h"
+#include <string.h> // memchr
+
+/// @return page 25 of Detail, as new as can be
+static hal_can_frame_t page(void)
+{
+    fixture_can_loop(&f, 800); // the port has forgotten the last one
+    for (uint32_t i = 0; i < 30u * 200u && fixture_can_detail(25).id == 0u; i += 8u) {
+        fixture_rig_ticks(&f.rig, 7);
+        fixture_can_loop(&f, 1);
+    }
+    return fixture_can_detail(25);
+}
+
+// Commander
+
+/// @return whether there is such a command
+static bool exists(uint8_t command)
+{
+    static const uint8_t gaps[] = {38, 39, 47, 48, 49};
+    return memchr(gaps, command, sizeof gaps) == NULL;
+}
+
+static bool is_for_all(uint8_t command)
+{
+    static const uint8_t all[] = {4, 7, 9, 10, 20, 23, 28, 37, 46, 56, 57, 59, 60};
+    return memchr(all, command, sizeof all) != NULL;
+}
+
+static void test_of_another_sender_only_reading_and_stop_are_obeyed(void)
+{
+    const struct {
+        uint8_t sender, session;
+    } strangers[] = {{0, 0}, {other, 0}, {other, session}, {me, 0}, {me, (uint8_t)(session + 1u)}};
+    for (uint32_t i = 0; i < sizeof strangers / sizeof strangers[0]; i++) {
+        for (uint8_t command = 1; command <= last_command; command++) {
+            if (!is_for_all(command)) {
+                const fixture_answer_t answer =
+                    by(strangers[i].sender, strangers[i].session, command, 1);
+                TEST_ASSERT_EQUAL_UINT32(command, answer.command);
+                TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, answer.result);
+                TEST_ASSERT_EQUAL_INT32(exists(command) ? me : 0, answer.value);
+            }
+        }
+        TEST_ASSERT_EQUAL_INT32(cam_ok,
+                                by(strangers[i].sender, strangers[i].session, get, 0).result);
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, hal_host.out.outputs & hal_out_enable);
+    TEST_ASSERT_EQUAL_UINT32(session, f.rig.machine.rights.session);
+}
+
+static void test_an_old_session_is_void(void)
+{
+    const uint8_t old = session;
+    fixture_can_take(&f);
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, by(me, old, enable, 0).result);
+    expect_answer(&f, cam_ok, 0, enable, 0, 0);
+}
+
+static void test_take_command_answers_who_has_it_or_the_session(void)
+{
+    fixture_answer_t answer = by(other, 0, take, 0);
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, answer.result);
+    TEST_ASSERT_EQUAL_INT32(me, answer.value);
+    answer = by(other, 0, take, 1);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, answer.result);
+    TEST_ASSERT_EQUAL_INT32(session + 1, answer.value);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(other, (uint8_t)answer.value, beat, 0).result);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(other, (uint8_t)answer.value, release, 0).result);
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander,
+                            by(other, (uint8_t)answer.value, beat, 0).result);
+    TEST_ASSERT_EQUAL_INT32(0, by(other, (uint8_t)answer.value, beat, 0).value);
+    TEST_ASSERT_EQUAL_INT32(cam_err_frame, by(0, 0, take, 1).result);
+}
+
+static void test_anybody_stops_the_cut(void)
+{
+    to_cutting();
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(0, 0, stop, 0).result);
+    loop_until(cam_state_ready);
+}
+
+static void test_a_take_over_does_not_end_the_cut(void)
+{
+    to_cutting();
+    const fixture_answer_t answer = by(other, 0, take, 1);
+    fixture_can_loop(&f, 10u * n_ms);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, by(me, session, disable, 0).result);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(other, (uint8_t)answer.value, stop, 0).result);
+}
+
+/// @return [ticks] from now until the tool leaves the work
+static uint32_t until_stopped(void)
+{
+    const uint32_t n = fixture_can_until(&f, cam_state_cutting, false, 100000);
+    TEST_ASSERT_EQUAL_INT(cam_state_disengaging, fixture_rig_state());
+    return n;
+}
+
+static void test_heartbeats_lost_in_the_cut_end_it_as_stop_does(void)
+{
+    expect_answer(&f, cam_ok, 5000, set, cam_param_feed_nm, 5000); // a cut of 4.8 s
+    to_cutting();
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(me, session, stop, 0).result);
+    const uint32_t by_stop = until_stopped();
+    loop_until(cam_state_ready);
+    expect_answer(&f, cam_ok, 0, start, 0, 0);
+    loop_until(cam_state_cutting);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(me, session, beat, 0).result);
+    f.rig.is_silent = true;
+    const uint32_t by_silence = until_stopped();
+    // Both ends lie on a whole turn of the spindle: 2500 r/min are 480 ticks per turn.
+    TEST_ASSERT_UINT32_WITHIN(2u * 480u, 20000u + by_stop, by_silence);
+    loop_until(cam_state_ready);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&f.rig).faults);
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, by(me, session, start, 0).result);
+    TEST_ASSERT_EQUAL_STRING("state ready", fixture_can_line(0));
+    const hal_can_frame_t frame = page();
+    TEST_ASSERT_EQUAL_UINT8(0, frame.data[1]); // nobody commands
+    TEST_ASSERT_EQUAL_UINT8(1, frame.data[3]); // one loss
+}
+
+static void test_command_given_up_in_the_cut_ends_it_as_well(void)
+{
+    to_cutting();
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(me, session, release, 0).result);
+    loop_until(cam_state_ready);
+}
+
+static void test_a_start_on_its_way_does_not_outlive_its_commander(void)
+{
+    expect_answer(&f, cam_ok, 0, enable, 0, 0);
+    loop_until(cam_state_ready);
+    fixture_can_loop(&f, 2400);
+    fixture_can_receive(0x640, 8, start, 0, 0);
+    fixture_can_receive(0x640, 8, release, 0, 0);
+    cam_can_poll(&f.can);
+    cam_can_poll(&f.can); // both before the interrupt has taken the start
+    fixture_can_loop(&f, 100);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
+}
+
+static void test_heartbeats_lost_in_manual_brake_the_axes(void)
+{
+    expect_answer(&f, cam_ok, 0, manual, 0, 0);
+    fixture_can_loop(&f, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(&f.rig.machine, hal_axis_x, 50000000).err);
+    f.rig.is_silent = true;
+    for (uint32_t i = 0; i < 20000u - 40u; i++) { // what a step needs to go on, but no heartbeat
+        if (i % 2000u == 0u) {
+            cam_machine_jog_alive(&f.rig.machine);
+        }
+        fixture_can_loop(&f, 1);
+    }
+    TEST_ASSERT_NOT_EQUAL(0, f.rig.last.out[hal_axis_x].vel_q10);
+    cam_machine_jog_alive(&f.rig.machine);
+    fixture_can_loop(&f, 2000);
+    TEST_ASSERT_EQUAL_INT32(0, f.rig.last.out[hal_axis_x].vel_q10);
+    TEST_ASSERT_EQUAL_INT(cam_jog_stopped, fixture_rig_status(&f.rig).jog.end);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
+}
+
+// Blocks
+
+static void test_blocks_of_an_old_session_are_refused(void)
+{
+    static fixture_download_t d;
+    fixture_download_init(&d);
+    expect_begin(&d);
+    expect_blocks(&d, 0, 1);
+    fixture_can_take(&d.can);
+    uint8_t message[4 + fixture_block_bytes];
+    const uint32_t n = fixture_download_make(message, d.other.bytes, fixture_block_bytes,
+                                             fixture_download_bytes(&d, 1));
+    fixture_download_message(&d, message, n, 0);
+    const hal_can_frame_t frame = fixture_can_sent(0x5C0);
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, fixture_can_answer(&frame).result);
+    TEST_ASSERT_EQUAL_UINT32(fixture_block_bytes, d.can.can.store.received);
+    expect_begin(&d);
+    expect_blocks(&d, 0, 1);
+}
+
+// Button
+
+static void press(void)
+{
+    hal_host_press(true);
+    fixture_can_loop(&f, 100u * n_ms);
+    hal_host_press(false);
+    fixture_can_loop(&f, 100u * n_ms);
+}
+
+/// Let everything come over the bus that could bring the drives back, for a while.
+static void try_everything(void)
+{
+    // All but those that set numbers, download, and give command up.
+    static const uint8_t moving[] = {1, 2, 3, 4, 5, 8, 15, 26, 27, 30, 31, 32, 33, 40, 41, 62};
+    const int32_t x_nm = f.rig.last.out[hal_axis_x].pos_nm;
+    const int32_t u_nm = f.rig.last.out[hal_axis_u].pos_nm;
+    for (uint32_t i = 0; i < 20u; i++) {
+        for (uint32_t k = 0; k < sizeof moving; k++) {
+            (void)by(me, session, moving[k], (int32_t)i);
+        }
+        (void)by(me, session, reset, 0);
+        TEST_ASSERT_EQUAL_INT32(cam_err_acknowledge, by(me, session, enable, 0).result);
+        TEST_ASSERT_EQUAL_INT32(cam_err_acknowledge, by(me, session, home, 0).result);
+        TEST_ASSERT_EQUAL_INT32(cam_err_acknowledge, by(me, session, manual, 0).result);
+        fixture_can_loop(&f, 10u * n_ms);
+        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
+        TEST_ASSERT_EQUAL_UINT32(0, hal_host.out.outputs & hal_out_enable);
+        TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
+        TEST_ASSERT_EQUAL_INT32(x_nm, f.rig.last.out[hal_axis_x].pos_nm);
+        TEST_ASSERT_EQUAL_INT32(u_nm, f.rig.last.out[hal_axis_u].pos_nm);
+    }
+}
+
+static void test_a_restart_behind_the_emergency_stop_by_the_bus_alone_is_impossible(void)
+{
+    begin();
+    hal_host.slow.people = (hal_operator_t){.has_acknowledge = true, .has_key = true};
+    run();
+    fixture_can_loop(&f, 100u * n_ms);
+    TEST_ASSERT_EQUAL_INT32(cam_err_acknowledge, by(me, session, enable, 0).result);
+    press();
+    to_cutting();
+    hal_host_fault_estop(true);
+    loop_until(cam_state_fault);
+    fixture_can_loop(&f, 200u * n_ms);
+    hal_host_fault_estop(false);
+    fixture_can_loop(&f, 200u * n_ms);
+    expect_answer(&f, cam_ok, 0, reset, 0, 0);
+    loop_until(cam_state_off);
+    try_everything();
+    TEST_ASSERT_EQUAL_UINT8(0x01, page().data[4]); // the button is needed
+    press();
+    TEST_ASSERT_EQUAL_UINT8(0x11, page().data[4]); // given
+    TEST_ASSERT_UINT8_WITHIN(1, 60, fixture_can_detail(25).data[5]);
+    to_cutting();
+}
+
+// What is told
+
+static void test_page_25_tells_commander_counts_and_level(void)
+{
+    hal_can_frame_t frame = page();
+    const uint8_t at_first[] = {25, me, 0, 0, 0x31, 0};
+    TEST_ASSERT_EQUAL_MEMORY(at_first, frame.data, sizeof at_first);
+    TEST_ASSERT_UINT32_WITHIN(2, 600, frame.data[6] | (uint32_t)frame.data[7] << 8);
+    hal_host_turn_key(false);
+    (void)by(other, 0, take, 1);
+    frame = page();
+    const uint8_t then[] = {25, other, 1, 0, 0x30, 0, 0, 0};
+    TEST_ASSERT_EQUAL_MEMORY(then, frame.data, sizeof then);
+}
+
+static void test_lines_tell_who_commands_and_who_was_refused(void)
+{
+    (void)by(other, 0, take, 1);
+    fixture_can_loop(&f, 1);
+    TEST_ASSERT_EQUAL_STRING("command: taken by 9 over from 1", fixture_can_line(1));
+    TEST_ASSERT_EQUAL_STRING("level: locked", fixture_can_line(0)); // the key is still on
+    (void)by(me, session, enable, 0);
+    TEST_ASSERT_EQUAL_STRING("refused: command 1 of 1: the sender does not command: take_command "
+                             "first",
+                             fixture_can_line(0));
+    const uint32_t n_lines = hal_host.n_lines;
+    for (uint32_t i = 0; i < 1000u; i++) { // a babbler does not fill the log
+        (void)by(me, session, enable, 0);
+    }
+    TEST_ASSERT_EQUAL_UINT32(n_lines, hal_host.n_lines);
+    f.rig.is_silent = true;
+    fixture_can_loop(&f, 20100);
+    TEST_ASSERT_EQUAL_STRING("command: lost, nothing was heard of 9", fixture_can_line(0));
+    fixture_can_take(&f);
+    (void)by(me, f.rig.machine.rights.session, release, 0);
+    fixture_can_loop(&f, 1);
+    TEST_ASSERT_EQUAL_STRING("command: given up by 1", fixture_can_line(1));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_of_another_sender_only_reading_and_stop_are_obeyed);
+    RUN_TEST(test_an_old_session_is_void);
+    RUN_TEST(test_take_command_answers_who_has_it_or_the_session);
+    RUN_TEST(test_anybody_stops_the_cut);
+    RUN_TEST(test_a_take_over_does_not_end_the_cut);
+    RUN_TEST(test_heartbeats_lost_in_the_cut_end_it_as_stop_does);
+    RUN_TEST(test_command_given_up_in_the_cut_ends_it_as_well);
+    RUN_TEST(test_a_start_on_its_way_does_not_outlive_its_commander);
+    RUN_TEST(test_heartbeats_lost_in_manual_brake_the_axes);
+    RUN_TEST(test_blocks_of_an_old_session_are_refused);
+    RUN_TEST(test_a_restart_behind_the_emergency_stop_by_the_bus_alone_is_impossible);
+    RUN_TEST(test_page_25_tells_commander_counts_and_level);
+    RUN_TEST(test_lines_tell_who_commands_and_who_was_refused);
+    return UNITY_END();
+}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names and texts of states, faults, errors and parameters; parameters and their ranges; the trace
+// ring.
+#include "cam_err.h"
+#include "cam_guard.h"
+#include "cam_param.h"
+#include "cam_scope.h"
+#include "cam_state.h"
+#include "cam_table.h" // cam_crc32
+#include "cam_ilc.h"
+#include "cam_trace.h"
+#include "unity.h"
+#include <stdio.h> // snprintf
+#include <string.h>
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static void test_names_are_there_and_differ(void)
+{
+    for (int i = 0; i < cam_n_states; i++) {
+        TEST_ASSERT_GREATER_THAN(1, strlen(cam_state_name((cam_state_t)i)));
+        for (int k = 0; k < i; k++) {
+            TEST_ASSERT_NOT_EQUAL_INT(
+                0, strcmp(cam_state_name((cam_state_t)i), cam_state_name((cam_state_t)k)));
+        }
+    }
+    for (int i = 0; i < cam_n_faults; i++) {
+        TEST_ASSERT_GREATER_THAN(2, strlen(cam_fault_name((cam_fault_t)i)));
+        TEST_ASSERT_GREATER_THAN(9, strlen(cam_fault_text((cam_fault_t)i)));
+    }
+    TEST_ASSERT_EQUAL_STRING("lost_counts", cam_fault_name(cam_fault_lost_counts));
+    TEST_ASSERT_EQUAL_STRING("?", cam_state_name(cam_n_states));
+    TEST_ASSERT_EQUAL_STRING("?", cam_fault_name(cam_n_faults));
+    TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)-1));
+}
+
+/// A number may be any that its word holds, wherever it comes from.
+static void test_numbers_beyond_a_list_stand_for_nothing(void)
+{
+    static const int beyond[] = {0, 1, 2, 30, 100};
+    for (size_t i = 0; i < sizeof beyond / sizeof beyond[0]; i++) {
+        const int by = beyond[i];
+        TEST_ASSERT_EQUAL_STRING("?", cam_state_name((cam_state_t)(cam_n_states + by)));
+        TEST_ASSERT_EQUAL_HEX32(0, cam_guard_armed((cam_state_t)(cam_n_states + by)));
+        TEST_ASSERT_EQUAL_STRING("?", cam_fault_name((cam_fault_t)(cam_n_faults + by)));
+        TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)(cam_n_faults + by)));
+        const int phase = (int)cam_ilc_n_phases + by;
+        TEST_ASSERT_EQUAL_STRING("?", cam_ilc_phase_name((cam_ilc_phase_t)phase));
+        const int reason = (int)cam_ilc_n_reasons + by;
+        TEST_ASSERT_EQUAL_STRING("?", cam_ilc_reason_name((cam_ilc_reason_t)reason));
+        TEST_ASSERT_EQUAL_STRING("?", cam_scope_signal_name(cam_scope_n_signals + (uint32_t)by));
+        TEST_ASSERT_NULL(cam_param_info((cam_param_id_t)(cam_n_params + by)));
+    }
+    TEST_ASSERT_EQUAL_STRING("?", cam_scope_signal_name(UINT32_MAX));
+}
+
+static void test_err_text_knows_every_error(void)
+{
+    const char *texts[200];
+    int n_known = 0;
+    for (int err = 0; err >= -150; err--) {
+        const char *text = cam_err_text((cam_err_t)err);
+        if (strcmp(text, "unknown error") != 0) {
+            TEST_ASSERT_GREATER_THAN_size_t(err == 0 ? 3u : 9u, strlen(text));
+            for (int i = 0; i < n_known; i++) {
+                TEST_ASSERT_NOT_EQUAL_INT(0, strcmp(text, texts[i]));
+            }
+            texts[n_known++] = text;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(96, n_known);
+    TEST_ASSERT_EQUAL_STRING("done", cam_err_text(cam_ok));
+    TEST_ASSERT_EQUAL_STRING("unknown error", cam_err_text((cam_err_t)5));
+}
+
+#define WHAT(name, min, def, max, what) what,
+static const char *const whats[cam_n_params] = {CAM_PARAMS(WHAT)};
+
+static void test_param_set_takes_its_range_and_nothing_else(void)
+{
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const cam_param_info_t *info = cam_param_info(id);
+        cam_params_t params = cam_param_defaults();
+        TEST_ASSERT_EQUAL_INT32(info->def, cam_param_get(&params, id));
+        TEST_ASSERT_EQUAL_INT(id, cam_param_find(info->name));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&params, id, info->min));
+        TEST_ASSERT_EQUAL_INT32(info->min, cam_param_get(&params, id));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&params, id, info->max));
+        TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&params, id, info->max + 1));
+        TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&params, id, info->min - 1));
+        TEST_ASSERT_EQUAL_INT32(info->max, cam_param_get(&params, id));
+        TEST_ASSERT_GREATER_THAN(9, strlen(whats[id]));
+    }
+}
+
+static void test_param_foreign_ids_and_names_are_refused(void)
+{
+    cam_params_t params = cam_param_defaults();
+    TEST_ASSERT_NULL(cam_param_info(cam_n_params));
+    TEST_ASSERT_NULL(cam_param_info((cam_param_id_t)-1));
+    TEST_ASSERT_EQUAL_INT(cam_n_params, cam_param_find("k3_ns"));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_id, cam_param_set(&params, cam_n_params, 0));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&params, cam_param_encoder_sign, 0));
+}
+
+/// Names, ranges and defaults are what kept parameters, the tools and the manuals rest on. Who
+/// means to change one changes the number here.
+static void test_params_are_those_that_are_known(void)
+{
+    uint32_t crc = 0;
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_info_t *info = cam_param_info((cam_param_id_t)i);
+        char line[120];
+        const int n = snprintf(line, sizeof line, "%s %d %d %d\n", info->name, (int)info->min,
+                               (int)info->def, (int)info->max);
+        crc = cam_crc32(crc, line, (uint32_t)n);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0x8183528A, crc);
+}
+
+#define SIGNAL(name, value, what) #name " "
+#define FIELD(name, is_set, what) #name " " #is_set " "
+
+/// The numbers of signals and fields are part of the CAN protocol: new ones come last. Who means to
+/// add one changes the number here.
+static void test_signals_and_fields_of_the_recorder_are_those_that_are_known(void)
+{
+    static const char signals[] = CAM_SCOPE_SIGNALS(SIGNAL);
+    static const char fields[] = CAM_SCOPE_FIELDS(FIELD);
+    TEST_ASSERT_EQUAL_HEX32(0x34D5A7B7, cam_crc32(0, signals, sizeof signals));
+    TEST_ASSERT_EQUAL_HEX32(0x94A3759D, cam_crc32(0, fields, sizeof fields));
+    TEST_ASSERT_EQUAL_STRING("config", cam_scope_signal_name(cam_scope_n_signals - 1));
+}
+
+/// Learning sets what it needs and leaves all else; what is out of its range is brought back.
+static void test_params_of_learning_and_their_fit(void)
+{
+    const cam_params_t usual = cam_param_defaults();
+    cam_params_t params = usual;
+    cam_param_learn(&params);
+    TEST_ASSERT_EQUAL_INT32(30, params.feed_ramp_turns);
+    TEST_ASSERT_EQUAL_INT32(100000, params.observer_bandwidth_mHz);
+    TEST_ASSERT_EQUAL_INT32(40, params.rehearse_turns);
+    TEST_ASSERT_EQUAL_INT32(16, params.learn_harmonics);
+    TEST_ASSERT_EQUAL_INT32(8, params.ripple_turns);
+    int n_changed = 0;
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        n_changed += cam_param_get(&params, id) != cam_param_get(&usual, id) ? 1 : 0;
+    }
+    TEST_ASSERT_EQUAL_INT(5, n_changed);
+    params.engage_turns = -7;
+    params.feed_ramp_turns = 1000;
+    cam_param_fit(&params);
+    TEST_ASSERT_EQUAL_INT32(1, params.engage_turns);
+    TEST_ASSERT_EQUAL_INT32(100, params.feed_ramp_turns);
+}
+
+static cam_trace_t trace;
+
+static void push(uint32_t tick, uint32_t room)
+{
+    cam_trace_slot_isr(&trace, room)->tick = tick;
+    cam_trace_commit_isr(&trace);
+}
+
+static void test_trace_keeps_order_and_counts_what_it_drops(void)
+{
+    // start close below the wrap of the counters
+    memset(&trace, 0, sizeof trace);
+    trace.n_written = UINT32_MAX - 100u;
+    trace.n_read = UINT32_MAX - 100u;
+    cam_tick_record_t record;
+    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
+    for (uint32_t tick = 0; tick < cam_trace_capacity + 10u; tick++) {
+        push(tick, cam_trace_capacity);
+    }
+    TEST_ASSERT_EQUAL_UINT32(10, cam_trace_dropped(&trace));
+    for (uint32_t tick = 0; tick < cam_trace_capacity; tick++) {
+        TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
+        TEST_ASSERT_EQUAL_UINT32(tick, record.tick);
+    }
+    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
+}
+
+static void test_trace_record_that_nobody_wants_is_not_kept(void)
+{
+    memset(&trace, 0, sizeof trace);
+    cam_tick_record_t record;
+    push(1, 0);
+    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
+    push(2, cam_trace_capacity);
+    TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
+    TEST_ASSERT_EQUAL_UINT32(2, record.tick);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_trace_dropped(&trace));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_names_are_there_and_differ);
+    RUN_TEST(test_numbers_beyond_a_list_stand_for_nothing);
+    RUN_TEST(test_err_text_knows_every_error);
+    RUN_TEST(test_param_set_takes_its_range_and_nothing_else);
+    RUN_TEST(test_param_foreign_ids_and_names_are_refused);
+    RUN_TEST(test_params_are_those_that_are_known);
+    RUN_TEST(test_signals_and_fields_of_the_recorder_are_those_that_are_known);
+    RUN_TEST(test_params_of_learning_and_their_fit);
+    RUN_TEST(test_trace_keeps_order_and_counts_what_it_drops);
+    RUN_TEST(test_trace_record_that_nobody_wants_is_not_kept);
+    return UNITY_END();
+}

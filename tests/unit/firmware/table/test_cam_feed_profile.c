@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// The feed against height: Z over the turns, its limits, and ways that are refused.
+#include "cam_angle.h"
+#include "cam_feasible.h"
+#include "cam_feed_profile.h"
+#include "fixture_newer.h"
+#include "fixture_play.h"
+#include "fixture_shaft.h"
+#include "unity.h"
+#include <math.h>
+
+#define PI 3.14159265358979323846
+
+static fixture_play_t f;
+static fixture_part_t part;
+static double share; ///< of the feed by which it swings about its mean
+
+/// On 1 mm of height the feed is mean * (1 + share sin(2 pi z)) over the helix's height.
+static void sine(double z_nm, double w[3])
+{
+    const double k = 2.0 * PI / 1e6;
+    const double at = k * (z_nm - part.z_first_nm);
+    w[0] = share * (1.0 - cos(at)) / k;
+    w[1] = share * sin(at);
+    w[2] = share * k * cos(at);
+}
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    share = 0.5;
+    fixture_play_init(&f, &part);
+}
+
+void tearDown(void) {}
+
+static cam_err_t with_way(uint32_t n_knots)
+{
+    fixture_image_make(&f.image, &part);
+    fixture_newer_way(&f.image, sine, n_knots, 4);
+    return cam_table_check(f.image.bytes, f.image.size, &f.table);
+}
+
+/// The part is 1 mm high, so 16 is the most knots that the spacing of the format allows.
+enum { n_knots = 15 };
+
+static void test_way_is_measured(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    TEST_ASSERT_UINT32_WITHIN(3000, 1500000, f.table.way_slope_ppm);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0, f.table.way_bend_ppm_per_m / (0.5 * 2.0 * PI * 1e9));
+    fixture_image_make(&f.image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+    TEST_ASSERT_EQUAL_UINT32(1000000, f.table.way_slope_ppm);
+    TEST_ASSERT_EQUAL_UINT32(0, f.table.way_bend_ppm_per_m);
+}
+
+/// A way that falls back in one slice and regains it evenly, whichever slice it is.
+static void test_a_way_that_falls_in_one_slice_is_refused(void)
+{
+    enum { rise = 1000000 * 16 / (n_knots - 1), drop = rise / 3 };
+    for (int fallen = -1; fallen < n_knots - 1; fallen++) {
+        cam_knot_t knots[n_knots] = {{0}};
+        for (int i = 1; i < n_knots - 1; i++) {
+            knots[i].p = fallen < 0 ? 0 : drop * i / (n_knots - 1) - (i > fallen ? drop : 0);
+        }
+        cam_table_t table = {
+            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+        TEST_ASSERT_EQUAL_INT(fallen < 0 ? cam_ok : cam_err_image_channel,
+                              cam_feed_profile_check(&table));
+    }
+}
+
+/// Between two knots as well: each of the five Bernstein coefficients of the slope bounds it, the
+/// slopes at both knots and the curvatures there. Of a feed that falls to a fiftieth of its mean
+/// one LSB more is refused.
+static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
+{
+    enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain * 98 / 100 };
+    for (int i = 0; i < 8; i++) {
+        cam_knot_t knots[n_knots] = {{0}};
+        const int at = i % 2 == 0 ? 0 : 7;
+        const int more = i < 4 ? 0 : 2;
+        if (i % 4 < 2) {
+            knots[at].v = -deepest - more;
+        } else {
+            knots[at].a = 2 * (-deepest - more);
+            knots[at + 1].a = at == 0 ? 0 : 2 * (deepest + more);
+            knots[at].p = 0;
+        }
+        cam_table_t table = {
+            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
+                              cam_feed_profile_check(&table));
+    }
+}
+
+/// At its ends too: a slope that falls below the bound only at the first or the last knot, where
+/// the curvature takes it up again at once.
+static void test_a_way_is_bounded_at_its_first_and_last_knot(void)
+{
+    enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain * 98 / 100 };
+    for (int i = 0; i < 4; i++) {
+        cam_knot_t knots[n_knots] = {{0}};
+        const int at = i % 2 == 0 ? 0 : n_knots - 1;
+        const int more = i < 2 ? 0 : 2;
+        knots[at].v = -deepest - more;
+        knots[at].a = at == 0 ? 2 * (deepest + more) : -2 * (deepest + more);
+        cam_table_t table = {
+            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
+                              cam_feed_profile_check(&table));
+    }
+}
+
+/// With stations Z may end anywhere above its begin that an axis reaches; the offset counts.
+static void test_end_of_a_way_with_stations_is_where_an_axis_reaches(void)
+{
+    static const struct {
+        int32_t offset_nm, ahead_nm, first_nm;
+        bool is_good;
+    } cases[] = {{0, -900000, 0, true},        {-500000, 0, 0, true},
+                 {-500000, -600000, 0, false}, {300000, -1300000, 0, true},
+                 {300000, -1300001, 0, false}, {0, 0, 999000000, true},
+                 {0, 1000, 999000000, false},  {-1000, 1000, 999000000, true}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        cam_knot_t knots[2] = {{.p = -cases[i].offset_nm * 16}, {.p = cases[i].ahead_nm * 16}};
+        const int32_t rise = knots[1].p - knots[0].p; // a straight line between the two
+        knots[0].v = knots[1].v = rise;
+        cam_table_t table = {.way = {.knots = knots,
+                                     .n_slices = 2,
+                                     .span_nm = 1000000,
+                                     .z_first_nm = cases[i].first_nm,
+                                     .value_offset = cases[i].offset_nm,
+                                     .frac_bits = 4},
+                             .has_stations = true};
+        TEST_ASSERT_EQUAL_INT_MESSAGE(cases[i].is_good ? cam_ok : cam_err_image_channel,
+                                      cam_feed_profile_check(&table),
+                                      cases[i].is_good ? "good" : "bad");
+    }
+}
+
+static void test_z_follows_the_way_over_the_turns(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    fixture_play_configure(&f);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    const double fed = 1e6 / part.feed_nm;
+    const int32_t speed_q32 = f.angle.speed_q32;
+    for (double turns = 0.0; turns < fed + 2.5; turns += 0.0417) {
+        f.angle.pos_q32 = f.plan.feed_at_q32 + llround(turns * 4294967296.0);
+        f.angle.speed_q32 = 0;
+        fixture_play_ticks(&f, 4 * FIXTURE_PLAN_TICKS);
+        f.angle.speed_q32 = speed_q32;
+        const double r = 2.0; // ramps
+        const double in = fmin(turns, fed + r);
+        const double left = fed + r - in;
+        const double helix = in < r     ? in * in / 2.0 / r
+                             : left < r ? fed - left * left / 2.0 / r
+                                        : in - r / 2.0;
+        double w[3];
+        sine(part.z_first_nm + helix * part.feed_nm, w);
+        TEST_ASSERT_DOUBLE_WITHIN(30.0, part.z_first_nm + helix * part.feed_nm + w[0],
+                                  (double)f.axis[hal_axis_z].pos_q10 / 1024.0);
+    }
+}
+
+/// Z needs the largest feed times the speed, and its change times the square of the speed.
+static void test_limits_of_z_hold_with_the_way(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    f.params.z_speed_um_per_s = 1000;
+    f.params.z_acceleration_mm_per_s2 = 1000000;
+    const double um_per_s = part.feed_nm * 1e-3 * 2500.0 / 60.0 * 1.5;
+    cam_feasibility_t why = cam_feasible(&f.table, &f.params, 2500000, 20000);
+    TEST_ASSERT_EQUAL_INT(cam_err_z_speed, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * um_per_s, um_per_s, (double)why.needed);
+    f.params.z_speed_um_per_s = 200000;
+    f.params.z_acceleration_mm_per_s2 = 10;
+    const double n = 2500.0 / 60.0;
+    const double v = part.feed_nm * 1e-6 * n; // mm/s
+    const double needed = 0.5 * 2.0 * PI * v * v + 1.5 * part.feed_nm * 1e-6 * n * n / 2.0;
+    why = cam_feasible(&f.table, &f.params, 2500000, 20000);
+    TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(0.08 * needed + 2.0, needed, (double)why.needed);
+    f.params.z_is_measured = 1;
+    why = cam_feasible(&f.table, &f.params, 2500000, 20000);
+    TEST_ASSERT_NOT_EQUAL_INT(cam_err_z_acceleration, why.err);
+}
+
+static void test_way_that_turns_back_is_refused(void)
+{
+    share = 0.97;
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    share = 0.99;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
+    share = 1.2;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
+}
+
+static void test_way_begins_and_ends_with_the_table(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    const uint32_t channel = fixture_newer_last(&f.image);
+    cam_knot_t *knots = fixture_image_knots(&f.image, channel);
+    for (uint32_t i = 0; i < 2; i++) {
+        knots[i * (n_knots - 1u)].p++;
+        fixture_image_remeasure(&f.image, channel);
+        fixture_image_seal(&f.image);
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                              cam_table_check(f.image.bytes, f.image.size, &f.table));
+        knots[i * (n_knots - 1u)].p--;
+    }
+    fixture_image_remeasure(&f.image, channel);
+    const uint32_t last = fixture_image_get(&f.image, fixture_at_z_last);
+    fixture_image_put(&f.image, fixture_at_z_last, last - 1u);
+    fixture_image_seal(&f.image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
+}
+
+static void test_rings_have_no_way(void)
+{
+    part.is_ring_helix = true;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
+}
+
+/// 2^24 nm and 2^8 LSB fill a word exactly, so the end of this way is 0 only to 32 bits.
+static void test_offset_counts_in_the_ends_of_a_way(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    const uint32_t channel = fixture_newer_last(&f.image);
+    fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_frac_bits), 8u);
+    fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_value_offset), 1u << 24);
+    fixture_image_seal(&f.image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
+}
+
+static void test_shafts_of_lobes_have_no_way(void)
+{
+    const fixture_shaft_t shaft = fixture_shaft_three();
+    fixture_shaft_make(&f.image, &shaft);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+    part.z_first_nm = 0;
+    fixture_newer_way(&f.image, sine, n_knots, 4);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
+}
+
+static void test_a_second_way_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    fixture_newer_way(&f.image, sine, n_knots, 4);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_second_way_is_refused);
+    RUN_TEST(test_way_is_measured);
+    RUN_TEST(test_a_way_that_falls_in_one_slice_is_refused);
+    RUN_TEST(test_z_follows_the_way_over_the_turns);
+    RUN_TEST(test_limits_of_z_hold_with_the_way);
+    RUN_TEST(test_way_that_turns_back_is_refused);
+    RUN_TEST(test_way_begins_and_ends_with_the_table);
+    RUN_TEST(test_rings_have_no_way);
+    RUN_TEST(test_offset_counts_in_the_ends_of_a_way);
+    RUN_TEST(test_shafts_of_lobes_have_no_way);
+    RUN_TEST(test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots);
+    RUN_TEST(test_a_way_is_bounded_at_its_first_and_last_knot);
+    RUN_TEST(test_end_of_a_way_with_stations_is_where_an_axis_reaches);
+    return UNITY_END();
+}

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// Values of the set-points against doubles, with an exact spindle.
+#include "cam_angle.h"
+#include "cam_plan.h"
+#include "fixture_play.h"
+#include "unity.h"
+#include <math.h>
+#include <stdlib.h>
+
+static fixture_play_t f;
+static fixture_part_t part;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_play_init(&f, &part);
+}
+
+void tearDown(void) {}
+
+static double nm(const cam_axis_motion_t *axes, hal_axis_t axis)
+{
+    return (double)axes[axis].pos_q10 / 1024.0;
+}
+
+/// Cut at a measured Z that stands, so that angle and time are the only variables.
+static void cut_at(int32_t z_nm)
+{
+    f.params.z_is_measured = 1;
+    fixture_play_configure(&f);
+    f.is_axes_held = true;
+    f.in.actual_nm[hal_axis_u] = -400000;
+    f.in.actual_nm[hal_axis_x] = 46500000;
+    f.in.actual_nm[hal_axis_z] = z_nm;
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    fixture_play_ticks(&f, 70); // the instant that is read ahead lies behind the engagement as well
+}
+
+static void test_u_with_lead_is_read_at_the_angle_to_come(void)
+{
+    static const int32_t lead_ns[] = {0, 50000, 137500, 3000000};
+    for (int i = 0; i < 4; i++) {
+        setUp();
+        f.params.lead_ns = lead_ns[i];
+        f.params.phase_udeg = 30000000;
+        f.params.amplitude_ppm = 750000;
+        cut_at(437000);
+        for (int k = 0; k < 1000; k++) {
+            fixture_play_tick(&f);
+            const double ahead = f.angle.speed_q32 * (lead_ns[i] / 50000.0);
+            const int64_t at = f.angle.pos_q32 + llround(ahead) - llround(CAM_TURN_Q32 / 12.0);
+            const double wanted = 0.75 * fixture_play_u_nm(&f, at, 437000);
+            TEST_ASSERT_DOUBLE_WITHIN(0.03, wanted, nm(f.axis, hal_axis_u));
+        }
+    }
+}
+
+static void test_u_while_the_speed_differs_is_read_at_that_speed(void)
+{
+    f.params.lead_ns = 100000;
+    cut_at(100000);
+    for (int32_t speed = 500000; speed < 10000000; speed += 497251) {
+        f.angle.speed_q32 = speed;
+        fixture_play_tick(&f);
+        const double wanted = fixture_play_u_nm(&f, f.angle.pos_q32 + 2 * (int64_t)speed, 100000);
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, wanted, nm(f.axis, hal_axis_u));
+    }
+}
+
+static void test_u_of_a_geared_cut_is_read_at_the_height_of_its_angle(void)
+{
+    f.params.lead_ns = 225000;
+    fixture_play_configure(&f);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    fixture_play_ticks(&f, 10);
+    while (f.want.state == cam_state_cutting &&
+           f.angle.pos_q32 < f.plan.disengage_at_q32 - 99999999) {
+        fixture_play_tick(&f);
+        const int64_t at = f.angle.pos_q32 + (int64_t)f.angle.speed_q32 * 9 / 2;
+        // While the feed rises U's height is found from Z's last increment: 5 nm of Z.
+        TEST_ASSERT_DOUBLE_WITHIN(0.8, fixture_play_u_nm(&f, at, f.want.z_nm),
+                                  nm(f.axis, hal_axis_u));
+    }
+    TEST_ASSERT_INT32_WITHIN(100, part.z_last_nm, f.want.z_nm);
+}
+
+/// @return [nm] Z of the short part with its ramps of two turns, in doubles
+static double height(double turns)
+{
+    const double in = turns < 0.0 ? 0.0 : turns > 12.0 ? 12.0 : turns;
+    const double fed = in < 2.0    ? in * in / 4.0
+                       : in < 10.0 ? in - 1.0
+                                   : 10.0 - (12.0 - in) * (12.0 - in) / 4.0;
+    return 100000.0 * fed;
+}
+
+/// Between two plans the envelope is straight: 8 ticks of 480 a turn below the smooth step, whose
+/// second derivative is at most 5.774.
+static double sagitta(int32_t turns)
+{
+    const double travel = FIXTURE_PLAN_TICKS / 480.0 / turns;
+    return 5.774 * travel * travel / 8.0;
+}
+
+/// @return the smooth step as a drive X with a lag is commanded it, both as shares of the step: a
+/// lag of up to a sixteenth is inverted, the rest is compensated for by reading ahead
+static double commanded(double s, double lag)
+{
+    const double d = fmin(lag, 1.0 / 16.0);
+    const double at = s + lag - d;
+    const double q = at <= 0.0 || at >= 1.0 ? 0.0 : at * (1.0 - at);
+    return fixture_play_smooth(at) + d * (30.0 * q * q + 15.0 * d * q * (1.0 - 2.0 * at));
+}
+
+static void test_xz_with_lag_are_read_ahead(void)
+{
+    static const int32_t lag_ns[] = {0, 1000000, 7777777};
+    for (int i = 0; i < 3; i++) {
+        setUp();
+        f.params.xz_lag_ns = lag_ns[i];
+        fixture_play_configure(&f);
+        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+        TEST_ASSERT_TRUE(fixture_play_approach(&f));
+        while (f.want.state != cam_state_disengaging) {
+            fixture_play_tick(&f);
+            const double at = (double)f.angle.pos_q32 + f.angle.speed_q32 * (lag_ns[i] / 50000.0);
+            const double turns = (at - (double)f.plan.feed_at_q32) / 4294967296.0;
+            const double lag = lag_ns[i] / 50000.0 / 480.0; // turns
+            const double envelope = commanded((turns - lag) / 10.0 + 1.0, lag / 10.0) *
+                                    (1.0 - commanded((turns - lag - 12.0) / 10.0, lag / 10.0));
+            const double z_nm = nm(f.axis, hal_axis_z);
+            // whole nanometres, and the sagitta of the ramps: 0.22 nm per tick^2
+            TEST_ASSERT_DOUBLE_WITHIN(1.0 + 0.22 * FIXTURE_PLAN_TICKS * FIXTURE_PLAN_TICKS / 8.0,
+                                      height(turns), z_nm);
+            TEST_ASSERT_DOUBLE_WITHIN(0.05 + 2e6 * sagitta(10),
+                                      fixture_play_x_nm(&f, z_nm) + 1e6 * (1.0 - envelope),
+                                      nm(f.axis, hal_axis_x));
+        }
+    }
+}
+
+static void test_envelope_while_engaging_and_disengaging_is_the_smooth_step(void)
+{
+    static const int32_t turns[] = {1, 7, 100};
+    for (int i = 0; i < 3; i++) {
+        setUp();
+        f.params.engage_turns = turns[i];
+        f.params.disengage_turns = turns[2 - i];
+        f.params.amplitude_ppm = 600000;
+        fixture_play_configure(&f);
+        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+        TEST_ASSERT_TRUE(fixture_play_approach(&f));
+        for (fixture_play_tick(&f); f.want.state != cam_state_ready; fixture_play_tick(&f)) {
+            const double since = fixture_play_turns(f.angle.pos_q32 - f.plan.engage_at_q32);
+            const double left = fixture_play_turns(f.angle.pos_q32 - f.plan.disengage_at_q32);
+            const double envelope = fixture_play_smooth(since / turns[i]) *
+                                    (1.0 - fixture_play_smooth(left / turns[2 - i]));
+            const double u_nm = fixture_play_u_nm(&f, f.angle.pos_q32, f.want.z_nm);
+            const int32_t shortest = turns[i] < turns[2 - i] ? turns[i] : turns[2 - i];
+            TEST_ASSERT_DOUBLE_WITHIN(0.05 + 0.6 * fabs(u_nm) * sagitta(shortest),
+                                      0.6 * envelope * u_nm, nm(f.axis, hal_axis_u));
+        }
+    }
+}
+
+static void test_phase_changed_in_the_cut_is_ramped_the_short_way(void)
+{
+    f.params.phase_udeg = 170000000;
+    cut_at(0);
+    f.params.phase_udeg = -170000000; // 20 degrees onwards at 100 degrees per second: 0.2 s
+    f.params.phase_rate_udeg_per_s = 100000000;
+    fixture_play_configure(&f);
+    const double step = 100.0 / 360.0 / FIXTURE_PLAY_HZ * 4294967296.0;
+    uint32_t n = 0;
+    while (f.motion.phase_q32 != f.config.play.phase_q32 && n < 5000) {
+        const uint32_t before = (uint32_t)f.motion.phase_q32;
+        fixture_play_tick(&f);
+        const int32_t moved = cam_angle_diff_q32((uint32_t)f.motion.phase_q32, before);
+        TEST_ASSERT_TRUE(moved >= -FIXTURE_PLAN_TICKS && moved <= step + 1.0); // rounded
+        n++;
+    }
+    TEST_ASSERT_UINT32_WITHIN(2 * FIXTURE_PLAN_TICKS, 4000, n);
+}
+
+static void test_amplitude_changed_in_the_cut_is_ramped(void)
+{
+    static const int32_t goal_ppm[] = {0, 1250000, 1000000};
+    cut_at(0);
+    for (int i = 0; i < 3; i++) {
+        const int32_t from_ppm = f.params.amplitude_ppm;
+        f.params.amplitude_ppm = goal_ppm[i];
+        f.params.amplitude_rate_ppm_per_s = 10000000;
+        fixture_play_configure(&f);
+        uint32_t n = 0;
+        while (f.plan.amplitude_q30 != f.config.play.amplitude_q30 && n < 5000) {
+            const int32_t before = f.plan.amplitude_q30;
+            fixture_play_tick(&f);
+            // 10 / 20 000 per tick
+            TEST_ASSERT_INT32_WITHIN(536872 * FIXTURE_PLAN_TICKS, before, f.plan.amplitude_q30);
+            n++;
+        }
+        TEST_ASSERT_UINT32_WITHIN(2 * FIXTURE_PLAN_TICKS,
+                                  (uint32_t)abs(goal_ppm[i] - from_ppm) / 500u, n);
+        fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+        const double u_nm = fixture_play_u_nm(&f, f.angle.pos_q32, 0);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, goal_ppm[i] * 1e-6 * u_nm, nm(f.axis, hal_axis_u));
+    }
+}
+
+static void test_velocity_and_acceleration_of_u_are_those_of_the_setpoints(void)
+{
+    cut_at(500000);
+    double a_nm = nm(f.before, hal_axis_u);
+    double b_nm = nm(f.axis, hal_axis_u);
+    for (int i = 0; i < 2000; i++) {
+        const cam_axis_motion_t b = f.axis[hal_axis_u];
+        fixture_play_tick(&f);
+        const double c_nm = nm(f.axis, hal_axis_u);
+        // 1636 nm per tick and 43 nm per tick^2 at most; a difference of thirds is 0.2 of it
+        TEST_ASSERT_DOUBLE_WITHIN(0.25, (c_nm - a_nm) / 2.0, b.vel_q10 / 1024.0);
+        TEST_ASSERT_DOUBLE_WITHIN(0.12, c_nm - 2.0 * b_nm + a_nm, b.acc_q10 / 1024.0); // of 1/64 nm
+        a_nm = b_nm;
+        b_nm = c_nm;
+    }
+}
+
+static void test_due_is_the_setpoint_of_lead_ago(void)
+{
+    static const int32_t lead_ns[] = {0, 50000, 68500, 275000, 3090000};
+    static double set_nm[2000];
+    for (int i = 0; i < 5; i++) {
+        setUp();
+        f.params.lead_ns = lead_ns[i];
+        cut_at(0);
+        const double lead = lead_ns[i] / 50000.0;
+        const int whole = (int)lead;
+        for (int k = 0; k < 2000; k++) {
+            fixture_play_tick(&f);
+            set_nm[k] = nm(f.axis, hal_axis_u);
+            if (k > whole) {
+                const double newer = set_nm[k - whole];
+                const double due = newer + (set_nm[k - whole - 1] - newer) * (lead - whole);
+                TEST_ASSERT_DOUBLE_WITHIN(0.06, due, f.want.u_due_q6 / 64.0); // 2^-16 tick, 1/64 nm
+            }
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_u_with_lead_is_read_at_the_angle_to_come);
+    RUN_TEST(test_u_while_the_speed_differs_is_read_at_that_speed);
+    RUN_TEST(test_u_of_a_geared_cut_is_read_at_the_height_of_its_angle);
+    RUN_TEST(test_xz_with_lag_are_read_ahead);
+    RUN_TEST(test_envelope_while_engaging_and_disengaging_is_the_smooth_step);
+    RUN_TEST(test_phase_changed_in_the_cut_is_ramped_the_short_way);
+    RUN_TEST(test_amplitude_changed_in_the_cut_is_ramped);
+    RUN_TEST(test_velocity_and_acceleration_of_u_are_those_of_the_setpoints);
+    RUN_TEST(test_due_is_the_setpoint_of_lead_ago);
+    return UNITY_END();
+}

@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: Apache-2.0
+// Z geared to the spindle or measured: ramps, exactness, ends, ranges.
+#include "cam_angle.h"
+#include "cam_feasible.h"
+#include "fixture_newer.h"
+#include "fixture_play.h"
+#include "unity.h"
+#include <math.h>
+
+static fixture_play_t f;
+static fixture_part_t part;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+}
+
+void tearDown(void) {}
+
+static void plain_profile(double z_nm, double x[3])
+{
+    (void)z_nm;
+    x[0] = 46e6;
+    x[1] = 0.0;
+    x[2] = 0.0;
+}
+
+static void engage(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+}
+
+/// Ticks after which every axis has reached what was planned for a spindle that stands.
+enum { rounds = 4 * FIXTURE_PLAN_TICKS };
+
+/// @return [nm] Z wanted when the spindle is `turns` behind the start of the feed
+static double z_at(double turns)
+{
+    const int32_t speed_q32 = f.angle.speed_q32;
+    f.angle.pos_q32 = f.plan.feed_at_q32 + llround(turns * 4294967296.0);
+    f.angle.speed_q32 = 0;
+    fixture_play_ticks(&f, rounds);
+    f.angle.speed_q32 = speed_q32;
+    return (double)f.axis[hal_axis_z].pos_q10 / 1024.0;
+}
+
+/// @return [turn] fed: ramps of r turns, `fed` turns in all
+static double eased(double turns, double r, double fed)
+{
+    const double in = turns < 0.0 ? 0.0 : turns > fed + r ? fed + r : turns;
+    const double left = fed + r - in;
+    return in < r ? in * in / 2.0 / r : left < r ? fed - left * left / 2.0 / r : in - r / 2.0;
+}
+
+static void test_feed_of_62000_turns_is_exact_to_a_nanometre(void)
+{
+    part.n_slices = 130;
+    part.log2_knots = 2;
+    part.frac_bits = 0;
+    part.n_x = 130;
+    part.x_frac_bits = 0;
+    part.z_first_nm = -999999937;
+    part.z_last_nm = 984000063;
+    part.feed_nm = 32001;
+    part.u = fixture_ellipse;
+    part.x = plain_profile;
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_NOT_NULL(f.config.play.table);
+    engage();
+    const double fed = ((double)part.z_last_nm - part.z_first_nm) / 32001.0;
+    TEST_ASSERT_TRUE(fed > 61990.0);
+    for (double turns = 2.0; turns < fed; turns += 0.9973) {
+        const double z_nm = part.z_first_nm + 32001.0 * (turns - 1.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, z_nm, z_at(turns));
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(part.z_last_nm, z_at(fed + 2.0));
+    TEST_ASSERT_EQUAL_INT(cam_state_disengaging, f.want.state);
+    TEST_ASSERT_EQUAL_DOUBLE(part.z_last_nm, z_at(fed + 11.0));
+}
+
+static void check_ease(int32_t ramp_turns)
+{
+    fixture_play_init(&f, &part);
+    f.params.feed_ramp_turns = ramp_turns;
+    fixture_play_configure(&f);
+    engage();
+    const double span_nm = (double)part.z_last_nm - part.z_first_nm;
+    const double fed = span_nm / part.feed_nm;
+    const double r = ramp_turns < fed ? ramp_turns : fed;
+    TEST_ASSERT_EQUAL_DOUBLE(part.z_first_nm, z_at(-1.0));
+    for (double turns = 0.0; turns < fed + r; turns += 0.00713) {
+        const double z_nm = part.z_first_nm + part.feed_nm * eased(turns, r, fed);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, z_nm, z_at(turns));
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(part.z_last_nm, z_at(fed + r + 1e-6));
+    TEST_ASSERT_EQUAL_INT(cam_state_disengaging, f.want.state);
+}
+
+static void test_feed_eases_in_and_out_over_its_ramp(void)
+{
+    check_ease(1);
+    check_ease(2);
+    check_ease(5); // up to the middle and down again
+}
+
+static void test_feed_shorter_than_the_ramp_eases_over_its_own_length(void)
+{
+    check_ease(37);        // 10 turns are fed
+    part.feed_nm = 941176; // 1.0625 turns are fed
+    check_ease(2);
+    part.feed_nm = 1000000; // exactly one turn
+    check_ease(100);
+}
+
+/// Speed and acceleration of Z in a whole cut at constant speed, tick by tick.
+static void test_feed_in_ticks_never_steps(void)
+{
+    fixture_play_init(&f, &part);
+    engage();
+    double step_nm = 0.0;
+    double highest_nm = 0.0;
+    while (f.want.state != cam_state_ready) {
+        fixture_play_tick(&f);
+        const double nm =
+            (double)(f.axis[hal_axis_z].pos_q10 - f.before[hal_axis_z].pos_q10) / 1024.0;
+        // feed / ramp / (480 ticks)^2 = 0.22 nm per tick^2, that of a plan at once, in whole
+        // nanometres
+        TEST_ASSERT_DOUBLE_WITHIN(0.22 * FIXTURE_PLAN_TICKS + 2.0, step_nm, nm);
+        TEST_ASSERT_TRUE(nm >= 0.0);
+        highest_nm = nm > highest_nm ? nm : highest_nm;
+        step_nm = nm;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 100000.0 / 480.0, highest_nm);
+}
+
+/// The check that refuses a feed as too fast for Z must judge the ramp that is really used.
+static void test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges(void)
+{
+    part.feed_nm = 1000000; // one turn is fed, so the ramp is one turn, too
+    fixture_play_init(&f, &part);
+    f.params.feed_ramp_turns = 100;
+    f.params.z_acceleration_mm_per_s2 = 1700; // 1 mm * (2500 / 60 s)^2 / 1 turn is 1736 mm/s2
+    const cam_feasibility_t low = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
+    TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration, low.err);
+    TEST_ASSERT_INT64_WITHIN(2, 1737, low.needed);
+    f.params.z_acceleration_mm_per_s2 = 1740;
+    const cam_feasibility_t ok = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
+    TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
+}
+
+/// A measured Z sets no limit, whatever the ramp is.
+static void test_feed_ramp_of_a_measured_z_limits_no_speed(void)
+{
+    fixture_play_init(&f, &part);
+    f.params.z_is_measured = 1;
+    const uint32_t highest = cam_feasible(&f.table, &f.params, 1, FIXTURE_PLAY_HZ).highest_mrpm;
+    for (int32_t turns = 1; turns <= 100; turns++) {
+        f.params.feed_ramp_turns = turns;
+        f.params.feed_nm = 1 + (turns * 7919) % 10000000;
+        const cam_feasibility_t ok = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
+        TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
+        TEST_ASSERT_EQUAL_UINT32(highest, ok.highest_mrpm);
+    }
+}
+
+static void start_with_measured_z(void)
+{
+    fixture_play_init(&f, &part);
+    f.params.z_is_measured = 1;
+    fixture_play_configure(&f);
+    f.is_axes_held = true;
+    f.in.actual_nm[hal_axis_u] = -400000;
+    f.in.actual_nm[hal_axis_x] = 46500000;
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+}
+
+/// The offset moves X as a whole, in the approach as in the cut.
+static void test_x_offset_moves_every_place_of_x(void)
+{
+    const int32_t offset_nm[] = {-1000000, 0, 123457, 1000000};
+    for (size_t i = 0; i < sizeof offset_nm / sizeof offset_nm[0]; i++) {
+        fixture_play_init(&f, &part);
+        f.params.x_trim_nm = offset_nm[i];
+        fixture_play_configure(&f);
+        engage();
+        const double clear_nm = fixture_play_x_nm(&f, part.z_first_nm) + f.params.x_clearance_nm;
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, clear_nm + offset_nm[i],
+                                  (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
+        for (double turns = 0.0; turns < 9.0; turns += 0.37) {
+            const double x_nm = fixture_play_x_nm(&f, z_at(turns)) + offset_nm[i];
+            TEST_ASSERT_DOUBLE_WITHIN(1.5, x_nm, (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
+        }
+    }
+}
+
+static void test_measured_z_is_what_is_played(void)
+{
+    start_with_measured_z();
+    for (int32_t z_nm = 0; z_nm < 1000000; z_nm += 771) {
+        f.in.actual_nm[hal_axis_z] = z_nm;
+        fixture_play_ticks(&f, rounds);
+        TEST_ASSERT_EQUAL_INT32(z_nm, f.want.z_nm);
+        TEST_ASSERT_EQUAL_INT64((int64_t)z_nm * 1024, f.axis[hal_axis_z].pos_q10);
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, fixture_play_u_nm(&f, f.angle.pos_q32, z_nm),
+                                  (double)f.axis[hal_axis_u].pos_q10 / 1024.0);
+        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+    }
+    fixture_play_ticks(&f, 20000); // only stop ends the cut
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+}
+
+/// Others lead Z, so no override changes where the cut is or ends.
+static void test_an_override_is_nothing_to_a_measured_z(void)
+{
+    start_with_measured_z();
+    const int64_t end_q32 = f.plan.disengage_at_q32;
+    const int32_t asked_q30 = f.plan.feed_motion.asked_q30;
+    f.config.play.feed_rate_q30 = asked_q30 / 2;
+    fixture_play_ticks(&f, rounds);
+    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
+    TEST_ASSERT_EQUAL_INT32(asked_q30, f.plan.feed_motion.asked_q30);
+}
+
+/// Z runs ahead of the helix by 0.16 mm in the middle.
+static void ahead(double z_nm, double w[3])
+{
+    const double k = 6.283185307179586 / 1e6; // of the short skirt's height
+    w[0] = 0.5 * (1.0 - cos(k * z_nm)) / k;
+    w[1] = 0.5 * sin(k * z_nm);
+    w[2] = 0.5 * k * cos(k * z_nm);
+}
+
+/// The way belongs to a geared Z: what is measured is the height itself.
+static void test_a_measured_z_has_no_way(void)
+{
+    int64_t height_q32[2];
+    for (int i = 0; i < 2; i++) {
+        fixture_play_init(&f, &part);
+        if (i == 1) {
+            fixture_newer_way(&f.image, ahead, 15, 4);
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+            TEST_ASSERT_NOT_NULL(f.table.way.knots);
+        }
+        f.params.z_is_measured = 1;
+        fixture_play_configure(&f);
+        f.is_axes_held = true;
+        f.in.actual_nm[hal_axis_u] = -400000;
+        f.in.actual_nm[hal_axis_x] = 46500000;
+        f.in.actual_nm[hal_axis_z] = 500000;
+        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+        fixture_play_ticks(&f, rounds);
+        TEST_ASSERT_EQUAL_INT64(INT64_C(500000) * 1024, f.axis[hal_axis_z].pos_q10);
+        height_q32[i] = f.motion.height_q32;
+    }
+    TEST_ASSERT_TRUE(height_q32[0] > INT64_C(1) << 32);
+    TEST_ASSERT_EQUAL_INT64(height_q32[0], height_q32[1]);
+}
+
+/// An angle that has jumped moves nothing: in that tick U continues at the speed of its last step.
+static void test_angle_at_fault_leaves_u_its_pace(void)
+{
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    fixture_play_ticks(&f, 100);
+    const int64_t last_q10 = f.axis[hal_axis_u].pos_q10;
+    const int64_t step_q10 = last_q10 - f.before[hal_axis_u].pos_q10;
+    f.angle.pos_q32 += CAM_TURN_Q32 / 5;
+    f.angle.faults = CAM_FAULT_BIT(encoder_jump);
+    fixture_play_tick(&f);
+    TEST_ASSERT_EQUAL_INT64(last_q10 + step_q10, f.axis[hal_axis_u].pos_q10);
+}
+
+/// @return the faults that one plan detects, reported in the ticks up to the next one
+static uint32_t faults_within_a_plan(void)
+{
+    uint32_t faults = 0;
+    for (int i = 0; i <= FIXTURE_PLAN_TICKS; i++) {
+        fixture_play_tick(&f);
+        faults |= i > 0 ? f.want.faults : 0u; // the first tick may still report the plan before
+    }
+    return faults;
+}
+
+/// Z moves to a place by a few micrometres per plan. @return faults on the way there
+static uint32_t carry_z_to(int32_t z_nm)
+{
+    int32_t *const at_nm = &f.in.actual_nm[hal_axis_z];
+    uint32_t faults = 0;
+    while (*at_nm != z_nm) {
+        const int32_t left_nm = z_nm - *at_nm;
+        *at_nm += left_nm > 20000 ? 20000 : left_nm < -20000 ? -20000 : left_nm;
+        faults |= faults_within_a_plan();
+    }
+    return faults;
+}
+
+static void test_measured_z_beyond_table_and_margin_is_a_fault(void)
+{
+    static const int32_t z_nm[] = {-100000, 1100000};
+    for (int i = 0; i < 2; i++) {
+        start_with_measured_z();
+        TEST_ASSERT_EQUAL_HEX32(0, carry_z_to(z_nm[i]));
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(z_range), carry_z_to(z_nm[i] + (i == 0 ? -1 : 1)));
+    }
+}
+
+/// A jump further than the margin within a plan is a fault, in either direction and however far,
+/// and X is led to no place of the wrong height before the guard takes over.
+static void test_measured_z_that_jumps_is_a_fault(void)
+{
+    static const int32_t step_nm[] = {100000, -100000, 100001, -100001, 900000, -400000};
+    for (int i = 0; i < 6; i++) {
+        start_with_measured_z();
+        TEST_ASSERT_EQUAL_HEX32(0, carry_z_to(500000));
+        TEST_ASSERT_EQUAL_HEX32(0, faults_within_a_plan() | faults_within_a_plan()); // Z rests
+        const int64_t x_q10 = f.motion.axis[hal_axis_x].pos_q10;
+        f.in.actual_nm[hal_axis_z] += step_nm[i];
+        TEST_ASSERT_EQUAL_HEX32(i < 2 ? 0u : CAM_FAULT_BIT(z_range), faults_within_a_plan());
+        if (i >= 2) {
+            TEST_ASSERT_INT64_WITHIN(1024 * 100, x_q10, f.motion.axis[hal_axis_x].pos_q10);
+            TEST_ASSERT_EQUAL_INT32(0, f.motion.axis[hal_axis_z].vel_q10);
+        }
+    }
+    static const int32_t far_nm[] = {INT32_MIN, INT32_MAX};
+    for (int i = 0; i < 2; i++) {
+        start_with_measured_z();
+        f.in.actual_nm[hal_axis_z] = far_nm[i];
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(z_range), faults_within_a_plan());
+    }
+}
+
+static void test_geared_z_off_its_place_by_more_than_the_margin_is_a_fault(void)
+{
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    fixture_play_ticks(&f, 3000);
+    f.angle.speed_q32 = 0;
+    fixture_play_ticks(&f, rounds);
+    f.is_axes_held = true;
+    static const int32_t off_nm[] = {0, 100000, -100000, 100001, -100001};
+    for (int i = 0; i < 5; i++) {
+        f.in.actual_nm[hal_axis_z] = f.want.z_nm + off_nm[i];
+        TEST_ASSERT_EQUAL_HEX32(i < 3 ? 0u : CAM_FAULT_BIT(z_range), faults_within_a_plan());
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_feed_of_62000_turns_is_exact_to_a_nanometre);
+    RUN_TEST(test_feed_eases_in_and_out_over_its_ramp);
+    RUN_TEST(test_feed_shorter_than_the_ramp_eases_over_its_own_length);
+    RUN_TEST(test_feed_in_ticks_never_steps);
+    RUN_TEST(test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges);
+    RUN_TEST(test_feed_ramp_of_a_measured_z_limits_no_speed);
+    RUN_TEST(test_x_offset_moves_every_place_of_x);
+    RUN_TEST(test_measured_z_is_what_is_played);
+    RUN_TEST(test_an_override_is_nothing_to_a_measured_z);
+    RUN_TEST(test_a_measured_z_has_no_way);
+    RUN_TEST(test_angle_at_fault_leaves_u_its_pace);
+    RUN_TEST(test_measured_z_beyond_table_and_margin_is_a_fault);
+    RUN_TEST(test_measured_z_that_jumps_is_a_fault);
+    RUN_TEST(test_geared_z_off_its_place_by_more_than_the_margin_is_a_fault);
+    return UNITY_END();
+}

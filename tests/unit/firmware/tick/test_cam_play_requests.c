@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the interrupt makes of requests while the axes follow the table, and of inputs while it is
+// off.
+#include "cam_interpolate.h"
+#include "fixture_play.h"
+#include "unity.h"
+
+static fixture_play_t f;
+static fixture_part_t part;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_play_init(&f, &part);
+}
+
+void tearDown(void) {}
+
+/// In the cut the background check may raise its two faults, each the one that it is named for, in
+/// the tick that sees the request; they are told once.
+static void test_faults_of_the_background_check_are_raised_in_the_cut(void)
+{
+    static const cam_request_t requests[] = {cam_request_table_fault, cam_request_corrupt};
+    const uint32_t faults[] = {CAM_FAULT_BIT(table), CAM_FAULT_BIT(corrupt)};
+    static const cam_state_t states[] = {cam_state_engaging, cam_state_cutting};
+    for (int i = 0; i < 4; i++) {
+        setUp();
+        TEST_ASSERT_TRUE(fixture_play_bring(&f, states[i / 2]));
+        if (i < 2) {
+            TEST_ASSERT_TRUE(fixture_play_approach(&f));
+        }
+        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+        fixture_play_do(&f, requests[i % 2]);
+        TEST_ASSERT_EQUAL_HEX32(faults[i % 2], f.want.faults);
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+    }
+}
+
+/// Any other request but stop does not fit the cut, and changes nothing of it.
+static void test_requests_that_do_not_fit_the_cut_are_nothing(void)
+{
+    static const cam_request_t requests[] = {
+        cam_request_none,  cam_request_enable,   cam_request_disable, cam_request_start,
+        cam_request_reset, cam_request_identify, cam_request_manual};
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    const int64_t end_q32 = f.plan.disengage_at_q32;
+    for (uint32_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+        fixture_play_do(&f, requests[i]);
+        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+        TEST_ASSERT_FALSE(f.motion.is_stopping);
+        fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+        TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
+        TEST_ASSERT_EQUAL_UINT32(f.n_asked, f.play.request);
+    }
+}
+
+/// A chain that was open for a single tick between two plans is remembered until a plan has seen
+/// it.
+static void test_an_emergency_stop_between_two_plans_is_remembered(void)
+{
+    fixture_play_ticks(&f, 3);
+    TEST_ASSERT_FALSE(f.motion.was_open);
+    TEST_ASSERT_TRUE(f.motion.was_off);
+    f.in.inputs |= (uint32_t)hal_in_estop;
+    fixture_play_tick(&f);
+    TEST_ASSERT_TRUE(f.motion.was_open);
+    f.in.inputs &= ~(uint32_t)hal_in_estop;
+    fixture_play_tick(&f);
+    TEST_ASSERT_TRUE(f.motion.was_open);
+    f.motion.was_open = false; // a plan has seen it
+    fixture_play_tick(&f);
+    TEST_ASSERT_FALSE(f.motion.was_open);
+}
+
+/// Without enable set-points are where the axes are, as far as the farthest place of an axis.
+static void test_off_follows_the_axes_as_far_as_they_go(void)
+{
+    f.is_axes_held = true;
+    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
+        f.in.actual_nm[axis] = axis == 1u ? INT32_MAX : -1000 * (int32_t)axis;
+    }
+    fixture_play_tick(&f);
+    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
+        const int64_t nm = axis == 1u ? cam_interpolate_most_nm : -1000 * (int64_t)axis;
+        TEST_ASSERT_EQUAL_INT64(nm * 1024, f.motion.axis[axis].pos_q10);
+        TEST_ASSERT_EQUAL_INT32(0, f.motion.axis[axis].vel_q10);
+    }
+    f.in.actual_nm[0] = INT32_MIN;
+    fixture_play_tick(&f);
+    TEST_ASSERT_EQUAL_INT64(-(int64_t)cam_interpolate_most_nm * 1024, f.motion.axis[0].pos_q10);
+}
+
+/// Whatever an earlier motion by hand has left, the next one begins with axes that stand.
+static void test_motion_by_hand_begins_at_rest(void)
+{
+    fixture_play_ticks(&f, 3);
+    f.motion.u_speed_q10 = 12345;
+    f.motion.is_stopping = true;
+    fixture_play_do(&f, cam_request_manual);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, f.motion.state);
+    TEST_ASSERT_EQUAL_INT32(0, f.motion.u_speed_q10);
+    TEST_ASSERT_FALSE(f.motion.is_stopping);
+    TEST_ASSERT_TRUE(f.motion.is_by_hand);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_faults_of_the_background_check_are_raised_in_the_cut);
+    RUN_TEST(test_requests_that_do_not_fit_the_cut_are_nothing);
+    RUN_TEST(test_an_emergency_stop_between_two_plans_is_remembered);
+    RUN_TEST(test_off_follows_the_axes_as_far_as_they_go);
+    RUN_TEST(test_motion_by_hand_begins_at_rest);
+    return UNITY_END();
+}

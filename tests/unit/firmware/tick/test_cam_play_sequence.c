@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: Apache-2.0
+// States and requests: what is carried out when, and that no course of a cut makes an axis jump.
+#include "cam_angle.h"
+#include "fixture_play.h"
+#include "unity.h"
+#include <math.h>
+
+static fixture_play_t f;
+static fixture_part_t part;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_play_init(&f, &part);
+}
+
+void tearDown(void) {}
+
+static void bring(cam_state_t state)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, state));
+}
+
+static double step_nm(hal_axis_t axis)
+{
+    return (double)(f.axis[axis].pos_q10 - f.before[axis].pos_q10) / 1024.0;
+}
+
+/// Limits of the defaults at 20 kHz [nm per tick, per tick^2]; U as the table of the short part.
+static void expect_smooth_until(cam_state_t state)
+{
+    static const double speed[hal_n_axes] = {5001.0, 1251.0, 2501.0};
+    static const double acceleration[hal_n_axes] = {
+        170.0, 12.0, 5.2}; // increments change once per plan, and with them the height of U
+    double before[hal_n_axes];
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        before[i] = step_nm((hal_axis_t)i);
+    }
+    for (uint32_t n = 0; n < 100000u && f.want.state != state; n++) {
+        fixture_play_tick(&f);
+        for (uint32_t i = 0; i < hal_n_axes; i++) {
+            const double nm = step_nm((hal_axis_t)i);
+            TEST_ASSERT_TRUE(fabs(nm) <= speed[i]);
+            TEST_ASSERT_DOUBLE_WITHIN(acceleration[i], before[i], nm);
+            before[i] = nm;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(state, f.want.state);
+}
+
+/// Tick until the spindle is that far behind the start of the feed.
+static void turn_to(double turns)
+{
+    const int64_t goal_q32 = f.plan.feed_at_q32 + llround(turns * 4294967296.0);
+    while (f.angle.pos_q32 < goal_q32) {
+        fixture_play_tick(&f);
+    }
+}
+
+static void engage(void)
+{
+    bring(cam_state_engaging);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+}
+
+static void test_enable_without_table_is_ignored(void)
+{
+    f.config.play.table = NULL;
+    fixture_play_do(&f, cam_request_enable);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, f.want.state);
+}
+
+static void test_homing_needs_index_and_rotation_in_the_sense_of_cutting(void)
+{
+    static const struct {
+        bool is_synced;
+        int32_t speed_q32;
+        cam_state_t state;
+    } cases[] = {{false, 8947849, cam_state_homing},  {true, 0, cam_state_homing},
+                 {true, -8947849, cam_state_homing},  {true, 17895, cam_state_homing},
+                 {false, -8947849, cam_state_homing}, {true, 17896, cam_state_ready}};
+    bring(cam_state_homing);
+    for (int i = 0; i < 6; i++) {
+        f.angle.is_synced = cases[i].is_synced;
+        f.angle.speed_q32 = cases[i].speed_q32; // 5 r/min is 17 895.7
+        fixture_play_ticks(&f, 5000);           // U has retracted meanwhile
+        TEST_ASSERT_EQUAL_INT(cases[i].state, f.want.state);
+        TEST_ASSERT_EQUAL_INT32(2500000, f.want.spindle_mrpm);
+    }
+    TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
+}
+
+static void test_homing_waits_for_the_tool_to_be_out(void)
+{
+    fixture_play_tick(&f);
+    fixture_play_do(&f, cam_request_enable);
+    while (f.want.state == cam_state_homing) {
+        fixture_play_tick(&f);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
+    TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
+    TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_u].vel_q10);
+}
+
+/// Every request in every state: what it leads to in the very next tick.
+static void test_requests_out_of_order_are_ignored(void)
+{
+    enum { o = cam_state_off, h, r, e, c, d };
+    static const int next[6][6] = {
+        // none, enable, disable, start, stop, reset
+        {o, h, o, o, o, o}, {h, h, o, h, h, h}, {r, r, o, e, r, r},
+        {e, e, e, e, e, e}, {c, c, c, c, c, c}, {d, d, d, d, d, d},
+    };
+    for (int state = o; state <= d; state++) {
+        for (int request = cam_request_none; request <= cam_request_reset; request++) {
+            setUp();
+            bring((cam_state_t)state);
+            if (state == e) {
+                TEST_ASSERT_TRUE(fixture_play_approach(&f));
+            }
+            fixture_play_do(&f, (cam_request_t)request);
+            TEST_ASSERT_EQUAL_STRING(cam_state_name((cam_state_t)next[state][request]),
+                                     cam_state_name(f.want.state));
+            TEST_ASSERT_EQUAL_UINT32(f.n_asked, f.play.request);
+        }
+    }
+}
+
+static void test_reset_before_the_retract_has_ended_is_ignored(void)
+{
+    bring(cam_state_cutting);
+    fixture_play_settle(&f, false);
+    fixture_play_do(&f, cam_request_reset);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, f.want.state);
+    TEST_ASSERT_EQUAL_INT32(0, f.want.spindle_mrpm);
+    for (int request = cam_request_none; request <= cam_request_stop; request++) {
+        fixture_play_settle(&f, true);
+        fixture_play_do(&f, (cam_request_t)request);
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, f.want.state);
+    }
+    fixture_play_settle(&f, true);
+    fixture_play_do(&f, cam_request_reset);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, f.want.state);
+}
+
+/// The amplitude was rising when the fault came: going on, it would leave its word in a second.
+static void test_increments_of_the_cut_end_with_a_fault(void)
+{
+    bring(cam_state_engaging);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    fixture_play_ticks(&f, 5 * 480);
+    TEST_ASSERT_GREATER_THAN_INT32(0, f.motion.scale_step_q30);
+    fixture_play_settle(&f, false);
+    fixture_play_ticks(&f, FIXTURE_PLAN_TICKS);
+    const cam_motion_t then = f.motion;
+    fixture_play_ticks(&f, 20 * 1000);
+    TEST_ASSERT_EQUAL_INT32(then.scale_q30, f.motion.scale_q30);
+    TEST_ASSERT_EQUAL_INT32(then.behind_q4, f.motion.behind_q4);
+    TEST_ASSERT_EQUAL_INT32(then.phase_q32, f.motion.phase_q32);
+    TEST_ASSERT_EQUAL_INT64(then.height_q32, f.motion.height_q32);
+}
+
+static void test_request_that_stands_is_carried_out_once(void)
+{
+    bring(cam_state_ready);
+    fixture_play_do(&f, cam_request_start);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    while (f.want.state != cam_state_ready) {
+        fixture_play_tick(&f);
+    }
+    fixture_play_ticks(&f, 3000); // the request word still holds start
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
+    fixture_play_do(&f, cam_request_table_fault);
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), f.want.faults);
+    fixture_play_tick(&f);
+    TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+}
+
+static void test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of(void)
+{
+    static const int32_t ahead_ns[][2] = {{0, 0}, {3000000, 0}, {100000, 40000000}};
+    for (int i = 0; i < 3; i++) {
+        setUp();
+        f.params.lead_ns = ahead_ns[i][0];
+        f.params.xz_lag_ns = ahead_ns[i][1];
+        f.params.z_margin_nm =
+            1000000; // axes without a lag lead the set-point that is expected of them
+        fixture_play_configure(&f);
+        engage();
+        const double most = (ahead_ns[i][0] > ahead_ns[i][1] ? ahead_ns[i][0] : ahead_ns[i][1]);
+        const double commanded = (double)f.angle.pos_q32 + most / 50000.0 * f.angle.speed_q32;
+        TEST_ASSERT_EQUAL_UINT32(0, cam_angle_of_pos(f.plan.engage_at_q32));
+        TEST_ASSERT_TRUE((double)f.plan.engage_at_q32 >= commanded - 1e3);
+        // not before the plan after the next one
+        const double margin = 2.0 * FIXTURE_PLAN_TICKS * f.angle.speed_q32;
+        TEST_ASSERT_TRUE((double)f.plan.engage_at_q32 < commanded + margin + 4294967296.0);
+        TEST_ASSERT_EQUAL_INT64(f.plan.engage_at_q32 + 10 * CAM_TURN_Q32, f.plan.feed_at_q32);
+        expect_smooth_until(cam_state_cutting);
+        TEST_ASSERT_TRUE(f.angle.pos_q32 >= f.plan.feed_at_q32);
+        TEST_ASSERT_TRUE(f.angle.pos_q32 <
+                         f.plan.feed_at_q32 + FIXTURE_PLAN_TICKS * (int64_t)f.angle.speed_q32);
+        expect_smooth_until(cam_state_disengaging);
+        expect_smooth_until(cam_state_ready);
+        TEST_ASSERT_EQUAL_INT64(f.plan.feed_at_q32 + 12 * CAM_TURN_Q32, f.plan.disengage_at_q32);
+    }
+}
+
+static void test_start_approaches_zero_clearance_and_first_height(void)
+{
+    bring(cam_state_ready);
+    fixture_play_do(&f, cam_request_start);
+    expect_smooth_until(cam_state_engaging);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_u].pos_q10);
+    TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, fixture_play_x_nm(&f, 0.0) + 1e6,
+                              (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
+}
+
+/// While Z only passes its place X stands: it nears the work when Z rests there.
+static void test_x_waits_until_z_rests(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_ready));
+    fixture_play_do(&f, cam_request_start);
+    cam_axis_motion_t *x = &f.motion.axis[hal_axis_x];
+    cam_axis_motion_t *z = &f.motion.axis[hal_axis_z];
+    const int64_t place_q10 = (int64_t)f.config.play.z_first_nm * 1024;
+    for (int32_t vel_q10 = -4096; vel_q10 <= 4096; vel_q10 += 2048) {
+        *x = (cam_axis_motion_t){.pos_q10 = f.config.play.x_clear_q10};
+        *z = (cam_axis_motion_t){.pos_q10 = place_q10 - vel_q10, .vel_q10 = vel_q10};
+        f.until_plan = 1;
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_INT(cam_state_engaging, f.want.state);
+        TEST_ASSERT_EQUAL(vel_q10 == 0, x->vel_q10 != 0);
+    }
+}
+
+static void test_stop_while_approaching_goes_back_to_ready(void)
+{
+    bring(cam_state_ready);
+    fixture_play_do(&f, cam_request_start);
+    fixture_play_ticks(&f, 2000);
+    TEST_ASSERT_FALSE(f.motion.is_playing);
+    fixture_play_do(&f, cam_request_stop);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
+    fixture_play_ticks(&f, 20000);
+    TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_x].vel_q10);
+    TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
+    fixture_play_do(&f, cam_request_start); // and again
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, f.want.state);
+    TEST_ASSERT_FALSE(f.motion.is_playing);
+}
+
+/// Stop when `turns` are fed. @return [turn] after the start of the feed where it disengages
+static double stop_at(double turns)
+{
+    setUp();
+    f.params.lead_ns = 100000;
+    f.params.xz_lag_ns = 1000000;
+    fixture_play_configure(&f);
+    engage();
+    turn_to(turns);
+    fixture_play_ask(&f, cam_request_stop);
+    expect_smooth_until(cam_state_disengaging);
+    const double end = fixture_play_turns(f.plan.disengage_at_q32 - f.plan.feed_at_q32);
+    const int64_t z_q10 = f.axis[hal_axis_z].pos_q10;
+    fixture_play_tick(&f);
+    TEST_ASSERT_EQUAL_INT64(z_q10, f.axis[hal_axis_z].pos_q10); // Z stands
+    expect_smooth_until(cam_state_ready);
+    TEST_ASSERT_EQUAL_INT64(z_q10, f.axis[hal_axis_z].pos_q10);
+    return end;
+}
+
+static void test_stop_before_the_feed_disengages_at_the_next_turn_without_feed(void)
+{
+    static const double turns[] = {-9.7, -5.2, -3.001, -0.2};
+    static const double ends[] = {-9.0, -5.0, -3.0, 0.0};
+    for (int i = 0; i < 4; i++) {
+        const double end = stop_at(turns[i]);
+        TEST_ASSERT_TRUE(end == ends[i] || end == ends[i] + 1.0); // read ahead into the next turn
+        TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10);
+    }
+}
+
+static void test_stop_in_the_rising_feed_lets_it_rise_and_fall(void)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, stop_at(0.3));
+    TEST_ASSERT_EQUAL_INT64(200000 * 1024, f.axis[hal_axis_z].pos_q10);
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, stop_at(1.5));
+    TEST_ASSERT_EQUAL_DOUBLE(5.0, stop_at(2.5));
+}
+
+static void test_stop_in_the_steady_feed_falls_from_the_next_turn_on(void)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(8.0, stop_at(5.5));
+    TEST_ASSERT_EQUAL_INT64(600000 * 1024, f.axis[hal_axis_z].pos_q10);
+    TEST_ASSERT_EQUAL_DOUBLE(9.0, stop_at(5.99)); // axes were commanded into turn 6 before
+    TEST_ASSERT_EQUAL_INT64(700000 * 1024, f.axis[hal_axis_z].pos_q10);
+    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(9.5));
+}
+
+static void test_stop_in_the_falling_feed_changes_nothing(void)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(10.3));
+    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(11.9));
+    TEST_ASSERT_EQUAL_INT64(1000000 * 1024, f.axis[hal_axis_z].pos_q10);
+}
+
+static void test_stop_twice_does_not_lengthen_the_feed(void)
+{
+    engage();
+    turn_to(4.5);
+    fixture_play_do(&f, cam_request_stop);
+    const int64_t end_q32 = f.plan.disengage_at_q32;
+    turn_to(5.5);
+    fixture_play_do(&f, cam_request_stop);
+    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
+    TEST_ASSERT_EQUAL_INT64(7 * CAM_TURN_Q32, f.plan.feed_motion.end_q32 - f.plan.feed_at_q32);
+}
+
+static void test_stop_while_disengaging_is_ignored(void)
+{
+    bring(cam_state_disengaging);
+    fixture_play_ticks(&f, 700);
+    const int64_t end_q32 = f.plan.disengage_at_q32;
+    fixture_play_ask(&f, cam_request_stop);
+    expect_smooth_until(cam_state_ready);
+    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
+}
+
+static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
+{
+    f.params.z_is_measured = 1;
+    fixture_play_configure(&f);
+    engage();
+    turn_to(20.4);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+    fixture_play_ask(&f, cam_request_stop);
+    expect_smooth_until(cam_state_disengaging);
+    TEST_ASSERT_EQUAL_INT64(21 * CAM_TURN_Q32, f.plan.disengage_at_q32 - f.plan.feed_at_q32);
+    expect_smooth_until(cam_state_ready);
+}
+
+static void test_off_follows_the_axes(void)
+{
+    f.is_axes_held = true;
+    for (int32_t i = -5; i < 5; i++) {
+        f.in.actual_nm[hal_axis_u] = i * 30000000;
+        f.in.actual_nm[hal_axis_z] = -i * 200000000;
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_INT64((int64_t)i * 30000000 * 1024, f.axis[hal_axis_u].pos_q10);
+        TEST_ASSERT_EQUAL_INT64((int64_t)i * -200000000 * 1024, f.axis[hal_axis_z].pos_q10);
+        TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_u].vel_q10);
+        TEST_ASSERT_EQUAL_INT32(0, f.want.spindle_mrpm);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_enable_without_table_is_ignored);
+    RUN_TEST(test_homing_needs_index_and_rotation_in_the_sense_of_cutting);
+    RUN_TEST(test_homing_waits_for_the_tool_to_be_out);
+    RUN_TEST(test_requests_out_of_order_are_ignored);
+    RUN_TEST(test_reset_before_the_retract_has_ended_is_ignored);
+    RUN_TEST(test_increments_of_the_cut_end_with_a_fault);
+    RUN_TEST(test_request_that_stands_is_carried_out_once);
+    RUN_TEST(test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of);
+    RUN_TEST(test_start_approaches_zero_clearance_and_first_height);
+    RUN_TEST(test_x_waits_until_z_rests);
+    RUN_TEST(test_stop_while_approaching_goes_back_to_ready);
+    RUN_TEST(test_stop_before_the_feed_disengages_at_the_next_turn_without_feed);
+    RUN_TEST(test_stop_in_the_rising_feed_lets_it_rise_and_fall);
+    RUN_TEST(test_stop_in_the_steady_feed_falls_from_the_next_turn_on);
+    RUN_TEST(test_stop_in_the_falling_feed_changes_nothing);
+    RUN_TEST(test_stop_twice_does_not_lengthen_the_feed);
+    RUN_TEST(test_stop_while_disengaging_is_ignored);
+    RUN_TEST(test_stop_of_a_measured_cut_disengages_at_the_next_turn);
+    RUN_TEST(test_off_follows_the_axes);
+    return UNITY_END();
+}

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+// Configurations of any parameters, for any table and rate of the tick, lie within the ranges from
+// which the proof of the interrupt starts (tests/proof). So do those of a controller that is in
+// use, with its orders by hand, its wave and what it has learned, and its state behind every tick.
+#include "cam_build.h"
+#include "cam_config.h"
+#include "cam_entry.h"
+#include "cam_machine_jog.h"
+#include "cam_machine_identify.h"
+#include "cam_machine_override.h"
+#include "cam_machine_scope.h"
+#include "cam_param.h"
+#include "cam_table.h"
+#include "fixture_random.h"
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <stdio.h> // snprintf
+
+enum { n_draws = 20000 / fixture_rarer, n_session_steps = 150 };
+
+static cam_config_t config;
+static fixture_random_t source;
+static int n_built;
+
+void setUp(void)
+{
+    source = (fixture_random_t){.state = 18u};
+    n_built = 0;
+}
+
+void tearDown(void) {}
+
+static void refuse(const char *name, int64_t value, int64_t low, int64_t high)
+{
+    char text[160];
+    (void)snprintf(text, sizeof text, "%s: %lld is not in %lld .. %lld", name, (long long)value,
+                   (long long)low, (long long)high);
+    TEST_FAIL_MESSAGE(text);
+}
+
+/// Inline, since every tick has hundreds of them.
+static inline void expect(const char *name, int64_t value, int64_t low, int64_t high)
+{
+    if (value < low || value > high) {
+        refuse(name, value, low, high);
+    }
+}
+
+/// @return a number of a range: an end of it, one near 0 or 1, or any
+static int64_t drawn(int64_t low, int64_t high)
+{
+    const int64_t small = fixture_random_range(&source, -2, 1000);
+    switch (fixture_random_range(&source, 0, 5)) {
+    case 0:
+        return low;
+    case 1:
+        return high;
+    case 2:
+        return small < low ? low : small > high ? high : small;
+    default:
+        return fixture_random_range(&source, low, high);
+    }
+}
+
+static cam_params_t any_params(uint32_t tick_hz)
+{
+    cam_params_t params = cam_param_defaults();
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const cam_param_info_t *info = cam_param_info(id);
+        const int32_t value = (int32_t)drawn(info->min, info->max);
+        const bool is_moved = fixture_random_range(&source, 0, 3) != 0;
+        const cam_err_t err = is_moved ? cam_param_set(&params, id, value) : cam_ok;
+        TEST_ASSERT_TRUE(err == cam_ok || value == 0); // a sign cannot be 0
+    }
+    params.observer_bandwidth_mHz = (int32_t)drawn(1000, tick_hz * INT64_C(80));
+    return params;
+}
+
+static void any_channel(cam_channel_t *ch, bool is_around)
+{
+    static const cam_knot_t knots[1];
+    ch->knots = knots;
+    ch->n_slices = (uint32_t)drawn(2, cam_table_max_slices);
+    ch->log2_knots = is_around ? (uint32_t)drawn(2, 12) : 0u;
+    ch->log2_repeat = is_around ? (uint32_t)drawn(0, 4) : 0u;
+    ch->frac_bits = (uint32_t)drawn(0, 8);
+}
+
+/// @return what the configuration takes of a table, within the limits of its check
+static cam_table_t any_table(void)
+{
+    cam_table_t t = {.direction = drawn(0, 1) == 0 ? -1 : 1};
+    any_channel(&t.u, true);
+    any_channel(&t.x, false);
+    t.u.value_offset = (int32_t)drawn(-(1 << 23) + 1, (1 << 23) - 1);
+    t.x.value_offset = (int32_t)drawn(-cam_entry_max_height_nm, cam_entry_max_height_nm);
+    t.x_max_nm = (int32_t)drawn(t.x.value_offset - (INT64_C(1) << 25), t.x.value_offset);
+    if (drawn(0, 1) == 0) {
+        any_channel(&t.speed, true);
+    }
+    if (drawn(0, 1) == 0) {
+        any_channel(&t.angle, true);
+        t.angle.value_offset = (int32_t)drawn(-CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX);
+        t.is_swung = true;
+    }
+    t.is_ring_helix = drawn(0, 1) == 0;
+    t.z_first_nm = (int32_t)drawn(-cam_entry_max_height_nm / 2, cam_entry_max_height_nm / 2 - 1);
+    t.z_last_nm = (int32_t)drawn((int64_t)t.z_first_nm + 1, cam_entry_max_height_nm / 2);
+    t.spindle_mrpm = (uint32_t)drawn(1, cam_table_max_mrpm);
+    t.feed_nm = (uint32_t)drawn(1, cam_table_max_feed_nm);
+    t.limit_u_stroke_nm = (uint32_t)drawn(1, 1 << 25);
+    t.u_min_nm = (int32_t)drawn(-(1 << 24), 1 << 24);
+    t.u_max_nm = (int32_t)drawn(t.u_min_nm, 1 << 24);
+    return t;
+}
+
+#define VISIT(name, member, low, high) expect(name, (int64_t)(member), low, high);
+#include "ranges_walk.h"
+
+/// Relations that the proof takes from here, because its ranges do not hold them.
+static void expect_relations(const cam_config_t *c)
+{
+    const cam_play_config_t *p = &c->play;
+    TEST_ASSERT_TRUE((p->engage_q32 >> 8) * (int64_t)p->per_engage_q31 <= INT64_C(1) << 55);
+    TEST_ASSERT_TRUE((p->disengage_q32 >> 8) * (int64_t)p->per_disengage_q31 <= INT64_C(1) << 55);
+    TEST_ASSERT_TRUE((int64_t)p->per_plan_q30 * p->plan_ticks <= Q30);
+    TEST_ASSERT_TRUE((int64_t)p->amplitude_step_q30 * p->plan_ticks <= Q30 / 32);
+    TEST_ASSERT_TRUE((int64_t)p->height_max_q32 < ((int64_t)c->table.u.n_slices - 1) * TURN);
+    TEST_ASSERT_TRUE(c->guard.u_retract_q10 == p->u_retract_q10);
+}
+
+static void test_every_configuration_is_within_the_ranges_of_the_proof(void)
+{
+    static const uint32_t rates_hz[] = {500u, 1000u, 2500u, 8000u, 20000u, 50000u, 100000u};
+    for (int i = 0; i < n_draws; i++) {
+        const uint32_t tick_hz = rates_hz[i % 7];
+        const uint32_t clock_hz = i % 3 == 0 ? 1000000u : 480000000u;
+        const cam_params_t params = any_params(tick_hz);
+        const cam_table_t table = any_table();
+        const uint32_t most_mrpm = (uint32_t)drawn(1, cam_table_max_mrpm);
+        if (cam_build_config(&config, &params, &table, most_mrpm, tick_hz, clock_hz) == cam_ok) {
+            n_built++;
+            walk_config(&config);
+            expect_relations(&config);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN(n_draws / 100, n_built);
+}
+
+static fixture_rig_t rig;
+static uint32_t visited; // bit of a state
+
+static void walk_configuration(void)
+{
+    cam_config_t *in_use = &g_cam.config.half[0];
+    walk_config(atomic_load(&g_cam.config.in_use) == in_use ? in_use : in_use + 1);
+}
+
+/// The main loop is slower than the ticks, as on a machine, and comes round in every tick of a plan
+/// of eight.
+static void pass(uint32_t n)
+{
+    enum { ticks_per_round = 5 };
+    static uint32_t n_passed;
+    for (uint32_t i = 0; i < n; i++) {
+        fixture_rig_tick(&rig);
+        n_passed++;
+        if (n_passed % ticks_per_round == 0u) {
+            cam_machine_poll(&rig.machine);
+        }
+        cam_machine_keep_alive(&rig.machine);
+        cam_machine_jog_alive(&rig.machine);
+        walk_state(&g_cam);
+        visited |= UINT32_C(1) << (uint32_t)rig.last.want.state;
+    }
+}
+
+static void excite(void)
+{
+    static int32_t wave_nm[200];
+    const uint8_t *bytes = (const uint8_t *)wave_nm;
+    for (int i = 0; i < 200; i++) {
+        wave_nm[i] = i < 100 ? 100 * i : 100 * (200 - i);
+    }
+    hal_host.in.axis_nm[hal_axis_x] += 100000000; // clear of the part
+    pass(20);
+    if (cam_machine_wave_begin(&rig.machine, sizeof wave_nm) == cam_ok &&
+        cam_machine_wave_block(&rig.machine, 0, bytes, sizeof wave_nm) == cam_ok &&
+        cam_machine_wave_end(&rig.machine, cam_crc32(0, bytes, sizeof wave_nm)) == cam_ok) {
+        const int32_t place_nm = (int32_t)drawn(-600000, 600000);
+        (void)!cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, place_nm);
+        (void)cam_machine_excite(&rig.machine, 3, 100);
+    }
+}
+
+/// A command, one in four at a wrong time.
+static void command(void)
+{
+    cam_machine_t *m = &rig.machine;
+    const hal_axis_t axis = (hal_axis_t)fixture_random_range(&source, 0, hal_n_axes - 1);
+    const int32_t value = (int32_t)fixture_random_range(&source, -60000, 60000);
+    switch (fixture_random_range(&source, 0, 13)) {
+    case 0:
+        (void)!cam_machine_manual(m);
+        break;
+    case 1:
+        (void)!cam_machine_disable(m);
+        break;
+    case 2:
+        (void)!cam_machine_start(m);
+        break;
+    case 3:
+        (void)!cam_machine_stop(m);
+        break;
+    case 4:
+    case 5:
+        (void)!cam_machine_reset(m);
+        break;
+    case 6:
+        (void)cam_machine_jog(m, axis, value);
+        break;
+    case 7:
+        (void)cam_machine_step(m, axis, value * 1000);
+        break;
+    case 8:
+        (void)!cam_machine_home_axis(m, axis);
+        break;
+    case 9:
+        (void)!cam_machine_hold(m);
+        break;
+    case 10:
+        (void)!cam_machine_resume(m);
+        break;
+    case 11:
+        excite();
+        break;
+    default:
+        (void)!cam_machine_enable(m);
+        break;
+    }
+}
+
+static void set_any_parameter(void)
+{
+    const cam_param_id_t id = (cam_param_id_t)fixture_random_range(&source, 0, cam_n_params - 1);
+    const cam_param_info_t *info = cam_param_info(id);
+    const int64_t fine = fixture_random_range(&source, -1000, 1000);
+    const int64_t near = info->def + fine * (((int64_t)info->max - info->min) / 100000);
+    (void)!cam_machine_set_param(&rig.machine, id, (int32_t)near);
+}
+
+static void disturb(void)
+{
+    const bool is_on = fixture_random_range(&source, 0, 3) == 0;
+    switch (fixture_random_range(&source, 0, 7)) {
+    case 0:
+        hal_host_fault_estop(is_on);
+        break;
+    case 1:
+        hal_host_fault_drive(is_on);
+        break;
+    case 2:
+        hal_host_fault_late((uint32_t)fixture_random_range(&source, 0, 100));
+        break;
+    case 3:
+        hal_host_fault_counts((int32_t)fixture_random_range(&source, -3000, 3000));
+        break;
+    case 4:
+        rig.u_error_nm = is_on ? (int32_t)fixture_random_range(&source, INT32_MIN, INT32_MAX) : 0;
+        break;
+    case 5:
+        rig.home[hal_axis_u].side = is_on ? -1 : 1;
+        break;
+    case 6:
+        rig.is_z_held = is_on;
+        break;
+    default:
+        rig.is_swing_held = is_on;
+        break;
+    }
+}
+
+static void until(cam_state_t state)
+{
+    for (int i = 0; i < 1000 && rig.last.want.state != state; i++) {
+        pass(20);
+    }
+}
+
+/// A rehearsal, and a cut with a hold, from its begin to its end.
+static void cut(uint32_t tick_hz)
+{
+    (void)!cam_machine_set_param(&rig.machine, cam_param_rehearse_turns, 1);
+    pass(10);
+    (void)!cam_machine_enable(&rig.machine);
+    until(cam_state_ready);
+    pass(tick_hz / 4u); // the spindle runs up
+    (void)!cam_machine_start(&rig.machine);
+    until(cam_state_cutting);
+    (void)!cam_machine_hold(&rig.machine);
+    until(cam_state_holding);
+    (void)!cam_machine_resume(&rig.machine);
+    pass(tick_hz / 10u);
+    (void)!cam_machine_stop(&rig.machine);
+    until(cam_state_ready);
+}
+
+static void run_session(const fixture_part_t *part, uint32_t tick_hz, int n_steps)
+{
+    fixture_rig_init(&rig, part, tick_hz);
+    cut(tick_hz);
+    for (int i = 0; i < n_steps; i++) {
+        const int64_t what = fixture_random_range(&source, 0, 15);
+        if (what < 8) {
+            command();
+        } else if (what < 10) {
+            set_any_parameter();
+        } else if (what == 10) {
+            disturb();
+        } else {
+            hal_host_fault_estop(false);
+            hal_host_fault_drive(false);
+            rig.u_error_nm = 0;
+        }
+        pass((uint32_t)fixture_random_range(&source, 1, 120));
+        walk_configuration();
+    }
+}
+
+static void test_every_tick_leaves_the_state_within_the_ranges_of_the_proof(void)
+{
+    const fixture_part_t parts[] = {fixture_part_short(), fixture_part_modulated(),
+                                    fixture_part_swung()};
+    static cam_t fresh;
+    walk_state(&fresh);
+    // Every part at the slow rates reaches all states; ticks of the fastest are the host's to try.
+    const uint32_t n_sessions = fixture_rarer == 1 ? 9u : 6u;
+    for (uint32_t i = 0; i < n_sessions; i++) {
+        const uint32_t rates_hz[] = {1000u, 5000u, 20000u};
+        run_session(&parts[i % 3u], rates_hz[i / 3u], n_session_steps);
+    }
+    TEST_ASSERT_EQUAL_HEX32((1u << cam_n_states) - 1u, visited);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_every_tick_leaves_the_state_within_the_ranges_of_the_proof);
+    RUN_TEST(test_every_configuration_is_within_the_ranges_of_the_proof);
+    return UNITY_END();
+}

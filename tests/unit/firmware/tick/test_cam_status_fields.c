@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the slow side is told of the newest tick: each field from its own place.
+#include "cam_status.h"
+#include "unity.h"
+#include <string.h>
+
+static cam_t core;
+static cam_tick_record_t record;
+
+/// A controller whose newest tick has another number in each place that is told.
+void setUp(void)
+{
+    memset(&core, 0, sizeof core);
+    record = (cam_tick_record_t){
+        .tick = 1001,
+        .config = 1002,
+        .in = {.actual_nm = {[hal_axis_u] = 1003, [hal_axis_x] = 1004, [hal_axis_z] = 1005},
+               .inputs = 1006,
+               .request = 1007u << 8 | 8u},
+        .angle = {.pos_q32 = INT64_C(1009) << 32, .speed_q32 = 1010, .is_synced = true},
+        .want = {.state = cam_state_cutting,
+                 .z_nm = 1011,
+                 .u_set_q6 = 1012,
+                 .u_due_q6 = 700 * 64 + 63,
+                 .faults = 1013,
+                 .outputs = 1014},
+    };
+    core.guard.first_faults = 1015;
+    core.jog.found_nm[hal_axis_z] = 1016;
+    core.acknowledge.n_plans = 1017;
+    core.spindle.n_late = 1018;
+    core.spindle.max_period = 1019;
+    core.guard.count[0] = 1u << cam_fault_estop;
+    core.guard.count[2] = 1u << cam_fault_drive;
+    atomic_store(&core.newest, &record);
+    atomic_store(&core.n_begun, 41);
+    atomic_store(&core.n_ticks, 42);
+}
+
+void tearDown(void) {}
+
+static void test_words_of_the_record_are_told(void)
+{
+    const cam_status_t s = cam_status_read(&core);
+    TEST_ASSERT_EQUAL_UINT32(1001, s.tick);
+    TEST_ASSERT_EQUAL_UINT32(1002, s.config);
+    TEST_ASSERT_EQUAL_INT32(1003, s.u_actual_nm);
+    TEST_ASSERT_EQUAL_INT32(1004, s.x_actual_nm);
+    TEST_ASSERT_EQUAL_INT32(1005, s.z_actual_nm);
+    TEST_ASSERT_EQUAL_UINT32(1006, s.inputs);
+    TEST_ASSERT_EQUAL_UINT32(1007, s.request);
+    TEST_ASSERT_EQUAL_INT64(INT64_C(1009) << 32, s.pos_q32);
+    TEST_ASSERT_EQUAL_INT32(1010, s.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(1011, s.z_nm);
+    TEST_ASSERT_EQUAL_INT32(1012, s.u_set_q6);
+    TEST_ASSERT_EQUAL_UINT32(1013, s.faults);
+    TEST_ASSERT_EQUAL_UINT32(1014, s.outputs);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, s.state);
+    TEST_ASSERT_EQUAL_INT32(1003 - 700, s.following_nm);
+}
+
+static void test_words_of_the_stages_are_told(void)
+{
+    const cam_status_t s = cam_status_read(&core);
+    TEST_ASSERT_EQUAL_UINT32(1015, s.first_fault);
+    TEST_ASSERT_EQUAL_MEMORY(&core.jog, &s.jog, sizeof s.jog);
+    TEST_ASSERT_EQUAL_MEMORY(&core.acknowledge, &s.acknowledge, sizeof s.acknowledge);
+    TEST_ASSERT_EQUAL_UINT32(1018, s.n_late);
+    TEST_ASSERT_EQUAL_UINT32(1019, s.max_period);
+    for (uint32_t i = 0; i < cam_n_faults; i++) {
+        const uint32_t n = i == cam_fault_estop ? 1u : i == cam_fault_drive ? 4u : 0u;
+        TEST_ASSERT_EQUAL_UINT32(n, s.fault_count[i]);
+    }
+}
+
+static void test_each_condition_is_told_by_itself(void)
+{
+    cam_status_t s = cam_status_read(&core);
+    TEST_ASSERT_TRUE(s.is_synced && s.is_u_at_rest && !s.is_retracted);
+    record.angle.is_synced = false;
+    record.want.is_retracted = true;
+    record.out[hal_axis_u].vel_q10 = 1;
+    s = cam_status_read(&core);
+    TEST_ASSERT_TRUE(!s.is_synced && !s.is_u_at_rest && s.is_retracted);
+    record.out[hal_axis_u] = (hal_setpoint_t){.acc_q10 = -1};
+    TEST_ASSERT_FALSE(cam_status_read(&core).is_u_at_rest);
+    record.out[hal_axis_u] = (hal_setpoint_t){.pos_nm = 5};
+    TEST_ASSERT_TRUE(cam_status_read(&core).is_u_at_rest);
+}
+
+static void test_moment_holds_what_the_stages_left(void)
+{
+    core.motion.u_home_nm = 2001;
+    core.plan.ratio_q28 = 2002;
+    cam_moment_t now;
+    TEST_ASSERT_TRUE(cam_status_moment(&core, &now));
+    TEST_ASSERT_EQUAL_MEMORY(&record, &now.record, sizeof record);
+    TEST_ASSERT_EQUAL_MEMORY(&core.spindle, &now.spindle, sizeof now.spindle);
+    TEST_ASSERT_EQUAL_MEMORY(&core.motion, &now.motion, sizeof now.motion);
+    TEST_ASSERT_EQUAL_MEMORY(&core.guard, &now.guard, sizeof now.guard);
+    TEST_ASSERT_EQUAL_MEMORY(&core.plan, &now.plan, sizeof now.plan);
+}
+
+static void test_before_the_first_tick_the_state_is_off_and_nothing_else_is_known(void)
+{
+    atomic_store(&core.newest, NULL);
+    cam_moment_t now;
+    memset(&now, 0x55, sizeof now);
+    TEST_ASSERT_FALSE(cam_status_moment(&core, &now));
+    const cam_moment_t off = {.record.want.state = cam_state_off};
+    TEST_ASSERT_EQUAL_INT(off.record.want.state, now.record.want.state);
+    TEST_ASSERT_EQUAL_UINT32(0, now.record.tick);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_status_read(&core).n_late);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_words_of_the_record_are_told);
+    RUN_TEST(test_words_of_the_stages_are_told);
+    RUN_TEST(test_each_condition_is_told_by_itself);
+    RUN_TEST(test_moment_holds_what_the_stages_left);
+    RUN_TEST(test_before_the_first_tick_the_state_is_off_and_nothing_else_is_known);
+    return UNITY_END();
+}

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+// Learning from rehearsal to rehearsal: what is kept, frozen, restored, read and set.
+#include "learn_plant.h"
+#include "unity.h"
+
+static learn_plant_t p;
+
+void setUp(void)
+{
+    const learn_drive_t truth = {.bandwidth_hz = 300.0,
+                                 .damping = 0.7,
+                                 .delay_us = 75.0,
+                                 .friction_mm_s2 = 5000.0,
+                                 .quantum_um = 0.01};
+    const learn_case_t what = {.truth = truth,
+                               .believed = {270.0, 0.77, 67.5, 0, 0, 0, 0, 0, 0.01, 0},
+                               .amplitude_mm = {0.5, 0.0, 0.5},
+                               .rpm = 3000.0,
+                               .tick_hz = 20000,
+                               .polls_per_tick_q4 = 16};
+    learn_plant_init(&p, &what);
+}
+
+void tearDown(void) {}
+
+static cam_ilc_status_t status(void)
+{
+    return cam_ilc_status(&p.ilc, &p.setup, p.what.tick_hz);
+}
+
+static void test_a_rehearsal_goes_through_its_phases(void)
+{
+    static const cam_ilc_phase_t phases[] = {cam_ilc_settling, cam_ilc_drive, cam_ilc_probing,
+                                             cam_ilc_shape};
+    uint32_t seen = 0;
+    for (int turn = 0; turn < 40; turn++) {
+        learn_plant_turns(&p, cam_state_rehearsing, 1);
+        seen += seen < 3u && status().phase == phases[seen + 1u] ? 1u : 0u;
+    }
+    TEST_ASSERT_EQUAL_UINT32(3, seen);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+    TEST_ASSERT_EQUAL_HEX32(0, status().masked);
+    TEST_ASSERT_GREATER_THAN_UINT32(10000, status().begin_error_nm);
+    TEST_ASSERT_UINT32_WITHIN(3000, 3000000, status().speed_mrpm);
+}
+
+static void test_the_next_part_begins_with_what_was_learned(void)
+{
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    learn_plant_turns(&p, cam_state_ready, 3);
+    learn_plant_turns(&p, cam_state_rehearsing, 6);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_shape, status().phase);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+}
+
+static void test_another_speed_freezes_the_correction(void)
+{
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    p.what.rpm = 2800.0;
+    learn_plant_turns(&p, cam_state_cutting, 3);
+    const cam_complex_t before = p.ilc.correction.c_q6[6];
+    learn_plant_turns(&p, cam_state_cutting, 6);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_frozen, status().phase);
+    TEST_ASSERT_EQUAL_INT32(before.re, p.ilc.correction.c_q6[6].re);
+    learn_plant_turns(&p, cam_state_ready, 1);
+    learn_plant_turns(&p, cam_state_rehearsing, 44);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+    TEST_ASSERT_UINT32_WITHIN(3000, 2800000, status().speed_mrpm);
+}
+
+static void test_all_values_are_read_and_set_again(void)
+{
+    static int32_t kept[cam_ilc_n_values];
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    for (uint32_t i = 0; i < cam_ilc_n_values; i++) {
+        kept[i] = cam_ilc_get(&p.ilc, i);
+    }
+    setUp();
+    for (uint32_t i = 0; i < cam_ilc_n_values; i++) {
+        TEST_ASSERT_TRUE(cam_ilc_set(&p.ilc, i, kept[i]));
+        TEST_ASSERT_EQUAL_INT32(kept[i], cam_ilc_get(&p.ilc, i));
+    }
+    learn_plant_turns(&p, cam_state_ready, 1);
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+}
+
+static void test_a_fault_in_the_probe_leaves_no_probe(void)
+{
+    while (status().phase != cam_ilc_probing || p.ilc.n_steps < 2u) {
+        learn_plant_turns(&p, cam_state_rehearsing, 1);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(8000, status().correction_nm);
+    learn_plant_turns(&p, cam_state_fault, 2);
+    TEST_ASSERT_EQUAL_UINT32(0, status().correction_nm);
+    TEST_ASSERT_EQUAL_INT16(0, p.learned.c[0]);
+}
+
+/// The correction and the constants of the smallest errors come back.
+static void test_a_fault_brings_the_best_back(void)
+{
+    static cam_turn_bins_t nothing;
+    cam_ilc_t t;
+    const cam_ilc_setup_t setup = {.reason = cam_ilc_all, .n_harmonics = 4};
+    cam_ilc_init(&t);
+    t.correction.c_q6[3] = (cam_complex_t){.re = 640, .im = -64};
+    t.correction.kept[3].re_nm = 5;
+    t.correction.kept[3].im_nm = 7;
+    t.correction.best_q6[3] = 100;
+    t.best_square = 1000;
+    t.best_k1_q16 = 111;
+    t.best_k2_q16 = 222;
+    cam_ilc_poll(&t, &setup, cam_state_fault, &nothing);
+    TEST_ASSERT_EQUAL_INT32(5 * 64, t.correction.c_q6[3].re);
+    TEST_ASSERT_EQUAL_INT32(7 * 64, t.correction.c_q6[3].im);
+    TEST_ASSERT_EQUAL_INT32(111, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(222, t.k2_q16);
+    TEST_ASSERT_BITS_HIGH(cam_ilc_blend_drive | cam_ilc_blend_correction, t.blending);
+}
+
+static void test_nothing_is_learned_where_nothing_is_asked(void)
+{
+    p.setup.reason = cam_ilc_not_measured;
+    learn_plant_turns(&p, cam_state_rehearsing, 12);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_off, status().phase);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_not_measured, status().reason);
+    TEST_ASSERT_EQUAL_INT32(0, p.learned.k1_q16);
+}
+
+static void test_lobes_teach_the_drive_alone(void)
+{
+    p.setup.reason = cam_ilc_lobes;
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_drive, status().phase);
+    TEST_ASSERT_EQUAL_UINT32(0, status().correction_nm);
+    TEST_ASSERT_NOT_EQUAL(0, p.learned.k1_q16);
+}
+
+/// The motion is in a harmonic that is not learned, so nobody would see what constants do to it.
+static void test_harmonics_without_the_motion_do_not_tell_the_drive(void)
+{
+    p.setup.reason = cam_ilc_not_asked;
+    learn_plant_turns(&p, cam_state_rehearsing, 4);
+    const double before_um = p.rms_um;
+    setUp();
+    p.what.amplitude_mm[1] = 0.0002;
+    p.setup.n_harmonics = 1;
+    learn_plant_turns(&p, cam_state_rehearsing, 44);
+    TEST_ASSERT_EQUAL_INT32(0, status().k1_ns);
+    TEST_ASSERT_EQUAL_INT32(0, status().k2_us2);
+    TEST_ASSERT_TRUE(p.rms_um < 1.05 * before_um);
+}
+
+/// A shape that is nearly round where it is rehearsed tells nothing, and later the error may grow
+/// with it.
+static void test_a_shape_that_grows_from_nothing_is_learned_in_the_cut(void)
+{
+    learn_case_t what = p.what;
+    what.truth.friction_mm_s2 = 0.0;
+    what.believed = what.truth;
+    learn_plant_init(&p, &what);
+    p.scale = 0.0005;
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    p.what.growth_per_turn = 0.005;
+    learn_plant_turns(&p, cam_state_cutting, 200);
+    TEST_ASSERT_TRUE(p.rms_um < 0.5);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_all, status().reason);
+}
+
+static void slow_ticks(double rpm)
+{
+    learn_case_t what = p.what;
+    what.tick_hz = 1000;
+    what.rpm = rpm;
+    what.polls_per_tick_q4 = 160;
+    what.truth.friction_mm_s2 = 0.0;
+    learn_plant_init(&p, &what);
+}
+
+/// 30 ticks per turn leave three of four bins empty; the oval's two harmonics are learned all the
+/// same.
+static void test_a_turn_of_few_ticks_teaches_the_oval(void)
+{
+    slow_ticks(2000.0);
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    const double before_um = p.rms_um;
+    learn_plant_turns(&p, cam_state_rehearsing, 60);
+    TEST_ASSERT_TRUE(before_um > 10.0);
+    TEST_ASSERT_TRUE(p.rms_um < before_um / 10.0);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_all, status().reason);
+}
+
+static void test_a_turn_of_too_few_ticks_teaches_nothing(void)
+{
+    slow_ticks(4000.0);
+    learn_plant_turns(&p, cam_state_rehearsing, 10);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_fast_turn, status().reason);
+    TEST_ASSERT_EQUAL_INT32(0, p.ilc.k1_q16);
+}
+
+/// A turn that is too slow for the gathering teaches nothing and says so.
+static void test_a_turn_that_is_too_slow_teaches_nothing(void)
+{
+    p.what.rpm = 60.0; // 2^18 of 2^32 per tick are 73 r/min
+    learn_plant_turns(&p, cam_state_rehearsing, 4);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_slow_turn, status().reason);
+    TEST_ASSERT_EQUAL_INT32(0, p.ilc.k1_q16);
+}
+
+/// A cut that comes back to the speed of its rehearsal learns again.
+static void test_the_speed_of_the_rehearsal_ends_the_freeze(void)
+{
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    p.what.rpm = 2800.0;
+    learn_plant_turns(&p, cam_state_cutting, 9);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_frozen, status().phase);
+    p.what.rpm = 3000.0;
+    learn_plant_turns(&p, cam_state_cutting, 6);
+    TEST_ASSERT_EQUAL_INT32(cam_ilc_cutting, status().phase);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+}
+
+/// The operator turns the shape by a quarter: harmonic 2 of the correction turns by a half, 4 by a
+/// whole turn. Less than a 4096th of a turn is left alone.
+static void test_the_correction_turns_with_the_shape(void)
+{
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    p.setup.reason = cam_ilc_not_asked; // what is in force stays
+    const cam_complex_t two = p.ilc.correction.c_q6[2];
+    const cam_complex_t four = p.ilc.correction.c_q6[4];
+    TEST_ASSERT_GREATER_THAN_UINT32(64, cam_complex_size(two));
+    p.phase_q32 = (1 << 20) - 1;
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    TEST_ASSERT_EQUAL_INT32(two.re, p.ilc.correction.c_q6[2].re);
+    p.phase_q32 = 1 << 30;
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    TEST_ASSERT_INT32_WITHIN(2, -two.re, p.ilc.correction.c_q6[2].re);
+    TEST_ASSERT_INT32_WITHIN(2, -two.im, p.ilc.correction.c_q6[2].im);
+    TEST_ASSERT_INT32_WITHIN(2, four.re, p.ilc.correction.c_q6[4].re);
+    TEST_ASSERT_INT32_WITHIN(2, four.im, p.ilc.correction.c_q6[4].im);
+}
+
+/// A spindle that turns evenly has no ripple, and a mean of four turns says so; an eccentricity
+/// that is configured is then walked away from, in small steps.
+static void test_an_even_spindle_shows_no_ripple(void)
+{
+    p.setup.ripple_turns = 4;
+    p.setup.eccentricity.re = 20000; // [turn / 2^32]
+    p.ilc.blending |= cam_ilc_blend_ripple;
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    TEST_ASSERT_NOT_EQUAL_INT16(0, p.learned.dm[0]);
+    TEST_ASSERT_EQUAL_UINT32(0, status().ripple_turns);
+    learn_plant_turns(&p, cam_state_rehearsing, 24);
+    TEST_ASSERT_EQUAL_UINT32(4, status().ripple_turns);
+    TEST_ASSERT_LESS_THAN_UINT32(100, status().ripple_nturn);
+    TEST_ASSERT_INT16_WITHIN(1, 0, p.learned.dm[0]);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ilc_harmonic(&p.ilc, 0).ripple.re);
+    learn_plant_turns(&p, cam_state_cutting, 9);
+    TEST_ASSERT_LESS_THAN_UINT32(100, status().ripple_nturn);
+}
+
+/// Each of the three constants is something that is forgotten, and without one nothing walks.
+static void test_what_is_forgotten_is_walked_away_from(void)
+{
+    for (int i = 0; i < 4; i++) {
+        p.ilc.speed_q32 = i == 1 ? 1 : 0;
+        p.ilc.k1_q16 = i == 2 ? 1 : 0;
+        p.ilc.k2_q16 = i == 3 ? 1 : 0;
+        p.ilc.blending = 0;
+        cam_ilc_forget(&p.ilc);
+        TEST_ASSERT_EQUAL_HEX8(i == 0 ? 0 : cam_ilc_blend_drive | cam_ilc_blend_correction,
+                               p.ilc.blending);
+        TEST_ASSERT_EQUAL_INT32(0, p.ilc.speed_q32 | p.ilc.k1_q16 | p.ilc.k2_q16);
+    }
+}
+
+/// A step of the command is 1000 nm in a rehearsal and 50 in the cut; out of the work it is whole.
+static void test_steps_are_those_of_the_state(void)
+{
+    static const struct {
+        cam_state_t state;
+        int most_nm;
+    } cases[] = {{cam_state_rehearsing, 1000}, {cam_state_cutting, 50},
+                 {cam_state_holding, 50},      {cam_state_engaging, 50},
+                 {cam_state_disengaging, 50},  {cam_state_ready, 5000}};
+    const cam_ilc_setup_t setup = {.reason = cam_ilc_all};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        static cam_learned_t in;
+        in = (cam_learned_t){0};
+        cam_ilc_t t;
+        cam_ilc_init(&t);
+        t.state = (uint8_t)cases[i].state;
+        t.blending = cam_ilc_blend_correction;
+        t.correction.c_q6[0].re = 64 * 5000;
+        cam_ilc_blend(&t, &setup, 0, &in);
+        TEST_ASSERT_EQUAL_INT(cases[i].most_nm, in.c[7]);
+        TEST_ASSERT_EQUAL(cases[i].state != cam_state_ready,
+                          (t.blending & cam_ilc_blend_correction) != 0);
+    }
+}
+
+/// A probe that was cut short is led back, too: what is in force is not yet what is known.
+static void test_a_probe_cut_short_is_walked_away_from(void)
+{
+    static cam_turn_bins_t nothing;
+    cam_ilc_t t;
+    const cam_ilc_setup_t setup = {.reason = cam_ilc_all, .n_harmonics = 4};
+    cam_ilc_init(&t);
+    t.state = cam_state_rehearsing;
+    t.phase = cam_ilc_probing;
+    t.correction.c_q6[2].re = 64 * 500;
+    t.blending = 0;
+    cam_ilc_poll(&t, &setup, cam_state_ready, &nothing);
+    TEST_ASSERT_EQUAL_INT32(0, t.correction.c_q6[2].re);
+    TEST_ASSERT_BITS_HIGH(cam_ilc_blend_correction, t.blending);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_probe_cut_short_is_walked_away_from);
+    RUN_TEST(test_steps_are_those_of_the_state);
+    RUN_TEST(test_a_rehearsal_goes_through_its_phases);
+    RUN_TEST(test_the_next_part_begins_with_what_was_learned);
+    RUN_TEST(test_another_speed_freezes_the_correction);
+    RUN_TEST(test_all_values_are_read_and_set_again);
+    RUN_TEST(test_a_fault_in_the_probe_leaves_no_probe);
+    RUN_TEST(test_a_fault_brings_the_best_back);
+    RUN_TEST(test_nothing_is_learned_where_nothing_is_asked);
+    RUN_TEST(test_lobes_teach_the_drive_alone);
+    RUN_TEST(test_harmonics_without_the_motion_do_not_tell_the_drive);
+    RUN_TEST(test_a_shape_that_grows_from_nothing_is_learned_in_the_cut);
+    RUN_TEST(test_a_turn_of_few_ticks_teaches_the_oval);
+    RUN_TEST(test_a_turn_of_too_few_ticks_teaches_nothing);
+    RUN_TEST(test_a_turn_that_is_too_slow_teaches_nothing);
+    RUN_TEST(test_the_speed_of_the_rehearsal_ends_the_freeze);
+    RUN_TEST(test_the_correction_turns_with_the_shape);
+    RUN_TEST(test_an_even_spindle_shows_no_ripple);
+    RUN_TEST(test_what_is_forgotten_is_walked_away_from);
+    return UNITY_END();
+}

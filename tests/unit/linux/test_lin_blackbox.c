@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// The file of the black box: kept, found again, forgotten, and what else may lie there.
+#include "lin_blackbox.h"
+#include "unity.h"
+#include <stdio.h>  // fopen, snprintf
+#include <stdlib.h> // mkdtemp
+#include <string.h> // memcpy
+#include <unistd.h> // access, rmdir, truncate, unlink
+
+static char folder[32], table[64], file[96];
+static common_error_t e;
+
+void setUp(void)
+{
+    (void)snprintf(folder, sizeof folder, "/tmp/lin_blackbox.XXXXXX");
+    TEST_ASSERT_NOT_NULL(mkdtemp(folder));
+    (void)snprintf(table, sizeof table, "%s/table", folder);
+    (void)snprintf(file, sizeof file, "%s.blackbox", table);
+    lin_blackbox_open(table, &e);
+}
+
+void tearDown(void)
+{
+    (void)unlink(file);
+    (void)rmdir(folder);
+}
+
+static void test_without_a_file_there_is_memory_and_nothing_kept(void)
+{
+    TEST_ASSERT_EQUAL_STRING("", e.text);
+    TEST_ASSERT_EQUAL_UINT32(0, lin_blackbox_memory().n_kept);
+    TEST_ASSERT_EQUAL_UINT32(lin_blackbox_words, lin_blackbox_memory().n_words);
+}
+
+static void test_words_that_are_kept_are_at_the_begin_after_a_restart(void)
+{
+    int32_t *words = lin_blackbox_memory().words;
+    for (int32_t i = 0; i < 3000; i++) {
+        words[1000 + i] = 7 * i - 9;
+    }
+    lin_blackbox_keep(&words[1000], 3000, &e);
+    TEST_ASSERT_EQUAL_STRING("", e.text);
+    memset(words, 0, 5000 * sizeof *words);
+    lin_blackbox_open(table, &e);
+    TEST_ASSERT_EQUAL_STRING("", e.text);
+    TEST_ASSERT_EQUAL_UINT32(3000, lin_blackbox_memory().n_kept);
+    for (int32_t i = 0; i < 3000; i++) {
+        TEST_ASSERT_EQUAL_INT32(7 * i - 9, words[i]);
+    }
+}
+
+static void test_what_is_forgotten_is_not_found_again(void)
+{
+    lin_blackbox_keep(lin_blackbox_memory().words, 10, &e);
+    lin_blackbox_keep(lin_blackbox_memory().words, 0, &e);
+    TEST_ASSERT_EQUAL_STRING("", e.text);
+    lin_blackbox_keep(lin_blackbox_memory().words, 0, &e); // again: nothing is there
+    TEST_ASSERT_EQUAL_STRING("", e.text);
+    TEST_ASSERT_NOT_EQUAL(0, access(file, F_OK));
+}
+
+static void test_a_file_of_another_kind_is_told_and_not_taken(void)
+{
+    static const long sizes[] = {1, 4093, 4L * lin_blackbox_words + 4};
+    for (uint32_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        FILE *f = fopen(file, "w");
+        TEST_ASSERT_NOT_NULL(f);
+        (void)fclose(f);
+        TEST_ASSERT_EQUAL_INT(0, truncate(file, sizes[i]));
+        lin_blackbox_open(table, &e);
+        TEST_ASSERT_NOT_NULL(strstr(e.text, "is no black box; remove it"));
+        TEST_ASSERT_EQUAL_UINT32(0, lin_blackbox_memory().n_kept);
+    }
+}
+
+static void test_a_folder_that_is_gone_is_told(void)
+{
+    (void)rmdir(folder);
+    lin_blackbox_keep(lin_blackbox_memory().words, 10, &e);
+    TEST_ASSERT_NOT_NULL(strstr(e.text, file));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_without_a_file_there_is_memory_and_nothing_kept);
+    RUN_TEST(test_words_that_are_kept_are_at_the_begin_after_a_restart);
+    RUN_TEST(test_what_is_forgotten_is_not_found_again);
+    RUN_TEST(test_a_file_of_another_kind_is_told_and_not_taken);
+    RUN_TEST(test_a_folder_that_is_gone_is_told);
+    return UNITY_END();
+}

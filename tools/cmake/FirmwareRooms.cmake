@@ -1,0 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
+# The rooms of firmware/ from the bottom to the top: those that the interrupt runs, then the slow side.
+set(CAM_INTERRUPT_ROOMS base table motion record plan tick)
+set(CAM_SLOW_ROOMS param feasible build learning recorder signature machine remote)
