@@ -21,7 +21,14 @@ BUILD = ROOT / "build" / "host-mcdc"
 PROFILES = BUILD / "profiles"
 # What decides whether and how an axis moves.
 DECIDING = (
-    *("cam_guard.c", "cam_axis_command.c", "cam_move_profile.c", "cam_jerk_filter.c", "cam_play.c", "cam_plan.c"),
+    *(
+        "cam_guard.c",
+        "cam_axis_command.c",
+        "cam_move_profile.c",
+        "cam_jerk_filter.c",
+        "cam_play.c",
+        "cam_plan.c",
+    ),
     *("cam_watch.c", "cam_jog.c", "cam_positioning.c", "cam_plan_move.c", "cam_tick.c"),
     *("cam_machine*.c", "cam_acknowledge.c", "cam_rights.c"),
 )

@@ -20,7 +20,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-FOLDERS = ("tests/proof/eva", "tests/proof", "firmware/base", "firmware/table", "firmware/tick")
+ROOMS = ("base", "table", "motion", "record", "plan", "tick")  # that the interrupt runs
+FOLDERS = ("tests/proof/eva", "tests/proof", *(f"firmware/{room}" for room in ROOMS))
 INCLUDES = " ".join(f"-I{name}" for name in (*FOLDERS, "hal/include"))
 PROVER_S = 10  # the goals that are proved take below 0.3 s
 # Functions that Eva takes by their contracts, which WP or another driver of Eva has shown.
@@ -29,7 +30,10 @@ BY_CONTRACT = ("cam_eval_height", "cam_lobes_slice", "cam_envelope_smooth_q30", 
 WP = {
     "base": ("cam_fix.h", ()),
     "evaluator": ("cam_eval.h", ("cam_eval_round",)),
-    "move": ("cam_move_profile.c", ("can_brake", "choose", "cam_move_profile_to_isr", "cam_move_profile_stop_isr")),
+    "move": (
+        "cam_move_profile.c",
+        ("can_brake", "choose", "cam_move_profile_to_isr", "cam_move_profile_stop_isr"),
+    ),
     "tell": ("cam_axis_command.c", ("is_allowed", "nearest_nm", "keep_told")),
     "plan": ("cam_plan.c", ("led",)),
 }
@@ -95,12 +99,12 @@ def prove(name: str) -> Result:
 
 def sources() -> list[Path]:
     """Return what the interrupt runs."""
-    tick = sorted((ROOT / "firmware" / "tick").glob("*.c"))
+    ticks = sorted(p for room in ROOMS[2:] for p in (ROOT / "firmware" / room).glob("*.c"))
     table = [ROOT / "firmware" / "table" / name for name in ("cam_feed_profile.c", "cam_lobes.c")]
     share = subprocess.run(
         ["frama-c", "-print-share-path"], capture_output=True, text=True, check=True
     ).stdout.strip()
-    return [*tick, *table, Path(share) / "libc" / "string.c"]
+    return [*ticks, *table, Path(share) / "libc" / "string.c"]
 
 
 def alarm_of(block: str) -> str | None:

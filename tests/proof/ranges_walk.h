@@ -101,7 +101,7 @@ static inline void walk_config(cam_config_t *cfg)
 #undef P
 }
 
-static inline void walk_glide(cam_jerk_filter_t *filter)
+static inline void walk_filter(cam_jerk_filter_t *filter)
 {
 #define P (*filter)
     GLIDE(EACH)
@@ -114,7 +114,7 @@ static inline void walk_motion(cam_motion_t *motion)
     MOTION(EACH)
 #undef P
     for (int i = 0; i < hal_n_axes; i++) {
-        walk_glide(&motion->filter[i]);
+        walk_filter(&motion->filter[i]);
     }
 }
 
@@ -143,7 +143,7 @@ static inline void walk_state(cam_t *c)
 #define P c->watch
     WATCH(EACH)
 #undef P
-    walk_glide(&c->guard.filter);
+    walk_filter(&c->guard.filter);
 #define P c->acknowledge
     ACKNOWLEDGE(EACH)
 #undef P

@@ -116,9 +116,11 @@ def found_by(room: str, headers: list[str], folder: Path) -> set[str]:
 
 
 def compiles(room: str, header: str, folder: Path) -> bool:
-    """Return whether a file of one line that includes a header compiles in a room."""
+    """Return whether a file that includes only a header compiles in a room."""
     source = folder / f"{header.replace('/', '_')}.c"
-    source.write_text(f'#include "{header}"\n')
+    source.write_text(
+        f'#include "{header}"\nextern int n_room;\n'
+    )  # a header may hold macros alone
     return run_compiler(room, "-fsyntax-only", str(source)).returncode == 0
 
 

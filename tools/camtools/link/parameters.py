@@ -24,7 +24,7 @@ from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS
 from camtools.link.refusal import ask_done
 
-_HEADER = Path(__file__).resolve().parents[3] / "firmware" / "machine" / "cam_param.h"
+_HEADER = Path(__file__).resolve().parents[3] / "firmware" / "param" / "cam_param.h"
 _ROW = re.compile(r'X\((\w+),\s*(-?\d+),\s*(-?\d+),\s*(-?\d+),\s*"([^"]*)"')
 _HEAD = """\
 # Parameters of a camturn controller, {origin}.
