@@ -119,7 +119,6 @@ def tools_steps(is_fast: bool) -> list[Step]:
         "tests/scenarios",
         "tests/fuzz",
         "tests/campaign",
-        "tests/flips",
         "tests/mutation",
     )
     needs = ("build host",)
@@ -236,7 +235,6 @@ def board_steps() -> list[Step]:
     """Return what runs on emulated cores: tests, images, their bytes and cycles."""
     boards = ("mcu-qemu", "mcu-qemu-m4")
     built = tuple(f"build {board}" for board in boards)
-    flips = ("--short", "--jobs", "1")
     same = {board: ("checks.same_bytes", board, "test_budget") for board in boards}
     return [
         build("mcu-stm32h743"),
@@ -249,7 +247,6 @@ def board_steps() -> list[Step]:
         pytest("figures", "tests/bench", needs=("build host", *(f"ctest {b}" for b in boards))),
         tool("cycles", "checks.cycles", BUILD, needs=built),
         pytest("pil", "tests/pil", needs=("build host", *built)),
-        gate("flips", ROOT / "tests/flips/run", *flips, needs=built, closing=" flips in "),
     ]
 
 

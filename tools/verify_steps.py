@@ -15,7 +15,6 @@ CAMPAIGNS: dict[str, tuple[str, ...]] = {
     "fuzz": ("--seconds", "600"),
     "mcdc": (),
     "proof": (),
-    "flips": (),
     "campaign": (),
     "mutation": ("--count", "300"),
 }

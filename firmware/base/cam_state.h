@@ -6,10 +6,6 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // int32_t, uint32_t
 
-/// Marks a stage of the tick, which the compiler must not inline. Inlined into one another the
-/// stages run out of registers and spend a third of their instructions on saving them.
-#define CAM_STAGE __attribute__((noinline))
-
 // clang-format off
 /// States of the machine. The interrupt owns the state; the slow side only requests changes.
 ///
@@ -60,7 +56,6 @@ typedef enum {
     cam_request_table_fault, ///< raise fault `table`: the background check found damage
     cam_request_identify,    ///< play the wave of the configuration by U
     cam_request_manual,      ///< enable the drives without the spindle, for hands (cam_jog.h)
-    cam_request_corrupt,     ///< raise fault `corrupt`: the background check found a change
 } cam_request_t;
 
 /// Faults, in the order of their bits, with a clause for people. FAULTS.md lists for each how soon
@@ -84,7 +79,7 @@ typedef enum {
     X(table, "table damaged")                                                                      \
     X(swing, "the tool's swing does not follow")                                                   \
     X(command, "what an axis would be told is beyond its limits")                                  \
-    X(corrupt, "the controller's own state was changed from outside")
+    X(corrupt, "reserved: no fault of this firmware")
 
 /// A fault: its bit number in a fault mask.
 typedef enum {

@@ -13,10 +13,10 @@
 #include <string.h>               // memset
 
 /// Bytes of the table that one call of cam_machine_poll() checks.
-enum { scrub_bytes = 1024 };
+enum { check_bytes = 1024 };
 
 /// Offset of the first byte that the image's CRC covers (TABLE_FORMAT.md).
-enum { scrub_from = 24 };
+enum { check_from = 24 };
 
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz)
 {
@@ -53,23 +53,6 @@ static void report_damage(cam_machine_t *m)
     if (is_idle || cam_machine_post(m, &status, cam_request_table_fault) == cam_ok) {
         m->has_table = false;
     } // else a request is pending, and the next round of the check finds the damage again
-}
-
-/// The configuration in RAM was changed from outside. It is made anew from the parameters, without
-/// what was learned, since that may be what was changed; while the drives are enabled, the
-/// interrupt raises the fault `corrupt` in the tick that takes it, and retracts within limits that
-/// are good. A round that finds a request pending finds the change again.
-static void report_change(cam_machine_t *m, const cam_status_t *status)
-{
-    const cam_table_t *table = m->has_table ? &m->table : NULL;
-    if (cam_machine_is_pending(m, status) ||
-        cam_machine_hand_over(m, &m->params, table, m->pass) != cam_ok) {
-        return;
-    }
-    cam_ilc_forget(&m->ilc);
-    if (status->state != cam_state_off && status->state != cam_state_fault) {
-        cam_machine_request(m, cam_request_corrupt);
-    }
 }
 
 /// @return whether the state, the sense and the speed of the spindle allow a table that is good
@@ -119,7 +102,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
         m->signature = signature;
         m->has_table = true;
         m->is_in_pass = false; // what the old table has cut does not count
-        m->scrub_at = 0;
+        m->n_checked = 0;
     }
     return err;
 }
@@ -307,25 +290,22 @@ void cam_machine_poll(cam_machine_t *m)
     end_pass(m, &status);
     cam_machine_override_poll(m, &status);
     cam_machine_ilc_poll(m, status.state);
-    if (!cam_scrub_step(&m->scrub, &m->core->config)) {
-        report_change(m, &status);
-    }
     if (!m->has_table) {
         return;
     }
     const uint8_t *bytes = (const uint8_t *)m->table.image;
-    if (m->scrub_at == 0u) {
-        m->scrub_at = scrub_from;
-        m->scrub_crc = 0;
+    if (m->n_checked == 0u) {
+        m->n_checked = check_from;
+        m->checked_crc = 0;
     }
     // The CRC of the image is recomputed piece by piece; a round ends with the comparison.
-    const uint32_t left = m->table.image_size - m->scrub_at;
-    const uint32_t n = left < scrub_bytes ? left : scrub_bytes;
-    m->scrub_crc = cam_crc32(m->scrub_crc, bytes + m->scrub_at, n);
-    m->scrub_at += n;
-    if (m->scrub_at == m->table.image_size) {
-        m->scrub_at = 0;
-        if (m->scrub_crc != m->table.crc32) {
+    const uint32_t left = m->table.image_size - m->n_checked;
+    const uint32_t n = left < check_bytes ? left : check_bytes;
+    m->checked_crc = cam_crc32(m->checked_crc, bytes + m->n_checked, n);
+    m->n_checked += n;
+    if (m->n_checked == m->table.image_size) {
+        m->n_checked = 0;
+        if (m->checked_crc != m->table.crc32) {
             report_damage(m);
         }
     }

@@ -18,7 +18,6 @@
 #include "cam_param.h"           // cam_params_t
 #include "cam_rights.h"          // cam_rights_t
 #include "cam_scope.h"           // cam_scope_t
-#include "cam_scrub.h"           // cam_scrub_t
 #include "cam_strobe.h"          // cam_strobe_t
 #include "cam_table.h"           // cam_table_t
 #include "cam_ilc.h"             // cam_ilc_status_t, cam_ilc_harmonic_t
@@ -86,9 +85,8 @@ typedef struct {
     bool is_held;                    ///< the feed is to rest, whatever its override
     bool is_rate_due;                ///< ... and the interrupt does not know it yet
     uint32_t limit_mrpm;             ///< [r/min / 1000] overspeed of the newest configuration
-    uint32_t scrub_at;               ///< [bytes] progress of the background check of the table
-    uint32_t scrub_crc;              ///< CRC-32 of the bytes up to there
-    cam_scrub_t scrub;               ///< ... of that of the configuration
+    uint32_t n_checked;              ///< [bytes] progress of the background check of the table
+    uint32_t checked_crc;            ///< CRC-32 of the bytes up to there
     cam_scope_t scope;               ///< recorder
     cam_strobe_t strobe;             ///< samples for a live picture
     bool has_box;                    ///< the recorder is the black box while nobody else needs it

@@ -84,7 +84,7 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
             atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
         half->play.x_high_nm = x_high_nm(m, params);
         if (last != NULL) {
-            half->learned = cam_config_is_whole(last) ? last->learned : (cam_learned_t){0};
+            half->learned = last->learned;
             cam_config_learn(half);
             half->play.jog.order = last->play.jog.order;
         }

@@ -46,9 +46,7 @@ static void fit(cam_jerk_filter_t *g, const cam_axis_motion_t *m, const cam_moti
 static bool carry(cam_jerk_filter_t *g, cam_axis_motion_t *m, bool is_still)
 {
     const uint32_t n = UINT32_C(1) << g->log2_window;
-    const uint32_t most =
-        (UINT32_C(1) << cam_jerk_filter_most_log2) - 1u; // whatever bit has flipped
-    int32_t *place = &g->past_q10[g->at & (n - 1u) & most];
+    int32_t *place = &g->past_q10[g->at & (n - 1u)];
     int32_t leaving_q10 = *place;
     if (g->n_line > 0u) {
         leaving_q10 = g->line_q10;

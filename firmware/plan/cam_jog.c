@@ -209,8 +209,7 @@ static bool brake_axis(hal_axis_t axis, const cam_play_config_t *cfg, cam_motion
 }
 
 /// Move the axis of the order, or bring another one to rest. @return whether it rests
-CAM_STAGE static bool lead_axis(cam_jog_t *h, hal_axis_t axis, const cam_play_config_t *cfg,
-                                cam_motion_t *m)
+static bool lead_axis(cam_jog_t *h, hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     if (h->phase == cam_jog_rest || axis != h->axis) {
         return brake_axis(axis, cfg, m);

@@ -37,7 +37,6 @@ typedef struct {
     int32_t spindle_rate_q30;      ///< [1] override of the spindle, ramped
     bool is_rehearsal;             ///< what is laid is the rehearsal of a cut
     bool is_stopped;               ///< ... and nothing follows it
-    bool is_laid;                  ///< cam_motion_t's is_playing, as the last plan left it
     cam_feed_motion_t feed_motion; ///< of the feed
     cam_shaft_t shaft;             ///< lobe that is played
 } cam_plan_t;
@@ -46,8 +45,8 @@ typedef struct {
 /// @param r  record of the tick, with everything but the plan done
 /// @param m  increments up to now, replaced by those from the next tick on
 /// Constant time in each state.
-CAM_STAGE void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
-                            cam_motion_t *m);
+void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                  cam_motion_t *m);
 
 /// @return [ticks] from plan to plan, at least 1. Context: slow side.
 static inline int32_t cam_plan_ticks(uint32_t tick_hz)

@@ -31,11 +31,7 @@ bool cam_plan_move_to_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_confi
 {
     cam_axis_motion_t next = plan_by_plan(m, axis, cfg, limits);
     cam_jerk_filter_t *filter = &m->filter[axis];
-    bool is_there = cam_jerk_filter_to_isr(filter, &next, limits, place_q10);
-    if (is_there && next.pos_q10 != place_q10) {
-        filter->sum_pos_q10 = ~filter->sum_pos_q10; // a bit of it flipped: it begins anew from here
-        is_there = false;
-    }
+    const bool is_there = cam_jerk_filter_to_isr(filter, &next, limits, place_q10);
     cam_interpolate_isr(&m->axis[axis], cfg, next.pos_q10);
     return is_there;
 }

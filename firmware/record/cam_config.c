@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_config.h"
-#include "cam_fence.h" // cam_fence_acquire_isr
-#include "cam_fix.h"   // cam_abs_i64, cam_sat_i32
-#include "cam_seal.h"  // cam_seal_more
-#include "cam_state.h" // CAM_STAGE
-#include <stddef.h>    // NULL, offsetof
+#include "cam_fix.h" // cam_abs_i64, cam_sat_i32
+#include <stddef.h>  // NULL
 
 /// [nm] what is learned moves the command of U by this at once, at most.
 #define LEARNED_STEP_NM 1000
@@ -13,16 +10,6 @@
 static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *offered)
 {
     return offered == &bank->half[0] ? &bank->half[1] : &bank->half[0];
-}
-
-static uint32_t config_seal(const cam_config_t *config)
-{
-    return cam_seal_more(0, config, offsetof(cam_config_t, seal) / sizeof(uint32_t));
-}
-
-bool cam_config_is_whole(const cam_config_t *config)
-{
-    return config->seal == config_seal(config);
 }
 
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank)
@@ -45,9 +32,6 @@ cam_config_t *cam_config_copy(cam_config_bank_t *bank)
     const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
     cam_config_t *half = cam_config_free_half(bank);
     if (half != NULL && offered != NULL) {
-        if (!cam_config_is_whole(offered)) {
-            return NULL;
-        }
         *half = *offered;
         cam_config_tie(half, offered->play.table != NULL);
         half->command.k1_q16 -= half->learned.k1_q16;
@@ -90,20 +74,5 @@ void cam_config_offer(cam_config_bank_t *bank)
 {
     const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
     cam_config_t *half = other_half(bank, offered);
-    half->seal = config_seal(half);
     atomic_store_explicit(&bank->offered, half, memory_order_release);
-}
-
-CAM_STAGE const cam_config_t *cam_config_change_isr(cam_config_bank_t *bank)
-{
-    const cam_config_t *offered = atomic_load_explicit(&bank->offered, CAM_ORDER_ACQUIRE);
-    cam_fence_acquire_isr();
-    if (offered != &bank->half[0] && offered != &bank->half[1]) {
-        offered = atomic_load_explicit(&bank->in_use, memory_order_relaxed);
-        atomic_store_explicit(&bank->offered, offered, memory_order_relaxed);
-        bank->is_mended = true;
-    }
-    cam_fence_release_isr(); // what the last tick read of the other half was read before this
-    atomic_store_explicit(&bank->in_use, offered, CAM_ORDER_RELEASE);
-    return offered;
 }

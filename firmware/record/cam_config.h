@@ -203,14 +203,12 @@ typedef struct {
     uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
     uint32_t generation; ///< rises with every hand-over
     cam_learned_t learned;
-    uint32_t seal; ///< cam_seal.h, over all before it, since it was offered; stays the last member
 } cam_config_t;
 
 /// Two configurations, one in use.
 typedef struct {
     const cam_config_t *_Atomic offered; ///< slow side writes: to be taken from the next tick on
     const cam_config_t *_Atomic in_use;  ///< interrupt writes: that of this tick
-    bool is_mended; ///< interrupt only: `offered` was no half, and was set to the last one
     cam_config_t half[2];
 } cam_config_bank_t;
 
@@ -218,14 +216,9 @@ typedef struct {
 /// Context: slow side.
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 
-/// @return whether a configuration that was offered is what it was then, 2000 instructions.
-/// Context: slow side.
-bool cam_config_is_whole(const cam_config_t *config);
-
 /// Copy the configuration that was handed over last into the free half, and take what was learned
 /// off its gains.
-/// @return the copy, NULL while the interrupt has not taken the last one, and when that was changed
-///         from outside. Context: slow side.
+/// @return the copy, NULL while the interrupt has not taken the last one. Context: slow side.
 cam_config_t *cam_config_copy(cam_config_bank_t *bank);
 
 /// Let a configuration point to its own table and to what it has learned.
@@ -241,37 +234,17 @@ void cam_config_learn(cam_config_t *config);
 /// of each at once, MATHS.md (213). Context: slow side, behind every change of the gains.
 void cam_config_tell(cam_config_t *config);
 
-/// Seal the free half and hand it over; it is in force from the next tick on. Context: slow side.
+/// Hand the free half over; it is in force from the next tick on. Context: slow side.
 void cam_config_offer(cam_config_bank_t *bank);
 
-/// What is offered is not what is in use: take it, unless it is neither half of the bank. Then a
-/// bit of the pointer flipped, and the half in use stays in force.
 /// @return the configuration of this tick. Context: ISR, constant time.
-const cam_config_t *cam_config_change_isr(cam_config_bank_t *bank);
-
-/// @return the configuration of this tick. Context: ISR, constant time.
-static inline __attribute__((always_inline)) const cam_config_t *
-cam_config_take_isr(cam_config_bank_t *bank)
+static inline const cam_config_t *cam_config_take_isr(cam_config_bank_t *bank)
 {
     const cam_config_t *offered = atomic_load_explicit(&bank->offered, CAM_ORDER_ACQUIRE);
-    const cam_config_t *in_use = atomic_load_explicit(&bank->in_use, memory_order_relaxed);
     cam_fence_acquire_isr();
-    return offered == in_use ? offered : cam_config_change_isr(bank);
-}
-
-/// Ask anew for the configuration of this tick, so that nothing is judged by a pointer of which a
-/// bit has flipped since.
-/// @param cfg     as it was taken
-/// @param faults  more of them where it is another one: corrupt
-/// @return        that in use. Context: ISR, behind cam_config_take_isr()
-static inline const cam_config_t *cam_config_again_isr(const cam_config_bank_t *bank,
-                                                       const cam_config_t *cfg, uint32_t *faults)
-{
-    const cam_config_t *in_use = atomic_load_explicit(&bank->in_use, memory_order_relaxed);
-    if (in_use != cfg) {
-        *faults |= CAM_FAULT_BIT(corrupt);
-    }
-    return in_use;
+    cam_fence_release_isr(); // the last tick has read the other half before this one gives it back
+    atomic_store_explicit(&bank->in_use, offered, CAM_ORDER_RELEASE);
+    return offered;
 }
 
 #endif

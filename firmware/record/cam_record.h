@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_record: what the stages of a tick hand to one another.
 ///
-///     sense -> cam_sense_t -> angle -> cam_angle_t -> play -> cam_want_t -> guard -> cam_verdict_t
+///     sense -> cam_sense_t -> angle -> cam_angle_t -> play, guard -> cam_want_t -> command -> out
 ///
 /// The first three and what was written to the axes make the record of a tick, from which it can be
 /// replayed. cam_motion_t is the record of increments: the plan writes it, play moves it on in
@@ -116,14 +116,6 @@ typedef struct {
     int32_t nm;      ///< [nm] its command, feed-forward included
     int32_t step_nm; ///< [nm per tick] since the tick before
 } cam_u_command_t;
-
-/// The guard's judgement of a tick.
-typedef struct {
-    uint32_t faults;   ///< latched
-    uint32_t outputs;  ///< hal_out_*
-    bool is_in_charge; ///< state fault: the set-points of the retract are written, not play's
-    bool is_retracted; ///< tool at rest out of the work
-} cam_verdict_t;
 
 /// What one tick did: inputs and outputs complete, so that it can be replayed. Each stage writes
 /// its result in here, where the next one reads it.

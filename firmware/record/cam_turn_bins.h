@@ -36,11 +36,11 @@ enum {
 /// more than knots, entry 256 = entry 0, and is linear in between. Over the angle of the spindle:
 /// entry i is at i / 256 turn of the master position.
 typedef struct {
-    int32_t k1_q16;                    ///< [ticks] added to the configured velocity feed-forward
-    int32_t k2_q16;                    ///< [ticks^2] added to the acceleration feed-forward
-    int16_t c[cam_learned_points + 2]; ///< [nm] at full amplitude, added to U's command
-    int16_t d[cam_learned_points + 2]; ///< [turn / 2^23] true deviation of the spindle: its angle
-                                       ///< is that of the observer plus d
+    int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
+    int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward
+    int16_t c[cam_learned_points + 2];  ///< [nm] at full amplitude, added to U's command
+    int16_t d[cam_learned_points + 2];  ///< [turn / 2^23] true deviation of the spindle: its angle
+                                        ///< is that of the observer plus d
     int16_t dm[cam_learned_points + 2]; ///< [turn / 2^23] what the encoder measures of it: d plus
                                         ///< eccentricity, taken off before the observer
 } cam_learned_t;
@@ -84,53 +84,26 @@ typedef struct {
     uint32_t taken;                  ///< slow side only: turn + 2^24 that was taken last
 } cam_turn_bins_t;
 
-/// Four words by two instructions, which the compiler does not find by itself.
-static inline cam_turn_bin_t cam_gather_load(const cam_turn_bin_t *bin)
-{
-#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
-    cam_turn_bin_t sum;
-    __asm("ldrd %0, %1, [%4]\n\tldrd %2, %3, [%4, #8]"
-          : "=&r"(sum.error_q6), "=&r"(sum.u_nm), "=&r"(sum.angle_q24), "=&r"(sum.n)
-          : "r"(bin), "m"(*bin));
-    return sum;
-#else
-    return *bin;
-#endif
-}
-
-static inline void cam_gather_store(cam_turn_bin_t *bin, cam_turn_bin_t sum)
-{
-#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
-    __asm("strd %1, %2, [%5]\n\tstrd %3, %4, [%5, #8]"
-          : "=m"(*bin)
-          : "r"(sum.error_q6), "r"(sum.u_nm), "r"(sum.angle_q24), "r"(sum.n), "r"(bin));
-#else
-    *bin = sum;
-#endif
-}
-
-/// Add one tick to its bin. Wrapping sums are computed in uint32.
-/// @param pos_q32       [turn, Q32.32] master position
-/// @param measured_q32  [turn / 2^32] angle that was measured, nothing learned taken off
-/// @param due_q6        [nm / 64] set-point of U that is due
-/// @param actual_nm     [nm] measured U
+/// Add one tick to its bin, unless it is in state fault. Sums wrap.
+/// @param r  record of the tick, commanded
 /// Context: ISR, constant time.
-static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, int64_t pos_q32, uint32_t measured_q32,
-                                         int32_t due_q6, int32_t actual_nm)
+static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_record_t *r)
 {
-    const uint32_t low = cam_angle_of_pos(pos_q32) >> (32 - cam_turn_bins_log2);
-    const uint32_t high = (uint32_t)((uint64_t)pos_q32 >> 32);
+    if (r->want.state == cam_state_fault) {
+        return;
+    }
+    const uint32_t low = cam_angle_of_pos(r->angle.pos_q32) >> (32 - cam_turn_bins_log2);
+    const uint32_t high = (uint32_t)((uint64_t)r->angle.pos_q32 >> 32);
     const uint32_t i = cam_insert_bits(low, high, cam_turn_bins_log2, 1);
     // The bank shifts out of the word, so this is the begin of the bin in the turn.
-    const int32_t behind_q32 = (int32_t)(measured_q32 - (i << (32 - cam_turn_bins_log2)));
-    const uint32_t error_q6 = (uint32_t)due_q6 - 64u * (uint32_t)actual_nm;
+    const int32_t behind_q32 = (int32_t)(r->angle.measured_q32 - (i << (32 - cam_turn_bins_log2)));
+    const uint32_t error_q6 =
+        (uint32_t)r->want.u_due_q6 - 64u * (uint32_t)r->in.actual_nm[hal_axis_u];
     cam_turn_bin_t *bin = &g->bin[i];
-    cam_turn_bin_t sum = cam_gather_load(bin);
-    sum.error_q6 = (int32_t)((uint32_t)sum.error_q6 + error_q6);
-    sum.u_nm = cam_wrap_add(sum.u_nm, due_q6 >> 6);
-    sum.angle_q24 = cam_wrap_add(sum.angle_q24, behind_q32 >> 8);
-    sum.n++;
-    cam_gather_store(bin, sum);
+    bin->error_q6 = (int32_t)((uint32_t)bin->error_q6 + error_q6);
+    bin->u_nm = cam_wrap_add(bin->u_nm, r->want.u_due_q6 >> 6);
+    bin->angle_q24 = cam_wrap_add(bin->angle_q24, behind_q32 >> 8);
+    bin->n++;
 }
 
 /// Where between two knots an angle lies.
@@ -142,8 +115,7 @@ typedef struct {
 /// Context: ISR, constant time.
 static inline cam_learned_place_t cam_learned_place(uint32_t theta_q32)
 {
-    uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
-    __asm("" : "+r"(part_q8)); // the compiler would take it out of theta twice
+    const uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
     return (cam_learned_place_t){.knot = theta_q32 >> 24, .share = part_q8 * 0xFFFFu + 256u};
 }
 

@@ -228,9 +228,6 @@ CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t the
     const cam_knot_t *high = low + n_knots;
     const cam_knot_t *before = low + k;
     const cam_knot_t *behind = low + k_next;
-#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
-    __asm("" : "+r"(before), "+r"(behind)); // else the first word of each is addressed apart
-#endif
     return (cam_place_t){
         .low = {before, behind},
         .high = {high + k, high + k_next},

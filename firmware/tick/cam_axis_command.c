@@ -86,32 +86,47 @@ static void keep_told(cam_u_command_t *u, int32_t u_nm)
     u->nm = u_nm;
 }
 
-/// In off nothing is a motion.
-static bool follow_u(cam_axis_command_t *t, const cam_axis_command_config_t *cfg, int32_t u_nm)
+/// Write the set-points into the record in the port's numbers, in the form that drives take. Those
+/// of X and Z are rounded down; the plan has added half a nanometre to X, which is thus rounded to
+/// nearest.
+static void write_out(const cam_axis_command_t *t, cam_tick_record_t *r, const cam_motion_t *m)
 {
-    t->u = (cam_u_command_t){.nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm)};
-    return true;
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const cam_axis_motion_t *axis = &m->axis[i];
+        r->out[i] = (hal_setpoint_t){.pos_nm = (int32_t)(axis->pos_q10 >> 10),
+                                     .vel_q10 = axis->vel_q10,
+                                     .acc_q10 = axis->acc_q10};
+    }
+    r->out[hal_axis_u].pos_nm = cam_wrap_sub(t->u.nm, m->u_home_nm);
+}
+
+/// In off nothing is a motion, and the next one begins at rest.
+static void follow(cam_axis_command_t *t, const cam_axis_command_config_t *cfg, int32_t u_nm)
+{
+    *t = (cam_axis_command_t){.u.nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm)};
 }
 
 bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
-                          const cam_tick_record_t *r, const cam_motion_t *m, bool is_new)
+                          cam_tick_record_t *r, const cam_motion_t *m)
 {
     const int32_t plain = plain_q6(cfg, r, m);
     int32_t more_q6 = m->c_q6;
     if (!m->is_playing) {
-        more_q6 =
-            m->state == cam_state_fault ? faded_q6(t, &m->axis[hal_axis_u], plain, is_new) : 0;
+        const bool is_fault = m->state == cam_state_fault;
+        more_q6 = is_fault ? faded_q6(t, &m->axis[hal_axis_u], plain, !t->is_fault) : 0;
         t->fading_q6 = more_q6;
+        t->is_fault = is_fault;
     }
     const int32_t u_nm = nearest_to_q6(cam_wrap_add(plain, more_q6));
     if (m->state == cam_state_off) {
-        return follow_u(t, cfg, u_nm);
-    }
-    const bool is_told = is_allowed(&t->u, cfg, u_nm, r->angle.is_off_time);
-    if (is_told) {
+        follow(t, cfg, u_nm);
+    } else if (is_allowed(&t->u, cfg, u_nm, r->angle.is_off_time)) {
         keep_told(&t->u, u_nm);
+    } else {
+        return false;
     }
-    return is_told;
+    write_out(t, r, m);
+    return true;
 }
 
 /// It lies within the stroke, or no farther out than the last command where that lies beyond: a
@@ -144,22 +159,16 @@ static int32_t nearest_nm(const cam_u_command_t *u, const cam_axis_command_confi
     return cam_clamp_i32(cam_wrap_add(u->nm, within_nm), least_nm, most_nm);
 }
 
-CAM_STAGE void cam_axis_command_nearest_isr(cam_axis_command_t *t,
-                                            const cam_axis_command_config_t *cfg,
-                                            const cam_tick_record_t *r, const cam_motion_t *m,
-                                            bool is_new)
+void cam_axis_command_nearest_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
+                                  cam_tick_record_t *r, const cam_motion_t *m)
 {
     const int32_t plain = plain_q6(cfg, r, m);
     const int32_t wanted_nm =
-        is_new ? led_nm(&t->u) : nearest_to_q6(cam_wrap_add(plain, t->fading_q6));
+        t->is_fault ? nearest_to_q6(cam_wrap_add(plain, t->fading_q6)) : led_nm(&t->u);
     keep_told(&t->u, nearest_nm(&t->u, cfg, wanted_nm));
     t->fading_q6 = cam_wrap_sub(cam_wrap_times(t->u.nm, 64u), plain);
-}
-
-void cam_axis_command_fade_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
-                               const cam_tick_record_t *r, const cam_motion_t *m)
-{
-    t->fading_q6 = cam_wrap_sub(cam_wrap_times(t->u.nm, 64u), plain_q6(cfg, r, m));
+    t->is_fault = true;
+    write_out(t, r, m);
 }
 
 /// An axis that is faster than its limit has to be let brake, and its speed may stay until it does.
@@ -178,9 +187,8 @@ static bool is_plan_allowed(const cam_axis_command_t *t, const cam_axis_command_
            cam_is_within(jump_q10, cfg->jump_q10[axis]);
 }
 
-CAM_STAGE uint32_t cam_axis_command_plan_isr(cam_axis_command_t *t,
-                                             const cam_axis_command_config_t *cfg, cam_motion_t *m,
-                                             const cam_axis_motion_t before[hal_n_axes])
+uint32_t cam_axis_command_plan_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
+                                   cam_motion_t *m, const cam_axis_motion_t before[hal_n_axes])
 {
     uint32_t faults = 0;
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
@@ -193,9 +201,4 @@ CAM_STAGE uint32_t cam_axis_command_plan_isr(cam_axis_command_t *t,
         t->vel_q10[i] = m->axis[i].vel_q10;
     }
     return faults;
-}
-
-void cam_axis_command_shift_isr(cam_axis_command_t *t, int32_t by_nm)
-{
-    t->u.nm = cam_wrap_add(t->u.nm, by_nm);
 }

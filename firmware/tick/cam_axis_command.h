@@ -18,51 +18,46 @@
 #define CAM_AXIS_COMMAND_H
 
 #include "cam_config.h" // cam_axis_command_config_t
+#include "cam_err.h"    // CAM_MUST_USE
 #include "cam_record.h" // cam_motion_t, cam_u_command_t
 #include <stdbool.h>    // bool
 #include <stdint.h>     // int32_t, uint32_t
 
-/// State; zero-initialised has told all axes to rest at 0.
+/// State; zero-initialised all axes are commanded to rest at 0.
 typedef struct {
     cam_u_command_t u;           ///< command of U of the last tick
     int32_t fading_q6;           ///< [nm / 64] state fault: the command of U less that of its
                                  ///< set-point
+    bool is_fault;               ///< the last tick was in state fault
     int32_t vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] X and Z of the last plan
 } cam_axis_command_t;
 
-/// Tell U its set-point. In off U may stand anywhere, and is told the end of its stroke where it
-/// stands beyond it.
-/// @param r       record of the tick, judged by the guard
-/// @param m       speed and acceleration of U, and its correction
-/// @param is_new  this is the tick of a fault
-/// @return        whether it was told; if not, cam_axis_command_nearest_isr() has to be called
+/// Command the axes. In off U may stand anywhere, and is commanded to the end of its stroke where
+/// it stands beyond it.
+/// @param r       record of the tick, judged by the guard; r->out is the result
+/// @param m       set-points, and what was learned of U's command
+/// @return        whether the command of U is within its limits; if not, the guard must latch the
+///                fault and cam_axis_command_nearest_isr() must be called
 /// Constant time.
-bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
-                          const cam_tick_record_t *r, const cam_motion_t *m, bool is_new);
+CAM_MUST_USE bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
+                                       cam_tick_record_t *r, const cam_motion_t *m);
 
-/// Tell U the nearest place within its limits to what was refused, or behind a new fault to where
-/// its last step leads; what that differs from the command of the retract fades. Where change and
-/// place contradict one another the place holds, and where place and step do, since U stands beyond
-/// its stroke, the step: U never leaps, and never goes farther out.
+/// Command the axes, and U to the nearest position within its limits to what was refused; in the
+/// tick of a new fault, to where its last step leads. The difference from the command of the
+/// retract fades. Where acceleration and position contradict each other the position holds; where
+/// position and step do, because U stands beyond its stroke, the step does: U never jumps, and
+/// never moves farther out.
 /// @param r, m  in state fault
 void cam_axis_command_nearest_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
-                                  const cam_tick_record_t *r, const cam_motion_t *m, bool is_new);
+                                  cam_tick_record_t *r, const cam_motion_t *m);
 
-/// Let fade what U was told beyond the command of its set-point.
-/// @param r, m  in state fault, with a set-point that begins anew
-void cam_axis_command_fade_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
-                               const cam_tick_record_t *r, const cam_motion_t *m);
-
-/// Judge what a plan would tell X and Z until the next one: speed, change of speed, and no step of
-/// the place. An axis that is faster than its limit may brake. What is not accepted goes on as
+/// Judge what a plan commands X and Z until the next one: speed, change of speed, and no step of
+/// the position. An axis that is faster than its limit may brake. A refused axis continues as
 /// before the plan.
-/// @param m       increments of the plan; what is refused is put back
+/// @param m       increments of the plan; those that are refused are put back
 /// @param before  both axes before the plan
 /// @return        fault command or none
 uint32_t cam_axis_command_plan_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
                                    cam_motion_t *m, const cam_axis_motion_t before[hal_n_axes]);
-
-/// U is called by other numbers from the next tick on.
-void cam_axis_command_shift_isr(cam_axis_command_t *t, int32_t by_nm);
 
 #endif

@@ -4,8 +4,7 @@
 
 #define ARMED_ENABLED                                                                              \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
-     CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table) | CAM_FAULT_BIT(command) |                \
-     CAM_FAULT_BIT(corrupt))
+     CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table) | CAM_FAULT_BIT(command))
 #define ARMED_SYNCED                                                                               \
     (ARMED_ENABLED | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts) |                    \
      CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |                              \
@@ -19,26 +18,23 @@
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
      CAM_FAULT_BIT(table) | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |       \
      CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range) |                        \
-     CAM_FAULT_BIT(command) | CAM_FAULT_BIT(corrupt))
+     CAM_FAULT_BIT(command))
 
-/// Bit of the states in which nothing is accepted, fault or not, and of those whose output tells
-/// that the tool cuts.
-#define AT_REST (UINT32_C(1) << 31)
-#define IN_CUT (UINT32_C(1) << 30)
-_Static_assert(cam_n_faults < 31, "two bits are left");
+/// Bit of the states whose output reports that the tool cuts.
+#define IN_CUT (UINT32_C(1) << 31)
+_Static_assert(cam_n_faults < 32, "a bit is left");
 
 #define ARMED_IN_FAULT                                                                             \
-    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command) |   \
-     CAM_FAULT_BIT(corrupt))
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command))
 
 static const uint32_t armed[cam_n_states] = {
-    [cam_state_off] = AT_REST,
+    [cam_state_off] = 0,
     [cam_state_homing] = ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped),
     [cam_state_ready] = ARMED_SYNCED,
     [cam_state_engaging] = ARMED_IN_WORK,
     [cam_state_cutting] = ARMED_IN_WORK | IN_CUT,
     [cam_state_disengaging] = ARMED_IN_WORK,
-    [cam_state_fault] = ARMED_IN_FAULT | AT_REST,
+    [cam_state_fault] = ARMED_IN_FAULT,
     [cam_state_rehearsing] = ARMED_IN_WORK,
     [cam_state_identifying] = ARMED_SYNCED,
     [cam_state_manual] = ARMED_BY_HAND,
@@ -47,7 +43,7 @@ static const uint32_t armed[cam_n_states] = {
 
 uint32_t cam_guard_armed(cam_state_t state)
 {
-    return (uint32_t)state < cam_n_states ? armed[state] & ~(AT_REST | IN_CUT) : 0u;
+    return (uint32_t)state < cam_n_states ? armed[state] & ~IN_CUT : 0u;
 }
 
 static uint32_t bit_if(bool is_set, uint32_t bit)
@@ -133,105 +129,115 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_state_t state,
-                                  uint32_t faults, const cam_u_command_t *told)
+/// Replace what play wants by the retract: speed 0 of the spindle, the set-point of U that the
+/// guard moves, the outputs.
+static void take_charge(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m,
+                        uint32_t outputs)
+{
+    g->u_set_q6 = cam_sat_i32(m->axis[hal_axis_u].pos_q10 >> 4);
+    r->want.state = cam_state_fault;
+    r->want.spindle_mrpm = 0;
+    r->want.u_set_q6 = g->u_set_q6;
+    r->want.faults = g->faults;
+    r->want.outputs = outputs;
+    r->want.is_retracted = m->is_retracted;
+}
+
+/// Latch faults and end the motion of the state. In this tick U continues from its last set-point
+/// with the speed and the acceleration of its last step, since the set-point of play is not
+/// trusted.
+static void enter(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                  cam_motion_t *m, uint32_t faults)
 {
     const int32_t most_q10 = cfg->leave.acceleration_q10;
     // A wave is added to the set-point without its acceleration.
-    const int32_t acc_q10 =
-        state == cam_state_identifying ? 0 : cam_clamp_i32(g->u.acc_q10, -most_q10, most_q10);
-    if (g->u_seal != (g->u_set_q6 ^ g->u_step_q6)) { // one of them has flipped: as it was told
-        g->u_set_q6 = cam_wrap_times(told->nm, 64u);
-        g->u_step_q6 = cam_wrap_times(told->step_nm, 64u);
-    }
+    const int32_t acc_q10 = r->want.state == cam_state_identifying
+                                ? 0
+                                : cam_clamp_i32(g->u_acc_q10, -most_q10, most_q10);
     const int32_t vel_q10 = cam_wrap_add(cam_wrap_times(g->u_step_q6, 16u), acc_q10);
+    cam_axis_motion_t *u = &m->axis[hal_axis_u];
+    *u = (cam_axis_motion_t){
+        .pos_q10 = (int64_t)g->u_set_q6 * 16 + vel_q10, .vel_q10 = vel_q10, .acc_q10 = acc_q10};
+    cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], u, cfg->leave.log2_window);
     g->faults |= faults;
     g->first_faults = g->faults;
-    g->u = (cam_axis_motion_t){
-        .pos_q10 = (int64_t)g->u_set_q6 * 16 + vel_q10, .vel_q10 = vel_q10, .acc_q10 = acc_q10};
-    g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
-    cam_jerk_filter_begin_isr(&g->filter, &g->u, cfg->leave.log2_window);
-    const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
-    return (cam_verdict_t){
-        .faults = faults,
-        .outputs = hal_out_fault | is_held * hal_out_enable,
-        .is_in_charge = true,
-    };
+    m->x_left_q10 = (m->axis[hal_axis_x].pos_q10 >> 10) * 1024; // as it is commanded
+    m->state = cam_state_fault;
+    m->is_playing = false;
+    m->is_retracted = false;
+    const bool is_held = (faults & CAM_FAULT_BIT(drive)) == 0u;
+    take_charge(g, r, m, is_held ? hal_out_fault | hal_out_enable : hal_out_fault);
 }
 
-void cam_guard_begin_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_u_command_t *told)
+/// In the ticks after that of the fault U retracts, or brakes where it was jogged, while the plan
+/// moves the other axes away. The enable drops when all of them rest.
+static void leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                       cam_motion_t *m)
 {
-    g->u = (cam_axis_motion_t){.pos_q10 = (int64_t)told->nm * 1024,
-                               .vel_q10 = cam_wrap_times(told->step_nm, 1024u)};
-    g->u_set_q6 = cam_wrap_times(told->nm, 64u);
-    cam_jerk_filter_begin_isr(&g->filter, &g->u, cfg->leave.log2_window);
+    cam_axis_motion_t *u = &m->axis[hal_axis_u];
+    cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
+    g->faults |= r->want.faults & ARMED_IN_FAULT;
+    const bool is_u_out = m->is_by_hand
+                              ? cam_jerk_filter_stop_isr(filter, u, &cfg->leave)
+                              : cam_jerk_filter_to_isr(filter, u, &cfg->leave, cfg->u_retract_q10);
+    m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
+    const bool is_held = !m->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
+    take_charge(g, r, m, is_held ? hal_out_fault | hal_out_enable : hal_out_fault);
 }
 
-/// In the ticks after that of the fault U retracts, or brakes where it was moved by hand, while the
-/// plan leads the other axes away.
-static cam_verdict_t leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                                const cam_motion_t *m)
+/// Off: set-points follow the axes, which is no motion, and a reset has ended the latch.
+static void clear(cam_guard_t *g, cam_want_t *want)
 {
-    g->faults |= faults;
-    const bool is_u_out =
-        m->is_by_hand ? cam_jerk_filter_stop_isr(&g->filter, &g->u, &cfg->leave)
-                      : cam_jerk_filter_to_isr(&g->filter, &g->u, &cfg->leave, cfg->u_retract_q10);
-    g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
-    g->is_retracted = g->is_retracted || (is_u_out && m->is_clear);
-    const bool is_held = !g->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
-    return (cam_verdict_t){
-        .faults = g->faults,
-        .outputs = is_held ? hal_out_fault | hal_out_enable : hal_out_fault,
-        .is_in_charge = true,
-        .is_retracted = g->is_retracted,
-    };
-}
-
-/// Off: set-points follow the axes, which is not a motion, and a reset has ended the latch.
-static cam_verdict_t forget(cam_guard_t *g, int32_t u_set_q6)
-{
-    g->u_set_q6 = u_set_q6;
+    g->u_set_q6 = want->u_set_q6;
     g->u_step_q6 = 0;
-    g->u_seal = u_set_q6;
     g->faults = 0;
     g->counted = 0;
     g->n_stopped = 0;
-    g->is_retracted = false;
-    return (cam_verdict_t){.is_retracted = true};
-}
-
-CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cfg,
-                                    const cam_tick_record_t *r, const cam_motion_t *m)
-{
-    return r->want.state == cam_state_off ? forget(g, r->want.u_set_q6)
-                                          : leave_work(g, cfg, r->want.faults & ARMED_IN_FAULT, m);
+    want->faults = 0;
+    want->outputs = 0;
+    want->is_retracted = true;
 }
 
 /// There is no fault: the set-point of play is written.
-static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, uint32_t watched,
-                            int32_t step_q6, int32_t acc_q10)
+static void accept(cam_guard_t *g, cam_want_t *want, uint32_t watched, int32_t step_q6,
+                   int32_t acc_q10)
 {
     g->u_set_q6 = want->u_set_q6;
     g->u_step_q6 = step_q6;
-    g->u_seal = want->u_set_q6 ^ step_q6;
-    g->u.acc_q10 = acc_q10;
-    const bool is_in_cut = (watched & IN_CUT) != 0u;
-    return (cam_verdict_t){
-        .outputs = is_in_cut ? hal_out_enable | hal_out_in_cut : hal_out_enable,
-    };
+    g->u_acc_q10 = acc_q10;
+    want->faults = 0;
+    want->outputs = (watched & IN_CUT) != 0u ? hal_out_enable | hal_out_in_cut : hal_out_enable;
+    want->is_retracted = false;
 }
 
-cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
-                                 const cam_tick_record_t *r, const cam_motion_t *m,
-                                 const cam_u_command_t *told)
+void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                        cam_motion_t *m)
 {
-    const cam_want_t *want = &r->want;
-    const uint32_t watched = armed[want->state];
-    if ((watched & AT_REST) != 0u) {
-        return rest(g, cfg, r, m);
+    const uint32_t watched = armed[r->want.state];
+    if (r->want.state == cam_state_off) {
+        clear(g, &r->want);
+        return;
     }
-    const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
+    if (r->want.state == cam_state_fault) {
+        leave_work(g, cfg, r, m);
+        return;
+    }
+    const int32_t step_q6 = cam_wrap_sub(r->want.u_set_q6, g->u_set_q6);
     const uint32_t faults = blame(g, cfg, r, m->is_playing, step_q6) & watched;
-    return faults == 0u ? accept(g, want, watched, step_q6, m->axis[hal_axis_u].acc_q10)
-                        : cam_guard_enter_isr(g, cfg, want->state, faults, told);
+    if (faults != 0u) {
+        enter(g, cfg, r, m, faults);
+        return;
+    }
+    accept(g, &r->want, watched, step_q6, m->axis[hal_axis_u].acc_q10);
+}
+
+void cam_guard_refuse_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                          cam_motion_t *m)
+{
+    if (m->state != cam_state_fault) {
+        enter(g, cfg, r, m, CAM_FAULT_BIT(command));
+        return;
+    }
+    g->faults |= CAM_FAULT_BIT(command);
+    r->want.faults = g->faults;
 }

@@ -11,16 +11,15 @@
 /// speed). A value that does not fit its word is a fault of this tick, and the guard writes a
 /// set-point of its own instead. The guard also keeps the position of U that was written last.
 /// @return [nm / 64] U
-CAM_STAGE static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t speed_q32,
-                                 uint32_t theta_q32)
+static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t speed_q32,
+                       uint32_t theta_q32)
 {
     const cam_u_scale_t *by = &cfg->u;
     const cam_channel_t *ch = &cfg->table->u;
     const uint64_t height_q32 = (uint64_t)m->height_q32;
     const uint32_t i = (uint32_t)(height_q32 >> 32);
     const uint32_t most = (uint32_t)((uint64_t)cfg->height_max_q32 >> 32);
-    const cam_height_t z = {.i = i < most ? i
-                                          : most, // not even a flipped bit reads beyond the table
+    const cam_height_t z = {.i = i < most ? i : most, // whatever the plan, within the table
                             .w_q31 = (int32_t)((uint32_t)height_q32 >> 1)};
     const cam_fine_t fine = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z));
     const int32_t scale_q30 = m->scale_q30;
@@ -120,8 +119,8 @@ static void move_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
 }
 
 /// Out of the cut U moves by time, in state fault the guard moves it. @return [nm / 64] U
-CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                                cam_motion_t *m)
+static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                      cam_motion_t *m)
 {
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     int32_t wave_q6 = 0;
@@ -150,8 +149,6 @@ static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_wa
         m->is_stopping = true;
     } else if (what == (uint32_t)cam_request_table_fault) {
         want->faults |= CAM_FAULT_BIT(table);
-    } else if (what == (uint32_t)cam_request_corrupt) {
-        want->faults |= CAM_FAULT_BIT(corrupt);
     } else {
         // it does not fit the state
     }
@@ -244,8 +241,6 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         break;
     case cam_request_table_fault:
         return CAM_FAULT_BIT(table);
-    case cam_request_corrupt:
-        return CAM_FAULT_BIT(corrupt);
     case cam_request_identify:
         begin_excitation(p, cfg, m);
         break;
@@ -284,10 +279,13 @@ void cam_play_shift_isr(cam_play_t *p, int32_t by_q6)
     p->due_q6 = cam_wrap_add(p->due_q6, by_q6);
 }
 
-void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                       const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want)
+void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
+                       cam_motion_t *m)
 {
+    const cam_sense_t *in = &r->in;
+    cam_want_t *want = &r->want;
     const bool is_new = in->request >> 8 != p->request;
+    want->faults = m->faults | r->angle.faults | cam_sense_faults(in);
     move_on(m);
     if (m->is_playing) {
         if (is_new) {
@@ -295,7 +293,7 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_se
         }
         const int32_t z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
         want->z_nm = cam_wrap_sub(cam_wrap_sub(z_nm, cfg->z_origin_nm), m->behind_q4 >> 4);
-        want->u_set_q6 = play_table(p, cfg, angle, m, want->faults);
+        want->u_set_q6 = play_table(p, cfg, &r->angle, m, want->faults);
     } else {
         if (is_new) {
             want->faults |= obey(p, cfg, in->request, want->faults, m);

@@ -38,13 +38,12 @@ typedef struct {
 
 /// One tick of the sequence.
 /// @param cfg    configuration with a table, unless the state is off or fault
-/// @param in     what this tick sensed, with the request of the slow side
-/// @param angle  the spindle
-/// @param m      increments of the plan: moved on by one tick
-/// @param want   faults that were seen before; result, with those that the request reports
+/// @param r      inputs with the request of the slow side, and the spindle; r->want is the result,
+///               with all faults that were found so far
+/// @param m      increments of the plan: advanced by one tick
 /// Constant time in each state.
-void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                       const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want);
+void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
+                       cam_motion_t *m);
 
 /// Shift the set-points of U that are still due, since U is called by other numbers from the next
 /// tick on.

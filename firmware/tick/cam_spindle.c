@@ -37,8 +37,8 @@ static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t 
            cam_mulhi_u32(in_turn, cfg->turn_per_count_fraction) + cfg->centre_q32;
 }
 
-CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                            const cam_sense_t *in, cam_angle_t *angle)
+static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
+                  cam_angle_t *angle)
 {
     s->is_started = true;
     s->clock = in->clock;
@@ -50,7 +50,7 @@ CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
 }
 
 /// First edge: the angle becomes known; the observer keeps its speed and its small error.
-CAM_STAGE static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
+static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const uint32_t before_q32 = measured_q32(s, cfg);
     const int32_t lag_q32 = cam_angle_diff_q32(cam_angle_of_pos(s->pos_q32), before_q32);
@@ -189,8 +189,8 @@ static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uin
     return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
 }
 
-static uint32_t watch_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                           const hal_encoder_t *encoder)
+uint32_t cam_spindle_check_index_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                     const hal_encoder_t *encoder)
 {
     if (encoder->n_index != s->n_index) {
         s->n_index = encoder->n_index;
@@ -200,35 +200,10 @@ static uint32_t watch_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg,
     return cam_is_within(since, cfg->index_overdue) ? 0u : CAM_FAULT_BIT(index_missing);
 }
 
-/// Position in the turn and counts since the last edge are kept apart, and one follows from the
-/// other but for whole turns. Where an edge is overdue, which is a fault of its own, these have no
-/// bound. @return fault corrupt or none
-static uint32_t check_place(const cam_spindle_t *s, const cam_spindle_config_t *cfg)
-{
-    const int32_t turn = cfg->counts_per_turn;
-    const int32_t since = cam_wrap_add(cam_wrap_diff(s->counts, s->index_counts), s->index_error);
-    const int32_t off = cam_wrap_sub(s->in_turn, since);
-    const bool is_there = off == 0 || off == turn || off == -turn || off == 2 * turn ||
-                          !cam_is_within(since, cfg->index_overdue);
-    const int64_t moved_q32 = cam_wrap_sub_i64(s->pos_q32, s->watched_q32);
-    const bool is_near = moved_q32 < CAM_TURN_Q32 / 2 && moved_q32 > -CAM_TURN_Q32 / 2;
-    return is_near && (is_there || !s->is_synced) ? 0u : CAM_FAULT_BIT(corrupt);
-}
-
-uint32_t cam_spindle_watch_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                               const hal_encoder_t *encoder)
-{
-    const uint32_t corrupt = check_place(s, cfg);
-    const uint32_t index = watch_edge(s, cfg, encoder);
-    s->watched_q32 = s->pos_q32;
-    return corrupt | index;
-}
-
 void cam_spindle_forget_isr(cam_spindle_t *s, const hal_encoder_t *encoder)
 {
     s->is_synced = false;
     s->index_error = 0;
     s->index_counts = s->counts;
     s->n_index = encoder->n_index;
-    s->watched_q32 = s->pos_q32;
 }

@@ -37,13 +37,12 @@ typedef struct {
     uint32_t n_late;       ///< ticks beyond late_clocks
     int64_t pos_q32;       ///< [turn, Q32.32] observer
     int64_t speed_q64;     ///< [turn / 2^64 per tick] observer
-    int64_t watched_q32;   ///< [turn, Q32.32] observer when the index was watched last
 } cam_spindle_t;
 
 /// Take one reading.
 /// @param s    state
 /// @param cfg  configuration; after a change of it the angle must be forgotten
-/// @param in   what this tick sensed
+/// @param in   inputs of the tick
 /// @param alpha_q40  [turn / 2^40 per tick^2] acceleration that the spindle was commanded since the
 ///             last tick, 0 at uniform speed: known, it causes no lag
 /// @param angle      result
@@ -51,13 +50,11 @@ typedef struct {
 void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
                           int32_t alpha_q40, cam_angle_t *angle);
 
-/// Judge the index: the first edge makes the angle known, a later one shows lost counts, and an
-/// edge may be overdue. Judge the state itself: the position in the turn is what the counts since
-/// the last edge say, and the angle has not gone on by half a turn since the last call, which no
-/// spindle does in a plan. Called once per plan, so that an edge is at most one plan old.
-/// @return fault lost_counts, index_missing, corrupt or none
-uint32_t cam_spindle_watch_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                               const hal_encoder_t *encoder);
+/// Check the index: the first edge makes the angle known, a later one shows lost counts, and an
+/// edge may be overdue. Called once per plan, so that an edge is at most one plan old.
+/// @return fault lost_counts, index_missing or none
+uint32_t cam_spindle_check_index_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                     const hal_encoder_t *encoder);
 
 /// Forget the index, and edges up to now; counts, angle observer and speed go on.
 void cam_spindle_forget_isr(cam_spindle_t *s, const hal_encoder_t *encoder);

@@ -47,8 +47,8 @@ static uint32_t inside(const cam_switches_t *s, const cam_switches_config_t *cfg
 
 /// Release the outputs that have left the place of their last change, and change those that are
 /// free. An output beyond the last that is in use, as after a change of parameters, goes off.
-CAM_STAGE static void settle(cam_switches_t *s, const cam_switches_config_t *cfg,
-                             uint32_t theta_q32, uint32_t inside_bits)
+static void settle(cam_switches_t *s, const cam_switches_config_t *cfg, uint32_t theta_q32,
+                   uint32_t inside_bits)
 {
     const uint32_t in_use = (1u << cfg->n) - 1u;
     s->on &= in_use;

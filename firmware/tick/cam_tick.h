@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_tick: the room where everything happens, once per tick.
+/// cam_tick: the interrupt, once per tick.
 ///
-///     sense -> angle -> play -> guard -> tell -> actuate -> publish
+///     sense -> observe -> play -> guard -> command -> actuate -> publish
 ///
 /// and in every n-th tick, before it is published, the plan (cam_plan.h). HAL reads only in sense,
-/// HAL writes only in actuate. The tick owns the set-points: play moves them on, the guard judges
-/// them, tell makes of them what the axes are told, the plan writes their increments, and none of
-/// the four knows of another. The state is one
-/// struct, so that several controllers fit into a test.
+/// HAL writes only in actuate. The tick owns the set-points (cam_motion_t): play moves them on, the
+/// guard judges them and replaces those of U in a fault, command makes of them what the axes get,
+/// and the plan writes their increments. The state is one struct, so that several controllers fit
+/// into a test.
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
 
@@ -23,7 +23,6 @@
 #include "cam_switch.h"       // cam_switches_t
 #include "cam_axis_command.h" // cam_axis_command_t
 #include "cam_trace.h"        // cam_trace_t
-#include "cam_watch.h"        // cam_watch_t
 #include <stdatomic.h>        // request, status sequence
 #include <stdint.h>           // int32_t, int64_t, uint32_t
 
@@ -31,25 +30,24 @@
 typedef struct {
     // interrupt writes
     cam_spindle_t spindle;
-    cam_axis_command_t command; ///< in front, as the motion: offsets of pairs of words stay short
-    cam_watch_t watch;
-    cam_guard_t guard;
-    cam_motion_t motion; ///< set-points and their increments
     cam_play_t play;
+    cam_guard_t guard;
+    cam_axis_command_t command;
     cam_switches_t switches;
+    cam_motion_t motion; ///< set-points and their increments
+    cam_plan_t plan;
     cam_jog_t jog;
     cam_acknowledge_t acknowledge;
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
     _Atomic uint32_t n_begun;                ///< number of the tick that has begun last
-    cam_turn_bins_t bins;                    ///< both sides write, cam_turn_bins.h
-    cam_plan_t plan; ///< behind what every tick uses, whose offsets stay short
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use
-    // interrupt writes, slow side reads; the largest is the last member, which keeps offsets short
-    cam_trace_t trace;
+    // both sides
+    cam_turn_bins_t bins; ///< cam_turn_bins.h
+    cam_trace_t trace;    ///< interrupt writes, slow side reads
 } cam_t;
 
 /// The controller that cam_isr() ticks.
@@ -59,9 +57,9 @@ extern cam_t g_cam;
 /// division, no lock.
 void cam_tick_isr(cam_t *c);
 
-/// Steps between sense and actuate, and the plan, without the HAL: what a replay calls.
+/// The stages between sense and actuate, and the plan, without the HAL: replays a recorded tick.
 /// @param cfg  configuration of the tick
-/// @param r    its number and what it sensed; all the rest is written
+/// @param r    tick number and inputs; all the rest is written
 /// Context: a replay of a trace.
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r);
 

@@ -29,9 +29,8 @@ RECORD = HERE / "figures.json"
 BUILD = Path(os.environ.get("CAMTURN_BUILD", ROOT / "build" / "host")).parent
 CORES = {"m7": "mcu-qemu", "m4": "mcu-qemu-m4"}
 CORE_FIGURES = (
+    "tick_cut_max",
     "tick_max",
-    "tick_combined_max",
-    "tick_switched_max",
     "plan_tick_max",
     "mean",
     "mean_uniform",

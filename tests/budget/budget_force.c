@@ -65,7 +65,6 @@ static void break_u(void)
     hal_host.in.axis_nm[hal_axis_u] += 1 << 24;
     hal_host.in.swing_q32 += 1 << 30;
     g_cam.guard.u_set_q6 += 1 << 24;
-    g_cam.guard.u_seal = g_cam.guard.u_set_q6 ^ g_cam.guard.u_step_q6; // it is no flipped bit
 }
 
 /// What the plan finds wrong: Z is off its place, the swing does not follow.

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stage_mark: the counter is read where a stage of the tick ends.
+/// stage_mark: reads the counter where a stage of the tick ends.
 ///
-/// firmware/tick/cam_tick.c is compiled once more with this header in front; the rest of the
-/// firmware is as it is. A mark is a call of a function outside the link-time optimisation: stores
-/// of a stage are done before it, and every mark costs the same. stages.h counts with it.
+/// firmware/tick/cam_tick.c is compiled once more with this header in front, which wraps the calls
+/// of its stages; the rest of the firmware is as it is. A mark is a call of a function outside the
+/// link-time optimisation: the stores of a stage are done before it, and every mark costs the same.
+/// stages.h counts with it.
 #ifndef STAGE_MARK_H
 #define STAGE_MARK_H
+
+#include "cam_tick.h" // the stages, declared before they are wrapped
+#include "hal/hal.h"  // hal_outputs_write_isr, hal_spindle_write_isr
 
 /// A stage is what lies between its mark and the one before.
 typedef enum {
@@ -13,16 +17,25 @@ typedef enum {
     stage_sense,   ///< configuration and record taken, all reads
     stage_angle,   ///< counts and index -> angle and speed
     stage_play,    ///< sequence, set-points
-    stage_guard,   ///< limits, faults, what a fault leaves of the set-points
-    stage_actuate, ///< set-points as the drives want them, all writes
+    stage_guard,   ///< limits, faults, retract
+    stage_command, ///< set-points as the drives want them, last limits, switches
+    stage_actuate, ///< all writes
     stage_plan,    ///< every n-th tick: what changes slowly
-    stage_publish, ///< status and trace, the interrupt's end
+    stage_publish, ///< learning, trace and status, the interrupt's end
     stage_n_marks
 } stage_t;
 
 /// Read the counter. @param stage  that ends here
 void stage_mark(stage_t stage);
 
-#define CAM_TICK_MARK(stage) stage_mark(stage_##stage)
+#ifdef STAGE_MARKED // cam_tick.c alone
+#define cam_spindle_step_isr(...)                                                                  \
+    (stage_mark(stage_sense), cam_spindle_step_isr(__VA_ARGS__), stage_mark(stage_angle))
+#define cam_play_step_isr(...) (cam_play_step_isr(__VA_ARGS__), stage_mark(stage_play))
+#define cam_guard_step_isr(...) (cam_guard_step_isr(__VA_ARGS__), stage_mark(stage_guard))
+#define hal_outputs_write_isr(...) (stage_mark(stage_command), hal_outputs_write_isr(__VA_ARGS__))
+#define hal_spindle_write_isr(...) (hal_spindle_write_isr(__VA_ARGS__), stage_mark(stage_actuate))
+#define cam_turn_bins_add_isr(...) (stage_mark(stage_plan), cam_turn_bins_add_isr(__VA_ARGS__))
+#endif
 
 #endif

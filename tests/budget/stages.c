@@ -7,7 +7,7 @@ enum { n_inner = stage_n_marks - 2 };
 
 static struct {
     uint32_t at[stage_n_marks]; ///< readings
-    uint32_t order;             ///< the stages passed, a hexadecimal digit each
+    uint64_t order;             ///< the stages passed, a hexadecimal digit each
 } marks;
 
 static uint32_t per_mark;  ///< [instructions]
@@ -17,15 +17,15 @@ static uint32_t per_frame; ///< [instructions] of two outer readings and two mar
 __attribute__((noipa)) void stage_mark(stage_t stage)
 {
     marks.at[stage] = budget_count();
-    marks.order = marks.order << 4 | (uint32_t)stage;
+    marks.order = marks.order << 4 | (uint64_t)stage;
 }
 
 const char *stages_name(stage_t stage)
 {
     static const char *const names[stage_n_marks] = {
-        [stage_begin] = "begin", [stage_sense] = "sense",     [stage_angle] = "angle",
-        [stage_play] = "play",   [stage_guard] = "guard",     [stage_actuate] = "actuate",
-        [stage_plan] = "plan",   [stage_publish] = "publish",
+        [stage_begin] = "begin",     [stage_sense] = "sense", [stage_angle] = "angle",
+        [stage_play] = "play",       [stage_guard] = "guard", [stage_command] = "command",
+        [stage_actuate] = "actuate", [stage_plan] = "plan",   [stage_publish] = "publish",
     };
     return names[stage];
 }
@@ -51,7 +51,7 @@ stages_t stages_count(void (*interrupt)(void))
     const uint32_t whole = budget_instructions(from, budget_count());
     stages_t n = {
         .whole = whole - per_frame - n_inner * per_mark,
-        .is_in_order = marks.order == 0x01234567u,
+        .is_in_order = marks.order == UINT64_C(0x12345678),
     };
     for (int stage = stage_sense; stage < stage_n_marks; stage++) {
         n.of[stage] = budget_instructions(marks.at[stage - 1], marks.at[stage]) - per_mark;

@@ -18,21 +18,16 @@ enum { tick_hz = 20000, least_ticks = 100000 };
 static fixture_rig_t rig;
 static budget_spread_t ticks[cam_n_states]; ///< without a plan, of one session, by the state after
 static budget_spread_t plans[cam_n_states]; ///< ... with one
-static budget_spread_t combined;            ///< without a plan, of several rare things at once
 static uint32_t per_reading;                ///< [instructions] what measuring costs
 static uint32_t n_measured;                 ///< ticks of all sessions
-static uint32_t n_corrupt;                  ///< ... whose state looked changed from outside
+static uint32_t most_in_cut;                ///< [instructions] of an ordinary tick in the cut
 static uint32_t most;                       ///< [instructions] of any tick without a plan
 static uint32_t most_with_plan;             ///< [instructions] of any tick with one
-static uint32_t most_combined;              ///< [instructions] of any combination
-static uint32_t
-    most_switched; ///< [instructions] of any tick with position switches, without a plan
 
 void setUp(void)
 {
     memset(ticks, 0, sizeof ticks);
     memset(plans, 0, sizeof plans);
-    combined = (budget_spread_t){0};
     budget_count_start();
     const uint32_t from = budget_count();
     per_reading = budget_instructions(from, budget_count());
@@ -43,6 +38,14 @@ void tearDown(void) {}
 /// The interrupt by its address, so that it stays a function of its own.
 static void (*volatile const interrupt)(void) = cam_isr;
 
+/// @return whether U plays the table, and nothing rare happens
+static bool is_ordinary_in_cut(cam_state_t state)
+{
+    const bool plays =
+        state == cam_state_cutting || state == cam_state_disengaging || state == cam_state_holding;
+    return plays && !budget_force_is_combined() && g_cam.config.in_use->switches.n == 0u;
+}
+
 /// The rig calls this instead of cam_isr(). In the tick of a plan the next one is a whole period
 /// away.
 static void counted(void)
@@ -51,18 +54,14 @@ static void counted(void)
     interrupt();
     const uint32_t n = budget_instructions(from, budget_count()) - per_reading;
     const bool is_planned = g_cam.until_plan == g_cam.config.in_use->play.plan_ticks;
-    const bool is_combined = budget_force_is_combined() && !is_planned;
-    const bool is_switched = g_cam.config.in_use->switches.n > 0u;
-    uint32_t *plain = is_switched ? &most_switched : &most;
-    uint32_t *largest = is_planned ? &most_with_plan : is_combined ? &most_combined : plain;
-    budget_spread_t *of = is_planned    ? &plans[g_cam.motion.state]
-                          : is_combined ? &combined
-                                        : &ticks[g_cam.motion.state];
-    budget_spread_add(of, n);
+    const cam_state_t state = g_cam.motion.state;
+    budget_spread_add(is_planned ? &plans[state] : &ticks[state], n);
+    uint32_t *largest = is_planned ? &most_with_plan : &most;
     *largest = n > *largest ? n : *largest;
+    if (!is_planned && is_ordinary_in_cut(state) && n > most_in_cut) {
+        most_in_cut = n;
+    }
     n_measured++;
-    const uint32_t faults = atomic_load(&g_cam.newest)->want.faults | g_cam.motion.faults;
-    n_corrupt += (faults & CAM_FAULT_BIT(corrupt)) != 0u ? 1u : 0u;
 }
 
 static void set(cam_param_id_t id, int32_t value)
@@ -75,32 +74,20 @@ static void whole_cut(const fixture_part_t *part, bool is_modulated)
     TEST_ASSERT_TRUE(budget_session_cut(&rig, counted, part, is_modulated));
 }
 
-static void expect_within(const char *session, uint32_t most_of_a_tick)
+static void expect_budget(const char *session)
 {
     budget_spread_print(session, "tick", ticks);
     budget_spread_print(session, "plan", plans);
-    for (int state = 0; state < cam_n_states; state++) {
-        const char *name = cam_state_name((cam_state_t)state);
-        const bool plays = state == (int)cam_state_cutting || state == (int)cam_state_disengaging ||
-                           state == (int)cam_state_holding;
-        const uint32_t more = plays ? 0u : (uint32_t)(budget_moved - budget_tick);
-        TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(most_of_a_tick + more, ticks[state].max, name);
-        TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(budget_plan_tick, plans[state].max, name);
-    }
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(budget_combined, combined.max, "combined");
-    const budget_spread_t *cutting = &ticks[cam_state_cutting];
-    TEST_ASSERT_GREATER_THAN_UINT32(0, cutting->n);
-}
-
-static void expect_budget(const char *session)
-{
-    expect_within(session, budget_tick);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(budget_tick_in_cut, most_in_cut, session);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(budget_tick, most, session);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(budget_tick, most_with_plan, session);
 }
 
 /// Without a fault a tick takes nearly the same time all through the cut.
 static void expect_even(void)
 {
     const budget_spread_t *cutting = &ticks[cam_state_cutting];
+    TEST_ASSERT_GREATER_THAN_UINT32(0, cutting->n);
     const uint32_t spread = cutting->max - cutting->min;
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(cutting->max * budget_spread_percent / 100u, spread);
 }
@@ -283,20 +270,16 @@ static void test_way(void)
 static void test_excitation(void)
 {
     TEST_ASSERT_TRUE(budget_session_identify(&rig, counted));
-    budget_spread_print("identify", "tick", ticks);
-    const budget_spread_t *identifying = &ticks[cam_state_identifying];
-    TEST_ASSERT_GREATER_THAN_UINT32(1000, identifying->n);
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_moved, identifying->max);
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_plan_tick, plans[cam_state_identifying].max);
+    TEST_ASSERT_GREATER_THAN_UINT32(1000, ticks[cam_state_identifying].n);
+    expect_budget("identify");
 }
 
 /// Jogs and homing of all axes: the plan in which U gets other numbers is the longest.
 static void test_by_hand(void)
 {
     TEST_ASSERT_TRUE(budget_session_hand(&rig, counted));
-    budget_spread_print("hand", "plan", plans);
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_moved, ticks[cam_state_manual].max);
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_plan_tick, plans[cam_state_manual].max);
+    TEST_ASSERT_GREATER_THAN_UINT32(1000, ticks[cam_state_manual].n);
+    expect_budget("hand");
 }
 
 static void test_hold(void)
@@ -360,16 +343,15 @@ static void test_random_parameters(void)
 static void test_position_switches(void)
 {
     TEST_ASSERT_TRUE(budget_session_switches(&rig, counted));
-    expect_within("switches", budget_switched);
+    expect_budget("switches");
 }
 
 static void test_enough_ticks_were_measured(void)
 {
     TEST_ASSERT_GREATER_THAN_UINT32(least_ticks, n_measured);
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, n_corrupt, "a state by force is none with flipped bits");
+    TEST_ASSERT_GREATER_THAN_UINT32(0, most_in_cut);
+    printf("figure tick_cut_max %lu\n", (unsigned long)most_in_cut);
     printf("figure tick_max %lu\n", (unsigned long)most);
-    printf("figure tick_combined_max %lu\n", (unsigned long)most_combined);
-    printf("figure tick_switched_max %lu\n", (unsigned long)most_switched);
     printf("figure plan_tick_max %lu\n", (unsigned long)most_with_plan);
     printf("budget-max %lu\n", (unsigned long)most_with_plan); // tools/elfcheck compares its bound
 }

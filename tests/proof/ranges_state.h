@@ -12,7 +12,7 @@
     X(is_synced, 0, 1)                                                                             \
     X(is_off_time, 0, 1)
 
-#define GLIDE(X)                                                                                   \
+#define JERK_FILTER(X)                                                                             \
     X(slope_q10, -Q30, Q30)                                                                        \
     X(n_line, 0, 64)                                                                               \
     X(n_still, 0, 64)                                                                              \
@@ -40,13 +40,11 @@
 
 #define PLAY(X) X(excite.at, 0, WAVE_SAMPLES - 1)
 
-#define GUARD(X) X(is_retracted, 0, 1)
-
-#define WATCH(X) X(state, 0, cam_n_states - 1)
+#define COMMAND(X) X(is_fault, 0, 1)
 
 #define SWITCHES(X) X(next, 0, cam_n_switches - 1)
 
-#define HAND(X)                                                                                    \
+#define JOG(X)                                                                                     \
     X(phase, 0, cam_jog_n_phases - 1)                                                              \
     X(end, 0, cam_jog_n_ends - 1)                                                                  \
     X(axis, 0, hal_n_axes - 1)
@@ -58,8 +56,7 @@
     X(spindle_rate_q30, 0, Q30 + Q30 / 5 + 1)                                                      \
     X(is_rehearsal, 0, 1)                                                                          \
     X(is_stopped, 0, 1)                                                                            \
-    X(shaft.i_lobe, 0, 63)                                                                         \
-    X(is_laid, 0, 1)
+    X(shaft.i_lobe, 0, 63)
 
 #define RECORD(X)                                                                                  \
     X(angle.is_off_time, 0, 1)                                                                     \
@@ -67,14 +64,13 @@
     X(want.state, 0, cam_n_states - 1)                                                             \
     X(want.is_retracted, 0, 1)
 
-#define COURSE(X)                                                                                  \
+#define FEED_MOTION(X)                                                                             \
     X(rate_q30, 0, Q30 + Q30 / 2)                                                                  \
     X(to_rate_q30, 0, Q30 + Q30 / 2)                                                               \
     X(asked_q30, 0, Q30 + Q30 / 2)                                                                 \
     X(is_held, 0, 1)
 
 #define WHOLE_STATE(X)                                                                             \
-    X(config.is_mended, 0, 1)                                                                      \
     X(bins.is_clean, 0, 1)                                                                         \
     X(bins.now.state, 0, cam_n_states - 1)                                                         \
     X(bins.now.is_steady, 0, 1)

@@ -104,7 +104,7 @@ static inline void walk_config(cam_config_t *cfg)
 static inline void walk_filter(cam_jerk_filter_t *filter)
 {
 #define P (*filter)
-    GLIDE(EACH)
+    JERK_FILTER(EACH)
 #undef P
 }
 
@@ -124,7 +124,7 @@ static inline void walk_plan(cam_plan_t *plan)
     PLAN(EACH)
 #undef P
 #define P plan->feed_motion
-    COURSE(EACH)
+    FEED_MOTION(EACH)
 #undef P
 }
 
@@ -137,13 +137,9 @@ static inline void walk_state(cam_t *c)
 #define P c->play
     PLAY(EACH)
 #undef P
-#define P c->guard
-    GUARD(EACH)
+#define P c->command
+    COMMAND(EACH)
 #undef P
-#define P c->watch
-    WATCH(EACH)
-#undef P
-    walk_filter(&c->guard.filter);
 #define P c->acknowledge
     ACKNOWLEDGE(EACH)
 #undef P
@@ -151,7 +147,7 @@ static inline void walk_state(cam_t *c)
     SWITCHES(EACH)
 #undef P
 #define P c->jog
-    HAND(EACH)
+    JOG(EACH)
 #undef P
     walk_plan(&c->plan);
 #define P (*c)

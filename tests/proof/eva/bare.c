@@ -16,10 +16,8 @@ void main(void)
         make_world();
         cfg->play.table = NULL;
         c.motion.state = states[i];
-        c.watch.state = states[i];
         c.newest = NULL;
         c.motion.is_playing = false;
-        c.plan.is_laid = false;
         cfg->play.swing.is_swung = false;
         cam_tick_isr(&c);
         if (!is_of_a_bare_one(c.motion.state)) {

@@ -93,7 +93,6 @@ static void make_state(void)
     UNKNOWN(c.acknowledge);
     UNKNOWN(c.bins);
     UNKNOWN(c.plan);
-    UNKNOWN(c.watch);
     UNKNOWN(c.n_ticks);
     UNKNOWN(c.request);
     UNKNOWN(c.trace.spare);

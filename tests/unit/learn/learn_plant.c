@@ -197,7 +197,10 @@ static void tick(learn_plant_t *p)
     const int32_t actual_nm = (int32_t)(floor(seen * 1e6 / quantum_nm + 0.5) * quantum_nm);
     const double due_nm =
         ago(p->set, p->tick, lead_ticks(p) + p->what.believed.latency_us * 1e-6 * hz);
-    cam_turn_bins_add_isr(&p->bins, p->pos_q32, at_q32, (int32_t)floor(due_nm * 64.0), actual_nm);
+    const cam_tick_record_t r = {.in.actual_nm = {actual_nm},
+                                 .angle = {.pos_q32 = p->pos_q32, .measured_q32 = at_q32},
+                                 .want.u_due_q6 = (int32_t)floor(due_nm * 64.0)};
+    cam_turn_bins_add_isr(&p->bins, &r);
     judge(p, (measured_mm(p) - height(p, angle - w * lead_ticks(p))) * 1e3);
     if (p->tick % 8u == 0u) {
         plan(p);

@@ -327,7 +327,6 @@ static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
     hal_host.in.axis_nm[hal_axis_x] = 0; // seen by the next tick
     rig.is_z_held = true;
     m->core->motion.axis[hal_axis_x].pos_q10 = 0;
-    m->core->watch.led_nm[hal_axis_x] = 0; // or it would be a change from outside
     fixture_rig_ticks(&rig, 2);
     const cam_wave_verdict_t v = cam_machine_excite(m, 1, fade);
     TEST_ASSERT_EQUAL_INT(cam_err_wave_clear, v.err);

@@ -253,14 +253,16 @@ static uint32_t floor_of(int32_t scale_nm)
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_u_scale_nm, scale_nm));
     cam_turn_bins_t *g = &rig.machine.core->bins;
     cam_tick_record_t record = {.config = rig.machine.generation,
-                                .want = {.state = cam_state_rehearsing}};
+                                .in.actual_nm = {-300},
+                                .want = {.state = cam_state_rehearsing, .u_due_q6 = -64 * 300}};
     const cam_motion_t motion = {.is_playing = true, .scale_q30 = 1 << 30};
     const int32_t step_q32 = (int32_t)(INT64_C(4294967296) / n_ticks) + 1;
     for (int i = 1; i < n_ticks * n_turns; i++) {
         const int64_t pos_q32 = (int64_t)i * step_q32;
-        cam_turn_bins_add_isr(g, pos_q32, (uint32_t)(uint64_t)pos_q32, -64 * 300, -300);
+        record.angle.pos_q32 = pos_q32;
+        record.angle.measured_q32 = (uint32_t)(uint64_t)pos_q32;
+        cam_turn_bins_add_isr(g, &record);
         if (i % plan_ticks == 0) {
-            record.angle.pos_q32 = pos_q32;
             record.angle.speed_q32 = step_q32;
             cam_turn_bins_plan_isr(g, &record, &motion);
         }

@@ -152,26 +152,6 @@ static void test_glide_is_the_mean_of_the_last_places(void)
     }
 }
 
-/// A window of which a bit has flipped is no place behind those that the glide has.
-static void test_glide_writes_nothing_but_itself(void)
-{
-    const cam_motion_limits_t limits = {
-        .speed_q10 = 100000, .acceleration_q10 = 1000, .log2_window = 3};
-    struct {
-        cam_jerk_filter_t filter;
-        uint32_t behind[4096];
-    } memory = {0};
-    cam_axis_motion_t m = {0};
-    cam_jerk_filter_begin_isr(&memory.filter, &m, limits.log2_window);
-    memory.filter.log2_window = 11; // bit 3 flipped
-    for (uint32_t i = 0; i < 4096u; i++) {
-        (void)cam_jerk_filter_to_isr(&memory.filter, &m, &limits, 1 << 30);
-    }
-    for (uint32_t i = 0; i < 4096u; i++) {
-        TEST_ASSERT_EQUAL_HEX32(0, memory.behind[i]);
-    }
-}
-
 static void test_glide_takes_a_window_longer_than_the_motion_without_a_limit_of_jerk(void)
 {
     static const cam_motion_limits_t limits = {2000000, 64000, 5};
@@ -242,7 +222,6 @@ int main(void)
     RUN_TEST(test_glide_that_begins_at_rest_is_still);
     RUN_TEST(test_glide_from_motion_keeps_every_limit_and_lands_exactly);
     RUN_TEST(test_glide_is_the_mean_of_the_last_places);
-    RUN_TEST(test_glide_writes_nothing_but_itself);
     RUN_TEST(test_glide_takes_a_window_longer_than_the_motion_without_a_limit_of_jerk);
     RUN_TEST(test_glide_brakes_to_rest_within_its_limits);
     RUN_TEST(test_glide_takes_another_window_at_rest_and_other_numbers_at_once);

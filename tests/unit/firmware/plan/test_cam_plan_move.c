@@ -64,36 +64,10 @@ static void test_acceleration_beyond_the_limit_is_not_gone_on_with(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT32((700 + acceleration_nm) * nm, motion.axis[hal_axis_x].vel_q10);
 }
 
-/// A bit of the glide flips under way. Its mean is wrong from then on, and the motion would end
-/// beside the place, or never: instead it goes on from there to the place itself.
-static void test_motion_whose_window_was_changed_ends_at_its_place_all_the_same(void)
-{
-    cam_jerk_filter_t *filter = &motion.filter[hal_axis_x];
-    const struct {
-        void *word;
-        uint32_t bit;
-    } flips[] = {
-        {&filter->sum_vel_q10, 17}, {&filter->past_q10[3], 15}, {&filter->n_line, 2},
-        {&filter->line_q10, 16},    {&filter->slope_q10, 14},
-    };
-    for (uint32_t i = 0; i < sizeof flips / sizeof flips[0]; i++) {
-        setUp();
-        for (int k = 0; k < 4; k++) {
-            (void)cam_plan_move_to_isr(&motion, hal_axis_x, &config, &limits, 1000000 * nm);
-            motion.is_filtering = true;
-            motion.axis[hal_axis_x].pos_q10 += motion.axis[hal_axis_x].vel_q10;
-        }
-        *(uint32_t *)flips[i].word ^= UINT32_C(1) << flips[i].bit;
-        (void)go_on_nm(1000000); // asks for the place
-        TEST_ASSERT_EQUAL_INT32(0, motion.axis[hal_axis_x].vel_q10);
-    }
-}
-
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_motion_begins_with_speed_and_acceleration_of_the_axis);
     RUN_TEST(test_acceleration_beyond_the_limit_is_not_gone_on_with);
-    RUN_TEST(test_motion_whose_window_was_changed_ends_at_its_place_all_the_same);
     return UNITY_END();
 }

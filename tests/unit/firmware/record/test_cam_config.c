@@ -209,21 +209,6 @@ static void test_build_what_does_not_fit_the_tick_rate_is_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_err_param_tick, build_with(cam_param_k2_us2, 82000000, 20000));
 }
 
-/// A pointer to neither half is put right by the one in use, and the slow side is told.
-static void test_bank_mends_what_was_offered(void)
-{
-    (void)cam_config_free_half(&bank);
-    cam_config_offer(&bank);
-    const cam_config_t *in_use = cam_config_change_isr(&bank);
-    TEST_ASSERT_EQUAL_PTR(&bank.half[0], in_use);
-    TEST_ASSERT_FALSE(bank.is_mended);
-    atomic_store(&bank.offered, (cam_config_t *)&config);
-    TEST_ASSERT_EQUAL_PTR(in_use, cam_config_change_isr(&bank));
-    TEST_ASSERT_TRUE(bank.is_mended);
-    TEST_ASSERT_EQUAL_PTR(in_use, atomic_load(&bank.offered));
-    TEST_ASSERT_EQUAL_PTR(in_use, atomic_load(&bank.in_use));
-}
-
 static void test_bank_hands_over_one_configuration_at_a_time(void)
 {
     TEST_ASSERT_NULL(cam_config_take_isr(&bank)); // nothing was offered ever
@@ -293,7 +278,6 @@ int main(void)
     RUN_TEST(test_build_cam_keeps_clear_of_its_lobes);
     RUN_TEST(test_build_without_a_table_has_none);
     RUN_TEST(test_build_what_does_not_fit_the_tick_rate_is_refused);
-    RUN_TEST(test_bank_mends_what_was_offered);
     RUN_TEST(test_bank_hands_over_one_configuration_at_a_time);
     RUN_TEST(test_limits_of_what_u_is_told_follow_from_gains_and_limits);
     RUN_TEST(test_limits_of_what_u_is_told_fit_their_words);

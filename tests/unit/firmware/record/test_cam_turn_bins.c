@@ -19,7 +19,11 @@ static uint32_t n_ticks;
 void setUp(void)
 {
     memset(&g, 0, sizeof g);
-    record = (cam_tick_record_t){.config = 7, .want = {.state = cam_state_rehearsing}};
+    record = (cam_tick_record_t){
+        .config = 7,
+        .in.actual_nm = {-310},
+        .want = {.state = cam_state_rehearsing, .u_due_q6 = -64 * 300 + 5},
+    };
     motion = (cam_motion_t){.is_playing = true, .scale_q30 = 1 << 30};
     pos_q32 = 0;
     n_ticks = 0;
@@ -31,10 +35,10 @@ void tearDown(void) {}
 static void tick(int32_t step_q32)
 {
     pos_q32 += step_q32;
-    const uint32_t measured_q32 = cam_angle_of_pos(pos_q32) + UINT32_C(4294967);
-    cam_turn_bins_add_isr(&g, pos_q32, measured_q32, -64 * 300 + 5, -310);
+    record.angle.pos_q32 = pos_q32;
+    record.angle.measured_q32 = cam_angle_of_pos(pos_q32) + UINT32_C(4294967);
+    cam_turn_bins_add_isr(&g, &record);
     if (++n_ticks % plan_ticks == 0u) {
-        record.angle.pos_q32 = pos_q32;
         record.angle.speed_q32 = step_q32;
         record.want.z_nm += 10;
         motion.height_q32 += 1000;
@@ -132,13 +136,23 @@ static void test_a_turn_is_gathered_whole_and_alone(void)
 /// shows: there the angle is that of the tick.
 static void test_the_angle_is_counted_from_the_begin_of_the_bin(void)
 {
-    cam_turn_bins_add_isr(&g, 5 * CAM_TURN_Q32 + 3 * (CAM_TURN_Q32 / 128) + 256 * 11,
-                          (uint32_t)(3 * (CAM_TURN_Q32 / 128)) - 256u * 5u, 0, 0);
+    record.angle.pos_q32 = 5 * CAM_TURN_Q32 + 3 * (CAM_TURN_Q32 / 128) + 256 * 11;
+    record.angle.measured_q32 = (uint32_t)(3 * (CAM_TURN_Q32 / 128)) - 256u * 5u;
+    cam_turn_bins_add_isr(&g, &record);
     TEST_ASSERT_EQUAL_INT32(-5, g.bin[128 + 3].angle_q24);
     TEST_ASSERT_EQUAL_UINT32(1, g.bin[128 + 3].n);
-    cam_turn_bins_add_isr(&g, -1, 0, 0, 0); // the last bin of turn -1, an odd one
+    record.angle.pos_q32 = -1; // the last bin of turn -1, an odd one
+    record.angle.measured_q32 = 0;
+    cam_turn_bins_add_isr(&g, &record);
     TEST_ASSERT_EQUAL_UINT32(1, g.bin[255].n);
     TEST_ASSERT_EQUAL_INT32(131072, g.bin[255].angle_q24);
+}
+
+static void test_a_tick_in_fault_is_not_gathered(void)
+{
+    record.want.state = cam_state_fault;
+    cam_turn_bins_add_isr(&g, &record);
+    TEST_ASSERT_EQUAL_UINT32(0, g.bin[0].n);
 }
 
 static void test_a_turn_in_motion_is_not_steady(void)
@@ -227,6 +241,7 @@ int main(void)
     RUN_TEST(test_tables_are_linear_between_knots);
     RUN_TEST(test_a_turn_is_gathered_whole_and_alone);
     RUN_TEST(test_the_angle_is_counted_from_the_begin_of_the_bin);
+    RUN_TEST(test_a_tick_in_fault_is_not_gathered);
     RUN_TEST(test_a_turn_in_motion_is_not_steady);
     RUN_TEST(test_a_late_reader_is_told_and_its_bank_left_alone);
     RUN_TEST(test_a_turn_that_nobody_waited_for_is_not_offered);

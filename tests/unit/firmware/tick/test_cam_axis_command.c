@@ -37,8 +37,9 @@ static void told(int32_t nm, int32_t step_nm)
 /// U's set-point of the tick. @return whether it was told
 static bool commands(int32_t set_nm, bool is_new)
 {
+    command.is_fault = motion.state == cam_state_fault && !is_new;
     r.want.u_set_q6 = set_nm * 64;
-    return cam_axis_command_isr(&command, &cfg, &r, &motion, is_new);
+    return cam_axis_command_isr(&command, &cfg, &r, &motion);
 }
 
 static void expect_told(int32_t nm, int32_t step_nm)
@@ -112,7 +113,8 @@ static void test_feed_forward_beyond_a_word_is_refused(void)
         motion.axis[hal_axis_u] = (cam_axis_motion_t){.vel_q10 = most[i], .acc_q10 = most[i]};
         TEST_ASSERT_FALSE(commands(0, false));
         motion.state = cam_state_fault;
-        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion, false);
+        command.is_fault = true;
+        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion);
         TEST_ASSERT_EQUAL_INT32(i == 0u ? -100000 : 100000, command.u.nm);
     }
 }
@@ -180,7 +182,9 @@ static void test_new_fault_tells_the_last_step_within_the_limits(void)
     for (size_t i = 0; i < 3u; i++) {
         told(cases[i][0], cases[i][1]);
         r.want.u_set_q6 = 777 * 64;
-        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion, true);
+        command.is_fault = false;
+        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion);
+        TEST_ASSERT_TRUE(command.is_fault);
         expect_told(cases[i][2], cases[i][3]);
         TEST_ASSERT_EQUAL_INT32((cases[i][2] - 777) * 64, command.fading_q6);
     }
@@ -201,7 +205,7 @@ static void test_refused_command_is_followed_as_far_as_the_limits_allow(void)
         told(cases[i][0], cases[i][1]);
         command.fading_q6 = 0;
         TEST_ASSERT_FALSE(commands(cases[i][2], false));
-        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion, false);
+        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion);
         expect_told(cases[i][3], cases[i][4]);
         TEST_ASSERT_EQUAL_INT32((cases[i][3] - cases[i][2]) * 64, command.fading_q6);
     }
@@ -224,7 +228,8 @@ static void test_refused_command_beyond_the_stroke_is_no_leap(void)
         told(cases[i][0], cases[i][1]);
         command.fading_q6 = 0;
         r.want.u_set_q6 = cases[i][2] * 64;
-        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion, false);
+        command.is_fault = true;
+        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion);
         expect_told(cases[i][3], cases[i][4]);
     }
 }
@@ -293,12 +298,30 @@ static void test_plan_in_off_is_told_as_it_is(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, command.vel_q10[hal_axis_x]);
 }
 
-static void test_u_that_is_called_otherwise_is_told_no_step(void)
+/// U is written in the port's numbers, X and Z rounded down to whole nanometres.
+static void test_axes_are_written_in_the_numbers_of_the_port(void)
 {
     told(1000, 5);
-    cam_axis_command_shift_isr(&command, -400);
-    TEST_ASSERT_TRUE(commands(605, false));
-    expect_told(605, 5);
+    motion.u_home_nm = 400;
+    motion.axis[hal_axis_x] = (cam_axis_motion_t){.pos_q10 = -1, .vel_q10 = 7, .acc_q10 = 8};
+    motion.axis[hal_axis_z] = (cam_axis_motion_t){.pos_q10 = 2047};
+    TEST_ASSERT_TRUE(commands(1005, false));
+    TEST_ASSERT_EQUAL_INT32(605, r.out[hal_axis_u].pos_nm);
+    TEST_ASSERT_EQUAL_INT32(-1, r.out[hal_axis_x].pos_nm);
+    TEST_ASSERT_EQUAL_INT32(7, r.out[hal_axis_x].vel_q10);
+    TEST_ASSERT_EQUAL_INT32(8, r.out[hal_axis_x].acc_q10);
+    TEST_ASSERT_EQUAL_INT32(1, r.out[hal_axis_z].pos_nm);
+}
+
+/// In off the speeds of the last plan are forgotten, even in an off that is shorter than a plan.
+static void test_off_forgets_the_speeds_of_the_last_plan(void)
+{
+    command.vel_q10[hal_axis_x] = command.vel_q10[hal_axis_z] = 1000;
+    motion.state = cam_state_off;
+    motion.is_playing = false;
+    TEST_ASSERT_TRUE(commands(0, false));
+    TEST_ASSERT_EQUAL_INT32(0, command.vel_q10[hal_axis_x]);
+    TEST_ASSERT_EQUAL_INT32(0, command.vel_q10[hal_axis_z]);
 }
 
 /// The amount of the least number is no number: it counts as the largest one.
@@ -328,6 +351,7 @@ int main(void)
     RUN_TEST(test_refused_command_beyond_the_stroke_is_no_leap);
     RUN_TEST(test_plan_tells_what_is_within_speed_change_and_place);
     RUN_TEST(test_plan_in_off_is_told_as_it_is);
-    RUN_TEST(test_u_that_is_called_otherwise_is_told_no_step);
+    RUN_TEST(test_axes_are_written_in_the_numbers_of_the_port);
+    RUN_TEST(test_off_forgets_the_speeds_of_the_last_plan);
     return UNITY_END();
 }

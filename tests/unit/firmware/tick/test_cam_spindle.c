@@ -42,14 +42,14 @@ static void start(int32_t counts_per_turn, int32_t sense, uint32_t base)
     cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
 }
 
-/// The reading of a tick; the index is watched in every 8th, as the plan does.
+/// The reading of a tick; the index is checked in every 8th, as the plan does.
 static void observe(int32_t alpha_q40)
 {
     cam_spindle_step_isr(&spindle, &config.spindle, &in, alpha_q40, &angle);
     faults |= angle.faults;
     n_ticks++;
     if (n_ticks % 8u == 0u) {
-        faults |= cam_spindle_watch_isr(&spindle, &config.spindle, &in.encoder);
+        faults |= cam_spindle_check_index_isr(&spindle, &config.spindle, &in.encoder);
     }
 }
 
