@@ -86,18 +86,22 @@ static void keep_told(cam_u_command_t *u, int32_t u_nm)
     u->nm = u_nm;
 }
 
+static hal_setpoint_t setpoint(const cam_axis_motion_t *m, int32_t pos_nm)
+{
+    return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
+}
+
 /// Write the set-points into the record in the port's numbers, in the form that drives take. Those
 /// of X and Z are rounded down; the plan has added half a nanometre to X, which is thus rounded to
 /// nearest.
 static void write_out(const cam_axis_command_t *t, cam_tick_record_t *r, const cam_motion_t *m)
 {
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        const cam_axis_motion_t *axis = &m->axis[i];
-        r->out[i] = (hal_setpoint_t){.pos_nm = (int32_t)(axis->pos_q10 >> 10),
-                                     .vel_q10 = axis->vel_q10,
-                                     .acc_q10 = axis->acc_q10};
-    }
-    r->out[hal_axis_u].pos_nm = cam_wrap_sub(t->u.nm, m->u_home_nm);
+    const cam_axis_motion_t *x = &m->axis[hal_axis_x];
+    const cam_axis_motion_t *z = &m->axis[hal_axis_z];
+    const int32_t u_nm = cam_wrap_sub(t->u.nm, m->u_home_nm);
+    r->out[hal_axis_u] = setpoint(&m->axis[hal_axis_u], u_nm);
+    r->out[hal_axis_x] = setpoint(x, (int32_t)(x->pos_q10 >> 10));
+    r->out[hal_axis_z] = setpoint(z, (int32_t)(z->pos_q10 >> 10));
 }
 
 /// In off nothing is a motion, and the next one begins at rest.

@@ -71,6 +71,9 @@ static void settle(cam_switches_t *s, const cam_switches_config_t *cfg, uint32_t
 uint32_t cam_switches_step_isr(cam_switches_t *s, const cam_switches_config_t *cfg,
                                const cam_tick_record_t *r)
 {
+    if (cfg->n == 0u) {
+        return 0;
+    }
     const bool is_known =
         r->angle.is_synced && r->want.state != cam_state_off && r->want.state != cam_state_fault;
     if (!is_known) {

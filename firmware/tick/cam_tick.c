@@ -21,10 +21,9 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
 {
     in->clock = hal_clock_isr();
     hal_encoder_read_isr(&in->encoder);
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        in->actual_nm[i] = hal_axis_read_nm_isr((hal_axis_t)i);
-    }
-    in->actual_nm[hal_axis_u] = cam_wrap_add(in->actual_nm[hal_axis_u], c->motion.u_home_nm);
+    in->actual_nm[hal_axis_u] = cam_wrap_add(hal_axis_read_nm_isr(hal_axis_u), c->motion.u_home_nm);
+    in->actual_nm[hal_axis_x] = hal_axis_read_nm_isr(hal_axis_x);
+    in->actual_nm[hal_axis_z] = hal_axis_read_nm_isr(hal_axis_z);
     in->swing_q32 = hal_swing_read_q32_isr();
     in->inputs = hal_inputs_read_isr();
     in->request = atomic_load_explicit(&c->request, CAM_ORDER_ACQUIRE);
@@ -56,9 +55,9 @@ static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
 {
     hal_outputs_write_isr(r->want.outputs);
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        hal_axis_write_isr((hal_axis_t)i, &r->out[i]);
-    }
+    hal_axis_write_isr(hal_axis_u, &r->out[hal_axis_u]);
+    hal_axis_write_isr(hal_axis_x, &r->out[hal_axis_x]);
+    hal_axis_write_isr(hal_axis_z, &r->out[hal_axis_z]);
     if (c->motion.swing.is_new) {
         c->motion.swing.is_new = false;
         hal_swing_write_isr(&c->motion.swing.set);

@@ -73,12 +73,14 @@ static void play_turn(cam_state_t state)
             error_nm += wave(k, at_q32) >> 11;
         }
         const int32_t u_nm = wave(2, at_q32) / 2;
-        const uint32_t measured_q32 = at_q32 + (uint32_t)wave(5, at_q32);
-        cam_turn_bins_add_isr(&bins, pos_q32, measured_q32, u_nm * 64, u_nm - error_nm);
+        const cam_tick_record_t r = {.config = generation,
+                                     .in.actual_nm = {u_nm - error_nm},
+                                     .angle = {.pos_q32 = pos_q32,
+                                               .measured_q32 = at_q32 + (uint32_t)wave(5, at_q32),
+                                               .speed_q32 = speed_q32},
+                                     .want = {.state = state, .u_due_q6 = u_nm * 64}};
+        cam_turn_bins_add_isr(&bins, &r);
         if (tick % 8u == 0u) {
-            const cam_tick_record_t r = {.config = generation,
-                                         .angle = {.pos_q32 = pos_q32, .speed_q32 = speed_q32},
-                                         .want = {.state = state}};
             const cam_motion_t m = {.is_playing = true, .scale_q30 = 1 << 30};
             cam_turn_bins_plan_isr(&bins, &r, &m);
         }
