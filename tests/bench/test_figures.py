@@ -36,9 +36,19 @@ def test_every_recorded_figure_is_quoted() -> None:
 
 
 def _assert_recorded(measured: dict[str, float]) -> None:
+    """Compare to half of the last digit that a document prints: processors differ beyond it."""
+    decimals = {
+        key: len(number.partition(".")[2])
+        for document in documents()
+        for number, key in quotes(document.read_text())
+    }
     known = recorded()
-    # Decimals of the summary are those of a double: compilers may differ in the last ones.
-    assert {k: known[k] for k in measured} == pytest.approx(measured, rel=1e-6)
+    changed = {
+        key: f"{value}, recorded {known[key]}"
+        for key, value in measured.items()
+        if abs(value - known[key]) > 0.5 * 10.0 ** -decimals[key]
+    }
+    assert not changed
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
