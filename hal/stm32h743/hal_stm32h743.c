@@ -71,16 +71,16 @@ int hal_init(void)
     return stm_can_init() ? 0 : refuse(no_can, "port: FDCAN1 does not work");
 }
 
-/// Tell who could read or change what runs here (UPDATE.md). It refuses nothing: a machine that is
-/// being set up is open, and a protection that was forgotten is seen at every start.
-static void tell_protection(void)
+/// Report how the firmware is protected (UPDATE.md). Nothing is refused: a machine that is being
+/// set up is open, and a forgotten protection shows at every start.
+static void report_protection(void)
 {
     char line[] =
         "port: read-out protection level 0, write protection of the firmware 0 (UPDATE.md)";
     enum { at_level = 32, at_answer = 68 };
     const uint32_t rdp = FLASH_OPTSR_RDP(FLASH_OPTSR_CUR);
     line[at_level] = rdp == 0xAAu ? '0' : rdp == 0xCCu ? '2' : '1';
-    if ((FLASH_WPSN_CUR1 & 1u) == 0u) {
+    if ((FLASH_WPSN_CUR1 & 3u) == 0u) { // both sectors with code
         line[at_answer] = '1';
     }
     hal_text(line);
@@ -88,7 +88,11 @@ static void tell_protection(void)
 
 void hal_tick_start(void)
 {
-    tell_protection();
+    report_protection();
+    if (stm_table_is_lost()) {
+        hal_text(
+            "port: an older firmware kept the table where code is now: download or flash it again");
+    }
     stm_timers_start_tick();
     stm_watch_start();
 }

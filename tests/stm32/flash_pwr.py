@@ -31,6 +31,7 @@ SCALE = {3: 1, 2: 2, 1: 3}  # of the code of VOS
 
 FLASH = 0x08000000
 BANK_BYTES, SECTOR_BYTES, WORD_BYTES = 1 << 20, 1 << 17, 32
+CODE_SECTORS = 2  # at the start of bank 1
 KEYS = (0x45670123, 0xCDEF89AB)
 LOCK, PG, SER, START = 1 << 0, 1 << 1, 1 << 2, 1 << 7
 QW = 1 << 2
@@ -173,7 +174,7 @@ class Flash(Device):
 
     def _erase(self, bank: int, control: int) -> None:
         sector = control >> 8 & 7
-        if not control & SER or control & PG or (bank, sector) == (0, 0):
+        if not control & SER or control & PG or bank * 8 + sector < CODE_SECTORS:
             raise UnmodelledError(f"flash: erase with cr{bank} 0x{control:x}")
         self._read_ahead(bank)
         address = FLASH + bank * BANK_BYTES + sector * SECTOR_BYTES
@@ -187,7 +188,8 @@ class Flash(Device):
     def store(self, address: int, size: int) -> None:
         """Let the image store a word into flash, the last of a flash word programs it."""
         bank, at = divmod(address - FLASH, BANK_BYTES)
-        if self.v[f"cr{bank}"] & (LOCK | PG | SER) != PG or (bank == 0 and at < SECTOR_BYTES):
+        is_code = bank == 0 and at < CODE_SECTORS * SECTOR_BYTES
+        if self.v[f"cr{bank}"] & (LOCK | PG | SER) != PG or is_code:
             raise UnmodelledError(f"flash: store to 0x{address:08x}")
         self._require_idle(bank)
         if self.clock.barrier_at <= self._pg_at[bank]:
