@@ -7,6 +7,7 @@
 #include "stm_convert.h"
 #include "stm_core.h"
 #include "stm_dac.h"
+#include "stm_ecc.h"
 #include "stm_keep.h"
 #include "stm_memory.h"
 #include "stm_params.h"
@@ -50,6 +51,7 @@ static int refuse(int reason, const char *why)
 int hal_init(void)
 {
     start = stm_keep_start();
+    stm_ecc_init();
     stm_table_init();
     stm_params_init();
     if (!is_fast_revision()) {
@@ -123,6 +125,7 @@ void hal_idle(void)
 {
     static uint32_t last_count;
     report_new_faults();
+    stm_ecc_poll();
     const uint32_t count = stm_tick_count();
     if (count != last_count) {
         stm_watch_feed();

@@ -94,6 +94,7 @@ class Flash(Device):
                     at + 0x0C: Reg(f"cr{bank}", LOCK | 3 << 4, write=self._write_cr(bank)),
                     at + 0x10: Reg(f"sr{bank}", 0, 0, read=self._read_sr(bank)),
                     at + 0x14: Reg(f"ccr{bank}", 0, FLAGS, write=self._write_ccr(bank)),
+                    at + 0x60: Reg(f"ecc_fa{bank}", 0, 0),  # flash word of the bank
                 }
             )
 
@@ -218,7 +219,16 @@ class Flash(Device):
 
     def load_torn(self, address: int) -> None:
         """Note that a load found a word beyond correction."""
-        self._flags[(address - FLASH) // BANK_BYTES] |= DBECCERR
+        self._note_ecc(address, DBECCERR)
+
+    def load_flipped(self, address: int) -> None:
+        """Note that a load found a word with one wrong bit, which was corrected."""
+        self._note_ecc(address, SNECCERR)
+
+    def _note_ecc(self, address: int, flag: int) -> None:
+        bank, at = divmod(address - FLASH, BANK_BYTES)
+        self._flags[bank] |= flag
+        self.v[f"ecc_fa{bank}"] = at // WORD_BYTES
 
     def next_event(self) -> int:
         """Return when an operation ends."""
