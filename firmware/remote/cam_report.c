@@ -108,15 +108,14 @@ static uint32_t memory_errors(void)
     return n < 0xFFFFFFu ? n : 0xFFFFFFu;
 }
 
-/// Remember how long the newest interrupt took. The main loop comes by behind most of them.
+/// Add up the durations of the interrupts. The main loop runs after most of them.
 static void watch_load(cam_report_t *r)
 {
     r->load_cycles += hal_load().last_cycles;
     r->n_loads++;
 }
 
-/// Fill in the signals about the progress of the pass, the mean interrupt, and samples of the live
-/// picture.
+/// Fill in the signals of the pass's progress, the mean interrupt and the live picture's samples.
 static void describe_progress(struct camturn_detail_t *m, const cam_report_t *r,
                               const cam_machine_t *machine)
 {

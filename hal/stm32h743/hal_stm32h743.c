@@ -41,7 +41,7 @@ static void init_text(void)
     USART3_CR1 = USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE;
 }
 
-/// Report why the port cannot be used, since main() only learns that it cannot.
+/// Report why the port cannot be used: main() gets only a number.
 static int refuse(int reason, const char *why)
 {
     hal_text(why);
@@ -62,8 +62,8 @@ int hal_init(void)
         return no_clock;
     }
     stm_tick_fault(clock == stm_clock_hsi ? stm_fault_clock : 0u);
-    stm_timers_init(); // before the pins: /LDAC is then high from the first moment
-    stm_steps_init();  // and the steps are low
+    stm_timers_init(); // before the pins, so that /LDAC is high from the start
+    stm_steps_init();  // and the steps low
     stm_pins_init();
     init_text();
     stm_tick_init();
@@ -99,7 +99,7 @@ void hal_tick_start(void)
     stm_watch_start();
 }
 
-/// Write a line of text for each of the port's own faults that is new.
+/// Write a line of text for each new fault of the port.
 static void report_new_faults(void)
 {
     static const char *const texts[] = {
@@ -119,7 +119,7 @@ static void report_new_faults(void)
     reported |= new_faults;
 }
 
-/// The watchdog is fed only when ticks have come since the last call, so it supervises both the
+/// Feed the watchdog only if there was a tick since the last call, so that it supervises both the
 /// tick and the main loop.
 void hal_idle(void)
 {
@@ -150,7 +150,7 @@ hal_start_t hal_start(void)
     return start;
 }
 
-/// A character takes 87 us to send. One that finds no room for a whole millisecond is dropped.
+/// A character takes 87 us to send. It is dropped if there is no room for a millisecond.
 static void put_char(char c)
 {
     const uint32_t begin = TIM5->CNT;
@@ -188,7 +188,7 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return last_nm[axis];
 }
 
-/// An axis with steps is as fine and as fast as they are, one without as its channel of the DAC.
+/// Steps limit the resolution and speed of an axis; without steps, its channel of the DAC does.
 static hal_axis_scale_t scale_of(int32_t full_nm, int32_t step_pm, uint32_t measured_pm)
 {
     hal_axis_scale_t scale = {.command_pm = BOARD_CODE_PM(full_nm), .measured_pm = measured_pm};
@@ -254,7 +254,7 @@ hal_memory_t hal_scope_memory(void)
     return (hal_memory_t){.words = (int32_t *)stm_scope_start, .n_words = 2u * n_doubles};
 }
 
-/// The black box lasts until the supply goes: flash is for tables and parameters.
+/// The black box lasts until power-off: flash is for tables and parameters.
 void hal_scope_keep(const int32_t *words, uint32_t n)
 {
     (void)words;
@@ -271,7 +271,7 @@ void hal_swing_write_isr(const hal_swing_t *setpoint)
     (void)setpoint;
 }
 
-/// Inputs of port D. Switches open their contacts, so that a cut wire is one that is reached.
+/// Inputs of port D. Switches are normally closed, so a broken wire reads as a reached switch.
 static uint32_t port_d(void)
 {
     enum { shift = 1, indices = 7u << stm_pin_index_u };

@@ -21,7 +21,7 @@ _Noreturn void stm_run(void);
 
 typedef void (*vector_t)(void);
 
-/// Start-up that runs in flash, before there is code elsewhere.
+/// Start-up code that runs in flash, before code is copied to RAM.
 #define STM_BOOT __attribute__((section(".boot"), used, noinline))
 
 enum { n_system = 16, n_vectors = n_system + stm_n_irqs, n_changes = 5 };
@@ -60,7 +60,7 @@ static void on_usage_fault(void)
 
 static void on_unexpected(void)
 {
-    hal_halt("exception: nobody's interrupt");
+    hal_halt("exception: unexpected interrupt");
 }
 
 /// An exception before memory is filled: make the outputs safe and start again.
@@ -83,7 +83,7 @@ __attribute__((section(".vectors"), used)) static const struct {
                on_boot_fault, on_boot_fault, on_boot_fault, on_boot_fault},
 };
 
-/// The vectors that are used while the tick runs, in memory without wait states. Their alignment is
+/// Vectors used while the tick runs, in memory without wait states. Their alignment is
 /// their size rounded up to a power of two: B3.2.5.
 __attribute__((section(".ram_vectors"), aligned(1024))) static vector_t ram_vectors[n_vectors];
 
