@@ -102,15 +102,21 @@ static uint32_t longest_tick_ns(void)
     return tick_time(hal_load().max_cycles, 1000000000u, UINT32_MAX);
 }
 
-/// Remember how long the newest interrupt took. The main loop comes by behind most of them.
+/// @return memory errors that the hardware corrected, saturated
+static uint32_t memory_errors(void)
+{
+    const uint32_t n = hal_load().n_corrected;
+    return n < 0xFFFFFFu ? n : 0xFFFFFFu;
+}
+
+/// Add up the durations of the interrupts. The main loop runs after most of them.
 static void watch_load(cam_report_t *r)
 {
     r->load_cycles += hal_load().last_cycles;
     r->n_loads++;
 }
 
-/// Fill in the signals about the progress of the pass, the mean interrupt, and samples of the live
-/// picture.
+/// Fill in the signals of the pass's progress, the mean interrupt and the live picture's samples.
 static void describe_progress(struct camturn_detail_t *m, const cam_report_t *r,
                               const cam_machine_t *machine)
 {
@@ -269,6 +275,7 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .late_ticks = status->n_late,
     };
     m.tick_time_max = page == page_load ? longest_tick_ns() : 0u;
+    m.memory_errors = memory_errors();
     describe_table(&m, store);
     describe_learning(&m, store->machine);
     describe_params(&m, store->machine);

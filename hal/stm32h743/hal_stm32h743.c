@@ -7,6 +7,7 @@
 #include "stm_convert.h"
 #include "stm_core.h"
 #include "stm_dac.h"
+#include "stm_ecc.h"
 #include "stm_keep.h"
 #include "stm_memory.h"
 #include "stm_params.h"
@@ -40,7 +41,7 @@ static void init_text(void)
     USART3_CR1 = USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE;
 }
 
-/// Report why the port cannot be used, since main() only learns that it cannot.
+/// Report why the port cannot be used: main() gets only a number.
 static int refuse(int reason, const char *why)
 {
     hal_text(why);
@@ -50,6 +51,7 @@ static int refuse(int reason, const char *why)
 int hal_init(void)
 {
     start = stm_keep_start();
+    stm_ecc_init();
     stm_table_init();
     stm_params_init();
     if (!is_fast_revision()) {
@@ -60,8 +62,8 @@ int hal_init(void)
         return no_clock;
     }
     stm_tick_fault(clock == stm_clock_hsi ? stm_fault_clock : 0u);
-    stm_timers_init(); // before the pins: /LDAC is then high from the first moment
-    stm_steps_init();  // and the steps are low
+    stm_timers_init(); // before the pins, so that /LDAC is high from the start
+    stm_steps_init();  // and the steps low
     stm_pins_init();
     init_text();
     stm_tick_init();
@@ -71,16 +73,16 @@ int hal_init(void)
     return stm_can_init() ? 0 : refuse(no_can, "port: FDCAN1 does not work");
 }
 
-/// Tell who could read or change what runs here (UPDATE.md). It refuses nothing: a machine that is
-/// being set up is open, and a protection that was forgotten is seen at every start.
-static void tell_protection(void)
+/// Report how the firmware is protected (UPDATE.md). Nothing is refused: a machine that is being
+/// set up is open, and a forgotten protection shows at every start.
+static void report_protection(void)
 {
     char line[] =
         "port: read-out protection level 0, write protection of the firmware 0 (UPDATE.md)";
     enum { at_level = 32, at_answer = 68 };
     const uint32_t rdp = FLASH_OPTSR_RDP(FLASH_OPTSR_CUR);
     line[at_level] = rdp == 0xAAu ? '0' : rdp == 0xCCu ? '2' : '1';
-    if ((FLASH_WPSN_CUR1 & 1u) == 0u) {
+    if ((FLASH_WPSN_CUR1 & 3u) == 0u) { // both sectors with code
         line[at_answer] = '1';
     }
     hal_text(line);
@@ -88,12 +90,16 @@ static void tell_protection(void)
 
 void hal_tick_start(void)
 {
-    tell_protection();
+    report_protection();
+    if (stm_table_is_lost()) {
+        hal_text(
+            "port: an older firmware kept the table where code is now: download or flash it again");
+    }
     stm_timers_start_tick();
     stm_watch_start();
 }
 
-/// Write a line of text for each of the port's own faults that is new.
+/// Write a line of text for each new fault of the port.
 static void report_new_faults(void)
 {
     static const char *const texts[] = {
@@ -113,12 +119,13 @@ static void report_new_faults(void)
     reported |= new_faults;
 }
 
-/// The watchdog is fed only when ticks have come since the last call, so it supervises both the
+/// Feed the watchdog only if there was a tick since the last call, so that it supervises both the
 /// tick and the main loop.
 void hal_idle(void)
 {
     static uint32_t last_count;
     report_new_faults();
+    stm_ecc_poll();
     const uint32_t count = stm_tick_count();
     if (count != last_count) {
         stm_watch_feed();
@@ -143,7 +150,7 @@ hal_start_t hal_start(void)
     return start;
 }
 
-/// A character takes 87 us to send. One that finds no room for a whole millisecond is dropped.
+/// A character takes 87 us to send. It is dropped if there is no room for a millisecond.
 static void put_char(char c)
 {
     const uint32_t begin = TIM5->CNT;
@@ -181,7 +188,7 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return last_nm[axis];
 }
 
-/// An axis with steps is as fine and as fast as they are, one without as its channel of the DAC.
+/// Steps limit the resolution and speed of an axis; without steps, its channel of the DAC does.
 static hal_axis_scale_t scale_of(int32_t full_nm, int32_t step_pm, uint32_t measured_pm)
 {
     hal_axis_scale_t scale = {.command_pm = BOARD_CODE_PM(full_nm), .measured_pm = measured_pm};
@@ -247,7 +254,7 @@ hal_memory_t hal_scope_memory(void)
     return (hal_memory_t){.words = (int32_t *)stm_scope_start, .n_words = 2u * n_doubles};
 }
 
-/// The black box lasts until the supply goes: flash is for tables and parameters.
+/// The black box lasts until power-off: flash is for tables and parameters.
 void hal_scope_keep(const int32_t *words, uint32_t n)
 {
     (void)words;
@@ -264,7 +271,7 @@ void hal_swing_write_isr(const hal_swing_t *setpoint)
     (void)setpoint;
 }
 
-/// Inputs of port D. Switches open their contacts, so that a cut wire is one that is reached.
+/// Inputs of port D. Switches are normally closed, so a broken wire reads as a reached switch.
 static uint32_t port_d(void)
 {
     enum { shift = 1, indices = 7u << stm_pin_index_u };

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stm_keep.h"
 #include "stm_core.h" // stm_barrier
-#include <stdbool.h>  // bool
 
 enum { text_words = 30, text_bytes = 4 * text_words };
 
-/// The kept text with its seal. It consists of whole words, because the memory's error correction
-/// covers whole words.
+/// The kept text with its check word. It consists of whole words, because the error-correction code
+/// of the DTCM covers words.
 typedef struct {
     uint32_t magic;
     uint32_t text[text_words]; ///< four characters each, the first in the lowest byte
@@ -17,7 +16,7 @@ __attribute__((section(".keep"))) static volatile keep_t keep;
 
 static const uint32_t keep_magic = 0x48414C54u; // "HALT"
 
-/// The text of the halt before this start.
+/// Text of the halt before this start.
 static char why[text_bytes + 1];
 
 /// @return the check word that belongs to the kept text
@@ -58,8 +57,8 @@ static bool take_text(void)
     return is_valid;
 }
 
-/// A power-on sets the brown-out flag as well, and every reset inside the device sets the flag of
-/// the pin. So the flags are asked from the most to the least specific one.
+/// A power-on sets the brown-out flag as well, and every reset inside the device sets that of the
+/// pin. So the flags are checked from the most to the least specific one.
 static hal_reset_t reason(uint32_t flags, bool has_text)
 {
     if ((flags & RCC_RSR_PORRSTF) != 0u) {
@@ -80,8 +79,7 @@ static hal_reset_t reason(uint32_t flags, bool has_text)
 hal_start_t stm_keep_start(void)
 {
     const uint32_t flags = RCC_RSR;
-    const bool is_kept = (flags & (RCC_RSR_PORRSTF | RCC_RSR_BORRSTF)) == 0u;
-    const bool has_text = is_kept && (flags & RCC_RSR_SFTRSTF) != 0u && take_text();
+    const bool has_text = stm_keep_may_hold(flags) && take_text();
     keep.magic = 0;
     RCC_RSR |= RCC_RSR_RMVF;
     return (hal_start_t){.reset = reason(flags, has_text), .why = why};

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_keep: why the processor started, and the text that hal_halt() left behind.
+/// stm_keep: why the processor started, and the text of the last hal_halt().
 ///
-/// The text lies in memory that start-up does not touch, and is sealed by a check word. It is read
-/// after a software reset only, because after a power-on the memory holds nothing that its error
-/// correction would accept.
+/// The text has a check word and is in memory that start-up clears, except after a software reset:
+/// after a power-on its error-correction code is random.
 #ifndef STM_KEEP_H
 #define STM_KEEP_H
 
 #include "hal/hal.h" // hal_start_t
+#include "stm_reg.h" // RCC_RSR
+#include <stdbool.h> // bool
+
+/// @return whether RCC_RSR says that memory has held a text since the last start. Inlined always:
+/// the start-up in flash calls it before the code in RAM is there.
+__attribute__((always_inline)) static inline bool stm_keep_may_hold(uint32_t flags)
+{
+    return (flags & (RCC_RSR_SFTRSTF | RCC_RSR_PORRSTF | RCC_RSR_BORRSTF)) == RCC_RSR_SFTRSTF;
+}
 
 /// Keep the first 120 characters of a text for stm_keep_start().
 /// Context: any, interrupts off.
@@ -15,7 +23,7 @@ void stm_keep_text(const char *why);
 
 /// Read and clear the reset flags and the kept text.
 /// @return the reason of the start, with the kept text
-/// Context: slow side, once, at the begin of hal_init().
+/// Context: slow side, once, at the start of hal_init().
 /// Source: RM0433 8.4 (reset sources, table of RCC_RSR), 8.7, RCC_RSR; chapter 3 (RAM ECC).
 hal_start_t stm_keep_start(void);
 

@@ -9,7 +9,7 @@ typedef struct {
     uint32_t attributes; ///< of MPU_RASR
 } region_t;
 
-/// In the order of their numbers; the table in stm_memory.h says what each is for.
+/// In the order of their numbers; stm_memory.h lists their purposes.
 static const region_t regions[] = {
     {0x60000000u, MPU_RASR_SIZE(29) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
     {0x80000000u, MPU_RASR_SIZE(29) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
@@ -19,8 +19,8 @@ static const region_t regions[] = {
     {0x00000000u, MPU_RASR_SIZE(12) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
     {0x20000000u, MPU_RASR_SIZE(17) | MPU_RASR_READ_WRITE | MPU_RASR_UNCACHED | MPU_RASR_XN},
     {0x1FF00000u, MPU_RASR_SIZE(20) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
-    {0x08000000u, MPU_RASR_SIZE(20) | MPU_RASR_WITHOUT(0) | MPU_RASR_READ_ONLY |
-                      MPU_RASR_WRITE_THROUGH | MPU_RASR_XN},
+    {0x08000000u, MPU_RASR_SIZE(20) | MPU_RASR_WITHOUT(0) | MPU_RASR_WITHOUT(1) |
+                      MPU_RASR_READ_ONLY | MPU_RASR_WRITE_THROUGH | MPU_RASR_XN},
     {0x24000000u, MPU_RASR_SIZE(19) | MPU_RASR_READ_WRITE | MPU_RASR_UNCACHED | MPU_RASR_XN},
     {0x24000000u, MPU_RASR_SIZE(17) | MPU_RASR_READ_ONLY | MPU_RASR_WRITE_THROUGH},
 };
@@ -28,8 +28,8 @@ static const region_t regions[] = {
 /// Regions that hold tables, by bank.
 static const uint32_t table_region[] = {8, 3};
 
-/// Invalidate every line of the data cache, by set and way (which is the term of the manual). No
-/// line is newer than its memory, because all cached regions are read-only or written through.
+/// Invalidate every line of the data cache, by set and way. No line is newer than its memory,
+/// because all cached regions are read-only or written through.
 static void empty_data_cache(void)
 {
     SCB_CSSELR = 0; // level 1, data

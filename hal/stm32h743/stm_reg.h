@@ -11,6 +11,19 @@
 
 #define STM_REG(address) (*(volatile uint32_t *)(address))
 
+// Chapter 3, RAM ECC monitoring. Monitors of domain 1: 1 AXI SRAM, 2 ITCM, 3 and 4 DTCM, 5 ETM
+
+#define RAMECC1_CR(monitor) STM_REG(0x52009000u + 0x20u * (monitor))
+#define RAMECC_CR_ECCDEIE (1u << 3)   // interrupt of a double error in a read
+#define RAMECC_CR_ECCDEBWIE (1u << 4) // and in a write of a part of a word
+#define RAMECC_CR_ECCELEN (1u << 5)   // FAR keeps the address of an error
+#define RAMECC1_SR(monitor) STM_REG(0x52009004u + 0x20u * (monitor)) // a flag is cleared by a 0
+#define RAMECC_SR_SEDCF (1u << 0)
+#define RAMECC_SR_DEDF (1u << 1)
+#define RAMECC_SR_DEBWDF (1u << 2)
+#define RAMECC_SR_FLAGS 7u
+#define RAMECC1_FAR(monitor) STM_REG(0x52009008u + 0x20u * (monitor))
+
 // Chapter 4, embedded flash memory
 
 #define FLASH_ACR STM_REG(0x52002000u)
@@ -20,7 +33,7 @@
 /// Registers of a bank, 0 (bank 1) or 1 (bank 2).
 #define FLASH_OPTSR_CUR STM_REG(0x5200201Cu)
 #define FLASH_OPTSR_RDP(optsr) ((optsr) >> 8 & 0xFFu) // 0xAA level 0, 0xCC level 2, all others 1
-#define FLASH_WPSN_CUR1 STM_REG(0x52002038u)          // bit i 0: sector i of bank 1 is protected
+#define FLASH_WPSN_CUR1 STM_REG(0x52002038u)          // bit i is 0: sector i of bank 1 is protected
 #define FLASH_KEYR(bank) STM_REG(0x52002004u + 0x100u * (bank))
 #define FLASH_KEYR_FIRST 0x45670123u
 #define FLASH_KEYR_SECOND 0xCDEF89ABu
@@ -33,10 +46,12 @@
 #define FLASH_CR_SNB(sector) ((uint32_t)(sector) << 8)
 #define FLASH_SR(bank) STM_REG(0x52002010u + 0x100u * (bank))
 #define FLASH_SR_QW (1u << 2)
-#define FLASH_SR_DBECCERR (1u << 26)
-#define FLASH_SR_ERRORS 0x006E0000u // WRPERR, PGSERR, STRBERR, INCERR, OPERR: of erase and program
-#define FLASH_SR_FLAGS 0x07EF0000u  // these, EOP, and what reads set, the core's own ones too
+#define FLASH_SR_SNECCERR (1u << 25) // a single error was corrected
+#define FLASH_SR_DBECCERR (1u << 26) // a double error was detected
+#define FLASH_SR_ERRORS 0x006E0000u  // WRPERR, PGSERR, STRBERR, INCERR, OPERR: of erase and program
+#define FLASH_SR_FLAGS 0x05EF0000u   // these, EOP, and flags of reads, but not SNECCERR
 #define FLASH_CCR(bank) STM_REG(0x52002014u + 0x100u * (bank))
+#define FLASH_ECC_FA(bank) STM_REG(0x52002060u + 0x100u * (bank)) // flash word of the bank
 
 // Chapter 6, power control
 
@@ -202,7 +217,7 @@ _Static_assert(offsetof(stm_tim_t, CCR4) == 0x40, "as in the manual");
 #define TIM_CCER_CC4P (1u << 13)
 #define TIM_BDTR_MOE (1u << 15)
 
-enum { stm_irq_tim4 = 30, stm_n_irqs = 150 }; // chapter 19, vector table
+enum { stm_irq_tim4 = 30, stm_irq_ecc = 145, stm_n_irqs = 150 }; // chapter 19, vector table
 
 // Chapter 44, window watchdog
 

@@ -3,16 +3,17 @@
 /// exceptions. Source: ARMv7-M Architecture Reference Manual B1.5.3 (vector table), B3.2.
 #include "hal/hal.h"
 #include "stm_core.h"
+#include "stm_ecc.h"    // stm_ecc_isr
+#include "stm_keep.h"   // stm_keep_may_hold
 #include "stm_memory.h" // stm_memory_init
 #include "stm_pins.h"   // stm_outputs_safe
 #include "stm_tick.h"   // stm_tick_isr
 
-extern uint32_t stm_stack_bottom, stm_stack_top;
+extern uint32_t stm_stack_top;
 extern uint32_t stm_itcm_image, stm_itcm_start, stm_itcm_end;
 extern uint32_t stm_slow_image, stm_slow_start, stm_slow_end;
-extern uint64_t stm_axi_start[];
 extern uint32_t stm_data_image, stm_data_start, stm_data_end;
-extern uint32_t stm_bss_start, stm_bss_end;
+extern uint64_t stm_axi_start[], stm_itcm_base[], stm_itcm_top[], stm_kept_base[], stm_kept_top[];
 int main(void);
 _Noreturn void stm_reset(void);
 void stm_boot_fill(void);
@@ -20,7 +21,7 @@ _Noreturn void stm_run(void);
 
 typedef void (*vector_t)(void);
 
-/// Start-up that runs in flash, before there is code elsewhere.
+/// Start-up code that runs in flash, before code is copied to RAM.
 #define STM_BOOT __attribute__((section(".boot"), used, noinline))
 
 enum { n_system = 16, n_vectors = n_system + stm_n_irqs, n_changes = 5 };
@@ -39,7 +40,7 @@ static void on_nmi(void)
 
 static void on_hard_fault(void)
 {
-    hal_halt("exception: hard fault");
+    hal_halt(stm_ecc_why("exception: hard fault"));
 }
 
 static void on_memory_fault(void)
@@ -49,7 +50,7 @@ static void on_memory_fault(void)
 
 static void on_bus_fault(void)
 {
-    hal_halt("exception: bus fault");
+    hal_halt(stm_ecc_why("exception: bus fault"));
 }
 
 static void on_usage_fault(void)
@@ -59,7 +60,7 @@ static void on_usage_fault(void)
 
 static void on_unexpected(void)
 {
-    hal_halt("exception: nobody's interrupt");
+    hal_halt("exception: unexpected interrupt");
 }
 
 /// An exception before memory is filled: make the outputs safe and start again.
@@ -82,7 +83,7 @@ __attribute__((section(".vectors"), used)) static const struct {
                on_boot_fault, on_boot_fault, on_boot_fault, on_boot_fault},
 };
 
-/// The vectors that are used while the tick runs, in memory without wait states. Their alignment is
+/// Vectors used while the tick runs, in memory without wait states. Their alignment is
 /// their size rounded up to a power of two: B3.2.5.
 __attribute__((section(".ram_vectors"), aligned(1024))) static vector_t ram_vectors[n_vectors];
 
@@ -98,6 +99,7 @@ static void fill_vectors(void)
     ram_vectors[5] = on_bus_fault;
     ram_vectors[6] = on_usage_fault;
     ram_vectors[n_system + stm_irq_tim4] = stm_tick_isr;
+    ram_vectors[n_system + stm_irq_ecc] = stm_ecc_isr;
     SCB_VTOR = (uint32_t)ram_vectors;
     SCB_SHCSR |= SCB_SHCSR_FAULTS;
     SCB_CCR |= SCB_CCR_DIV_0_TRP;
@@ -112,18 +114,11 @@ __attribute__((always_inline)) static inline void copy(const uint32_t *from, uin
     }
 }
 
-__attribute__((always_inline)) static inline void clear(uint32_t *to, const uint32_t *end)
+/// Clear RAM with 64-bit stores. Its error-correction code, over up to 64 bits, is random after
+/// power-on; a narrower store would read the word first. RM0433 chapter 3.
+__attribute__((always_inline)) static inline void clear(volatile uint64_t *to, const uint64_t *end)
 {
-    while (to < end) {
-        *to++ = 0;
-    }
-}
-
-/// The AXI SRAM has an error-correction code over 64 bits, which is random after power-on: all of
-/// it is written so before a part of 64 bits is. RM0433 chapter 3.
-__attribute__((always_inline)) static inline void clear_axi(void)
-{
-    for (volatile uint64_t *to = stm_axi_start; to < stm_scope_end; to++) {
+    for (; to < end; to++) {
         *to = 0;
     }
 }
@@ -134,10 +129,10 @@ typedef struct {
     uint32_t clear, set;
 } change_t;
 
-/// What is done before RAM may be written, in this order: outputs safe, the trace's pin free,
-/// supply by the LDO. Then bit `ready` of `*wait` is waited for: the supply's voltage is valid.
-/// Until then "write accesses to the RAMs are not permitted", the stack neither, which no compiler
-/// promises: so this is a table for a loop in assembler. RM0433 6.4.1 (system supply start-up),
+/// Changes before RAM may be written, in this order: outputs safe, the trace's pin free, supply by
+/// the LDO. Then the loop waits for bit `ready` of `*wait`: the supply's voltage is valid. Until
+/// then "write accesses to the RAMs are not permitted", not even to the stack, which no compiler
+/// guarantees: hence a table for a loop in assembler. RM0433 6.4.1 (system supply start-up),
 /// PWR_CR3.
 __attribute__((section(".boot_table"), used)) const struct {
     change_t change[n_changes];
@@ -157,18 +152,22 @@ __attribute__((section(".boot_table"), used)) const struct {
     .ready = PWR_CSR1_ACTVOSRDY,
 };
 
-/// Fill the memories; the stack is clear already.
+/// Clear the other memories (the DTCM is clear already), but not the text of a halt, and copy the
+/// load images.
 STM_BOOT void stm_boot_fill(void)
 {
-    clear_axi();
+    clear(stm_itcm_base, stm_itcm_top);
+    clear(stm_axi_start, stm_scope_end);
+    if (!stm_keep_may_hold(RCC_RSR)) {
+        clear(stm_kept_base, stm_kept_top);
+    }
     copy(&stm_slow_image, &stm_slow_start, &stm_slow_end);
     copy(&stm_itcm_image, &stm_itcm_start, &stm_itcm_end);
     copy(&stm_data_image, &stm_data_start, &stm_data_end);
-    clear(&stm_bss_start, &stm_bss_end);
     stm_barrier();
 }
 
-/// What follows the start-up, from ITCM: flash may not be read from here on but for the tables.
+/// Runs after the start-up, from ITCM: from here on only the tables in flash may be read.
 __attribute__((used, noinline)) void stm_run(void)
 {
     fill_vectors();
@@ -177,12 +176,10 @@ __attribute__((used, noinline)) void stm_run(void)
     hal_halt("main returned");
 }
 
-/// Changes the registers of stm_boot_table, each read back so that the next change finds its clock
-/// running; waits; clears the stack while nobody has a frame on it, because writing a byte into a
-/// word without a valid error-correction code would be an error (RM0433 chapter 3). In assembler,
-/// because no compiler then writes the stack too early, nor inlines what is called: with link-time
-/// optimisation main() would otherwise end up here, in flash. Without a valid supply there is
-/// nothing to run, and it waits with safe outputs.
+/// Changes the registers of stm_boot_table and reads each back, so that the next change finds its
+/// clock running; waits; clears the DTCM, the stack included, with 64-bit stores. In assembler, so
+/// that nothing uses the stack too early, and link-time optimisation does not inline main() here,
+/// in flash. Without a valid supply it waits with safe outputs.
 __attribute__((naked, section(".boot"), used)) void stm_reset(void)
 {
     __asm volatile("ldr r0, =stm_boot_table\n"
@@ -197,10 +194,11 @@ __attribute__((naked, section(".boot"), used)) void stm_reset(void)
                    "2: ldr r4, [r2]\n"
                    "tst r4, r3\n"
                    "beq 2b\n"
-                   "ldr r0, =stm_stack_bottom\n"
-                   "ldr r1, =stm_stack_top\n"
+                   "ldr r0, =stm_dtcm_base\n"
+                   "ldr r1, =stm_dtcm_top\n"
                    "movs r2, #0\n"
-                   "3: str r2, [r0], #4\n"
+                   "movs r3, #0\n"
+                   "3: strd r2, r3, [r0], #8\n"
                    "cmp r0, r1\n"
                    "blo 3b\n"
                    "bl stm_boot_fill\n"

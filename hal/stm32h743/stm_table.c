@@ -1,21 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_table: where tables lie, which of them is in use, and how that changes (hal_table_*()).
+/// stm_table: the two places for tables, which of them is in use, and how that changes
+/// (hal_table_*()).
 ///
-/// There are two places, in different banks. A log in a sector of its own records which one is in
-/// use. A record is one flash word, so it is written completely or not at all. The last good record
-/// counts; an empty log means place 0, into which programming tools write. The log is erased only
-/// while place 0 is in use, since an empty log then means the same as before.
+/// The places are in different banks. A log in a sector of its own records which one is in use. A
+/// record is one flash word, so it is written completely or not at all. The last good record
+/// applies; an empty log means place 0, which programming tools write. The log is erased only while
+/// place 0 is in use, since an empty log then means the same as before.
+///
+/// Firmware that fitted one sector kept place 1 from sector 1 on, where code is now. Its records
+/// name that place 1; those of today's place 1 name 2. A table in the old place is lost: none is
+/// used until a new one is downloaded or programmed, because the table in place 0 may be of another
+/// part.
 #include "hal/hal.h"
 #include "stm_flash.h"
 #include "stm_table.h"
 #include <stddef.h> // NULL
 
-enum { n_places = 2, n_records = 1024 };
+enum { n_records = 1024 };
+
+/// What a record names.
+enum { name_place_0 = 0, name_old_place_1 = 1, name_place_1 = 2, n_names = 3 };
 
 extern const uint8_t stm_table_start[], stm_table_bytes[];
 extern const uint8_t stm_other_start[], stm_other_bytes[], stm_log_start[];
 
-/// A record of the log: magic, place, its own number, and the complements of these.
+/// A record of the log: magic, name of the place, its own number, and the complements of these.
 typedef struct {
     uint32_t words[stm_flash_words];
 } record_t;
@@ -25,6 +34,7 @@ _Static_assert(hal_table_grain % stm_flash_word_bytes == 0, "pieces are whole fl
 static const uint32_t record_magic = 0x4C424154u; // "TABL"
 
 static uint32_t in_use;    ///< place in use, 0 or 1
+static bool is_lost;       ///< the table in use was in the old place 1
 static uint32_t n_written; ///< number of records in the log, good or torn
 static bool is_begun;      ///< a download has begun
 
@@ -34,17 +44,17 @@ static uint32_t log_address(uint32_t i)
     return (uint32_t)stm_log_start + i * stm_flash_word_bytes;
 }
 
-/// @return record i of the log, which makes a place the one in use
-static record_t record_of(uint32_t place, uint32_t i)
+/// @return record i of the log, which makes the named place the one in use
+static record_t record_of(uint32_t name, uint32_t i)
 {
-    return (record_t){{record_magic, place, i, ~record_magic, ~place, ~i, 0, 0}};
+    return (record_t){{record_magic, name, i, ~record_magic, ~name, ~i, 0, 0}};
 }
 
 /// @return whether a flash word is a good record i
 static bool is_record(const record_t *found, uint32_t i)
 {
     const record_t due = record_of(found->words[1], i);
-    bool is_good = found->words[1] < n_places;
+    bool is_good = found->words[1] < n_names;
     for (uint32_t k = 0; k < stm_flash_words; k++) {
         is_good = is_good && found->words[k] == due.words[k];
     }
@@ -63,17 +73,24 @@ static bool is_empty(const record_t *found)
 
 void stm_table_init(void)
 {
-    in_use = 0;
+    uint32_t name = name_place_0;
     n_written = 0;
     is_begun = false;
     for (uint32_t i = 0; i < n_records; i++) {
         record_t found;
         const bool is_readable = stm_flash_peek(log_address(i), found.words);
         if (is_readable && is_record(&found, i)) {
-            in_use = found.words[1];
+            name = found.words[1];
         }
         n_written = is_readable && is_empty(&found) ? n_written : i + 1u;
     }
+    in_use = name == name_place_0 ? 0u : 1u;
+    is_lost = name == name_old_place_1;
+}
+
+bool stm_table_is_lost(void)
+{
+    return is_lost;
 }
 
 /// @return place 0 or 1 for a table
@@ -83,12 +100,12 @@ static hal_image_t place(uint32_t i)
                    : (hal_image_t){.bytes = stm_other_start, .size = (uint32_t)stm_other_bytes};
 }
 
-/// What cannot be read, because a programmer was interrupted, is no part of the place: the table is
-/// then cut off and refused, where a load would be a bus fault, a reset, and so on for ever.
+/// An interrupted programmer leaves words that cannot be read. The place ends before them, so the
+/// table is cut off and refused; a load would be a bus fault and a reset at every start.
 hal_image_t hal_table_image(void)
 {
     const hal_image_t all = place(in_use);
-    const uint32_t size = stm_flash_readable((uint32_t)all.bytes, all.size);
+    const uint32_t size = is_lost ? 0u : stm_flash_readable((uint32_t)all.bytes, all.size);
     return (hal_image_t){.bytes = all.bytes, .size = size};
 }
 
@@ -133,16 +150,16 @@ bool hal_table_commit(void)
     if (!is_begun || n_written == n_records) {
         return false;
     }
-    // The record is counted before it is written, since a torn one occupies its place in the log
-    // too.
-    const record_t record = record_of(1u - in_use, n_written);
+    // Count the record before it is written: a torn one occupies its place in the log as well.
+    const record_t record = record_of(in_use == 0u ? name_place_1 : name_place_0, n_written);
     const uint32_t address = log_address(n_written);
     n_written++;
     is_begun = false;
-    hal_idle(); // feeds the watchdog: the table was checked before, and is checked again behind
+    hal_idle(); // feeds the watchdog between the check of the table before and the one after
     if (!stm_flash_program(address, (const uint8_t *)record.words, sizeof record)) {
         return false;
     }
     in_use = 1u - in_use;
+    is_lost = false;
     return true;
 }

@@ -4,6 +4,7 @@
 #include "stm_clock.h"  // stm_cpu_hz
 #include "stm_core.h"   // DWT
 #include "stm_dac.h"    // stm_dac_send_isr
+#include "stm_ecc.h"    // stm_ecc_corrected
 #include "stm_steps.h"  // stm_steps_send_isr
 #include "stm_timers.h" // tick timer
 #include "stm_watch.h"  // stm_watch_tick_isr
@@ -62,6 +63,8 @@ uint32_t stm_tick_faults(void)
 
 hal_load_t hal_load(void)
 {
-    return (hal_load_t){
-        .last_cycles = tick.last_cycles, .max_cycles = tick.max_cycles, .cycles_hz = stm_cpu_hz};
+    return (hal_load_t){.last_cycles = tick.last_cycles,
+                        .max_cycles = tick.max_cycles,
+                        .cycles_hz = stm_cpu_hz,
+                        .n_corrected = stm_ecc_corrected()};
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ramecc import Ramecc
 from wwdg import Wwdg
 
 from bus import Bus, Device, InsnClock
@@ -19,7 +20,7 @@ from spi_dac import Dac1, Spi
 from timers import Timer
 from usart import Usart
 
-IRQ_TIM4 = 30
+IRQ_TIM4, IRQ_ECC = 30, 145
 REVISION_V = 0x2003
 GATES: dict[str, tuple[str, int]] = {
     "tim2": ("apb1lenr", 0),
@@ -57,7 +58,7 @@ class Devices:
         self.rcc = Rcc(clock, hse_hz)
         self.syscfg, self.flash = Syscfg(clock), Flash(clock)
         self.pwr = Pwr(clock, self.syscfg)
-        self.dbgmcu = Dbgmcu(clock, REVISION_V)
+        self.dbgmcu, self.ramecc = Dbgmcu(clock, REVISION_V), Ramecc(clock)
         self.gpio = Gpio(clock)
         bases = {2: 0x40000000, 3: 0x40000400, 4: 0x40000800, 5: 0x40000C00}
         self.tim = {
@@ -81,6 +82,7 @@ class Devices:
 
     def _wire(self) -> None:
         self.nvic.lines[IRQ_TIM4] = self.tim[4].irq
+        self.nvic.lines[IRQ_ECC] = self.ramecc.irq
         self.nvic.on_reset_request = lambda: self.on_request("software")
         self.rcc.on_css = lambda: self.nvic.pending.add(NMI)
         self.rcc.check_supply = self._check_supply
@@ -94,7 +96,7 @@ class Devices:
     def _place(self) -> None:
         """Give every device its addresses."""
         devices: list[Device] = [self.rcc, self.syscfg, self.flash, self.pwr, self.dbgmcu]
-        devices += [self.spi3, self.dac1]
+        devices += [self.ramecc, self.spi3, self.dac1]
         devices += [
             self.can_ram,
             self.ccu,

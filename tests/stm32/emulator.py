@@ -21,6 +21,8 @@ from unicorn import (
     UC_HOOK_INTR,
     UC_HOOK_MEM_INVALID,
     UC_HOOK_MEM_READ,
+    UC_HOOK_MEM_WRITE,
+    UC_MEM_WRITE,
     UC_MEM_WRITE_PROT,
     UC_MODE_MCLASS,
     UC_MODE_THUMB,
@@ -40,8 +42,8 @@ from image import Image
 
 HERE = Path(__file__).resolve().parent
 FLASH, FLASH_BYTES = 0x08000000, 0x200000
-NULL_BYTES = 0x1000  # at the bottom of ITCM: where null pointers lead; nothing is mapped there
-ITCM, ITCM_BYTES = NULL_BYTES, 0x10000 - NULL_BYTES
+NULL_BYTES = 0x1000  # at the bottom of ITCM: where null pointers lead; start-up clears it
+ITCM, ITCM_BYTES = 0, 0x10000
 DTCM, DTCM_BYTES = 0x20000000, 0x20000
 AXI, AXI_BYTES = 0x24000000, 0x80000
 RAMS = ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES))
@@ -80,6 +82,8 @@ class Chip(Devices):
         reason of every reset since the object exists
     on_reset : callable
         told the reason of a reset before it takes effect
+    is_fault_of_flips : bool
+        a load of a RAM's double error is a bus fault, too
     """
 
     def __init__(self, image: Image, *, hse_hz: int) -> None:
@@ -93,6 +97,8 @@ class Chip(Devices):
         self._intr: int | None = None
         self._is_asleep = False
         self._torn_hooks: list[int] = []
+        self._flipped_hooks: list[int] = []
+        self.is_fault_of_flips = False
         self._pc = 0
         self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
@@ -139,9 +145,13 @@ class Chip(Devices):
         self._hook = hook  # keeps the library loaded
         uc.hook_add(UC_HOOK_INTR, self._on_intr)
         uc.hook_add(UC_HOOK_MEM_INVALID, self._on_invalid)
+        anything = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
+        uc.hook_add(anything, self._on_null, None, 0, NULL_BYTES - 1)
+        uc.hook_add(UC_HOOK_CODE, self._on_null_code, None, 0, NULL_BYTES - 1)
         self.flash.load, self.flash.save = self.read_memory, self.write_flash
         self.flash.on_cut = lambda: self._ask("power_on")
         self.flash.on_torn = self._watch_torn
+        self.ramecc.on_flipped = self._watch_flipped
 
     def load_flash(self) -> None:
         """Erase all flash and write the image into it."""
@@ -232,9 +242,23 @@ class Chip(Devices):
         if access == UC_MEM_WRITE_PROT and FLASH <= address < FLASH + FLASH_BYTES:
             self._program(address, size, value)
             return True
-        what = "null pointer" if address < NULL_BYTES else "no memory there"
-        self._fail(UnmodelledError(what), address)
+        self._fail(UnmodelledError("no memory there"), address)
         return False
+
+    def is_double_store(self, pc: int) -> bool:
+        """Return whether an instruction is STRD, the store of 64 bits (ARMv7-M ARM A7.7.166)."""
+        half = int.from_bytes(self.uc.mem_read(pc, 2), "little")
+        return half & 0xFE50 == 0xE840 and bool(half & 0x120)
+
+    def _on_null(
+        self, uc: Uc, access: int, address: int, size: int, value: int, user: object
+    ) -> None:
+        pc = uc.reg_read(arm.UC_ARM_REG_PC)
+        if access != UC_MEM_WRITE or not self.is_double_store(pc) or self.nvic.mpu.is_on:
+            self._fail(UnmodelledError("null pointer"), address)
+
+    def _on_null_code(self, uc: Uc, address: int, size: int, user: object) -> None:
+        self._fail(UnmodelledError("null pointer"), address)
 
     def _program(self, address: int, size: int, value: int) -> None:
         try:
@@ -257,6 +281,23 @@ class Chip(Devices):
     ) -> None:
         self.flash.load_torn(address)
         self.nvic.fail_load(uc.reg_read(arm.UC_ARM_REG_FAULTMASK))
+
+    def _watch_flipped(self) -> None:
+        for hook in self._flipped_hooks:
+            self.uc.hook_del(hook)
+        anything = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
+        self._flipped_hooks = [
+            self.uc.hook_add(anything, self._on_flipped, None, word, word + 3)
+            for word in self.ramecc.flipped
+        ]
+
+    def _on_flipped(
+        self, uc: Uc, access: int, address: int, size: int, value: int, user: object
+    ) -> None:
+        if access == UC_MEM_WRITE:
+            self.ramecc.repair(address)
+        elif not self.ramecc.load(address) and self.is_fault_of_flips:
+            self.nvic.fail_load(uc.reg_read(arm.UC_ARM_REG_FAULTMASK))
 
     # Resets
 

@@ -31,6 +31,7 @@ SCALE = {3: 1, 2: 2, 1: 3}  # of the code of VOS
 
 FLASH = 0x08000000
 BANK_BYTES, SECTOR_BYTES, WORD_BYTES = 1 << 20, 1 << 17, 32
+CODE_SECTORS = 2  # at the start of bank 1
 KEYS = (0x45670123, 0xCDEF89AB)
 LOCK, PG, SER, START = 1 << 0, 1 << 1, 1 << 2, 1 << 7
 QW = 1 << 2
@@ -93,6 +94,7 @@ class Flash(Device):
                     at + 0x0C: Reg(f"cr{bank}", LOCK | 3 << 4, write=self._write_cr(bank)),
                     at + 0x10: Reg(f"sr{bank}", 0, 0, read=self._read_sr(bank)),
                     at + 0x14: Reg(f"ccr{bank}", 0, FLAGS, write=self._write_ccr(bank)),
+                    at + 0x60: Reg(f"ecc_fa{bank}", 0, 0),  # flash word of the bank
                 }
             )
 
@@ -173,7 +175,7 @@ class Flash(Device):
 
     def _erase(self, bank: int, control: int) -> None:
         sector = control >> 8 & 7
-        if not control & SER or control & PG or (bank, sector) == (0, 0):
+        if not control & SER or control & PG or bank * 8 + sector < CODE_SECTORS:
             raise UnmodelledError(f"flash: erase with cr{bank} 0x{control:x}")
         self._read_ahead(bank)
         address = FLASH + bank * BANK_BYTES + sector * SECTOR_BYTES
@@ -187,7 +189,8 @@ class Flash(Device):
     def store(self, address: int, size: int) -> None:
         """Let the image store a word into flash, the last of a flash word programs it."""
         bank, at = divmod(address - FLASH, BANK_BYTES)
-        if self.v[f"cr{bank}"] & (LOCK | PG | SER) != PG or (bank == 0 and at < SECTOR_BYTES):
+        is_code = bank == 0 and at < CODE_SECTORS * SECTOR_BYTES
+        if self.v[f"cr{bank}"] & (LOCK | PG | SER) != PG or is_code:
             raise UnmodelledError(f"flash: store to 0x{address:08x}")
         self._require_idle(bank)
         if self.clock.barrier_at <= self._pg_at[bank]:
@@ -216,7 +219,16 @@ class Flash(Device):
 
     def load_torn(self, address: int) -> None:
         """Note that a load found a word beyond correction."""
-        self._flags[(address - FLASH) // BANK_BYTES] |= DBECCERR
+        self._note_ecc(address, DBECCERR)
+
+    def load_flipped(self, address: int) -> None:
+        """Note that a load found a word with one wrong bit, which was corrected."""
+        self._note_ecc(address, SNECCERR)
+
+    def _note_ecc(self, address: int, flag: int) -> None:
+        bank, at = divmod(address - FLASH, BANK_BYTES)
+        self._flags[bank] |= flag
+        self.v[f"ecc_fa{bank}"] = at // WORD_BYTES
 
     def next_event(self) -> int:
         """Return when an operation ends."""

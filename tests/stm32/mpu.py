@@ -56,6 +56,11 @@ class Mpu:
         self._regions.clear()
         self._control = 0
 
+    @property
+    def is_on(self) -> bool:
+        """Whether the unit is enabled."""
+        return bool(self._control & 1)
+
     def registers(self) -> dict[int, Reg]:
         """Return the unit's registers; a region is selected by its number in MPU_RBAR."""
         return {

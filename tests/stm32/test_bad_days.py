@@ -179,12 +179,12 @@ def test_reset_in_the_cut_is_safe_and_told(ready: Session, reason: str, text: st
 
 @pytest.mark.parametrize(
     ("rdp", "wpsn", "level", "is_protected"),
-    [(0xAA, 0xFF, 0, 0), (0xBB, 0xFE, 1, 1), (0x00, 0xFF, 1, 0), (0xCC, 0xFE, 2, 1)],
+    [(0xAA, 0xFF, 0, 0), (0xBB, 0xFC, 1, 1), (0x00, 0xFE, 1, 0), (0xCC, 0xFC, 2, 1)],
 )
 def test_protection_of_the_chip_is_told_at_the_start(
     table: bytes, rdp: int, wpsn: int, level: int, is_protected: int
 ) -> None:
-    """As the option bytes say it: any value but two is level 1, a bit of 0 protects its sector."""
+    """By the option bytes: any value but two is level 1, a bit of 0 protects one of two sectors."""
     session = Session(table)
     session.board.power_on()
     session.chip.flash.v |= {"optsr_cur": 0x031600F0 | rdp << 8, "wpsn_cur1": wpsn}

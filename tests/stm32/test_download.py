@@ -12,11 +12,12 @@ from camtools.cli.flash import FIRST_PLACE
 from fdcan import Frame
 from flash_pwr import SECTOR_BYTES
 from host import make_table
-from remote import BEGIN, COMMAND, ENABLE, SELECT, TO_CONTROLLER
+from remote import BEGIN, COMMAND, ENABLE, SELECT, TO_CONTROLLER, errors
 from session import Session
 
-OTHER, LOG, TABLE = 0x08020000, 0x080E0000, 0x08100000
-RECORD_BYTES = 32
+OTHER, LOG, TABLE = 0x08040000, 0x080E0000, 0x08100000
+MAGIC, RECORD_BYTES = 0x4C424154, 32
+ERR = errors()
 
 
 @pytest.fixture(scope="module")
@@ -31,6 +32,12 @@ def named(table: bytes, name: str) -> bytes:
     body[32:64] = name.encode().ljust(32, b"\0")
     struct.pack_into("<I", body, 20, zlib.crc32(body[24:]))
     return bytes(body)
+
+
+def record(name: int, number: int) -> bytes:
+    """Return a record of the log that names a place."""
+    words = (MAGIC, name, number)
+    return struct.pack("<8I", *words, *(~word & 0xFFFFFFFF for word in words), 0, 0)
 
 
 def told(session: Session) -> str:
@@ -119,17 +126,43 @@ def test_power_lost_on_the_way_leaves_the_old_table(
 def test_log_is_emptied_while_it_says_nothing(started: Session, table: bytes) -> None:
     """A log that is half full is erased when place 0 is in use, and goes on from its start."""
     chip, remote = started.chip, started.remote
-    magic = 0x4C424154
-    records = b""
-    for i in range(514):
-        words = (magic, 1 - i % 2, i)
-        records += struct.pack("<8I", *words, *(~word & 0xFFFFFFFF for word in words), 0, 0)
-    chip.write_flash(LOG, records)
+    chip.write_flash(LOG, b"".join(record(1 - i % 2, i) for i in range(514)))
     assert restart(started) == "short skirt"
     remote.download(named(table, "second"))
     assert chip.read_memory(LOG, SECTOR_BYTES) == b"\xff" * SECTOR_BYTES
     remote.do(SELECT)
     assert restart(started) == "second"
+
+
+def test_table_in_the_old_place_1_is_refused_with_the_remedy(
+    started: Session, table: bytes
+) -> None:
+    """An older firmware had a download in use where code is now: no table until it comes again."""
+    chip, remote = started.chip, started.remote
+    chip.write_flash(LOG, record(1, 0))
+    chip.usart3.sent.clear()
+    started.board.power_on()
+    assert remote.started().table == ERR["no_table"]
+    assert "download or flash it again" in "".join(remote.lines())
+    assert remote.command(ENABLE)[0] == ERR["no_table"]
+    remote.use(named(table, "third"))
+    assert chip.read_memory(LOG, 2 * RECORD_BYTES) == record(1, 0) + record(0, 1)
+    chip.usart3.sent.clear()
+    assert restart(started) == "third"
+    assert "older firmware" not in "".join(remote.lines())
+
+
+def test_table_of_the_old_place_0_is_in_use(started: Session, table: bytes) -> None:
+    """The newest record of an older firmware names place 0, which has not moved."""
+    started.board.write_table(named(table, "kept"))
+    started.chip.write_flash(LOG, record(1, 0) + record(0, 1))
+    assert restart(started) == "kept"
+
+
+def test_table_larger_than_place_1_is_refused(started: Session) -> None:
+    """Place 0 is larger, but the next download must fit place 1."""
+    assert started.remote.command(BEGIN, value=LOG - OTHER + 1)[0] == ERR["download_room"]
+    started.remote.do(BEGIN, value=LOG - OTHER)
 
 
 def test_programmer_takes_the_place_back(started: Session, table: bytes) -> None:

@@ -155,11 +155,13 @@ typedef struct {
                        ///< something, and none of it is whole
 } hal_params_t;
 
-/// Duration of the interrupt without its entry and exit.
+/// Duration of the interrupt without its entry and exit, and what else a port counts.
 typedef struct {
     uint32_t last_cycles; ///< of the last tick
     uint32_t max_cycles;  ///< the longest since the start
     uint32_t cycles_hz;   ///< [Hz] rate of the cycles; 0: the port does not measure
+    uint32_t n_corrected; ///< memory errors since the start that the hardware corrected; 0 also
+                          ///< where the port does not see them
 } hal_load_t;
 
 /// Data bytes of the longest CAN FD frame.
@@ -283,7 +285,7 @@ hal_params_t hal_params_kept(void);
 /// Context: main(); with flash some milliseconds, now and then some seconds.
 bool hal_params_keep(const void *bytes, uint32_t size);
 
-/// @return how long cam_isr() took, in cycles. Simulator: as set by the test.
+/// @return how long cam_isr() took, in cycles, and memory errors. Simulator: as set by the test.
 hal_load_t hal_load(void);
 
 /// Write a line of text for people to a serial line or stderr.

@@ -41,10 +41,10 @@ class Region:
     size: int
 
 
-FIRMWARE = Region("the first sector", 0x0800_0000, 1 << 17)
+FIRMWARE = Region("the first two sectors", 0x0800_0000, 2 << 17)
 LOG = Region("the log of places", 0x080E_0000, 1 << 17)
 FIRST_PLACE = ROOT / "hal" / "stm32h743" / "first_place.bin"  # record: TABLE is in use
-TABLE = Region("place 0", 0x0810_0000, 6 << 17)  # behind it parameters are kept
+TABLE = Region("place 0", 0x0810_0000, 6 << 17)  # the parameters follow it
 _DTCM = range(0x2000_0000, 0x2002_0001)
 
 
@@ -79,7 +79,7 @@ def check_firmware(file: Path) -> None:
     Parameters
     ----------
     file : Path
-        Raw image of its sector.
+        Raw image of its sectors.
 
     Raises
     ------

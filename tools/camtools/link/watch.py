@@ -155,6 +155,11 @@ def report(status: Status) -> list[str]:
         *([f"cut               {cut.text}"] if status.state in (*IN_CUT, "ready") else []),
         f"tick              {s['tick_rate']:.0f} Hz, late {s['late_ticks']:.0f}; "
         f"interrupt: {tick_load(s).text}",
+        *(
+            [f"memory            {s['memory_errors']:.0f} errors corrected"]
+            if s["memory_errors"]
+            else []
+        ),
         f"last start        {NAMES['reset_reason'].get(int(s['reset_reason']), 'unknown')}",
         f"parameters        version {s['params_version']:.0f}, checksum "
         f"{int(s['params_checksum']):08x}, {kept_text(s)}",

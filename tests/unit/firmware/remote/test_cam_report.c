@@ -66,6 +66,14 @@ static void test_inputs_are_told_bit_by_bit(void)
     expect(1, 1, 8, 5);
 }
 
+static void test_memory_errors_are_sent_with_the_crc(void)
+{
+    hal_host.slow.load.n_corrected = 0x89ABCDu;
+    expect(0x89ABCDu, 4, 8, 24);
+    hal_host.slow.load.n_corrected = 0x1000000u; // more than the signal holds
+    expect(0xFFFFFFu, 4, 8, 24);
+}
+
 static void test_late_ticks_are_told_beside_the_rate(void)
 {
     status.n_late = 0x89ABCDEFu;
@@ -309,6 +317,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_without_a_table_nothing_is_told_of_one);
     RUN_TEST(test_inputs_are_told_bit_by_bit);
+    RUN_TEST(test_memory_errors_are_sent_with_the_crc);
     RUN_TEST(test_late_ticks_are_told_beside_the_rate);
     RUN_TEST(test_following_error_is_bounded_by_its_bits);
     RUN_TEST(test_learning_is_told);
