@@ -125,10 +125,10 @@ static void test_what_is_wrong_is_refused(void)
     refused("[thread]\ntick_hz =\n", "give a whole number");
     refused("[thread]\ntick_hz = 99999999999999999999\n", "give a whole number");
     refused("[thread]\ntick_hz = 1000\ntick_hz = 1000\n", ":3: thread.tick_hz = 1000: given twice");
-    refused("[thread]\nrate = 1\n", "there is no such key");
-    refused("[threads]\ntick_hz = 1000\n", "there is no such section");
-    refused("tick_hz = 1000\n", "there is no such key");
-    refused("[thread]\ntick_hz\n", ":2: neither [section] nor key = value");
+    refused("[thread]\nrate = 1\n", "unknown key");
+    refused("[threads]\ntick_hz = 1000\n", "unknown section");
+    refused("tick_hz = 1000\n", "unknown key");
+    refused("[thread]\ntick_hz\n", ":2: not [section] or key = value");
     refused("[can]\nfd = 1\n", "give true or false");
     refused("[can]\ninterface = can0\n", "give one \"text\"");
     refused("[can]\ninterface = \"can0\" \"can1\"\n", "give one \"text\"");
@@ -170,12 +170,12 @@ static void test_what_cannot_work_is_refused(void)
 
 static void test_what_is_no_toml_is_refused_with_its_line(void)
 {
-    refused("[thread]\n[canal]\n[can]\n", ":2: [canal]: there is no such section");
+    refused("[thread]\n[canal]\n[can]\n", ":2: [canal]: unknown section");
     refused("[can\nnode = 3\n", ":1: [can: no section");
     refused("[can] node = 3\n", ":1: [can: no section");
-    refused("[can]\nnode: 3\n", ":2: neither [section] nor key = value");
-    refused("[can]\n; node = 3\n", ":2: neither [section] nor key = value");
-    refused("[can]\nnode = 3 ; three\n", ":2: \";\" behind the value; begin comments with #");
+    refused("[can]\nnode: 3\n", ":2: not [section] or key = value");
+    refused("[can]\n; node = 3\n", ":2: not [section] or key = value");
+    refused("[can]\nnode = 3 ; three\n", ":2: \";\" after the value; begin comments with #");
     TEST_ASSERT_TRUE_MESSAGE(
         load("\r\n  # a comment: so; or so\n[can] # this\n\tnode = 9 # nine;\n"), error.text);
     TEST_ASSERT_EQUAL_INT64(9, config.can.node);
@@ -250,7 +250,7 @@ static void test_file_with_a_nul_byte_is_refused(void)
     TEST_ASSERT_EQUAL_size_t(sizeof text - 1u, fwrite(text, 1, sizeof text - 1u, file));
     (void)fclose(file);
     TEST_ASSERT_FALSE(lin_check_load(&config, path, &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, ":2: has a NUL byte; give a text file"));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, ":2: contains a NUL byte; give a text file"));
 }
 
 #define KEY_A "00112233445566778899aabbccddeeff00112233445566778899AABBCCDDEEFF"
@@ -280,7 +280,7 @@ static void test_what_is_no_trusted_key_is_refused(void)
             "00112233445566778899aabbccddeeff\"\n",
             "trust.key_3 = \"g011");
     refused("[trust]\nkey_1 = \"" KEY_A "0\"\n", "at most 64 characters");
-    refused("[trust]\nkey_5 = \"" KEY_A "\"\n", "there is no such key");
+    refused("[trust]\nkey_5 = \"" KEY_A "\"\n", "unknown key");
     refused("[trust]\nkey_1 = \"00000000000000000000000000000000"
             "00000000000000000000000000000000\"\n",
             "none of them weak");
@@ -309,7 +309,7 @@ static void test_wrong_settings_of_the_operator_are_refused(void)
     refused("[operator]\nacknowledge_active_low = 1\n", "give true or false");
     refused("[operator]\nkey_active_low = \"no\"\n", "give true or false");
     refused("[operator]\nsecret = 12345678\n", "give one \"text\"");
-    refused("[operator]\nwaived = true\n", "there is no such key");
+    refused("[operator]\nwaived = true\n", "unknown key");
 }
 
 /// Only a button can be waived: a switch or chain of that name would be one that is never there.
