@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// canopen: numbers of CiA 301 that every node of a CANopen bus agrees on.
+/// canopen: constants of CiA 301.
 #ifndef CANOPEN_H
 #define CANOPEN_H
 
-/// Identifiers of frames; those of a node are the function's number plus that of the node.
+/// Frame identifiers (COB-ID); for frames of a node add its node number.
 enum {
     canopen_id_nmt = 0x000,
     canopen_id_sync = 0x080,
@@ -14,7 +14,7 @@ enum {
     canopen_id_heartbeat = 0x700,
 };
 
-/// States of a node as its heartbeat reports them.
+/// Node states in the heartbeat.
 enum {
     canopen_boot_up = 0x00,
     canopen_stopped = 0x04,

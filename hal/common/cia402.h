@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cia402: the states of a drive and the bits by which controller and drive speak of them. Only the
-/// numbers of the standard are here; what each side does with them is its own.
+/// cia402: states of a drive, bits of its control and status words.
 /// Source: CiA 402-2 (IEC 61800-7-201), "Finite state automaton", objects 6040h and 6041h.
 #ifndef CIA402_H
 #define CIA402_H
@@ -25,7 +24,7 @@ enum {
     cia402_bit_enable_voltage = 1 << 1,
     cia402_bit_no_quick_stop = 1 << 2,
     cia402_bit_enable_operation = 1 << 3,
-    cia402_bit_fault_reset = 1 << 7, ///< its rising edge
+    cia402_bit_fault_reset = 1 << 7, ///< acts on its rising edge
 };
 
 /// Bits of the status word (6041h) that do not follow from the state alone.

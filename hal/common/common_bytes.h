@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// common_bytes: little-endian numbers in the bytes of a frame, as CiA 301, 7.1.4 lays them out.
+/// common_bytes: little-endian numbers in frame data (CiA 301, 7.1.4).
 #ifndef COMMON_BYTES_H
 #define COMMON_BYTES_H
 

@@ -10,7 +10,7 @@ bool common_error(common_error_t *e, const char *format, ...)
     (void)vsnprintf(e->text, sizeof e->text, format, args);
     va_end(args);
     for (char *c = e->text; *c != '\0'; c++) {
-        if ((unsigned char)*c < 0x20u || *c == 0x7f) { // a quoted value may hold anything
+        if ((unsigned char)*c < 0x20u || *c == 0x7f) { // e.g. from a quoted value
             *c = '?';
         }
     }

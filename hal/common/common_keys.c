@@ -3,9 +3,9 @@
 #include <stddef.h> // size_t
 #include <string.h> // memcmp, strchr, strspn
 
-static const char between[] = " ,\t\r\n";
+static const char separators[] = " ,\t\r\n";
 
-/// @return the value of a hexadecimal digit, -1: it is none
+/// @return the value of a hexadecimal digit, -1 for any other character
 static int digit(char c)
 {
     static const char digits[] = "0123456789abcdefABCDEF";
@@ -17,7 +17,7 @@ static int digit(char c)
     return i < 16 ? i : i - 6;
 }
 
-/// Read 64 digits that nothing but a separator follows.
+/// Read 64 digits, followed by a separator or the end of the text.
 static bool read_key(const char *text, uint8_t *key)
 {
     for (size_t i = 0; i < (size_t)common_keys_bytes; i++) {
@@ -28,12 +28,12 @@ static bool read_key(const char *text, uint8_t *key)
         }
         key[i] = (uint8_t)(high * 16 + low);
     }
-    return text[common_keys_digits] == '\0' || strchr(between, text[common_keys_digits]) != NULL;
+    return text[common_keys_digits] == '\0' || strchr(separators, text[common_keys_digits]) != NULL;
 }
 
-/// @return whether a key is a point of small order, whatever its sign, or beyond the field's prime
-/// 2^255 - 19. The firmware trusts none of them either (cam_signature_check.h); here the builder is
-/// told.
+/// @return whether a key is a point of small order, with either sign, or not below the field prime
+/// 2^255 - 19. The firmware rejects these keys too (cam_signature_check.h); rejecting them here
+/// gives the machine builder a message.
 static bool is_weak(const uint8_t *key)
 {
     enum { last = common_keys_bytes - 1 };
@@ -63,7 +63,7 @@ static bool is_weak(const uint8_t *key)
 bool common_keys_add(common_keys_t *keys, const char *text)
 {
     common_keys_t all = *keys;
-    const char *at = text + strspn(text, between);
+    const char *at = text + strspn(text, separators);
     while (*at != '\0') {
         if (all.n == (uint32_t)common_keys_most ||
             !read_key(at, &all.bytes[(size_t)all.n * common_keys_bytes]) ||
@@ -72,7 +72,7 @@ bool common_keys_add(common_keys_t *keys, const char *text)
         }
         all.n++;
         at += common_keys_digits;
-        at += strspn(at, between);
+        at += strspn(at, separators);
     }
     *keys = all;
     return true;

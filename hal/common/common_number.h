@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// common_number: decimal numbers that a user writes in a file or on a command line.
+/// common_number: decimal numbers from a file or command line.
 #ifndef COMMON_NUMBER_H
 #define COMMON_NUMBER_H
 
 #include <stdbool.h> // bool
 
-/// Read a decimal number: the whole text, finite, no hexadecimal, no "inf" or "nan".
-/// @return false when the text is no such number; *value is untouched then
+/// Convert a whole text to a finite number; hexadecimal, "inf" and "nan" are refused.
+/// @return false if the text is not a number; *value is then unchanged
 bool common_number_parse(const char *text, double *value);
 
 #endif

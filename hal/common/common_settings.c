@@ -15,7 +15,7 @@ typedef struct {
     bool is_wrong;
 } reader_t;
 
-/// An error of the present line.
+/// Report an error in the current line.
 __attribute__((format(printf, 2, 3))) static bool refuse_line(const common_settings_t *s,
                                                               const char *format, ...)
 {
@@ -34,7 +34,7 @@ bool common_settings_refuse(const common_settings_t *s, const char *section, con
     return refuse_line(s, "%.40s.%.40s = %.*s: %s", section, key, s->value_width, text, why);
 }
 
-/// @return [characters] of a text before the first of some that is not inside quotes
+/// @return [characters] before the first of the characters `ends` outside quotes
 static size_t before(const char *text, const char *ends)
 {
     bool is_quoted = false;
@@ -46,14 +46,14 @@ static size_t before(const char *text, const char *ends)
     return n;
 }
 
-/// Check that a section stands alone on its line and is one of the list.
+/// Check that a section header is alone on its line and in the list.
 static bool check_section(const common_settings_t *s, const char *line)
 {
     const size_t n = strcspn(line + 1, "]#");
     const char *rest = line + 1 + n;
     rest += *rest == ']' ? 1u + strspn(rest + 1, " \t\r") : 0u;
     if (line[1 + n] != ']' || (*rest != '\0' && *rest != '#')) {
-        return refuse_line(s, "[%.*s: no section; write [section] alone on its line", (int)n,
+        return refuse_line(s, "[%.*s: not a section; write [section] alone on its line", (int)n,
                            line + 1);
     }
     for (size_t i = 0; i < s->n; i++) {
@@ -61,36 +61,34 @@ static bool check_section(const common_settings_t *s, const char *line)
             return true;
         }
     }
-    return refuse_line(s, "[%.*s]: there is no such section; correct or remove it", (int)n,
-                       line + 1);
+    return refuse_line(s, "[%.*s]: unknown section; correct or remove it", (int)n, line + 1);
 }
 
-/// inih takes more than TOML: ":" for "=", comments behind ";", sections that nothing is in.
+/// inih accepts more than TOML: ":" for "=", ";" for "#", unknown empty sections. Refuse these.
 static bool check_line(const common_settings_t *s, const char *line)
 {
     if (line[0] == '[') {
         return check_section(s, line);
     }
-    if (strchr("#\r", line[0]) != NULL) { // the end of the line, too
+    if (strchr("#\r", line[0]) != NULL) { // comment or empty line
         return true;
     }
     if (line[strcspn(line, "=:;#")] != '=') {
-        return refuse_line(s,
-                           "neither [section] nor key = value; correct it, comments begin with #");
+        return refuse_line(s, "not [section] or key = value; correct it; comments begin with #");
     }
     return line[before(line, "#;")] != ';' ||
-           refuse_line(s, "\";\" behind the value; begin comments with #");
+           refuse_line(s, "\";\" after the value; begin comments with #");
 }
 
-/// inih takes strings, which would end at a NUL byte, and an indented line for more of the value
-/// before, which TOML does not: lines are checked and handed over without their indentation.
+/// Line reader for inih. It refuses NUL bytes, which would end the string, and removes indentation,
+/// which inih but not TOML reads as the continuation of a value.
 static char *read_line(char *line, int size, void *user)
 {
     reader_t *r = user;
     common_settings_t *s = r->s;
     const int longest = size - 2;
     int n = 0;
-    int n_blanks = 0; // in front
+    int n_blanks = 0; // indentation
     bool has_nul = false;
     int c = r->is_wrong ? EOF : getc(r->stream);
     if (c == EOF) {
@@ -107,7 +105,7 @@ static char *read_line(char *line, int size, void *user)
     }
     bool is_good = true;
     if (has_nul) {
-        is_good = refuse_line(s, "has a NUL byte; give a text file");
+        is_good = refuse_line(s, "contains a NUL byte; give a text file");
     } else if (n > longest) {
         is_good = refuse_line(s, "longer than %d characters; shorten it", longest);
     } else {
@@ -118,7 +116,7 @@ static char *read_line(char *line, int size, void *user)
     return is_good ? line : NULL;
 }
 
-/// Take a whole number in decimal digits, exact up to the 64 bits of the variable.
+/// Read a decimal integer, exact to 64 bits.
 static bool take_whole(const common_settings_t *s, const common_setting_t *f, const char *text)
 {
     char *end = NULL;
@@ -157,7 +155,7 @@ static bool take_text(const common_settings_t *s, const common_setting_t *f, con
     return true;
 }
 
-/// Take one of the listed words, each compared with its quotation marks.
+/// Read one of the listed words, compared including the quotation marks.
 static bool take_choice(const common_settings_t *s, const common_setting_t *f, const char *text)
 {
     uint32_t i = 0;
@@ -174,14 +172,14 @@ static bool take_choice(const common_settings_t *s, const common_setting_t *f, c
     return common_settings_refuse(s, f->section, f->key, text, why);
 }
 
-/// Take a number; what must be whole or other than 0 is refused by the same message as its range.
+/// Read a number. One message covers range, whole numbers and nonzero numbers.
 static bool take_real(const common_settings_t *s, const common_setting_t *f, const char *text)
 {
     const bool is_whole = f->kind != common_setting_real;
     const bool is_sign = f->kind == common_setting_sign;
     double value;
     if (!common_settings_number(text, &value)) {
-        return common_settings_refuse(s, f->section, f->key, text, "no finite number; give one");
+        return common_settings_refuse(s, f->section, f->key, text, "not a finite number; give one");
     }
     const bool is_inside = value >= f->min && value <= f->max;
     const bool is_odd =
@@ -196,7 +194,7 @@ static bool take_real(const common_settings_t *s, const common_setting_t *f, con
     return true;
 }
 
-/// Find a key in the list and take its value; a second value for the same key is refused.
+/// Find a key in the list and read its value; refuse duplicate keys.
 static bool take(reader_t *r, const char *section, const char *key, const char *text)
 {
     static bool (*const takers[])(const common_settings_t *, const common_setting_t *,
@@ -221,11 +219,10 @@ static bool take(reader_t *r, const char *section, const char *key, const char *
     if (s->take_other != NULL) {
         return s->take_other(s, section, key, text);
     }
-    return refuse_line(s, "[%.40s] %.40s: there is no such key; correct or remove it", section,
-                       key);
+    return refuse_line(s, "[%.40s] %.40s: unknown key; correct or remove it", section, key);
 }
 
-/// A comment behind the value and the blanks before it are cut off; # inside quotes stays.
+/// Callback of inih. Cuts off a trailing comment and blanks; # inside quotes is part of the value.
 static int on_value(void *user, const char *section, const char *key, const char *value)
 {
     reader_t *r = user;
@@ -252,7 +249,7 @@ bool common_settings_read(common_settings_t *s, FILE *stream)
         return common_error(s->e, "%s: cannot be read; give a readable file", s->path);
     }
     s->line = result;
-    return result == 0 || refuse_line(s, "neither [section] nor key = value; correct it");
+    return result == 0 || refuse_line(s, "not [section] or key = value; correct it");
 }
 
 bool common_settings_number(const char *text, double *value)

@@ -72,7 +72,7 @@ hal_memory_t hal_scope_memory(void)
 
 void hal_scope_keep(const int32_t *words, uint32_t n)
 {
-    (void)words; // where they are the next start finds them, too
+    (void)words; // they survive in place
     hal_host.slow.n_kept = n;
 }
 
@@ -100,10 +100,10 @@ hal_image_t hal_table_image(void)
     return hal_host.slow.table;
 }
 
-/// The two places for tables: a download takes the one that is not in use.
-_Alignas(hal_table_grain) static uint8_t places[2][hal_host_place_bytes];
+/// Two table slots; a download goes to the one that is not in use.
+_Alignas(hal_table_grain) static uint8_t slots[2][hal_host_place_bytes];
 
-/// @return whether this call of the memory behind the tables succeeds (hal_host_t, n_store)
+/// @return whether this write succeeds (n_store in hal_host_t)
 static bool stores(void)
 {
     const bool is_good = hal_host.slow.n_store > 0u;
@@ -113,23 +113,23 @@ static bool stores(void)
 
 bool hal_table_begin(uint32_t size)
 {
-    uint8_t *const place = hal_host.slow.table.bytes == places[0] ? places[1] : places[0];
+    uint8_t *const slot = hal_host.slow.table.bytes == slots[0] ? slots[1] : slots[0];
     if (size > hal_host_place_bytes || !stores()) {
         return false;
     }
     const uint32_t behind = hal_host_place_bytes - size;
-    (void)memset(place, 0xFF, size + (behind < hal_table_behind ? behind : hal_table_behind));
-    hal_host.slow.staged = (hal_image_t){.bytes = place, .size = hal_host_place_bytes};
+    (void)memset(slot, 0xFF, size + (behind < hal_table_behind ? behind : hal_table_behind));
+    hal_host.slow.staged = (hal_image_t){.bytes = slot, .size = hal_host_place_bytes};
     return true;
 }
 
 bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
 {
-    uint8_t *const place = hal_host.slow.staged.bytes == places[0] ? places[0] : places[1];
+    uint8_t *const slot = hal_host.slow.staged.bytes == slots[0] ? slots[0] : slots[1];
     const bool is_good = stores() && hal_host.slow.staged.bytes != NULL &&
                          offset <= hal_host_place_bytes && n <= hal_host_place_bytes - offset;
     if (is_good) {
-        (void)memcpy(place + offset, bytes, n);
+        (void)memcpy(slot + offset, bytes, n);
     }
     return is_good;
 }
@@ -173,8 +173,8 @@ hal_load_t hal_load(void)
 
 void hal_text(const char *line)
 {
-    char *const kept = hal_host.lines[hal_host.n_lines++ % hal_host_lines];
-    (void)snprintf(kept, hal_host_line_bytes, "%s", line);
+    char *const copy = hal_host.lines[hal_host.n_lines++ % hal_host_lines];
+    (void)snprintf(copy, hal_host_line_bytes, "%s", line);
     (void)fprintf(stderr, "%s\n", line);
 }
 
@@ -290,7 +290,7 @@ void hal_host_fault_counts(int32_t counts)
 
 void hal_host_fault_encoder_stuck(bool is_stuck)
 {
-    // The counter stays where it reads now, and later moves on from the true position.
+    // The counter freezes at its present reading; when released it jumps to the true position.
     hal_host.fault.stuck_counts = distorted().counts;
     hal_host.fault.is_encoder_stuck = is_stuck;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The seam with libgpiod 1.6: one request per line.
+/// lin_gpio for libgpiod 1.6: one request per line.
 #include "lin_gpio.h"
 #include <errno.h>  // errno
 #include <fcntl.h>  // O_NONBLOCK
@@ -86,7 +86,7 @@ int lin_gpio_edge(lin_gpio_t *g, int64_t *ns, bool *is_rising)
 void lin_gpio_close(lin_gpio_t *g)
 {
     if (g->chip != NULL) {
-        gpiod_chip_close(g->chip); // gives its lines back, too
+        gpiod_chip_close(g->chip); // releases its lines
     }
     free(g);
 }

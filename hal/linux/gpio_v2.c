@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The seam with libgpiod 2: one request per line.
+/// lin_gpio for libgpiod 2: one request per line.
 #include "lin_gpio.h"
 #include <errno.h>  // errno
 #include <fcntl.h>  // O_NONBLOCK
@@ -9,7 +9,7 @@
 
 struct lin_gpio {
     struct gpiod_line_request *request;
-    struct gpiod_edge_event_buffer *event; ///< room for one
+    struct gpiod_edge_event_buffer *event; ///< capacity 1
     unsigned offset;
 };
 
@@ -19,7 +19,7 @@ static bool find(struct gpiod_chip *chip, const lin_place_t *place, unsigned *of
 {
     *offset = place->offset;
     if (place->name == NULL) {
-        return true; // the request will show whether there is such an offset
+        return true; // checked by the request
     }
     const int found = gpiod_chip_get_line_offset_from_name(chip, place->name);
     if (found < 0) {
@@ -95,7 +95,7 @@ bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_use_t use, 
         if (is_found) {
             find_user(from, g->offset, who);
         }
-        // EINVAL: the kernel knows no such offset
+        // EINVAL: no such offset
         (void)lin_place_refuse(where, is_found && err == EINVAL ? 0 : err, who, e);
     }
     if (from != NULL) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Port for Linux: the tick, start and end, and the functions of hal.h on top of the modules.
+/// Port for Linux: start, tick, end and the functions of hal.h.
 #include "hal/hal.h"
 #include "lin_blackbox.h"
 #include "lin_bus.h"
@@ -17,9 +17,9 @@
 #include "lin_table.h"
 #include "lin_report.h"
 #include "lin_thread.h"
-#include "lin_words.h"
+#include "lin_cause.h"
 #include <signal.h>    // sigaction
-#include <stdatomic.h> // what the tick hands over to main()
+#include <stdatomic.h> // hand-over from the tick to main()
 #include <stdio.h>     // fprintf
 #include <stdlib.h>    // exit
 #include <string.h>    // memset, strcmp
@@ -28,21 +28,21 @@
 enum { clock_hz = 10000000, clock_ns = 100, remote_node = 64, max_edges = 8 };
 enum { exit_fault = 1, exit_usage = 2 };
 
-/// The port. The tick writes `bus`, `wants`, `now_ns` and `inputs`, main() writes the rest.
+/// The port. The tick writes `bus`, `commands`, `now_ns` and `inputs`, main() writes the rest.
 static struct {
     lin_config_t config;
     hal_start_t start;
     lin_can_t remote;
     bool is_remote_shared; ///< commands and drives on one interface
-    bool is_up;            ///< hal_init() passed: there is something to make safe
+    bool is_up;            ///< hal_init() succeeded: outputs must be made safe
     lin_can_t can;
     lin_bus_t bus;
-    lin_wants_t wants;
+    lin_commands_t commands;
     lin_stop_t stop;
     int64_t now_ns;
     uint32_t inputs;
-    _Atomic uint32_t cause, not_ready; ///< lin_words_pack()
-    _Atomic bool is_mute;              ///< another answers for this node number on the same bus
+    _Atomic uint32_t cause, not_ready; ///< lin_cause_pack()
+    _Atomic bool is_mute;              ///< another node on the same bus has this node number
 } port;
 
 static volatile sig_atomic_t n_signals;
@@ -53,7 +53,7 @@ static void on_end(int signal)
     n_signals = n_signals + 1;
 }
 
-/// Switch enable off and stop the drives by one frame each, whatever state the program is in.
+/// Switch enable off and stop each drive with one frame. Callable in any state of the program.
 static void make_safe(void)
 {
     static hal_can_frame_t frames[lin_bus_max_frames];
@@ -62,16 +62,16 @@ static void make_safe(void)
         return;
     }
     lin_lines_safe();
-    bus = port.bus; // the tick may be in the middle of it
-    port.wants.is_stopping = true;
-    const uint32_t n = lin_bus_make(&bus, &port.wants, port.now_ns, frames);
+    bus = port.bus; // a copy, because the tick may be using it
+    port.commands.is_stopping = true;
+    const uint32_t n = lin_bus_make(&bus, &port.commands, port.now_ns, frames);
     (void)lin_can_send(&port.can, frames, n);
 }
 
 static void on_crash(int signal)
 {
     make_safe();
-    (void)raise(signal); // SA_RESETHAND: ends the program as if it had not been caught
+    (void)raise(signal); // SA_RESETHAND restored the default action
 }
 
 static void catch_signals(void)
@@ -91,8 +91,7 @@ static void catch_signals(void)
     }
 }
 
-/// The bus of the machine, and the commands and the transport of tables; the other functions of a
-/// node are answers.
+/// Open the machine bus and the socket for commands (0x600) and table transfer (0x680).
 static bool open_can(common_error_t *e)
 {
     uint32_t ids[lin_bus_max_ids];
@@ -108,7 +107,7 @@ static bool open_can(common_error_t *e)
            lin_can_open(&port.remote, port.config.can.remote, remote, 2, false, e);
 }
 
-static void start_or_end(const lin_options_t *options)
+static void end_if_asked(const lin_options_t *options)
 {
     if (options->is_help) {
         (void)fputs(lin_options_usage, stdout);
@@ -116,7 +115,7 @@ static void start_or_end(const lin_options_t *options)
     }
     if (options->is_check) {
         lin_check_warn(&port.config, hal_text);
-        (void)printf("%s: a right configuration\n", options->config);
+        (void)printf("%s: the configuration is valid\n", options->config);
         exit(0);
     }
 }
@@ -129,11 +128,11 @@ static bool bring_up(common_error_t *e)
         (!options.is_help && !lin_check_load(&port.config, options.config, e))) {
         return false;
     }
-    start_or_end(&options);
+    end_if_asked(&options);
     port.start = lin_halt_text_start(port.config.table_file);
     lin_params_open(port.config.params_file, e);
     if (e->text[0] != '\0') {
-        hal_text(e->text); // the controller starts all the same, with its defaults
+        hal_text(e->text); // not fatal: the controller uses its defaults
     }
     lin_blackbox_open(port.config.table_file, e);
     if (e->text[0] != '\0') {
@@ -162,10 +161,10 @@ int hal_init(void)
 
 static void take_frame(void *user, const hal_can_frame_t *frame, int64_t ns)
 {
-    lin_bus_take(user, frame, ns);
+    lin_bus_receive(user, frame, ns);
 }
 
-/// Take everything that the tick senses of the machine.
+/// Read all inputs of the tick.
 static void sense(int64_t now_ns)
 {
     int64_t edge_ns;
@@ -177,8 +176,8 @@ static void sense(int64_t now_ns)
     lin_bus_link(&port.bus, port.can.link);
     lin_bus_event(&port.bus, lin_can_take_event(&port.can));
     lin_bus_judge(&port.bus, now_ns);
-    // Drives are ready when lines and bus say so; the bus alone decides on its loss, and the lines
-    // alone on the emergency stop.
+    // Drives are ready if both lines and bus report ready. Bus loss comes from the bus only,
+    // emergency stop from the lines only.
     const uint32_t lines = lin_lines_read();
     enum { others = 0xFF * hal_in_home_u };
     port.inputs = (lines & (hal_in_estop | others)) |
@@ -187,25 +186,26 @@ static void sense(int64_t now_ns)
     port.now_ns = now_ns;
 }
 
-/// @return false: the last tick
+/// @return false after the last tick
 static bool tick(int64_t now_ns)
 {
     hal_can_frame_t frames[lin_bus_max_frames];
     sense(now_ns);
-    const lin_stop_phase_t phase = lin_stop_step(
-        &port.stop, (uint32_t)n_signals, port.wants.outputs, lin_bus_is_at_rest(&port.bus), now_ns);
+    const lin_stop_phase_t phase =
+        lin_stop_step(&port.stop, (uint32_t)n_signals, port.commands.outputs,
+                      lin_bus_is_at_rest(&port.bus), now_ns);
     port.inputs |= phase == lin_stop_retract ? (uint32_t)hal_in_estop : 0u;
     if (phase == lin_stop_run || phase == lin_stop_retract) {
         cam_isr();
     } else {
         hal_outputs_write_isr(0);
-        port.wants.is_stopping = true;
+        port.commands.is_stopping = true;
     }
-    const uint32_t n = lin_bus_make(&port.bus, &port.wants, now_ns, frames);
+    const uint32_t n = lin_bus_make(&port.bus, &port.commands, now_ns, frames);
     (void)lin_can_send(&port.can, frames, n);
-    atomic_store(&port.cause, lin_words_pack(port.bus.cause));
-    atomic_store(&port.not_ready, lin_words_pack(port.bus.not_ready));
-    atomic_store(&port.is_mute, port.bus.has_twin && port.is_remote_shared);
+    atomic_store(&port.cause, lin_cause_pack(port.bus.cause));
+    atomic_store(&port.not_ready, lin_cause_pack(port.bus.not_ready));
+    atomic_store(&port.is_mute, port.bus.has_duplicate && port.is_remote_shared);
     return phase != lin_stop_over;
 }
 
@@ -229,9 +229,8 @@ void hal_tick_start(void)
     lin_notify_ready();
 }
 
-/// Report that the program is alive; once a second look for overruns and for an interface that came
-/// back.
-static void look_after(void)
+/// Notify the service manager; once a second report overruns and rebind interfaces that came back.
+static void supervise(void)
 {
     static int64_t last_ns;
     const int64_t now_ns = lin_clock_now();
@@ -247,14 +246,14 @@ static void look_after(void)
 
 void hal_idle(void)
 {
-    static uint32_t told_cause, told_not_ready;
-    const bool goes_on = lin_thread_wait();
-    lin_report_change(&told_cause, atomic_load(&port.cause), lin_words_bus, &port.config);
-    lin_report_change(&told_not_ready, atomic_load(&port.not_ready), lin_words_drives,
+    static uint32_t last_cause, last_not_ready;
+    const bool is_running = lin_thread_wait();
+    lin_report_change(&last_cause, atomic_load(&port.cause), lin_cause_bus_text, &port.config);
+    lin_report_change(&last_not_ready, atomic_load(&port.not_ready), lin_cause_drives_text,
                       &port.config);
     lin_report_lost_line();
-    look_after();
-    if (!goes_on) {
+    supervise();
+    if (!is_running) {
         hal_text("port: ended by a signal");
         exit(0);
     }
@@ -263,7 +262,7 @@ void hal_idle(void)
 void hal_halt(const char *why)
 {
     make_safe();
-    if (port.is_up) { // otherwise the reason was printed already
+    if (port.is_up) { // otherwise the reason is already printed
         lin_halt_text_halt(why);
         (void)fprintf(stderr, "camturn-linux: halted: %s\n", why);
     }
@@ -285,8 +284,8 @@ void hal_text(const char *line)
     (void)fprintf(stderr, "%s\n", line);
 }
 
-/// The firmware knows itself as node 64. While another node has the number of this one, its frames
-/// are meant for that node.
+/// The firmware is node 64; identifiers are translated to the configured number. While another node
+/// has that number, frames are ignored: they may be for the other node.
 bool hal_can_read(hal_can_frame_t *frame)
 {
     if (!lin_can_receive_one(&port.remote, frame) || atomic_load(&port.is_mute)) {
@@ -318,22 +317,22 @@ void hal_encoder_read_isr(hal_encoder_t *reading)
 
 int32_t hal_axis_read_nm_isr(hal_axis_t axis)
 {
-    return lin_bus_actual_nm(&port.bus, axis, &port.wants);
+    return lin_bus_actual_nm(&port.bus, axis, &port.commands);
 }
 
-/// At the ticks of an operating system a swing would be as coarse as 7 ms: there is no axis for it.
+/// No swing axis: the tick rates of this port are too low for it.
 bool hal_has_swing(void)
 {
     return false;
 }
 
-/// The encoder's frames carry positions, not edges.
+/// Encoder frames carry positions, not edges.
 bool hal_has_edge_time(void)
 {
     return false;
 }
 
-/// A drive on the bus reports its position; U without a node is as commanded.
+/// U is measured if it has a drive; otherwise its position is the set-point.
 bool hal_measures_u(void)
 {
     return port.bus.drive[hal_axis_u].node.id != 0u;
@@ -351,7 +350,7 @@ hal_operator_t hal_operator(void)
     return lin_operator(&port.config);
 }
 
-/// A unit of the drive is the quantum of both ways; an axis without a drive has none.
+/// The resolution is the drive's unit; 0 without a drive.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     const uint32_t unit_pm = lin_drive_unit_pm(&port.bus.drive[axis]);
@@ -375,16 +374,16 @@ uint32_t hal_inputs_read_isr(void)
 
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
-    port.wants.axis[axis] = *setpoint;
+    port.commands.axis[axis] = *setpoint;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)
 {
-    port.wants.spindle_mrpm = speed_mrpm;
+    port.commands.spindle_mrpm = speed_mrpm;
 }
 
 void hal_outputs_write_isr(uint32_t bits)
 {
-    port.wants.outputs = bits;
+    port.commands.outputs = bits;
     lin_lines_write(bits);
 }

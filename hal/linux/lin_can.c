@@ -14,7 +14,7 @@
 
 enum { batch = 32, max_batches = 4, control_bytes = 128 };
 
-/// A stamp further away than these is not believed: the clock was set meanwhile.
+/// Time stamps outside these limits are ignored: the clock was set.
 enum { oldest_ns = 1000000000, newest_ns = 10000000 };
 
 static bool refuse(lin_can_t *can, const char *what, common_error_t *e)
@@ -50,8 +50,7 @@ static bool bind_to(lin_can_t *can)
            bind(can->fd, (struct sockaddr *)&address, sizeof address) == 0;
 }
 
-/// The interface is up and able to carry FD. A wrong one is refused at the start, before frames
-/// fail.
+/// Check that the interface is up and, if needed, supports FD.
 static bool check_interface(lin_can_t *can, bool is_fd, common_error_t *e)
 {
     struct ifreq request;
@@ -62,11 +61,11 @@ static bool check_interface(lin_can_t *can, bool is_fd, common_error_t *e)
     }
     if ((request.ifr_flags & IFF_UP) == 0) {
         errno = ENETDOWN;
-        return refuse(can, "bring it up by `ip link set up`, its bit rate given", e);
+        return refuse(can, "set its bit rate and bring it up with `ip link set up`", e);
     }
     if (ioctl(can->fd, SIOCGIFMTU, &request) == 0 && is_fd && request.ifr_mtu != (int)CANFD_MTU) {
         errno = EMSGSIZE;
-        return refuse(can, "can.fd = true wants `ip link set ... mtu 72` or `... fd on`", e);
+        return refuse(can, "can.fd = true needs `ip link set ... mtu 72` or `... fd on`", e);
     }
     can->n_room = ioctl(can->fd, SIOCGIFTXQLEN, &request) == 0 ? (uint32_t)request.ifr_qlen : 0u;
     return true;
@@ -92,13 +91,13 @@ bool lin_can_open(lin_can_t *can, const char *interface, const lin_can_filter_t 
         !set_filters(can)) {
         return refuse(can, "the kernel refuses an option of the socket", e);
     }
-    return bind_to(can) || refuse(can, "is no CAN interface; give another one", e);
+    return bind_to(can) || refuse(can, "not a CAN interface; give another one", e);
 }
 
 static void note_errno(lin_can_t *can, int err)
 {
     switch (err) {
-    case EAGAIN: // nothing there, or no room in the socket's buffer
+    case EAGAIN: // no frame, or the socket buffer is full
     case ENOBUFS:
     case EINTR:
         break;
@@ -107,14 +106,14 @@ static void note_errno(lin_can_t *can, int err)
         atomic_store(&can->is_gone, true);
         can->link = lin_loss_interface_down;
         break;
-    default: // ENETDOWN and what else keeps frames from flowing
+    default: // ENETDOWN and others
         can->link = lin_loss_interface_down;
         break;
     }
 }
 
-/// Error frames report bus-off and restart; a CAN controller that overflowed has lost frames, too.
-static void take_error(lin_can_t *can, const struct canfd_frame *frame)
+/// Process an error frame: bus-off, restart, overflow of the CAN controller.
+static void note_error(lin_can_t *can, const struct canfd_frame *frame)
 {
     if ((frame->can_id & CAN_ERR_BUSOFF) != 0u) {
         can->link = lin_loss_bus_off;
@@ -127,7 +126,8 @@ static void take_error(lin_can_t *can, const struct canfd_frame *frame)
     }
 }
 
-/// @return arrival in CLOCK_REALTIME, 0: unknown; overflows are noted
+/// Read the control messages: time stamp and overflow count.
+/// @return arrival in CLOCK_REALTIME, 0: unknown
 static int64_t read_control(lin_can_t *can, struct msghdr *header)
 {
     int64_t ns = 0;
@@ -191,9 +191,9 @@ static int64_t arrival(int64_t stamp_ns, int64_t epoch_ns, int64_t now_ns)
     return is_good ? now_ns - age_ns : now_ns;
 }
 
-void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user)
+void lin_can_receive(lin_can_t *can, lin_can_handler_t *take, void *user)
 {
-    static batch_t b; // the tick's only
+    static batch_t b; // used by the tick only
     const int64_t now_ns = lin_clock_now();
     const int64_t epoch_ns = lin_clock_read(CLOCK_REALTIME) - now_ns;
     for (int round = 0, got = batch; round < max_batches && got == batch; round++) {
@@ -202,7 +202,7 @@ void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user)
             const int64_t stamp_ns = read_control(can, &b.headers[i].msg_hdr);
             hal_can_frame_t frame;
             if ((b.frames[i].can_id & CAN_ERR_FLAG) != 0u) {
-                take_error(can, &b.frames[i]);
+                note_error(can, &b.frames[i]);
             } else if (to_frame(&b.frames[i], &frame)) {
                 take(user, &frame, arrival(stamp_ns, epoch_ns, now_ns));
             }
@@ -212,11 +212,11 @@ void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user)
 
 bool lin_can_receive_one(lin_can_t *can, hal_can_frame_t *frame)
 {
-    static batch_t b; // main()'s only
+    static batch_t b; // used by main() only
     while (receive_batch(can, &b, 1) == 1) {
         (void)read_control(can, &b.headers[0].msg_hdr);
         if ((b.frames[0].can_id & CAN_ERR_FLAG) != 0u) {
-            take_error(can, &b.frames[0]);
+            note_error(can, &b.frames[0]);
         } else if (to_frame(&b.frames[0], frame)) {
             return true;
         }
@@ -243,7 +243,7 @@ uint32_t lin_can_send(lin_can_t *can, const hal_can_frame_t *frames, uint32_t n)
         can->link = can->link == lin_loss_interface_down ? lin_loss_none : can->link;
         return n;
     }
-    if (sent >= 0) { // the next call reports why the next frame was not taken
+    if (sent >= 0) { // the next call returns the error
         can->event = lin_loss_send;
         return (uint32_t)sent;
     }
@@ -261,8 +261,8 @@ lin_loss_t lin_can_take_event(lin_can_t *can)
 
 void lin_can_rebind(lin_can_t *can)
 {
-    // Taken first: a removal that the tick reports from here on is not lost. The kernel dropped
-    // the filters with the interface.
+    // Clear the flag first, so that a removal reported by the tick meanwhile is not lost. The
+    // kernel dropped the filters together with the interface.
     if (atomic_exchange(&can->is_gone, false) && !(set_filters(can) && bind_to(can))) {
         atomic_store(&can->is_gone, true);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_clock: the one clock of the port: CLOCK_MONOTONIC in ns.
+/// lin_clock: the clock of the port, CLOCK_MONOTONIC in ns.
 #ifndef LIN_CLOCK_H
 #define LIN_CLOCK_H
 

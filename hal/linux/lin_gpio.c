@@ -12,7 +12,7 @@ lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_use_t us
     }
     lin_gpio_t *line = lin_gpio_new();
     if (line == NULL) {
-        (void)common_error(e, "no memory for a line");
+        (void)common_error(e, "out of memory for a line");
     } else if (!lin_gpio_take(line, &where, use, is_active_low, e)) {
         lin_gpio_close(line);
         line = NULL;

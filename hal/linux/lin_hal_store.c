@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The functions of hal.h for what is kept over a restart: tables, parameters, black box. What goes
-/// wrong with a file is told in a line of text.
+/// Functions of hal.h for tables, parameters and black box. File errors are reported by hal_text().
 #include "hal/hal.h"
 #include "lin_blackbox.h"
 #include "lin_params.h"
 #include "lin_table.h"
 
-static void tell(const common_error_t *e)
+static void report(const common_error_t *e)
 {
     if (e->text[0] != '\0') {
         hal_text(e->text);
@@ -37,7 +36,7 @@ bool hal_table_commit(void)
 {
     common_error_t e;
     const bool is_stored = lin_table_commit(&e);
-    tell(&e);
+    report(&e);
     return is_stored;
 }
 
@@ -49,9 +48,9 @@ hal_params_t hal_params_kept(void)
 bool hal_params_keep(const void *bytes, uint32_t size)
 {
     common_error_t e;
-    const bool is_kept = lin_params_keep(bytes, size, &e);
-    tell(&e);
-    return is_kept;
+    const bool is_stored = lin_params_keep(bytes, size, &e);
+    report(&e);
+    return is_stored;
 }
 
 hal_memory_t hal_scope_memory(void)
@@ -63,5 +62,5 @@ void hal_scope_keep(const int32_t *words, uint32_t n)
 {
     common_error_t e;
     lin_blackbox_keep(words, n, &e);
-    tell(&e);
+    report(&e);
 }

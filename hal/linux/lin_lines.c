@@ -6,8 +6,8 @@
 #include <stddef.h>    // NULL
 
 static lin_gpio_t *lines[lin_n_lines];
-static _Atomic uint32_t lost = lin_n_lines; // written by the tick, read by main()
-static uint32_t written, unsure;            // hal_out_*; unsure: the last write failed
+static _Atomic uint32_t lost = lin_n_lines; // first line lost; written by the tick, read by main()
+static uint32_t written, unsure;            // hal_out_*; unsure: bits whose last write failed
 
 static lin_gpio_use_t use_of(int line)
 {
@@ -17,7 +17,7 @@ static lin_gpio_use_t use_of(int line)
     return line < lin_line_enable ? lin_gpio_input : lin_gpio_output;
 }
 
-/// @return hal_out_* of a line, 0 of an input
+/// @return hal_out_* of a line, 0 for an input
 static uint32_t out_bit(int line)
 {
     switch (line) {
@@ -68,7 +68,7 @@ _Static_assert((uint32_t)hal_in_key == (uint32_t)hal_in_home_u << 7 &&
                    lin_line_key == lin_line_home_u + 7,
                "button and key follow the homes in both lists");
 
-/// @return hal_in_home_u and the seven bits above it, of lines that are wired
+/// @return hal_in_home_u and the seven bits above it; 0 for lines that are not wired
 static uint32_t read_others(void)
 {
     uint32_t bits = 0;
@@ -103,7 +103,7 @@ bool lin_lines_edge(int64_t *ns, bool *is_rising)
     return got > 0;
 }
 
-/// @return hal_out_* that were wanted and could not be written
+/// @return hal_out_* of `which` that could not be written
 static uint32_t write_lines(uint32_t bits, uint32_t which)
 {
     uint32_t failed = 0;

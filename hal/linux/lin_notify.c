@@ -11,7 +11,7 @@ static struct sockaddr_un address;
 static socklen_t address_bytes;
 static int64_t interval_ns, last_ns;
 
-static void tell(const char *words)
+static void notify(const char *words)
 {
     if (fd >= 0) {
         (void)sendto(fd, words, strlen(words), MSG_DONTWAIT | MSG_NOSIGNAL,
@@ -29,18 +29,18 @@ void lin_notify_ready(void)
     address.sun_family = AF_UNIX;
     memcpy(address.sun_path, path, strlen(path));
     address_bytes = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + strlen(path));
-    if (path[0] == '@') { // abstract: no file
+    if (path[0] == '@') { // abstract socket, not a file
         address.sun_path[0] = '\0';
     }
     interval_ns = usec != NULL ? strtoll(usec, NULL, 10) * 1000 / 4 : 0;
     fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    tell("READY=1");
+    notify("READY=1");
 }
 
 void lin_notify_alive(int64_t now_ns)
 {
     if (interval_ns > 0 && now_ns - last_ns >= interval_ns) {
         last_ns = now_ns;
-        tell("WATCHDOG=1");
+        notify("WATCHDOG=1");
     }
 }

@@ -11,15 +11,15 @@ const char lin_options_usage[] =
     "\n"
     "The camturn controller with CAN drives and GPIO lines.\n"
     "\n"
-    "  --config FILE  the machine; else the environment variable CAMTURN_CONFIG names it\n"
-    "  --check        read the configuration, say whether it is right, and end\n"
+    "  --config FILE  configuration of the machine; default: environment variable CAMTURN_CONFIG\n"
+    "  --check        check the configuration and exit\n"
     "\n"
-    "Ended by SIGTERM or SIGINT: the tool leaves the work, then the drives are let go; a second\n"
-    "signal lets them go at once.\n"
-    "Exit status: 0 ended by a signal, 1 by a fault of its own, 2 wrong usage, configuration or\n"
+    "SIGTERM or SIGINT: retract the tool, then disable the drives; a second signal disables them\n"
+    "at once.\n"
+    "Exit status: 0 ended by a signal, 1 internal fault, 2 wrong usage, configuration or "
     "machine.\n";
 
-/// Read the words of the command line, each with its terminating 0. @return [bytes]
+/// Read the command line, each word terminated by 0. @return [bytes]
 static size_t read_words(char *words, size_t size)
 {
     const int fd = open("/proc/self/cmdline", O_RDONLY | O_CLOEXEC);
@@ -35,7 +35,7 @@ static bool take_path(lin_options_t *o, const char *path, common_error_t *e)
 {
     return (path[0] != '\0' &&
             (size_t)snprintf(o->config, sizeof o->config, "%s", path) < sizeof o->config) ||
-           common_error(e, "--config %.40s: no path; write --config FILE", path);
+           common_error(e, "--config %.40s: not a path; write --config FILE", path);
 }
 
 bool lin_options_read(lin_options_t *o, common_error_t *e)
@@ -59,7 +59,7 @@ bool lin_options_read(lin_options_t *o, common_error_t *e)
                 return false;
             }
         } else {
-            return common_error(e, "%.60s: no such option; --help lists them", word);
+            return common_error(e, "%.60s: unknown option; see --help", word);
         }
     }
     const char *path = getenv("CAMTURN_CONFIG");

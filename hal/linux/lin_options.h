@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_options: the command line. main() is the same for all ports and takes no arguments, so the
-/// port reads them from /proc/self/cmdline.
+/// lin_options: the command line, read from /proc/self/cmdline, because the common main() has no
+/// arguments.
 #ifndef LIN_OPTIONS_H
 #define LIN_OPTIONS_H
 
@@ -8,12 +8,12 @@
 #include <stdbool.h>      // bool
 
 typedef struct {
-    char config[512]; ///< path; by --config, else by CAMTURN_CONFIG
+    char config[512]; ///< path from --config, else from CAMTURN_CONFIG
     bool is_help;
-    bool is_check; ///< read the configuration and end
+    bool is_check; ///< check the configuration and exit
 } lin_options_t;
 
-/// @return false and *e: unknown word, no configuration named
+/// @return false and *e: unknown option, or no configuration given
 bool lin_options_read(lin_options_t *o, common_error_t *e);
 
 extern const char lin_options_usage[];

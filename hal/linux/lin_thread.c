@@ -22,7 +22,7 @@ static struct {
     _Atomic uint32_t n_overruns, last_ns, max_ns;
 } thread;
 
-/// Print a warning: a line for people with the reason of a refusal.
+/// Format and print a warning.
 __attribute__((format(printf, 1, 2))) static void warn(const char *format, ...)
 {
     common_error_t line;
@@ -52,11 +52,11 @@ bool lin_thread_prepare(const lin_thread_config_t *config, common_error_t *e)
     CPU_ZERO(&one);
     CPU_SET((unsigned)cpu, &one);
     if (sched_setaffinity(0, sizeof one, &one) != 0) {
-        return common_error(e, "thread.cpu = %d: %s; give one of this machine", cpu,
+        return common_error(e, "thread.cpu = %d: %s; give a CPU of this machine", cpu,
                             strerror(errno));
     }
     if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-        warn("warning: memory is not locked (%s): a page fault may make a tick late; raise "
+        warn("warning: memory is not locked (%s): a page fault may delay a tick; raise "
              "LimitMEMLOCK",
              strerror(errno));
     }
@@ -67,20 +67,20 @@ static void *run(void *unused)
 {
     (void)unused;
     int64_t due_ns = lin_period_next(lin_clock_now(), thread.tick_hz);
-    for (bool goes_on = true; goes_on;) {
+    for (bool is_running = true; is_running;) {
         const struct timespec at = {.tv_sec = due_ns / lin_ns_per_s,
                                     .tv_nsec = due_ns % lin_ns_per_s};
         while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL) == EINTR) {
         }
         const int64_t begin_ns = lin_clock_now();
-        goes_on = thread.tick(begin_ns);
+        is_running = thread.tick(begin_ns);
         const int64_t took_ns = lin_clock_now() - begin_ns;
         const uint32_t shown_ns = took_ns > UINT32_MAX ? UINT32_MAX : (uint32_t)took_ns;
         atomic_store(&thread.last_ns, shown_ns);
         if (shown_ns > atomic_load(&thread.max_ns)) {
             atomic_store(&thread.max_ns, shown_ns);
         }
-        atomic_store(&thread.is_over, !goes_on);
+        atomic_store(&thread.is_over, !is_running);
         (void)sem_post(&thread.ended);
         const int64_t last_ns = due_ns;
         due_ns = lin_period_next(lin_clock_now(), thread.tick_hz);
@@ -117,14 +117,14 @@ bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick
     if (err == EPERM) {
         warn(
             config->priority > 0
-                ? "warning: SCHED_FIFO is not permitted: any busy program makes ticks late, a late "
-                  "tick ends a cut; LimitRTPRIO"
-                : "warning: thread.priority = 0: any busy program makes ticks late, a late tick "
+                ? "warning: SCHED_FIFO is not permitted: any busy program delays ticks, and a late "
+                  "tick ends a cut; raise LimitRTPRIO"
+                : "warning: thread.priority = 0: any busy program delays ticks, and a late tick "
                   "ends a cut");
         (void)pthread_attr_setinheritsched(&attributes, PTHREAD_INHERIT_SCHED);
         err = create(&attributes);
     }
-    if (err == EAGAIN) { // no room for the stack within the limit of locked memory
+    if (err == EAGAIN) { // the stack exceeds the limit of locked memory
         (void)munlockall();
         warn("warning: memory is not locked: the limit is too low; raise LimitMEMLOCK");
         err = create(&attributes);
@@ -137,7 +137,7 @@ bool lin_thread_wait(void)
 {
     while (sem_wait(&thread.ended) != 0 && errno == EINTR) {
     }
-    while (sem_trywait(&thread.ended) == 0) { // ticks that ended while main() was at work
+    while (sem_trywait(&thread.ended) == 0) { // ticks that ended while main() was busy
     }
     return !atomic_load(&thread.is_over);
 }

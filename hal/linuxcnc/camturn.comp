@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// This file is the project's own. What halcompile makes of it is linked with LinuxCNC, which is why the
-// line `license` declares the module GPL.
+// The compiled module is linked with LinuxCNC; therefore the line `license` declares it GPL.
 component camturn "turns and grinds non-circular sections from tables of the spindle's angle";
 description """
-Plays a table of camturn on a fast tool axis U: every set-point follows the angle of the spindle, with its dead time and
-the inverse of its drive taken into account. Parameters of the firmware appear as HAL parameters of the same
-name with hyphens, for example \\fBcamturn.lead-ns\\fR. hal/linuxcnc/README.md tells how to set it up.
+Moves a fast tool axis U by a camturn table: set-points follow the angle of the spindle, with dead-time compensation and
+feed-forward for the drive. Parameters of the firmware appear as HAL parameters of the same
+name with hyphens, for example \\fBcamturn.lead-ns\\fR. Set-up: hal/linuxcnc/README.md.
 """;
 pin in s32 spindle_rawcounts "counts of the spindle encoder, never reset";
-pin in s32 spindle_counts "counts since the last index edge that was waited for";
-pin io bit index_enable "as of HAL's encoders: set to wait for an index edge, reset by it";
-pin in bit index_is_shared "LinuxCNC counts turns by the same encoder (G33): wait for one edge only after enable";
-pin in bit enable "rising: acknowledge a fault, enable, home; falling: leave the work, disable";
+pin in s32 spindle_counts "counts since the last index edge with index-enable set";
+pin io bit index_enable "as of HAL encoders: set to wait for an index edge, which resets it";
+pin in bit index_is_shared "LinuxCNC counts turns with the same encoder (G33): wait for one edge only after enable";
+pin in bit enable "rising: acknowledge a fault, enable, home; falling: retract, disable";
 pin in bit start "rising: cut one pass (M64); falling: end it (M65)";
 pin in bit estop_ok "true: the emergency-stop chain is closed";
-pin in bit drive_ready "true: the drives are able to follow";
-pin in bit acknowledge "true while somebody at the machine presses a button by which it may move again: behind power-on, emergency stop, fault";
+pin in bit drive_ready "true: the drives can follow";
+pin in bit acknowledge "true while the acknowledge button at the machine is pressed; required after power-on, emergency stop, fault";
 pin in float u_fb "measured U [mm], used with measures_u=1";
 pin in float x_fb "measured X [mm radius], used with measures_x=1";
 pin in float z_fb "measured Z [mm, height of the drawing], used with measures_z=1";
@@ -32,26 +31,26 @@ pin out bit position_switch-#[8] "position switches";
 pin out u32 state_number "0 off 1 homing 2 ready 3 engaging 4 cutting 5 disengaging 6 fault 7 rehearsing 8 identifying";
 pin out u32 fault_mask "latched faults, a mask in the order of firmware/FAULTS.md";
 pin out s32 error_number "last refusal, 0: none (firmware/base/cam_err.h)";
-pin out float angle "angle of the spindle [turn], rises without end";
+pin out float angle "angle of the spindle [turn], unwrapped";
 pin out float spindle_speed "speed of the spindle [r/min]";
-pin out float following_error "measured U less where it should be [mm]";
-pin out u32 late_ticks "ticks that came too late";
-pin out float learned_error "rms error of U in the last turn that was learned from [mm]";
+pin out float following_error "measured U minus its commanded position [mm]";
+pin out u32 late_ticks "late ticks";
+pin out float learned_error "rms error of U in the last turn used for learning [mm]";
 param r s32 tick_hz_used "rate of the tick [Hz]";
-function update nofp "one tick: the fast thread, behind the encoder's function";
-function poll fp "the main loop: a thread of 1 ms or slower, or behind update in the same thread";
+function update nofp "one tick: in the fast thread, after the encoder's function";
+function poll fp "the main loop: in a thread of 1 ms or slower, or after update in the same thread";
 modparam dummy table """
-\\fBtable=\\fRabsolute path of a .camtab file. Without a good one the component does not load.""";
+\\fBtable=\\fRabsolute path of a .camtab file. Without a valid one the component does not load.""";
 modparam dummy trust_keys """
-\\fBtrust_keys=\\fRpublic keys whose tables are taken, 64 digits each, with commas between.""";
+\\fBtrust_keys=\\fRpublic keys for table signatures, 64 digits each, separated by commas.""";
 modparam dummy trust_required """
 \\fBtrust_required=1\\fR: a table without a signature of one of these keys is refused.""";
 modparam dummy tick_hz """\\fBtick_hz=\\fRrate of the thread of \\fBcamturn.update\\fR [Hz], 500 .. 100 000.""";
-modparam dummy measures_u """\\fBmeasures_u=1\\fR: u-fb is a measurement; then what the drive does wrong can be learned.""";
+modparam dummy measures_u """\\fBmeasures_u=1\\fR: u-fb is a measurement; enables learning of the drive's errors.""";
 modparam dummy measures_x """\\fBmeasures_x=1\\fR: x-fb is a measurement.""";
-modparam dummy measures_z """\\fBmeasures_z=0\\fR: nothing measures Z; camturn itself feeds it.""";
-modparam dummy waive_acknowledge """\\fBwaive_acknowledge=1\\fR: the pin acknowledge is not needed, since the machine has another button that must be pressed at it before its drives get power, or it is a simulated one.""";
-modparam dummy nominal_time """\\fBnominal_time=1\\fR: time is counted in ticks: for simulation without real time.""";
+modparam dummy measures_z """\\fBmeasures_z=0\\fR: Z is not measured; camturn itself feeds it.""";
+modparam dummy waive_acknowledge """\\fBwaive_acknowledge=1\\fR: the pin acknowledge is not needed, because the machine has its own button that must be pressed before its drives get power, or is simulated.""";
+modparam dummy nominal_time """\\fBnominal_time=1\\fR: time is counted in ticks, for simulation without real time.""";
 option singleton yes;
 option extra_setup yes;
 license "GPL";
@@ -64,7 +63,7 @@ include "lcn_slow.h";
 static char *table = "";
 RTAPI_MP_STRING(table, "absolute path of a .camtab file");
 static char *trust_keys = "";
-RTAPI_MP_STRING(trust_keys, "public keys whose tables are taken");
+RTAPI_MP_STRING(trust_keys, "public keys for table signatures");
 static int trust_required = 0;
 RTAPI_MP_INT(trust_required, "1: tables without a signature of one of them are refused");
 static int tick_hz = 1000;
@@ -82,17 +81,17 @@ RTAPI_MP_INT(nominal_time, "1: time is counted in ticks");
 
 static hal_s32_t *values; // the parameters, in HAL's memory
 
-static void say(const char *line)
+static void print_line(const char *line)
 {
     rtapi_print_msg(RTAPI_MSG_ERR, "camturn: %s\n", line);
 }
 
-// A feedback beyond the range of a position in nanometres is the end of that range.
+// Convert to nanometres, clamped to the range.
 static int32_t nm_of_mm(double mm)
 {
     const double nm = mm * 1e6;
     if (!(nm > -INT_MAX)) {
-        return -INT_MAX; // not a number, too
+        return -INT_MAX; // also for NaN
     }
     return nm < INT_MAX ? (int32_t)(nm < 0.0 ? nm - 0.5 : nm + 0.5) : INT_MAX;
 }
@@ -116,7 +115,7 @@ static int make_params(const char *prefix)
 EXTRA_SETUP()
 {
     (void)extra_arg;
-    lcn_port_say = say;
+    lcn_port_print = print_line;
     if (tick_hz < 500 || tick_hz > 100000) {
         rtapi_print_msg(RTAPI_MSG_ERR, "camturn: tick_hz=%d: out of range; give 500 .. 100000\n",
                         tick_hz);
@@ -125,7 +124,7 @@ EXTRA_SETUP()
     common_keys_t trust = {.n = 0};
     if (!common_keys_add(&trust, trust_keys) || (trust_required != 0 && trust.n == 0)) {
         rtapi_print_msg(RTAPI_MSG_ERR, "camturn: trust_keys=%.80s: %s\n", trust_keys,
-                        COMMON_KEYS_REMEDY ", or leave trust_required out");
+                        COMMON_KEYS_REMEDY ", or omit trust_required");
         return -EINVAL;
     }
     const lcn_setup_t setup = {

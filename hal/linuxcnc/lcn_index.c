@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcn_index.h"
 
-/// An edge that is due is reported this part of a turn late, so that a true one comes first.
-enum { patience = 16 };
+/// A calculated edge is reported 1/16 turn late, so that a real one has priority.
+enum { late_part = 16 };
 
-static void take(lcn_index_t *x, uint32_t place)
+static void report(lcn_index_t *x, uint32_t counts)
 {
-    x->counts = place;
+    x->counts = counts;
     x->n++;
 }
 
-/// Report the edge that nobody waited for, where the last one says that it must have been.
-static void take_due(lcn_index_t *x, uint32_t raw, int32_t turn_counts)
+/// Report an edge that was not waited for at its calculated position, one turn after the last edge.
+static void report_calculated(lcn_index_t *x, uint32_t raw, int32_t turn_counts)
 {
     const int32_t since = (int32_t)(raw - x->counts); // wraps by design
-    const int32_t most = turn_counts + turn_counts / patience;
+    const int32_t most = turn_counts + turn_counts / late_part;
     if (since >= most) {
-        take(x, x->counts + (uint32_t)turn_counts);
+        report(x, x->counts + (uint32_t)turn_counts);
     } else if (since <= -most) {
-        take(x, x->counts - (uint32_t)turn_counts);
+        report(x, x->counts - (uint32_t)turn_counts);
     } else {
         // within the turn
     }
@@ -32,9 +32,9 @@ void lcn_index_step(lcn_index_t *x, const lcn_counters_t *now, int32_t turn_coun
     x->latch = latch;
     x->is_known = (x->is_known || is_edge) && !is_off;
     if (is_edge) {
-        take(x, latch);
+        report(x, latch);
     } else if (now->is_shared && x->is_known) {
-        take_due(x, (uint32_t)now->raw, turn_counts);
+        report_calculated(x, (uint32_t)now->raw, turn_counts);
     } else {
         // nothing to report
     }

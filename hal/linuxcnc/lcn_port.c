@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcn_port.h"
-#include "hal/hal.h"   // the functions of a port; hal_init() is LinuxCNC's here
+#include "hal/hal.h"   // port functions, except hal_init(), whose name LinuxCNC uses
 #include <stdatomic.h> // port.runs
 #include <stddef.h>    // NULL
 #include <stdlib.h>    // abort
 
 enum { clock_hz = 10000000, ns_per_clock = 100, ns_per_s = 1000000000, rate_part = 100 };
 
-void (*lcn_port_say)(const char *line);
+void (*lcn_port_print)(const char *line);
 
 _Static_assert((int)lcn_u == (int)hal_axis_u && (int)lcn_x == (int)hal_axis_x &&
                    (int)lcn_z == (int)hal_axis_z && (int)lcn_n_axes == (int)hal_n_axes,
                "one numbering of the axes");
 
-/// The tick writes all of it but the setup.
+/// Written by the tick, except setup and runs.
 static struct {
     lcn_setup_t setup;
     lcn_in_t in;
@@ -21,7 +21,7 @@ static struct {
     lcn_index_t index;
     uint32_t n_ticks;
     bool is_on_rate;
-    _Atomic bool runs; ///< the slow thread writes it
+    _Atomic bool runs; ///< written by the slow thread
 } port;
 
 void lcn_port_init(const lcn_setup_t *setup)
@@ -40,20 +40,13 @@ void lcn_port_run(void)
     atomic_store(&port.runs, true);
 }
 
-/// @return whether a period is that of the setup
+/// @return whether the period matches the configured rate
 static bool is_on_rate(int32_t period_ns)
 {
     const int32_t due_ns = (int32_t)(ns_per_s / port.setup.tick_hz);
     const int32_t most_ns = due_ns / rate_part;
     return port.setup.is_nominal ||
            (period_ns >= due_ns - most_ns && period_ns <= due_ns + most_ns);
-}
-
-static void follow(const lcn_in_t *in)
-{
-    for (int i = 0; i < lcn_n_axes; i++) {
-        port.out.pos_nm[i] = in->actual_nm[i];
-    }
 }
 
 void lcn_port_tick(const lcn_in_t *in, int32_t turn_counts, lcn_out_t *out)
@@ -66,7 +59,9 @@ void lcn_port_tick(const lcn_in_t *in, int32_t turn_counts, lcn_out_t *out)
         port.n_ticks++;
         cam_isr();
     } else {
-        follow(in);
+        for (int i = 0; i < lcn_n_axes; i++) {
+            port.out.pos_nm[i] = in->actual_nm[i];
+        }
     }
     *out = port.out;
 }
@@ -91,7 +86,7 @@ bool hal_has_swing(void)
     return false;
 }
 
-/// The encoder's pins carry counts, not edges.
+/// Encoder pins carry counts, not edges.
 bool hal_has_edge_time(void)
 {
     return false;
@@ -102,13 +97,13 @@ bool hal_measures_u(void)
     return port.setup.is_measured[hal_axis_u];
 }
 
-/// Set-points are numbers of the type double; the step generators and drives behind the pins have
-/// the scales.
 hal_operator_t hal_operator(void)
 {
     return (hal_operator_t){.has_acknowledge = true, .is_acknowledge_waived = port.setup.is_waived};
 }
 
+/// Unknown: the pins are doubles; the scales are in the step generators and drives connected to
+/// them.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     (void)axis;
@@ -122,7 +117,7 @@ hal_trust_t hal_trust(void)
                          .is_required = port.setup.is_trust_required};
 }
 
-/// LinuxCNC has a recorder of its own, halscope.
+/// None: LinuxCNC has halscope.
 hal_memory_t hal_scope_memory(void)
 {
     return (hal_memory_t){.words = NULL};
@@ -134,7 +129,7 @@ void hal_scope_keep(const int32_t *words, uint32_t n)
     (void)n;
 }
 
-/// Parameters are lines of a HAL file.
+/// Parameters are set in a HAL file.
 hal_params_t hal_params_kept(void)
 {
     return (hal_params_t){.bytes = NULL};
@@ -156,11 +151,11 @@ void hal_tick_start(void) {}
 
 void hal_idle(void) {}
 
-/// The end of the process is the end of all its threads, so the hardware's watchdog takes over.
+/// Ends the process with all HAL threads; then the hardware watchdog trips.
 void hal_halt(const char *why)
 {
     port.out = (lcn_out_t){.is_fault = true};
-    lcn_port_say(why);
+    lcn_port_print(why);
     abort();
 }
 
@@ -169,7 +164,7 @@ hal_start_t hal_start(void)
     return (hal_start_t){.reset = hal_reset_power_on, .why = ""};
 }
 
-// The table is a file that the component loads; nothing is downloaded.
+// The component loads the table from a file; there are no downloads.
 
 hal_image_t hal_table_image(void)
 {
@@ -200,7 +195,7 @@ bool hal_table_commit(void)
     return false;
 }
 
-/// HAL measures its functions itself: camturn.update.time.
+/// Measured by HAL: camturn.update.time.
 hal_load_t hal_load(void)
 {
     return (hal_load_t){0};
@@ -208,7 +203,7 @@ hal_load_t hal_load(void)
 
 void hal_text(const char *line)
 {
-    lcn_port_say(line);
+    lcn_port_print(line);
 }
 
 bool hal_can_read(hal_can_frame_t *frame)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lcn_port: the port of hal.h for a HAL thread of LinuxCNC, without a word of LinuxCNC in it.
+/// lcn_port: port for a HAL thread of LinuxCNC, independent of LinuxCNC's headers.
 ///
-/// The component (camturn.comp) copies its pins into lcn_in_t, calls lcn_port_tick() and copies
-/// lcn_out_t to its pins. No file of this folder but the component sees LinuxCNC's headers, and the
-/// component sees none of the firmware's: both have a hal.h, and a function hal_init().
+/// The component (camturn.comp) copies its pins to lcn_in_t, calls lcn_port_tick() and copies
+/// lcn_out_t to its pins. Only the component includes LinuxCNC's headers, and it includes none of
+/// the firmware: both have a hal.h and a function hal_init().
 #ifndef LCN_PORT_H
 #define LCN_PORT_H
 
@@ -18,28 +18,28 @@ enum { lcn_u, lcn_x, lcn_z, lcn_n_axes };
 /// Position switches.
 enum { lcn_n_switches = 8 };
 
-/// What the user gives when the component is loaded; constant from then on.
+/// Load parameters of the component, constant.
 typedef struct {
     uint32_t tick_hz;             ///< [Hz] rate of the thread, 500 .. 100 000
-    bool is_measured[lcn_n_axes]; ///< the axis has a feedback; false: it is where it was commanded
-    common_keys_t trust;          ///< public keys whose tables are taken
-    bool is_trust_required;       ///< a table without a signature of one of them is refused
-    bool is_waived;               ///< nobody has to press the pin acknowledge
-    bool is_nominal;              ///< time is counted in ticks, not read from a clock: simulation
+    bool is_measured[lcn_n_axes]; ///< the axis has feedback; false: its position is the set-point
+    common_keys_t trust;          ///< public keys for table signatures
+    bool is_trust_required;       ///< tables without a signature by one of them are refused
+    bool is_waived;               ///< the pin acknowledge is not needed
+    bool is_nominal;              ///< time is counted in ticks (simulation)
 } lcn_setup_t;
 
-/// What a tick senses.
+/// Inputs of a tick.
 typedef struct {
     int64_t now_ns;                ///< [ns] clock at the start of the tick; not used if is_nominal
     int32_t period_ns;             ///< [ns] nominal period of the thread
     lcn_counters_t spindle;        ///< encoder
     int32_t actual_nm[lcn_n_axes]; ///< [nm] feedback
     bool is_estop;                 ///< the emergency-stop chain is open
-    bool is_drive_ready;           ///< all drives are able to follow
-    bool is_acknowledged;          ///< the button is pressed
+    bool is_drive_ready;           ///< all drives can follow
+    bool is_acknowledged;          ///< the acknowledge button is pressed
 } lcn_in_t;
 
-/// What a tick commands.
+/// Outputs of a tick.
 typedef struct {
     int32_t pos_nm[lcn_n_axes];  ///< [nm] set-points
     int32_t vel_q10[lcn_n_axes]; ///< [nm / 1024 per tick] their velocities, without feed-forward
@@ -47,29 +47,30 @@ typedef struct {
     bool is_enabled;             ///< the drives are enabled and hold their axes
     bool is_fault;               ///< a fault is latched
     bool is_in_cut;              ///< the tool cuts at full amplitude
-    bool arms_index;             ///< the encoder is to wait for the next edge
+    bool arms_index;             ///< set index-enable
     uint32_t switches;           ///< bit i: position switch i + 1 is on
 } lcn_out_t;
 
-/// Keep the setup and forget everything else. To be called once, before any other function here.
+/// Initialise. Call once, before any other function here.
 void lcn_port_init(const lcn_setup_t *setup);
 
-/// Let ticks run. Until then the drives are disabled and set-points follow the feedback, so that
-/// the first tick has the parameters of the HAL file. Context: the slow thread.
+/// Start the ticks. Before that the drives are disabled and set-points follow the feedback. Started
+/// by the first round of the slow thread, after the HAL file has set the parameters.
 void lcn_port_run(void);
 
-/// One tick: sense, cam_isr(), actuate. Context: the fast thread.
+/// One tick: sense, cam_isr(), actuate. Context: fast thread.
 /// @param turn_counts  [counts] per turn of the encoder, > 0
 void lcn_port_tick(const lcn_in_t *in, int32_t turn_counts, lcn_out_t *out);
 
-/// @return whether the thread runs at the rate of the setup, within 1 %, or time is nominal. If
-///         not, the tick reports an open emergency stop. True before the first tick.
+/// @return whether the thread's period matches tick_hz within 1 %, or time is nominal. If not, the
+/// tick
+///         reports an open emergency stop. True before the first tick.
 bool lcn_port_is_on_rate(void);
 
-/// @return [ns] period at which the thread calls, 0 before the first tick
+/// @return [ns] period of the thread, 0 before the first tick
 int32_t lcn_port_period_ns(void);
 
-/// Where lines of text and the last words of a halt go. Set by the component.
-extern void (*lcn_port_say)(const char *line);
+/// Prints lines of text and the reason of a halt. Set by the component.
+extern void (*lcn_port_print)(const char *line);
 
 #endif

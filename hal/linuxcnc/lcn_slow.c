@@ -4,32 +4,32 @@
 #include "cam_fix.h"            // cam_clamp_i32
 #include "cam_machine.h"        // cam_machine_t
 #include "cam_state.h"          // cam_state_name
-#include "lcn_port.h"           // lcn_port_say
+#include "lcn_port.h"           // lcn_port_print
 #include "lcn_table.h"          // lcn_table_read
 #include <stddef.h>             // NULL
 #include <stdio.h>              // snprintf
 
-enum { line_bytes = 256, lessons_per_turn = 100 };
+enum { line_bytes = 256, updates_per_turn = 100 };
 
 static struct {
     cam_machine_t machine;
     lcn_commands_t last; ///< commands of the last round
-    bool wants_enable;   ///< enable was asked for and not yet carried out
+    bool wants_enable;   ///< enable is requested and not yet done
     bool wants_start;    ///< likewise
     bool was_on_rate;
     cam_err_t err;
-    cam_state_t state; ///< that was said last
+    cam_state_t state; ///< of the last round
 } slow;
 
-static void say_refusal(const char *what, cam_err_t err)
+static void report_refusal(const char *what, cam_err_t err)
 {
     char line[line_bytes];
     (void)snprintf(line, sizeof line, "%s: refused: %s (error %d)", what, cam_err_text(err),
                    (int)err);
-    lcn_port_say(line);
+    lcn_port_print(line);
 }
 
-/// @return whether the request is settled: carried out, or refused for good and said once
+/// @return whether the request is finished: done, or refused with a message; false while busy
 static bool settle(const char *what, cam_err_t err)
 {
     if (err == cam_err_busy) {
@@ -37,7 +37,7 @@ static bool settle(const char *what, cam_err_t err)
     }
     slow.err = err;
     if (err != cam_ok) {
-        say_refusal(what, err);
+        report_refusal(what, err);
     }
     return true;
 }
@@ -57,14 +57,14 @@ bool lcn_slow_load(const char *path)
 {
     lcn_table_t table;
     if (!lcn_table_read(path, &table)) {
-        lcn_port_say(table.error);
+        lcn_port_print(table.error);
         return false;
     }
     const cam_err_t err = cam_machine_select_table(&slow.machine, table.bytes, table.size);
     if (err != cam_ok) {
-        say_refusal(path, err);
+        report_refusal(path, err);
     }
-    (void)cam_config_take_isr(&g_cam.config); // no tick does it yet
+    (void)cam_config_take_isr(&g_cam.config); // in place of the tick, which does not run yet
     return err == cam_ok;
 }
 
@@ -73,10 +73,10 @@ static void refuse_param(const cam_param_info_t *info, int32_t value, cam_err_t 
     char line[line_bytes];
     (void)snprintf(line, sizeof line, "%s = %d: refused: %s (error %d); give %d .. %d", info->name,
                    (int)value, cam_err_text(err), (int)err, (int)info->min, (int)info->max);
-    lcn_port_say(line);
+    lcn_port_print(line);
 }
 
-/// Say why parameters did not come into force, by the name of the one that hinders where it is one.
+/// Report why parameters were refused, with the name of the responsible one if known.
 static void refuse_params(cam_err_t err)
 {
     const cam_param_info_t *info = cam_param_info(slow.machine.refusal.param);
@@ -85,11 +85,11 @@ static void refuse_params(cam_err_t err)
                    cam_state_name(cam_machine_status(&slow.machine).state),
                    info != NULL ? info->name : "", info != NULL ? ": " : "", cam_err_text(err),
                    (int)err);
-    lcn_port_say(line);
+    lcn_port_print(line);
 }
 
-/// @return [mHz] what follows from the speed that is commanded, MATHS.md (188), as much as the tick
-///         allows
+/// @return [mHz] observer bandwidth for the commanded speed, MATHS.md (188), limited by the tick
+/// rate
 static int32_t derived_observer_mHz(void)
 {
     const cam_params_t *p = &slow.machine.params;
@@ -100,7 +100,7 @@ static int32_t derived_observer_mHz(void)
                          cam_derived_limits_most(id, slow.machine.tick_hz));
 }
 
-/// @return what a parameter that HAL shows as `value` is to be
+/// @return the parameter for a HAL value; 0 of the observer bandwidth means derived
 static int32_t wanted(cam_param_id_t id, int32_t value)
 {
     if (id != cam_param_observer_bandwidth_mHz || value != 0) {
@@ -110,7 +110,7 @@ static int32_t wanted(cam_param_id_t id, int32_t value)
     return is_off ? derived_observer_mHz() : slow.machine.params.observer_bandwidth_mHz;
 }
 
-/// Stage what HAL shows; a value out of its range is set back. @return whether anything differs
+/// Stage the HAL values; a value out of range is reset. @return whether anything changed
 static bool stage(volatile int32_t *values)
 {
     bool is_changed = false;
@@ -129,7 +129,7 @@ static bool stage(volatile int32_t *values)
     return is_changed;
 }
 
-/// Take over all parameters that differ, in one tick. Those that are refused are set back.
+/// Apply all changed parameters in one tick. Refused ones are reset in HAL.
 static void take_params(volatile int32_t *values)
 {
     const cam_err_t err = stage(values) ? cam_machine_stage_commit(&slow.machine) : cam_ok;
@@ -144,17 +144,17 @@ static void take_params(volatile int32_t *values)
     }
 }
 
-/// A command that is given in every round until the state shows that it was carried out.
-static void ask_again(cam_err_t err)
+/// Discard the result of a command that is repeated every round until the state changes.
+static void discard(cam_err_t err)
 {
     (void)err;
 }
 
-/// Enable first acknowledges a fault, whose retract may still go on.
+/// Enable; in a fault, reset it first.
 static void enable(const cam_status_t *status)
 {
     if (status->state == cam_state_fault) {
-        ask_again(cam_machine_reset(&slow.machine)); // until the retract has ended
+        discard(cam_machine_reset(&slow.machine)); // refused until the retract has ended
         return;
     }
     const bool is_off = status->state == cam_state_off;
@@ -164,33 +164,33 @@ static void enable(const cam_status_t *status)
 static void disable(const cam_status_t *status)
 {
     if (cam_state_is_in_work(status->state)) {
-        ask_again(cam_machine_stop(&slow.machine)); // then, in ready, the drives
+        discard(cam_machine_stop(&slow.machine)); // then, in ready, disable
     } else if (status->state == cam_state_ready || status->state == cam_state_homing) {
-        ask_again(cam_machine_disable(&slow.machine));
+        discard(cam_machine_disable(&slow.machine));
     } else {
-        // nothing is enabled
+        // already disabled, or on the way
     }
 }
 
-/// A start that is given before the machine is ready is refused, not kept: the program waits for
-/// "in cut" and would otherwise begin to cut when it no longer does.
+/// A start before the machine is ready is refused, not stored: the cut could otherwise begin after
+/// the G-code program has stopped waiting for "in cut".
 static void start_or_stop(const cam_status_t *status, const lcn_commands_t *commands)
 {
     if (slow.wants_start) {
         slow.wants_start = !settle("start", cam_machine_start(&slow.machine));
     } else if (!commands->starts && cam_state_is_in_work(status->state) &&
                status->state != cam_state_disengaging) {
-        ask_again(cam_machine_stop(&slow.machine));
+        discard(cam_machine_stop(&slow.machine));
     } else {
-        // the pass goes on
+        // the pass continues
     }
 }
 
-static void obey(const lcn_commands_t *commands)
+static void execute(const lcn_commands_t *commands)
 {
     const cam_status_t status = cam_machine_status(&slow.machine);
     if (status.config == 0u) {
-        return; // no tick has told yet what the inputs are
+        return; // no tick has run yet
     }
     slow.wants_enable =
         commands->enables && (slow.wants_enable || (!slow.last.enables && commands->enables));
@@ -205,8 +205,8 @@ static void obey(const lcn_commands_t *commands)
     }
 }
 
-/// Say what people at the machine want to know: a fault, and a thread at another rate.
-static void tell(void)
+/// Report a new fault, and a thread at the wrong rate.
+static void report(void)
 {
     char line[line_bytes];
     const cam_status_t status = cam_machine_status(&slow.machine);
@@ -215,7 +215,7 @@ static void tell(void)
             if ((status.first_fault >> i & 1u) != 0u) {
                 (void)snprintf(line, sizeof line, "fault %s: %s", cam_fault_name((cam_fault_t)i),
                                cam_fault_text((cam_fault_t)i));
-                lcn_port_say(line);
+                lcn_port_print(line);
             }
         }
     }
@@ -228,16 +228,16 @@ static void tell(void)
                        "given: load camturn with tick_hz=%d",
                        period_ns, (unsigned)slow.machine.tick_hz,
                        (1000000000 + period_ns / 2) / period_ns);
-        lcn_port_say(line);
+        lcn_port_print(line);
     }
     slow.was_on_rate = is_on_rate;
 }
 
-/// Learning wants a hundred pieces of work in a turn, which a slow thread does several at a time.
+/// Learning needs a hundred updates per turn; a slow thread does several in one round.
 static void learn(int32_t period_ns)
 {
     const int64_t turns_per_s = slow.machine.params.spindle_limit_mrpm / 60000 + 1;
-    const int64_t n = turns_per_s * lessons_per_turn * period_ns / 1000000000;
+    const int64_t n = turns_per_s * updates_per_turn * period_ns / 1000000000;
     for (int64_t i = 0; i < n; i++) {
         cam_machine_ilc_poll(&slow.machine, cam_machine_status(&slow.machine).state);
     }
@@ -246,11 +246,11 @@ static void learn(int32_t period_ns)
 void lcn_slow_poll(volatile int32_t *values, const lcn_commands_t *commands, int32_t period_ns)
 {
     take_params(values);
-    lcn_port_run(); // from the first round on
-    obey(commands);
+    lcn_port_run(); // effective in the first round
+    execute(commands);
     cam_machine_poll(&slow.machine);
     learn(period_ns);
-    tell();
+    report();
 }
 
 int32_t lcn_slow_n_params(void)

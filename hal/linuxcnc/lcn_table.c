@@ -11,7 +11,7 @@ static bool refuse(lcn_table_t *table, const char *path, const char *why, const 
     return false;
 }
 
-/// @return size of an open file, negative when it has none
+/// @return [bytes] size of an open file, negative on error
 static long size_of(FILE *file)
 {
     const long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
@@ -22,12 +22,12 @@ static bool read_whole(FILE *file, const char *path, lcn_table_t *table)
 {
     const long size = size_of(file);
     if (size <= 0 || size > (long)lcn_table_most_bytes) {
-        return refuse(table, path, "not the size of a table", "make it with tools/mktables");
+        return refuse(table, path, "wrong size for a table", "make it with tools/mktables");
     }
     void *bytes = malloc((size_t)size);
     if (bytes == NULL || fread(bytes, 1, (size_t)size, file) != (size_t)size) {
         free(bytes);
-        return refuse(table, path, "cannot be read whole", "check disk and memory");
+        return refuse(table, path, "cannot be read completely", "check disk and memory");
     }
     table->bytes = bytes;
     table->size = (size_t)size;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lcn_table: the file of a table, read into memory that stays.
+/// lcn_table: reads a table file into memory.
 #ifndef LCN_TABLE_H
 #define LCN_TABLE_H
 
@@ -14,7 +14,7 @@ typedef struct {
     char error[lcn_table_error_bytes];
 } lcn_table_t;
 
-/// @return false when the file cannot be read whole; table->error is the line that says why
+/// @return false and table->error if the file cannot be read completely
 bool lcn_table_read(const char *path, lcn_table_t *table);
 
 #endif

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// mps2_libc: the system calls of newlib, for test programs: output, heap, end. The firmware itself
-/// needs none of them.
+/// mps2_libc: system calls of newlib, for test programs only: output, heap, exit.
 #include "mps2_semihost.h"
 #include <errno.h>    // errno
 #include <stddef.h>   // ptrdiff_t
@@ -9,7 +8,7 @@
 
 extern uint8_t mps2_heap_start, mps2_heap_end;
 
-/// Exit status of a program that calls abort(), as a shell reports it.
+/// Exit status of abort(), as in a shell.
 enum { status_abort = 134 };
 
 int _write(int file, const char *bytes, int n);

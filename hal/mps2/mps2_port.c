@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// mps2_port: the port of the emulated boards except for its time, which is mps2_timer.c or the
-/// program that ticks the image. Each function reads or writes mps2_machine.
+/// mps2_port: the port of the emulated boards, on mps2_machine. Time is separate: mps2_timer.c, or
+/// a program that calls cam_isr() itself.
 #include "hal/hal.h"
 #include "mps2_machine.h"
 #include "mps2_semihost.h"
 #include <string.h> // memcpy, memset, strlen
 
-/// Exit status of an image that halted, where a real machine would restart.
+/// Exit status after hal_halt(); a real machine would restart.
 enum { status_halt = 98 };
 
 mps2_machine_t mps2_machine;
@@ -38,19 +38,19 @@ bool hal_measures_u(void)
     return mps2_machine.slow.measures_u;
 }
 
-/// Its tables come from the simulator, which judges them.
+/// No keys: the simulator checks the tables.
 hal_trust_t hal_trust(void)
 {
     return (hal_trust_t){.n_keys = 0};
 }
 
-/// The machine behind the emulator rounds nothing that it has not told.
-/// The machine is an emulated one: nobody is at it, and nobody can be hurt.
+/// No acknowledge: an emulated machine cannot hurt anybody.
 hal_operator_t hal_operator(void)
 {
     return (hal_operator_t){.is_acknowledge_waived = true, .has_key = true};
 }
 
+/// 0: the simulated machine has its own resolution.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     (void)axis;
@@ -94,17 +94,16 @@ hal_image_t hal_table_image(void)
     return mps2_machine.slow.table;
 }
 
-/// The two places for tables, in RAM, which forgets them at the end: a download takes the one that
-/// is not in use.
-_Alignas(hal_table_grain) static uint8_t places[2][mps2_place_bytes];
-static uint8_t *staged; ///< place of the download, NULL when none was begun
+/// Two table slots in RAM; a download goes to the one that is not in use.
+_Alignas(hal_table_grain) static uint8_t slots[2][mps2_place_bytes];
+static uint8_t *staged; ///< slot of the download, NULL: none begun
 
 bool hal_table_begin(uint32_t size)
 {
     if (size > mps2_place_bytes) {
         return false;
     }
-    staged = mps2_machine.slow.table.bytes == places[0] ? places[1] : places[0];
+    staged = mps2_machine.slow.table.bytes == slots[0] ? slots[1] : slots[0];
     const uint32_t behind = mps2_place_bytes - size;
     (void)memset(staged, 0xFF, size + (behind < hal_table_behind ? behind : hal_table_behind));
     return true;
@@ -132,7 +131,7 @@ bool hal_table_commit(void)
     return is_begun;
 }
 
-static char params[hal_params_most_bytes]; ///< in RAM, too
+static char params[hal_params_most_bytes]; ///< in RAM
 static uint32_t n_params;
 
 hal_params_t hal_params_kept(void)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// mps2_start: start-up of an emulated image: vectors, memory, floating-point unit, main(), exit
-/// status.
+/// mps2_start: start-up: vectors, memory, floating-point unit, main(), exit status.
 /// Source: ARMv7-M Architecture Reference Manual, B1.5.3 (vector table), B3.2.20 (CPACR).
 #include "mps2_semihost.h"
 #include <stdint.h> // uint32_t
@@ -10,7 +9,7 @@ extern uint32_t mps2_bss_start, mps2_bss_end;
 int main(void);
 void mps2_reset(void);
 
-/// Exit status of an image in which an exception occurred.
+/// Exit status after an exception.
 enum { status_exception = 99 };
 
 enum { n_core_vectors = 16, n_board_vectors = 32, timer0_vector = n_core_vectors + 8 };
@@ -18,7 +17,7 @@ enum { n_core_vectors = 16, n_board_vectors = 32, timer0_vector = n_core_vectors
 #define CPACR (*(volatile uint32_t *)0xE000ED88u)
 #define CPACR_FPU (0xFu << 20)
 
-/// Every exception but the timer's ends the image.
+/// Handler of all exceptions except the timer interrupt: end the image.
 static void on_exception(void)
 {
     static const char text[] = "exception\n";
@@ -26,7 +25,7 @@ static void on_exception(void)
     mps2_exit(status_exception);
 }
 
-/// Defined by mps2_timer.c in images that have it; otherwise an exception like all others.
+/// Overridden by mps2_timer.c if linked.
 __attribute__((weak, alias("on_exception"))) void mps2_timer0_isr(void);
 
 typedef void (*vector_t)(void);

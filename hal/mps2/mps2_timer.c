@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// mps2_timer: the port's time. TIMER0 interrupts once a tick, and the dual timer is the
-/// free-running clock. Source: ARM "Cortex-M System Design Kit" TRM, 4.4 (APB timer) and 4.5
-/// (dual-input timers); ARMv7-M Architecture Reference Manual, B3.4 (NVIC).
+/// mps2_timer: time of the port: TIMER0 is the tick, the dual timer the free-running clock. Source:
+/// ARM "Cortex-M System Design Kit" TRM, 4.4 (APB timer) and 4.5 (dual-input timers); ARMv7-M
+/// Architecture Reference Manual, B3.4 (NVIC).
 #include "hal/hal.h"
 #include "mps2_machine.h"
 
@@ -9,7 +9,7 @@ enum { board_hz = 25000000, tick_hz = 20000 };
 
 /// Registers of an APB timer.
 typedef struct {
-    uint32_t control, value, reload, interrupt; ///< writing 1 to interrupt clears it
+    uint32_t control, value, reload, interrupt; ///< write 1 to interrupt to clear it
 } apb_timer_t;
 
 /// Registers of one half of the dual timer.
@@ -57,8 +57,8 @@ void hal_tick_start(void)
     TIMER0.control = timer_on | timer_interrupts;
 }
 
-/// Wait for the next tick by polling. The instruction wfi would let the host's time into the
-/// emulation, and runs would no longer be repeatable.
+/// Wait for the next tick by polling: wfi would make the emulation depend on the host's time, and
+/// runs would not be repeatable.
 void hal_idle(void)
 {
     const uint32_t before = n_ticks;

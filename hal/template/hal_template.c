@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// hal_template: a port whose functions do nothing. Copy the folder and give each function what its
-/// comment asks for. The contract with times and contexts is hal/hal.h; the order of work and the
-/// checks are in hal/PORTING.md.
+/// hal_template: an empty port. Copy the folder and implement each function as its comment says.
+/// Contract, times and contexts: hal/hal.h. Order of work and checks: hal/PORTING.md.
 #include "hal/hal.h"
 #include <stddef.h> // NULL
 
-/// Make the outputs safe first: enable low, spindle set-point 0. Then bring up clocks, counters,
-/// lines and drives. Return a negative number when something is missing; the firmware then halts
-/// with safe outputs.
+/// First make the outputs safe: enable low, spindle set-point 0. Then initialise clocks, counters,
+/// lines and drives. On an error return a negative number; the firmware then halts with safe
+/// outputs.
 int hal_init(void)
 {
     return 0;
@@ -32,47 +31,44 @@ bool hal_has_edge_time(void)
     return false;
 }
 
-/// Return whether hal_axis_read_nm_isr() measures U. Where it returns the last set-point, say
-/// false.
+/// Return whether hal_axis_read_nm_isr() measures U; false if it returns the last set-point.
 bool hal_measures_u(void)
 {
     return false;
 }
 
-/// Return the public keys whose tables this machine takes, and whether a signature is required.
-/// They are for its builder to set, beyond the reach of every command.
+/// Return the public keys for table signatures, and whether a signature is required. The machine
+/// builder sets them; no command may change them.
 hal_trust_t hal_trust(void)
 {
     return (hal_trust_t){.keys = NULL, .n_keys = 0, .is_required = false};
 }
 
-/// Return what the outputs and the scales of an axis resolve, and how fast its output is: a code of
-/// the converter or a step in picometres, a count of the scale, the highest rate of steps.
+/// Return the resolution of the output (a DAC code or a step) and of the measurement (a count of
+/// the scale) in picometres, and the speed at the highest step rate.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     (void)axis;
     return (hal_axis_scale_t){0};
 }
 
-/// Return what the machine has for the people at it: a button by which somebody lets it move again
-/// (hal_in_acknowledge), a key switch (hal_in_key), a secret for the challenge of remote tools.
-/// All zero is the safe answer: then nothing is ever enabled. Waive the button only where the
-/// machine has one of its own, which switches the drives.
+/// Return the operator controls: acknowledge button (hal_in_acknowledge), key switch (hal_in_key),
+/// secret for the challenge of remote tools. All zero is safe: nothing can be enabled. Waive the
+/// button only if the machine has its own button, which switches the drives.
 hal_operator_t hal_operator(void)
 {
     return (hal_operator_t){0};
 }
 
-/// Return RAM that nothing else uses, 32-bit words that only the main loop touches, as much as
-/// there is: 64 KiB record a fifth of a second. Memory with error correction is filled by
-/// hal_init() first.
+/// Return all RAM that is free, as 32-bit words: 64 KiB record a fifth of a second. Fill memory
+/// with error correction in hal_init() first.
 hal_memory_t hal_scope_memory(void)
 {
     return (hal_memory_t){.words = NULL, .n_words = 0};
 }
 
-/// Keep words of that memory where a restart does not reach them, and return them with n_kept from
-/// then on, or do nothing. Seldom called, behind a fault.
+/// Store words of that memory across a restart and return their number in n_kept after it; or do
+/// nothing. Called rarely, after a fault.
 void hal_scope_keep(const int32_t *words, uint32_t n)
 {
     (void)words;
@@ -88,11 +84,11 @@ uint32_t hal_clock_hz(void)
 /// Start the timer. Its interrupt must have the highest priority and must not nest.
 void hal_tick_start(void) {}
 
-/// Wait for an interrupt and feed the watchdog. Between two calls it must allow for a check of the
-/// whole table, cam_table_check().
+/// Wait for an interrupt and feed the watchdog. The watchdog's time must be longer than the check
+/// of a whole table, cam_table_check().
 void hal_idle(void) {}
 
-/// Set enable low, by hardware if possible, keep `why` where a reset does not clear it, and reset.
+/// Set enable low, by hardware if possible, store `why` where a reset does not clear it, and reset.
 void hal_halt(const char *why)
 {
     (void)why;
@@ -100,21 +96,21 @@ void hal_halt(const char *why)
     }
 }
 
-/// Return what the reset flags of the processor say and what hal_halt() kept. Clear the flags in
-/// hal_init().
+/// Return the cause from the processor's reset flags, and the text stored by hal_halt(). Clear the
+/// flags in hal_init().
 hal_start_t hal_start(void)
 {
     return (hal_start_t){.reset = hal_reset_power_on, .why = ""};
 }
 
-/// Return a flash sector of its own, so that a new part needs no new firmware.
+/// Return a separate flash sector, so that a new part needs no new firmware.
 hal_image_t hal_table_image(void)
 {
     return (hal_image_t){.bytes = NULL, .size = 0};
 }
 
-/// Erase the other sector, and feed the watchdog meanwhile as long as ticks go on. The table in use
-/// may be unreadable during the erase, because no tick reads it in state off.
+/// Erase the other sector, feeding the watchdog while ticks continue. The table in use may be
+/// unreadable during the erase, because no tick reads it in state off.
 bool hal_table_begin(uint32_t size)
 {
     (void)size;
@@ -130,28 +126,27 @@ bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
     return false;
 }
 
-/// Return the other sector once a download has begun.
+/// Return the other sector after hal_table_begin().
 hal_image_t hal_table_staged(void)
 {
     return (hal_image_t){.bytes = NULL, .size = 0};
 }
 
-/// Write one record that says which sector is in use. It must be written at once; a torn record
-/// must neither count nor cause an exception when it is read.
+/// Write a record that names the sector in use, in one operation. A torn record must be ignored and
+/// must not cause an exception when read.
 bool hal_table_commit(void)
 {
     return false;
 }
 
-/// Return what hal_params_keep() kept last. It is called before the tick starts.
+/// Return the parameters stored last. Called before the tick starts.
 hal_params_t hal_params_kept(void)
 {
     return (hal_params_t){.bytes = NULL};
 }
 
-/// Append a record with a checksum to a log in flash of its own. Before a full sector is erased,
-/// the newest record must stand in another one, and a torn record must neither count nor cause an
-/// exception when it is read.
+/// Append a record with a checksum to a log in separate flash. Never erase the sector with the
+/// newest record. A torn record must be ignored and must not cause an exception when read.
 bool hal_params_keep(const void *bytes, uint32_t size)
 {
     (void)bytes;
@@ -159,27 +154,27 @@ bool hal_params_keep(const void *bytes, uint32_t size)
     return false;
 }
 
-/// Return the durations that the timer's interrupt measures: read a cycle counter before and after
-/// cam_isr().
+/// Return the durations measured in the timer's interrupt, with a cycle counter read before and
+/// after cam_isr().
 hal_load_t hal_load(void)
 {
     return (hal_load_t){0};
 }
 
-/// Write to a serial line. It may wait for room, but never longer than the watchdog allows.
+/// Write to a serial line. It may wait for space, but never as long as the watchdog's time.
 void hal_text(const char *line)
 {
     (void)line;
 }
 
-/// Return frames in the order of their arrival. A full queue drops the newest.
+/// Return frames in order of arrival. A full queue drops the newest.
 bool hal_can_read(hal_can_frame_t *frame)
 {
     (void)frame;
     return false;
 }
 
-/// Queue the frame, and never wait for the bus.
+/// Queue the frame without waiting for the bus.
 bool hal_can_write(const hal_can_frame_t *frame)
 {
     (void)frame;
@@ -192,9 +187,9 @@ uint32_t hal_clock_isr(void)
     return 0;
 }
 
-/// Return counter, index latch and number of index edges of the same instant. In both senses of
-/// rotation the latch holds the counter at that edge of the index pulse which a positive rotation
-/// passes first.
+/// Return counter, index latch and number of index edges, sampled at the same instant. In both
+/// directions of rotation the latch holds the counter at the edge of the index pulse that comes
+/// first in positive rotation.
 void hal_encoder_read_isr(hal_encoder_t *reading)
 {
     *reading = (hal_encoder_t){0};
@@ -213,35 +208,34 @@ int32_t hal_swing_read_q32_isr(void)
     return 0;
 }
 
-/// Return the emergency-stop chain and the drive-ready line. A cut wire must read as "stop" and as
-/// "not ready".
+/// Return the states of the emergency-stop chain and the drive-ready line. A cut wire must read as
+/// "stop" and "not ready".
 uint32_t hal_inputs_read_isr(void)
 {
     return hal_in_estop;
 }
 
-/// Pass the set-point to the drive before the next tick, and always after the same delay, which is
-/// a part of the parameter lead_ns.
+/// Pass the set-point to the drive before the next tick, with a constant delay. The parameter
+/// lead_ns includes this delay.
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     (void)axis;
     (void)setpoint;
 }
 
-/// Pass the set-point to the drive. Until the next one the drive continues at the velocity given.
+/// Pass the set-point to the drive, which continues at the given velocity until the next one.
 void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     (void)setpoint;
 }
 
-/// Pass the signed speed set-point to the spindle's drive.
+/// Pass the signed speed set-point to the spindle drive.
 void hal_spindle_write_isr(int32_t speed_mrpm)
 {
     (void)speed_mrpm;
 }
 
-/// Write enable, fault lamp and "in cut". Enable low must stop the drives without the firmware's
-/// help.
+/// Write enable, fault and "in cut". Enable low must stop the drives without help from firmware.
 void hal_outputs_write_isr(uint32_t bits)
 {
     (void)bits;

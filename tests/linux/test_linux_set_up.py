@@ -127,7 +127,7 @@ def test_lines_that_cannot_be_had_are_told(program: Path, tmp_path: Path, nodes:
     assert "gpio.estop: /dev/gpiochip77: no such GPIO chip" in say(estop="gpiochip77:0")
     assert f"gpio.ready: /dev/{CHIP} has no line NOBODY" in say(ready="NOBODY")
     assert f"gpio.index: /dev/{CHIP} has no line 99" in say(index=f"{CHIP}:99")
-    assert "no number behind the colon" in say(fault=f"{CHIP}:x")
+    assert "no number after the colon" in say(fault=f"{CHIP}:x")
     user = subprocess.Popen(["gpioset", "--mode=signal", CHIP, f"{ENABLE_LINE}=0"])
     time.sleep(0.2)
     words = say()
@@ -148,10 +148,10 @@ def test_interfaces_that_cannot_be_had_are_told(
         return refused(program, config)
 
     assert "nocan: no such CAN interface" in say("nocan")
-    assert "lo: is no CAN interface" in say("lo")
+    assert "lo: not a CAN interface" in say("lo")
     subprocess.run(["ip", "link", "set", CAN, "down"], check=True)
     try:
-        assert f"{CAN}: bring it up" in say(CAN)
+        assert f"{CAN}: set its bit rate and bring it up" in say(CAN)
     finally:
         subprocess.run(["ip", "link", "set", CAN, "up"], check=True)
 
@@ -228,7 +228,7 @@ def test_chip_that_vanishes_is_an_emergency_stop(nodes: Nodes, start: Start) -> 
     enable(controller, nodes)
     (chip / "live").write_text("0")
     assert wait_until(lambda: nodes.drives[U].status != ENABLED, 0.1)
-    assert controller.tells("the line is lost")
+    assert controller.tells("line lost")
     assert level(FAULT_LINE)
     assert controller.tells("fault estop")
     assert controller.end() == 0
@@ -241,7 +241,7 @@ def test_short_queue_of_the_interface_is_told(nodes: Nodes, start: Start) -> Non
     subprocess.run(["ip", "link", "set", CAN, "txqueuelen", "10"], check=True)
     try:
         controller = start()
-        words = f"{CAN}: its queue takes 10 frames, a tick may send 14"
+        words = f"{CAN}: its queue holds 10 frames, a tick may send 14"
         assert wait_until(lambda: controller.says(words), 1.0), controller.log.read_text()
         assert controller.says(f"ip link set {CAN} txqueuelen 100")
         assert controller.end() == 0
@@ -249,7 +249,7 @@ def test_short_queue_of_the_interface_is_told(nodes: Nodes, start: Start) -> Non
         subprocess.run(["ip", "link", "set", CAN, "txqueuelen", "100"], check=True)
     controller = start()
     assert wait_until(lambda: controller.says("bus: all nodes are heard"), 2.0)
-    assert not controller.says("its queue takes")
+    assert not controller.says("its queue holds")
 
 
 def test_unit_takes_enable_down_behind_a_killed_controller(nodes: Nodes, start: Start) -> None:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// hal_host: the simulator's port. Tests and machine models set here what the firmware senses, read
-/// what it writes, and cause every fault that a machine can have.
+/// hal_host: the simulator's port. Tests and machine models set the inputs of the firmware, read
+/// its outputs and inject faults.
 ///
 /// Time is virtual: hal_host_tick() advances it by one period and calls cam_isr(). A machine model
-/// sets `in` before and reads `out` afterwards. Only one thread may use the port.
+/// sets `in` before each tick and reads `out` after it. Not thread-safe.
 #ifndef HAL_HOST_H
 #define HAL_HOST_H
 
@@ -12,21 +12,23 @@
 #include <stdint.h>  // uint32_t
 
 enum { hal_host_can_frames = 16 };       ///< depth of the queues, a power of two
-enum { hal_host_place_bytes = 1 << 20 }; ///< [bytes] of a place for a downloaded table
-#ifdef __arm__                           // unit tests on an emulated board, which has 4 MiB in all
+enum { hal_host_place_bytes = 1 << 20 }; ///< [bytes] of a table slot
+#ifdef __arm__                           // unit tests on an emulated board with 4 MiB of RAM
 enum { hal_host_scope_words = 1 << 16 }; ///< memory for the recorder
 #else
 enum { hal_host_scope_words = 1 << 18 }; ///< memory for the recorder: 1 MiB
 #endif
-enum { hal_host_lines = 8 };            ///< lines of text that are kept, a power of two
-enum { hal_host_line_bytes = 128 };     ///< [bytes] more than hal_text() allows, so a test sees it
+enum { hal_host_lines = 8 }; ///< stored lines of text, a power of two
+enum {
+    hal_host_line_bytes = 128
+}; ///< [bytes] above the limit of hal_text(), so that tests detect longer lines
 enum { hal_host_clock_hz = 200000000 }; ///< [Hz] rate of the virtual time stamp: 5 ns
 
 /// The machine's side of the port.
 typedef struct {
     struct {
-        hal_encoder_t encoder;       ///< true reading, before the faults distort it
-        hal_encoder_t read;          ///< what the interrupt reads: distorted at the last advance
+        hal_encoder_t encoder; ///< true reading, without faults
+        hal_encoder_t read;    ///< reading of the interrupt, with faults, updated at each advance
         int32_t axis_nm[hal_n_axes]; ///< [nm] measured positions
         int32_t swing_q32;           ///< [turn / 2^32] measured swing
         uint32_t inputs;             ///< hal_in_*
@@ -38,33 +40,33 @@ typedef struct {
         hal_swing_t swing;
         uint32_t n_swing; ///< number of set-points of the swing so far
     } out;
-    struct {                   ///< distortions, applied to every reading of the encoder
-        uint32_t count_offset; ///< [counts] added to the counter and to its index latch
-        bool is_encoder_stuck; ///< the counter stands still at stuck_counts
+    struct {                   ///< injected faults of the encoder
+        uint32_t count_offset; ///< [counts] added to the counter and the index latch
+        bool is_encoder_stuck; ///< the counter is frozen at stuck_counts
         uint32_t stuck_counts;
-        bool is_index_dead;       ///< no further index edge arrives
-        hal_encoder_t last_index; ///< last reading before the index died
+        bool is_index_dead;       ///< no further index edges
+        hal_encoder_t last_index; ///< last reading before the index failed
     } fault;
-    struct {               ///< what the functions of the slow side return and take
+    struct {               ///< data of the slow-side functions
         hal_start_t start; ///< .why == NULL is returned as ""
         hal_image_t table;
-        hal_load_t load;                               ///< as the test sets it
+        hal_load_t load;                               ///< set by the test
         hal_can_frame_t received[hal_host_can_frames]; ///< ring, hal_host_can_receive()
         hal_can_frame_t sent[hal_host_can_frames];     ///< ring, newest at n_sent - 1
         uint32_t n_received, n_read, n_sent;
-        hal_image_t staged;  ///< place of the download; .bytes == NULL when none was begun
-        uint32_t n_store;    ///< calls of hal_table_begin, _write, _commit and hal_params_keep that
-                             ///< still succeed
-        hal_params_t params; ///< kept parameters
-        uint32_t n_room;     ///< frames for which the transmit queue still has room
+        hal_image_t staged;  ///< slot of the download; .bytes == NULL: none begun
+        uint32_t n_store;    ///< number of calls of hal_table_begin, _write, _commit and
+                             ///< hal_params_keep that will still succeed
+        hal_params_t params; ///< stored parameters
+        uint32_t n_room;     ///< free frames in the transmit queue
         bool is_bus_off;     ///< nothing can be sent
         bool has_no_swing;   ///< the machine has no axis for the swing
         bool has_edge_time;  ///< `in.encoder.edge_clock` is kept up to date
         bool measures_u;     ///< `in.axis_nm[hal_axis_u]` is a measurement
-        uint32_t n_kept;     ///< [words] of hal_scope_keep(), which a start finds again
-        hal_axis_scale_t scale[hal_n_axes]; ///< what hal_axis_scale() says
-        hal_operator_t people;              ///< what hal_operator() says
-        hal_trust_t trust;                  ///< what hal_trust() says
+        uint32_t n_kept;     ///< [words] stored by hal_scope_keep()
+        hal_axis_scale_t scale[hal_n_axes]; ///< returned by hal_axis_scale()
+        hal_operator_t people;              ///< returned by hal_operator()
+        hal_trust_t trust;                  ///< returned by hal_trust()
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps
@@ -74,48 +76,48 @@ typedef struct {
     uint32_t n_lines;
 } hal_host_t;
 
-/// The one machine of this process.
+/// The machine; one per process.
 extern hal_host_t hal_host;
 
-/// Return to the state after the start, with a new tick rate.
+/// Reset to the initial state, with a new tick rate.
 /// @param tick_hz  [Hz] 500 .. 100 000
 void hal_host_reset(uint32_t tick_hz);
 
-/// Advance virtual time by one period without a tick, for firmware that runs on an emulator.
+/// Advance virtual time by one period without a tick, for firmware in an emulator.
 void hal_host_advance(void);
 
 /// Advance virtual time by one period and call cam_isr().
 void hal_host_tick(void);
 
-/// The encoder's counter gains counts once, or loses them when negative.
+/// Add counts to the encoder's counter once; negative: lose counts.
 void hal_host_fault_counts(int32_t counts);
 
-/// The encoder's counter stands still from now on (a cut cable), or moves again.
+/// Freeze the encoder's counter (a cut cable), or release it.
 void hal_host_fault_encoder_stuck(bool is_stuck);
 
-/// Index edges are no longer reported, or are reported again.
+/// Suppress index edges, or stop suppressing them.
 void hal_host_fault_index_dead(bool is_dead);
 
-/// The next tick comes late.
-/// @param percent  delay in per cent of a period
+/// Delay the next tick.
+/// @param percent  [% of the period]
 void hal_host_fault_late(uint32_t percent);
 
-/// The emergency stop is pressed, or released.
+/// Press or release the emergency stop.
 void hal_host_fault_estop(bool is_pressed);
 
-/// The drives are not ready, or ready again.
+/// Make the drives not ready, or ready again.
 void hal_host_fault_drive(bool is_failed);
 
-/// A node on the field bus is silent, or heard again.
+/// Lose a field-bus node, or restore it.
 void hal_host_fault_bus(bool is_lost);
 
-/// The button acknowledge is pressed, or released.
+/// Press or release the acknowledge button.
 void hal_host_press(bool is_pressed);
 
-/// The key switch is turned on, or off.
+/// Turn the key switch on or off.
 void hal_host_turn_key(bool is_on);
 
-/// A CAN frame arrives. @return false when the queue is full and the frame is dropped
+/// Receive a CAN frame. @return false if the queue is full and the frame is dropped
 bool hal_host_can_receive(const hal_can_frame_t *frame);
 
 #endif

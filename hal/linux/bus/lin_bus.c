@@ -9,13 +9,13 @@ void lin_bus_init(lin_bus_t *b, const lin_config_t *config)
 {
     *b = (lin_bus_t){
         .config = *config,
-        .patience = {.node_ns = config->can.node_timeout_ms * ns_per_ms,
+        .timeouts = {.node_ns = config->can.node_timeout_ms * ns_per_ms,
                      .pdo_ns = config->can.pdo_timeout_ms * ns_per_ms,
                      .enable_ns = config->can.enable_ms * ns_per_ms},
         .encoder_node.id = (uint32_t)config->encoder.node,
         .inputs = hal_in_bus_lost,
         .is_silent = true,
-        .has_twin = true,
+        .has_duplicate = true,
     };
     lin_encoder_init(&b->encoder, &config->encoder, config->thread.tick_hz);
     for (int i = 0; i < hal_n_axes; i++) {
@@ -30,7 +30,7 @@ static uint32_t own_heartbeat(const lin_bus_t *b)
     return canopen_id_heartbeat + (uint32_t)b->config.can.node;
 }
 
-/// Frames that only a controller sends: when one arrives, there is a second controller.
+/// @return whether only a controller sends frames with this identifier
 static bool is_controllers(const lin_bus_t *b, uint32_t id)
 {
     bool is = id == canopen_id_sync || id == own_heartbeat(b);
@@ -40,7 +40,7 @@ static bool is_controllers(const lin_bus_t *b, uint32_t id)
     return is;
 }
 
-/// List the identifiers of the frames that a node sends. @return their number, 0 without a node
+/// List the identifiers of the frames of a node. @return their number, 0 if node is 0
 static uint32_t ids_of_node(uint32_t node, uint32_t *ids)
 {
     ids[0] = canopen_id_emcy + node;
@@ -64,21 +64,21 @@ uint32_t lin_bus_ids(const lin_bus_t *b, uint32_t *ids)
     return n;
 }
 
-void lin_bus_take(lin_bus_t *b, const hal_can_frame_t *frame, int64_t ns)
+void lin_bus_receive(lin_bus_t *b, const hal_can_frame_t *frame, int64_t ns)
 {
     if (is_controllers(b, frame->id)) {
         b->is_other_heard = true;
-        b->is_twin_heard = b->is_twin_heard || frame->id == own_heartbeat(b);
+        b->is_duplicate_heard = b->is_duplicate_heard || frame->id == own_heartbeat(b);
         b->other_ns = ns;
         return;
     }
     if (frame->id == canopen_id_tpdo1 + b->encoder_node.id && frame->n == 4u) {
-        lin_encoder_take(&b->encoder, common_get_u32(frame->data), ns);
+        lin_encoder_receive(&b->encoder, common_get_u32(frame->data), ns);
         return;
     }
-    bool is_taken = lin_node_take(&b->encoder_node, frame, ns);
+    bool is_taken = lin_node_receive(&b->encoder_node, frame, ns);
     for (int i = 0; i < lin_bus_n_drives && !is_taken; i++) {
-        is_taken = lin_drive_take(&b->drive[i], frame, ns);
+        is_taken = lin_drive_receive(&b->drive[i], frame, ns);
     }
 }
 
@@ -94,7 +94,7 @@ void lin_bus_event(lin_bus_t *b, lin_loss_t event)
 
 static lin_loss_t encoder_loss(lin_bus_t *b, int64_t now_ns)
 {
-    const lin_loss_t loss = lin_node_judge(&b->encoder_node, now_ns, b->patience.node_ns);
+    const lin_loss_t loss = lin_node_judge(&b->encoder_node, now_ns, b->timeouts.node_ns);
     if (loss != lin_loss_none) {
         return loss;
     }
@@ -104,8 +104,8 @@ static lin_loss_t encoder_loss(lin_bus_t *b, int64_t now_ns)
     return lin_encoder_is_fresh(&b->encoder, now_ns) ? lin_loss_none : lin_loss_pdo;
 }
 
-/// A drive that is not ready keeps U from retracting. A spindle drive that fails while enabled must
-/// not do so: its failure counts as a loss of the bus instead.
+/// Not-ready drives prevent the retract of U. A spindle drive that fails while enabled must not
+/// prevent it, so its failure is reported as a loss of the bus.
 static lin_loss_t drive_loss(const lin_bus_t *b, int i)
 {
     const lin_drive_t *d = &b->drive[i];
@@ -115,14 +115,13 @@ static lin_loss_t drive_loss(const lin_bus_t *b, int i)
     return d->node.emcy != 0u ? lin_loss_emcy : lin_loss_spindle;
 }
 
-/// @return whether another controller was heard within the time in which a node must be heard
+/// @return whether another controller was heard within the node timeout
 static bool is_other_there(const lin_bus_t *b, int64_t now_ns)
 {
-    return b->is_other_heard && now_ns - b->other_ns <= b->patience.node_ns;
+    return b->is_other_heard && now_ns - b->other_ns <= b->timeouts.node_ns;
 }
 
-/// Several causes may hold at once; that of the bus itself comes first, then that of the encoder,
-/// then those of the drives.
+/// @return the cause with the highest priority: bus, then encoder, then drives
 static lin_cause_t find_cause(lin_bus_t *b, int64_t now_ns)
 {
     const lin_loss_t encoder = encoder_loss(b, now_ns);
@@ -147,7 +146,7 @@ static lin_cause_t find_cause(lin_bus_t *b, int64_t now_ns)
     return (lin_cause_t){.loss = lin_loss_none};
 }
 
-/// Judge all drives. The first one that is not ready is named, so they are judged from the last on.
+/// Check all drives, last one first, so that not_ready names the first drive that is not ready.
 /// @return hal_in_drive_ready or 0
 static uint32_t judge_drives(lin_bus_t *b, int64_t now_ns)
 {
@@ -155,7 +154,7 @@ static uint32_t judge_drives(lin_bus_t *b, int64_t now_ns)
     bool is_ready = true;
     for (int i = lin_bus_n_drives - 1; i >= 0; i--) {
         lin_drive_t *d = &b->drive[i];
-        lin_drive_judge(d, now_ns, &b->patience);
+        lin_drive_judge(d, now_ns, &b->timeouts);
         const bool may_fail = i == lin_bus_spindle && d->is_enabled;
         if (!d->is_ready && !may_fail) {
             is_ready = false;
@@ -169,28 +168,30 @@ void lin_bus_judge(lin_bus_t *b, int64_t now_ns)
 {
     const uint32_t ready = judge_drives(b, now_ns);
     const lin_cause_t cause = find_cause(b, now_ns);
-    // While the fault is shown, the cause that led to it is kept, whatever follows from it.
-    const bool is_kept = (b->inputs & hal_in_bus_lost) != 0u && (b->outputs & hal_out_fault) != 0u;
+    // While the fault output is on, the original cause stays; later ones are consequences.
+    const bool is_latched =
+        (b->inputs & hal_in_bus_lost) != 0u && (b->outputs & hal_out_fault) != 0u;
     b->event = lin_loss_none;
-    if (!is_kept) {
+    if (!is_latched) {
         b->cause = cause;
     }
-    b->inputs = ready | (is_kept || cause.loss != lin_loss_none ? (uint32_t)hal_in_bus_lost : 0u);
+    b->inputs =
+        ready | (is_latched || cause.loss != lin_loss_none ? (uint32_t)hal_in_bus_lost : 0u);
 }
 
-int32_t lin_bus_actual_nm(const lin_bus_t *b, hal_axis_t axis, const lin_wants_t *wants)
+int32_t lin_bus_actual_nm(const lin_bus_t *b, hal_axis_t axis, const lin_commands_t *commands)
 {
     const lin_drive_t *d = &b->drive[axis];
-    return d->node.id != 0u ? lin_drive_actual_nm(d) : wants->axis[axis].pos_nm;
+    return d->node.id != 0u ? lin_drive_actual_nm(d) : commands->axis[axis].pos_nm;
 }
 
-/// Take the outputs of the tick: the drives are enabled or disabled, and when the operator has
-/// reset the fault, the emergency messages of all nodes are forgotten.
-static void note_outputs(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns)
+/// Enable or disable the drives. When the operator has reset the fault, clear the emergency
+/// messages of all nodes.
+static void apply_outputs(lin_bus_t *b, const lin_commands_t *commands, int64_t now_ns)
 {
     const bool was_fault = (b->outputs & hal_out_fault) != 0u;
-    const bool is_fault = (wants->outputs & hal_out_fault) != 0u;
-    const bool is_enabled = (wants->outputs & hal_out_enable) != 0u && !wants->is_stopping;
+    const bool is_fault = (commands->outputs & hal_out_fault) != 0u;
+    const bool is_enabled = (commands->outputs & hal_out_enable) != 0u && !commands->is_stopping;
     for (int i = 0; i < lin_bus_n_drives; i++) {
         lin_drive_enable(&b->drive[i], is_enabled, now_ns);
         if (was_fault && !is_fault) {
@@ -200,28 +201,28 @@ static void note_outputs(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns)
     if (was_fault && !is_fault) {
         b->encoder_node.emcy = 0;
     }
-    b->outputs = wants->outputs;
+    b->outputs = commands->outputs;
 }
 
-/// @return the control word; a fault of the drive is reset only in the state off
-static uint16_t control(lin_bus_t *b, int i, const lin_wants_t *wants, int64_t now_ns)
+/// @return the control word; drive faults are reset only in the state off
+static uint16_t control(lin_bus_t *b, int i, const lin_commands_t *commands, int64_t now_ns)
 {
-    const bool may_reset = (wants->outputs & (hal_out_enable | hal_out_fault)) == 0u;
-    return lin_drive_control(&b->drive[i], now_ns, may_reset, wants->is_stopping);
+    const bool may_reset = (commands->outputs & (hal_out_enable | hal_out_fault)) == 0u;
+    return lin_drive_control(&b->drive[i], now_ns, may_reset, commands->is_stopping);
 }
 
-/// The position and the velocity offset of one axis: one frame with FD, otherwise two.
-static uint32_t make_axis(lin_bus_t *b, int i, const lin_wants_t *wants, int64_t now_ns,
+/// Position and velocity offset of an axis: one FD frame or two classic frames.
+static uint32_t make_axis(lin_bus_t *b, int i, const lin_commands_t *commands, int64_t now_ns,
                           hal_can_frame_t *frames)
 {
     const lin_drive_t *d = &b->drive[i];
-    const hal_setpoint_t *want = &wants->axis[i];
+    const hal_setpoint_t *want = &commands->axis[i];
     const int64_t nm_per_s = lin_div_round((int64_t)want->vel_q10 * b->config.thread.tick_hz, 1024);
     frames[0] = (hal_can_frame_t){.id = canopen_id_rpdo1 + d->node.id, .n = 6};
-    common_put_u16(frames[0].data, control(b, i, wants, now_ns));
+    common_put_u16(frames[0].data, control(b, i, commands, now_ns));
     common_put_i32(frames[0].data + 2, lin_drive_units(d, want->pos_nm));
     if (b->config.can.is_fd) {
-        frames[0].n = 12; // 10 are no length of a frame
+        frames[0].n = 12; // 10 is not a valid FD length
         common_put_i32(frames[0].data + 6, lin_drive_units(d, nm_per_s));
         return 1;
     }
@@ -230,7 +231,7 @@ static uint32_t make_axis(lin_bus_t *b, int i, const lin_wants_t *wants, int64_t
     return 2;
 }
 
-/// Network management: the start of all nodes, the own heartbeat, the start of late nodes.
+/// Network management: own heartbeat, NMT start of all nodes, NMT start of late nodes.
 static uint32_t make_management(lin_bus_t *b, int64_t now_ns, hal_can_frame_t *frames)
 {
     uint32_t n = 0;
@@ -255,8 +256,8 @@ static uint32_t make_management(lin_bus_t *b, int64_t now_ns, hal_can_frame_t *f
     return n;
 }
 
-/// Listening begins with the start, and again when another controller is heard while no drive is in
-/// operation; it ends when no other was heard for node_timeout_ms.
+/// Listening starts with the program, and again when another controller is heard while no drive is
+/// in operation. It ends when no other controller was heard for node_timeout_ms.
 static void listen(lin_bus_t *b, int64_t now_ns)
 {
     if (!b->is_begun) {
@@ -268,21 +269,20 @@ static void listen(lin_bus_t *b, int64_t now_ns)
     if (is_other_there(b, now_ns)) {
         b->is_silent = b->is_silent || is_off;
         b->silent_ns = b->other_ns;
-    } else if (b->is_silent && now_ns - b->silent_ns > b->patience.node_ns) {
+    } else if (b->is_silent && now_ns - b->silent_ns > b->timeouts.node_ns) {
         b->is_silent = false;
         b->is_other_heard = false;
-        b->is_twin_heard = false;
+        b->is_duplicate_heard = false;
     }
-    // A heartbeat is due within node_ns: only after that is it known that no other node has the
-    // number.
-    const bool is_known = now_ns - b->begin_ns > b->patience.node_ns;
-    b->has_twin = b->is_silent && (b->is_twin_heard || !is_known);
+    // Every node sends a heartbeat within node_ns; only then a duplicate node number is excluded.
+    const bool is_known = now_ns - b->begin_ns > b->timeouts.node_ns;
+    b->has_duplicate = b->is_silent && (b->is_duplicate_heard || !is_known);
 }
 
-uint32_t lin_bus_make(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
+uint32_t lin_bus_make(lin_bus_t *b, const lin_commands_t *commands, int64_t now_ns,
                       hal_can_frame_t *frames)
 {
-    note_outputs(b, wants, now_ns);
+    apply_outputs(b, commands, now_ns);
     listen(b, now_ns);
     if (b->is_silent) {
         return 0;
@@ -290,14 +290,14 @@ uint32_t lin_bus_make(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
     uint32_t n = 0;
     for (int i = 0; i < hal_n_axes; i++) {
         if (b->drive[i].node.id != 0u) {
-            n += make_axis(b, i, wants, now_ns, &frames[n]);
+            n += make_axis(b, i, commands, now_ns, &frames[n]);
         }
     }
     const uint32_t spindle = b->drive[lin_bus_spindle].node.id;
     if (spindle != 0u) {
         frames[n] = (hal_can_frame_t){.id = canopen_id_rpdo1 + spindle, .n = 6};
-        common_put_u16(frames[n].data, control(b, lin_bus_spindle, wants, now_ns));
-        common_put_i32(frames[n].data + 2, wants->is_stopping ? 0 : wants->spindle_mrpm);
+        common_put_u16(frames[n].data, control(b, lin_bus_spindle, commands, now_ns));
+        common_put_i32(frames[n].data + 2, commands->is_stopping ? 0 : commands->spindle_mrpm);
         n++;
     }
     frames[n++] = (hal_can_frame_t){.id = canopen_id_sync};

@@ -11,7 +11,7 @@ cia402_state_t lin_cia402_state(uint16_t status)
     return cia402_not_ready_to_switch_on;
 }
 
-static uint16_t towards_enabled(cia402_state_t state)
+static uint16_t enabling_word(cia402_state_t state)
 {
     switch (state) {
     case cia402_switch_on_disabled:
@@ -33,7 +33,7 @@ uint16_t lin_cia402_control(cia402_state_t state, lin_cia402_goal_t goal)
         return lin_cia402_quick_stop;
     }
     if (goal == lin_cia402_enabled) {
-        return towards_enabled(state);
+        return enabling_word(state);
     }
     if (goal == lin_cia402_reset && state == cia402_fault) {
         return lin_cia402_fault_reset;

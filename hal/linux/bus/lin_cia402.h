@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_cia402: the state machine of a drive as its controller sees it: status word in, control word
-/// out. Pure. Source: CiA 402-2 (IEC 61800-7-201), "Finite state automaton", 6040h, 6041h.
+/// lin_cia402: controller side of the drive state machine: status word in, control word out.
+/// Pure. Source: CiA 402-2 (IEC 61800-7-201), "Finite state automaton", 6040h, 6041h.
 #ifndef LIN_CIA402_H
 #define LIN_CIA402_H
 
@@ -17,19 +17,19 @@ enum {
     lin_cia402_fault_reset = cia402_bit_fault_reset,
 };
 
-/// The state to which the control words lead a drive.
+/// Target state of a drive.
 typedef enum {
-    lin_cia402_rest, ///< without torque, one step before switched on; a motion ends by quick stop
+    lin_cia402_rest,    ///< ready to switch on, no torque; a moving drive makes a quick stop first
     lin_cia402_enabled, ///< following its set-point
-    lin_cia402_off,     ///< without voltage; a motion ends by quick stop
-    lin_cia402_reset,   ///< out of the state fault; otherwise as rest
+    lin_cia402_off,     ///< no voltage; a moving drive makes a quick stop first
+    lin_cia402_reset,   ///< fault reset if in fault; otherwise as rest
 } lin_cia402_goal_t;
 
 /// @param status  6041h
 cia402_state_t lin_cia402_state(uint16_t status);
 
-/// @return the control word of the next step to the goal. In quick stop active it stays quick stop:
-/// the drive leaves that state by itself as soon as it stands.
+/// @return control word of the next step to the goal. In quick stop active it remains quick stop;
+/// the drive leaves that state on its own at standstill.
 uint16_t lin_cia402_control(cia402_state_t state, lin_cia402_goal_t goal);
 
 #endif

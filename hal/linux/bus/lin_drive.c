@@ -14,7 +14,7 @@ void lin_drive_init(lin_drive_t *d, int64_t node, int64_t counts, int64_t nm)
     d->is_ready = node == 0;
 }
 
-bool lin_drive_take(lin_drive_t *d, const hal_can_frame_t *frame, int64_t ns)
+bool lin_drive_receive(lin_drive_t *d, const hal_can_frame_t *frame, int64_t ns)
 {
     if (d->node.id != 0u && frame->id == canopen_id_tpdo1 + d->node.id && frame->n == 6u) {
         d->state = lin_cia402_state(common_get_u16(frame->data));
@@ -23,23 +23,23 @@ bool lin_drive_take(lin_drive_t *d, const hal_can_frame_t *frame, int64_t ns)
         d->status_ns = ns;
         return true;
     }
-    return lin_node_take(&d->node, frame, ns);
+    return lin_node_receive(&d->node, frame, ns);
 }
 
-void lin_drive_judge(lin_drive_t *d, int64_t now_ns, const lin_patience_t *patience)
+void lin_drive_judge(lin_drive_t *d, int64_t now_ns, const lin_timeouts_t *timeouts)
 {
     if (d->node.id == 0u) {
         return;
     }
-    d->loss = lin_node_judge(&d->node, now_ns, patience->node_ns);
-    if (d->loss == lin_loss_none && (!d->has_status || now_ns - d->status_ns > patience->pdo_ns)) {
+    d->loss = lin_node_judge(&d->node, now_ns, timeouts->node_ns);
+    if (d->loss == lin_loss_none && (!d->has_status || now_ns - d->status_ns > timeouts->pdo_ns)) {
         d->loss = lin_loss_pdo;
     }
     const bool is_failed = d->node.emcy != 0u || d->state == cia402_not_ready_to_switch_on ||
                            d->state == cia402_fault_reaction_active || d->state == cia402_fault;
     const bool is_following = d->state == cia402_operation_enabled;
-    // A drive needs some time to get into operation; once it was there, it must stay there.
-    const bool has_time = !d->has_followed && now_ns - d->enabled_ns < patience->enable_ns;
+    // A drive may take some time to reach operation enabled; afterwards it must stay there.
+    const bool has_time = !d->has_followed && now_ns - d->enabled_ns < timeouts->enable_ns;
     d->is_ready =
         d->loss == lin_loss_none && !is_failed && (!d->is_enabled || is_following || has_time);
     d->has_followed = d->is_enabled && (d->has_followed || d->state == cia402_operation_enabled);
@@ -59,8 +59,8 @@ void lin_drive_forget(lin_drive_t *d)
     d->node.emcy = 0;
 }
 
-/// Choose where to lead the drive. A fault reset is repeated once a second at most; its bit falls
-/// in between, because a drive takes the rising edge.
+/// Choose the target state. A fault reset is sent at most once a second, for one tick, because the
+/// drive acts on the rising edge.
 static lin_cia402_goal_t goal_of(lin_drive_t *d, int64_t now_ns, bool may_reset, bool is_stopping)
 {
     if (is_stopping) {
@@ -85,7 +85,7 @@ uint16_t lin_drive_control(lin_drive_t *d, int64_t now_ns, bool may_reset, bool 
     } else if (d->quick_stop_ns == 0) {
         d->quick_stop_ns = now_ns;
     } else if (now_ns - d->quick_stop_ns > quick_stop_most_ns) {
-        return lin_cia402_disable_voltage; // a drive that is set to stay there (605Ah)
+        return lin_cia402_disable_voltage; // the drive is set to stay there (605Ah)
     }
     return lin_cia402_control(d->state, goal);
 }

@@ -8,7 +8,7 @@ void lin_encoder_init(lin_encoder_t *e, const lin_encoder_config_t *config, int6
     e->config.max_age_us = lin_config_age_us(config, tick_hz);
 }
 
-/// The increment from the last raw position to this one: of both directions the shorter.
+/// @return the increment from the last raw position, in the shorter direction
 static int64_t increment(const lin_encoder_t *e, uint32_t raw)
 {
     const int64_t modulus = e->config.modulus_counts;
@@ -35,22 +35,22 @@ static void close_edge(lin_encoder_t *e)
     }
 }
 
-/// The position passes index_counts + k turns; both senses of rotation latch the same number.
-static void look_for_index(lin_encoder_t *e, int64_t from)
+/// Detect a pass of index_counts + k turns; both directions of rotation latch the same number.
+static void find_index(lin_encoder_t *e, int64_t from)
 {
     const int64_t turn = e->config.counts_per_turn;
-    const int64_t place = e->config.index_counts;
-    const int64_t turns_before = lin_div_floor(from - place, turn);
-    const int64_t turns = lin_div_floor(e->counts - place, turn);
+    const int64_t index = e->config.index_counts;
+    const int64_t turns_before = lin_div_floor(from - index, turn);
+    const int64_t turns = lin_div_floor(e->counts - index, turn);
     if (turns != turns_before) {
-        e->index_counts = place + turn * (turns > turns_before ? turns : turns + 1);
+        e->index_counts = index + turn * (turns > turns_before ? turns : turns + 1);
         e->n_index +=
             (uint32_t)(turns > turns_before ? turns - turns_before : turns_before - turns);
     }
 }
 
-/// The speed is measured from the last frame that is at least least_ns old. Where frames follow
-/// each other faster than that, the frame used is at most twice as old.
+/// Measure the speed from a frame that is at least least_ns old. If frames are closer together than
+/// that, it is at most twice as old.
 static void choose_base(lin_encoder_t *e, int64_t at_ns)
 {
     if (at_ns - e->ns >= e->least_ns) {
@@ -65,7 +65,7 @@ static void choose_base(lin_encoder_t *e, int64_t at_ns)
     }
 }
 
-void lin_encoder_take(lin_encoder_t *e, uint32_t raw, int64_t ns)
+void lin_encoder_receive(lin_encoder_t *e, uint32_t raw, int64_t ns)
 {
     const int64_t at_ns = ns - e->config.delay_ns;
     if (!e->has_frame) {
@@ -80,7 +80,7 @@ void lin_encoder_take(lin_encoder_t *e, uint32_t raw, int64_t ns)
         choose_base(e, at_ns);
         e->counts += increment(e, raw);
         if (e->config.index == lin_index_position) {
-            look_for_index(e, from);
+            find_index(e, from);
         }
     }
     e->raw = raw;

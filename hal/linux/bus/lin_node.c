@@ -15,7 +15,7 @@ const char *lin_loss_text(lin_loss_t loss)
         [lin_loss_other_controller] = "another controller sends on this bus",
         [lin_loss_listening] = "listening for another controller before the first frame",
         [lin_loss_heartbeat] = "no heartbeat",
-        [lin_loss_restarted] = "started anew",
+        [lin_loss_restarted] = "restarted",
         [lin_loss_not_operational] = "not operational",
         [lin_loss_pdo] = "no measured values",
         [lin_loss_emcy] = "reports an error",
@@ -24,7 +24,7 @@ const char *lin_loss_text(lin_loss_t loss)
     return texts[loss];
 }
 
-bool lin_node_take(lin_node_t *n, const hal_can_frame_t *frame, int64_t ns)
+bool lin_node_receive(lin_node_t *n, const hal_can_frame_t *frame, int64_t ns)
 {
     if (n->id == 0u) {
         return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_number: whole numbers that are clamped, and division that rounds.
+/// lin_number: clamping and rounding division of integers.
 #ifndef LIN_NUMBER_H
 #define LIN_NUMBER_H
 
@@ -11,7 +11,7 @@ static inline int32_t lin_clamp_i32(int64_t value)
 }
 
 /// @param b  not 0
-/// @return   a / b, nearest, halves away from 0
+/// @return   a / b, rounded to nearest, halves away from 0
 static inline int64_t lin_div_round(int64_t a, int64_t b)
 {
     const int64_t half = (b < 0 ? -b : b) / 2;

@@ -11,7 +11,7 @@ enum { path_bytes = 256, word_bytes = sizeof(int32_t) };
 
 static struct {
     char path[path_bytes];
-    int32_t words[lin_blackbox_words + 1]; ///< one more, so that a longer file is found
+    int32_t words[lin_blackbox_words + 1]; ///< one more, to detect a longer file
     uint32_t n_kept;
 } box;
 
@@ -21,7 +21,7 @@ static void load(int fd, common_error_t *e)
     if (n < 0) {
         (void)common_error(e, "%s: cannot be read: %s", box.path, strerror(errno));
     } else if (n % word_bytes != 0 || n > (ssize_t)lin_blackbox_words * word_bytes) {
-        (void)common_error(e, "%s: is no black box; remove it", box.path);
+        (void)common_error(e, "%s: not a black box; remove it", box.path);
     } else {
         box.n_kept = (uint32_t)(n / word_bytes);
     }

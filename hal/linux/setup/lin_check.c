@@ -23,7 +23,7 @@ static bool check_nodes(const lin_config_t *c, const char *path, common_error_t 
         for (int k = 0; k < i; k++) {
             if (nodes[i] != 0 && nodes[i] == nodes[k]) {
                 return common_error(e,
-                                    "%s: %s = %d: taken by %s; give each node a number of its own",
+                                    "%s: %s = %d: also used by %s; give each node its own number",
                                     path, keys[i], (int)nodes[i], keys[k]);
             }
         }
@@ -31,8 +31,8 @@ static bool check_nodes(const lin_config_t *c, const char *path, common_error_t 
     return true;
 }
 
-/// A frame arrives once in a tick; at the next tick its age is one period and the delay of the
-/// encoder, so a shorter limit would refuse every frame.
+/// One frame arrives per tick. At the next tick its age is one period plus the encoder's delay; a
+/// shorter limit would reject every frame.
 static bool check_age(const lin_config_t *c, const char *path, common_error_t *e)
 {
     const int64_t age_ns = lin_config_age_us(&c->encoder, c->thread.tick_hz) * 1000;
@@ -41,7 +41,7 @@ static bool check_age(const lin_config_t *c, const char *path, common_error_t *e
            common_error(
                e,
                "%s: encoder.max_age_us = %lld: with delay_ns = %lld every frame is older than "
-               "that at the next tick; give at least %lld",
+               "this at the next tick; give at least %lld",
                path, (long long)c->encoder.max_age_us, (long long)c->encoder.delay_ns,
                (long long)(least_ns + 999) / 1000);
 }
@@ -64,7 +64,7 @@ static bool check_encoder(const lin_config_t *c, const char *path, common_error_
         return common_error(
             e,
             "%s: encoder.index = \"line\": gpio.index is \"none\"; give the line or "
-            "take \"position\"",
+            "use \"position\"",
             path);
     }
     return true;
@@ -92,8 +92,8 @@ static bool check_lines(const lin_config_t *c, const char *path, common_error_t 
         }
         for (int k = 0; k < i && lin_line_is_there(c, (lin_line_t)i); k++) {
             if (lin_place_is_same(&at[i], &at[k])) {
-                return common_error(e, "%s: %s = \"%s\": taken by %s; give each its own line", path,
-                                    lin_line_name((lin_line_t)i), c->line[i].place,
+                return common_error(e, "%s: %s = \"%s\": also used by %s; give each its own line",
+                                    path, lin_line_name((lin_line_t)i), c->line[i].place,
                                     lin_line_name((lin_line_t)k));
             }
         }
@@ -124,15 +124,15 @@ static bool check_times(const lin_config_t *c, const char *path, common_error_t 
                         (long long)(2000 + hz - 1) / hz);
 }
 
-/// The load that the configuration puts on the bus, and the highest rate that the bus carries.
+/// Format the bus load and the highest possible tick rate.
 static void put_load(const lin_config_t *c, const lin_load_t *load, common_error_t *e)
 {
     const int64_t most_hz = lin_load_most_hz(load);
     char highest[80];
     if (most_hz < least_tick_hz) {
-        (void)snprintf(highest, sizeof highest, "it bears no rate of %d or more", least_tick_hz);
+        (void)snprintf(highest, sizeof highest, "no rate of %d or more is possible", least_tick_hz);
     } else {
-        (void)snprintf(highest, sizeof highest, "the highest rate it bears is %lld; lower it",
+        (void)snprintf(highest, sizeof highest, "the highest possible rate is %lld; lower it",
                        (long long)most_hz);
     }
     (void)common_error(
@@ -142,13 +142,13 @@ static void put_load(const lin_config_t *c, const lin_load_t *load, common_error
         (long long)c->thread.tick_hz, (long long)lin_load_percent(load, c->thread.tick_hz),
         (long long)c->can.bitrate, c->can.is_fd ? " (FD)" : "", (long long)load->tick_ns / 1000,
         (long long)load->second_ns / 1000000, highest,
-        c->can.is_fd ? "or take fewer drives" : "set can.fd or take fewer drives");
+        c->can.is_fd ? "or use fewer drives" : "set can.fd or use fewer drives");
 }
 
 static bool check_load(const lin_config_t *c, const char *path, common_error_t *e)
 {
     const lin_load_t load = lin_load_of(c);
-    const bool is_virtual = strncmp(c->can.interface, "vcan", 4) == 0; // it has no bit rate
+    const bool is_virtual = strncmp(c->can.interface, "vcan", 4) == 0; // has no bit rate
     if (lin_load_percent(&load, c->thread.tick_hz) <= most_percent || is_virtual) {
         return true;
     }
@@ -157,19 +157,20 @@ static bool check_load(const lin_config_t *c, const char *path, common_error_t *
     return common_error(e, "%s: %s", path, why.text);
 }
 
-/// Put the keys together and check that something could be trusted where a signature is required.
-static bool take_keys(lin_config_t *c, const char *path, common_error_t *e)
+/// Collect the keys. If signatures are required, there must be at least one.
+static bool collect_keys(lin_config_t *c, const char *path, common_error_t *e)
 {
     c->trust = (common_keys_t){.n = 0};
     for (int i = 0; i < (int)common_keys_most; i++) {
         if (!common_keys_add(&c->trust, c->trust_key[i])) {
-            return common_error(e, "%s: trust.key_%d = \"%s\": no public key; " COMMON_KEYS_REMEDY,
-                                path, i + 1, c->trust_key[i]);
+            return common_error(
+                e, "%s: trust.key_%d = \"%s\": not a valid public key; " COMMON_KEYS_REMEDY, path,
+                i + 1, c->trust_key[i]);
         }
     }
     return !c->is_trust_required || c->trust.n > 0u ||
            common_error(e,
-                        "%s: trust.required = true: refuses every table without a key; give "
+                        "%s: trust.required = true: every table is refused without a key; give "
                         "trust.key_1, or false",
                         path);
 }
@@ -190,30 +191,31 @@ bool lin_check_load(lin_config_t *config, const char *path, common_error_t *e)
     }
     return check_lines(c, path, e) && check_nodes(c, path, e) && check_encoder(c, path, e) &&
            check_age(c, path, e) && check_drives(c, path, e) && check_times(c, path, e) &&
-           check_load(c, path, e) && take_keys(config, path, e);
+           check_load(c, path, e) && collect_keys(config, path, e);
 }
 
-void lin_check_warn(const lin_config_t *c, lin_check_tell_t *tell)
+void lin_check_warn(const lin_config_t *c, lin_check_report_t *report)
 {
     const lin_load_t load = lin_load_of(c);
     if (!lin_line_is_there(c, lin_line_estop)) {
-        tell("warning: gpio.estop = \"none\": the emergency stop is not seen; for trials only");
+        report(
+            "warning: gpio.estop = \"none\": the emergency stop is not detected; for trials only");
     }
     if (!lin_line_is_there(c, lin_line_enable)) {
-        tell("warning: gpio.enable = \"none\": drives are disabled by the bus alone; for trials "
-             "only");
+        report("warning: gpio.enable = \"none\": drives are disabled over the bus only; for trials "
+               "only");
     }
     if (lin_load_percent(&load, c->thread.tick_hz) > full_percent) {
         common_error_t why, line;
         put_load(c, &load, &why);
         (void)common_error(&line, "warning: %s", why.text);
-        tell(line.text);
+        report(line.text);
     }
     if (lin_config_is_waived(c)) {
-        tell(
-            "warning: operator.acknowledge = \"waived\": whoever is on the bus starts the machine");
+        report(
+            "warning: operator.acknowledge = \"waived\": anyone on the bus can start the machine");
     } else if (!lin_line_is_there(c, lin_line_acknowledge)) {
-        tell("warning: operator.acknowledge = \"none\": nothing is ever enabled; give its line");
-    } else { // somebody at the machine lets it move
+        report("warning: operator.acknowledge = \"none\": nothing can be enabled; give its line");
+    } else { // an acknowledge button is wired
     }
 }

@@ -55,7 +55,7 @@ static const common_setting_t settings[] = {
     WHOLE("encoder", "index_counts", encoder.index_counts, 0, 16777215),
     WHOLE("encoder", "delay_ns", encoder.delay_ns, 0, 100000000),
     WHOLE("encoder", "max_age_us", encoder.max_age_us, 0, 1000000),
-    DRIVE("drive.u", hal_axis_u, 1), // without U there is nothing to do
+    DRIVE("drive.u", hal_axis_u, 1), // U is required
     DRIVE("drive.x", hal_axis_x, 0),
     DRIVE("drive.z", hal_axis_z, 0),
     WHOLE("spindle", "node", spindle_node, 0, 127),

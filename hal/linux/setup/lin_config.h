@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_config: what the port knows of the machine. README.md explains every key, camturn.toml lists
-/// them with their defaults.
+/// lin_config: the configuration file. README.md explains every key; camturn.toml lists all keys
+/// with their defaults.
 #ifndef LIN_CONFIG_H
 #define LIN_CONFIG_H
 
@@ -17,14 +17,14 @@ typedef enum {
     lin_line_estop,
     lin_line_ready,
     lin_line_index,
-    lin_line_home_u, ///< home switches, then axes' indices, in the order of hal_in_home_u
+    lin_line_home_u, ///< home switches, then axis indices, in the order of hal_in_home_u
     lin_line_index_z = lin_line_home_u + 5,
-    lin_line_acknowledge, ///< the button; its place may be "waived"
+    lin_line_acknowledge, ///< button; its place may be "waived"
     lin_line_key,
     lin_line_enable,
     lin_line_fault,
     lin_line_in_cut,
-    lin_line_switch_1, ///< the other seven follow it
+    lin_line_switch_1, ///< the other seven follow
     lin_line_switch_8 = lin_line_switch_1 + 7,
     lin_n_lines
 } lin_line_t;
@@ -33,17 +33,17 @@ typedef enum { lin_index_line, lin_index_position } lin_index_t;
 
 typedef struct {
     int64_t tick_hz;
-    int64_t priority; ///< of SCHED_FIFO; 0: the thread stays an ordinary one
-    int64_t cpu;      ///< -1: the last one allowed
+    int64_t priority; ///< of SCHED_FIFO; 0: ordinary scheduling
+    int64_t cpu;      ///< -1: the last CPU allowed
 } lin_thread_config_t;
 
 typedef struct {
     char interface[lin_interface_max + 1];
     char remote[lin_interface_max + 1]; ///< never empty after loading
     int64_t node;
-    int64_t bitrate; ///< [bit/s] to which the interface was set; used for the load of the bus only
+    int64_t bitrate; ///< [bit/s] of the interface, for the bus load only
     bool is_fd;
-    int64_t data_bitrate; ///< [bit/s] likewise, of the data of FD frames
+    int64_t data_bitrate; ///< [bit/s] likewise, in the data phase of FD frames
     int64_t heartbeat_ms, node_timeout_ms, pdo_timeout_ms, enable_ms;
 } lin_can_config_t;
 
@@ -75,27 +75,27 @@ typedef struct {
     int64_t spindle_node; ///< 0: none
     char chip[lin_name_max + 1];
     lin_line_config_t line[lin_n_lines];
-    char secret_file[lin_path_max + 1]; ///< "": there is none
+    char secret_file[lin_path_max + 1]; ///< "": none
     char table_file[lin_path_max + 1];
     int64_t table_max_bytes;
     char trust_key[common_keys_most][common_keys_digits + 1]; ///< "": none
-    common_keys_t trust;                                      ///< all of them, after loading
+    common_keys_t trust;                                      ///< all keys, after loading
     bool is_trust_required;
-    char params_file[lin_path_max + 1]; ///< "": parameters are not kept
+    char params_file[lin_path_max + 1]; ///< "": parameters are not stored
 } lin_config_t;
 
-/// @return the values of keys that a file leaves out
+/// @return the default values
 lin_config_t lin_config_defaults(void);
 
-/// Read a file over *config. Whether its values fit one another is checked by lin_check_load().
-/// @return false and *e on the first thing wrong
+/// Read a file into *config; missing keys keep their values. lin_check_load() also checks
+/// consistency.
+/// @return false and *e on the first error
 bool lin_config_read(lin_config_t *config, const char *path, common_error_t *e);
 
-/// @return [us] the age from which on a position of the encoder is too old: max_age_us, or three
-///         ticks where the file says nothing
+/// @return [us] greatest age of an encoder position: max_age_us, or three ticks if that is 0
 int64_t lin_config_age_us(const lin_encoder_config_t *config, int64_t tick_hz);
 
-/// @return whether the builder of the machine has waived the button
+/// @return whether the machine builder has waived the acknowledge button
 bool lin_config_is_waived(const lin_config_t *config);
 
 /// @return section and key of a line, static

@@ -32,8 +32,8 @@ static bool write_all(int fd, const uint8_t *bytes, uint32_t size)
     return true;
 }
 
-/// Close a file; errno stays that of an earlier failure.
-static bool close_well(int fd, bool is_good)
+/// Close a file; keep errno of an earlier failure.
+static bool close_file(int fd, bool is_good)
 {
     const int err = errno;
     const bool is_closed = close(fd) == 0;
@@ -41,8 +41,8 @@ static bool close_well(int fd, bool is_good)
     return is_closed && is_good;
 }
 
-/// What an interrupted run, or somebody with a link to another file, has left there is removed: a
-/// file of our own is written, or none.
+/// Write a new file. First remove a file left by an interrupted run, or a link that would redirect
+/// the write to another file.
 static bool store(const char *path, const uint8_t *bytes, uint32_t n)
 {
     (void)unlink(path);
@@ -51,16 +51,16 @@ static bool store(const char *path, const uint8_t *bytes, uint32_t n)
         return false;
     }
     const bool is_written = write_all(fd, bytes, n) && fsync(fd) == 0;
-    return close_well(fd, is_written);
+    return close_file(fd, is_written);
 }
 
-/// Bring the entry in the folder to the disk, too.
+/// Flush the directory entry to disk.
 static bool sync_folder(const char *path)
 {
     char copy[path_bytes];
     (void)snprintf(copy, sizeof copy, "%s", path);
     const int fd = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    return fd >= 0 && close_well(fd, fsync(fd) == 0);
+    return fd >= 0 && close_file(fd, fsync(fd) == 0);
 }
 
 bool lin_file_replace(const char *path, const uint8_t *bytes, uint32_t n, common_error_t *e)
@@ -74,8 +74,8 @@ bool lin_file_replace(const char *path, const uint8_t *bytes, uint32_t n, common
     }
     e->text[0] = '\0';
     if (!sync_folder(path)) {
-        (void)common_error(e, "%s: in force, but a loss of power may bring the old one back: %s",
-                           path, strerror(errno));
+        (void)common_error(e, "%s: in use, but a power failure may restore the old one: %s", path,
+                           strerror(errno));
     }
     return true;
 }

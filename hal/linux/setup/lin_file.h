@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_file: files that are read whole and replaced whole.
+/// lin_file: reads and atomically replaces whole files.
 ///
-/// New bytes are written beside the file, brought to the disk and renamed over it, so that a loss
-/// of power leaves the old ones or the new ones. Context: main().
+/// New content is written to a second file, flushed to disk and renamed over the old one, so that a
+/// power failure leaves either the old or the new content. Context: main().
 #ifndef LIN_FILE_H
 #define LIN_FILE_H
 
@@ -11,15 +11,15 @@
 #include <stdint.h>       // uint8_t, uint32_t
 #include <sys/types.h>    // ssize_t
 
-/// Read what is left of a file.
-/// @return [bytes] that were read, at most `room`; -1 and errno when that fails
+/// Read the rest of a file.
+/// @return [bytes] number of bytes read, at most `room`; -1 and errno on error
 ssize_t lin_file_read(int fd, uint8_t *bytes, uint32_t room);
 
-/// Replace a file and wait for the disk. The renaming decides: before it the old bytes stay, behind
-/// it the new ones are there, also when the disk does not confirm the folder.
-/// @param e  text "" when all is well
-/// @return   false and *e: the file cannot be written, the old one stays. True and *e: a loss of
-///           power may bring the old one back
+/// Replace a file and wait for the disk. The rename makes the new content valid, even if flushing
+/// the directory fails.
+/// @param e  error, text "" if none
+/// @return   false and *e: the file cannot be written and the old one remains. True and *e: a power
+///           failure may restore the old one
 bool lin_file_replace(const char *path, const uint8_t *bytes, uint32_t n, common_error_t *e);
 
 #endif

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_halt_text: the reason of a hal_halt() is kept for the next start of the program, in a file
-/// beside the table.
+/// lin_halt_text: stores the reason of a hal_halt() in a file for the next start.
 #ifndef LIN_HALT_TEXT_H
 #define LIN_HALT_TEXT_H
 
@@ -8,11 +7,11 @@
 
 enum { lin_halt_text_bytes = 100 }; ///< a longer reason is cut off
 
-/// Read the reason that the last run left, and remove it.
-/// @param table_file  the reason is kept in this path with ".halt" behind it
+/// Read and remove the reason of the last run.
+/// @param table_file  path of the table; ".halt" is appended
 hal_start_t lin_halt_text_start(const char *table_file);
 
-/// Leave a reason for the next start, unless a link lies in its place. Context: any.
+/// Store a reason for the next start; not if the file is a symbolic link. Context: any.
 void lin_halt_text_halt(const char *why);
 
 #endif

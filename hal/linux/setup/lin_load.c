@@ -6,23 +6,23 @@ enum { pdo_bytes = 6, offset_bytes = 4, encoder_bytes = 4, fd_bytes = 12, status
 enum { status_frames = 5, status_hz = 100 }; // State, Spindle, AxisU, Detail twice: cam_report.h
 #define SECOND_NS INT64_C(1000000000)
 
-/// @return bits that the stuffing of n bits may add
+/// @return greatest number of stuff bits for n bits
 static int64_t stuff(int64_t n)
 {
     return (n - 1) / 4;
 }
 
-/// A classic frame has 34 bits from start to checksum besides the data, which are stuffed; then
-/// follow 10 bits to the end and 3 of pause.
+/// A classic frame has 34 bits from start to checksum plus the data, all with bit stuffing, then 10
+/// bits to its end and 3 of interframe space.
 static int64_t classic_ns(const lin_can_config_t *c, int64_t n_bytes)
 {
     const int64_t stuffed = 34 + 8 * n_bytes;
     return (stuffed + stuff(stuffed) + 13) * SECOND_NS / c->bitrate;
 }
 
-/// An FD frame has, at the rate of the bus, 17 bits to the switch of the rate and 12 behind the
-/// checksum; at the rate of the data 5 bits and the data, stuffed, then 28: stuff count, checksum
-/// of up to 16 bytes, their fixed stuff bits, delimiter.
+/// An FD frame has, at the nominal bit rate, 17 bits up to the rate switch and 12 after the
+/// checksum; at the data bit rate 5 bits and the data, with bit stuffing, then 28: stuff count,
+/// checksum for up to 16 bytes, fixed stuff bits, delimiter.
 static int64_t fd_ns(const lin_can_config_t *c, int64_t n_bytes)
 {
     const int64_t data = 5 + 8 * n_bytes;
@@ -30,7 +30,7 @@ static int64_t fd_ns(const lin_can_config_t *c, int64_t n_bytes)
            (data + stuff(data) + 28) * SECOND_NS / c->data_bitrate;
 }
 
-/// Count the frames that a drive gets in a tick, and its answer.
+/// Add the frames to a drive in one tick, and its answer.
 static void add_drive(lin_load_t *load, const lin_can_config_t *c, bool is_axis)
 {
     const bool is_one = !is_axis || c->is_fd;

@@ -13,7 +13,7 @@ enum { least_bytes = 16, most_bytes = 64, room_bytes = 80, for_others = 077 };
 static uint8_t secret[room_bytes];
 static uint32_t n_secret, nonce;
 
-/// Read an open file whose mode is right. @return false and *e
+/// Check the file's type and mode and read it. @return false and *e on error
 static bool read_secret(int fd, const char *path, common_error_t *e)
 {
     struct stat about;
@@ -21,8 +21,9 @@ static bool read_secret(int fd, const char *path, common_error_t *e)
         return common_error(e, "operator.secret: %s: not a regular file; give another", path);
     }
     if ((about.st_mode & (mode_t)for_others) != 0u) {
-        return common_error(e, "operator.secret: %s: mode %04o lets others in; chmod 600 %s", path,
-                            (unsigned)(about.st_mode & 07777u), path);
+        return common_error(
+            e, "operator.secret: %s: mode %04o lets other users access it; chmod 600 %s", path,
+            (unsigned)(about.st_mode & 07777u), path);
     }
     ssize_t n = lin_file_read(fd, secret, sizeof secret);
     while (n > 0 && (secret[n - 1] == '\n' || secret[n - 1] == '\r')) {
@@ -48,7 +49,7 @@ bool lin_operator_open(const lin_config_t *config, common_error_t *e)
     }
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     if (fd < 0) {
-        return common_error(e, "operator.secret: %s: %s; give a file of this user's", path,
+        return common_error(e, "operator.secret: %s: %s; give a file owned by this user", path,
                             strerror(errno));
     }
     const bool is_good = read_secret(fd, path, e);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_operator: what [operator] of the configuration says of the people at the machine: button,
-/// key switch, secret.
+/// lin_operator: section [operator] of the configuration: button, key switch, secret.
 #ifndef LIN_OPERATOR_H
 #define LIN_OPERATOR_H
 
@@ -9,12 +8,12 @@
 #include "lin_config.h"   // lin_config_t
 #include <stdbool.h>      // bool
 
-/// Read the secret, if there is one, and noise for its challenges. The file is a regular one that
-/// nobody but its owner may read or write, 16 to 64 bytes; line ends behind them do not count.
-/// @return false and *e: there is a file, but no secret in it. Context: main(), once.
+/// Read the secret, if configured, and random bytes for its challenges. The secret is a regular
+/// file that only its owner may access, 16 to 64 bytes without trailing line ends.
+/// @return false and *e: the file cannot be used. Context: main(), once.
 bool lin_operator_open(const lin_config_t *config, common_error_t *e);
 
-/// @return what hal_operator() says
+/// @return the result of hal_operator()
 hal_operator_t lin_operator(const lin_config_t *config);
 
 #endif

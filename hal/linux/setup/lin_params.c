@@ -12,11 +12,11 @@ enum { path_bytes = 256 };
 
 static struct {
     const char *path;
-    uint8_t bytes[hal_params_most_bytes + 1]; ///< one more, so that a longer file is found
+    uint8_t bytes[hal_params_most_bytes + 1]; ///< one more, to detect a longer file
     hal_params_t kept;
 } params;
 
-/// @return whether the file could be replaced
+/// @return whether the file can be replaced
 static bool is_replaceable(const char *path)
 {
     char copy[path_bytes];
@@ -56,8 +56,7 @@ void lin_params_open(const char *path, common_error_t *e)
         (void)common_error(e, "%s: cannot be opened: %s", path, strerror(errno));
     }
     if (e->text[0] == '\0' && !is_replaceable(path)) {
-        (void)common_error(e, "%s: parameters cannot be saved: its folder: %s", path,
-                           strerror(errno));
+        (void)common_error(e, "%s: parameters cannot be saved: folder: %s", path, strerror(errno));
     }
 }
 

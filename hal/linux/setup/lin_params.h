@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_params: the parameters that are kept over a restart, in a file of their own.
+/// lin_params: the file of stored parameters.
 ///
-/// A file that cannot be read does not keep the program from starting: the firmware is told that it
-/// is damaged, and uses its defaults. The functions are those of hal.h. Context: main().
+/// If it cannot be read, the program still starts: it reports the parameters as damaged and the
+/// firmware uses its defaults. The functions implement hal.h. Context: main().
 #ifndef LIN_PARAMS_H
 #define LIN_PARAMS_H
 
@@ -11,18 +11,17 @@
 #include <stdbool.h>      // bool
 #include <stdint.h>       // uint32_t
 
-/// Read the file if there is one.
-/// @param path  kept by reference; "": parameters are not kept
-/// @param e     text "" when all is well, else why the file cannot be read, or not be replaced
-/// later
+/// Read the file if it exists.
+/// @param path  static; "": parameters are not stored
+/// @param e     error (the file cannot be read now, or replaced later), text "" if none
 void lin_params_open(const char *path, common_error_t *e);
 
-/// @return what the file holds
+/// @return content of the file
 hal_params_t lin_params_kept(void);
 
 /// Replace the file (lin_file_replace()).
-/// @param e  text "" when all is well
-/// @return   false and *e: it cannot be written, and the old one stays
+/// @param e  error, text "" if none
+/// @return   false and *e: the file cannot be written and the old one remains
 bool lin_params_keep(const void *bytes, uint32_t size, common_error_t *e);
 
 #endif

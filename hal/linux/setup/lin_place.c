@@ -22,8 +22,7 @@ bool lin_place_parse(lin_place_t *p, const char *chip, const char *place, common
     char *end = NULL;
     const unsigned long offset = strtoul(colon + 1, &end, 10);
     if (colon == place || end == colon + 1 || *end != '\0' || offset > 0xFFFFu) {
-        return common_error(e, "%s: no number behind the colon; write CHIP:OFFSET or a name",
-                            place);
+        return common_error(e, "%s: no number after the colon; write CHIP:OFFSET or a name", place);
     }
     set_chip(p, place, (size_t)(colon - place));
     p->offset = (unsigned)offset;

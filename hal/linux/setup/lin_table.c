@@ -12,8 +12,8 @@
 enum { alignment = 64, erased = 0xFF };
 
 typedef struct {
-    uint8_t *bytes; ///< `room` of them
-    uint32_t size;  ///< of the image
+    uint8_t *bytes; ///< [room]
+    uint32_t size;  ///< [bytes] of the image
 } bank_t;
 
 static struct {
@@ -33,7 +33,7 @@ static bool load(int fd, common_error_t *e)
 {
     struct stat about;
     if (fstat(fd, &about) != 0 || !S_ISREG(about.st_mode)) {
-        return common_error(e, "%s: is no file; give the path of a table", table.path);
+        return common_error(e, "%s: not a file; give the path of a table", table.path);
     }
     if (about.st_size > (off_t)table.room) {
         return common_error(e, "%s: %lld bytes; raise table.max_bytes", table.path,
@@ -61,7 +61,8 @@ bool lin_table_open(const char *path, int64_t max_bytes, common_error_t *e)
             return common_error(e, "table.max_bytes = %lld: no memory; give less",
                                 (long long)max_bytes);
         }
-        (void)memset(table.banks[i].bytes, erased, table.room); // touched: no page fault in a tick
+        (void)memset(table.banks[i].bytes, erased,
+                     table.room); // touch every page: no page fault in a tick
     }
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) {
@@ -110,7 +111,7 @@ hal_image_t lin_table_staged(void)
 bool lin_table_commit(common_error_t *e)
 {
     if (!table.is_begun) {
-        return common_error(e, "no table was begun");
+        return common_error(e, "no table download was begun");
     }
     if (!lin_file_replace(table.path, other()->bytes, other()->size, e)) {
         return false;

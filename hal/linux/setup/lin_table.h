@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_table: the table in force and room for the next one, both in locked memory.
+/// lin_table: the table in use and memory for the next one, both locked, and the file of the table.
 ///
-/// The file holds the table in force. A new one is written beside it and renamed over it, so that a
-/// loss of power leaves the old one or the new one. The functions are those of hal.h, one each.
-/// Context: main().
+/// The file is replaced atomically (lin_file_replace()). The functions implement hal.h. Context:
+/// main().
 #ifndef LIN_TABLE_H
 #define LIN_TABLE_H
 
@@ -12,31 +11,29 @@
 #include <stdbool.h>      // bool
 #include <stdint.h>       // int64_t, uint32_t
 
-/// Get the memory, read the file if there is one.
-/// @param path       kept by reference
-/// @param max_bytes  of one table
-/// @return           false and *e: no memory, file unreadable or too large
+/// Allocate the memory and read the file if it exists.
+/// @param path       static
+/// @param max_bytes  largest table
+/// @return           false and *e: out of memory, file unreadable or too large
 bool lin_table_open(const char *path, int64_t max_bytes, common_error_t *e);
 
-/// @return the table in force; size 0: none
+/// @return the table in use; size 0: none
 hal_image_t lin_table_image(void);
 
-/// Make room for the next one. @return false: larger than max_bytes
+/// Begin a download. @return false if larger than max_bytes
 bool lin_table_begin(uint32_t size);
 
-/// Write a piece of it. @return false: outside of it, or not begun
+/// Write a piece. @return false if outside the table, or no download was begun
 bool lin_table_write(uint32_t offset, const void *bytes, uint32_t n);
 
-/// @return the table that was begun; size 0: none
+/// @return the table of the download; size 0: none
 hal_image_t lin_table_staged(void);
 
-/// Put the table that was begun in force, here and in the file, and wait for the disk. The renaming
-/// of the file decides: before it the old table stays, here and in the file, and the new one may be
-/// committed again; behind it the new table is in force, also when the disk does not confirm the
-/// folder.
-/// @param e  text "" when all is well
-/// @return   false and *e: nothing was begun, or the file cannot be written; the old one stays.
-///           True and *e: a loss of power may bring the old one back
+/// Replace the table in use and its file by the downloaded table. If this fails, it may be
+/// repeated.
+/// @param e  error, text "" if none
+/// @return   false and *e: nothing was begun, or the file cannot be written; the old table remains.
+///           True and *e: in use, but a power failure may restore the old one
 bool lin_table_commit(common_error_t *e);
 
 #endif

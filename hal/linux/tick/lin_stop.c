@@ -2,18 +2,17 @@
 #include "lin_stop.h"
 #include "hal/hal.h" // hal_out_enable
 
-/// The tool of the slowest machine has left the work within the first time; drives stop within the
-/// second.
+/// Longest time for the retract, and for the drives to stop.
 #define RETRACT_NS INT64_C(2000000000)
 #define RELEASE_NS INT64_C(1000000000)
 
-/// Signals so close to the first one are the same wish: a terminal that is closed sends one, and
-/// its shell another within milliseconds.
+/// Signals within this time of the first count as one: closing a terminal sends two, one from the
+/// terminal and one from its shell, within milliseconds.
 #define SAME_NS INT64_C(300000000)
 
-enum { least_release_ticks = 3 }; // each drive gets the command more than once
+enum { least_release_ticks = 3 }; // so that each drive gets the command more than once
 
-static void go(lin_stop_t *s, lin_stop_phase_t phase, int64_t now_ns)
+static void enter(lin_stop_t *s, lin_stop_phase_t phase, int64_t now_ns)
 {
     s->phase = phase;
     s->since_ns = now_ns;
@@ -23,7 +22,7 @@ lin_stop_phase_t lin_stop_step(lin_stop_t *s, uint32_t n_signals, uint32_t outpu
                                int64_t now_ns)
 {
     if (s->phase == lin_stop_run && n_signals > 0u) {
-        go(s, lin_stop_retract, now_ns);
+        enter(s, lin_stop_retract, now_ns);
     }
     if (s->phase == lin_stop_retract && now_ns - s->since_ns < SAME_NS) {
         s->n_signals = n_signals;
@@ -31,13 +30,13 @@ lin_stop_phase_t lin_stop_step(lin_stop_t *s, uint32_t n_signals, uint32_t outpu
     if (s->phase == lin_stop_retract &&
         ((outputs & hal_out_enable) == 0u || n_signals > s->n_signals ||
          now_ns - s->since_ns > RETRACT_NS)) {
-        go(s, lin_stop_release, now_ns);
+        enter(s, lin_stop_release, now_ns);
     }
     if (s->phase == lin_stop_release) {
         s->n_ticks++;
         const bool is_done = is_at_rest && s->n_ticks > (uint32_t)least_release_ticks;
         if (is_done || now_ns - s->since_ns > RELEASE_NS) {
-            go(s, lin_stop_over, now_ns);
+            enter(s, lin_stop_over, now_ns);
         }
     }
     return s->phase;

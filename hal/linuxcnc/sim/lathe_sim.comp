@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-component lathe_sim "a spindle with its encoder and a fast tool axis, for trying camturn without a machine";
+component lathe_sim "a simulated spindle with encoder and fast tool axis, to try camturn without a machine";
 pin in float spindle_speed_cmd "set-point [r/min], as of spindle.0.speed-out";
 pin in float u_cmd "set-point of U [mm]";
 pin in bit drive_enable;
 pin out s32 rawcounts "counts of the encoder, never reset";
-pin out s32 counts "counts since the last index edge that was waited for";
+pin out s32 counts "counts since the last index edge with index-enable set";
 pin io bit index_enable;
 pin out float revs "turns since then, for spindle.0.revs";
 pin out float speed_rps "speed [turns/s], for spindle.0.speed-in";
@@ -27,7 +27,7 @@ author "the founders of camturn";
 ;;
 #include <rtapi_math.h>
 
-enum { steps = 8 }; // of U in a period
+enum { steps = 8 }; // integration steps of U per period
 
 static const double two_pi = 6.283185307179586;
 

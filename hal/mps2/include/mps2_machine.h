@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// mps2_machine: the machine behind the port of the emulated boards: a structure in RAM.
+/// mps2_machine: the machine of the emulated boards: a structure in RAM.
 ///
-/// The part that plays the machine sets `in` and `slow` and reads `out`. This is either the image's
-/// own machine, once a period in mps2_machine_step_isr(), or a program that calls cam_isr() itself
-/// and never starts the tick. The structure resembles hal_host_t, but a port does not include the
-/// headers of another one.
+/// The machine model sets `in` and `slow` and reads `out`. It is either part of the image, stepped
+/// once a period in mps2_machine_step_isr(), or a program that calls cam_isr() itself and never
+/// starts the tick. (Similar to hal_host_t, but a port must not include headers of another one.)
 #ifndef MPS2_MACHINE_H
 #define MPS2_MACHINE_H
 
@@ -16,7 +15,7 @@ enum { mps2_can_frames = 16 }; ///< depth of the queues, a power of two
 
 enum { mps2_scope_words = 1 << 14 }; ///< memory for the recorder: 64 KiB
 
-enum { mps2_place_bytes = 1 << 19 }; ///< [bytes] of a place for a downloaded table
+enum { mps2_place_bytes = 1 << 19 }; ///< [bytes] of a table slot
 
 /// The machine's side of the port.
 typedef struct {
@@ -33,8 +32,8 @@ typedef struct {
         hal_swing_t swing;
         uint32_t n_swing; ///< number of set-points of the swing so far
     } out;
-    struct {                                       ///< what functions of the slow side return
-        hal_image_t table;                         ///< bytes == NULL: no table is kept
+    struct {                                       ///< data of the slow-side functions
+        hal_image_t table;                         ///< bytes == NULL: no table
         hal_can_frame_t received[mps2_can_frames]; ///< ring, newest at n_received - 1
         hal_can_frame_t sent[mps2_can_frames];     ///< ring, newest at n_sent - 1
         uint32_t n_received, n_read, n_sent;
@@ -43,16 +42,16 @@ typedef struct {
     } slow;
 } mps2_machine_t;
 
-/// The one machine of the image.
+/// The machine; one per image.
 extern mps2_machine_t mps2_machine;
 
-/// A CAN frame arrives. @return false when the queue is full and the frame is lost
-/// Context: the part that plays the machine.
+/// Receive a CAN frame. @return false if the queue is full and the frame is lost
+/// Context: machine model.
 bool mps2_machine_can_receive(const hal_can_frame_t *frame);
 
 // Image provides, if it starts the tick
 
-/// Play the machine for one period: compute `in` from `out`.
+/// Simulate one period: compute `in` from `out`.
 /// Context: the tick's interrupt, after cam_isr().
 void mps2_machine_step_isr(void);
 

@@ -13,7 +13,7 @@ static const int64_t ms = 1000000;
 
 static lin_config_t config;
 static lin_bus_t bus;
-static lin_wants_t wants;
+static lin_commands_t commands;
 static hal_can_frame_t frames[lin_bus_max_frames];
 static uint32_t n_frames;
 static int64_t now;
@@ -21,7 +21,7 @@ static int64_t now;
 /// Let one tick pass; its frames are in `frames`.
 static inline void make(void)
 {
-    n_frames = lin_bus_make(&bus, &wants, now, frames);
+    n_frames = lin_bus_make(&bus, &commands, now, frames);
     now += ms;
 }
 
@@ -40,7 +40,7 @@ static inline void bench_begin(void)
 {
     config = lin_config_defaults();
     config.thread.tick_hz = 1000;
-    wants = (lin_wants_t){.outputs = 0};
+    commands = (lin_commands_t){.outputs = 0};
     now = 1000 * ms;
     begin();
 }
@@ -51,7 +51,7 @@ static inline void hear(uint32_t id, uint32_t n, uint32_t low, uint32_t high)
     hal_can_frame_t frame = {.id = id, .n = n};
     common_put_i32(frame.data, (int32_t)low);
     common_put_i32(frame.data + 4, (int32_t)high);
-    lin_bus_take(&bus, &frame, now);
+    lin_bus_receive(&bus, &frame, now);
 }
 
 /// The heartbeat of a node in operation arrives.
@@ -94,7 +94,7 @@ static inline const hal_can_frame_t *find(uint32_t id)
 static inline void enable(void)
 {
     hear_all(0x237);
-    wants.outputs = hal_out_enable;
+    commands.outputs = hal_out_enable;
     make();
     hear_all(0x237);
     TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready, judge());

@@ -68,7 +68,7 @@ static void test_a_file_of_another_kind_is_told_and_not_taken(void)
         (void)fclose(f);
         TEST_ASSERT_EQUAL_INT(0, truncate(file, sizes[i]));
         lin_blackbox_open(table, &e);
-        TEST_ASSERT_NOT_NULL(strstr(e.text, "is no black box; remove it"));
+        TEST_ASSERT_NOT_NULL(strstr(e.text, "not a black box; remove it"));
         TEST_ASSERT_EQUAL_UINT32(0, lin_blackbox_memory().n_kept);
     }
 }

@@ -85,14 +85,14 @@ static void test_loss_is_kept_while_the_fault_is_latched(void)
     enable();
     lin_bus_event(&bus, lin_loss_overflow);
     TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready | hal_in_bus_lost, judge());
-    wants.outputs = hal_out_enable | hal_out_fault; // the firmware's answer
+    commands.outputs = hal_out_enable | hal_out_fault; // the firmware's answer
     for (int i = 0; i < 10; i++) {
         make();
         hear_all(0x237);
         TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready | hal_in_bus_lost, judge());
         expect_cause(lin_loss_overflow, 0);
     }
-    wants.outputs = 0; // reset
+    commands.outputs = 0; // reset
     make();
     hear_all(0x231);
     TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready, judge());
@@ -137,14 +137,14 @@ static void test_whoever_comes_second_is_silent(void)
     for (int i = 0; i < 500; i++) {
         hear_all(0x237);
         hear(0x080, 0, 0, 0);
-        wants.is_stopping = i > 400;
+        commands.is_stopping = i > 400;
         TEST_ASSERT_TRUE((judge() & hal_in_bus_lost) != 0u);
         expect_cause(lin_loss_other_controller, 0);
         make();
         TEST_ASSERT_EQUAL_UINT32(0, n_frames);
         TEST_ASSERT_TRUE(lin_bus_is_at_rest(&bus)); // they are the other's drives
     }
-    wants.is_stopping = false;
+    commands.is_stopping = false;
     for (int i = 0; i < 100; i++) {
         make();
         TEST_ASSERT_EQUAL_UINT32(0, n_frames);
@@ -163,7 +163,7 @@ static void test_whoever_holds_drives_lets_go_before_it_is_silent(void)
     hear(0x080, 0, 0, 0);
     make();
     TEST_ASSERT_NOT_NULL(find(0x080));
-    wants.outputs = hal_out_fault;
+    commands.outputs = hal_out_fault;
     make();
     TEST_ASSERT_EQUAL_HEX16(0x02, common_get_u16(find(0x202)->data));
     hear_all(0x250);
@@ -178,13 +178,13 @@ static void test_number_is_its_own_only_when_no_other_has_it(void)
     for (uint32_t i = 0; i < 2u; i++) {
         lin_bus_init(&bus, &config);
         for (int k = 0; k < 300; k++) {
-            TEST_ASSERT_TRUE(bus.has_twin == (k <= 101 || ids[i] == 0x740u));
+            TEST_ASSERT_TRUE(bus.has_duplicate == (k <= 101 || ids[i] == 0x740u));
             hear(ids[i], ids[i] == 0x740u ? 1 : 0, 5, 0);
             make();
         }
     }
     setUp();
-    TEST_ASSERT_FALSE(bus.has_twin);
+    TEST_ASSERT_FALSE(bus.has_duplicate);
 }
 
 static void test_foreign_frames_change_nothing(void)

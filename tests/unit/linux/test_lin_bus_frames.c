@@ -17,9 +17,9 @@ static int32_t i32(const hal_can_frame_t *frame, uint32_t at)
 static void test_tick_sends_setpoints_then_sync(void)
 {
     enable();
-    wants.axis[hal_axis_u] = (hal_setpoint_t){.pos_nm = -123456, .vel_q10 = 2048};
-    wants.axis[hal_axis_z] = (hal_setpoint_t){.pos_nm = 7, .vel_q10 = -1024};
-    wants.spindle_mrpm = -300000;
+    commands.axis[hal_axis_u] = (hal_setpoint_t){.pos_nm = -123456, .vel_q10 = 2048};
+    commands.axis[hal_axis_z] = (hal_setpoint_t){.pos_nm = 7, .vel_q10 = -1024};
+    commands.spindle_mrpm = -300000;
     make();
     TEST_ASSERT_EQUAL_UINT32(8, n_frames); // 3 x 2, spindle, SYNC
     TEST_ASSERT_EQUAL_HEX32(0x080, frames[7].id);
@@ -39,7 +39,7 @@ static void test_fd_puts_the_velocity_behind_the_position(void)
     config.can.is_fd = true;
     begin();
     enable();
-    wants.axis[hal_axis_x] = (hal_setpoint_t){.pos_nm = 40000000, .vel_q10 = INT32_MAX};
+    commands.axis[hal_axis_x] = (hal_setpoint_t){.pos_nm = 40000000, .vel_q10 = INT32_MAX};
     make();
     TEST_ASSERT_EQUAL_UINT32(12, find(0x203)->n);
     TEST_ASSERT_EQUAL_INT32(40000000, i32(find(0x203), 2));
@@ -72,7 +72,7 @@ static void test_node_that_comes_late_is_started_while_disabled_only(void)
     now += 200 * ms;
     make();
     TEST_ASSERT_NULL(find(0x000));
-    wants.outputs = 0;
+    commands.outputs = 0;
     make();
     TEST_ASSERT_EQUAL_UINT8(3, find(0x000)->data[1]);
 }
@@ -80,8 +80,8 @@ static void test_node_that_comes_late_is_started_while_disabled_only(void)
 static void test_stopping_leads_all_drives_to_rest(void)
 {
     enable();
-    wants.is_stopping = true;
-    wants.spindle_mrpm = 300000;
+    commands.is_stopping = true;
+    commands.spindle_mrpm = 300000;
     make();
     for (uint32_t node = 2; node <= 5u; node++) {
         TEST_ASSERT_EQUAL_HEX16(0x02, common_get_u16(find(0x200 + node)->data));
@@ -106,9 +106,9 @@ static void test_axis_without_a_drive_tells_its_setpoint(void)
     hear(0x182, 6, 0x250 | 9u << 16, 0);
     hear(0x184, 6, 0x250, 0);
     TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready, judge());
-    wants.axis[hal_axis_x].pos_nm = 55;
-    TEST_ASSERT_EQUAL_INT32(55, lin_bus_actual_nm(&bus, hal_axis_x, &wants));
-    TEST_ASSERT_EQUAL_INT32(9, lin_bus_actual_nm(&bus, hal_axis_u, &wants));
+    commands.axis[hal_axis_x].pos_nm = 55;
+    TEST_ASSERT_EQUAL_INT32(55, lin_bus_actual_nm(&bus, hal_axis_x, &commands));
+    TEST_ASSERT_EQUAL_INT32(9, lin_bus_actual_nm(&bus, hal_axis_u, &commands));
     make();
     TEST_ASSERT_NULL(find(0x200));
     TEST_ASSERT_NULL(find(0x203));

@@ -125,10 +125,10 @@ static void test_what_is_wrong_is_refused(void)
     refused("[thread]\ntick_hz =\n", "give a whole number");
     refused("[thread]\ntick_hz = 99999999999999999999\n", "give a whole number");
     refused("[thread]\ntick_hz = 1000\ntick_hz = 1000\n", ":3: thread.tick_hz = 1000: given twice");
-    refused("[thread]\nrate = 1\n", "there is no such key");
-    refused("[threads]\ntick_hz = 1000\n", "there is no such section");
-    refused("tick_hz = 1000\n", "there is no such key");
-    refused("[thread]\ntick_hz\n", ":2: neither [section] nor key = value");
+    refused("[thread]\nrate = 1\n", "unknown key");
+    refused("[threads]\ntick_hz = 1000\n", "unknown section");
+    refused("tick_hz = 1000\n", "unknown key");
+    refused("[thread]\ntick_hz\n", ":2: not [section] or key = value");
     refused("[can]\nfd = 1\n", "give true or false");
     refused("[can]\ninterface = can0\n", "give one \"text\"");
     refused("[can]\ninterface = \"can0\" \"can1\"\n", "give one \"text\"");
@@ -141,11 +141,11 @@ static void test_what_is_wrong_is_refused(void)
 
 static void test_values_that_do_not_fit_one_another_are_refused(void)
 {
-    refused("[drive.x]\nnode = 2\n", "drive.x.node = 2: taken by drive.u.node");
-    refused("[can]\nnode = 5\n", "spindle.node = 5: taken by can.node");
+    refused("[drive.x]\nnode = 2\n", "drive.x.node = 2: also used by drive.u.node");
+    refused("[can]\nnode = 5\n", "spindle.node = 5: also used by can.node");
     refused("[encoder]\nindex_counts = 10000\n", "give less than counts_per_turn");
     refused("[encoder]\nmodulus_counts = 65536\n", "not a multiple of counts_per_turn");
-    refused("[gpio]\nindex = \"none\"\n", "take \"position\"");
+    refused("[gpio]\nindex = \"none\"\n", "use \"position\"");
     refused("[drive.u]\nnm = 0\n", "drive.u.nm = 0");
     TEST_ASSERT_TRUE(load("[drive.x]\nnode = 0\n[drive.z]\nnode = 0\n[spindle]\nnode = 0\n"));
 }
@@ -153,10 +153,10 @@ static void test_values_that_do_not_fit_one_another_are_refused(void)
 /// Values that a reader of keys alone would accept, although no machine can work by them.
 static void test_what_cannot_work_is_refused(void)
 {
-    refused("[gpio]\nestop = \"gpiochip0:x\"\n", "gpio.estop = gpiochip0:x: no number behind");
+    refused("[gpio]\nestop = \"gpiochip0:x\"\n", "gpio.estop = gpiochip0:x: no number after");
     refused("[gpio]\nready = \"gpiochip0:3\"\nfault = \"/dev/gpiochip0:3\"\n",
-            "gpio.fault = \"/dev/gpiochip0:3\": taken by gpio.ready");
-    refused("[gpio]\nin_cut = \"FAULT\"\n", "gpio.in_cut = \"FAULT\": taken by gpio.fault");
+            "gpio.fault = \"/dev/gpiochip0:3\": also used by gpio.ready");
+    refused("[gpio]\nin_cut = \"FAULT\"\n", "gpio.in_cut = \"FAULT\": also used by gpio.fault");
     refused("[encoder]\nmax_age_us = 1\n", "encoder.max_age_us = 1: with delay_ns = 0 every frame");
     refused("[encoder]\nmax_age_us = 2099\ndelay_ns = 100000\n", "give at least 2100");
     refused("[encoder]\ndelay_ns = 4000001\n", "encoder.max_age_us = 0: with delay_ns = 4000001");
@@ -170,12 +170,12 @@ static void test_what_cannot_work_is_refused(void)
 
 static void test_what_is_no_toml_is_refused_with_its_line(void)
 {
-    refused("[thread]\n[canal]\n[can]\n", ":2: [canal]: there is no such section");
-    refused("[can\nnode = 3\n", ":1: [can: no section");
-    refused("[can] node = 3\n", ":1: [can: no section");
-    refused("[can]\nnode: 3\n", ":2: neither [section] nor key = value");
-    refused("[can]\n; node = 3\n", ":2: neither [section] nor key = value");
-    refused("[can]\nnode = 3 ; three\n", ":2: \";\" behind the value; begin comments with #");
+    refused("[thread]\n[canal]\n[can]\n", ":2: [canal]: unknown section");
+    refused("[can\nnode = 3\n", ":1: [can: not a section");
+    refused("[can] node = 3\n", ":1: [can: not a section");
+    refused("[can]\nnode: 3\n", ":2: not [section] or key = value");
+    refused("[can]\n; node = 3\n", ":2: not [section] or key = value");
+    refused("[can]\nnode = 3 ; three\n", ":2: \";\" after the value; begin comments with #");
     TEST_ASSERT_TRUE_MESSAGE(
         load("\r\n  # a comment: so; or so\n[can] # this\n\tnode = 9 # nine;\n"), error.text);
     TEST_ASSERT_EQUAL_INT64(9, config.can.node);
@@ -186,10 +186,10 @@ static void test_bus_that_cannot_bear_the_ticks_is_refused_with_the_rate(void)
     refused(
         "[thread]\ntick_hz = 1000\n",
         "thread.tick_hz = 1000: takes up to 144 % of a bus with can.bitrate = 1000000: 1355 us a "
-        "tick and 75 ms a second for heartbeats and status; the highest rate it bears is 682;");
+        "tick and 75 ms a second for heartbeats and status; the highest possible rate is 682;");
     TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 682\n"));
     refused("[thread]\ntick_hz = 683\n", "takes up to 101 %");
-    refused("[can]\nbitrate = 500000\n", "it bears no rate of 500 or more");
+    refused("[can]\nbitrate = 500000\n", "no rate of 500 or more is possible");
     refused("[thread]\ntick_hz = 1010\n[can]\nfd = true\n", "(FD): 916 us a tick");
     TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 1000\n[can]\nfd = true\n"));
     TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 732\n[can]\nremote = \"can1\"\n")); // no status
@@ -212,7 +212,7 @@ static void test_what_is_doubtful_is_told(void)
     TEST_ASSERT_TRUE(load("[operator]\nacknowledge = \"waived\"\n"));
     lin_check_warn(&config, tell);
     TEST_ASSERT_EQUAL_UINT32(1, n_told);
-    TEST_ASSERT_NOT_NULL(strstr(told[0], "whoever is on the bus starts the machine"));
+    TEST_ASSERT_NOT_NULL(strstr(told[0], "anyone on the bus can start the machine"));
     n_told = 0;
     TEST_ASSERT_TRUE_MESSAGE(load("[thread]\ntick_hz = 1000\n[can]\ninterface = \"vcan0\"\n"
                                   "[gpio]\nestop = \"none\"\nenable = \"none\"\n"),
@@ -250,7 +250,7 @@ static void test_file_with_a_nul_byte_is_refused(void)
     TEST_ASSERT_EQUAL_size_t(sizeof text - 1u, fwrite(text, 1, sizeof text - 1u, file));
     (void)fclose(file);
     TEST_ASSERT_FALSE(lin_check_load(&config, path, &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, ":2: has a NUL byte; give a text file"));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, ":2: contains a NUL byte; give a text file"));
 }
 
 #define KEY_A "00112233445566778899aabbccddeeff00112233445566778899AABBCCDDEEFF"
@@ -275,12 +275,13 @@ static void test_trusted_keys_arrive_in_order_whichever_places_are_used(void)
 
 static void test_what_is_no_trusted_key_is_refused(void)
 {
-    refused("[trust]\nkey_1 = \"0011\"\n", "trust.key_1 = \"0011\": no public key; give public");
+    refused("[trust]\nkey_1 = \"0011\"\n",
+            "trust.key_1 = \"0011\": not a valid public key; give public");
     refused("[trust]\nkey_3 = \"g0112233445566778899aabbccddeeff"
             "00112233445566778899aabbccddeeff\"\n",
             "trust.key_3 = \"g011");
     refused("[trust]\nkey_1 = \"" KEY_A "0\"\n", "at most 64 characters");
-    refused("[trust]\nkey_5 = \"" KEY_A "\"\n", "there is no such key");
+    refused("[trust]\nkey_5 = \"" KEY_A "\"\n", "unknown key");
     refused("[trust]\nkey_1 = \"00000000000000000000000000000000"
             "00000000000000000000000000000000\"\n",
             "none of them weak");
@@ -292,7 +293,7 @@ static void test_what_is_no_trusted_key_is_refused(void)
 static void test_a_signature_that_nobody_could_give_is_not_required(void)
 {
     refused("[trust]\nrequired = true\n",
-            "trust.required = true: refuses every table without a key");
+            "trust.required = true: every table is refused without a key");
     refused("[trust]\nrequired = true\nkey_1 = \" \"\n", "give trust.key_1, or false");
 }
 
@@ -300,16 +301,17 @@ static void test_wrong_settings_of_the_operator_are_refused(void)
 {
     refused("[operator]\nacknowledge = \"\"\n", "operator.acknowledge is empty");
     refused("[operator]\nacknowledge = \"gpiochip0:x\"\n",
-            "operator.acknowledge = gpiochip0:x: no number behind");
+            "operator.acknowledge = gpiochip0:x: no number after");
     refused("[operator]\nacknowledge = true\n", "give one \"text\"");
-    refused("[operator]\nacknowledge = \"ESTOP\"\n", "operator.acknowledge = \"ESTOP\": taken by");
+    refused("[operator]\nacknowledge = \"ESTOP\"\n",
+            "operator.acknowledge = \"ESTOP\": also used by");
     refused("[operator]\nkey = \"\"\n", "operator.key is empty");
     refused("[operator]\nacknowledge = \"ACK\"\nkey = \"ACK\"\n",
-            "operator.key = \"ACK\": taken by operator.acknowledge");
+            "operator.key = \"ACK\": also used by operator.acknowledge");
     refused("[operator]\nacknowledge_active_low = 1\n", "give true or false");
     refused("[operator]\nkey_active_low = \"no\"\n", "give true or false");
     refused("[operator]\nsecret = 12345678\n", "give one \"text\"");
-    refused("[operator]\nwaived = true\n", "there is no such key");
+    refused("[operator]\nwaived = true\n", "unknown key");
 }
 
 /// Only a button can be waived: a switch or chain of that name would be one that is never there.

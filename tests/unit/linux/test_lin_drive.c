@@ -7,7 +7,7 @@
 enum { node = 2 };
 static const int64_t ms = 1000000;
 
-static const lin_patience_t patience = {
+static const lin_timeouts_t timeouts = {
     .node_ns = 100000000, .pdo_ns = 20000000, .enable_ns = 500000000};
 static lin_drive_t d;
 
@@ -23,21 +23,21 @@ static void hear(uint16_t status, int32_t actual, int64_t ns)
     hal_can_frame_t frame = {.id = canopen_id_tpdo1 + node, .n = 6};
     common_put_u16(frame.data, status);
     common_put_i32(frame.data + 2, actual);
-    TEST_ASSERT_TRUE(lin_drive_take(&d, &frame, ns));
+    TEST_ASSERT_TRUE(lin_drive_receive(&d, &frame, ns));
     const hal_can_frame_t beat = {.id = canopen_id_heartbeat + node, .n = 1, .data = {5}};
-    TEST_ASSERT_TRUE(lin_drive_take(&d, &beat, ns));
+    TEST_ASSERT_TRUE(lin_drive_receive(&d, &beat, ns));
 }
 
 static void emcy(uint16_t code)
 {
     hal_can_frame_t frame = {.id = canopen_id_emcy + node, .n = 8};
     common_put_u16(frame.data, code);
-    TEST_ASSERT_TRUE(lin_drive_take(&d, &frame, 0));
+    TEST_ASSERT_TRUE(lin_drive_receive(&d, &frame, 0));
 }
 
 static bool is_ready(int64_t now_ns)
 {
-    lin_drive_judge(&d, now_ns, &patience);
+    lin_drive_judge(&d, now_ns, &timeouts);
     return d.is_ready;
 }
 
@@ -131,7 +131,7 @@ static void test_enabled_drive_must_follow_in_time_and_stay(void)
     TEST_ASSERT_FALSE(is_ready(500 * ms));
     lin_drive_enable(&d, false, 500 * ms);
     TEST_ASSERT_TRUE(is_ready(500 * ms));
-    lin_drive_enable(&d, true, 501 * ms); // a new patience
+    lin_drive_enable(&d, true, 501 * ms); // a new timeouts
     TEST_ASSERT_TRUE(is_ready(501 * ms));
     hear(0x237, 0, 502 * ms);
     TEST_ASSERT_TRUE(is_ready(502 * ms));
@@ -168,14 +168,14 @@ static void test_node_that_boots_or_stops_is_lost_and_told_to_start(void)
     hear(0x250, 0, 0);
     hal_can_frame_t beat = {.id = canopen_id_heartbeat + node, .n = 1, .data = {0}};
     TEST_ASSERT_FALSE(lin_node_start(&d.node, 200 * ms, &frame));
-    (void)lin_drive_take(&d, &beat, 1);
+    (void)lin_drive_receive(&d, &beat, 1);
     beat.data[0] = 5;
-    (void)lin_drive_take(&d, &beat, 2); // as quick as that: still noticed
+    (void)lin_drive_receive(&d, &beat, 2); // as quick as that: still noticed
     TEST_ASSERT_FALSE(is_ready(2));
     TEST_ASSERT_EQUAL_INT(lin_loss_restarted, d.loss);
     TEST_ASSERT_TRUE(is_ready(3));
     beat.data[0] = 0x7F;
-    (void)lin_drive_take(&d, &beat, 4);
+    (void)lin_drive_receive(&d, &beat, 4);
     TEST_ASSERT_FALSE(is_ready(5));
     TEST_ASSERT_EQUAL_INT(lin_loss_not_operational, d.loss);
     TEST_ASSERT_TRUE(lin_node_start(&d.node, 200 * ms, &frame));
@@ -191,16 +191,16 @@ static void test_foreign_and_malformed_frames_are_left_alone(void)
 {
     hear(0x237, 5, 0);
     hal_can_frame_t frame = {.id = canopen_id_tpdo1 + node, .n = 5};
-    TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
+    TEST_ASSERT_FALSE(lin_drive_receive(&d, &frame, 1));
     frame.id = canopen_id_tpdo1 + node + 1;
     frame.n = 6;
-    TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
+    TEST_ASSERT_FALSE(lin_drive_receive(&d, &frame, 1));
     frame.id = canopen_id_heartbeat + node; // six bytes
-    TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
+    TEST_ASSERT_FALSE(lin_drive_receive(&d, &frame, 1));
     TEST_ASSERT_EQUAL_INT(cia402_operation_enabled, d.state);
     lin_drive_init(&d, 0, 1, 1);
     frame.id = canopen_id_tpdo1;
-    TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
+    TEST_ASSERT_FALSE(lin_drive_receive(&d, &frame, 1));
     TEST_ASSERT_TRUE(is_ready(0)); // a drive that does not exist is ready
 }
 

@@ -172,12 +172,12 @@ static void test_load_refuses_what_is_wrong(void)
     refused("[u]\nbandwith_hz = 300\n", "u.bandwith_hz = 300: unknown");
     refused("[v]\ndamping = 1\n", "v.damping");
     refused("damping = 1\n", "unknown");
-    refused("[u]\ndamping = nan\n", "u.damping = nan: no finite number");
-    refused("[u]\ndamping = inf\n", "no finite number");
-    refused("[u]\ndamping = 0x10\n", "no finite number");
-    refused("[u]\ndamping = 1 2\n", "no finite number");
-    refused("[u]\ndamping = \"1\"\n", "no finite number");
-    refused("[u]\ndamping =\n", "no finite number");
+    refused("[u]\ndamping = nan\n", "u.damping = nan: not a finite number");
+    refused("[u]\ndamping = inf\n", "not a finite number");
+    refused("[u]\ndamping = 0x10\n", "not a finite number");
+    refused("[u]\ndamping = 1 2\n", "not a finite number");
+    refused("[u]\ndamping = \"1\"\n", "not a finite number");
+    refused("[u]\ndamping =\n", "not a finite number");
     refused("[u]\ndamping = 0\n", "out of range");
     refused("[u]\ndamping = -1\n", "line 2: u.damping = -1: out of range");
     refused("[u]\ndamping = 1\ndamping = 1\n", "given twice");
@@ -189,7 +189,7 @@ static void test_load_refuses_what_is_wrong(void)
     refused("[encoder]\nsign = 0.5\n", "whole");
     refused("[machine]\nname = default\n", "machine.name");
     refused("[machine]\nname = \"a\"\nname = \"b\"\n", "machine.name");
-    refused("[u\n", "neither [section] nor key = value");
+    refused("[u\n", "not [section] or key = value");
     refused("[u]\ndamping\n", "line 2");
     refused("[controller]\nk1_ns = 1e12\n", "out of range");
     refused("[controller]\nk1_ns = 1.5\n", "whole");
@@ -216,9 +216,9 @@ static void test_load_refuses_a_nul_byte(void)
     static const char head[] = "\0\0garbage";
     static const char middle[] = "[u]\ndelay_us = 15\0garbage\n";
     TEST_ASSERT_FALSE(load_bytes(head, sizeof head - 1u));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 1: has a NUL byte"), error.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 1: contains a NUL byte"), error.text);
     TEST_ASSERT_FALSE(load_bytes(middle, sizeof middle - 1u));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 2: has a NUL byte"), error.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 2: contains a NUL byte"), error.text);
 }
 
 static void test_load_refuses_a_file_that_is_too_large(void)

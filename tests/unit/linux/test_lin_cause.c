@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The words by which the Linux port names a lost node and its error.
 #include "lin_bus.h"
-#include "lin_words.h"
+#include "lin_cause.h"
 #include "unity.h"
 #include <string.h> // strlen
 
@@ -17,8 +17,8 @@ void tearDown(void) {}
 static void expect_line(lin_cause_t cause, bool is_drives, const char *expected)
 {
     char line[lin_line_bytes];
-    const lin_cause_t same = lin_words_unpack(lin_words_pack(cause));
-    (is_drives ? lin_words_drives : lin_words_bus)(same, &config, line, sizeof line);
+    const lin_cause_t same = lin_cause_unpack(lin_cause_pack(cause));
+    (is_drives ? lin_cause_drives_text : lin_cause_bus_text)(same, &config, line, sizeof line);
     TEST_ASSERT_EQUAL_STRING(expected, line);
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lin_words.h"
+#include "lin_cause.h"
 #include <stdio.h> // snprintf
 
-uint32_t lin_words_pack(lin_cause_t cause)
+uint32_t lin_cause_pack(lin_cause_t cause)
 {
     return (uint32_t)cause.loss << 24 | (cause.node & 0xFFu) << 16 | cause.detail;
 }
 
-lin_cause_t lin_words_unpack(uint32_t word)
+lin_cause_t lin_cause_unpack(uint32_t word)
 {
     return (lin_cause_t){.loss = (lin_loss_t)(word >> 24),
                          .node = word >> 16 & 0xFFu,
@@ -33,7 +33,7 @@ static void put_code(uint16_t code, char *text, size_t size)
     }
 }
 
-void lin_words_bus(lin_cause_t cause, const lin_config_t *config, char *line, size_t size)
+void lin_cause_bus_text(lin_cause_t cause, const lin_config_t *config, char *line, size_t size)
 {
     char code[24];
     put_code(cause.detail, code, sizeof code);
@@ -45,7 +45,7 @@ void lin_words_bus(lin_cause_t cause, const lin_config_t *config, char *line, si
     }
 }
 
-void lin_words_drives(lin_cause_t cause, const lin_config_t *config, char *line, size_t size)
+void lin_cause_drives_text(lin_cause_t cause, const lin_config_t *config, char *line, size_t size)
 {
     char code[24];
     put_code(cause.detail, code, sizeof code);
