@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_cubics: a piecewise cubic over height. Beyond its ends it keeps the value of the end.
+/// sim_cubics: a piecewise cubic over height, constant beyond its ends.
 #ifndef SIM_CUBICS_H
 #define SIM_CUBICS_H
 
@@ -13,10 +13,10 @@ typedef struct {
     size_t i_last; ///< piece of the last look-up, from which the next search starts
 } sim_cubics_t;
 
-/// Find the piece that holds a number by stepping from a piece near it.
+/// Find the piece that contains v, stepping from piece i.
 /// @param breaks  n + 1 rising numbers
 /// @param i       piece to start from
-/// @return        0 .. n - 1; the first or the last piece when v lies outside
+/// @return        0 .. n - 1; the first or the last piece when v is outside
 size_t sim_piece_of(const double *breaks, size_t n, size_t i, double v);
 
 /// @param z_mm  any height

@@ -29,7 +29,7 @@ static bool grow(sim_file_t *f, size_t capacity)
     return true;
 }
 
-/// The buffer grows while the file is read, so that a growing file is read, too.
+/// The buffer grows while the file is read, so a file that grows meanwhile is read in full.
 static bool read_all(sim_file_t *f, FILE *stream, const char *path, size_t max_bytes,
                      common_error_t *e)
 {
@@ -60,7 +60,7 @@ static FILE *open_regular(const char *path, common_error_t *e)
     const bool is_there = stat(path, &about) == 0;
     if (is_there && !S_ISREG(about.st_mode)) {
         (void)common_error(e, "%s: %s; give a file", path,
-                           S_ISDIR(about.st_mode) ? "is a folder" : "is no regular file");
+                           S_ISDIR(about.st_mode) ? "is a folder" : "is not a regular file");
         return NULL;
     }
     FILE *stream = is_there ? fopen(path, "rb") : NULL;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_file: a whole file is read into memory.
+/// sim_file: reads a whole file into memory.
 #ifndef SIM_FILE_H
 #define SIM_FILE_H
 
@@ -12,9 +12,9 @@ typedef struct {
     size_t size;
 } sim_file_t;
 
-/// Read a regular file; pipes and devices, which may never end, are refused.
+/// Read a regular file. Pipes and devices are refused, because they may never end.
 /// @param max_bytes  a larger file is refused
-/// @return           false and *e when it is no regular file, cannot be read or is too large
+/// @return           false and *e when it is not a regular file, cannot be read or is too large
 bool sim_file_read(sim_file_t *f, const char *path, size_t max_bytes, common_error_t *e);
 
 void sim_file_free(sim_file_t *f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_random: a small generator with a seed, so that a run repeats bit for bit on every computer.
+/// sim_random: a small seeded generator, so that a run repeats bit for bit on every computer.
 /// Source: S. Vigna, "An experimental exploration of Marsaglia's xorshift generators, scrambled",
 /// ACM TOMS 42(4), 2016, xorshift64*; seeded through the splitmix64 finaliser.
 #ifndef SIM_RANDOM_H

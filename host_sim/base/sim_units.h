@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_units: constants and rounding that all models share; everything is inline.
+/// sim_units: constants and rounding for all models, inline.
 #ifndef SIM_UNITS_H
 #define SIM_UNITS_H
 
@@ -15,7 +15,7 @@
 /// @param v  |v| < 2^51
 static inline double sim_round(double v)
 {
-    const double lift = 6755399441055744.0; // 1.5 * 2^52: doubles of that size are whole numbers
+    const double lift = 6755399441055744.0; // 1.5 * 2^52: doubles this large are whole numbers
     return (v + lift) - lift;
 }
 

@@ -15,7 +15,7 @@ void sim_bus_init(sim_bus_t *b, const sim_bus_config_t *config, double x_nm, dou
         sim_node_init(&b->node[i], node_id[i], i != sim_bus_encoder, config->heartbeat_s);
         b->node[i].is_dead = config->is_foreign[i];
     }
-    for (int i = 0; i < hal_n_axes; i++) { // a drive made by others is moved by its frames alone
+    for (int i = 0; i < hal_n_axes; i++) { // only its frames move a foreign drive
         b->lathe.drive[i].is_blocked = config->is_foreign[sim_bus_u + i];
     }
     b->inputs.is_ready = true;
@@ -24,7 +24,7 @@ void sim_bus_init(sim_bus_t *b, const sim_bus_config_t *config, double x_nm, dou
 
 void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame)
 {
-    // Whatever the controller sends belongs to the tick in the middle of the step.
+    // The controller's frames belong to the tick in the middle of the step.
     const double tick_s = b->time_s + 0.5 * b->period_s;
     if (frame->id == canopen_id_sync) {
         b->has_sync = true;
@@ -32,12 +32,12 @@ void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame)
         b->sync_s = tick_s;
         return;
     }
-    if (frame->id == id_status && frame->n == 8u) { // what the controller says of itself
+    if (frame->id == id_status && frame->n == 8u) { // the controller's status
         b->has_status = true;
         b->reported_state = frame->data[0];
         b->reported_faults = common_get_u32(frame->data + 4);
     }
-    for (int i = 0; i < hal_n_axes; i++) { // where a drive made by others says that it is
+    for (int i = 0; i < hal_n_axes; i++) { // position reported by a foreign drive
         const int node = sim_bus_u + i;
         if (b->config.is_foreign[node] && frame->id == canopen_id_tpdo1 + node_id[node] &&
             frame->n == 6u) {
@@ -49,7 +49,7 @@ void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame)
     }
 }
 
-/// Let half a period pass with the targets that the last SYNC put in force.
+/// Advance by half a period with the targets of the last SYNC.
 static void half(sim_bus_t *b)
 {
     sim_node_t *spindle = &b->node[sim_bus_spindle];
@@ -73,7 +73,7 @@ static void half(sim_bus_t *b)
     }
 }
 
-/// @return the measured value of a node as its TPDO carries it
+/// @return the measured value of a node, as sent in its TPDO
 static uint32_t actual_of(sim_bus_t *b, int node)
 {
     if (node == sim_bus_encoder) {
@@ -89,14 +89,14 @@ static uint32_t actual_of(sim_bus_t *b, int node)
     return (uint32_t)sim_lathe_measured_micro(&b->lathe, node - sim_bus_u);
 }
 
-/// Queue the frames of all nodes; the encoder's pass through the faults of the bus.
-static void speak(sim_bus_t *b)
+/// Queue the frames of all nodes. Injected bus faults act on the encoder's frames.
+static void queue_frames(sim_bus_t *b)
 {
     b->out.n = 0;
     b->inputs.is_ready = !b->is_ready_broken;
     for (int i = 0; i < sim_bus_n_nodes; i++) {
         sim_node_t *node = &b->node[i];
-        sim_node_speak(node, &b->out, actual_of(b, i), b->time_s);
+        sim_node_send(node, &b->out, actual_of(b, i), b->time_s);
         if (sim_cia402_is_failed(&node->power)) {
             b->inputs.is_ready = false;
         }
@@ -104,8 +104,7 @@ static void speak(sim_bus_t *b)
     sim_disturb_pass(&b->disturb, &b->out, canopen_id_tpdo1 + node_id[sim_bus_encoder], b->time_s);
 }
 
-/// Foresee the index edge: the speed of this moment holds for a period within a millionth of a
-/// turn.
+/// Predict the index edge from the present speed, right to a millionth of a turn over a period.
 static void foresee_index(sim_bus_t *b)
 {
     const sim_spindle_t *spindle = &b->lathe.spindle;
@@ -132,7 +131,7 @@ void sim_bus_step(sim_bus_t *b)
     for (int i = 0; i < sim_bus_n_nodes; i++) {
         sim_node_guard(&b->node[i], b->time_s, b->config.guard_s);
     }
-    speak(b);
+    queue_frames(b);
     foresee_index(b);
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_bus: the nodes of a CANopen bus in front of the lathe: encoder, drives of U, X and Z,
-/// spindle. Frames become set-points of the lathe, its positions become frames.
+/// spindle. Frames become set-points of the lathe; its positions become frames.
 ///
 /// The controller is another process. It sends set-points and SYNC at every tick; the nodes speak
-/// half a period before the tick. One step covers the time between two such moments, the lathe
-/// makes two steps of half a period in it:
+/// half a period before the tick. One step covers the time from one such moment to the next, in
+/// which the lathe makes two steps of half a period:
 ///
 ///     nodes speak   tick: SYNC    nodes speak   tick: SYNC
 ///     ----|------------|-------------|------------|----
@@ -12,8 +12,8 @@
 ///         |  old target   new target |
 ///         |<-------- one step ------>|
 ///
-/// Targets are held from SYNC to SYNC (60C2h: no interpolation). The wire is that of sim_node.h.
-/// Pure: the sockets, the lines and the clock are in sim_link.h.
+/// Targets are held from SYNC to SYNC (60C2h: no interpolation). sim_node.h describes the frames.
+/// Sockets, lines and clock are in sim_link.h.
 #ifndef SIM_BUS_H
 #define SIM_BUS_H
 
@@ -39,10 +39,10 @@ enum { sim_bus_controller_id = 64 };
 
 typedef struct {
     sim_lathe_config_t lathe;
-    double guard_s;                   ///< [s] silence after which a drive stops by itself
+    double guard_s;                   ///< [s] silence after which a drive stops on its own
     double heartbeat_s;               ///< [s] period of the nodes' heartbeats
-    uint32_t encoder_modulus;         ///< [counts] position value wraps there; 0: at 2^32
-    bool is_foreign[sim_bus_n_nodes]; ///< another process makes this node: it is only listened to
+    uint32_t encoder_modulus;         ///< [counts] the position wraps at this count; 0: at 2^32
+    bool is_foreign[sim_bus_n_nodes]; ///< another process provides this node: only received here
     uint64_t seed;
 } sim_bus_config_t;
 
@@ -58,7 +58,7 @@ typedef struct {
 
 typedef struct {
     sim_bus_config_t config;
-    double period_s, time_s; ///< time of the last step's end
+    double period_s, time_s; ///< end of the last step
     uint64_t n_steps;
     sim_lathe_t lathe;
     sim_node_t node[sim_bus_n_nodes];
@@ -67,29 +67,29 @@ typedef struct {
     uint64_t n_syncs;
     double sync_s;       ///< of the last SYNC
     sim_sample_t sample; ///< truth at the instant of the last SYNC
-    // what the controller reports of itself in its status frame 0x1C0
+    // from the controller's status frame 0x1C0
     bool has_status;
     uint32_t reported_state, reported_faults;
-    // faults that were caused
-    sim_disturb_t disturb; ///< of the frames of the encoder
+    // injected faults
+    sim_disturb_t disturb; ///< of the encoder's frames
     sim_bus_inputs_t inputs;
     bool is_ready_broken;
-    // what is to be sent after the step
+    // to be sent after the step
     sim_frames_t out;
     double index_s; ///< [s] from now to the index edge, < 0: none within the period
 } sim_bus_t;
 
-/// Bring the lathe to rest and the nodes to power on.
+/// Start with the lathe at rest and the nodes powered on.
 /// @param b  43 KB
 void sim_bus_init(sim_bus_t *b, const sim_bus_config_t *config, double x_nm, double z_nm);
 
-/// Hand over a frame that was on the bus.
+/// Process a frame from the bus.
 void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame);
 
-/// Let one period pass: the lathe moves, and the nodes queue their frames in `out`.
+/// Advance by one period: the lathe moves, and the nodes queue their frames in `out`.
 void sim_bus_step(sim_bus_t *b);
 
-/// Do what an --inject says to nodes, frames and lathe.
+/// Apply an injection to nodes, frames or lathe.
 /// @param direction  +1 or -1: sense of cutting
 void sim_bus_inject(sim_bus_t *b, const sim_inject_t *inject, int direction);
 

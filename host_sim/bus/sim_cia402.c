@@ -2,7 +2,7 @@
 #include "sim_cia402.h"
 #include <stddef.h> // size_t
 
-/// The state as a member of a set of states.
+/// A state as a bit in a set of states.
 #define IN(state) (1u << cia402_##state)
 
 enum {
@@ -12,13 +12,13 @@ enum {
     enable = cia402_bit_enable_operation,
 };
 
-/// A control word takes the first step whose `bits` it has in `mask` and whose `from` holds the
-/// present state.
+/// A control word takes the first step that matches its bits under `mask` and the present state in
+/// `from`.
 static const struct {
     uint32_t mask, bits, from;
     cia402_state_t to;
 } steps[] = {
-    // Disable voltage: from every state in which there may be torque.
+    // Disable voltage: from every state that may have torque.
     {voltage, 0,
      IN(ready_to_switch_on) | IN(switched_on) | IN(operation_enabled) | IN(quick_stop_active),
      cia402_switch_on_disabled},

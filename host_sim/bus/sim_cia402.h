@@ -18,7 +18,7 @@
 
 typedef struct {
     cia402_state_t state;
-    bool is_reset_held; ///< bit 7 of the last control word: only its rise resets
+    bool is_reset_held; ///< bit 7 of the last control word: only a rising edge resets
 } sim_cia402_t;
 
 /// Switch the power on.
@@ -27,10 +27,10 @@ void sim_cia402_init(sim_cia402_t *d);
 /// End the self-test: transition 1.
 void sim_cia402_boot(sim_cia402_t *d);
 
-/// Take a control word (6040h).
+/// Process a control word (6040h).
 void sim_cia402_control(sim_cia402_t *d, uint32_t control_word);
 
-/// The drive itself fails: transition 13. It brakes, then it is in fault.
+/// The drive fails: transition 13. It brakes, then enters fault.
 void sim_cia402_fail(sim_cia402_t *d);
 
 /// The axis has come to rest: transitions 12 and 14.
@@ -46,7 +46,7 @@ static inline bool sim_cia402_is_following(const sim_cia402_t *d)
     return d->state == cia402_operation_enabled;
 }
 
-/// @return true in fault and while the drive brakes before it
+/// @return true in fault and in the fault reaction before it
 static inline bool sim_cia402_is_failed(const sim_cia402_t *d)
 {
     return d->state == cia402_fault_reaction_active || d->state == cia402_fault;

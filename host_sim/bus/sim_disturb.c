@@ -38,7 +38,7 @@ static void disturb(sim_disturb_t *d, sim_frames_t *queue, uint32_t i, double t_
         if (!d->is_held) { // the first frame of a pair waits
             d->n_left++;   // the pair is not complete
             hold(d, queue, i, t_s);
-        } else { // the second one is sent, and the first behind it
+        } else { // the second frame is sent before the first
             *sim_frames_add(queue, d->held.id) = d->held;
             d->is_held = false;
         }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_disturb: a bad bus disturbs the frames of one identifier.
+/// sim_disturb: disturbs the frames of one identifier, like a bad bus.
 ///
 ///     sent      a b c d e f g
 ///     missing   a b     e f g    2 at c        the frame is not sent
 ///     repeated  a b b b e f g    2 at c        the last one again instead
-///     swapped   a b d c e f g    1 at c        behind its successor
+///     swapped   a b d c e f g    1 at c        after its successor
 ///     late      a b  c d e f g   at c          once, by a time
 ///
-/// There is one disturbance at a time: a new one replaces the rest of the old one.
+/// Only one disturbance is active: a new one replaces the rest of the old one.
 #ifndef SIM_DISTURB_H
 #define SIM_DISTURB_H
 
@@ -27,23 +27,23 @@ typedef struct {
     sim_disturb_kind_t kind;
     uint32_t n_left;  ///< frames still to be disturbed
     double late_s;    ///< [s] delay of a late frame
-    sim_frame_t last; ///< the frame that was sent last
+    sim_frame_t last; ///< the last frame sent
     bool has_last;
-    sim_frame_t held; ///< the frame that waits for its time or for its successor
+    sim_frame_t held; ///< waits for its time or for its successor
     bool is_held;
     double held_until_s;
 } sim_disturb_t;
 
-/// Disturb from the next frame on.
+/// Start with the next frame.
 /// @param n       frames; swapped: pairs
 /// @param late_s  [s] sim_disturb_late only
 void sim_disturb_begin(sim_disturb_t *d, sim_disturb_kind_t kind, uint32_t n, double late_s);
 
-/// Disturb the one frame in the queue that has the identifier.
+/// Disturb the frame in the queue that has the identifier.
 /// @param t_s  [s] now
 void sim_disturb_pass(sim_disturb_t *d, sim_frames_t *queue, uint32_t id, double t_s);
 
-/// Take the late frame when it is due before a time. @return false when there is none
+/// Take the late frame if it is due before a time. @return false when there is none
 bool sim_disturb_due(sim_disturb_t *d, double before_s, sim_frame_t *frame, double *at_s);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_frame: a CAN frame and a queue of them, as the simulated nodes see the bus.
+/// sim_frame: a CAN frame and a queue of frames, for the simulated nodes.
 ///
 /// Numbers are little-endian two's complement; common_bytes.h reads them.
 #ifndef SIM_FRAME_H
@@ -16,7 +16,7 @@ typedef struct {
     uint8_t data[sim_frame_max_bytes];
 } sim_frame_t;
 
-/// Frames to be sent, the oldest first.
+/// Frames to send, the oldest first.
 typedef struct {
     sim_frame_t frame[sim_frame_queue];
     uint32_t n;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_link: a CAN interface, simulated GPIO lines and the clock tie the simulated nodes to this
-/// computer. It works on Linux only; elsewhere sim_link_open() refuses.
+/// sim_link: connects the simulated nodes to a CAN interface, simulated GPIO lines and the clock of
+/// this computer. Linux only; elsewhere sim_link_open() refuses.
 ///
-/// The nodes speak at absolute times of CLOCK_MONOTONIC, a period apart, half a period before the
-/// SYNC that is due next: the first SYNC seen (or the first after 0.1 s without one) sets the
-/// phase. The lines of the chip are found by name and moved by the files of gpio-sim in sysfs:
-/// ESTOP (high: chain closed), READY (high: drives ready) and INDEX (rises at the index, at its
-/// exact time) are inputs of the controller; ENABLE, FAULT and INCUT (high: true) are its outputs.
+/// The nodes send at absolute times of CLOCK_MONOTONIC, once per period, half a period before the
+/// next SYNC: the first SYNC seen (or the first after 0.1 s without one) sets the phase. The chip's
+/// lines are found by name and driven through the sysfs files of gpio-sim: ESTOP (high: chain
+/// closed), READY (high: drives ready) and INDEX (rises at the index, at its exact time) are inputs
+/// of the controller; ENABLE, FAULT and INCUT (high: true) are its outputs.
 #ifndef SIM_LINK_H
 #define SIM_LINK_H
 
@@ -23,41 +23,41 @@ typedef struct {
     int pull[sim_link_inputs];   ///< ESTOP, READY, INDEX
     int value[sim_link_outputs]; ///< ENABLE, FAULT, INCUT
     bool is_high[sim_link_inputs];
-    bool is_locked; ///< the phase is that of the SYNC
+    bool is_locked; ///< the phase is locked to the SYNC
     int64_t period_ns, wake_ns;
-    int64_t index_ns; ///< instant of the index edge to come, 0: none
-    int64_t drop_ns;  ///< INDEX falls then, 0: it is low
-    sim_frame_t late; ///< to be sent at late_ns, 0: none
+    int64_t index_ns; ///< time of the next index edge, 0: none
+    int64_t drop_ns;  ///< INDEX falls then, 0: already low
+    sim_frame_t late; ///< to send at late_ns, 0: none
     int64_t late_ns;
-    uint64_t n_unsent; ///< frames that the interface did not take
+    uint64_t n_unsent; ///< frames that the interface did not accept
 } sim_link_t;
 
-/// @return a link that is not open, for which closing does nothing
+/// @return a link that is not open; closing it does nothing
 static inline sim_link_t sim_link_closed(void)
 {
     return (sim_link_t){.can = -1, .pull = {-1, -1, -1}, .value = {-1, -1, -1}};
 }
 
-/// @param interface  of CAN, which is up
+/// @param interface  CAN interface, which is up
 /// @param chip       e.g. gpiochip0, NULL: without lines
 /// @param period_s   between two ticks of the controller
-/// @return           false and *e when something is missing; nothing to close then
+/// @return           false and *e when something is missing; then there is nothing to close
 bool sim_link_open(sim_link_t *l, const char *interface, const char *chip, double period_s,
                    common_error_t *e);
 
-/// Sleep until the moment at which the nodes speak next, and hand over the frames that arrived.
+/// Sleep until the nodes send next, and hand over the frames that arrived.
 void sim_link_wait(sim_link_t *l, sim_bus_t *bus);
 
 /// @return the levels of the controller's lines; all false without lines
 sim_bus_outputs_t sim_link_read(const sim_link_t *l);
 
-/// After a step: send the frames of the nodes and move the lines.
-void sim_link_speak(sim_link_t *l, sim_bus_t *bus);
+/// After a step: send the nodes' frames and set the lines.
+void sim_link_send(sim_link_t *l, sim_bus_t *bus);
 
-/// Let the lines and the interface go. The link may be closed already.
+/// Close lines and interface. The link may be closed already.
 void sim_link_close(sim_link_t *l);
 
-/// From now on SIGINT and SIGTERM end the cut with complete outputs.
+/// Make SIGINT and SIGTERM end the cut with complete outputs.
 void sim_link_watch_signals(void);
 
 /// @return true when one of them arrived

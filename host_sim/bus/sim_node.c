@@ -105,7 +105,7 @@ void sim_node_fail(sim_node_t *n, uint32_t emcy)
     n->emcy = emcy;
 }
 
-static void say_state(sim_node_t *n, sim_frames_t *out, double t_s)
+static void queue_heartbeat(sim_node_t *n, sim_frames_t *out, double t_s)
 {
     if (!n->has_booted) {
         n->has_booted = true;
@@ -122,7 +122,7 @@ static void say_state(sim_node_t *n, sim_frames_t *out, double t_s)
     }
 }
 
-void sim_node_speak(sim_node_t *n, sim_frames_t *out, uint32_t actual, double t_s)
+void sim_node_send(sim_node_t *n, sim_frames_t *out, uint32_t actual, double t_s)
 {
     if (n->is_dead) {
         return;
@@ -142,5 +142,5 @@ void sim_node_speak(sim_node_t *n, sim_frames_t *out, uint32_t actual, double t_
         frame->n = 8;
         n->emcy = sim_emcy_none;
     }
-    say_state(n, out, t_s);
+    queue_heartbeat(n, out, t_s);
 }

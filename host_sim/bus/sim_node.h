@@ -7,13 +7,13 @@
 ///     TPDO1     0x180 + n    encoder: 6004h position u32; others: 6041h status word u16,
 ///                            6064h position or 606Ch velocity actual value i32
 ///     RPDO1     0x200 + n    6040h control word u16, 607Ah target position or 60FFh target
-///                            velocity i32; as an FD frame with 60B1h velocity offset i32 behind
+///                            velocity i32; as an FD frame with 60B1h velocity offset i32 appended
 ///     RPDO2     0x300 + n    60B1h velocity offset i32
 ///     heartbeat 0x700 + n    state of the node; 0 once after a reset
 ///
-/// PDOs are sent and taken in the state operational only. A drive in operation fails when RPDO1 or
-/// SYNC stays away for longer than its guard time: it brakes within its limits and is in fault when
-/// it rests. Pure: frames in, frames out, no clock but the argument.
+/// PDOs are sent and accepted only in the state operational. A drive in operation fails when RPDO1
+/// or SYNC is missing for longer than its guard time: it brakes within its limits, then enters
+/// fault. Frames in, frames out; time is an argument.
 #ifndef SIM_NODE_H
 #define SIM_NODE_H
 
@@ -32,7 +32,7 @@ enum {
     sim_emcy_sync_lost = 0x8700,
 };
 
-/// What a master commands a drive to do.
+/// A master's command to a drive.
 typedef struct {
     uint32_t control_word;
     int32_t target;          ///< 607Ah or 60FFh
@@ -42,39 +42,39 @@ typedef struct {
 typedef struct {
     uint32_t id; ///< 1 .. 127
     bool is_drive;
-    bool is_dead;             ///< it neither hears nor speaks
-    bool is_heartbeat_broken; ///< it sends no heartbeat but works otherwise
+    bool is_dead;             ///< neither receives nor sends
+    bool is_heartbeat_broken; ///< sends no heartbeat but works otherwise
     uint32_t nmt;
     bool has_booted;
     double heartbeat_s, heartbeat_due_s;
-    sim_cia402_t power; ///< of a drive
-    sim_wish_t heard;   ///< contents of the last RPDOs
+    sim_cia402_t power; ///< drives only
+    sim_wish_t heard;   ///< from the last RPDOs
     sim_wish_t active;  ///< in force since the last SYNC
-    bool has_rpdo;      ///< RPDO1 came since the last SYNC
+    bool has_rpdo;      ///< RPDO1 arrived since the last SYNC
     double rpdo_s, sync_s;
-    uint32_t emcy; ///< error code to be sent
+    uint32_t emcy; ///< error code to send
 } sim_node_t;
 
 /// @param id           of the node
-/// @param is_drive     false: it only speaks
+/// @param is_drive     false: it only sends
 /// @param heartbeat_s  [s] period
 void sim_node_init(sim_node_t *n, uint32_t id, bool is_drive, double heartbeat_s);
 
-/// Take a frame other than SYNC that was on the bus.
+/// Process a frame other than SYNC.
 /// @param t_s  [s] now
 void sim_node_receive(sim_node_t *n, const sim_frame_t *frame, double t_s);
 
-/// Take a SYNC: the target of the RPDOs and the control word take effect.
+/// Process a SYNC: target and control word of the RPDOs take effect.
 void sim_node_sync(sim_node_t *n, double t_s);
 
-/// Let a drive fail whose master has gone. @param guard_s  [s] longest silence
+/// Fail a drive whose master is silent. @param guard_s  [s] longest silence
 void sim_node_guard(sim_node_t *n, double t_s, double guard_s);
 
-/// Let the drive itself fail.
+/// Fail the drive.
 void sim_node_fail(sim_node_t *n, uint32_t emcy);
 
-/// Queue the frames that the node sends now.
+/// Queue the frames due now.
 /// @param actual  position or velocity, two's complement
-void sim_node_speak(sim_node_t *n, sim_frames_t *out, uint32_t actual, double t_s);
+void sim_node_send(sim_node_t *n, sim_frames_t *out, uint32_t actual, double t_s);
 
 #endif

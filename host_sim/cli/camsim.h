@@ -24,7 +24,7 @@
 enum { camsim_done = 0, camsim_not_good = 1, camsim_wrong = 2 };
 enum { camsim_max_table_bytes = 64 * 1024 * 1024 };
 
-/// Output files, in the order in which they are opened.
+/// Output files, in order of opening.
 enum {
     camsim_trace,
     camsim_surface,
@@ -53,8 +53,8 @@ typedef struct {
     const char *table_path;
     const char *machine_path;
     const char *out_path[camsim_n_outs]; ///< NULL: not wanted
-    char design_path[4096];              ///< NAME.json beside the table, whether it is there or not
-    char target_image[4096];             ///< where it was built; not used when the user gives one
+    char design_path[4096];              ///< NAME.json next to the table, existing or not
+    char target_image[4096];             ///< default path; unused when the user gives an image
     bool is_progress_shown;
     bool is_help;
     sim_cut_options_t cut;
@@ -74,17 +74,17 @@ bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_
 /// Warn when the gauge has no design to compare with.
 void camsim_warn_of_design(const camsim_options_t *o);
 
-/// Print what came of a cut by the firmware.
+/// Print the results of a cut by the firmware.
 void camsim_print_cut(const sim_cut_t *cut, double wall_s);
 
 /// Judge a cut by the firmware.
 /// @param table  path of the table
-/// @param e      says why it is not good, when it is not
+/// @param e      the reason, when it is not good
 /// @return       exit status
 int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e);
 
-/// Refuse options that have no meaning for lobes, which are known by their table, since the design
-/// may be missing.
+/// Refuse options that do not apply to lobes. The table shows whether there are lobes, since the
+/// design may be missing.
 /// @return false and *e when there is one
 bool camsim_check_lobes(const camsim_options_t *o, const sim_cut_t *cut, common_error_t *e);
 

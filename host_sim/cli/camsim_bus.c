@@ -54,7 +54,7 @@ static int judge(const sim_watch_t *w, const char *table)
                            "controller to the machine",
                            table, s->work.max_um, s->options.tolerance_um);
     } else {
-        (void)common_error(&e, "%s: no whole cut: %s at %.3f s; the trace tells more", table,
+        (void)common_error(&e, "%s: cut not completed: %s at %.3f s; see the trace", table,
                            sim_watch_end_name(w), w->bus.time_s);
     }
     (void)camsim_complain(&e);

@@ -10,13 +10,13 @@ static const char help[] =
     "\n"
     "  --can IFACE           interface with the controller on it, e.g. vcan0\n"
     "  --gpiochip CHIP       simulated GPIO chip with lines ESTOP READY INDEX ENABLE FAULT INCUT\n"
-    "                        (default: none; what the controller says is taken from 0x1C0)\n"
+    "                        (default: none; the controller's status is read from 0x1C0)\n"
     "  --tick-hz N           rate of the controller's ticks (default: 1000)\n"
     "  --guard-ms T          silence after which a drive stops on its own (default: 20)\n"
     "  --heartbeat-ms T      period of the nodes' heartbeats (default: 50)\n"
     "  --encoder-modulus N   position of the encoder wraps at N counts (default: 2^32)\n"
-    "  --without NODE        encoder, u, x, z or spindle is made by somebody else; repeatable\n"
-    "  --stay                go on after the end of the cut, until SIGINT or SIGTERM\n"
+    "  --without NODE        another process provides encoder, u, x, z or spindle; repeatable\n"
+    "  --stay                continue after the end of the cut, until SIGINT or SIGTERM\n"
     "\n"
     "as in camsim run: --machine --design --tolerance-um --trace --surface --summary --seed\n"
     "  --max-seconds S       give up after S of machine time (default: 60)\n"
@@ -79,8 +79,8 @@ static bool take_value(sim_watch_options_t *o, const char *name, const char *tex
     return common_error(e, "--without %.60s: no such node; give encoder, u, x, z or spindle", text);
 }
 
-/// Take an option of the bus with its value; other options stay for those of a run.
-/// @return words taken; 0: it is an option of a run; below 0 and *e: it is wrong
+/// Parse an option of the bus with its value; the others are options of a run.
+/// @return words used; 0: an option of a run; below 0 and *e: wrong usage
 static int take_own(sim_watch_options_t *o, int n_left, char **words, common_error_t *e)
 {
     static const char *const own[] = {"can",          "gpiochip",        "tick-hz", "guard-ms",
@@ -117,7 +117,7 @@ static int take_own(sim_watch_options_t *o, int n_left, char **words, common_err
     return equals != NULL ? 1 : 2;
 }
 
-/// What belongs to the controller is given to the controller, not to the lathe.
+/// Refuse options that belong to the controller, which is another process.
 static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
 {
     const sim_cut_options_t *cut = &o->common.cut;
@@ -130,7 +130,7 @@ static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
     }
     return is_clean ||
            common_error(e, "bus: an option of camsim run only (speed, feed, parameters, "
-                           "removal, sections, target); tell the controller itself");
+                           "removal, sections, target); set it in the controller");
 }
 
 bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, common_error_t *e)

@@ -16,15 +16,14 @@
 static const char help[] =
     "camsim eval TABLE < points.csv > values.csv\n"
     "\n"
-    "in:  turn,z_mm   turn: drawing's angle / one turn, any number, 0 = long axis; it counts the "
-    "same\n"
-    "                 way round for tables of M3 and of M4;\n"
+    "in:  turn,z_mm   turn: drawing's angle / one turn, any number, 0 = long axis; the same\n"
+    "                 sense for tables of M3 and of M4;\n"
     "                 z_mm: skirt height of the drawing, rounded to 1 nm\n"
     "out: turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped\n"
     "     u: radius reduction, with its derivatives by the drawing's angle; x: long half axis;\n"
     "     tip radius = x - u;\n"
-    "     speed_ratio: spindle speed / mean speed; clamped: 1 where z lies outside the table\n"
-    "a cam has two columns more, swing_deg,contact_deg:\n"
+    "     speed_ratio: spindle speed / mean speed; clamped: 1 where z is outside the table\n"
+    "a cam adds two columns, swing_deg,contact_deg:\n"
     "     u: lift, away from the axis, of the roller's centre (turning) or of the wheel's "
     "(grinding);\n"
     "     x: their distance from the axis on the base circle; swing: of the tool, 0 when "
@@ -36,7 +35,7 @@ static const char header_out[] =
     "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped";
 static const char header_lobes[] = ",swing_deg,contact_deg";
 
-/// A table counts angles in the sense of cutting: with M4 it is the mirror image of the drawing.
+/// Table angles rise in the sense of cutting: for M4 the table mirrors the drawing.
 static double sense_of(const cam_table_t *t)
 {
     return t->direction;
@@ -47,25 +46,20 @@ static bool has_lobes(const cam_table_t *t)
     return t->angle.knots != NULL;
 }
 
-/// @return the angle inside the turn, rounded to 2^-32; a huge number of turns is a whole number
+/// @return the angle within the turn, rounded to 2^-32; huge values count as whole turns
 static uint32_t angle_q32(double turn)
 {
     const double part = turn - floor(turn);
     return (uint32_t)(uint64_t)(part * 4294967296.0 + 0.5); // 2^32 wraps to 0 by design
 }
 
-static int32_t height_nm(double z_mm)
-{
-    return (int32_t)floor(sim_clamp(z_mm * SIM_NM_PER_MM, INT32_MIN, INT32_MAX) + 0.5);
-}
-
-/// Where a point lies on the channels over angle: those of a shaft play the pattern of a lobe,
-/// whose lift and speed ratio are shared out between two lobes.
+/// Position of a point in the channels over angle: those of a shaft play the pattern of a lobe,
+/// with reduced lift and speed ratio between two lobes.
 typedef struct {
     uint32_t theta_q32;
     int32_t z_nm;
     const cam_lobe_t *lobe; ///< NULL: slices are heights
-    double lift, ratio;     ///< what is left of both
+    double lift, ratio;     ///< shares of both
 } place_t;
 
 static place_t place_of(const cam_table_t *t, double turn, int32_t z_nm)
@@ -105,7 +99,8 @@ static double speed_ratio(const cam_table_t *t, const place_t *at)
 
 static bool print_value(const cam_table_t *t, const char *point, double turn, double z_mm)
 {
-    const int32_t z_nm = height_nm(z_mm);
+    const int32_t z_nm =
+        (int32_t)floor(sim_clamp(z_mm * SIM_NM_PER_MM, INT32_MIN, INT32_MAX) + 0.5);
     const place_t at = place_of(t, sense_of(t) * turn, z_nm);
     const cam_value_t u = value_of(&t->u, &at);
     const cam_value_t x = cam_eval_profile(&t->x, z_nm);
@@ -126,8 +121,8 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     if (!has_lobes(t)) {
         return putchar('\n') != EOF;
     }
-    // Angle between the line of centres and the normal at the contact, in units of which
-    // CAM_TABLE_ANGLE_MAX is a quarter turn.
+    // Angle between the line of centres and the normal at the contact; CAM_TABLE_ANGLE_MAX units
+    // are a quarter turn.
     const cam_value_t angle = value_of(&t->angle, &at);
     const double units =
         at.lift * (t->angle.value_offset + ldexp(angle.y, -(int)t->angle.frac_bits));
@@ -135,7 +130,7 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     return printf(",%.17g,%.17g\n", t->is_swung ? deg : 0.0, deg) > 0;
 }
 
-/// Split "turn,z_mm", which stays as it is for the echo.
+/// Parse "turn,z_mm"; the line itself is kept for the echo.
 static bool parse_point(const char *line, double *turn, double *z_mm)
 {
     char copy[256];

@@ -10,16 +10,16 @@
 static const char help[] =
     "camsim identify TABLE --wave F.csv --record F.csv [options]\n"
     "\n"
-    "enables the controller, waits until it is ready, lets U play a wave and records it\n"
+    "enables the controller, waits until it is ready, plays a wave on U and records it\n"
     "  --wave F.csv          a period: first line u_nm, then a whole number of nanometres per "
     "tick\n"
-    "  --record F.csv        tick,t_s and the signals, from the move to the place until the\n"
+    "  --record F.csv        tick,t_s and the signals, from the move to the centre until the\n"
     "                        amplitude falls\n"
-    "  --periods N           times that the wave plays at full amplitude (default: 5)\n"
-    "  --fade-ticks N        in which the amplitude rises, and falls (default: 2000)\n"
-    "  --place-nm N          place of U about which it plays (default: 0)\n"
+    "  --periods N           periods at full amplitude (default: 5)\n"
+    "  --fade-ticks N        ticks of rise and of fall of the amplitude (default: 2000)\n"
+    "  --place-nm N          position of U about which it plays (default: 0)\n"
     "  --signals A,B,..      of cam_scope.h (default: u_set_q6,u_command_nm,u_actual_nm)\n"
-    "  --alive-s S           signs of life end after S, so that the controller ends it, too\n"
+    "  --alive-s S           stop keep-alive messages after S, so that the controller aborts\n"
     "\n"
     "as in camsim run: --machine --set --rpm --seed --inject KIND@tSECONDS[:VALUE]\n"
     "\n"
@@ -73,8 +73,8 @@ static bool take_value(identify_options_t *o, const char *name, const char *text
     return text[0] != '\0' || common_error(e, "--%s: empty; give a value", name);
 }
 
-/// Take an option of this command with its value; others stay for those of a run.
-/// @return words taken; 0: it is an option of a run; below 0 and *e: it is wrong
+/// Parse an option of this command with its value; the others are options of a run.
+/// @return words used; 0: an option of a run; below 0 and *e: wrong usage
 static int take_own(identify_options_t *o, int n_left, char **words, common_error_t *e)
 {
     static const char *const own[] = {"wave",     "record",  "periods", "fade-ticks",
@@ -84,11 +84,11 @@ static int take_own(identify_options_t *o, int n_left, char **words, common_erro
         if (strncmp(words[0], "--", 2) != 0 || strncmp(words[0] + 2, own[i], length) != 0) {
             continue;
         }
-        const char *behind = words[0] + 2 + length;
-        if (behind[0] == '=') {
-            return take_value(o, own[i], behind + 1, e) ? 1 : -1;
+        const char *rest = words[0] + 2 + length;
+        if (rest[0] == '=') {
+            return take_value(o, own[i], rest + 1, e) ? 1 : -1;
         }
-        if (behind[0] == '\0') {
+        if (rest[0] == '\0') {
             if (n_left < 2) {
                 (void)common_error(e, "identify: --%s: value missing; see camsim identify --help",
                                    own[i]);
@@ -100,7 +100,7 @@ static int take_own(identify_options_t *o, int n_left, char **words, common_erro
     return 0;
 }
 
-/// @return bits of the signals that are named, 0 and *e when one is foreign
+/// @return bits of the named signals, 0 and *e when one is unknown
 static uint32_t signals_of(const char *names, common_error_t *e)
 {
     uint32_t bits = 0;
@@ -172,7 +172,7 @@ static bool read_options(identify_options_t *o, int argc, char **argv, common_er
 
 // The wave
 
-/// @return samples in the lines behind the first; fewer than there are lines where *e is set
+/// @return number of samples in the lines after the first; fewer than lines when *e is set
 static bool parse_wave(char *text, const char *path, int32_t *wave_nm, uint32_t *n,
                        common_error_t *e)
 {
@@ -183,18 +183,18 @@ static bool parse_wave(char *text, const char *path, int32_t *wave_nm, uint32_t 
     }
     *n = 0;
     while ((line = strtok_r(NULL, "\n", &save)) != NULL) {
-        char *behind = NULL;
-        const long value = strtol(line, &behind, 10);
-        if (behind == line || *behind != '\0' || value < INT32_MIN || value > INT32_MAX) {
+        char *end = NULL;
+        const long value = strtol(line, &end, 10);
+        if (end == line || *end != '\0' || value < INT32_MIN || value > INT32_MAX) {
             return common_error(e, "%s: line %u: %.40s: give a whole number of nm", path, *n + 2u,
                                 line);
         }
         wave_nm[(*n)++] = (int32_t)value;
     }
-    return *n > 0u || common_error(e, "%s: no samples; give one in each line behind u_nm", path);
+    return *n > 0u || common_error(e, "%s: no samples; give one in each line after u_nm", path);
 }
 
-/// @return samples, to be freed; NULL and *e when the file is no wave
+/// @return samples, which the caller frees; NULL and *e when the file is not a wave
 static int32_t *read_wave(const char *path, uint32_t *n, common_error_t *e)
 {
     sim_file_t file;
@@ -251,7 +251,7 @@ static int report_short(const sim_cut_t *cut)
     const cam_scope_t *s = &cut->firmware.machine.scope;
     const cam_excited_t end = sim_identify_end(cut);
     if (end == cam_excited_done) {
-        (void)fprintf(stderr, "camsim: the recording is not whole: its memory is full; give fewer "
+        (void)fprintf(stderr, "camsim: the recording is incomplete: its memory is full; give fewer "
                               "--signals or --periods\n");
     } else {
         (void)fprintf(stderr,

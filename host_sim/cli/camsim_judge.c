@@ -2,7 +2,7 @@
 #include "camsim.h"
 #include "sim_cut_pass.h" // sim_cut_left_stock
 
-/// Explain the first fault; of several at once the first in the list is named.
+/// Explain the first fault; of several at once, the first in the list.
 static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const uint32_t first = sim_cut_status(cut).first_fault;
@@ -11,13 +11,13 @@ static void explain_fault(const sim_cut_t *cut, const char *table, common_error_
         i++;
     }
     (void)common_error(
-        e, "%s: fault %s: %s, %.6f s after the start, %s at %.3f mm; FAULTS.md tells the remedy",
+        e, "%s: fault %s: %s, %.6f s after the start, %s at %.3f mm; see FAULTS.md for the remedy",
         table, cam_fault_name((cam_fault_t)i), cam_fault_text((cam_fault_t)i), cut->fault_s,
         cam_state_name(cut->fault_state), cut->fault_z_mm);
 }
 
-/// Name the surface that the gauge has not seen, and the remedy: a feed of half the height of a
-/// lobe, or of half the present feed, leaves a whole turn on the lobe.
+/// Name the surface that was not gauged, and the remedy: a feed of half the lobe's height, or half
+/// the present feed, gives a whole turn on the lobe.
 static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     if (cut->session.work.n == 0u) {
@@ -38,7 +38,7 @@ static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_e
                        sim_lobe_dexels, 0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
 }
 
-/// @return what makes a form error smaller: a tool that is not the one set, else better control
+/// @return the remedy for a form error: the right tool setting, otherwise better control
 static const char *form_remedy(const sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
@@ -91,11 +91,10 @@ bool camsim_check_lobes(const camsim_options_t *o, const sim_cut_t *cut, common_
     const char *removal_path = o->out_path[camsim_removal];
     if (table->angle.knots != NULL && o->cut.nose_mm > 0.0) {
         return common_error(
-            e, "--nose-mm %.12g: tracks are told of skirts only, %s is a cam; leave it out",
+            e, "--nose-mm %.12g: tracks are for skirts only, %s is a cam; leave it out",
             o->cut.nose_mm, table->name);
     }
     return table->angle.knots == NULL || removal_path == NULL ||
-           common_error(e,
-                        "--removal %s: forces are told of skirts only, %s is a cam; leave it out",
+           common_error(e, "--removal %s: forces are for skirts only, %s is a cam; leave it out",
                         removal_path, table->name);
 }

@@ -13,18 +13,18 @@ static const char help[] =
     "camsim live TABLE --role ROLE --wire FD [options]     one process of tools/live\n"
     "\n"
     "  --role ROLE           controller: CAN frames on stdin and stdout; lathe: faults on stdin\n"
-    "  --wire FD             socket (SOCK_SEQPACKET) whose other end the other process has\n"
+    "  --wire FD             socket (SOCK_SEQPACKET) to the other process\n"
     "  --speed-up F          times faster than the clock, 0.01 .. 100 (default: 1)\n"
-    "  --operator WHO        at the machine: present (presses acknowledge when it is needed and\n"
-    "                        turns the key for each commander), absent (neither), waived (no "
-    "button is needed)\n"
+    "  --operator WHO        at the machine: present (presses acknowledge when needed and turns\n"
+    "                        the key for each commander), absent (neither), waived (no button "
+    "needed)\n"
     "                        (default: waived)\n"
-    "  --secret FILE         of the challenge that unlocks limits and tables, 16 .. 64 bytes\n"
+    "  --secret FILE         secret that unlocks limits and tables, 16 .. 64 bytes\n"
     "                        (default: none)\n"
     "\n"
     "as in camsim run: --machine --set --rpm --feed --design --seed --inject "
     "KIND@tSECONDS[:VALUE]\n"
-    "of the lathe, besides: acknowledge:SECONDS (presses the button)  key:1  key:0 (turns the "
+    "lathe only: acknowledge:SECONDS (presses the button)  key:1  key:0 (turns the "
     "key)\n"
     "\n"
     "It ends when stdin does. Exit status: 0 done, 2 wrong usage or bad input.";
@@ -55,7 +55,7 @@ static bool take_people(options_t *o, const char *text, common_error_t *e)
     return common_error(e, "--operator %.40s: give present, absent or waived", text);
 }
 
-/// Read the secret; line ends behind it are not part of it.
+/// Read the secret, without line ends after it.
 static bool take_secret(options_t *o, const char *path, common_error_t *e)
 {
     sim_file_t file;
@@ -75,8 +75,8 @@ static bool take_secret(options_t *o, const char *path, common_error_t *e)
     return is_good || common_error(e, "--secret %.80s: %zu bytes; give 16 .. 64", path, n);
 }
 
-/// Take an option of this command with its value; others stay for those of a run.
-/// @return words taken; 0: it is an option of a run; below 0 and *e: it is wrong
+/// Parse an option of this command with its value; the others are options of a run.
+/// @return words used; 0: an option of a run; below 0 and *e: wrong usage
 static int take_own(options_t *o, int n_left, char **words, common_error_t *e)
 {
     double fd = 0.0;
@@ -129,7 +129,7 @@ static bool check(options_t *o, common_error_t *e)
     if (o->live.wire < 0) {
         return common_error(e, "live: no --wire; let tools/live start both processes");
     }
-    o->common.cut.is_traced = true; // the recorder lives on it
+    o->common.cut.is_traced = true; // the recorder needs it
     o->live.cut = o->common.cut;
     return true;
 }
@@ -155,7 +155,7 @@ static bool read_options(options_t *o, int argc, char **argv, common_error_t *e)
     return is_good;
 }
 
-/// Both processes read the table, and each its half of the machine.
+/// Both processes read the table; each then runs its half.
 static int live(const options_t *o, sim_live_t *l, common_error_t *e)
 {
     sim_file_t file;
@@ -190,6 +190,6 @@ int camsim_live(int argc, char **argv)
         (void)puts(help);
         return camsim_done;
     }
-    (void)signal(SIGPIPE, SIG_IGN); // who reads no more is noticed by what cannot be written
+    (void)signal(SIGPIPE, SIG_IGN); // failed writes show that the reader has gone
     return live(&o, &l, &e);
 }

@@ -8,7 +8,7 @@ static const char help[] =
     "camsim: the camturn controller on a simulated lathe\n"
     "\n"
     "  camsim eval TABLE < points.csv > values.csv   the firmware's own evaluation of a table\n"
-    "  camsim verify TABLE [KEY.pub ...]             whose signature it has, judged likewise\n"
+    "  camsim verify TABLE [KEY.pub ...]             checks its signature, as a controller does\n"
     "  camsim run TABLE [options]                    a whole cut in virtual time\n"
     "  camsim bus TABLE --can IFACE [options]        the machine as nodes of a CAN bus\n"
     "  camsim identify TABLE --wave F --record F     U plays a wave and is recorded\n"
@@ -26,7 +26,7 @@ int camsim_complain(const common_error_t *e)
     return camsim_wrong;
 }
 
-/// @return exit status: an output that could not be printed is an error
+/// @return exit status; a failed print is an error
 static int after_print(void)
 {
     common_error_t e;
@@ -73,8 +73,7 @@ int main(int argc, char **argv)
     common_error_t e;
     (void)common_error(&e,
                        "%.40s: no such command; use eval, verify, run, bus, identify, live or "
-                       "params, camsim --help tells "
-                       "more",
+                       "params; see camsim --help",
                        argc > 1 ? command : "(nothing)");
     return camsim_complain(&e);
 }

@@ -75,12 +75,12 @@ static const struct option options[] = {
     {NULL, 0, NULL, 0},
 };
 
-/// Take a number of an option within its range, both ends included.
+/// Parse a number of an option, within its range, ends included.
 static bool take_number(double *value, const char *option, const char *text, double min, double max,
                         const char *unit, common_error_t *e)
 {
     if (!common_number_parse(text, value)) {
-        return common_error(e, "--%s %.60s: no finite number; give %s, %.12g .. %.12g", option,
+        return common_error(e, "--%s %.60s: not a finite number; give %s, %.12g .. %.12g", option,
                             text, unit, min, max);
     }
     if (*value < min || *value > max) {
@@ -90,7 +90,7 @@ static bool take_number(double *value, const char *option, const char *text, dou
     return true;
 }
 
-/// Take two heights, the second above the first; whether the part has them is checked later.
+/// Parse two rising heights; a later check compares them with the part.
 static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t *e)
 {
     char first[40];
@@ -107,7 +107,7 @@ static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t
            common_error(e, "--scallop-mm %.60s: no two rising heights; give FROM:TO in mm", text);
 }
 
-/// Take the heights of sections, rising; whether the part has them is checked later.
+/// Parse rising heights of sections; a later check compares them with the part.
 static bool take_heights(sim_cut_options_t *cut, const char *text, common_error_t *e)
 {
     const char *rest = text;
@@ -283,7 +283,7 @@ static bool take_option(camsim_options_t *o, int option, char **argv, common_err
                                              o->command, argv[optind - 1]);
 }
 
-/// Find NAME.json beside NAME.camtab.
+/// Find NAME.json next to NAME.camtab.
 static bool find_design(camsim_options_t *o, common_error_t *e)
 {
     const char *name = strrchr(o->table_path, '/');
@@ -300,7 +300,7 @@ static bool find_design(camsim_options_t *o, common_error_t *e)
     return true;
 }
 
-/// Check the target and find its image: that of the user, or the one beside this program.
+/// Check the target and find its image: the user's, or the one built along with this program.
 static bool find_target(camsim_options_t *o, common_error_t *e)
 {
     if (o->cut.target == NULL) {
@@ -357,7 +357,7 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_erro
     o->cut.session.config = sim_config_defaults();
     o->cut.session.seed = 1;
     opterr = 0;
-    optind = 0; // from the beginning, whatever was read in this process before
+    optind = 0; // restart: this process may have parsed options before
     int option;
     while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
         if (!take_option(o, option, argv, e)) {

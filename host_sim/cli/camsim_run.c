@@ -17,10 +17,10 @@ typedef struct {
     sim_cut_t cut;
     sim_out_t out[camsim_n_outs];
     double wall_s;
-    double begin_s, shown_s; ///< [s] of the clock: its begin; since then when progress was shown
+    double begin_s, shown_s; ///< [s] clock times of the start and of the last progress
 } run_t;
 
-/// Lines of progress where it is not shown in place.
+/// Period of progress lines when not on a terminal.
 #define LINE_EVERY_S 20.0
 
 static double now_s(void)
@@ -46,7 +46,7 @@ static bool open_outputs(run_t *r, common_error_t *e)
     return true;
 }
 
-/// Show how far it is and the time that is left: on a terminal in place, else now and then a line.
+/// Show progress and remaining time: in place on a terminal, otherwise in occasional lines.
 static void show_progress(run_t *r, bool is_last)
 {
     const bool is_terminal = isatty(STDERR_FILENO) != 0;

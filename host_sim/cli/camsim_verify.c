@@ -9,11 +9,11 @@
 static const char help[] =
     "camsim verify TABLE [KEY.pub ...]\n"
     "\n"
-    "  Judges a table as a controller does that requires a signature of one of these keys; "
+    "  Judges a table like a controller that requires a signature by one of these keys, or, "
     "without\n"
-    "  keys, as one that requires none.\n"
+    "  keys, like one that requires none.\n"
     "\n"
-    "Exit status: 0 it is taken, 1 it is refused, 2 wrong usage or bad input.";
+    "Exit status: 0 accepted, 1 refused, 2 wrong usage or bad input.";
 
 static bool add_keys(common_keys_t *keys, const char *path, common_error_t *e)
 {
@@ -26,7 +26,7 @@ static bool add_keys(common_keys_t *keys, const char *path, common_error_t *e)
     memcpy(text, file.bytes, file.size);
     sim_file_free(&file);
     return common_keys_add(keys, text) ||
-           common_error(e, "%s: no public key; " COMMON_KEYS_REMEDY, path);
+           common_error(e, "%s: not a public key; " COMMON_KEYS_REMEDY, path);
 }
 
 static int verify(const char *path)

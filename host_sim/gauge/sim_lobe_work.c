@@ -4,14 +4,14 @@
 #include <math.h>      // atan2, cos, hypot, sin, sqrt
 
 #define DEXELS_PER_RAD (sim_lobe_dexels / SIM_TWO_PI)
-#define FAR_MM 1e9     // a line that nothing has cut
-#define REACH_MM 0.005 // errors of one pass change by less
-#define EDGE_MM 0.001  // Z rests at the ends of a lobe within this
+#define FAR_MM 1e9     // marks an uncut line
+#define REACH_MM 0.005 // the error of one pass changes by less
+#define EDGE_MM 0.001  // tolerance of Z at the ends of a lobe
 #define RAD_PER_DEG (SIM_TWO_PI / 360.0)
 
 enum { most_beside = 400, most_pieces = 64, most_steps = 20 };
 
-/// Centre of the circle, in the frame of the lobe.
+/// Centre of the circle in the lobe's frame.
 typedef struct {
     double x_mm, y_mm;
 } point_t;
@@ -31,15 +31,15 @@ static double phase_of(const sim_lobe_work_t *w)
     return w->design->lobe[w->i_lobe].phase_rad;
 }
 
-/// The frame of this gauge is that of the lobe, seen from the side from which angles rise in the
-/// sense of cutting: with M4 it is the mirror image of the drawing's.
+/// The gauge's frame is the lobe's, with angles rising in the sense of cutting: for M4 it is the
+/// mirror image of the drawing's.
 /// @return [rad] drawing's angle of the tool in this frame
 static double in_frame(const sim_lobe_work_t *w, double turn)
 {
     return w->sense * (SIM_TWO_PI * sim_fraction(turn) - phase_of(w));
 }
 
-/// @return a point of the exact profile by its angle in this frame
+/// @return the point of the exact profile at an angle in this frame
 static sim_lobe_spot_t spot_at(const sim_lobe_work_t *w, double theta_rad)
 {
     sim_lobe_spot_t s = sim_lobe_design_at(w->design, w->i_lobe, w->sense * theta_rad);
@@ -54,7 +54,8 @@ static double turn_of(const sim_lobe_work_t *w, const sim_lobe_spot_t *s)
     return sim_fraction((w->sense * atan2(s->y_mm, s->x_mm) + phase_of(w)) / SIM_TWO_PI);
 }
 
-/// @return [deg] swing of the tool in this frame; the axis turns the same way whatever the sense
+/// @return [deg] swing of the tool in this frame; the swing axis does not depend on the sense of
+///         cutting
 static double swing_deg(const sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
     return w->sense * tool->swing_deg;
@@ -79,7 +80,7 @@ static sim_lobe_dexel_t *dexel_at(sim_lobe_work_t *w, int64_t i)
     return &w->dexel[(i % n + n) % n];
 }
 
-/// @return [mm] where the circle cuts a line; FAR_MM where it does not
+/// @return [mm] height at which the circle cuts a line; FAR_MM: it does not
 static double cut_at(const sim_lobe_dexel_t *d, point_t c, double circle_mm)
 {
     const double x = c.x_mm - d->x_mm;
@@ -113,7 +114,7 @@ static void load_lobe(sim_lobe_work_t *w, uint32_t i_lobe)
     }
 }
 
-/// Find the line that is nearest to the circle, all round. @return [rad] its angle
+/// Search all lines for the one nearest to the circle. @return [rad] its angle
 static double search(sim_lobe_work_t *w, point_t c)
 {
     int best = 0;
@@ -128,8 +129,8 @@ static double search(sim_lobe_work_t *w, point_t c)
     return best / DEXELS_PER_RAD;
 }
 
-/// Find the point whose normal goes through the centre, by Newton's method.
-/// @return false when the place is not found near `theta`
+/// Find the point whose normal passes through the centre, by Newton's method.
+/// @return false when there is none near `theta`
 static bool refine(sim_lobe_work_t *w, point_t c, double *theta)
 {
     for (int i = 0; i < most_steps; i++) {
@@ -155,15 +156,15 @@ static void find_contact(sim_lobe_work_t *w, point_t c)
         theta = search(w, c);
         w->n_before = 0;
         w->first = w->end = 0;
-        (void)refine(w, c, &theta); // near enough to go on with in any case
+        (void)refine(w, c, &theta); // on failure the searched angle is near enough
     }
     w->theta_rad = theta;
     w->contact_mm = hypot(w->spot.x_mm, w->spot.y_mm);
     w->contact_turn = turn_of(w, &w->spot);
 }
 
-/// A shaft that is ground to size has its stock all round the profile; else it comes from a bar.
-/// @return [mm] radius of the blank on a line
+/// Grinding to size starts from an even stock on the profile, otherwise from a bar.
+/// @return [mm] the blank's surface on a line
 static double blank_at(const sim_lobe_work_t *w, const sim_lobe_dexel_t *d)
 {
     const double bar_mm = w->work->blank_mm;
@@ -171,8 +172,8 @@ static double blank_at(const sim_lobe_work_t *w, const sim_lobe_dexel_t *d)
     return w->design->is_plunged ? d->radius_mm + bar_mm - nose_mm : bar_mm;
 }
 
-/// Nothing cuts this line any more: gauge what is left on it.
-/// @param fed_mm  feed of the turn, which is the height of the ring that was cut
+/// Gauge a line that is finished.
+/// @param fed_mm  feed of the turn: height of the ring
 static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, double fed_mm)
 {
     const sim_lobe_dexel_t *d = dexel_at(w, i);
@@ -204,8 +205,8 @@ static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, d
     g->n++;
 }
 
-/// Begin the lines that the circle reaches and finish those that it leaves. It passes them upwards;
-/// after a spindle has turned back, the window begins anew.
+/// Start the lines that the circle reaches and finish those that it leaves, in rising order. After
+/// a reversal of the spindle the window restarts.
 static void move_window(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, point_t before,
                         point_t now)
 {
@@ -227,10 +228,11 @@ static void move_window(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, point_t
     }
     for (int64_t i = old_end; i < end; i++) {
         if (w->design->is_plunged) {
-            continue; // its cut goes on
+            continue; // still being cut
         }
         dexel_at(w, i)->left_mm = FAR_MM;
-        dexel_at(w, i)->is_clean = tool->is_counted && !is_anew; // else half of its cut is unknown
+        dexel_at(w, i)->is_clean =
+            tool->is_counted && !is_anew; // otherwise half of its cut is unknown
     }
     const double turned = w->sense * (tool->turn - w->before[0].turn);
     const double per_turn = turned > 0.0 ? 1.0 / turned : 0.0;
@@ -299,7 +301,7 @@ static void sweep(sim_lobe_work_t *w, const sim_lobe_tool_t *now, double travel_
     }
 }
 
-/// Angle from the normal at the contact to a direction.
+/// @return [deg] angle from the normal at the contact to a direction
 static double off_normal_deg(const sim_lobe_spot_t *s, double direction_rad)
 {
     const double x = cos(direction_rad);
@@ -325,7 +327,7 @@ static void measure(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, double trav
     }
 }
 
-/// The wheel leaves a lobe in which it stood: gauge all lines, whose ring is the whole lobe.
+/// A plunged wheel leaves its lobe: gauge all lines; their ring is the whole lobe.
 static void leave_lobe(sim_lobe_work_t *w)
 {
     const sim_lobe_t *lobe = &w->design->lobe[w->i_lobe];
@@ -337,14 +339,14 @@ static void leave_lobe(sim_lobe_work_t *w)
     }
 }
 
-/// @return whether the wheel has stood in a lobe and now leaves it, or disengages
+/// @return whether a plunged wheel leaves its lobe now, or disengages
 static bool is_leaving(const sim_lobe_work_t *w, const sim_lobe_tool_t *now, uint32_t i_lobe)
 {
     return w->design->is_plunged && w->n_before > 0u && w->i_lobe < w->design->n_lobes &&
            w->before[0].is_counted && (i_lobe != w->i_lobe || !now->is_counted);
 }
 
-/// Between two lobes the shaft keeps its base circle: what is cut below it is a gouge.
+/// Between two lobes any cut below the base circle is a gouge.
 static void touch_shaft(sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
     const double base_mm = w->design->base_mm;

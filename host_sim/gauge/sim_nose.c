@@ -3,12 +3,12 @@
 #include "sim_units.h" // sim_abs, sim_clamp
 #include <math.h>      // sqrt
 
-/// [mm] from an end of the part that count as the end.
+/// [mm] heights this close to an end of the part count as the end.
 #define END_MM 1e-4
 
 enum { n_heights = 256, n_angles = 24, n_steps = 16, max_cuts = 60 };
 
-/// Where the tip stands when the nose touches at one height.
+/// The tip, for a nose that touches at one height.
 typedef struct {
     const sim_nose_t *nose;
     sim_design_t *design;
@@ -49,12 +49,12 @@ void sim_nose_init(sim_nose_t *n, double nose_mm, sim_design_t *design)
     if (nose_mm <= 0.0 || design->shape == sim_shape_table || design->shape == sim_shape_lobes) {
         return;
     }
-    const double least = 1e-4; // of a cylinder
+    const double least = 1e-4; // for a cylinder
     const double slope = 3.0 * steepest(design) + least;
     *n = (sim_nose_t){.nose_mm = nose_mm, .reach_mm = nose_mm * (slope < 1.0 ? slope : 1.0)};
 }
 
-/// Find the largest value between two heights that has one maximum there.
+/// Find the maximum between two heights, where there is only one.
 static double golden_mm(const place_t *p, double low_mm, double high_mm, double *at_mm)
 {
     const double golden = 0.61803398874989484820;

@@ -18,7 +18,7 @@ static double before_mm(const sim_pass_t *p, double turn)
     return (1.0 - part) * p->z_mm[wrapped(place)] + part * p->z_mm[wrapped(place + 1)];
 }
 
-/// Note the heights at all places that were passed since the last sample.
+/// Record the heights at all angles passed since the last sample.
 static void note(sim_pass_t *p, double turn, double z_mm)
 {
     const int64_t end = sim_floor(turn * sim_pass_places);

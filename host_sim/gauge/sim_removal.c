@@ -38,7 +38,7 @@ static void begin_slice(sim_removal_t *r, double t_s, double turn)
     r->is_clean = true;
 }
 
-/// A turn is whole when its first slice followed one of the turn before.
+/// A turn is whole when its first slice follows a slice of the previous turn.
 static void begin_turn(sim_removal_t *r, double whole, bool is_whole)
 {
     r->turn = whole;
@@ -47,7 +47,7 @@ static void begin_turn(sim_removal_t *r, double whole, bool is_whole)
     r->turn_force = (sim_spread_t){0};
 }
 
-/// Make the slice and judge it.
+/// Finish the slice and evaluate it.
 static void end_slice(sim_removal_t *r, double t_s, double turn, double z_mm)
 {
     const double dt_s = t_s - r->begin_s;
@@ -81,8 +81,8 @@ static void end_slice(sim_removal_t *r, double t_s, double turn, double z_mm)
     }
 }
 
-/// Specific cutting force of a chip, MATHS.md (86): the thinner the chip, the more force it takes
-/// per area. Without a nose the edge stands square to the feed; a nose cuts along its arc.
+/// Specific cutting force of a chip, MATHS.md (86): the thinner the chip, the larger the force per
+/// area. Without a nose the edge is square to the feed; a nose cuts along its arc.
 /// @return [N/mm2]
 static double kc_of(const sim_removal_config_t *c, double depth_mm, double thick_mm)
 {
@@ -99,7 +99,7 @@ static double kc_of(const sim_removal_config_t *c, double depth_mm, double thick
     return c->kc_n_mm2 * pow(chip_mm, -c->size_exponent);
 }
 
-/// Metal is removed on the way from the last sample to this one, by the trapezium rule.
+/// Add the metal removed between the last sample and this one, by the trapezium rule.
 static void remove_metal(sim_removal_t *r, double turn, double z_mm, double radius_mm)
 {
     const double thick_mm = sim_pass_touch(&r->pass, turn, z_mm);

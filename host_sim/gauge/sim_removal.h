@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_removal: metal removed per time slice, measured on the workpiece, and the forces of it.
+/// sim_removal: metal removed per time slice, measured on the workpiece, and the cutting forces.
 ///
 ///     dV = (blank^2 - radius^2) / 2 h dphi     of every tick, along the true tool path
 ///     rate = V / dt,  power = kc rate          constant in equal-volume turning
 ///     rate force = kc V / feed                 the papers' model: area cut in one slice
 ///     chip force = kc mean (depth h)           physical: section of the chip, whatever the speed
 ///
-/// h is what Z has moved since the last pass over this angle (sim_pass.h). kc is constant, or with
+/// h is the travel of Z since the last pass over this angle (sim_pass.h). kc is constant, or with
 /// an exponent of the size effect (Kienzle) kc1.1 h^-mc.
 ///
 /// A slice ends with the first tick at or after its due time: on average slices last dt, and each
-/// counts with its true length.
-/// Ripple is (largest - least) / mean over the slices of one turn; only whole turns of which all
-/// samples were offered with `is_judged` count. Source: MATHS.md (29), (67), (86).
+/// counts with its true length. Ripple is (largest - least) / mean over the slices of one turn.
+/// Only whole turns count in which every sample has `is_judged`. Source: MATHS.md (29), (67), (86).
 #ifndef SIM_REMOVAL_H
 #define SIM_REMOVAL_H
 
@@ -46,13 +45,13 @@ typedef struct {
 typedef struct {
     sim_removal_config_t config;
     sim_slice_t slice; ///< the last finished one
-    // the slice that is being made
+    // the present slice
     double begin_s, due_s, begin_turn, volume_mm3, work_nmm, force_sum_n, last_turn;
     double last_cut_mm3; ///< [mm3/turn] of the last sample
     sim_pass_t pass;
-    uint64_t n; ///< samples in it
+    uint64_t n; ///< samples in the slice
     bool is_running, is_clean;
-    // the turn that is being made
+    // the present turn
     double turn; ///< whole turns of its slices
     bool is_whole;
     sim_spread_t turn_rate, turn_force;
@@ -63,7 +62,7 @@ typedef struct {
 
 void sim_removal_init(sim_removal_t *r, const sim_removal_config_t *config);
 
-/// The tool cuts at a place.
+/// Take a sample of the cutting tool.
 /// @param t_s        [s] rising
 /// @param turn       [turn] spindle angle in the sense of cutting, not wrapped
 /// @param is_judged  the feed is at its full value

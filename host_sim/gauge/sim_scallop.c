@@ -23,7 +23,7 @@ double sim_scallop_height_mm(const sim_scallop_t *s, int height)
     return s->z_first_mm + share * (s->z_last_mm - s->z_first_mm);
 }
 
-/// Let the circle of the nose cut at one angle.
+/// Cut with the circle of the nose at one angle.
 static void cut(sim_scallop_t *s, int angle, double z_mm, double tip_mm)
 {
     const double nose_mm = s->nose_mm;
@@ -36,7 +36,7 @@ static void cut(sim_scallop_t *s, int angle, double z_mm, double tip_mm)
     }
 }
 
-/// Cut at all angles of the map between two samples, of which the first lies at the lesser angle.
+/// Cut at all angles of the map between two samples; `from` has the smaller angle.
 static void pass(sim_scallop_t *s, sim_design_t *design, const sim_scallop_tip_t *from,
                  const sim_scallop_tip_t *to, double turned)
 {

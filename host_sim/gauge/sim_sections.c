@@ -3,7 +3,7 @@
 #include "sim_units.h" // sim_abs, sim_floor
 #include <math.h>      // NAN, isnan
 
-/// [mm] by which a height may miss a track that stands on it.
+/// [mm] tolerance for a height that is on a track.
 #define SAME_MM 1e-9
 
 enum { places_per_line = sim_sections_places / sim_sections_lines };
@@ -44,7 +44,7 @@ double sim_sections_height_mm(const sim_sections_t *s, int i)
     return s->first_mm + i * s->step_mm;
 }
 
-/// Two tracks over one angle, the lower one first; one track is two of the same height.
+/// Two tracks at one angle, the lower first; a single track counts as two at the same height.
 typedef struct {
     double low_mm, low_e_mm, high_mm, high_e_mm;
 } tracks_t;
@@ -96,8 +96,8 @@ void sim_sections_pass(sim_sections_t *s, int64_t place, double z_mm, const sim_
     }
 }
 
-/// Interpolate the deviation between the two middle samples of four: the cubic of Lagrange, whose
-/// angles need not be evenly spaced; on a spindle that turned back the straight line.
+/// Interpolate the deviation between the two middle samples of four: by the Lagrange cubic, whose
+/// angles need not be evenly spaced; linearly after a reversal.
 static double cubic(const sim_section_tip_t tip[4], double turn)
 {
     const bool is_rising =
@@ -117,7 +117,7 @@ static double cubic(const sim_section_tip_t tip[4], double turn)
     return sum;
 }
 
-/// Pass all places between the two middle samples.
+/// Record all points between the two middle samples.
 static void pass_between(sim_sections_t *s)
 {
     const sim_section_tip_t *from = &s->tip[1];

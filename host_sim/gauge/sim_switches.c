@@ -3,7 +3,7 @@
 #include "sim_units.h" // sim_abs
 #include <math.h>      // floor, HUGE_VAL
 
-/// Of the distance from window to window: a change farther away has another cause.
+/// Share of the window distance: a change farther away has another cause.
 static const double near_share = 0.125;
 
 void sim_switches_init(sim_switches_t *s, const sim_switch_window_t *window)
@@ -16,20 +16,14 @@ void sim_switches_init(sim_switches_t *s, const sim_switch_window_t *window)
     }
 }
 
-/// @return [turn] distance from an end of the nearest window, -1/2 .. 1/2 of that from one to the
-/// next
-static double deviation_turn(const sim_switch_window_t *w, double turn, double end_turn)
-{
-    const double windows = (turn - end_turn) * w->per_turn;
-    return (windows - floor(windows + 0.5)) / w->per_turn;
-}
-
-/// The thing behind the switch acts.
+/// The switched device acts.
 static void act(sim_switch_t *one, bool is_on, double turn)
 {
     const sim_switch_window_t *w = &one->window;
     sim_switch_edges_t *edges = is_on ? &one->on : &one->off;
-    const double away_turn = deviation_turn(w, turn, is_on ? w->on_turn : w->off_turn);
+    // Distance from an end of the nearest window, -1/2 .. 1/2 of the window distance.
+    const double windows = (turn - (is_on ? w->on_turn : w->off_turn)) * w->per_turn;
+    const double away_turn = (windows - floor(windows + 0.5)) / w->per_turn;
     if (sim_abs(away_turn) * w->per_turn > near_share) {
         edges->n_other++;
         return;
@@ -52,7 +46,7 @@ static void see_change(sim_switch_t *one, double t_s, bool is_on)
     one->is_on = is_on;
 }
 
-/// Let all act whose time has come since the last tick.
+/// Execute the changes that took effect since the last tick.
 static void let_act(const sim_switches_t *s, sim_switch_t *one, double t_s, double turn)
 {
     const double period_s = t_s - s->t_s;

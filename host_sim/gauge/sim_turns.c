@@ -3,7 +3,7 @@
 #include "sim_units.h" // sim_abs
 #include <math.h>      // floor, HUGE_VAL
 
-/// U counts as moving when it has a fiftieth of the drawing's travel.
+/// U counts as moving from a fiftieth of the drawing's travel on.
 static const double moving_share = 0.02;
 
 void sim_turns_init(sim_turns_t *t, double rise_turns, double kept_turns, double fall_turns)
@@ -28,7 +28,7 @@ static void begin_turn(sim_turns_t *t)
     t->most_um = t->most_u_um = t->most_drawn_um = -HUGE_VAL;
 }
 
-/// Make one entry of every two neighbours of the same kind.
+/// Merge every two neighbours of the same kind.
 static void merge(sim_turns_t *t)
 {
     uint32_t n = 0;
@@ -53,7 +53,7 @@ static void keep(sim_turns_t *t, double um)
     t->entry[t->n++] = (sim_turn_t){.turn = turn, .um = um, .kind = t->kind};
 }
 
-/// A whole turn has passed.
+/// Finish a whole turn.
 static void end_turn(sim_turns_t *t)
 {
     if (t->kind == sim_turns_cut) {
@@ -67,7 +67,7 @@ static void end_turn(sim_turns_t *t)
     keep(t, 0.5 * (t->most_um - t->least_um));
 }
 
-/// Move on to an angle: what came before it may be a whole turn.
+/// Advance to an angle, finishing a turn if it is complete.
 static void go_to(sim_turns_t *t, sim_turns_kind_t kind, double turn)
 {
     if (!t->has_begun) {
@@ -97,7 +97,7 @@ static void take(sim_turns_t *t, double error_um)
     t->most_um = larger(t->most_um, error_um);
 }
 
-/// Leave those turns of the rehearsal at which the amplitude was full.
+/// Keep only the turns of the rehearsal at full amplitude.
 static void drop_ramps(sim_turns_t *t, double end_turn_of, bool is_whole)
 {
     const double first = is_whole ? end_turn_of - t->fall_turns - t->kept_turns : t->full_turn;
@@ -116,7 +116,7 @@ static void end_run(sim_turns_t *t, double turn, bool is_engaging)
 {
     if (t->kind == sim_turns_rehearsed) {
         drop_ramps(t, sim_abs(turn - t->zero_turn), is_engaging);
-    } else if (t->most_um > -HUGE_VAL) { // the rest of a turn
+    } else if (t->most_um > -HUGE_VAL) { // an incomplete turn
         end_turn(t);
     }
     t->is_running = false;

@@ -13,7 +13,7 @@ void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_l
     w->rows_per_mm = sim_work_rows / (z_last_mm - z_first_mm);
 }
 
-/// Take a sample into the sums, the row of its height and its cell of the map.
+/// Add a sample to the sums, its row and its cell of the map.
 static void count_error(sim_work_t *w, double turn, double z_mm, double radius_mm, double error_mm)
 {
     const double error_um = error_mm * 1e3;
@@ -46,7 +46,7 @@ void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, d
                     bool is_counted)
 {
     const double error_mm = radius_mm - exact_mm;
-    // A gouge remains in the part whenever it is cut, so engaging and disengaging count, too.
+    // A gouge stays in the part, so engaging and disengaging count, too.
     if (-error_mm * 1e3 > w->gouge_um && z_mm >= w->z_first_mm && z_mm <= w->z_last_mm) {
         w->gouge_um = -error_mm * 1e3;
     }
@@ -67,7 +67,7 @@ void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, d
     if (is_counted) {
         const double fed_mm = w->n == 0u ? 0.0 : sim_abs(z_mm - w->last_z_mm);
         const double depth_mm = w->blank_mm - radius_mm;
-        // Rings of the area pi (R^2 - r^2) = pi (R - r) (R + r), as high as the feed since the last
+        // Ring area pi (R^2 - r^2) = pi (R - r) (R + r); its height is the feed since the last
         // sample.
         w->removed_mm3 += SIM_PI * depth_mm * (w->blank_mm + radius_mm) * fed_mm;
         w->last_z_mm = z_mm;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_work: the blank, the tool tip on it, and a roundness gauge. The memory is bounded, however
-/// long the cut.
+/// sim_work: the blank, the tool tip on it, and a roundness gauge. Memory does not grow with the
+/// cut.
 ///
 ///     error = radius of the tool tip - exact radius at the tool's true angle and height
 ///     cut depth = blank radius - radius,  removed volume: dV = pi (blank^2 - radius^2) dz
 ///
-/// The exact radius is that of the tip's path: with a round nose where it just touches the surface
-/// (sim_nose.h), so that the error is that of the place which it touches. One turn removes a ring
-/// of the feed's width, so every sample stands for the share dz of it; feed marks between turns are
-/// made by sim_scallop.h. The map keeps, per cell of angle and height, the sample with the largest
-/// |error|; each row of heights keeps the extremes, from which its roundness (largest - smallest
-/// error) follows. Against the drawing the error is the form error; against what a table
-/// deliberately plays instead, a refit or a filter, it is the controller's own.
+/// The exact radius is that of the tip's path, for a round nose where it just touches the surface
+/// (sim_nose.h), so the error is that of the surface at the contact. One turn removes a ring as
+/// wide as the feed, of which each sample covers dz; sim_scallop.h models the feed marks between
+/// turns. The map keeps, per cell of angle and height, the sample with the largest |error|; each
+/// row of heights keeps the extremes, whose difference is its roundness. The error against the
+/// drawing is the form error; against a refit or filter that the table plays instead it is the
+/// control error.
 #ifndef SIM_WORK_H
 #define SIM_WORK_H
 
@@ -57,11 +57,11 @@ void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_l
 /// Take a sample of the tool tip.
 /// @param turn        [turn] 0 .. 1 from the long axis
 /// @param exact_mm    exact radius there
-/// @param is_counted  the sample belongs to the surface that is judged: full amplitude and depth
+/// @param is_counted  the sample belongs to the judged surface: full amplitude and depth
 void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
 
-/// Judge a sample without counting removed metal, which sim_lobe_work counts by its own dexels.
+/// Judge a sample without counting removed metal, which sim_lobe_work counts by dexels.
 void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
 

@@ -2,7 +2,7 @@
 #include "sim_chip.h"
 #include "sim_units.h" // sim_abs
 
-/// Below this the spindle stands, and there is no chip.
+/// Below this speed the spindle counts as stopped, without a chip.
 #define LEAST_TURNS_PER_S 1e-3
 
 sim_chip_config_t sim_chip_defaults(void)

@@ -1,37 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_chip: the radial force of the cut, which pushes U back and bends the tool.
+/// sim_chip: radial cutting force, which pushes U back and bends the tool.
 ///
 ///     F = kc depth h share,     h = |dz/dt| / |turns per second|
-///     U is accelerated by -F / mass, the tip stands back by F / stiffness
+///     U is accelerated by -F / mass, the tip yields by F / stiffness
 ///
-/// depth is what the tip stands below the blank, h the present feed per turn, share the part of the
-/// cutting force that acts along the radius. The force is 0 while the tool is clear of the blank.
-/// Source: MATHS.md (125); Kienzle's kc with the share of the passive force, e.g. Tschaetsch,
-/// "Metal Forming Practise" and Altintas, "Manufacturing Automation", 2nd ed., 2.2.
+/// depth is that of the tip below the blank, h the present feed per turn, share the radial share of
+/// the cutting force. The force is 0 while the tool is clear of the blank. Source: MATHS.md (125);
+/// Kienzle's kc with the share of the passive force, e.g. Tschaetsch, "Metal Forming Practise" and
+/// Altintas, "Manufacturing Automation", 2nd ed., 2.2.
 ///
-/// The force is taken at the end of a step and held through the next one, which makes it 1.5 steps
-/// late on the average where it acts on U: 75 us at 20 kHz, a slightly different force. The bend
-/// and the depth depend on each other; the gain of that loop is kc h share / stiffness, 0.003 for
-/// 700 N/mm2, 0.1 mm, 0.3 and 20 N/um, and below 1 whatever can be cut.
+/// The force at the end of a step is held through the next one, so on average it acts on U 1.5
+/// steps late (75 us at 20 kHz). Bend and depth depend on each other; the gain of that loop is kc h
+/// share / stiffness: 0.003 for 700 N/mm2, 0.1 mm, 0.3 and 20 N/um, and below 1 for every possible
+/// cut.
 #ifndef SIM_CHIP_H
 #define SIM_CHIP_H
 
 typedef struct {
     double kc_n_per_mm2;            ///< specific cutting force; 0: no force
-    double radial_share;            ///< of it along the radius
-    double tool_stiffness_n_per_um; ///< of tip against slide; 0: rigid
+    double radial_share;            ///< radial share of the force
+    double tool_stiffness_n_per_um; ///< between tip and slide; 0: rigid
 } sim_chip_config_t;
 
-/// No force; 0.3 of it radial, rigid tool.
+/// No force, a radial share of 0.3, a rigid tool.
 sim_chip_config_t sim_chip_defaults(void);
 
-/// @param depth_mm   below the blank; at most 0: clear
+/// @param depth_mm   below the blank; 0 or below: clear
 /// @param z_mm_per_s, turns_per_s  signed
-/// @return [N] force along the radius, away from the axis, >= 0; 0 while the spindle stands
+/// @return [N] radial force away from the axis, >= 0; 0 while the spindle is stopped
 double sim_chip_force_n(const sim_chip_config_t *c, double depth_mm, double z_mm_per_s,
                         double turns_per_s);
 
-/// @return [um] by which a force bends the tip away from the axis
+/// @return [um] bend of the tip away from the axis
 double sim_chip_bend_um(const sim_chip_config_t *c, double force_n);
 
 #endif

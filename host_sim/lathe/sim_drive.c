@@ -51,8 +51,8 @@ sim_drive_config_t sim_drive_swing_defaults(void)
     };
 }
 
-/// The even and the odd part of e^(r t) about -d w: cos and sin(q t) / q, or cosh and sinh(q t) /
-/// q, or 1 and t.
+/// The even and odd parts of e^(r t) about -d w: cos and sin(q t) / q, cosh and sinh(q t) / q, or 1
+/// and t.
 static void even_odd(double omega, double damping, double t, double *even, double *odd)
 {
     const double below = 1.0 - damping * damping;
@@ -107,7 +107,7 @@ static double quantised(const sim_drive_t *d, double micro)
                                   : micro;
 }
 
-/// @return a command in steps of its own quantum
+/// @return the command, rounded to its own quantum
 static double commanded(const sim_drive_t *d, double micro)
 {
     const double quantum = d->command_quantum_micro;
@@ -123,7 +123,7 @@ static sim_friction_law_t law_of(const sim_drive_t *d, const sim_drive_config_t 
         .speed_micro_per_s = d->speed_micro_per_s,
         .friction_micro_per_s2 = config->friction_m_per_s2 * SIM_DRIVE_MICRO_PER_M,
     };
-    if (d->is_force) { // the loop limits the force, not the slide its acceleration
+    if (d->is_force) { // the loop limits the force; the slide has no limit of acceleration
         law.stiffness_per_s2 = config->stiffness_n_per_m / config->mass_kg;
         law.drag_per_s = config->viscous_n_s_per_m / config->mass_kg;
         law.acceleration_micro_per_s2 = INFINITY;
@@ -161,13 +161,13 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
     }
 }
 
-/// The acceleration that the system without limits has at a position and speed.
+/// Acceleration of the unlimited system at a position and speed.
 static double acceleration(const sim_drive_t *d, double pos_micro, double vel, double command_micro)
 {
     return d->stiffness_per_s2 * (command_micro - pos_micro) - d->drag_per_s * vel;
 }
 
-/// Move with constant acceleration, the speed kept within its limit.
+/// Move with constant acceleration and limited speed.
 static void move(sim_drive_t *d, double acceleration_micro_per_s2, double dt_s)
 {
     const double wanted = d->vel_micro_per_s + acceleration_micro_per_s2 * dt_s;
@@ -186,7 +186,7 @@ static double limited_acceleration(const sim_drive_t *d, double pos_micro, doubl
 static void limited_piece(sim_drive_t *d, double command_micro, double time_s)
 {
     const double h = time_s / n_sub_steps;
-    for (int i = 0; i < n_sub_steps; i++) { // the acceleration of the middle: second order
+    for (int i = 0; i < n_sub_steps; i++) { // midpoint acceleration: second order
         const double first =
             limited_acceleration(d, d->pos_micro, d->vel_micro_per_s, command_micro);
         const double pos_micro = d->pos_micro + 0.5 * h * (d->vel_micro_per_s + 0.25 * h * first);
@@ -200,8 +200,7 @@ static bool is_beyond(double value, double limit)
     return value > limit || value < -limit;
 }
 
-/// Move in sub-steps against friction and an outer force; kept apart, so that the exact way is
-/// short.
+/// Move in sub-steps against friction and an external force; noinline keeps the exact path short.
 __attribute__((noinline)) static void rough_piece(sim_drive_t *d, double command_micro,
                                                   double time_s)
 {
@@ -247,7 +246,7 @@ static double delayed(const sim_drive_t *d, uint32_t ticks)
     return d->command_micro[(d->i_command - ticks) % sim_drive_ring];
 }
 
-/// @return the force by mass that the loop puts out for a command
+/// @return the loop's output for a command, as force per mass
 static double servoed(sim_drive_t *d, double command_micro, bool is_enabled)
 {
     if (!is_enabled || d->is_blocked) {
@@ -257,7 +256,7 @@ static double servoed(sim_drive_t *d, double command_micro, bool is_enabled)
     return sim_servo_push(&d->servo, command_micro, quantised(d, d->pos_micro + d->beyond_micro));
 }
 
-/// Put a command in line behind the others.
+/// Append a command to the delay line.
 static void take(sim_drive_t *d, int32_t command_micro, bool is_enabled)
 {
     const double command = commanded(d, command_micro);
@@ -289,7 +288,7 @@ void sim_drive_disturb(sim_drive_t *d, double force_n)
     d->disturb_micro_per_s2 = force_n * d->per_force_micro_per_s2;
 }
 
-/// Move for any time by the command of some ticks ago.
+/// Move for any time with the command of some ticks ago.
 static void move_for(sim_drive_t *d, uint32_t ticks, double dt_s)
 {
     const double omega = sqrt(d->stiffness_per_s2);

@@ -8,20 +8,18 @@
 /// Powell, Workman, "Digital Control of Dynamic Systems", 3rd ed., 4.3 (zero-order hold) and 4.3.4
 /// (delay).
 ///
-/// Units: the model serves slides and the swing of the tool. One unit is a millimetre of a slide
-/// and a degree of the swing; positions, commands and speeds are held in millionths of it
-/// ("micro"), so 250 is 250 nm of a slide and 250 micro-degrees of the swing.
+/// Units: a unit is a millimetre for slides and a degree for the swing of the tool. Positions,
+/// commands and speeds are in millionths of it ("micro"), so 250 is 250 nm or 250 micro-degrees.
 ///
 /// Discretisation: between two changes of the command the matrix exponential is exact; a dead time
-/// that is no whole number of steps splits the step in two such pieces, exact too. A piece that
-/// meets a limit is redone in 16 sub-steps of constant acceleration: with the acceleration at its
-/// limit this is exact again, otherwise it is off by less than (w T / 16)^2 / 3 of the distance
-/// travelled in the piece (4e-5 for 300 Hz at 20 kHz). The limits are checked at the ends of a
-/// piece.
+/// that is not a whole number of steps splits the step into two exact pieces. A piece that meets a
+/// limit is repeated in 16 sub-steps of constant acceleration: exact with the acceleration at its
+/// limit, otherwise with an error below (w T / 16)^2 / 3 of the distance travelled in the piece
+/// (4e-5 for 300 Hz at 20 kHz). The limits are checked at the ends of a piece.
 ///
-/// A drive with Coulomb friction, or one that a force disturbs, is moved by sim_friction.h instead,
-/// piece by piece; without both it takes the exact way above, bit for bit. A drive of kind force is
-/// a mass under the loop of sim_servo.h; its dead time lies between force command and amplifier.
+/// With Coulomb friction or an external force, sim_friction.h moves the drive instead, piece by
+/// piece; without them the result is the exact one above, bit for bit. A drive of kind force is a
+/// mass controlled by sim_servo.h; its dead time is between force command and amplifier.
 #ifndef SIM_DRIVE_H
 #define SIM_DRIVE_H
 
@@ -60,7 +58,7 @@ typedef struct {
     double pos_micro;
     double vel_micro_per_s;
     sim_drive_place_t middle; ///< in the last step, where the delayed command changed
-    double middle_s;          ///< time of it after the step's begin; 0: it changed there
+    double middle_s;          ///< time from the start of the step to it; 0: changed at the start
     double stiffness_per_s2;  ///< w^2
     double drag_per_s;        ///< 2 d w
     double speed_micro_per_s; ///< limits
@@ -69,46 +67,46 @@ typedef struct {
     double command_quantum_micro;
     double period_s;
     bool is_force;                 ///< of kind force
-    sim_servo_t servo;             ///< then
-    double push_micro_per_s2;      ///< what its amplifier puts out by mass, then
-    sim_friction_law_t law;        ///< of sub-steps: friction, an outer force, kind force
-    double disturb_micro_per_s2;   ///< acceleration by the outer force
+    sim_servo_t servo;             ///< kind force
+    double push_micro_per_s2;      ///< kind force: output of the amplifier per mass
+    sim_friction_law_t law;        ///< for sub-steps: friction, external force, kind force
+    double disturb_micro_per_s2;   ///< acceleration by the external force
     double per_force_micro_per_s2; ///< [micro/s2 per N]
-    double beyond_micro;           ///< what the scale sees beside the slide itself
+    double beyond_micro;           ///< added to the slide's position by modes on the scale
     sim_drive_flow_t before;       ///< the piece before the delayed command changes
-    sim_drive_flow_t after;        ///< the piece after that
-    bool is_split;    ///< the dead time is no whole number of steps: `before` takes time
-    bool is_blocked;  ///< the axis stands still whatever is commanded
+    sim_drive_flow_t after;        ///< the piece after it
+    bool is_split;    ///< the dead time is not a whole number of steps: `before` takes time
+    bool is_blocked;  ///< the axis ignores commands and does not move
     uint32_t n_delay; ///< whole steps of dead time
     uint32_t i_command;
-    double command_micro[sim_drive_ring]; ///< kind force: of force by mass, micro/s2
+    double command_micro[sim_drive_ring]; ///< kind force: force per mass, micro/s2
 } sim_drive_t;
 
-/// @param start_micro  position at rest before the start; earlier commands are taken to be the same
+/// @param start_micro  position at rest before the start, and earlier commands
 /// @param period_s     time between two commands; delay / period <= sim_drive_max_delay_ticks
 void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double start_micro,
                     double period_s);
 
-/// Take a command and let one period pass.
+/// Apply a command and advance by one period.
 /// @param is_enabled  false: the drive brakes to rest within its limits and holds
 void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled);
 
-/// Likewise in another time than a period. The dead time keeps its whole periods.
-/// @param dt_s  above 0; slower than a step
+/// Likewise for another time than a period. The delay line still moves by one period.
+/// @param dt_s  above 0; slower than sim_drive_step()
 void sim_drive_step_in(sim_drive_t *d, int32_t command_micro, bool is_enabled, double dt_s);
 
-/// An outer force acts on the slide from now on.
-/// @param force_n  signed, constant over the coming step; nothing without a mass
+/// Apply an external force to the slide.
+/// @param force_n  signed, constant over the next step; no effect without a mass
 void sim_drive_disturb(sim_drive_t *d, double force_n);
 
-/// Let more time pass with the last effective command, because the next one comes late.
-/// @param dt_s  >= 0, any; slower than a step
+/// Advance with the last effective command, because the next one is late.
+/// @param dt_s  >= 0; slower than sim_drive_step()
 void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled);
 
-/// @return a position as the drive reports it, rounded to the quantum
+/// @return a position, rounded to the drive's quantum
 int32_t sim_drive_reported_micro(const sim_drive_t *d, double micro);
 
-/// @return the position that the drive reports
+/// @return the reported position
 int32_t sim_drive_measured_micro(const sim_drive_t *d);
 
 /// @return the exact flow of the second-order system without limits over time_s

@@ -13,8 +13,7 @@ sim_encoder_config_t sim_encoder_defaults(void)
     };
 }
 
-/// @return the position that the disc shows, as a real number of counts in the sense of rising
-/// counts
+/// @return position of the disc in counts, a real number, rising with the counter
 static double place_counts(const sim_encoder_config_t *c, double turn)
 {
     double counts = c->counts_per_turn * turn;
@@ -55,7 +54,7 @@ void sim_encoder_init(sim_encoder_t *e, const sim_encoder_config_t *config, doub
 hal_encoder_t sim_encoder_read(sim_encoder_t *e, double turn)
 {
     const int64_t n_turns = turns_below(e, turn);
-    if (n_turns != e->n_turns) { // the index lies between the two
+    if (n_turns != e->n_turns) { // the index is between the two readings
         const int64_t i_edge = n_turns > e->n_turns ? n_turns : e->n_turns;
         const int64_t whole = i_edge * (int64_t)(e->config.sign * e->config.counts_per_turn);
         const int64_t moved = sim_floor(jitter(e) + 0.5);
@@ -69,7 +68,7 @@ hal_encoder_t sim_encoder_read(sim_encoder_t *e, double turn)
     return e->reading;
 }
 
-/// @return [turn] angle at which the disc shows a place, a real number of counts
+/// @return [turn] angle at which the disc shows `place`, a real number of counts
 static double turn_of(const sim_encoder_config_t *c, double place)
 {
     const double straight = c->sign * place / c->counts_per_turn;
@@ -80,7 +79,8 @@ static double turn_of(const sim_encoder_config_t *c, double place)
     return turn;
 }
 
-/// @return share of the time between two readings at which the spindle passed an angle, 0 .. 1
+/// @return time at which the spindle passed an angle, as a share 0 .. 1 of the time between two
+///         readings
 static double passed_at(const sim_encoder_t *e, double to_turn, double to_speed, double dt_s,
                         double turn)
 {

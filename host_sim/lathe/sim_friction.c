@@ -13,7 +13,7 @@ double sim_friction_longest_s(const sim_friction_law_t *law)
     return fastest_per_s > 0.0 ? 0.25 / fastest_per_s : 1.0;
 }
 
-/// What acts on the slide besides the friction.
+/// Forces on the slide except friction, per mass.
 typedef struct {
     const sim_friction_law_t *law;
     double input, disturb;
@@ -87,7 +87,7 @@ static double reversal_s(const act_t *a, const sim_friction_state_t *s, double s
     return low;
 }
 
-/// The speed is kept within its limit; the way is that of the mean speed then.
+/// Limit the speed; the travel is then that of the mean speed.
 static void keep_speed(const sim_friction_law_t *law, sim_friction_state_t *s, double from_pos,
                        double from_vel, double h_s)
 {
@@ -98,13 +98,7 @@ static void keep_speed(const sim_friction_law_t *law, sim_friction_state_t *s, d
     }
 }
 
-static void stick(const act_t *a, sim_friction_state_t *s, double h_s)
-{
-    const double left = exp(-a->law->lag_per_s * h_s);
-    s->push_micro_per_s2 = a->input + (s->push_micro_per_s2 - a->input) * left;
-}
-
-/// One sub-step, in as many parts as it has reversals.
+/// One sub-step, split at reversals.
 static void sub_step(const act_t *a, sim_friction_state_t *s, double h_s)
 {
     const double friction = a->law->friction_micro_per_s2;
@@ -128,7 +122,9 @@ static void sub_step(const act_t *a, sim_friction_state_t *s, double h_s)
         s->vel_micro_per_s = 0.0;
         h_s -= moving_s;
     }
-    stick(a, s, h_s);
+    // The slide sticks: only the push changes.
+    const double decay = exp(-a->law->lag_per_s * h_s);
+    s->push_micro_per_s2 = a->input + (s->push_micro_per_s2 - a->input) * decay;
 }
 
 void sim_friction_move(const sim_friction_law_t *law, sim_friction_state_t *s,

@@ -8,7 +8,7 @@ void sim_home_init(sim_home_t *h, const sim_home_config_t *config, double place_
     *h = (sim_home_t){.config = *config, .last_mm = place_mm};
 }
 
-/// @return whether an index lies between two places
+/// @return whether an index is between two positions
 static bool is_index_between(const sim_home_config_t *c, double from_mm, double to_mm)
 {
     return c->pitch_mm > 0.0 &&

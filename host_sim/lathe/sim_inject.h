@@ -1,47 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_inject: what goes wrong, or what the operator does, and when: KIND@SECONDS[:VALUE].
+/// sim_inject: faults and actions of the operator, and when they happen: KIND@SECONDS[:VALUE].
 ///
-/// SECONDS count from the first tick of the cutting state, or from the start of time when written
-/// tSECONDS. Each happens once.
+/// SECONDS count from the first tick of the state cutting; tSECONDS count from the start of the
+/// run. Each happens once.
 ///
 /// | kind | value | what happens |
 /// |---|---|---|
 /// | estop | | the emergency-stop chain opens |
-/// | drive | | the drives report that they are not ready |
-/// | bus | | a node of the bus goes silent, the drives are still heard |
-/// | lost-counts | counts | the encoder loses that many |
-/// | encoder-jump | counts | the encoder gains that many |
-/// | encoder-stuck | | the counter stands still |
+/// | drive | | the drives report not ready |
+/// | bus | | a node of the bus goes silent; the drives still report |
+/// | lost-counts | counts | the encoder loses this many counts |
+/// | encoder-jump | counts | the encoder gains this many counts |
+/// | encoder-stuck | | the counter stops |
 /// | index-dead | | no more index edges |
-/// | late-tick | percent | one tick comes late by this much of a period |
+/// | late-tick | percent | one tick is late by this share of a period |
 /// | clock-drift | ppm | the controller's clock runs fast by this, below 0 slow |
-/// | tick-jitter | percent | every tick comes late by up to this much of a period, spread evenly |
-/// | tick-burst | percent | one of 16 ticks by chance comes late by this much |
-/// | tick-twice | percent | one tick comes once more, this much of a period behind the first |
+/// | tick-jitter | percent | every tick is late by up to this share of a period, at random |
+/// | tick-burst | percent | one of 16 ticks, at random, is late by this share |
+/// | tick-twice | percent | one tick is repeated, this share of a period after the first |
 /// | reverse | | the spindle turns against its set-point |
-/// | spindle-speed | r/min | the spindle runs away to that speed, in the sense of cutting |
+/// | spindle-speed | r/min | the spindle runs away to this speed, in the sense of cutting |
 /// | spindle-stop | | the spindle brakes to rest |
 /// | z-offset | mm | measured Z is off by this much |
-/// | u-block | | U stands still |
-/// | swing-block | | the swing of the tool stands still |
-/// | table-flip | byte | one bit of that byte of the table image flips in memory |
+/// | u-block | | U stops moving |
+/// | swing-block | | the swing of the tool stops moving |
+/// | table-flip | byte | one bit of this byte of the table image flips in memory |
 /// | stop | | the operator's stop command |
 /// | hold | | ... hold of the feed |
 /// | resume | | ... and its end |
 /// | feed-override | percent | ... override of the feed |
 /// | spindle-override | percent | ... of the spindle |
 /// | trim | um | ... trim of X, on the radius |
-/// | acknowledge | seconds | somebody presses the button at the machine for so long |
-/// | key | 0 or 1 | ... turns the key switch |
-/// | encoder-late | us | one frame of the encoder comes late by this |
-/// | encoder-missing | frames | that many frames of the encoder are not sent |
-/// | encoder-repeated | frames | that many times the last one is sent instead |
-/// | encoder-swapped | pairs | that many times two frames change places |
-/// | heartbeat-lost | node | no more heartbeats of the node with this number |
-/// | node-dead | node | it neither hears nor speaks |
+/// | acknowledge | seconds | the operator presses the button acknowledge for this time |
+/// | key | 0 or 1 | ... turns the key switch off or on |
+/// | encoder-late | us | one frame of the encoder is late by this |
+/// | encoder-missing | frames | this many frames of the encoder are not sent |
+/// | encoder-repeated | frames | this many frames are replaced by the last one |
+/// | encoder-swapped | pairs | this many pairs of frames are swapped |
+/// | heartbeat-lost | node | the node with this number sends no more heartbeats |
+/// | node-dead | node | it neither receives nor sends |
 /// | node-fault | node | the drive with this number fails, with an emergency message |
 ///
-/// Some happen only in camsim run, some only to the nodes of camsim bus, most in both.
+/// Some work only in camsim run, some only in camsim bus, most in both.
 #ifndef SIM_INJECT_H
 #define SIM_INJECT_H
 
@@ -87,7 +87,7 @@ typedef enum {
     sim_n_injects
 } sim_inject_kind_t;
 
-/// Where a kind can happen. Only the live lathe has a button and a key switch.
+/// Where a kind is possible. Only the live lathe has a button and a key switch.
 typedef enum {
     sim_inject_in_run = 1,
     sim_inject_on_bus = 2,
@@ -98,21 +98,21 @@ typedef enum {
 typedef struct {
     sim_inject_kind_t kind;
     double at_s;
-    bool is_absolute; ///< at_s counts from the start of time
+    bool is_absolute; ///< at_s counts from the start of the run
     double value;
     bool is_done;
 } sim_inject_t;
 
 /// @param text   KIND@SECONDS[:VALUE] or KIND@tSECONDS[:VALUE]
-/// @param place  where it shall happen
-/// @return       false and *e when it is malformed or cannot happen there
+/// @param place  where it is to happen
+/// @return       false and *e when it is malformed or not possible there
 bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
                       common_error_t *e);
 
 /// @return the kind's name
 const char *sim_inject_name(sim_inject_kind_t kind);
 
-/// Do to the lathe what the kind says; nothing when the kind is not the lathe's.
+/// Apply an injection to the lathe; other kinds do nothing.
 /// @param direction  +1 or -1: sense of cutting
 void sim_inject_apply(const sim_inject_t *inject, sim_lathe_t *l, int direction);
 

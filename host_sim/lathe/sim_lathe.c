@@ -55,16 +55,16 @@ void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double ste
     sim_scale_init(&l->scale, &config->scale, 0.0, step_s);
 }
 
-/// Let the modes and the scale of U follow its slide over a step in two pieces.
-/// @param from  slide before the step
+/// Move the modes and the scale of U with its slide over a step in two pieces.
+/// @param from  state of the slide before the step
 static void follow_u(sim_lathe_t *l, sim_drive_place_t from, double first_s, double second_s)
 {
     sim_drive_t *u = &l->drive[hal_axis_u];
     const sim_drive_place_t middle = first_s > 0.0 ? u->middle : from;
-    const sim_mode_way_t first = {{from.pos_micro, middle.pos_micro},
-                                  {from.vel_micro_per_s, middle.vel_micro_per_s}};
-    const sim_mode_way_t second = {{middle.pos_micro, u->pos_micro},
-                                   {middle.vel_micro_per_s, u->vel_micro_per_s}};
+    const sim_mode_travel_t first = {{from.pos_micro, middle.pos_micro},
+                                     {from.vel_micro_per_s, middle.vel_micro_per_s}};
+    const sim_mode_travel_t second = {{middle.pos_micro, u->pos_micro},
+                                      {middle.vel_micro_per_s, u->vel_micro_per_s}};
     double pos_micro = u->pos_micro;
     double vel_micro_per_s = u->vel_micro_per_s;
     for (int i = 0; i < sim_mode_n; i++) {
@@ -78,7 +78,7 @@ static void follow_u(sim_lathe_t *l, sim_drive_place_t from, double first_s, dou
     u->beyond_micro = sim_scale_now_micro(&l->scale) - u->pos_micro;
 }
 
-/// @return the speed that the spindle is led to: an injected fault goes before the set-point
+/// @return commanded spindle speed; an injected fault overrides the set-point
 static double spindle_rad_per_s(const sim_lathe_t *l, const sim_setpoints_t *set)
 {
     const double wanted = l->is_speed_forced ? l->forced_rad_per_s : set->spindle_rad_per_s;
@@ -142,7 +142,7 @@ int32_t sim_lathe_measured_micro(const sim_lathe_t *l, int drive)
     return sim_drive_reported_micro(d, sim_scale_read_micro(&l->scale));
 }
 
-/// The last reading with the faults of the encoder; the index latch copies the counter with them.
+/// The last reading with the encoder's faults, which the index latch copies too.
 static hal_encoder_t distorted(const sim_lathe_t *l)
 {
     hal_encoder_t reading = l->true_reading;
@@ -167,7 +167,7 @@ hal_encoder_t sim_lathe_encoder(sim_lathe_t *l)
 
 void sim_lathe_stick_encoder(sim_lathe_t *l)
 {
-    // Faults add up: what was lost before the counter got stuck stays lost.
+    // Faults add up: counts lost before the counter stuck stay lost.
     l->stuck_counts = distorted(l).counts;
     l->is_encoder_stuck = true;
 }
@@ -178,7 +178,7 @@ void sim_lathe_kill_index(sim_lathe_t *l)
     l->is_index_dead = true;
 }
 
-/// @return [nm] by which the tip stands beside the slide
+/// @return [nm] distance of the tip from the slide
 static double tip_beside_nm(const sim_lathe_t *l)
 {
     double nm = -1e3 * sim_chip_bend_um(&l->chip, l->chip_n);
@@ -188,7 +188,7 @@ static double tip_beside_nm(const sim_lathe_t *l)
     return nm;
 }
 
-/// @return [nm] that the run-out of the spindle adds to the distance of the tool
+/// @return [nm] change of the tool's distance by the spindle's run-out
 static double runout_nm(const sim_lathe_t *l)
 {
     const double angle = SIM_TWO_PI * sim_fraction(l->spindle.turn);

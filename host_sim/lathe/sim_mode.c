@@ -23,12 +23,12 @@ typedef struct {
     double c[4];
 } cubic_t;
 
-/// @return the cubic through positions and speeds at both ends, counted from the first position
-static cubic_t cubic_of(const sim_mode_way_t *way, double dt_s)
+/// @return the cubic through positions and speeds at both ends, relative to the first position
+static cubic_t cubic_of(const sim_mode_travel_t *travel, double dt_s)
 {
-    const double gone = way->pos_micro[1] - way->pos_micro[0];
-    const double v0 = way->vel_micro_per_s[0];
-    const double v1 = way->vel_micro_per_s[1];
+    const double gone = travel->pos_micro[1] - travel->pos_micro[0];
+    const double v0 = travel->vel_micro_per_s[0];
+    const double v1 = travel->vel_micro_per_s[1];
     return (cubic_t){{
         0.0,
         v0,
@@ -46,13 +46,13 @@ static cubic_t answer_to(const cubic_t *x, double drag, double w2)
     return (cubic_t){{(a0 - drag * r1) / w2, r1, 0.0, 0.0}};
 }
 
-void sim_mode_step(sim_mode_t *m, const sim_mode_way_t *way, double dt_s)
+void sim_mode_step(sim_mode_t *m, const sim_mode_travel_t *travel, double dt_s)
 {
     if (m->omega_rad_per_s == 0.0 || dt_s <= 0.0) {
         return;
     }
     const double w = m->omega_rad_per_s;
-    const cubic_t x = cubic_of(way, dt_s);
+    const cubic_t x = cubic_of(travel, dt_s);
     const cubic_t r = answer_to(&x, 2.0 * m->damping * w, w * w);
     const sim_drive_flow_t flow = sim_drive_flow(w, m->damping, dt_s);
     const double off = m->pos_micro - r.c[0];

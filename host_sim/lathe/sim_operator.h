@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_operator: somebody at the simulated machine, who presses the button acknowledge when it is
-/// needed, or stays away.
+/// sim_operator: a simulated operator, who presses the button acknowledge when it is needed, or is
+/// absent.
 ///
-/// He needs a moment to see that the machine may move again: 0.3 s after the emergency-stop chain
-/// is closed and the fault is reset he presses for 0.2 s, and again when that did not do. He turns
-/// the key switch anew for each commander.
+/// 0.3 s after the emergency-stop chain is closed and the fault is reset, the operator presses for
+/// 0.2 s, and again if that did not help. The operator turns the key switch for each new commander.
 #ifndef SIM_OPERATOR_H
 #define SIM_OPERATOR_H
 
@@ -15,14 +14,14 @@ typedef struct {
     bool is_present;
     bool is_waiting; ///< the button is needed since since_s
     double since_s;
-    double until_s;   ///< a press that was typed ends then
+    double until_s;   ///< end of a press requested on stdin
     bool is_key_on;   ///< the key switch
-    bool turns_key;   ///< off and on again with each new session
-    uint32_t session; ///< at the last look
+    bool turns_key;   ///< off and on again for each new session
+    uint32_t session; ///< at the last call
 } sim_operator_t;
 
-/// Let somebody press the button at once.
-/// @param press_s  [s] for so long
+/// Press the button at once.
+/// @param press_s  [s] duration
 void sim_operator_press(sim_operator_t *o, double time_s, double press_s);
 
 /// @param is_needed  the controller wants the button, the chain is closed, and no fault is latched

@@ -29,7 +29,7 @@ void sim_scale_push(sim_scale_t *s, double pos_micro, double vel_micro_per_s)
     s->vel_micro_per_s[s->i] = vel_micro_per_s;
 }
 
-/// @return [micro] position some steps ago, by the cubic between the two steps around
+/// @return [micro] position `latency_steps` ago, by the cubic between the neighbouring steps
 static double earlier(const sim_scale_t *s)
 {
     const uint32_t whole = (uint32_t)sim_floor(s->latency_steps);

@@ -4,18 +4,18 @@
 ///     reading = round((y(t - L) + e sin(4 pi y / P)) / quantum) quantum
 ///
 /// y is what the scale sees, L the time by which it latches before the encoder, e the interpolation
-/// error, which repeats twice in a period P of the scale: the gains or the offsets of its sine and
-/// cosine differ. Source: MATHS.md (124); Heydemann, "Determination and correction of quadrature
-/// fringe measurement errors in interferometers", Applied Optics 20(19), 1981.
+/// error, which repeats twice in a period P of the scale when the gains of its sine and cosine
+/// differ. Source: MATHS.md (124); Heydemann, "Determination and correction of quadrature fringe
+/// measurement errors in interferometers", Applied Optics 20(19), 1981.
 ///
-/// y between two steps is the cubic through positions and speeds at both: right to T^4 y'''' / 384,
-/// below 0.01 nm for 300 Hz and 20 kHz, and to J T^2 / 64 where the acceleration jumps by J.
+/// Between two steps y is the cubic through positions and speeds at both. Its error is T^4 y'''' /
+/// 384, below 0.01 nm for 300 Hz and 20 kHz, and J T^2 / 64 where the acceleration jumps by J.
 #ifndef SIM_SCALE_H
 #define SIM_SCALE_H
 
 #include <stdint.h> // uint32_t
 
-enum { sim_scale_ring = 256 }; ///< steps that are remembered: 1000 us at 200 000 steps a second
+enum { sim_scale_ring = 256 }; ///< steps kept: 1000 us at 200 000 steps per second
 
 typedef struct {
     double latency_us; ///< L
@@ -34,19 +34,18 @@ typedef struct {
 /// No latency, no error; 20 um.
 sim_scale_config_t sim_scale_defaults(void);
 
-/// @param pos_micro  at rest there before the start
-/// @param step_s     between two calls of sim_scale_push(); latency / step_s < sim_scale_ring - 1
+/// @param pos_micro  position at rest before the start
+/// @param step_s     between calls of sim_scale_push(); latency / step_s < sim_scale_ring - 1
 void sim_scale_init(sim_scale_t *s, const sim_scale_config_t *config, double pos_micro,
                     double step_s);
 
-/// A step has passed.
+/// Add the state after a step.
 void sim_scale_push(sim_scale_t *s, double pos_micro, double vel_micro_per_s);
 
-/// @return [micro] what the scale shows of this instant, without its latency: for a loop of the
-/// drive
+/// @return [micro] reading without latency, for the drive's own loop
 double sim_scale_now_micro(const sim_scale_t *s);
 
-/// @return [micro] reading before it is rounded to the quantum
+/// @return [micro] reading before rounding to the quantum
 double sim_scale_read_micro(const sim_scale_t *s);
 
 #endif

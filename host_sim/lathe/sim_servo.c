@@ -4,7 +4,7 @@
 #include <complex.h>   // cexp, I
 #include <math.h>      // exp, INFINITY
 
-/// Corner of the speed's filter and of the sum, against w.
+/// Corners of the speed filter and of the integral, relative to w.
 #define FILTER_PER_W 8.0
 #define SUM_PER_W 0.005
 
@@ -68,14 +68,14 @@ static double complex inverse_at(const sim_drive_config_t *c, const sim_servo_t 
     return 1.0 + (plant * lag + s->kd_per_s * speed) / to_force;
 }
 
-/// What the fit works on.
+/// Data of the fit.
 typedef struct {
     double omega[n_lines];
     double complex inverse[n_lines];
 } lines_t;
 
-/// The two constants that fit best with a dead time. @return mean square of the relative error
-static double fit(const lines_t *lines, double lead_s, sim_servo_worth_t *worth)
+/// The two constants that fit best for a dead time. @return mean square of the relative error
+static double fit(const lines_t *lines, double lead_s, sim_servo_equivalent_t *fitted)
 {
     double w2 = 0.0;
     double w4 = 0.0;
@@ -89,18 +89,18 @@ static double fit(const lines_t *lines, double lead_s, sim_servo_worth_t *worth)
         sum_k1 += w * cimag(off);
         sum_k2 -= w * w * creal(off);
     }
-    *worth = (sim_servo_worth_t){.k1_s = sum_k1 / w2, .k2_s2 = sum_k2 / w4, .lead_s = lead_s};
+    *fitted = (sim_servo_equivalent_t){.k1_s = sum_k1 / w2, .k2_s2 = sum_k2 / w4, .lead_s = lead_s};
     double error = 0.0;
     for (int i = 0; i < n_lines; i++) {
         const double w = lines->omega[i];
         const double complex off = cexp(-I * w * lead_s) * lines->inverse[i] - 1.0 -
-                                   I * w * worth->k1_s + w * w * worth->k2_s2;
+                                   I * w * fitted->k1_s + w * w * fitted->k2_s2;
         error += creal(off) * creal(off) + cimag(off) * cimag(off);
     }
     return error / n_lines;
 }
 
-sim_servo_worth_t sim_servo_worth(const sim_drive_config_t *config, double period_s)
+sim_servo_equivalent_t sim_servo_equivalent(const sim_drive_config_t *config, double period_s)
 {
     sim_servo_t servo;
     lines_t lines;
@@ -112,16 +112,15 @@ sim_servo_worth_t sim_servo_worth(const sim_drive_config_t *config, double perio
         lines.omega[i] = first + (last - first) * i / (n_lines - 1);
         lines.inverse[i] = inverse_at(config, &servo, lines.omega[i]);
     }
-    // The error has several minima over the dead time; only an inverse of positive constants
-    // counts.
-    sim_servo_worth_t best = {0};
+    // The error has several minima over the dead time; only those with positive constants count.
+    sim_servo_equivalent_t best = {0};
     double least = INFINITY;
     for (int i = 0; i <= n_steps; i++) {
-        sim_servo_worth_t worth;
-        const double error = fit(&lines, LONGEST_S * i / n_steps, &worth);
-        if (error < least && worth.k1_s >= 0.0 && worth.k2_s2 >= 0.0) {
+        sim_servo_equivalent_t fitted;
+        const double error = fit(&lines, LONGEST_S * i / n_steps, &fitted);
+        if (error < least && fitted.k1_s >= 0.0 && fitted.k2_s2 >= 0.0) {
             least = error;
-            best = worth;
+            best = fitted;
         }
     }
     return best;

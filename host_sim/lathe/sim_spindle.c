@@ -30,7 +30,7 @@ void sim_spindle_init(sim_spindle_t *s, const sim_spindle_config_t *config)
     };
 }
 
-/// The loop of first order is solved exactly; the torque limits the change of the speed.
+/// Exact solution of the first-order loop; the torque limits the change of the speed.
 static double speed_after(const sim_spindle_t *s, double set_rad_per_s, double dt_s)
 {
     const double gap = set_rad_per_s - s->speed_rad_per_s;
@@ -47,7 +47,7 @@ static double wave(double periods)
     return sin(SIM_TWO_PI * sim_fraction(periods));
 }
 
-/// The ripple multiplies the speed by sines of the angle, not of time.
+/// The ripple is a function of the angle, not of time.
 static double rippled(const sim_spindle_t *s, double turn)
 {
     const double first = 1.0 + s->ripple * wave(s->ripple_per_turn * turn);
@@ -59,7 +59,7 @@ void sim_spindle_step(sim_spindle_t *s, double set_rad_per_s, double dt_s)
     const double after = speed_after(s, set_rad_per_s, dt_s);
     const double mean_turns = 0.5 * (s->speed_rad_per_s + after) * dt_s / SIM_TWO_PI;
     s->speed_rad_per_s = after;
-    // The ripple is taken in the middle of the step, which makes the angle right to second order.
+    // The ripple at the middle of the step makes the angle second-order accurate.
     const bool is_rippled = s->ripple > 0.0 || s->ripple_2 > 0.0;
     s->turn += is_rippled ? mean_turns * rippled(s, s->turn + 0.5 * mean_turns) : mean_turns;
 }

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_spindle: a driven inertia whose true speed ripples with the angle.
+/// sim_spindle: a driven inertia with speed ripple over the angle.
 ///
 ///     J dw/dt = clamp(J b (w_set - w), -M, M)          mean speed w, speed loop of bandwidth b
 ///     dturn/dt = w (1 + sum r sin(2 pi k turn)) / (2 pi)   kinematic ripple: belt, motor poles
 ///
-/// Discretisation: w is exact (an exponential, or a ramp while the torque is at its limit); its
-/// angle follows by the trapezium rule with an error below b^2 |w_set - w| T^3 / 12 per step, 5e-12
-/// turn in a run-up with the defaults. The ripple follows by the midpoint rule: the speed is off by
-/// r (k w T)^2 / 24, 6e-8 of it at 2500 r/min and 20 kHz. Both only mean a slightly different
-/// spindle: encoder and gauge see the angle that results. Source: MATHS.md (69), (128).
+/// Discretisation: w is exact (an exponential, or a ramp while the torque is at its limit); the
+/// angle is integrated by the trapezium rule with an error below b^2 |w_set - w| T^3 / 12 per step,
+/// 5e-12 turn in a run-up with the defaults. The ripple is integrated by the midpoint rule: the
+/// relative error of the speed is r (k w T)^2 / 24, 6e-8 at 2500 r/min and 20 kHz. Both errors only
+/// make a slightly different spindle: encoder and gauge use the resulting angle. Source: MATHS.md
+/// (69), (128).
 #ifndef SIM_SPINDLE_H
 #define SIM_SPINDLE_H
 
 typedef struct {
     double inertia_kgm2;        ///< spindle, chuck and part
-    double torque_Nm;           ///< highest torque, both senses
+    double torque_Nm;           ///< largest torque, both senses
     double bandwidth_rad_per_s; ///< of the speed loop
     double ripple;              ///< amplitude of the ripple, share of the speed
     double ripple_per_turn;     ///< periods per turn
@@ -36,12 +37,12 @@ typedef struct {
 
 void sim_spindle_init(sim_spindle_t *s, const sim_spindle_config_t *config);
 
-/// Let time pass.
+/// Advance the time.
 /// @param set_rad_per_s  commanded speed, signed
 /// @param dt_s           >= 0
 void sim_spindle_step(sim_spindle_t *s, double set_rad_per_s, double dt_s);
 
-/// @return [rad/s] speed of this instant, with the ripple
+/// @return [rad/s] present speed with the ripple
 double sim_spindle_true_rad_per_s(const sim_spindle_t *s);
 
 #endif

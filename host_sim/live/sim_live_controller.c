@@ -13,22 +13,22 @@
 #include <string.h>     // memcpy
 #include <unistd.h>     // read, write
 
-/// Ticks between two looks at stdin: at 20 kHz 0.2 ms.
+/// Ticks between two checks of stdin: 0.2 ms at 20 kHz.
 enum { look_ticks = 4 };
 
 typedef struct {
     cam_machine_t machine;
     cam_can_t remote;
-    uint8_t frame[sizeof(hal_can_frame_t)]; ///< of stdin, as far as it came
+    uint8_t frame[sizeof(hal_can_frame_t)]; ///< from stdin, as far as received
     size_t n_frame;
-    uint32_t n_told; ///< frames of the port's ring
+    uint32_t n_sent; ///< frames of the port's ring that were sent
     bool is_over;    ///< stdin has ended
 } controller_t;
 
 static controller_t controller;
 
-/// Read on in a frame that arrives. @return true when something came
-static bool read_on(controller_t *c)
+/// Read more of a frame. @return true when something was read
+static bool read_frame(controller_t *c)
 {
     const ssize_t n = read(STDIN_FILENO, c->frame + c->n_frame, sizeof c->frame - c->n_frame);
     c->is_over = n == 0 || (n < 0 && errno != EINTR && errno != EAGAIN);
@@ -36,12 +36,12 @@ static bool read_on(controller_t *c)
     return n > 0;
 }
 
-/// Hand over what is there, as far as the queue of the port has room.
-static void listen_to_frames(controller_t *c)
+/// Hand over received frames, as far as the port's queue has room.
+static void receive_frames(controller_t *c)
 {
     struct pollfd in = {.fd = STDIN_FILENO, .events = POLLIN};
     while (hal_host.slow.n_received - hal_host.slow.n_read < hal_host_can_frames &&
-           poll(&in, 1, 0) > 0 && read_on(c)) {
+           poll(&in, 1, 0) > 0 && read_frame(c)) {
         if (c->n_frame == sizeof c->frame) {
             hal_can_frame_t frame;
             memcpy(&frame, c->frame, sizeof frame);
@@ -51,17 +51,17 @@ static void listen_to_frames(controller_t *c)
     }
 }
 
-/// Send what the firmware sent. A reader that stalls loses frames, as on a bus.
-static void speak(controller_t *c)
+/// Forward the firmware's frames. A reader that stalls loses frames, as on a bus.
+static void send_frames(controller_t *c)
 {
-    for (; c->n_told != hal_host.slow.n_sent; c->n_told++) {
-        const hal_can_frame_t *frame = &hal_host.slow.sent[c->n_told % hal_host_can_frames];
+    for (; c->n_sent != hal_host.slow.n_sent; c->n_sent++) {
+        const hal_can_frame_t *frame = &hal_host.slow.sent[c->n_sent % hal_host_can_frames];
         const ssize_t n = write(STDOUT_FILENO, frame, sizeof *frame);
         c->is_over = c->is_over || (n < 0 && errno != EAGAIN && errno != EINTR);
     }
 }
 
-/// The lathe is gone: what the port of a machine says whose drives are silent.
+/// The lathe is gone: the port reports silent drives.
 static void stand_alone(sim_live_t *l)
 {
     if (!l->was_lost) {
@@ -72,17 +72,17 @@ static void stand_alone(sim_live_t *l)
     hal_host_fault_bus(true);
 }
 
-/// Tell once that the computer is too slow for the pace that was asked for.
+/// Warn once that the computer is too slow for the requested speed.
 static void warn_of_pace(sim_live_t *l)
 {
     if (!l->is_warned && l->pace.lost_ns > 0.0) {
         l->is_warned = true;
-        (void)fprintf(stderr, "controller: this computer falls behind the clock, so time is "
+        (void)fprintf(stderr, "controller: this computer is too slow for the clock, so time is "
                               "stretched; give a smaller --speed-up\n");
     }
 }
 
-/// @return whether nothing is enabled before somebody presses the button
+/// @return whether nothing is enabled before the button is pressed
 static bool is_waiting(const cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -91,7 +91,7 @@ static bool is_waiting(const cam_machine_t *m)
 
 static void tick(sim_live_t *l)
 {
-    if (!sim_wire_take_sensed(&l->wire)) {
+    if (!sim_wire_receive_sensed(&l->wire)) {
         stand_alone(l);
     }
     hal_host_tick();
@@ -102,10 +102,10 @@ static void tick(sim_live_t *l)
         .is_waiting = is_waiting(m) ? 1u : 0u,
         .session = m->rights.commander != 0u ? m->rights.session : 0u,
     };
-    (void)sim_wire_tell_written(&l->wire, &played);
+    (void)sim_wire_send_written(&l->wire, &played);
 }
 
-/// Set a parameter that differs; one tick takes the change, so that the next can be made.
+/// Set a parameter that differs. A tick applies the change before the next one.
 static cam_err_t set_param(void *live, cam_param_id_t id, int32_t value)
 {
     cam_machine_t *m = &controller.machine;
@@ -117,7 +117,7 @@ static cam_err_t set_param(void *live, cam_param_id_t id, int32_t value)
     return err;
 }
 
-/// What main() does before its loop.
+/// The part of main() before its loop.
 static bool start(sim_live_t *l, common_error_t *e)
 {
     const sim_session_options_t *o = &l->session.options;
@@ -152,12 +152,12 @@ bool sim_live_controller(sim_live_t *l, common_error_t *e)
     }
     for (uint32_t i = 0; !c->is_over; i++) {
         if (i % look_ticks == 0u) {
-            listen_to_frames(c);
+            receive_frames(c);
         }
         cam_machine_poll(&c->machine);
         cam_can_poll(&c->remote);
         tick(l);
-        speak(c);
+        send_frames(c);
         sim_pace_tick(&l->pace);
         warn_of_pace(l);
     }

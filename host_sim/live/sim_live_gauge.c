@@ -3,12 +3,7 @@
 #include "sim_units.h" // SIM_UDEG_PER_TURN
 #include <stdio.h>     // printf
 
-static bool has_gauge(const sim_session_t *s)
-{
-    return s->design.shape != sim_shape_lobes && s->table.n_passes <= 1u;
-}
-
-/// Say how good the part is, whose cut has ended, and put the next blank into the chuck.
+/// Print the result of the finished part and mount the next blank.
 static void end_part(sim_live_t *l)
 {
     sim_session_t *s = &l->session;
@@ -28,7 +23,7 @@ static void end_part(sim_live_t *l)
 void sim_live_gauge(sim_live_t *l)
 {
     sim_session_t *s = &l->session;
-    if (!has_gauge(s)) {
+    if (s->design.shape == sim_shape_lobes || s->table.n_passes > 1u) {
         return;
     }
     const bool is_in_cut = (hal_host.out.outputs & hal_out_in_cut) != 0u;

@@ -7,7 +7,7 @@
 #include <string.h> // strchr, strcmp
 #include <unistd.h> // read
 
-/// Ticks between two looks at stdin: a person does not notice 5 ms.
+/// Ticks between two checks of stdin: 5 ms, which nobody notices.
 enum { look_ticks = 100 };
 
 static void release(void)
@@ -17,7 +17,7 @@ static void release(void)
     hal_host_fault_bus(false);
 }
 
-/// @return false and *e when a word is no fault of a lathe
+/// @return false and *e when a word is not a fault of the lathe
 static bool parse(sim_inject_t *what, const char *word, common_error_t *e)
 {
     char text[2 * sim_live_word_bytes];
@@ -38,12 +38,12 @@ static void inject(sim_live_t *l, const sim_inject_t *what)
         l->people.is_key_on = what->value != 0.0;
     } else if (what->kind == sim_inject_acknowledge) {
         sim_operator_press(&l->people, l->port.time_s, what->value);
-    } else { // it is the lathe's or the port's
+    } else { // a fault of the lathe or of the port
     }
     sim_port_inject(&l->port, what, l->session.table.direction);
 }
 
-/// Let a fault happen that somebody typed: KIND or KIND:VALUE.
+/// Cause a fault typed as KIND or KIND:VALUE.
 static void carry_out(sim_live_t *l, const char *word)
 {
     common_error_t e;
@@ -74,7 +74,7 @@ static void take_byte(sim_live_t *l, char c)
     l->n_word = 0;
 }
 
-/// Take what was typed. @return false at the end of the input
+/// Process typed input. @return false at its end
 static bool listen_to_words(sim_live_t *l)
 {
     struct pollfd in = {.fd = STDIN_FILENO, .events = POLLIN};
@@ -100,7 +100,7 @@ static bool is_at_rest(const sim_lathe_t *lathe)
     return rests;
 }
 
-/// Without a controller drives and spindle are disabled; say so, and where they came to rest.
+/// Without a controller disable drives and spindle; report that, and where they came to rest.
 static void stand_alone(sim_live_t *l)
 {
     const sim_lathe_t *lathe = &l->port.lathe;
@@ -120,7 +120,7 @@ static void stand_alone(sim_live_t *l)
     (void)fflush(stdout);
 }
 
-/// Let somebody at the machine press the button.
+/// Update the button and the key switch of the operator.
 static void attend(sim_live_t *l)
 {
     const bool is_closed = (hal_host.in.inputs & (uint32_t)hal_in_estop) == 0u;
@@ -137,7 +137,7 @@ static void tick(sim_live_t *l)
     sim_port_sense(&l->port);
     attend(l);
     hal_host_advance();
-    if (!sim_wire_tell_sensed(&l->wire) || !sim_wire_take_written(&l->wire)) {
+    if (!sim_wire_send_sensed(&l->wire) || !sim_wire_receive_written(&l->wire)) {
         stand_alone(l);
         sim_pace_tick(&l->pace);
     }

@@ -4,7 +4,7 @@
 #include <time.h> // clock_gettime, clock_nanosleep
 
 #define BURST_NS 1e6
-#define MOST_BEHIND_NS 1e8
+#define MOST_LATE_NS 1e8
 
 static double now_ns(void)
 {
@@ -27,7 +27,7 @@ void sim_pace_tick(sim_pace_t *p)
                                    .tv_nsec =
                                        (long)(early_ns - (double)(int64_t)(early_ns / 1e9) * 1e9)};
         (void)clock_nanosleep(CLOCK_MONOTONIC, 0, &t, NULL);
-    } else if (early_ns < -MOST_BEHIND_NS) {
+    } else if (early_ns < -MOST_LATE_NS) {
         p->lost_ns -= early_ns;
         p->due_ns -= early_ns;
     }

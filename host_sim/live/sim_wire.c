@@ -11,7 +11,7 @@ typedef struct {
     uint32_t sensed_bytes, written_bytes, tick_hz;
 } hello_t;
 
-static bool tell(sim_wire_t *w, const void *packet, size_t n)
+static bool send_packet(sim_wire_t *w, const void *packet, size_t n)
 {
     ssize_t sent = -1;
     do {
@@ -21,7 +21,7 @@ static bool tell(sim_wire_t *w, const void *packet, size_t n)
     return !w->is_lost;
 }
 
-static bool take(sim_wire_t *w, void *packet, size_t n)
+static bool receive_packet(sim_wire_t *w, void *packet, size_t n)
 {
     ssize_t got = -1;
     do {
@@ -40,7 +40,7 @@ bool sim_wire_open(sim_wire_t *w, int fd, uint32_t tick_hz, common_error_t *e)
                          .tick_hz = tick_hz};
     hello_t other;
     errno = 0;
-    if (!tell(w, &own, sizeof own) || !take(w, &other, sizeof other)) {
+    if (!send_packet(w, &own, sizeof own) || !receive_packet(w, &other, sizeof other)) {
         return common_error(e, "--wire %d: no partner: %s; let tools/live start both", fd,
                             errno != 0 ? strerror(errno) : "it has ended");
     }
@@ -51,36 +51,36 @@ bool sim_wire_open(sim_wire_t *w, int fd, uint32_t tick_hz, common_error_t *e)
                         fd);
 }
 
-bool sim_wire_tell_sensed(sim_wire_t *w)
+bool sim_wire_send_sensed(sim_wire_t *w)
 {
     sim_wire_sensed_t packet = {.clock = hal_host.clock};
     memcpy(packet.in, &hal_host.in, sizeof packet.in);
-    return tell(w, &packet, sizeof packet);
+    return send_packet(w, &packet, sizeof packet);
 }
 
-bool sim_wire_take_sensed(sim_wire_t *w)
+bool sim_wire_receive_sensed(sim_wire_t *w)
 {
     sim_wire_sensed_t packet;
-    if (!take(w, &packet, sizeof packet)) {
+    if (!receive_packet(w, &packet, sizeof packet)) {
         return false;
     }
     memcpy(&hal_host.in, packet.in, sizeof packet.in);
-    hal_host.in.encoder = hal_host.in.read; // distorted on the other side
+    hal_host.in.encoder = hal_host.in.read; // the lathe has applied the faults
     hal_host.clock = packet.clock - hal_host_clock_hz / hal_host.tick_hz;
     return true;
 }
 
-bool sim_wire_tell_written(sim_wire_t *w, const sim_wire_played_t *played)
+bool sim_wire_send_written(sim_wire_t *w, const sim_wire_played_t *played)
 {
     sim_wire_written_t packet = {.played = *played};
     memcpy(packet.out, &hal_host.out, sizeof packet.out);
-    return tell(w, &packet, sizeof packet);
+    return send_packet(w, &packet, sizeof packet);
 }
 
-bool sim_wire_take_written(sim_wire_t *w)
+bool sim_wire_receive_written(sim_wire_t *w)
 {
     sim_wire_written_t packet;
-    if (!take(w, &packet, sizeof packet)) {
+    if (!receive_packet(w, &packet, sizeof packet)) {
         return false;
     }
     memcpy(&hal_host.out, packet.out, sizeof packet.out);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_arc: section of an oval and an eccentric circle, corner included, MATHS.md (10), (11).
+/// sim_arc: a section of an oval and an eccentric circle, with their corner, MATHS.md (10), (11).
 ///
 ///     phi < joint    the oval, reduction delta(phi)
 ///     phi >= joint   rho = sqrt(R^2 - e^2 cos^2 phi) - e sin phi,  R = B + e
@@ -13,7 +13,7 @@ typedef struct {
     double eccentricity_mm, radius_mm;
 } sim_arc_t;
 
-/// Derive the circle that meets the oval at the joint and lies `trim` below it at the short axis.
+/// Derive the circle that meets the oval at the joint and is `trim` below it on the short axis.
 /// @param at_joint_mm  reduction of the oval at the joint
 /// @param sin_joint    sine of the joint's angle
 sim_arc_t sim_arc_of(double a_mm, double g_mm, double trim_mm, double at_joint_mm,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_correction: what a table takes off a drawing because a gauged part showed it.
+/// sim_correction: the correction of a drawing in a table, from a gauged part.
 ///
 ///     delta = sum over the orders k of  a_k(z) cos k phi + b_k(z) sin k phi
 ///
-/// a_k and b_k are cubics over height that keep the values of their ends; phi is the drawing's
-/// angle. The target of a report has it, never its design: the part is judged by the drawing.
-/// MATHS.md (160). Error: rounding.
+/// a_k and b_k are cubics over height, constant beyond their ends; phi is the drawing's angle. Only
+/// the target of a report has a correction, never its design, which judges the part. MATHS.md
+/// (160). Error: rounding.
 #ifndef SIM_CORRECTION_H
 #define SIM_CORRECTION_H
 
@@ -27,8 +27,8 @@ typedef struct {
     size_t n;
 } sim_correction_t;
 
-/// Read design.correction, where there is one.
-/// @param c     zero-initialised; to be freed in any case
+/// Read design.correction, if present.
+/// @param c     zero-initialised; the caller frees it, also on failure
 /// @param name  of the design, for messages
 /// @param path  of the report, for messages
 /// @return      false and *e when it is malformed

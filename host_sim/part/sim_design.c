@@ -39,7 +39,7 @@ static void look_up(sim_design_t *d, double z_mm)
     }
 }
 
-/// @return [mm] radius without the correction; d is looked up
+/// @return [mm] radius without the correction, after look_up()
 static double drawn_mm(sim_design_t *d, double turn, double z_mm)
 {
     const double phase_rad = d->is_turned ? sim_cubics_at(&d->phase_rad, z_mm) : 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_design: the exact surface of the part in double, which the gauge measures against.
+/// sim_design: the exact surface of the part in double, the reference of the gauge.
 ///
 ///     radius(phi, z) = a(z) - delta(phi, z),  phi from the long axis, G(z) = 2a - 2b
 ///     ellipse          delta = a k sin^2 phi / (q (q + 1)),
@@ -12,10 +12,10 @@
 ///     all of them      less a correction, in a target alone (sim_correction.h)
 ///     lobes            another frame and gauge: sim_lobe_design.h
 ///
-/// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
-/// the generator writes beside NAME.camtab, so the gauge is independent of table and firmware.
-/// Without the report the table itself, evaluated in double, takes its place; then errors of the
-/// table stay unseen. Source: MATHS.md (1) .. (4); rounding below 1e-5 nm.
+/// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the generator's
+/// report next to NAME.camtab, so the gauge is independent of table and firmware. Without the
+/// report the table, evaluated in double, is the reference; errors of the table then do not show.
+/// Source: MATHS.md (1) .. (4); rounding below 1e-5 nm.
 #ifndef SIM_DESIGN_H
 #define SIM_DESIGN_H
 
@@ -36,7 +36,7 @@ typedef enum {
     sim_shape_surface, ///< refitted and measured sections
     sim_shape_arc,     ///< oval and eccentric circle
     sim_shape_sides,   ///< ovals that differ over height or from side to side
-    sim_shape_lobes,   ///< sim_lobe_design.h; it has no radius over angle and height
+    sim_shape_lobes,   ///< sim_lobe_design.h; no radius over angle and height
     sim_shape_table,   ///< no report: the table's own quintics
 } sim_shape_t;
 
@@ -49,17 +49,17 @@ typedef struct {
     sim_cubics_t joint_turn; ///< ... where the circle begins
     sim_surface_t surface;   ///< sim_shape_surface only
     sim_sides_t sides;       ///< sim_shape_sides only
-    bool is_turned;          ///< all sections are turned by phase_rad over height
+    bool is_turned;          ///< the sections are rotated by phase_rad over height
     sim_cubics_t phase_rad;
-    sim_correction_t correction;  ///< of a target, by the gauged part; else empty
+    sim_correction_t correction;  ///< of a target, from a gauged part; otherwise empty
     sim_lobe_design_t lobes;      ///< sim_shape_lobes only
     const cam_table_t *table;     ///< sim_shape_table only
-    double nose_mm;               ///< of the tool for which the table is made; 0: a point
-    double z_first_mm, z_last_mm; ///< ends of the part; the table may reach beyond them
+    double nose_mm;               ///< nose of the tool for which the table is made; 0: a point
+    double z_first_mm, z_last_mm; ///< ends of the part; the table may extend beyond them
     bool is_run_into;             ///< the tool enters along Z, from below the part
     bool is_run_out_of;           ///< ... and leaves above it
     double largest_mm;            ///< largest long half axis; of lobes base circle and lift
-    double at_z_mm;               ///< height of the last look-up
+    double at_z_mm;               ///< height of the cached values
     double a_mm, g_mm;            ///< a(z) and G(z) there
     sim_arc_t arc;                ///< sim_shape_arc only: the circle there
     double sin_joint;             ///< ... and the sine of the joint
@@ -67,24 +67,24 @@ typedef struct {
 
 /// Read the report of a table.
 /// @param path   of NAME.json
-/// @param table  whose CRC-32 must be the report's
+/// @param table  its CRC-32 must equal the report's
 /// @return       false and *e when it cannot be read, is malformed or belongs to another table
 bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table,
                      common_error_t *e);
 
-/// Read the surface that the table deliberately plays instead of the drawing, a refit or a filter.
+/// Read the surface that the table plays instead of the drawing: a refit or a filter.
 /// @param is_there  false when the table plays the drawing itself; *d is empty then
 /// @return          false and *e as sim_design_load
 bool sim_design_load_target(sim_design_t *d, bool *is_there, const char *path,
                             const cam_table_t *table, common_error_t *e);
 
-/// Take the table itself as the design: its knots are evaluated in double.
+/// Use the table itself as the design, its knots evaluated in double.
 /// @param table  checked; must outlive the design
 void sim_design_from_table(sim_design_t *d, const cam_table_t *table);
 
 void sim_design_free(sim_design_t *d);
 
-/// Look the exact radius of the part up.
+/// Evaluate the exact radius of the part.
 /// @param turn  [turn] drawing's angle, 0 .. 1
 /// @param z_mm  any; clamped to the part
 double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm);
@@ -95,8 +95,8 @@ double sim_design_long_mm(sim_design_t *d, double z_mm);
 /// Sample a(z) densely over the range of the design. @return [mm] its largest value
 double sim_design_find_largest_mm(sim_design_t *d);
 
-/// @return whether the tool at a height touches the part; where the table ends with the part, it
-///         does so beyond its end as well
+/// @return whether a tool at a height is on the part; where the table ends with the part, also
+///         beyond that end
 bool sim_design_is_on_part(const sim_design_t *d, double z_mm);
 
 /// @param shape  ellipse, cosine or double-ellipse

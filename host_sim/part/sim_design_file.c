@@ -13,23 +13,17 @@ enum { max_report_bytes = 64 * 1024 * 1024 };
 
 #define REMEDY SIM_JSON_REMEDY
 
-/// [mm] heights of a table are whole nanometres.
+/// [mm] tolerance for heights, which are whole nanometres in a table.
 #define ROUNDING_MM 2e-6
 
-/// What is being read: the drawing or the target, and its name for messages.
+/// Source of a reading: the drawing or the target, and its name for messages.
 typedef struct {
     const cJSON *tree;
     const char *name, *path;
     common_error_t *e;
 } source_t;
 
-static const char *text_of(const source_t *from, const char *key)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(from->tree, key);
-    return cJSON_IsString(item) ? item->valuestring : "?";
-}
-
-/// Look a shape up. @param n  of the names that are allowed
+/// Read a shape. @param n  number of allowed names
 static bool read_name(sim_shape_t *shape, const source_t *from, const char *key, int n)
 {
     static const char *const name[] = {"ellipse", "cosine",      "double-ellipse",
@@ -37,7 +31,8 @@ static bool read_name(sim_shape_t *shape, const source_t *from, const char *key,
     static const sim_shape_t known[] = {
         sim_shape_ellipse, sim_shape_cosine, sim_shape_double_ellipse,
         sim_shape_surface, sim_shape_arc,    sim_shape_sides};
-    const char *text = text_of(from, key);
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(from->tree, key);
+    const char *text = cJSON_IsString(item) ? item->valuestring : "?";
     for (int i = 0; i < n; i++) {
         if (strcmp(text, name[i]) == 0) {
             *shape = known[i];
@@ -97,7 +92,7 @@ static bool read_skirt(sim_design_t *d, const source_t *from)
            sim_correction_read(&d->correction, from->tree, from->name, from->path, from->e);
 }
 
-/// The CRC-32 in the report, a number or a string in hexadecimal, must be the table's.
+/// Check that the report's CRC-32, a number or hexadecimal text, is the table's.
 static bool check_crc(const cJSON *root, const cam_table_t *table, const char *path,
                       common_error_t *e)
 {
@@ -114,8 +109,7 @@ static bool check_crc(const cJSON *root, const cam_table_t *table, const char *p
                         path, (unsigned)table->crc32);
 }
 
-/// Read the ends of the part where the table reaches beyond them; without them it ends with the
-/// table.
+/// Read the ends of the part, if the table extends beyond them; otherwise they are the table's.
 static bool read_gauge(sim_design_t *d, const cJSON *design, const char *path, common_error_t *e)
 {
     const cJSON *gauge = cJSON_GetObjectItemCaseSensitive(design, "gauge_mm");
@@ -138,7 +132,7 @@ static bool read_gauge(sim_design_t *d, const cJSON *design, const char *path, c
                         path, first_mm, last_mm);
 }
 
-/// The nose of the tool for which the table is made; a report without a tool means a point.
+/// Read the nose of the tool for which the table is made; without a tool it is a point.
 static bool read_tool(sim_design_t *d, const cJSON *root, const char *path, common_error_t *e)
 {
     const cJSON *tool = cJSON_GetObjectItemCaseSensitive(root, "tool");
@@ -171,7 +165,7 @@ static void begin(sim_design_t *d, const cam_table_t *table)
     d->z_last_mm = table->z_last_nm / SIM_NM_PER_MM;
 }
 
-/// @return the report as a tree, to be deleted; NULL and *e when there is none
+/// @return the report as a tree, which the caller deletes; NULL and *e on failure
 static cJSON *parse(const char *path, common_error_t *e)
 {
     sim_file_t file;
@@ -181,7 +175,7 @@ static cJSON *parse(const char *path, common_error_t *e)
     cJSON *root = cJSON_ParseWithLength((const char *)file.bytes, file.size);
     sim_file_free(&file);
     if (root == NULL) {
-        (void)common_error(e, "%s: is no JSON; " REMEDY, path);
+        (void)common_error(e, "%s: is not JSON; " REMEDY, path);
     }
     return root;
 }
@@ -221,7 +215,7 @@ void sim_design_from_table(sim_design_t *d, const cam_table_t *table)
 {
     begin(d, table);
     d->shape = sim_shape_table;
-    // X is the largest radius, or where u swings about a mean, less than that by the least u.
+    // X is the largest radius; if u oscillates about a mean, X is smaller by the least u.
     const double above_nm = table->u_min_nm < -1 ? -(double)table->u_min_nm : 0.0;
     d->largest_mm = sim_design_find_largest_mm(d) + above_nm / SIM_NM_PER_MM;
 }

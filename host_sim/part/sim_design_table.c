@@ -54,14 +54,14 @@ double sim_design_table_long_mm(const cam_table_t *t, double z_mm)
            SIM_NM_PER_MM;
 }
 
-/// Where a channel over angle is looked up.
+/// Position for a look-up in a channel over angle.
 typedef struct {
     double turn;
     size_t slice; ///< the slice below, or the pattern itself
     double w;     ///< weight of the slice above
 } place_t;
 
-/// What of the lift and of the speed ratio is left at a height, on a shaft with lobes.
+/// Shares of lift and speed ratio at a height of a shaft with lobes.
 typedef struct {
     double lift, ratio;
 } share_t;
@@ -79,7 +79,7 @@ static uint32_t lobe_at(const cam_table_t *t, double z_mm)
     return cam_lobes_find(t, (int32_t)sim_floor(z_nm + 0.5));
 }
 
-/// @return how far the change to the next lobe, or from the one before, has come; 1 in the middle
+/// @return progress of the change to the next lobe, or from the previous one; 1 in the middle
 static double change_at(const cam_table_t *t, uint32_t i, double z_mm)
 {
     const cam_lobe_t *lobe = &t->lobes[i];
@@ -95,7 +95,7 @@ static double change_at(const cam_table_t *t, uint32_t i, double z_mm)
     return off_nm / (gap_nm / 2.0 - cam_lobes_kept_off_nm);
 }
 
-/// With a speed channel the lift has the first half of a change, the ratio the second.
+/// With a speed channel the lift uses the first half of a change, the ratio the second.
 static share_t share_at(const cam_table_t *t, double z_mm)
 {
     if (t->n_lobes == 0u) {
@@ -121,7 +121,7 @@ static place_t place_at(const cam_table_t *t, const cam_channel_t *ch, double tu
     return at;
 }
 
-/// Look up a channel over angle and height. @return the value in the unit of the channel
+/// Evaluate a channel over angle and height. @return the value in the channel's unit
 static double value_at(const cam_table_t *t, const cam_channel_t *ch, double turn, double z_mm)
 {
     const place_t at = place_at(t, ch, turn, z_mm);
@@ -138,7 +138,7 @@ static double value_at(const cam_table_t *t, const cam_channel_t *ch, double tur
     return scaled(ch, lsb);
 }
 
-/// @return [turn] a drawing's angle in the sense of cutting, in which tables count
+/// @return [turn] a drawing's angle in the sense of cutting, as in tables
 static double in_sense(const cam_table_t *t, double turn)
 {
     return t->direction < 0 ? -turn : turn;

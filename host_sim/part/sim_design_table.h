@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_design_table: the surface of a table in double: the same quintics as in the firmware,
-/// without the rounding of fixed point.
+/// sim_design_table: the surface of a table in double: the firmware's quintics without fixed-point
+/// rounding.
 #ifndef SIM_DESIGN_TABLE_H
 #define SIM_DESIGN_TABLE_H
 
@@ -12,10 +12,10 @@
 double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm);
 
 /// @param turn  [turn] drawing's angle, any
-/// @return      speed of the spindle over its mean speed; 1 without that channel
+/// @return      spindle speed over its mean; 1 without a speed channel
 double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm);
 
-/// @return [mm] the long half axis x alone
+/// @return [mm] the long half axis x
 double sim_design_table_long_mm(const cam_table_t *t, double z_mm);
 
 #endif

@@ -42,7 +42,7 @@ sim_lobe_spot_t sim_lobe_design_at(sim_lobe_design_t *d, uint32_t i_lobe, double
     const double ny = s * cos_gamma - c * sin_gamma;
     const double bend = 1.0 - (rise.h2_mm * p - rise.h1_mm * rise.h1_mm) / square;
     return (sim_lobe_spot_t){
-        .x_mm = p * c - d->roller_mm * nx, // the contact lies below the roller's centre
+        .x_mm = p * c - d->roller_mm * nx, // the contact is below the roller's centre
         .y_mm = p * s - d->roller_mm * ny,
         .nx = nx,
         .ny = ny,
@@ -120,7 +120,7 @@ static bool read_lobe(sim_lobe_design_t *d, const cJSON *item, const char *path,
     if (!sim_json_number(phase, &lobe->phase_rad)) {
         return common_error(e, "%s: %s.phase_rad: wants a finite number; " REMEDY, path, where);
     }
-    d->n_lobes++; // from here on sim_lobe_design_free() finds the lobe
+    d->n_lobes++; // from here on sim_lobe_design_free() frees the lobe
     if (!sim_lobe_lift_read(&lobe->lift, item, where, path, e)) {
         return false;
     }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_lobe_design: the exact profiles of the lobes of a part, for the gauge.
 ///
-/// The frame is fixed to the lobe; angles count in the sense in which the follower runs round it,
-/// from the zero of the law. With theta the direction of the roller's line, r the base circle, r1
-/// the roller:
+/// The frame is fixed to the lobe; angles rise in the sense in which the follower moves round it,
+/// from the law's zero. theta is the direction of the roller's line, r the base circle, r1 the
+/// roller:
 ///
 ///     p = r + r1 + H,  gamma = atan(H' / p),  the normal at the contact points to theta - gamma
 ///     contact = (p cos gamma - r1) along the normal, p sin gamma across it
@@ -13,8 +13,8 @@
 ///
 ///     contact = r + H along the normal, H' across it,  ds/dtheta = r + H + H''
 ///
-/// Source: MATHS.md (30), (31), (93). The design comes from NAME.json, so the gauge knows neither
-/// table nor firmware. Error: rounding, below 1e-6 nm.
+/// Source: MATHS.md (30), (31), (93). The design comes from NAME.json, so the gauge is independent
+/// of table and firmware. Error: rounding, below 1e-6 nm.
 #ifndef SIM_LOBE_DESIGN_H
 #define SIM_LOBE_DESIGN_H
 
@@ -28,20 +28,20 @@ enum { sim_lobe_design_max = 64 };
 
 typedef struct {
     double z_first_mm, z_last_mm;
-    double phase_rad; ///< angle of the spindle at which the law's angle is 0
+    double phase_rad; ///< spindle angle at the law's zero
     sim_lobe_lift_t lift;
-    double largest_mm; ///< largest lift of the roller's centre, by dense sampling
+    double largest_mm; ///< largest lift of the roller's centre, sampled densely
 } sim_lobe_t;
 
 typedef struct {
     double base_mm, roller_mm;
-    double follower_mm; ///< radius of the wheel; of the roller when turned
-    double base_speed;  ///< speed that is due on the base circle over the mean speed
+    double follower_mm; ///< radius of the wheel when grinding, of the roller when turning
+    double base_speed;  ///< nominal speed on the base circle over the mean speed
     bool is_turned;
-    bool is_flat;     ///< lifts are those of a flat face, not of a roller
+    bool is_flat;     ///< lifts belong to a flat face, not to a roller
     bool is_even;     ///< made for a constant surface speed
-    bool is_plunged;  ///< the wheel stands in each lobe; only what is left at last counts
-    uint32_t n_lobes; ///< in the order of their heights
+    bool is_plunged;  ///< the wheel plunges into each lobe; only the final surface counts
+    uint32_t n_lobes; ///< in order of height
     sim_lobe_t lobe[sim_lobe_design_max];
 } sim_lobe_design_t;
 
@@ -49,12 +49,12 @@ typedef struct {
 typedef struct {
     double x_mm, y_mm;
     double nx, ny; ///< normal outwards, of length 1
-    double ds_mm;  ///< [mm/rad] arc length of the profile by theta
-    double bend;   ///< turning of the normal by theta, 1 on the base circle
+    double ds_mm;  ///< [mm/rad] arc length of the profile per theta
+    double bend;   ///< rotation of the normal per theta, 1 on the base circle
 } sim_lobe_spot_t;
 
 /// Read "design" of a report.
-/// @param d     zero-initialised; to be freed in any case
+/// @param d     zero-initialised; the caller frees it, also on failure
 /// @param path  for messages
 /// @return      false and *e when something is missing or malformed
 bool sim_lobe_design_read(sim_lobe_design_t *d, const cJSON *design, const char *path,
@@ -65,8 +65,8 @@ bool sim_lobe_design_read(sim_lobe_design_t *d, const cJSON *design, const char 
 sim_lobe_spot_t sim_lobe_design_at(sim_lobe_design_t *d, uint32_t i_lobe, double theta_rad);
 
 /// Find the lobe at a height.
-/// @param edge_mm  by which a lobe is taken to be longer at both ends
-/// @return         its number, n_lobes in the gaps and beyond the ends
+/// @param edge_mm  tolerance at both ends of a lobe
+/// @return         its number; n_lobes in the gaps and beyond the ends
 uint32_t sim_lobe_design_find(const sim_lobe_design_t *d, double z_mm, double edge_mm);
 
 /// @return [mm] largest lift of all lobes

@@ -8,7 +8,7 @@
 
 #define REMEDY SIM_JSON_REMEDY
 
-/// A rise and its derivatives by x.
+/// A rise and its derivatives over x.
 typedef struct {
     double y, d1, d2;
 } flank_t;
@@ -78,8 +78,8 @@ static flank_t modified_trapezoid(double x)
     return (flank_t){1.0 - f.y, f.d1, -f.d2};
 }
 
-/// The driven mass moves by 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9, whose slope is
-/// 630 q^4, q = x (1 - x); the lift is larger by the deflection times its acceleration.
+/// The driven mass follows 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9, whose slope is 630 q^4,
+/// q = x (1 - x); the lift is larger by the deflection times its acceleration.
 static flank_t polydyne(double x, double deflection)
 {
     const double q = x * (1.0 - x);
@@ -113,7 +113,7 @@ static flank_t shape_at(sim_lobe_flank_t shape, double x, double deflection)
     }
 }
 
-/// @param angle_rad  of the flank; below 0 of one that falls
+/// @param angle_rad  angle of the flank; below 0 for a fall
 static sim_lobe_rise_t scaled(const sim_lobe_flanks_t *f, flank_t y, double angle_rad)
 {
     return (sim_lobe_rise_t){f->lift_mm * y.y, f->lift_mm * y.d1 / angle_rad,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_lobe_flank: lobes of a rise, a dwell at the nose and a fall, by the laws of the handbooks.
+/// sim_lobe_flank: lobes with a rise, a dwell at the nose and a fall, by handbook laws.
 ///
-/// The rise y(x) goes from 0 at x = 0 to 1 at x = 1; a fall is a rise of its own angle, run back.
-/// Written from the closed forms of MATHS.md (89) .. (92), not from the generator, which integrates
-/// the acceleration of two of them. Error: rounding only.
+/// The rise y(x) goes from 0 at x = 0 to 1 at x = 1; a fall is a reversed rise with its own angle.
+/// Written from the closed forms of MATHS.md (89) .. (92), independent of the generator, which
+/// integrates the acceleration of two of them. Error: rounding only.
 #ifndef SIM_LOBE_FLANK_H
 #define SIM_LOBE_FLANK_H
 
@@ -25,10 +25,10 @@ typedef struct {
     sim_lobe_flank_t shape;
     double lift_mm;
     double rise_rad, dwell_rad, fall_rad;    ///< the middle of the dwell is at the angle 0
-    double rise_deflection, fall_deflection; ///< polydyne: that of the follower
+    double rise_deflection, fall_deflection; ///< polydyne: deflection of the follower
 } sim_lobe_flanks_t;
 
-/// Lift and its derivatives by the angle.
+/// Lift and its derivatives over the angle.
 typedef struct {
     double h_mm;
     double h1_mm; ///< [mm/rad]

@@ -26,7 +26,7 @@ static sim_lobe_rise_t poly345(const sim_lobe_lift_t *lift, double theta_rad)
     };
 }
 
-/// Eccentric disc: the roller's centre runs on a circle about the disc's centre.
+/// Eccentric disc: the roller's centre moves on a circle about the disc's centre.
 static sim_lobe_rise_t disc(const sim_lobe_lift_t *lift, double theta_rad)
 {
     const double e = lift->offset_mm;
@@ -50,7 +50,7 @@ static sim_lobe_rise_t pieces(sim_lobe_lift_t *lift, double theta_rad)
     const double s = at - lift->break_rad[lift->i_last];
     const double *c = lift->c[lift->i_last];
     sim_lobe_rise_t r = {0};
-    for (int k = 0; k < sim_lobe_lift_terms; k++) { // Horner, derivatives carried along
+    for (int k = 0; k < sim_lobe_lift_terms; k++) { // Horner's scheme with derivatives
         r.h2_mm = r.h2_mm * s + 2.0 * r.h1_mm;
         r.h1_mm = r.h1_mm * s + r.h_mm;
         r.h_mm = r.h_mm * s + c[k];

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_lobe_lift: how far a lobe lifts the centre of its roller, over the follower's angle.
+/// sim_lobe_lift: lift of the roller's centre by a lobe, over the follower's angle.
 ///
 ///     poly345   H = L (10 u^3 - 15 u^4 + 6 u^5),  u = 1 - |theta| / half angle, 0 outside
 ///     disc      H = sqrt(reach^2 - (e sin theta)^2) + e cos theta - (reach - e)
 ///     pieces    quintic over each piece of one turn, periodic
 ///     flanks    a rise, a dwell about the angle 0, a fall (sim_lobe_flank.h)
 ///
-/// The laws are written from the equations MATHS.md (37), (38), not from the generator, so that an
-/// error of the generator shows. Error: rounding only.
+/// Written from the equations MATHS.md (37), (38), independent of the generator, so that its errors
+/// show. Error: rounding only.
 #ifndef SIM_LOBE_LIFT_H
 #define SIM_LOBE_LIFT_H
 
@@ -35,11 +35,11 @@ typedef struct {
     double *break_rad;                ///< pieces: n + 1 rising angles over one turn
     double (*c)[sim_lobe_lift_terms]; ///< [mm/rad^k] n pieces, highest power first
     size_t n;
-    size_t i_last; ///< piece of the last look-up, from which the next search starts
+    size_t i_last; ///< piece of the last look-up, start of the next search
 } sim_lobe_lift_t;
 
 /// Read a law from a lobe of a report.
-/// @param lift   zero-initialised; to be freed in any case
+/// @param lift   zero-initialised; the caller frees it, also on failure
 /// @param where  dotted path of the lobe, for messages
 /// @return       false and *e when something is missing or malformed
 bool sim_lobe_lift_read(sim_lobe_lift_t *lift, const cJSON *lobe, const char *where,

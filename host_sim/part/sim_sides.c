@@ -12,7 +12,7 @@
 /// sin^2 15 degrees = (1 - cos 30 degrees) / 2.
 #define SMOOTH_T 0.066987298107780676618
 
-/// t^m, but a polynomial through 0 near the long axis: x^m is interpolated over m = 1, 2, 3, 4.
+/// t^m, near the long axis a polynomial through 0: x^m is interpolated over m = 1, 2, 3, 4.
 static double power_of(double t, double m)
 {
     const double x = t / SMOOTH_T;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_sides: ovals whose parameters change with height, and whose sides may differ.
+/// sim_sides: ovals with parameters over height and possibly different sides.
 ///
 ///     delta   = (1 - w) delta_1 + w delta_2
 ///     delta_s = drop_s + law(phi - phase_s; a - drop_s, G_s)
@@ -7,8 +7,8 @@
 ///     S(s)    = s^4 (35 - 84 s + 70 s^2 - 20 s^3)
 ///
 /// Laws are those of sim_design.h, and "power": delta = (G / 2) f(sin^2 phi), f(t) = t^(p/2), below
-/// sin^2 15 degrees the polynomial in t that meets value and three derivatives. This is MATHS.md
-/// (75) .. (77), written anew: the generator's code has no part in it. Error: rounding.
+/// sin^2 15 degrees the polynomial in t that matches value and three derivatives. MATHS.md (75) ..
+/// (77), independent of the generator's code. Error: rounding.
 #ifndef SIM_SIDES_H
 #define SIM_SIDES_H
 
@@ -32,13 +32,13 @@ typedef struct {
 } sim_side_t;
 
 typedef struct {
-    int n_sides; ///< 1: the law holds all round
+    int n_sides; ///< 1: the law applies all round
     sim_side_t side[2];
-    double middle_rad, blend_rad; ///< of the second side; width of a zone
+    double middle_rad, blend_rad; ///< of the second side; width of a blending zone
 } sim_sides_t;
 
 /// Read "design" of a report.
-/// @param s     zero-initialised; to be freed in any case
+/// @param s     zero-initialised; the caller frees it, also on failure
 /// @param name  of the design, for messages
 /// @param path  of the report, for messages
 /// @return      false and *e when something is missing or malformed
@@ -47,7 +47,7 @@ bool sim_sides_read(sim_sides_t *s, const cJSON *design, const char *name, const
 
 /// @param a_mm     long half axis of the part at this height
 /// @param phi_rad  drawing's angle from the long axis, any
-/// @param z_mm     any; curves keep the values of their ends
+/// @param z_mm     any; curves are constant beyond their ends
 /// @return         [mm] reduction of the radius
 double sim_sides_delta_mm(sim_sides_t *s, double a_mm, double phi_rad, double z_mm);
 

@@ -7,7 +7,7 @@
 
 enum { n_in_piece = sim_surface_n_angle * sim_surface_n_height };
 
-/// The angle coordinate of a section with a joint; the quadrants are mirror images.
+/// Angle coordinate of a section with a joint; the quadrants mirror each other.
 static double from_joint(sim_surface_t *s, double turn, double z_mm)
 {
     const double half = 0.5 * sim_fraction(2.0 * turn);
@@ -16,7 +16,7 @@ static double from_joint(sim_surface_t *s, double turn, double z_mm)
     return q < joint ? q / joint : 1.0 + (q - joint) / (0.25 - joint);
 }
 
-/// @return place within piece i, 0 .. 1
+/// @return position within piece i, 0 .. 1
 static double share(const double *breaks, size_t i, double v)
 {
     return (v - breaks[i]) / (breaks[i + 1u] - breaks[i]);
@@ -43,7 +43,7 @@ double sim_surface_delta_mm(sim_surface_t *s, double turn, double z_mm)
     return sum;
 }
 
-/// Where a report is read, for messages.
+/// Position in a report, for messages.
 typedef struct {
     const char *path, *where;
     common_error_t *e;
@@ -63,7 +63,7 @@ static bool read_angle(sim_surface_t *s, const cJSON *surface, const place_t *at
            sim_json_cubics(&s->joint_turn, surface, at->where, "joint_turn", at->path, at->e);
 }
 
-/// The joint must lie between the axes at all its heights.
+/// The joint must be between the axes at all heights.
 static bool check_joint(sim_surface_t *s, const place_t *at)
 {
     enum { per_piece = 16 };
@@ -73,7 +73,7 @@ static bool check_joint(sim_surface_t *s, const place_t *at)
         const double joint = sim_cubics_at(&s->joint_turn, z_mm[0] + part * (z_mm[1] - z_mm[0]));
         if (!(joint > 0.0 && joint < 0.25)) {
             return common_error(at->e,
-                                "%s: %s.joint_turn: %.12g lies outside 0 .. 0.25 "
+                                "%s: %s.joint_turn: %.12g is outside 0 .. 0.25 "
                                 "turn; " SIM_JSON_REMEDY,
                                 at->path, at->where, joint);
         }
@@ -110,7 +110,7 @@ static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const plac
                         at->path, at->where, s->m * s->n * n_in_piece);
 }
 
-/// The quintic between two knots of value and two derivatives by the turn. @param h  [turn] width
+/// The quintic between two knots, each a value and two derivatives per turn. @param h  [turn] width
 static void quintic_of(const double *low, const double *high, double h, double c[])
 {
     const double v0 = h * low[1];
@@ -126,8 +126,8 @@ static void quintic_of(const double *low, const double *high, double h, double c
     c[5] = 6.0 * rise - 3.0 * v0 - 3.0 * v1 - a0 + a1;
 }
 
-/// Fill the piece above height j and break i from the knots of its four corners; between heights
-/// a cubic, or a straight line without slopes.
+/// Fill the piece above height j and break i from the knots at its four corners: over height a
+/// cubic, or linear without slopes.
 static void piece_of(sim_surface_t *s, const double *knots, const double *slopes, size_t j,
                      size_t i)
 {
@@ -156,7 +156,7 @@ static void piece_of(sim_surface_t *s, const double *knots, const double *slopes
     }
 }
 
-/// Read a list of three numbers for each height and break. @param is_needed  it must be there
+/// Read a list of three numbers for each height and break. @param is_needed  missing is an error
 static bool read_knots(double **values, const sim_surface_t *s, const cJSON *surface,
                        const char *name, bool is_needed, const place_t *at)
 {
@@ -171,7 +171,7 @@ static bool read_knots(double **values, const sim_surface_t *s, const cJSON *sur
                         at->where, name, wanted);
 }
 
-/// Read sections told by knots, and make the pieces of them.
+/// Read sections given by knots, and convert them to pieces.
 static bool read_sections(sim_surface_t *s, const cJSON *surface, const place_t *at)
 {
     double *knots = NULL;

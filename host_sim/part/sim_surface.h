@@ -3,13 +3,13 @@
 ///
 ///     delta = sum over k = 0 .. 5, l = 0 .. 7 of c[j][i][k][l] t^k w^l,   t, w = 0 .. 1
 ///
-/// on piece i of the angle coordinate s and piece j of the height, MATHS.md (19). Of a measured
-/// part s is the turn, 0 .. 1. Of a two-fold section with a joint s counts from the long axis, 1 at
-/// the joint, 2 at the short axis, whatever the angle of the joint at this height. Measured
-/// sections are told by "knots", value and two derivatives by the turn at every height and break,
-/// and by "slopes", the same of the slope over the height; without slopes heights are joined by
-/// straight lines. The generator writes the pieces into its report; refitted and measured skirts
-/// are defined by them. Error: rounding only, below 1e-6 nm.
+/// on piece i of the angle coordinate s and piece j of the height, MATHS.md (19). For a measured
+/// part s is the turn, 0 .. 1. For a two-fold section with a joint s is 0 on the long axis, 1 at
+/// the joint, 2 on the short axis, whatever the angle of the joint at this height. Measured
+/// sections are given by "knots", a value and two derivatives per turn at every height and break,
+/// and by "slopes", the same for the slope over height; without slopes they are interpolated
+/// linearly over height. The pieces in the generator's report define refitted and measured skirts.
+/// Error: rounding only, below 1e-6 nm.
 #ifndef SIM_SURFACE_H
 #define SIM_SURFACE_H
 
@@ -28,17 +28,17 @@ typedef struct {
     double *break_mm;        ///< m + 1, rising
     double (*c)[sim_surface_n_angle][sim_surface_n_height]; ///< [mm] m * n pieces
     size_t n, m;
-    size_t i_last, j_last; ///< pieces of the last look-up, from which the next search starts
+    size_t i_last, j_last; ///< pieces of the last look-up, start of the next search
 } sim_surface_t;
 
 /// Read the surface of a report's design or target.
-/// @param s            zero-initialised; to be freed in any case
+/// @param s            zero-initialised; the caller frees it, also on failure
 /// @param where, path  dotted path of the surface, and the file, for messages
 /// @return             false and *e when something is missing or malformed
 bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *where, const char *path,
                       common_error_t *e);
 
-/// Look the surface up.
+/// Evaluate the surface.
 /// @param turn  [turn] drawing's angle, any
 /// @param z_mm  any; clamped to the pieces
 /// @return      [mm] reduction of the radius

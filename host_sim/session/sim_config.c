@@ -103,7 +103,7 @@ _Static_assert((int)n_fields <= (int)common_settings_max, "one flag for each key
 static const char believed_prefix[] = "believed.";
 enum { prefix_length = sizeof believed_prefix - 1, section_size = 40 };
 
-/// The keys of [believed.SECTION]: all but those of [machine].
+/// The keys of [believed.SECTION]: all except those of [machine].
 typedef struct {
     char section[n_fields][section_size];
     common_setting_t list[n_fields];
@@ -125,7 +125,7 @@ static const belief_keys_t *belief_keys(void)
     return &keys;
 }
 
-/// The settings that are not in the list of numbers.
+/// Settings that are not in the list of numbers.
 typedef struct {
     sim_config_t *config;
     bool is_name_seen;
@@ -142,7 +142,7 @@ static bool take_parameter(const common_settings_t *s, const char *key, const ch
     sim_wishes_t *wishes = &((others_t *)s->user)->config->controller;
     double value;
     if (!common_settings_number(text, &value)) {
-        return common_settings_refuse(s, "controller", key, text, "no finite number; give one");
+        return common_settings_refuse(s, "controller", key, text, "not a finite number; give one");
     }
     const cam_param_id_t id = cam_param_find(key);
     if (id < cam_n_params && wishes->is_given[id]) {
@@ -162,7 +162,7 @@ static bool take_other(const common_settings_t *s, const char *section, const ch
                        const char *text)
 {
     others_t *others = s->user;
-    if (is_belief(section)) { // read afterwards, when the truth is known
+    if (is_belief(section)) { // read later, when the truth is known
         others->has_belief = true;
         return true;
     }
@@ -183,17 +183,17 @@ static bool take_other(const common_settings_t *s, const char *section, const ch
                                   "unknown; see host_sim/machines/default.toml for all keys");
 }
 
-/// What is no belief has been read before.
+/// Refuse an unknown key of [believed.SECTION]; skip the keys already read.
 static bool refuse_belief(const common_settings_t *s, const char *section, const char *key,
                           const char *text)
 {
     return !is_belief(section) ||
            common_settings_refuse(s, section, key, text,
-                                  "nothing that can be believed; give a key of another section "
+                                  "not allowed here; give a key of another section "
                                   "than [machine] of host_sim/machines/default.toml");
 }
 
-/// Read a text once. It is not written to.
+/// Read a text once, without changing it.
 static bool read_once(common_settings_t *all, const char *text, size_t size)
 {
     if (size == 0u) { // fmemopen() may refuse an empty text
@@ -208,7 +208,7 @@ static bool read_once(common_settings_t *all, const char *text, size_t size)
     return is_good;
 }
 
-/// Read a text a second time, for what is believed instead of the truth.
+/// Read a text a second time, for the believed values.
 static bool read_belief(common_settings_t *all, sim_config_t *config, const char *text, size_t size)
 {
     if (!config->has_belief) {
@@ -222,7 +222,7 @@ static bool read_belief(common_settings_t *all, sim_config_t *config, const char
     return read_once(all, text, size);
 }
 
-/// A mode is none or one that a machine can have; slower ones cannot be computed in its cubics.
+/// Refuse modes too slow for the cubics of sim_mode.h.
 static bool check_modes(const sim_lathe_config_t *lathe, const char *name, common_error_t *e)
 {
     for (int i = 0; i < sim_mode_n; i++) {
@@ -254,7 +254,7 @@ bool sim_config_read(sim_config_t *config, const char *text, size_t size, const 
         !check_modes(&config->lathe, name, e)) {
         return false;
     }
-    // The loop of a force drive is tuned for the mass that is believed.
+    // The loop of a force drive is tuned for the believed mass.
     const double mass_kg = sim_config_believed(config)->drive[hal_axis_u].mass_kg;
     config->lathe.drive[hal_axis_u].tuned_mass_kg = mass_kg;
     config->believed.drive[hal_axis_u].tuned_mass_kg = mass_kg;

@@ -22,7 +22,7 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
     return true;
 }
 
-/// The probe of a rehearsal stands out of the steps of a coarse scale.
+/// The probe of a rehearsal must exceed the steps of a coarse scale.
 enum { probe_quanta = 3 };
 
 typedef struct {
@@ -56,10 +56,10 @@ static void derive_feed_forward(derive_t *d, const sim_lathe_config_t *m)
     const double omega = SIM_TWO_PI * u->bandwidth_hz;
     const double half_tick_s = 0.5 / m->tick_hz;
     if (u->kind == sim_drive_force) {
-        const sim_servo_worth_t worth = sim_servo_worth(u, 1.0 / m->tick_hz);
-        put(d, cam_param_k1_ns, worth.k1_s * 1e9);
-        put(d, cam_param_k2_us2, worth.k2_s2 * 1e12);
-        put(d, cam_param_lead_ns, worth.lead_s * 1e9);
+        const sim_servo_equivalent_t fitted = sim_servo_equivalent(u, 1.0 / m->tick_hz);
+        put(d, cam_param_k1_ns, fitted.k1_s * 1e9);
+        put(d, cam_param_k2_us2, fitted.k2_s2 * 1e12);
+        put(d, cam_param_lead_ns, fitted.lead_s * 1e9);
     } else {
         put(d, cam_param_k1_ns, 2.0 * u->damping / omega * 1e9);
         put(d, cam_param_k2_us2, 1e12 / (omega * omega));
@@ -88,14 +88,15 @@ static void derive_limits(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_spindle_limit_mrpm, m->spindle_limit_rpm * 1e3);
     put(d, cam_param_following_limit_nm,
         0.0); // the simulated drive measures: derived (cam_derived_limits.h)
-    // The speed loop is of first order; what is beyond a parameter's range is beyond any use.
+    // The speed loop is first-order. Values beyond a parameter's range have no use, so they are
+    // clamped.
     const sim_spindle_config_t *s = &m->spindle;
     put(d, cam_param_spindle_lag_us, sim_clamp(1e6 / s->bandwidth_rad_per_s, 0.0, 1e6));
     put(d, cam_param_spindle_acceleration_mrad_per_s2,
         sim_clamp(s->torque_Nm / s->inertia_kgm2 * 1e3, 1e3, 2e9));
 }
 
-/// A machine without a swing has the speed 0; nothing else is derived then.
+/// A machine without a swing has speed 0; then nothing else is derived.
 static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
 {
     const sim_drive_config_t *swing = &m->drive[sim_lathe_swing];
@@ -107,8 +108,8 @@ static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
     }
 }
 
-/// Derive the drawing's angle of the index, a window for it that is wide enough for the noise of
-/// the edges (the firmware widens that for jumps by it), and an observer that the tick carries.
+/// Derive the drawing's angle of the index, an index window wide enough for the edge noise (the
+/// firmware adds it to the window for jumps), and an observer bandwidth that suits the tick rate.
 static void derive_encoder(derive_t *d, const sim_lathe_config_t *m)
 {
     const sim_encoder_config_t *c = &m->encoder;

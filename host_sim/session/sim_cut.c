@@ -5,9 +5,9 @@
 #include <math.h>         // ceil, lround, sqrt
 #include <stdlib.h>       // free
 
-/// A real main loop does its background work whenever the interrupt leaves time. Here it is done
-/// rarely, since a kilobyte of CRC costs as much as 10 ticks: a damaged table of 16 KB is found
-/// within 0.8 s at 20 kHz.
+/// A real main loop does its background work whenever the interrupt leaves time. Here it is rare,
+/// since a kilobyte of CRC costs as much as 10 ticks: a damaged table of 16 KB is found within 0.8
+/// s at 20 kHz.
 enum { background_polls = 64 };
 
 cam_status_t sim_cut_status(const sim_cut_t *cut)
@@ -59,7 +59,7 @@ uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut)
 
 bool sim_cut_is_gauged(const sim_cut_t *cut)
 {
-    // A cut at a measured Z also ends with a stop, which must not count as an early end.
+    // A cut with measured Z also ends with a stop, which is not an early end.
     const bool is_whole = !cut->is_stopped || cut->session.cut_turns >= sim_cut_planned_turns(cut);
     const bool has_lobes = cut->session.design.shape == sim_shape_lobes && is_whole;
     return cut->session.work.n > 0u &&
@@ -83,9 +83,9 @@ const char *sim_cut_end_name(const sim_cut_t *cut)
     return cut->end == sim_cut_done && cut->is_stopped ? "stopped" : name[cut->end];
 }
 
-/// Measure the removal of a skirt while cutting. Turns in which the feed rises or falls are not
-/// judged, nor the one after, whose chips the rising feed left, nor the first one on a part that
-/// the tool enters along Z; nor is a ring-helix. @return true when a slice was finished
+/// Measure the removal of a skirt while cutting. Not judged are turns with rising or falling feed,
+/// the turn after them, whose chips the rising feed left, the first turn on a part that the tool
+/// enters along Z, and ring-helices. @return true when a slice was finished
 static bool measure_removal(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
@@ -93,16 +93,17 @@ static bool measure_removal(sim_cut_t *cut)
     const bool is_full = !sim_cut_has_rings(cut) && s->cut_turns > ramp + 1.0 &&
                          sim_abs(sim_session_turn(s) - s->touched_at_turn) > 1.0 &&
                          s->cut_turns < sim_cut_planned_turns(cut) - ramp;
-    const double sense = s->table.direction; // the measurement wants an angle that rises
+    const double sense = s->table.direction; // the measurement needs a rising angle
     cut->removal.config.blank_mm = s->work.blank_mm;
     const bool has_slice = sim_removal_touch(&cut->removal, s->at.t_s, sense * sim_session_turn(s),
                                              s->z_mm, s->radius_mm, is_full && !cut->is_stopped);
-    cut->removal.slice.turn *= has_slice ? sense : 1.0; // back to the drawing's
+    cut->removal.slice.turn *= has_slice ? sense : 1.0; // back to the drawing's angle
     return has_slice;
 }
 
-/// Count the sample in its turn; of lobes only those of the cut, since U alone is not their shape.
-/// @param n_before  samples that the gauge had counted
+/// Add the sample to the error of its turn; lobes only while cutting, since U alone is not their
+/// shape.
+/// @param n_before  samples counted before
 static void count_turn(sim_cut_t *cut, uint64_t n_before)
 {
     const sim_session_t *s = &cut->session;
@@ -116,7 +117,7 @@ static void count_turn(sim_cut_t *cut, uint64_t n_before)
     }
 }
 
-/// Take what the tick did to the tool, and the state in which a fault struck.
+/// Evaluate the tool's motion in the tick, and the state in which a fault occurred.
 static void observe(sim_cut_t *cut)
 {
     sim_session_t *s = &cut->session;
@@ -127,7 +128,7 @@ static void observe(sim_cut_t *cut)
         cut->fault_s = cut->port.time_s;
         cut->fault_turn = s->part_turn;
         cut->fault_z_mm = s->z_mm;
-        cut->fault_state = cut->state; // of the tick before
+        cut->fault_state = cut->state; // state of the previous tick
     }
     cut->state = state;
     const uint64_t n_before = s->work.n;
@@ -143,7 +144,7 @@ static void operator_stop(sim_cut_t *cut)
     cut->is_stopped = sim_firmware_stop(&cut->firmware) == cam_ok || cut->is_stopped;
 }
 
-/// Take the answer to a command. A controller that is busy gets the command again later.
+/// Process the answer to a command. If the controller is busy, the command is repeated later.
 static void take_answer(sim_cut_t *cut, cam_err_t err)
 {
     if (err != cam_ok && err != cam_err_busy) {
@@ -152,8 +153,7 @@ static void take_answer(sim_cut_t *cut, cam_err_t err)
     }
 }
 
-/// Do what the operator does while the cut goes on. @return cam_err_command when it is something
-/// else
+/// Apply an operator's change during the cut. @return cam_err_command for other kinds
 static cam_err_t operator_changes(sim_firmware_t *f, const sim_inject_t *what)
 {
     switch (what->kind) {
@@ -174,7 +174,7 @@ static cam_err_t operator_changes(sim_firmware_t *f, const sim_inject_t *what)
     }
 }
 
-/// Do to the machine what is none of the operator's.
+/// Apply an injection that is not the operator's.
 static void inject(sim_cut_t *cut, const sim_inject_t *what)
 {
     sim_session_t *s = &cut->session;
@@ -206,9 +206,9 @@ static void inject_what_is_due(sim_cut_t *cut)
     }
 }
 
-/// Lead Z as others would: it stays at the first height until the cut, then follows the feed; the
-/// cut is stopped at the last height.
-static void lead_z(sim_cut_t *cut)
+/// Move a measured Z: it stays at the first height until the cut, then follows the feed; at the
+/// last height the cut is stopped.
+static void move_z(sim_cut_t *cut)
 {
     const cam_table_t *t = &cut->session.table;
     sim_drive_t *z = &cut->port.lathe.drive[hal_axis_z];
@@ -221,7 +221,7 @@ static void lead_z(sim_cut_t *cut)
     }
 }
 
-/// Do what an operator does: enable, start, wait.
+/// Act as an operator: enable, start, wait.
 static void operate(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
@@ -253,7 +253,7 @@ static void operate(sim_cut_t *cut)
 void sim_cut_idle(sim_cut_t *cut)
 {
     sim_port_sense(&cut->port);
-    (void)sim_firmware_tick(&cut->firmware); // a lost target refuses the next call
+    (void)sim_firmware_tick(&cut->firmware); // after losing the target the next call is refused
     observe(cut);
     sim_port_advance(&cut->port);
     cut->n_ticks++;
@@ -270,7 +270,7 @@ void sim_cut_tick(sim_cut_t *cut)
     inject_what_is_due(cut);
     sim_port_advance(&cut->port);
     if (cut->params.z_is_measured != 0) {
-        lead_z(cut);
+        move_z(cut);
     }
     cut->n_ticks++;
     if (--cut->until_poll == 0u) {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_cut: one whole cut in virtual time, controlled by the firmware of this process or of a
-/// target.
+/// sim_cut: a whole cut in virtual time, controlled by the firmware in this process or on a target.
 ///
 ///     open -> tick, tick, ... until end is not sim_cut_running -> close
 ///
 /// Opening loads the table into the firmware, sets its parameters and checks the feasibility. The
-/// ticks then do what an operator does, by the firmware's own commands: enable, wait for the angle,
-/// start, wait for the end. After a fault they go on until the tool is retracted. There is one cut
-/// at a time, because controller and port are one per process. Between ticks the firmware's status
-/// and trace, the lathe and the session show what the last tick did.
+/// ticks then act as an operator with the firmware's own commands: enable, wait for the angle,
+/// start, wait for the end. After a fault they continue until the tool is retracted. Only one cut
+/// exists at a time, because a process has one controller and one port. After a tick the firmware's
+/// status and trace, the lathe and the session show its results.
 #ifndef SIM_CUT_H
 #define SIM_CUT_H
 
@@ -24,42 +23,41 @@
 enum { sim_cut_poll_ticks = 16 };
 
 typedef struct {
-    sim_session_options_t session; ///< max_s 0: twice engaging, cut and disengaging, and a minute
-    sim_wishes_t wishes;           ///< overrule the machine file's [controller]
+    sim_session_options_t session; ///< max_s 0: twice the plan plus a minute
+    sim_wishes_t wishes;           ///< override the machine file's [controller]
     double rpm;                    ///< 0: the table's
     double feed_mm;                ///< 0: the table's
     bool is_without_feed_forward, is_without_lead;
-    double trace_every; ///< [ticks] from line to line of the trace; below 1: every tick
+    double trace_every; ///< [ticks] per line of the trace; below 1: every tick
     bool is_traced;     ///< the firmware records every tick; drain sim_firmware_trace()
-    double slice_s;     ///< [s] of the removal measured; 0: a 120th of the mean turn
+    double slice_s;     ///< [s] slice of the removal; 0: a 120th of the mean turn
     double kc_n_mm2;    ///< specific cutting force
-    double kc_exponent; ///< of its size effect; 0: none
-    double nose_mm;     ///< radius of the tool's nose; 0: the surface between tracks is not made
-    bool has_window;    ///< heights of that surface are given; else four feeds in the middle
+    double kc_exponent; ///< its size effect; 0: none
+    double nose_mm;     ///< radius of the tool's nose; 0: no surface between tracks
+    bool has_window;    ///< heights of that surface are given; default: four feeds in the middle
     double window_first_mm, window_last_mm;
-    int n_sections;                       ///< heights of sections that are given
-    double section_mm[sim_sections_most]; ///< ... rising
-    bool has_sections;  ///< sections and lines are made; without heights at five, or in each lobe
-    double tip_mm;      ///< radius of the tool that turns lobes; 0: 0.4 mm
-    double max_turns;   ///< end the cut (operator's stop) after so many turns of cutting; 0: the
-                        ///< whole part
-    const char *target; ///< of sim_target.h; NULL: the firmware runs in this process
+    int n_sections;                       ///< given heights of sections
+    double section_mm[sim_sections_most]; ///< rising
+    bool has_sections;  ///< make sections and lines; default: five heights, or one per lobe
+    double tip_mm;      ///< tip radius of the tool that turns lobes; 0: 0.4 mm
+    double max_turns;   ///< operator's stop after this many turns of cutting; 0: the whole part
+    const char *target; ///< a target of sim_target.h; NULL: in this process
     const char *target_image; ///< path of its image
 } sim_cut_options_t;
 
 typedef enum {
     sim_cut_running,
     sim_cut_done,    ///< the controller is ready again
-    sim_cut_fault,   ///< ended in a fault, tool retracted
-    sim_cut_timeout, ///< max_s is over
-    sim_cut_refused, ///< the controller refused a command; `refusal` says why
-    sim_cut_lost,    ///< the target does not answer any more; sim_firmware_is_lost() says why
+    sim_cut_fault,   ///< fault, tool retracted
+    sim_cut_timeout, ///< max_s has passed
+    sim_cut_refused, ///< the controller refused a command: `refusal`
+    sim_cut_lost,    ///< the target no longer answers; sim_firmware_is_lost() has the reason
 } sim_cut_end_t;
 
-/// What a pass came to.
+/// Result of a pass.
 typedef struct {
     uint64_t n;          ///< samples
-    double allowance_mm; ///< stock that it had to leave
+    double allowance_mm; ///< stock to leave
     double rpm, feed_mm, turns;
     double end_s;          ///< [s] machine time at its end
     double max_um, rms_um; ///< form error against the drawing and the stock
@@ -73,15 +71,15 @@ typedef struct {
     sim_cut_options_t options; ///< those of the session are in force there
     sim_session_t session;
     sim_port_t port;
-    sim_removal_t removal;   ///< of a skirt only
+    sim_removal_t removal;   ///< skirts only
     sim_turns_t turns;       ///< error of each turn
-    sim_switches_t switches; ///< where the position switches act
-    bool has_slice;          ///< the last tick finished a slice of the removal
+    sim_switches_t switches; ///< action of the position switches
+    bool has_slice;          ///< the last tick finished a slice of removal
     sim_firmware_t firmware;
     cam_params_t params; ///< as set
-    cam_params_t here;   ///< with the numbers of the pass that is cut
+    cam_params_t here;   ///< with the values of the present pass
     uint32_t first_pass, pass;
-    sim_pass_result_t result[cam_table_max_passes]; ///< of those before it
+    sim_pass_result_t result[cam_table_max_passes]; ///< of the passes before it
     cam_feasibility_t feasibility;
     double max_s;
     // progress
@@ -89,27 +87,26 @@ typedef struct {
     cam_err_t refusal;
     cam_state_t state; ///< in the last tick
     bool is_started;   ///< start was accepted
-    bool is_stopped;   ///< ended by the operator's stop
+    bool is_stopped;   ///< ended by an operator's stop
     uint32_t until_poll;
     uint32_t n_polls;
     uint64_t n_ticks;
     double fault_s; ///< time of the first fault; below 0: none
     double fault_turn, fault_z_mm;
-    cam_state_t fault_state; ///< state in which the fault struck
+    cam_state_t fault_state; ///< state when the fault occurred
 } sim_cut_t;
 
 /// @param cut    16 MB: allocate it
-/// @param image  of a table; copied
-/// @param name   of the table file, for messages
-/// @return       false and *e when the input is no good or the speed infeasible; nothing to close
-/// then
+/// @param image  image of a table; copied
+/// @param name   name of the table file, for messages
+/// @return       false and *e when the input is bad or the speed infeasible; then nothing to close
 bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
                   const char *name, common_error_t *e);
 
-/// @return the parameters that the machine file gives, overruled by those of the command line
+/// @return the parameters of the machine file, overridden by those of the command line
 sim_wishes_t sim_cut_wishes(const sim_cut_options_t *o);
 
-/// Run one tick. Sets cut->end when it was the last.
+/// Run one tick. The last one sets cut->end.
 void sim_cut_tick(sim_cut_t *cut);
 
 /// Run one tick without an operator.
@@ -117,37 +114,36 @@ void sim_cut_idle(sim_cut_t *cut);
 
 void sim_cut_close(sim_cut_t *cut);
 
-/// @return what the controller published in the last tick
+/// @return the controller's status after the last tick
 cam_status_t sim_cut_status(const sim_cut_t *cut);
 
-/// @return [mm] feed per turn in force; of a ring-helix the distance of its rings
+/// @return [mm] present feed per turn; for a ring-helix the distance of its rings
 double sim_cut_feed_mm(const sim_cut_t *cut);
 
-/// Place the window of the surface between tracks anew, for the feed of a pass.
+/// Place the window of the surface between tracks for the feed of a pass.
 void sim_cut_place_scallop(sim_cut_t *cut);
 
 /// @param here  parameters of a pass
-/// @return      [turn] length of its cutting state as planned
+/// @return      [turn] planned length of its state cutting
 double sim_cut_turns_of(const cam_table_t *table, const cam_params_t *here);
 
 /// @return true when Z is geared along a ring-helix
 bool sim_cut_has_rings(const sim_cut_t *cut);
 
-/// @return [turn] length of the cutting state as planned
+/// @return [turn] planned length of the state cutting
 double sim_cut_planned_turns(const sim_cut_t *cut);
 
-/// A surface that no gauge has seen is not known to be good.
-/// @return false when nothing was cut to full depth, or a lobe of a part that was cut to its end
-///         was not gauged all round; of a cut that the operator ends early what was cut counts
+/// Check whether the surface was gauged; otherwise it is not known to be good.
+/// @return false when nothing was cut to full depth, or a complete part has a lobe that was not
+///         gauged all round; if the operator ends a cut early, the part that was cut counts
 bool sim_cut_is_gauged(const sim_cut_t *cut);
 
-/// The contact never returns to a dexel within a turn, so a lobe with as many samples as dexels has
-/// been gauged over a whole turn.
+/// The contact never returns to a dexel within a turn, so a lobe with as many samples as dexels was
+/// gauged over a whole turn.
 /// @return first lobe with fewer samples; the number of lobes when there is none
 uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut);
 
-/// @return true when the cut ended well, all of it was gauged, and the form error is within the
-///         tolerance
+/// @return true when the cut ended well, was gauged completely, and is within the tolerance
 bool sim_cut_is_good(const sim_cut_t *cut);
 
 /// @return [r/min] mean speed of the spindle

@@ -43,8 +43,8 @@ sim_wishes_t sim_cut_wishes(const sim_cut_options_t *o)
     return w;
 }
 
-/// Refuse rings that are closer than cam_feed_least_nm: the firmware would cut them at that
-/// distance, which makes other turns than planned.
+/// Refuse rings closer than cam_feed_least_nm: the firmware would cut them at that distance, and
+/// the number of turns would differ from the plan.
 static bool check_rings(const sim_cut_t *cut, common_error_t *e)
 {
     const double feed_nm = sim_cut_feed_mm(cut) * SIM_NM_PER_MM;
@@ -62,7 +62,7 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
                         field, least_mm, least_mm);
 }
 
-/// Set a parameter that differs; one tick takes the change, so that the next can be made.
+/// Set a parameter that differs. A tick applies the change before the next one.
 static cam_err_t set_param(void *controller, cam_param_id_t id, int32_t value)
 {
     sim_cut_t *cut = controller;
@@ -72,12 +72,6 @@ static cam_err_t set_param(void *controller, cam_param_id_t id, int32_t value)
     const cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
     sim_cut_idle(cut);
     return err;
-}
-
-static bool apply_params(sim_cut_t *cut, common_error_t *e)
-{
-    const double tick_hz = cut->session.options.config.lathe.tick_hz;
-    return sim_params_apply(&cut->params, (uint32_t)tick_hz, set_param, cut, e);
 }
 
 static const char *unit_of(cam_err_t err, double *per_unit)
@@ -122,7 +116,7 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     }
 }
 
-/// Word the remedy: a lower speed or a smaller feed.
+/// Format the remedy: a lower speed or a smaller feed.
 static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
 {
     const cam_feasibility_t *f = &cut->feasibility;
@@ -130,7 +124,7 @@ static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
     if (f->largest_feed_nm > 0u) {
         (void)snprintf(feed, sizeof feed, "--feed %.12g", f->largest_feed_nm * 1e-6);
     }
-    const bool is_speed = // that the lathe reaches, and that does not count as stopped
+    const bool is_speed = // reached by the lathe, and not counted as stopped
         f->highest_mrpm > 0u &&
         sim_slow_is_turning(&cut->session.table, &cut->params, f->highest_mrpm * 1e-3);
     if (is_speed) {
@@ -143,7 +137,7 @@ static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
     }
 }
 
-/// Refuse an infeasible speed with what it needs, the limit and a remedy. @return false
+/// Refuse an infeasible speed, with demand, limit and remedy. @return false
 static bool infeasible(const sim_cut_t *cut, common_error_t *e)
 {
     const cam_feasibility_t *f = &cut->feasibility;
@@ -162,7 +156,7 @@ static bool infeasible(const sim_cut_t *cut, common_error_t *e)
                             sim_cut_feed_mm(cut), cam_err_text(f->err), (long long)f->needed,
                             (long long)f->limit);
     }
-    if (f->err == cam_err_u_retract) { // of what was set: the default fits every stroke
+    if (f->err == cam_err_u_retract) { // only if set: the default fits every stroke
         const double most_nm = (double)f->limit - ((double)f->needed + u_retract_nm);
         return common_error(e,
                             "--set u_retract_nm=%.0f: infeasible: %s: needs %.12g mm, limit %.12g "
@@ -190,18 +184,18 @@ static bool check_injects(const sim_session_t *s, size_t size, common_error_t *e
         const sim_inject_t *what = &s->options.inject[i];
         if (what->kind == sim_inject_table_flip && what->value >= (double)size) {
             return common_error(
-                e, "--inject table-flip: byte %.0f lies outside the table; give 0 .. %zu",
+                e, "--inject table-flip: byte %.0f is outside the table; give 0 .. %zu",
                 what->value, size - 1u);
         }
     }
     return true;
 }
 
-/// Feeds in the window of the map when none is given.
+/// Feeds in the default window of the map.
 enum { scallop_feeds = 4 };
 
-/// Place the window of the surface between tracks. When none is given, it begins at a whole number
-/// of feeds, so that a ring-helix begins in it with a ring.
+/// Place the window of the surface between tracks. The default window starts at a whole number of
+/// feeds, that is with a ring of a ring-helix.
 static bool place_scallop(sim_cut_t *cut, common_error_t *e)
 {
     const sim_cut_options_t *o = &cut->options;
@@ -226,8 +220,8 @@ static bool place_scallop(sim_cut_t *cut, common_error_t *e)
     return true;
 }
 
-/// Place the sections: where they are asked for without heights at a tenth, three, five, seven and
-/// nine tenths of the part, or in the middle of each of the first lobes.
+/// Place the sections. Default heights are one, three, five, seven and nine tenths of the part, or
+/// the middle of each of the first lobes.
 static bool place_sections(sim_cut_t *cut, common_error_t *e)
 {
     enum { usual = 5 };
@@ -256,17 +250,17 @@ static bool place_sections(sim_cut_t *cut, common_error_t *e)
 
 void sim_cut_place_scallop(sim_cut_t *cut)
 {
-    common_error_t ignored; // the window has been inside the part before
+    common_error_t ignored; // the window was inside the part before
     (void)place_scallop(cut, &ignored);
 }
 
-/// @return whether there is something to learn of U: what its port reads is then a measurement
+/// @return whether U can be learned: its port then measures
 static bool measures_u(const sim_config_t *config)
 {
     return config->has_belief || sim_lathe_is_rough(&config->lathe);
 }
 
-/// Put the blank into the lathe and the lathe behind the port, and prepare the gauges.
+/// Mount the blank, connect the lathe to the port, and prepare the gauges.
 static bool place(sim_cut_t *cut, common_error_t *e)
 {
     sim_session_t *s = &cut->session;
@@ -281,16 +275,17 @@ static bool place(sim_cut_t *cut, common_error_t *e)
     return place_scallop(cut, e) && place_sections(cut, e);
 }
 
-/// Open the firmware and give it parameters and table; each change is taken by the next tick.
+/// Open the firmware and set parameters and table; each change takes effect in the next tick.
 static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, common_error_t *e)
 {
+    const double tick_hz = cut->session.options.config.lathe.tick_hz;
     if (!sim_firmware_open(&cut->firmware, cut->options.target, cut->options.target_image, e) ||
-        !apply_params(cut, e)) {
+        !sim_params_apply(&cut->params, (uint32_t)tick_hz, set_param, cut, e)) {
         return false;
     }
     cam_err_t err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
     sim_cut_idle(cut);
-    if (err == cam_err_busy) { // as with the parameters
+    if (err == cam_err_busy) { // retry after a tick, as for parameters
         err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
         sim_cut_idle(cut);
     }
@@ -305,12 +300,12 @@ static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, commo
     return sim_slow_check(&cut->session.table, &cut->params, &cut->feasibility, e);
 }
 
-/// Derive times and slices from the speed that the firmware takes.
+/// Derive times and slices from the firmware's speed.
 static void plan(sim_cut_t *cut)
 {
     sim_session_t *s = &cut->session;
     sim_cut_plan_pass(cut);
-    // Twice the turns from engaging to the end, and a minute, for spin-up and homing.
+    // Twice the planned time, and a minute for spin-up and homing.
     cut->max_s = s->options.max_s > 0.0 ? s->options.max_s : 2.0 * sim_cut_planned_s(cut) + 60.0;
     sim_switch_window_t windows[sim_switches_n];
     sim_switch_windows(&cut->params, windows);
@@ -322,7 +317,7 @@ static void plan(sim_cut_t *cut)
     cut->state = cam_state_off;
 }
 
-/// Prepare the first pass, whose feed the rings and the window of the tracks depend on.
+/// Prepare the first pass: rings and window of the tracks depend on its feed.
 static bool prepare_pass(sim_cut_t *cut, common_error_t *e)
 {
     sim_cut_first_pass(cut);
@@ -349,7 +344,7 @@ bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *
     cut->options = *options;
     cut->fault_s = -1.0;
     if (!prepare(cut, image, size, name, e)) {
-        (void)sim_firmware_is_lost(&cut->firmware, e); // then that is the reason
+        (void)sim_firmware_is_lost(&cut->firmware, e); // then the lost target is the reason
         sim_cut_close(cut);
         return false;
     }

@@ -7,7 +7,7 @@
 /// The papers measure 30 slices in a quarter turn.
 enum { slices_per_turn = 120 };
 
-/// @return [mm] stock that a pass leaves
+/// @return [mm] stock left by a pass
 static double allowance_mm(const sim_cut_t *cut, uint32_t pass)
 {
     const cam_table_t *table = &cut->session.table;

@@ -8,7 +8,7 @@
 #include "sim_units.h"          // SIM_TWO_PI
 #include <string.h>             // strrchr
 
-/// @return the name alone: folders differ between computers and runs, names do not
+/// @return the file name only, because folders differ between computers and runs
 static const char *base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -188,7 +188,7 @@ static void add_pass(cJSON *list, const sim_cut_t *cut, uint32_t i)
     (void)cJSON_AddItemToArray(list, object);
 }
 
-/// Form error of a pass: against the drawing and the stock that it has to leave.
+/// Form error of a pass, against the drawing plus the stock that it has to leave.
 static void add_passes(cJSON *root, const sim_cut_t *cut)
 {
     if (cut->session.table.n_passes == 0u) {

@@ -6,9 +6,9 @@
 #include "sim_cut.h" // sim_cut_t
 #include "sim_out.h" // sim_out_t
 
-/// @param cut         the scallop looks its design up
-/// @param table_path  of the table file
-/// @param wall_s      [s] that the cut took on this computer
+/// @param cut         not const: the scallop evaluates its design
+/// @param table_path  path of the table file
+/// @param wall_s      [s] elapsed time on this computer
 /// @return            false when memory is short
 bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, double wall_s);
 

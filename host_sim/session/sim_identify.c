@@ -6,8 +6,8 @@
 
 enum { poll_ticks = 16 };
 
-/// [s] of machine time in which the controller must be ready, and end an excitation beyond its
-/// length.
+/// [s] machine time allowed for the controller to become ready, and for an excitation in addition
+/// to its length.
 static const double patience_s = 60.0;
 
 static cam_machine_t *machine_of(sim_cut_t *cut)
@@ -15,7 +15,7 @@ static cam_machine_t *machine_of(sim_cut_t *cut)
     return &cut->firmware.machine;
 }
 
-/// Some ticks, with what is injected meanwhile, and the background work behind them.
+/// Run some ticks with due injections, then the background work.
 static void go_on(sim_cut_t *cut)
 {
     for (int i = 0; i < poll_ticks; i++) {
@@ -33,7 +33,7 @@ static bool refused(const char *what, cam_err_t err, common_error_t *e)
     return common_error(e, "%s: refused: %s", what, cam_err_text(err));
 }
 
-/// Enable, and wait until the axes are out of the way and the angle is known.
+/// Enable, and wait until the axes are clear and the angle is known.
 static bool make_ready(sim_cut_t *cut, common_error_t *e)
 {
     const cam_err_t err = cam_machine_enable(machine_of(cut));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_identify: U of the simulated lathe plays a wave, and the controller records it.
+/// sim_identify: U of the simulated lathe plays a wave, recorded by the controller.
 ///
-/// The firmware's own commands lead it as a tool does over CAN: enable, wait for ready, download of
-/// the wave, excitation with signs of life, until the state is ready again. The recording lies in
-/// the memory of the port (cam_scope.h).
+/// It uses the firmware's own commands, as a tool does over CAN: enable, wait for ready, download
+/// the wave, excite with keep-alive messages, until the state is ready again. The recording is in
+/// the port's memory (cam_scope.h).
 #ifndef SIM_IDENTIFY_H
 #define SIM_IDENTIFY_H
 
@@ -17,21 +17,21 @@ typedef struct {
     const int32_t *wave_nm; ///< [nm] samples of a period, one per tick
     uint32_t n;             ///< [ticks]
     uint32_t n_periods;     ///< at full amplitude
-    uint32_t fade_ticks;    ///< [ticks] in which the amplitude rises, and falls
-    int32_t place_nm;       ///< [nm] of U, about which it plays
-    uint32_t signals;       ///< bit i: signal i is recorded
-    double alive_s;         ///< [s] for which signs of life are given; 0: always
+    uint32_t fade_ticks;    ///< [ticks] of rise and of fall of the amplitude
+    int32_t place_nm;       ///< [nm] centre of the wave on U
+    uint32_t signals;       ///< bit i: record signal i
+    double alive_s;         ///< [s] duration of keep-alive messages; 0: always
 } sim_identify_options_t;
 
-/// Run it to its end.
+/// Run to the end.
 /// @param cut  open, traced, with the firmware in this process
 /// @return     false and *e when the controller refuses, or is not ready in time
 bool sim_identify_run(sim_cut_t *cut, const sim_identify_options_t *options, common_error_t *e);
 
-/// @return what came of it
+/// @return the result
 cam_excited_t sim_identify_end(const sim_cut_t *cut);
 
-/// @return rows of the recording before the amplitude falls
+/// @return rows recorded before the amplitude falls
 uint32_t sim_identify_n_played(const sim_cut_t *cut);
 
 #endif

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_learn_summary: what the controller learned, and how the error converged, as JSON.
+/// sim_learn_summary: the controller's learning and the convergence of the error, as JSON.
 ///
-///     "error_per_turn_um": [..]        of each turn: the rehearsal's, then the cut's (sim_turns.h)
-///     "error_per_turn": {"turn", "state"}  where each began, and whether "rehearsing" or "cutting"
+///     "error_per_turn_um": [..]            per turn: rehearsal, then cut (sim_turns.h)
+///     "error_per_turn": {"turn", "state"}  start of each; "rehearsing" or "cutting"
 ///     "learning": is_on, phase, reason, turns, masked, k1_ns, k2_us2, harmonics, ...
 #ifndef SIM_LEARN_SUMMARY_H
 #define SIM_LEARN_SUMMARY_H

@@ -3,10 +3,10 @@
 #include "sim_design_table.h" // sim_design_table_ratio
 #include "sim_units.h"        // sim_fraction
 
-/// The remedy for a table without its report.
+/// Remedy for a table without its report.
 #define REMEDY "make the table again with tools/mktables, or give --design"
 
-/// [mm] radius of the tool's tip, when none is given.
+/// [mm] default radius of the tool's tip.
 #define DEFAULT_TIP_MM 0.4
 
 bool sim_lobe_cut_check(const sim_session_t *s, double tip_mm, const char *name, common_error_t *e)

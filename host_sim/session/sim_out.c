@@ -11,7 +11,7 @@
 
 enum { max_pending = 6 };
 
-/// Temporary files, where the signal handler finds them.
+/// Temporary files, for the signal handler.
 static const char *volatile pending[max_pending];
 
 static void on_signal(int number)
@@ -95,8 +95,8 @@ static bool find_target(sim_out_t *o, bool *is_regular)
     return (size_t)snprintf(o->final, sizeof o->final, "%s", o->name) < sizeof o->final;
 }
 
-/// In a folder that others can write to, a link under the name of a result could let this program
-/// overwrite any file of whoever starts it; that of the administrator or one's own is followed.
+/// In a folder writable by others, a link with the name of a result could make this program
+/// overwrite any file of its user. Links of root or of the user are followed.
 static bool is_planted(const char *name)
 {
     struct stat about;
@@ -112,7 +112,7 @@ bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_err
     }
     if (is_planted(name)) {
         return common_error(e,
-                            "%s %s: is a link of another user, which is not followed; remove it, "
+                            "%s %s: a link of another user, which is not followed; remove it, "
                             "or give another path",
                             option, name);
     }

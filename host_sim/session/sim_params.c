@@ -3,8 +3,8 @@
 #include "cam_derived_limits.h" // cam_derived_limits_most
 #include "cam_gains.h"          // cam_gains_check
 
-/// Gains or a jerk are refused; the one that is wrong in the whole set is named, which need not be
-/// the parameter that was set last. @return false
+/// Refuse gains or a jerk. The message names the one that is wrong in the whole set, which need not
+/// be the parameter set last. @return false
 static bool refuse_gains(const cam_params_t *params, uint32_t tick_hz, common_error_t *e)
 {
     cam_param_id_t which = cam_n_params;
@@ -48,7 +48,7 @@ bool sim_params_apply(const cam_params_t *params, uint32_t tick_hz, sim_params_s
             const cam_param_id_t id = (cam_param_id_t)i;
             const int32_t value = cam_param_get(params, id);
             cam_err_t err = set(controller, id, value);
-            if (err == cam_err_busy) { // what was learned is led to the parameter set before
+            if (err == cam_err_busy) { // learning still adapts to the parameter set before
                 err = set(controller, id, value);
             }
             const bool is_later = are_gains_right && (err == cam_err_gain || err == cam_err_jerk);

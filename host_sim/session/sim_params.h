@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_params: hand all parameters to a controller that takes them one by one.
+/// sim_params: sets all parameters of a controller, one by one.
 ///
-/// Each change has to be right together with those made before it, which a set that is right as a
-/// whole need not be on the way: a slow U with small gains passes a slow U with the gains of
-/// before. What is refused for its gains is therefore tried again behind the others.
+/// A controller checks each change together with the earlier ones, so a valid set may pass invalid
+/// intermediate states: a slow U with small gains passes a slow U with the old gains. Parameters
+/// refused for their gains are therefore retried after the others.
 #ifndef SIM_PARAMS_H
 #define SIM_PARAMS_H
 
@@ -13,12 +13,12 @@
 #include <stdbool.h>      // bool
 #include <stdint.h>       // int32_t, uint32_t
 
-/// Give one value to the controller, and let it take it; nothing where it has that value.
+/// Set one value in the controller; nothing if it has that value already.
 typedef cam_err_t (*sim_params_set_t)(void *controller, cam_param_id_t id, int32_t value);
 
 /// Set the parameters that differ.
 /// @param tick_hz  [Hz] of the controller
-/// @return         false and *e, with the value that it would take, where it refuses one
+/// @return         false and *e, with an acceptable value, when one is refused
 bool sim_params_apply(const cam_params_t *params, uint32_t tick_hz, sim_params_set_t set,
                       void *controller, common_error_t *e);
 

@@ -13,7 +13,7 @@ bool sim_session_open(sim_session_t *s, const sim_session_options_t *options, co
     s->n_waiting = options->n_injects;
     s->cut_at_s = -1.0;
     s->began_at_s = -1.0;
-    // The firmware demands an aligned image, aligned_alloc() a size that is a multiple of it.
+    // The firmware demands an aligned image, and aligned_alloc() a multiple of the alignment.
     s->image = aligned_alloc(32, (size + 31u) / 32u * 32u + 32u);
     if (s->image == NULL) {
         return common_error(e, "%s: not enough memory for %zu bytes; use a smaller table", name,
@@ -47,7 +47,7 @@ const sim_work_t *sim_session_control(const sim_session_t *s)
     return s->has_target ? &s->control : &s->work;
 }
 
-/// @return [mm] radius of the tool's nose: asked for, of the machine, or what the table is made for
+/// @return [mm] radius of the tool's nose: requested, of the machine, or of the table
 static double nose_mm(const sim_session_t *s)
 {
     const double of_machine_mm = s->options.config.lathe.tool_nose_mm;
@@ -57,7 +57,7 @@ static double nose_mm(const sim_session_t *s)
     return of_machine_mm >= 0.0 ? of_machine_mm : s->design.nose_mm;
 }
 
-/// Begin to gauge against the drawing, and against the target where there is one.
+/// Start the gauges against the drawing, and against the target if there is one.
 static void init_work(sim_session_t *s, double blank_mm)
 {
     sim_work_init(&s->work, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
@@ -69,17 +69,17 @@ static void init_work(sim_session_t *s, double blank_mm)
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
 {
     const sim_lathe_config_t *lathe = &s->options.config.lathe;
-    // The blank is a cylinder, thicker than the largest radius of the part by the depth of cut.
+    // The blank is a cylinder: largest radius of the part plus depth of cut.
     const double blank_mm = s->design.largest_mm + s->table.depth_nm / SIM_NM_PER_MM;
-    const double tool_mm = s->design.lobes.follower_mm; // X carries the centre of a lobe's follower
+    const double tool_mm = s->design.lobes.follower_mm; // X holds the centre of a lobe's follower
     *x_nm = (blank_mm + tool_mm + lathe->x_start_mm) * SIM_NM_PER_MM;
     *z_nm = s->table.z_first_nm - lathe->z_start_mm * SIM_NM_PER_MM;
     sim_nose_init(&s->nose, nose_mm(s), &s->design);
     init_work(s, blank_mm);
 }
 
-/// Gauge the tip of a skirt's tool against the drawing and against what the table plays, with the
-/// stock that the pass has to leave.
+/// Gauge the tip of a skirt's tool against the drawing and the played surface, each plus the stock
+/// that the pass has to leave.
 static void gauge_skirt(sim_session_t *s)
 {
     bool is_beside;
@@ -167,7 +167,7 @@ sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s)
 {
     for (uint32_t i = 0; s->n_waiting > 0u && i < s->options.n_injects; i++) {
         sim_inject_t *what = &s->options.inject[i];
-        // Times count from the first sample of cutting; before it none of these is due.
+        // Times count from the first sample of cutting.
         const double zero_s = what->is_absolute ? 0.0 : s->began_at_s;
         if (!what->is_done && zero_s >= 0.0 && now_s >= zero_s + what->at_s) {
             what->is_done = true;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_session: what every cut has in common, whoever controls it: the table, the design, the
-/// workpiece, the gauges on it, and the progress of the cut.
+/// sim_session: the common part of every cut: table, design, workpiece, gauges and progress.
 ///
 ///     open -> load_design -> place -> touch, touch, ... -> close
 ///
 /// A cut by the firmware (sim_cut.h) and a cut by a controller on a bus (sim_watch.h) each hold one
-/// session and differ only in how the lathe is moved and in how the cut ends.
+/// session; they differ only in how the lathe is moved and how the cut ends.
 #ifndef SIM_SESSION_H
 #define SIM_SESSION_H
 
@@ -28,10 +27,10 @@ enum { sim_session_max_injects = 32 };
 /// Options of any cut.
 typedef struct {
     sim_config_t config;
-    const char *design_path; ///< NULL: gauge against the table itself, lobes by U alone
+    const char *design_path; ///< NULL: gauge against the table itself, lobes by U only
     uint64_t seed;           ///< of all noise
-    double max_s;            ///< [s] of machine time after which the cut is given up
-    double tolerance_um;     ///< largest form error that is good
+    double max_s;            ///< [s] machine time after which the cut is aborted
+    double tolerance_um;     ///< largest good form error
     double nose_mm;          ///< radius of the tool's nose; 0: that of the machine file
     sim_inject_t inject[sim_session_max_injects];
     uint32_t n_injects;
@@ -39,26 +38,26 @@ typedef struct {
 
 typedef struct {
     sim_session_options_t options;
-    uint8_t *image; ///< own copy, so that a bit may flip
+    uint8_t *image; ///< own copy, in which a bit may flip
     cam_table_t table;
-    sim_design_t design; ///< the drawing, which the part is judged by
-    bool has_target;     ///< the table deliberately plays something else than the drawing
-    sim_design_t target; ///< ... this surface
+    sim_design_t design; ///< the drawing, the reference of the verdict
+    bool has_target;     ///< the table deliberately deviates from the drawing
+    sim_design_t target; ///< the surface that it plays
     sim_work_t work;
-    sim_work_t control;      ///< errors against the target, when there is one
+    sim_work_t control;      ///< errors against the target, if any
     sim_nose_t nose;         ///< of the tool
-    sim_scallop_t scallop;   ///< made only when the tool has a nose
-    sim_lobe_work_t lobes;   ///< of lobes only
-    sim_sections_t sections; ///< made only when they are asked for
-    double phase_turn;       ///< [turn] rotates the oval on the part
-    double mean_rad_s;       ///< [rad/s] mean speed of the spindle that was commanded; 0: not known
-    // of several passes
-    double allowance_mm; ///< stock on the radius that this pass leaves
-    double stock_mm;     ///< ... that the pass before has left, where has_stock
-    bool has_stock;      ///< the blank of this pass is the drawing and that stock, no cylinder
+    sim_scallop_t scallop;   ///< only with a nose of the tool
+    sim_lobe_work_t lobes;   ///< lobes only
+    sim_sections_t sections; ///< only on request
+    double phase_turn;       ///< [turn] rotation of the oval on the part
+    double mean_rad_s;       ///< [rad/s] commanded mean spindle speed; 0: unknown
+    // several passes
+    double allowance_mm; ///< stock on the radius left by this pass
+    double stock_mm;     ///< stock left by the pass before, if has_stock
+    bool has_stock;      ///< the blank of this pass is the drawing plus that stock, not a cylinder
     // progress
     double began_at_s;  ///< time of the first sample of cutting of all passes; below 0: not yet
-    uint32_t n_waiting; ///< injections that have not happened
+    uint32_t n_waiting; ///< injections still to happen
     double cut_at_s;    ///< time of the first sample of cutting; below 0: not yet
     double cut_at_turn; ///< true angle there
     double cut_turns, cut_s; ///< angle and time since then, while cutting
@@ -67,55 +66,53 @@ typedef struct {
     uint64_t n_following;
     // last sample
     sim_sample_t at;
-    bool is_on_part;        ///< at the height of the part, not in the air before or behind it
-    bool is_cutting;        ///< the sample belongs to the surface that is judged
-    bool has_touched;       ///< a sample has belonged to it
+    bool is_on_part;        ///< at a height of the part, not in the air before or after it
+    bool is_cutting;        ///< the sample belongs to the judged surface
+    bool has_touched;       ///< a sample has belonged to the judged surface
     double touched_at_turn; ///< angle of the first one in the sense of cutting
     double part_turn, z_mm, radius_mm, exact_mm;
 } sim_session_t;
 
 /// Check and copy a table.
-/// @param s      12 MB, zero-initialised; to be closed in any case
+/// @param s      12 MB, zero-initialised; close it also on failure
 /// @param image  of the table
-/// @param name   of its file, for messages
+/// @param name   name of its file, for messages
 /// @return       false and *e when the table is refused
 bool sim_session_open(sim_session_t *s, const sim_session_options_t *options, const void *image,
                       size_t size, const char *name, common_error_t *e);
 
-/// Load the design that the gauge compares with. @return false and *e when it is no good
+/// Load the gauge's design. @return false and *e when it is not valid
 bool sim_session_load_design(sim_session_t *s, common_error_t *e);
 
-/// @return what the table plays: the target, or the drawing itself
+/// @return the surface that the table plays: the target, or the drawing
 sim_design_t *sim_session_played(sim_session_t *s);
 
-/// @return the gauge of the controller's own error: against the target, or against the drawing
+/// @return the gauge of the control error: against the target, or else the drawing
 const sim_work_t *sim_session_control(const sim_session_t *s);
 
-/// Put the blank into the lathe.
-/// @param x_nm, z_nm  where X and Z stand at the start: off the blank, before the first height
+/// Mount the blank.
+/// @param x_nm, z_nm  X and Z at the start: off the blank, before the first height
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm);
 
-/// Prepare the gauges for the next pass; the injections go on.
+/// Prepare the gauges for the next pass; injections continue.
 void sim_session_begin_pass(sim_session_t *s);
 
-/// Take a sample of the tool: gauge it and count the progress.
-/// @param is_cutting    full amplitude and depth; on the part the sample belongs to the surface
-/// that
-///                      is judged
+/// Take a sample of the tool: gauge it and update the progress.
+/// @param is_cutting    full amplitude and depth; a sample on the part belongs to the judged
+///                      surface
 /// @param following_nm  following error of U; counted while cutting
 void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,
                        double following_nm);
 
-/// @return [mm] by which the tip of a skirt's tool stood below the blank at the last sample; 0
-/// where
-///         it is clear, beside the part, or cuts lobes
+/// @return [mm] depth of a skirt's tool tip below the blank at the last sample; 0 if clear, beside
+///         the part, or on lobes
 double sim_session_depth_mm(const sim_session_t *s);
 
-/// @return [turn] drawing's angle of the last sample, phase taken off, not wrapped: rises with M3,
+/// @return [turn] drawing's angle of the last sample less the phase, not wrapped: rises with M3,
 ///         falls with M4
 double sim_session_turn(const sim_session_t *s);
 
-/// Take the next injection that is due; each happens once. @return NULL when there is none
+/// Get the next due injection; each happens once. @return NULL when there is none
 sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s);
 
 /// @return [um] rms following error, 0 without samples

@@ -12,8 +12,7 @@ static double stopped_rpm(const cam_params_t *p)
     return p->stopped_mrpm * 1e-3;
 }
 
-/// @return number of heights at which a table is examined: one on each lobe of a shaft; without
-///         modulation one is enough
+/// @return number of heights to check: one on each lobe of a shaft; one without modulation
 static uint32_t n_heights(const cam_table_t *t)
 {
     if (t->n_lobes > 0u && t->speed.knots != NULL) {
@@ -32,8 +31,8 @@ static double height_mm(const cam_table_t *t, uint32_t i)
     return (t->z_first_nm + share * ((double)t->z_last_nm - t->z_first_nm)) / SIM_NM_PER_MM;
 }
 
-/// @return the longest slow time at a height, over two turns: the slow part may lie across the
-///         beginning of the turn
+/// @return the longest slow time at a height, over two turns because the slow part may cross the
+///         start of the turn
 static double longest_at_s(const cam_table_t *t, double z_mm, double mean_rpm, double slow_rpm)
 {
     double run_s = 0.0;
@@ -74,7 +73,7 @@ bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, d
            sim_slow_longest_s(table, params, mean_rpm) * 1e3 <= params->stopped_ms;
 }
 
-/// A spindle that is never slower than stopped_mrpm is safe from lag and ripple, too.
+/// A spindle that is never slower than stopped_mrpm has no problem with lag and ripple either.
 /// @return the remedy
 static common_error_t remedy(const cam_table_t *t, const cam_params_t *p,
                              const cam_feasibility_t *f)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_summary: the part that the summaries of all cuts have in common, as JSON.
+/// sim_summary: the common part of all cuts' summaries, as JSON.
 ///
 /// The same input and seed give the same bytes, except for wall_time_s and ticks_per_s.
 #ifndef SIM_SUMMARY_H
@@ -17,14 +17,14 @@ void sim_summary_number(cJSON *object, const char *key, double value);
 
 void sim_summary_text(cJSON *object, const char *key, const char *text);
 
-/// Add a number that exists only when something was gauged; otherwise null.
+/// Add a number, or null if nothing was gauged.
 void sim_summary_sampled(cJSON *object, const sim_session_t *s, const char *key, double value);
 
 /// Add a list of the names of faults. @param faults  a bit for each of CAM_FAULTS
 void sim_summary_faults(cJSON *root, const char *key, uint32_t faults);
 
-/// Add "form_error_um" against the drawing, "control_error_um" against what the table plays (the
-/// same without a target), and "following_error_um".
+/// Add "form_error_um" against the drawing, "control_error_um" against the played surface (the same
+/// without a target), and "following_error_um".
 void sim_summary_errors(cJSON *root, const sim_session_t *s);
 
 /// Add the progress of the cut to "cut".

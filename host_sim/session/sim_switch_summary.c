@@ -4,7 +4,7 @@
 
 static const double deg_per_turn = 360.0;
 
-/// @return a parameter of a switch, by that of the first one
+/// @return a parameter of switch i, by the id of the first switch
 static double param(const cam_params_t *params, uint32_t i, cam_param_id_t of_first)
 {
     const uint32_t n =

@@ -26,10 +26,10 @@ static void q6(sim_out_t *o, int32_t value_q6)
 static void reading_columns(sim_out_t *o, const cam_tick_record_t *r, const sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
-    const double behind =
-        (double)(cut->firmware.tick - r->tick); // records made before the first tick
+    const double n_older =
+        (double)(cut->firmware.tick - r->tick); // for records made before the first tick
     sim_out_integer(o, r->tick);
-    sim_out_real_column(o, s->at.t_s - behind * cut->port.lathe.step_s, 9);
+    sim_out_real_column(o, s->at.t_s - n_older * cut->port.lathe.step_s, 9);
     sim_out_real_column(o, s->table.direction * ((double)r->angle.pos_q32 / 4294967296.0), 9);
     sim_out_decimal_column(o, r->want.z_nm, 6);
     q6(o, r->want.u_set_q6);
@@ -43,7 +43,7 @@ static void reading_columns(sim_out_t *o, const cam_tick_record_t *r, const sim_
     sim_out_real_column(o, (s->radius_mm - s->exact_mm) * SIM_NM_PER_MM, 3);
 }
 
-/// Write what the tick sensed and what it wrote.
+/// Write inputs and outputs of the tick.
 static void record_columns(sim_out_t *o, const cam_tick_record_t *r)
 {
     sim_out_integer_column(o, r->config);

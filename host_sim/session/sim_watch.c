@@ -4,10 +4,10 @@
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <string.h>    // memcpy, memset
 
-/// [s] for which the end must last: a controller that only restarts goes on sooner.
+/// [s] that the end must last: a controller that only restarts continues sooner.
 #define QUIET_S 0.25
 
-/// [s] without SYNC after which the controller has gone.
+/// [s] without SYNC after which the controller counts as lost.
 #define LOST_S 0.1
 
 bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const void *image,
@@ -19,12 +19,12 @@ bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const vo
     sim_session_t *s = &w->session;
     bool is_good = sim_session_open(s, &options->session, image, size, name, e);
     if (is_good && s->table.angle.knots != NULL) {
-        is_good = common_error(
-            e, "%s: is the table of a cam, for which the bus has no gauge; use camsim run", name);
+        is_good =
+            common_error(e, "%s: table of a cam, which the bus cannot gauge; use camsim run", name);
     }
     if (is_good && s->table.n_passes > 1u) {
         is_good = common_error(
-            e, "%s: has several passes, for which the bus has no gauge; use camsim run", name);
+            e, "%s: table with several passes, which the bus cannot gauge; use camsim run", name);
     }
     if (!is_good || !sim_session_load_design(s, e)) {
         sim_session_close(s);
@@ -54,7 +54,7 @@ bool sim_watch_connect(sim_watch_t *w, common_error_t *e)
     return sim_link_open(&w->link, w->options.interface, w->options.chip, w->bus.period_s, e);
 }
 
-/// Without lines the status frame of the controller counts.
+/// Without lines use the controller's status frame.
 static sim_bus_outputs_t outputs_of(const sim_watch_t *w)
 {
     const sim_bus_t *bus = &w->bus;
@@ -73,7 +73,7 @@ static bool is_gone(const sim_watch_t *w)
     return w->bus.n_syncs > 0u && w->bus.time_s - w->bus.sync_s > LOST_S;
 }
 
-/// @return the end of the cut if nothing more happened
+/// @return the end that the cut reaches if nothing else happens
 static sim_watch_end_t end_in_sight(const sim_watch_t *w)
 {
     const sim_bus_t *bus = &w->bus;
@@ -131,7 +131,7 @@ void sim_watch_tick(sim_watch_t *w)
         sim_bus_inject(&w->bus, what, s->table.direction);
     }
     sim_bus_step(&w->bus);
-    sim_link_speak(&w->link, &w->bus);
+    sim_link_send(&w->link, &w->bus);
     const double wanted_nm = w->bus.node[sim_bus_u].active.target;
     sim_session_touch(s, &w->bus.sample, w->outputs.is_in_cut, w->bus.sample.u_nm - wanted_nm);
     sim_lathe_bite(&w->bus.lathe, sim_session_depth_mm(s));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_watch: one whole cut on a CAN bus. The lathe is made of nodes, the controller is another
+/// sim_watch: a whole cut on a CAN bus. The lathe consists of nodes, the controller is another
 /// process; its work is watched, not commanded.
 ///
 ///     open -> connect -> tick, tick, ... until end is not sim_watch_running -> close
@@ -16,21 +16,21 @@
 
 typedef struct {
     sim_session_options_t session;
-    const char *interface, *chip; ///< of sim_link_open()
+    const char *interface, *chip; ///< arguments of sim_link_open()
     double tick_hz;               ///< rate of the controller
     double guard_ms, heartbeat_ms;
     double encoder_modulus; ///< [counts]
     bool is_foreign[sim_bus_n_nodes];
-    bool is_staying; ///< the nodes go on after the end of the cut until a signal
+    bool is_staying; ///< the nodes continue after the cut until a signal
 } sim_watch_options_t;
 
 /// How the cut ended.
 typedef enum {
     sim_watch_running,
-    sim_watch_done,    ///< cut, and the controller is ready again
+    sim_watch_done,    ///< cut done, the controller is ready again
     sim_watch_fault,   ///< fault, enable low, all at rest
-    sim_watch_lost,    ///< the controller has gone, all at rest
-    sim_watch_timeout, ///< max_s is over
+    sim_watch_lost,    ///< the controller is lost, all at rest
+    sim_watch_timeout, ///< max_s has passed
     sim_watch_stopped, ///< by a signal
 } sim_watch_end_t;
 
@@ -41,24 +41,24 @@ typedef struct {
     sim_link_t link;
     sim_bus_outputs_t outputs;
     sim_watch_end_t end;
-    double quiet_s; ///< since when the end has been in sight; below 0: it is not
+    double quiet_s; ///< start of the end's conditions; below 0: not met
     sim_watch_end_t quiet_end;
-    double fault_s;   ///< first sight of a fault, below 0: none
-    double stopped_s; ///< first moment of rest after the last SYNC or fault; below 0: none
-    uint32_t faults;  ///< all that the controller reported
+    double fault_s;   ///< time of the first fault, below 0: none
+    double stopped_s; ///< start of rest after the last SYNC or fault; below 0: none
+    uint32_t faults;  ///< all faults reported by the controller
 } sim_watch_t;
 
 /// @param w      16 MB: allocate it
-/// @param image  of a table; copied
-/// @param name   of the table file, for messages
-/// @return       false and *e when the input is no good; nothing to close then
+/// @param image  image of a table; copied
+/// @param name   name of the table file, for messages
+/// @return       false and *e when the input is bad; then nothing to close
 bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const void *image,
                     size_t size, const char *name, common_error_t *e);
 
-/// Connect the nodes to the bus. @return false and *e when it is not there
+/// Connect the nodes to the bus. @return false and *e when it is missing
 bool sim_watch_connect(sim_watch_t *w, common_error_t *e);
 
-/// Run one period: wait for its end, move, speak, gauge. Sets w->end when it was the last.
+/// Run one period: wait for its end, move, send, gauge. The last one sets w->end.
 void sim_watch_tick(sim_watch_t *w);
 
 void sim_watch_close(sim_watch_t *w);
@@ -66,7 +66,7 @@ void sim_watch_close(sim_watch_t *w);
 /// @return true when the cut ended well and within the tolerance, or a signal ended it
 bool sim_watch_is_good(const sim_watch_t *w);
 
-/// @return state that the controller reported last, "-" before
+/// @return state last reported by the controller, "-" before
 const char *sim_watch_state(const sim_watch_t *w);
 
 /// @return "running", "done", "fault", "lost", "timeout" or "stopped"

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_watch_out: trace and summary of a cut on a bus.
 ///
-/// Trace: one line per period, columns as in a run (sim_trace.h) first (`state` and `faults` as the
-/// controller reported them last, "-" and 0 before), then
+/// Trace: one line per period, columns as in a run (sim_trace.h) first (`state` and `faults` as
+/// last reported by the controller, "-" and 0 before), then
 ///     true_turn,true_z_mm,radius_mm,error_nm   the truth at the SYNC
 ///     enable,fault,in_cut                      lines of the controller
-///     syncs                                    SYNCs until then
-///     encoder_counts                           spoken last before the SYNC
+///     syncs                                    number of SYNCs so far
+///     encoder_counts                           last sent before the SYNC
 ///     A_control,A_status,A_target,A_actual,A_offset for A = u, x, z, spindle; control and status
-///     words in hexadecimal; the spindle without offset, its speeds in r/min / 1000
+///     words in hexadecimal; the spindle without offset, with speeds in r/min / 1000
 #ifndef SIM_WATCH_OUT_H
 #define SIM_WATCH_OUT_H
 

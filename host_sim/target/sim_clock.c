@@ -2,20 +2,20 @@
 #include "sim_clock.h"
 #include "sim_units.h" // sim_round
 
-enum { burst_of = 16 }; ///< ticks for one that is late, on the average
+enum { burst_of = 16 }; ///< one tick of this many is late, on average
 
 void sim_clock_init(sim_clock_t *c, uint64_t seed)
 {
     *c = (sim_clock_t){.random = sim_random_seeded(seed)};
 }
 
-/// @return a number spread evenly over 0 .. 1
+/// @return a number evenly distributed over 0 .. 1
 static double even(sim_clock_t *c)
 {
     return (double)(sim_random_next(&c->random) >> 11) * 0x1p-53;
 }
 
-/// @return [periods] by which the next tick comes behind its grid
+/// @return [periods] delay of the next tick after its grid
 static double lateness(sim_clock_t *c)
 {
     double late = c->jitter > 0.0 ? c->jitter * even(c) : 0.0;
@@ -25,10 +25,10 @@ static double lateness(sim_clock_t *c)
     return late;
 }
 
-/// @return [periods] beyond one, to the next tick
+/// @return [periods] to the next tick, less one
 static double beyond(sim_clock_t *c)
 {
-    if (c->rest > 0.0) { // the tick behind the one that came once more is on the grid again
+    if (c->rest > 0.0) { // the tick after a repeated one is on the grid again
         const double rest = c->rest;
         c->rest = 0.0;
         return rest - 1.0;

@@ -21,7 +21,7 @@ enum { patience_ms = 20000 };
 /// CPUs of this process before it was pinned.
 static cpu_set_t all_cpus;
 
-/// Failing is no harm: the exchange is slower then.
+/// Failure is harmless: the exchange is only slower.
 static void pin(void)
 {
     cpu_set_t one;
@@ -40,7 +40,7 @@ static void unpin(void)
     }
 }
 
-/// Pipes of a start; `report` says why the emulator cannot be run, `words` takes what it says.
+/// Pipes of a start; `report` carries the reason of a failed start, `words` the output.
 typedef struct {
     int request[2], answer[2], report[2];
     int words;
@@ -92,7 +92,7 @@ static bool has_started(sim_emulator_t *m, pipes_t *p, common_error_t *e)
     while (read(p->report[0], &number, sizeof number) < 0 && errno == EINTR) {
     }
     (void)close(p->report[0]);
-    (void)close(p->answer[1]); // only the emulator holds it now
+    (void)close(p->answer[1]); // only the emulator keeps it open now
     if (number == 0) {
         return true;
     }
@@ -142,7 +142,7 @@ bool sim_emulator_send(sim_emulator_t *m, const void *bytes, size_t n, common_er
                         written < 0 ? strerror(errno) : "full");
 }
 
-/// The first line that the emulator, or the program on it, has said.
+/// First line of output of the emulator or its program.
 static void first_words(const sim_emulator_t *m, char *line, size_t size)
 {
     const ssize_t n = pread(m->words_fd, line, size - 1u, 0);
@@ -150,7 +150,7 @@ static void first_words(const sim_emulator_t *m, char *line, size_t size)
     line[strcspn(line, "\r\n")] = '\0';
 }
 
-/// The end of its pipe is there: how did it end?
+/// The emulator closed its pipe: report how it ended.
 static bool has_ended(sim_emulator_t *m, common_error_t *e)
 {
     char words[200];
@@ -193,7 +193,7 @@ bool sim_emulator_receive(sim_emulator_t *m, void *bytes, size_t n, common_error
     return true;
 }
 
-/// It holds nothing worth keeping, and may stand anywhere.
+/// Kill it: it has nothing to save, and may be stuck anywhere.
 void sim_emulator_stop(sim_emulator_t *m)
 {
     (void)close(m->request_fd);

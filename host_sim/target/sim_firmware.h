@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_firmware: the controller as the simulator drives it, wherever it runs.
+/// sim_firmware: the controller as the simulator uses it, in this process or on a target.
 ///
-/// It runs in this process, on the port of the simulator, or on a target behind a wire
-/// (sim_remote.h), with the same functions and the same answers to the bit. A target can be lost in
-/// the middle; then ticks return false, calls return cam_err_busy, and sim_firmware_is_lost() says
-/// why. There is one controller at a time, because the port is one per process.
+/// In this process it runs on the simulator's port, on a target through sim_remote.h, with the same
+/// functions and the same results to the bit. A target can be lost at any time; then ticks return
+/// false, calls return cam_err_busy, and sim_firmware_is_lost() gives the reason. Only one
+/// controller exists at a time, because a process has one port.
 #ifndef SIM_FIRMWARE_H
 #define SIM_FIRMWARE_H
 
@@ -21,37 +21,37 @@
 typedef struct {
     cam_machine_t machine; ///< in this process
     sim_remote_t *remote;  ///< NULL: in this process
-    cam_status_t told;     ///< by a target, of the last tick
-    // what is looked at behind every tick; a whole status costs as much as two ticks
+    cam_status_t status;   ///< of a target after the last tick
+    // read after every tick; a whole status costs as much as two ticks
     uint32_t tick;        ///< number of the last tick
     cam_state_t state;    ///< of the last tick
     int32_t following_nm; ///< [nm] following error of U in the last tick
 } sim_firmware_t;
 
-/// Bring the controller into state off, after the machine is initialised.
-/// @param target  of sim_target.h, NULL: in this process
-/// @param image   path of its image, not used without a target
-/// @return        false and *e when the target does not start; nothing to close then
+/// Start the controller in state off, after the machine is initialised.
+/// @param target  a target of sim_target.h, NULL: in this process
+/// @param image   path of its image; unused without a target
+/// @return        false and *e when the target does not start; then nothing to close
 bool sim_firmware_open(sim_firmware_t *f, const char *target, const char *image, common_error_t *e);
 
 void sim_firmware_close(sim_firmware_t *f);
 
-/// @return true, and *e says why, when the target does not answer any more
+/// @return true, with the reason in *e, when the target no longer answers
 bool sim_firmware_is_lost(const sim_firmware_t *f, common_error_t *e);
 
-/// Rate up to which a main loop learns more than one piece from tick to tick.
+/// Tick rate up to which the main loop does more than one piece of learning per tick.
 enum { sim_firmware_busy_hz = 10000 };
 
-/// One tick: hal_host.in -> hal_host.out, and behind it one piece of learning, or behind a slow
-/// tick several, which is as often as a main loop of its own calls it.
+/// One tick: hal_host.in -> hal_host.out, then one piece of learning, or several at a low tick
+/// rate, as often as in a real main loop.
 /// @return false when the target is lost
 static inline bool sim_firmware_tick(sim_firmware_t *f)
 {
     if (f->remote != NULL) {
-        const bool is_there = sim_remote_tick(f->remote, &f->told);
-        f->tick = f->told.tick;
-        f->state = f->told.state;
-        f->following_nm = f->told.following_nm;
+        const bool is_there = sim_remote_tick(f->remote, &f->status);
+        f->tick = f->status.tick;
+        f->state = f->status.state;
+        f->following_nm = f->status.following_nm;
         return is_there;
     }
     hal_host_tick();
@@ -67,13 +67,13 @@ static inline bool sim_firmware_tick(sim_firmware_t *f)
     return true;
 }
 
-/// @return all that the controller tells of the last tick
+/// @return the controller's full status after the last tick
 static inline cam_status_t sim_firmware_status(const sim_firmware_t *f)
 {
-    return f->remote != NULL ? f->told : cam_machine_status(&f->machine);
+    return f->remote != NULL ? f->status : cam_machine_status(&f->machine);
 }
 
-/// @return where records of the ticks come from, by cam_trace_pop()
+/// @return the source of tick records, for cam_trace_pop()
 static inline cam_trace_t *sim_firmware_trace(sim_firmware_t *f)
 {
     return f->remote != NULL ? &f->remote->trace : &f->machine.core->trace;
@@ -84,22 +84,22 @@ static inline cam_trace_t *sim_firmware_trace(sim_firmware_t *f)
 int32_t sim_firmware_param(sim_firmware_t *f, cam_param_id_t id);
 CAM_MUST_USE cam_err_t sim_firmware_set_param(sim_firmware_t *f, cam_param_id_t id, int32_t value);
 CAM_MUST_USE cam_err_t sim_firmware_select_table(sim_firmware_t *f, const void *image, size_t size);
-/// Of the speed that start would use.
+/// For the speed that start would use.
 cam_feasibility_t sim_firmware_feasibility(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_enable(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_start(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_stop(sim_firmware_t *f);
-/// Hold the feed, or let it go on.
+/// Hold or resume the feed.
 CAM_MUST_USE cam_err_t sim_firmware_hold(sim_firmware_t *f, bool is_held);
 void sim_firmware_poll(sim_firmware_t *f);
 
-/// What was learned as a whole, and of a harmonic: 0 .. cam_ilc_harmonics, 0 is the mean.
+/// Learning as a whole, and of a harmonic: 0 .. cam_ilc_harmonics, 0 is the mean.
 cam_ilc_status_t sim_firmware_learning(sim_firmware_t *f);
 cam_ilc_harmonic_t sim_firmware_harmonic(sim_firmware_t *f, uint32_t k);
 
-/// The lowest bit of a byte of the table image flips in the controller's memory.
-/// @param image  that was selected: the controller's memory when it runs in this process
-/// @param at     place within it
+/// Flip the lowest bit of a byte of the table image in the controller's memory.
+/// @param image  the selected image: the controller's memory when it runs in this process
+/// @param at     offset in it
 void sim_firmware_flip(sim_firmware_t *f, uint8_t *image, size_t at);
 
 #endif

@@ -24,18 +24,12 @@ void sim_port_measure_u(bool is_measured)
     hal_host.slow.measures_u = is_measured;
 }
 
-/// @return time stamp of the tick that is to come
-static uint32_t coming_clock(void)
-{
-    return hal_host.clock + hal_host_clock_hz / hal_host.tick_hz + hal_host.late_clocks;
-}
-
 static uint32_t bit_if(bool is_set, uint32_t bit)
 {
     return is_set ? bit : 0u;
 }
 
-/// Read a slide: its scale from where that counts 0 on, its home switch and its index.
+/// Read a slide: its scale relative to the scale's zero, its home switch and its index.
 static void sense_axis(sim_port_t *p, int axis)
 {
     sim_home_t *h = &p->home[axis];
@@ -55,7 +49,9 @@ void sim_port_sense(sim_port_t *p)
     const double age_clocks =
         p->lathe.encoder.edge_age_s * hal_host_clock_hz * (1.0 + p->clock.drift);
     const uint32_t whole_clocks = (uint32_t)sim_round(sim_clamp(age_clocks, 0.0, UINT32_MAX));
-    hal_host.in.encoder.edge_clock = coming_clock() - whole_clocks; // wraps by design
+    const uint32_t tick_clock = // time stamp of the next tick
+        hal_host.clock + hal_host_clock_hz / hal_host.tick_hz + hal_host.late_clocks;
+    hal_host.in.encoder.edge_clock = tick_clock - whole_clocks; // wraps by design
     hal_host.in.swing_q32 = (int32_t)sim_round(swing_udeg * SIM_Q32_PER_UDEG);
     for (int i = 0; i < hal_n_axes; i++) {
         sense_axis(p, i);
@@ -63,8 +59,8 @@ void sim_port_sense(sim_port_t *p)
     hal_host.in.axis_nm[hal_axis_z] += p->z_offset_nm;
 }
 
-/// What the firmware wrote. Without a new set-point the drive of the swing goes on at the speed of
-/// the last one; its angle may wrap.
+/// Read the firmware's outputs. Without a new set-point the drive of the swing continues at the
+/// speed of the last one; its angle may wrap.
 static sim_setpoints_t wanted(sim_port_t *p)
 {
     const hal_swing_t *swing = &hal_host.out.swing;

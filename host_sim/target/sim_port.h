@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_port: the lathe behind hal/host: what the firmware senses of it and commands it to do.
+/// sim_port: connects the lathe to hal/host: the firmware's inputs and outputs.
 ///
-/// Time advances in ticks. At the start of a tick the true state is put into hal_host.in; the
-/// firmware runs; the lathe takes what it wrote and everything moves on by one period.
+/// Time advances in ticks. At the start of a tick the true state is written to hal_host.in; the
+/// firmware runs; the lathe reads its outputs and advances by one period.
 ///
 ///     sense: lathe -> hal_host.in     tick (sim_firmware.h)     advance: hal_host.out -> lathe
 ///
-/// Between sense and advance the true state is that of the instant of sensing.
+/// Between sense and advance the true state is that at the instant of sensing.
 #ifndef SIM_PORT_H
 #define SIM_PORT_H
 
@@ -20,34 +20,34 @@
 typedef struct {
     sim_lathe_t lathe;
     double time_s;
-    uint32_t n_swing;      ///< set-points of the swing that were taken
+    uint32_t n_swing;      ///< set-points of the swing applied
     int32_t swing_set_q32; ///< [turn / 2^32] set-point in force
     int32_t z_offset_nm;   ///< added to the measured Z
     sim_home_t home[hal_n_axes];
-    uint32_t n_shown;  ///< [ticks] for which the port shows an index: a plan
-    sim_clock_t clock; ///< when ticks come
-    double late_s;     ///< the next tick comes later by this
-    double lost_s;     ///< by which all ticks came later than by their number
+    uint32_t n_shown;  ///< [ticks] for which the port shows an index: the period of the plan
+    sim_clock_t clock; ///< when ticks occur
+    double late_s;     ///< delay of the next tick
+    double lost_s;     ///< time beyond the nominal time of all ticks
 } sim_port_t;
 
-/// Bring the lathe to rest and reset hal/host.
+/// Reset hal/host, with the lathe at rest.
 /// @param x_nm, z_nm  positions at the start
-/// @param seed        of all noise
+/// @param seed        seed of all noise
 void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm, double z_nm,
                    uint64_t seed);
 
-/// Tell the firmware whether its machine measures U, so that there is something to learn; before
-/// the firmware is opened. After sim_port_init() it does not.
+/// Set whether the port measures U, so that the firmware can learn. Call it after sim_port_init(),
+/// which clears it, and before opening the firmware.
 void sim_port_measure_u(bool is_measured);
 
-/// Before a tick: what the firmware will sense.
+/// Before a tick: set the inputs of the firmware.
 void sim_port_sense(sim_port_t *p);
 
-/// After it: let one period pass.
+/// After a tick: advance by one period.
 void sim_port_advance(sim_port_t *p);
 
-/// Do what an --inject says to lathe and port; kinds that concern neither (table-flip, stop, those
-/// of the nodes) do nothing. Call it between sense and advance.
+/// Apply an injection to lathe or port; other kinds (table-flip, stop, those of the nodes) do
+/// nothing. Call it between sense and advance.
 /// @param direction  +1 or -1: sense of cutting
 void sim_port_inject(sim_port_t *p, const sim_inject_t *inject, int direction);
 

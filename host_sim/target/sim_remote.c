@@ -11,7 +11,7 @@ static bool lose(sim_remote_t *r)
     return false;
 }
 
-/// @param n  bytes behind the request
+/// @param n  bytes after the request
 static bool exchange(sim_remote_t *r, size_t n)
 {
     return !r->is_lost &&
@@ -20,7 +20,7 @@ static bool exchange(sim_remote_t *r, size_t n)
             lose(r));
 }
 
-/// A target of other sources would answer something else, or nothing.
+/// A target built from other sources would answer differently, or not at all.
 static bool greet(sim_remote_t *r, const sim_target_t *target, const char *image, common_error_t *e)
 {
     if (!sim_emulator_receive(&r->emulator, &r->hello, sizeof r->hello, e)) {
@@ -36,13 +36,6 @@ static bool greet(sim_remote_t *r, const sim_target_t *target, const char *image
                         target->name, image, target->preset);
 }
 
-/// What this port is able to, so that the target's is able to the same.
-static uint32_t port_bits(void)
-{
-    return (hal_has_edge_time() ? (uint32_t)pil_port_has_edge_time : 0u) |
-           (hal_measures_u() ? (uint32_t)pil_port_measures_u : 0u);
-}
-
 static bool start(sim_remote_t *r, const char *name, const char *image, common_error_t *e)
 {
     const sim_target_t *target = sim_target_find(name, e);
@@ -54,7 +47,9 @@ static bool start(sim_remote_t *r, const char *name, const char *image, common_e
         sim_emulator_stop(&r->emulator);
         return false;
     }
-    r->request.head.port = port_bits();
+    // The target's port must have the abilities of this one.
+    r->request.head.port = (hal_has_edge_time() ? (uint32_t)pil_port_has_edge_time : 0u) |
+                           (hal_measures_u() ? (uint32_t)pil_port_measures_u : 0u);
     (void)sim_remote_call(r, pil_op_init, hal_tick_hz(), (int32_t)hal_clock_hz());
     if (r->is_lost) {
         *e = r->error;
@@ -85,7 +80,7 @@ void sim_remote_close(sim_remote_t *r)
     }
 }
 
-/// What the firmware would have sensed here, by the port's own functions.
+/// Read the inputs by the port's own functions, as the firmware would here.
 static void sense(pil_request_t *request)
 {
     request->clock = hal_clock_isr();
@@ -104,17 +99,8 @@ static void actuate(const pil_answer_t *answer)
     }
     hal_spindle_write_isr(answer->spindle_mrpm);
     hal_outputs_write_isr(answer->outputs);
-    if (answer->n_swing != hal_host.out.n_swing) { // both count from hal_init() on
+    if (answer->n_swing != hal_host.out.n_swing) { // both count from hal_init()
         hal_swing_write_isr(&answer->swing);
-    }
-}
-
-/// The target's ring is emptied every tick; this one fills and drops as the firmware's own.
-static void keep_record(sim_remote_t *r)
-{
-    if (r->answer.n_records > 0u) {
-        *cam_trace_slot_isr(&r->trace, (uint32_t)cam_trace_capacity) = r->answer.record;
-        cam_trace_commit_isr(&r->trace);
     }
 }
 
@@ -128,11 +114,15 @@ bool sim_remote_tick(sim_remote_t *r, cam_status_t *status)
     }
     actuate(&r->answer);
     *status = r->answer.status;
-    keep_record(r);
+    // The target's ring is emptied every tick; this one fills and drops like the firmware's.
+    if (r->answer.n_records > 0u) {
+        *cam_trace_slot_isr(&r->trace, (uint32_t)cam_trace_capacity) = r->answer.record;
+        cam_trace_commit_isr(&r->trace);
+    }
     return true;
 }
 
-/// @param n  bytes behind the request
+/// @param n  bytes after the request
 static cam_err_t call(sim_remote_t *r, pil_op_t op, uint32_t a, int32_t b, size_t n)
 {
     r->request.head.op = (uint32_t)op;

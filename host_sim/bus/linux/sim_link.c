@@ -59,7 +59,7 @@ static bool open_can(sim_link_t *l, const char *interface, common_error_t *e)
     return true;
 }
 
-/// @return number of the line, below 0 when the chip has no line of that name
+/// @return line number, below 0 when the chip has no line of that name
 static int find_line(int chip, const char *name)
 {
     struct gpiochip_info info = {0};
@@ -139,7 +139,7 @@ bool sim_link_open(sim_link_t *l, const char *interface, const char *chip, doubl
         l->is_high[i] = true;
         pull(l, i, false);
     }
-    // Without the right to real-time priority the nodes are sometimes a little late.
+    // Without permission for real-time priority the nodes are sometimes a little late.
     const struct sched_param fifo = {.sched_priority = priority};
     (void)sched_setscheduler(0, SCHED_FIFO, &fifo);
     (void)prctl(PR_SET_TIMERSLACK, 1ul, 0ul, 0ul, 0ul);
@@ -166,7 +166,7 @@ void sim_link_close(sim_link_t *l)
     *l = sim_link_closed();
 }
 
-/// Hand all frames that arrived to the nodes. @return true when there was a SYNC among them
+/// Hand the received frames to the nodes. @return true when a SYNC was among them
 static bool receive(const sim_link_t *l, sim_bus_t *bus)
 {
     struct canfd_frame raw[batch];
@@ -220,7 +220,7 @@ static void sleep_until(int64_t ns)
     }
 }
 
-/// Do what is due before the next moment in the order of time: the index edge, the late frame.
+/// Do what is due before the next step, in order of time: index edge, late frame.
 static void do_timed(sim_link_t *l)
 {
     for (;;) {
@@ -241,7 +241,7 @@ static void do_timed(sim_link_t *l)
     }
 }
 
-/// Without a lock, look for a SYNC until the next moment; the one that is found sets the phase.
+/// Until the phase is locked, look for a SYNC up to the next step; it sets the phase.
 static void look_out(sim_link_t *l, sim_bus_t *bus)
 {
     while (!l->is_locked && !is_stopped) {
@@ -290,7 +290,7 @@ sim_bus_outputs_t sim_link_read(const sim_link_t *l)
     };
 }
 
-void sim_link_speak(sim_link_t *l, sim_bus_t *bus)
+void sim_link_send(sim_link_t *l, sim_bus_t *bus)
 {
     double late_s;
     send_frames(l, bus->out.frame, bus->out.n);

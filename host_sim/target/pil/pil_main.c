@@ -10,7 +10,7 @@
 #include "pil_time.h"
 #include "pil_wire.h"
 
-/// The table lies in the PSRAM, where test programs have their heap; this image has none.
+/// The table is in the PSRAM, the heap of test programs; this image has no heap.
 extern uint8_t mps2_heap_start[], mps2_heap_end[];
 
 enum { status_no_wire = 3 };
@@ -57,7 +57,7 @@ static void tick(void)
     cam_machine_ilc_poll(&machine, answer.status.state);
 }
 
-/// camsim checks places and sizes before it sends.
+/// camsim checks offsets and sizes before it sends.
 static cam_err_t take_table_bytes(uint32_t at, uint32_t n, int32_t wire)
 {
     if (n > pil_chunk_bytes || at > table_room() - n) {
@@ -67,11 +67,6 @@ static cam_err_t take_table_bytes(uint32_t at, uint32_t n, int32_t wire)
         hal_halt("pil_main: the wire broke in a table");
     }
     return cam_ok;
-}
-
-static cam_err_t set_param(void)
-{
-    return cam_machine_set_param(&machine, (cam_param_id_t)request.a, request.b);
 }
 
 static cam_err_t serve(int32_t wire)
@@ -87,7 +82,7 @@ static cam_err_t serve(int32_t wire)
         answer.value = cam_param_get(&machine.params, (cam_param_id_t)request.a);
         return cam_ok;
     case pil_op_set_param:
-        return set_param();
+        return cam_machine_set_param(&machine, (cam_param_id_t)request.a, request.b);
     case pil_op_table_bytes:
         return take_table_bytes(request.a, (uint32_t)request.b, wire);
     case pil_op_table_flip:

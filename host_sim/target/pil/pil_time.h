@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// pil_time: the time of an image whose ticks come over the wire: what the requests say it is.
+/// pil_time: time of an image with ticks over the wire: set by the requests.
 #ifndef PIL_TIME_H
 #define PIL_TIME_H
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// pil_wire: what camsim and the firmware on a target say to each other, processor in the loop.
+/// pil_wire: protocol between camsim and the firmware on a target, processor in the loop.
 ///
-/// The target greets. Then camsim sends a request, with bytes behind it where the operation says
-/// so, and the target answers; one exchange is one tick or one call of the slow side. Structures
-/// cross as they lie in memory: both ends are little-endian, 64-bit numbers are aligned to 8 and
-/// enumerations are 32 bits wide. Whether they are the same is seen from the greeting.
+/// The target sends a greeting. Then camsim sends requests, some followed by bytes, and the target
+/// answers each; one exchange is one tick or one call of the slow side. Structures are sent as in
+/// memory: both ends are little-endian, 64-bit numbers are aligned to 8 and enumerations are 32
+/// bits wide. The greeting shows whether the structures match.
 #ifndef PIL_WIRE_H
 #define PIL_WIRE_H
 
@@ -14,44 +14,44 @@
 #include <stddef.h>      // offsetof
 #include <stdint.h>      // int32_t, uint32_t
 
-/// Descriptors of the two pipes in the emulator's process; far from those that it opens itself.
+/// Descriptors of the two pipes in the emulator's process, far from those it opens itself.
 enum { pil_request_fd = 198, pil_answer_fd = 199 };
 #define PIL_REQUEST_PATH "/dev/fd/198"
 #define PIL_ANSWER_PATH "/dev/fd/199"
 
 enum { pil_magic = 0x314C4950 }; ///< "PIL1"
 
-/// Most bytes behind a request: with it they stay within what a pipe takes at once.
+/// Most bytes after a request: both together fit into one write to a pipe.
 enum { pil_chunk_bytes = 2048 };
 
-/// First words of the target.
+/// Greeting of the target.
 typedef struct {
     uint32_t magic;
-    uint32_t headers;       ///< PIL_HEADERS: fingerprint of the headers that it was compiled with
+    uint32_t headers;       ///< PIL_HEADERS: fingerprint of the headers it was compiled with
     uint32_t request_bytes; ///< sizes of the two structures
     uint32_t answer_bytes;
     uint32_t table_bytes; ///< room for a table image
 } pil_hello_t;
 
-/// What is requested; a and b are members of the request.
+/// Operations; a and b are members of the request.
 typedef enum {
     pil_op_init, ///< hal_init(), cam_machine_init(); a: [Hz] tick, b: [Hz] clock; port: pil_port_*
-    pil_op_tick, ///< cam_isr() with what was sensed
-    pil_op_get_param,    ///< a: cam_param_id_t; value: of the parameter
+    pil_op_tick, ///< cam_isr() with the inputs
+    pil_op_get_param,    ///< a: cam_param_id_t; the answer's value: the parameter
     pil_op_set_param,    ///< a: cam_param_id_t, b: value
-    pil_op_table_bytes,  ///< a: place in the table image, b: number of bytes that follow
-    pil_op_table_flip,   ///< a: place in the table image of a byte whose lowest bit flips
+    pil_op_table_bytes,  ///< a: offset in the table image, b: number of bytes that follow
+    pil_op_table_flip,   ///< a: offset in the table image of a byte whose lowest bit flips
     pil_op_select_table, ///< a: [bytes] of the image
-    pil_op_feasibility,  ///< of the speed that start would use
+    pil_op_feasibility,  ///< for the speed that start would use
     pil_op_enable,
     pil_op_start,
     pil_op_stop,
     pil_op_hold,     ///< a: 1 cam_machine_hold(), 0 cam_machine_resume()
     pil_op_poll,     ///< cam_machine_poll()
-    pil_op_learning, ///< a: number of a harmonic; learning and harmonic answer
+    pil_op_learning, ///< a: number of a harmonic; the answer has learning and harmonic
 } pil_op_t;
 
-/// Bits of pil_request_t.port: what camsim's port is able to.
+/// Bits of pil_request_t.port: abilities of camsim's port.
 enum {
     pil_port_has_edge_time = 1u << 0, ///< hal_has_edge_time()
     pil_port_measures_u = 1u << 1,    ///< hal_measures_u()
@@ -62,7 +62,7 @@ typedef struct {
     uint32_t a;
     int32_t b;
     uint32_t port;  ///< pil_port_*, of pil_op_init
-    uint32_t clock; ///< [1 / clock_hz] from here on: what the tick senses
+    uint32_t clock; ///< [1 / clock_hz] from here on: inputs of the tick
     hal_encoder_t encoder;
     int32_t axis_nm[hal_n_axes];
     uint32_t inputs;
@@ -71,9 +71,9 @@ typedef struct {
 
 typedef struct {
     int32_t err;        ///< cam_err_t of a slow call
-    int32_t value;      ///< of a parameter
-    uint32_t n_records; ///< 1: record is one
-    uint32_t outputs;   ///< from here on: what the tick wrote
+    int32_t value;      ///< value of a parameter
+    uint32_t n_records; ///< 1: `record` is valid
+    uint32_t outputs;   ///< from here on: outputs of the tick
     int32_t spindle_mrpm;
     hal_setpoint_t axis[hal_n_axes];
     hal_swing_t swing;

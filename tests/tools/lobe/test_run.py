@@ -88,7 +88,7 @@ def test_fault_is_told_and_drawn(run: Command, tmp_path: Path) -> None:
     [
         (["--rpm", "0.5"], "--rpm 0.5: out of range; give r/min, 1 .. 60000"),
         (["--rpm", "900"], "cam-disc.toml: "),
-        (["--", "--removal", "r.csv"], "--removal r.csv: forces are told of skirts only"),
+        (["--", "--removal", "r.csv"], "--removal r.csv: forces are for skirts only"),
     ],
 )
 def test_bad_request_leaves_nothing(

@@ -203,7 +203,7 @@ def test_what_is_no_regular_file_is_refused(table: Path, tmp_path: Path, what: s
         os.mkfifo(path)
     else:
         path.mkdir()
-    told = {"pipe": "is no regular file", "folder": "is a folder"}[what]
+    told = {"pipe": "is not a regular file", "folder": "is a folder"}[what]
     calls: list[tuple[str | Path, ...]] = [
         ("run", path),
         ("eval", path),

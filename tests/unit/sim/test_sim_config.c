@@ -105,7 +105,7 @@ static void test_a_force_drive_is_tuned_for_the_mass_that_is_believed(void)
 
 static void test_refused_beliefs_name_line_and_reason(void)
 {
-    refused("[believed.u]\nbandwidth = 1\n", "line 2: believed.u.bandwidth = 1: nothing that can");
+    refused("[believed.u]\nbandwidth = 1\n", "line 2: believed.u.bandwidth = 1: not allowed");
     refused("[believed.machine]\ntick_hz = 1000\n", "line 2: believed.machine.tick_hz");
     refused("[believed.controller]\nk1_ns = 0\n", "line 2: believed.controller.k1_ns");
     refused("[believed.u]\ndelay_us = -1\n", "line 2: believed.u.delay_us = -1: out of range");

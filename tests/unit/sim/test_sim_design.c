@@ -126,7 +126,7 @@ static void test_load_refuses_what_is_wrong(void)
     refused(own_crc(), "cosine", radius,
             "{\"breaks_mm\": [0, 1], \"coefficients\": [[0,0,0,1e999]]}",
             "design.ovality_mm.coefficients");
-    refused(own_crc(), "cosine", radius, "", "no JSON");
+    refused(own_crc(), "cosine", radius, "", "not JSON");
 }
 
 static void test_load_refuses_a_missing_file(void)

@@ -27,8 +27,8 @@ static double settled_tip(double hz)
     for (int i = 0; i < 4000; i++) {
         const double a = f * i * STEP_S;
         const double b = f * (i + 1) * STEP_S;
-        const sim_mode_way_t way = {{SWING * sin(a), SWING * sin(b)},
-                                    {SWING * f * cos(a), SWING * f * cos(b)}};
+        const sim_mode_travel_t way = {{SWING * sin(a), SWING * sin(b)},
+                                       {SWING * f * cos(a), SWING * f * cos(b)}};
         sim_mode_step(&mode, &way, STEP_S);
         const double tip = fabs(sim_mode_tip_micro(&mode));
         largest = i > 2000 && tip > largest ? tip : largest;
@@ -60,8 +60,8 @@ static void test_constant_acceleration_moves_the_tip_back(void)
     for (int i = 0; i < 400; i++) { // 100 m/s2
         const double from_s = i * STEP_S;
         const double to_s = from_s + STEP_S;
-        const sim_mode_way_t way = {{50e9 * from_s * from_s, 50e9 * to_s * to_s},
-                                    {100e9 * from_s, 100e9 * to_s}};
+        const sim_mode_travel_t way = {{50e9 * from_s * from_s, 50e9 * to_s * to_s},
+                                       {100e9 * from_s, 100e9 * to_s}};
         sim_mode_step(&mode, &way, STEP_S);
     }
     TEST_ASSERT_DOUBLE_WITHIN(0.01, -0.8 * 100e9 / (w * w), sim_mode_tip_micro(&mode));
@@ -72,12 +72,13 @@ static void test_pieces_make_the_same_way_as_the_whole(void)
     sim_mode_t whole;
     sim_mode_init(&mode, &config);
     sim_mode_init(&whole, &config);
-    const sim_mode_way_t first = {{0.0, 10.0 + 1.5}, {0.0, 1e6}}; // x = 1e6 t + cubic by its ends
+    const sim_mode_travel_t first = {{0.0, 10.0 + 1.5},
+                                     {0.0, 1e6}}; // x = 1e6 t + cubic by its ends
     sim_mode_step(&mode, &first, STEP_S);
     sim_mode_step(&whole, &first, STEP_S);
-    const sim_mode_way_t rest = {{11.5, 11.5 + 1e6 * 30e-6}, {1e6, 1e6}};
-    const sim_mode_way_t half = {{11.5, 11.5 + 1e6 * 12e-6}, {1e6, 1e6}};
-    const sim_mode_way_t other = {{half.pos_micro[1], rest.pos_micro[1]}, {1e6, 1e6}};
+    const sim_mode_travel_t rest = {{11.5, 11.5 + 1e6 * 30e-6}, {1e6, 1e6}};
+    const sim_mode_travel_t half = {{11.5, 11.5 + 1e6 * 12e-6}, {1e6, 1e6}};
+    const sim_mode_travel_t other = {{half.pos_micro[1], rest.pos_micro[1]}, {1e6, 1e6}};
     sim_mode_step(&whole, &rest, 30e-6);
     sim_mode_step(&mode, &half, 12e-6);
     sim_mode_step(&mode, &other, 18e-6);

@@ -22,7 +22,7 @@ void tearDown(void) {}
 static void speak(double t_s)
 {
     out.n = 0;
-    sim_node_speak(&node, &out, 0x80000001u, t_s);
+    sim_node_send(&node, &out, 0x80000001u, t_s);
 }
 
 /// @return the queued frame with an identifier, NULL when there is none

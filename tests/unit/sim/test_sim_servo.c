@@ -21,7 +21,7 @@ void setUp(void)
 void tearDown(void) {}
 
 /// [nm] largest error behind a sine of 0.3 mm that is led by an inverse
-static double worst_behind(const sim_servo_worth_t *worth, double hz)
+static double worst_behind(const sim_servo_equivalent_t *worth, double hz)
 {
     const double f = SIM_TWO_PI * hz;
     double worst = 0.0;
@@ -42,7 +42,7 @@ static double worst_behind(const sim_servo_worth_t *worth, double hz)
 static void test_inverse_of_what_it_is_worth_makes_it_follow(void)
 {
     config.force_limit_n = 5000.0;
-    const sim_servo_worth_t worth = sim_servo_worth(&config, PERIOD_S);
+    const sim_servo_equivalent_t worth = sim_servo_equivalent(&config, PERIOD_S);
     static const double hz[] = {25.0, 50.0, 100.0, 150.0};
     for (int i = 0; i < 4; i++) {
         TEST_ASSERT_DOUBLE_WITHIN(0.008 * 3e5, 0.0, worst_behind(&worth, hz[i]));
@@ -55,14 +55,14 @@ static void test_fast_loop_is_worth_what_it_is_tuned_for(void)
     config.delay_us = 0.0;
     config.amplifier_hz = 1e6;
     config.bandwidth_hz = 20.0;
-    const sim_servo_worth_t worth = sim_servo_worth(&config, 1e-6);
+    const sim_servo_equivalent_t worth = sim_servo_equivalent(&config, 1e-6);
     const double w = SIM_TWO_PI * 20.0;
     TEST_ASSERT_DOUBLE_WITHIN(0.15 / w, 2.0 * 0.7 / w, worth.k1_s + worth.lead_s);
 }
 
 static void test_wrong_mass_makes_another_loop(void)
 {
-    const sim_servo_worth_t right = sim_servo_worth(&config, PERIOD_S);
+    const sim_servo_equivalent_t right = sim_servo_equivalent(&config, PERIOD_S);
     config.tuned_mass_kg = 1.2 * config.mass_kg;
     sim_servo_t servo;
     sim_servo_init(&servo, &config, PERIOD_S);

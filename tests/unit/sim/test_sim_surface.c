@@ -177,7 +177,7 @@ static void test_malformed_surfaces_are_refused_by_field(void)
     refused(make("\"angle\": \"joint\", \"joint_turn\": {\"breaks_mm\": [0, 1],"
                  "\"coefficients\": [[0, 0, 0, 0.25]]}",
                  "[0, 1, 2]", 2, "[0, 1]", 1),
-            "0.25 lies outside");
+            "0.25 is outside");
     refused(make(by_turn, "[0, 2]", 1, "[0, 1]", 1), "breaks: wants rising numbers from 0 to 1");
     refused(make(by_turn, "[0, 0.5, 0.5, 1]", 3, "[0, 1]", 1), "breaks: wants");
     refused(make(by_turn, "[0, 1]", 1, "[1]", 1), "breaks_mm");

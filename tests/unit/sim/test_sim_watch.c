@@ -98,7 +98,7 @@ sim_bus_outputs_t sim_link_read(const sim_link_t *l)
     return (sim_bus_outputs_t){.is_enabled = false};
 }
 
-void sim_link_speak(sim_link_t *l, sim_bus_t *bus)
+void sim_link_send(sim_link_t *l, sim_bus_t *bus)
 {
     (void)l;
     (void)bus;

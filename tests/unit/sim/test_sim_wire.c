@@ -48,10 +48,10 @@ static void test_sensed_whole_in_crosses_with_the_distorted_encoder(void)
     hal_host_fault_counts(-7);
     hal_host_advance();
     const uint32_t clock = hal_host.clock;
-    TEST_ASSERT_TRUE(sim_wire_tell_sensed(&lathe));
+    TEST_ASSERT_TRUE(sim_wire_send_sensed(&lathe));
 
     hal_host_reset(tick_hz); // the other process
-    TEST_ASSERT_TRUE(sim_wire_take_sensed(&controller));
+    TEST_ASSERT_TRUE(sim_wire_receive_sensed(&controller));
     hal_host_advance();
     TEST_ASSERT_EQUAL_INT32(-123456, hal_host.in.axis_nm[hal_axis_z]);
     TEST_ASSERT_EQUAL_UINT32(hal_in_estop, hal_host.in.inputs);
@@ -65,9 +65,9 @@ static void test_written_whole_out_crosses(void)
     hal_host.out.spindle_mrpm = -2500000;
     hal_host.out.outputs = hal_out_enable;
     const sim_wire_played_t played = {.table_crc32 = 0xA178B769u, .phase_udeg = -5};
-    TEST_ASSERT_TRUE(sim_wire_tell_written(&controller, &played));
+    TEST_ASSERT_TRUE(sim_wire_send_written(&controller, &played));
     hal_host_reset(tick_hz);
-    TEST_ASSERT_TRUE(sim_wire_take_written(&lathe));
+    TEST_ASSERT_TRUE(sim_wire_receive_written(&lathe));
     TEST_ASSERT_EQUAL_INT32(77, hal_host.out.axis[hal_axis_u].pos_nm);
     TEST_ASSERT_EQUAL_INT32(-2500000, hal_host.out.spindle_mrpm);
     TEST_ASSERT_EQUAL_UINT32(hal_out_enable, hal_host.out.outputs);
@@ -80,9 +80,9 @@ static void test_wire_partner_gone_is_lost_for_good_and_changes_nothing(void)
     (void)close(ends[1]);
     ends[1] = -1;
     hal_host.out.spindle_mrpm = 5;
-    TEST_ASSERT_FALSE(sim_wire_take_written(&lathe));
+    TEST_ASSERT_FALSE(sim_wire_receive_written(&lathe));
     TEST_ASSERT_TRUE(lathe.is_lost);
-    TEST_ASSERT_FALSE(sim_wire_tell_sensed(&lathe));
+    TEST_ASSERT_FALSE(sim_wire_send_sensed(&lathe));
     TEST_ASSERT_EQUAL_INT32(5, hal_host.out.spindle_mrpm);
 }
 
