@@ -155,8 +155,8 @@ typedef struct {
     uint32_t last_cycles; ///< last tick
     uint32_t max_cycles;  ///< longest tick since the start
     uint32_t cycles_hz;   ///< [Hz] rate of the cycles; 0: not measured
-    uint32_t n_corrected; ///< memory errors since the start that the hardware corrected; 0: none, or
-                          ///< not measured
+    uint32_t n_corrected; ///< memory errors since the start that the hardware corrected; 0: none,
+                          ///< or not measured
 } hal_load_t;
 
 /// [bytes] Data of the longest CAN FD frame.
