@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
 #include "cam_angle.h"          // CAM_TURN_Q32
-#include "cam_build_jog.h"      // cam_build_jog
 #include "cam_build_motion.h"   // cam_build_motion
 #include "cam_changes.h"        // cam_changes_build
 #include "cam_demand.h"         // cam_demand_half_stroke_nm
@@ -19,26 +18,23 @@
 /// 2 pi * 2^24, for gains of the observer.
 #define TWO_PI_Q24 INT64_C(105414357)
 
-/// [slices / 2^32] that U's height stays below the last slice, rounding of its increments included.
-enum { height_end = 64 };
-
-/// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
-enum { max_rate_bits = 4 };
-
-/// One turn in 2^22 ticks is slower than any spindle turns.
-enum { most_speed_shift = 20 };
-
-/// Homing waits this many times longer for the spindle to turn than the cut does.
-enum { homing_patience = 100 };
+enum {
+    height_end = 64,       ///< [slices / 2^32] of U's height below the last slice, with rounding
+    max_rate_bits = 4,     ///< derivatives hold up to 2^4 knots per tick; start refuses more
+    most_speed_shift = 20, ///< one turn in 2^22 ticks is slower than any spindle
+    homing_patience = 100, ///< homing waits so many times longer than the cut for the spindle
+    most_periods = 10,     ///< largest late_percent, in periods; a longer pause counts as that long
+    stamp_periods = 4,     ///< an older edge is no better than the middle of its count
+};
 
 int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
 {
     return cam_sat_i32(cam_units_scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
 }
 
-/// @param room_q10  [nm / 1024] which the end of the retract may take
-/// @return [nm / 1024] place of U out of the work, beyond the outermost place of the cut, so far
-/// inside the stroke that U is never told to leave it, whatever was set
+/// @param room_q10  [nm / 1024] overshoot of the retract
+/// @return [nm / 1024] retracted position of U: outside all positions of the cut, and by room_q10
+///         within the stroke, whatever was set
 static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int64_t room_q10)
 {
     const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
@@ -48,24 +44,7 @@ static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int6
     return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -most_nm, most_nm) * 1024;
 }
 
-/// Double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
-static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint32_t tick_hz)
-{
-    const int64_t wt_q24 =
-        cam_units_scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
-    c->kp_q31 = cam_sat_i32(wt_q24 * 256);
-    c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
-}
-
-/// Periods that a tick may take by late_percent at its largest; after a longer pause it counts as
-/// that long.
-enum { most_periods = 10 };
-
-/// An edge that is older than this many periods tells no better where the spindle is than the
-/// middle of its count.
-enum { stamp_periods = 4 };
-
-/// On time is within a sixteenth of the period, or within one unit of a coarse clock.
+/// A tick is on time within a sixteenth of the period, or one unit of a coarse clock.
 static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
                         uint32_t clock_hz)
 {
@@ -97,11 +76,14 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_
     c->max_counts = turn / 4;
     c->jump_window = cam_clamp_i32(cam_derived_limits_jump_counts(p, tick_hz), 0, c->max_counts);
     build_clock(c, p->late_percent, tick_hz, clock_hz);
-    build_observer(c, p, tick_hz);
+    // Observer with a double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
+    const int64_t wt_q24 =
+        cam_units_scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
+    c->kp_q31 = cam_sat_i32(wt_q24 * 256);
+    c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
 }
 
-/// Mean speeds beyond 1/64 turn per tick are beyond what any spindle can be modulated at: its
-/// acceleration is limited to that of 1/64.
+/// The mean speed is limited to 1/64 turn per tick, beyond any that can be modulated.
 static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t direction,
                         int32_t mean_mrpm, uint32_t tick_hz)
 {
@@ -115,8 +97,7 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t di
     c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
 }
 
-/// A table may demand a ring-helix of a geared Z instead. Its ramps are made for the speed that the
-/// spindle is commanded.
+/// Ring-helix, which a table may demand of a geared Z. Its ramps are for the commanded speed.
 static void build_rings(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
                         uint32_t speed_mrpm)
 {
@@ -128,7 +109,7 @@ static void build_rings(cam_play_config_t *c, const cam_params_t *p, const cam_t
     }
 }
 
-/// Feed in turns rounded down by less than 2^-32; heights are rounded, so the last one is reached.
+/// The feed in turns is rounded down by less than 2^-32, heights to nearest: the last is reached.
 static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
                        uint32_t tick_hz)
 {
@@ -151,11 +132,12 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
     build_rings(c, p, table, speed_mrpm);
 }
 
-/// Shifts so that products fill their words: k bits bring the speed to 2^30, R = knots per tick.
+/// Shifts that scale products to full words: k bits bring the speed to 2^30, R = knots per
+/// tick.
 ///     y:   nm / 2^(4 + frac), times scale_q30 / 2^32, to nm / 2^6
 ///     d1:  nm / 2^(4 + frac) per knot, times R scale = rate 2^(log2 knots - k - 30), to nm / 2^10
 ///     d2:  ... times R^2 scale = rate2 2^(2 log2 knots - 2 k - 30), to nm / 2^10
-/// k is small enough that the high word of d1 rate is never shifted down; frac <= 8 leaves room.
+/// k is limited so that the high word of d1 rate is never shifted down; frac <= 8.
 static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t speed_max_q32)
 {
     const int32_t knots = (int32_t)(u->log2_knots + u->log2_repeat);
@@ -178,8 +160,8 @@ static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t spee
     c->alpha_shift = (uint32_t)cam_clamp_i32(alpha_bits, 1, 62);
 }
 
-/// Speed over distance such that slowing down by it takes no more than the acceleration, and one
-/// set-point does not lead past a quarter of the distance.
+/// The gain, speed over distance, is such that slowing down stays within the acceleration and a
+/// set-point covers at most a quarter of the distance.
 static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceleration_deg_per_s2,
                                        uint32_t tick_hz)
 {
@@ -200,15 +182,14 @@ static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceler
     };
 }
 
-/// @return [ticks^2] half the square, as of an acceleration, below 2^21: products with it fit 62
-/// bits
+/// @return [ticks^2] half the square, at most 2^21: products with it fit 62 bits
 static int32_t half_square(int64_t ticks_q16)
 {
     const int64_t ticks_q8 = ticks_q16 >> 8;
     return (int32_t)cam_clamp_i64((ticks_q8 * ticks_q8) >> 17, 0, 1 << 21);
 }
 
-/// The channel is read in LSB / 16, each of which is 2^-(30 + frac) turn.
+/// The channel is read in LSB / 16 of 2^-(30 + frac) turn.
 static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_channel_t *ch,
                         uint32_t tick_hz)
 {
@@ -226,9 +207,9 @@ static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_
                      p->swing_acceleration_deg_per_s2 / cam_derived_limits_approach_share, tick_hz);
 }
 
-/// X, Z and U are planned ahead, to the next plan and by their lag, the speed ratio to the next
-/// plan alone. U is at the height that a geared Z reaches after its own lag, and a measured Z has
-/// reached. While the spindle accelerates two equal poles lag by the square of half their lag more.
+/// X, Z and U are predicted to the next plan and by their lags, the speed ratio to the next plan. U
+/// uses the height that a geared Z reaches after its own lag, or that a measured Z has. While the
+/// spindle accelerates, two equal poles lag by the square of half their lag more.
 static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
 {
     const int32_t ticks = cam_plan_ticks(tick_hz);
@@ -238,14 +219,14 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
     c->xz_plan_q16 = lag_q16 + ticks * 65536;
     c->u_plan_q16 = c->lead_q16 + ticks * 65536;
     c->commanded_q16 = lag_q16 > c->lead_q16 ? lag_q16 : c->lead_q16;
-    // In force from the next tick to the one behind the plan, where the spindle itself has the
-    // ratio of that angle: read ahead by more, the removal rate would ripple by twice that angle
+    // In force from the next tick to the one after the plan, when the spindle has the ratio of that
+    // angle: a longer prediction would modulate the removal rate by twice the additional angle
     // times the largest r' / r.
     c->ratio_q16 = (ticks + 1) * 65536;
     c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
 }
 
-/// @param is_rehearsed  nothing is learned where the speed is modulated, so there is no rehearsal
+/// @param is_rehearsed  false where the speed is modulated, because nothing is learned then
 static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense,
                        bool is_rehearsed, uint32_t tick_hz)
 {
@@ -286,10 +267,10 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_range_q6 = p->u_stroke_nm * 32;
 }
 
-/// A set-point is held for a tick, so that the drive sees less of the motion than was commanded.
-/// Half of what the hold takes is given back, MATHS.md (189): all of it would be right at the ticks
-/// alone. Where there is no feed-forward, none is added.
-/// @return [ticks^2 / 2^16]
+/// @return [ticks^2 / 2^16] k2, corrected for half the attenuation by holding a set-point for a
+/// tick,
+///         MATHS.md (189); the whole would be right at the ticks only. A k2 smaller than that is
+///         unchanged.
 static int32_t held_k2_q16(int32_t k2_us2, uint32_t tick_hz)
 {
     const int32_t hold_q16 = 65536 / 48;
@@ -307,7 +288,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     }
     *config = (cam_config_t){.generation = config->generation};
     cam_config_tie(config, table != NULL);
-    // Tables and observer count angles in the sense of cutting; parameters those of the drawing.
+    // Tables and observer use angles in the sense of cutting, parameters those of the drawing.
     const int32_t sense = table != NULL ? table->direction : 1;
     build_spindle(&config->spindle, params, sense, tick_hz, clock_hz);
     const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
@@ -324,7 +305,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
             ((int64_t)table->x_max_nm + params->x_trim_nm + config->play.x_clearance_nm) * 1024;
         config->play.x_offset_q10 = (int64_t)table->x.value_offset * 1024;
         build_feed(&config->play, params, table, tick_hz);
-        // Made for the spindle's limit, not its speed: the scale must not change while it cuts.
+        // Scaled for the spindle's limit, not its speed: the scale must not change in the cut.
         const int32_t limit_q32 =
             cam_build_speed_q32((uint32_t)params->spindle_limit_mrpm, tick_hz);
         config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;

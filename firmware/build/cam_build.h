@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_build: parameters and table turned into the configuration that the interrupt needs.
-///
-/// All divisions and all checks of fit are done here. Context: slow side.
+/// cam_build: configuration of the interrupt from parameters and table, with all divisions and the
+/// checks against the tick rate. Context: slow side.
 #ifndef CAM_BUILD_H
 #define CAM_BUILD_H
 
@@ -14,10 +13,9 @@
 /// @param config      result, complete on success
 /// @param params      within their ranges
 /// @param table       NULL when none is selected
-/// @param speed_limit_mrpm  [r/min / 1000] beyond which overspeed is a fault
+/// @param speed_limit_mrpm  [r/min / 1000] limit of the fault overspeed
 /// @param tick_hz,clock_hz  [Hz] of the port
-/// @return cam_ok, or cam_err_param_tick when lead, bandwidth or feed-forward do not fit the tick
-/// rate
+/// @return cam_ok, or the error of cam_derived_limits_check()
 CAM_MUST_USE cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
                                         const cam_table_t *table, uint32_t speed_limit_mrpm,
                                         uint32_t tick_hz, uint32_t clock_hz);

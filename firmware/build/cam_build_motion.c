@@ -3,38 +3,38 @@
 #include "cam_angle.h"          // CAM_TURN_Q32
 #include "cam_cut.h"            // cam_cut_smaller
 #include "cam_derived_limits.h" // cam_derived_limits_approach_share
-#include "cam_fix.h"            // cam_clamp_i64, cam_sat_i32
+#include "cam_fix.h"            // cam_clamp_i64, cam_root_u64
 #include "cam_gains.h"          // cam_gains_log2_window
 #include "cam_jerk_filter.h"    // cam_jerk_filter_most_q10
 #include "cam_units.h"          // cam_units_scale
 
-/// Speeds and accelerations beyond 2^29 per tick are limited: slower than allowed is safe.
+/// [nm / 1024 per tick or plan] limit of speeds and accelerations, so that their sum fits a word
+#define MOST_Q10 (INT64_C(1) << 29)
+
 static cam_motion_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
                                   uint32_t tick_hz)
 {
-    const int64_t most = INT64_C(1) << 29; // a speed and an acceleration fit a word together
     const int64_t vel = cam_units_scale(speed_um_per_s, 1024000, tick_hz);
     const int64_t acc =
         cam_units_scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
     return (cam_motion_limits_t){
-        .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, most),
-        .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, most),
+        .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, MOST_Q10),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, MOST_Q10),
     };
 }
 
 /// @return limits per plan instead of per tick
 static cam_motion_limits_t per_plan(cam_motion_limits_t limits, int32_t plan_ticks)
 {
-    const int64_t most = INT64_C(1) << 29;
     const int64_t speed = (int64_t)limits.speed_q10 * plan_ticks;
     const int64_t acceleration = (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks;
     return (cam_motion_limits_t){
-        .speed_q10 = (int32_t)cam_clamp_i64(speed, 1, most),
-        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration, 1, most),
+        .speed_q10 = (int32_t)cam_clamp_i64(speed, 1, MOST_Q10),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration, 1, MOST_Q10),
     };
 }
 
-/// @return limits with their window, which carries no acceleration beyond 2^30 / n
+/// @return limits with their jerk window; its sum of n values limits the acceleration to 2^30 / n
 static cam_motion_limits_t windowed(cam_motion_limits_t limits, uint32_t log2_window)
 {
     const int32_t most_q10 = cam_jerk_filter_most_q10(log2_window);
@@ -44,7 +44,7 @@ static cam_motion_limits_t windowed(cam_motion_limits_t limits, uint32_t log2_wi
     return limits;
 }
 
-/// U moves tick by tick, X and Z plan by plan.
+/// U moves per tick, X and Z per plan.
 static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const cam_motion_limits_t full[hal_n_axes] = {
@@ -65,70 +65,65 @@ static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_h
     }
 }
 
-/// @return [nm per turn] fastest way of X or Z with the spindle's angle: Z moves by the feed, and X
-/// also leaves or reaches its clearance by a smooth step over whole turns, at 15/8 of its mean
-static int64_t way_nm(const cam_play_config_t *c, uint32_t axis)
-{
-    const int64_t ramp_q32 = cam_cut_smaller(c->engage_q32, c->disengage_q32);
-    const int64_t clearing_nm = (int64_t)c->x_clearance_nm * 15 / (8 * (ramp_q32 / CAM_TURN_Q32));
-    return axis == (uint32_t)hal_axis_x ? c->feed_nm + clearing_nm : c->feed_nm;
-}
-
-/// @return [counts] by how much the place that X and Z are aimed at changes beyond the spindle's
-/// speed when its acceleration goes from one end of what it can to the other: what is read ahead
-/// by the square of the time, which covers the time from plan to plan
-static int32_t swung_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+/// @return [counts] change of the predicted position from plan to plan, beyond that of the speed,
+///         when the spindle's acceleration reverses: the prediction by the square of the time
+static int32_t reversal_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const int64_t per_mrad_q32 = 683566; // 2^32 / 2000 pi
     const int64_t alpha_q32 = cam_units_scale(p->spindle_acceleration_mrad_per_s2, per_mrad_q32,
                                               (int64_t)tick_hz * tick_hz);
-    const int64_t ahead_q1 = (c->play.xz_plan_q16 >> 15) + 1; // rounded up, as the acceleration
+    const int64_t ahead_q1 = (c->play.xz_plan_q16 >> 15) + 1; // rounded up, like the acceleration
     const int64_t turn_q32 =
         cam_cut_smaller(ahead_q1 * ahead_q1 * (alpha_q32 + 1) >> 2, INT64_C(1) << 32);
     return (int32_t)((turn_q32 * c->spindle.counts_per_turn) >> 32) + 1;
 }
 
-/// @return [counts] what moves the place that X and Z are aimed at from plan to plan: the spindle's
-/// acceleration, and a step of the encoder within the jump window, or a count and what the observer
-/// makes of it. That is a speed of w T counts per tick, which the reading ahead multiplies; half of
-/// it was seen at most. More than a quarter of a turn is none of the spindle's.
-static int32_t unrest_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+/// @return [counts] change of the predicted position from plan to plan: the reversal of the
+///         spindle's acceleration, and a step of the encoder within the jump window or the
+///         observer's response to a count: w T counts per tick times the prediction, of which half
+///         is the most seen. At most a quarter of a turn.
+static int32_t prediction_counts(const cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const int64_t ahead_q47 = (int64_t)c->spindle.kp_q31 * c->play.xz_plan_q16; // kp = 2 w T
     const int32_t observed = 1 + (int32_t)(ahead_q47 >> 49);
     const int32_t seen = observed > c->spindle.jump_window ? observed : c->spindle.jump_window;
-    return (int32_t)cam_cut_smaller((int64_t)seen + swung_counts(c, p, tick_hz),
+    return (int32_t)cam_cut_smaller((int64_t)seen + reversal_counts(c, p, tick_hz),
                                     c->spindle.counts_per_turn / 4);
 }
 
-/// What X and Z are told changes from plan to plan by their acceleration, and by what the encoder
-/// makes of it: they follow the spindle's angle, whose unrest moves them by their share of the way
-/// of a turn. Twice of both is no fault, nor is a speed that is beyond its limit by one of it. A Z
-/// that others move is told where it is, and an X over it follows its measurement from plan to
-/// plan.
-static void build_told(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+/// Limits of the commands of X and Z from plan to plan: twice the change by their acceleration and
+/// by the noise of the spindle's angle times their travel per turn; for the speed once. Z travels
+/// by the feed; X also by its clearance, as a smooth step over whole turns at 15/8 of its mean
+/// speed. A measured Z is not limited, and X follows its measurement from plan to plan.
+static void build_command(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const int32_t ticks = c->play.plan_ticks;
-    const int64_t unrest = unrest_counts(c, p, tick_hz);
+    const int64_t noise = prediction_counts(c, p, tick_hz);
+    const int64_t ramp_q32 = cam_cut_smaller(c->play.engage_q32, c->play.disengage_q32);
+    const int64_t clearing_nm =
+        (int64_t)c->play.x_clearance_nm * 15 / (8 * (ramp_q32 / CAM_TURN_Q32));
     cam_axis_command_config_t *t = &c->command;
     for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
         const cam_motion_limits_t *full = &c->play.leave[i]; // per plan
         const int64_t vel_q10 = full->speed_q10 / ticks;
         const int64_t change_q10 = full->acceleration_q10 / ticks;
         const int64_t ticks_counts = (int64_t)c->spindle.counts_per_turn * ticks;
-        const int64_t unrest_q10 = way_nm(&c->play, i) * unrest * 256 / ticks_counts * 4;
-        const int64_t most_q10 = vel_q10 + vel_q10 / 16 + unrest_q10 + CAM_BUILD_MARGIN_Q10;
-        const bool is_led = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
-        const int64_t told_q10 = 2 * (change_q10 + unrest_q10) + CAM_BUILD_MARGIN_Q10;
-        t->vel_q10[i] = is_led ? INT32_MAX : cam_sat_i32(most_q10);
-        t->change_q10[i] =
-            is_led ? INT32_MAX : cam_sat_i32(c->play.is_z_measured ? 2 * most_q10 : told_q10);
-        t->jump_q10[i] = is_led ? INT32_MAX : 4 * ticks; // what equal increments leave
+        const int64_t travel_nm =
+            c->play.feed_nm + (i == (uint32_t)hal_axis_x ? clearing_nm : 0); // per turn
+        const int64_t noise_q10 = travel_nm * noise * 256 / ticks_counts * 4;
+        const int64_t most_q10 = vel_q10 + vel_q10 / 16 + noise_q10 + CAM_BUILD_MARGIN_Q10;
+        const bool is_measured = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
+        const int64_t command_q10 = 2 * (change_q10 + noise_q10) + CAM_BUILD_MARGIN_Q10;
+        t->vel_q10[i] = is_measured ? INT32_MAX : cam_sat_i32(most_q10);
+        t->change_q10[i] = is_measured
+                               ? INT32_MAX
+                               : cam_sat_i32(c->play.is_z_measured ? 2 * most_q10 : command_q10);
+        t->jump_q10[i] = is_measured ? INT32_MAX : 4 * ticks; // rounding of equal increments
     }
 }
 
-/// @return [nm / 1024 per tick^2] the largest acceleration of a retract that tells U no more than
-/// three quarters of its speed while it begins: a (n / 2 + k1 + k2 / n) ticks, MATHS.md (212)
+/// @return [nm / 1024 per tick^2] largest acceleration of a retract whose start commands U at most
+///         three quarters of its speed: a (n / 2 + k1 + k2 / n) ticks, MATHS.md (212)
 static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window)
 {
     const int64_t n_q16 = INT64_C(65536) << log2_window;
@@ -136,27 +131,25 @@ static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window
     return (int64_t)c->guard.u.speed_q10 * 49152 / ticks_q16 + 1;
 }
 
-/// @return [ticks / 2^16] times the acceleration: by how much the command of U runs ahead at the
-/// highest speed of a retract. While the acceleration falls from a to 0 in n ticks U is slower by
-/// m (m - 1) a / 2 n with m of them left, and told k1 m a / n more and k2 a / n less: that is most
-/// at m = k1 + 1/2, which counts in short windows; in a window shorter than twice k1 it is k1 -
-/// n/2. MATHS.md (212)
+/// @return [ticks / 2^16] times the acceleration: lead of U's command at the highest speed of a
+///         retract. While the acceleration falls from a to 0 in n ticks, with m ticks left, U is
+///         slower by m (m - 1) a / 2 n, and the command leads by k1 m a / n - k2 a / n: largest at
+///         m = k1 + 1/2; in a window shorter than twice k1 it is k1 - n/2. MATHS.md (212)
 static int32_t ahead_ticks_q16(const cam_config_t *c, uint32_t log2_window)
 {
     const int32_t k1_q8 = c->command.k1_q16 >> 8;
     const int32_t m_q8 = cam_clamp_i32(k1_q8 + 128, 0, INT32_C(256) << log2_window);
-    const int64_t told_q16 = ((int64_t)(2 * k1_q8 + 256 - m_q8) * m_q8) >> 1;
-    const int32_t falling_q16 = cam_sat_i32((told_q16 - c->command.k2_q16) >> log2_window);
-    const int32_t over_q16 = c->command.k1_q16 - (INT32_C(32768) << log2_window);
-    const int32_t more_q16 = over_q16 > falling_q16 ? over_q16 : falling_q16;
+    const int64_t lead_q16 = ((int64_t)(2 * k1_q8 + 256 - m_q8) * m_q8) >> 1;
+    const int32_t falling_q16 = cam_sat_i32((lead_q16 - c->command.k2_q16) >> log2_window);
+    const int32_t short_q16 = c->command.k1_q16 - (INT32_C(32768) << log2_window);
+    const int32_t more_q16 = short_q16 > falling_q16 ? short_q16 : falling_q16;
     return more_q16 > 0 ? more_q16 : 0;
 }
 
-/// The command of U runs ahead of U by the feed-forward. So the retract begins with less than the
-/// acceleration of U where that told too much, and it is so much slower as the command runs ahead
-/// at its speed, and a sixteenth for what fades meanwhile; but not slower than a quarter. MATHS.md
-/// (212).
-static cam_motion_limits_t leaving(const cam_config_t *c, uint32_t log2_window)
+/// Limits of the retract. Its acceleration is reduced where the start would command U too fast; its
+/// speed by the lead of the command and a sixteenth for what fades out, to a quarter at least.
+/// MATHS.md (212).
+static cam_motion_limits_t retract_limits(const cam_config_t *c, uint32_t log2_window)
 {
     const cam_motion_limits_t *u = &c->guard.u;
     const int64_t a_q10 =
@@ -171,9 +164,9 @@ static cam_motion_limits_t leaving(const cam_config_t *c, uint32_t log2_window)
     return windowed(gentle, log2_window);
 }
 
-/// @return [ticks^2 / 2^8] times the acceleration: by how much the command passes the end of a
-/// motion, where U begins to brake, or brakes, whichever is more. MATHS.md (214)
-static int64_t passed_q8(const cam_axis_command_config_t *t, uint32_t log2_window)
+/// @return [ticks^2 / 2^8] times the acceleration: overshoot of the command at the end of a motion,
+///         the larger of those where braking begins and while U brakes. MATHS.md (214)
+static int64_t overshoot_q8(const cam_axis_command_config_t *t, uint32_t log2_window)
 {
     const int32_t n = INT32_C(1) << log2_window;
     const int32_t k1_q8 = t->k1_q16 >> 8;
@@ -191,13 +184,66 @@ int64_t cam_build_room_q10(const cam_config_t *config)
     const int64_t approach_q10 = config->play.approach[hal_axis_u].acceleration_q10;
     const int64_t leave_q10 = leave->acceleration_q10;
     const int64_t a_q10 = leave_q10 > approach_q10 ? leave_q10 : approach_q10;
-    const int64_t ahead_q10 = (a_q10 * passed_q8(&config->command, leave->log2_window)) >> 8;
+    const int64_t ahead_q10 = (a_q10 * overshoot_q8(&config->command, leave->log2_window)) >> 8;
     return config->guard.u.acceleration_q10 / 8 + ahead_q10;
 }
 
 void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz)
 {
     build_limits(config, params, tick_hz);
-    config->guard.leave = leaving(config, cam_gains_log2_window(params, hal_axis_u, tick_hz));
-    build_told(config, params, tick_hz);
+    config->guard.leave =
+        retract_limits(config, cam_gains_log2_window(params, hal_axis_u, tick_hz));
+    build_command(config, params, tick_hz);
+}
+
+/// @return limits of jogging: no faster than an axis can brake within the 2^31 units that
+///         cam_move_profile_to_isr() looks ahead, v (v + a) <= 2 a 2^31
+static cam_motion_limits_t jog_limits(int32_t jog_um_per_s, int32_t speed_um_per_s,
+                                      int64_t acceleration_q10, int32_t plan_ticks,
+                                      uint32_t tick_hz)
+{
+    const int32_t um_per_s = jog_um_per_s < speed_um_per_s ? jog_um_per_s : speed_um_per_s;
+    const int64_t a_q10 = cam_clamp_i64(acceleration_q10, 1, MOST_Q10);
+    const int64_t root_q10 = (int64_t)cam_root_u64((uint64_t)a_q10 << 32);
+    const int64_t most_q10 = cam_clamp_i64(root_q10 - a_q10, 1, MOST_Q10);
+    const int64_t speed_q10 = (int64_t)um_per_s * 1024000 * plan_ticks / tick_hz;
+    return (cam_motion_limits_t){.speed_q10 = (int32_t)cam_clamp_i64(speed_q10, 1, most_q10),
+                                 .acceleration_q10 = (int32_t)a_q10};
+}
+
+void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz)
+{
+    const cam_params_t *p = params;
+    const cam_motion_limits_t *gentle = config->play.approach;
+    const int32_t n = config->play.plan_ticks;
+    cam_jog_config_t *jog = &config->play.jog;
+    // U moves per tick, but its jog speed is per plan as for X and Z.
+    const int64_t u_q10 = (int64_t)gentle[hal_axis_u].acceleration_q10 * n * n;
+    jog->limits[hal_axis_u] = jog_limits(p->u_jog_um_per_s, p->u_speed_um_per_s, u_q10, n, tick_hz);
+    jog->limits[hal_axis_u].acceleration_q10 = gentle[hal_axis_u].acceleration_q10;
+    jog->limits[hal_axis_x] = jog_limits(p->x_jog_um_per_s, p->x_speed_um_per_s,
+                                         gentle[hal_axis_x].acceleration_q10, n, tick_hz);
+    jog->limits[hal_axis_z] = jog_limits(p->z_jog_um_per_s, p->z_speed_um_per_s,
+                                         gentle[hal_axis_z].acceleration_q10, n, tick_hz);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        jog->limits[i].log2_window = gentle[i].log2_window;
+    }
+    // Braking in steps may overshoot by an eighth of the acceleration (cam_move_profile.h), and U's
+    // command leads by k1, configured and learned.
+    const int64_t ahead_q10 =
+        (2 * (int64_t)jog->limits[hal_axis_u].speed_q10 / n * config->command.k1_q16) >> 16;
+    const int64_t room_q10 = jog->limits[hal_axis_u].acceleration_q10 / 8 + 1024 +
+                             cam_clamp_i64(ahead_q10, 0, cam_build_room_q10(config));
+    const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - room_q10;
+    jog->u_end_q10 = cam_clamp_i64(end_q10, 0, INT64_MAX) / 1024 * 1024;
+}
+
+void cam_build_origin(cam_config_t *config, int32_t x_nm, int32_t z_nm)
+{
+    cam_play_config_t *c = &config->play;
+    c->x_clear_q10 += (int64_t)x_nm * 1024;
+    c->x_offset_q10 += (int64_t)x_nm * 1024;
+    c->z_origin_nm = z_nm;
+    c->z_low_nm = cam_sat_i32((int64_t)c->z_low_nm + z_nm);
+    c->z_high_nm = cam_sat_i32((int64_t)c->z_high_nm + z_nm);
 }

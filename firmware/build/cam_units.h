@@ -26,8 +26,8 @@ static inline int32_t cam_units_ticks_of_ns(int32_t ns, uint32_t tick_hz)
     return cam_sat_i32(cam_units_scale(ns, (int64_t)tick_hz * 65536, 1000000000));
 }
 
-/// @return [ticks^2 / 2^16] of square microseconds that cam_derived_limits_check() accepted; 2^16 /
-/// 10^12 is reduced
+/// @return [ticks^2 / 2^16] of square microseconds within cam_derived_limits_check();
+///         2^16 / 10^12 is reduced
 static inline int32_t cam_units_ticks2_of_us2(int32_t us2, uint32_t tick_hz)
 {
     return cam_sat_i32(cam_units_scale((int64_t)us2 * tick_hz, (int64_t)tick_hz * 16, 244140625));

@@ -23,20 +23,13 @@ _Static_assert((int)cam_param_switch_1_per_turn + (int)sense_of_turning ==
                        (int)cam_param_switch_1_sense &&
                    (int)cam_param_switch_8_per_turn - (int)cam_param_switch_1_per_turn ==
                        7 * (int)n_fields,
-               "the parameters of an output follow one another, and so do the outputs");
+               "parameters are contiguous per output, and outputs are contiguous");
 
 static int32_t field(const cam_params_t *p, uint32_t output, int32_t which)
 {
     const int32_t id =
         (int32_t)cam_param_switch_1_per_turn + (int32_t)output * (int32_t)n_fields + which;
     return cam_param_get(p, (cam_param_id_t)id);
-}
-
-/// @return [udeg] width of the window, 0 .. a turn; a difference of a whole turn is all of it
-static int64_t width_udeg(const cam_params_t *p, uint32_t i)
-{
-    const int64_t wide = (int64_t)field(p, i, off_udeg) - field(p, i, on_udeg);
-    return wide < 0 ? wide + turn_udeg : wide;
 }
 
 /// @return [turn / 2^32] of an angle of 0 .. 2^32 turns in micro-degrees
@@ -49,11 +42,13 @@ static cam_switch_config_t window(const cam_params_t *p, uint32_t i, int32_t sen
                                   uint32_t tick_hz)
 {
     const int32_t n = field(p, i, per_turn);
-    const int64_t wide_q32 = cam_clamp_i64(n * turn_q32(width_udeg(p, i)), 0, UINT32_MAX);
-    // Where the interrupt's angle falls with the drawing's, the window begins at its other end.
+    const int64_t signed_udeg = (int64_t)field(p, i, off_udeg) - field(p, i, on_udeg);
+    const int64_t width_udeg = signed_udeg < 0 ? signed_udeg + turn_udeg : signed_udeg;
+    const int64_t width_q32 = cam_clamp_i64(n * turn_q32(width_udeg), 0, UINT32_MAX);
+    // Where the interrupt's angle falls as the drawing's rises, the window begins at its other end.
     const int32_t first_udeg = field(p, i, sense > 0 ? on_udeg : off_udeg);
     const int64_t first_q32 = sense * turn_q32((int64_t)first_udeg + turn_udeg);
-    const int64_t most_q32 = n > 0 ? wide_q32 / n / quarter : 0;
+    const int64_t most_q32 = n > 0 ? width_q32 / n / quarter : 0;
     const int64_t hysteresis_q32 =
         cam_clamp_i64(turn_q32(field(p, i, hysteresis_udeg)), 0, most_q32);
     const int32_t low_nm = field(p, i, z_low_nm);
@@ -61,7 +56,7 @@ static cam_switch_config_t window(const cam_params_t *p, uint32_t i, int32_t sen
     return (cam_switch_config_t){
         .per_turn = (uint32_t)n,
         .from_q32 = (uint32_t)(uint64_t)(n * first_q32),
-        .width_q32 = (uint32_t)wide_q32,
+        .width_q32 = (uint32_t)width_q32,
         .hysteresis_q32 = (uint32_t)hysteresis_q32,
         .ahead_q16 = cam_units_ticks_of_ns(field(p, i, dead_time_ns), tick_hz) + half_tick_q16,
         .is_anywhere = low_nm == high_nm,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_complex: numbers of two parts in fixed point, inline. The unit of a number stands in its
-/// name.
+/// cam_complex: complex numbers in fixed point, inline.
 ///
 /// Source: MATHS.md (140). Context of all functions: slow side.
 #ifndef CAM_COMPLEX_H
@@ -13,7 +12,7 @@ typedef struct {
     int32_t re, im;
 } cam_complex_t;
 
-/// A transfer function of U: 2^12 is 1, so up to 8.
+/// A transfer function of U; 2^12 is 1, so up to 8.
 typedef struct {
     int16_t re_q12;
     int16_t im_q12;
@@ -72,14 +71,14 @@ static inline cam_gain_t cam_gain_ratio(cam_complex_t a, cam_complex_t b)
     if (square == 0u) {
         return (cam_gain_t){0};
     }
-    if (largest >= INT64_C(1) << 50) { // leave room for 12 bits
+    if (largest >= INT64_C(1) << 50) { // avoid overflow of the product with 4096
         re >>= 12;
         im >>= 12;
         square = (square >> 12) + 1u;
     }
-    const int64_t by = (int64_t)square;
-    return (cam_gain_t){.re_q12 = (int16_t)cam_clamp_i64(re * 4096 / by, -most, most),
-                        .im_q12 = (int16_t)cam_clamp_i64(im * 4096 / by, -most, most)};
+    const int64_t divisor = (int64_t)square;
+    return (cam_gain_t){.re_q12 = (int16_t)cam_clamp_i64(re * 4096 / divisor, -most, most),
+                        .im_q12 = (int16_t)cam_clamp_i64(im * 4096 / divisor, -most, most)};
 }
 
 #endif

@@ -8,7 +8,7 @@
 /// 2 pi * 2^24
 #define TWO_PI_Q24 INT64_C(105414357)
 
-/// Parts that the sums take: products with the fourth power of 16 fit 62 bits.
+/// Range of error and set-point in the sums: products with the fourth power of 16 fit 62 bits.
 enum { most_bits = 21 };
 
 cam_gain_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t k2_q16)
@@ -22,8 +22,8 @@ cam_gain_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t
                                                .im = (int32_t)cam_clamp_i64(im_q12, -most, most)});
 }
 
-/// @return a, less `down` bits, within what the sums take
-static cam_complex_t fitting(cam_complex_t a)
+/// @return a / 2^8, limited to the range of the sums
+static cam_complex_t limited(cam_complex_t a)
 {
     const int32_t most = 1 << most_bits;
     return (cam_complex_t){.re = cam_clamp_i32(a.re >> 8, -most, most),
@@ -33,8 +33,8 @@ static cam_complex_t fitting(cam_complex_t a)
 void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_complex_t set,
                    cam_gain_t gain)
 {
-    const cam_complex_t e = fitting(error);
-    const cam_complex_t v = fitting(cam_gain_of(set, gain));
+    const cam_complex_t e = limited(error);
+    const cam_complex_t v = limited(cam_gain_of(set, gain));
     const int64_t k2 = (int64_t)k * k;
     const int64_t square = (int64_t)cam_complex_square(v);
     sums->error1 += (int64_t)k * ((int64_t)e.im * v.re - (int64_t)e.re * v.im);
@@ -43,7 +43,7 @@ void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_
     sums->weight2 += k2 * k2 * square;
 }
 
-/// @return a / b, at most 1/4 of it, as a share of 2^24; 0 when b is 0
+/// @return a / b, limited to 1/4; 0 when b is 0
 static int64_t share_q24(int64_t a, int64_t b)
 {
     const int64_t most = INT64_C(1) << 22;

@@ -4,16 +4,15 @@
 #include "cam_ff_adapt.h" // cam_harmonic_correction_change
 #include <string.h>       // memset
 
-/// Times that the guard may strike before a harmonic is left as it is.
-enum { most_halved = 4 };
+enum { most_halved = 4 }; ///< halvings of the gain that mask a harmonic
 
 void cam_harmonic_correction_forget(cam_harmonic_correction_t *s)
 {
     (void)memset(s, 0, sizeof *s);
-    cam_harmonic_correction_renew(s);
+    cam_harmonic_correction_restart_guard(s);
 }
 
-void cam_harmonic_correction_renew(cam_harmonic_correction_t *s)
+void cam_harmonic_correction_restart_guard(cam_harmonic_correction_t *s)
 {
     for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
         s->best_q6[k] = UINT32_MAX;
@@ -37,7 +36,7 @@ static cam_complex_t kept_q6(const cam_harmonic_correction_t *s, uint32_t k)
     return (cam_complex_t){.re = 64 * s->kept[k].re_nm, .im = 64 * s->kept[k].im_nm};
 }
 
-void cam_harmonic_correction_play(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n)
+void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n)
 {
     for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
         const int64_t size = (int64_t)size_q6 * (k <= n ? 1 : 0);
@@ -47,13 +46,8 @@ void cam_harmonic_correction_play(cam_harmonic_correction_t *s, int32_t size_q6,
     }
 }
 
-static bool has_bit(uint32_t mask, uint32_t k)
-{
-    return (mask >> k & 1u) != 0u;
-}
-
-/// @return whether U answers too little, or not in proportion to the size of the probe
-static bool is_unfit(cam_gain_t small, cam_gain_t large)
+/// @return whether U responds with less than a tenth, or by 20 % out of proportion to the probe
+static bool is_unusable(cam_gain_t small, cam_gain_t large)
 {
     const cam_complex_t off = {.re = large.re_q12 - small.re_q12,
                                .im = large.im_q12 - small.im_q12};
@@ -69,15 +63,15 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
         keep(s, k, error_q6);
         return;
     }
-    const cam_complex_t fallen = cam_complex_sub(kept_q6(s, k), error_q6);
-    const cam_gain_t gain = cam_gain_ratio(fallen, s->c_q6[k]);
-    if (stage == 2u && is_unfit(s->gain[k], gain)) {
+    const cam_complex_t decrease = cam_complex_sub(kept_q6(s, k), error_q6);
+    const cam_gain_t gain = cam_gain_ratio(decrease, s->c_q6[k]);
+    if (stage == 2u && is_unusable(s->gain[k], gain)) {
         s->masked |= UINT32_C(1) << k;
     }
     s->gain[k] = gain;
 }
 
-/// The guard: @return whether the error is one to learn from
+/// Guard of a harmonic. @return whether its error is small enough to learn from
 static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q6,
                        uint32_t floor_q6)
 {
@@ -98,9 +92,9 @@ static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q
 void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
                                    uint32_t floor_q6, int32_t mu_q16, uint32_t room_q6)
 {
-    // The mean is not guarded: U answers to it without a phase, and the chip's force moves it.
+    // The mean is not guarded: it has no phase, and the cutting force moves it.
     const bool is_guarded = k > 0u;
-    if (has_bit(s->masked, k) ||
+    if ((s->masked >> k & 1u) != 0u ||
         (is_guarded && !is_as_good(s, k, cam_complex_size(error_q6), floor_q6))) {
         return;
     }
@@ -133,10 +127,10 @@ uint32_t cam_harmonic_correction_sum_q6(const cam_harmonic_correction_t *s)
     return sum;
 }
 
-void cam_harmonic_correction_turn(cam_harmonic_correction_t *s, uint32_t angle_q32)
+void cam_harmonic_correction_rotate(cam_harmonic_correction_t *s, uint32_t angle_q32)
 {
     for (uint32_t k = 1; k < cam_harmonic_terms; k++) {
-        s->c_q6[k] = cam_harmonics_turned(s->c_q6[k], k, angle_q32);
-        keep(s, k, cam_harmonics_turned(kept_q6(s, k), k, angle_q32));
+        s->c_q6[k] = cam_harmonics_rotated(s->c_q6[k], k, angle_q32);
+        keep(s, k, cam_harmonics_rotated(kept_q6(s, k), k, angle_q32));
     }
 }

@@ -73,11 +73,11 @@ cam_complex_t cam_harmonics_of(const int32_t *mean, uint32_t stride, uint32_t k)
                            .im = k > 0u ? cam_sat_i32((im + half) >> shift) : 0};
 }
 
-cam_complex_t cam_harmonics_turned(cam_complex_t c, uint32_t k, uint32_t angle_q32)
+cam_complex_t cam_harmonics_rotated(cam_complex_t c, uint32_t k, uint32_t angle_q32)
 {
-    const uint32_t by_q32 = k * angle_q32;
-    const uint32_t step = by_q32 >> 24;
-    const int32_t part_q24 = (int32_t)(by_q32 & 0xFFFFFFu);
+    const uint32_t turn_q32 = k * angle_q32;
+    const uint32_t step = turn_q32 >> 24;
+    const int32_t part_q24 = (int32_t)(turn_q32 & 0xFFFFFFu);
     const int64_t re_q24 = cam_cos_q24(step) +
                            (((int64_t)cam_cos_q24(step + 1u) - cam_cos_q24(step)) * part_q24 >> 24);
     const int64_t im_q24 = cam_sin_q24(step) +
@@ -87,15 +87,15 @@ cam_complex_t cam_harmonics_turned(cam_complex_t c, uint32_t k, uint32_t angle_q
                            .im = cam_sat_i32((c.re * im_q24 + c.im * re_q24 + half) >> 24)};
 }
 
-/// Bits that a harmonic is raised by before it is multiplied, and what is left of them then.
-enum { raised = 7, left = raised + 30 - 32 };
+/// Left shift of a harmonic before the multiplication, and of the product.
+enum { shift_in = 7, shift_out = shift_in + 30 - 32 };
 
-/// The parts of a sum that are even or odd in the angle: cosines and sines.
+/// Cosine and sine part of a sum: even and odd in the angle.
 typedef struct {
     int32_t cos, sin;
 } parts_t;
 
-/// @return every second harmonic from one on at point i, raised by `left`
+/// @return sum of every second harmonic, starting at `from`, at point i, shifted by shift_out
 static parts_t parts_at(const cam_complex_t *c, uint32_t from, uint32_t i)
 {
     parts_t p = {0};
@@ -103,15 +103,15 @@ static parts_t parts_at(const cam_complex_t *c, uint32_t from, uint32_t i)
     for (uint32_t k = from; k <= cam_harmonics_most; k += 2u) {
         const int32_t cosine = cosine_q30[step % circle];
         const int32_t minus_sine = cosine_q30[(step + quarter) % circle];
-        p.cos = cam_mulhi_add(p.cos, c[k].re * (1 << raised), cosine);
-        p.sin = cam_mulhi_add(p.sin, c[k].im * (1 << raised), minus_sine);
+        p.cos = cam_mulhi_add(p.cos, c[k].re * (1 << shift_in), cosine);
+        p.sin = cam_mulhi_add(p.sin, c[k].im * (1 << shift_in), minus_sine);
         step += 2u * i;
     }
     return p;
 }
 
-/// Move a point towards a sum. @return whether it is there
-static bool lead_point(int16_t *point, int32_t sum, uint32_t shift, int32_t most)
+/// Move a point towards a sum. @return whether it has reached it
+static bool slew_point(int16_t *point, int32_t sum, uint32_t shift, int32_t most)
 {
     const int32_t value = (sum + (1 << (shift - 1u))) >> shift;
     const int32_t target = cam_clamp_i32(value, -INT16_MAX, INT16_MAX);
@@ -119,28 +119,28 @@ static bool lead_point(int16_t *point, int32_t sum, uint32_t shift, int32_t most
     return *point == target;
 }
 
-bool cam_harmonics_lead(int16_t *point, const cam_complex_t *c, uint32_t down, int32_t most)
+bool cam_harmonics_slew(int16_t *point, const cam_complex_t *c, uint32_t down, int32_t most)
 {
-    const uint32_t shift = left + down;
-    bool is_there = true;
+    const uint32_t shift = shift_out + down;
+    bool is_done = true;
     for (uint32_t i = 0; i <= quarter; i++) {
         const parts_t even = parts_at(c, 0, i);
         const parts_t odd = parts_at(c, 1, i);
         const int32_t here[2] = {even.cos + even.sin, even.cos - even.sin};
         const int32_t more[2] = {odd.cos + odd.sin, odd.cos - odd.sin};
-        is_there = lead_point(&point[i], here[0] + more[0], shift, most) && is_there;
-        if (i < quarter) { // the others are mirror images, those on the axes are their own
-            is_there =
-                lead_point(&point[circle / 2u + i], here[0] - more[0], shift, most) && is_there;
+        is_done = slew_point(&point[i], here[0] + more[0], shift, most) && is_done;
+        if (i < quarter) { // mirror images; a point on an axis is its own
+            is_done =
+                slew_point(&point[circle / 2u + i], here[0] - more[0], shift, most) && is_done;
         }
         if (i > 0u) {
-            is_there = lead_point(&point[circle - i], here[1] + more[1], shift, most) && is_there;
+            is_done = slew_point(&point[circle - i], here[1] + more[1], shift, most) && is_done;
         }
         if (i > 0u && i < quarter) {
-            is_there =
-                lead_point(&point[circle / 2u - i], here[1] - more[1], shift, most) && is_there;
+            is_done =
+                slew_point(&point[circle / 2u - i], here[1] - more[1], shift, most) && is_done;
         }
     }
     point[circle] = point[0];
-    return is_there;
+    return is_done;
 }

@@ -6,12 +6,7 @@
 #include <stddef.h>         // NULL
 #include <string.h>         // memset
 
-enum {
-    words_per_bin = sizeof(cam_turn_bin_t) / sizeof(int32_t),
-    drive_steps = 3, ///< of layer 1 before the probe
-};
-
-#define TURNS UINT32_C(0xFFFFFF) ///< turns are numbered modulo 2^24
+enum { drive_steps = 3 }; ///< of layer 1 before probing
 
 void cam_ilc_init(cam_ilc_t *t)
 {
@@ -22,32 +17,24 @@ void cam_ilc_init(cam_ilc_t *t)
 
 void cam_ilc_forget(cam_ilc_t *t)
 {
-    const bool is_something = t->speed_q32 != 0 || t->k1_q16 != 0 || t->k2_q16 != 0;
+    const bool is_learned = t->speed_q32 != 0 || t->k1_q16 != 0 || t->k2_q16 != 0;
     cam_harmonic_correction_forget(&t->correction);
     t->k1_q16 = 0;
     t->k2_q16 = 0;
     t->speed_q32 = 0;
-    t->blending |= is_something ? cam_ilc_blend_drive | cam_ilc_blend_correction : 0u;
+    t->blending |= is_learned ? cam_ilc_blend_drive | cam_ilc_blend_correction : 0u;
 }
 
-static void trust(cam_ilc_t *t)
+/// Restart the guards of both layers.
+static void restart_guards(cam_ilc_t *t)
 {
-    cam_harmonic_correction_renew(&t->correction);
+    cam_harmonic_correction_restart_guard(&t->correction);
     t->best_square = UINT64_MAX;
     t->trusted = 0;
     t->n_halved = 0;
 }
 
-/// A probe that was cut short leaves nothing.
-static void end_probe(cam_ilc_t *t)
-{
-    if (t->phase == (uint8_t)cam_ilc_probing) {
-        cam_harmonic_correction_forget(&t->correction);
-        t->blending |= cam_ilc_blend_correction;
-    }
-}
-
-/// After a fault what is in force is the best that was reached.
+/// After a fault the best values become those in force.
 static void restore(cam_ilc_t *t)
 {
     cam_harmonic_correction_restore(&t->correction);
@@ -58,21 +45,24 @@ static void restore(cam_ilc_t *t)
     t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
 }
 
-static void note_state(cam_ilc_t *t, cam_state_t state)
+static void follow_state(cam_ilc_t *t, cam_state_t state)
 {
     if (t->state == (uint8_t)state) {
         return;
     }
-    end_probe(t);
+    if (t->phase == (uint8_t)cam_ilc_probing) { // interrupted: discard the probe
+        cam_harmonic_correction_forget(&t->correction);
+        t->blending |= cam_ilc_blend_correction;
+    }
     t->state = (uint8_t)state;
     cam_ilc_update_phase(t, cam_ilc_waiting);
     if (state == cam_state_rehearsing) {
         cam_ilc_update_phase(t, cam_ilc_settling);
         t->n_turns = 0;
-        trust(t);
+        restart_guards(t);
     } else if (state == cam_state_cutting) {
         cam_ilc_update_phase(t, cam_ilc_cutting);
-        trust(t);
+        restart_guards(t);
     } else if (state == cam_state_fault) {
         restore(t);
     } else {
@@ -80,8 +70,9 @@ static void note_state(cam_ilc_t *t, cam_state_t state)
     }
 }
 
-/// The guard of layer 1. @return whether the error is one to learn from
-static bool is_drive_sound(cam_ilc_t *t)
+/// Guard of layer 1: an error 1.5 times the smallest restores the best constants.
+/// @return whether the error is small enough to learn from
+static bool is_drive_error_good(cam_ilc_t *t)
 {
     if (t->square < t->best_square) {
         t->best_square = t->square;
@@ -100,26 +91,20 @@ static bool is_drive_sound(cam_ilc_t *t)
     return false;
 }
 
-/// An error that grows with the shape is no worse: the guard begins anew.
-static void follow_size(cam_ilc_t *t)
-{
-    if (t->larger / 5u > t->trusted / 4u) {
-        trust(t);
-        t->trusted = t->larger;
-    }
-}
-
 /// Layer 1: one step of the drive's constants.
 static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
 {
     if (!cam_ilc_update_is_for_drive(t)) {
         return;
     }
-    follow_size(t);
+    if (t->larger / 5u > t->trusted / 4u) { // the error has grown with the motion
+        restart_guards(t);
+        t->trusted = t->larger;
+    }
     if (t->n_halved >= cam_ilc_update_most_halved) {
         return;
     }
-    if (is_drive_sound(t)) {
+    if (is_drive_error_good(t)) {
         const cam_drive_change_t by = cam_drive_solve(&t->sums, t->turn_speed_q32);
         const int64_t k1 = (int64_t)by.k1_q16 * (gain_q16 >> t->n_halved) >> 16;
         const int64_t k2 = (int64_t)by.k2_q16 * (gain_q16 >> t->n_halved) >> 16;
@@ -131,19 +116,19 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
     t->blending |= cam_ilc_blend_drive;
 }
 
-/// The first turn of a rehearsal. At another speed nothing of the correction holds.
+/// First turn of a rehearsal. At another speed the correction does not apply.
 static void begin_rehearsal(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
-    if (cam_ilc_update_is_other_speed(t, t->turn_speed_q32)) {
-        const bool was_probed = t->correction.is_probed;
+    const bool is_other = cam_ilc_update_is_other_speed(t, t->turn_speed_q32);
+    const bool was_probed = t->correction.is_probed;
+    t->speed_q32 = t->turn_speed_q32;
+    if (is_other) {
         cam_harmonic_correction_forget(&t->correction);
         t->blending |= cam_ilc_blend_correction;
         if (was_probed) {
-            t->speed_q32 = t->turn_speed_q32;
             return;
         }
     }
-    t->speed_q32 = t->turn_speed_q32;
     t->begun_nm = t->error_nm;
     cam_ilc_update_phase(t, t->correction.is_probed ? cam_ilc_shape : cam_ilc_drive);
     step_drive(t, s, s->gain_q16);
@@ -153,16 +138,16 @@ static void step_probe(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     t->n_steps++;
     const int32_t size_q6 = t->n_steps == 1u ? s->probe_q6 / 2 : t->n_steps == 2u ? s->probe_q6 : 0;
-    cam_harmonic_correction_play(&t->correction, size_q6, t->n_orders);
+    cam_harmonic_correction_set_probe(&t->correction, size_q6, t->n_orders);
     t->blending |= cam_ilc_blend_correction;
     if (size_q6 == 0) {
         t->correction.is_probed = true;
-        trust(t);
+        restart_guards(t);
         cam_ilc_update_phase(t, cam_ilc_shape);
     }
 }
 
-/// A turn that counts is complete.
+/// Complete a turn that is used to learn U.
 static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     t->error_nm = (uint32_t)(cam_root_u64(t->square) >> 6);
@@ -225,16 +210,11 @@ static void take_turn(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_t *b
     }
 }
 
-/// @return whether the interrupt has begun to write the bank again
-static bool is_late(const cam_ilc_t *t, cam_turn_bins_t *bins)
-{
-    const uint32_t at_q8 = atomic_load_explicit(&bins->at_q8, memory_order_acquire);
-    return ((at_q8 >> 8) & TURNS) != ((t->turn + 1u) & TURNS);
-}
-
 static void take_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_t *bins)
 {
-    if (is_late(t, bins)) {
+    const uint32_t at_q8 = atomic_load_explicit(&bins->at_q8, memory_order_acquire);
+    const bool is_late = ((at_q8 >> 8) & CAM_ILC_TURNS) != ((t->turn + 1u) & CAM_ILC_TURNS);
+    if (is_late) { // the interrupt overwrites the bins
         t->bin = NULL;
         cam_ripple_drop(&t->ripple);
         return;
@@ -243,7 +223,8 @@ static void take_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_
         cam_ilc_update_harmonic(t, s);
     }
     if (t->true_q36 > 0 && t->k > 0u) {
-        cam_ripple_add(&t->ripple, t->k, cam_harmonics_of(&t->bin->angle_q24, words_per_bin, t->k));
+        cam_ripple_add(&t->ripple, t->k,
+                       cam_harmonics_of(&t->bin->angle_q24, cam_ilc_words_per_bin, t->k));
     }
     t->k++;
     if (t->k >= cam_ilc_terms) {
@@ -254,10 +235,162 @@ static void take_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_
 void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
                   cam_turn_bins_t *bins)
 {
-    note_state(t, state);
+    follow_state(t, state);
     if (t->bin != NULL) {
         take_harmonic(t, setup, bins);
     } else {
         take_turn(t, setup, bins);
     }
+}
+
+// Status and learned values
+
+cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t tick_hz)
+{
+    const int64_t hz = tick_hz;
+    uint32_t ripple_q32 = 0; // sum of the amplitudes
+    for (uint32_t k = 1; k <= cam_ilc_harmonics; k++) {
+        ripple_q32 += cam_complex_size(cam_ripple_order(&t->ripple, k));
+    }
+    const bool is_of_setup = !cam_ilc_is_asked(setup) || t->hindrance == (uint8_t)cam_ilc_all;
+    return (cam_ilc_status_t){
+        .phase = cam_ilc_is_asked(setup) ? (cam_ilc_phase_t)t->phase : cam_ilc_off,
+        .reason = is_of_setup ? setup->reason : (cam_ilc_reason_t)t->hindrance,
+        .n_turns = t->n_turns,
+        .n_harmonics = t->n_orders,
+        .masked = t->correction.masked,
+        .k1_ns = cam_sat_i32((int64_t)t->k1_q16 * 1000000000 / hz >> 16),
+        .k2_us2 = cam_sat_i32(((int64_t)t->k2_q16 * 1000000 / hz) * 1000000 / hz >> 16),
+        .error_nm = t->error_nm,
+        .begin_error_nm = t->begun_nm,
+        .correction_nm = cam_harmonic_correction_sum_q6(&t->correction) >> 6,
+        .speed_mrpm = (uint32_t)((int64_t)t->speed_q32 * hz * 60000 >> 32),
+        .ripple_turns = t->ripple.n_mean,
+        .ripple_nturn = (uint32_t)((uint64_t)ripple_q32 * 1000000000u >> 32),
+        .scale_re_q32 = t->ripple.scale.re,
+        .scale_im_q32 = t->ripple.scale.im,
+    };
+}
+
+cam_ilc_harmonic_t cam_ilc_harmonic(const cam_ilc_t *t, uint32_t k)
+{
+    if (k >= cam_ilc_terms) {
+        return (cam_ilc_harmonic_t){0};
+    }
+    const cam_complex_t none = {0};
+    return (cam_ilc_harmonic_t){
+        .correction_q6 = t->correction.c_q6[k],
+        .gain = t->correction.gain[k],
+        .best_q6 = t->correction.best_q6[k],
+        .ripple = k > 0u ? cam_ripple_order(&t->ripple, k) : none,
+        .is_masked = (t->correction.masked >> k & 1u) != 0u,
+    };
+}
+
+#define IS_PROBED (INT32_C(1) << 30) ///< bit of the masks: U was probed
+
+int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index)
+{
+    const uint32_t i = index - cam_ilc_value_correction;
+    const uint32_t j = index - cam_ilc_value_gain;
+    const uint32_t l = index - cam_ilc_value_ripple;
+    switch (index) {
+    case cam_ilc_value_speed:
+        return t->speed_q32;
+    case cam_ilc_value_k1:
+        return t->k1_q16;
+    case cam_ilc_value_k2:
+        return t->k2_q16;
+    case cam_ilc_value_masked:
+        return (int32_t)t->correction.masked | (t->correction.is_probed ? IS_PROBED : 0);
+    case cam_ilc_value_phase:
+        return (int32_t)t->phase_q32;
+    default:
+        break;
+    }
+    if (index < cam_ilc_value_gain) {
+        const cam_complex_t c = t->correction.c_q6[i / 2u];
+        return i % 2u == 0u ? c.re : c.im;
+    }
+    if (index < cam_ilc_value_ripple) {
+        const cam_gain_t g = t->correction.gain[j / 2u];
+        return j % 2u == 0u ? g.re_q12 : g.im_q12;
+    }
+    if (index < cam_ilc_n_values) {
+        return l % 2u == 0u ? t->ripple.mean[l / 2u].re : t->ripple.mean[l / 2u].im;
+    }
+    return 0;
+}
+
+/// Store a value. @return whether it is in range
+static bool set_value(cam_ilc_t *t, uint32_t index, int32_t value)
+{
+    const uint32_t i = index - cam_ilc_value_correction;
+    const uint32_t j = index - cam_ilc_value_gain;
+    const uint32_t l = index - cam_ilc_value_ripple;
+    const int32_t most_q16 = 1 << 30;
+    const int16_t narrow = (int16_t)cam_clamp_i32(value, INT16_MIN, INT16_MAX);
+    switch (index) {
+    case cam_ilc_value_speed:
+        t->speed_q32 = value;
+        return cam_is_within(value, 1 << 26) && value >= 0;
+    case cam_ilc_value_k1:
+        t->k1_q16 = value;
+        return cam_is_within(value, most_q16);
+    case cam_ilc_value_k2:
+        t->k2_q16 = value;
+        return cam_is_within(value, most_q16);
+    case cam_ilc_value_masked:
+        t->correction.masked = (uint32_t)value & ((UINT32_C(1) << cam_ilc_terms) - 1u);
+        t->correction.is_probed = (value & IS_PROBED) != 0;
+        return value == cam_ilc_get(t, index);
+    case cam_ilc_value_phase:
+        t->phase_q32 = (uint32_t)value;
+        return true;
+    default:
+        break;
+    }
+    if (index < cam_ilc_value_gain) {
+        cam_complex_t *c = &t->correction.c_q6[i / 2u];
+        *(i % 2u == 0u ? &c->re : &c->im) = value;
+        return cam_is_within(value, cam_ilc_most_nm * 64);
+    }
+    if (index < cam_ilc_value_ripple) {
+        cam_gain_t *g = &t->correction.gain[j / 2u];
+        *(j % 2u == 0u ? &g->re_q12 : &g->im_q12) = narrow;
+        return narrow == value;
+    }
+    *(l % 2u == 0u ? &t->ripple.mean[l / 2u].re : &t->ripple.mean[l / 2u].im) = narrow;
+    return cam_is_within(value, cam_ripple_most);
+}
+
+bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value)
+{
+    if (index >= cam_ilc_n_values) {
+        return false;
+    }
+    const int32_t before = cam_ilc_get(t, index);
+    const bool is_good = set_value(t, index, value);
+    if (!is_good) {
+        (void)set_value(t, index, before);
+    } else if (index >= cam_ilc_value_ripple && t->ripple.n_mean == 0u) {
+        t->ripple.n_mean = 1u;
+    }
+    t->blending = cam_ilc_blend_all;
+    return is_good;
+}
+
+const char *cam_ilc_phase_name(cam_ilc_phase_t phase)
+{
+    static const char *const names[cam_ilc_n_phases] = {"off",     "waiting", "settling", "drive",
+                                                        "probing", "shape",   "cutting",  "frozen"};
+    return (unsigned)phase < cam_ilc_n_phases ? names[phase] : "?";
+}
+
+const char *cam_ilc_reason_name(cam_ilc_reason_t reason)
+{
+    static const char *const names[cam_ilc_n_reasons] = {"all",       "not_asked", "not_measured",
+                                                         "no_table",  "modulated", "slow_turn",
+                                                         "fast_turn", "lobes",     "diverged"};
+    return (unsigned)reason < cam_ilc_n_reasons ? names[reason] : "?";
 }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_ilc: the slow side of learning: what the drive of U and the spindle do otherwise than
-/// configured, learned turn by turn and handed to the interrupt in small steps.
+/// cam_ilc: iterative learning control of U, and learning of the spindle's ripple.
 ///
-///     turn closed by the interrupt -> harmonics -> probe, layers, ripple -> target -> walk -> hand
-///     over
+///     revolution closed by the interrupt -> harmonics -> probing, layers 1 and 2, ripple -> target
+///     -> blending in
 ///
-/// A rehearsal settles, learns the drive's constants (layer 1), measures how U answers at every
-/// harmonic (probe), and then removes what is left (layer 2). The cut goes on with both at a small
-/// gain. What was learned stays between parts, and can be read and set by index. Equations and
-/// their stability: MATHS.md (140) .. (147). Context of all functions: slow side, one caller.
+/// A rehearsal settles, learns the drive's constants (layer 1), probes U's response at every
+/// harmonic, then removes the remaining error (layer 2). The cut continues both with a small
+/// learning gain. Learned values are kept between parts and can be read and set by index.
+/// Equations and stability: MATHS.md (140) .. (147). Context of all functions: slow side, one
+/// caller.
 #ifndef CAM_ILC_H
 #define CAM_ILC_H
 
@@ -21,71 +21,71 @@
 #include <stdbool.h>                 // bool
 #include <stdint.h>                  // int32_t, uint32_t
 
-/// Harmonics of a turn that are learned, at most; the mean is one more.
+/// Largest number of harmonics that are learned; the mean is one more.
 enum { cam_ilc_harmonics = cam_harmonics_most, cam_ilc_terms = cam_harmonic_terms };
 
-/// [nm] The corrections of all harmonics together stay below what a table's point can hold.
+/// [nm] Limit of the sum of all corrections, within the range of a table's point.
 enum { cam_ilc_most_nm = 30000 };
 
-/// What learning does at present.
+/// Phase of learning.
 typedef enum {
     cam_ilc_off,      ///< cam_ilc_reason_t says why
     cam_ilc_waiting,  ///< for a rehearsal, or for turns in which nothing moves
     cam_ilc_settling, ///< rehearsal: the first whole turns
     cam_ilc_drive,    ///< rehearsal: layer 1, the drive's constants
-    cam_ilc_probing,  ///< rehearsal: U's answer at each harmonic
+    cam_ilc_probing,  ///< rehearsal: U's response at each harmonic
     cam_ilc_shape,    ///< rehearsal: layers 1 and 2
     cam_ilc_cutting,  ///< in the cut: both with small gains
-    cam_ilc_frozen,   ///< learned values are in force and stay, for the speed is another
+    cam_ilc_frozen,   ///< learned values stay in force, because the speed differs
     cam_ilc_n_phases
 } cam_ilc_phase_t;
 
-/// Why nothing, or not everything, is learned.
+/// Why learning is off or incomplete.
 typedef enum {
-    cam_ilc_all,          ///< nothing hinders
+    cam_ilc_all,          ///< learning is complete
     cam_ilc_not_asked,    ///< learn_harmonics is 0, or no gain is set
     cam_ilc_not_measured, ///< the port does not measure U
-    cam_ilc_no_table,     ///< none is in use
+    cam_ilc_no_table,     ///< no table is in use
     cam_ilc_modulated,    ///< the table modulates the speed of the spindle
-    cam_ilc_slow_turn,    ///< a turn has more ticks than the interrupt gathers
+    cam_ilc_slow_turn,    ///< a turn has more ticks than the bins can sum
     cam_ilc_fast_turn,    ///< a turn has too few ticks for one harmonic
-    cam_ilc_lobes,        ///< of a shaft with lobes only the drive's constants are learned
-    cam_ilc_diverged,     ///< layer 1 was given up, and its best is in force
+    cam_ilc_lobes,        ///< on a shaft with lobes only the drive's constants are learned
+    cam_ilc_diverged,     ///< layer 1 has stopped, with its best constants in force
     cam_ilc_n_reasons
 } cam_ilc_reason_t;
 
-/// What is to be known of the learning as a whole.
+/// Status of learning.
 typedef struct {
     cam_ilc_phase_t phase;
     cam_ilc_reason_t reason;
     uint32_t n_turns;        ///< turns used since the rehearsal began
     uint32_t n_harmonics;    ///< learned besides the mean, 0 .. 16
-    uint32_t masked;         ///< bit k: harmonic k is left as it is
+    uint32_t masked;         ///< bit k: harmonic k is not learned
     int32_t k1_ns;           ///< added to the parameter k1_ns
     int32_t k2_us2;          ///< added to the parameter k2_us2
     uint32_t error_nm;       ///< rms of the last turn's error in the harmonics that are learned
-    uint32_t begin_error_nm; ///< ... before anything was learned
+    uint32_t begin_error_nm; ///< ... before learning
     uint32_t correction_nm;  ///< sum of the magnitudes of the correction
-    uint32_t speed_mrpm;     ///< [r/min / 1000] at which was learned, 0: never
-    uint32_t ripple_turns;   ///< turns that the ripple in force is the mean of
+    uint32_t speed_mrpm;     ///< [r/min / 1000] speed of the learning, 0: never
+    uint32_t ripple_turns;   ///< turns in the mean of the ripple in force
     uint32_t ripple_nturn;   ///< [turn / 10^9] sum of its amplitudes
-    int32_t scale_re_q32;    ///< [turn / 2^32] what of order 1 stayed between two speeds, which is
-    int32_t scale_im_q32;    ///< the encoder's: for eccentricity_nturn and _udeg; 0: not known
+    int32_t scale_re_q32;    ///< [turn / 2^32] the part of order 1 common to two speeds: the
+    int32_t scale_im_q32;    ///< encoder's, for eccentricity_nturn and _udeg; 0: not known
 } cam_ilc_status_t;
 
-/// What is known of a harmonic.
+/// State of a harmonic.
 typedef struct {
     cam_complex_t correction_q6; ///< [nm / 64] in force: Re(c e^(jk theta)) is added to the command
-    cam_gain_t gain;             ///< answer of U to it, as probed; 0: not probed
+    cam_gain_t gain;             ///< response of U to it, as probed; 0: not probed
     uint32_t best_q6;            ///< [nm / 64] smallest error so far
     cam_complex_t ripple;        ///< [turn / 2^32] of the spindle's angle
     bool is_masked;
 } cam_ilc_harmonic_t;
 
-/// Values that make up all that was learned, in their order: speed [turn / 2^32 per tick], k1
-/// [ticks / 2^16], k2 [ticks^2 / 2^16], masks with bit 30 for "probed", phase [turn / 2^32], then
-/// for k = 0 .. 16 the parts of the correction [nm / 64], of U's answer [1 / 4096], and for k = 1
-/// .. 16 those of what the encoder shows of the ripple [turn / 2^23].
+/// Index of the learned values: speed [turn / 2^32 per tick], k1 [ticks / 2^16],
+/// k2 [ticks^2 / 2^16], masks with bit 30 for "probed", phase [turn / 2^32]; then for k = 0 .. 16
+/// real and imaginary part of the correction [nm / 64] and of U's response [1 / 4096], and for
+/// k = 1 .. 16 of the ripple that the encoder shows [turn / 2^23].
 enum {
     cam_ilc_value_speed,
     cam_ilc_value_k1,
@@ -98,32 +98,32 @@ enum {
     cam_ilc_n_values = cam_ilc_value_ripple + 2 * cam_ilc_harmonics
 };
 
-/// What parameters, table and machine say of the learning; made anew for each call.
+/// Settings of learning from parameters, table and machine; set up for each call.
 typedef struct {
-    cam_ilc_reason_t reason;        ///< lobes, or why nothing is learned of U
+    cam_ilc_reason_t reason;        ///< cam_ilc_lobes, or why U is not learned
     uint32_t n_harmonics;           ///< 0 .. 16
-    int32_t gain_q16, cut_gain_q16; ///< [1] share of an error that a turn removes
+    int32_t gain_q16, cut_gain_q16; ///< learning gain of rehearsal and cut
     int32_t probe_q6;               ///< [nm / 64]
     uint32_t ripple_turns;          ///< 0: the ripple is not learned
     int32_t scale_nm;               ///< [nm] quantum of U's scale
-    int32_t least_ripple_q32;       ///< [turn / 2^32] an order of the ripple that counts can feign
-    int32_t count_urad;             ///< [urad] a count of the encoder
-    int32_t most_q6;                ///< [nm / 64] bound of the sum of the corrections
-    int32_t k1_q16, k2_q16;         ///< configured constants of the drive, in ticks
-    int32_t k1_most_q16;            ///< bounds of what is learned of them
+    int32_t least_ripple_q32; ///< [turn / 2^32] smallest order of the ripple above the quantisation
+    int32_t count_urad;       ///< [urad] a count of the encoder
+    int32_t most_q6;          ///< [nm / 64] limit of the sum of the corrections
+    int32_t k1_q16, k2_q16;   ///< configured constants of the drive, in ticks
+    int32_t k1_most_q16;      ///< limits of the learned change of k1 and k2
     int32_t k2_most_q16;
-    int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: due lies f between two ticks
-    bool is_u_moving;           ///< U is in motion: out of the work its gains stay as they are
+    int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: the due time is f between two ticks
+    bool is_u_moving;           ///< U moves: while not cutting its constants stay
     cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
 } cam_ilc_setup_t;
 
-/// @return whether something is to be learned: all, or of lobes the drive's constants
+/// @return whether U is learned: completely, or with lobes the drive's constants
 static inline bool cam_ilc_is_asked(const cam_ilc_setup_t *setup)
 {
     return setup->reason == cam_ilc_all || setup->reason == cam_ilc_lobes;
 }
 
-/// What is led to what was learned, in steps.
+/// Learned values that are blended in.
 enum {
     cam_ilc_blend_drive = 1,
     cam_ilc_blend_correction = 2,
@@ -131,81 +131,81 @@ enum {
     cam_ilc_blend_all = 7
 };
 
-/// State; everything is kept between parts.
+/// State; kept between parts.
 typedef struct {
     cam_harmonic_correction_t correction;
     cam_ripple_t ripple;
-    cam_drive_sums_t sums;   ///< of the turn that is taken
-    uint64_t square;         ///< [(nm / 64)^2] error of that turn, over its harmonics
-    uint64_t best_square;    ///< ... smallest since layer 1 began
-    cam_turn_bin_t *bin;     ///< the turn that is taken; NULL: none
-    uint32_t begun_nm;       ///< [nm] rms error before anything was learned
+    cam_drive_sums_t sums;   ///< of the turn being processed
+    uint64_t square;         ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
+    uint64_t best_square;    ///< ... smallest since layer 1 started
+    cam_turn_bin_t *bin;     ///< the turn being processed; NULL: none
+    uint32_t begun_nm;       ///< [nm] rms error before learning
     uint32_t error_nm;       ///< [nm] of the last turn
     uint32_t speed_w;        ///< [nm per tick] sum of w_k |U_k|
     uint32_t acceleration_w; ///< [nm per tick^2 / 2^8] sum of w_k^2 |U_k|
     uint32_t largest;        ///< [nm / 64] largest k |U_k| of the last turn
-    uint32_t larger;         ///< ... of this turn up to now
-    int64_t told_square;     ///< [nm^2] the set-point's harmonics of this turn, less half of all
-    uint32_t trusted;        ///< [nm / 64] largest k |U_k| for which the guard's best holds
+    uint32_t larger;         ///< ... of this turn so far
+    int64_t set_square;      ///< [nm^2] sum of |U_k|^2 less the mean square of the whole motion
+    uint32_t trusted;        ///< [nm / 64] largest k |U_k| to which the guard's best applies
     uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
-    uint32_t room_q6;        ///< [nm / 64] by how much a correction may grow in this turn
+    uint32_t room_q6;        ///< [nm / 64] largest change of a correction in this turn
     int32_t k1_q16, k2_q16;  ///< added to the configured ones
     int32_t best_k1_q16, best_k2_q16;
-    int32_t speed_q32;      ///< [turn / 2^32 per tick] at which was learned, 0: never
-    int32_t turn_speed_q32; ///< ... of the turn that is taken
+    int32_t speed_q32;      ///< [turn / 2^32 per tick] speed of the learning, 0: never
+    int32_t turn_speed_q32; ///< ... of the turn being processed
     int32_t scale_q30;      ///< [1] amplitude of that turn
-    uint32_t phase_q32;     ///< [turn / 2^32] by which the correction is turned
+    uint32_t phase_q32;     ///< [turn / 2^32] by which the correction is rotated
     uint32_t turn;          ///< its number, modulo 2^24
     uint32_t good_from;     ///< number of the first turn that may be learned from
-    uint32_t n_turns;       ///< learned from since the rehearsal began
+    uint32_t n_turns;       ///< used for learning since the rehearsal began
     int32_t feed_nm;        ///< [nm] of the last turn
-    uint8_t k;              ///< harmonic that comes next
-    uint8_t n_orders;       ///< harmonics that this turn tells
-    uint8_t n_steps;        ///< of this phase
+    uint8_t k;              ///< next harmonic
+    uint8_t n_orders;       ///< harmonics that this turn resolves
+    uint8_t n_steps;        ///< steps of this phase
     uint8_t n_halved;       ///< times that the guard halved the gain of layer 1
     uint8_t phase;          ///< cam_ilc_phase_t
     uint8_t state;          ///< cam_state_t
-    uint8_t hindrance;      ///< cam_ilc_reason_t of the last turns
-    bool is_counted;        ///< U is learned from this turn
-    int32_t true_q36;       ///< [turn / 2^36 per tick] its speed where it tells the ripple, else 0
-    uint8_t blending;       ///< cam_ilc_blend_*: what is in force is not yet what was learned
-    uint32_t walk_from_q8;  ///< [turn / 256] the next costly step is not before
+    uint8_t hindrance;      ///< cam_ilc_reason_t of the last turn
+    bool is_counted;        ///< this turn is used to learn U
+    int32_t true_q36; ///< [turn / 2^36 per tick] its speed if it is used for the ripple, else 0
+    uint8_t blending; ///< cam_ilc_blend_*: learned values not completely in force
+    uint32_t blend_from_q8; ///< [turn / 256] earliest time of the next step of points
 } cam_ilc_t;
 
-/// Begin with nothing learned.
+/// Start with nothing learned.
 void cam_ilc_init(cam_ilc_t *t);
 
-/// One piece of work: note a new state, take a turn from the interrupt, or treat one harmonic.
-/// @param state   of the controller
-/// @param gather  of the interrupt
+/// One piece of work: follow the state, fetch a turn from the interrupt or process one harmonic.
+/// @param bins  of the interrupt
 void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
                   cam_turn_bins_t *bins);
 
-/// @param at_q8  [turn / 256] where the spindle is
-/// @return whether cam_ilc_blend() has something to do. Points are made anew at most 25 times a
-///         turn, which bounds what learning costs.
+/// @param at_q8  [turn / 256] position of the spindle
+/// @return whether cam_ilc_blend() has something to do. Points are computed at most 25 times a
+/// turn,
+///         which bounds the processor load of learning.
 bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8);
 
-/// One step from what is in force to what was learned: no point of the correction moves further
-/// than 1000 nm, in the cut 50 nm, no angle further than 100 urad, in the cut 10, and the constants
-/// change the command by no more than a step.
-/// @param at_q8   [turn / 256] where the spindle is
-/// @param in      changed in place
+/// Blend one step from the values in force to the learned values. A step moves each point of the
+/// correction, and the command through the constants, by at most 1000 nm (50 nm in the cut), and
+/// each angle by at most 100 urad (10 urad in the cut).
+/// @param at_q8  [turn / 256] position of the spindle
+/// @param in     changed in place
 void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, cam_learned_t *in);
 
-/// Forget what was learned of U, because it was configured anew; the ripple stays.
+/// Discard what was learned of U, because its configuration has changed; the ripple stays.
 void cam_ilc_forget(cam_ilc_t *t);
 
-/// @param tick_hz  [Hz] of the port
+/// @return status of learning
 cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t tick_hz);
 
 /// @param k  0 .. cam_ilc_harmonics; all 0 beyond
 cam_ilc_harmonic_t cam_ilc_harmonic(const cam_ilc_t *t, uint32_t k);
 
-/// @return the value, 0 beyond the last; index as in the enumeration above
+/// @return learned value by index (cam_ilc_value_*), 0 beyond the last
 int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index);
 
-/// @return whether the index is one and the value within what can be learned
+/// Set a learned value. @return whether index and value are in range
 bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value);
 
 /// @return a name without blanks, "off"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From what is in force to what was learned, step by step; and learned values as others see them.
+// Blending the learned values in.
 #include "cam_fix.h"       // cam_clamp_i32
-#include "cam_harmonics.h" // cam_harmonics_lead
+#include "cam_harmonics.h" // cam_harmonics_slew
 #include "cam_ilc.h"
 #include <stddef.h> // NULL
 
@@ -13,12 +13,13 @@ enum {
     any_step = 1 << 17,
 };
 
-/// [turn / 256] between two costly steps, for each set of points: 25 a turn
+/// [turn / 256] between two computations of points: 25 per turn for each set
 enum { step_q8 = 10 };
 
+/// @return whether the points have to wait
 static bool is_early(const cam_ilc_t *t, uint32_t at_q8)
 {
-    return cam_state_is_in_work((cam_state_t)t->state) && (int32_t)(at_q8 - t->walk_from_q8) < 0;
+    return cam_state_is_in_work((cam_state_t)t->state) && (int32_t)(at_q8 - t->blend_from_q8) < 0;
 }
 
 bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8)
@@ -27,26 +28,17 @@ bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8)
     return t->blending != 0u && t->bin == NULL && (is_cheap || !is_early(t, at_q8));
 }
 
-/// @return [nm] by how much the command may change
-static int32_t step_nm(cam_state_t state)
+/// @return the step for a state: of the rehearsal, of the cut, or unlimited
+static int32_t step_of(cam_state_t state, int32_t rehearsal_step, int32_t cut_step)
 {
     if (!cam_state_is_in_work(state)) {
         return any_step;
     }
-    return state == cam_state_rehearsing ? rehearsal_step_nm : cut_step_nm;
+    return state == cam_state_rehearsing ? rehearsal_step : cut_step;
 }
 
-/// @return [turn / 2^23] by how much an angle may change
-static int32_t angle_step(cam_state_t state)
-{
-    if (!cam_state_is_in_work(state)) {
-        return any_step;
-    }
-    return state == cam_state_rehearsing ? rehearsal_angle_step : cut_angle_step;
-}
-
-/// Lead a constant towards its target. @param per_q8  [nm per unit, 2^-8] what it changes
-static bool lead_constant(int32_t *value, int32_t target, int32_t most_nm, uint32_t per_q8)
+/// Move a constant towards its target. @param per_q8  [nm per unit, 2^-8] effect on the command
+static bool slew_constant(int32_t *value, int32_t target, int32_t most_nm, uint32_t per_q8)
 {
     const int64_t most =
         most_nm < any_step ? ((int64_t)most_nm << 24) / ((int64_t)per_q8 + 1) : INT64_C(1) << 32;
@@ -54,7 +46,7 @@ static bool lead_constant(int32_t *value, int32_t target, int32_t most_nm, uint3
     return *value == target;
 }
 
-static bool lead_angles(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_learned_t *in,
+static bool slew_angles(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_learned_t *in,
                         int32_t most)
 {
     cam_complex_t order[cam_ilc_terms] = {0};
@@ -64,13 +56,14 @@ static bool lead_angles(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_learne
     const bool is_known = s->ripple_turns > 0u && t->ripple.n_mean > 0u;
     const cam_complex_t shown = is_known ? order[1] : s->eccentricity;
     order[1] = shown;
-    const bool is_there = cam_harmonics_lead(in->dm, order, cam_ripple_down, most);
+    const bool is_done = cam_harmonics_slew(in->dm, order, cam_ripple_down, most);
     order[1] = cam_complex_sub(shown, s->eccentricity);
-    return cam_harmonics_lead(in->d, order, cam_ripple_down, most) && is_there;
+    return cam_harmonics_slew(in->d, order, cam_ripple_down, most) && is_done;
 }
 
-/// @return the first turn that may be learned from: in a rehearsal U has half a turn to settle, in
-///         the cut, whose steps are small, a turn may begin with them
+/// @return the first turn to learn from: in a rehearsal U settles for half a turn; in the cut,
+/// whose
+///         steps are small, a turn may begin with one
 static uint32_t good_from(cam_state_t state, uint32_t at_q8)
 {
     const uint32_t turn = at_q8 >> 8;
@@ -81,35 +74,30 @@ static uint32_t good_from(cam_state_t state, uint32_t at_q8)
     return turn + (part < 128u ? 1u : 2u);
 }
 
-static bool lead_drive(const cam_ilc_t *t, cam_learned_t *in, int32_t most_nm)
-{
-    const bool is_there = lead_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
-    return lead_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w) && is_there;
-}
-
 void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, cam_learned_t *in)
 {
-    const int32_t most_nm = step_nm((cam_state_t)t->state);
-    uint8_t there = 0;
-    // Out of the work U moves by time, and new gains would move its command at once: they wait.
+    const int32_t most_nm = step_of((cam_state_t)t->state, rehearsal_step_nm, cut_step_nm);
+    uint8_t done = 0;
+    // While U moves without cutting, new constants would step its command: they wait.
     const bool is_held = setup->is_u_moving && most_nm == any_step;
     if ((t->blending & cam_ilc_blend_drive) != 0u && !is_held) {
-        there |= lead_drive(t, in, most_nm) ? cam_ilc_blend_drive : 0u;
+        const bool is_k1 = slew_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
+        const bool is_k2 = slew_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w);
+        done |= is_k1 && is_k2 ? cam_ilc_blend_drive : 0u;
     }
-    const bool is_due = !is_early(t, at_q8); // else the points wait
+    const bool is_due = !is_early(t, at_q8);
     if (is_due && (t->blending & cam_ilc_blend_correction) != 0u) {
-        there |= cam_harmonics_lead(in->c, t->correction.c_q6, 6, most_nm)
-                     ? cam_ilc_blend_correction
-                     : 0u;
-        t->walk_from_q8 = at_q8 + step_q8;
+        done |= cam_harmonics_slew(in->c, t->correction.c_q6, 6, most_nm) ? cam_ilc_blend_correction
+                                                                          : 0u;
+        t->blend_from_q8 = at_q8 + step_q8;
     } else if (is_due && (t->blending & cam_ilc_blend_ripple) != 0u) {
-        const int32_t most = angle_step((cam_state_t)t->state);
-        there |= lead_angles(t, setup, in, most) ? cam_ilc_blend_ripple : 0u;
-        t->walk_from_q8 = at_q8 + 2u * step_q8;
+        const int32_t most = step_of((cam_state_t)t->state, rehearsal_angle_step, cut_angle_step);
+        done |= slew_angles(t, setup, in, most) ? cam_ilc_blend_ripple : 0u;
+        t->blend_from_q8 = at_q8 + 2u * step_q8;
     } else {
-        // there are no points to lead
+        // no points to compute
     }
-    t->blending &= (uint8_t)~there;
+    t->blending &= (uint8_t)~done;
     if (t->blending == 0u) {
         t->good_from = good_from((cam_state_t)t->state, at_q8);
     }

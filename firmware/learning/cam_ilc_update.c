@@ -4,21 +4,18 @@
 #include "cam_harmonics.h" // cam_harmonics_of
 
 enum {
-    words_per_bin = sizeof(cam_turn_bin_t) / sizeof(int32_t),
-    ticks_per_order = 24,      ///< a harmonic is learned where its period has as many ticks
+    ticks_per_order = 24,      ///< smallest period of a harmonic that is learned
     least_ticks_per_order = 9, ///< ... of an oval, whose harmonics are the first two
     oval_orders = 2,
     widest_gap = 8,            ///< [bins] from a tick to the next: a turn has at least 16 to 18
-    frozen_percent = 2,        ///< a speed further off is another speed
-    rough_steps = 16,          ///< counted turns after the feed changed, with the larger gain
-    rough_part = 64,           ///< a feed that changes by more than this part
-    even_part = 128,           ///< a speed that changes by more than this part runs up
-    least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slower turns are not gathered
+    frozen_percent = 2,        ///< largest deviation of the speed from that of the learning
+    rough_steps = 16,          ///< turns with the larger gain after the feed has changed
+    rough_part = 64,           ///< the feed changes by more than this part
+    even_part = 128,           ///< the spindle accelerates by more than this part per turn
+    least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slowest turn that the bins can sum
     least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
-    least_floors = 64,         ///< U moves by more than that many times what its scale cannot tell
+    least_floors = 64,         ///< least motion of U, in noise floors of its scale
 };
-
-#define TURNS UINT32_C(0xFFFFFF) ///< turns are numbered modulo 2^24
 
 /// 3 / sqrt(12) sqrt(2), in 1 / 64: MATHS.md (148).
 #define FLOOR_Q6 INT64_C(78)
@@ -29,8 +26,8 @@ void cam_ilc_update_phase(cam_ilc_t *t, cam_ilc_phase_t phase)
     t->n_steps = 0;
 }
 
-/// Lay a straight line through the empty bins between two that have ticks, n bins apart.
-static void bridge(cam_turn_bin_t *bin, uint32_t from, uint32_t n)
+/// Interpolate the empty bins between two bins with ticks, n bins apart.
+static void interpolate(cam_turn_bin_t *bin, uint32_t from, uint32_t n)
 {
     const cam_turn_bin_t a = bin[from % cam_turn_bins_n];
     const cam_turn_bin_t b = bin[(from + n) % cam_turn_bins_n];
@@ -43,8 +40,8 @@ static void bridge(cam_turn_bin_t *bin, uint32_t from, uint32_t n)
     }
 }
 
-/// Fill the bins in which no tick fell, as in a turn of few ticks, MATHS.md (190).
-/// @return whether none of the gaps is too wide
+/// Fill the empty bins of a turn of few ticks, MATHS.md (190).
+/// @return whether all gaps are narrow enough
 static bool fill_gaps(cam_turn_bin_t *bin)
 {
     uint32_t last = 0;
@@ -56,14 +53,14 @@ static bool fill_gaps(cam_turn_bin_t *bin)
     for (uint32_t i = last + 1u; is_narrow && i <= end; i++) {
         if (bin[i % cam_turn_bins_n].n > 0u) {
             is_narrow = i - last <= widest_gap;
-            bridge(bin, last, i - last);
+            interpolate(bin, last, i - last);
             last = i;
         }
     }
     return is_narrow;
 }
 
-/// Sums become means. @return ticks of the turn, 0 when they are too few
+/// Convert sums to means. @return ticks of the turn, 0 when they are too few
 static uint32_t take_means(cam_turn_bin_t *bin, bool *is_full)
 {
     uint32_t n_ticks = 0;
@@ -81,8 +78,7 @@ static uint32_t take_means(cam_turn_bin_t *bin, bool *is_full)
     return *is_full || fill_gaps(bin) ? n_ticks : 0u;
 }
 
-/// @return harmonics that a turn of so many ticks tells; those of the oval have few ticks at the
-///         slowest
+/// @return harmonics that a turn of so many ticks resolves; an oval needs fewer ticks for its two
 static uint32_t orders_of(uint32_t n_ticks)
 {
     const uint32_t n = n_ticks / ticks_per_order;
@@ -90,12 +86,12 @@ static uint32_t orders_of(uint32_t n_ticks)
     return n >= oval_orders ? n : least < oval_orders ? least : oval_orders;
 }
 
-/// The operator turned the shape, and the correction turns with it.
-static void take_phase(cam_ilc_t *t, uint32_t phase_q32)
+/// Rotate the correction with the phase that the operator has set.
+static void follow_phase(cam_ilc_t *t, uint32_t phase_q32)
 {
     const uint32_t by_q32 = phase_q32 - t->phase_q32;
     if (cam_abs_i64((int32_t)by_q32) >= 1 << 20) {
-        cam_harmonic_correction_turn(&t->correction, 0u - by_q32);
+        cam_harmonic_correction_rotate(&t->correction, 0u - by_q32);
         t->phase_q32 = phase_q32;
         t->blending |= cam_ilc_blend_correction;
     }
@@ -107,7 +103,7 @@ bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32)
     return off_q32 * 100 > (int64_t)t->speed_q32 * frozen_percent;
 }
 
-/// A cut at another speed than that of the rehearsal keeps what is in force.
+/// Stop learning while the cut runs at another speed than the rehearsal.
 static void freeze(cam_ilc_t *t, int32_t speed_q32)
 {
     const bool is_other = t->correction.is_probed && cam_ilc_update_is_other_speed(t, speed_q32);
@@ -116,30 +112,26 @@ static void freeze(cam_ilc_t *t, int32_t speed_q32)
     } else if (t->phase == (uint8_t)cam_ilc_frozen && !is_other) {
         cam_ilc_update_phase(t, cam_ilc_cutting);
     } else {
-        // as it was
+        // no change
     }
 }
 
+/// @return whether learning is active and U has settled since the last step
 static bool is_learning(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     return cam_ilc_is_asked(s) && t->phase >= (uint8_t)cam_ilc_settling &&
-           t->phase <= (uint8_t)cam_ilc_cutting;
+           t->phase <= (uint8_t)cam_ilc_cutting && t->blending == 0u &&
+           ((t->turn - t->good_from) & CAM_ILC_TURNS) < CAM_ILC_TURNS / 2u;
 }
 
-/// @return whether the drive has settled since the last step
-static bool has_settled(const cam_ilc_t *t)
-{
-    return t->blending == 0u && ((t->turn - t->good_from) & TURNS) < TURNS / 2u;
-}
-
+/// @return value at full amplitude
 static int32_t of_amplitude(const cam_ilc_t *t, int64_t value)
 {
     const int64_t most = 1 << 29;
     return (int32_t)cam_clamp_i64(value * (INT64_C(1) << 30) / t->scale_q30, -most, most);
 }
 
-/// @return [nm / 64] 3 sigma of what scale and counts of the encoder make of a harmonic, at least
-///         1 nm
+/// @return [nm / 64] 3 sigma of a harmonic's noise from scale and encoder counts, at least 1 nm
 static uint32_t floor_q6(const cam_ilc_t *t, const cam_ilc_setup_t *s, uint32_t n_ticks)
 {
     const int64_t root = (int64_t)cam_root_u64(n_ticks);
@@ -151,15 +143,12 @@ static uint32_t floor_q6(const cam_ilc_t *t, const cam_ilc_setup_t *s, uint32_t 
 
 uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t)
 {
-    uint32_t parts = 1024;
-    if (t->phase == (uint8_t)cam_ilc_cutting) {
-        parts = 16;
-    }
+    const uint32_t parts = t->phase == (uint8_t)cam_ilc_cutting ? 16u : 1024u;
     const uint32_t part_q6 = t->begun_nm * 64u / parts;
     return part_q6 > t->floor_q6 ? part_q6 : t->floor_q6;
 }
 
-/// @return why nothing, or not all, can be learned of turns like this one
+/// @return why a turn like this one limits learning
 static cam_ilc_reason_t hindrance_of(const cam_ilc_t *t, bool is_still, uint32_t n_ticks,
                                      const cam_turn_t *turn)
 {
@@ -172,8 +161,8 @@ static cam_ilc_reason_t hindrance_of(const cam_ilc_t *t, bool is_still, uint32_t
     return t->n_halved >= cam_ilc_update_most_halved ? cam_ilc_diverged : cam_ilc_all;
 }
 
-/// A feed that rises or falls changes the force of the chip, and with it what is to be learned.
-static void note_feed(cam_ilc_t *t, const cam_turn_t *turn)
+/// Restart the count of steps when a changing feed changes the cutting force.
+static void follow_feed(cam_ilc_t *t, const cam_turn_t *turn)
 {
     const int32_t feed_nm = turn->z_end_nm - turn->z_begin_nm;
     const int64_t change_nm = cam_abs_i64((int64_t)feed_nm - t->feed_nm);
@@ -183,8 +172,8 @@ static void note_feed(cam_ilc_t *t, const cam_turn_t *turn)
     t->feed_nm = feed_nm;
 }
 
-/// @return [nm^2] mean square of the set-point about its mean: half of what its harmonics sum up to
-static int64_t moved_square(const cam_turn_bin_t *bin)
+/// @return [nm^2] mean square of the set-point about its mean: half the sum of its |U_k|^2
+static int64_t motion_square(const cam_turn_bin_t *bin)
 {
     int64_t mean_nm = 0;
     int64_t sum = 0;
@@ -200,22 +189,21 @@ static int64_t moved_square(const cam_turn_bin_t *bin)
 
 bool cam_ilc_update_is_for_drive(const cam_ilc_t *t)
 {
-    return t->told_square >= 0 && t->larger / least_floors > t->floor_q6;
+    return t->set_square >= 0 && t->larger / least_floors > t->floor_q6;
 }
 
-/// Decide what a turn tells.
 void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn_t *turn)
 {
     const bool is_still = turn->is_steady && turn->state == (cam_state_t)t->state &&
                           turn->scale_q30 >= least_scale_q30 && turn->speed_q32 > least_speed_q32;
     const int64_t change_q32 = (int64_t)turn->speed_q32 - t->turn_speed_q32;
     const bool is_even = cam_abs_i64(change_q32) * even_part < turn->speed_q32;
-    note_feed(t, turn);
+    follow_feed(t, turn);
     t->turn = turn->turn;
     t->turn_speed_q32 = turn->speed_q32;
     t->scale_q30 = turn->scale_q30;
     t->k = 0;
-    take_phase(t, (uint32_t)turn->phase_q32);
+    follow_phase(t, (uint32_t)turn->phase_q32);
     freeze(t, turn->speed_q32);
     bool is_full = false;
     const uint32_t n_ticks = is_still ? take_means(t->bin, &is_full) : 0u;
@@ -223,14 +211,14 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
     t->true_q36 = is_full && n_ticks > 0u && s->ripple_turns > 0u ? cam_ripple_deviate(t->bin) : 0;
     t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
-    t->is_counted = t->n_orders > 0u && is_even && is_learning(t, s) && has_settled(t);
+    t->is_counted = t->n_orders > 0u && is_even && is_learning(t, s);
     if (t->is_counted) {
         t->square = 0;
         t->larger = 0;
         t->speed_w = 0;
         t->acceleration_w = 0;
         t->sums = (cam_drive_sums_t){0};
-        t->told_square = -moved_square(t->bin);
+        t->set_square = -motion_square(t->bin);
         const uint32_t sum_q6 = cam_harmonic_correction_sum_q6(&t->correction);
         const uint32_t most_q6 = (uint32_t)s->most_q6;
         t->room_q6 = most_q6 > sum_q6 ? (most_q6 - sum_q6) / cam_harmonic_terms : 0u;
@@ -238,15 +226,16 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     }
 }
 
+/// @return a times a factor, at full amplitude
 static cam_complex_t at_full(const cam_ilc_t *t, cam_complex_t a, int32_t factor)
 {
     return (cam_complex_t){.re = of_amplitude(t, (int64_t)a.re * factor),
                            .im = of_amplitude(t, (int64_t)a.im * factor)};
 }
 
-/// @return the error without what reading between two ticks adds to it, MATHS.md (145)
-static cam_complex_t straightened(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
-                                  cam_complex_t set)
+/// @return the error less that of the interpolation between two ticks, MATHS.md (145)
+static cam_complex_t without_interpolation(const cam_ilc_t *t, const cam_ilc_setup_t *s,
+                                           cam_complex_t error, cam_complex_t set)
 {
     const int64_t w_q24 = (int64_t)t->k * t->turn_speed_q32 * 411775 >> 24; // 2 pi 2^16
     const int64_t part_q32 = (w_q24 * w_q24 >> 32) * s->between_q16;
@@ -254,38 +243,31 @@ static cam_complex_t straightened(const cam_ilc_t *t, const cam_ilc_setup_t *s, 
                            .im = error.im + (int32_t)(set.im * part_q32 >> 32)};
 }
 
-/// @return whether U answers well enough to tell the drive's constants
-static bool is_answered(cam_gain_t gain)
-{
-    return cam_gain_square_q24(gain) >= (UINT32_C(1) << 24) / 25u;
-}
-
-static void take_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
-                        cam_complex_t set)
+static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
+                          cam_complex_t set)
 {
     const uint32_t size = cam_complex_size(set) * t->k;
     const uint64_t w_q32 = (uint64_t)t->turn_speed_q32 * 411775 >> 16; // of harmonic 1
     t->larger = size > t->larger ? size : t->larger;
     t->speed_w += (uint32_t)(size * w_q32 >> 38);
     t->acceleration_w += (uint32_t)((size * w_q32 >> 32) * (w_q32 * t->k >> 8) >> 22);
-    // The answer that the constants tell, not the probed one: a probe in which U hardly moved, or
-    // stuck, knows nothing of the motion to come.
+    // Use the response from the constants: in the probe U may have hardly moved, or stuck.
     const cam_gain_t gain =
         cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);
-    if (is_answered(gain)) {
+    if (cam_gain_square_q24(gain) >= (UINT32_C(1) << 24) / 25u) { // at least a fifth
         cam_drive_add(&t->sums, t->k, error, set, gain);
     }
 }
 
 int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
-    const bool is_calm = t->phase == (uint8_t)cam_ilc_cutting && t->n_steps >= rough_steps;
-    return is_calm || s->cut_gain_q16 == 0 ? s->cut_gain_q16 : s->gain_q16;
+    const bool is_settled = t->phase == (uint8_t)cam_ilc_cutting && t->n_steps >= rough_steps;
+    return is_settled || s->cut_gain_q16 == 0 ? s->cut_gain_q16 : s->gain_q16;
 }
 
-/// Layer 1 acts on the large harmonics of the shape, too: the two share the gain there. The mean
-/// follows at once, since U answers to it without a phase.
-static int32_t shape_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t set)
+/// @return [2^-16] learning gain of layer 2: half on the large harmonics, on which layer 1 acts as
+///         well; at least a half on the mean, which has no phase
+static int32_t layer2_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t set)
 {
     const int32_t gain_q16 = cam_ilc_update_gain_q16(t, s);
     if (t->k == 0u) {
@@ -295,8 +277,8 @@ static int32_t shape_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_
     return is_large ? gain_q16 / 2 : gain_q16;
 }
 
-static void take_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
-                        cam_complex_t set)
+static void update_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
+                          cam_complex_t set)
 {
     if (t->phase == (uint8_t)cam_ilc_probing) {
         cam_harmonic_correction_probe(&t->correction, t->n_steps, t->k, error);
@@ -305,7 +287,7 @@ static void take_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t er
     const bool is_cut = t->phase == (uint8_t)cam_ilc_cutting;
     if (t->correction.is_probed && (is_cut || t->phase == (uint8_t)cam_ilc_shape)) {
         cam_harmonic_correction_learn(&t->correction, t->k, error, cam_ilc_update_guarded_q6(t),
-                                      shape_gain_q16(t, s, set), t->room_q6);
+                                      layer2_gain_q16(t, s, set), t->room_q6);
         if (is_cut) {
             cam_harmonic_correction_age(&t->correction, t->k);
         }
@@ -315,14 +297,14 @@ static void take_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t er
 
 void cam_ilc_update_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
-    const cam_complex_t raw = cam_harmonics_of(&t->bin->error_q6, words_per_bin, t->k);
-    const cam_complex_t set_nm = cam_harmonics_of(&t->bin->u_nm, words_per_bin, t->k);
+    const cam_complex_t raw = cam_harmonics_of(&t->bin->error_q6, cam_ilc_words_per_bin, t->k);
+    const cam_complex_t set_nm = cam_harmonics_of(&t->bin->u_nm, cam_ilc_words_per_bin, t->k);
     const cam_complex_t set = at_full(t, set_nm, 64);
-    const cam_complex_t error = straightened(t, s, at_full(t, raw, 1), set);
+    const cam_complex_t error = without_interpolation(t, s, at_full(t, raw, 1), set);
     t->square += cam_complex_square(error) >> (t->k > 0u ? 1u : 0u);
     if (t->k > 0u) {
-        t->told_square += (int64_t)cam_complex_square(set_nm);
-        take_layer1(t, s, error, set);
+        t->set_square += (int64_t)cam_complex_square(set_nm);
+        update_layer1(t, s, error, set);
     }
-    take_layer2(t, s, error, set);
+    update_layer2(t, s, error, set);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_ilc_update: what one turn tells, harmonic by harmonic; a part of cam_ilc that others do not
-/// call. Context of all functions: slow side.
+/// cam_ilc_update: learning update of one revolution, harmonic by harmonic. Private to cam_ilc.
+/// Context of all functions: slow side.
 #ifndef CAM_ILC_UPDATE_H
 #define CAM_ILC_UPDATE_H
 
@@ -8,30 +8,32 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // int32_t
 
-/// Times that the guard strikes before layer 1 is given up.
-enum { cam_ilc_update_most_halved = 4 };
+enum {
+    cam_ilc_update_most_halved = 4, ///< halvings of the gain after which layer 1 stops
+    cam_ilc_words_per_bin = sizeof(cam_turn_bin_t) / sizeof(int32_t),
+};
+
+#define CAM_ILC_TURNS UINT32_C(0xFFFFFF) ///< turns are numbered modulo 2^24
 
 /// Enter a phase.
 void cam_ilc_update_phase(cam_ilc_t *t, cam_ilc_phase_t phase);
 
-/// @return whether a speed is not that at which was learned
+/// @return whether a speed differs from that of the learning by more than 2 %
 bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32);
 
-/// @return [nm / 64] the error of a harmonic below which the guard does not compare: 3 sigma, but
-///         not less than a small part of what there was before anything was learned. In the cut the
-///         work itself changes, and that part is larger.
+/// @return [nm / 64] error of a harmonic below which the guard does not compare: 3 sigma, or 1/1024
+///         of the initial error, in the cut 1/16, where the cutting conditions drift
 uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t);
 
-/// @return [2^-16] share of an error that a step removes: that of the rehearsal, and in the cut as
-///         long as the feed changes and some turns more, else that of the cut
+/// @return [2^-16] learning gain: the rehearsal's, also in the cut until some turns after the feed
+///         has changed; then the cut's
 int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s);
 
-/// @return whether a turn tells of the drive: the harmonics that are learned hold most of the
-/// motion of
-///         U, and it is large for its scale. Constants from less would move what nobody watches
+/// @return whether layer 1 may learn from a turn: the learned harmonics hold most of U's motion, so
+///         that the rest stays observed, and the motion is large for the scale
 bool cam_ilc_update_is_for_drive(const cam_ilc_t *t);
 
-/// Decide what the turn in t->bin tells, and turn its sums into means.
+/// Begin the update from the turn in t->bin: classify it and convert its sums to means.
 void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn_t *turn);
 
 /// Learn from harmonic t->k.

@@ -4,19 +4,10 @@
 #include "cam_fix.h"   // cam_abs_i64, cam_clamp_i64
 #include <string.h>    // memset
 
-/// A deviation beyond this is no ripple: 1/64 turn.
-#define MOST_Q32 INT64_C(67108864)
+#define MOST_Q32 INT64_C(67108864) ///< [turn / 2^32] largest plausible ripple: 1/64 turn
 
-static uint32_t ticks_of(const cam_turn_bin_t *bin)
-{
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < cam_turn_bins_n; i++) {
-        n += bin[i].n;
-    }
-    return n;
-}
-
-/// Measured angle minus that of as many ticks of a uniform rotation, per bin.
+/// Subtract the angle of a uniform rotation from the mean angle of each bin.
+/// @return false where a bin is empty or a deviation implausible
 static bool subtract_uniform(cam_turn_bin_t *bin, uint32_t n_ticks)
 {
     const int64_t per_tick_q40 = CAM_TURN_Q32 * 256 / n_ticks;
@@ -36,8 +27,8 @@ static bool subtract_uniform(cam_turn_bin_t *bin, uint32_t n_ticks)
     return is_good;
 }
 
-/// The turn began and ended at the same angle, so its deviation is the same at both ends, each
-/// half a bin from a mean: what is not, is the speed. @return [turn / 2^33] what was not
+/// Remove the drift of a turn: extrapolated by half a bin, the deviation must be the same at both
+/// ends; a difference comes from the assumed speed. @return [turn / 2^33] that difference
 static int64_t close_ends(cam_turn_bin_t *bin)
 {
     const cam_turn_bin_t *end = &bin[cam_turn_bins_n - 1];
@@ -53,7 +44,10 @@ static int64_t close_ends(cam_turn_bin_t *bin)
 
 int32_t cam_ripple_deviate(cam_turn_bin_t *bin)
 {
-    const uint32_t n_ticks = ticks_of(bin);
+    uint32_t n_ticks = 0;
+    for (uint32_t i = 0; i < cam_turn_bins_n; i++) {
+        n_ticks += bin[i].n;
+    }
     if (n_ticks < cam_turn_bins_n || !subtract_uniform(bin, n_ticks)) {
         return 0;
     }
@@ -79,8 +73,8 @@ cam_complex_t cam_ripple_order(const cam_ripple_t *r, uint32_t k)
     return (cam_complex_t){.re = r->mean[k - 1u].re * unit, .im = r->mean[k - 1u].im * unit};
 }
 
-/// @return what does not fall with the square of the speed: (a v^2 - b w^2) / (v^2 - w^2)
-static cam_complex_t lasting(cam_complex_t a, int64_t v, cam_complex_t b, int64_t w)
+/// @return the part that does not fall with the square of the speed: (a v^2 - b w^2) / (v^2 - w^2)
+static cam_complex_t constant_part(cam_complex_t a, int64_t v, cam_complex_t b, int64_t w)
 {
     const int64_t v2 = (v >> 8) * (v >> 8) >> 4;
     const int64_t w2 = (w >> 8) * (w >> 8) >> 4;
@@ -89,17 +83,17 @@ static cam_complex_t lasting(cam_complex_t a, int64_t v, cam_complex_t b, int64_
                            .im = cam_sat_i32((a.im * v2 - b.im * w2) / d)};
 }
 
-/// Two means at speeds that differ by more than a tenth tell the encoder from the spindle.
-static void compare(cam_ripple_t *r, cam_complex_t before, int32_t speed_q32)
+/// Separate the encoder from the spindle by two means whose speeds differ by more than a tenth.
+static void separate(cam_ripple_t *r, cam_complex_t before, int32_t speed_q32)
 {
     const int64_t other = r->speed_q32;
     if (other > 0 && cam_abs_i64(speed_q32 - other) > other / 10) {
-        r->scale = lasting(cam_ripple_order(r, 1), speed_q32, before, other);
+        r->scale = constant_part(cam_ripple_order(r, 1), speed_q32, before, other);
     }
 }
 
-/// @return [turn / 2^32] the order 1 that a speed that drifts leaves in the mean of n turns, real:
-///         d / (2 pi^2), d the change of the speed per turn; order k has 1 / k^2 of it
+/// @return [turn / 2^32] order 1, real, that a drift of the speed causes in the mean: d / (2 pi^2),
+///         d the change of the speed per turn; order k has 1 / k^2 of it
 static int64_t drift_q32(const cam_ripple_t *r)
 {
     const int64_t change_q36 = (int64_t)r->last_q36 - r->first_q36;
@@ -108,14 +102,7 @@ static int64_t drift_q32(const cam_ripple_t *r)
     return per_turn_q32 * 849937 >> 24; // 2^24 / (2 pi^2)
 }
 
-/// @return a, or 0 where it is smaller than what counts can feign
-static cam_complex_t told(cam_complex_t a, int64_t least)
-{
-    const bool is_more = cam_complex_square(a) > (uint64_t)(least * least);
-    return is_more ? a : (cam_complex_t){0};
-}
-
-/// @param n  turns in the sum; of none the mean is 0
+/// @param n  turns in the sum; the mean of none is 0
 static int16_t mean_of(int64_t sum, uint32_t n)
 {
     const int64_t unit = (int64_t)n << cam_ripple_down;
@@ -134,14 +121,15 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int3
     }
     const cam_complex_t before = cam_ripple_order(r, 1);
     const int64_t drift = drift_q32(r) * r->n;
+    const int64_t least = (int64_t)least_q32 * r->n;
     for (int64_t k = 1; k <= cam_harmonics_most; k++) {
         const cam_complex_t sum = {.re = cam_sat_i32(r->sum[k - 1].re - drift / (k * k)),
                                    .im = r->sum[k - 1].im};
-        const cam_complex_t order = told(sum, (int64_t)least_q32 * r->n);
-        r->mean[k - 1].re = mean_of(order.re, r->n);
-        r->mean[k - 1].im = mean_of(order.im, r->n);
+        const bool is_real = cam_complex_square(sum) > (uint64_t)(least * least);
+        r->mean[k - 1].re = is_real ? mean_of(sum.re, r->n) : 0;
+        r->mean[k - 1].im = is_real ? mean_of(sum.im, r->n) : 0;
     }
-    compare(r, before, speed_q36 >> 4);
+    separate(r, before, speed_q36 >> 4);
     r->n_mean = r->n;
     r->speed_q32 = speed_q36 >> 4;
     cam_ripple_drop(r);

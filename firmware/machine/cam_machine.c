@@ -2,7 +2,7 @@
 #include "cam_machine.h"
 #include "cam_build.h"            // cam_build_speed_q32
 #include "cam_fix.h"              // cam_is_within
-#include "cam_machine_jog.h"      // cam_machine_check_places
+#include "cam_machine_jog.h"      // cam_machine_check_positions
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_machine_inner.h"    // cam_machine_post
 #include "cam_machine_override.h" // cam_machine_override_poll
@@ -138,7 +138,7 @@ cam_err_t cam_machine_enable(cam_machine_t *m)
         err = cam_machine_check_drives(&m->params, &status);
     }
     if (err == cam_ok) {
-        err = cam_machine_check_places(m, &status);
+        err = cam_machine_check_positions(m, &status);
     }
     if (err == cam_ok) {
         err = cam_machine_check_acknowledge(m, &status);
@@ -232,7 +232,7 @@ cam_err_t cam_machine_start(cam_machine_t *m)
     }
     cam_err_t err = check_part(m);
     if (err == cam_ok) {
-        err = cam_machine_check_places(m, &status);
+        err = cam_machine_check_positions(m, &status);
     }
     if (err == cam_ok && (m->is_in_pass || m->is_rate_due || is_too_fast(m, &status))) {
         err = cam_err_busy;

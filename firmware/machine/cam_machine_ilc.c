@@ -55,7 +55,7 @@ static cam_complex_t eccentricity(const cam_machine_t *m)
     const int64_t sense = m->has_table ? m->table.direction : 1;
     const int64_t phase_q32 = sense * m->params.eccentricity_udeg * CAM_TURN_Q32 / 360000000;
     const cam_complex_t at_0 = {.im = -(int32_t)size_q32};
-    return cam_harmonics_turned(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
+    return cam_harmonics_rotated(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
 }
 
 /// @return [nm] the probe, which is at least three steps of the scale

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_inner.h"
-#include "cam_build.h"     // cam_build_config
-#include "cam_build_jog.h" // cam_build_origin
-#include "cam_identify.h"  // cam_identify_is_between
-#include "cam_pass.h"      // cam_pass_params
-#include <stdatomic.h>     // atomic_store_explicit
-#include <stddef.h>        // NULL
+#include "cam_build.h"        // cam_build_config
+#include "cam_build_motion.h" // cam_build_origin
+#include "cam_identify.h"     // cam_identify_is_between
+#include "cam_pass.h"         // cam_pass_params
+#include <stdatomic.h>        // atomic_store_explicit
+#include <stddef.h>           // NULL
 
 /// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
 enum { overspeed_percent = 1 };

@@ -229,7 +229,7 @@ void cam_machine_jog_alive(cam_machine_t *m)
 
 // Places
 
-int32_t cam_machine_place_nm(const cam_machine_t *m, hal_axis_t axis)
+int32_t cam_machine_position_nm(const cam_machine_t *m, hal_axis_t axis)
 {
     const cam_status_t status = cam_machine_status(m);
     const int32_t port_nm[hal_n_axes] = {status.u_actual_nm, status.x_actual_nm,
@@ -256,7 +256,7 @@ cam_jog_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm
     // The tip is U nearer to the axis than X.
     const int64_t part_nm = is_x ? (int64_t)nm / 2 + status.u_actual_nm : nm;
     const int64_t tool_nm = cam_offsets_axis(&m->params, axis).tool_nm;
-    const int64_t datum_nm = part_nm - tool_nm - cam_machine_place_nm(m, axis);
+    const int64_t datum_nm = part_nm - tool_nm - cam_machine_position_nm(m, axis);
     const cam_err_t err = cam_machine_set_param(m, id, cam_sat_i32(datum_nm));
     return hand_verdict(err, cam_param_get(&m->params, id));
 }
@@ -314,7 +314,7 @@ static bool is_part_in_travel(const cam_machine_t *m, const cam_status_t *status
             is_in_travel(m, status, hal_axis_z, t->z_first_nm, t->z_last_nm));
 }
 
-cam_err_t cam_machine_check_places(const cam_machine_t *m, const cam_status_t *status)
+cam_err_t cam_machine_check_positions(const cam_machine_t *m, const cam_status_t *status)
 {
     if (status->jog.n_found != m->offsets.n_found) {
         return cam_err_busy;

@@ -57,13 +57,14 @@ CAM_MUST_USE cam_err_t cam_machine_jog_stop(cam_machine_t *m);
 void cam_machine_jog_alive(cam_machine_t *m);
 
 /// @return [nm] where an axis is, in the machine's numbers
-int32_t cam_machine_place_nm(const cam_machine_t *m, hal_axis_t axis);
+int32_t cam_machine_position_nm(const cam_machine_t *m, hal_axis_t axis);
 
 /// Judge whether the axes may follow the table, which there is: homed where homing_required is set,
 /// and the part within the travel of X and Z where that is known.
 /// @return cam_ok, cam_err_busy until a home that was found is in force, cam_err_not_homed,
 ///         cam_err_travel
-CAM_MUST_USE cam_err_t cam_machine_check_places(const cam_machine_t *m, const cam_status_t *status);
+CAM_MUST_USE cam_err_t cam_machine_check_positions(const cam_machine_t *m,
+                                                   const cam_status_t *status);
 
 /// @return whether X can reach all that the table asks of it in every pass, as far as its travel is
 ///         known: the work, its clearance, and the place of a rehearsal

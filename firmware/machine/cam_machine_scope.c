@@ -134,11 +134,11 @@ cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every)
     if (every != 0u && m->params.trace_on == 0) {
         return cam_err_scope_trace;
     }
-    cam_strobe_ask(&m->strobe, every, tick);
+    cam_strobe_subscribe(&m->strobe, every, tick);
     return cam_ok;
 }
 
-void cam_machine_take(cam_machine_t *m, const cam_tick_record_t *r)
+void cam_machine_record(cam_machine_t *m, const cam_tick_record_t *r)
 {
     cam_scope_take(&m->scope, r);
     cam_strobe_take(&m->strobe, r);
@@ -157,7 +157,7 @@ static void read_ring(cam_machine_t *m)
         if (!cam_trace_pop(&m->core->trace, &record)) {
             return;
         }
-        cam_machine_take(m, &record);
+        cam_machine_record(m, &record);
     }
 }
 

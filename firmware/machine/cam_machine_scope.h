@@ -53,7 +53,7 @@ CAM_MUST_USE cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every);
 
 /// Hand a record of the trace ring to all who want it, in the order of the ticks. For a loop that
 /// reads the ring itself.
-void cam_machine_take(cam_machine_t *m, const cam_tick_record_t *r);
+void cam_machine_record(cam_machine_t *m, const cam_tick_record_t *r);
 
 /// The part of cam_machine_poll() that reads the trace ring, as long as a recording or a live
 /// picture waits for its records; else they stay there. To be called at least every

@@ -3,7 +3,7 @@
 #include "hal/hal.h" // hal_scope_keep
 #include <string.h>  // memcpy
 
-/// Words of the kept box in front of its rows. The layout changes its number with the signals'.
+/// Head of the kept recording. The layout number changes with the signal numbers.
 typedef struct {
     uint32_t layout;
     uint32_t signals;
@@ -23,7 +23,7 @@ typedef struct {
 
 enum { layout_1 = 0x31584243, head_words = sizeof(head_t) / sizeof(int32_t), ms_per_s = 1000 };
 
-/// @return rows that a time takes, one at least
+/// @return rows of a time, at least one
 static uint32_t rows_of(uint32_t ms, const cam_scope_t *s, uint32_t every)
 {
     const uint32_t ticks = s->tick_hz * ms / (uint32_t)ms_per_s;
@@ -79,8 +79,8 @@ void cam_blackbox_keep(const cam_scope_t *s)
     hal_scope_keep(begin, (uint32_t)head_words + s->most_rows * s->n_signals);
 }
 
-/// @return whether a head describes rows that can be in the words that were kept
-static bool is_head_sound(const head_t *h, const cam_scope_t *s, uint32_t n_kept)
+/// @return whether a head is valid for the words that were kept
+static bool is_head_valid(const head_t *h, const cam_scope_t *s, uint32_t n_kept)
 {
     const uint32_t n_signals = cam_scope_count(CAM_BLACKBOX_SIGNALS);
     return h->layout == (uint32_t)layout_1 && h->signals == CAM_BLACKBOX_SIGNALS &&
@@ -97,7 +97,7 @@ bool cam_blackbox_restore(cam_scope_t *s, uint32_t n_kept)
         return false;
     }
     (void)memcpy((uint8_t *)&head, (const uint8_t *)s->words, sizeof head);
-    if (!is_head_sound(&head, s, n_kept) || cam_blackbox_begin(s, 0) != cam_ok) {
+    if (!is_head_valid(&head, s, n_kept) || cam_blackbox_begin(s, 0) != cam_ok) {
         return false;
     }
     s->plan.every = head.every;

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_scope.h"
 
-enum { most_every = 1000000 };
+enum { most_every = 1000000, word_bytes = 4 };
 
-/// Set at the start: set-point, command and measured U.
+/// Default: set-point, command and measured U.
 #define FIRST_SIGNALS                                                                              \
     (UINT32_C(1) << cam_scope_u_set_q6 | UINT32_C(1) << cam_scope_u_command_nm |                   \
      UINT32_C(1) << cam_scope_u_actual_nm)
 
 #define ALL_SIGNALS (UINT32_MAX >> (32u - (uint32_t)cam_scope_n_signals))
-
-enum { word_bytes = 4 };
 
 void cam_scope_init(cam_scope_t *s, hal_memory_t memory, uint32_t tick_hz)
 {
@@ -31,60 +29,37 @@ const char *cam_scope_signal_name(uint32_t signal)
 
 // Fields
 
-/// @return whether a value is one that a field can take
-static bool is_good(uint32_t field, int32_t value)
-{
-    switch (field) {
-    case cam_scope_field_signals:
-        return value != 0 && ((uint32_t)value & ~ALL_SIGNALS) == 0u;
-    case cam_scope_field_every:
-        return value >= 1 && value <= most_every;
-    case cam_scope_field_from_state:
-        return value >= -1 && value < (int32_t)cam_n_states;
-    case cam_scope_field_trigger:
-        return value >= 0 && value < (int32_t)cam_trigger_n;
-    case cam_scope_field_watched:
-        return value >= 0 && value < (int32_t)cam_scope_n_signals;
-    case cam_scope_field_edge:
-        return value == 0 || value == 1;
-    case cam_scope_field_level:
-        return true;
-    default: // a number of rows
-        return value >= 0;
-    }
-}
-
-/// Take a value that is good into the plan.
-static void take_field(cam_scope_plan_t *plan, uint32_t field, int32_t value)
+/// Set a field of a plan. @return whether its value is in range
+static bool set_field(cam_scope_plan_t *plan, uint32_t field, int32_t value)
 {
     switch (field) {
     case cam_scope_field_signals:
         plan->signals = (uint32_t)value;
-        break;
+        return value != 0 && ((uint32_t)value & ~ALL_SIGNALS) == 0u;
     case cam_scope_field_every:
         plan->every = (uint32_t)value;
-        break;
+        return value >= 1 && value <= most_every;
     case cam_scope_field_rows:
         plan->rows = (uint32_t)value;
-        break;
+        return value >= 0;
     case cam_scope_field_before:
         plan->before = (uint32_t)value;
-        break;
-    case cam_scope_field_watched:
-        plan->trigger.signal = (uint32_t)value;
-        break;
+        return value >= 0;
     case cam_scope_field_from_state:
         plan->from_state = value;
-        break;
+        return value >= -1 && value < (int32_t)cam_n_states;
     case cam_scope_field_trigger:
         plan->trigger.kind = (cam_trigger_kind_t)value;
-        break;
+        return value >= 0 && value < (int32_t)cam_trigger_n;
+    case cam_scope_field_watched:
+        plan->trigger.signal = (uint32_t)value;
+        return value >= 0 && value < (int32_t)cam_scope_n_signals;
     case cam_scope_field_level:
         plan->trigger.level = value;
-        break;
+        return true;
     default: // the edge
         plan->trigger.falls = value != 0;
-        break;
+        return value == 0 || value == 1;
     }
 }
 
@@ -95,15 +70,16 @@ cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value)
     if (field >= cam_scope_n_fields || !may_set[field] || field == cam_scope_field_place_nm) {
         return cam_err_scope_field;
     }
-    if (!is_good(field, value)) {
+    cam_scope_plan_t plan = s->set;
+    if (!set_field(&plan, field, value)) {
         return cam_err_scope_range;
     }
-    take_field(&s->set, field, value);
+    s->set = plan;
     return cam_ok;
 }
 
-/// What is set of signals, unless a recording is there that is read with its own.
-static const cam_scope_plan_t *plan_told(const cam_scope_t *s)
+/// @return the plan whose signals are reported: of the recording if there is one to read
+static const cam_scope_plan_t *reported_plan(const cam_scope_t *s)
 {
     const bool is_own = s->use == cam_scope_user || s->phase == cam_scope_done;
     return s->phase != cam_scope_idle && is_own ? &s->plan : &s->set;
@@ -112,8 +88,8 @@ static const cam_scope_plan_t *plan_told(const cam_scope_t *s)
 cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value)
 {
     const int32_t values[cam_scope_n_fields] = {
-        [cam_scope_field_signals] = (int32_t)plan_told(s)->signals,
-        [cam_scope_field_every] = (int32_t)plan_told(s)->every,
+        [cam_scope_field_signals] = (int32_t)reported_plan(s)->signals,
+        [cam_scope_field_every] = (int32_t)reported_plan(s)->every,
         [cam_scope_field_rows] = (int32_t)s->set.rows,
         [cam_scope_field_from_state] = s->set.from_state,
         [cam_scope_field_phase] = (int32_t)s->phase,
@@ -151,20 +127,7 @@ uint32_t cam_scope_count(uint32_t signals)
     return n;
 }
 
-/// Number the signals of a row.
-static void set_order(cam_scope_t *s)
-{
-    s->n_signals = 0;
-    for (uint32_t i = 0; i < (uint32_t)cam_scope_n_signals; i++) {
-        if ((s->plan.signals >> i & 1u) != 0u) {
-            s->order[s->n_signals] = (uint8_t)i;
-            s->n_signals++;
-        }
-    }
-}
-
-/// Nothing is recorded: the next tick is the first one.
-static void forget_rows(cam_scope_t *s)
+static void clear_rows(cam_scope_t *s)
 {
     s->oldest = 0;
     s->n_rows = 0;
@@ -200,8 +163,14 @@ cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan, cam_scop
     s->number++;
     s->end = cam_scope_open;
     s->phase = cam_scope_armed;
-    set_order(s);
-    forget_rows(s);
+    s->n_signals = 0;
+    for (uint32_t i = 0; i < (uint32_t)cam_scope_n_signals; i++) {
+        if ((plan->signals >> i & 1u) != 0u) {
+            s->order[s->n_signals] = (uint8_t)i;
+            s->n_signals++;
+        }
+    }
+    clear_rows(s);
     return cam_ok;
 }
 
@@ -218,7 +187,7 @@ static void end_by(cam_scope_t *s, cam_scope_end_t end)
 
 void cam_scope_stop(cam_scope_t *s)
 {
-    if (s->phase == cam_scope_armed) { // no trigger came: all rows are of before it
+    if (s->phase == cam_scope_armed) { // without a trigger all rows are before it
         s->n_before = s->n_rows;
         s->trigger_tick = s->last_tick;
     }
@@ -251,8 +220,8 @@ static int32_t value_of(const cam_tick_record_t *r, uint32_t signal)
     }
 }
 
-/// @return the value that the trigger watches
-static int32_t watched(const cam_scope_t *s, const cam_tick_record_t *r)
+/// @return value of the trigger
+static int32_t trigger_value(const cam_scope_t *s, const cam_tick_record_t *r)
 {
     switch (s->plan.trigger.kind) {
     case cam_trigger_time:
@@ -268,33 +237,26 @@ static int32_t watched(const cam_scope_t *s, const cam_tick_record_t *r)
     }
 }
 
-/// From this tick on the rows are those behind the trigger.
-static void look_for_trigger(cam_scope_t *s, const cam_tick_record_t *r)
+static void check_trigger(cam_scope_t *s, const cam_tick_record_t *r)
 {
-    const int32_t now = watched(s, r);
+    const int32_t now = trigger_value(s, r);
     if (s->phase == cam_scope_armed && cam_trigger_fires(&s->plan.trigger, s->last, now)) {
         s->phase = cam_scope_recording;
         s->trigger_tick = r->tick;
         s->faults = r->want.faults;
         s->n_before = s->n_rows;
-        s->to_row = s->n_rows > 0u ? s->to_row : 0u; // the first row is that of the trigger
+        s->to_row = s->n_rows > 0u ? s->to_row : 0u; // the first row is of the trigger
     }
     s->last = (cam_trigger_last_t){.is_there = true, .value = now};
     s->last_tick = r->tick;
 }
 
-/// Give the place of the oldest row away.
-static void drop_oldest(cam_scope_t *s)
-{
-    s->oldest = s->oldest + 1u < s->most_rows ? s->oldest + 1u : 0u;
-    s->first_tick += s->plan.every;
-    s->n_rows--;
-}
-
-static void keep_row(cam_scope_t *s, const cam_tick_record_t *r)
+static void add_row(cam_scope_t *s, const cam_tick_record_t *r)
 {
     if (s->phase == cam_scope_armed && s->n_rows == s->plan.before) {
-        drop_oldest(s);
+        s->oldest = s->oldest + 1u < s->most_rows ? s->oldest + 1u : 0u;
+        s->first_tick += s->plan.every;
+        s->n_rows--;
     }
     const uint32_t place = s->oldest + s->n_rows;
     const uint32_t row = place < s->most_rows ? place : place - s->most_rows;
@@ -310,7 +272,7 @@ static void keep_row(cam_scope_t *s, const cam_tick_record_t *r)
     }
 }
 
-/// Ticks without a place are counted as well, so that rows are equally far apart.
+/// Count the ticks to the next row, also while no row is kept, so that rows are equally spaced.
 static void count_row(cam_scope_t *s, const cam_tick_record_t *r)
 {
     if (s->to_row > 0u) {
@@ -319,23 +281,23 @@ static void count_row(cam_scope_t *s, const cam_tick_record_t *r)
     }
     s->to_row = s->plan.every - 1u;
     if (s->phase == cam_scope_recording || s->plan.before > 0u) {
-        keep_row(s, r);
+        add_row(s, r);
     }
 }
 
-/// A record of a state that counts.
-static void take_in_state(cam_scope_t *s, const cam_tick_record_t *r)
+/// Process a record in the selected state.
+static void record_tick(cam_scope_t *s, const cam_tick_record_t *r)
 {
-    const bool is_behind = !s->last.is_there || r->tick - s->last_tick == 1u;
-    if (!is_behind && s->phase == cam_scope_recording) {
+    const bool is_next = !s->last.is_there || r->tick - s->last_tick == 1u;
+    if (!is_next && s->phase == cam_scope_recording) {
         s->n_lost = r->tick - s->last_tick - 1u;
         end_by(s, cam_scope_gap);
         return;
     }
-    if (!is_behind) {
-        forget_rows(s);
+    if (!is_next) {
+        clear_rows(s);
     }
-    look_for_trigger(s, r);
+    check_trigger(s, r);
     count_row(s, r);
 }
 
@@ -346,11 +308,11 @@ void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r)
         return;
     }
     if (s->plan.from_state < 0 || (int32_t)r->want.state == s->plan.from_state) {
-        take_in_state(s, r);
+        record_tick(s, r);
     } else if (s->phase == cam_scope_recording) {
         end_by(s, cam_scope_state_left);
     } else {
-        forget_rows(s);
+        clear_rows(s);
     }
 }
 

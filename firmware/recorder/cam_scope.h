@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_scope: recorder of chosen signals at tick rate, in the memory that the port gives.
+/// cam_scope: recorder of selected signals at tick rate, in the memory that the port provides.
 ///
 ///     set signals, every, rows, trigger -> start -> armed -> recording -> done -> read the rows
 ///
-/// The slow side takes the records of the trace ring (cam_trace.h), so that the interrupt pays
-/// nothing; cam_machine_scope.h is the only reader of the ring. A row holds the chosen signals of
-/// one tick as int32, in the order of the list; rows are `every` ticks apart.
+/// The slow side reads the records of the trace ring (cam_trace.h), so the interrupt does nothing
+/// for it; cam_machine_scope.h is the only reader. A row holds the selected signals of one tick as
+/// int32, in the order of the list; rows are `every` ticks apart.
 ///
-/// Armed, the recorder looks at every tick for the trigger (cam_trigger.h) and keeps the last
-/// `before` rows in a ring. A trigger that comes sooner finds fewer; `n_before` tells how many.
-/// From its tick on the rows follow that then have room: `rows` less `before`. A recording ends
-/// when they are there, when the state that it waited for is left, by a stop, or at a gap: then the
-/// main loop came more than cam_trace_capacity ticks late, a record was lost, and what is there is
-/// without gaps but not whole. A gap before the trigger empties the ring, and it begins anew.
+/// Armed, the recorder evaluates the trigger (cam_trigger.h) in every tick and keeps the last
+/// `before` rows in a ring; after an early trigger there are fewer (`n_before`). From the tick of
+/// the trigger it records the other `rows` less `before` rows. It ends when they are complete, when
+/// the selected state is left, by a stop, or at a gap: the main loop was more than
+/// cam_trace_capacity ticks late and a record is lost. The rows before the gap are continuous. A
+/// gap before the trigger empties the ring.
 ///
-/// The same memory holds the black box (cam_blackbox.h), which is a recording of the controller's
-/// own. Works in all states. Context: slow side.
+/// The black box (cam_blackbox.h) uses the same memory. Works in all states. Context: slow side.
 #ifndef CAM_SCOPE_H
 #define CAM_SCOPE_H
 
@@ -27,15 +26,15 @@
 #include <stdint.h>      // int32_t, uint8_t, uint32_t
 
 // clang-format off
-/// Signals: X(name, value of the record r, what). The name ends in the unit, the value is an int32
-/// or an uint32 with the same bits; the number of a signal is part of the CAN protocol.
+/// Signals: X(name, value of the record r, what). The name ends in the unit; the value is an int32
+/// or the bits of an uint32. The number of a signal is part of the CAN protocol.
 #define CAM_SCOPE_SIGNALS(X) \
     X(tick,          r->tick,                              "number of the tick, wraps") \
     X(state,         r->want.state,                        "cam_state_t") \
     X(u_set_q6,      r->want.u_set_q6,                     "set-point of U, nm / 64") \
-    X(u_due_q6,      r->want.u_due_q6,                     "where U should be in this tick, nm / 64") \
-    X(u_command_nm,  r->out[hal_axis_u].pos_nm,            "U as written, feed-forward included") \
-    X(u_actual_nm,   r->in.actual_nm[hal_axis_u],          "U as measured") \
+    X(u_due_q6,      r->want.u_due_q6,                     "position at which U is due in this tick, nm / 64") \
+    X(u_command_nm,  r->out[hal_axis_u].pos_nm,            "command of U, with feed-forward") \
+    X(u_actual_nm,   r->in.actual_nm[hal_axis_u],          "measured U") \
     X(u_vel_q10,     r->out[hal_axis_u].vel_q10,           "speed of U's set-point, nm / 1024 per tick") \
     X(u_acc_q10,     r->out[hal_axis_u].acc_q10,           "its acceleration, nm / 1024 per tick^2") \
     X(turn,          (uint64_t)r->angle.pos_q32 >> 32,     "whole turns of the master position") \
@@ -46,46 +45,46 @@
     X(n_index,       r->in.encoder.n_index,                "index edges") \
     X(edge_clock,    r->in.encoder.edge_clock,             "time of the last count edge, 1 / clock rate") \
     X(clock,         r->in.clock,                          "time of the tick, 1 / clock rate") \
-    X(x_command_nm,  r->out[hal_axis_x].pos_nm,            "X as written") \
-    X(x_actual_nm,   r->in.actual_nm[hal_axis_x],          "X as measured") \
-    X(z_command_nm,  r->out[hal_axis_z].pos_nm,            "Z as written") \
-    X(z_actual_nm,   r->in.actual_nm[hal_axis_z],          "Z as measured") \
-    X(z_nm,          r->want.z_nm,                         "height that is played") \
-    X(swing_q32,     r->in.swing_q32,                      "swing of the tool as measured, turn / 2^32") \
+    X(x_command_nm,  r->out[hal_axis_x].pos_nm,            "command of X") \
+    X(x_actual_nm,   r->in.actual_nm[hal_axis_x],          "measured X") \
+    X(z_command_nm,  r->out[hal_axis_z].pos_nm,            "command of Z") \
+    X(z_actual_nm,   r->in.actual_nm[hal_axis_z],          "measured Z") \
+    X(z_nm,          r->want.z_nm,                         "height in the table") \
+    X(swing_q32,     r->in.swing_q32,                      "measured swing of the tool, turn / 2^32") \
     X(spindle_mrpm,  r->want.spindle_mrpm,                 "set-point of the spindle, signed") \
     X(faults,        r->want.faults,                       "latched, a bit each") \
     X(inputs,        r->in.inputs,                         "hal_in_*") \
     X(outputs,       r->want.outputs,                      "hal_out_*") \
     X(config,        r->config,                            "generation of the configuration in force")
 
-/// What is set and told of a recording: X(name, may it be set, what).
+/// Fields of a recording: X(name, can be set, what).
 #define CAM_SCOPE_FIELDS(X) \
     X(signals,    true,  "bit i: signal i is recorded") \
     X(every,      true,  "ticks from row to row, 1 .. 1000000") \
-    X(rows,       true,  "rows that are wanted; 0: as many as fit") \
-    X(from_state, true,  "record while the state is this one; -1: whatever the state") \
+    X(rows,       true,  "requested rows; 0: as many as fit") \
+    X(from_state, true,  "record in this state only; -1: in all states") \
     X(phase,      false, "cam_scope_phase_t") \
     X(end,        false, "cam_scope_end_t") \
-    X(n_rows,     false, "rows that are there") \
+    X(n_rows,     false, "recorded rows") \
     X(n_signals,  false, "words of a row") \
     X(first_tick, false, "tick of the first row") \
-    X(n_lost,     false, "records that the gap at the end has lost; 0: the recording is whole") \
-    X(number,     false, "recordings begun since the start, this one included") \
-    X(tick_hz,    false, "rate of the ticks") \
+    X(n_lost,     false, "records lost in the gap at the end; 0: none") \
+    X(number,     false, "recordings since the start, with this one") \
+    X(tick_hz,    false, "tick rate") \
     X(n_words,    false, "words of the memory") \
-    X(n_wave,     false, "words at its begin that hold a wave") \
-    X(excited,    false, "cam_excited_t: what came of the last excitation") \
-    X(place_nm,   true,  "place of U about which a wave is played") \
-    X(n_fall,     false, "ticks at the end of an excitation in which its gain falls") \
-    X(before,     true,  "rows that are wanted before the trigger, fewer than rows") \
+    X(n_wave,     false, "words of the wave at its start") \
+    X(excited,    false, "cam_excited_t: result of the last excitation") \
+    X(place_nm,   true,  "position of U about which a wave is played") \
+    X(n_fall,     false, "ticks at the end of an excitation over which its gain falls") \
+    X(before,     true,  "requested rows before the trigger, fewer than rows") \
     X(trigger,    true,  "cam_trigger_kind_t") \
-    X(watched,    true,  "signal that the trigger level watches") \
+    X(watched,    true,  "signal of the trigger level") \
     X(level,      true,  "cam_trigger_t") \
     X(edge,       true,  "0: rising, 1: falling") \
-    X(use,        false, "cam_scope_use_t: whose recording it is") \
-    X(n_before,   false, "rows that are there of before the trigger") \
+    X(use,        false, "cam_scope_use_t: owner of the recording") \
+    X(n_before,   false, "recorded rows before the trigger") \
     X(trigger_tick, false, "tick in which the trigger fired") \
-    X(faults,     false, "faults that were latched in that tick, a bit each")
+    X(faults,     false, "faults latched in that tick, a bit each")
 // clang-format on
 
 /// Number of a signal.
@@ -106,37 +105,37 @@ typedef enum {
         cam_scope_n_fields
 } cam_scope_field_t;
 
-/// What the recorder does.
+/// Phase of the recorder.
 typedef enum {
     cam_scope_idle,
-    cam_scope_armed, ///< waits for the state or the trigger
+    cam_scope_armed, ///< waiting for the state or the trigger
     cam_scope_recording,
     cam_scope_done,
 } cam_scope_phase_t;
 
 /// Why a recording ended.
 typedef enum {
-    cam_scope_open,       ///< it has not
-    cam_scope_full,       ///< the rows are there, or the memory is full
+    cam_scope_open,       ///< it has not ended
+    cam_scope_full,       ///< all rows are recorded
     cam_scope_stopped,    ///< by command
-    cam_scope_state_left, ///< the state that it waited for was left
+    cam_scope_state_left, ///< the selected state was left
     cam_scope_gap,        ///< a record was lost
 } cam_scope_end_t;
 
-/// Whose recording it is.
+/// Owner of a recording.
 typedef enum {
     cam_scope_nobody,
-    cam_scope_user, ///< asked for by command, an excitation's included
+    cam_scope_user, ///< by command, or of an excitation
     cam_scope_box,  ///< the black box
 } cam_scope_use_t;
 
-/// What a recording is to be.
+/// Settings of a recording.
 typedef struct {
     uint32_t signals;   ///< bit i is signal i
     uint32_t every;     ///< [ticks] from row to row
-    uint32_t rows;      ///< that are wanted; 0: as many as fit
+    uint32_t rows;      ///< requested; 0: as many as fit
     uint32_t before;    ///< [rows] of them before the trigger
-    int32_t from_state; ///< cam_state_t, outside of which nothing counts, or -1
+    int32_t from_state; ///< cam_state_t to record in, or -1
     cam_trigger_t trigger;
 } cam_scope_plan_t;
 
@@ -144,59 +143,57 @@ typedef struct {
 typedef struct {
     int32_t *words;        ///< of the whole memory
     uint32_t n_words;      ///< [words]
-    uint32_t n_wave;       ///< [words] at the begin that the rows leave alone
+    uint32_t n_wave;       ///< [words] of the wave at the start
     uint32_t tick_hz;      ///< [Hz]
-    cam_scope_plan_t set;  ///< of the recordings to come
+    cam_scope_plan_t set;  ///< for the next recordings
     cam_scope_plan_t plan; ///< of this recording
     cam_scope_use_t use;
     cam_scope_phase_t phase;
     cam_scope_end_t end;
-    uint32_t at;                        ///< [words] begin of the ring of rows
+    uint32_t at;                        ///< [words] start of the ring of rows
     uint32_t most_rows;                 ///< of the ring
     uint32_t n_signals;                 ///< [words] of a row
     uint8_t order[cam_scope_n_signals]; ///< the signals of a row
-    uint32_t oldest;                    ///< place of the first row in the ring
-    uint32_t n_rows;                    ///< that are there
-    uint32_t n_before;                  ///< of them before the trigger
+    uint32_t oldest;                    ///< index of the first row in the ring
+    uint32_t n_rows;                    ///< recorded
+    uint32_t n_before;                  ///< of these before the trigger
     uint32_t to_row;                    ///< [ticks] to the next row
-    uint32_t start_tick;                ///< records of before it are passed over
+    uint32_t start_tick;                ///< earlier records are ignored
     uint32_t first_tick;                ///< of the first row
-    uint32_t last_tick;                 ///< taken last, where there is a last value
-    uint32_t trigger_tick;              ///< in which the trigger fired
+    uint32_t last_tick;                 ///< newest, if there is a last value
+    uint32_t trigger_tick;              ///< tick in which the trigger fired
     uint32_t faults;                    ///< latched in that tick
-    cam_trigger_last_t last;            ///< value that the trigger watches
+    cam_trigger_last_t last;            ///< value of the trigger
     uint32_t n_lost;                    ///< [records]
-    uint32_t number;                    ///< recordings begun
+    uint32_t number;                    ///< of recordings since the start
 } cam_scope_t;
 
-/// Bytes of a recording that lie behind one another.
+/// Contiguous bytes of a recording.
 typedef struct {
     const uint8_t *bytes;
     uint32_t n;
 } cam_scope_span_t;
 
-/// Begin without a recording; set are set-point, command and measured U, every tick.
+/// Initialise without a recording; selected are set-point, command and measured U in every tick.
 void cam_scope_init(cam_scope_t *s, hal_memory_t memory, uint32_t tick_hz);
 
-/// Set a field for the recordings to come.
-/// @return cam_ok, cam_err_scope_field (no such field, or none that can be set),
-/// cam_err_scope_range
+/// Set a field for the next recordings.
+/// @return cam_ok, cam_err_scope_field (unknown or read-only), cam_err_scope_range
 CAM_MUST_USE cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value);
 
-/// Read a field; `signals` and `every` are those of the recording that is there, if one is.
-/// `excited`, `place_nm` and `n_fall` are those of cam_machine_identify.h and read as 0 here.
+/// Read a field; `signals` and `every` are those of the present recording, if there is one.
+/// `excited`, `place_nm` and `n_fall` belong to cam_machine_identify.h and read as 0 here.
 /// @return cam_ok, cam_err_scope_field
 CAM_MUST_USE cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value);
 
-/// Begin the recording that the fields ask for; what was recorded before is lost.
-/// @param tick  newest tick, from which on it is recorded
-/// @return      cam_ok, cam_err_scope_memory (not even one row fits), cam_err_scope_before (no row
-///              is left behind the trigger)
+/// Start a recording as set; the previous one is lost.
+/// @param tick  newest tick, the first that is recorded
+/// @return      cam_ok, cam_err_scope_memory (no row fits), cam_err_scope_before (no row remains
+///              after the trigger)
 CAM_MUST_USE cam_err_t cam_scope_start(cam_scope_t *s, uint32_t tick);
 
-/// Begin any recording.
-/// @param use   whose it is
-/// @param head  [words] that the rows leave free in front of them
+/// Start a recording with given settings.
+/// @param head  [words] to leave free before the rows
 /// @return      as cam_scope_start()
 CAM_MUST_USE cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan,
                                        cam_scope_use_t use, uint32_t head, uint32_t tick);
@@ -204,41 +201,41 @@ CAM_MUST_USE cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *p
 /// End the recording, if there is one.
 void cam_scope_stop(cam_scope_t *s);
 
-/// Keep n words at the begin of the memory for a wave. The recording that is there is lost.
+/// Reserve words at the start of the memory for a wave. The recording is lost.
 void cam_scope_reserve(cam_scope_t *s, uint32_t n_wave);
 
-/// Take a record, in the order of the ticks.
+/// Process a record, in the order of the ticks.
 void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r);
 
-/// @return whether a recording waits for records
+/// @return whether a recording needs records
 static inline bool cam_scope_is_on(const cam_scope_t *s)
 {
     return s->phase == cam_scope_armed || s->phase == cam_scope_recording;
 }
 
-/// @return signals of a set
+/// @return number of signals in a set
 uint32_t cam_scope_count(uint32_t signals);
 
-/// @return words of the rows that are there, row by row
+/// @return [words] of the recorded rows, row by row
 static inline uint32_t cam_scope_n_recorded(const cam_scope_t *s)
 {
     return s->n_rows * s->n_signals;
 }
 
-/// @return first word of the ring of rows. A recording that began at once has its rows there in
-///         order; one with rows before a trigger is to be read by cam_scope_span().
+/// @return first word of the ring of rows. Without rows before a trigger these are in order there;
+///         else read them with cam_scope_span().
 static inline const int32_t *cam_scope_recorded(const cam_scope_t *s)
 {
     return &s->words[s->at];
 }
 
-/// Words lie in memory as they are sent, the lowest byte first.
+/// Words are in memory as they are sent, the lowest byte first.
 /// @param offset  [bytes] in the recording, below its end
-/// @param n       [bytes] that are wanted, not beyond its end
-/// @return        the bytes from there on, as many of n as lie behind one another
+/// @param n       [bytes] requested, not beyond its end
+/// @return        the bytes from there, as many of n as are contiguous
 cam_scope_span_t cam_scope_span(const cam_scope_t *s, uint32_t offset, uint32_t n);
 
-/// @return name of a signal with its unit as the last word, static; "?" for a foreign number
+/// @return name of a signal with its unit as the last word, static; "?" if unknown
 const char *cam_scope_signal_name(uint32_t signal);
 
 #endif

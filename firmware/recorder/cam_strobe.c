@@ -10,7 +10,7 @@ uint32_t cam_strobe_least(uint32_t tick_hz)
     return (tick_hz + (uint32_t)cam_strobe_hz - 1u) / (uint32_t)cam_strobe_hz;
 }
 
-void cam_strobe_ask(cam_strobe_t *s, uint32_t every, uint32_t tick)
+void cam_strobe_subscribe(cam_strobe_t *s, uint32_t every, uint32_t tick)
 {
     if (every != s->every) {
         s->every = every;
@@ -37,8 +37,7 @@ static void enqueue(cam_strobe_t *s, const cam_tick_record_t *r)
     s->n_in++;
 }
 
-/// Pass over samples.
-static void pass_over(cam_strobe_t *s, uint32_t n)
+static void skip(cam_strobe_t *s, uint32_t n)
 {
     s->number += n;
     s->next_tick += n * s->every;
@@ -46,23 +45,23 @@ static void pass_over(cam_strobe_t *s, uint32_t n)
 
 void cam_strobe_take(cam_strobe_t *s, const cam_tick_record_t *r)
 {
-    const uint32_t behind = r->tick - s->next_tick;
-    if (s->every == 0u || behind > UINT32_MAX / 2u) {
+    const uint32_t late = r->tick - s->next_tick;
+    if (s->every == 0u || late > UINT32_MAX / 2u) {
         return;
     }
-    const uint32_t n_missed = behind / s->every + (behind % s->every != 0u ? 1u : 0u);
-    s->n_lost += n_missed; // their records were lost
-    pass_over(s, n_missed);
+    const uint32_t n_missed = late / s->every + (late % s->every != 0u ? 1u : 0u);
+    s->n_lost += n_missed; // with their records
+    skip(s, n_missed);
     if (r->tick == s->next_tick) {
         enqueue(s, r);
-        pass_over(s, 1);
+        skip(s, 1);
     }
 }
 
 void cam_strobe_expire(cam_strobe_t *s, uint32_t tick, uint32_t tick_hz)
 {
     if (s->every != 0u && tick - s->renewed_tick > tick_hz * (uint32_t)cam_strobe_hold_s) {
-        cam_strobe_ask(s, 0, tick);
+        cam_strobe_subscribe(s, 0, tick);
     }
 }
 

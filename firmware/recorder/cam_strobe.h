@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_strobe: samples of single ticks for a live picture of the following error over the angle.
+/// cam_strobe: samples for a live view of the following error over the angle.
 ///
-///     asked for: every n-th tick -> sample -> queue -> message Strobe (cam_can_strobe.c)
+///     subscription: every n-th tick -> sample -> queue -> message Strobe (cam_can_strobe.c)
 ///
-/// The slow side takes the samples from the records of the trace ring (cam_machine_scope.h), so
-/// that the interrupt pays nothing, and recorder and black box are left alone. A subscription ends
-/// cam_strobe_hold_s after it was asked for or renewed last, so a reader that is gone costs
-/// nothing. Samples are numbered; one whose record was lost, or which finds the queue full, leaves
-/// a gap in the numbers. Context: slow side.
+/// The slow side samples the records of the trace ring (cam_machine_scope.h), independently of
+/// recorder and black box. A subscription ends cam_strobe_hold_s after it was last renewed. A lost
+/// record or a full queue leaves a gap in the sample numbers. Context: slow side.
 #ifndef CAM_STROBE_H
 #define CAM_STROBE_H
 
@@ -18,56 +16,55 @@
 
 enum {
     cam_strobe_hz = 500,      ///< [Hz] samples at most: an eighth of a bus of 500 kbit/s
-    cam_strobe_hold_s = 2,    ///< [s] that a subscription holds
+    cam_strobe_hold_s = 2,    ///< [s] for which a subscription is valid
     cam_strobe_capacity = 16, ///< [samples] of the queue, a power of two
 };
 
-/// What a tick tells; all of it is of the same record.
+/// Sample of one tick.
 typedef struct {
-    uint32_t number;      ///< of the sample since the subscription began, lost ones counted
+    uint32_t number;      ///< since the subscription began, including lost samples
     uint32_t pos_q16;     ///< [turn / 2^16] master position in the sense of cutting, rounded down
     int32_t following_nm; ///< [nm] U measured less U due
     cam_state_t state;
     bool is_synced; ///< the angle is known
 } cam_strobe_sample_t;
 
-/// State; zero-initialised is asked for by nobody.
+/// State; zero-initialised is without a subscription.
 typedef struct {
-    uint32_t every;        ///< [ticks] between samples; 0: nobody asks
-    uint32_t renewed_tick; ///< when it was asked for last
+    uint32_t every;        ///< [ticks] between samples; 0: no subscription
+    uint32_t renewed_tick; ///< last renewal
     uint32_t next_tick;    ///< of the next sample
     uint32_t number;       ///< of the next sample
-    uint32_t n_lost;       ///< samples since the start of which no message was made
-    uint32_t n_in, n_out;  ///< that have entered and left the queue
+    uint32_t n_lost;       ///< samples lost since the start
+    uint32_t n_in, n_out;  ///< samples queued and taken
     cam_strobe_sample_t queue[cam_strobe_capacity];
 } cam_strobe_t;
 
 /// @param tick_hz  [Hz]
-/// @return         [ticks] least distance of two samples
+/// @return         [ticks] shortest interval between samples
 uint32_t cam_strobe_least(uint32_t tick_hz);
 
-/// Begin a subscription, or renew the one with the same distance.
+/// Start a subscription, or renew it with the same interval.
 /// @param every  [ticks] cam_strobe_least() .. tick rate; 0 ends it
-/// @param tick   newest one; samples are of later ones
-void cam_strobe_ask(cam_strobe_t *s, uint32_t every, uint32_t tick);
+/// @param tick   newest tick; samples are later
+void cam_strobe_subscribe(cam_strobe_t *s, uint32_t every, uint32_t tick);
 
-/// @return whether somebody asks
+/// @return whether there is a subscription
 static inline bool cam_strobe_is_on(const cam_strobe_t *s)
 {
     return s->every != 0u;
 }
 
-/// Take a record, in the order of the ticks.
+/// Process a record, in the order of the ticks.
 void cam_strobe_take(cam_strobe_t *s, const cam_tick_record_t *r);
 
-/// End a subscription that nobody has renewed.
-/// @param tick  newest one
+/// End a subscription that was not renewed. @param tick  newest tick
 void cam_strobe_expire(cam_strobe_t *s, uint32_t tick, uint32_t tick_hz);
 
-/// @return the oldest sample of the queue, NULL when there is none
+/// @return oldest sample in the queue, NULL: none
 const cam_strobe_sample_t *cam_strobe_oldest(const cam_strobe_t *s);
 
-/// Take the oldest sample out of the queue.
+/// Remove the oldest sample.
 void cam_strobe_drop(cam_strobe_t *s);
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_trigger.h"
 
-/// @return whether values that rise from last to now reach the level on the way
+/// @return whether values rise to the level
 static bool reaches(int32_t level, int32_t last, int32_t now)
 {
     return last < level && now >= level;
@@ -13,21 +13,14 @@ static int32_t wrapped(int32_t a, int32_t b)
     return (int32_t)((uint32_t)a - (uint32_t)b);
 }
 
-/// An angle passes the level when the step from tick to tick, which is less than half a turn,
-/// leads from before it to it or behind it. The far side of the turn is passed the other way.
+/// @return whether an angle reaches or crosses the level. A step is less than half a turn, so the
+///         opposite side of the turn is crossed in the other sense.
 static bool passes(const cam_trigger_t *t, int32_t last, int32_t now)
 {
     const int32_t before = wrapped(last, t->level);
     const int32_t here = wrapped(now, t->level);
     const int32_t step = wrapped(now, last);
     return t->falls ? step < 0 && before > 0 && here <= 0 : step > 0 && before < 0 && here >= 0;
-}
-
-/// @return whether one of the watched bits is new
-static bool is_new(const cam_trigger_t *t, int32_t last, int32_t now)
-{
-    const uint32_t mask = t->level != 0 ? (uint32_t)t->level : UINT32_MAX;
-    return ((uint32_t)now & ~(uint32_t)last & mask) != 0u;
 }
 
 bool cam_trigger_fires(const cam_trigger_t *t, cam_trigger_last_t last, int32_t now)
@@ -46,7 +39,8 @@ bool cam_trigger_fires(const cam_trigger_t *t, cam_trigger_last_t last, int32_t 
         return passes(t, last.value, now);
     case cam_trigger_state:
         return now == t->level && last.value != t->level;
-    default: // a fault
-        return is_new(t, last.value, now);
+    default: // a new fault bit
+        return ((uint32_t)now & ~(uint32_t)last.value &
+                (t->level != 0 ? (uint32_t)t->level : UINT32_MAX)) != 0u;
     }
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_trigger: the condition at which a recording (cam_scope.h) begins.
+/// cam_trigger: trigger condition of a recording (cam_scope.h).
 ///
-/// A trigger compares one value of a tick, the watched one, with that of the tick before. It fires
-/// where the condition becomes true, not while it is; the first tick that is seen has no tick
-/// before it and fires only what waits for no change. Context: slow side.
+/// A trigger compares a value with that of the previous tick and fires when its condition becomes
+/// true. In the first tick only those fire that need no previous value. Context: slow side.
 #ifndef CAM_TRIGGER_H
 #define CAM_TRIGGER_H
 
@@ -25,17 +24,17 @@ typedef enum {
 typedef struct {
     cam_trigger_kind_t kind;
     uint32_t signal; ///< cam_scope_signal_t, of kind level
-    int32_t level;   ///< in the unit of what is watched
-    bool falls;      ///< level, angle: falling values; else rising ones
+    int32_t level;   ///< in the unit of the value
+    bool falls;      ///< level, angle: fires on falling values, else on rising ones
 } cam_trigger_t;
 
-/// A value that is watched, and whether there is one.
+/// Value of the previous tick, if there was one.
 typedef struct {
     bool is_there;
     int32_t value;
 } cam_trigger_last_t;
 
-/// @param last  of the tick before
+/// @param last  of the previous tick
 /// @param now   of this tick; kind time: ticks since the start
 /// @return      whether the trigger fires in this tick
 bool cam_trigger_fires(const cam_trigger_t *t, cam_trigger_last_t last, int32_t now);

@@ -12,7 +12,7 @@ static cam_outcome_t place_of(const cam_can_t *r, hal_axis_t axis)
 {
     const bool is_there = (uint32_t)axis < (uint32_t)hal_n_axes;
     return (cam_outcome_t){.err = is_there ? cam_ok : cam_err_hand_axis,
-                           .value = is_there ? cam_machine_place_nm(r->machine, axis) : 0};
+                           .value = is_there ? cam_machine_position_nm(r->machine, axis) : 0};
 }
 
 /// Carry out a command that has exactly one answer, or find that it is of no command of this topic.

@@ -94,8 +94,8 @@ static void test_lathe_is_homed_by_the_firmware(void)
     home_axis(hal_axis_u);
     const double x_nm = port.lathe.drive[hal_axis_x].pos_micro;
     const double u_nm = port.lathe.drive[hal_axis_u].pos_micro;
-    TEST_ASSERT_DOUBLE_WITHIN(470.0, x_nm, cam_machine_place_nm(&machine, hal_axis_x));
-    TEST_ASSERT_DOUBLE_WITHIN(60.0, u_nm, cam_machine_place_nm(&machine, hal_axis_u));
+    TEST_ASSERT_DOUBLE_WITHIN(470.0, x_nm, cam_machine_position_nm(&machine, hal_axis_x));
+    TEST_ASSERT_DOUBLE_WITHIN(60.0, u_nm, cam_machine_position_nm(&machine, hal_axis_u));
     TEST_ASSERT_EQUAL_HEX32(0, cam_machine_status(&machine).faults);
 }
 

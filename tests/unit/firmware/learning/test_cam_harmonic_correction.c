@@ -30,7 +30,7 @@ static void expect(cam_complex_t want, cam_complex_t is)
 static void test_play_puts_a_chirp_up_to_n_and_nothing_above(void)
 {
     for (uint32_t n = 1; n <= cam_harmonics_most; n *= 2u) {
-        cam_harmonic_correction_play(&s, 64000, n);
+        cam_harmonic_correction_set_probe(&s, 64000, n);
         for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
             const double size = k <= n ? 64000.0 : 0.0, angle = 3.14159265358979323846 * k * k / n;
             TEST_ASSERT_INT32_WITHIN(1, lround(size * cos(angle)), s.c_q6[k].re);
@@ -41,9 +41,9 @@ static void test_play_puts_a_chirp_up_to_n_and_nothing_above(void)
 
 static void test_play_of_nothing_ends_the_probe(void)
 {
-    cam_harmonic_correction_play(&s, 6400, 16);
+    cam_harmonic_correction_set_probe(&s, 6400, 16);
     TEST_ASSERT_NOT_EQUAL(0, cam_harmonic_correction_sum_q6(&s));
-    cam_harmonic_correction_play(&s, 0, 16);
+    cam_harmonic_correction_set_probe(&s, 0, 16);
     TEST_ASSERT_EQUAL_UINT32(0, cam_harmonic_correction_sum_q6(&s));
 }
 
@@ -167,7 +167,7 @@ static void test_guard_masks_at_the_fourth_time(void)
         TEST_ASSERT_EQUAL_UINT8(i, s.n_halved[2]);
     }
     TEST_ASSERT_EQUAL_UINT32(1u << 2, s.masked);
-    cam_harmonic_correction_renew(&s);
+    cam_harmonic_correction_restart_guard(&s);
     TEST_ASSERT_EQUAL_UINT8(0, s.n_halved[2]);
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, s.best_q6[2]);
 }
@@ -229,8 +229,8 @@ static void test_turn_takes_what_is_kept_along_and_leaves_the_mean(void)
         s.kept[k].re_nm = 100;
         s.best_q6[k] = 1;
     }
-    cam_harmonic_correction_turn(&s, UINT32_C(1)
-                                         << 28); // a sixteenth of a turn: harmonic 4 by a quarter
+    cam_harmonic_correction_rotate(&s, UINT32_C(1)
+                                           << 28); // a sixteenth of a turn: harmonic 4 by a quarter
     expect(of(6400, 0), s.c_q6[0]);
     TEST_ASSERT_INT32_WITHIN(2, 6400, s.c_q6[4].im);
     TEST_ASSERT_INT32_WITHIN(2, -6400, s.c_q6[8].re);

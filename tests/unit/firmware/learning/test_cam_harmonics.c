@@ -52,7 +52,7 @@ static void test_points_are_the_sum_of_the_harmonics(void)
         c[k].re = (int32_t)fixture_random_range(&random, -60000, 60000);
         c[k].im = k > 0 ? (int32_t)fixture_random_range(&random, -60000, 60000) : 0;
     }
-    TEST_ASSERT_TRUE(cam_harmonics_lead(point, c, 6, 1 << 17));
+    TEST_ASSERT_TRUE(cam_harmonics_slew(point, c, 6, 1 << 17));
     for (int i = 0; i <= 256; i += 3) {
         TEST_ASSERT_INT32_WITHIN(1, (int32_t)lround(sum_at(c, i)), point[i]);
     }
@@ -70,7 +70,7 @@ static void test_points_move_by_no_more_than_a_step_and_arrive(void)
         for (int i = 0; i <= 256; i++) {
             before[i] = point[i];
         }
-        is_there = cam_harmonics_lead(point, c, 6, 50);
+        is_there = cam_harmonics_slew(point, c, 6, 50);
         for (int i = 0; i <= 256; i++) {
             TEST_ASSERT_LESS_OR_EQUAL_INT32(50, abs(point[i] - before[i]));
         }
@@ -82,7 +82,7 @@ static void test_points_beyond_their_word_stay_at_its_end(void)
 {
     static int16_t point[257];
     const cam_complex_t c[17] = {[0] = {.re = 64 * most_nm}, [1] = {.re = 64 * most_nm}};
-    (void)cam_harmonics_lead(point, c, 6, 1 << 17);
+    (void)cam_harmonics_slew(point, c, 6, 1 << 17);
     TEST_ASSERT_EQUAL_INT16(INT16_MAX, point[0]);
     TEST_ASSERT_INT16_WITHIN(1, 0, point[128]);
 }
@@ -93,7 +93,7 @@ static void test_turned_is_a_multiplication_by_a_unit(void)
     for (uint32_t k = 1; k <= 16u; k += 3u) {
         const uint32_t angle_q32 = 123456789u * k;
         const double by = TURN * k * angle_q32 / 4294967296.0;
-        const cam_complex_t turned = cam_harmonics_turned(c, k, angle_q32);
+        const cam_complex_t turned = cam_harmonics_rotated(c, k, angle_q32);
         TEST_ASSERT_INT32_WITHIN(9000, (int32_t)lround(1e8 * cos(by) + 5e7 * sin(by)), turned.re);
         TEST_ASSERT_INT32_WITHIN(9000, (int32_t)lround(1e8 * sin(by) - 5e7 * cos(by)), turned.im);
     }
@@ -171,7 +171,7 @@ static void test_cosines_are_the_nearest_of_their_word(void)
             cam_complex_t c[17] = {0};
             const int32_t part = telling_part(at.cosine, other, down);
             c[at.k] = at.is_sine ? (cam_complex_t){.im = part} : (cam_complex_t){.re = part};
-            (void)cam_harmonics_lead(point, c, down, 1 << 17);
+            (void)cam_harmonics_slew(point, c, down, 1 << 17);
             TEST_ASSERT_EQUAL_INT16(point_by(part, at.cosine, down), point[at.i]);
         }
     }

@@ -16,7 +16,7 @@ void setUp(void)
     s = (cam_ilc_setup_t){.reason = cam_ilc_all, .n_harmonics = 4, .ripple_turns = 4};
     in = (cam_learned_t){0};
     t.state = cam_state_rehearsing;
-    t.walk_from_q8 = usual_q8;
+    t.blend_from_q8 = usual_q8;
 }
 
 void tearDown(void) {}
@@ -111,7 +111,7 @@ static void test_correction_is_led_by_points(void)
             TEST_ASSERT_EQUAL_INT16(cases[i].most_nm, in.c[k]);
         }
         TEST_ASSERT_EQUAL_HEX8(cases[i].most_nm < 1500 ? cam_ilc_blend_correction : 0, t.blending);
-        TEST_ASSERT_EQUAL_UINT32(usual_q8 + 10u, t.walk_from_q8);
+        TEST_ASSERT_EQUAL_UINT32(usual_q8 + 10u, t.blend_from_q8);
     }
 }
 
@@ -134,7 +134,7 @@ static void test_ripple_is_led_by_points(void)
         TEST_ASSERT_INT16_WITHIN(1, cases[i].most, in.dm[0]);
         TEST_ASSERT_INT16_WITHIN(1, cases[i].most < 400 ? cases[i].most : 400, in.d[0]);
         TEST_ASSERT_EQUAL_HEX8(i < 2 ? cam_ilc_blend_ripple : 0, t.blending);
-        TEST_ASSERT_EQUAL_UINT32(usual_q8 + 20u, t.walk_from_q8);
+        TEST_ASSERT_EQUAL_UINT32(usual_q8 + 20u, t.blend_from_q8);
     }
 }
 

@@ -68,7 +68,7 @@ static void test_drive_is_told_by_a_large_motion(void)
     t.larger = 6463;
     TEST_ASSERT_FALSE(cam_ilc_update_is_for_drive(&t));
     t.larger = 10000;
-    t.told_square = -1;
+    t.set_square = -1;
     TEST_ASSERT_FALSE(cam_ilc_update_is_for_drive(&t));
 }
 
@@ -87,10 +87,10 @@ static void test_a_harmonic_is_taken_at_its_size(void)
     t.scale_q30 = 1 << 30;
     t.turn_speed_q32 = 1 << 22;
     t.phase = cam_ilc_drive;
-    t.told_square = -500000;
+    t.set_square = -500000;
     cam_ilc_update_harmonic(&t, &s);
     TEST_ASSERT_UINT32_WITHIN(200, 64000, t.larger);
-    TEST_ASSERT_INT64_WITHIN(3000, 500000, t.told_square);
+    TEST_ASSERT_INT64_WITHIN(3000, 500000, t.set_square);
     TEST_ASSERT_UINT64_WITHIN(3000, 640 * 640 / 2, t.square);
     t.scale_q30 = 1 << 29; // at half the amplitude it would be twice that at the full one
     cam_ilc_update_harmonic(&t, &s);

@@ -253,10 +253,10 @@ static void test_a_home_that_was_found_waits_for_room(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_phase_udeg, 5));
     cam_machine_jog_poll(machine());
     const cam_status_t status = fixture_rig_status(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_check_places(machine(), &status));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_check_positions(machine(), &status));
     fixture_rig_tick(&rig);
     cam_machine_jog_poll(machine());
-    TEST_ASSERT_NOT_EQUAL_INT(cam_err_busy, cam_machine_check_places(machine(), &status));
+    TEST_ASSERT_NOT_EQUAL_INT(cam_err_busy, cam_machine_check_positions(machine(), &status));
 }
 
 /// @return [nm] place of X behind an emergency stop in homing, which is reset

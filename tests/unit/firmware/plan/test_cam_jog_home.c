@@ -35,7 +35,7 @@ static void test_home_by_switch_finds_its_edge_from_anywhere(void)
         fixture_rig_ticks(&rig, i);
         to_manual();
         home(axis);
-        const int32_t place_nm = cam_machine_place_nm(&rig.machine, axis);
+        const int32_t place_nm = cam_machine_position_nm(&rig.machine, axis);
         const int32_t edge_by_machine_nm = place_nm + edge_nm - port_nm(axis);
         TEST_ASSERT_INT32_WITHIN(451, 321 * mm, edge_by_machine_nm);
     }
@@ -54,7 +54,7 @@ static void test_home_by_index_is_that_of_the_index(void)
         fixture_rig_ticks(&rig, (uint32_t)edge_nm % 8u);
         to_manual();
         home(hal_axis_x);
-        const int32_t place_nm = cam_machine_place_nm(&rig.machine, hal_axis_x);
+        const int32_t place_nm = cam_machine_position_nm(&rig.machine, hal_axis_x);
         TEST_ASSERT_INT32_WITHIN(451, 0, place_nm + 10 * mm - port_nm(hal_axis_x));
     }
 }
@@ -66,7 +66,7 @@ static void test_home_here_needs_no_motion(void)
     to_manual();
     home(hal_axis_z);
     TEST_ASSERT_EQUAL_INT32(4 * mm, port_nm(hal_axis_z));
-    TEST_ASSERT_EQUAL_INT32(-50 * mm, cam_machine_place_nm(&rig.machine, hal_axis_z));
+    TEST_ASSERT_EQUAL_INT32(-50 * mm, cam_machine_position_nm(&rig.machine, hal_axis_z));
 }
 
 /// The number of U changes by a single nanometre, too, and the port is told nothing of it.

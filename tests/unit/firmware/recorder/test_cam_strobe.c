@@ -65,7 +65,7 @@ static void test_the_least_distance_keeps_the_rate(void)
 
 static void test_a_sample_is_one_record(void)
 {
-    cam_strobe_ask(&strobe, every, 99);
+    cam_strobe_subscribe(&strobe, every, 99);
     cam_tick_record_t r = record(100);
     r.angle.pos_q32 = INT64_C(-3) * 4294967296 + 0x1234FFFF;
     r.want.u_due_q6 = -129; // the recording's u_due_q6 >> 6 is -3
@@ -84,7 +84,7 @@ static void test_a_sample_is_one_record(void)
 static void test_samples_are_equally_far_apart(void)
 {
     const uint32_t begin = UINT32_MAX - 5u * every;
-    cam_strobe_ask(&strobe, every, begin);
+    cam_strobe_subscribe(&strobe, every, begin);
     take(begin); // of the tick in which it was asked for: not later
     TEST_ASSERT_NULL(cam_strobe_oldest(&strobe));
     for (uint32_t i = 0; i < 10u; i++) {
@@ -98,7 +98,7 @@ static void test_samples_are_equally_far_apart(void)
 
 static void test_lost_records_leave_a_gap_in_the_numbers(void)
 {
-    cam_strobe_ask(&strobe, every, 0);
+    cam_strobe_subscribe(&strobe, every, 0);
     take(1);
     take(1 + 3 * every); // those of 1 and 2 are gone, this is 3
     take(2 + 5 * every); // 4 is gone, and 5 by one tick
@@ -112,7 +112,7 @@ static void test_lost_records_leave_a_gap_in_the_numbers(void)
 
 static void test_a_full_queue_loses_what_comes(void)
 {
-    cam_strobe_ask(&strobe, 1, 0);
+    cam_strobe_subscribe(&strobe, 1, 0);
     take_many(1, cam_strobe_capacity + 3);
     TEST_ASSERT_EQUAL_UINT32(3, strobe.n_lost);
     (void)expect(0);
@@ -126,16 +126,16 @@ static void test_a_full_queue_loses_what_comes(void)
 
 static void test_a_renewal_goes_on_and_another_distance_begins_anew(void)
 {
-    cam_strobe_ask(&strobe, every, 0);
+    cam_strobe_subscribe(&strobe, every, 0);
     take_many(1, every);
-    cam_strobe_ask(&strobe, every, every);
+    cam_strobe_subscribe(&strobe, every, every);
     take_many(every + 1, every);
     (void)expect(0);
-    cam_strobe_ask(&strobe, every + 1, 2 * every);
+    cam_strobe_subscribe(&strobe, every + 1, 2 * every);
     TEST_ASSERT_NULL(cam_strobe_oldest(&strobe));
     take(2 * every + 1);
     (void)expect(0);
-    cam_strobe_ask(&strobe, 0, 2 * every + 1);
+    cam_strobe_subscribe(&strobe, 0, 2 * every + 1);
     take_many(2 * every + 2, 3 * every);
     TEST_ASSERT_NULL(cam_strobe_oldest(&strobe));
     TEST_ASSERT_FALSE(cam_strobe_is_on(&strobe));
@@ -144,10 +144,10 @@ static void test_a_renewal_goes_on_and_another_distance_begins_anew(void)
 static void test_it_ends_when_it_is_not_renewed(void)
 {
     const uint32_t begin = UINT32_MAX - 100u;
-    cam_strobe_ask(&strobe, every, begin);
+    cam_strobe_subscribe(&strobe, every, begin);
     cam_strobe_expire(&strobe, begin + hold_ticks, tick_hz);
     TEST_ASSERT_TRUE(cam_strobe_is_on(&strobe));
-    cam_strobe_ask(&strobe, every, begin + 7u);
+    cam_strobe_subscribe(&strobe, every, begin + 7u);
     cam_strobe_expire(&strobe, begin + 7u + hold_ticks, tick_hz);
     TEST_ASSERT_TRUE(cam_strobe_is_on(&strobe));
     cam_strobe_expire(&strobe, begin + 8u + hold_ticks, tick_hz);
