@@ -2,26 +2,26 @@
 /// cam_angle: binary angles and master positions, inline, for both sides.
 ///
 /// An angle is `theta_q32`: uint32, 2^32 = one turn, so that it wraps by design; a quarter turn is
-/// 0x40000000. A master position is `pos_q32`: int64, Q32.32 turns since the index was found, which
-/// rises while the spindle turns in the sense of cutting. It cannot overflow in practice: 2^31
-/// turns at 3000 r/min last 497 days, and every homing starts the count anew. Context of all
+/// 0x40000000. A master position is `pos_q32`: int64, Q32.32 turns since the index was found,
+/// rising while the spindle turns in the sense of cutting. It cannot overflow in practice: 2^31
+/// turns at 3000 r/min last 497 days, and every homing restarts the count. Context of all
 /// functions: ISR or slow side, constant time.
 #ifndef CAM_ANGLE_H
 #define CAM_ANGLE_H
 
 #include <stdint.h> // int32_t, int64_t, uint32_t
 
-/// One turn on the scale of a master position.
+/// One turn of a master position.
 #define CAM_TURN_Q32 ((int64_t)1 << 32)
 
 /// Signed distance from b to a along the shorter arc, for example +2 from 0xFFFFFFFF to 1.
-/// @return [turn / 2^32] -2^31 .. 2^31 - 1; half a turn is reported as -2^31
+/// @return [turn / 2^32] -2^31 .. 2^31 - 1; half a turn is -2^31
 static inline int32_t cam_angle_diff_q32(uint32_t a_q32, uint32_t b_q32)
 {
     return (int32_t)(a_q32 - b_q32);
 }
 
-/// @return [turn / 2^32] the angle inside the turn of a master position
+/// @return [turn / 2^32] the angle within the turn of a master position
 static inline uint32_t cam_angle_of_pos(int64_t pos_q32)
 {
     return (uint32_t)((uint64_t)pos_q32);

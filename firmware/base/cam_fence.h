@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_fence: memory fences for the interrupt's half of every hand-over to and from the slow side.
+/// cam_fence: memory fences for the interrupt's side of every hand-over to and from the slow side.
 ///
-/// Data is handed over by writing it first and setting an atomic index or counter afterwards. The
-/// slow side uses the acquire and release operations of C11 for that; the interrupt uses a relaxed
-/// operation and one of these fences. A Cortex-M has one core, on which the interrupt and the slow
-/// side see the same memory, so it is enough that the compiler keeps the order there. Everywhere
-/// else (the simulator, Linux) the two may run on different cores and the fence is a real one.
+/// The writer writes the data first and then sets an atomic index or counter. The slow side uses
+/// C11 acquire and release operations; the interrupt uses a relaxed operation and one of these
+/// fences. On a Cortex-M both sides run on one core, so keeping the compiler's order is enough.
+/// Elsewhere (simulator, Linux) they may run on different cores, and the fence is a real one.
 #ifndef CAM_FENCE_H
 #define CAM_FENCE_H
 
 #include <stdatomic.h> // fences
 
-/// Order of the interrupt's loads and stores of what is handed over. The fences alone would do; the
-/// orders cost nothing where there are several cores, and a sanitizer of threads knows no fences.
+/// Memory order of the interrupt's own atomic loads and stores. The fences alone would do, but a
+/// thread sanitizer does not understand fences, and with several cores the orders cost nothing.
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
 #define CAM_ORDER_ACQUIRE memory_order_relaxed
 #define CAM_ORDER_RELEASE memory_order_relaxed
@@ -21,8 +20,8 @@
 #define CAM_ORDER_RELEASE memory_order_release
 #endif
 
-/// To be called after the relaxed load that shows that something was handed over: what the other
-/// side wrote before is visible from here on. Context: ISR.
+/// Call after the load that shows a hand-over: all earlier writes of the other side are visible
+/// from here on. Context: ISR.
 static inline void cam_fence_acquire_isr(void)
 {
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
@@ -32,8 +31,8 @@ static inline void cam_fence_acquire_isr(void)
 #endif
 }
 
-/// To be called before the relaxed store that hands something over: the other side, once it sees
-/// the store, sees all that was written before. Context: ISR.
+/// Call before the store that hands over: a side that sees the store also sees all earlier writes.
+/// Context: ISR.
 static inline void cam_fence_release_isr(void)
 {
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'

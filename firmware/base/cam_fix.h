@@ -2,10 +2,10 @@
 /// cam_fix: fixed-point operations, inline, for both sides.
 ///
 /// `_q<n>` in a name gives the number of fraction bits: 0.5 in q28 is 2^27. Right shifts of
-/// negative numbers are arithmetic in every compiler that we support (asserted below), so they
-/// round towards minus infinity. Left shifts of signed values are written as multiplications,
-/// because a negative left operand is undefined in C11. Sums that wrap by design are computed in
-/// uint32 for the same reason. Context of all functions: ISR or slow side, unless noted.
+/// negative numbers are arithmetic (asserted below), so they round towards minus infinity. Left
+/// shifts of signed values are written as multiplications and sums that wrap by design are computed
+/// in uint32, because C11 leaves both undefined for signed operands. Context of all functions: ISR
+/// or slow side, unless noted.
 #ifndef CAM_FIX_H
 #define CAM_FIX_H
 
@@ -75,7 +75,7 @@ static inline int32_t cam_sat_add(int32_t a, int32_t b)
 
 /// Two products of half words and their sum: one instruction on Cortex-M4/M7.
 /// @param a, b  two int16 each, the first one in the lower half
-/// @return      sum of a's halves times b's, modulo 2^32
+/// @return      products of the upper halves and of the lower halves, added modulo 2^32
 /// Source: ARMv7-M Architecture Reference Manual, A7.7.157 (SMUAD).
 //@ assigns \result \from a, b;
 static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
@@ -131,10 +131,10 @@ static inline int32_t cam_mul_shift(int32_t a, int32_t b, uint32_t n)
     return (int32_t)(((int64_t)a * b + ((int64_t)1 << (n - 1u))) >> n);
 }
 
-/// Shift 64 bits by a count that is known at run time only. The compiler's own 64-bit shift handles
-/// counts up to 63 and takes twice as many instructions on a Cortex-M.
+/// Shift 64 bits by a run-time count. The compiler's own 64-bit shift handles counts up to 63 and
+/// takes twice as many instructions on a Cortex-M.
 /// @param n  1 .. 31
-/// @return   the low 32 bits of floor(v / 2^n), which are its value when that fits int32
+/// @return   the low 32 bits of floor(v / 2^n), exact when the result fits int32
 /*@ requires 1 <= n <= 31;
     assigns \result \from v, n;
 */
@@ -175,7 +175,7 @@ static inline int64_t cam_clamp_i64(int64_t v, int64_t lo, int64_t hi)
 */
 static inline int32_t cam_sat_i32(int64_t v)
 {
-    const int32_t low = (int32_t)v; // v fits when sign extension of its low word gives v again
+    const int32_t low = (int32_t)v; // v fits when its sign-extended low word equals v
     return low == v ? low : v < 0 ? INT32_MIN : INT32_MAX;
 }
 
@@ -202,8 +202,7 @@ static inline uint64_t cam_root_u64(uint64_t v)
     return r;
 }
 
-/// Difference a - b of two readings of a counter that wraps at 2^32.
-/// @return [counts] signed distance, correct while the true distance is within +-2^31
+/// @return [counts] a - b of a counter that wraps at 2^32; exact while |a - b| < 2^31
 /*@ assigns \result \from a, b;
     ensures plain: INT32_MIN <= a - b <= INT32_MAX ==> \result == a - b;
     ensures wrapped: \result == a - b || \abs(\result - (a - b)) == 0x100000000;
@@ -244,7 +243,7 @@ static inline int32_t cam_wrap_sub(int32_t a, int32_t b)
     return (int32_t)((uint32_t)a - (uint32_t)b);
 }
 
-/// @return a + b modulo 2^64: the same instructions as a + b, and defined for any arguments
+/// @return a + b modulo 2^64, defined for any arguments; same instructions as a + b
 /*@ assigns \result \from a, b;
     ensures plain: INT64_MIN <= a + b <= INT64_MAX ==> \result == a + b;
 */
@@ -285,7 +284,7 @@ static inline bool cam_is_within(int32_t v, int32_t limit)
 
 /// Convert a derivative over the angle from per turn to per radian: x / 2 pi.
 /// @param x  0 .. 2^41, per turn
-/// @return   the same per rad, rounded down by less than 4e-7 of it and 1
+/// @return   the same per rad, rounded down by less than 4e-7 of it plus 1
 /*@ requires 0 <= x <= 0x20000000000;
     assigns \result \from x;
     ensures \result * 0x1000000 <= x * 2670176 < (\result + 1) * 0x1000000;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_state: the vocabulary of every room: states, requests, faults and the senses of a tick.
+/// cam_state: states, requests and faults.
 #ifndef CAM_STATE_H
 #define CAM_STATE_H
 
@@ -28,15 +28,13 @@ typedef enum {
     cam_state_disengaging, ///< depth and amplitude fall while Z stands still
     cam_state_fault,       ///< retracting or retracted, latched until reset
     cam_state_rehearsing,  ///< X stays clear while the section of the first height plays
-    cam_state_identifying, ///< as ready, but U plays a downloaded wave about its place
-    cam_state_manual,      ///< enabled, the spindle stands, axes are moved and homed by hand
-    cam_state_holding,     ///< as cutting, but Z stands: the feed is held
+    cam_state_identifying, ///< as ready, but U plays a downloaded wave about its position
+    cam_state_manual,      ///< enabled, spindle at rest, axes are jogged and homed
+    cam_state_holding,     ///< as cutting, but the feed is held and Z stands still
     cam_n_states
 } cam_state_t;
 
-/// @return true in rehearsing, engaging, cutting, holding and disengaging, where the axes follow
-/// the
-///         spindle's angle
+/// @return whether the axes follow the spindle's angle in this state
 static inline bool cam_state_is_in_work(cam_state_t state)
 {
     return state == cam_state_engaging || state == cam_state_cutting ||
@@ -44,8 +42,8 @@ static inline bool cam_state_is_in_work(cam_state_t state)
            state == cam_state_holding;
 }
 
-/// What the slow side requests of the interrupt. The interrupt carries a request out in the next
-/// tick if the state allows it, and ignores it otherwise.
+/// Requests of the slow side to the interrupt, which carries one out in the next tick if the state
+/// allows it and ignores it otherwise.
 typedef enum {
     cam_request_none,
     cam_request_enable,
@@ -54,12 +52,12 @@ typedef enum {
     cam_request_stop,
     cam_request_reset,
     cam_request_table_fault, ///< raise fault `table`: the background check found damage
-    cam_request_identify,    ///< play the wave of the configuration by U
-    cam_request_manual,      ///< enable the drives without the spindle, for hands (cam_jog.h)
+    cam_request_identify,    ///< play the wave of the configuration on U
+    cam_request_manual,      ///< enable the drives without the spindle, for jogging (cam_jog.h)
 } cam_request_t;
 
-/// Faults, in the order of their bits, with a clause for people. FAULTS.md lists for each how soon
-/// it is detected and how the controller reacts.
+/// Faults in the order of their bits, each with a clause for people. FAULTS.md lists how soon each
+/// is detected and how the controller reacts.
 #define CAM_FAULTS(X)                                                                              \
     X(estop, "emergency stop")                                                                     \
     X(drive, "a drive is not ready")                                                               \
@@ -78,7 +76,7 @@ typedef enum {
     X(z_range, "Z left the table")                                                                 \
     X(table, "table damaged")                                                                      \
     X(swing, "the tool's swing does not follow")                                                   \
-    X(command, "what an axis would be told is beyond its limits")                                  \
+    X(command, "an axis command exceeds its limits")                                               \
     X(corrupt, "reserved: no fault of this firmware")
 
 /// A fault: its bit number in a fault mask.
@@ -94,13 +92,13 @@ _Static_assert(cam_n_faults <= 32, "a fault mask is one word");
 /// @return the bit of a fault in a fault mask, for example CAM_FAULT_BIT(estop) = 1
 #define CAM_FAULT_BIT(name) (UINT32_C(1) << cam_fault_##name)
 
-/// @return a state's name, lower case, static; "?" for a foreign value
+/// @return a state's name, lower case, static; "?" for any other value
 const char *cam_state_name(cam_state_t state);
 
-/// @return a fault's short name as in the list, static; "?" for a foreign value
+/// @return a fault's short name as in the list, static; "?" for any other value
 const char *cam_fault_name(cam_fault_t fault);
 
-/// @return a fault's meaning, one clause, static; "?" for a foreign value
+/// @return a fault's meaning, one clause, static; "?" for any other value
 const char *cam_fault_text(cam_fault_t fault);
 
 #endif

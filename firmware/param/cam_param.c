@@ -4,7 +4,7 @@
 #include <stddef.h>   // NULL, offsetof
 #include <string.h>   // strcmp, memcpy
 
-/// Ranges and defaults are those of the list within what the port's builder has fixed.
+/// Ranges and defaults of the list, within the hard limits.
 #define MOST_OF(a, b) ((a) > (b) ? (a) : (b))
 #define LEAST_OF(a, b) ((a) < (b) ? (a) : (b))
 #define PARAM_MIN(name, min) MOST_OF(min, CAM_HARD_LEAST(cam_param_##name))
@@ -22,8 +22,7 @@ static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
                    #name ": CAM_HARD_LIMITS leaves no value of its range");
 CAM_PARAMS(PARAM_CHECK)
 
-/// Parameters are numbers of one type in the order of the list, so that the number of a parameter
-/// tells its place.
+/// All fields are int32 in the order of the list, so the index of a parameter gives its offset.
 #define PARAM_PLACE(name, min, def, max, what)                                                     \
     _Static_assert(offsetof(cam_params_t, name) ==                                                 \
                        (size_t)cam_param_##name * sizeof(((cam_params_t *)NULL)->name),            \
@@ -69,8 +68,8 @@ cam_params_t cam_param_defaults(void)
 
 void cam_param_learn(cam_params_t *params)
 {
-    params->feed_ramp_turns = 30; // the force of the chip comes and goes as slowly as it is learned
-    params->observer_bandwidth_mHz = 100000; // it need not follow a ripple that is learned
+    params->feed_ramp_turns = 30;            // the chip's force changes as slowly as it is learned
+    params->observer_bandwidth_mHz = 100000; // a learned ripple needs no fast observer
     params->rehearse_turns = 40;
     params->learn_harmonics = 16;
     params->ripple_turns = 8;

@@ -11,14 +11,14 @@
 #include <stdint.h>  // int32_t
 
 // clang-format off
-/// Those of position switch n, in the order of cam_windows.c.
+/// Parameters of position switch n, in the order of cam_windows.c.
 #define CAM_SWITCH_PARAMS(X, n) \
     X(switch_##n##_per_turn,          0,          0,         64, "windows per turn, evenly spaced; 0: the output stays off") \
     X(switch_##n##_on_udeg,  -180000000,          0,  360000000, "drawing's angle at which the window begins, as that angle rises") \
     X(switch_##n##_off_udeg, -180000000,          0,  360000000, "drawing's angle at which it ends") \
-    X(switch_##n##_hysteresis_udeg,   0,          0,    5000000, "the spindle leaves the place of a change by this before the next") \
-    X(switch_##n##_dead_time_ns,      0,          0,   20000000, "of what is switched; the output changes this much ahead") \
-    X(switch_##n##_z_low_nm, -1000000000,         0, 1000000000, "lowest height at which it is on, in the work only; where both heights are the same, it is on at all of them") \
+    X(switch_##n##_hysteresis_udeg,   0,          0,    5000000, "the spindle must move away from a switching angle by this before the next change") \
+    X(switch_##n##_dead_time_ns,      0,          0,   20000000, "dead time of the switched device; the output changes this much ahead") \
+    X(switch_##n##_z_low_nm, -1000000000,         0, 1000000000, "lowest height at which it is on, in the work only; equal heights: on at all heights") \
     X(switch_##n##_z_high_nm, -1000000000,        0, 1000000000, "highest height at which it is on") \
     X(switch_##n##_sense,            -1,          0,          1, "1: on while the spindle turns in the sense of cutting only, -1: against it only, 0: in both")
 
@@ -26,7 +26,7 @@
     X(counts_per_turn,               64,      10000,   16777216, "encoder counts per turn, four per line") \
     X(encoder_sign,                  -1,          1,          1, "-1 when counts fall while the spindle turns in its positive sense; 0 is refused") \
     X(index_offset_udeg,     -180000000,          0,  180000000, "drawing's angle before the tool at the index, whatever the sense of cutting") \
-    X(index_tolerance_counts,         0,          0,    1000000, "accepted deviation of the index from its place; jitter of the encoder") \
+    X(index_tolerance_counts,         0,          0,    1000000, "accepted deviation of the index from its position; jitter of the encoder") \
     X(jump_window_counts,             0,          0,    1000000, "accepted deviation of one tick's counts from what the speed predicts; 0: derived from encoder, spindle and observer") \
     X(observer_bandwidth_mHz,      1000,     200000,    5000000, "bandwidth of the angle observer, at most tick rate / 12.5") \
     X(lead_ns,                        0,     100000,   20000000, "dead time of the U drive, from tick to motion, half a tick of hold included") \
@@ -43,21 +43,21 @@
     X(u_stroke_nm,                 1000,    1200000,   30000000, "travel of U peak to peak, centred on U = 0") \
     X(u_speed_um_per_s,             100,     400000,   10000000, "highest speed of U") \
     X(u_acceleration_mm_per_s2,     100,     250000,   10000000, "highest acceleration of U") \
-    X(u_retract_nm,           -15000000,    -500000,          0, "place of U out of the work, beyond its outermost place in the cut; the default goes as far as the stroke allows") \
+    X(u_retract_nm,           -15000000,    -500000,          0, "position of U out of the work, beyond its outermost position in the cut; the default goes as far as the stroke allows") \
     X(x_clearance_nm,                 0,    1000000,  100000000, "X off the part before engaging and after a fault; at least its stock") \
     X(x_speed_um_per_s,             100,     100000,   10000000, "highest speed of X") \
     X(x_acceleration_mm_per_s2,      10,       2000,    1000000, "highest acceleration of X") \
     X(z_speed_um_per_s,             100,     200000,   10000000, "highest speed of Z") \
     X(z_acceleration_mm_per_s2,      10,       2000,    1000000, "highest acceleration of Z") \
-    X(z_is_measured,                  0,          0,          1, "0: Z is geared to the spindle by the feed; 1: Z is led by others and measured") \
-    X(z_margin_nm,                    0,     100000,   10000000, "measured Z may leave the table, or a geared Z its place, by this much") \
+    X(z_is_measured,                  0,          0,          1, "0: Z is geared to the spindle by the feed; 1: Z is moved by another control and measured") \
+    X(z_margin_nm,                    0,     100000,   10000000, "measured Z may leave the table, or a geared Z its set-point, by this much") \
     X(spindle_mrpm,                   0,          0,   60000000, "spindle speed in r/min / 1000; 0: the table's") \
     X(feed_nm,                        0,          0,   10000000, "feed per revolution; 0: the table's") \
     X(spindle_limit_mrpm,          1000,    3000000,   60000000, "highest spindle speed in r/min / 1000") \
     X(spindle_lag_us,                 0,          0,    1000000, "time constant of the spindle's speed loop, compensated while the speed is modulated") \
     X(spindle_acceleration_mrad_per_s2, 1000, 500000, 2000000000, "highest acceleration of the spindle") \
-    X(stopped_mrpm,                   1,       5000,    1000000, "spindle counts as stopped below, in r/min / 1000") \
-    X(stopped_ms,                     1,        100,      10000, "and is a fault after this time while cutting") \
+    X(stopped_mrpm,                   1,       5000,    1000000, "the spindle counts as stopped below this speed, in r/min / 1000") \
+    X(stopped_ms,                     1,        100,      10000, "a stopped spindle is a fault after this time while cutting") \
     X(following_limit_nm,             0,     100000,   10000000, "accepted following error of U; 0, the default where U is measured at 10 kHz or faster: a tenth of the ovality, not less than the drive may be off in its approach") \
     X(late_percent,                  10,         50,        900, "a tick is late when it comes this much of a period after its time") \
     X(trace_on,                       0,          1,          1, "1: record every tick in the trace ring") \
@@ -68,13 +68,13 @@
     X(swing_following_limit_mdeg,     1,       1000,      90000, "accepted following error of the swing") \
     X(x_trim_nm,               -1000000,          0,    1000000, "trim of X on the radius, positive away from the axis, for the wear of the tool; half of that of the diameter; ramped") \
     X(pass,                           0,          0,         16, "0: passes in their order, setting it begins with the first; else every start cuts this one") \
-    X(rehearse_turns,                 0,          0,       1000, "turns that the first height is played clear of the work before a cut, to learn; 0: none") \
-    X(u_scale_latency_ns,             0,          0,   10000000, "what U's scale tells is older than the encoder's angle by this") \
-    X(u_scale_nm,                     0,         10,      10000, "quantum of U's scale; learning takes no error for one that it cannot show") \
-    X(learn_harmonics,                0,          0,         16, "harmonics of a turn in which U's error is learned; 0: nothing is") \
+    X(rehearse_turns,                 0,          0,       1000, "turns for which the first height is played clear of the work before a cut, to learn; 0: none") \
+    X(u_scale_latency_ns,             0,          0,   10000000, "age of U's scale reading relative to the encoder's angle") \
+    X(u_scale_nm,                     0,         10,      10000, "quantum of U's scale; learning ignores smaller errors") \
+    X(learn_harmonics,                0,          0,         16, "harmonics of a turn in which U's error is learned; 0: none") \
     X(learn_gain_ppm,                 0,     500000,     600000, "share of the error that a step of a rehearsal removes") \
-    X(learn_cut_gain_ppm,             0,     150000,     200000, "share of it in the cut; 0: nothing is learned there") \
-    X(probe_nm,                     100,       1000,       5000, "correction at each harmonic by which a rehearsal finds U's answer; at least three steps of the scale") \
+    X(learn_cut_gain_ppm,             0,     150000,     200000, "the same in the cut; 0: no learning there") \
+    X(probe_nm,                     100,       1000,       5000, "correction at each harmonic by which a rehearsal identifies U's response; at least three steps of the scale") \
     X(ripple_turns,                   0,          0,         64, "turns whose mean is the learned ripple of the spindle, one counts as two; 0: it is not learned") \
     X(eccentricity_nturn,             0,          0,    1000000, "amplitude of the encoder's error once per turn") \
     X(eccentricity_udeg,     -180000000,          0,  180000000, "drawing's angle at which that error is 0 and rises") \
@@ -86,34 +86,34 @@
     CAM_SWITCH_PARAMS(X, 6) \
     CAM_SWITCH_PARAMS(X, 7) \
     CAM_SWITCH_PARAMS(X, 8) \
-    X(u_jog_um_per_s,                 1,       2000,    1000000, "highest speed of U by hand") \
-    X(x_jog_um_per_s,                 1,      10000,    1000000, "highest speed of X by hand") \
-    X(z_jog_um_per_s,                 1,      10000,    1000000, "highest speed of Z by hand") \
-    X(x_low_nm,             -2000000000,          0, 2000000000, "lower limit of X's travel by hand, in the machine's numbers; low = high: none") \
+    X(u_jog_um_per_s,                 1,       2000,    1000000, "highest jog speed of U") \
+    X(x_jog_um_per_s,                 1,      10000,    1000000, "highest jog speed of X") \
+    X(z_jog_um_per_s,                 1,      10000,    1000000, "highest jog speed of Z") \
+    X(x_low_nm,             -2000000000,          0, 2000000000, "lower limit of X's travel when jogging, in machine coordinates; low = high: none") \
     X(x_high_nm,            -2000000000,          0, 2000000000, "upper limit of it") \
-    X(z_low_nm,             -2000000000,          0, 2000000000, "lower limit of Z's travel by hand, in the machine's numbers; low = high: none") \
+    X(z_low_nm,             -2000000000,          0, 2000000000, "lower limit of Z's travel when jogging, in machine coordinates; low = high: none") \
     X(z_high_nm,            -2000000000,          0, 2000000000, "upper limit of it") \
-    X(homing_required,                0,          0,          1, "1: enable and start want every axis homed that has a way of homing") \
-    X(u_home,                         0,          0,          3, "homing of U: 0 none, its place is known; 1 where it stands; 2 switch; 3 switch and index") \
-    X(u_home_sense,                  -1,          1,          1, "sense in which U searches its switch, 1: its numbers rise; 0 is refused") \
+    X(homing_required,                0,          0,          1, "1: enable and start require every axis with a homing method to be homed") \
+    X(u_home,                         0,          0,          3, "homing of U: 0 none, its position is known; 1 at its present position; 2 switch; 3 switch and index") \
+    X(u_home_sense,                  -1,          1,          1, "direction in which U searches its switch, 1: its position rises; 0 is refused") \
     X(u_home_um_per_s,                1,       1000,    1000000, "speed of that search") \
     X(u_home_slow_um_per_s,           1,        100,    1000000, "... off the switch and to the index") \
     X(u_home_nm,              -15000000,          0,   15000000, "U at its home") \
     X(x_home,                         0,          0,          3, "homing of X, as that of U") \
-    X(x_home_sense,                  -1,          1,          1, "sense in which X searches its switch, 1: away from the axis; 0 is refused") \
+    X(x_home_sense,                  -1,          1,          1, "direction in which X searches its switch, 1: away from the axis; 0 is refused") \
     X(x_home_um_per_s,                1,      10000,    1000000, "speed of that search") \
     X(x_home_slow_um_per_s,           1,       1000,    1000000, "... off the switch and to the index") \
-    X(x_home_nm,            -1000000000,          0, 1000000000, "X at its home, in the machine's numbers") \
+    X(x_home_nm,            -1000000000,          0, 1000000000, "X at its home, in machine coordinates") \
     X(x_home_travel_nm,            1000,  500000000, 2000000000, "the search of X ends without success after this") \
     X(z_home,                         0,          0,          3, "homing of Z, as that of U") \
-    X(z_home_sense,                  -1,          1,          1, "sense in which Z searches its switch, 1: its heights rise; 0 is refused") \
+    X(z_home_sense,                  -1,          1,          1, "direction in which Z searches its switch, 1: its height rises; 0 is refused") \
     X(z_home_um_per_s,                1,      10000,    1000000, "speed of that search") \
     X(z_home_slow_um_per_s,           1,       1000,    1000000, "... off the switch and to the index") \
-    X(z_home_nm,            -1000000000,          0, 1000000000, "Z at its home, in the machine's numbers") \
+    X(z_home_nm,            -1000000000,          0, 1000000000, "Z at its home, in machine coordinates") \
     X(z_home_travel_nm,            1000, 1000000000, 2000000000, "the search of Z ends without success after this") \
-    X(x_datum_nm,           -1000000000,          0, 1000000000, "X of the part less X of the machine, with tool 0") \
-    X(z_datum_nm,           -1000000000,          0, 1000000000, "height of the part less Z of the machine, with tool 0") \
-    X(tool,                           0,          0,          4, "tool whose offsets count; 0: one without") \
+    X(x_datum_nm,           -1000000000,          0, 1000000000, "X of the part minus X of the machine, with tool 0") \
+    X(z_datum_nm,           -1000000000,          0, 1000000000, "height of the part minus Z of the machine, with tool 0") \
+    X(tool,                           0,          0,          4, "tool whose offsets apply; 0: none") \
     X(tool_1_x_nm,           -500000000,          0,  500000000, "tip of tool 1 farther from the axis than that of tool 0 by this") \
     X(tool_1_z_nm,           -500000000,          0,  500000000, "... and at a greater height by this") \
     X(tool_2_x_nm,           -500000000,          0,  500000000, "the same of tool 2") \
@@ -124,15 +124,15 @@
     X(tool_4_z_nm,           -500000000,          0,  500000000, "the same of tool 4") \
     X(x_trim_limit_nm,                0,     200000,    1000000, "largest trim of X to either side") \
     X(x_trim_rate_nm_per_s,        1000,      20000,     100000, "rate of its ramp") \
-    X(feed_override_ppm,              0,    1000000,    1500000, "feed over its programmed value; below 1 %: Z stands, as in a hold; ramped like the feed") \
+    X(feed_override_ppm,              0,    1000000,    1500000, "feed over its programmed value; below 1 %: Z stops, as in a hold; ramped like the feed") \
     X(spindle_override_ppm,      500000,    1000000,    1200000, "speed of the spindle over its programmed value; ramped") \
     X(spindle_override_rate_ppm_per_s, 1000, 100000,    1000000, "rate of that ramp, within spindle_acceleration_mrad_per_s2") \
-    X(u_jerk_m_per_s3,                0,          0, 2000000000, "highest jerk of U where it moves by time, in the retract; a quarter of it in an approach; 0: derived from tick, limits and feed-forward") \
+    X(u_jerk_m_per_s3,                0,          0, 2000000000, "highest jerk of U in timed moves and the retract; a quarter of it in an approach; 0: derived from tick, limits and feed-forward") \
     X(x_jerk_m_per_s3,                0,          0, 2000000000, "the same of X; 0: its acceleration changes over 6.4 ms") \
     X(z_jerk_m_per_s3,                0,          0, 2000000000, "the same of Z; 0: its acceleration changes over 6.4 ms")
 
-/// Parameters that an operator sets for a part. All others are limits and constants of the machine,
-/// which change in the unlocked level only (cam_rights.h), and so does one that is new.
+/// Parameters that an operator sets for a part. All others, new ones included, are limits and
+/// constants of the machine, which change in the unlocked level only (cam_rights.h).
 #define CAM_OPERATOR_PARAMS(X) \
     X(phase_udeg) X(amplitude_ppm) X(engage_turns) X(disengage_turns) X(feed_ramp_turns) \
     X(spindle_mrpm) X(feed_nm) X(pass) X(rehearse_turns) X(trace_on) \
@@ -156,12 +156,11 @@ typedef struct {
 #undef CAM_PARAM_FIELD
 } cam_params_t;
 
-/// What is known of a parameter; what it is for stands in the list alone, which saves an image 8
-/// KB.
+/// Description of a parameter. Its purpose is in the list only, which saves an image 8 KB.
 typedef struct {
     const char *name;      ///< with the unit as its last word
-    int32_t min, def, max; ///< within what the port's builder has fixed
-    bool is_hard;          ///< he has, for this one (cam_hard.h)
+    int32_t min, def, max; ///< within the hard limits, if any
+    bool is_hard;          ///< it has hard limits (cam_hard.h)
 } cam_param_info_t;
 
 /// @return description of a parameter, NULL when id is not one. Context: slow side.
@@ -176,18 +175,19 @@ cam_param_id_t cam_param_find(const char *name);
 /// @return all parameters at their defaults
 cam_params_t cam_param_defaults(void);
 
-/// Lead all parameters into their ranges.
+/// Clamp all parameters to their ranges.
 void cam_param_fit(cam_params_t *params);
 
-/// Switch learning on, as a port does by default that measures U.
+/// Switch learning on: the default of ports that measure U.
 void cam_param_learn(cam_params_t *params);
 
 /// @return value of a parameter; id < cam_n_params. Context: slow side.
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id);
 
 /// Set one parameter after checking its range.
-/// @return cam_ok, cam_err_param_id, cam_err_param_range, or cam_err_hard_limit where the range is
-///         that of the port's builder; *params is unchanged on error
+/// @return cam_ok, cam_err_param_id, cam_err_param_range, or cam_err_hard_limit for a parameter
+/// with
+///         hard limits; *params is unchanged on error
 /// Context: slow side.
 CAM_MUST_USE cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value);
 

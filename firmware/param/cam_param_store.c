@@ -5,13 +5,13 @@
 #include <string.h>    // memcpy, memset, strlen, strncmp
 
 _Static_assert((int)cam_param_store_most_bytes <= (int)hal_params_most_bytes,
-               "ports keep all of it");
+               "ports store all of it");
 
 static const char version_name[] = "version";
 static const char crc_name[] = "crc32";
 static const char equals[] = " = ";
 
-/// [characters] of the longest number, with its sign.
+/// [characters] longest number, with its sign
 enum { most_digits = 11 };
 
 /// A text that grows.
@@ -85,11 +85,11 @@ uint32_t cam_param_store_write(char *text, const cam_params_t *params, uint32_t 
 typedef struct {
     const char *text;
     uint32_t n;      ///< [bytes] without the end of the line
-    uint32_t n_name; ///< [bytes] in front of " = "; 0: the line is none of `name = value`
+    uint32_t n_name; ///< [bytes] before " = "; 0: not a line `name = value`
     int64_t value;
 } kept_line_t;
 
-/// @return whether n characters are a whole number of at most 32 bits with a sign
+/// @return whether n characters are a decimal integer of at most most_digits
 static bool is_number(const char *text, uint32_t n, int64_t *value)
 {
     const bool is_negative = n > 0u && text[0] == '-';
@@ -107,7 +107,7 @@ static bool is_number(const char *text, uint32_t n, int64_t *value)
     return is_good;
 }
 
-/// @return the line at the begin of n bytes
+/// @return the first line of n bytes
 static kept_line_t line_at(const char *text, uint32_t n)
 {
     kept_line_t line = {.text = text};
@@ -128,7 +128,7 @@ static bool is_called(const kept_line_t *line, const char *name)
     return line->n_name == strlen(name) && strncmp(line->text, name, line->n_name) == 0;
 }
 
-/// @return [bytes] in front of the line of the checksum if it is right; else 0
+/// @return [bytes] before the line of the checksum if the checksum is correct; else 0
 static uint32_t checked(const char *text, uint32_t n)
 {
     uint32_t at = 0;
@@ -142,10 +142,10 @@ static uint32_t checked(const char *text, uint32_t n)
     return 0;
 }
 
-/// Take over a line about a parameter, or count why not.
-/// @param is_told  for each parameter, set when the line is about it
+/// Set a parameter from its line, or count the line as unknown or unfit.
+/// @param is_there  for each parameter: set when it has a line
 static void take_line(cam_param_store_found_t *found, const kept_line_t *line, cam_params_t *params,
-                      bool *is_told)
+                      bool *is_there)
 {
     uint32_t id = 0;
     while (id < (uint32_t)cam_n_params &&
@@ -160,21 +160,11 @@ static void take_line(cam_param_store_found_t *found, const kept_line_t *line, c
         found->n_unknown++;
         return;
     }
-    is_told[id] = true;
+    is_there[id] = true;
     const bool is_word = line->value >= INT32_MIN && line->value <= INT32_MAX;
     if (!is_word || cam_param_set(params, (cam_param_id_t)id, (int32_t)line->value) != cam_ok) {
         found->unfit = found->n_unfit == 0u ? (cam_param_id_t)id : found->unfit;
         found->n_unfit++;
-    }
-}
-
-static void count_missing(cam_param_store_found_t *found, const bool *is_told)
-{
-    for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
-        if (!is_told[id]) {
-            found->missing = found->n_missing == 0u ? (cam_param_id_t)id : found->missing;
-            found->n_missing++;
-        }
     }
 }
 
@@ -189,18 +179,23 @@ cam_param_store_found_t cam_param_store_read(const hal_params_t *kept, cam_param
             kept->size > 0u || kept->is_damaged ? cam_err_params_damaged : cam_err_params_none;
         return found;
     }
-    bool is_told[cam_n_params];
-    (void)memset(is_told, 0, sizeof is_told);
+    bool is_there[cam_n_params];
+    (void)memset(is_there, 0, sizeof is_there);
     uint32_t at = 0;
     while (at < n) {
         const kept_line_t line = line_at(&text[at], n - at);
         if (is_called(&line, version_name)) {
             found.version = (uint32_t)(uint64_t)line.value;
         } else if (line.n_name > 0u) {
-            take_line(&found, &line, params, is_told);
+            take_line(&found, &line, params, is_there);
         }
         at += line.n + 1u;
     }
-    count_missing(&found, is_told);
+    for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
+        if (!is_there[id]) {
+            found.missing = found.n_missing == 0u ? (cam_param_id_t)id : found.missing;
+            found.n_missing++;
+        }
+    }
     return found;
 }

@@ -7,7 +7,7 @@ void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_
     *r = (cam_rights_t){.port = *port,
                         .tick_hz = tick_hz,
                         .session = (uint8_t)(port->nonce & 0xFFu),
-                        .is_key_on = true, // until it is seen off: a key that was left on is no key
+                        .is_key_on = true, // a key left on does not unlock until it is seen off
                         .challenge_tick = 0u - tick_hz,
                         .noise = port->nonce};
 }
@@ -20,16 +20,6 @@ static void unlock(cam_rights_t *r, cam_level_t level, uint32_t tick)
     r->level_tick = tick;
 }
 
-/// A new session never has the number of the last one, nor 0.
-static void begin_session(cam_rights_t *r, uint8_t sender, uint32_t tick)
-{
-    r->commander = sender;
-    r->session = (uint8_t)(r->session % UINT8_MAX + 1u);
-    r->heard_tick = tick;
-    r->is_challenged = false;
-    cam_rights_lock(r);
-}
-
 cam_err_t cam_rights_take(cam_rights_t *r, uint8_t sender, bool is_over, uint32_t tick)
 {
     if (sender == 0u || sender > (uint8_t)cam_rights_most_sender) {
@@ -39,7 +29,11 @@ cam_err_t cam_rights_take(cam_rights_t *r, uint8_t sender, bool is_over, uint32_
         return cam_err_not_commander;
     }
     r->n_take_overs += r->commander != 0u ? 1u : 0u;
-    begin_session(r, sender, tick);
+    r->commander = sender;
+    r->session = (uint8_t)(r->session % UINT8_MAX + 1u); // neither 0 nor that of the last session
+    r->heard_tick = tick;
+    r->is_challenged = false;
+    cam_rights_lock(r);
     return cam_ok;
 }
 
@@ -61,21 +55,9 @@ void cam_rights_hear(cam_rights_t *r, uint32_t tick)
     r->noise = (r->noise ^ tick) * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
 }
 
-/// @return whether a time of some seconds is over
 static bool has_passed(const cam_rights_t *r, uint32_t from, uint32_t tick, uint32_t seconds)
 {
     return tick - from > seconds * r->tick_hz;
-}
-
-static bool lose_command(cam_rights_t *r, uint32_t tick)
-{
-    const bool is_lost =
-        r->commander != 0u && has_passed(r, r->heard_tick, tick, (uint32_t)cam_rights_patience_s);
-    if (is_lost) {
-        r->n_losses++;
-        cam_rights_release(r);
-    }
-    return is_lost;
 }
 
 // Level
@@ -85,8 +67,8 @@ void cam_rights_lock(cam_rights_t *r)
     r->level = cam_level_locked;
 }
 
-/// @param n_words  1 .. 3. Hashes of different lengths have nothing in common
-/// @return         first four bytes of the keyed BLAKE2b of some words, the lowest first
+/// @param n_words  1 .. 3; different lengths give unrelated hashes
+/// @return         first four bytes, the lowest first, of the words' keyed BLAKE2b
 static uint32_t keyed(const cam_rights_t *r, const uint32_t *words, uint32_t n_words)
 {
     enum { most_words = 3, word_bytes = 4, hash_bytes = 64 };
@@ -128,8 +110,7 @@ cam_err_t cam_rights_unlock(cam_rights_t *r, uint32_t answer, uint32_t tick)
     return cam_ok;
 }
 
-/// The key unlocks in the moment in which it is turned on, for whoever has command then, and locks
-/// when it is turned off. One that was left on unlocks nobody who comes later.
+/// Turning the key on unlocks the level for the present commander; turning it off locks it.
 static void watch_key(cam_rights_t *r, uint32_t inputs, uint32_t tick)
 {
     const bool was_on = r->is_key_on;
@@ -144,7 +125,12 @@ static void watch_key(cam_rights_t *r, uint32_t inputs, uint32_t tick)
 
 bool cam_rights_poll(cam_rights_t *r, uint32_t inputs, uint32_t tick)
 {
-    const bool is_lost = lose_command(r, tick);
+    const bool is_lost =
+        r->commander != 0u && has_passed(r, r->heard_tick, tick, (uint32_t)cam_rights_patience_s);
+    if (is_lost) {
+        r->n_losses++;
+        cam_rights_release(r);
+    }
     watch_key(r, inputs, tick);
     if (r->level != cam_level_locked &&
         has_passed(r, r->level_tick, tick, (uint32_t)cam_rights_level_s)) {

@@ -6,7 +6,7 @@
 #include "camturn.h"              // camturn_command_unpack
 #include <stddef.h>               // NULL
 
-/// Places of command and parameter in a frame. They are echoed even when the frame is too short.
+/// Offsets of command and parameter in a frame. They are echoed even if the frame is too short.
 enum { at_command, at_parameter, n_echoed };
 
 /// Frames that one call of cam_can_poll() reads at most.
@@ -14,8 +14,8 @@ enum { max_frames = 8 };
 
 // Answers
 
-/// Which signal carries the value depends on the command: all of them are set, and the generated
-/// pack function takes the one that belongs to the command.
+/// The command selects the signal that carries the value: all are set, and the generated pack
+/// function uses one.
 void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcome_t outcome)
 {
     const struct camturn_answer_t m = {
@@ -48,8 +48,8 @@ void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcom
     r->n_answers++;
 }
 
-/// Send the answers that still wait for room in the transmit queue.
-/// @return whether none is left
+/// Send the queued answers.
+/// @return whether all fitted the transmit queue
 static bool send_answers(cam_can_t *r)
 {
     while (r->n_answered < r->n_answers && hal_can_write(&r->answers[r->n_answered])) {
@@ -102,8 +102,8 @@ void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value
 
 // Commands
 
-/// Select the table and report it in a line of text, unless the error is of the moment only.
-static cam_err_t select_and_say(cam_can_t *r)
+/// Select the table and report it in a line of text, unless the error is temporary.
+static cam_err_t select_and_report(cam_can_t *r)
 {
     const cam_err_t err = cam_table_store_select(&r->store);
     if (!cam_table_store_is_of_moment(err)) {
@@ -112,8 +112,8 @@ static cam_err_t select_and_say(cam_can_t *r)
     return err;
 }
 
-/// Add to a refusal what helps the operator: when no table is selected the error of its check, when
-/// the speed is infeasible the highest feasible speed.
+/// Explain a refusal: without a table by the error of its check, of an infeasible speed by the
+/// highest feasible one.
 static cam_outcome_t explained(const cam_can_t *r, cam_err_t err)
 {
     if (err == cam_err_no_table) {
@@ -140,7 +140,7 @@ cam_outcome_t cam_can_begin_download(cam_can_t *r, uint32_t size, bool is_wave)
                                        : cam_table_store_begin(&r->store, size));
 }
 
-/// Carry out a command that has exactly one answer.
+/// Execute a command that has exactly one answer.
 static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
 {
     const cam_param_id_t id = (cam_param_id_t)m->parameter;
@@ -164,7 +164,7 @@ static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
     case CAMTURN_COMMAND_COMMAND_GET_MAXIMUM_CHOICE:
         return limit(id, false);
     case CAMTURN_COMMAND_COMMAND_SELECT_TABLE_CHOICE:
-        return cam_outcome(select_and_say(r));
+        return cam_outcome(select_and_report(r));
     case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
         return cam_can_begin_download(r, m->size, false);
     case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
@@ -174,7 +174,7 @@ static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
     }
 }
 
-/// Carry out a command and answer it. Setting a parameter may take several answers.
+/// Execute a command and answer it. Setting a parameter may take several answers.
 static void follow(cam_can_t *r, const struct camturn_command_t *m)
 {
     switch (m->command) {
@@ -202,8 +202,8 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
     }
 }
 
-/// Carry out a command whose sender may give it. What takes long keeps its commander as well: its
-/// next frame waits.
+/// Execute a command if its sender may give it. The commander counts as heard again at the end: a
+/// long command does not cost it command, though its next frame waits.
 static void give(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_rights_t *rights = &r->machine->rights;
@@ -221,7 +221,7 @@ static void give(cam_can_t *r, const struct camturn_command_t *m)
     rights->is_bus_calling = false;
 }
 
-/// Check the form of a command frame, then carry it out.
+/// Check the form of a command frame, then execute it.
 static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
 {
     struct camturn_command_t m = {.command = 0};
@@ -231,7 +231,7 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
         give(r, &m);
         return;
     }
-    // The frame is malformed: echo what has come, so that the sender can assign the answer.
+    // Echo the bytes of a malformed frame, so that its sender recognises the answer.
     uint8_t echo[n_echoed] = {0};
     for (uint32_t i = 0; i < n_echoed && i < frame->n; i++) {
         echo[i] = frame->data[i];
@@ -259,7 +259,7 @@ static cam_err_t store_block(cam_can_t *r, uint32_t n)
                                   n - cam_table_store_block_header);
 }
 
-/// Store a block that is complete, or report one that is lost.
+/// Store a complete block, or report a lost one.
 static void end_block(cam_can_t *r, cam_isotp_event_t event)
 {
     if (event != cam_isotp_nothing) {
@@ -270,8 +270,8 @@ static void end_block(cam_can_t *r, cam_isotp_event_t event)
     }
 }
 
-/// Send the flow control that the block transfer wants to send, if any.
-/// @return whether none is left waiting for room in the transmit queue
+/// Send a pending flow control.
+/// @return whether none is left
 static bool send_flow(cam_can_t *r)
 {
     hal_can_frame_t frame = {.id = CAMTURN_BLOCK_FLOW_FRAME_ID};
@@ -286,24 +286,18 @@ static bool send_flow(cam_can_t *r)
 
 // The loop
 
-/// @return whether a frame ends the piece of the recording that is being sent
-static bool ends_reading(const hal_can_frame_t *frame)
-{
-    const bool is_strobe =
-        frame->n > 0u && frame->data[at_command] == CAMTURN_COMMAND_COMMAND_STROBE_CHOICE;
-    return frame->id == CAMTURN_BLOCK_FRAME_ID ||
-           (frame->id == CAMTURN_COMMAND_FRAME_ID && !is_strobe);
-}
-
-/// @return false when something that must be sent found no room
+/// Take a frame. Any command but strobe, and any block, ends the piece of a recording that is being
+/// sent.
+/// @return false when a pending message did not fit
 static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick)
 {
-    if (ends_reading(frame)) {
-        r->reading.is_on = false;
-    }
     if (frame->id == CAMTURN_COMMAND_FRAME_ID) {
+        const bool is_strobe =
+            frame->n > 0u && frame->data[at_command] == CAMTURN_COMMAND_COMMAND_STROBE_CHOICE;
+        r->reading.is_on = r->reading.is_on && is_strobe;
         take_command(r, frame);
     } else if (frame->id == CAMTURN_BLOCK_FRAME_ID) {
+        r->reading.is_on = false;
         end_block(r, cam_isotp_receive(&r->isotp, frame, tick));
     } else {
         return true;
@@ -311,8 +305,8 @@ static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick
     return send_flow(r);
 }
 
-/// Go on with the piece of the recording that is being sent, and answer behind its end.
-static void go_on_reading(cam_can_t *r, uint32_t tick)
+/// Continue sending a piece of the recording, and answer after its end.
+static void continue_reading(cam_can_t *r, uint32_t tick)
 {
     const cam_scope_t *scope = &r->machine->scope;
     const cam_reading_event_t event = cam_reading_poll(&r->reading, scope, tick);
@@ -329,20 +323,19 @@ static void go_on_reading(cam_can_t *r, uint32_t tick)
 }
 
 /// Read frames until one needs an answer: at most one command or block per call.
-/// @return whether nothing waits for room in the transmit queue
+/// @return whether nothing waits for the transmit queue
 static bool serve(cam_can_t *r, uint32_t tick)
 {
     hal_can_frame_t frame;
     if (!send_answers(r) || !send_flow(r)) {
         return false;
     }
-    go_on_reading(r, tick);
-    bool goes_on = r->n_answers == 0u;
-    for (uint32_t i = 0; i < max_frames && goes_on && hal_can_read(&frame); i++) {
-        goes_on = take_frame(r, &frame, tick) && r->n_answers == 0u;
+    continue_reading(r, tick);
+    bool is_free = r->n_answers == 0u;
+    for (uint32_t i = 0; i < max_frames && is_free && hal_can_read(&frame); i++) {
+        is_free = take_frame(r, &frame, tick) && r->n_answers == 0u;
     }
-    // Without a frame that needs an answer, look whether the next frame of a block is overdue.
-    if (goes_on) {
+    if (is_free) { // check whether the next frame of a block is overdue
         end_block(r, cam_isotp_wait(&r->isotp, tick));
     }
     return send_answers(r);
@@ -357,7 +350,7 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine)
     cam_table_store_init(&r->store, machine);
     cam_log_text_start(&r->report.start);
     cam_log_text_params(machine);
-    (void)select_and_say(r);
+    (void)select_and_report(r);
     cam_log_text_scales(machine);
 }
 

@@ -2,23 +2,20 @@
 /// cam_can: remote control of a stand-alone controller: commands, status and downloads over CAN,
 /// and lines of text for people.
 ///
-/// The messages are those of can/camturn.dbc, packed and unpacked by functions that cantools
-/// generates from it; can/README.md describes their interplay. What this module adds:
+/// can/camturn.dbc defines the messages, cantools generates their pack and unpack functions from
+/// it, and can/README.md describes the protocol. In addition:
 ///
-/// Every frame with the id of commands is answered. `done` means that the command was accepted; the
-/// status shows the outcome. A frame whose length is not 8 is answered with cam_err_frame (missing
-/// bytes are echoed as 0), one whose sender does not command with cam_err_not_commander
-/// (cam_rights.h), an unknown command with cam_err_command. A value out of its range is answered
-/// three times: refusal, minimum, maximum. Frames with other ids are ignored. read_scope is
-/// answered behind the piece that it asks for (cam_reading.h); a command or a block that comes
-/// before ends the piece, without an answer; strobe alone, which is renewed all the time, does not.
-/// Answers that find no room in the transmit queue are kept, and
-/// nothing is read before they have been sent. When the bus falls silent, the
-/// heartbeats of the commander do, too: a second later the cut ends as by stop.
+/// - Every command frame is answered: with cam_err_frame if its length is not 8 (missing bytes are
+///   echoed as 0), with cam_err_not_commander if its sender does not have command (cam_rights.h),
+///   with cam_err_command if the command is unknown. Frames with other ids are ignored.
+/// - read_scope is answered after its piece (cam_reading.h). A command other than strobe, or a
+///   block, ends the piece without an answer.
+/// - Answers that do not fit the transmit queue are kept, and nothing is read until they are sent.
+/// - A silent bus also stops the commander's heartbeats: a second later the cut ends as by stop.
+/// - A table that fails its check does not keep the controller from starting. Enable is refused
+/// with
+///   the error of the check, which the status and a line of text report, until one is selected.
 ///
-/// A table that cannot be used does not keep the controller from starting. Enable is then refused
-/// with the error of its last check, which the status and a line of text report until a good table
-/// is selected.
 /// All functions: slow side, main() only.
 #ifndef CAM_CAN_H
 #define CAM_CAN_H
@@ -33,8 +30,7 @@
 #include <stdbool.h>         // bool
 #include <stdint.h>          // uint8_t, uint32_t
 
-/// A value out of its range gets the most answers.
-enum { cam_can_max_answers = 3 };
+enum { cam_can_max_answers = 3 }; ///< to a value out of its range: refusal, minimum, maximum
 
 /// State; made by cam_can_init().
 typedef struct {
@@ -46,24 +42,22 @@ typedef struct {
     uint8_t block[cam_table_store_block_header +
                   cam_table_store_block_bytes];   ///< message being received
     hal_can_frame_t answers[cam_can_max_answers]; ///< to the last command
-    uint32_t n_answers;                           ///< how many there are
-    uint32_t n_answered;                          ///< how many have been sent
+    uint32_t n_answers, n_answered;               ///< queued, and sent of these
     bool is_wave;                                 ///< blocks are of a wave, not of a table
-    uint8_t download_session; ///< that has begun the last download, of either kind
-    cam_reading_t reading;    ///< piece of the recording that is being sent
-    uint32_t strobe_tick;     ///< when the last message Strobe was sent
+    uint8_t download_session;                     ///< that began the last download, of either kind
+    cam_reading_t reading;                        ///< piece of the recording that is being sent
+    uint32_t strobe_tick;                         ///< when the last message Strobe was sent
 } cam_can_t;
 
-/// Take the table of hal_table_image() into use if it is good, and report in lines of text why the
-/// controller started and whether the table is in use.
+/// Put the table of hal_table_image() into use if it is good, and report start and table as text.
 /// @param machine  initialised, in state off; kept and used by cam_can_poll()
 /// Context: main(), before hal_tick_start(); lasts as long as cam_table_store_select().
 void cam_can_init(cam_can_t *r, cam_machine_t *machine);
 
-/// Carry out at most one command or store at most one block, send the status when it is due, and
-/// report at most one change of state, fault or table as a line of text.
-/// Context: main loop. Lasts as long as the command that is carried out (cam_table_store.h); a
-/// watchdog must allow for the check of a whole table.
+/// Execute at most one command or store at most one block, send the status when due, and report at
+/// most one change as a line of text.
+/// Context: main loop. A command may last as long as the check of a whole table
+/// (cam_table_store.h), for which a watchdog must allow.
 void cam_can_poll(cam_can_t *r);
 
 #endif

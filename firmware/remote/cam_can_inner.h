@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_can_inner: the topics of the commands over CAN, and what all of them use to answer.
+/// cam_can_inner: groups of CAN commands, private to this room.
 ///
-/// cam_can.c takes the commands of table, parameters and states, and offers every other one to the
-/// topics in turn. A topic is a file cam_can_TOPIC.c with one function of the name cam_can_TOPIC(),
-/// which answers a command of its own and returns true, or returns false. Nobody outside of this
-/// folder includes this header. Context: slow side, main() only.
+/// cam_can.c handles tables, single parameters and states and offers every other command to the
+/// groups in turn. cam_can_GROUP() in cam_can_GROUP.c answers a command of its own and returns
+/// true; otherwise it returns false. Context: slow side, main() only.
 #ifndef CAM_CAN_INNER_H
 #define CAM_CAN_INNER_H
 
@@ -14,13 +13,13 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // int32_t, uint8_t, uint32_t
 
-/// Result of a command with the value that its answer carries.
+/// Result of a command and the value of its answer.
 typedef struct {
     cam_err_t err;
     int32_t value;
 } cam_outcome_t;
 
-/// @return the outcome of a command whose answer carries no value
+/// @return an outcome without a value
 static inline cam_outcome_t cam_outcome(cam_err_t err)
 {
     return (cam_outcome_t){.err = err};
@@ -33,50 +32,45 @@ void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcom
 /// @param size  [bytes]
 cam_outcome_t cam_can_begin_download(cam_can_t *r, uint32_t size, bool is_wave);
 
-/// @return an error with the number of bytes that have been stored
+/// @return an error with the number of bytes stored
 cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err);
 
-/// Queue the smallest and the largest value of a parameter, behind the refusal of one beyond.
+/// Queue the smallest and the largest value of a parameter, after the refusal of another.
 void cam_can_answer_range(cam_can_t *r, cam_param_id_t id);
 
-/// Topic: all parameters at once, those that are kept, numbers of a refusal.
+/// Group: staged and stored parameters, fields of a refusal.
 bool cam_can_params(cam_can_t *r, const struct camturn_command_t *m);
 
-/// Set a parameter and answer with the value in force; a value out of its range gets
-/// the range too.
-void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value);
-
-/// Topic: what is changed while a part is cut, and the number of parts.
+/// Group: changes while a part is cut, and the number of parts.
 bool cam_can_cut(cam_can_t *r, const struct camturn_command_t *m);
 
-/// Topic: recorder, excitation and learning.
+/// Group: recorder, excitation and learning.
 bool cam_can_scope(cam_can_t *r, const struct camturn_command_t *m);
 
-/// Topic: samples of single ticks for a live picture.
+/// Group: samples of single ticks for a live picture.
 bool cam_can_strobe(cam_can_t *r, const struct camturn_command_t *m);
 
-/// Send a sample, at most cam_strobe_hz of them a second, fewer while a piece of a recording is
-/// sent. One that finds no room is tried again; the queue behind it drops what has no place.
+/// Send a sample, at most cam_strobe_hz a second, fewer while a piece of a recording is sent. One
+/// that does not fit is tried again; meanwhile the queue of samples may overflow and drop some.
 void cam_can_send_sample(cam_can_t *r, uint32_t tick);
 
-/// @return cam_ok when its sender may give a command; else why not, with who may
+/// @return cam_ok if the sender may give the command; else the error, with the commander's number
 cam_outcome_t cam_can_admit(const cam_can_t *r, const struct camturn_command_t *m);
 
-/// A frame came, or what it asked for is done: if it is of the session in force, its commander was
-/// heard.
+/// Note the commander as heard if a command is of the current session.
 void cam_can_hear(cam_can_t *r, const struct camturn_command_t *m);
 
-/// Topic: who has command, and the level.
+/// Group: command and level.
 bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m);
 
-/// @return whether the download that was begun last is of another session than the one in force
+/// @return whether the last download was begun by another session than the current one
 bool cam_can_is_foreign_download(const cam_can_t *r);
 
-/// Topic: axes by hand, homes, datum and tools.
+/// Group: jogging, homing, datum and tools.
 bool cam_can_jog(cam_can_t *r, const struct camturn_command_t *m);
 
-/// Set a parameter by a command and answer with the value in force; a value out of its range gets
-/// the range too.
+/// Set a parameter and answer with the value in force; a value out of its range also gets the
+/// range.
 void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value);
 
 #endif

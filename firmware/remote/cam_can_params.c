@@ -23,8 +23,8 @@ static int64_t field_of(const cam_refusal_t *last, uint32_t field)
     }
 }
 
-/// Tell a field of the last refusal, saturated.
-static cam_outcome_t tell_refusal(const cam_machine_t *machine, uint32_t field)
+/// @return a field of the last refusal, saturated
+static cam_outcome_t get_refusal(const cam_machine_t *machine, uint32_t field)
 {
     if (field >= (uint32_t)cam_n_refusals) {
         return cam_outcome(cam_err_param_id);
@@ -76,7 +76,7 @@ bool cam_can_params(cam_can_t *r, const struct camturn_command_t *m)
         outcome = with_version(machine, cam_machine_revert_params(machine));
         break;
     case CAMTURN_COMMAND_COMMAND_GET_REFUSAL_CHOICE:
-        outcome = tell_refusal(machine, m->parameter);
+        outcome = get_refusal(machine, m->parameter);
         break;
     default:
         return false;

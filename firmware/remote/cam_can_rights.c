@@ -2,14 +2,14 @@
 #include "cam_can_inner.h"
 #include "cam_machine_rights.h" // cam_machine_take_command
 
-/// What a command asks of its sender.
+/// Right that a command requires.
 typedef enum {
-    right_none,     ///< it reads, or stops what moves
-    right_command,  ///< the session in force
-    right_unlocked, ///< ... and the unlocked level
+    right_none,     ///< reading, and stop
+    right_command,  ///< the current session
+    right_unlocked, ///< the current session in the unlocked level
 } right_t;
 
-/// A command that is not in this list needs command.
+/// @return the right that a command requires: command unless it is listed
 static right_t right_of(uint8_t command)
 {
     switch (command) {
@@ -93,7 +93,7 @@ bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m)
     case CAMTURN_COMMAND_COMMAND_RELEASE_COMMAND_CHOICE:
         cam_machine_release_command(r->machine);
         break;
-    case CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE: // to be heard is all that it is for
+    case CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE: // cam_can_hear() does all
         break;
     case CAMTURN_COMMAND_COMMAND_GET_CHALLENGE_CHOICE:
         outcome = challenge(r);

@@ -4,12 +4,6 @@
 #include "cam_machine_scope.h"    // cam_machine_scope_start
 #include "cam_reading.h"          // cam_reading_begin
 
-static cam_outcome_t excite(cam_can_t *r, const struct camturn_command_t *m)
-{
-    const cam_wave_verdict_t verdict = cam_machine_excite(r->machine, m->periods, m->fade);
-    return (cam_outcome_t){.err = verdict.err, .value = verdict.value};
-}
-
 /// @return a field of the recorder with a given error
 static cam_outcome_t get_scope(const cam_can_t *r, uint32_t field, cam_err_t err)
 {
@@ -27,11 +21,12 @@ static cam_outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t e
     return outcome;
 }
 
-/// Carry out a command that has exactly one answer, or find that it is of no command of this topic.
+/// @return outcome of a command with one answer; cam_err_command: not of this group
 static cam_outcome_t carry_out_here(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
     const uint32_t index = m->parameter;
+    cam_wave_verdict_t verdict;
     switch (m->command) {
     case CAMTURN_COMMAND_COMMAND_SET_SCOPE_CHOICE:
         return get_scope(r, index, cam_machine_scope_set(machine, index, m->value));
@@ -49,7 +44,8 @@ static cam_outcome_t carry_out_here(cam_can_t *r, const struct camturn_command_t
     case CAMTURN_COMMAND_COMMAND_END_WAVE_CHOICE:
         return cam_can_received(r, cam_machine_wave_end(machine, m->crc));
     case CAMTURN_COMMAND_COMMAND_EXCITE_CHOICE:
-        return excite(r, m);
+        verdict = cam_machine_excite(machine, m->periods, m->fade);
+        return (cam_outcome_t){.err = verdict.err, .value = verdict.value};
     case CAMTURN_COMMAND_COMMAND_KEEP_ALIVE_CHOICE:
         cam_machine_keep_alive(machine);
         return cam_outcome(cam_ok);
@@ -62,7 +58,7 @@ static cam_outcome_t carry_out_here(cam_can_t *r, const struct camturn_command_t
     }
 }
 
-/// Begin to send a piece of the recording; the answer follows it.
+/// Begin sending a piece of the recording; the answer follows it.
 static void read_scope(cam_can_t *r, const struct camturn_command_t *m)
 {
     const uint32_t tick = cam_machine_status(r->machine).tick;

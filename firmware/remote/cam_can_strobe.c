@@ -4,8 +4,9 @@
 #include "cam_machine_scope.h" // cam_machine_strobe
 #include <stddef.h>            // NULL
 
-/// [Hz] messages while a piece of a recording is sent, whose own take more than half of the bus.
-enum { beside_reading_hz = 125 };
+/// [Hz] messages while a piece of a recording is sent, which itself takes more than half of the
+/// bus.
+enum { during_reading_hz = 125 };
 
 bool cam_can_strobe(cam_can_t *r, const struct camturn_command_t *m)
 {
@@ -25,11 +26,11 @@ bool cam_can_strobe(cam_can_t *r, const struct camturn_command_t *m)
     return true;
 }
 
-/// @return whether the last message is so long ago that the bus has room for another one
+/// @return whether the rate allows another message
 static bool is_due(const cam_can_t *r, uint32_t tick)
 {
     const uint32_t rate_hz =
-        r->reading.is_on ? (uint32_t)beside_reading_hz : (uint32_t)cam_strobe_hz;
+        r->reading.is_on ? (uint32_t)during_reading_hz : (uint32_t)cam_strobe_hz;
     return (uint64_t)(tick - r->strobe_tick) * rate_hz >= r->machine->tick_hz;
 }
 

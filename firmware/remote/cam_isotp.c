@@ -12,7 +12,7 @@ enum { frame_bytes = 8, longest_short = 4095, shortest_first = 8 };
 /// First byte of a flow control.
 enum { flow_go_on = 0x30, flow_overflow = 0x32 };
 
-/// Append received bytes to the message, at most as many as it still lacks.
+/// Append received bytes to the message, up to its length.
 static void append(cam_isotp_t *t, const uint8_t *bytes, uint32_t most)
 {
     const uint32_t left = t->length - t->n;
@@ -36,15 +36,15 @@ static cam_isotp_event_t begin_single(cam_isotp_t *t, const hal_can_frame_t *fra
     return cam_isotp_message;
 }
 
-/// Let a flow control be sent, which allows the sender the next block of frames.
+/// Request a flow control, which permits the sender's next block of frames.
 static void ask_for_block(cam_isotp_t *t)
 {
     t->n_block = cam_isotp_block_size;
     t->has_flow = true;
 }
 
-/// Take the first frame of a longer message. Its length has 12 bits, or 32 bits when these are 0;
-/// behind either form follow the first bytes of the message.
+/// Take the first frame of a longer message. The length has 12 bits, or 32 bits if these are 0; the
+/// first bytes of the message follow it.
 static cam_isotp_event_t begin_long(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t tick)
 {
     const uint8_t *d = frame->data;
@@ -60,12 +60,12 @@ static cam_isotp_event_t begin_long(cam_isotp_t *t, const hal_can_frame_t *frame
     t->n = 0;
     t->next = 1;
     t->last_tick = tick;
-    // A message beyond the capacity is refused by its flow control and otherwise ignored.
+    // A message beyond the capacity is refused by its flow control.
     t->is_too_long = length > t->capacity;
     t->is_receiving = !t->is_too_long;
     ask_for_block(t);
     if (t->is_receiving) {
-        uint32_t at = 6; // of the first byte behind the length
+        uint32_t at = 6; // first byte after the length
         if (brief != 0u) {
             at = 2;
         }
@@ -74,8 +74,8 @@ static cam_isotp_event_t begin_long(cam_isotp_t *t, const hal_can_frame_t *frame
     return cam_isotp_nothing;
 }
 
-/// Take a consecutive frame.
-static cam_isotp_event_t go_on(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t tick)
+static cam_isotp_event_t take_consecutive(cam_isotp_t *t, const hal_can_frame_t *frame,
+                                          uint32_t tick)
 {
     const uint32_t left = t->length - t->n;
     const uint32_t due = left < frame_bytes - 1u ? left : frame_bytes - 1u;
@@ -86,7 +86,7 @@ static cam_isotp_event_t go_on(cam_isotp_t *t, const hal_can_frame_t *frame, uin
         t->is_receiving = false;
         return cam_isotp_broken;
     }
-    // Bytes behind the end of the message are padding; append() leaves them out.
+    // append() drops the padding after the end of the message.
     append(t, &frame->data[1], frame_bytes - 1u);
     t->next = (t->next + 1u) % 16u;
     t->last_tick = tick;
@@ -112,7 +112,7 @@ cam_isotp_event_t cam_isotp_receive(cam_isotp_t *t, const hal_can_frame_t *frame
     case first:
         return begin_long(t, frame, tick);
     case consecutive:
-        return go_on(t, frame, tick);
+        return take_consecutive(t, frame, tick);
     default:
         return cam_isotp_nothing; // flow control, reserved
     }

@@ -9,8 +9,8 @@
 ///     consecutive frame  2s  up to seven bytes; s counts 1, 2, .. 15, 0, ..
 ///
 /// A consecutive frame that is out of order or late (N_Cr) ends the message. A single or first
-/// frame begins a new message, even while another one is being received. Any other frame that does
-/// not fit is ignored, as the standard demands. Context of all functions: slow side.
+/// frame begins a new message even while another is being received. Other unexpected frames are
+/// ignored, as the standard demands. Context of all functions: slow side.
 #ifndef CAM_ISOTP_H
 #define CAM_ISOTP_H
 
@@ -21,7 +21,7 @@
 /// Consecutive frames between two flow controls: half of what the smallest port queues.
 enum { cam_isotp_block_size = 8 };
 
-/// What a frame or the passing of time has led to.
+/// Event caused by a frame or a timeout.
 typedef enum {
     cam_isotp_nothing, ///< the message is not complete, or the frame was ignored
     cam_isotp_message, ///< bytes[0 .. length - 1] is complete
@@ -30,8 +30,8 @@ typedef enum {
 
 /// State. The owner sets bytes, capacity and timeout_ticks; all other members begin as zero.
 typedef struct {
-    uint8_t *bytes;         ///< where the message is put together
-    uint32_t capacity;      ///< [bytes] of that place
+    uint8_t *bytes;         ///< buffer of the message
+    uint32_t capacity;      ///< [bytes] of the buffer
     uint32_t timeout_ticks; ///< [ticks] N_Cr: longest wait for a consecutive frame
     uint32_t length;        ///< [bytes] of the message
     uint32_t n;             ///< [bytes] of it that have been received
@@ -48,14 +48,13 @@ typedef struct {
 /// @return      cam_isotp_message when it completes a message, cam_isotp_broken when it ends one
 cam_isotp_event_t cam_isotp_receive(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t tick);
 
-/// Let time pass without a frame.
+/// Check the timeout when no frame has come.
 /// @param tick  [ticks] time, wraps
 /// @return      cam_isotp_broken when the next frame is overdue
 cam_isotp_event_t cam_isotp_wait(cam_isotp_t *t, uint32_t tick);
 
-/// Ask for the flow control that is to be sent.
-/// @param frame  result, all but its id
-/// @return       whether there is one; once it has been sent, call cam_isotp_flow_sent()
+/// @param frame  result: the flow control to be sent, all but its id
+/// @return       whether there is one; after sending it call cam_isotp_flow_sent()
 bool cam_isotp_flow(const cam_isotp_t *t, hal_can_frame_t *frame);
 
 /// Note that the flow control has been sent.

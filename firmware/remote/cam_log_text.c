@@ -11,7 +11,7 @@ typedef struct {
     uint32_t n;
 } line_t;
 
-/// Append text; what does not fit is cut off.
+/// Append text; the line is cut off at max_line.
 static void add(line_t *line, const char *text)
 {
     for (const char *at = text; *at != '\0' && line->n < max_line; at++) {
@@ -44,7 +44,7 @@ void cam_log_text_start(const hal_start_t *start)
     say("start: ", reason, start->why[0] != '\0' ? ": " : "", start->why);
 }
 
-/// Write a number behind a text.
+/// Append a number.
 static void add_number(line_t *line, uint32_t number)
 {
     static const char digits[] = "0123456789";
@@ -60,9 +60,7 @@ static void add_number(line_t *line, uint32_t number)
     add(line, &text[at]);
 }
 
-/// Report that of the kept parameters some are not used as they are.
-/// @param n     how many; 0: nothing is reported
-/// @param name  of the first
+/// Report n stored parameters that are not used, by the name of the first, unless n is 0.
 static void say_some(uint32_t n, const char *name, const char *what)
 {
     line_t line = {.n = 0};
@@ -107,7 +105,7 @@ static void add_nm(line_t *line, uint32_t pm)
     add(line, " nm");
 }
 
-/// Append what an axis resolves.
+/// Append resolution and speed of an axis.
 static void add_axis(line_t *line, const char *name, const hal_axis_scale_t *scale)
 {
     add(line, name);
@@ -123,8 +121,8 @@ static void add_axis(line_t *line, const char *name, const hal_axis_scale_t *sca
     }
 }
 
-/// Say what follows for the form of the part.
-static void say_reach(const cam_machine_t *machine)
+/// Report the form error that the resolution costs.
+static void say_form_error(const cam_machine_t *machine)
 {
     const cam_table_t *table = machine->has_table ? &machine->table : NULL;
     line_t line = {.n = 0};
@@ -158,12 +156,12 @@ void cam_log_text_scales(const cam_machine_t *machine)
     }
     if (line.n > 0u) {
         hal_text(line.text);
-        say_reach(machine);
+        say_form_error(machine);
     }
 }
 
-/// Append whose table it is. That nobody signed it is news only where somebody could have.
-static void add_trust(line_t *line, const cam_signature_check_t *trust)
+/// Append who signed the table; "not signed" only if the port names keys.
+static void add_signature(line_t *line, const cam_signature_check_t *trust)
 {
     static const char digits[] = "0123456789abcdef";
     static const char *const kinds[cam_signature_check_signed + 1] = {
@@ -190,7 +188,7 @@ void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
         add(&line, "table: ");
         add(&line, store->machine->table.name);
         add(&line, " in use");
-        add_trust(&line, &store->machine->signature);
+        add_signature(&line, &store->machine->signature);
         hal_text(line.text);
     } else {
         say("table: ", cam_err_text(store->err),
@@ -198,18 +196,7 @@ void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
     }
 }
 
-/// Report the first of the faults that have not been reported.
-static void say_fault(cam_log_text_t *l, uint32_t unreported)
-{
-    uint32_t i = 0;
-    while ((unreported >> i & 1u) == 0u) {
-        i++;
-    }
-    say("fault ", cam_fault_name((cam_fault_t)i), ": ", cam_fault_text((cam_fault_t)i));
-    l->faults |= UINT32_C(1) << i;
-}
-
-/// Report a change of command: the first of a take-over, a loss and another commander.
+/// Report a change of command: a loss first, then the new commander.
 static void say_command(cam_log_text_t *l, const cam_rights_t *now)
 {
     line_t line = {.n = 0};
@@ -231,14 +218,14 @@ static void say_command(cam_log_text_t *l, const cam_rights_t *now)
         add_number(&line, l->commander);
     }
     hal_text(line.text);
-    // Who took it after a loss is told next.
+    // The next call reports who took command after a loss.
     l->commander = is_lost ? 0u : now->commander;
     l->n_losses = now->n_losses;
     l->n_take_overs = now->n_take_overs;
 }
 
-/// Report a change of who commands, or of the level. @return whether there was one
-static bool say_rights(cam_log_text_t *l, const cam_rights_t *now)
+/// Report a change of command, or else of the level.
+static void say_rights(cam_log_text_t *l, const cam_rights_t *now)
 {
     static const char *const levels[3] = {[cam_level_locked] = "locked",
                                           [cam_level_key] = "unlocked by the key switch",
@@ -246,14 +233,10 @@ static bool say_rights(cam_log_text_t *l, const cam_rights_t *now)
     if (l->commander != now->commander || l->n_losses != now->n_losses ||
         l->n_take_overs != now->n_take_overs) {
         say_command(l, now);
-        return true;
-    }
-    if (l->level != now->level) {
+    } else if (l->level != now->level) {
         l->level = now->level;
         say("level: ", levels[now->level], "", "");
-        return true;
     }
-    return false;
 }
 
 void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, cam_err_t err,
@@ -286,8 +269,13 @@ void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_
         l->state = status->state;
         say("state ", cam_state_name(status->state), "", "");
     } else if (unreported != 0u) {
-        say_fault(l, unreported);
+        uint32_t i = 0;
+        while ((unreported >> i & 1u) == 0u) {
+            i++;
+        }
+        say("fault ", cam_fault_name((cam_fault_t)i), ": ", cam_fault_text((cam_fault_t)i));
+        l->faults |= UINT32_C(1) << i;
     } else {
-        (void)say_rights(l, &store->machine->rights);
+        say_rights(l, &store->machine->rights);
     }
 }

@@ -5,7 +5,8 @@
 #include "hal/hal.h"   // hal_can_write
 #include <string.h>    // memcpy
 
-/// Bytes of a message behind its number; messages of one poll at most, after a bus that was full.
+/// Bytes of a message after its number; most messages of one poll, which catches up after a full
+/// bus.
 enum { part_bytes = 7, fd_part_bytes = 63, most_per_poll = 8 };
 
 static uint32_t part_of(const cam_reading_t *r)
@@ -36,7 +37,7 @@ cam_err_t cam_reading_begin(cam_reading_t *r, const cam_scope_t *scope, uint32_t
     return cam_ok;
 }
 
-/// Copy bytes of the piece, which may lie on both sides of the end of the recorder's ring.
+/// Copy bytes of the piece, which may wrap around the end of the recorder's ring.
 static void copy(const cam_reading_t *r, const cam_scope_t *scope, uint32_t at, uint8_t *to,
                  uint32_t n)
 {

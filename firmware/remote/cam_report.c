@@ -26,16 +26,16 @@ enum {
     page_rights
 };
 
-/// Characters of the table's name in a page. Readers see them as one number of 48 bits.
+/// Characters of the table's name in a page, where they form one number of 48 bits.
 enum { name_chars = 6 };
 
 _Static_assert((page_learning - page_name) * name_chars >= cam_table_name_size, "the whole name");
 
-/// States have the same numbers in camturn.dbc and here; a test compares all the other words.
+// Spot check of the state numbers; test_can_messages.py compares all names.
 _Static_assert(CAMTURN_STATE_STATE_FAULT_CHOICE == cam_state_fault,
                "camturn.dbc is of other sources");
 
-/// Send a packed frame of n bytes; without room it is lost.
+/// Send a packed frame of n bytes; it is dropped if it does not fit.
 static void send(hal_can_frame_t *frame, uint32_t id, int n)
 {
     frame->id = id;
@@ -43,7 +43,7 @@ static void send(hal_can_frame_t *frame, uint32_t id, int n)
     (void)hal_can_write(frame);
 }
 
-/// Send the message State: a bit for each fault, and why the controller is as it is.
+/// Send the message State.
 static void send_state(const cam_report_t *r, const cam_table_store_t *store,
                        const cam_status_t *status)
 {
@@ -61,8 +61,7 @@ static void send_state(const cam_report_t *r, const cam_table_store_t *store,
     send(&frame, CAMTURN_STATE_FRAME_ID, camturn_state_pack(frame.data, &m, sizeof frame.data));
 }
 
-/// @return [turn / 2^32] drawing's angle before the tool; the firmware's own counts in the sense of
-/// cutting
+/// @return [turn / 2^32] drawing's angle at the tool; the firmware counts in the sense of cutting
 static uint32_t drawing_angle_q32(const cam_machine_t *m, const cam_status_t *status)
 {
     const uint32_t theta_q32 = (uint32_t)(uint64_t)status->pos_q32;
@@ -96,27 +95,8 @@ static uint32_t tick_time(uint32_t cycles, uint32_t units_per_s, uint32_t most)
     return time < most ? (uint32_t)time : most;
 }
 
-/// @return [ns] the longest interrupt
-static uint32_t longest_tick_ns(void)
-{
-    return tick_time(hal_load().max_cycles, 1000000000u, UINT32_MAX);
-}
-
-/// @return memory errors that the hardware corrected, saturated
-static uint32_t memory_errors(void)
-{
-    const uint32_t n = hal_load().n_corrected;
-    return n < 0xFFFFFFu ? n : 0xFFFFFFu;
-}
-
-/// Add up the durations of the interrupts. The main loop runs after most of them.
-static void watch_load(cam_report_t *r)
-{
-    r->load_cycles += hal_load().last_cycles;
-    r->n_loads++;
-}
-
-/// Fill in the signals of the pass's progress, the mean interrupt and the live picture's samples.
+/// Fill in the signals about the progress of the pass, the mean interrupt, and samples of the live
+/// picture.
 static void describe_progress(struct camturn_detail_t *m, const cam_report_t *r,
                               const cam_machine_t *machine)
 {
@@ -144,7 +124,7 @@ static uint64_t name_part(const char *name, uint32_t part)
     return chars;
 }
 
-/// Fill in the signals that describe the table; without a table they stay 0.
+/// Fill in the signals about the table; without a table they stay 0.
 static void describe_table(struct camturn_detail_t *m, const cam_table_store_t *store)
 {
     const cam_table_t *table = &store->machine->table;
@@ -164,7 +144,7 @@ static void describe_table(struct camturn_detail_t *m, const cam_table_store_t *
     m->table_name_5 = chars;
 }
 
-/// Fill in the signals that describe the learning.
+/// Fill in the signals about learning.
 static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
     enum { most = (1 << 24) - 1 };
@@ -193,15 +173,7 @@ static void describe_params(struct camturn_detail_t *m, const cam_machine_t *mac
     m->params_checksum = p.checksum;
 }
 
-/// Fill in the signals about the recorder and the black box.
-static void describe_recorder(struct camturn_detail_t *m, const cam_scope_t *scope)
-{
-    m->recorder_use = (uint8_t)scope->use;
-    m->recorder_phase = (uint8_t)scope->phase;
-    m->recorder_faults = scope->faults;
-}
-
-/// Fill in the signals about who may command.
+/// Fill in the signals about command and level.
 static void describe_rights(struct camturn_detail_t *m, const cam_machine_t *machine,
                             const cam_status_t *status)
 {
@@ -215,9 +187,9 @@ static void describe_rights(struct camturn_detail_t *m, const cam_machine_t *mac
     m->acknowledge_left = (uint8_t)(s.button_left_s & 0xFFu);
 }
 
-/// Fill in the signals that describe what is done by hand.
-static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machine,
-                          const cam_status_t *status)
+/// Fill in the signals about jogging and homing.
+static void describe_jog(struct camturn_detail_t *m, const cam_machine_t *machine,
+                         const cam_status_t *status)
 {
     const uint32_t homed = status->jog.homed;
     const int64_t x_nm = (int64_t)status->x_actual_nm -
@@ -236,21 +208,20 @@ static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machi
     m->tool = (uint8_t)((uint32_t)machine->params.tool & 0xFFu);
 }
 
-/// Fill in the signals that tell what the operator has changed.
-static void describe_changes(struct camturn_detail_t *m, const cam_machine_t *machine)
+/// Fill in the signals about the operator's changes, the pass and the recorder.
+static void describe_cut(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
+    const uint32_t n_passes = machine->has_table ? machine->table.n_passes : 0u;
     m->override_of_feed = (uint32_t)machine->params.feed_override_ppm;
     m->override_of_spindle = (uint32_t)machine->params.spindle_override_ppm;
     m->trim_of_x = machine->params.x_trim_nm;
     m->is_held = machine->is_held ? 1u : 0u;
     m->parts_cut = machine->n_parts;
-}
-
-/// @return number of the pass that is cut or that start cuts next; 0 of a table without passes
-static uint8_t pass_of(const cam_machine_t *m)
-{
-    const bool has_passes = m->has_table && m->table.n_passes > 0u;
-    return has_passes ? (uint8_t)((m->pass + 1u) & 0xFFu) : 0u;
+    m->pass = n_passes > 0u ? (uint8_t)((machine->pass + 1u) & 0xFFu) : 0u;
+    m->passes = (uint8_t)(n_passes & 0xFFu);
+    m->recorder_use = (uint8_t)machine->scope.use;
+    m->recorder_phase = (uint8_t)machine->scope.phase;
+    m->recorder_faults = machine->scope.faults;
 }
 
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the
@@ -268,70 +239,50 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .is_estop = (status->inputs & hal_in_estop) != 0u ? 1u : 0u,
         .is_drive_ready = (status->inputs & hal_in_drive_ready) != 0u ? 1u : 0u,
         .is_bus_lost = (status->inputs & hal_in_bus_lost) != 0u ? 1u : 0u,
-        .pass = pass_of(store->machine),
-        .passes =
-            (uint8_t)(store->machine->has_table ? store->machine->table.n_passes & 0xFFu : 0u),
         .tick_rate = store->machine->tick_hz,
         .late_ticks = status->n_late,
     };
-    m.tick_time_max = page == page_load ? longest_tick_ns() : 0u;
-    m.memory_errors = memory_errors();
+    if (page == page_load) {
+        m.tick_time_max = tick_time(hal_load().max_cycles, 1000000000u, UINT32_MAX);
+    }
+    const uint32_t n_corrected = hal_load().n_corrected;
+    m.memory_errors = n_corrected < 0xFFFFFFu ? n_corrected : 0xFFFFFFu;
     describe_table(&m, store);
     describe_learning(&m, store->machine);
     describe_params(&m, store->machine);
-    describe_recorder(&m, &store->machine->scope);
-    describe_hand(&m, store->machine, status);
-    describe_changes(&m, store->machine);
+    describe_jog(&m, store->machine, status);
+    describe_cut(&m, store->machine);
     describe_progress(&m, r, store->machine);
     describe_rights(&m, store->machine, status);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }
 
-/// The rate holds on average. Periods during which the main loop did not come here are skipped.
 void cam_report_send(cam_report_t *r, const cam_table_store_t *store, const cam_status_t *status)
 {
-    static const uint8_t turns[] = {page_load,
-                                    page_rate,
-                                    page_table,
-                                    page_crc,
-                                    page_name,
-                                    6,
-                                    7,
-                                    8,
-                                    9,
-                                    10,
-                                    page_learning,
-                                    12,
-                                    13,
-                                    14,
-                                    15,
-                                    page_hand,
-                                    17,
-                                    page_changes,
-                                    page_changes + 1,
-                                    page_params,
-                                    page_recorder,
-                                    page_progress,
-                                    page_pace,
-                                    page_rights};
+    // clang-format off
+    static const uint8_t pages[] = {
+        page_load, page_rate, page_table, page_crc, page_name, 6, 7, 8, 9, 10,
+        page_learning, 12, 13, 14, 15, page_hand, 17, page_changes, page_changes + 1,
+        page_params, page_recorder, page_progress, page_pace, page_rights};
+    // clang-format on
     const uint32_t period = store->machine->tick_hz / status_hz;
-    watch_load(r);
+    r->load_cycles += hal_load().last_cycles; // the main loop runs after most interrupts
+    r->n_loads++;
     if (status->tick - r->status_tick < period) {
         return;
     }
-    // Adding the period keeps the rate on average; after a pause of more than a period the count
-    // starts anew.
+    // Adding the period keeps the average rate; a pause of more than a period restarts the count.
     r->status_tick += period;
     if (status->tick - r->status_tick >= period) {
         r->status_tick = status->tick;
     }
-    r->i_page = r->i_page + 1u < sizeof turns ? r->i_page + 1u : 0u;
+    r->i_page = r->i_page + 1u < sizeof pages ? r->i_page + 1u : 0u;
     send_state(r, store, status);
     send_motion(store, status);
     send_detail(page_motion, r, store, status);
-    send_detail(turns[r->i_page], r, store, status);
-    if (turns[r->i_page] == (uint8_t)page_pace) {
+    send_detail(pages[r->i_page], r, store, status);
+    if (pages[r->i_page] == (uint8_t)page_pace) {
         r->load_cycles = 0;
         r->n_loads = 0;
     }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_report: the status that the controller sends unasked: messages State, Spindle, AxisU and
-/// Detail of can/camturn.dbc, every 10 ms.
+/// cam_report: the cyclic status: messages State, Spindle, AxisU and Detail of can/camturn.dbc.
 ///
-/// The 10 ms are counted in ticks, so without ticks there is no status. Of Detail, page 0 is sent
-/// every time and one of the other pages in turn. A frame that finds no room is lost; the next one
-/// has the newer values. All functions: slow side, main() only.
+/// Sent every 10 ms, counted in ticks, so without ticks there is no status. Of Detail, page 0 is
+/// sent each time, and the other pages in turn. A frame that does not fit the transmit queue is
+/// dropped. All functions: slow side, main() only.
 #ifndef CAM_REPORT_H
 #define CAM_REPORT_H
 
@@ -17,9 +16,9 @@
 typedef struct {
     hal_start_t start;    ///< why the controller started
     uint32_t status_tick; ///< [ticks] when the last status was due
-    uint32_t i_page;      ///< of the pages of Detail, the last one that was sent in turn
-    uint64_t load_cycles; ///< of the interrupts that were looked at since page 24 was sent
-    uint32_t n_loads;     ///< how many these were
+    uint32_t i_page;      ///< last page of Detail that was sent in turn
+    uint64_t load_cycles; ///< of the interrupts sampled since page 24 was sent
+    uint32_t n_loads;     ///< how many were sampled
 } cam_report_t;
 
 /// Send the status if it is due.

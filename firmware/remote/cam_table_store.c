@@ -13,9 +13,9 @@ void cam_table_store_init(cam_table_store_t *s, cam_machine_t *machine)
 
 // Select
 
-/// Select the table in the place in use. The place may be larger than the image; its size is then
-/// taken from its header. When that cannot be right, the whole place is offered, and
-/// cam_table_check() finds what is wrong.
+/// Select the table in the slot in use. The slot may be larger than the image, whose header then
+/// gives the size. If that size is impossible, the whole slot is offered, and cam_table_check()
+/// finds the error.
 static cam_err_t select_in_place(cam_machine_t *m)
 {
     const hal_image_t place = hal_table_image();
@@ -34,8 +34,8 @@ static cam_err_t select_in_place(cam_machine_t *m)
     return cam_machine_select_table(m, place.bytes, size);
 }
 
-/// Make the place of the download the one in use. Before, the table is judged as it will be when it
-/// is taken: behind this step nothing may refuse it.
+/// Make the slot of the download the one in use. The table is checked first, as nothing may refuse
+/// it afterwards.
 static cam_err_t take_downloaded(cam_table_store_t *s)
 {
     cam_err_t err = cam_machine_may_exchange(s->machine);
@@ -45,8 +45,8 @@ static cam_err_t take_downloaded(cam_table_store_t *s)
     if (err != cam_ok) {
         return err;
     }
-    // If the port could not, the download stays due: otherwise the next select would take the old
-    // table without a word.
+    // After a failure the download stays pending, so that the next select does not silently take
+    // the old table.
     s->is_checked = !hal_table_commit();
     return s->is_checked ? cam_err_download_store : cam_ok;
 }
@@ -61,13 +61,13 @@ cam_err_t cam_table_store_select(cam_table_store_t *s)
 {
     cam_err_t err = s->is_checked ? take_downloaded(s) : cam_ok;
     if (err != cam_ok) {
-        return err; // the table in use stays, and what is known of it
+        return err; // the table in use and the result of its check stay
     }
     err = select_in_place(s->machine);
     if (!cam_table_store_is_of_moment(err)) {
         s->err = err;
     }
-    // The generation counts selects that succeeded, so that a tool can see its own.
+    // Counting successful selects lets a tool recognise its own.
     s->generation += err == cam_ok ? 1u : 0u;
     return err;
 }
@@ -80,8 +80,8 @@ cam_err_t cam_table_store_begin(cam_table_store_t *s, uint32_t size)
     if (err != cam_ok) {
         return err;
     }
-    // After a commit that no select has followed, the machine still uses the table in the place
-    // that would be emptied.
+    // After a commit without a select, the machine still uses the table in the slot that would be
+    // erased.
     if (s->machine->has_table && s->machine->table.image != hal_table_image().bytes) {
         return cam_err_state;
     }
@@ -93,13 +93,6 @@ cam_err_t cam_table_store_begin(cam_table_store_t *s, uint32_t size)
     s->size = size;
     s->received = 0;
     return s->is_open ? cam_ok : cam_err_download_room;
-}
-
-/// @return whether the block is stored already: it is sent again when its acknowledgement was lost
-static bool is_there(const cam_table_store_t *s, uint32_t offset, const uint8_t *bytes, uint32_t n)
-{
-    const uint8_t *staged = (const uint8_t *)hal_table_staged().bytes;
-    return offset + n <= s->received && memcmp(&staged[offset], bytes, n) == 0;
 }
 
 cam_err_t cam_table_store_block(cam_table_store_t *s, const uint8_t *block, uint32_t n)
@@ -117,8 +110,9 @@ cam_err_t cam_table_store_block(cam_table_store_t *s, const uint8_t *block, uint
     if (offset > s->size || n_bytes > s->size - offset) {
         return cam_err_download_room;
     }
-    if (is_there(s, offset, bytes, n_bytes)) {
-        return cam_ok;
+    const uint8_t *staged = (const uint8_t *)hal_table_staged().bytes;
+    if (offset + n_bytes <= s->received && memcmp(&staged[offset], bytes, n_bytes) == 0) {
+        return cam_ok; // sent again because its acknowledgement was lost
     }
     const bool is_whole = n_bytes % hal_table_grain == 0u || offset + n_bytes == s->size;
     if (offset != s->received || !is_whole) {
@@ -144,7 +138,7 @@ cam_err_t cam_table_store_end(cam_table_store_t *s, uint32_t crc)
     if (s->received < s->size) {
         return cam_err_download_short;
     }
-    // Whatever the check finds, this download takes no further blocks.
+    // A download takes no further blocks, even if its check fails.
     s->is_open = false;
     const hal_image_t staged = hal_table_staged();
     if (cam_crc32(0, staged.bytes, s->size) != crc) {

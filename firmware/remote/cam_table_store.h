@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_table_store: the places of tables: take the table of the place in use into use, and download
-/// a new one into the other place.
+/// cam_table_store: the two slots for tables: one is in use, the other takes a download.
 ///
 ///     begin(size) -> block, block, .. -> end(crc) -> select
 ///
-/// Only the last step touches the table in use, and only when the new one is complete: its bytes
-/// are the ones that were sent (CRC-32), and cam_signature_check_table() finds it good. Any error
-/// before, or a new begin, leaves the old table in force. All steps need the state off or ready, in
-/// which no tick reads a table; in ready the new table must turn in the same sense and be feasible.
-/// All functions: slow side, main() only.
+/// Only select replaces the table in use, and only by a download that is complete (CRC-32) and
+/// passed cam_signature_check_table(). Any error before, or a new begin, leaves the old table in
+/// force. All steps need the state off or ready, in which no tick reads a table; in ready the new
+/// table must also turn in the same sense and be feasible. All functions: slow side, main() only.
 #ifndef CAM_TABLE_STORE_H
 #define CAM_TABLE_STORE_H
 
@@ -22,7 +20,7 @@ enum {
     cam_table_store_block_bytes = 4096, ///< [bytes] of the image in a block, at most
 };
 
-/// @return the little-endian word at some bytes, as of the offset of a block
+/// @return the little-endian word at some bytes, such as the offset of a block
 static inline uint32_t cam_table_store_word(const uint8_t *bytes)
 {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
@@ -44,19 +42,15 @@ typedef struct {
 /// @param machine  initialised; kept
 void cam_table_store_init(cam_table_store_t *s, cam_machine_t *machine);
 
-/// Take a table into use: the downloaded one if it is complete; otherwise
-/// the one in the place in use, which is checked anew.
-/// @return as cam_machine_select_table(); cam_err_no_table when the place is empty;
-///         cam_err_download_store when the port could not keep the downloaded table: the old one
-///         then stays in force, and every further select tries again until one succeeds or a new
-///         download begins
-/// Context: lasts as long as cam_signature_check_table() takes for the image, and for a download
-/// also as long as hal_table_commit().
+/// Put a table into use: a complete download, else the table of the slot in use, checked again.
+/// @return as cam_machine_select_table(); cam_err_no_table if the slot is empty;
+///         cam_err_download_store if the port could not store the download: the old table stays in
+///         force, and every further select tries again until a new download begins
+/// Context: lasts as long as cam_signature_check_table() and, after a download, hal_table_commit().
 CAM_MUST_USE cam_err_t cam_table_store_select(cam_table_store_t *s);
 
-/// @return whether an error of cam_table_store_select() is due to the moment (state, busy, store),
-/// so that
-///         it says nothing about the table
+/// @return whether an error of cam_table_store_select() is temporary (state, busy, store), not the
+///         result of the table's check
 bool cam_table_store_is_of_moment(cam_err_t err);
 
 /// Begin a download: empty the other place. What was downloaded before is lost.

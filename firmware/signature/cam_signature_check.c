@@ -5,7 +5,7 @@
 #include "monocypher.h" // crypto_eddsa_check_equation
 #include <string.h>     // memcmp, memcpy
 
-/// The field's prime is 2^255 - 19: what is written of a coordinate beyond it ends in ones.
+/// The field's prime is 2^255 - 19, so a coordinate beyond it is all ones but for its lowest bits.
 static bool is_beyond_prime(const uint8_t *key)
 {
     bool are_ones = (key[cam_signature_check_key_size - 1] & 0x7Fu) == 0x7Fu && key[0] >= 0xEDu;
@@ -17,7 +17,7 @@ static bool is_beyond_prime(const uint8_t *key)
 
 bool cam_signature_check_is_weak(const uint8_t *key)
 {
-    // R = 0, s = 0: 0 B = R + 8 A holds for the eight points alone of which 8 A is 0.
+    // R = 0, s = 0: 0 B = R + 8 A holds only for the eight points A with 8 A = 0.
     uint8_t signature[64] = {0};
     uint8_t eight[32] = {0};
     signature[0] = 1;
@@ -25,8 +25,7 @@ bool cam_signature_check_is_weak(const uint8_t *key)
     return is_beyond_prime(key) || crypto_eddsa_check_equation(signature, key, eight) == 0;
 }
 
-/// @return the trusted key that has this id, NULL: none. Two keys with one id cannot be made, as
-/// long as SHA-512 holds; the first of them would count.
+/// @return the trusted key with this id; NULL: none
 static const uint8_t *key_of(const hal_trust_t *trust, const uint8_t *id)
 {
     for (uint32_t i = 0; i < trust->n_keys; i++) {
@@ -60,8 +59,8 @@ bool cam_signature_check_is_signed_by(const uint8_t *key, const void *bytes, siz
     return crypto_eddsa_check_equation(signature, key, h_ram) == 0;
 }
 
-/// Judge the block behind an image.
-static cam_err_t judge(const hal_trust_t *trust, const uint8_t *image, size_t image_size)
+/// Check the signature block that follows an image.
+static cam_err_t check_block(const hal_trust_t *trust, const uint8_t *image, size_t image_size)
 {
     const uint8_t *block = &image[image_size];
     if (!cam_signature_block_is_sound(block, image_size)) {
@@ -94,7 +93,7 @@ cam_err_t cam_signature_check_table(const void *image, size_t size, cam_table_t 
     if (trust.is_required && (!has_block || trust.n_keys == 0u)) {
         err = trust.n_keys == 0u ? cam_err_sign_no_keys : cam_err_sign_none;
     } else if (has_block) {
-        err = judge(&trust, image, table->image_size);
+        err = check_block(&trust, image, table->image_size);
     } else {
         return cam_ok;
     }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_signature_check: which tables a controller takes, by the signature behind their image.
+/// cam_signature_check: acceptance of tables by the signature that follows their image.
 ///
-/// The port names the public keys that it trusts, and whether a signature is required
-/// (hal_trust()). A table is judged wherever it could come into force: at the end of a download,
-/// when it is selected, and at the start.
+/// The port names its trusted public keys and whether a signature is required (hal_trust()). A
+/// table is checked at the end of a download, when it is selected, and at the start.
 ///
 ///     signature         required           optional, with keys   no keys
 ///     none              refused            unsigned              unsigned
@@ -11,9 +10,8 @@
 ///     of another key    refused            refused               unchecked
 ///     wrong             refused            refused               unchecked
 ///
-/// Required without keys refuses every table. A weak key signs for everybody and is therefore no
-/// trusted key, whoever named it: a table that names it is refused as of another key. Ed25519 (RFC
-/// 8032) by Monocypher.
+/// If signatures are required but no keys are named, every table is refused. A weak key, for which
+/// anybody can sign, is never trusted, even if the port names it. Ed25519 (RFC 8032) by Monocypher.
 #ifndef CAM_SIGNATURE_CHECK_H
 #define CAM_SIGNATURE_CHECK_H
 
@@ -26,42 +24,40 @@
 
 enum { cam_signature_check_key_size = 32 }; ///< [bytes] of a public key
 
-/// What is known of who made a table.
+/// Signature state of an accepted table.
 typedef enum {
     cam_signature_check_unsigned,  ///< it has no signature
     cam_signature_check_unchecked, ///< it has one, but the port names no keys to check it against
     cam_signature_check_signed,    ///< a trusted key signed exactly these bytes
 } cam_signature_check_kind_t;
 
-/// The verdict about a table that is not refused.
+/// Verdict on an accepted table.
 typedef struct {
     cam_signature_check_kind_t kind;
-    uint8_t
-        key_id[cam_signature_block_id_size]; ///< of the key that signed, or says so; 0: unsigned
+    uint8_t key_id[cam_signature_block_id_size]; ///< of the key that the block names; 0: unsigned
 } cam_signature_check_t;
 
 /// @param key        32 bytes, a public key of Ed25519
 /// @param bytes      n bytes that were signed
 /// @param signature  64 bytes
-/// @return           whether the signature is that of this key over these bytes. RFC 8032, 5.1.7
+/// @return           whether the signature is valid for this key and these bytes. RFC 8032, 5.1.7
 /// Context: slow side.
 bool cam_signature_check_is_signed_by(const uint8_t *key, const void *bytes, size_t n,
                                       const uint8_t *signature);
 
 /// @param key  32 bytes, any
-/// @return     whether this is no honest public key: a point of small order, among them the key of
-///             zeros, for which signatures can be made up without any secret, or a coordinate
-///             beyond the field's prime, which nobody writes who makes keys
+/// @return     whether it is a point of small order, such as the key of zeros, for which signatures
+///             can be forged, or has a coordinate beyond the field's prime
 /// Source: RFC 8032, 5.1.3. Context: slow side.
 bool cam_signature_check_is_weak(const uint8_t *key);
 
 /// Check an image and the signature behind it.
-/// @param image    `size` bytes of any content; must stay unchanged while *table is used
+/// @param image    `size` bytes of any content
 /// @param table    as of cam_table_check()
 /// @param verdict  filled on success, zeroed otherwise
 /// @return         cam_ok, an error of cam_table_check(), or cam_err_sign_*
-/// Context: slow side; as long as cam_table_check(), and with a signature that is checked the hash
-/// of all bytes and one verification more (TABLE_FORMAT.md, "Signature", says how long).
+/// Context: slow side; cam_table_check() and, with a signature to check, a hash of all bytes and
+/// one verification (TABLE_FORMAT.md, "Signature", gives times).
 CAM_MUST_USE cam_err_t cam_signature_check_table(const void *image, size_t size, cam_table_t *table,
                                                  cam_signature_check_t *verdict);
 

@@ -24,7 +24,7 @@ static rest_t rest_of(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
         .c3 = 10 * dp - 4 * dv + da, .c4 = -15 * dp + 7 * dv - 2 * da, .c5 = 6 * dp - 3 * dv + da};
 }
 
-/// The last coefficient of a segment is the first one of the next, so it is left to that.
+// The last coefficient of a segment is the first one of the next segment, which adds it.
 void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
     const int64_t from = 10 * k0->p;
@@ -40,9 +40,9 @@ void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_k
     widen(&b->twice, 2 * k1->v - k1->a);
 }
 
-/// The second derivative is f(t) = 2 a + 6 c3 t + 12 c4 t^2 + 20 c5 t^3, evaluated at t = k / 32.
-/// Between two of these places it leaves the straight line by at most d^2 / 8 |f''| with d = 1/32,
-/// that is by 1/8192 of f''. As f'' is linear in t, it is largest at an end of the interval.
+// f(t) = 2 a + 6 c3 t + 12 c4 t^2 + 20 c5 t^3, evaluated at t = k / 32. In between it deviates from
+// the chord by at most d^2 / 8 |f''| = |f''| / 8192 with d = 1/32; f'' is linear in t and therefore
+// largest at an end of the interval.
 void cam_bounds_add_second(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
     const rest_t c = rest_of(k0, k1);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_bounds: bounds of a quintic of the table and of its derivatives, between the knots too.
+/// cam_bounds: bounds of a table's quintics and of their derivatives, between the knots too.
 ///
-/// Value and first derivative lie between their Bernstein coefficients. The second derivative is
-/// evaluated at 32nds of every interval, and a bound of what lies between them is added. Source:
+/// Value and first derivative are bounded by their Bernstein coefficients. The second derivative is
+/// evaluated at 32nds of every interval, and the largest deviation between them is added. Source:
 /// MATHS.md (51); Farouki, "The Bernstein polynomial basis: a centennial retrospective", CAGD 29
 /// (2012). Context: slow side.
 #ifndef CAM_BOUNDS_H
@@ -16,25 +16,24 @@ typedef struct {
     int64_t p, v, a;
 } cam_wide_knot_t;
 
-/// Largest magnitudes found so far, in the LSB of the knots and per knot interval; begin with
-/// zeros. They are scaled so that no division is needed before all segments have been added.
+/// Largest magnitudes so far, in the LSB of the knots and per knot interval; starts with zeros.
+/// Scaled so that no segment needs a division.
 typedef struct {
     int64_t tenfold;     ///< value, times 10
     int64_t twice;       ///< first derivative, times 2
     int64_t second_8192; ///< second derivative, times 8192
 } cam_bounds_t;
 
-/// Widen the bounds of value and first derivative by the quintic between two knots. At worst a
-/// bound is 8/3 of the true maximum; where the knots follow a smooth function it is a few per cent
-/// above.
+/// Widen the bounds of value and first derivative by the quintic between two knots. A bound is at
+/// most 8/3 of the true maximum, a few per cent above it where the knots follow a smooth function.
 void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1);
 
-/// Widen the bound of the second derivative by the quintic between two knots. It is within 1 % of
-/// the true maximum, even beside a knot at which the third derivative jumps.
+/// Widen the bound of the second derivative by the quintic between two knots: within 1 % of the
+/// true maximum, even next to a knot at which the third derivative jumps.
 void cam_bounds_add_second(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1);
 
 /// @param i  index of a knot of a channel over angle, counted over all slices
-/// @return   index of the next knot of the same slice; behind the last one comes the first
+/// @return   index of the next knot of the same slice; the first follows the last
 uint32_t cam_bounds_next(const cam_channel_t *ch, uint32_t i);
 
 #endif

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_channel: what a table consists of once it has been checked: knots, channels, bounds.
+/// cam_channel: a checked table: knots, channels, bounds. cam_table_check() fills it in.
 ///
-/// Types only; cam_table_check() fills them in. The format of the image is TABLE_FORMAT.md. "cam"
-/// is the name of this project; a part whose lobes are turned is called a lobe here, any other part
-/// (a piston, a ring) a skirt.
+/// Source: TABLE_FORMAT.md. "cam" is the name of this project; a part with cam lobes is called a
+/// lobe here, any other part (a piston, a ring) a skirt.
 #ifndef CAM_CHANNEL_H
 #define CAM_CHANNEL_H
 
@@ -34,8 +33,8 @@ enum {
 /// below 16 * 2^25 = 2^29 and a difference of two slices below 2^30, so int32 holds both.
 #define CAM_TABLE_SUM_MAX ((INT32_C(1) << 25) - 1)
 
-/// A knot: value and two derivatives at one place, all in the LSB of the channel. h is the distance
-/// to the next knot. Two neighbouring knots define the quintic between them.
+/// A knot: value and two derivatives in the LSB of the channel. h is the distance to the next knot.
+/// Two neighbouring knots define the quintic between them.
 typedef struct {
     int32_t p; ///< value
     int32_t v; ///< first derivative * h
@@ -57,47 +56,46 @@ typedef struct {
     int32_t value_offset;       ///< [unit of the channel] value at p = 0
 } cam_channel_t;
 
-/// A lobe of a table whose slices are patterns, as the image holds it: where it sits on the shaft
-/// and which pattern it plays.
+/// A lobe, as the image holds it: its position on the shaft and the pattern that it plays.
 typedef struct {
     int32_t z_first_nm, z_last_nm; ///< [nm]
     uint32_t phase_q32;            ///< [turn / 2^32] spindle angle at which the pattern begins
     uint32_t pattern;              ///< slice of all channels over angle
-    uint32_t changes_per_nm_q48;   ///< [changes/nm / 2^48] reciprocal of the height over which the
-                                   ///< lift falls to 0 above the lobe, and rises below the next
+    uint32_t changes_per_nm_q48;   ///< [1/nm / 2^48] reciprocal of the height over which the lift
+                                   ///< falls to 0 above the lobe and rises below the next one
 } cam_lobe_t;
 
 /// A pass, as the image holds it.
 typedef struct {
-    int32_t allowance_nm;  ///< [nm] stock on the radius that it leaves
-    uint32_t feed_nm;      ///< [nm] feed per turn, with a way its mean
+    int32_t allowance_nm;  ///< [nm] stock that it leaves on the radius
+    uint32_t feed_nm;      ///< [nm] feed per turn; its mean with a way
     uint32_t spindle_mrpm; ///< [r/min / 1000]
     uint32_t reserved;     ///< 0
 } cam_pass_t;
 
 /// Upper bounds of the motion that a table demands of the tool's swing, at full amplitude.
 typedef struct {
-    uint32_t most_mdeg;          ///< [degrees / 1000] angle to either side
-    uint32_t first_mdeg_per_rad; ///< [degrees / 1000 / rad] |swing'|: speed over spindle speed
-    uint32_t
-        second_mdeg_per_rad2; ///< [degrees / 1000 / rad2] |swing''|: acceleration over its square
+    uint32_t most_mdeg;            ///< [degrees / 1000] angle to either side
+    uint32_t first_mdeg_per_rad;   ///< [degrees / 1000 / rad] |swing'|: speed over spindle speed
+    uint32_t second_mdeg_per_rad2; ///< [degrees / 1000 / rad2] |swing''|
 } cam_swing_peaks_t;
 
-/// Upper bounds of how a channel changes from slice to slice, in the unit of the channel. They
-/// bound what the feed along Z adds to the motion.
+/// Upper bounds of a channel's change from slice to slice, in the unit of the channel: they bound
+/// the motion that the feed along Z adds.
 typedef struct {
     uint32_t most;    ///< difference of two neighbouring slices at the same angle
     uint32_t per_rad; ///< [1/rad] difference of their slopes over the angle
-    uint32_t kink;    ///< by how much the difference jumps where one slice ends
+    uint32_t kink;    ///< jump of the difference at a slice
 } cam_change_t;
 
-/// Places at which the set-point of a speed loop is bounded: k^2 / 128 rad, up to 8.
+/// Speed times time constant at which the set-point of a speed loop is bounded: k^2 / 128 rad,
+/// up to 8.
 enum { cam_spindle_demand_places = 33, cam_spindle_demand_per_rad = 128 };
 
-/// What a speed channel demands of the spindle's speed loop (cam_spindle_demand.h).
+/// Demand of a speed channel on the spindle's speed loop (cam_spindle_demand.h).
 typedef struct {
     uint32_t fall_ppm_per_rad; ///< [1e-6 / rad] largest -r': bandwidth over mean speed
-    uint32_t set_q20[cam_spindle_demand_places]; ///< [2^-20] largest r + c r r' at these places c
+    uint32_t set_q20[cam_spindle_demand_places]; ///< [2^-20] largest r + c r r' at these c
     uint32_t rise_q20;                           ///< [2^-20 / rad] largest r r'
 } cam_spindle_demand_t;
 
@@ -107,8 +105,8 @@ typedef struct {
     cam_channel_t x;                 ///< long half axis
     cam_channel_t speed;             ///< speed ratio; knots == NULL: the speed is uniform
     cam_channel_t angle;             ///< of a lobe: normal at the contact; knots == NULL: a skirt
-    cam_channel_t way;               ///< how far Z is ahead of a plain helix; knots == NULL: 0
-    bool has_stations;               ///< Z may stand; x and lobes are found by the plain helix
+    cam_channel_t way;               ///< lead of Z over a plain helix; knots == NULL: 0
+    bool has_stations;               ///< Z may stand; x and lobes are found on the plain helix
     const cam_pass_t *passes;        ///< in the order of cutting; NULL: one, as the header has it
     uint32_t n_passes;               ///< 1 .. 16; 0 without passes
     const cam_lobe_t *lobes;         ///< rising; NULL: slices are heights, not patterns
@@ -122,10 +120,10 @@ typedef struct {
     char name[cam_table_name_size];  ///< printable ASCII, zero-terminated
     int32_t z_first_nm, z_last_nm;   ///< [nm] range of heights that every channel serves
     int32_t direction;               ///< +1 (M3) or -1: sense of the spindle while cutting
-    uint32_t spindle_mrpm;           ///< [r/min / 1000] spindle speed that the part asks for
+    uint32_t spindle_mrpm;           ///< [r/min / 1000] the part's spindle speed
     uint32_t feed_nm;                ///< [nm] feed per turn
     uint32_t depth_nm;               ///< [nm] depth of cut at the long axis
-    uint32_t limit_u_stroke_nm;      ///< [nm] peak to peak; limit_*: of the machine it was made for
+    uint32_t limit_u_stroke_nm;      ///< [nm] peak to peak; limit_*: of the intended machine
     uint32_t limit_u_speed_um_per_s; ///< [um/s]
     uint32_t limit_u_acceleration_mm_per_s2; ///< [mm/s2]
     uint32_t limit_spindle_mrpm;             ///< [r/min / 1000] highest spindle speed
@@ -134,7 +132,7 @@ typedef struct {
     uint32_t u2_peak_nm_per_rad2;        ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
     uint32_t spindle_peak_ppm_per_rad;   ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
     uint32_t ratio_max_q20;              ///< [2^-20] bound of the ratio r, between the knots too
-    cam_spindle_demand_t spindle_demand; ///< what the speed demands of the spindle's loop
+    cam_spindle_demand_t spindle_demand; ///< demand of speed on the spindle's loop
     int32_t x_min_nm, x_max_nm;          ///< [nm] bounds of x, between the knots too
     uint32_t x_slope_ppm;                ///< [1e-6] largest |dX/dZ|, measured by the check
     uint32_t x_bend_ppm_per_m;           ///< [1e-6 / m] largest |d2X/dZ2|, measured too
@@ -152,12 +150,11 @@ static inline bool cam_table_is_lobe(const cam_table_t *table)
     return table->angle.knots != NULL;
 }
 
-/// How far the surface rises above u = 0: a lobe above its base circle, a skirt above the radius
-/// about which its u swings. While engaging, the tool is at u = 0 before the amplitude has risen,
-/// so a tool out of the work has to be this much further away. It is taken at 1.25, the largest
-/// amplitude that the parameter allows. A bound of -1 nm is one of 0, rounded down.
-/// @return [nm] 0 where no u is below 0
-/// Context: slow side.
+/// While engaging, the tool is at u = 0 before the amplitude rises, so a tool out of the work has
+/// to be further away by the rise of the surface above u = 0: of a lobe above its base circle, of a
+/// skirt above the radius about which its u swings.
+/// @return [nm] that rise at 1.25, the largest amplitude; 0 where no u is below -1 (0, rounded
+/// down) Context: slow side.
 static inline int32_t cam_table_rise_nm(const cam_table_t *table)
 {
     return table->u_min_nm < -1 ? -(table->u_min_nm + table->u_min_nm / 4) : 0;

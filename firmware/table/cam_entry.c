@@ -6,8 +6,8 @@
 
 /// Limits that the arithmetic of the evaluation relies on.
 enum {
-    max_u_offset_nm = (1 << 23) - 1, // in units of 2^-8 nm it fits int32
-    max_frac_bits = 8,               // 2^-8 nm is finer than any axis; every shift has room for it
+    max_u_offset_nm = (1 << 23) - 1, // fits int32 in units of 2^-8 nm
+    max_frac_bits = 8,               // 2^-8 nm is finer than any axis; no shift overflows
     min_ratio = CAM_TABLE_RATIO_ONE / 16,
     max_ratio = CAM_TABLE_RATIO_ONE * 4,
 };
@@ -27,15 +27,15 @@ bool cam_entry_is_in_unit(const cam_entry_t *e, cam_extent_t values)
     return !is_angle || (values.low >= -CAM_TABLE_ANGLE_MAX && values.high <= CAM_TABLE_ANGLE_MAX);
 }
 
-/// @return [unit] the range that the entry allows its knots, rounded outwards
-static cam_extent_t allowed(const cam_entry_t *e)
+/// @return [unit] the range from p_min to p_max, rounded outwards
+static cam_extent_t knot_range(const cam_entry_t *e)
 {
     const int64_t below_one = (INT64_C(1) << e->frac_bits) - 1;
     return (cam_extent_t){(int64_t)e->value_offset + (e->p_min >> e->frac_bits),
                           e->value_offset + ((e->p_max + below_one) >> e->frac_bits)};
 }
 
-/// Check the fields of the entry, each by itself.
+/// Check each field of the entry by itself.
 static cam_err_t check_shape(const cam_entry_t *e)
 {
     const bool is_u = e->kind == cam_kind_u;
@@ -51,7 +51,7 @@ static cam_err_t check_shape(const cam_entry_t *e)
         e->v_max <= CAM_TABLE_SUM_MAX && e->a_max <= CAM_TABLE_SUM_MAX &&
         (!is_u || cam_is_between(e->value_offset, -max_u_offset_nm, max_u_offset_nm)) &&
         cam_is_between(e->value_offset, -cam_entry_max_height_nm, cam_entry_max_height_nm) &&
-        cam_entry_is_in_unit(e, allowed(e));
+        cam_entry_is_in_unit(e, knot_range(e));
     return is_sound ? cam_ok : cam_err_image_channel;
 }
 
@@ -72,47 +72,34 @@ cam_err_t cam_entry_check_layout(const cam_entry_t *e, uint64_t bytes, const cam
     return is_sound ? cam_ok : cam_err_image_layout;
 }
 
-/// @return [bytes] of the knots of an entry
-static uint64_t bytes_of(const cam_entry_t *e)
-{
-    return ((uint64_t)e->n_slices << e->log2_knots) * sizeof(cam_knot_t);
-}
-
-/// Patterns are found by their number, not by their height: they belong to the whole table.
-static bool is_pattern_place(const cam_entry_t *e, const cam_entry_place_t *in)
-{
-    return e->z_first_nm == in->z_first_nm && e->z_last_nm == in->z_last_nm &&
-           e->slices_per_nm_q48 == 0u;
-}
-
-/// Check the range of heights, the spacing of the slices, and that the stored reciprocal of the
-/// spacing is the one that follows from them.
+/// Check the range of heights, the spacing of the slices and its stored reciprocal. Patterns of
+/// lobes are found by their number and have the heights of the whole table.
 static cam_err_t check_heights(const cam_entry_t *e, const cam_entry_place_t *in)
 {
-    const int64_t span_nm = (int64_t)e->z_last_nm - e->z_first_nm;
     if (in->has_lobes && cam_entry_is_over_angle(e)) {
-        return is_pattern_place(e, in) ? cam_ok : cam_err_image_height;
+        const bool is_pattern = e->z_first_nm == in->z_first_nm && e->z_last_nm == in->z_last_nm &&
+                                e->slices_per_nm_q48 == 0u;
+        return is_pattern ? cam_ok : cam_err_image_height;
     }
-    const bool is_sound =
-        cam_is_between(e->z_first_nm, -cam_entry_max_height_nm / 2, in->z_first_nm) &&
-        cam_is_between(e->z_last_nm, in->z_last_nm, cam_entry_max_height_nm / 2);
-    if (!is_sound) {
+    if (!cam_is_between(e->z_first_nm, -cam_entry_max_height_nm / 2, in->z_first_nm) ||
+        !cam_is_between(e->z_last_nm, in->z_last_nm, cam_entry_max_height_nm / 2)) {
         return cam_err_image_height;
     }
+    const int64_t span_nm = (int64_t)e->z_last_nm - e->z_first_nm;
     const uint64_t n = e->n_slices - 1u;
     const bool is_spaced = (uint64_t)span_nm >= n * 65537u && (uint64_t)span_nm <= n * 16777216u;
     const uint64_t per_nm_q48 = ((n << 48) + (uint64_t)span_nm / 2u) / (uint64_t)span_nm;
     return is_spaced && per_nm_q48 == e->slices_per_nm_q48 ? cam_ok : cam_err_image_height;
 }
 
-/// @return whether the evaluation cannot overflow by this sum or member of a knot
+/// @return whether a sum or a member of a knot keeps the evaluation from overflowing
 static bool is_bounded(int64_t sum)
 {
     return sum <= CAM_TABLE_SUM_MAX;
 }
 
-/// Check the three sums of TABLE_FORMAT.md ("The bound"), in 64 bits. The knots themselves have
-/// been bounded before, so nothing overflows here.
+/// Check the three sums of TABLE_FORMAT.md ("The bound"). The knots are already bounded, so 64 bits
+/// hold them.
 static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
 {
     const int64_t p = cam_abs_i64(k0->p);
@@ -129,7 +116,7 @@ static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
            is_bounded(2 * a + 6 * c3 + 12 * c4 + 20 * c5);
 }
 
-/// Check a knot against the bounds of the arithmetic, then against those that the entry promises.
+/// Check a knot against the bounds of the arithmetic, then against those of the entry.
 static cam_err_t check_knot(const cam_entry_t *e, const cam_knot_t *k)
 {
     const int64_t v = cam_abs_i64(k->v);
@@ -142,9 +129,8 @@ static cam_err_t check_knot(const cam_entry_t *e, const cam_knot_t *k)
     return is_in_limits ? cam_ok : cam_err_image_limits;
 }
 
-/// Check every knot and the segment behind it. Over the angle a segment leads to the next knot of
-/// the same slice, cyclically; over height alone it leads to the next slice, and the last knot has
-/// none.
+/// Check every knot and the segment from it to the next one: over angle the next knot of the same
+/// slice, cyclically; over height alone that of the next slice.
 static cam_err_t check_knots(const cam_entry_t *e, const cam_channel_t *ch)
 {
     const bool is_around = cam_entry_is_over_angle(e);
@@ -166,7 +152,8 @@ cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in, uin
 {
     cam_err_t err = check_shape(e);
     if (err == cam_ok) {
-        err = cam_entry_check_layout(e, bytes_of(e), in, used);
+        const uint64_t n_knots = (uint64_t)e->n_slices << e->log2_knots;
+        err = cam_entry_check_layout(e, n_knots * sizeof(cam_knot_t), in, used);
     }
     if (err == cam_ok) {
         err = check_heights(e, in);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_entry: one channel of an image, checked: its entry in the directory and its knots.
+/// cam_entry: check of one channel of an image: its entry in the directory and its knots.
 ///
-/// Used by cam_table_check() only. Context of all functions: slow side.
-/// Source: TABLE_FORMAT.md, "Channel entry", "Knots", "The bound that makes overflow impossible".
+/// Used by cam_table_check() only. Context of all functions: slow side. Source: TABLE_FORMAT.md,
+/// "Channel entry", "Knots", "The bound that makes overflow impossible".
 #ifndef CAM_ENTRY_H
 #define CAM_ENTRY_H
 
@@ -12,77 +12,72 @@
 #include <stdbool.h>     // bool
 #include <stdint.h>      // uint32_t, int32_t
 
-/// What a channel describes, as stored in its entry.
+/// Kind of a channel, as stored in its entry.
 enum {
     cam_kind_u = 1,       ///< radius reduction over angle and height
     cam_kind_x = 2,       ///< long half axis over height
     cam_kind_speed = 3,   ///< speed ratio of the spindle over angle and height
-    cam_kind_swing = 4,   ///< of a lobe: angle by which the tool swings, over angle and height
-    cam_kind_contact = 5, ///< of a lobe: angle of the contact on the wheel, reported, not played
-    cam_kind_lobes = 6,   ///< where the lobes sit on the shaft and which slice each of them plays
-    cam_kind_way = 7,     ///< how far Z is ahead of a plain helix, over the helix's height
+    cam_kind_swing = 4,   ///< lobe: swing angle of the tool over angle and height
+    cam_kind_contact = 5, ///< lobe: angle of the contact on the wheel, reported, not played
+    cam_kind_lobes = 6,   ///< position of each lobe on the shaft and the slice it plays
+    cam_kind_way = 7,     ///< lead of Z over a plain helix, over the helix's height
     cam_kind_passes = 8,  ///< records of the passes in which the part is cut
+    cam_kind_newer = 6,   ///< kinds from here on need version 1.1
 };
 
-/// Kinds from here on are those of version 1.1.
-enum { cam_kind_newer = 6 };
-
 enum {
-    cam_entry_align = 32,                 ///< [bytes] a channel begins at a multiple of this
+    cam_entry_align = 32,                 ///< [bytes] alignment of a channel in the image
     cam_entry_max_height_nm = 2000000000, ///< [nm] heights and their differences fit int32
 };
 
-/// A channel entry, its fields in the order of the image.
+/// A channel entry, in the order of the image.
 typedef struct {
     uint32_t kind;       ///< cam_kind_*
     uint32_t offset;     ///< [bytes] of the first knot from the start of the image
     uint32_t size;       ///< [bytes] of all knots
     uint32_t n_slices;   ///< 2 .. 4096
-    uint32_t log2_knots; ///< of a pattern: 2 .. 12; x: 0
+    uint32_t log2_knots; ///< over angle: 2 .. 12; x and way: 0
     uint32_t log2_repeat, frac_bits;
     int32_t z_first_nm, z_last_nm;
     uint32_t slices_per_nm_q48;
     int32_t value_offset;        ///< [unit of the channel] value at p = 0
     int32_t p_min, p_max;        ///< [LSB] bounds of p of all knots
-    uint32_t v_max, a_max, path; ///< [LSB] bounds of |v| and |a|; path of a geared Z, x and way
+    uint32_t v_max, a_max, path; ///< [LSB] bounds of |v| and |a|; path: TABLE_FORMAT.md
 } cam_entry_t;
 _Static_assert(sizeof(cam_entry_t) == cam_table_entry_size, "as in the format");
 
-/// What the entry is checked against.
+/// The image and the table that an entry has to fit.
 typedef struct {
-    const uint8_t *image; ///< aligned to 4 bytes, as cam_table_check() demands
-    uint32_t image_size;  ///< [bytes]
-    int32_t z_first_nm;   ///< [nm] lowest height that the channel has to serve
-    int32_t z_last_nm;    ///< [nm] highest one
-    bool has_lobes;       ///< slices over angle are patterns and have no heights
+    const uint8_t *image;          ///< aligned to 4 bytes, as cam_table_check() demands
+    uint32_t image_size;           ///< [bytes]
+    int32_t z_first_nm, z_last_nm; ///< [nm] heights that the channel has to cover
+    bool has_lobes;                ///< slices over angle are patterns without heights
 } cam_entry_place_t;
 
 /// Check an entry and all its knots.
-/// @param used  [bytes] end of what lies before in the image; moved behind this channel
-/// @return      cam_ok, or the first thing wrong, in the order entry, layout, heights, knots
+/// @param used  [bytes] end of the preceding data in the image; advanced past this channel
+/// @return      cam_ok, or the first error in the order entry, layout, heights, knots
 CAM_MUST_USE cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in,
                                        uint64_t *used);
 
-/// @return whether an entry of records, not of knots, has none of the fields that describe knots,
-///         and the range of heights of the whole table
+/// @return whether an entry of records has 0 in all fields that describe knots, and the heights of
+///         the whole table
 bool cam_entry_is_plain(const cam_entry_t *e, const cam_entry_place_t *in);
 
-/// Check where the numbers of an entry lie in the image.
-/// @param bytes  [bytes] that the entry must have
-/// @param used   [bytes] end of what lies before, moved behind this channel
+/// Check the offset and size of an entry's data.
+/// @param bytes  [bytes] expected size
+/// @param used   as of cam_entry_check()
 CAM_MUST_USE cam_err_t cam_entry_check_layout(const cam_entry_t *e, uint64_t bytes,
                                               const cam_entry_place_t *in, uint64_t *used);
 
-/// @return whether values that a channel takes, or an entry allows, lie in what its kind may have:
-/// a
-///         speed ratio between 1/16 and 4, an angle within a quarter turn to either side; a length
-///         is not limited here
+/// @return whether values are valid for the entry's kind: a speed ratio between 1/16 and 4, an
+///         angle within a quarter turn to either side; lengths are not limited here
 bool cam_entry_is_in_unit(const cam_entry_t *e, cam_extent_t values);
 
-/// @return whether a channel is over angle and height, not over height alone
+/// @return whether a channel is a function of angle and height, not of height alone
 bool cam_entry_is_over_angle(const cam_entry_t *e);
 
-/// @return the channel of an entry whose layout has been checked; its knots lie in the image
+/// @return the channel of an entry whose layout has been checked
 cam_channel_t cam_entry_channel(const cam_entry_t *e, const uint8_t *image);
 
 #endif

@@ -1,25 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_eval: a channel's value and two derivatives, inline, constant time, cannot fail.
+/// cam_eval: a channel's value and two derivatives, inline, in constant time, cannot fail.
 ///
-/// A value at an angle and a height is found in three steps: the slices below and above the height
-/// are located (cam_eval_height), their knots before and behind the angle are blended by the height
-/// (cam_eval_segment), and the quintic through the two blended knots is evaluated
-/// (cam_eval_quintic). All is done in the channel's LSB with four guard bits. The quintic is
-/// developed around the middle of its interval, because its variable is then a signed fraction,
-/// which a rounded multiplication takes as it is. The bounds that cam_table_check() enforces
-/// (CAM_TABLE_SUM_MAX) keep every intermediate result below 2^31, so no segment, slice or angle can
-/// overflow.
+/// Three steps: find the slices below and above the height (cam_eval_height), blend their knots
+/// before and after the angle by the height (cam_eval_segment), and evaluate the quintic through
+/// the two blended knots (cam_eval_quintic). All in the channel's LSB with four guard bits. The
+/// quintic is expanded about the middle of its interval, so that its variable is a signed fraction
+/// that a rounded multiplication takes directly. The bounds of cam_table_check()
+/// (CAM_TABLE_SUM_MAX) keep every intermediate result below 2^31.
 ///
-/// Knots that were changed in memory behind the check keep none of these bounds. The sums wrap
-/// then, which costs nothing, and no look-up leaves the table, because places come from angle,
-/// height and the sizes that the check has taken over. What comes out is some number: the guard
-/// judges it in the tick that would write it, and the background check finds the change
-/// (FAULTS.md).
+/// If memory changes a knot after the check, sums wrap, but no access leaves the table: indices
+/// follow from angle, height and the checked sizes. The guard checks the result in the tick that
+/// would use it, and the background check finds the change (FAULTS.md).
+/// Context of all functions: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
 ///
-/// Error against exact arithmetic on the same knots, MATHS.md (49): below 1 LSB for the value, 2
-/// LSB per knot interval for the first and 8 LSB per interval^2 for the second derivative. Blending
-/// contributes less than 1/16 LSB per knot member, each Horner step less than 1/32, the final
-/// rounding 1/2.
+/// Error against exact arithmetic on the same knots, MATHS.md (49): below 1 LSB for the value,
+/// 2 LSB per knot interval for the first and 8 LSB per interval^2 for the second derivative.
+/// Blending contributes less than 1/16 LSB per knot member, each Horner step less than 1/32, the
+/// final rounding 1/2.
 #ifndef CAM_EVAL_H
 #define CAM_EVAL_H
 
@@ -28,12 +25,11 @@
 #include <stdbool.h>     // bool
 #include <stddef.h>      // size_t
 
-/// Fraction bits below the LSB that intermediate results carry.
-enum { cam_eval_guard_bits = 4 };
-/// Forces a function into its caller, so that structures it returns stay in registers.
+/// Inlines a function, so that structures it returns stay in registers.
 #define CAM_EVAL_INLINE static inline __attribute__((always_inline))
 
-/// One LSB with its guard bits.
+/// Fraction bits below the LSB of intermediate results, and one LSB with them.
+enum { cam_eval_guard_bits = 4 };
 #define CAM_EVAL_GUARD (INT32_C(1) << cam_eval_guard_bits)
 
 /// Value and derivatives of a channel with respect to the knot interval h, in LSB of the channel.
@@ -41,7 +37,7 @@ typedef struct {
     int32_t y;       ///< [LSB] value
     int32_t d1;      ///< [LSB / h]
     int32_t d2;      ///< [LSB / h^2]
-    bool is_clamped; ///< the height lies outside the channel, which was evaluated at its edge
+    bool is_clamped; ///< the height was outside the channel, which was evaluated at its edge
 } cam_value_t;
 
 /// The same with guard bits, before rounding.
@@ -55,35 +51,26 @@ typedef struct {
 typedef struct {
     uint32_t i;      ///< lower slice, 0 .. n_slices - 2
     int32_t w_q31;   ///< weight of slice i + 1, 0 .. 2^31 - 1
-    bool is_clamped; ///< the height lies outside the channel
+    bool is_clamped; ///< the height is outside the channel
 } cam_height_t;
 
-/// A place on a channel over angle and height: the four knots around it and the weights.
+/// A position on a channel over angle and height: the four knots around it and the weights.
 typedef struct {
-    const cam_knot_t *low[2];  ///< of the lower slice: before and behind the angle
+    const cam_knot_t *low[2];  ///< of the lower slice: before and after the angle
     const cam_knot_t *high[2]; ///< of the upper slice
     int32_t w_q31;             ///< weight of the upper slice
     int32_t s_q32;             ///< [h / 2^32] distance from the middle between the knots
 } cam_place_t;
 
-/// A place on a channel over height alone.
+/// A segment at one height: two knots and the position between them.
 typedef struct {
-    const cam_knot_t *knots; ///< the knot below, followed by the one above
-    int32_t s_q32;           ///< [h / 2^32] distance from the middle between them
-    bool is_clamped;         ///< the height lies outside the channel
-} cam_spot_t;
-
-/// A segment at one height: the knots of two slices blended into two, and the place between them.
-typedef struct {
-    cam_knot_t k0; ///< in LSB / 16
-    cam_knot_t k1; ///< in LSB / 16
-    int32_t s_q32; ///< [h / 2^32] distance from the middle of the interval
+    cam_knot_t k0, k1; ///< in LSB / 16
+    int32_t s_q32;     ///< [h / 2^32] distance from the middle of the interval
 } cam_segment_t;
 
-/// Find a height between the slices by one multiplication with the stored reciprocal.
+/// Find a height between two slices by the stored reciprocal of their spacing.
 /// @param ch    passed cam_table_check()
 /// @param z_nm  [nm] any value
-/// Context: ISR or slow side, constant time.
 /*@ requires slices: \valid_read(ch) && 2 <= ch->n_slices <= 4096;
     assigns \result \from indirect: *ch, indirect: z_nm;
     ensures slice: \result.i <= ch->n_slices - 2;
@@ -127,7 +114,7 @@ static inline int32_t cam_eval_round(int32_t r)
     return cam_wrap_add(r, CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
 }
 
-/// Coefficients of a quintic over s, the signed fraction from the middle of its interval.
+/// Coefficients of a quintic in s, the signed fraction from the middle of its interval.
 typedef struct {
     int32_t e0, o1, e2, o3, e4, o5; ///< [LSB / 16]
 } cam_powers_t;
@@ -158,8 +145,8 @@ CAM_EVAL_INLINE cam_powers_t cam_eval_powers(cam_knot_t k0, cam_knot_t k1)
     };
 }
 
-/// Evaluate the quintic through two knots by three Horner schemes at once: each takes the running
-/// value of the one before.
+/// Evaluate the quintic through two knots by three Horner schemes at once: each uses the running
+/// value of the previous one.
 /// @param at  knots within the bounds of cam_table_check(), any s_q32
 /// Source: MATHS.md (47).
 //@ assigns \result \from at;
@@ -191,7 +178,7 @@ static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
                          .is_clamped = is_clamped};
 }
 
-/// @param end  0: the knot before the place, 1: the knot behind it
+/// @param end  0: before the angle, 1: after it
 /// @return     [LSB / 16] the knots of both slices, blended
 CAM_EVAL_INLINE cam_knot_t cam_eval_knot_at(const cam_place_t *place, uint32_t end)
 {
@@ -212,11 +199,10 @@ static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
                         .a = cam_wrap_times(k->a, CAM_EVAL_GUARD)};
 }
 
-/// Find a place on a channel over angle, at a height that was found before.
+/// Find the position at an angle and a height on a channel over angle.
 /// @param ch         passed cam_table_check(), any kind but x
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
 /// @param z          result of cam_eval_height() for the same channel
-/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
 CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t theta_q32,
                                            cam_height_t z)
 {
@@ -226,18 +212,16 @@ CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t the
     const uint32_t k_next = (k + 1u) & (n_knots - 1u);
     const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
     const cam_knot_t *high = low + n_knots;
-    const cam_knot_t *before = low + k;
-    const cam_knot_t *behind = low + k_next;
     return (cam_place_t){
-        .low = {before, behind},
+        .low = {low + k, low + k_next},
         .high = {high + k, high + k_next},
         .w_q31 = z.w_q31,
         .s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u),
     };
 }
 
-/// Find a place and blend its knots, ready for cam_eval_quintic(), whose derivatives are then per
-/// knot interval of 2^-(log2_knots + log2_repeat) turn. Arguments and context as cam_eval_place().
+/// Find a position and blend its knots for cam_eval_quintic(), whose derivatives are then per knot
+/// interval of 2^-(log2_knots + log2_repeat) turn. Arguments as of cam_eval_place().
 CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
                                                cam_height_t z)
 {
@@ -249,64 +233,36 @@ CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t
     };
 }
 
-/// Evaluate a channel over angle at a height that was found before.
-/// @param ch         passed cam_table_check(), any kind but x
-/// @param theta_q32  [turn / 2^32] any value, 0 = long axis
-/// @return           derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
-/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+/// Evaluate a channel over angle at a height. Arguments as of cam_eval_place().
+/// @return  derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
 static inline cam_value_t cam_eval_surface_at(const cam_channel_t *ch, uint32_t theta_q32,
                                               cam_height_t z)
 {
     return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
 }
 
-/// Evaluate a channel over angle and height.
-/// @param ch         passed cam_table_check(), any kind but x
-/// @param theta_q32  [turn / 2^32] any value, 0 = long axis
-/// @param z_nm       [nm] any value
-/// @return           derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
-/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+/// The same.
+/// @param z_nm  [nm] any value
 static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t theta_q32,
                                            int32_t z_nm)
 {
     return cam_eval_surface_at(ch, theta_q32, cam_eval_height(ch, z_nm));
 }
 
-/// Find a place on a channel over height alone.
-/// @param ch    passed cam_table_check(), kind x
-/// @param z_nm  [nm] any value
-/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
-CAM_EVAL_INLINE cam_spot_t cam_eval_spot(const cam_channel_t *ch, int32_t z_nm)
-{
-    const cam_height_t z = cam_eval_height(ch, z_nm);
-    return (cam_spot_t){
-        .knots = ch->knots + z.i,
-        .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
-        .is_clamped = z.is_clamped,
-    };
-}
-
-/// Evaluate a channel over height alone, at a place that was found before.
-/// @return  derivatives per slice spacing
-/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
-static inline cam_value_t cam_eval_profile_at(cam_spot_t at)
-{
-    const cam_segment_t segment = {
-        .k0 = cam_eval_guarded(at.knots),
-        .k1 = cam_eval_guarded(at.knots + 1),
-        .s_q32 = at.s_q32,
-    };
-    return cam_eval_rounded(cam_eval_quintic(segment), at.is_clamped);
-}
-
 /// Evaluate a channel over height alone.
-/// @param ch    passed cam_table_check(), kind x
+/// @param ch    passed cam_table_check(), kind x or way
 /// @param z_nm  [nm] any value
 /// @return      derivatives per slice spacing
-/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
 static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm)
 {
-    return cam_eval_profile_at(cam_eval_spot(ch, z_nm));
+    const cam_height_t z = cam_eval_height(ch, z_nm);
+    const cam_knot_t *below = ch->knots + z.i;
+    const cam_segment_t segment = {
+        .k0 = cam_eval_guarded(below),
+        .k1 = cam_eval_guarded(below + 1),
+        .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
+    };
+    return cam_eval_rounded(cam_eval_quintic(segment), z.is_clamped);
 }
 
 #endif

@@ -3,9 +3,9 @@
 #include "cam_bounds.h" // cam_bounds_next
 #include "cam_fix.h"    // cam_is_between
 
-/// Ten for the Bernstein coefficients of a quintic, 2^5 for each of three halvings: with this
-/// factor all numbers are whole. Tenfold coefficients are below 2^29 LSB, so these are below 2^44;
-/// ends of a range are below 2^59.
+/// Factor that keeps all numbers whole: ten for the Bernstein coefficients of a quintic, 2^5 for
+/// each of three halvings. Tenfold coefficients are below 2^29 LSB, so these are below 2^44; ends
+/// of a range are below 2^59.
 #define SCALE (INT64_C(10) << 15)
 
 /// Bernstein coefficients of a quintic, in LSB / SCALE.
@@ -31,12 +31,12 @@ static hull_t hull_of(const cam_knot_t *k0, const cam_knot_t *k1)
 
 /// Both halves of an interval.
 typedef struct {
-    hull_t lower;
-    hull_t upper;
+    hull_t lower, upper;
 } halves_t;
 
-/// Cut an interval in half by de Casteljau's means, which are whole (SCALE): what is first and last
-/// after r rounds is the coefficient r of the lower half from below, of the upper half from above.
+/// Halve an interval by de Casteljau's means, which are whole (SCALE). After r rounds the first
+/// mean is coefficient r of the lower half, and the last one is coefficient 5 - r of the upper
+/// half.
 static halves_t halves_of(hull_t mean)
 {
     halves_t half;
@@ -67,55 +67,40 @@ static void cover(fine_t *range, const hull_t *hull)
     }
 }
 
-/// Widen a range by both eighths of a quarter of an interval, unless the quarter lies inside.
+/// Widen a range by both halves of a quarter of an interval, unless it covers the quarter.
 static void widen_by_quarter(fine_t *range, const hull_t *quarter)
 {
     if (!is_covered(range, quarter)) {
-        halves_t halves;
-        halves = halves_of(*quarter);
-        cover(range, &halves.lower);
-        cover(range, &halves.upper);
+        const halves_t eighths = halves_of(*quarter);
+        cover(range, &eighths.lower);
+        cover(range, &eighths.upper);
     }
 }
 
 static void widen_by_half(fine_t *range, const hull_t *half)
 {
     if (!is_covered(range, half)) {
-        halves_t halves;
-        halves = halves_of(*half);
-        widen_by_quarter(range, &halves.lower);
-        widen_by_quarter(range, &halves.upper);
+        const halves_t quarters = halves_of(*half);
+        widen_by_quarter(range, &quarters.lower);
+        widen_by_quarter(range, &quarters.upper);
     }
 }
 
 static void widen_by_segment(fine_t *range, const cam_knot_t *k0, const cam_knot_t *k1)
 {
-    hull_t whole;
-    whole = hull_of(k0, k1);
+    const hull_t whole = hull_of(k0, k1);
     if (!is_covered(range, &whole)) { // few segments
-        halves_t halves;
-        halves = halves_of(whole);
+        const halves_t halves = halves_of(whole);
         widen_by_half(range, &halves.lower);
         widen_by_half(range, &halves.upper);
     }
 }
 
-/// @return [unit] an end of a range in whole LSB, rounded down
-static int64_t whole_units(const cam_channel_t *ch, int64_t lsb)
-{
-    return ch->value_offset + (lsb >> ch->frac_bits);
-}
-
-/// @return [unit] the range of values in LSB, and of one LSB more to either side, rounded outwards
-static cam_extent_t outwards(const cam_channel_t *ch, int64_t low, int64_t high)
+cam_extent_t cam_extent_of_knots(const cam_channel_t *ch, int64_t p_min, int64_t p_max)
 {
     const int64_t below_one = (INT64_C(1) << ch->frac_bits) - 1;
-    return (cam_extent_t){whole_units(ch, low - 1), whole_units(ch, high + 1 + below_one)};
-}
-
-cam_extent_t cam_extent_of_knots(const cam_channel_t *ch, int32_t p_min, int32_t p_max)
-{
-    return outwards(ch, p_min, p_max);
+    return (cam_extent_t){ch->value_offset + ((p_min - 1) >> ch->frac_bits),
+                          ch->value_offset + ((p_max + 1 + below_one) >> ch->frac_bits)};
 }
 
 cam_extent_t cam_extent_widened(const cam_channel_t *ch, bool is_around, cam_extent_t known)
@@ -131,7 +116,8 @@ cam_extent_t cam_extent_widened(const cam_channel_t *ch, bool is_around, cam_ext
             widen_by_segment(&range, &ch->knots[i], &ch->knots[next]);
         }
     }
-    // Rounding to whole units again changes nothing where the range has not been widened.
-    return outwards(ch, range.low >= 0 ? range.low / SCALE : -((SCALE - 1 - range.low) / SCALE),
-                    range.high >= 0 ? (range.high + SCALE - 1) / SCALE : -(-range.high / SCALE));
+    // Rounding to whole LSB and units again does not change an end that was not widened.
+    return cam_extent_of_knots(
+        ch, range.low >= 0 ? range.low / SCALE : -((SCALE - 1 - range.low) / SCALE),
+        range.high >= 0 ? (range.high + SCALE - 1) / SCALE : -(-range.high / SCALE));
 }

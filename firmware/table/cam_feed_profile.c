@@ -3,35 +3,26 @@
 #include "cam_x_slope.h" // cam_x_slope_of
 #include <stdbool.h>     // bool
 
-/// [1e-6] the feed falls at most to this share of its mean.
-enum { least_feed_ppm = 20000 };
+enum {
+    least_feed_ppm = 20000, // [1e-6] smallest feed over its mean
+    standing_ppm = -1000,   // [1e-6] with stations: 0, less the rounding of a knot
+    max_height_nm = 1000000000,
+};
 
-/// [1e-6] with stations it falls to 0, less what the rounding of a knot takes.
-enum { standing_ppm = -1000 };
-
-/// [nm] highest place of a table.
-enum { max_height_nm = 1000000000 };
-
-/// @return whether a knot is at 0
 static bool is_zero(const cam_channel_t *way, const cam_knot_t *knot)
 {
     return knot->p == -way->value_offset * (INT64_C(1) << way->frac_bits);
 }
 
-/// @return [LSB per slice] that Z of a plain helix rises from knot to knot, rounded down
-static int64_t plain_rise(const cam_channel_t *way)
-{
-    return ((int64_t)way->span_nm << way->frac_bits) / (way->n_slices - 1u);
-}
-
-/// The first derivative of a quintic lies between its Bernstein coefficients.
-/// @return [LSB per slice] lower bound of the slope of way between two knots
+/// @return [LSB per slice] lower bound of the slope of way between two knots: the smallest
+/// Bernstein
+///         coefficient of its derivative
 static int64_t least_slope(const cam_knot_t *k0, const cam_knot_t *k1)
 {
     const int64_t rise = (int64_t)k1->p - k0->p;
     const int64_t v0 = k0->v;
     const int64_t v1 = k1->v;
-    // of degree 4: v0, v0 + a0 / 2, what the rise leaves, v1 - a1 / 2, v1, with a = h^2 f'' / 2
+    // Degree 4: the third coefficient makes their mean the rise; a = h^2 f'' / 2.
     const int64_t b1 = v0 + k0->a / 2;
     const int64_t b3 = v1 - k1->a / 2;
     const int64_t coefficient[] = {v0, b1, 5 * rise - v0 - b1 - b3 - v1, b3, v1};
@@ -45,7 +36,8 @@ static int64_t least_slope(const cam_knot_t *k0, const cam_knot_t *k1)
 /// @return whether Z rises by at least a share of the mean feed between any two knots
 static bool is_rising(const cam_channel_t *way, int64_t least_ppm)
 {
-    const int64_t plain = plain_rise(way);
+    // [LSB per slice] rise of a plain helix, rounded down
+    const int64_t plain = ((int64_t)way->span_nm << way->frac_bits) / (way->n_slices - 1u);
     const int64_t least = plain * least_ppm / 1000000;
     for (uint32_t i = 0; i + 1u < way->n_slices; i++) {
         if (plain + least_slope(&way->knots[i], &way->knots[i + 1u]) < least) {
@@ -55,8 +47,7 @@ static bool is_rising(const cam_channel_t *way, int64_t least_ppm)
     return true;
 }
 
-/// Without stations Z ends with the table, with them somewhere above its begin, where every axis
-/// reaches.
+/// Z ends at the table's end, or with stations anywhere between its start and max_height_nm.
 static bool is_sound(const cam_table_t *t)
 {
     const cam_channel_t *way = &t->way;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_feed_profile: the feed against height: how far Z is ahead of a plain helix.
+/// cam_feed_profile: the feed as a function of height: the lead of Z over a plain helix.
 ///
-///     Z = z + way(z),  z the height of the plain helix with the same number of turns
+///     Z = z + way(z),  z the height of the plain helix after the same number of turns
 ///
-/// way is 0 at both ends of the table, so both begin and end together, and 1 + dway/dz, the feed
-/// over its mean, is above 0: Z never turns back. Source: TABLE_FORMAT.md, "Way"; MATHS.md (103),
-/// (104). With stations z is no height but a count of the turns, Z stands at each lobe while X
-/// feeds in, and ends where the last lobe is: TABLE_FORMAT.md, "Stations".
+/// way is 0 at both ends of the table, and 1 + dway/dz, the feed over its mean, is positive, so
+/// that Z never reverses. With stations z counts the turns, Z stands at each lobe while X feeds in,
+/// and Z ends at the last lobe. Source: TABLE_FORMAT.md, "Way" and "Stations"; MATHS.md (103),
+/// (104).
 #ifndef CAM_FEED_PROFILE_H
 #define CAM_FEED_PROFILE_H
 
@@ -16,7 +16,7 @@
 #include "cam_fix.h"     // cam_wrap_add
 #include <stdint.h>      // int32_t
 
-/// A place on the way.
+/// Position and feed on the profile.
 typedef struct {
     int32_t z_nm;      ///< [nm] height of Z
     int32_t slope_q16; ///< [1 / 2^16] feed over its mean
@@ -24,7 +24,7 @@ typedef struct {
 
 /// @param table  with a way
 /// @param z_nm   [nm] height of the plain helix
-/// @return       Z there, error of the height below 1 nm; its feed below 2^14 times the mean
+/// @return       Z with an error below 1 nm; its feed is below 2^14 times the mean
 /// Context: ISR or slow side, constant time.
 static inline cam_feed_profile_t cam_feed_profile_at(const cam_table_t *table, int32_t z_nm)
 {
@@ -46,11 +46,10 @@ static inline int32_t cam_feed_profile_z_last_nm(const cam_table_t *t)
     return t->has_stations ? cam_feed_profile_at(t, t->z_last_nm).z_nm : t->z_last_nm;
 }
 
-/// Check that a way begins and ends with 0 and rises everywhere, or with stations nowhere falls,
-/// and measure it: way_slope_ppm and way_bend_ppm_per_m of the table. Without a way they become
-/// those of a plain helix.
-/// @return cam_ok, or cam_err_image_channel
-/// Context: slow side; four evaluations for each knot.
+/// Check that a way begins and ends with 0 and that Z rises everywhere (with stations: never
+/// falls), and fill in way_slope_ppm and way_bend_ppm_per_m, those of a plain helix without a way.
+/// @return cam_ok or cam_err_image_channel
+/// Context: slow side; four evaluations per knot.
 CAM_MUST_USE cam_err_t cam_feed_profile_check(cam_table_t *table);
 
 #endif

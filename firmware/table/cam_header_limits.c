@@ -4,8 +4,8 @@
 #include "cam_speed.h" // cam_speed_ratio_at
 #include <stdbool.h>   // bool
 
-/// [nm/turn2] larger curvatures are refused: no axis follows 28 m/rad2, and below this limit the
-/// products here fit 64 bits.
+/// [nm/turn2] larger curvatures are refused: no axis follows 28 m/rad2, and smaller ones keep the
+/// products here within 64 bits.
 #define MAX_CURVE (INT64_C(1) << 40)
 
 /// @return the magnitude of a derivative per turn, as one per rad
@@ -14,10 +14,10 @@ static int64_t per_rad(int64_t x)
     return cam_per_rad(cam_abs_i64(x));
 }
 
-/// The check's own rounding is allowed for by 1/4096 of the value and 2.
-static bool is_kept(int64_t found, uint32_t promised)
+/// @return whether a value keeps its limit, with 1/4096 of it and 2 allowed for rounding here
+static bool is_kept(int64_t found, uint32_t limit)
 {
-    return found - (found >> 12) - 2 <= (int64_t)promised;
+    return found - (found >> 12) - 2 <= (int64_t)limit;
 }
 
 /// @param k  index of a knot of channel ch, counted over all slices
@@ -55,14 +55,6 @@ static bool is_motion_kept(const cam_table_t *t, uint32_t k)
            is_kept(per_rad(per_rad(acceleration)), t->u2_peak_nm_per_rad2);
 }
 
-/// Check the acceleration of the spindle at knot k of speed.
-static bool is_spindle_kept(const cam_table_t *t, uint32_t k)
-{
-    const cam_ratio_t ratio = ratio_at(t, &t->speed, k);
-    const int64_t rr_q20 = ((int64_t)ratio.ratio_q28 * ratio.slope_q20) >> 28;
-    return is_kept((per_rad(rr_q20) * 1000000) >> 20, t->spindle_peak_ppm_per_rad);
-}
-
 cam_err_t cam_header_limits_check(const cam_table_t *t)
 {
     const uint32_t n_u = t->u.n_slices << t->u.log2_knots;
@@ -73,7 +65,9 @@ cam_err_t cam_header_limits_check(const cam_table_t *t)
         }
     }
     for (uint32_t k = 0; k < n_speed; k++) {
-        if (!is_spindle_kept(t, k)) {
+        const cam_ratio_t ratio = ratio_at(t, &t->speed, k);
+        const int64_t rr_q20 = ((int64_t)ratio.ratio_q28 * ratio.slope_q20) >> 28;
+        if (!is_kept((per_rad(rr_q20) * 1000000) >> 20, t->spindle_peak_ppm_per_rad)) {
             return cam_err_image_limits;
         }
     }

@@ -6,21 +6,13 @@
 _Static_assert(sizeof(cam_lobe_t) == 20, "five words of the image");
 _Static_assert(1 << cam_lobes_search_steps == cam_table_max_lobes, "the search reaches every lobe");
 
-/// @return [nm] height above the lobe over which the lift falls, and over which that of the next
-///         rises
+/// @return [nm] height over which the lift falls above a lobe, and rises below the next one
 static int64_t change_nm(const cam_lobe_t *lobe)
 {
     return ((int64_t)lobe[1].z_first_nm - lobe->z_last_nm) / 2 - cam_lobes_kept_off_nm;
 }
 
-/// @return [nm] middle of the gap below a lobe that has one
-static int32_t takes_over_nm(const cam_lobe_t *lobe)
-{
-    const uint32_t gap_nm = (uint32_t)lobe->z_first_nm - (uint32_t)lobe[-1].z_last_nm;
-    return (int32_t)((uint32_t)lobe[-1].z_last_nm + gap_nm / 2u);
-}
-
-/// Check the gap above a lobe, and the reciprocal that is stored of it.
+/// Check the gap above a lobe and its stored reciprocal.
 static bool is_gap_good(const cam_lobe_t *lobe)
 {
     const int64_t gap_nm = (int64_t)lobe[1].z_first_nm - lobe->z_last_nm;
@@ -31,8 +23,7 @@ static bool is_gap_good(const cam_lobe_t *lobe)
     return lobe->changes_per_nm_q48 == ((UINT64_C(1) << 48) + n / 2u) / n;
 }
 
-/// Check that the lobes rise, apart from each other, from the first height of the table to its
-/// last.
+/// Check that the lobes rise from the first height of the table to its last, with gaps between.
 static bool are_rising(const cam_lobe_t *lobe, const cam_entry_t *e)
 {
     const uint32_t last = e->n_slices - 1u;
@@ -85,8 +76,10 @@ uint32_t cam_lobes_find(const cam_table_t *t, int32_t z_nm)
     uint32_t found = 0;
     for (uint32_t step = cam_table_max_lobes / 2; step > 0u; step >>= 1) {
         const uint32_t i = found + step;
-        if (i < t->n_lobes && z_nm >= takes_over_nm(&t->lobes[i])) {
-            found = i;
+        if (i < t->n_lobes) { // compare with the middle of the gap below lobe i
+            const uint32_t below_nm = (uint32_t)t->lobes[i - 1u].z_last_nm;
+            const uint32_t gap_nm = (uint32_t)t->lobes[i].z_first_nm - below_nm;
+            found = z_nm >= (int32_t)(below_nm + gap_nm / 2u) ? i : found;
         }
     }
     return found;
@@ -99,15 +92,14 @@ int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm)
     if (!is_below && z_nm <= lobe->z_last_nm) {
         return 0;
     }
-    const uint32_t beside_nm = is_below ? (uint32_t)lobe->z_first_nm - (uint32_t)z_nm
-                                        : (uint32_t)z_nm - (uint32_t)lobe->z_last_nm;
+    const uint32_t off_nm = is_below ? (uint32_t)lobe->z_first_nm - (uint32_t)z_nm
+                                     : (uint32_t)z_nm - (uint32_t)lobe->z_last_nm;
     //@ split is_below;
-    if (beside_nm <= (uint32_t)cam_lobes_kept_off_nm || (is_below && i == 0u)) {
+    if (off_nm <= (uint32_t)cam_lobes_kept_off_nm || (is_below && i == 0u)) {
         return 0;
     }
     const uint32_t per_nm_q48 =
         is_below ? t->lobes[i - 1u].changes_per_nm_q48 : lobe->changes_per_nm_q48;
-    const uint64_t q31 =
-        ((uint64_t)(beside_nm - (uint32_t)cam_lobes_kept_off_nm) * per_nm_q48) >> 17;
+    const uint64_t q31 = ((uint64_t)(off_nm - (uint32_t)cam_lobes_kept_off_nm) * per_nm_q48) >> 17;
     return q31 < (uint64_t)INT32_MAX ? (int32_t)q31 : INT32_MAX;
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_lobes: the lobes of a shaft, each of which plays a pattern that it may share with others.
+/// cam_lobes: the lobes of a shaft, each of which plays a pattern that several may share.
 ///
-/// In such a table a slice is no height but the pattern of a profile, in a frame of its own. At a
-/// height there is one lobe, the nearest: its pattern is played, turned by its phase. From 20 um
-/// behind the edge of a lobe on the lift falls by a smooth step and is 0 in the middle of the gap,
-/// where the next lobe takes over. Source: TABLE_FORMAT.md, "Lobes". Context: ISR or slow side
-/// unless noted, constant time, cannot fail.
+/// In such a table a slice is the pattern of a profile, not a height. At any height the nearest
+/// lobe is played: its pattern, turned by its phase. From 20 um beyond a lobe's edge its lift falls
+/// by a smooth step; it is 0 in the middle of the gap, where the next lobe takes over. Source:
+/// TABLE_FORMAT.md, "Lobes". Context: ISR or slow side unless noted, constant time, cannot fail.
 #ifndef CAM_LOBES_H
 #define CAM_LOBES_H
 
@@ -16,36 +15,35 @@
 
 enum {
     cam_lobes_least_gap_nm = 200000, ///< [nm] between two lobes
-    cam_lobes_kept_off_nm = 20000,   ///< [nm] beside a lobe its lift is whole
+    cam_lobes_kept_off_nm = 20000,   ///< [nm] the full lift extends this far beyond a lobe
     cam_lobes_search_steps = 6,      ///< halvings that find one of 64
 };
 
-/// Check the entry and the directory, and describe it in the table: lobes, n_lobes,
-/// least_change_nm. The patterns that it names are checked by cam_lobes_check_patterns(), when all
-/// channels are known.
-/// @param used  [bytes] end of what lies before in the image; moved behind this channel
+/// Check the entry and the directory of lobes, and fill in lobes, n_lobes and least_change_nm.
+/// @param used  as of cam_entry_check()
 /// Context: slow side.
 CAM_MUST_USE cam_err_t cam_lobes_check(const cam_entry_t *e, const cam_entry_place_t *in,
                                        uint64_t *used, cam_table_t *table);
 
-/// Check that every pattern is there, in all channels over angle alike.
+/// Check, once all channels are known, that every channel over angle has all patterns.
 /// Context: slow side.
 CAM_MUST_USE cam_err_t cam_lobes_check_patterns(const cam_table_t *table);
 
 /// @param t     with lobes
 /// @param z_nm  [nm] any value
-/// @return      the lobe that is played there
+/// @return      index of the lobe that is played there
 uint32_t cam_lobes_find(const cam_table_t *t, int32_t z_nm);
 
 /// @param i     a lobe
 /// @param z_nm  [nm] any value
-/// @return      [1 / 2^31] how far the change to the next lobe, or from the one before, has come: 0
-///              on the lobe, 2^31 - 1 from the middle of the gap on
+/// @return      [1 / 2^31] progress of the change to the neighbouring lobe: 0 on lobe i, 2^31 - 1
+/// in
+///              the middle of the gap and beyond
 int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm);
 
 /// @param n_slices  of a channel over angle, at least 2
 /// @param pattern   0 .. n_slices - 1
-/// @return          the pattern alone
+/// @return          the slice of that pattern, not blended with another
 /*@ requires slices: 2 <= n_slices <= 4096;
     assigns \result \from indirect: n_slices, indirect: pattern;
     ensures slice: \result.i <= n_slices - 2;

@@ -6,14 +6,6 @@
 
 _Static_assert(sizeof(cam_pass_t) == 16, "four words of the image");
 
-/// The numbers have the ranges of the header's; the stock falls from pass to pass, to 0.
-static bool is_pass_good(const cam_pass_t *pass, int64_t before_nm)
-{
-    return cam_is_between(pass->allowance_nm, 0, before_nm - 1) &&
-           cam_is_between(pass->feed_nm, 1, cam_table_max_feed_nm) &&
-           cam_is_between(pass->spindle_mrpm, 1, cam_table_max_mrpm) && pass->reserved == 0u;
-}
-
 cam_err_t cam_passes_check(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used,
                            cam_table_t *table)
 {
@@ -26,15 +18,17 @@ cam_err_t cam_passes_check(const cam_entry_t *e, const cam_entry_place_t *in, ui
     if (err != cam_ok) {
         return err;
     }
-    const cam_pass_t *pass = (const cam_pass_t *)(const void *)(in->image + e->offset);
-    int64_t before_nm = cam_passes_most_nm + 1;
-    for (uint32_t i = 0; i < e->n_slices; i++) {
-        if (!is_pass_good(&pass[i], before_nm)) {
-            return cam_err_image_channel;
-        }
-        before_nm = pass[i].allowance_nm;
-    }
-    table->passes = pass;
+    table->passes = (const cam_pass_t *)(const void *)(in->image + e->offset);
     table->n_passes = e->n_slices;
-    return before_nm == 0 ? cam_ok : cam_err_image_channel;
+    // Feed and speed have the ranges of the header's; the stock falls from pass to pass, to 0.
+    int64_t before_nm = cam_passes_most_nm + 1;
+    bool is_good = true;
+    for (uint32_t i = 0; i < e->n_slices; i++) {
+        const cam_pass_t *pass = &table->passes[i];
+        is_good = is_good && cam_is_between(pass->allowance_nm, 0, before_nm - 1) &&
+                  cam_is_between(pass->feed_nm, 1, cam_table_max_feed_nm) &&
+                  cam_is_between(pass->spindle_mrpm, 1, cam_table_max_mrpm) && pass->reserved == 0u;
+        before_nm = pass->allowance_nm;
+    }
+    return is_good && before_nm == 0 ? cam_ok : cam_err_image_channel;
 }

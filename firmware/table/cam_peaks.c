@@ -2,15 +2,15 @@
 #include "cam_peaks.h"
 #include "cam_bounds.h" // cam_bounds_add
 
-/// Thousandths of a degree: in a turn, in a turn / 2 pi, in a turn / (2 pi)^2; rounded up. They
-/// convert an angle in turns and its first and second derivative, taken per turn, to per radian.
-enum { mdeg_per_turn = 360000, mdeg_per_turn_rad = 57296, mdeg_per_turn_rad2 = 9119 };
-
-/// Fraction bits of the unit of an angle channel, 2^-26 turn.
-enum { unit_bits = 26 };
-
-/// [2^-20] 1 / 2 pi, rounded up.
-enum { turn_per_rad_q20 = 166887 };
+enum {
+    // [degrees / 1000] a turn, over 2 pi and over (2 pi)^2, rounded up: they convert an angle in
+    // turns and its derivatives per turn to degrees and radians
+    mdeg_per_turn = 360000,
+    mdeg_per_turn_rad = 57296,
+    mdeg_per_turn_rad2 = 9119,
+    turn_per_rad_q20 = 166887, // [2^-20] 1 / 2 pi, rounded up
+    unit_bits = 26,            // fraction bits of the unit of an angle channel, 2^-26 turn
+};
 
 /// @return v >= 0 limited to the range of uint32
 static uint32_t saturated(int64_t v)
@@ -18,7 +18,7 @@ static uint32_t saturated(int64_t v)
     return v < (int64_t)UINT32_MAX ? (uint32_t)v : UINT32_MAX;
 }
 
-/// @return knot intervals of a turn
+/// @return knot intervals per turn
 static int64_t intervals_per_turn(const cam_channel_t *ch)
 {
     return INT64_C(1) << (ch->log2_knots + ch->log2_repeat);
@@ -59,7 +59,7 @@ static cam_wide_knot_t slice_step(const cam_channel_t *ch, uint32_t i)
                              (int64_t)to->a - from->a};
 }
 
-/// @return by how much that difference exceeds the one from the slice below to this slice
+/// @return that difference less the one from the slice below to this slice
 static cam_wide_knot_t slice_bend(const cam_channel_t *ch, uint32_t i)
 {
     const cam_wide_knot_t above = slice_step(ch, i);
@@ -84,8 +84,7 @@ cam_change_t cam_peaks_of_change(const cam_channel_t *ch)
         const cam_wide_knot_t k0 = slice_step(ch, i);
         const cam_wide_knot_t k1 = slice_step(ch, next);
         cam_bounds_add(&steps, &k0, &k1);
-        // The first slice has no slice below it, so the rate cannot jump there.
-        if (i >= n_in_slice) {
+        if (i >= n_in_slice) { // the first slice has none below it, so the rate cannot jump there
             const cam_wide_knot_t b0 = slice_bend(ch, i);
             const cam_wide_knot_t b1 = slice_bend(ch, next);
             cam_bounds_add(&bends, &b0, &b1);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_peaks: bounds of a channel's motion that the format does not store: how far, how fast and
-/// with what acceleration a table swings the tool, and how much a channel changes from one slice to
-/// the next.
+/// cam_peaks: bounds of a channel's motion that the format does not store: angle, speed and
+/// acceleration of the tool's swing, and the change of a channel from slice to slice.
 ///
-/// The bounds hold for the quintics themselves, not only at their knots (cam_bounds.h). They exceed
-/// the largest values by at most two per cent where the knots are as dense as a tolerance of 1e-4
-/// degrees makes them. Context: slow side; one pass over the knots.
+/// The bounds hold between the knots too (cam_bounds.h). They exceed the largest values by at most
+/// two per cent where the knots are as dense as a tolerance of 1e-4 degrees makes them. Context:
+/// slow side; one pass over the knots.
 #ifndef CAM_PEAKS_H
 #define CAM_PEAKS_H
 
@@ -16,11 +15,10 @@
 /// @return    bounds over all angles and heights, rounded up, saturated
 cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch);
 
-/// Bound the change of a channel over height. Between two slices a channel changes linearly, by
-/// their difference; at a slice the rate of change jumps by the difference of the two differences.
+/// Bound the change of a channel over height. Between two slices it is linear; at a slice its rate
+/// jumps.
 /// @param ch  over angle and height, its knots checked
-/// @return    bounds over all angles and slices, rounded up, saturated; all 0 when the slices are
-///            equal
+/// @return    bounds over all angles and slices, rounded up, saturated; 0 when the slices are equal
 cam_change_t cam_peaks_of_change(const cam_channel_t *ch);
 
 #endif

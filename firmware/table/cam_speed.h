@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_speed: the spindle's speed as a function of its angle (equal-volume cutting).
 ///
-/// A table may hold the ratio of the spindle's speed to its mean speed, so that the tool removes
-/// the same volume in the same time all around an oval:
+/// A table may hold the ratio of the spindle's speed to its mean speed, so that the removal rate is
+/// the same all around an oval. The envelope rises from 0 to 1 while the tool engages:
 ///
 ///     speed = mean * r,   r = 1 + envelope * (ratio(angle, Z) - 1)
 ///
-/// From plan to plan (cam_plan.h) r rises linearly from r0 to r1, whatever the table does in
-/// between. The speed is therefore right at every plan, even where the acceleration of the table
-/// changes its sign:
+/// Between two plans (cam_plan.h), a period T apart, r rises linearly from r0 to r1, so the speed
+/// is right at every plan. The set-point inverts a first-order speed loop with the time constant
+/// lag, so that the spindle itself follows r, MATHS.md (57):
+///
 ///     acceleration = mean * (r1 - r0) / T
 ///     set-point = mean * ((r0 + r1) / 2 + (r1 - r0) * lag / T)
-/// T is the period of the plan, and lag the time constant of a speed loop of first order. The
-/// set-point is the inverse of that loop, so that the spindle itself follows r, MATHS.md (57). The
-/// envelope rises from 0 to 1 while the tool engages.
+///
 /// Inline, constant time, cannot fail. Context: ISR unless noted.
 #ifndef CAM_SPEED_H
 #define CAM_SPEED_H
@@ -23,7 +22,7 @@
 #include "cam_channel.h" // cam_channel_t
 #include <stdint.h>      // int32_t, int64_t
 
-/// Configuration, made when the parameters are taken; constant while it is in force.
+/// Configuration, built from the parameters.
 typedef struct {
     int32_t mean_mrpm;  ///< [r/min / 1000] > 0
     int32_t limit_mrpm; ///< [r/min / 1000] highest set-point
@@ -75,13 +74,6 @@ static inline cam_ratio_t cam_speed_ratio_at(const cam_channel_t *ch, uint32_t t
                                              cam_height_t z)
 {
     return cam_speed_scaled(ch, cam_eval_surface_at(ch, theta_q32, z));
-}
-
-/// The same at a height.
-/// @param z_nm  [nm] any value
-static inline cam_ratio_t cam_speed_ratio(const cam_channel_t *ch, uint32_t theta_q32, int32_t z_nm)
-{
-    return cam_speed_ratio_at(ch, theta_q32, cam_eval_height(ch, z_nm));
 }
 
 /// Blend from uniform speed to the ratio of the table.

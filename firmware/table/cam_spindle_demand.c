@@ -15,7 +15,8 @@ static uint32_t raised(uint32_t most, int64_t value)
     return value > (int64_t)most ? (uint32_t)value : most;
 }
 
-static void take_place(cam_spindle_demand_t *demand, cam_ratio_t at)
+/// Raise the demand to that of one knot.
+static void raise_demand(cam_spindle_demand_t *demand, cam_ratio_t at)
 {
     const int64_t slope_q20 = per_rad_q20(at.slope_q20);
     const int64_t product_q20 = per_rad_q20(((int64_t)at.ratio_q28 * at.slope_q20) >> 28);
@@ -37,14 +38,14 @@ cam_spindle_demand_t cam_spindle_demand_of(const cam_channel_t *ch)
     const uint32_t n = ch->knots != NULL ? ch->n_slices << ch->log2_knots : 0u;
     for (uint32_t i = 0; i < n; i++) {
         const cam_value_t at = {.y = ch->knots[i].p, .d1 = ch->knots[i].v};
-        take_place(&demand, cam_speed_scaled(ch, at));
+        raise_demand(&demand, cam_speed_scaled(ch, at));
     }
     return demand;
 }
 
 uint64_t cam_spindle_demand_set_q20(const cam_spindle_demand_t *demand, uint64_t c_q16)
 {
-    const uint64_t one_q16 = 65536u / (uint64_t)cam_spindle_demand_per_rad; // of the first place
+    const uint64_t one_q16 = 65536u / (uint64_t)cam_spindle_demand_per_rad; // c of the first step
     uint64_t k = 0;
     while (k + 1u < (uint64_t)cam_spindle_demand_places && (k + 1u) * (k + 1u) * one_q16 <= c_q16) {
         k++;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table.h"
-#include "cam_x_slope.h"         // cam_x_slope_measure
+#include "cam_x_slope.h"         // cam_x_slope_of
 #include "cam_entry.h"           // cam_entry_check
 #include "cam_extent.h"          // cam_extent_widened
 #include "cam_fix.h"             // cam_is_between
@@ -29,7 +29,7 @@ enum {
     crc_from = 24,
 };
 
-/// Versions that are known; the second has kinds from cam_kind_newer on, and only it.
+/// Known versions; kinds from cam_kind_newer on make it the second.
 enum { version_1_0 = 1, version_1_1 = 0x10001 };
 
 /// Header fields from at_z_first on, in the order of the image.
@@ -52,7 +52,7 @@ enum {
 
 uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
 {
-    // One nibble per step needs a table of 64 bytes only and is fast enough for the slow side.
+    // One nibble per step needs only a 64-byte table and is fast enough for the slow side.
     static const uint32_t nibble[16] = {
         0x00000000u, 0x1DB71064u, 0x3B6E20C8u, 0x26D930ACu, 0x76DC4190u, 0x6B6B51F4u,
         0x4DB26158u, 0x5005713Cu, 0xEDB88320u, 0xF00F9344u, 0xD6D6A3E8u, 0xCB61B38Cu,
@@ -68,7 +68,7 @@ uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
     return ~rest;
 }
 
-/// @return the word at an offset in bytes, whose alignment does not matter
+/// @return the word at an offset in bytes; any alignment
 static uint32_t word_at(const uint8_t *image, size_t at)
 {
     uint32_t word = 0;
@@ -76,24 +76,18 @@ static uint32_t word_at(const uint8_t *image, size_t at)
     return word;
 }
 
-/// @return what remains of `size` bytes without the signature that ends them, if one does
-static size_t without_signature(const uint8_t *image, size_t size)
-{
-    const size_t stored = word_at(image, at_image_size);
-    const bool is_signed = stored >= (size_t)cam_table_header_size && stored < size &&
-                           size - stored == (size_t)cam_signature_block_size &&
-                           cam_signature_block_follows(image, stored, size);
-    return is_signed ? stored : size;
-}
-
-/// Check what must hold before any field may be trusted: marks, version, size and CRC.
+/// Check magic, byte order, version, size and CRC, before any other field is trusted.
 static cam_err_t check_frame(const uint8_t *image, size_t offered)
 {
     static const uint8_t magic[8] = {0x43, 0x41, 0x4D, 0x54, 0x41, 0x42, 0x1A, 0x0A};
     if (offered < cam_table_header_size) {
         return cam_err_image_size;
     }
-    const size_t size = without_signature(image, offered);
+    const size_t stored = word_at(image, at_image_size);
+    const bool is_signed = stored >= (size_t)cam_table_header_size && stored < offered &&
+                           offered - stored == (size_t)cam_signature_block_size &&
+                           cam_signature_block_follows(image, stored, offered);
+    const size_t size = is_signed ? stored : offered;
     if (memcmp(image, magic, sizeof magic) != 0) {
         return cam_err_image_magic;
     }
@@ -104,7 +98,7 @@ static cam_err_t check_frame(const uint8_t *image, size_t offered)
     if (version != version_1_0 && version != version_1_1) {
         return cam_err_image_version;
     }
-    if (word_at(image, at_image_size) != size || size % cam_entry_align != 0u) {
+    if (stored != size || size % cam_entry_align != 0u) {
         return cam_err_image_size;
     }
     return cam_crc32(0, image + crc_from, size - crc_from) == word_at(image, at_crc)
@@ -112,7 +106,7 @@ static cam_err_t check_frame(const uint8_t *image, size_t offered)
                : cam_err_image_crc;
 }
 
-/// Check that a name has at least one character, only printable ones, and is padded with zeros.
+/// Check that a name is one or more printable characters, padded with zeros.
 static cam_err_t check_name(const uint8_t *name)
 {
     size_t n = 0;
@@ -152,9 +146,9 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
 }
 
-/// Find what a channel takes between its knots too, and check it: u keeps what the header promises,
-/// with lobes its share of 0 in the middle of a gap as well; others stay within what their kind may
-/// have. What a way takes is not needed.
+/// Find the range of a channel's values, between the knots too, and check it: u against the
+/// header's limits, which with lobes include 0 (the middle of a gap), other channels against the
+/// limits of their kind. Nothing needs the range of a way between its knots.
 static cam_err_t check_values(const cam_entry_t *e, const header_fields_t *h,
                               const cam_entry_place_t *in, cam_extent_t *values)
 {
@@ -166,24 +160,14 @@ static cam_err_t check_values(const cam_entry_t *e, const header_fields_t *h,
                              (!in->has_lobes || cam_is_between(0, values->low, values->high));
         return is_kept ? cam_ok : cam_err_image_limits;
     }
-    const cam_extent_t knots = cam_extent_of_knots(&ch, e->p_min, e->p_max);
-    *values = knots;
+    *values = cam_extent_of_knots(&ch, e->p_min, e->p_max);
     if (e->kind != (uint32_t)cam_kind_way) {
-        *values = cam_extent_widened(&ch, is_around, knots);
+        *values = cam_extent_widened(&ch, is_around, *values);
     }
     return cam_entry_is_in_unit(e, *values) ? cam_ok : cam_err_image_limits;
 }
 
-/// Check the entry of a channel, its knots and its values.
-static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h,
-                             const cam_entry_place_t *in, uint64_t *used, cam_extent_t *values)
-{
-    const cam_err_t err = cam_entry_check(e, in, used);
-    return err == cam_ok ? check_values(e, h, in, values) : err;
-}
-
-/// @return the place of a channel in the table; swing and contact share one, as they exclude each
-/// other
+/// @return the table's channel of a kind; swing and contact exclude each other and share one
 static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
 {
     switch (kind) {
@@ -200,15 +184,16 @@ static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
     }
 }
 
-/// @return a derivative per knot interval as one per rad, rounded down
+/// @return a derivative per knot interval, converted to per rad, rounded down
 static int64_t knot_per_rad(int64_t x, uint32_t log2_knots_per_turn)
 {
     return cam_per_rad(x) << log2_knots_per_turn;
 }
 
-/// Check what the header promises of the motion, once all channels are known. At uniform speed the
-/// promised peaks must cover the bounds of u's knots; with a speed channel every knot is evaluated.
-static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, cam_table_t *table)
+/// Check the header's motion limits. At uniform speed they must cover the bounds of u's knots; with
+/// a speed channel every knot is evaluated.
+static cam_err_t check_motion_limits(const cam_entry_t *u, const header_fields_t *h,
+                                     cam_table_t *table)
 {
     table->u1_peak_nm_per_rad = h->u1_peak_nm_per_rad;
     table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
@@ -226,8 +211,8 @@ static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, c
     return is_covered ? cam_ok : cam_err_image_limits;
 }
 
-/// Take a checked channel into the table. @return whether its kind is there for the first time, and
-/// swing without contact
+/// Put a checked channel into the table.
+/// @return false if the table has one of this kind, or swing and contact
 static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_extent_t values,
                          cam_table_t *table)
 {
@@ -245,13 +230,12 @@ static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_extent_
         table->x_max_nm = cam_sat_i32(values.high);
     }
     if (e->kind == (uint32_t)cam_kind_speed && values.high >= CAM_TABLE_RATIO_ONE) {
-        table->ratio_max_q20 = (uint32_t)values.high + 1u; // 1 for what a share of it is rounded
+        table->ratio_max_q20 = (uint32_t)values.high + 1u; // 1 for the rounding of a share
     }
     return true;
 }
 
-/// Check a channel of any kind. The directory of lobes comes first, if there is one: what a slice
-/// is follows from it.
+/// Check a channel of any kind. A directory of lobes must come first: it makes slices patterns.
 static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, const header_fields_t *h,
                                const uint8_t *image, uint64_t *used, cam_table_t *table)
 {
@@ -267,26 +251,19 @@ static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, const header_fi
         return cam_passes_check(e, &in, used, table);
     }
     cam_extent_t values;
-    const cam_err_t err = check_entry(e, h, &in, used, &values);
+    cam_err_t err = cam_entry_check(e, &in, used);
+    if (err == cam_ok) {
+        err = check_values(e, h, &in, &values);
+    }
     if (err != cam_ok) {
         return err;
     }
     return take_channel(e, image, values, table) ? cam_ok : cam_err_image_channel;
 }
 
-/// A way ends where the table does, and a ring-helix, whose rings stand, has none. A shaft of lobes
-/// has one with stations only, and nothing else has stations.
-static bool is_way_placed(const cam_table_t *table, const header_fields_t *h)
-{
-    const cam_channel_t *way = &table->way;
-    return way->knots == NULL || (way->z_first_nm == h->z_first_nm && !table->is_ring_helix &&
-                                  table->has_stations == (table->lobes != NULL) &&
-                                  (int64_t)way->z_first_nm + way->span_nm == (int64_t)h->z_last_nm);
-}
-
-/// Check what only all channels together show: u and x are there, a ring-helix has a uniform speed
-/// and no way, patterns are there for the lobes, and kinds of version 1.1 are in an image of that
-/// version.
+/// Check the channels together: u and x are present, a ring-helix has a uniform speed and no way, a
+/// way has the heights of the table, stations if and only if there are lobes, lobes have their
+/// patterns, and the version is that of the kinds.
 static cam_err_t check_together(const uint8_t *image, uint32_t largest_kind,
                                 const header_fields_t *h, cam_table_t *table)
 {
@@ -294,15 +271,19 @@ static cam_err_t check_together(const uint8_t *image, uint32_t largest_kind,
     const bool is_complete = table->u.knots != NULL && table->x.knots != NULL && is_steady;
     const bool is_newer = largest_kind >= (uint32_t)cam_kind_newer;
     const bool is_known = is_newer == (word_at(image, at_version) == (uint32_t)version_1_1);
-    if (!is_complete || !is_known || !is_way_placed(table, h)) {
+    const cam_channel_t *way = &table->way;
+    const bool is_way_sound =
+        way->knots == NULL || (way->z_first_nm == h->z_first_nm && !table->is_ring_helix &&
+                               table->has_stations == (table->lobes != NULL) &&
+                               (int64_t)way->z_first_nm + way->span_nm == (int64_t)h->z_last_nm);
+    if (!is_complete || !is_known || !is_way_sound) {
         return is_newer || !is_complete ? cam_err_image_channel : cam_err_image_version;
     }
     const cam_err_t err = cam_feed_profile_check(table);
     return err == cam_ok && table->lobes != NULL ? cam_lobes_check_patterns(table) : err;
 }
 
-/// Check the channels one after the other, then all of them together, and that the header's
-/// promises of the motion hold.
+/// Check the channels one after the other, then together, and then the header's motion limits.
 static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
 {
     const uint32_t n = word_at(image, at_n_channels);
@@ -325,11 +306,11 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         largest_kind = e.kind > largest_kind ? e.kind : largest_kind;
     }
     const cam_err_t err = check_together(image, largest_kind, h, table);
-    return err == cam_ok ? check_promise(&u, h, table) : err;
+    return err == cam_ok ? check_motion_limits(&u, h, table) : err;
 }
 
-/// Describe a table whose header and channels are good. What the format does not promise, and the
-/// judgement of a cut needs, is measured from the knots.
+/// Describe a table whose header and channels are good. Figures that feasibility needs and the
+/// format does not store are measured from the knots.
 static void describe(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
 {
     (void)memcpy(table->name, image + at_name, sizeof table->name);
@@ -349,9 +330,11 @@ static void describe(const uint8_t *image, const header_fields_t *h, cam_table_t
     table->crc32 = word_at(image, at_crc);
     table->image = image;
     table->image_size = word_at(image, at_image_size);
-    cam_x_slope_measure(table);
+    const cam_x_slope_t slope = cam_x_slope_of(&table->x);
+    table->x_slope_ppm = slope.slope_ppm;
+    table->x_bend_ppm_per_m = slope.bend_ppm_per_m;
     table->spindle_demand = cam_spindle_demand_of(&table->speed);
-    const cam_change_t none = {0}; // patterns are not next to each other
+    const cam_change_t none = {0}; // slices of a lobe are not neighbours
     table->u_change = table->lobes != NULL ? none : cam_peaks_of_change(&table->u);
     if (table->is_swung) {
         table->swing = cam_peaks_of_swing(&table->angle);

@@ -3,8 +3,7 @@
 #include "cam_eval.h" // cam_eval_profile
 #include "cam_fix.h"  // cam_abs_i64
 
-/// Samples for each slice.
-enum { per_slice = 4 };
+enum { per_slice = 4 }; ///< samples
 
 /// @param per_slice_lsb  [LSB per slice]
 /// @return               [1e-6] its magnitude as a slope
@@ -15,7 +14,7 @@ static uint64_t slope_ppm(const cam_channel_t *x, int64_t per_slice_lsb)
 }
 
 /// @param per_slice_ppm  [1e-6 per slice]
-/// @return               [1e-6 / m] the same per metre, UINT32_MAX where the product would overflow
+/// @return               [1e-6 / m] UINT32_MAX where the product would overflow
 static uint64_t bend_ppm_per_m(const cam_channel_t *x, uint64_t per_slice_ppm)
 {
     const uint64_t most_ppm = UINT64_C(1) << 21; // 2^21 10^9 2^12 < 2^63
@@ -24,7 +23,7 @@ static uint64_t bend_ppm_per_m(const cam_channel_t *x, uint64_t per_slice_ppm)
 }
 
 /// @return the larger of the two, saturated
-static uint32_t held_larger(uint32_t most, uint64_t value)
+static uint32_t larger(uint32_t most, uint64_t value)
 {
     const uint32_t held = value < UINT32_MAX ? (uint32_t)value : UINT32_MAX;
     return held > most ? held : most;
@@ -32,23 +31,15 @@ static uint32_t held_larger(uint32_t most, uint64_t value)
 
 cam_x_slope_t cam_x_slope_of(const cam_channel_t *x)
 {
-    // Samples run from the lowest to the highest slice, both included.
     const uint32_t n = (x->n_slices - 1u) * (uint32_t)per_slice;
     cam_x_slope_t most = {0};
     for (uint32_t i = 0; i <= n; i++) {
         const int32_t up_nm = (int32_t)((uint64_t)x->span_nm * i / n);
         const cam_value_t at = cam_eval_profile(x, x->z_first_nm + up_nm);
         const uint64_t bend = bend_ppm_per_m(x, slope_ppm(x, at.d2));
-        most.slope_ppm = held_larger(most.slope_ppm, slope_ppm(x, at.d1));
-        most.rise_ppm = held_larger(most.rise_ppm, at.d1 > 0 ? slope_ppm(x, at.d1) : 0u);
-        most.bend_ppm_per_m = held_larger(most.bend_ppm_per_m, bend);
+        most.slope_ppm = larger(most.slope_ppm, slope_ppm(x, at.d1));
+        most.rise_ppm = larger(most.rise_ppm, at.d1 > 0 ? slope_ppm(x, at.d1) : 0u);
+        most.bend_ppm_per_m = larger(most.bend_ppm_per_m, bend);
     }
     return most;
-}
-
-void cam_x_slope_measure(cam_table_t *t)
-{
-    const cam_x_slope_t most = cam_x_slope_of(&t->x);
-    t->x_slope_ppm = most.slope_ppm;
-    t->x_bend_ppm_per_m = most.bend_ppm_per_m;
 }

@@ -3,7 +3,7 @@
 #ifndef CAM_X_SLOPE_H
 #define CAM_X_SLOPE_H
 
-#include "cam_channel.h" // cam_table_t
+#include "cam_channel.h" // cam_channel_t
 
 /// Largest slope and curvature of a channel over height, saturated at UINT32_MAX.
 typedef struct {
@@ -12,16 +12,11 @@ typedef struct {
     uint32_t bend_ppm_per_m; ///< [1e-6 / m] magnitude of the second derivative
 } cam_x_slope_t;
 
+/// Measure the slope and curvature that X and Z must be able to follow (cam_demand.h).
 /// @param x  a channel over height alone whose knots have been checked
-/// Sampled as in cam_x_slope_measure(). Context: slow side; four evaluations for each slice.
+/// @return   from samples at quarters of the slice spacing; a peak of a function f between samples
+///           is missed by at most (spacing / 8)^2 / 2 times the largest |f''|
+/// Context: slow side; four evaluations per slice.
 cam_x_slope_t cam_x_slope_of(const cam_channel_t *x);
-
-/// Measure the largest |dX/dZ| and |d2X/dZ2| and fill in x_slope_ppm and x_bend_ppm_per_m,
-/// saturated at UINT32_MAX. X and Z must be able to follow them (cam_demand.h).
-/// @param t  has a channel x whose knots have been checked
-/// The profile is sampled at quarters of the slice spacing. A peak of a function f between two
-/// samples is missed by at most (spacing / 8)^2 / 2 times the largest |f''|.
-/// Context: slow side; four evaluations for each slice.
-void cam_x_slope_measure(cam_table_t *t);
 
 #endif

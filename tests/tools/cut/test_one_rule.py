@@ -49,7 +49,7 @@ JUDGE = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "judge"
 CODES = {
     int(code): name
     for name, code in re.findall(
-        r"cam_err_(\w+) = (-\d+)", (ROOT / "firmware" / "base" / "cam_err.h").read_text()
+        r"X\((\w+), +(-\d+),", (ROOT / "firmware" / "base" / "cam_err.h").read_text()
     )
 }
 N_TABLES, N_MACHINES = 40, 6

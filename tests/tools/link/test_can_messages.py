@@ -84,7 +84,7 @@ def test_states_are_those_of_the_firmware(database: Database) -> None:
 def test_errors_are_those_of_the_firmware(database: Database) -> None:
     """Results of commands and of the table's check are cam_err_t."""
     text = header_of("cam_err.h")
-    errors = enumerators(text, "cam_err_t", "cam_err_")
+    errors = {int(number): name for name, number in re.findall(r"X\((\w+), +(-\d+),", text)}
     assert len(errors) > 30
     errors[0] = "done"
     assert choices(database.get_message_by_name("Answer"), "result") == errors

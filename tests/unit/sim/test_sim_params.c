@@ -61,8 +61,8 @@ static void test_gain_that_is_wrong_in_the_whole_set_is_told_with_its_bound(void
     params.k1_ns = 0;
     params.k2_us2 = 200000;
     expect_refusal(
-        "parameter k2_us2 = 200000: refused: the feed-forward would tell U more than its "
-        "limits allow; with the other parameters it is at most ");
+        "parameter k2_us2 = 200000: refused: the command to U, feed-forward included, would "
+        "exceed its limits; with the other parameters it is at most ");
     int bound = 0;
     TEST_ASSERT_EQUAL_INT(1, sscanf(strstr(error.text, "at most "), "at most %d", &bound));
     params.k2_us2 = bound + 1;

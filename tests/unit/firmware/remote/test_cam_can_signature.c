@@ -87,7 +87,7 @@ static void test_the_table_in_the_flash_is_judged_at_the_start(void)
     trust(true);
     fixture_can_start(&d.can);
     TEST_ASSERT_FALSE(d.can.rig.machine.has_table);
-    TEST_ASSERT_EQUAL_STRING("table: the table is not signed, and must be here: sign it by "
+    TEST_ASSERT_EQUAL_STRING("table: the table is not signed, but must be here: sign it with "
                              "tools/keys - home refused until a table is written",
                              fixture_can_line(0));
     TEST_ASSERT_EQUAL_INT32(cam_err_sign_none, fixture_download_send(&d, 1, 0).result); // enable

@@ -37,8 +37,8 @@ static void test_ratio_and_slope_are_those_of_the_function(void)
         const int32_t z_nm = i * 250;
         double r[3];
         fixture_ratio(2.0 * PI * turn, z_nm, r);
-        const cam_ratio_t found =
-            cam_speed_ratio(&table.speed, (uint32_t)(turn * 4294967296.0), z_nm);
+        const cam_ratio_t found = cam_speed_ratio_at(&table.speed, (uint32_t)(turn * 4294967296.0),
+                                                     cam_eval_height(&table.speed, z_nm));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, r[0], ldexp(found.ratio_q28, -28));
         TEST_ASSERT_DOUBLE_WITHIN(2e-4, r[1] * 2.0 * PI, ldexp(found.slope_q20, -20));
     }
