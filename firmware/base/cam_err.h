@@ -115,7 +115,10 @@
     /* Timed moves and their feed-forward (cam_gains.h); length of a cut (cam_feasible.h) */ \
     X(gain,                 -135, "the command to U, feed-forward included, would exceed its limits") \
     X(jerk,                 -136, "the jerk is so small that its window does not fit") \
-    X(turns,                -137, "the feed is so small that the part has too many turns")
+    X(turns,                -137, "the feed is so small that the part has too many turns") \
+    X(u_command,            -138, "the feed-forward would command U beyond its stroke") \
+    X(u_command_speed,      -139, "the feed-forward would command U faster than its limits allow") \
+    X(u_command_acceleration, -140, "the feed-forward would command U to accelerate too much")
 // clang-format on
 
 /// Result of a slow-side function: 0 or a negative value. The first error found is reported.

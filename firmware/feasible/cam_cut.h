@@ -39,6 +39,19 @@ static inline uint64_t cam_cut_divided_up(uint64_t a, uint64_t b)
     return (a + b - 1u) / b;
 }
 
+/// @return a * b / c, rounded up, saturated
+static inline uint64_t cam_cut_scaled_up(uint64_t a, uint64_t b, uint64_t c)
+{
+    return a == 0u || b < (uint64_t)INT64_MAX / a ? cam_cut_divided_up(a * b, c)
+                                                  : (uint64_t)INT64_MAX;
+}
+
+/// @return a peak of U or of the swing at the amplitude in force, rounded up
+static inline uint64_t cam_cut_at_amplitude(const cam_cut_t *c, uint64_t peak)
+{
+    return cam_cut_scaled_up(peak, (uint32_t)c->p->amplitude_ppm, 1000000);
+}
+
 /// @param mrpm  [r/min / 1000]
 /// @return      [mrad/s] the same angular speed, 2 pi / 60 of it, rounded up
 static inline uint64_t cam_cut_omega_mrad_per_s(uint64_t mrpm)

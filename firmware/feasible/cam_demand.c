@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_demand.h"
+#include "cam_command.h"         // cam_command_most_nm
 #include "cam_z_coupling.h"      // cam_z_coupling_of
 #include "cam_fix.h"             // cam_abs_i64
 #include "cam_lobe_transition.h" // cam_lobe_transition_first
@@ -13,12 +14,6 @@
 enum { max_knots_per_tick = 8 };
 /// The angle observer follows up to a quarter turn per tick; an eighth leaves room.
 enum { min_ticks_per_turn = 8 };
-
-/// @return a peak of U or of the swing at the amplitude in force, rounded up
-static uint64_t at_amplitude(const cam_cut_t *c, uint64_t peak)
-{
-    return cam_cut_divided_up(peak * (uint32_t)c->p->amplitude_ppm, 1000000);
-}
 
 /// The spindle accelerates with r r' omega^2, in mrad/s2. At uniform speed nothing is needed.
 static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
@@ -74,7 +69,7 @@ static cam_z_coupling_t u_drift(const cam_cut_t *c)
 static uint64_t outwards_nm(const cam_cut_t *c)
 {
     const int64_t out_nm = -(int64_t)c->t->u_min_nm;
-    return at_amplitude(c, (uint64_t)(out_nm > 0 ? out_nm : 0));
+    return cam_cut_at_amplitude(c, (uint64_t)(out_nm > 0 ? out_nm : 0));
 }
 
 /// In the cut U travels to both sides of the middle of its stroke, inwards by the largest u and
@@ -82,7 +77,7 @@ static uint64_t outwards_nm(const cam_cut_t *c)
 static cam_demand_t stroke_demand(const cam_cut_t *c)
 {
     const int64_t in_nm = c->t->u_max_nm;
-    const uint64_t inwards_nm = at_amplitude(c, (uint64_t)(in_nm > 0 ? in_nm : 0));
+    const uint64_t inwards_nm = cam_cut_at_amplitude(c, (uint64_t)(in_nm > 0 ? in_nm : 0));
     return (cam_demand_t){cam_err_u_stroke, cam_demand_half_stroke_nm(c->t, c->p),
                           cam_cut_greater(inwards_nm, outwards_nm(c))};
 }
@@ -102,7 +97,8 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
 /// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
 /// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
 /// than its mean speed, and accelerate. The slope of the envelope stays the same within a plan, so
-/// the first set-point of the next one takes at once what e'' adds to it over a whole plan.
+/// the first set-point of the next one takes at once what e'', and e' with the acceleration of the
+/// spindle, add to it over a whole plan.
 /// @param n_set_points  of a plan
 static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *peaks,
                          uint32_t n_set_points)
@@ -117,7 +113,8 @@ static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *
     const uint64_t turns = (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
     const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
     const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
-    const uint64_t alpha = cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000);
+    const uint64_t alpha =
+        cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000) * n_set_points;
     const uint64_t first = cam_cut_divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
     const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024) * n_set_points;
     uint64_t most = peaks->f2;
@@ -128,13 +125,6 @@ static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *
                                                         1000000));
     }
     return most;
-}
-
-/// @return a * b / c, rounded up, saturated
-static uint64_t scaled_up(uint64_t a, uint64_t b, uint64_t c)
-{
-    return a == 0u || b < (uint64_t)INT64_MAX / a ? cam_cut_divided_up(a * b, c)
-                                                  : (uint64_t)INT64_MAX;
 }
 
 /// @return what U does over the angle
@@ -153,10 +143,11 @@ static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
     const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
     const cam_lobe_transition_peaks_t u = u_peaks(c->t);
-    const uint64_t u1 = at_amplitude(c, cam_lobe_transition_first(c->t, c->feed_nm, &u));
+    const uint64_t u1 = cam_cut_at_amplitude(c, cam_lobe_transition_first(c->t, c->feed_nm, &u));
     const uint64_t turning =
         cam_cut_divided_up(u1 * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000000);
-    return (cam_demand_t){cam_err_u_speed, limit, turning + at_amplitude(c, u_drift(c).speed)};
+    return (cam_demand_t){cam_err_u_speed, limit,
+                          turning + cam_cut_at_amplitude(c, u_drift(c).speed)};
 }
 
 /// U accelerates with u'' omega^2, in mm/s2, and with what the feed adds.
@@ -171,10 +162,36 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
         engaging(c, &u, plan_ticks), cam_lobe_transition_second(t, c->feed_nm, &u, plan_ticks));
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
-    const uint64_t turning = scaled_up(at_amplitude(c, most), omega2, 100000000);
+    const uint64_t turning = cam_cut_scaled_up(cam_cut_at_amplitude(c, most), omega2, 100000000);
     const cam_z_coupling_t d = u_drift(c);
     const uint64_t feeding = cam_cut_divided_up(cam_z_coupling_acceleration(c, &d), 1000);
-    return (cam_demand_t){cam_err_u_acceleration, limit, turning + at_amplitude(c, feeding)};
+    return (cam_demand_t){cam_err_u_acceleration, limit,
+                          turning + cam_cut_at_amplitude(c, feeding)};
+}
+
+/// @return a demand of the feed-forward; without gains the command is u, which has its own limits
+static cam_demand_t by_gains(const cam_cut_t *c, cam_err_t err, cam_command_need_t n)
+{
+    const bool has_gains = c->p->k1_ns > 0 || c->p->k2_us2 > 0;
+    return (cam_demand_t){err, n.limit, has_gains ? n.needed : 0u};
+}
+
+/// The feed-forward must not command U beyond its stroke.
+static cam_demand_t u_command_demand(const cam_cut_t *c)
+{
+    const cam_command_need_t n = {c->p->u_stroke_nm / 2, cam_command_most_nm(c)};
+    return by_gains(c, cam_err_u_command, n);
+}
+
+/// Nor faster than the tick accepts.
+static cam_demand_t u_command_speed_demand(const cam_cut_t *c)
+{
+    return by_gains(c, cam_err_u_command_speed, cam_command_speed_um_per_s(c));
+}
+
+static cam_demand_t u_command_acceleration_demand(const cam_cut_t *c)
+{
+    return by_gains(c, cam_err_u_command_acceleration, cam_command_acceleration_mm_per_s2(c));
 }
 
 /// @return [degrees / 1000] of thousands of 2^-26 turn, at most 0.2 % too large
@@ -219,10 +236,11 @@ static cam_demand_t swing_speed_demand(const cam_cut_t *c)
         return (cam_demand_t){cam_err_swing_speed, limit, 0};
     }
     const cam_lobe_transition_peaks_t swing = swing_peaks(c->t);
-    const uint64_t first = at_amplitude(c, cam_lobe_transition_first(c->t, c->feed_nm, &swing));
+    const uint64_t first =
+        cam_cut_at_amplitude(c, cam_lobe_transition_first(c->t, c->feed_nm, &swing));
     const uint64_t turning =
         cam_cut_divided_up(first * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000);
-    const uint64_t feeding = at_amplitude(c, mdeg_of(swing_drift(c).speed));
+    const uint64_t feeding = cam_cut_at_amplitude(c, mdeg_of(swing_drift(c).speed));
     return (cam_demand_t){cam_err_swing_speed, limit, turning + feeding};
 }
 
@@ -236,15 +254,16 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
         return (cam_demand_t){cam_err_swing_acceleration, limit, 0};
     }
     const cam_lobe_transition_peaks_t swing = swing_peaks(t);
-    const uint64_t second =
-        at_amplitude(c, cam_cut_greater(engaging(c, &swing, 1u),
-                                        cam_lobe_transition_second(t, c->feed_nm, &swing, 1u)));
+    const uint64_t second = cam_cut_at_amplitude(
+        c, cam_cut_greater(engaging(c, &swing, 1u),
+                           cam_lobe_transition_second(t, c->feed_nm, &swing, 1u)));
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
-    const uint64_t turning = scaled_up(second, omega2, 1000000);
+    const uint64_t turning = cam_cut_scaled_up(second, omega2, 1000000);
     const cam_z_coupling_t d = swing_drift(c);
     const uint64_t feeding = cam_cut_divided_up(mdeg_of(cam_z_coupling_acceleration(c, &d)), 1000);
-    return (cam_demand_t){cam_err_swing_acceleration, limit, turning + at_amplitude(c, feeding)};
+    return (cam_demand_t){cam_err_swing_acceleration, limit,
+                          turning + cam_cut_at_amplitude(c, feeding)};
 }
 
 int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p)
@@ -305,7 +324,7 @@ int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p)
     return (int32_t)(cam_cut_smaller(p->u_stroke_nm, made_for_nm) / 2);
 }
 
-cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
+cam_demands_t cam_demand_all(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
     const cam_params_t *p = c->p;
@@ -314,7 +333,7 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
     const bool is_overridden = p->feed_override_ppm != (int32_t)whole_ppm;
     // The ramps of a ring-helix are made for the programmed feed and speed.
     const bool is_beyond_rings = is_overridden || p->spindle_override_ppm > (int32_t)whole_ppm;
-    const cam_demand_t demands[] = {
+    return (cam_demands_t){{
         // For a skirt the amplitude is a trim; a lobe of less than its whole lift is another lobe.
         {cam_err_cam_amplitude, p->amplitude_ppm, cam_table_is_lobe(t) ? whole_ppm : 0u},
         // A tool that does not swing where it has to would cut another lobe: no speed helps.
@@ -323,7 +342,7 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         {cam_err_z_stations, 0, t->has_stations && is_led ? 1u : 0u},
         {cam_err_override_measured, 0, is_led && is_overridden ? 1u : 0u},
         {cam_err_override_rings, 0, t->is_ring_helix && is_beyond_rings ? 1u : 0u},
-        {cam_err_swing_range, p->swing_range_mdeg, at_amplitude(c, t->swing.most_mdeg)},
+        {cam_err_swing_range, p->swing_range_mdeg, cam_cut_at_amplitude(c, t->swing.most_mdeg)},
         swing_speed_demand(c),
         swing_acceleration_demand(c),
         {cam_err_spindle_speed, cam_cut_smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm),
@@ -332,6 +351,9 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         retract_demand(c),
         u_speed_demand(c),
         u_acceleration_demand(c),
+        u_command_demand(c),
+        u_command_speed_demand(c),
+        u_command_acceleration_demand(c),
         {cam_err_feed, (int64_t)cam_cut_span_nm(c), is_led ? 0u : c->programmed_nm},
         {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s, cam_z_coupling_z_um_per_s(c)},
         {cam_err_z_acceleration, p->z_acceleration_mm_per_s2,
@@ -342,11 +364,15 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         spindle_set_point_demand(c),
         x_speed_demand(c),
         x_acceleration_demand(c),
-    };
-    // The order of the demands decides which of several excesses is reported.
-    for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {
-        if (demands[i].needed > (uint64_t)demands[i].limit) {
-            return demands[i];
+    }};
+}
+
+cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
+{
+    const cam_demands_t all = cam_demand_all(c);
+    for (size_t i = 0; i < (size_t)cam_n_demands; i++) {
+        if (all.of[i].needed > (uint64_t)all.of[i].limit) {
+            return all.of[i];
         }
     }
     return (cam_demand_t){.err = cam_ok};

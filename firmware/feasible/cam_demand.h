@@ -4,8 +4,8 @@
 /// A limit is the smaller of the machine's parameter and of the limit that the table was made for.
 /// The table guarantees peaks of u, u' and u''; at a spindle speed omega, U needs the speed
 /// u' omega and the acceleration u'' omega^2. What the feed adds to that is told by
-/// cam_z_coupling.h. When Z is led by others, its feed is taken from the parameters or the table.
-/// Context: slow side, integers only.
+/// cam_z_coupling.h, where the feed-forward commands U to by cam_command.h. When Z is led by
+/// others, its feed is taken from the parameters or the table. Context: slow side, integers only.
 #ifndef CAM_DEMAND_H
 #define CAM_DEMAND_H
 
@@ -26,6 +26,13 @@ typedef struct {
     uint64_t needed; ///< in the same unit, rounded up; it never falls with rising speed or feed
 } cam_demand_t;
 
+enum { cam_n_demands = 25 };
+
+/// Every limit of the axes, in the order in which excesses are reported.
+typedef struct {
+    cam_demand_t of[cam_n_demands];
+} cam_demands_t;
+
 /// @param t  NULL: without a table
 /// @return   [nm] travel of U to either side of the middle of its stroke
 /// Context: slow side.
@@ -38,9 +45,13 @@ int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p);
 /// Context: slow side.
 int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p);
 
+/// Compute what a cut demands of every axis.
+/// Context: slow side. Source: MATHS.md (61) .. (64), (42), (44).
+cam_demands_t cam_demand_all(const cam_cut_t *c);
+
 /// Compare a cut with all limits.
 /// @return the first limit that the cut exceeds; err = cam_ok when it exceeds none
-/// Context: slow side. Source: MATHS.md (61) .. (64), (42), (44).
+/// Context: slow side.
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c);
 
 #endif

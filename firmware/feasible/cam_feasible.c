@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_feasible.h"
-#include "cam_demand.h"  // cam_demand_first_exceeded
 #include "cam_changes.h" // cam_changes_feed_ppm
 
 /// Widths of the ranges that are searched: 2^26 / 1000 = 67 109 r/min and 2^24 nm = 16.8 mm.
@@ -53,6 +52,14 @@ static cam_demand_t first_exceeded(const cam_cut_t *c)
     const cam_demand_t axes = cam_demand_first_exceeded(c);
     const cam_demand_t turns = turns_demand(c);
     return axes.err == cam_ok && turns.needed > (uint64_t)turns.limit ? turns : axes;
+}
+
+cam_demand_t cam_feasible_demands(const cam_table_t *table, const cam_params_t *params,
+                                  uint32_t speed_mrpm, uint32_t tick_hz, cam_demands_t *axes)
+{
+    const cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
+    *axes = cam_demand_all(&c);
+    return turns_demand(&c);
 }
 
 cam_err_t cam_feasible_check(const cam_table_t *table, const cam_params_t *params,

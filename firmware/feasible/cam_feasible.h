@@ -7,10 +7,11 @@
 #ifndef CAM_FEASIBLE_H
 #define CAM_FEASIBLE_H
 
-#include "cam_err.h"   // cam_err_t
-#include "cam_param.h" // cam_params_t
-#include "cam_table.h" // cam_table_t
-#include <stdint.h>    // uint32_t, int64_t
+#include "cam_demand.h" // cam_demands_t
+#include "cam_err.h"    // cam_err_t
+#include "cam_param.h"  // cam_params_t
+#include "cam_table.h"  // cam_table_t
+#include <stdint.h>     // uint32_t, int64_t
 
 /// [turns] of feed that a part has at the most, ramps included: a day at 3000 r/min. All lengths of
 /// cam_feed_motion.h fit their words with it, whatever the override.
@@ -34,6 +35,12 @@ typedef struct {
 /// @return            cam_ok, or the error of the first limit that is exceeded
 CAM_MUST_USE cam_err_t cam_feasible_check(const cam_table_t *table, const cam_params_t *params,
                                           uint32_t speed_mrpm, uint32_t tick_hz);
+
+/// List every limit with what the cut needs of it. Parameters as of cam_feasible_check().
+/// @param axes  filled with the limits of the axes
+/// @return      the turns of feed, which alone fall with a rising feed
+cam_demand_t cam_feasible_demands(const cam_table_t *table, const cam_params_t *params,
+                                  uint32_t speed_mrpm, uint32_t tick_hz, cam_demands_t *axes);
 
 /// Search the highest feasible speed by halving: 26 judgements.
 /// @return [r/min / 1000] highest mean speed at which all limits hold; 0 when none does

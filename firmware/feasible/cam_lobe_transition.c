@@ -81,7 +81,7 @@ uint64_t cam_lobe_transition_second(const cam_table_t *t, uint64_t feed_nm,
     const uint64_t f_x = part(peaks->f, x);
     const uint64_t f_xx = part(f_x, x) * n_set_points;
     const uint64_t f1_x = part(peaks->f1, x);
-    const uint64_t f_xs = part(f_x, t->spindle_peak_ppm_per_rad);
+    const uint64_t f_xs = part(f_x, t->spindle_peak_ppm_per_rad) * n_set_points;
     uint64_t before = 0;
     for (uint64_t i = 1; i <= (uint64_t)n_places; i++) {
         const step_t at = step_at(i);

@@ -7,12 +7,12 @@
 /// derivatives at the table's speed ratio, the largest ratio R and the largest S of |r r'|, the
 /// bounds over s are those of
 ///
-///     E f1 + E' f x,    E f2 + 2 E' f1 x + n |E''| f x^2 + E' f S x,    x = R / (2 pi N)
+///     E f1 + E' f x,    E f2 + 2 E' f1 x + n |E''| f x^2 + n E' f S x,    x = R / (2 pi N)
 ///
 /// The amplitude moves in straight lines from plan to plan, so one set-point of n takes the bend of
-/// all of them. Between two twentieths of s the first term is taken at the upper one, and the rest
-/// 1 % above the larger of both, which it does not exceed in between. Source: MATHS.md (88).
-/// Context: slow side, integers only.
+/// all of them, that by the spindle's acceleration too. Between two twentieths of s the first term
+/// is taken at the upper one, and the rest 1 % above the larger of both, which it does not exceed
+/// in between. Source: MATHS.md (88). Context: slow side, integers only.
 #ifndef CAM_LOBE_TRANSITION_H
 #define CAM_LOBE_TRANSITION_H
 

@@ -56,6 +56,14 @@ void cam_bounds_add_second(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam
     widen(&b->second_8192, most + bend);
 }
 
+void cam_bounds_add_third(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
+{
+    const rest_t c = rest_of(k0, k1);
+    widen(&b->third, 6 * c.c3);
+    widen(&b->third, 6 * c.c3 + 12 * c.c4);
+    widen(&b->third, 6 * c.c3 + 24 * c.c4 + 60 * c.c5);
+}
+
 uint32_t cam_bounds_next(const cam_channel_t *ch, uint32_t i)
 {
     const uint32_t in_slice = i & ((UINT32_C(1) << ch->log2_knots) - 1u);

@@ -22,6 +22,7 @@ typedef struct {
     int64_t tenfold;     ///< value, times 10
     int64_t twice;       ///< first derivative, times 2
     int64_t second_8192; ///< second derivative, times 8192
+    int64_t third;       ///< third derivative
 } cam_bounds_t;
 
 /// Widen the bounds of value and first derivative by the quintic between two knots. A bound is at
@@ -31,6 +32,10 @@ void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_k
 /// Widen the bound of the second derivative by the quintic between two knots: within 1 % of the
 /// true maximum, even next to a knot at which the third derivative jumps.
 void cam_bounds_add_second(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1);
+
+/// Widen the bound of the third derivative, which jumps at the knots, by its Bernstein
+/// coefficients.
+void cam_bounds_add_third(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1);
 
 /// @param i  index of a knot of a channel over angle, counted over all slices
 /// @return   index of the next knot of the same slice; the first follows the last

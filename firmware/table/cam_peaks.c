@@ -73,6 +73,26 @@ static uint32_t in_unit(const cam_channel_t *ch, int64_t lsb)
     return saturated((lsb + (INT64_C(1) << ch->frac_bits) - 1) >> ch->frac_bits);
 }
 
+/// @return a derivative per knot interval as per radian, rounded up, saturated
+static int64_t per_rad(const cam_channel_t *ch, int64_t d)
+{
+    const int64_t rad_q20 = intervals_per_turn(ch) * turn_per_rad_q20;
+    return d < INT64_MAX / rad_q20 ? (d * rad_q20 >> 20) + 1 : INT64_MAX / rad_q20;
+}
+
+uint32_t cam_peaks_third(const cam_channel_t *ch)
+{
+    cam_bounds_t b = {0};
+    for (uint32_t i = 0; i < ch->n_slices << ch->log2_knots; i++) {
+        const cam_knot_t *at = &ch->knots[i];
+        const cam_knot_t *next = &ch->knots[cam_bounds_next(ch, i)];
+        const cam_wide_knot_t k0 = {at->p, at->v, at->a};
+        const cam_wide_knot_t k1 = {next->p, next->v, next->a};
+        cam_bounds_add_third(&b, &k0, &k1);
+    }
+    return in_unit(ch, per_rad(ch, per_rad(ch, per_rad(ch, b.third))));
+}
+
 cam_change_t cam_peaks_of_change(const cam_channel_t *ch)
 {
     const uint32_t n_in_slice = UINT32_C(1) << ch->log2_knots;

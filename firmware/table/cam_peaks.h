@@ -15,6 +15,11 @@
 /// @return    bounds over all angles and heights, rounded up, saturated
 cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch);
 
+/// Bound the third derivative of u: its jerk over the cube of the spindle speed.
+/// @param ch  over angle and height, its knots checked
+/// @return    [nm/rad3] bound over all angles and slices, rounded up, saturated
+uint32_t cam_peaks_third(const cam_channel_t *ch);
+
 /// Bound the change of a channel over height. Between two slices it is linear; at a slice its rate
 /// jumps.
 /// @param ch  over angle and height, its knots checked

@@ -336,6 +336,7 @@ static void describe(const uint8_t *image, const header_fields_t *h, cam_table_t
     table->spindle_demand = cam_spindle_demand_of(&table->speed);
     const cam_change_t none = {0}; // slices of a lobe are not neighbours
     table->u_change = table->lobes != NULL ? none : cam_peaks_of_change(&table->u);
+    table->u3_peak_nm_per_rad3 = cam_peaks_third(&table->u);
     if (table->is_swung) {
         table->swing = cam_peaks_of_swing(&table->angle);
         table->swing_change = table->lobes != NULL ? none : cam_peaks_of_change(&table->angle);

@@ -83,6 +83,7 @@ static const char *unit_of(cam_err_t err, double *per_unit)
         *per_unit = 1e-3;
         return "r/min";
     case cam_err_u_speed:
+    case cam_err_u_command_speed:
     case cam_err_z_speed:
     case cam_err_x_speed:
         *per_unit = 1e-3;
@@ -95,9 +96,11 @@ static const char *unit_of(cam_err_t err, double *per_unit)
         return "rad/s2";
     case cam_err_u_stroke:
     case cam_err_u_retract:
+    case cam_err_u_command:
         *per_unit = 1e-6;
         return "mm";
     case cam_err_u_acceleration:
+    case cam_err_u_command_acceleration:
     case cam_err_z_acceleration:
     case cam_err_x_acceleration:
         return "mm/s2";

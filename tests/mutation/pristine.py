@@ -25,6 +25,7 @@ from threading import Lock
 BUILD_LIMIT_S, TEST_LIMIT_S = 300.0, 60.0
 _WAITS = 30  # times as long by the clock: then it hangs without computing
 CAMSIM = "host_sim/camsim"
+_JUDGE = "judge_library"  # of the build host: tables are made with it
 _TEST_NAMES = "test_cam_*.c", "test_learn*.c"
 
 
@@ -102,6 +103,9 @@ class Pristine:
         ninja = ["ninja", "-C", str(self.build), CAMSIM, *sorted(self.sources)]
         if made != 0 or run(ninja, tree, 6 * BUILD_LIMIT_S) != 0:
             raise RuntimeError(f"{tree}: {preset} does not build before it is changed")
+        host = ["cmake", "--preset", "host"], ["ninja", "-C", str(tree / "build" / "host"), _JUDGE]
+        if any(run(words, tree, BUILD_LIMIT_S) != 0 for words in host):
+            raise RuntimeError(f"{tree}: {_JUDGE} does not build before it is changed")
         self.needs = self._needs()
         self.compiled = self._commands()
         self.times: dict[str, float] = {}

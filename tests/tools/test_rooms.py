@@ -61,6 +61,7 @@ DESIGN = {
     "host_sim/live": ("host_sim/session", "firmware/remote"),
     "host_sim/cli": ("host_sim/live",),
     "host_sim/api": ("host_sim/cli",),
+    "host_sim/api/judge": ("firmware/machine",),
 }
 # Ports that the host does not build: nobody there sees their headers.
 FOREIGN = ("hal/linux", "hal/mps2", "hal/stm32h743")

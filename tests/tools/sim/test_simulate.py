@@ -17,6 +17,7 @@ from camtools.sim.binding import PROTOTYPES, Rows, SimSession, library_path
 from camtools.sim.machine_file import Machine
 from camtools.sim.results import STATES
 from camtools.sim.simulate import Result, simulate
+from prototypes import declared_in, named
 
 HEADER = ROOT / "host_sim" / "api" / "sim_api.h"
 ROUGH = ROOT / "host_sim" / "machines" / "rough.toml"
@@ -148,33 +149,7 @@ def test_second_session_is_refused_until_the_first_ends(table: Path) -> None:
 
 def test_prototypes_are_those_of_the_header() -> None:
     """Compare the arguments of every declaration with those that ctypes is told."""
-    text = HEADER.read_text()
-    text = text[text.index("// [declarations]") : text.index("// [end of declarations]")]
-    code = re.sub(r"//.*", "", text)
-    declared = re.findall(r"^([\w ]+?[ *]+)(sim_api_\w+)\(([^)]*)\);", code, re.MULTILINE)
-    words = {
-        "sim_api_t *": "c_void_p",
-        "void": "None",
-        "const char *": "c_char_p",
-        "const char *const *": "LP_c_char_p",
-        "const double *": "LP_c_double",
-        "size_t *": "LP_c_ulong",
-        "bool": "c_bool",
-        "int": "c_int",
-        "double": "c_double",
-        "size_t": "c_ulong",
-        "uint64_t": "c_ulong",
-    }
-    found = {}
-    for result, name, arguments in declared:
-        kinds = [re.sub(r"\w+$", "", one.strip()).strip() for one in arguments.split(",")]
-        names = [kind.replace("const sim_api_t", "sim_api_t") for kind in kinds if kind]
-        found[name] = (words[result.strip()], [words[kind] for kind in names])
-    told = {
-        name: (getattr(result, "__name__", "None"), [one.__name__ for one in arguments])
-        for name, (result, arguments) in PROTOTYPES.items()
-    }
-    assert found == told
+    assert declared_in(HEADER, {}) == named(PROTOTYPES)
 
 
 def test_library_that_is_missing_is_one_line(

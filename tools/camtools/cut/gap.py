@@ -46,7 +46,7 @@ def in_gap(motion: Motion, change: GapChange) -> Motion:
     """
     x = change.ratio / (2 * np.pi * change.turns)
     more1 = motion.most * x * _STEP1
-    swept = 2 * motion.first * x + motion.most * x * change.spindle_rad2
+    swept = 2 * motion.first * x + change.n_set_points * motion.most * x * change.spindle_rad2
     more2 = swept * _STEP1 + change.n_set_points * motion.most * x**2 * _STEP2
     return Motion(
         motion.most,

@@ -1,6 +1,5 @@
-"""Whether the controller takes a table on a machine: its own rule, told in the words of a part.
+"""Whether the controller takes a table on a machine: its own rule, in the words of a part.
 
->>> from camtools.cut.demand import Demand
 >>> _line(Demand("u_speed", 400_000, 500_000), "turn more slowly")
 'machine.limits.u_speed_mm_s = 400 mm/s: the part needs 500 mm/s; turn more slowly'
 """
@@ -11,19 +10,11 @@ from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
-from camtools.cut.demand import (
-    Demand,
-    JudgedCut,
-    demands_of,
-    exceeded,
-    highest_mrpm,
-    largest_feed_nm,
-    parameters_of,
-)
 from camtools.cut.feasibility import HighestSpeed, remedy_text
+from camtools.judge.binding import Demand, Judge, TablePeaks
 from camtools.part.common import MachineLimits, SwingLimits
-from camtools.table.facts import facts_of
-from camtools.table.image import Table
+from camtools.table.channel import KIND_SWING
+from camtools.table.image import Table, pack
 
 
 class _Named(NamedTuple):
@@ -54,13 +45,25 @@ _NAMES = {
     "feed": _Named("feed_mm", 1e6, "mm"),
     "cam_amplitude": _Named("amplitude", 1e6, ""),
     "turns": _Named("feed_mm", 1, "turns"),
+    "u_command": _Named("u_stroke_mm", 0.5e6, "mm"),
+    "u_command_speed": _Named("u_speed_mm_s", 1e3, "mm/s"),
+    "u_command_acceleration": _Named("u_acceleration_mm_s2", 1, "mm/s2"),
 }
 _AT_ANY_SPEED = {
     "u_stroke": "no speed would do: less {}, or a longer stroke",
     "swing_range": "no speed would do: less steep a lift",
     "turns": "no speed would do: a larger feed_mm",
 }
-_TOLD_WHERE_EXCEEDED = ("swing_axis", "cam_amplitude", "turns")
+_SHOWN_WHERE_EXCEEDED = (
+    "swing_axis",
+    "cam_amplitude",
+    "turns",
+    "u_command",
+    "u_command_speed",
+    "u_command_acceleration",
+)
+_SWING = ("swing_range", "swing_speed", "swing_acceleration")
+_MOVED = ("u_speed", "u_acceleration", "swing_speed", "swing_acceleration")
 _NOT_OF_A_PART = ("x_speed", "x_acceleration", "tick_rate", "feed", "cam_amplitude", "turns")
 
 
@@ -105,25 +108,59 @@ def refused_of(error: BaseException | None) -> RefusedError | None:
 
 def margins_of(table: Table, limits: MachineLimits) -> list[LimitMargin]:
     """Return every limit that a cut may come near to, with what the table needs of it."""
+    is_swung = table.angle is not None and table.angle.kind == KIND_SWING
     found = []
-    for one in demands_of(cut_of(table, limits)):
-        named = _NAMES[one.name]
-        if one.name in _TOLD_WHERE_EXCEEDED and one.needed <= one.limit:
+    for one in judge_of(table, limits).demands(table.spindle_mrpm):
+        named = _NAMES.get(one.name)
+        is_left_out = one.name in _SHOWN_WHERE_EXCEEDED and one.needed <= one.limit
+        if named is None or is_left_out or (one.name in _SWING and not is_swung):
             continue
         needed, limit = one.needed / named.per_unit, one.limit / named.per_unit
         found.append(LimitMargin(one.name, named.name, needed, limit, named.unit))
     return found
 
 
-def cut_of(table: Table, limits: MachineLimits) -> JudgedCut:
-    """Return the cut of a table as the controller of this machine judges it."""
-    return JudgedCut(facts_of(table), parameters_of(limits), table.spindle_mrpm, table.feed_nm)
+def parameters_of(limits: MachineLimits) -> dict[str, float]:
+    """Return the controller's parameters on the machine that is simulated with these limits."""
+    found = {
+        "u_stroke_nm": limits.u_stroke_mm * NM_PER_MM,
+        "u_speed_um_per_s": limits.u_speed_mm_s * 1e3,
+        "u_acceleration_mm_per_s2": limits.u_acceleration_mm_s2,
+        "z_speed_um_per_s": limits.z_speed_mm_s * 1e3,
+        "z_acceleration_mm_per_s2": limits.z_acceleration_mm_s2,
+        "spindle_limit_mrpm": limits.spindle_rpm * 1e3,
+        "spindle_lag_us": 1e6 / limits.spindle_bandwidth_rad_s,
+        "spindle_acceleration_mrad_per_s2": limits.alpha_rad_s2 * 1e3,
+        "swing_speed_mdeg_per_s": 1e6,
+    }
+    if isinstance(limits, SwingLimits):
+        found |= {
+            "swing_speed_mdeg_per_s": limits.swing_speed_deg_s * 1e3,
+            "swing_acceleration_deg_per_s2": limits.swing_acceleration_deg_s2,
+            "swing_range_mdeg": limits.swing_deg * 1e3,
+        }
+    return found
 
 
-def highest_of(cut: JudgedCut) -> HighestSpeed:
+def needs_of_peaks(peaks: TablePeaks, limits: MachineLimits, mrpm: int) -> dict[str, float]:
+    """Return needed over limit of U and of the swing before there is a table, by limit."""
+    judge = Judge(peaks, limits.tick_hz, parameters_of(limits))
+    return {
+        _NAMES[one.name].name: one.needed / one.limit
+        for one in judge.demands(mrpm)
+        if one.name in _MOVED
+    }
+
+
+def judge_of(table: Table, limits: MachineLimits) -> Judge:
+    """Return the controller's judge of a table on this machine."""
+    return Judge(pack(table), limits.tick_hz, parameters_of(limits))
+
+
+def highest_of(judge: Judge) -> HighestSpeed:
     """Return the highest speed that the controller takes, and the limit that decides."""
-    mrpm = highest_mrpm(cut)
-    beyond = exceeded(cut._replace(mean_mrpm=mrpm + 1))
+    mrpm = judge.highest_mrpm()
+    beyond = judge.exceeded(mrpm + 1)
     return HighestSpeed(mrpm / 1000, _NAMES[beyond[0].name].name if beyond else "spindle_rpm")
 
 
@@ -157,16 +194,16 @@ def check_table(
     RefusedError
         One line for each limit exceeded: needed, limit, highest speed that would do.
     """
-    cut = cut_of(table, limits)
-    best = best or highest_of(cut)
+    judge = judge_of(table, limits)
+    best = best or highest_of(judge)
     asked_rpm = table.spindle_mrpm / 1000 if asked_rpm is None else asked_rpm
-    found = exceeded(cut)
+    found = judge.exceeded(table.spindle_mrpm)
     if asked_rpm > limits.spindle_rpm and all(one.name != "spindle_speed" for one in found):
         highest, asked = round(limits.spindle_rpm * 1000), round(asked_rpm * 1000)
         found.append(Demand("spindle_speed", highest, asked))
     if not found:
         return best if best.rpm >= asked_rpm else HighestSpeed(asked_rpm, best.decides)
-    feed_nm = largest_feed_nm(cut)
+    feed_nm = judge.largest_feed_nm(table.spindle_mrpm)
     remedy = remedy_text(best, asked_rpm, feed_nm / NM_PER_MM if feed_nm > 0 else None)
     shape = "lift" if isinstance(limits, SwingLimits) else "ovality"
     raise RefusedError(

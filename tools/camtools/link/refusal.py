@@ -105,6 +105,15 @@ DEMANDS = {
     ),
     "u_stroke": Excess("U travel", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
     "u_retract": Excess("U retract", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
+    "u_command": Excess(
+        "U command with its feed-forward", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2
+    ),
+    "u_command_speed": Excess(
+        "speed of U's command", "mm/s", 1e-3, "", "what speed, acceleration and gains allow,"
+    ),
+    "u_command_acceleration": Excess(
+        "acceleration of U's command", "m/s2", 1e-3, "", "what acceleration and gains allow,"
+    ),
     "z_speed": Excess("Z speed", "mm/s", 1e-3, "z_speed_um_per_s", "z_speed"),
     "z_acceleration": Excess(
         "Z acceleration", "m/s2", 1e-3, "z_acceleration_mm_per_s2", "z_acceleration"

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import ceil, pi
 
 import numpy as np
 
@@ -22,7 +23,8 @@ from camtools.cut.feasibility import (
     needed_of,
     peaks_of,
 )
-from camtools.cut.verdict import check_table
+from camtools.cut.verdict import check_table, needs_of_peaks
+from camtools.judge.binding import TablePeaks
 from camtools.lobe.channels import (
     MadeChannel,
     centre_channel,
@@ -40,7 +42,7 @@ from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_chan
 from camtools.lobe.recalled import channels_key, lobes_of
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
-from camtools.table.channel import ANGLE_TURN, Channel
+from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel
 from camtools.table.evaluate import knot_interval, raw_bounds
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Table
@@ -237,7 +239,34 @@ def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dic
     for name, needed in needed_of(fed._replace(**most), limits, mean).items():
         if name in given and name != "spindle_rpm":
             shares[name] = needed * _ENGAGED.get(name, 1.0) / given[name]
+    judged = needs_of_peaks(_before_table(fed._replace(**most)), limits, round(mean * 30_000 / pi))
+    for name in shares.keys() & judged.keys():
+        shares[name] = max(shares[name], _SEARCH_MARGIN * judged[name])
     return shares
+
+
+def _before_table(peaks: Peaks) -> TablePeaks:
+    """Return what the controller will know of a table, with room for the table's own bounds."""
+    ratio, room = max(peaks.ratio, 1.0), 2 - _SEARCH_MARGIN
+
+    def whole(value: float) -> int:
+        return min(ceil(value * room), (1 << 31) - 1)
+
+    slope_deg = peaks.swing1_deg / ratio
+    bend_deg = max(0.0, peaks.swing2_deg - slope_deg * peaks.spindle_rad2) / ratio**2
+    return TablePeaks(
+        span_nm=1 << 24,
+        feed_nm=round(peaks.feed_mm * NM_PER_MM),
+        change_nm=round(peaks.change_mm * NM_PER_MM) * (2 if ratio > 1 else 1),
+        u_nm=round(peaks.u_stroke_mm / 2 * NM_PER_MM),
+        u1_peak_nm_per_rad=whole(peaks.u1_mm * NM_PER_MM),
+        u2_peak_nm_per_rad2=whole(peaks.u2_mm * NM_PER_MM),
+        spindle_peak_ppm_per_rad=whole(peaks.spindle_rad2 * 1e6),
+        ratio_max_q20=ceil(ratio * RATIO_ONE),
+        swing_mdeg=ceil(peaks.swing_deg * 1e3),
+        swing1_mdeg_per_rad=whole(slope_deg * 1e3),
+        swing2_mdeg_per_rad2=whole(bend_deg * 1e3),
+    )
 
 
 def _peaks(part: LobePart, path: Follower, ratio: Floats, fed: Peaks) -> Peaks:

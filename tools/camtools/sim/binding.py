@@ -1,8 +1,6 @@
 """The simulator as a library in this process: `host_sim/api/sim_api.h`, called by ctypes.
 
-ctypes does at run time what cffi in ABI mode would do, and belongs to Python, so that nothing has
-to be installed for it; a test compares the prototypes here with the header. `simulate.py` is the
-interface for people.
+`simulate.py` is the interface for people.
 
 >>> library_path().name
 'libcamsim.so'
@@ -22,13 +20,14 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.library import Prototypes, loaded
 from camtools.sim.camsim import camsim_path
 
 Rows = npt.NDArray[Any]  # structured: a field of float64 for each column
 
 WORDS, SIZE = ctypes.POINTER(c_char_p), ctypes.POINTER(c_size_t)
 # Name, result and arguments of every function of the header.
-PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
+PROTOTYPES: Prototypes = {
     "sim_api_open": (c_void_p, []),
     "sim_api_close": (None, [c_void_p]),
     "sim_api_version": (c_char_p, []),
@@ -57,15 +56,7 @@ def library_path() -> Path:
 
 @cache
 def _library(path: Path) -> ctypes.CDLL:
-    try:
-        library = ctypes.CDLL(str(path))
-        for name, (result, arguments) in PROTOTYPES.items():
-            function = getattr(library, name)
-            function.restype, function.argtypes = result, arguments
-    except (OSError, AttributeError) as error:
-        problem = f"{path}: cannot be loaded"
-        raise CamtoolsError([f"{problem}; start tools/run, which builds it"]) from error
-    return library
+    return loaded(path, PROTOTYPES, "tools/run")
 
 
 class RawResult(NamedTuple):

@@ -49,7 +49,8 @@ enum { plan_ticks = 8 };
 /// @return the largest e u'' + 2 e' u' + |e''| u over the smooth step e, where u, u' and u'' of the
 ///         oval are each at their largest and one tick takes e'' of a whole plan
 /// @param f, f1, f2  largest magnitudes of u, u' and u''
-/// @param spindle    largest |r r'|, with which the spindle accelerates
+/// @param spindle    largest |r r'|, with which the spindle accelerates: what that changes of the
+///                   slope of the envelope one tick takes as well
 static double engaging_peak_of(double turns, double f, double f1, double f2, double spindle)
 {
     double most = 0.0;
@@ -59,7 +60,7 @@ static double engaging_peak_of(double turns, double f, double f1, double f2, dou
         const double e = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
         const double e1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * per;
         const double e2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * per * per;
-        most = fmax(most, e * f2 + e1 * (2.0 * f1 + spindle * f) + plan_ticks * fabs(e2) * f);
+        most = fmax(most, e * f2 + 2.0 * e1 * f1 + plan_ticks * (fabs(e2) + e1 * spindle) * f);
     }
     return most;
 }

@@ -27,7 +27,7 @@ static void exact(const cam_table_t *t, double feed_nm, const cam_lobe_transitio
         const double e2 = fabs(60.0 * s * (1.0 - s) * (1.0 - 2.0 * s));
         most[0] = fmax(most[0], e * (double)p->f1 + e1 * (double)p->f * x);
         most[1] = fmax(most[1], e * (double)p->f2 +
-                                    e1 * x * (2.0 * (double)p->f1 + (double)p->f * spindle) +
+                                    e1 * x * (2.0 * (double)p->f1 + n * (double)p->f * spindle) +
                                     n * e2 * (double)p->f * x * x);
     }
 }

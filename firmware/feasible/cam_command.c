@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_command.h"
+#include "cam_bounds.h" // cam_bounds_next
+#include "cam_fix.h"    // cam_abs_i64
+#include "cam_gains.h"  // cam_gains_log2_window
+#include <stdbool.h>    // bool
+#include <stddef.h>     // NULL
+
+/// Bernstein coefficients of a quintic. A derivative is raised to the same degree.
+enum { n_coefficients = 6 };
+
+/// Beyond these the peaks alone are the bound: all products fit 64 bits.
+enum { most_per_ms_log2 = 10, most_ahead_log2 = 10 };
+
+/// What the feed-forward adds to u, of derivatives per knot interval.
+typedef struct {
+    int64_t first_q16;  ///< [intervals / 2^16] of u'
+    int64_t second_q16; ///< [intervals^2 / 2^16] of u''
+    int64_t swept_q16;  ///< [intervals / 2^16] of u', of either sign: a spindle that accelerates
+} ahead_t;
+
+/// @return [nm] largest |u|
+static uint64_t value_nm(const cam_table_t *t)
+{
+    return cam_cut_greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
+}
+
+/// @return [um/s] peak of u' omega
+static uint64_t speed_um_per_s(const cam_cut_t *c)
+{
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    return cam_cut_divided_up(c->t->u1_peak_nm_per_rad * omega, 1000000);
+}
+
+/// @return [1e-6 unit/s2] peak of a second derivative, in 1e-9 unit per rad^2
+static uint64_t squared(const cam_cut_t *c, uint64_t peak)
+{
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
+    return cam_cut_scaled_up(peak, omega2, 100000);
+}
+
+/// @return [um/s2] peak of u'' omega^2
+static uint64_t acceleration_um_per_s2(const cam_cut_t *c)
+{
+    return squared(c, c->t->u2_peak_nm_per_rad2);
+}
+
+/// @return [m/s3] peak of u''' omega^3 at uniform speed
+static uint64_t jerk_m_per_s3(const cam_cut_t *c)
+{
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    return c->t->speed.knots != NULL
+               ? 0u
+               : cam_cut_scaled_up(squared(c, c->t->u3_peak_nm_per_rad3), omega, 1000000000);
+}
+
+/// @return [m/s3] jerk of a motion by time, for which the limits of the command are made
+static uint64_t jerk_by_time(const cam_cut_t *c)
+{
+    const uint64_t step_ns = 1000000000u / c->tick_hz;
+    const uint64_t window_ns = step_ns << cam_gains_log2_window(c->p, hal_axis_u, c->tick_hz);
+    return (uint64_t)c->p->u_acceleration_mm_per_s2 * 2000000u / window_ns;
+}
+
+cam_command_need_t cam_command_speed_um_per_s(const cam_cut_t *c)
+{
+    const uint64_t k1 = (uint64_t)c->p->k1_ns;
+    const uint64_t k2 = (uint64_t)c->p->k2_us2;
+    const uint64_t limit = (uint64_t)c->p->u_speed_um_per_s +
+                           (uint64_t)c->p->u_acceleration_mm_per_s2 * k1 / 1000000u +
+                           jerk_by_time(c) * k2 / 1000000u;
+    const uint64_t needed = speed_um_per_s(c) +
+                            cam_cut_scaled_up(acceleration_um_per_s2(c), k1, 1000000000) +
+                            cam_cut_scaled_up(jerk_m_per_s3(c), k2, 1000000);
+    return (cam_command_need_t){(int64_t)limit, cam_cut_at_amplitude(c, needed)};
+}
+
+cam_command_need_t cam_command_acceleration_mm_per_s2(const cam_cut_t *c)
+{
+    const uint64_t k1 = (uint64_t)c->p->k1_ns;
+    const uint64_t by_time = jerk_by_time(c);
+    const uint64_t limit =
+        (uint64_t)c->p->u_acceleration_mm_per_s2 + by_time * k1 / 1000000u +
+        cam_cut_scaled_up(by_time * 2u * c->tick_hz, (uint64_t)c->p->k2_us2, 1000000000);
+    const uint64_t needed = cam_cut_divided_up(acceleration_um_per_s2(c), 1000) +
+                            cam_cut_scaled_up(jerk_m_per_s3(c), k1, 1000000);
+    return (cam_command_need_t){(int64_t)limit, cam_cut_at_amplitude(c, needed)};
+}
+
+/// @return [nm] sum of the peaks |u|, k1 |u'| omega and k2 |u''| omega^2
+static uint64_t apart_nm(const cam_cut_t *c)
+{
+    return value_nm(c->t) + cam_cut_scaled_up(speed_um_per_s(c), (uint64_t)c->p->k1_ns, 1000000) +
+           cam_cut_scaled_up(acceleration_um_per_s2(c), (uint64_t)c->p->k2_us2, 1000000000);
+}
+
+/// @return whether the products fit 64 bits
+static bool find_ahead(const cam_cut_t *c, ahead_t *a)
+{
+    const uint32_t log2 = c->t->u.log2_knots + c->t->u.log2_repeat;
+    const uint64_t per_ms_q16 =
+        cam_cut_divided_up(((uint64_t)c->peak_mrpm << log2) * 65536u, 60000000);
+    if (per_ms_q16 >> 16 >> most_per_ms_log2 != 0u) {
+        return false;
+    }
+    const uint64_t per_ms2_q16 = cam_cut_divided_up(per_ms_q16 * per_ms_q16, 65536);
+    const uint64_t first = cam_cut_scaled_up(per_ms_q16, (uint64_t)c->p->k1_ns, 1000000);
+    const uint64_t second = cam_cut_scaled_up(per_ms2_q16, (uint64_t)c->p->k2_us2, 1000000);
+    const uint64_t swept_ppm = // 2 pi |r r'|
+        cam_cut_divided_up(c->t->spindle_peak_ppm_per_rad * UINT64_C(6283186), 1000000);
+    const uint64_t swept = cam_cut_scaled_up(second, swept_ppm, UINT64_C(1000000) << log2);
+    *a = (ahead_t){(int64_t)first, (int64_t)second, (int64_t)swept};
+    return (first | second | swept) >> 16 >> most_ahead_log2 == 0u;
+}
+
+/// Derive a quintic by its coefficients, per knot interval.
+static void derive(const int64_t b[n_coefficients], int64_t d[n_coefficients])
+{
+    const int64_t last = n_coefficients - 1;
+    for (int64_t i = 0; i <= last; i++) {
+        const int64_t before = i > 0 ? i * (b[i] - b[i - 1]) : 0;
+        const int64_t after = i < last ? (last - i) * (b[i + 1] - b[i]) : 0;
+        d[i] = before + after;
+    }
+}
+
+/// @return bound of |b + s d + s^2 e| for all s of 0 .. 1
+static int64_t most_of(int64_t b, int64_t d, int64_t e)
+{
+    int64_t most =
+        cam_abs_i64(b) > cam_abs_i64(b + d + e) ? cam_abs_i64(b) : cam_abs_i64(b + d + e);
+    const bool is_bent = e != 0 && (d < 0) != (e < 0) && cam_abs_i64(d) < 2 * cam_abs_i64(e);
+    if (is_bent) { // it turns round at s = -d / 2 e
+        const int64_t turn =
+            cam_abs_i64(b + d * (-d * 32768 / e) / 131072) + cam_abs_i64(d) / 65536;
+        most = turn > most ? turn : most;
+    }
+    return most + 1;
+}
+
+/// Of s, the share of the speed, the command is b + s d + s^2 e.
+/// @return ten times the largest command of the quintic between two knots at any speed up to this
+///         one, in LSB
+static int64_t tenfold(const cam_knot_t *k0, const cam_knot_t *k1, int64_t offset, const ahead_t *a)
+{
+    const int64_t from = 10 * (k0->p + offset);
+    const int64_t to = 10 * (k1->p + offset);
+    const int64_t b[n_coefficients] = {
+        from,
+        from + 2 * (int64_t)k0->v,
+        from + 4 * (int64_t)k0->v + k0->a,
+        to - 4 * (int64_t)k1->v + k1->a,
+        to - 2 * (int64_t)k1->v,
+        to,
+    };
+    int64_t d[n_coefficients];
+    int64_t e[n_coefficients];
+    derive(b, d);
+    derive(d, e);
+    int64_t most = 0;
+    for (uint32_t i = 0; i < (uint32_t)n_coefficients; i++) {
+        const int64_t swept = cam_abs_i64(d[i]) * a->swept_q16 / 65536;
+        const int64_t w =
+            swept + most_of(b[i], d[i] * a->first_q16 / 65536, e[i] * a->second_q16 / 65536);
+        most = w > most ? w : most;
+    }
+    return most;
+}
+
+/// @return [nm] largest command of all slices, and so between them
+static uint64_t together_nm(const cam_channel_t *ch, const ahead_t *a)
+{
+    const int64_t offset = (int64_t)ch->value_offset * (INT64_C(1) << ch->frac_bits);
+    int64_t most = 0;
+    for (uint32_t i = 0; i < ch->n_slices << ch->log2_knots; i++) {
+        const int64_t w = tenfold(&ch->knots[i], &ch->knots[cam_bounds_next(ch, i)], offset, a);
+        most = w > most ? w : most;
+    }
+    return ((uint64_t)most / 10u >> ch->frac_bits) + 1u;
+}
+
+uint64_t cam_command_most_nm(const cam_cut_t *c)
+{
+    const uint64_t bound_nm = cam_cut_at_amplitude(c, apart_nm(c));
+    ahead_t ahead;
+    const bool is_read = bound_nm > (uint64_t)c->p->u_stroke_nm / 2u &&
+                         c->peak_mrpm <= (uint32_t)c->p->spindle_limit_mrpm &&
+                         c->t->u.knots != NULL && find_ahead(c, &ahead);
+    if (!is_read) {
+        return bound_nm;
+    }
+    const uint64_t most_nm = cam_cut_at_amplitude(c, together_nm(&c->t->u, &ahead));
+    return most_nm < bound_nm ? most_nm : bound_nm;
+}

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_command: how far and how fast U is commanded, feed-forward included.
+///
+/// At the speed omega the command is u + k1 u' omega + k2 u'' omega^2 (cam_axis_command.h), so it
+/// may leave a stroke that contains u, and move faster than u. Context: slow side, integers only.
+/// Source: MATHS.md (213), (215), (216).
+#ifndef CAM_COMMAND_H
+#define CAM_COMMAND_H
+
+#include "cam_cut.h" // cam_cut_t
+#include <stdint.h>  // uint64_t
+
+/// Bound the command by the peaks of the table. Only where they leave the stroke, at a speed that
+/// the spindle reaches, all knots are read: u and u' seldom peak at the same angle.
+/// @return [nm] largest distance of U's command from the middle of its stroke
+uint64_t cam_command_most_nm(const cam_cut_t *c);
+
+/// What a command needs, and what limits and gains allow it.
+typedef struct {
+    int64_t limit;
+    uint64_t needed;
+} cam_command_need_t;
+
+/// @return [um/s] the sum of the peaks of u' omega, k1 u'' omega^2 and k2 u''' omega^3. The jerk of
+/// a
+///         table with a speed channel counts as 0.
+cam_command_need_t cam_command_speed_um_per_s(const cam_cut_t *c);
+
+/// @return [mm/s2] the sum of the peaks of u'' omega^2 and k1 u''' omega^3, likewise
+cam_command_need_t cam_command_acceleration_mm_per_s2(const cam_cut_t *c);
+
+#endif
