@@ -143,8 +143,8 @@ static uint32_t floor_q6(const cam_ilc_t *t, const cam_ilc_setup_t *s, uint32_t 
 
 uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t)
 {
-    const uint32_t parts = t->phase == (uint8_t)cam_ilc_cutting ? 16u : 1024u;
-    const uint32_t part_q6 = t->begun_nm * 64u / parts;
+    const bool is_cutting = t->phase == (uint8_t)cam_ilc_cutting;
+    const uint32_t part_q6 = is_cutting ? t->begun_nm * 64u / 16u : t->begun_nm * 64u / 1024u;
     return part_q6 > t->floor_q6 ? part_q6 : t->floor_q6;
 }
 

@@ -105,7 +105,7 @@ static void write_out(const cam_axis_command_t *t, cam_tick_record_t *r, const c
 }
 
 /// In off nothing is a motion, and the next one begins at rest.
-static void follow(cam_axis_command_t *t, const cam_axis_command_config_t *cfg, int32_t u_nm)
+static void follow_axis(cam_axis_command_t *t, const cam_axis_command_config_t *cfg, int32_t u_nm)
 {
     *t = (cam_axis_command_t){.u.nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm)};
 }
@@ -123,7 +123,7 @@ bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t
     }
     const int32_t u_nm = nearest_to_q6(cam_wrap_add(plain, more_q6));
     if (m->state == cam_state_off) {
-        follow(t, cfg, u_nm);
+        follow_axis(t, cfg, u_nm);
     } else if (is_allowed(&t->u, cfg, u_nm, r->angle.is_off_time)) {
         keep_told(&t->u, u_nm);
     } else {

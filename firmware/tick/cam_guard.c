@@ -146,7 +146,7 @@ static void take_charge(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t
 /// Latch faults and end the motion of the state. In this tick U continues from its last set-point
 /// with the speed and the acceleration of its last step, since the set-point of play is not
 /// trusted.
-static void enter(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                   cam_motion_t *m, uint32_t faults)
 {
     const int32_t most_q10 = cfg->leave.acceleration_q10;
@@ -186,7 +186,7 @@ static void leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_r
 }
 
 /// Off: set-points follow the axes, which is no motion, and a reset has ended the latch.
-static void clear(cam_guard_t *g, cam_want_t *want)
+static void reset_latch(cam_guard_t *g, cam_want_t *want)
 {
     g->u_set_q6 = want->u_set_q6;
     g->u_step_q6 = 0;
@@ -215,7 +215,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
 {
     const uint32_t watched = armed[r->want.state];
     if (r->want.state == cam_state_off) {
-        clear(g, &r->want);
+        reset_latch(g, &r->want);
         return;
     }
     if (r->want.state == cam_state_fault) {
@@ -225,7 +225,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
     const int32_t step_q6 = cam_wrap_sub(r->want.u_set_q6, g->u_set_q6);
     const uint32_t faults = blame(g, cfg, r, m->is_playing, step_q6) & watched;
     if (faults != 0u) {
-        enter(g, cfg, r, m, faults);
+        latch(g, cfg, r, m, faults);
         return;
     }
     accept(g, &r->want, watched, step_q6, m->axis[hal_axis_u].acc_q10);
@@ -235,7 +235,7 @@ void cam_guard_refuse_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tic
                           cam_motion_t *m)
 {
     if (m->state != cam_state_fault) {
-        enter(g, cfg, r, m, CAM_FAULT_BIT(command));
+        latch(g, cfg, r, m, CAM_FAULT_BIT(command));
         return;
     }
     g->faults |= CAM_FAULT_BIT(command);
