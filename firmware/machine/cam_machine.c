@@ -12,11 +12,9 @@
 #include <stddef.h>               // NULL
 #include <string.h>               // memset
 
-/// Bytes of the table that one call of cam_machine_poll() checks.
-enum { check_bytes = 1024 };
-
-/// Offset of the first byte that the image's CRC covers (TABLE_FORMAT.md).
-enum { check_from = 24 };
+/// [bytes] checked per call of cam_machine_poll(); offset where the image's CRC begins
+/// (TABLE_FORMAT.md).
+enum { check_bytes = 1024, check_from = 24 };
 
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz)
 {
@@ -29,7 +27,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     cam_rights_init(&m->rights, &people, tick_hz);
     cam_scope_init(&m->scope, hal_scope_memory(), tick_hz);
     cam_ilc_init(&m->ilc);
-    // The tick does not run yet, so both halves may be written.
+    // The tick does not run yet, so the interrupt's side may be written here.
     const bool is_kept = cam_machine_load_params(m);
     const cam_err_t err = is_kept ? cam_ok : cam_machine_hand_over(m, &m->params, NULL, 0);
     (void)cam_config_take_isr(&core->config);
@@ -44,7 +42,7 @@ cam_status_t cam_machine_status(const cam_machine_t *m)
 }
 
 /// Stop using a damaged table. While the drives are enabled, the interrupt raises the fault `table`
-/// and retracts; in off and fault it need not be asked.
+/// and retracts; off and fault need no request.
 static void report_damage(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -52,10 +50,10 @@ static void report_damage(cam_machine_t *m)
                          (status.state == cam_state_off || status.state == cam_state_fault);
     if (is_idle || cam_machine_post(m, &status, cam_request_table_fault) == cam_ok) {
         m->has_table = false;
-    } // else a request is pending, and the next round of the check finds the damage again
+    } // else a request is pending, and the next check round finds the damage again
 }
 
-/// @return whether the state, the sense and the speed of the spindle allow a table that is good
+/// Check whether state, sense of rotation and spindle speed allow a valid table.
 static cam_err_t check_exchange(cam_machine_t *m, const cam_table_t *table)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -68,8 +66,8 @@ static cam_err_t check_exchange(cam_machine_t *m, const cam_table_t *table)
     if (status.state != cam_state_ready) {
         return cam_err_state;
     }
-    // The angle counts in the table's sense of rotation, so the other sense needs a new homing. The
-    // spindle turns, and takes the table's speed at once.
+    // The angle counts in the table's sense of rotation, so the other sense needs new homing. The
+    // spindle turns and changes to the table's speed at once.
     const bool is_same_sense = m->has_table && table->direction == m->table.direction;
     return is_same_sense ? cam_machine_judge(m, &m->params, table) : cam_err_table_sense;
 }
@@ -101,7 +99,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
         m->table = table;
         m->signature = signature;
         m->has_table = true;
-        m->is_in_pass = false; // what the old table has cut does not count
+        m->is_in_pass = false; // passes of the old table do not count
         m->n_checked = 0;
     }
     return err;
@@ -121,7 +119,7 @@ cam_err_t cam_machine_check_drives(const cam_params_t *params, const cam_status_
     return cam_is_within(status->u_actual_nm, params->u_stroke_nm / 2) ? cam_ok : cam_err_u_place;
 }
 
-/// @return whether all passes of the table in use can be cut
+/// Check whether all passes are feasible.
 static cam_err_t check_part(cam_machine_t *m)
 {
     return m->has_table ? cam_machine_judge(m, &m->params, &m->table) : cam_err_no_table;
@@ -168,8 +166,8 @@ cam_err_t cam_machine_home(cam_machine_t *m)
     return err;
 }
 
-/// Second half of cam_machine_home(): enable once the disable has been carried out. Any other
-/// command or a fault meanwhile ends the attempt.
+/// Second half of cam_machine_home(): enable when the disable has taken effect. Another command or
+/// a fault in between ends the attempt.
 static void home_again(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -178,15 +176,14 @@ static void home_again(cam_machine_t *m)
     }
 }
 
-/// @return whether the interrupt has taken all commands and configurations, and the state is off,
-/// or ready where that will do
-static cam_err_t check_idle(const cam_machine_t *m, bool will_ready_do)
+/// Check that the interrupt has taken all commands and configurations, and the state is idle.
+static cam_err_t check_idle(const cam_machine_t *m, bool is_ready_idle)
 {
     const cam_status_t status = cam_machine_status(m);
     if (cam_machine_is_pending(m, &status) || status.config != m->generation || m->homes_again) {
         return cam_err_busy;
     }
-    const bool is_ready = will_ready_do && status.state == cam_state_ready;
+    const bool is_ready = is_ready_idle && status.state == cam_state_ready;
     return status.state == cam_state_off || is_ready ? cam_ok : cam_err_state;
 }
 
@@ -200,8 +197,8 @@ cam_err_t cam_machine_may_keep(const cam_machine_t *m)
     return check_idle(m, false);
 }
 
-/// See whether the pass has ended, and make the next one ready when it was cut to its end. While
-/// the last configuration has not been taken this is tried again.
+/// Detect the end of the pass and hand over the next one if the pass was completed. Retried while
+/// the interrupt has not taken the last configuration.
 static void end_pass(cam_machine_t *m, const cam_status_t *status)
 {
     if (!m->is_in_pass || cam_machine_is_pending(m, status) ||
@@ -216,13 +213,6 @@ static void end_pass(cam_machine_t *m, const cam_status_t *status)
     m->n_parts += is_done && is_last && !m->is_in_pass ? 1u : 0u;
 }
 
-/// @return whether the spindle is still faster than the pass to come allows, as after one that was
-///         faster
-static bool is_too_fast(const cam_machine_t *m, const cam_status_t *status)
-{
-    return status->speed_q32 > cam_build_speed_q32(m->limit_mrpm, m->tick_hz);
-}
-
 cam_err_t cam_machine_start(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -234,7 +224,9 @@ cam_err_t cam_machine_start(cam_machine_t *m)
     if (err == cam_ok) {
         err = cam_machine_check_positions(m, &status);
     }
-    if (err == cam_ok && (m->is_in_pass || m->is_rate_due || is_too_fast(m, &status))) {
+    // After a faster pass the spindle may still exceed the limit of this one.
+    const bool is_too_fast = status.speed_q32 > cam_build_speed_q32(m->limit_mrpm, m->tick_hz);
+    if (err == cam_ok && (m->is_in_pass || m->is_rate_due || is_too_fast)) {
         err = cam_err_busy;
     }
     if (err == cam_ok) {
@@ -247,13 +239,6 @@ cam_err_t cam_machine_start(cam_machine_t *m)
     return err;
 }
 
-/// @return whether there is a cut, or its rehearsal, to be ended
-static bool may_stop(cam_state_t state)
-{
-    return state == cam_state_rehearsing || state == cam_state_engaging ||
-           state == cam_state_cutting || state == cam_state_holding;
-}
-
 cam_err_t cam_machine_stop(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -263,8 +248,10 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
     if (status.state == cam_state_manual) {
         return cam_machine_jog_stop(m);
     }
-    const cam_err_t err = cam_machine_post_if(m, &status, may_stop(status.state), cam_request_stop);
-    // A cut over a measured Z has no other end.
+    const bool may_stop =
+        cam_state_is_in_work(status.state) && status.state != cam_state_disengaging;
+    const cam_err_t err = cam_machine_post_if(m, &status, may_stop, cam_request_stop);
+    // With a measured Z, stop is the regular end of a cut.
     const bool is_end = m->params.z_is_measured != 0 && status.state == cam_state_cutting;
     m->is_cut_short = m->is_cut_short || (err == cam_ok && !is_end);
     return err;
@@ -298,7 +285,6 @@ void cam_machine_poll(cam_machine_t *m)
         m->n_checked = check_from;
         m->checked_crc = 0;
     }
-    // The CRC of the image is recomputed piece by piece; a round ends with the comparison.
     const uint32_t left = m->table.image_size - m->n_checked;
     const uint32_t n = left < check_bytes ? left : check_bytes;
     m->checked_crc = cam_crc32(m->checked_crc, bytes + m->n_checked, n);

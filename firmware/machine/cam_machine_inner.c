@@ -3,11 +3,11 @@
 #include "cam_build.h"        // cam_build_config
 #include "cam_build_motion.h" // cam_build_origin
 #include "cam_identify.h"     // cam_identify_is_between
-#include "cam_pass.h"         // cam_pass_params
+#include "cam_pass.h"         // cam_pass_params, cam_pass_check
 #include <stdatomic.h>        // atomic_store_explicit
 #include <stddef.h>           // NULL
 
-/// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
+/// Margin of the overspeed fault above the highest feasible speed, for speed ripple.
 enum { overspeed_percent = 1 };
 
 bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *status)
@@ -55,7 +55,32 @@ cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params, const 
     return err;
 }
 
-/// @return [nm] where the port counts the end of X's travel, by the homes that were found
+cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm)
+{
+    uint32_t pass = 0;
+    return m->has_table ? cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass)
+                        : cam_err_no_table;
+}
+
+uint32_t cam_machine_highest_mrpm(const cam_machine_t *m)
+{
+    return m->has_table ? cam_pass_highest_mrpm(&m->table, &m->params, m->tick_hz) : 0u;
+}
+
+cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
+{
+    if (!m->has_table) {
+        const uint32_t set_mrpm = (uint32_t)m->params.spindle_mrpm;
+        return (cam_feasibility_t){.err = cam_err_no_table,
+                                   .speed_mrpm = speed_mrpm > 0u ? speed_mrpm : set_mrpm};
+    }
+    uint32_t pass = 0;
+    const cam_err_t err = cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass);
+    return cam_pass_feasibility(&m->table, &m->params, speed_mrpm, m->tick_hz,
+                                err == cam_ok ? m->pass : pass);
+}
+
+/// @return [nm] upper end of X's travel in counts of the port
 static int32_t x_high_nm(const cam_machine_t *m, const cam_params_t *params)
 {
     const bool is_found = (m->offsets.known >> (uint32_t)hal_axis_x & 1u) != 0u;
@@ -70,34 +95,34 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
     if (half == NULL) {
         return cam_err_busy;
     }
-    // The guard's limit of the speed follows from the highest speed at which all limits hold.
+    // The overspeed limit follows from the highest feasible speed.
     const cam_params_t here = cam_pass_params(params, table, pass);
     const uint32_t mean_mrpm =
         table != NULL ? cam_feasible_highest_mrpm(table, &here, m->tick_hz) : 0u;
     const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
     const cam_err_t err = cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
-    if (err == cam_ok) {
-        cam_build_origin(half, cam_offsets_origin_nm(&m->offsets, params, hal_axis_x),
-                         cam_offsets_origin_nm(&m->offsets, params, hal_axis_z));
-        const cam_config_t *last =
-            atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
-        half->play.x_high_nm = x_high_nm(m, params);
-        if (last != NULL) {
-            half->learned = last->learned;
-            cam_config_learn(half);
-            half->play.jog.order = last->play.jog.order;
-        }
-        half->play.acknowledge = cam_machine_acknowledge_config(m);
-        if (m->is_held) {
-            half->play.feed_rate_q30 = 0;
-        }
-        m->is_rate_due = false;
-        m->generation++;
-        m->pass = pass;
-        m->limit_mrpm = limit_mrpm;
-        half->generation = m->generation;
-        cam_config_offer(&m->core->config);
+    if (err != cam_ok) {
+        return err;
     }
-    return err;
+    cam_build_origin(half, cam_offsets_origin_nm(&m->offsets, params, hal_axis_x),
+                     cam_offsets_origin_nm(&m->offsets, params, hal_axis_z));
+    const cam_config_t *last = atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+    half->play.x_high_nm = x_high_nm(m, params);
+    if (last != NULL) {
+        half->learned = last->learned;
+        cam_config_learn(half);
+        half->play.jog.order = last->play.jog.order;
+    }
+    half->play.acknowledge = cam_machine_acknowledge_config(m);
+    if (m->is_held) {
+        half->play.feed_rate_q30 = 0;
+    }
+    m->is_rate_due = false;
+    m->generation++;
+    m->pass = pass;
+    m->limit_mrpm = limit_mrpm;
+    half->generation = m->generation;
+    cam_config_offer(&m->core->config);
+    return cam_ok;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_machine_inner: how the files cam_machine_*.c hand requests and configurations over.
+/// cam_machine_inner: interface between the files cam_machine_*.c, private to this folder.
 ///
-/// Both ways have room for one: until the interrupt has taken it, the next is refused with
-/// cam_err_busy. Nobody outside of this folder includes this header.
+/// One request and one configuration can be pending; until the interrupt has taken it, the next is
+/// refused with cam_err_busy.
 /// Context: slow side, one caller.
 #ifndef CAM_MACHINE_INNER_H
 #define CAM_MACHINE_INNER_H
@@ -14,15 +14,15 @@
 /// @return whether the interrupt has carried out the last request
 bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *status);
 
-/// @return whether the state in *status may be about to change: the last request is not carried
-///         out, or the next step of an excitation is still to come
+/// @return whether the state may be about to change: a request is not carried out, or an excitation
+///         is between two steps
 bool cam_machine_is_pending(const cam_machine_t *m, const cam_status_t *status);
 
-/// Request what the caller knows to be in order: the last request is carried out.
+/// Post a request unchecked. The caller has checked that the last one is carried out.
 void cam_machine_request(cam_machine_t *m, cam_request_t request);
 
 /// Post a request to the interrupt, which takes it in the next tick.
-/// @return cam_ok, or cam_err_busy while something is pending
+/// @return cam_ok, or cam_err_busy if cam_machine_is_pending()
 CAM_MUST_USE cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *status,
                                         cam_request_t request);
 
@@ -31,43 +31,41 @@ CAM_MUST_USE cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *st
 CAM_MUST_USE cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t *status,
                                            bool is_allowed, cam_request_t request);
 
-/// Check the inputs, and that U stands inside of its stroke: set-points stay in the stroke, so that
-/// from outside U would jump to the edge when it is enabled.
+/// Check the inputs, and that U is within its stroke: set-points are limited to the stroke, so U
+/// would jump to its edge on enable.
 /// @return cam_ok, cam_err_estop, _drive, _bus, _u_place
 CAM_MUST_USE cam_err_t cam_machine_check_drives(const cam_params_t *params,
                                                 const cam_status_t *status);
 
-/// @return cam_ok when somebody at the machine has said that it may move, or this port needs nobody
-///         to; else cam_err_acknowledge, or cam_err_acknowledge_none when it has no button
+/// @return cam_ok when the button was pressed or is waived; else cam_err_acknowledge, or
+///         cam_err_acknowledge_none when the port has no button
 CAM_MUST_USE cam_err_t cam_machine_check_acknowledge(const cam_machine_t *m,
                                                      const cam_status_t *status);
 
-/// Carry out what follows when the commander is lost: the cut ends as by stop, axes that are moved
-/// by hand brake. Context: cam_machine_poll().
+/// Stop the motion when command is lost. Part of cam_machine_poll().
 void cam_machine_rights_poll(cam_machine_t *m, const cam_status_t *status);
 
-/// @return what the configuration demands of the button at the machine
+/// @return the configuration of the acknowledge button
 cam_acknowledge_config_t cam_machine_acknowledge_config(const cam_machine_t *m);
 
-/// Judge the speeds that start would use with these parameters and this table. What is infeasible
-/// is kept with its numbers, for cam_machine_refusal().
-/// @return cam_ok or why not (cam_feasible.h)
+/// Check all passes at the speeds that start would use. If infeasible, record why in m->refusal.
+/// @return cam_ok or a feasibility error
 CAM_MUST_USE cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params,
                                          const cam_table_t *table);
 
-/// @return the parameters of a port that keeps none: the defaults, learning where U is measured
+/// @return the defaults of this port, with learning on where U is measured
 cam_params_t cam_machine_defaults(uint32_t tick_hz);
 
-/// Hand over the parameters that the port keeps, if they are whole and fit the tick.
+/// Hand over the kept parameters if they are undamaged and fit the tick.
 /// Context: before the tick starts.
-/// @return false when nothing was handed over; m->kept tells why
+/// @return false when nothing was handed over, see m->kept.err
 bool cam_machine_load_params(cam_machine_t *m);
 
-/// Hand parameters and table to the interrupt as one configuration, with what has been learned.
-/// Nothing changes on error.
+/// Hand parameters, table and learned values to the interrupt as one configuration. Nothing changes
+/// on error.
 /// @param table  NULL: none
-/// @param pass   of the table that start cuts with it
-/// @return       cam_ok, cam_err_busy, or why they do not fit together (cam_build.h)
+/// @param pass   that start cuts next
+/// @return       cam_ok, cam_err_busy, or an error of cam_build_config()
 CAM_MUST_USE cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
                                              const cam_table_t *table, uint32_t pass);
 

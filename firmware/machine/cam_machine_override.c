@@ -2,8 +2,8 @@
 #include "cam_machine_override.h"
 #include "cam_machine_inner.h" // cam_machine_hand_over
 
-/// Note what is asked of the feed, and hand it over; while the interrupt has not taken the last
-/// configuration, cam_machine_poll() tries again.
+/// Hold or resume the feed. cam_machine_poll() retries while the interrupt has not taken the last
+/// configuration.
 static void ask(cam_machine_t *m, bool is_held)
 {
     m->is_held = is_held;

@@ -3,10 +3,10 @@
 #include "cam_machine_inner.h" // cam_machine_is_pending
 #include "cam_plan.h"          // cam_plan_ticks
 
-/// [ms], [s] of cam_acknowledge.h.
+/// Times of the acknowledge button (cam_acknowledge.h).
 enum { settle_ms = 20, least_ms = 50, most_ms = 2000, good_s = 60 };
 
-/// @return [plans] of a time, rounded up
+/// @return [plans], rounded up
 static uint32_t plans_of_ms(uint32_t ms, uint32_t tick_hz)
 {
     const uint64_t per_plan = (uint64_t)cam_plan_ticks(tick_hz) * 1000u;
@@ -62,20 +62,15 @@ void cam_machine_release_command(cam_machine_t *m)
     m->is_stop_due = true;
 }
 
-/// Stop what moves, as soon as the interrupt has taken the last request: it may be a start.
-static void stop_when_taken(cam_machine_t *m, const cam_status_t *status)
-{
-    m->homes_again = false;
-    m->is_stop_due = cam_machine_is_pending(m, status) || cam_machine_stop(m) == cam_err_busy;
-}
-
 void cam_machine_rights_poll(cam_machine_t *m, const cam_status_t *status)
 {
     if (cam_rights_poll(&m->rights, status->inputs, status->tick)) {
         m->is_stop_due = true;
     }
     if (m->is_stop_due) {
-        stop_when_taken(m, status);
+        // A pending request may be a start, so wait until the interrupt has taken it.
+        m->homes_again = false;
+        m->is_stop_due = cam_machine_is_pending(m, status) || cam_machine_stop(m) == cam_err_busy;
     }
 }
 

@@ -39,8 +39,8 @@ uint32_t cam_pass_next(const cam_params_t *params, const cam_table_t *table, uin
     return params->pass > 0 || is_last ? cam_pass_first(params, table) : i + 1u;
 }
 
-/// @return [r/min / 1000] speed of a pass: that of its parameters, else that of the table, with the
-/// override, rounded up
+/// @return [r/min / 1000] speed of a pass, with the override, rounded up. A set speed replaces the
+///         table's
 static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *table)
 {
     const uint64_t mrpm =

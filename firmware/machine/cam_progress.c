@@ -4,7 +4,7 @@
 #include <stdatomic.h> // atomic_load_explicit
 #include <stddef.h>    // NULL
 
-/// What belongs to one tick.
+/// Snapshot of one tick.
 typedef struct {
     cam_plan_t plan;
     bool is_playing;
@@ -19,7 +19,7 @@ static moment_t moment(const cam_t *c)
     return (moment_t){
         .plan = now.plan,
         .is_playing = now.motion.is_playing,
-        .state = now.motion.state, // as planned, like is_playing; the record has that of before
+        .state = now.motion.state, // planned, as is_playing; the record has the previous state
         .pos_q32 = now.record.angle.pos_q32,
     };
 }
@@ -29,27 +29,20 @@ static int64_t at_least_0(int64_t turns_q32)
     return turns_q32 > 0 ? turns_q32 : 0;
 }
 
-/// Turns of a feed that begins at rest: with a rate r, ramps of r times their length lie at both
-/// ends, which feed half of what they would at full rate.
-/// @param fed_q32  [turn at full rate] that are to be fed
-/// @param ppm      rate of the feed; a hold counts as full rate
+/// @return [turn] of a feed from rest to rest. At rate r the ramps at both ends are r times as long
+///         and feed half of what full rate would
+/// @param fed_q32  [turn at full rate] distance
+/// @param ppm      feed rate; a hold counts as full rate
 static int64_t feed_turns_q32(const cam_play_config_t *cfg, int64_t fed_q32, int32_t ppm)
 {
     enum { whole_ppm = 1000000, least_ppm = whole_ppm / 100 };
     const int64_t rate_ppm = ppm >= least_ppm ? ppm : whole_ppm;
-    const int64_t fed_q12 = fed_q32 >> 20; // of any part: it is below 2^44, times 10^6 below 2^64
+    const int64_t fed_q12 = fed_q32 >> 20; // below 2^44 for any part, times 10^6 below 2^64
     return (int64_t)((uint64_t)fed_q12 * whole_ppm / (uint64_t)rate_ppm << 20) +
            cfg->ramp_q32 / whole_ppm * rate_ppm;
 }
 
-/// @return [turn] of the feed of a whole cut
-static int64_t feed_q32(const cam_play_config_t *cfg, int32_t ppm)
-{
-    return cfg->rings.is_on ? cfg->feed_q32
-                            : feed_turns_q32(cfg, cfg->feed_q32 - cfg->ramp_q32, ppm);
-}
-
-/// @return [turn] of the feed behind a hold, if it is resumed at once
+/// @return [turn] of the feed after a hold that is resumed at once
 static int64_t held_q32(const cam_feed_motion_t *c, const cam_play_config_t *cfg, int32_t ppm)
 {
     return cfg->rings.is_on
@@ -58,7 +51,7 @@ static int64_t held_q32(const cam_feed_motion_t *c, const cam_play_config_t *cfg
                                 ppm);
 }
 
-/// @return [turn] to the end of what is laid
+/// @return [turn] to the end of the planned motion
 static int64_t laid_q32(const moment_t *now, const cam_play_config_t *cfg, int32_t ppm)
 {
     const cam_plan_t *p = &now->plan;
@@ -70,28 +63,24 @@ static int64_t laid_q32(const moment_t *now, const cam_play_config_t *cfg, int32
     return at_least_0(p->disengage_at_q32 + cfg->disengage_q32 - now->pos_q32);
 }
 
-/// @return [turn] of a rehearsal, 0 where there is none
-static int64_t rehearsal_q32(const cam_play_config_t *cfg)
-{
-    return cfg->rehearse_q32 > 0 ? cfg->engage_q32 + cfg->rehearse_q32 + cfg->disengage_q32 : 0;
-}
-
-/// Fill in the turns of a cut that has an end of its own.
+/// Fill in the turns of a pass that ends by itself.
 static void count(cam_progress_t *to, const moment_t *now, const cam_play_config_t *cfg,
                   int32_t ppm)
 {
-    const int64_t rehearsal = rehearsal_q32(cfg);
-    const int64_t cut = cfg->engage_q32 + feed_q32(cfg, ppm) + cfg->disengage_q32;
-    int64_t done = 0;
+    const int64_t ends = cfg->engage_q32 + cfg->disengage_q32;
+    const int64_t rehearsal = cfg->rehearse_q32 > 0 ? ends + cfg->rehearse_q32 : 0;
+    const int64_t feed =
+        cfg->rings.is_on ? cfg->feed_q32 : feed_turns_q32(cfg, cfg->feed_q32 - cfg->ramp_q32, ppm);
+    const int64_t cut = ends + feed;
+    int64_t done = now->is_playing ? at_least_0(now->pos_q32 - now->plan.engage_at_q32) : 0;
     if (!cam_state_is_in_work(now->state)) {
+        done = 0;
         to->left_q32 = rehearsal + cut;
     } else if (now->state == cam_state_rehearsing) {
-        done = now->is_playing ? at_least_0(now->pos_q32 - now->plan.engage_at_q32) : 0;
         to->left_q32 = now->is_playing ? laid_q32(now, cfg, ppm) : rehearsal;
         to->left_q32 += now->is_playing && now->plan.is_stopped ? 0 : cut;
     } else {
-        done =
-            rehearsal + (now->is_playing ? at_least_0(now->pos_q32 - now->plan.engage_at_q32) : 0);
+        done += rehearsal;
         to->left_q32 = now->is_playing ? laid_q32(now, cfg, ppm) : cut;
     }
     to->whole_q32 = done + to->left_q32;
@@ -108,8 +97,7 @@ cam_progress_t cam_progress(const cam_machine_t *m)
     const int32_t mrpm = cfg->play.spindle_mrpm;
     const uint32_t speed = mrpm < 0 ? 0u - (uint32_t)mrpm : (uint32_t)mrpm;
     to.mrpm = (uint32_t)((uint64_t)speed * (uint32_t)cfg->play.spindle_rate_q30 >> 30);
-    const bool is_ending = now.state == cam_state_disengaging;
-    to.has_end = !cfg->play.is_z_measured || is_ending;
+    to.has_end = !cfg->play.is_z_measured || now.state == cam_state_disengaging;
     if (to.has_end) {
         count(&to, &now, &cfg->play, m->params.feed_override_ppm);
     }
