@@ -51,9 +51,7 @@ cam_err_t cam_machine_wave_block(cam_machine_t *m, uint32_t offset, const uint8_
     if (offset > i->n_bytes || n > i->n_bytes - offset) {
         return cam_err_download_room;
     }
-    const bool is_known =
-        offset + n <= i->received && memcmp(&wave_bytes(m)[offset], bytes, n) == 0;
-    if (is_known) {
+    if (offset + n <= i->received && memcmp(&wave_bytes(m)[offset], bytes, n) == 0) {
         return cam_ok;
     }
     if (offset != i->received) {
@@ -110,7 +108,7 @@ static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status
     return m->params.trace_on != 0 ? cam_ok : cam_err_scope_trace;
 }
 
-/// Fade and periods together last cam_wave_longest_s at most.
+/// Limit fades and periods together to cam_wave_longest_s.
 static cam_wave_verdict_t check_length(const cam_machine_t *m, uint32_t n_periods,
                                        uint32_t fade_ticks)
 {
@@ -124,7 +122,7 @@ static cam_wave_verdict_t check_length(const cam_machine_t *m, uint32_t n_period
     };
 }
 
-/// The tool must be off the work, at every height, by half the clearance where U is furthest in.
+/// Require half the clearance between tool and work, at every height and at U's innermost sample.
 static cam_wave_verdict_t check_clear(const cam_machine_t *m, const cam_status_t *status,
                                       const cam_config_t *cfg, const cam_wave_range_t *range)
 {
@@ -137,9 +135,9 @@ static cam_wave_verdict_t check_clear(const cam_machine_t *m, const cam_status_t
     };
 }
 
-/// Give the interrupt the configuration in force with another excitation.
+/// Offer the interrupt the configuration in force with another excitation.
 /// @param following_nm  [nm] limit of the following error
-/// @return              false while it has not taken the last one
+/// @return              false until the interrupt has taken the previous configuration
 static bool offer(cam_machine_t *m, const cam_excite_config_t *excite, int32_t following_nm)
 {
     cam_config_t *copy = cam_config_copy(&m->core->config);
@@ -152,9 +150,9 @@ static bool offer(cam_machine_t *m, const cam_excite_config_t *excite, int32_t f
     return true;
 }
 
-/// Hand the wave over and let the recorder wait for it.
-static cam_err_t hand_wave_over(cam_machine_t *m, const cam_status_t *status,
-                                const cam_excite_config_t *excite, int64_t following_nm)
+/// Arm the recorder and offer the wave.
+static cam_err_t offer_wave(cam_machine_t *m, const cam_status_t *status,
+                            const cam_excite_config_t *excite, int64_t following_nm)
 {
     cam_identify_t *i = &m->identify;
     cam_scope_plan_t plan = m->scope.set;
@@ -189,12 +187,12 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
     const cam_config_t *cfg = atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
     const cam_wave_range_t range = cam_wave_range(m->scope.words, m->identify.n);
     const cam_motion_limits_t fade = cam_wave_fade(fade_ticks);
-    const uint32_t n_fall = cam_wave_fall_ticks(&fade); // and as many it rises
+    const uint32_t n_fall = cam_wave_fall_ticks(&fade); // the rise takes as many
     const uint32_t n = m->identify.n;
     const cam_excite_config_t excite = {
         .wave_nm = m->scope.words,
         .n = n,
-        .first = (n - n_fall % n) % n, // so that the first period in full begins with sample 0
+        .first = (n - n_fall % n) % n, // the first period at full gain begins with sample 0
         .n_play = n_periods * n + n_fall,
         .fade = fade,
         .place_q10 = (int64_t)m->identify.place_nm * 1024,
@@ -209,7 +207,7 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
     m->identify.following_nm = cfg->guard.following_nm;
     m->identify.n_fall = n_fall;
     const int64_t most_nm = -range.low_nm > range.high_nm ? -range.low_nm : range.high_nm;
-    return no_value(hand_wave_over(m, &status, &excite, m->identify.following_nm + most_nm));
+    return no_value(offer_wave(m, &status, &excite, m->identify.following_nm + most_nm));
 }
 
 void cam_machine_keep_alive(cam_machine_t *m)
@@ -220,30 +218,14 @@ void cam_machine_keep_alive(cam_machine_t *m)
 
 // The sequence
 
-/// The interrupt has begun, or it has not because the state is another one by now.
-static void see_begin(cam_identify_t *i, const cam_status_t *status)
-{
-    const bool is_over = status->state == cam_state_ready; // as short as that it was
-    if (status->state == cam_state_identifying) {
-        i->phase = cam_identify_runs;
-    } else {
-        i->phase = cam_identify_ends;
-        i->excited = is_over ? cam_excited_done : cam_excited_fault;
-    }
-}
-
-/// @return whether the last sign of life is too old
-static bool is_silent(const cam_machine_t *m, const cam_status_t *status)
-{
-    const uint32_t patience_ticks = m->tick_hz / 1000u * (uint32_t)cam_identify_patience_ms;
-    return status->tick - m->identify.alive_tick > patience_ticks;
-}
-
+/// Stop when no sign of life comes; note the result at the end.
 static void watch(cam_machine_t *m, const cam_status_t *status)
 {
     cam_identify_t *i = &m->identify;
+    const uint32_t patience_ticks = m->tick_hz / 1000u * (uint32_t)cam_identify_patience_ms;
     if (status->state == cam_state_identifying) {
-        if (i->excited == cam_excited_runs && is_silent(m, status)) {
+        i->phase = cam_identify_runs;
+        if (i->excited == cam_excited_runs && status->tick - i->alive_tick > patience_ticks) {
             i->excited = cam_excited_silent;
             cam_machine_request(m, cam_request_stop);
         }
@@ -255,11 +237,11 @@ static void watch(cam_machine_t *m, const cam_status_t *status)
     } else if (i->excited == cam_excited_runs) {
         i->excited = cam_excited_done;
     } else {
-        // it was cut short, and why is known
+        // stopped early: the reason is already noted
     }
 }
 
-/// The interrupt gets its usual limits back; then the enable may go.
+/// Restore the limit of the following error, then disable if requested.
 static void end(cam_machine_t *m)
 {
     static const cam_excite_config_t nothing = {0};
@@ -270,7 +252,7 @@ static void end(cam_machine_t *m)
     i->phase = cam_identify_none;
     if (i->disables) {
         const cam_err_t err = cam_machine_disable(m);
-        (void)err; // behind a fault it is refused, whose retract takes the enable away as well
+        (void)err; // refused after a fault, whose retract disables as well
     }
 }
 
@@ -287,14 +269,12 @@ void cam_machine_identify_poll(cam_machine_t *m)
     if (i->phase == cam_identify_offered && status.config == m->generation) {
         cam_machine_request(m, cam_request_identify);
         i->phase = cam_identify_requested;
-    } else if (i->phase == cam_identify_requested) {
-        see_begin(i, &status);
-    } else if (i->phase == cam_identify_runs) {
+    } else if (i->phase == cam_identify_requested || i->phase == cam_identify_runs) {
         watch(m, &status);
     } else if (i->phase == cam_identify_ends) {
         end(m);
     } else {
-        // the interrupt has still to take the wave
+        // the interrupt has not yet taken the wave
     }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learning as a part of the machine: what parameters and table ask of it, and its hand-over.
+// Learning: its setup from parameters and table, and the hand-over to the interrupt.
 #include "cam_angle.h" // CAM_TURN_Q32
 #include "cam_gains.h" // cam_gains_bound
 #include "cam_machine.h"
@@ -9,11 +9,10 @@
 _Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8192u,
                "RAM of learning: state, bins of two turns, and what is in force in two halves");
 
-/// Learned constants of the drive may differ from the configured ones by those, and this more.
+/// The learned change of a drive constant may reach the configured value plus this.
 enum { spare_ticks = 4, spare_ticks2 = 16 };
 
-/// Counts that fall on the same angles in every tick feign an order of the ripple of up to this
-/// part of a count.
+/// Encoder counts in step with the ticks imitate a ripple of at most 1 count / feigned_part.
 enum { feigned_part = 4 };
 
 static int32_t q16_of_ppm(int32_t ppm)
@@ -48,7 +47,7 @@ static cam_ilc_reason_t asked_of(const cam_machine_t *m)
     return m->table.n_lobes > 0u ? cam_ilc_lobes : cam_ilc_all;
 }
 
-/// The encoder's error A sin(angle - phase), in the sense of cutting: -j A e^(-j phase).
+/// @return the encoder's error A sin(angle - phase) in the cutting direction: -j A e^(-j phase)
 static cam_complex_t eccentricity(const cam_machine_t *m)
 {
     const int64_t size_q32 = m->params.eccentricity_nturn * CAM_TURN_Q32 / 1000000000;
@@ -58,7 +57,7 @@ static cam_complex_t eccentricity(const cam_machine_t *m)
     return cam_harmonics_rotated(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
 }
 
-/// @return [nm] the probe, which is at least three steps of the scale
+/// @return [nm] the probe, at least three steps of the scale
 static int32_t probe_nm(const cam_params_t *p)
 {
     const int32_t least_nm =
@@ -66,7 +65,7 @@ static int32_t probe_nm(const cam_params_t *p)
     return p->probe_nm > least_nm ? p->probe_nm : least_nm;
 }
 
-/// @return [ticks / 2^16] what may be learned of k1, up to the largest gain that may be set
+/// @return [ticks / 2^16] largest learned change of k1; k1 stays within its gain bound
 static int32_t k1_most_q16(const cam_machine_t *m)
 {
     const cam_params_t *p = &m->params;
@@ -76,7 +75,7 @@ static int32_t k1_most_q16(const cam_machine_t *m)
     return cam_sat_i32(cam_clamp_i64(ticks_q16(m, most_ns), 0, spare_q16));
 }
 
-/// @return [ticks^2 / 2^16] the same of k2
+/// @return [ticks^2 / 2^16] the same for k2
 static int32_t k2_most_q16(const cam_machine_t *m)
 {
     const cam_params_t *p = &m->params;
@@ -85,8 +84,8 @@ static int32_t k2_most_q16(const cam_machine_t *m)
     return cam_sat_i32(cam_clamp_i64(ticks2_q16(m, most_us2), 0, spare_q16));
 }
 
-/// @return turns of a mean of the ripple, at least two: the walk to a mean takes the next turn, so
-///         that with one turn nothing would ever stand still
+/// @return revolutions averaged for the ripple, at least two: the blend to a new mean takes one
+///         revolution, so that with one it would never end
 static uint32_t ripple_turns(const cam_machine_t *m)
 {
     const bool is_asked = m->has_table && m->table.speed.knots == NULL;
@@ -148,7 +147,7 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
     }
 }
 
-/// @return whether both play the same, found out fast where they do not
+/// @return whether both hold the same values
 static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
 {
     bool is = a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16;
@@ -175,7 +174,7 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state)
         cam_ilc_blend(&m->ilc, &setup, at_q8, in);
         const cam_config_bank_t *bank = &m->core->config;
         const cam_config_t *last = atomic_load_explicit(&bank->offered, memory_order_relaxed);
-        if (!is_same(in, &last->learned)) { // nothing new is no new configuration
+        if (!is_same(in, &last->learned)) {
             cam_machine_learn_end(m);
         }
     }
@@ -198,15 +197,6 @@ cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index, int32_
     return index < cam_ilc_n_values ? cam_ok : cam_err_param_id;
 }
 
-/// @return whether the drive's constants stay within what learning itself may reach
-static bool is_learnable(const cam_machine_t *m, uint32_t index, int32_t value)
-{
-    const cam_ilc_setup_t setup = setup_of(m);
-    const int64_t size = cam_abs_i64(value);
-    return (index != (uint32_t)cam_ilc_value_k1 || size <= setup.k1_most_q16) &&
-           (index != (uint32_t)cam_ilc_value_k2 || size <= setup.k2_most_q16);
-}
-
 cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t value)
 {
     const cam_state_t state = cam_machine_status(m).state;
@@ -216,7 +206,10 @@ cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t valu
     if (state != cam_state_off && state != cam_state_ready) {
         return cam_err_param_state;
     }
-    return is_learnable(m, index, value) && cam_ilc_set(&m->ilc, index, value)
-               ? cam_ok
-               : cam_err_param_range;
+    const int64_t size = cam_abs_i64(value);
+    if ((index == (uint32_t)cam_ilc_value_k1 && size > k1_most_q16(m)) ||
+        (index == (uint32_t)cam_ilc_value_k2 && size > k2_most_q16(m))) {
+        return cam_err_param_range;
+    }
+    return cam_ilc_set(&m->ilc, index, value) ? cam_ok : cam_err_param_range;
 }

@@ -2,12 +2,12 @@
 #include "cam_machine_jog.h"
 #include "cam_demand.h"        // cam_demand_clearance_nm
 #include "cam_fix.h"           // cam_sat_i32
-#include "cam_machine_inner.h" // cam_machine_post_if
+#include "cam_machine_inner.h" // cam_machine_post
 #include "cam_pass.h"          // cam_pass_count
 #include "cam_units.h"         // cam_units_scale
 #include <stddef.h>            // NULL
 
-static cam_jog_verdict_t hand_verdict(cam_err_t err, int32_t value)
+static cam_jog_verdict_t verdict(cam_err_t err, int32_t value)
 {
     return (cam_jog_verdict_t){.err = err, .value = value};
 }
@@ -19,19 +19,19 @@ static const cam_config_t *newest_config(const cam_machine_t *m)
 
 // Orders
 
-/// @return whether an order is on its way or being carried out
+/// @return whether an order is pending or an axis is moving
 static bool is_axis_moving(const cam_machine_t *m, const cam_status_t *status)
 {
     return status->jog.serial != m->offsets.serial || status->jog.phase != cam_jog_rest;
 }
 
-/// @return [tick] until which an order holds that is given now
+/// @return [tick] when an order given now expires
 static uint32_t patience_end(const cam_machine_t *m, const cam_status_t *status)
 {
     return status->tick + m->tick_hz * (uint32_t)cam_jog_patience_ms / 1000u;
 }
 
-/// Give the interrupt an order with the configuration in force.
+/// Offer the interrupt the configuration in force with another order.
 static cam_err_t offer_order(cam_machine_t *m, const cam_jog_order_t *order)
 {
     cam_config_t *copy = cam_config_copy(&m->core->config);
@@ -43,7 +43,6 @@ static cam_err_t offer_order(cam_machine_t *m, const cam_jog_order_t *order)
     return cam_ok;
 }
 
-/// Give a new order.
 static cam_err_t give_order(cam_machine_t *m, const cam_status_t *status, cam_jog_order_t *order)
 {
     order->serial = m->offsets.serial + 1u;
@@ -53,8 +52,10 @@ static cam_err_t give_order(cam_machine_t *m, const cam_status_t *status, cam_jo
     return err;
 }
 
-/// @return cam_ok when an axis can be ordered to move
-static cam_err_t check_order(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
+/// @return cam_ok when an order of this kind may be given: only a jog replaces an order, another
+/// jog
+static cam_err_t check_order(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis,
+                             cam_jog_phase_t kind)
 {
     if ((uint32_t)axis >= (uint32_t)hal_n_axes ||
         (axis == hal_axis_z && m->params.z_is_measured != 0)) {
@@ -63,10 +64,15 @@ static cam_err_t check_order(const cam_machine_t *m, const cam_status_t *status,
     if (cam_machine_is_pending(m, status)) {
         return cam_err_busy;
     }
-    return status->state == cam_state_manual ? cam_ok : cam_err_state;
+    if (status->state != cam_state_manual) {
+        return cam_err_state;
+    }
+    const cam_jog_phase_t given = newest_config(m)->play.jog.order.begin;
+    const bool may_replace = kind == cam_jog_jog && (given == cam_jog_jog || given == cam_jog_rest);
+    return is_axis_moving(m, status) && !may_replace ? cam_err_hand_moves : cam_ok;
 }
 
-/// @return [nm / 1024 per plan] of a speed, at least 1 and at most that of a limit
+/// @return [nm / 1024 per plan] a speed, clamped to 1 .. most_q10
 static int32_t order_speed_q10(const cam_machine_t *m, int32_t um_per_s, int32_t most_q10)
 {
     const int64_t per_plan_q10 =
@@ -74,7 +80,7 @@ static int32_t order_speed_q10(const cam_machine_t *m, int32_t um_per_s, int32_t
     return (int32_t)cam_clamp_i64(per_plan_q10, 1, most_q10);
 }
 
-/// @return [um/s] the highest speed of an axis by hand
+/// @return [um/s] the highest jog speed of an axis
 static int32_t most_um_per_s(const cam_machine_t *m, hal_axis_t axis)
 {
     const cam_play_config_t *play = &newest_config(m)->play;
@@ -82,23 +88,31 @@ static int32_t most_um_per_s(const cam_machine_t *m, hal_axis_t axis)
                                     INT64_C(1024000) * play->plan_ticks);
 }
 
-/// How far an axis may be moved by hand, in the numbers of the port.
+/// Limits of jogs and steps, in port coordinates.
 typedef struct {
     int64_t low_q10, high_q10;
-} way_t;
+} limits_t;
 
-/// @return the stroke of U; the travel of X or Z, less an eighth of the acceleration, by which
-/// braking by steps may lead beyond its target (cam_move_profile.h)
-static way_t way_of(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
+/// @return the stroke of U; the travel of X or Z less an eighth of the acceleration, the largest
+///         overshoot of stepwise braking (cam_move_profile.h)
+static limits_t limits_of(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
 {
-    const cam_jog_config_t *hand = &newest_config(m)->play.jog;
+    const cam_jog_config_t *jog = &newest_config(m)->play.jog;
     if (axis == hal_axis_u) {
-        return (way_t){-hand->u_end_q10, hand->u_end_q10};
+        return (limits_t){-jog->u_end_q10, jog->u_end_q10};
     }
     const bool is_known = cam_offsets_is_known(&m->params, status, axis);
     const cam_offsets_travel_t t = cam_offsets_travel(&m->offsets, &m->params, axis, is_known);
-    const int64_t room_q10 = hand->limits[axis].acceleration_q10 / 8 + 1;
-    return (way_t){(int64_t)t.low_nm * 1024 + room_q10, (int64_t)t.high_nm * 1024 - room_q10};
+    const int64_t room_q10 = jog->limits[axis].acceleration_q10 / 8 + 1;
+    return (limits_t){(int64_t)t.low_nm * 1024 + room_q10, (int64_t)t.high_nm * 1024 - room_q10};
+}
+
+/// @return [nm] the measured position of an axis, in port coordinates
+static int32_t port_nm(const cam_status_t *status, hal_axis_t axis)
+{
+    const int32_t actual_nm[hal_n_axes] = {status->u_actual_nm, status->x_actual_nm,
+                                           status->z_actual_nm};
+    return actual_nm[axis];
 }
 
 cam_err_t cam_machine_manual(cam_machine_t *m)
@@ -115,70 +129,57 @@ cam_err_t cam_machine_manual(cam_machine_t *m)
 cam_jog_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_s)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_err_t err = check_order(m, &status, axis);
-    const cam_jog_phase_t given = newest_config(m)->play.jog.order.begin;
-    if (err == cam_ok && is_axis_moving(m, &status) && given != cam_jog_jog &&
-        given != cam_jog_rest) {
-        err = cam_err_hand_moves;
-    }
+    const cam_err_t err = check_order(m, &status, axis, cam_jog_jog);
     if (err != cam_ok) {
-        return hand_verdict(err, 0);
+        return verdict(err, 0);
     }
     const int32_t most = most_um_per_s(m, axis);
     if (!cam_is_between(um_per_s, -most, most)) {
-        return hand_verdict(cam_err_hand_speed, most);
+        return verdict(cam_err_hand_speed, most);
     }
-    const way_t way = way_of(m, &status, axis);
+    const limits_t limits = limits_of(m, &status, axis);
     cam_jog_order_t order = {
         .begin = um_per_s == 0 ? cam_jog_rest : cam_jog_jog,
         .axis = axis,
         .sense = um_per_s < 0 ? -1 : 1,
         .speed_q10 = order_speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s,
                                      newest_config(m)->play.jog.limits[axis].speed_q10),
-        .low_q10 = way.low_q10,
-        .high_q10 = way.high_q10,
+        .low_q10 = limits.low_q10,
+        .high_q10 = limits.high_q10,
     };
-    return hand_verdict(give_order(m, &status, &order), um_per_s);
+    return verdict(give_order(m, &status, &order), um_per_s);
 }
 
 cam_jog_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_err_t err = check_order(m, &status, axis);
-    if (err == cam_ok && is_axis_moving(m, &status)) {
-        err = cam_err_hand_moves;
-    }
+    const cam_err_t err = check_order(m, &status, axis, cam_jog_step);
     if (err != cam_ok) {
-        return hand_verdict(err, 0);
+        return verdict(err, 0);
     }
-    const way_t way = way_of(m, &status, axis);
-    const int32_t port_nm[hal_n_axes] = {status.u_actual_nm, status.x_actual_nm,
-                                         status.z_actual_nm};
-    const int64_t to_q10 = ((int64_t)port_nm[axis] + nm) * 1024;
-    const int64_t end_q10 = nm < 0 ? way.low_q10 : way.high_q10;
+    const limits_t limits = limits_of(m, &status, axis);
+    const int64_t to_q10 = ((int64_t)port_nm(&status, axis) + nm) * 1024;
+    const int64_t end_q10 = nm < 0 ? limits.low_q10 : limits.high_q10;
     if (nm < 0 ? to_q10 < end_q10 : to_q10 > end_q10) {
         const int32_t shift_nm = cam_offsets_shift_nm(&m->offsets, &m->params, axis);
-        return hand_verdict(cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm));
+        return verdict(cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm));
     }
     cam_jog_order_t order = {
         .begin = cam_jog_step,
         .axis = axis,
         .sense = nm < 0 ? -1 : 1,
         .speed_q10 = newest_config(m)->play.jog.limits[axis].speed_q10,
-        .low_q10 = way.low_q10,
-        .high_q10 = way.high_q10,
+        .low_q10 = limits.low_q10,
+        .high_q10 = limits.high_q10,
         .distance_q10 = (int64_t)nm * 1024,
     };
-    return hand_verdict(give_order(m, &status, &order), nm);
+    return verdict(give_order(m, &status, &order), nm);
 }
 
 cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_err_t err = check_order(m, &status, axis);
-    if (err == cam_ok && is_axis_moving(m, &status)) {
-        err = cam_err_hand_moves;
-    }
+    cam_err_t err = check_order(m, &status, axis, cam_jog_search);
     if (err != cam_ok) {
         return err;
     }
@@ -187,10 +188,10 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     if (a.method == none) {
         return cam_err_home_none;
     }
-    const cam_jog_config_t *hand = &newest_config(m)->play.jog;
-    const int32_t most_q10 = hand->limits[axis].speed_q10;
+    const cam_jog_config_t *jog = &newest_config(m)->play.jog;
+    const int32_t most_q10 = jog->limits[axis].speed_q10;
     const int64_t end_q10 =
-        axis == hal_axis_u ? hand->u_end_q10 : (int64_t)CAM_OFFSETS_FAR_NM * 1024;
+        axis == hal_axis_u ? jog->u_end_q10 : (int64_t)CAM_OFFSETS_FAR_NM * 1024;
     cam_jog_order_t order = {
         .begin = a.method == here ? cam_jog_here : cam_jog_search,
         .axis = axis,
@@ -204,8 +205,9 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
         .home_nm = a.home_nm,
     };
     err = give_order(m, &status, &order);
-    m->offsets.has_searched_u = m->offsets.has_searched_u || (err == cam_ok && axis == hal_axis_u &&
-                                                              order.begin == cam_jog_search);
+    if (err == cam_ok && axis == hal_axis_u && order.begin == cam_jog_search) {
+        m->offsets.has_searched_u = true;
+    }
     return err;
 }
 
@@ -223,19 +225,17 @@ void cam_machine_jog_alive(cam_machine_t *m)
     if (status.state == cam_state_manual && order.begin != cam_jog_jog &&
         is_axis_moving(m, &status)) {
         order.until = patience_end(m, &status);
-        (void)offer_order(m, &order); // else the next sign of life is in time as well
+        (void)offer_order(m, &order); // when busy, the next sign of life is still in time
     }
 }
 
-// Places
+// Positions
 
 int32_t cam_machine_position_nm(const cam_machine_t *m, hal_axis_t axis)
 {
     const cam_status_t status = cam_machine_status(m);
-    const int32_t port_nm[hal_n_axes] = {status.u_actual_nm, status.x_actual_nm,
-                                         status.z_actual_nm};
-    const int32_t shift_nm = cam_offsets_shift_nm(&m->offsets, &m->params, axis);
-    return cam_sat_i32((int64_t)port_nm[axis] + shift_nm);
+    const int64_t shift_nm = cam_offsets_shift_nm(&m->offsets, &m->params, axis);
+    return cam_sat_i32(port_nm(&status, axis) + shift_nm);
 }
 
 cam_jog_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm)
@@ -243,75 +243,61 @@ cam_jog_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm
     const cam_status_t status = cam_machine_status(m);
     const bool is_x = axis == hal_axis_x;
     if (!is_x && axis != hal_axis_z) {
-        return hand_verdict(cam_err_hand_axis, 0);
+        return verdict(cam_err_hand_axis, 0);
     }
     const cam_param_id_t id = is_x ? cam_param_x_datum_nm : cam_param_z_datum_nm;
     const int32_t now_nm = cam_param_get(&m->params, id);
     if (status.state == cam_state_manual && is_axis_moving(m, &status)) {
-        return hand_verdict(cam_err_hand_moves, now_nm);
+        return verdict(cam_err_hand_moves, now_nm);
     }
     if (!cam_offsets_is_known(&m->params, &status, axis)) {
-        return hand_verdict(cam_err_not_homed, now_nm);
+        return verdict(cam_err_not_homed, now_nm);
     }
-    // The tip is U nearer to the axis than X.
+    // The tip is at the radius X - U.
     const int64_t part_nm = is_x ? (int64_t)nm / 2 + status.u_actual_nm : nm;
     const int64_t tool_nm = cam_offsets_axis(&m->params, axis).tool_nm;
     const int64_t datum_nm = part_nm - tool_nm - cam_machine_position_nm(m, axis);
     const cam_err_t err = cam_machine_set_param(m, id, cam_sat_i32(datum_nm));
-    return hand_verdict(err, cam_param_get(&m->params, id));
+    return verdict(err, cam_param_get(&m->params, id));
 }
 
-/// @return whether an axis lacks a home that is demanded. U has other numbers once a search has
-/// begun, so that without a home nothing is known of its place.
+/// @return whether an axis must be homed first. A search changes U's counts, so that U must then be
+///         homed even where homing_required is 0.
 static bool lacks_home(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
 {
-    const bool is_led_by_others = axis == hal_axis_z && m->params.z_is_measured != 0;
-    const bool is_u_lost = axis == hal_axis_u && m->offsets.has_searched_u &&
-                           (status->jog.homed >> (uint32_t)axis & 1u) == 0u;
-    return is_u_lost || (m->params.homing_required != 0 && !is_led_by_others &&
-                         !cam_offsets_is_known(&m->params, status, axis));
+    if (axis == hal_axis_u && m->offsets.has_searched_u) {
+        return (status->jog.homed >> (uint32_t)axis & 1u) == 0u;
+    }
+    return m->params.homing_required != 0 &&
+           !(axis == hal_axis_z && m->params.z_is_measured != 0) &&
+           !cam_offsets_is_known(&m->params, status, axis);
 }
 
-/// @return whether a piece of the part lies within the travel of an axis, as far as that is known
+/// @return whether a range of part coordinates is within the travel of an axis
 static bool is_in_travel(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis,
                          int64_t low_nm, int64_t high_nm)
 {
-    const way_t way = way_of(m, status, axis);
+    const limits_t limits = limits_of(m, status, axis);
     const int64_t origin_nm = cam_offsets_origin_nm(&m->offsets, &m->params, axis);
-    return (low_nm + origin_nm) * 1024 >= way.low_q10 &&
-           (high_nm + origin_nm) * 1024 <= way.high_q10;
-}
-
-/// @return [nm] how far X stays off the largest radius at most
-static int64_t most_off_nm(const cam_machine_t *m)
-{
-    const cam_table_t *t = &m->table;
-    const bool is_rehearsed = m->params.rehearse_turns > 0 && t->speed.knots == NULL;
-    const int32_t away_nm = is_rehearsed ? cam_demand_half_stroke_nm(t, &m->params) : 0;
-    return (int64_t)cam_demand_clearance_nm(t, &m->params) + away_nm;
+    return (low_nm + origin_nm) * 1024 >= limits.low_q10 &&
+           (high_nm + origin_nm) * 1024 <= limits.high_q10;
 }
 
 bool cam_machine_is_x_in_travel(const cam_machine_t *m, const cam_status_t *status,
                                 int32_t x_trim_nm)
 {
     const cam_table_t *t = &m->table;
+    const bool is_rehearsed = m->params.rehearse_turns > 0 && t->speed.knots == NULL;
+    const int32_t away_nm = is_rehearsed ? cam_demand_half_stroke_nm(t, &m->params) : 0;
+    const int64_t most_off_nm = (int64_t)cam_demand_clearance_nm(t, &m->params) + away_nm;
     bool is_in = true;
     for (uint32_t i = 0; i < cam_pass_count(t) && is_in; i++) {
         const int64_t left_nm =
             (int64_t)x_trim_nm + (t->passes != NULL ? t->passes[i].allowance_nm : 0);
         is_in = is_in_travel(m, status, hal_axis_x, left_nm + t->x_min_nm,
-                             left_nm + t->x_max_nm + most_off_nm(m));
+                             left_nm + t->x_max_nm + most_off_nm);
     }
     return is_in;
-}
-
-/// @return whether X and Z can reach what the table asks of them
-static bool is_part_in_travel(const cam_machine_t *m, const cam_status_t *status)
-{
-    const cam_table_t *t = &m->table;
-    return cam_machine_is_x_in_travel(m, status, m->params.x_trim_nm) &&
-           (m->params.z_is_measured != 0 ||
-            is_in_travel(m, status, hal_axis_z, t->z_first_nm, t->z_last_nm));
 }
 
 cam_err_t cam_machine_check_positions(const cam_machine_t *m, const cam_status_t *status)
@@ -324,7 +310,11 @@ cam_err_t cam_machine_check_positions(const cam_machine_t *m, const cam_status_t
             return cam_err_not_homed;
         }
     }
-    return is_part_in_travel(m, status) ? cam_ok : cam_err_travel;
+    const bool is_z_in =
+        m->params.z_is_measured != 0 ||
+        is_in_travel(m, status, hal_axis_z, m->table.z_first_nm, m->table.z_last_nm);
+    return is_z_in && cam_machine_is_x_in_travel(m, status, m->params.x_trim_nm) ? cam_ok
+                                                                                 : cam_err_travel;
 }
 
 void cam_machine_jog_poll(cam_machine_t *m)
@@ -340,5 +330,5 @@ void cam_machine_jog_poll(cam_machine_t *m)
     const cam_table_t *table = m->has_table ? &m->table : NULL;
     if (cam_machine_hand_over(m, &m->params, table, m->pass) == cam_ok) {
         m->offsets.n_found = status.jog.n_found;
-    } // else the next call tries again
+    } // otherwise the next call retries
 }

@@ -38,7 +38,7 @@ void cam_machine_scope_stop(cam_machine_t *m)
     }
 }
 
-/// Forget the wave as well, so that the box has all of the memory.
+/// Discard recording and wave: the black box gets all the memory.
 static void give_up(cam_machine_t *m)
 {
     m->identify.n = 0;
@@ -89,32 +89,20 @@ cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t 
 
 // The black box
 
-/// Hand the box of a fault to the port, once.
-static void keep_box(cam_machine_t *m)
-{
-    if (!m->is_box_kept) {
-        cam_blackbox_keep(&m->scope);
-        m->is_box_kept = true;
-    }
-}
-
-/// @return whether what was asked for has ended so long ago that nobody will read it
-static bool is_abandoned(const cam_machine_t *m, uint32_t tick)
-{
-    const uint32_t patience = m->tick_hz * (uint32_t)cam_scope_patience_s;
-    return m->scope.phase == cam_scope_done && m->identify.phase == cam_identify_none &&
-           !m->identify.is_open && tick - m->scope.last_tick > patience;
-}
-
-/// The box comes back as soon as nobody needs the recorder.
-static void go_on_with_box(cam_machine_t *m)
+/// Save the box of a fault in the port, once. Restart the box when the recorder is free.
+static void poll_box(cam_machine_t *m)
 {
     const uint32_t tick = cam_machine_status(m).tick;
     if (cam_blackbox_is_unread(&m->scope)) {
-        keep_box(m);
+        if (!m->is_box_kept) {
+            cam_blackbox_keep(&m->scope);
+            m->is_box_kept = true;
+        }
         return;
     }
-    if (is_abandoned(m, tick)) {
+    const uint32_t patience = m->tick_hz * (uint32_t)cam_scope_patience_s;
+    if (m->scope.phase == cam_scope_done && m->identify.phase == cam_identify_none &&
+        !m->identify.is_open && tick - m->scope.last_tick > patience) {
         give_up(m);
     }
     if (m->scope.phase == cam_scope_idle && m->params.trace_on != 0 &&
@@ -144,30 +132,19 @@ void cam_machine_record(cam_machine_t *m, const cam_tick_record_t *r)
     cam_strobe_take(&m->strobe, r);
 }
 
-/// @return whether somebody waits for records
-static bool is_read(const cam_machine_t *m)
-{
-    return cam_scope_is_on(&m->scope) || cam_strobe_is_on(&m->strobe);
-}
-
-static void read_ring(cam_machine_t *m)
-{
-    cam_tick_record_t record;
-    for (uint32_t i = 0; i < (uint32_t)cam_trace_capacity && is_read(m); i++) {
-        if (!cam_trace_pop(&m->core->trace, &record)) {
-            return;
-        }
-        cam_machine_record(m, &record);
-    }
-}
-
 void cam_machine_scope_poll(cam_machine_t *m)
 {
-    read_ring(m);
+    cam_tick_record_t record;
+    for (uint32_t i = 0; i < (uint32_t)cam_trace_capacity &&
+                         (cam_scope_is_on(&m->scope) || cam_strobe_is_on(&m->strobe)) &&
+                         cam_trace_pop(&m->core->trace, &record);
+         i++) {
+        cam_machine_record(m, &record);
+    }
     if (cam_strobe_is_on(&m->strobe)) {
         cam_strobe_expire(&m->strobe, cam_machine_status(m).tick, m->tick_hz);
     }
     if (m->has_box) {
-        go_on_with_box(m);
+        poll_box(m);
     }
 }

@@ -2,34 +2,24 @@
 #include "cam_offsets.h"
 #include "cam_fix.h" // cam_clamp_i64, cam_sat_i32
 
-static int32_t tool_x_nm(const cam_params_t *p)
-{
-    const int32_t offsets_nm[] = {0, p->tool_1_x_nm, p->tool_2_x_nm, p->tool_3_x_nm,
-                                  p->tool_4_x_nm};
-    return offsets_nm[p->tool];
-}
-
-static int32_t tool_z_nm(const cam_params_t *p)
-{
-    const int32_t offsets_nm[] = {0, p->tool_1_z_nm, p->tool_2_z_nm, p->tool_3_z_nm,
-                                  p->tool_4_z_nm};
-    return offsets_nm[p->tool];
-}
-
 cam_offsets_axis_t cam_offsets_axis(const cam_params_t *params, hal_axis_t axis)
 {
     const cam_params_t *p = params;
     if (axis == hal_axis_x) {
+        const int32_t tool_nm[] = {0, p->tool_1_x_nm, p->tool_2_x_nm, p->tool_3_x_nm,
+                                   p->tool_4_x_nm};
         return (cam_offsets_axis_t){
             p->x_home,     p->x_home_sense,     p->x_home_um_per_s, p->x_home_slow_um_per_s,
             p->x_home_nm,  p->x_home_travel_nm, p->x_low_nm,        p->x_high_nm,
-            p->x_datum_nm, tool_x_nm(p)};
+            p->x_datum_nm, tool_nm[p->tool]};
     }
     if (axis == hal_axis_z) {
+        const int32_t tool_nm[] = {0, p->tool_1_z_nm, p->tool_2_z_nm, p->tool_3_z_nm,
+                                   p->tool_4_z_nm};
         return (cam_offsets_axis_t){
             p->z_home,     p->z_home_sense,     p->z_home_um_per_s, p->z_home_slow_um_per_s,
             p->z_home_nm,  p->z_home_travel_nm, p->z_low_nm,        p->z_high_nm,
-            p->z_datum_nm, tool_z_nm(p)};
+            p->z_datum_nm, tool_nm[p->tool]};
     }
     return (cam_offsets_axis_t){.method = p->u_home,
                                 .sense = p->u_home_sense,

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_offsets: homes, datum and tools: where the part lies on the machine, and the machine on the
-/// numbers of the port.
+/// cam_offsets: port coordinates to machine coordinates to part coordinates, for X and Z.
 ///
-///     X of the machine = X of the port + shift       found by homing, 0 before
-///     X of the part    = X of the machine + datum + offset of the tool
+///     machine = port + shift                         from homing, 0 before
+///     part    = machine + datum + tool offset
 ///
-/// and likewise Z. U is moved to its home by the interrupt itself. Source: MATHS.md (170). Context:
-/// slow side, cannot fail.
+/// The interrupt itself shifts U. Source: MATHS.md (170). Context: slow side, cannot fail.
 #ifndef CAM_OFFSETS_H
 #define CAM_OFFSETS_H
 
@@ -15,50 +13,49 @@
 #include <stdbool.h>    // bool
 #include <stdint.h>     // int32_t, uint32_t
 
-/// State; zero-initialised nothing was ordered and nothing is homed.
+/// State; zero-initialised: no order, no home.
 typedef struct {
     uint32_t serial;             ///< of the newest order
-    uint32_t n_found;            ///< homes that the configuration in force knows
-    bool has_searched_u;         ///< U's numbers have changed by a search since the start
-    uint32_t known;              ///< bit of an axis: its home was found since the start
-    int32_t home_nm[hal_n_axes]; ///< [nm] where the port counted it there
+    uint32_t n_found;            ///< homings applied to the configuration in force
+    bool has_searched_u;         ///< a search of U's home was ordered since the start
+    uint32_t known;              ///< one bit per axis: homed since the start
+    int32_t home_nm[hal_n_axes]; ///< [nm] the home, in port coordinates
 } cam_offsets_t;
 
-/// How an axis is homed and moved by hand, from the parameters. What U has not is 0.
+/// Parameters of an axis. Fields that do not apply to U are 0.
 typedef struct {
-    int32_t method; ///< 0: its place is known, 1: where it stands, 2: switch, 3: switch and index
+    int32_t method; ///< of homing; 0: none needed, 1: as it stands, 2: switch, 3: switch and index
     int32_t sense;
     int32_t search_um_per_s, slow_um_per_s;
-    int32_t home_nm;           ///< [nm] by the machine
-    int32_t way_nm;            ///< [nm] that a phase of homing may take
-    int32_t low_nm, high_nm;   ///< [nm] travel by the machine; low >= high: none
-    int32_t datum_nm, tool_nm; ///< [nm] datum, and offset of the tool that counts
+    int32_t home_nm;           ///< [nm] machine coordinate
+    int32_t way_nm;            ///< [nm] longest travel of a homing phase
+    int32_t low_nm, high_nm;   ///< [nm] travel, machine coordinates; low >= high: no limits
+    int32_t datum_nm, tool_nm; ///< [nm] datum, and offset of the selected tool
 } cam_offsets_axis_t;
 
-/// @return what the parameters say of an axis
+/// @return the parameters of an axis
 cam_offsets_axis_t cam_offsets_axis(const cam_params_t *params, hal_axis_t axis);
 
-/// @return [nm] the machine's number less the port's; of U 0
+/// @return [nm] machine coordinate minus port coordinate; 0 for U
 int32_t cam_offsets_shift_nm(const cam_offsets_t *h, const cam_params_t *params, hal_axis_t axis);
 
-/// @return [nm] where the port counts 0 of the part, saturated; of U 0
+/// @return [nm] port coordinate of the part's zero, saturated; 0 for U
 int32_t cam_offsets_origin_nm(const cam_offsets_t *h, const cam_params_t *params, hal_axis_t axis);
 
-/// [nm] as far to either side goes an axis without limits: the port's numbers wrap beyond 2.1 m.
-#define CAM_OFFSETS_FAR_NM 2000000000
+/// [nm] travel to either side of an axis without limits; readings beyond 2^30 nm are refused.
+#define CAM_OFFSETS_FAR_NM 1000000000
 
-/// Travel of an axis in the numbers of the port.
+/// Travel of an axis, in port coordinates.
 typedef struct {
     int32_t low_nm, high_nm;
 } cam_offsets_travel_t;
 
 /// @param axis      X or Z
-/// @param is_known  whether its place is; if not, nothing is known of its travel
+/// @param is_known  whether its position is known; otherwise the limits do not apply
 cam_offsets_travel_t cam_offsets_travel(const cam_offsets_t *h, const cam_params_t *params,
                                         hal_axis_t axis, bool is_known);
 
-/// @return whether the place of an axis is known: nothing is to be homed, or its home was found and
-///         not forgotten
+/// @return whether the position of an axis is known: homed, or no homing needed
 bool cam_offsets_is_known(const cam_params_t *params, const cam_status_t *status, hal_axis_t axis);
 
 #endif

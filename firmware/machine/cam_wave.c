@@ -24,7 +24,7 @@ cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n)
     return range;
 }
 
-/// A triangle of speed covers the way in 2 sqrt(way / acceleration).
+/// A triangular speed profile covers a distance in 2 sqrt(distance / acceleration).
 cam_motion_limits_t cam_wave_fade(uint32_t fade_ticks)
 {
     const uint64_t ticks = fade_ticks;
@@ -46,7 +46,7 @@ uint32_t cam_wave_fall_ticks(const cam_motion_limits_t *fade)
     return n;
 }
 
-/// @return [nm / 1024] a distance times a share of 2^30
+/// @return [nm / 1024] a distance times share_q30 / 2^30, rounded up
 static int64_t share_q10(int64_t distance_nm, int64_t share_q30)
 {
     return ((distance_nm * share_q30) >> 20) + 1;

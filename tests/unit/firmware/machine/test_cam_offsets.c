@@ -148,7 +148,7 @@ static void test_zero_is_refused_where_it_cannot_be(void)
     TEST_ASSERT_EQUAL_INT(cam_err_hand_axis, cam_machine_zero(machine(), hal_axis_u, 0).err);
     set(cam_param_x_home, 1);
     TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_zero(machine(), hal_axis_x, 0).err);
-    hal_host.in.axis_nm[hal_axis_z] = 2000 * mm;
+    hal_host.in.axis_nm[hal_axis_z] = 1050 * mm;
     fixture_rig_tick(&rig);
     const cam_jog_verdict_t verdict = cam_machine_zero(machine(), hal_axis_z, 0);
     TEST_ASSERT_EQUAL_INT(cam_err_param_range, verdict.err);
