@@ -169,7 +169,8 @@ def test_part_that_the_machine_cannot_cut_is_refused(
     refusals = {
         "bandwidth_hz = 1000": "U would have to move faster than it can: needs 39.281 mm/s",
         "bandwidth_hz = 300": "parameter k2_us2 = 281448: refused: the command to U,"
-        " feed-forward included, would exceed its limits; with the other parameters it is at most 32000",
+        " feed-forward included, would exceed its limits;"
+        " with the other parameters it is at most 32000",
     }
     for bandwidth, says in refusals.items():
         machine.write_text(f"[u]\nspeed_mm_per_s = 5\n{bandwidth}\n", "ascii")
