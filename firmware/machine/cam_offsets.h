@@ -44,8 +44,8 @@ int32_t cam_offsets_shift_nm(const cam_offsets_t *h, const cam_params_t *params,
 /// @return [nm] where the port counts 0 of the part, saturated; of U 0
 int32_t cam_offsets_origin_nm(const cam_offsets_t *h, const cam_params_t *params, hal_axis_t axis);
 
-/// [nm] as far to either side goes an axis without limits: the port's numbers wrap beyond 2.1 m.
-#define CAM_OFFSETS_FAR_NM 2000000000
+/// [nm] travel of an axis without limits, to either side; beyond 2^30 nm the controller stops it.
+#define CAM_OFFSETS_FAR_NM 1073000000
 
 /// Travel of an axis in the numbers of the port.
 typedef struct {

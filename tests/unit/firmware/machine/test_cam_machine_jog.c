@@ -155,14 +155,14 @@ static void test_order_outlives_a_new_configuration(void)
 /// Without limits of its travel an axis still stays within the numbers of the port.
 static void test_jog_without_limits_ends_where_the_numbers_end(void)
 {
-    hal_host.in.axis_nm[hal_axis_x] = 1999900000;
+    hal_host.in.axis_nm[hal_axis_x] = 1072900000;
     fixture_rig_tick(&rig);
     to_manual();
     for (uint32_t i = 0; i < 10u; i++) {
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_x, 10000).err);
         fixture_rig_ticks(&rig, 1000);
     }
-    TEST_ASSERT_INT32_WITHIN(10, 2000 * mm - 10, port_nm(hal_axis_x)); // less room to brake
+    TEST_ASSERT_INT32_WITHIN(10, 1073 * mm - 10, port_nm(hal_axis_x)); // less room to brake
     TEST_ASSERT_EQUAL_INT(cam_jog_limit, jog_state().end);
 }
 
