@@ -73,6 +73,28 @@ static inline int32_t cam_sat_add(int32_t a, int32_t b)
 #endif
 }
 
+/// Subtract and saturate: one instruction on Cortex-M4/M7.
+/// @return a - b limited to the range of int32
+/// Source: ARMv7-M Architecture Reference Manual (QSUB).
+/*@ assigns \result \from a, b;
+    ensures inside: INT32_MIN <= a - b <= INT32_MAX ==> \result == a - b;
+    ensures low: a - b < INT32_MIN ==> \result == INT32_MIN;
+    ensures high: a - b > INT32_MAX ==> \result == INT32_MAX;
+*/
+static inline int32_t cam_sat_sub(int32_t a, int32_t b)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    int32_t difference;
+    __asm("qsub %0, %1, %2" : "=r"(difference) : "r"(a), "r"(b));
+    return difference;
+#else
+    const int64_t difference = (int64_t)a - b;
+    return difference < INT32_MIN   ? INT32_MIN
+           : difference > INT32_MAX ? INT32_MAX
+                                    : (int32_t)difference;
+#endif
+}
+
 /// Two products of half words and their sum: one instruction on Cortex-M4/M7.
 /// @param a, b  two int16 each, the first one in the lower half
 /// @return      products of the upper halves and of the lower halves, added modulo 2^32

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_excite.h"
-#include "cam_fix.h" // cam_wrap_times_i64
+#include "cam_fix.h" // cam_sat_i32
 
 void cam_excite_begin_isr(cam_excite_t *e, const cam_excite_config_t *cfg)
 {
@@ -17,7 +17,7 @@ bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, int32_
     const bool is_falling = e->n_left == 0u;
     const bool is_at_goal =
         cam_move_profile_to_isr(&e->gain, &cfg->fade, is_falling ? 0 : cam_excite_full_q30);
-    *offset_q6 = (int32_t)(cam_wrap_times_i64(cfg->wave_nm[e->at], e->gain.pos_q10) >> 24);
+    *offset_q6 = (int32_t)(((int64_t)cfg->wave_nm[e->at] * cam_sat_i32(e->gain.pos_q10)) >> 24);
     e->at = e->at + 1u < cfg->n ? e->at + 1u : 0u;
     e->n_left -= is_falling ? 0u : 1u;
     return is_falling && is_at_goal;

@@ -17,11 +17,6 @@ static uint64_t at_least(uint64_t v, uint64_t least)
     return v > least ? v : least;
 }
 
-static int32_t lesser_nm(int32_t a, int32_t b)
-{
-    return a < b ? a : b;
-}
-
 static uint64_t section_nm(uint32_t feed_nm)
 {
     return at_least(feed_nm, cam_feed_least_nm);
@@ -104,9 +99,9 @@ uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32)
 
 int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32, uint32_t risen_q30)
 {
-    const int32_t fed_nm = cam_wrap_times((int32_t)(done_q32 >> 33), (uint32_t)rings->feed_nm);
-    const int32_t ring_nm = lesser_nm(fed_nm, rings->span_nm);
-    const int32_t step_nm = lesser_nm(rings->feed_nm, cam_wrap_sub(rings->span_nm, ring_nm));
+    const int64_t fed_nm = (done_q32 >> 33) * rings->feed_nm;
+    const int32_t ring_nm = (int32_t)cam_clamp_i64(fed_nm, 0, rings->span_nm);
+    const int32_t step_nm = cam_clamp_i32(rings->span_nm - ring_nm, 0, rings->feed_nm);
     const uint64_t fed_q30 = (uint64_t)risen_q30 * (uint32_t)step_nm + (UINT32_C(1) << 29);
-    return cam_wrap_add(ring_nm, (int32_t)(fed_q30 >> 30));
+    return ring_nm + (int32_t)(fed_q30 >> 30);
 }

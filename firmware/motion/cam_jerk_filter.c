@@ -17,12 +17,11 @@ void cam_jerk_filter_begin_isr(cam_jerk_filter_t *g, const cam_axis_motion_t *m,
     const int32_t n = INT32_C(1) << log2_window;
     const int32_t most_q10 = cam_jerk_filter_most_q10(log2_window);
     const int32_t slope_q10 = cam_clamp_i32(m->acc_q10, -most_q10, most_q10);
-    const int32_t oldest_q10 =
-        cam_sat_i32((int64_t)m->vel_q10 - cam_wrap_times(slope_q10, (uint32_t)n - 1u) / 2);
+    const int32_t oldest_q10 = cam_sat_i32(m->vel_q10 - (int64_t)slope_q10 * (n - 1) / 2);
     const int64_t behind = (int64_t)oldest_q10 * sums[log2_window].first +
                            (int64_t)slope_q10 * sums[log2_window].second;
     g->raw.pos_q10 = cam_wrap_add_i64(m->pos_q10, behind >> log2_window);
-    g->raw.vel_q10 = cam_sat_i32((int64_t)oldest_q10 + cam_wrap_times(slope_q10, (uint32_t)n - 1u));
+    g->raw.vel_q10 = cam_sat_i32(oldest_q10 + (int64_t)slope_q10 * (n - 1));
     g->sum_pos_q10 = cam_wrap_sub_i64(cam_wrap_times_i64(g->raw.pos_q10, n), behind);
     g->sum_vel_q10 = (int64_t)oldest_q10 * n + (int64_t)slope_q10 * sums[log2_window].first;
     g->line_q10 = oldest_q10;
@@ -50,7 +49,7 @@ static bool carry(cam_jerk_filter_t *g, cam_axis_motion_t *m, bool is_still)
     int32_t leaving_q10 = *place;
     if (g->n_line > 0u) {
         leaving_q10 = g->line_q10;
-        g->line_q10 = cam_wrap_add(g->line_q10, g->slope_q10);
+        g->line_q10 = cam_sat_add(g->line_q10, g->slope_q10);
         g->n_line--;
     }
     *place = g->raw.vel_q10;

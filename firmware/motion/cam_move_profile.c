@@ -43,16 +43,16 @@ bool cam_move_profile_to_isr(cam_axis_motion_t *m, const cam_motion_limits_t *li
 {
     const int64_t distance = cam_wrap_sub_i64(target_q10, m->pos_q10);
     const bool is_backward = distance < 0;
-    const int64_t magnitude = is_backward ? cam_wrap_sub_i64(0, distance) : distance;
     // A longer distance never limits the speed: the axis can always brake within it.
-    const int32_t ahead = magnitude < INT32_MAX ? (int32_t)magnitude : INT32_MAX;
-    const int32_t vel = is_backward ? cam_wrap_sub(0, m->vel_q10) : m->vel_q10;
+    const int32_t left = (int32_t)cam_clamp_i64(distance, -INT32_MAX, INT32_MAX);
+    const int32_t ahead = is_backward ? -left : left;
+    const int32_t vel = is_backward ? cam_sat_sub(0, m->vel_q10) : m->vel_q10;
     const int32_t a = limits->acceleration_q10;
     const bool is_near = ahead <= a && ahead <= limits->speed_q10;
-    const bool is_last = is_near && cam_is_within(cam_wrap_sub(ahead, vel), a);
+    const bool is_last = is_near && cam_is_within(cam_sat_sub(ahead, vel), a);
     const int32_t next = is_last ? ahead : choose(vel, limits, (uint32_t)ahead);
-    const int32_t vel_q10 = is_backward ? cam_wrap_sub(0, next) : next;
-    m->acc_q10 = cam_wrap_sub(vel_q10, m->vel_q10);
+    const int32_t vel_q10 = is_backward ? cam_sat_sub(0, next) : next;
+    m->acc_q10 = cam_sat_sub(vel_q10, m->vel_q10);
     m->vel_q10 = vel_q10;
     m->pos_q10 = cam_wrap_add_i64(m->pos_q10, vel_q10);
     return m->pos_q10 == target_q10 && next == 0;
@@ -62,7 +62,7 @@ bool cam_move_profile_stop_isr(cam_axis_motion_t *m, const cam_motion_limits_t *
 {
     const int32_t a = limits->acceleration_q10;
     m->acc_q10 = -cam_clamp_i32(m->vel_q10, -a, a);
-    m->vel_q10 = cam_wrap_add(m->vel_q10, m->acc_q10);
+    m->vel_q10 = cam_sat_add(m->vel_q10, m->acc_q10);
     m->pos_q10 = cam_wrap_add_i64(m->pos_q10, m->vel_q10);
     return m->vel_q10 == 0;
 }

@@ -55,8 +55,9 @@ static int32_t take_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_ti
     const int32_t place_nm = r->in.actual_nm[axis];
     const int64_t shift_nm = axis == hal_axis_u ? (int64_t)cfg->order.home_nm - place_nm : 0;
     const int64_t u_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, shift_nm * 1024);
-    const bool is_far = cam_abs_i64(shift_nm) >= most_shift_nm;
-    if (shift_nm != 0 && (is_far || !cam_is_between(u_q10, -cfg->u_end_q10, cfg->u_end_q10))) {
+    const bool is_in_stroke =
+        shift_nm == 0 || cam_is_between(u_q10, -cfg->u_end_q10, cfg->u_end_q10);
+    if (shift_nm <= -most_shift_nm || shift_nm >= most_shift_nm || !is_in_stroke) {
         end_order(h, cam_jog_no_stroke);
         return 0;
     }
@@ -82,7 +83,7 @@ static int32_t begin_homing(cam_jog_t *h, const cam_jog_config_t *cfg, const cam
         const int64_t end_q10 = (is_on ? o->sense : -o->sense) * cfg->u_end_q10;
         shift_nm = cam_wrap_sub_i64(end_q10, from_q10) / 1024;
         from_q10 = cam_wrap_add_i64(from_q10, shift_nm * 1024);
-        if (cam_abs_i64(shift_nm) >= most_shift_nm) {
+        if (shift_nm <= -most_shift_nm || shift_nm >= most_shift_nm) {
             end_order(h, cam_jog_no_stroke);
             return 0;
         }

@@ -53,12 +53,12 @@ static int64_t by_port_q10(const cam_play_config_t *cfg, int32_t z_nm)
 static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t actual_nm,
                          int64_t pos_q32)
 {
-    const int32_t moved_nm = cam_wrap_sub(actual_nm, p->measured_nm);
+    const int32_t moved_nm = actual_nm - p->measured_nm;
     p->measured_nm = actual_nm;
     return cfg->is_z_measured
-               ? cam_wrap_add(cam_wrap_sub(actual_nm, cfg->z_origin_nm), moved_nm)
-               : cam_wrap_add(cfg->z_first_nm,
-                              cam_feed_motion_fed_nm_isr(&p->feed_motion, cfg, pos_q32));
+               ? cam_sat_i32((int64_t)actual_nm - cfg->z_origin_nm + moved_nm)
+               : cam_sat_add(cfg->z_first_nm,
+                             cam_feed_motion_fed_nm_isr(&p->feed_motion, cfg, pos_q32));
 }
 
 /// @return [slices] of U at a height
@@ -90,23 +90,20 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
                            int32_t z_nm, int32_t z_vel_q10)
 {
     return cfg->is_z_measured
-               ? cam_wrap_add(z_nm, (int32_t)(((int64_t)z_vel_q10 * cfg->lead_q16) >> 26))
-               : cam_wrap_add(cfg->z_first_nm,
-                              cam_feed_motion_fed_nm_isr(&p->feed_motion, cfg, pos_q32));
+               ? cam_sat_add(z_nm, (int32_t)(((int64_t)z_vel_q10 * cfg->lead_q16) >> 26))
+               : cam_sat_add(cfg->z_first_nm,
+                             cam_feed_motion_fed_nm_isr(&p->feed_motion, cfg, pos_q32));
 }
 
 /// Plan U's amplitude and the distance of its height on the table behind Z's set-point.
 static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
                   int32_t u_z_nm)
 {
-    // Only the reported height uses it, so beyond 134 mm it may wrap.
-    const int32_t behind_q4 = (int32_t)(((uint32_t)z_nm - (uint32_t)u_z_nm) * 16u);
-    m->scale_step_q30 = cam_interpolate_share(cfg, cam_wrap_sub(scale_q30, m->scale_q30));
-    m->scale_q30 =
-        cam_wrap_sub(scale_q30, cam_wrap_times(m->scale_step_q30, (uint32_t)cfg->plan_ticks));
-    m->behind_step_q4 = cam_interpolate_share(cfg, cam_wrap_sub(behind_q4, m->behind_q4));
-    m->behind_q4 =
-        cam_wrap_sub(behind_q4, cam_wrap_times(m->behind_step_q4, (uint32_t)cfg->plan_ticks));
+    const int32_t behind_q4 = cam_sat_i32(((int64_t)z_nm - u_z_nm) * 16);
+    m->scale_step_q30 = cam_interpolate_share(cfg, cam_sat_sub(scale_q30, m->scale_q30));
+    m->scale_q30 = cam_sat_i32(scale_q30 - (int64_t)m->scale_step_q30 * cfg->plan_ticks);
+    m->behind_step_q4 = cam_interpolate_share(cfg, cam_sat_sub(behind_q4, m->behind_q4));
+    m->behind_q4 = cam_sat_i32(behind_q4 - (int64_t)m->behind_step_q4 * cfg->plan_ticks);
 }
 
 /// Where Z is aimed at, where U is read on the table, and the lobe's share in both.
@@ -125,8 +122,8 @@ static height_t aim_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam
     const cam_feed_profile_t way = has_way ? cam_feed_profile_at(cfg->table, helix_nm) : plain;
     cam_interpolate_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, way.z_nm));
     const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
-    const int64_t behind_q16 = (int64_t)cam_wrap_sub(u_nm, helix_nm) * way.slope_q16;
-    const int32_t u_z_nm = has_way ? cam_wrap_add(way.z_nm, (int32_t)(behind_q16 >> 16)) : u_nm;
+    const int64_t behind_q16 = (int64_t)cam_sat_sub(u_nm, helix_nm) * way.slope_q16;
+    const int32_t u_z_nm = has_way ? cam_sat_i32(way.z_nm + (behind_q16 >> 16)) : u_nm;
     aim_height(m, cfg, slice_q32(cfg, u_z_nm));
     return (height_t){way.z_nm, u_z_nm, {ONE_Q30, ONE_Q30}};
 }
@@ -321,7 +318,7 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
                 cam_motion_t *m)
 {
     const int32_t actual_nm = r->in.actual_nm[hal_axis_z];
-    const int32_t part_nm = cam_wrap_sub(actual_nm, cfg->z_origin_nm);
+    const int32_t part_nm = cam_sat_sub(actual_nm, cfg->z_origin_nm);
     const int32_t z_nm = cfg->is_z_measured ? part_nm : cfg->z_first_nm;
     p->engage_at_q32 = cam_angle_next_turn(
         cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));

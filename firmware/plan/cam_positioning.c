@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_positioning.h"
 #include "cam_interpolate.h" // cam_interpolate_profile_q10
-#include "cam_fix.h"         // cam_wrap_sub
+#include "cam_fix.h"         // cam_sat_sub
 #include "cam_plan_move.h"   // cam_plan_move_to_isr
 #include "cam_swing.h"       // cam_swing_rest_isr
 
@@ -70,7 +70,7 @@ static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_the
         return false;
     }
     return cam_plan_move_to_isr(m, hal_axis_x, cfg, &cfg->approach[hal_axis_x],
-                                x_begin_q10(cfg, m, cam_wrap_sub(z_nm, cfg->z_origin_nm)));
+                                x_begin_q10(cfg, m, cam_sat_sub(z_nm, cfg->z_origin_nm)));
 }
 
 /// Move all axes to the start of the cut or of its rehearsal; a tool that swings comes to rest at 0
@@ -93,7 +93,7 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
 /// fault, but not farther than its travel goes
 static int64_t moved_off_q10(const cam_play_config_t *cfg, int64_t left_q10)
 {
-    const int64_t off_q10 = cam_wrap_add_i64(left_q10, (int64_t)cfg->x_clearance_nm * 1024);
+    const int64_t off_q10 = left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
     const int64_t high_q10 = (int64_t)cfg->x_high_nm * 1024;
     const int64_t most_q10 = high_q10 > left_q10 ? high_q10 : left_q10;
     return off_q10 < most_q10 ? off_q10 : most_q10;

@@ -23,7 +23,7 @@ static int32_t read(const cam_play_config_t *cfg, uint32_t theta_q32, cam_height
     const cam_channel_t *ch = &cfg->table->angle;
     const int32_t y = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)).y;
     const int32_t read_q30 =
-        cam_mulhi_add(cfg->swing.offset_q30, cam_wrap_times(y, 2), cfg->swing.unit_q30);
+        cam_mulhi_add(cfg->swing.offset_q30, cam_sat_add(y, y), cfg->swing.unit_q30);
     return (int32_t)((uint32_t)read_q30 * 4u); // an angle: it may wrap
 }
 

@@ -16,6 +16,10 @@
 #include <stdbool.h>         // bool
 #include <stdint.h>          // int32_t, int64_t, uint32_t
 
+/// [nm] The controller reads positions within +-2^30 nm, a metre: sums of a few of them fit 32
+/// bits. A position beyond that is limited, and the drive counts as not ready.
+enum { cam_sense_most_nm = 1 << 30 };
+
 /// Everything that a tick learns from outside. Steps behind sense see only this and their state, so
 /// a recorded tick replays bit for bit.
 typedef struct {

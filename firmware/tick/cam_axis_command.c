@@ -19,13 +19,13 @@ static int32_t feed_forward_q6(const cam_axis_command_config_t *cfg, const cam_a
 static int32_t plain_q6(const cam_axis_command_config_t *cfg, const cam_tick_record_t *r,
                         const cam_motion_t *m)
 {
-    return cam_wrap_add(r->want.u_set_q6, feed_forward_q6(cfg, &m->axis[hal_axis_u]));
+    return cam_sat_add(r->want.u_set_q6, feed_forward_q6(cfg, &m->axis[hal_axis_u]));
 }
 
 /// @return [nm] where the last step of U leads
 static int32_t led_nm(const cam_u_command_t *u)
 {
-    return cam_wrap_add(u->nm, u->step_nm);
+    return u->nm + u->step_nm;
 }
 
 /// @return [nm / 64] the command of U less `plain` in state fault: in the first tick as it goes on
@@ -34,8 +34,8 @@ static int32_t faded_q6(const cam_axis_command_t *t, const cam_axis_motion_t *u,
                         bool is_new)
 {
     const int32_t last_q6 = t->fading_q6;
-    const int32_t on_q6 = cam_wrap_add(cam_wrap_times(led_nm(&t->u), 64u), u->acc_q10 >> 4);
-    return is_new ? cam_wrap_sub(on_q6, plain)
+    const int64_t on_q6 = (int64_t)led_nm(&t->u) * 64 + (u->acc_q10 >> 4);
+    return is_new ? cam_sat_i32(on_q6 - plain)
                   : last_q6 - last_q6 / 16 - (last_q6 > 0) + (last_q6 < 0);
 }
 
@@ -48,41 +48,41 @@ static int32_t nearest_to_q6(int32_t q6)
 /*@ predicate cam_limits(cam_axis_command_config_t *cfg) = 0 <= cfg->range_nm <= 0x1000000 &&
       0 <= cfg->step_nm <= 0x3FFFFFFF && 0 <= cfg->change_nm <= 0x3FFFFFFF &&
       0 <= cfg->change_off_nm <= 0x3FFFFFFF;
-    predicate cam_was_told(cam_u_command_t *u, cam_axis_command_config_t *cfg) =
-      \abs(u->nm) <= cfg->range_nm && \abs(u->step_nm) <= 0x40000000;
+    predicate cam_is_command(cam_u_command_t *u) =
+      -0x2000000 <= u->nm < 0x2000000 && \abs(u->step_nm) <= 0x4000000;
 */
 /// What is accepted lies within the stroke, differs from the last command by no more than the speed
 /// allows, and that difference from the one before by no more than the acceleration; and all that
 /// does is accepted.
 /*@ requires valid: \valid_read(u) && \valid_read(cfg);
     requires limits: cam_limits(cfg);
+    requires command: cam_is_command(u) && \abs(u_nm) <= 0x2000000;
     requires flag: is_off_time == 0 || is_off_time == 1;
     assigns \result \from *u, *cfg, u_nm, is_off_time;
-    behavior usual:
-      assumes cam_was_told(u, cfg);
-      ensures exact: \result <==> \abs(u_nm) <= cfg->range_nm &&
-        \abs(u_nm - u->nm) <= cfg->step_nm &&
-        (\abs(u_nm - u->nm - u->step_nm) <= cfg->change_nm ||
-         (is_off_time && \abs(u_nm - u->nm - u->step_nm) <= cfg->change_off_nm));
+    ensures exact: \result <==> \abs(u_nm) <= cfg->range_nm &&
+      \abs(u_nm - u->nm) <= cfg->step_nm &&
+      (\abs(u_nm - u->nm - u->step_nm) <= cfg->change_nm ||
+       (is_off_time && \abs(u_nm - u->nm - u->step_nm) <= cfg->change_off_nm));
 */
 static bool is_allowed(const cam_u_command_t *u, const cam_axis_command_config_t *cfg, int32_t u_nm,
                        bool is_off_time)
 {
-    const int32_t step_nm = cam_wrap_sub(u_nm, u->nm);
-    const int32_t change_nm = cam_wrap_sub(step_nm, u->step_nm);
+    const int32_t step_nm = u_nm - u->nm;
+    const int32_t change_nm = step_nm - u->step_nm;
     return cam_is_within(u_nm, cfg->range_nm) && cam_is_within(step_nm, cfg->step_nm) &&
            (cam_is_within(change_nm, cfg->change_nm) ||
             (is_off_time && cam_is_within(change_nm, cfg->change_off_nm)));
 }
 
 /*@ requires valid: \valid(u);
+    requires command: -0x2000000 <= u->nm < 0x2000000 && \abs(u_nm) <= 0x2000000;
     assigns *u;
     ensures place: u->nm == u_nm;
-    ensures step: \abs(u_nm - \old(u->nm)) <= INT32_MAX ==> u->step_nm == u_nm - \old(u->nm);
+    ensures step: u->step_nm == u_nm - \old(u->nm);
 */
 static void keep_told(cam_u_command_t *u, int32_t u_nm)
 {
-    u->step_nm = cam_wrap_sub(u_nm, u->nm);
+    u->step_nm = u_nm - u->nm;
     u->nm = u_nm;
 }
 
@@ -121,7 +121,7 @@ bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t
         t->fading_q6 = more_q6;
         t->is_fault = is_fault;
     }
-    const int32_t u_nm = nearest_to_q6(cam_wrap_add(plain, more_q6));
+    const int32_t u_nm = nearest_to_q6(cam_sat_add(plain, more_q6));
     if (m->state == cam_state_off) {
         follow_axis(t, cfg, u_nm);
     } else if (is_allowed(&t->u, cfg, u_nm, r->angle.is_off_time)) {
@@ -140,27 +140,24 @@ bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t
 /// @return [nm] the nearest command of U to a wanted one that is_allowed() accepts
 /*@ requires valid: \valid_read(u) && \valid_read(cfg);
     requires limits: cam_limits(cfg);
+    requires command: cam_is_command(u) && \abs(u_nm) <= 0x10000000;
     assigns \result \from *u, *cfg, u_nm;
     ensures place: \min(-cfg->range_nm, u->nm) <= \result <= \max(cfg->range_nm, u->nm);
-    behavior usual:
-      assumes \abs(u->nm) <= 0x10000000 && \abs(u->step_nm) <= 0x40000000 &&
-        \abs(u_nm) <= 0x10000000;
-      ensures step: \abs(\result - u->nm) <= cfg->step_nm;
-      ensures change: \abs(\result) < cfg->range_nm && \abs(\result - u->nm) < cfg->step_nm ==>
-        \abs(\result - u->nm - u->step_nm) <= cfg->change_nm;
-      ensures same: \abs(u_nm) <= cfg->range_nm && \abs(u_nm - u->nm) <= cfg->step_nm &&
-        \abs(u_nm - u->nm - u->step_nm) <= cfg->change_nm ==> \result == u_nm;
+    ensures step: \abs(\result - u->nm) <= cfg->step_nm;
+    ensures change: \abs(\result) < cfg->range_nm && \abs(\result - u->nm) < cfg->step_nm ==>
+      \abs(\result - u->nm - u->step_nm) <= cfg->change_nm;
+    ensures same: \abs(u_nm) <= cfg->range_nm && \abs(u_nm - u->nm) <= cfg->step_nm &&
+      \abs(u_nm - u->nm - u->step_nm) <= cfg->change_nm ==> \result == u_nm;
 */
 static int32_t nearest_nm(const cam_u_command_t *u, const cam_axis_command_config_t *cfg,
                           int32_t u_nm)
 {
-    const int32_t wanted_nm = cam_wrap_sub(cam_wrap_sub(u_nm, u->nm), u->step_nm);
-    const int32_t step_nm =
-        cam_wrap_add(u->step_nm, cam_clamp_i32(wanted_nm, -cfg->change_nm, cfg->change_nm));
+    const int32_t wanted_nm = u_nm - u->nm - u->step_nm;
+    const int32_t step_nm = u->step_nm + cam_clamp_i32(wanted_nm, -cfg->change_nm, cfg->change_nm);
     const int32_t within_nm = cam_clamp_i32(step_nm, -cfg->step_nm, cfg->step_nm);
     const int32_t least_nm = u->nm < -cfg->range_nm ? u->nm : -cfg->range_nm;
     const int32_t most_nm = u->nm > cfg->range_nm ? u->nm : cfg->range_nm;
-    return cam_clamp_i32(cam_wrap_add(u->nm, within_nm), least_nm, most_nm);
+    return cam_clamp_i32(u->nm + within_nm, least_nm, most_nm);
 }
 
 void cam_axis_command_nearest_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
@@ -168,9 +165,9 @@ void cam_axis_command_nearest_isr(cam_axis_command_t *t, const cam_axis_command_
 {
     const int32_t plain = plain_q6(cfg, r, m);
     const int32_t wanted_nm =
-        t->is_fault ? nearest_to_q6(cam_wrap_add(plain, t->fading_q6)) : led_nm(&t->u);
+        t->is_fault ? nearest_to_q6(cam_sat_add(plain, t->fading_q6)) : led_nm(&t->u);
     keep_told(&t->u, nearest_nm(&t->u, cfg, wanted_nm));
-    t->fading_q6 = cam_wrap_sub(cam_wrap_times(t->u.nm, 64u), plain);
+    t->fading_q6 = cam_sat_sub(t->u.nm * 64, plain);
     t->is_fault = true;
     write_out(t, r, m);
 }
@@ -182,7 +179,7 @@ static bool is_plan_allowed(const cam_axis_command_t *t, const cam_axis_command_
                             const cam_axis_motion_t *before)
 {
     const int32_t jump_q10 = cam_sat_i32(cam_wrap_sub_i64(now->pos_q10, before->pos_q10));
-    const int32_t change_q10 = cam_wrap_sub(now->vel_q10, t->vel_q10[axis]);
+    const int32_t change_q10 = cam_sat_sub(now->vel_q10, t->vel_q10[axis]);
     const int32_t was_q10 = t->vel_q10[axis];
     const int32_t most_q10 = was_q10 < 0 ? cam_sat_add(~was_q10, 1) : was_q10; // its amount
     const bool is_no_faster = cam_is_within(now->vel_q10, most_q10);
@@ -201,7 +198,7 @@ uint32_t cam_axis_command_plan_isr(cam_axis_command_t *t, const cam_axis_command
             m->is_filtering = false;
             faults = CAM_FAULT_BIT(command);
         }
-        m->change_q10[i] = cam_wrap_sub(m->axis[i].vel_q10, t->vel_q10[i]);
+        m->change_q10[i] = cam_sat_sub(m->axis[i].vel_q10, t->vel_q10[i]);
         t->vel_q10[i] = m->axis[i].vel_q10;
     }
     return faults;

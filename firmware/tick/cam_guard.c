@@ -88,8 +88,7 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
            bit_if(speed_q32 > cfg->overspeed_q32, CAM_FAULT_BIT(overspeed));
 }
 
-/// @return all faults of a tick, armed or not. Differences of set-points wrap only where they are
-/// far beyond the limits, and then the wrapped value is beyond them, too
+/// @return all faults of a tick, armed or not
 static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
                       bool is_playing, int32_t step_q6)
 {
@@ -97,7 +96,7 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_t
     const cam_angle_t *angle = &r->angle;
     const cam_want_t *want = &r->want;
     uint32_t faults = want->faults;
-    const int32_t off_nm = cam_wrap_sub(in->actual_nm[hal_axis_u], want->u_due_q6 >> 6);
+    const int32_t off_nm = in->actual_nm[hal_axis_u] - (want->u_due_q6 >> 6);
     if (!cam_is_within(off_nm, cfg->following_nm)) {
         if (is_playing || !cam_is_within(off_nm, cfg->approach_nm)) {
             faults |= CAM_FAULT_BIT(following_error);
@@ -109,7 +108,7 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_t
     if (!cam_is_within(step_q6, cfg->u_vel_q6)) {
         faults |= CAM_FAULT_BIT(setpoint_speed);
     }
-    const int32_t change_q6 = cam_wrap_sub(step_q6, g->u_step_q6);
+    const int32_t change_q6 = cam_sat_sub(step_q6, g->u_step_q6);
     if (!cam_is_within(change_q6, cfg->u_acc_q6)) {
         const int32_t most_q6 = angle->is_off_time ? cfg->u_acc_off_q6 : cfg->u_acc_q6;
         if (!cam_is_within(change_q6, most_q6)) {
@@ -154,14 +153,14 @@ static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record
     const int32_t acc_q10 = r->want.state == cam_state_identifying
                                 ? 0
                                 : cam_clamp_i32(g->u_acc_q10, -most_q10, most_q10);
-    const int32_t vel_q10 = cam_wrap_add(cam_wrap_times(g->u_step_q6, 16u), acc_q10);
+    const int32_t vel_q10 = cam_sat_i32((int64_t)g->u_step_q6 * 16 + acc_q10);
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     *u = (cam_axis_motion_t){
         .pos_q10 = (int64_t)g->u_set_q6 * 16 + vel_q10, .vel_q10 = vel_q10, .acc_q10 = acc_q10};
     cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], u, cfg->leave.log2_window);
     g->faults |= faults;
     g->first_faults = g->faults;
-    m->x_left_q10 = (m->axis[hal_axis_x].pos_q10 >> 10) * 1024; // as it is commanded
+    m->x_left_q10 = (int64_t)cam_sat_i32(m->axis[hal_axis_x].pos_q10 >> 10) * 1024; // as commanded
     m->state = cam_state_fault;
     m->is_playing = false;
     m->is_retracted = false;
@@ -222,7 +221,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
         leave_work(g, cfg, r, m);
         return;
     }
-    const int32_t step_q6 = cam_wrap_sub(r->want.u_set_q6, g->u_set_q6);
+    const int32_t step_q6 = cam_sat_sub(r->want.u_set_q6, g->u_set_q6);
     const uint32_t faults = blame(g, cfg, r, m->is_playing, step_q6) & watched;
     if (faults != 0u) {
         latch(g, cfg, r, m, faults);

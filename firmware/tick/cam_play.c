@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_play.h"
-#include "cam_interpolate.h" // cam_interpolate_most_nm
-#include "cam_angle.h"       // cam_angle_of_pos
-#include "cam_eval.h"        // cam_eval_segment
-#include "cam_fix.h"         // cam_mulhi
-#include <stddef.h>          // NULL
+#include "cam_angle.h" // cam_angle_of_pos
+#include "cam_eval.h"  // cam_eval_segment
+#include "cam_fix.h"   // cam_mulhi
+#include <stddef.h>    // NULL
 
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
 /// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
@@ -46,8 +45,8 @@ static void move_on(cam_motion_t *m)
     advance(&m->axis[hal_axis_x]);
     advance(&m->axis[hal_axis_z]);
     m->phase_q32 = cam_wrap_add(m->phase_q32, m->phase_step_q32);
-    m->scale_q30 = cam_wrap_add(m->scale_q30, m->scale_step_q30);
-    m->behind_q4 = cam_wrap_add(m->behind_q4, m->behind_step_q4);
+    m->scale_q30 = cam_sat_add(m->scale_q30, m->scale_step_q30);
+    m->behind_q4 = cam_sat_add(m->behind_q4, m->behind_step_q4);
     m->height_q32 = cam_wrap_add_i64(m->height_q32, m->height_step_q32);
 }
 
@@ -60,7 +59,7 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
     if (faults != 0u) {
         const int32_t last_q6 = p->history_q6[p->n_history % cam_play_history];
         const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
-        return cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
+        return cam_sat_add(last_q6, cam_sat_sub(last_q6, before_q6));
     }
     const uint32_t even_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
     const cam_learned_place_t at = cam_learned_place(even_q32);
@@ -69,13 +68,11 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
     return surface(m, cfg, angle->speed_q32, angle_q32 - (uint32_t)m->phase_q32);
 }
 
-/// Without enable all set-points are where the axes are, up to the farthest place of an axis.
+/// Without enable all set-points follow the measured axes.
 static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        const int32_t nm =
-            cam_clamp_i32(in->actual_nm[i], -cam_interpolate_most_nm, cam_interpolate_most_nm);
-        m->axis[i] = (cam_axis_motion_t){.pos_q10 = (int64_t)nm * 1024};
+        m->axis[i] = (cam_axis_motion_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
     }
     m->spindle_mrpm = 0;
     m->faults = 0;
@@ -274,9 +271,9 @@ static void remember(cam_play_t *p, int32_t u_q6)
 void cam_play_shift_isr(cam_play_t *p, int32_t by_q6)
 {
     for (uint32_t i = 0; i < cam_play_history; i++) {
-        p->history_q6[i] = cam_wrap_add(p->history_q6[i], by_q6);
+        p->history_q6[i] = cam_sat_add(p->history_q6[i], by_q6);
     }
-    p->due_q6 = cam_wrap_add(p->due_q6, by_q6);
+    p->due_q6 = cam_sat_add(p->due_q6, by_q6);
 }
 
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
@@ -292,13 +289,13 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_rec
             obey_in_cut(p, in->request, m, want);
         }
         const int32_t z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
-        want->z_nm = cam_wrap_sub(cam_wrap_sub(z_nm, cfg->z_origin_nm), m->behind_q4 >> 4);
+        want->z_nm = cam_sat_sub(cam_sat_sub(z_nm, cfg->z_origin_nm), m->behind_q4 >> 4);
         want->u_set_q6 = play_table(p, cfg, &r->angle, m, want->faults);
     } else {
         if (is_new) {
             want->faults |= obey(p, cfg, in->request, want->faults, m);
         }
-        want->z_nm = cam_wrap_sub(in->actual_nm[hal_axis_z], cfg->z_origin_nm);
+        want->z_nm = cam_sat_sub(in->actual_nm[hal_axis_z], cfg->z_origin_nm);
         want->u_set_q6 = move_u(p, cfg, in, m);
     }
     remember(p, want->u_set_q6);

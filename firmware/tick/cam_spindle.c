@@ -82,10 +82,10 @@ static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, u
     const int32_t expected = cam_mulhi(travel_q32, cfg->counts_per_turn);
     int32_t moved = cam_wrap_diff(counts, s->counts);
     uint32_t faults = 0;
-    if (!cam_is_within(cam_wrap_sub(moved, expected), cfg->jump_window)) {
+    if (!cam_is_within(cam_sat_sub(moved, expected), cfg->jump_window)) {
         faults = CAM_FAULT_BIT(encoder_jump);
         const int32_t taken = cam_clamp_i32(moved, -cfg->max_counts, cfg->max_counts);
-        s->index_error = cam_wrap_sub(s->index_error, cam_wrap_sub(moved, taken));
+        s->index_error = cam_sat_sub(s->index_error, cam_sat_sub(moved, taken));
         moved = taken;
     }
     s->counts = counts;
@@ -113,7 +113,7 @@ static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t 
     const int32_t age_q27 = (int32_t)(age * cfg->ticks_per_clock_q27);
     const int32_t since_q32 = (int32_t)((uint32_t)cam_mulhi(speed_q32, age_q27) << 5);
     const int32_t behind_q32 =
-        speed_q32 < 0 ? cam_wrap_add(since_q32, half_q32) : cam_wrap_sub(since_q32, half_q32);
+        speed_q32 < 0 ? cam_sat_add(since_q32, half_q32) : cam_sat_sub(since_q32, half_q32);
     return centred_q32 + (uint32_t)cam_clamp_i32(behind_q32, -3 * half_q32, 3 * half_q32);
 }
 
@@ -169,8 +169,7 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
 /// Take an index edge. The first one makes the angle known, unless its latch tells a place that the
 /// spindle cannot have left since: then the edge is overdue as before, or soon. The distance of two
 /// is 0 (the spindle
-/// turned back) or a turn; what is left is lost counts. Their sum wraps only after it has long been
-/// a fault.
+/// turned back) or a turn; what is left is lost counts.
 /// @return fault lost_counts or none
 static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t edge)
 {
@@ -185,7 +184,7 @@ static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uin
     const int32_t turn = distance < 0 ? -cfg->counts_per_turn : cfg->counts_per_turn;
     const int32_t lost =
         cam_is_within(distance, cfg->max_counts) ? distance : cam_wrap_sub(distance, turn);
-    s->index_error = cam_wrap_add(s->index_error, lost);
+    s->index_error = cam_sat_add(s->index_error, lost);
     return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_status.h"
-#include "cam_fix.h" // cam_wrap_sub
-#include <stddef.h>  // NULL, size_t
+#include <stddef.h> // NULL, size_t
 
 /// A word of any structure.
 typedef uint32_t __attribute__((may_alias)) any_word_t;
@@ -79,7 +78,7 @@ cam_status_t cam_status_read(const cam_t *c)
         .u_actual_nm = r->in.actual_nm[hal_axis_u],
         .x_actual_nm = r->in.actual_nm[hal_axis_x],
         .z_actual_nm = r->in.actual_nm[hal_axis_z],
-        .following_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6),
+        .following_nm = r->in.actual_nm[hal_axis_u] - (r->want.u_due_q6 >> 6),
         .n_late = now.spindle.n_late,
         .max_period = now.spindle.max_period,
     };

@@ -17,15 +17,25 @@ static cam_tick_record_t *begin_isr(cam_t *c, const cam_config_t *cfg)
     return r;
 }
 
+/// Take a measured position. One beyond cam_sense_most_nm is limited, and its drive is not ready.
+static void sense_axis(cam_sense_t *in, hal_axis_t axis, int32_t nm)
+{
+    in->actual_nm[axis] = nm;
+    if (nm < -cam_sense_most_nm || nm >= cam_sense_most_nm) {
+        in->actual_nm[axis] = nm < 0 ? -cam_sense_most_nm : cam_sense_most_nm - 1;
+        in->inputs &= ~(uint32_t)hal_in_drive_ready;
+    }
+}
+
 static void sense_isr(cam_t *c, cam_sense_t *in)
 {
     in->clock = hal_clock_isr();
     hal_encoder_read_isr(&in->encoder);
-    in->actual_nm[hal_axis_u] = cam_wrap_add(hal_axis_read_nm_isr(hal_axis_u), c->motion.u_home_nm);
-    in->actual_nm[hal_axis_x] = hal_axis_read_nm_isr(hal_axis_x);
-    in->actual_nm[hal_axis_z] = hal_axis_read_nm_isr(hal_axis_z);
     in->swing_q32 = hal_swing_read_q32_isr();
     in->inputs = hal_inputs_read_isr();
+    sense_axis(in, hal_axis_u, cam_wrap_add(hal_axis_read_nm_isr(hal_axis_u), c->motion.u_home_nm));
+    sense_axis(in, hal_axis_x, hal_axis_read_nm_isr(hal_axis_x));
+    sense_axis(in, hal_axis_z, hal_axis_read_nm_isr(hal_axis_z));
     in->request = atomic_load_explicit(&c->request, CAM_ORDER_ACQUIRE);
     cam_fence_acquire_isr();
 }
@@ -72,11 +82,11 @@ static void rebase_u(cam_t *c, int32_t by_nm)
     const int64_t by_q10 = (int64_t)by_nm * 1024;
     cam_motion_t *m = &c->motion;
     m->u_home_nm = cam_wrap_add(m->u_home_nm, by_nm);
-    m->axis[hal_axis_u].pos_q10 += by_q10;
-    m->u_target_q10 += by_q10;
+    m->axis[hal_axis_u].pos_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, by_q10);
+    m->u_target_q10 = cam_wrap_add_i64(m->u_target_q10, by_q10);
     cam_jerk_filter_shift_isr(&m->filter[hal_axis_u], by_q10);
-    c->guard.u_set_q6 = cam_wrap_add(c->guard.u_set_q6, by_nm * 64);
-    c->command.u.nm = cam_wrap_add(c->command.u.nm, by_nm);
+    c->guard.u_set_q6 = cam_sat_add(c->guard.u_set_q6, by_nm * 64);
+    c->command.u.nm = cam_clamp_i32(c->command.u.nm + by_nm, -(1 << 25), (1 << 25) - 1);
     cam_play_shift_isr(&c->play, by_nm * 64);
 }
 

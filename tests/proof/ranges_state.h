@@ -34,13 +34,17 @@
     X(is_acknowledged, 0, 1)                                                                       \
     X(u_speed_q10, 0, 1 << 29)                                                                     \
     X(is_filtering, 0, 1)                                                                          \
+    X(x_left_q10, -(INT64_C(1) << 41), INT64_C(1) << 41)                                           \
     X(phase_step_q32, -(1 << 22), 1 << 22)                                                         \
     X(swing.is_new, 0, 1)                                                                          \
     X(swing.is_there, 0, 1)
 
 #define PLAY(X) X(excite.at, 0, WAVE_SAMPLES - 1)
 
-#define COMMAND(X) X(is_fault, 0, 1)
+#define COMMAND(X)                                                                                 \
+    X(is_fault, 0, 1)                                                                              \
+    X(u.nm, -(1 << 25), (1 << 25) - 1)                                                             \
+    X(u.step_nm, -(1 << 26), 1 << 26)
 
 #define SWITCHES(X) X(next, 0, cam_n_switches - 1)
 
@@ -50,6 +54,7 @@
     X(axis, 0, hal_n_axes - 1)
 
 #define PLAN(X)                                                                                    \
+    X(measured_nm, -Q30, Q30 - 1)                                                                  \
     X(amplitude_q30, 0, Q30 + Q30 / 4)                                                             \
     X(ratio_q28, -(10 << 24), 117 << 24)                                                           \
     X(x_trim_q4, -(1 << 25), 1 << 25)                                                              \

@@ -302,9 +302,10 @@ uint32_t hal_clock_isr(void);
 /// @param reading  result, all members
 void hal_encoder_read_isr(hal_encoder_t *reading);
 
-/// @return [nm] newest measured position of an axis; <= 30 cycles. A port without a measurement
-/// returns the last set-point and documents that in its README; the following error is then
-/// computed from the command, feed-forward included, and contains no information about the drive.
+/// @return [nm] newest measured position of an axis, within +-2^30 nm: beyond that the controller
+/// treats the drive as not ready; <= 30 cycles. A port without a measurement returns the last
+/// set-point and documents that in its README; the following error is then computed from the
+/// command, feed-forward included, and contains no information about the drive.
 int32_t hal_axis_read_nm_isr(hal_axis_t axis);
 
 /// @return [turn / 2^32] newest measured swing of the tool; <= 10 cycles. 0 without the axis.

@@ -40,6 +40,7 @@ static void expect_pair(int32_t a, int32_t b)
         TEST_ASSERT_EQUAL_INT32(wrapped(ends[i] + part), cam_mulhi_add(ends[i], a, b));
     }
     TEST_ASSERT_EQUAL_INT32(limited((int64_t)a + b), cam_sat_add(a, b));
+    TEST_ASSERT_EQUAL_INT32(limited((int64_t)a - b), cam_sat_sub(a, b));
     TEST_ASSERT_EQUAL_INT32(wrapped((int64_t)a + b), cam_wrap_add(a, b));
     TEST_ASSERT_EQUAL_INT32(wrapped((int64_t)a - b), cam_wrap_sub(a, b));
     TEST_ASSERT_EQUAL_INT32(wrapped((int64_t)a - b), cam_wrap_diff((uint32_t)a, (uint32_t)b));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the interrupt makes of requests while the axes follow the table, and of inputs while it is
 // off.
-#include "cam_interpolate.h"
 #include "fixture_play.h"
 #include "unity.h"
 
@@ -72,22 +71,22 @@ static void test_an_emergency_stop_between_two_plans_is_remembered(void)
     TEST_ASSERT_FALSE(f.motion.was_open);
 }
 
-/// Without enable set-points are where the axes are, as far as the farthest place of an axis.
+/// Without enable set-points are where the axes are, to the ends of what is sensed.
 static void test_off_follows_the_axes_as_far_as_they_go(void)
 {
     f.is_axes_held = true;
     for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
-        f.in.actual_nm[axis] = axis == 1u ? INT32_MAX : -1000 * (int32_t)axis;
+        f.in.actual_nm[axis] = axis == 1u ? cam_sense_most_nm - 1 : -1000 * (int32_t)axis;
     }
     fixture_play_tick(&f);
     for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
-        const int64_t nm = axis == 1u ? cam_interpolate_most_nm : -1000 * (int64_t)axis;
+        const int64_t nm = axis == 1u ? cam_sense_most_nm - 1 : -1000 * (int64_t)axis;
         TEST_ASSERT_EQUAL_INT64(nm * 1024, f.motion.axis[axis].pos_q10);
         TEST_ASSERT_EQUAL_INT32(0, f.motion.axis[axis].vel_q10);
     }
-    f.in.actual_nm[0] = INT32_MIN;
+    f.in.actual_nm[0] = -cam_sense_most_nm;
     fixture_play_tick(&f);
-    TEST_ASSERT_EQUAL_INT64(-(int64_t)cam_interpolate_most_nm * 1024, f.motion.axis[0].pos_q10);
+    TEST_ASSERT_EQUAL_INT64(-(int64_t)cam_sense_most_nm * 1024, f.motion.axis[0].pos_q10);
 }
 
 /// Whatever an earlier motion by hand has left, the next one begins with axes that stand.
