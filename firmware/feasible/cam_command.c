@@ -126,7 +126,7 @@ static void derive(const int64_t b[n_coefficients], int64_t d[n_coefficients])
 }
 
 /// @return bound of |b + s d + s^2 e| for all s of 0 .. 1
-static int64_t most_of(int64_t b, int64_t d, int64_t e)
+static int64_t most_of_bend(int64_t b, int64_t d, int64_t e)
 {
     int64_t most =
         cam_abs_i64(b) > cam_abs_i64(b + d + e) ? cam_abs_i64(b) : cam_abs_i64(b + d + e);
@@ -162,7 +162,7 @@ static int64_t tenfold(const cam_knot_t *k0, const cam_knot_t *k1, int64_t offse
     for (uint32_t i = 0; i < (uint32_t)n_coefficients; i++) {
         const int64_t swept = cam_abs_i64(d[i]) * a->swept_q16 / 65536;
         const int64_t w =
-            swept + most_of(b[i], d[i] * a->first_q16 / 65536, e[i] * a->second_q16 / 65536);
+            swept + most_of_bend(b[i], d[i] * a->first_q16 / 65536, e[i] * a->second_q16 / 65536);
         most = w > most ? w : most;
     }
     return most;

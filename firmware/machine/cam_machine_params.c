@@ -39,8 +39,9 @@ static bool needs_rest(cam_param_id_t id)
 
 /// @return the first parameter, from an id on, that is named or changes; cam_n_params: none
 static cam_param_id_t next_change(const cam_params_t *from, const cam_params_t *to,
-                                  cam_param_id_t named, uint32_t id)
+                                  cam_param_id_t named, uint32_t first)
 {
+    uint32_t id = first;
     while (id < (uint32_t)cam_n_params && id != (uint32_t)named &&
            cam_param_get(from, (cam_param_id_t)id) == cam_param_get(to, (cam_param_id_t)id)) {
         id++;

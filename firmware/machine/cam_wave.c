@@ -52,7 +52,7 @@ static int64_t share_q10(int64_t distance_nm, int64_t share_q30)
     return ((distance_nm * share_q30) >> 20) + 1;
 }
 
-static cam_wave_verdict_t refuse(cam_err_t err, int64_t value)
+static cam_wave_verdict_t refused(cam_err_t err, int64_t value)
 {
     return (cam_wave_verdict_t){.err = err, .value = cam_sat_i32(value)};
 }
@@ -64,18 +64,18 @@ cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motio
     const int64_t low_nm = place_nm + range->low_nm;
     const int64_t high_nm = place_nm + range->high_nm;
     if (low_nm < -most_nm || high_nm > most_nm) {
-        return refuse(cam_err_wave_stroke, -low_nm > high_nm ? low_nm : high_nm);
+        return refused(cam_err_wave_stroke, -low_nm > high_nm ? low_nm : high_nm);
     }
     const int64_t wave_nm = most_of(-range->low_nm, range->high_nm);
     const int64_t speed_q10 = range->step_nm * 1024 + share_q10(wave_nm, fade->speed_q10);
     if (speed_q10 > cfg->guard.u.speed_q10) {
-        return refuse(cam_err_wave_speed, (speed_q10 * tick_hz + 1023999) / 1024000);
+        return refused(cam_err_wave_speed, (speed_q10 * tick_hz + 1023999) / 1024000);
     }
     const int64_t bend_q10 = range->bend_nm * 1024 +
                              share_q10(2 * range->step_nm, fade->speed_q10) +
                              share_q10(wave_nm, fade->acceleration_q10);
     if (bend_q10 > cfg->guard.u.acceleration_q10) {
-        return refuse(cam_err_wave_acceleration, bend_q10 * tick_hz / 1024000 * tick_hz / 1000);
+        return refused(cam_err_wave_acceleration, bend_q10 * tick_hz / 1024000 * tick_hz / 1000);
     }
     return (cam_wave_verdict_t){.err = cam_ok};
 }

@@ -15,13 +15,14 @@ void cam_jerk_filter_begin_isr(cam_jerk_filter_t *g, const cam_axis_motion_t *m,
                                uint32_t log2_window)
 {
     const int32_t n = INT32_C(1) << log2_window;
+    const int64_t last = (int64_t)n - 1;
     const int32_t most_q10 = cam_jerk_filter_most_q10(log2_window);
     const int32_t slope_q10 = cam_clamp_i32(m->acc_q10, -most_q10, most_q10);
-    const int32_t oldest_q10 = cam_sat_i32(m->vel_q10 - (int64_t)slope_q10 * (n - 1) / 2);
+    const int32_t oldest_q10 = cam_sat_i32(m->vel_q10 - slope_q10 * last / 2);
     const int64_t behind = (int64_t)oldest_q10 * sums[log2_window].first +
                            (int64_t)slope_q10 * sums[log2_window].second;
     g->raw.pos_q10 = cam_wrap_add_i64(m->pos_q10, behind >> log2_window);
-    g->raw.vel_q10 = cam_sat_i32(oldest_q10 + (int64_t)slope_q10 * (n - 1));
+    g->raw.vel_q10 = cam_sat_i32(oldest_q10 + slope_q10 * last);
     g->sum_pos_q10 = cam_wrap_sub_i64(cam_wrap_times_i64(g->raw.pos_q10, n), behind);
     g->sum_vel_q10 = (int64_t)oldest_q10 * n + (int64_t)slope_q10 * sums[log2_window].first;
     g->line_q10 = oldest_q10;

@@ -21,12 +21,17 @@ static cam_outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t e
     return outcome;
 }
 
+static cam_outcome_t excite(cam_machine_t *machine, const struct camturn_command_t *m)
+{
+    const cam_wave_verdict_t verdict = cam_machine_excite(machine, m->periods, m->fade);
+    return (cam_outcome_t){.err = verdict.err, .value = verdict.value};
+}
+
 /// @return outcome of a command with one answer; cam_err_command: not of this group
 static cam_outcome_t carry_out_here(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
     const uint32_t index = m->parameter;
-    cam_wave_verdict_t verdict;
     switch (m->command) {
     case CAMTURN_COMMAND_COMMAND_SET_SCOPE_CHOICE:
         return get_scope(r, index, cam_machine_scope_set(machine, index, m->value));
@@ -44,8 +49,7 @@ static cam_outcome_t carry_out_here(cam_can_t *r, const struct camturn_command_t
     case CAMTURN_COMMAND_COMMAND_END_WAVE_CHOICE:
         return cam_can_received(r, cam_machine_wave_end(machine, m->crc));
     case CAMTURN_COMMAND_COMMAND_EXCITE_CHOICE:
-        verdict = cam_machine_excite(machine, m->periods, m->fade);
-        return (cam_outcome_t){.err = verdict.err, .value = verdict.value};
+        return excite(machine, m);
     case CAMTURN_COMMAND_COMMAND_KEEP_ALIVE_CHOICE:
         cam_machine_keep_alive(machine);
         return cam_outcome(cam_ok);

@@ -31,7 +31,8 @@ static hull_t hull_of(const cam_knot_t *k0, const cam_knot_t *k1)
 
 /// Both halves of an interval.
 typedef struct {
-    hull_t lower, upper;
+    hull_t lower;
+    hull_t upper;
 } halves_t;
 
 /// Halve an interval by de Casteljau's means, which are whole (SCALE). After r rounds the first

@@ -74,7 +74,7 @@ static uint32_t in_unit(const cam_channel_t *ch, int64_t lsb)
 }
 
 /// @return a derivative per knot interval as per radian, rounded up, saturated
-static int64_t per_rad(const cam_channel_t *ch, int64_t d)
+static int64_t derivative_per_rad(const cam_channel_t *ch, int64_t d)
 {
     const int64_t rad_q20 = intervals_per_turn(ch) * turn_per_rad_q20;
     return d < INT64_MAX / rad_q20 ? (d * rad_q20 >> 20) + 1 : INT64_MAX / rad_q20;
@@ -90,7 +90,8 @@ uint32_t cam_peaks_third(const cam_channel_t *ch)
         const cam_wide_knot_t k1 = {next->p, next->v, next->a};
         cam_bounds_add_third(&b, &k0, &k1);
     }
-    return in_unit(ch, per_rad(ch, per_rad(ch, per_rad(ch, b.third))));
+    return in_unit(ch,
+                   derivative_per_rad(ch, derivative_per_rad(ch, derivative_per_rad(ch, b.third))));
 }
 
 cam_change_t cam_peaks_of_change(const cam_channel_t *ch)

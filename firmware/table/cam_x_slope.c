@@ -23,7 +23,7 @@ static uint64_t bend_ppm_per_m(const cam_channel_t *x, uint64_t per_slice_ppm)
 }
 
 /// @return the larger of the two, saturated
-static uint32_t larger(uint32_t most, uint64_t value)
+static uint32_t larger_u32(uint32_t most, uint64_t value)
 {
     const uint32_t held = value < UINT32_MAX ? (uint32_t)value : UINT32_MAX;
     return held > most ? held : most;
@@ -37,9 +37,9 @@ cam_x_slope_t cam_x_slope_of(const cam_channel_t *x)
         const int32_t up_nm = (int32_t)((uint64_t)x->span_nm * i / n);
         const cam_value_t at = cam_eval_profile(x, x->z_first_nm + up_nm);
         const uint64_t bend = bend_ppm_per_m(x, slope_ppm(x, at.d2));
-        most.slope_ppm = larger(most.slope_ppm, slope_ppm(x, at.d1));
-        most.rise_ppm = larger(most.rise_ppm, at.d1 > 0 ? slope_ppm(x, at.d1) : 0u);
-        most.bend_ppm_per_m = larger(most.bend_ppm_per_m, bend);
+        most.slope_ppm = larger_u32(most.slope_ppm, slope_ppm(x, at.d1));
+        most.rise_ppm = larger_u32(most.rise_ppm, at.d1 > 0 ? slope_ppm(x, at.d1) : 0u);
+        most.bend_ppm_per_m = larger_u32(most.bend_ppm_per_m, bend);
     }
     return most;
 }
