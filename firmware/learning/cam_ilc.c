@@ -186,7 +186,7 @@ static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
 static void finish_turn(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_t *bins)
 {
     t->bin = NULL;
-    (void)cam_gather_release(bins);
+    (void)cam_turn_bins_release(bins);
     if (t->is_counted) {
         step(t, s);
     }
@@ -199,14 +199,14 @@ static void finish_turn(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_t 
 static void take_turn(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_t *bins)
 {
     cam_turn_t turn;
-    if (cam_gather_take(bins, &turn) == NULL) {
+    if (cam_turn_bins_take(bins, &turn) == NULL) {
         return;
     }
     t->bin = &bins->bin[(turn.turn & 1u) != 0u ? cam_turn_bins_n : 0];
     cam_ilc_update_begin(t, s, &turn);
     if (!t->is_counted && t->true_q36 == 0) {
         t->bin = NULL;
-        (void)cam_gather_release(bins);
+        (void)cam_turn_bins_release(bins);
     }
 }
 

@@ -162,7 +162,7 @@ void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cf
     c->fed_to_q32 = 0;
     c->rate_q30 = 0;
     c->to_rate_q30 = 0;
-    c->asked_q30 = cfg->feed_rate_q30;
+    c->requested_q30 = cfg->feed_rate_q30;
     c->is_held = false;
     lay_rest(c, at_q32, 0);
     if (cfg->feed_rate_q30 == 0) {
@@ -258,7 +258,7 @@ void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *
                                  int64_t now_q32, int64_t next_q32)
 {
     const int32_t rate_q30 = cfg->feed_rate_q30;
-    if (rate_q30 == c->asked_q30) {
+    if (rate_q30 == c->requested_q30) {
         return;
     }
     bool is_done = true;
@@ -273,7 +273,7 @@ void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *
     } else {
         is_done = change_rate(c, cfg, now_q32, next_q32);
     }
-    c->asked_q30 = is_done ? rate_q30 : c->asked_q30;
+    c->requested_q30 = is_done ? rate_q30 : c->requested_q30;
 }
 
 int64_t cam_feed_motion_stop_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg,

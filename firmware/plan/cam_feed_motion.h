@@ -33,7 +33,7 @@ typedef struct {
     int64_t fed_end_q32;         ///< [turn] fed there
     int32_t rate_q30;            ///< [1] before the change
     int32_t to_rate_q30;         ///< [1] and after it
-    int32_t asked_q30;           ///< [1] the rate that was carried out last
+    int32_t requested_q30;       ///< [1] the rate that was carried out last
     bool is_held;                ///< the rest at the end is no end of the part
 } cam_feed_motion_t;
 

@@ -231,6 +231,16 @@ static bool move_axes(cam_jog_t *h, const cam_play_config_t *cfg, cam_motion_t *
     return is_u_still && is_x_still && is_z_still;
 }
 
+/// Shift U's origin without moving U.
+static void rebase_u(cam_motion_t *m, int32_t by_nm)
+{
+    const int64_t by_q10 = (int64_t)by_nm * 1024;
+    m->u_home_nm = cam_wrap_add(m->u_home_nm, by_nm);
+    m->axis[hal_axis_u].pos_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, by_q10);
+    m->u_target_q10 = cam_wrap_add_i64(m->u_target_q10, by_q10);
+    cam_jerk_filter_shift_isr(&m->filter[hal_axis_u], by_q10);
+}
+
 int32_t cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                     cam_motion_t *m)
 {
@@ -253,7 +263,9 @@ int32_t cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_r
     if (h->phase != cam_jog_rest && is_too_old(o, r)) {
         end_order(h, cam_jog_silent);
     }
-    // Where U gets other numbers the target has them already, and the axis does not: it waits.
+    if (shift_nm != 0) { // the order's target already counts from the new origin
+        rebase_u(m, shift_nm);
+    }
     const bool are_at_rest = shift_nm == 0 && move_axes(h, cfg, m);
     if (m->is_stopping && are_at_rest) {
         m->is_stopping = false;

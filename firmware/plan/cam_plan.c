@@ -6,23 +6,23 @@
 #include "cam_eval.h"         // cam_eval_height
 #include "cam_fix.h"          // cam_clamp_i32
 #include "cam_positioning.h"  // cam_positioning_isr
-#include "cam_shaft.h"        // cam_shaft_aim_isr
-#include "cam_swing.h"        // cam_swing_aim_isr
+#include "cam_shaft.h"        // cam_shaft_plan_isr
+#include "cam_swing.h"        // cam_swing_plan_isr
 #include "cam_feed_profile.h" // cam_feed_profile_at
 
-/// [nm / 1024] half a nanometre: the tick takes whole ones of X, which are thus rounded to nearest.
+/// [nm / 1024] half a nanometre: the tick truncates X to nanometres, so this rounds to nearest.
 #define HALF_NM_Q10 512
 
 /// [1] in the unit of envelopes.
 #define ONE_Q30 (INT32_C(1) << 30)
 
-/// [slices] half of one: sixteen times as much still fits 32 bits.
+/// [slices] half of one per tick; sixteen times as much still fits 32 bits.
 #define MOST_STEP_Q28 ((INT32_C(1) << 27) - 1)
 
 /// Disengage position of a cut that only stop ends.
 #define NEVER_Q32 (INT64_MAX / 2)
 
-/// @return [turn] where the master will be, the acceleration of the spindle allowed for
+/// @return [turn] future master position, including the acceleration of the spindle
 static int64_t ahead_q32(const cam_angle_t *angle, int32_t ticks_q16, int32_t alpha_q40,
                          int32_t ticks2)
 {
@@ -30,7 +30,7 @@ static int64_t ahead_q32(const cam_angle_t *angle, int32_t ticks_q16, int32_t al
 }
 
 /// @param lag_q32  [turn] travelled during the lag of the drive
-/// @return         [1 / 2^30] 0 out of the work, 2^30 at full depth and amplitude
+/// @return         [1 / 2^30] 0 outside the work, 2^30 at full depth and amplitude
 static int32_t envelope_q30(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
                             int64_t lag_q32)
 {
@@ -42,7 +42,7 @@ static int32_t envelope_q30(const cam_plan_t *p, const cam_play_config_t *cfg, i
     return cam_mul_shift(risen_q30, ONE_Q30 - fallen_q30, 30);
 }
 
-/// @return [nm / 1024] a height of the part where the port counts Z, MATHS.md (170)
+/// @return [nm / 1024] a height of the part in port coordinates of Z, MATHS.md (170)
 static int64_t by_port_q10(const cam_play_config_t *cfg, int32_t z_nm)
 {
     return ((int64_t)z_nm + cfg->z_origin_nm) * 1024;
@@ -69,10 +69,10 @@ static int64_t slice_q32(const cam_play_config_t *cfg, int32_t z_nm)
     return cam_clamp_i64(found_q32, 0, cfg->height_max_q32);
 }
 
-/// Plan U's height on the table. The increment saturates at half a slice per tick, which is faster
-/// than any feed. It is rounded towards 0, so that the remainder, which is added at once, points
-/// towards the target as well: U never leaves the table.
-static void aim_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t target_q32)
+/// Plan U's height on the table. The increment saturates at half a slice per tick, faster than any
+/// feed. It is rounded towards 0, so the remainder, which is added at once, points towards the
+/// target: U never leaves the table.
+static void plan_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t target_q32)
 {
     const int32_t left_q28 = cam_sat_i32(cam_wrap_sub_i64(target_q32, m->height_q32) >> 4);
     const int64_t step_q58 = (int64_t)left_q28 * cfg->per_plan_q30;
@@ -82,10 +82,9 @@ static void aim_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t ta
     m->height_q32 = target_q32 - (int64_t)m->height_step_q32 * cfg->plan_ticks;
 }
 
-/// @return [nm] where Z itself will be when U has moved to what it is commanded at the next plan.
-/// It is read off the feed at that instant. Taking Z's set-point less its speed times its lag comes
-/// to the same, but it multiplies the noise of the observed speed by the lag once more, which U
-/// shows where the table is steep over the height.
+/// @return [nm] actual Z at the instant at which U reaches its command of the next plan, from the
+/// feed. Z's set-point minus speed times lag would be the same, but would amplify the noise of the
+/// observed speed, which shows in U where the table is steep over the height.
 static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
                            int32_t z_nm, int32_t z_vel_q10)
 {
@@ -95,44 +94,44 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
                              cam_feed_motion_fed_nm_isr(&p->feed_motion, cfg, pos_q32));
 }
 
-/// Plan U's amplitude and the distance of its height on the table behind Z's set-point.
-static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
-                  int32_t u_z_nm)
+/// Plan U's amplitude, and the lag of its height behind Z's set-point.
+static void plan_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
+                   int32_t u_z_nm)
 {
-    const int32_t behind_q4 = cam_sat_i32(((int64_t)z_nm - u_z_nm) * 16);
+    const int32_t lag_q4 = cam_sat_i32(((int64_t)z_nm - u_z_nm) * 16);
     m->scale_step_q30 = cam_interpolate_share(cfg, cam_sat_sub(scale_q30, m->scale_q30));
     m->scale_q30 = cam_sat_i32(scale_q30 - (int64_t)m->scale_step_q30 * cfg->plan_ticks);
-    m->behind_step_q4 = cam_interpolate_share(cfg, cam_sat_sub(behind_q4, m->behind_q4));
-    m->behind_q4 = cam_sat_i32(behind_q4 - (int64_t)m->behind_step_q4 * cfg->plan_ticks);
+    m->lag_step_q4 = cam_interpolate_share(cfg, cam_sat_sub(lag_q4, m->lag_q4));
+    m->lag_q4 = cam_sat_i32(lag_q4 - (int64_t)m->lag_step_q4 * cfg->plan_ticks);
 }
 
-/// Where Z is aimed at, where U is read on the table, and the lobe's share in both.
+/// Planned height of Z, height at which U is evaluated, and shares of the lobe.
 typedef struct {
     int32_t z_nm, u_z_nm;
     cam_share_t share;
 } height_t;
 
-/// Plan Z and the height of U of a skirt. Where the feed changes with the height, Z runs ahead of
-/// the helix by the way; U is so near to Z that the feed at Z holds for it as well.
-static height_t aim_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
-                          int32_t helix_nm, int64_t u_q32)
+/// Plan Z and U's height for a skirt. With a feed profile Z deviates from the helix; U is so close
+/// to Z that the slope of the profile at Z holds for U as well.
+static height_t plan_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
+                           int32_t helix_nm, int64_t u_q32)
 {
-    const bool has_way = cfg->table->way.knots != NULL && !cfg->is_z_measured;
+    const bool has_profile = cfg->table->way.knots != NULL && !cfg->is_z_measured;
     const cam_feed_profile_t plain = {.z_nm = helix_nm};
-    const cam_feed_profile_t way = has_way ? cam_feed_profile_at(cfg->table, helix_nm) : plain;
-    cam_interpolate_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, way.z_nm));
+    const cam_feed_profile_t profile =
+        has_profile ? cam_feed_profile_at(cfg->table, helix_nm) : plain;
+    cam_interpolate_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, profile.z_nm));
     const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
-    const int64_t behind_q16 = (int64_t)cam_sat_sub(u_nm, helix_nm) * way.slope_q16;
-    const int32_t u_z_nm = has_way ? cam_sat_i32(way.z_nm + (behind_q16 >> 16)) : u_nm;
-    aim_height(m, cfg, slice_q32(cfg, u_z_nm));
-    return (height_t){way.z_nm, u_z_nm, {ONE_Q30, ONE_Q30}};
+    const int64_t behind_q16 = (int64_t)cam_sat_sub(u_nm, helix_nm) * profile.slope_q16;
+    const int32_t u_z_nm = has_profile ? cam_sat_i32(profile.z_nm + (behind_q16 >> 16)) : u_nm;
+    plan_height(m, cfg, slice_q32(cfg, u_z_nm));
+    return (height_t){profile.z_nm, u_z_nm, {ONE_Q30, ONE_Q30}};
 }
 
-/// Plan Z and the pattern of U of a shaft of lobes. With stations lobes and X are found by the
-/// helix, which Z follows by the way; there the lift changes while X is off, so that U's lead over
-/// X does not matter.
-static height_t aim_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
-                          int32_t helix_nm, int64_t u_q32)
+/// Plan Z and U's pattern for a shaft of lobes. With stations, the helix selects lobes and X, and Z
+/// follows the feed profile; the lift changes only while X is off, so U's lead over X is harmless.
+static height_t plan_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
+                           int32_t helix_nm, int64_t u_q32)
 {
     const cam_table_t *t = cfg->table;
     cam_axis_motion_t *z = &m->axis[hal_axis_z];
@@ -145,19 +144,19 @@ static height_t aim_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_motio
         u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, z->vel_q10);
         lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_z_nm) : u_z_nm;
     }
-    return (height_t){helix_nm, u_z_nm, cam_shaft_aim_isr(&p->shaft, t, lobe_z_nm, m)};
+    return (height_t){helix_nm, u_z_nm, cam_shaft_plan_isr(&p->shaft, t, lobe_z_nm, m)};
 }
 
-/// @return [turn / 2^32] the operator's phase at the next plan
+/// @return [turn / 2^32] phase at the next plan
 static uint32_t phase_then_q32(const cam_motion_t *m, const cam_play_config_t *cfg)
 {
     return (uint32_t)m->phase_q32 + (uint32_t)m->phase_step_q32 * (uint32_t)cfg->plan_ticks;
 }
 
-/// Plan the spindle: the speed ratio moves linearly to that of the next plan, and the set-point is
-/// what makes a spindle with its lag do so. Without a speed channel the ratio is 1.
-static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
-                      int32_t z_nm, int32_t envelope, cam_motion_t *m)
+/// Plan the spindle: the speed ratio changes linearly until the next plan, and the set-point
+/// compensates for the spindle's lag. Without a speed channel the ratio is 1.
+static void plan_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
+                       int32_t z_nm, int32_t envelope, cam_motion_t *m)
 {
     const cam_channel_t *ch = &cfg->table->speed;
     if (ch->knots == NULL) {
@@ -169,7 +168,7 @@ static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_ang
     const cam_ratio_t ratio = cam_speed_ratio_at(ch, theta_q32 - phase_then_q32(m, cfg),
                                                  cam_shaft_slice(&p->shaft, cfg->table, ch, z_nm));
     const int32_t from_q28 = p->ratio_q28;
-    const int32_t held_q28 = // beyond every ratio of a table that was not changed in memory
+    const int32_t held_q28 = // wider than any checked table
         cam_clamp_i32(ratio.ratio_q28, CAM_RATIO_ONE_Q28 / 32, CAM_RATIO_ONE_Q28 * 5);
     p->ratio_q28 = cam_speed_eased_q28(held_q28, envelope);
     m->spindle_mrpm = cam_speed_mrpm(&speed, from_q28, p->ratio_q28);
@@ -177,24 +176,24 @@ static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_ang
     m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
 }
 
-static void aim_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
-                      int32_t z_nm, int32_t scale_q30, cam_motion_t *m)
+static void plan_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
+                       int32_t z_nm, int32_t scale_q30, cam_motion_t *m)
 {
     const cam_swing_config_t *swing = &cfg->swing;
     const int64_t pos_q32 = ahead_q32(angle, swing->ahead_q16, m->alpha_q40, swing->ahead2);
-    cam_swing_aim_isr(&m->swing, cfg, cam_angle_of_pos(pos_q32) - phase_then_q32(m, cfg),
-                      cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm), scale_q30);
+    cam_swing_plan_isr(&m->swing, cfg, cam_angle_of_pos(pos_q32) - phase_then_q32(m, cfg),
+                       cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm), scale_q30);
 }
 
-/// It never leaves the range between the two, and reaches the other one exactly.
-/// @return a value led towards another by at most a step
+/// Move a value towards another by at most a step, without overshoot.
+/// @return the new value
 /*@ requires most >= 0;
     assigns \result \from value, to, most;
     ensures between: \min(value, to) <= \result <= \max(value, to);
     ensures step: \abs(\result - value) <= most;
     ensures there: \abs(to - value) <= most ==> \result == to;
 */
-static int32_t led(int32_t value, int32_t to, int32_t most)
+static int32_t ramped(int32_t value, int32_t to, int32_t most)
 {
     if (value < to) {
         const int32_t more = cam_sat_add(value, most);
@@ -204,8 +203,7 @@ static int32_t led(int32_t value, int32_t to, int32_t most)
     return less > to ? less : to;
 }
 
-/// Move phase, amplitude, trim and override of the spindle towards the operator's values, as far as
-/// their rates allow until the next plan.
+/// Ramp phase, amplitude, trim and spindle override towards the operator's values.
 static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const uint32_t to_q32 = (uint32_t)cfg->phase_q32 + p->shaft.phase_q32;
@@ -216,14 +214,13 @@ static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
         m->phase_q32 = (int32_t)to_q32;
     }
     const int32_t most_q30 = cfg->amplitude_step_q30 * cfg->plan_ticks;
-    p->amplitude_q30 = led(p->amplitude_q30, cfg->amplitude_q30, most_q30);
-    p->x_trim_q4 = led(p->x_trim_q4, cfg->x_trim_q4, cfg->x_trim_step_q4);
-    p->spindle_rate_q30 = led(p->spindle_rate_q30, cfg->spindle_rate_q30, cfg->spindle_step_q30);
+    p->amplitude_q30 = ramped(p->amplitude_q30, cfg->amplitude_q30, most_q30);
+    p->x_trim_q4 = ramped(p->x_trim_q4, cfg->x_trim_q4, cfg->x_trim_step_q4);
+    p->spindle_rate_q30 = ramped(p->spindle_rate_q30, cfg->spindle_rate_q30, cfg->spindle_step_q30);
 }
 
-/// Compare the measured Z with where it must be: on the table, a geared Z moreover where its
-/// set-point was one lag ago, and a measured Z near where the last plan found it. A Z that jumps
-/// further within a plan is no motion that U and X could follow.
+/// Check the measured Z: it must be on the table. A geared Z must be at its set-point of one lag
+/// ago; a measured Z must be near its position of the last plan, or U and X could not follow it.
 /// @param last_nm  [nm] measured Z of the last plan
 /// @return         fault z_range or none
 static uint32_t check_z(const cam_play_config_t *cfg, int32_t z_nm, int32_t last_nm,
@@ -237,30 +234,19 @@ static uint32_t check_z(const cam_play_config_t *cfg, int32_t z_nm, int32_t last
     return is_off || is_out ? CAM_FAULT_BIT(z_range) : 0u;
 }
 
-/// @return [turn] master position where the cut or its rehearsal is over
-static int64_t out_at_q32(const cam_plan_t *p, const cam_play_config_t *cfg)
-{
-    return cam_wrap_add_i64(p->disengage_at_q32, cfg->disengage_q32);
-}
-
-/// A rehearsal ends when the amplitude has fallen, and the cut follows unless it was stopped.
-static cam_state_t rehearsal_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
-{
-    const cam_state_t next = p->is_stopped ? cam_state_ready : cam_state_engaging;
-    return pos_q32 < out_at_q32(p, cfg) ? cam_state_rehearsing : next;
-}
-
-/// The state is that of the spindle itself, not of what is planned. A spindle that turns back does
-/// not make the tool engage again, nor cut again behind it: until the fault `reverse` the state
-/// stays what it was.
+/// The state follows the spindle itself, not the planned position. Reverse rotation never restarts
+/// engaging or cutting: the state stays until the fault `reverse`. A rehearsal ends when the
+/// amplitude has fallen, and the cut follows unless it was stopped.
 static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
                             cam_state_t was)
 {
+    const bool is_out = pos_q32 >= cam_wrap_add_i64(p->disengage_at_q32, cfg->disengage_q32);
     if (p->is_rehearsal) {
-        return rehearsal_at(p, cfg, pos_q32);
+        const cam_state_t next = p->is_stopped ? cam_state_ready : cam_state_engaging;
+        return is_out ? next : cam_state_rehearsing;
     }
     if (pos_q32 >= p->disengage_at_q32 || was == cam_state_disengaging) {
-        return pos_q32 < out_at_q32(p, cfg) ? cam_state_disengaging : cam_state_ready;
+        return is_out ? cam_state_ready : cam_state_disengaging;
     }
     const bool is_resting = p->feed_motion.is_held && pos_q32 >= p->feed_motion.end_q32;
     const cam_state_t fed = is_resting ? cam_state_holding : cam_state_cutting;
@@ -268,15 +254,14 @@ static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, i
     return is_engaging ? cam_state_engaging : fed;
 }
 
-/// @return [turn] the first whole turn that no axis was commanded to
+/// @return [turn] first whole turn beyond everything commanded so far
 static int64_t next_turn_q32(const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
     return cam_angle_next_turn(cam_angle_ahead(angle, cfg->commanded_q16));
 }
 
-/// Lay the end of the feed, and behind it that of the cut, onto a whole turn that no axis was
-/// commanded to.
-static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
+/// Schedule the end of the feed, and then of the cut, at a whole turn that is not yet commanded.
+static void schedule_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
     const int64_t next_q32 = next_turn_q32(cfg, angle);
     const bool has_feed = !cfg->is_z_measured && !p->is_rehearsal;
@@ -286,36 +271,27 @@ static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle
     p->is_stopped = true;
 }
 
-/// @return [turn] where the cut ends that the course of its feed leads to
-static int64_t end_of_course_q32(const cam_plan_t *p)
+/// @return [turn] where the cut ends if the feed continues as planned
+static int64_t end_of_feed_q32(const cam_plan_t *p)
 {
     return p->feed_motion.is_held ? NEVER_Q32 : p->feed_motion.end_q32;
 }
 
-/// Follow the override of the feed, and a hold, as long as the cut has no end of its own.
+/// Follow override and hold of the feed, unless the cut is stopped.
 static void follow_override(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
-    if (cfg->feed_rate_q30 != p->feed_motion.asked_q30 && !p->is_rehearsal && !p->is_stopped &&
+    if (cfg->feed_rate_q30 != p->feed_motion.requested_q30 && !p->is_rehearsal && !p->is_stopped &&
         !cfg->is_z_measured) {
         cam_feed_motion_request_isr(&p->feed_motion, cfg, angle->pos_q32,
                                     next_turn_q32(cfg, angle));
-        p->disengage_at_q32 = end_of_course_q32(p);
+        p->disengage_at_q32 = end_of_feed_q32(p);
     }
 }
 
-/// A rehearsal has no feed: the amplitude rises, stays, and falls at the first height.
-static void lay_rehearsal(cam_plan_t *p, const cam_play_config_t *cfg)
-{
-    p->disengage_at_q32 = cam_wrap_add_i64(p->feed_at_q32, cfg->rehearse_q32);
-    p->feed_at_q32 = NEVER_Q32;
-    cam_feed_motion_begin_isr(&p->feed_motion, cfg, NEVER_Q32);
-}
-
-/// Lay the cut onto whole turns of the master, and set all that changes in it to its first value.
-/// All axes rest, as cam_positioning_isr() left them, until the next plan aims them, and the cut
-/// begins behind that.
-static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
-                cam_motion_t *m)
+/// Schedule the cut at whole turns of the master, and initialise everything that changes in it. All
+/// axes rest until the next plan, and the cut begins after that.
+static void begin_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                      cam_motion_t *m)
 {
     const int32_t actual_nm = r->in.actual_nm[hal_axis_z];
     const int32_t part_nm = cam_sat_sub(actual_nm, cfg->z_origin_nm);
@@ -324,11 +300,13 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
         cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));
     p->feed_at_q32 = cam_wrap_add_i64(p->engage_at_q32, cfg->engage_q32);
     cam_feed_motion_begin_isr(&p->feed_motion, cfg, p->feed_at_q32);
-    p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : end_of_course_q32(p);
+    p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : end_of_feed_q32(p);
     p->is_stopped = false;
     p->is_rehearsal = m->state == cam_state_rehearsing;
-    if (p->is_rehearsal) {
-        lay_rehearsal(p, cfg);
+    if (p->is_rehearsal) { // without feed: the amplitude rises, stays and falls at the first height
+        p->disengage_at_q32 = cam_wrap_add_i64(p->feed_at_q32, cfg->rehearse_q32);
+        p->feed_at_q32 = NEVER_Q32;
+        cam_feed_motion_begin_isr(&p->feed_motion, cfg, NEVER_Q32);
     }
     p->amplitude_q30 = cfg->amplitude_q30;
     p->x_trim_q4 = cfg->x_trim_q4;
@@ -337,16 +315,16 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     p->ratio_q28 = CAM_RATIO_ONE_Q28;
     m->phase_q32 = cfg->phase_q32;
     m->scale_q30 = 0;
-    m->behind_q4 = 0;
+    m->lag_q4 = 0;
     m->height_q32 = slice_q32(cfg, z_nm);
     m->is_stopping = false;
     m->is_playing = true;
-    cam_shaft_lay_isr(&p->shaft, cfg->table, z_nm, m);
+    cam_shaft_begin_isr(&p->shaft, cfg->table, z_nm, m);
 }
 
-/// X follows its profile less the envelope; in a rehearsal it stays off the work altogether.
-static void aim_x(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m, int32_t z_nm,
-                  int32_t envelope)
+/// X follows its profile and the envelope; in a rehearsal it stays off the work.
+static void plan_x(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m, int32_t z_nm,
+                   int32_t envelope)
 {
     const int64_t away_q10 = p->is_rehearsal ? cfg->rehearse_x_q10 : 0;
     cam_interpolate_isr(&m->axis[hal_axis_x], cfg,
@@ -355,8 +333,8 @@ static void aim_x(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_
 }
 
 /// Plan all axes for the instant of the next plan.
-static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
-                     cam_motion_t *m)
+static void plan_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                      cam_motion_t *m)
 {
     const cam_angle_t *angle = &r->angle;
     const int64_t xz_q32 = ahead_q32(angle, cfg->xz_plan_q16, m->alpha_q40, cfg->xz_lag2);
@@ -365,24 +343,18 @@ static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     const int64_t u_q32 = cam_angle_ahead(angle, cfg->u_plan_q16);
     const int32_t u_envelope = envelope_q30(p, cfg, u_q32, 0);
     ramp(p, cfg, m);
-    const height_t at = cfg->table->n_lobes == 0u ? aim_skirt(p, cfg, m, helix_nm, u_q32)
-                                                  : aim_shaft(p, cfg, m, helix_nm, u_q32);
+    const height_t at = cfg->table->n_lobes == 0u ? plan_skirt(p, cfg, m, helix_nm, u_q32)
+                                                  : plan_shaft(p, cfg, m, helix_nm, u_q32);
     const int32_t z_nm = at.z_nm;
     const int32_t scale_q30 =
         cam_mul_shift(cam_mul_shift(u_envelope, at.share.lift_q30, 30), p->amplitude_q30, 30);
-    aim_x(p, cfg, m, z_nm,
-          p->is_rehearsal ? 0 : envelope_q30(p, cfg, cam_wrap_sub_i64(xz_q32, lag_q32), lag_q32));
-    aim_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
-    aim_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
+    plan_x(p, cfg, m, z_nm,
+           p->is_rehearsal ? 0 : envelope_q30(p, cfg, cam_wrap_sub_i64(xz_q32, lag_q32), lag_q32));
+    plan_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
+    plan_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
     if (cfg->swing.is_swung && !p->is_rehearsal) {
-        aim_swing(p, cfg, angle, z_nm, scale_q30, m);
+        plan_swing(p, cfg, angle, z_nm, scale_q30, m);
     }
-}
-
-/// @return whether nothing of what was laid is left
-static bool is_over(const cam_plan_t *p, cam_state_t state)
-{
-    return state == cam_state_ready || (p->is_rehearsal && state == cam_state_engaging);
 }
 
 /// One plan while the axes follow the table.
@@ -394,17 +366,18 @@ static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
         m->faults |= cam_swing_check_isr(&m->swing, cfg, r->in.swing_q32);
     }
     if (m->is_stopping) {
-        lay_end(p, cfg, &r->angle);
+        schedule_end(p, cfg, &r->angle);
         m->is_stopping = false;
     } else {
         follow_override(p, cfg, &r->angle);
     }
     if ((m->faults & CAM_FAULT_BIT(z_range)) != 0u) {
-        return; // The guard takes over in the next tick; until then nothing aims at a wrong height.
+        return; // The guard takes over in the next tick; until then nothing follows a wrong height.
     }
-    aim_axes(p, cfg, r, m);
+    plan_axes(p, cfg, r, m);
     m->state = state_at(p, cfg, r->angle.pos_q32, m->state);
-    if (is_over(p, m->state)) { // scale 0: U has come to rest at 0
+    const bool is_rehearsed = p->is_rehearsal && m->state == cam_state_engaging;
+    if (m->state == cam_state_ready || is_rehearsed) { // scale 0: U rests at 0
         m->axis[hal_axis_u] = (cam_axis_motion_t){0};
         cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], &m->axis[hal_axis_u],
                                   cfg->approach[hal_axis_u].log2_window);
@@ -420,6 +393,6 @@ void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_re
         m->is_filtering = false;
         plan_cut(p, cfg, r, m);
     } else if (cam_positioning_isr(cfg, r, m)) {
-        lay(p, cfg, r, m);
+        begin_cut(p, cfg, r, m);
     }
 }

@@ -134,7 +134,7 @@ static void end_increments(cam_motion_t *m)
 {
     m->phase_step_q32 = 0;
     m->scale_step_q30 = 0;
-    m->behind_step_q4 = 0;
+    m->lag_step_q4 = 0;
     m->height_step_q32 = 0;
 }
 

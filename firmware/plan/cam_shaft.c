@@ -35,7 +35,7 @@ static void take(cam_shaft_t *s, const cam_table_t *t, uint32_t i, cam_motion_t 
     s->phase_q32 = lobe->phase_q32;
 }
 
-void cam_shaft_lay_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)
+void cam_shaft_begin_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)
 {
     s->phase_q32 = 0;
     s->z_q8 = (int64_t)z_nm * 256;
@@ -54,7 +54,7 @@ int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm)
     return (int32_t)(cam_wrap_add_i64(s->z_q8, 128) >> 8);
 }
 
-cam_share_t cam_shaft_aim_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)
+cam_share_t cam_shaft_plan_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)
 {
     if (t->n_lobes == 0u) {
         return (cam_share_t){ONE_Q30, ONE_Q30};

@@ -34,17 +34,17 @@ typedef struct {
 cam_share_t cam_shaft_share(int32_t change_q31, bool has_speed);
 
 /// Take up the lobe at the first height of a cut. Without lobes the phase is the operator's alone.
-void cam_shaft_lay_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m);
+void cam_shaft_begin_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m);
 
 /// Follow a measured Z smoothly: between two lobes a step of its scale is many of U. The tracker
 /// has no error of velocity; after a jump of the speed by v per plan it lags by at most 5.3 v,
 /// which is less than the 20 um beside a lobe up to 9 mm/s.
-/// @return [nm] height for cam_shaft_aim_isr()
+/// @return [nm] height for cam_shaft_plan_isr()
 int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm);
 
 /// Choose the lobe at U's height. A Z that reaches the next lobe too early finds U on its way to
 /// the base circle.
-cam_share_t cam_shaft_aim_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m);
+cam_share_t cam_shaft_plan_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m);
 
 /// @return a channel's slice: the pattern of the lobe that is played, or those around the height
 static inline cam_height_t cam_shaft_slice(const cam_shaft_t *s, const cam_table_t *t,

@@ -27,8 +27,8 @@ static int32_t read(const cam_play_config_t *cfg, uint32_t theta_q32, cam_height
     return (int32_t)((uint32_t)read_q30 * 4u); // an angle: it may wrap
 }
 
-void cam_swing_aim_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t theta_q32,
-                       cam_height_t z, int32_t scale_q30)
+void cam_swing_plan_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t theta_q32,
+                        cam_height_t z, int32_t scale_q30)
 {
     const int32_t target_q30 = cam_mulhi(read(cfg, theta_q32, z), scale_q30);
     const int32_t target_q32 = (int32_t)((uint32_t)target_q30 * 4u);

@@ -28,8 +28,8 @@
 /// @param theta_q32  [turn / 2^32] angle of the spindle at its end, lag included, less the phase
 /// @param z          slice of the channel then
 /// @param scale_q30  amplitude * envelope then
-void cam_swing_aim_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t theta_q32,
-                       cam_height_t z, int32_t scale_q30);
+void cam_swing_plan_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t theta_q32,
+                        cam_height_t z, int32_t scale_q30);
 
 /// The drive must be where the line was a lag ago; a change of speed meanwhile is allowed for by
 /// the limit. To be called before the next line is made.

@@ -44,7 +44,7 @@ void cam_config_learn(cam_config_t *config)
 {
     config->command.k1_q16 += config->learned.k1_q16;
     config->command.k2_q16 += config->learned.k2_q16;
-    cam_config_tell(config);
+    cam_config_limit_command(config);
 }
 
 /// @return [nm] of nm / 1024, rounded up, and what is learned more; below 2^30, so that two of them
@@ -54,7 +54,7 @@ static int32_t limit_nm(int64_t q10)
     return (int32_t)cam_clamp_i64(q10 / 1024 + 1 + LEARNED_STEP_NM, 0, INT64_C(1) << 29);
 }
 
-void cam_config_tell(cam_config_t *config)
+void cam_config_limit_command(cam_config_t *config)
 {
     const cam_guard_config_t *g = &config->guard;
     cam_axis_command_config_t *t = &config->command;

@@ -232,7 +232,7 @@ void cam_config_learn(cam_config_t *config);
 /// Derive the limits of what U is told from its own and from the gains of the feed-forward: of the
 /// command's speed v + k1 a + k2 j and of its acceleration a + k1 j + k2 j / tick, with the largest
 /// of each at once, MATHS.md (213). Context: slow side, behind every change of the gains.
-void cam_config_tell(cam_config_t *config);
+void cam_config_limit_command(cam_config_t *config);
 
 /// Hand the free half over; it is in force from the next tick on. Context: slow side.
 void cam_config_offer(cam_config_bank_t *bank);

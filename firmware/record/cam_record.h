@@ -91,7 +91,7 @@ typedef struct {
     int64_t height_q32;                ///< [slices] U's height on the table
     int32_t height_step_q32;           ///< per tick
     int32_t scale_q30, scale_step_q30; ///< [1] amplitude * envelope of U, per tick
-    int32_t behind_q4, behind_step_q4; ///< [nm / 16] U's height is this far behind Z, per tick
+    int32_t lag_q4, lag_step_q4;       ///< [nm / 16] U's height is this far behind Z, per tick
     int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
     int32_t alpha_q40; ///< [turn / 2^40 per tick^2] acceleration that the set-point demands
     int32_t alpha_u;   ///< the same in the unit of U's

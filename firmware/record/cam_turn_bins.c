@@ -94,7 +94,7 @@ static bool clear(cam_turn_bins_t *g, uint32_t turn)
     return is_in_time;
 }
 
-const cam_turn_bin_t *cam_gather_take(cam_turn_bins_t *g, cam_turn_t *turn)
+const cam_turn_bin_t *cam_turn_bins_take(cam_turn_bins_t *g, cam_turn_t *turn)
 {
     const uint32_t now = turn_at(atomic_load_explicit(&g->at_q8, memory_order_acquire));
     const uint32_t bank = (now + 1u) & 1u;
@@ -111,7 +111,7 @@ const cam_turn_bin_t *cam_gather_take(cam_turn_bins_t *g, cam_turn_t *turn)
     return NULL;
 }
 
-bool cam_gather_release(cam_turn_bins_t *g)
+bool cam_turn_bins_release(cam_turn_bins_t *g)
 {
     return clear(g, (g->taken + 1u) & (IS_TURN - 1u));
 }

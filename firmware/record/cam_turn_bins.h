@@ -72,7 +72,7 @@ typedef struct {
 } cam_turn_t;
 
 /// Bins and their turns. Zero-initialised is empty; nothing is gathered into a bank that the slow
-/// side has not cleared, so that learning begins with its first call of cam_gather_take().
+/// side has not cleared, so that learning begins with its first call of cam_turn_bins_take().
 typedef struct {
     cam_turn_bin_t bin[2 * cam_turn_bins_n]; ///< interrupt adds, slow side clears the idle bank
     cam_turn_t now;                          ///< interrupt only: the turn that is gathered
@@ -145,13 +145,13 @@ void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, cons
 /// there is none, the idle bank is cleared for the next turn.
 /// @param turn  result
 /// @return      128 bins, bin i from i / 128 turn of the master position on, NULL for none; valid
-///              until cam_gather_release()
+///              until cam_turn_bins_release()
 /// Context: slow side, one caller, at least three times a turn.
-const cam_turn_bin_t *cam_gather_take(cam_turn_bins_t *g, cam_turn_t *turn);
+const cam_turn_bin_t *cam_turn_bins_take(cam_turn_bins_t *g, cam_turn_t *turn);
 
 /// Give a bank back, cleared. @return false when it was late, more than three quarters of a turn
 /// behind the end of that turn: what was read may have been overwritten and must be forgotten.
 /// Context: slow side.
-bool cam_gather_release(cam_turn_bins_t *g);
+bool cam_turn_bins_release(cam_turn_bins_t *g);
 
 #endif

@@ -2,9 +2,8 @@
 #include "cam_axis_command.h"
 #include "cam_fix.h" // cam_clamp_i32, cam_is_within
 
-/// Inverse of a second-order drive, MATHS.md (56) and (189): what is added to U so that the tool is
-/// there. It is limited to what fits a word together with U, far beyond every stroke: a command
-/// that large is refused.
+/// Inverse of a second-order drive, MATHS.md (56) and (189). Limited to 2^30, far beyond every
+/// stroke: a command that large is refused.
 /// @return [nm / 64]
 static int32_t feed_forward_q6(const cam_axis_command_config_t *cfg, const cam_axis_motion_t *u)
 {
@@ -15,26 +14,27 @@ static int32_t feed_forward_q6(const cam_axis_command_config_t *cfg, const cam_a
     return (int32_t)((uint32_t)high << 12 | low >> 20);
 }
 
-/// @return [nm / 64] the command of U that belongs to its set-point, without what was learned of it
+/// @return [nm / 64] command of U without the learned correction
 static int32_t plain_q6(const cam_axis_command_config_t *cfg, const cam_tick_record_t *r,
                         const cam_motion_t *m)
 {
     return cam_sat_add(r->want.u_set_q6, feed_forward_q6(cfg, &m->axis[hal_axis_u]));
 }
 
-/// @return [nm] where the last step of U leads
-static int32_t led_nm(const cam_u_command_t *u)
+/// @return [nm] command of U if its last step is repeated
+static int32_t continued_nm(const cam_u_command_t *u)
 {
     return u->nm + u->step_nm;
 }
 
-/// @return [nm / 64] the command of U less `plain` in state fault: in the first tick as it goes on
-/// with the acceleration of its set-point, then by a sixteenth less in each, towards 0 and to it
+/// @return [nm / 64] state fault: command of U minus `plain`. In the first tick the command
+/// continues with the acceleration of its set-point; then the difference decays to 0 by a sixteenth
+/// per tick
 static int32_t faded_q6(const cam_axis_command_t *t, const cam_axis_motion_t *u, int32_t plain,
                         bool is_new)
 {
     const int32_t last_q6 = t->fading_q6;
-    const int64_t on_q6 = (int64_t)led_nm(&t->u) * 64 + (u->acc_q10 >> 4);
+    const int64_t on_q6 = (int64_t)continued_nm(&t->u) * 64 + (u->acc_q10 >> 4);
     return is_new ? cam_sat_i32(on_q6 - plain)
                   : last_q6 - last_q6 / 16 - (last_q6 > 0) + (last_q6 < 0);
 }
@@ -51,9 +51,7 @@ static int32_t nearest_to_q6(int32_t q6)
     predicate cam_is_command(cam_u_command_t *u) =
       -0x2000000 <= u->nm < 0x2000000 && \abs(u->step_nm) <= 0x4000000;
 */
-/// What is accepted lies within the stroke, differs from the last command by no more than the speed
-/// allows, and that difference from the one before by no more than the acceleration; and all that
-/// does is accepted.
+/// Accept a command exactly if position, step and change of step are within their limits.
 /*@ requires valid: \valid_read(u) && \valid_read(cfg);
     requires limits: cam_limits(cfg);
     requires command: cam_is_command(u) && \abs(u_nm) <= 0x2000000;
@@ -80,7 +78,7 @@ static bool is_allowed(const cam_u_command_t *u, const cam_axis_command_config_t
     ensures place: u->nm == u_nm;
     ensures step: u->step_nm == u_nm - \old(u->nm);
 */
-static void keep_told(cam_u_command_t *u, int32_t u_nm)
+static void commit(cam_u_command_t *u, int32_t u_nm)
 {
     u->step_nm = u_nm - u->nm;
     u->nm = u_nm;
@@ -91,9 +89,8 @@ static hal_setpoint_t setpoint(const cam_axis_motion_t *m, int32_t pos_nm)
     return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
 }
 
-/// Write the set-points into the record in the port's numbers, in the form that drives take. Those
-/// of X and Z are rounded down; the plan has added half a nanometre to X, which is thus rounded to
-/// nearest.
+/// Write the set-points to the record, in port coordinates. X and Z are rounded down; the plan adds
+/// half a nanometre to X, which rounds X to nearest.
 static void write_out(const cam_axis_command_t *t, cam_tick_record_t *r, const cam_motion_t *m)
 {
     const cam_axis_motion_t *x = &m->axis[hal_axis_x];
@@ -102,12 +99,6 @@ static void write_out(const cam_axis_command_t *t, cam_tick_record_t *r, const c
     r->out[hal_axis_u] = setpoint(&m->axis[hal_axis_u], u_nm);
     r->out[hal_axis_x] = setpoint(x, (int32_t)(x->pos_q10 >> 10));
     r->out[hal_axis_z] = setpoint(z, (int32_t)(z->pos_q10 >> 10));
-}
-
-/// In off nothing is a motion, and the next one begins at rest.
-static void follow_axis(cam_axis_command_t *t, const cam_axis_command_config_t *cfg, int32_t u_nm)
-{
-    *t = (cam_axis_command_t){.u.nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm)};
 }
 
 bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
@@ -123,9 +114,9 @@ bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t
     }
     const int32_t u_nm = nearest_to_q6(cam_sat_add(plain, more_q6));
     if (m->state == cam_state_off) {
-        follow_axis(t, cfg, u_nm);
+        *t = (cam_axis_command_t){.u.nm = cam_clamp_i32(u_nm, -cfg->range_nm, cfg->range_nm)};
     } else if (is_allowed(&t->u, cfg, u_nm, r->angle.is_off_time)) {
-        keep_told(&t->u, u_nm);
+        commit(&t->u, u_nm);
     } else {
         return false;
     }
@@ -133,11 +124,10 @@ bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t
     return true;
 }
 
-/// It lies within the stroke, or no farther out than the last command where that lies beyond: a
-/// shorter way back would be a leap. It differs from the last command by no more than the speed
-/// allows, whatever is wanted; by no more than the acceleration, too, where neither of these two
-/// cuts it off; and what would be accepted is not changed.
-/// @return [nm] the nearest command of U to a wanted one that is_allowed() accepts
+/// Nearest accepted command. It is within the stroke, or no farther out than the last command. The
+/// step is always within the speed limit, and its change within the acceleration limit unless
+/// stroke or speed cut it. An acceptable command is returned unchanged.
+/// @return [nm] command of U
 /*@ requires valid: \valid_read(u) && \valid_read(cfg);
     requires limits: cam_limits(cfg);
     requires command: cam_is_command(u) && \abs(u_nm) <= 0x10000000;
@@ -165,15 +155,15 @@ void cam_axis_command_nearest_isr(cam_axis_command_t *t, const cam_axis_command_
 {
     const int32_t plain = plain_q6(cfg, r, m);
     const int32_t wanted_nm =
-        t->is_fault ? nearest_to_q6(cam_sat_add(plain, t->fading_q6)) : led_nm(&t->u);
-    keep_told(&t->u, nearest_nm(&t->u, cfg, wanted_nm));
+        t->is_fault ? nearest_to_q6(cam_sat_add(plain, t->fading_q6)) : continued_nm(&t->u);
+    commit(&t->u, nearest_nm(&t->u, cfg, wanted_nm));
     t->fading_q6 = cam_sat_sub(t->u.nm * 64, plain);
     t->is_fault = true;
     write_out(t, r, m);
 }
 
-/// An axis that is faster than its limit has to be let brake, and its speed may stay until it does.
-/// @return whether a plan may tell an axis what it wants to
+/// An axis faster than its limit may keep its speed until it brakes.
+/// @return whether the plan of an axis is within the limits
 static bool is_plan_allowed(const cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
                             uint32_t axis, const cam_axis_motion_t *now,
                             const cam_axis_motion_t *before)

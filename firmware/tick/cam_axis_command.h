@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_axis_command: the last word on what the axes are told.
+/// cam_axis_command: commands of the axes, and their last limits.
 ///
-/// U is told its set-point, with what its drive needs to bring the tool there and with what was
-/// learned of that:
+/// The command of U adds to its set-point the inverse of its drive and the learned correction:
 ///
 ///     command of U = set-point + k1 speed + k2 acceleration + correction
 ///
-/// X and Z are told their set-points. Whatever an axis would be told is judged before it is
-/// written: place, step and change of the step of U in every tick, speed and change of speed of X
-/// and Z in every plan, whose increments are exact for the ticks up to the next one. What is beyond
-/// its limits is the fault `command`; it is not written, but the nearest place within the limits.
+/// X and Z are commanded to their set-points. Every command is checked before it is written:
+/// position, step and change of step of U in every tick; speed and change of speed of X and Z in
+/// every plan, which fixes them until the next one. A command beyond its limits raises the fault
+/// `command`, and the nearest position within the limits is written instead.
 ///
-/// In the tick of a fault the command of U goes on with its last step. What that differs from the
-/// command of the retract, a correction that was learned or a wave, fades away over the next ticks.
+/// In the tick of a fault the command of U continues with its last step. Its difference from the
+/// command of the retract (a learned correction or a wave) fades over the next ticks.
 /// Source: MATHS.md (56), (189), (213). Context: ISR.
 #ifndef CAM_AXIS_COMMAND_H
 #define CAM_AXIS_COMMAND_H
@@ -26,35 +25,34 @@
 /// State; zero-initialised all axes are commanded to rest at 0.
 typedef struct {
     cam_u_command_t u;           ///< command of U of the last tick
-    int32_t fading_q6;           ///< [nm / 64] state fault: the command of U less that of its
-                                 ///< set-point
+    int32_t fading_q6;           ///< [nm / 64] state fault: command of U minus the command
+                                 ///< that its set-point asks for
     bool is_fault;               ///< the last tick was in state fault
-    int32_t vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] X and Z of the last plan
+    int32_t vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] speeds of X and Z in the last plan
 } cam_axis_command_t;
 
-/// Command the axes. In off U may stand anywhere, and is commanded to the end of its stroke where
-/// it stands beyond it.
-/// @param r       record of the tick, judged by the guard; r->out is the result
-/// @param m       set-points, and what was learned of U's command
+/// Command the axes. In off U may stand beyond its stroke; its command then is the end of the
+/// stroke.
+/// @param r       record of the tick, checked by the guard; r->out is the result
+/// @param m       set-points and learned correction
 /// @return        whether the command of U is within its limits; if not, the guard must latch the
-///                fault and cam_axis_command_nearest_isr() must be called
+///                fault, then cam_axis_command_nearest_isr() must be called
 /// Constant time.
 CAM_MUST_USE bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
                                        cam_tick_record_t *r, const cam_motion_t *m);
 
-/// Command the axes, and U to the nearest position within its limits to what was refused; in the
-/// tick of a new fault, to where its last step leads. The difference from the command of the
-/// retract fades. Where acceleration and position contradict each other the position holds; where
-/// position and step do, because U stands beyond its stroke, the step does: U never jumps, and
-/// never moves farther out.
+/// Command the axes after a refusal: U moves to the position within its limits that is nearest to
+/// the refused one or, in the tick of a new fault, to the refused continuation of its last step.
+/// The difference from the command of the retract fades. If the limits contradict one another,
+/// position outranks acceleration, and step outranks position (U beyond its stroke): U never jumps
+/// and never moves farther out.
 /// @param r, m  in state fault
 void cam_axis_command_nearest_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
                                   cam_tick_record_t *r, const cam_motion_t *m);
 
-/// Judge what a plan commands X and Z until the next one: speed, change of speed, and no step of
-/// the position. An axis that is faster than its limit may brake. A refused axis continues as
-/// before the plan.
-/// @param m       increments of the plan; those that are refused are put back
+/// Check what a plan commands X and Z until the next one: speed, change of speed, no step of the
+/// position. An axis faster than its limit may brake. A refused axis continues as before the plan.
+/// @param m       increments of the plan; refused ones are restored
 /// @param before  both axes before the plan
 /// @return        fault command or none
 uint32_t cam_axis_command_plan_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,

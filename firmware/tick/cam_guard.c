@@ -13,16 +13,16 @@
     (ARMED_SYNCED | CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |                      \
      CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range) | CAM_FAULT_BIT(swing))
 
-/// By hand neither the spindle nor its encoder matter.
-#define ARMED_BY_HAND                                                                              \
+/// Jogging needs neither the spindle nor its encoder.
+#define ARMED_MANUAL                                                                               \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
      CAM_FAULT_BIT(table) | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |       \
      CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range) |                        \
      CAM_FAULT_BIT(command))
 
-/// Bit of the states whose output reports that the tool cuts.
+/// Marks the states that set the output hal_out_in_cut.
 #define IN_CUT (UINT32_C(1) << 31)
-_Static_assert(cam_n_faults < 32, "a bit is left");
+_Static_assert(cam_n_faults < 32, "one bit is free");
 
 #define ARMED_IN_FAULT                                                                             \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command))
@@ -37,7 +37,7 @@ static const uint32_t armed[cam_n_states] = {
     [cam_state_fault] = ARMED_IN_FAULT,
     [cam_state_rehearsing] = ARMED_IN_WORK,
     [cam_state_identifying] = ARMED_SYNCED,
-    [cam_state_manual] = ARMED_BY_HAND,
+    [cam_state_manual] = ARMED_MANUAL,
     [cam_state_holding] = ARMED_IN_WORK | IN_CUT,
 };
 
@@ -46,13 +46,8 @@ uint32_t cam_guard_armed(cam_state_t state)
     return (uint32_t)state < cam_n_states ? armed[state] & ~IN_CUT : 0u;
 }
 
-static uint32_t bit_if(bool is_set, uint32_t bit)
-{
-    return is_set ? bit : 0u;
-}
-
-/// All faults at once: bit i of the words of `count` is the number of fault i, and the carry of one
-/// word is what the next one counts.
+/// Count all new faults at once: bit i of word k of `count` is bit k of the counter of fault i, so
+/// the carry ripples from word to word.
 static void count_new(cam_guard_t *g)
 {
     uint32_t carry = g->faults & ~g->counted;
@@ -64,8 +59,8 @@ static void count_new(cam_guard_t *g)
     g->counted = g->faults;
 }
 
-/// @return whether the spindle stands, in the states that watch for it; while homing, turning
-/// backwards counts as standing
+/// @return whether the spindle stands still in a state that does not allow it; while homing,
+/// reverse rotation counts as standing
 static bool is_standing(const cam_guard_config_t *cfg, const cam_tick_record_t *r)
 {
     const int32_t speed_q32 = r->angle.speed_q32;
@@ -80,17 +75,17 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
 {
     const int32_t speed_q32 = r->angle.speed_q32;
     const bool is_homing = r->want.state == cam_state_homing;
-    const uint32_t patience = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
+    const uint32_t most_ticks = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
     count_new(g);
     g->n_stopped = is_standing(cfg, r) ? g->n_stopped + cfg->plan_ticks : 0u;
-    return bit_if(speed_q32 < -cfg->stopped_q32, CAM_FAULT_BIT(reverse)) |
-           bit_if(g->n_stopped > patience, CAM_FAULT_BIT(spindle_stopped)) |
-           bit_if(speed_q32 > cfg->overspeed_q32, CAM_FAULT_BIT(overspeed));
+    return (speed_q32 < -cfg->stopped_q32 ? CAM_FAULT_BIT(reverse) : 0u) |
+           (g->n_stopped > most_ticks ? CAM_FAULT_BIT(spindle_stopped) : 0u) |
+           (speed_q32 > cfg->overspeed_q32 ? CAM_FAULT_BIT(overspeed) : 0u);
 }
 
 /// @return all faults of a tick, armed or not
-static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
-                      bool is_playing, int32_t step_q6)
+static uint32_t faults_of(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
+                          bool is_playing, int32_t step_q6)
 {
     const cam_sense_t *in = &r->in;
     const cam_angle_t *angle = &r->angle;
@@ -128,10 +123,9 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// Replace what play wants by the retract: speed 0 of the spindle, the set-point of U that the
-/// guard moves, the outputs.
-static void take_charge(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m,
-                        uint32_t outputs)
+/// Replace the set-points of play by those of the retract.
+static void write_retract(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m,
+                          uint32_t outputs)
 {
     g->u_set_q6 = cam_sat_i32(m->axis[hal_axis_u].pos_q10 >> 4);
     r->want.state = cam_state_fault;
@@ -142,14 +136,13 @@ static void take_charge(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t
     r->want.is_retracted = m->is_retracted;
 }
 
-/// Latch faults and end the motion of the state. In this tick U continues from its last set-point
-/// with the speed and the acceleration of its last step, since the set-point of play is not
-/// trusted.
+/// Latch faults and enter the state fault. In this tick U continues from its last set-point with
+/// the speed and acceleration of its last step, because the new set-point is not trusted.
 static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                   cam_motion_t *m, uint32_t faults)
 {
     const int32_t most_q10 = cfg->leave.acceleration_q10;
-    // A wave is added to the set-point without its acceleration.
+    // While identifying, u_acc_q10 lacks the acceleration of the wave.
     const int32_t acc_q10 = r->want.state == cam_state_identifying
                                 ? 0
                                 : cam_clamp_i32(g->u_acc_q10, -most_q10, most_q10);
@@ -165,13 +158,13 @@ static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record
     m->is_playing = false;
     m->is_retracted = false;
     const bool is_held = (faults & CAM_FAULT_BIT(drive)) == 0u;
-    take_charge(g, r, m, is_held ? hal_out_fault | hal_out_enable : hal_out_fault);
+    write_retract(g, r, m, is_held ? hal_out_fault | hal_out_enable : hal_out_fault);
 }
 
-/// In the ticks after that of the fault U retracts, or brakes where it was jogged, while the plan
-/// moves the other axes away. The enable drops when all of them rest.
-static void leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                       cam_motion_t *m)
+/// After the tick of the fault U retracts (if it was jogged: brakes) while the plan moves the other
+/// axes off. The enable drops when all axes rest.
+static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                    cam_motion_t *m)
 {
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
     cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
@@ -181,10 +174,10 @@ static void leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_r
                               : cam_jerk_filter_to_isr(filter, u, &cfg->leave, cfg->u_retract_q10);
     m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
     const bool is_held = !m->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
-    take_charge(g, r, m, is_held ? hal_out_fault | hal_out_enable : hal_out_fault);
+    write_retract(g, r, m, is_held ? hal_out_fault | hal_out_enable : hal_out_fault);
 }
 
-/// Off: set-points follow the axes, which is no motion, and a reset has ended the latch.
+/// Off: set-points follow the axes, and no fault is latched.
 static void reset_latch(cam_guard_t *g, cam_want_t *want)
 {
     g->u_set_q6 = want->u_set_q6;
@@ -197,7 +190,7 @@ static void reset_latch(cam_guard_t *g, cam_want_t *want)
     want->is_retracted = true;
 }
 
-/// There is no fault: the set-point of play is written.
+/// No fault: accept the set-points of play.
 static void accept(cam_guard_t *g, cam_want_t *want, uint32_t watched, int32_t step_q6,
                    int32_t acc_q10)
 {
@@ -218,11 +211,11 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
         return;
     }
     if (r->want.state == cam_state_fault) {
-        leave_work(g, cfg, r, m);
+        retract(g, cfg, r, m);
         return;
     }
     const int32_t step_q6 = cam_sat_sub(r->want.u_set_q6, g->u_set_q6);
-    const uint32_t faults = blame(g, cfg, r, m->is_playing, step_q6) & watched;
+    const uint32_t faults = faults_of(g, cfg, r, m->is_playing, step_q6) & watched;
     if (faults != 0u) {
         latch(g, cfg, r, m, faults);
         return;

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_guard: nothing wrong reaches the axes.
+/// cam_guard: detects faults and retracts the tool.
 ///
-/// Every tick the guard compares the wanted set-points and the machine's readings with the limits.
-/// It latches a fault that is armed in the present state and takes U over: in the same tick U
-/// continues at the speed of its last step, because the set-point of that tick is not trusted, and
-/// the spindle gets set-point 0; from the next tick on U retracts within its limits, X moves off by
-/// the clearance, Z brakes to rest; then the enable drops. When a drive is not ready, the enable
-/// drops at once. FAULTS.md states for each fault how soon it is detected, the reaction and the
-/// remedy. Context: ISR unless noted.
+/// Every tick the guard compares set-points and readings with the limits. It latches a fault that
+/// is armed in the present state and takes over U: in that tick U continues at the speed of its
+/// last step, because its new set-point is not trusted, and the spindle's set-point becomes 0. From
+/// the next tick on U retracts within its limits, X moves off by the clearance, Z brakes; then the
+/// enable drops. If a drive is not ready, the enable drops at once. FAULTS.md lists detection time,
+/// reaction and remedy of each fault. Context: ISR unless noted.
 #ifndef CAM_GUARD_H
 #define CAM_GUARD_H
 
@@ -19,41 +18,41 @@
 
 enum { cam_guard_count_bits = 8 }; ///< faults are counted modulo 256
 
-/// State; zero-initialised is: no faults.
+/// State; zero-initialised: no faults.
 typedef struct {
     uint32_t faults;                      ///< latched
-    uint32_t counted;                     ///< of those, what `count` knows
-    uint32_t first_faults;                ///< those that entered the fault state last
+    uint32_t counted;                     ///< faults already in `count`
+    uint32_t first_faults;                ///< faults that caused the last entry into state fault
     uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
     uint32_t n_stopped;                   ///< [ticks] without rotation
-    int32_t u_set_q6;                     ///< [nm / 64] U written last
+    int32_t u_set_q6;                     ///< [nm / 64] last set-point of U
     int32_t u_step_q6;                    ///< [nm / 64 per tick] its last step
     int32_t u_acc_q10;                    ///< [nm / 1024 per tick^2] its last acceleration
 } cam_guard_t;
 
-/// Judge one tick.
-/// @param r     inputs, spindle and what play wants, with all faults that were found before; the
-///              guard completes r->want, and replaces it in state fault
-/// @param m     set-points of play; in state fault U moves by the guard
+/// Check one tick.
+/// @param r     inputs, spindle and r->want with all faults found so far; the guard completes
+///              r->want, and replaces it in state fault
+/// @param m     set-points of play; in state fault the guard moves U
 /// Constant time.
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                         cam_motion_t *m);
 
-/// Latch the fault `command`, in the tick in which a command was refused (cam_axis_command.h).
-/// @param r, m  as of cam_guard_step_isr(), after it
+/// Latch the fault `command` in the tick that refused a command (cam_axis_command.h).
+/// @param r, m  as left by cam_guard_step_isr()
 void cam_guard_refuse_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                           cam_motion_t *m);
 
-/// The part of the guard that runs once per plan: it judges the speed of the spindle and counts the
-/// new faults, which would make the tick of a fault longer.
+/// The part that runs once per plan: checks the speed of the spindle and counts new faults, which
+/// keeps the tick of a fault short.
 /// @return faults for the next tick: reverse, spindle_stopped, overspeed
 uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                             const cam_tick_record_t *r);
 
-/// @return times that a fault was latched, modulo 2^cam_guard_count_bits. Context: slow side.
+/// @return how often a fault was latched, modulo 2^cam_guard_count_bits. Context: slow side.
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault);
 
-/// @return mask of the faults that are watched in a state. Context: both sides.
+/// @return mask of the faults armed in a state. Context: both sides.
 uint32_t cam_guard_armed(cam_state_t state);
 
 #endif

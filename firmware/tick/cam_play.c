@@ -5,10 +5,9 @@
 #include "cam_fix.h"   // cam_mulhi
 #include <stddef.h>    // NULL
 
-/// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
-/// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
-/// speed). A value that does not fit its word is a fault of this tick, and the guard writes a
-/// set-point of its own instead. The guard also keeps the position of U that was written last.
+/// Evaluate U with its velocity and acceleration: derivatives per knot times knots per tick. The
+/// slow change of envelope, amplitude and height is neglected (a skirt: 1e-6 of the speed). A value
+/// that overflows its word is a fault of this tick, and the guard writes its own set-point instead.
 /// @return [nm / 64] U
 static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t speed_q32,
                        uint32_t theta_q32)
@@ -18,7 +17,7 @@ static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t sp
     const uint64_t height_q32 = (uint64_t)m->height_q32;
     const uint32_t i = (uint32_t)(height_q32 >> 32);
     const uint32_t most = (uint32_t)((uint64_t)cfg->height_max_q32 >> 32);
-    const cam_height_t z = {.i = i < most ? i : most, // whatever the plan, within the table
+    const cam_height_t z = {.i = i < most ? i : most, // always within the table
                             .w_q31 = (int32_t)((uint32_t)height_q32 >> 1)};
     const cam_fine_t fine = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z));
     const int32_t scale_q30 = m->scale_q30;
@@ -39,19 +38,19 @@ static void advance(cam_axis_motion_t *m)
     m->pos_q10 = cam_wrap_add_i64(m->pos_q10, m->vel_q10);
 }
 
-/// Move everything that is linear between two plans on by one tick.
-static void move_on(cam_motion_t *m)
+/// Advance everything that is linear between two plans by one tick.
+static void advance_all(cam_motion_t *m)
 {
     advance(&m->axis[hal_axis_x]);
     advance(&m->axis[hal_axis_z]);
     m->phase_q32 = cam_wrap_add(m->phase_q32, m->phase_step_q32);
     m->scale_q30 = cam_sat_add(m->scale_q30, m->scale_step_q30);
-    m->behind_q4 = cam_sat_add(m->behind_q4, m->behind_step_q4);
+    m->lag_q4 = cam_sat_add(m->lag_q4, m->lag_step_q4);
     m->height_q32 = cam_wrap_add_i64(m->height_q32, m->height_step_q32);
 }
 
-/// Take U from the angle. In the tick of a fault U continues at the speed of its last step, and the
-/// guard takes over.
+/// Evaluate U at the spindle's angle. In the tick of a fault U repeats its last step, and the guard
+/// takes over.
 /// @return [nm / 64] U
 static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
                           cam_motion_t *m, uint32_t faults)
@@ -82,8 +81,8 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
     m->is_filtering = false;
 }
 
-/// Move U to its place and play the wave there, whose end ends the state. While U rests at the
-/// place only the gain moves, so that one tick never takes both.
+/// Move U to the position of the wave and play it there; its end ends the state. The wave's gain
+/// moves only while U rests.
 /// @return [nm / 64] what the wave adds
 static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
@@ -102,8 +101,8 @@ static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion
     return wave_q6;
 }
 
-/// By hand U goes to its target at the speed that the plan allows, or brakes.
-static void move_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
+/// Jog U to its target at the speed allowed by the plan, or brake it.
+static void jog_u(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     cam_motion_limits_t limits = cfg->jog.limits[hal_axis_u];
     cam_jerk_filter_t *filter = &m->filter[hal_axis_u];
@@ -115,7 +114,7 @@ static void move_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
     }
 }
 
-/// Out of the cut U moves by time, in state fault the guard moves it. @return [nm / 64] U
+/// Outside the cut U moves by time; in state fault the guard moves it. @return [nm / 64] U
 static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                       cam_motion_t *m)
 {
@@ -126,18 +125,18 @@ static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sen
     } else if (m->state == cam_state_identifying) {
         wave_q6 = play_wave(p, cfg, m);
     } else if (m->state == cam_state_manual) {
-        move_by_hand(cfg, m);
+        jog_u(cfg, m);
     } else if (m->state != cam_state_fault) {
         (void)cam_jerk_filter_to_isr(&m->filter[hal_axis_u], u, &cfg->approach[hal_axis_u],
                                      m->u_target_q10);
-    } else { // U is where the guard has led it
+    } else { // the guard moves U
         m->spindle_mrpm = 0;
     }
     return cam_sat_i32((u->pos_q10 >> 4) + wave_q6);
 }
 
-/// While the axes follow the table there is nothing else to request: stop ends the cut where the
-/// next plan lays its end.
+/// While the axes follow the table only stop and a table fault are obeyed; the next plan schedules
+/// the end of a stopped cut.
 static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_want_t *want)
 {
     const uint32_t what = request & 0xFFu;
@@ -147,33 +146,22 @@ static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_wa
     } else if (what == (uint32_t)cam_request_table_fault) {
         want->faults |= CAM_FAULT_BIT(table);
     } else {
-        // it does not fit the state
+        // ignored in this state
     }
 }
 
-/// @return whether the drives stay on however a disable is requested: the axes are in motion
+/// @return whether a disable is ignored because the axes are in motion
 static bool is_held(cam_state_t state)
 {
     return cam_state_is_in_work(state) || state == cam_state_fault ||
            state == cam_state_identifying || state == cam_state_manual;
 }
 
-/// Begin to play the wave, if there is one.
-static void begin_excitation(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
-{
-    if (m->state == cam_state_ready && cfg->excite.n > 0u) {
-        m->state = cam_state_identifying;
-        cam_excite_begin_isr(&p->excite, &cfg->excite);
-    }
-}
-
-/// What holds the drives off, although off itself is no fault of it: the tick that sees one of them
-/// does not enable.
+/// Faults that block enable. In off they are not latched.
 #define HOLDS_OFF                                                                                  \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick))
 
-/// @return whether the drives may be enabled: nothing is seen that would end it at once, and
-/// somebody at the machine has said so
+/// @return whether the drives may be enabled: no blocking fault, and acknowledged at the machine
 static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m, uint32_t faults)
 {
     const bool is_acknowledged = m->is_acknowledged && !m->was_open;
@@ -181,7 +169,7 @@ static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m, uint
            (is_acknowledged || !cfg->acknowledge.is_demanded);
 }
 
-/// The drives go on where the axes are, and U moves by time from there.
+/// Enable the drives with the axes where they are; from there U moves by time.
 static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t state)
 {
     m->state = state;
@@ -189,8 +177,8 @@ static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t
                               cfg->approach[hal_axis_u].log2_window);
 }
 
-/// Hold the axes where they stand; the plan moves them by hand.
-static void begin_by_hand(const cam_play_config_t *cfg, cam_motion_t *m, uint32_t faults)
+/// Enter the state manual: hold the axes where they are; the plan jogs them.
+static void begin_manual(const cam_play_config_t *cfg, cam_motion_t *m, uint32_t faults)
 {
     if (may_enable(cfg, m, faults)) {
         switch_on(m, cfg, cam_state_manual);
@@ -200,15 +188,9 @@ static void begin_by_hand(const cam_play_config_t *cfg, cam_motion_t *m, uint32_
     }
 }
 
-/// @return whether the axes are on their way to where they follow the table
-static bool is_approaching(cam_state_t state)
-{
-    return state == cam_state_engaging || state == cam_state_rehearsing;
-}
-
-/// Carry out a new request if it fits the state, out of the cut.
-/// @param seen  faults that this tick has seen so far
-/// @return      faults that the request reports
+/// Carry out a new request outside the cut, if the state allows it.
+/// @param seen  faults detected so far in this tick
+/// @return      faults reported by the request
 static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request, uint32_t seen,
                      cam_motion_t *m)
 {
@@ -220,7 +202,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
             m->u_target_q10 = cfg->u_retract_q10;
         }
         break;
-    case cam_request_disable: // axes that are moved by hand brake first
+    case cam_request_disable: // jogged axes brake first
         m->is_stopping = m->state == cam_state_manual;
         m->state = is_held(m->state) ? m->state : cam_state_off;
         break;
@@ -229,8 +211,10 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
             m->state = cfg->rehearse_q32 > 0 ? cam_state_rehearsing : cam_state_engaging;
         }
         break;
-    case cam_request_stop: // an approach has nothing to end
-        m->state = is_approaching(m->state) ? cam_state_ready : m->state;
+    case cam_request_stop: // ends an approach at once
+        if (m->state == cam_state_engaging || m->state == cam_state_rehearsing) {
+            m->state = cam_state_ready;
+        }
         cam_excite_end_isr(&p->excite);
         break;
     case cam_request_reset:
@@ -239,10 +223,13 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     case cam_request_table_fault:
         return CAM_FAULT_BIT(table);
     case cam_request_identify:
-        begin_excitation(p, cfg, m);
+        if (m->state == cam_state_ready && cfg->excite.n > 0u) {
+            m->state = cam_state_identifying;
+            cam_excite_begin_isr(&p->excite, &cfg->excite);
+        }
         break;
     case cam_request_manual:
-        begin_by_hand(cfg, m, seen);
+        begin_manual(cfg, m, seen);
         break;
     case cam_request_none:
         break;
@@ -250,9 +237,9 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     return 0;
 }
 
-/// @return [nm / 64] U's set-point of lead ticks ago, and the latency of the scale more,
-/// interpolated between two of them, which is what the scale should show now. The difference
-/// overflows only in the state off, in which the following error is not judged
+/// @return [nm / 64] what U's scale should show now: the set-point of one lead plus the scale's
+/// latency ago, interpolated between two ticks. The difference wraps only in off, which has no
+/// following error
 static int32_t due_q6(cam_play_t *p, const cam_play_config_t *cfg)
 {
     const int32_t a_q6 = p->history_q6[(p->n_history - cfg->due_ticks) % cam_play_history];
@@ -260,12 +247,6 @@ static int32_t due_q6(cam_play_t *p, const cam_play_config_t *cfg)
     p->due_q6 = a_q6;
     const uint32_t twice_q6 = 2u * ((uint32_t)b_q6 - (uint32_t)a_q6);
     return cam_mulhi_add(a_q6, (int32_t)twice_q6, cfg->due_part_q31);
-}
-
-static void remember(cam_play_t *p, int32_t u_q6)
-{
-    p->n_history++;
-    p->history_q6[p->n_history % cam_play_history] = u_q6;
 }
 
 void cam_play_shift_isr(cam_play_t *p, int32_t by_q6)
@@ -283,13 +264,13 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_rec
     cam_want_t *want = &r->want;
     const bool is_new = in->request >> 8 != p->request;
     want->faults = m->faults | r->angle.faults | cam_sense_faults(in);
-    move_on(m);
+    advance_all(m);
     if (m->is_playing) {
         if (is_new) {
             obey_in_cut(p, in->request, m, want);
         }
         const int32_t z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
-        want->z_nm = cam_sat_sub(cam_sat_sub(z_nm, cfg->z_origin_nm), m->behind_q4 >> 4);
+        want->z_nm = cam_sat_sub(cam_sat_sub(z_nm, cfg->z_origin_nm), m->lag_q4 >> 4);
         want->u_set_q6 = play_table(p, cfg, &r->angle, m, want->faults);
     } else {
         if (is_new) {
@@ -298,7 +279,8 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_rec
         want->z_nm = cam_sat_sub(in->actual_nm[hal_axis_z], cfg->z_origin_nm);
         want->u_set_q6 = move_u(p, cfg, in, m);
     }
-    remember(p, want->u_set_q6);
+    p->n_history++;
+    p->history_q6[p->n_history % cam_play_history] = want->u_set_q6;
     want->u_due_q6 = due_q6(p, cfg);
     want->state = m->state;
     want->spindle_mrpm = m->spindle_mrpm;

@@ -8,12 +8,11 @@
 ///     X = x(Z) + trim + (1 - envelope) * clearance       (trim: x_trim_nm and the pass's stock)
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
-/// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
-/// passed. All the rest changes slowly and moves on by the increments of the plan (cam_plan.h). In
-/// all other states U moves to a place within its limits (cam_jerk_filter.h), X and Z by the plan;
-/// while identifying a wave is added to that place (cam_excite.h), and in manual U goes where the
-/// plan says (cam_jog.h).
-/// Requests are carried out in the tick that senses them.
+/// U is evaluated in every tick, at the angle the spindle will have after the drive's dead time.
+/// Everything else changes slowly and advances by the increments of the plan (cam_plan.h). In all
+/// other states U moves to a position within its limits (cam_jerk_filter.h), X and Z by the plan;
+/// while identifying, a wave is added to that position (cam_excite.h); in manual the plan sets U's
+/// target (cam_jog.h). Requests are carried out in the tick that senses them.
 /// Source: MATHS.md (54), (55). Context: ISR.
 #ifndef CAM_PLAY_H
 #define CAM_PLAY_H
@@ -24,29 +23,27 @@
 #include <stdint.h>     // int32_t, uint32_t
 
 enum {
-    cam_play_history = 64, ///< ticks of U kept to know what is due; a power of two
+    cam_play_history = 64, ///< ticks of U kept for the following error; a power of two
 };
 
-/// State; zero-initialised has carried out no request.
+/// State; zero-initialised: no request carried out.
 typedef struct {
     uint32_t request;                     ///< serial number of the last one carried out
     uint32_t n_history;                   ///< ticks
-    int32_t due_q6;                       ///< [nm / 64] set-point that was looked up last
+    int32_t due_q6;                       ///< [nm / 64] set-point looked up last
     int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
     cam_excite_t excite;                  ///< in the state identifying
 } cam_play_t;
 
 /// One tick of the sequence.
 /// @param cfg    configuration with a table, unless the state is off or fault
-/// @param r      inputs with the request of the slow side, and the spindle; r->want is the result,
-///               with all faults that were found so far
-/// @param m      increments of the plan: advanced by one tick
+/// @param r      inputs, request and spindle; r->want is the result, with all faults found so far
+/// @param m      set-points, advanced by one tick
 /// Constant time in each state.
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
                        cam_motion_t *m);
 
-/// Shift the set-points of U that are still due, since U is called by other numbers from the next
-/// tick on.
+/// Shift the set-points of U that are still due, because U's origin shifts after this tick.
 /// @param by_q6  [nm / 64]
 void cam_play_shift_isr(cam_play_t *p, int32_t by_q6);
 

@@ -3,8 +3,8 @@
 #include "cam_angle.h" // cam_angle_diff_q32
 #include "cam_fix.h"   // cam_clamp_i32
 
-/// Counts in the sense of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so that
-/// adding half a count centres it for both senses.
+/// Counts in the direction of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so
+/// adding half a count centres it in both directions.
 static uint32_t sensed_counts(const cam_spindle_config_t *cfg, uint32_t counts)
 {
     return counts ^ cfg->sign_mask;
@@ -16,8 +16,8 @@ static uint32_t sensed_edge(const cam_spindle_config_t *cfg, uint32_t counts)
     return (counts ^ cfg->sign_mask) - cfg->sign_mask;
 }
 
-/// A tick moves less than a turn: at most half a turn, beyond which no speed can be represented,
-/// and the jump window, a quarter of a turn.
+/// Requires |moved| below a turn: at most half a turn, the highest speed that can be represented,
+/// plus the jump window of a quarter turn.
 static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved)
 {
     const int32_t turn = cfg->counts_per_turn;
@@ -28,8 +28,8 @@ static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int3
     s->in_turn = in_turn;
 }
 
-/// The whole part and the fraction of the reciprocal are multiplied apart: the truncated fraction
-/// costs less than 2^-32 turn.
+/// Multiplies the whole part and the fraction of the reciprocal separately, with an error below
+/// 2^-32 turn.
 static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const uint32_t in_turn = (uint32_t)s->in_turn;
@@ -49,7 +49,7 @@ static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_s
     *angle = (cam_angle_t){.pos_q32 = s->pos_q32};
 }
 
-/// First edge: the angle becomes known; the observer keeps its speed and its small error.
+/// First index edge: the angle becomes known; the observer keeps its speed and its lag.
 static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const uint32_t before_q32 = measured_q32(s, cfg);
@@ -61,8 +61,8 @@ static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
     s->is_synced = true;
 }
 
-/// A tick that came off its time. A travel beyond half a turn wraps: its counts are a jump anyway.
-/// @return [turn / 2^32] travel at its time stamp
+/// A tick off its time. A travel beyond half a turn wraps; its counts are a jump anyway.
+/// @return [turn / 2^32] travel up to its time stamp
 static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t period,
                              int32_t travel_q32)
 {
@@ -74,8 +74,8 @@ static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg, 
     return cam_wrap_add(travel_q32, (int32_t)((uint32_t)cam_mulhi(travel_q32, off_q27) << 5));
 }
 
-/// Counts of this tick. Those that are not what the travel says are a fault, and are limited to a
-/// quarter turn: the others are lost. @return encoder_jump or none
+/// Take the counts of this tick. If they differ too far from the predicted travel they are a fault
+/// and are limited to a quarter turn; the rest is lost. @return encoder_jump or none
 static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t counts,
                             int32_t travel_q32)
 {
@@ -93,10 +93,9 @@ static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, u
     return faults;
 }
 
-/// The angle that is measured. Where the last edge has a time stamp, it is the place of that edge
-/// plus what the spindle has travelled since, at most a count, MATHS.md (138); else, and while
-/// edges are rare, the middle of the count. A speed that is half a turn within the age of the edge
-/// contradicts that edge; what it makes of it may wrap and stays within a count and a half.
+/// Measured angle. With a time stamp of the last edge: position of that edge plus the travel since
+/// then, at most a count, MATHS.md (138). Without one, or while edges are rare: the middle of the
+/// count. A speed that contradicts the edge moves the result by at most a count and a half.
 static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg,
                              const cam_sense_t *in)
 {
@@ -117,14 +116,14 @@ static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t 
     return centred_q32 + (uint32_t)cam_clamp_i32(behind_q32, -3 * half_q32, 3 * half_q32);
 }
 
-/// @return [turn / 2^32] a measured angle without the deviation that was learned: it turns evenly
+/// @return [turn / 2^32] measured angle minus the learned deviation
 static uint32_t smoothed_q32(const cam_spindle_config_t *cfg, uint32_t measured_q32)
 {
     return measured_q32 - cam_learned_turn_q32(cfg->dm, cam_learned_place(measured_q32));
 }
 
-/// Tracking loop: the error is the shorter of the two angles, so turns are counted by the position
-/// itself. A speed beyond half a turn per tick is the same as one below zero: it wraps.
+/// Tracking loop on the wrapped angle error; the position counts the turns. A speed beyond half a
+/// turn per tick wraps.
 static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t smooth_q32,
                   int32_t travel_q32, int32_t alpha_q40)
 {
@@ -136,8 +135,8 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t sm
     s->speed_q64 = cam_wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
 }
 
-/// The time stamp counts only when the tick came visibly off its time: a coarse clock must not
-/// shake the angle of a steady tick.
+/// Uses the tick's time stamp only when the tick is visibly off its time, so that a coarse clock
+/// adds no jitter.
 void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
                           int32_t alpha_q40, cam_angle_t *angle)
 {
@@ -166,10 +165,9 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
     angle->is_synced = s->is_synced;
 }
 
-/// Take an index edge. The first one makes the angle known, unless its latch tells a place that the
-/// spindle cannot have left since: then the edge is overdue as before, or soon. The distance of two
-/// is 0 (the spindle
-/// turned back) or a turn; what is left is lost counts.
+/// Take an index edge. The first one makes the angle known, unless the spindle cannot have come
+/// from its latched position; then the edge stays overdue. Two edges are 0 (reversal) or one turn
+/// apart; the remainder is lost counts.
 /// @return fault lost_counts or none
 static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t edge)
 {

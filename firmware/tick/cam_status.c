@@ -5,9 +5,9 @@
 /// A word of any structure.
 typedef uint32_t __attribute__((may_alias)) any_word_t;
 
-/// Copy words that the interrupt may be writing; what was read then is not used. C11 calls that a
-/// race, because the interrupt's words are no atomics: it would pay for them in every tick. They
-/// are read as volatile ones, so that the compiler takes each of them once and as it is.
+/// Copy words that the interrupt may be writing; such a copy is discarded. C11 calls this a race
+/// because the words are not atomic, which would cost time in every tick. Volatile makes the
+/// compiler read each word exactly once.
 __attribute__((noinline, no_sanitize("thread"))) static void copy_words(void *to, const void *from,
                                                                         size_t n_bytes)
 {

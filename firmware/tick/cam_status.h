@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_status: what the slow side may know of the newest tick.
+/// cam_status: status of the newest tick for the slow side.
 ///
-/// The interrupt writes its state in every tick and waits for nobody. A reader copies all of it and
-/// reads again where a tick was in progress meanwhile, so that what it gets belongs to one tick.
-/// Context: slow side, which the interrupt may interrupt but not the other way round.
+/// The interrupt writes its state in every tick without waiting. A reader copies the state and
+/// repeats if a tick was in progress, so all of the copy belongs to one tick.
+/// Context: slow side.
 #ifndef CAM_STATUS_H
 #define CAM_STATUS_H
 
@@ -11,35 +11,35 @@
 #include <stdbool.h>  // bool
 #include <stdint.h>   // int32_t, int64_t, uint32_t
 
-/// What the slow side may know of the last tick.
+/// Status of a tick.
 typedef struct {
     uint32_t tick;    ///< ticks since start, wraps
     uint32_t config;  ///< generation of the configuration in force
     uint32_t request; ///< serial number of the last request carried out
     cam_state_t state;
-    uint32_t faults;               ///< latched, CAM_FAULT_BIT()
-    uint32_t first_fault;          ///< the mask of the tick in which the fault state was entered
-    bool is_synced;                ///< angle known
-    bool is_retracted;             ///< tool at rest out of the work
-    bool is_u_at_rest;             ///< the set-point of U stands
-    uint32_t inputs;               ///< hal_in_*
-    uint32_t outputs;              ///< hal_out_*
-    cam_jog_t jog;                 ///< what is moved by hand, and what is homed
-    cam_acknowledge_t acknowledge; ///< what is known of the button at the machine
-    int64_t pos_q32;               ///< [turn, Q32.32] master position
-    int32_t speed_q32;             ///< [turn / 2^32 per tick]
-    int32_t z_nm;                  ///< [nm] height played
-    int32_t u_set_q6;              ///< [nm / 64] set-point of U at the tool
-    int32_t u_actual_nm;           ///< [nm] measured
-    int32_t x_actual_nm;           ///< [nm] measured, by the port
-    int32_t z_actual_nm;           ///< [nm] measured, by the port
-    int32_t following_nm;          ///< [nm] following error: measured minus due
-    uint32_t n_late;               ///< late ticks since start
-    uint32_t max_period;           ///< [1 / clock_hz] longest distance of two ticks since start
-    uint32_t fault_count[cam_n_faults]; ///< times that each fault was latched
+    uint32_t faults;                    ///< latched, CAM_FAULT_BIT()
+    uint32_t first_fault;               ///< faults that caused the entry into state fault
+    bool is_synced;                     ///< angle known
+    bool is_retracted;                  ///< tool at rest out of the work
+    bool is_u_at_rest;                  ///< the set-point of U rests
+    uint32_t inputs;                    ///< hal_in_*
+    uint32_t outputs;                   ///< hal_out_*
+    cam_jog_t jog;                      ///< jogging and homing
+    cam_acknowledge_t acknowledge;      ///< the button at the machine
+    int64_t pos_q32;                    ///< [turn, Q32.32] master position
+    int32_t speed_q32;                  ///< [turn / 2^32 per tick]
+    int32_t z_nm;                       ///< [nm] height played
+    int32_t u_set_q6;                   ///< [nm / 64] set-point of U at the tool
+    int32_t u_actual_nm;                ///< [nm] measured
+    int32_t x_actual_nm;                ///< [nm] measured, by the port
+    int32_t z_actual_nm;                ///< [nm] measured, by the port
+    int32_t following_nm;               ///< [nm] following error: measured minus due
+    uint32_t n_late;                    ///< late ticks since start
+    uint32_t max_period;                ///< [1 / clock_hz] longest period since start
+    uint32_t fault_count[cam_n_faults]; ///< how often each fault was latched
 } cam_status_t;
 
-/// What the interrupt leaves behind a tick, all of the same tick.
+/// State of the interrupt after one tick.
 typedef struct {
     cam_tick_record_t record;
     cam_spindle_t spindle;
@@ -50,9 +50,9 @@ typedef struct {
     cam_plan_t plan;
 } cam_moment_t;
 
-/// Read the newest tick. Where the interrupt runs on another core, or was itself interrupted, it
-/// reads until no tick is in progress.
-/// @return false before the first tick; *now is that of state off then
+/// Read the newest tick, again and again until no tick was in progress meanwhile (the interrupt may
+/// run on another core).
+/// @return false before the first tick; *now is then in state off
 /// Context: slow side, which the interrupt may interrupt but not the other way round.
 bool cam_status_moment(const cam_t *c, cam_moment_t *now);
 

@@ -5,20 +5,20 @@
 #include "cam_state.h" // cam_state_is_in_work
 #include <stdbool.h>   // bool
 
-/// @return whether the height lets an output be on
+/// @return whether the height allows an output
 static bool is_height_in(const cam_switch_config_t *w, const cam_want_t *want)
 {
     return w->is_anywhere || (cam_state_is_in_work(want->state) &&
                               cam_is_between(want->z_nm, w->z_low_nm, w->z_high_nm));
 }
 
-/// @return whether the spindle turns in the sense in which an output is on; 0: both are
+/// @return whether the direction of rotation allows an output; sense 0: both do
 static bool is_sense(int32_t sense, int32_t speed_q32)
 {
     return sense == 0 || (sense > 0 ? speed_q32 > 0 : speed_q32 < 0);
 }
 
-/// Bring what changes slowly of one output up to date.
+/// Update the slowly changing conditions of one output.
 static void refresh(cam_switches_t *s, const cam_switches_config_t *cfg, const cam_tick_record_t *r)
 {
     const uint32_t i = s->next;
@@ -31,8 +31,7 @@ static void refresh(cam_switches_t *s, const cam_switches_config_t *cfg, const c
     s->begin_q32[i] = lead_q32 * w->per_turn - w->from_q32;
 }
 
-/// @return bit i: the angle of output i is in its window. The last output comes first, so that
-/// each bit costs an addition with carry.
+/// @return bit i: the angle is in the window of output i
 static uint32_t inside(const cam_switches_t *s, const cam_switches_config_t *cfg,
                        uint32_t theta_q32)
 {
@@ -45,8 +44,8 @@ static uint32_t inside(const cam_switches_t *s, const cam_switches_config_t *cfg
     return bits;
 }
 
-/// Release the outputs that have left the place of their last change, and change those that are
-/// free. An output beyond the last that is in use, as after a change of parameters, goes off.
+/// Release outputs that have left the hysteresis of their last change, then change free ones.
+/// Outputs no longer in use (after a change of parameters) go off.
 static void settle(cam_switches_t *s, const cam_switches_config_t *cfg, uint32_t theta_q32,
                    uint32_t inside_bits)
 {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_tick.h"
 #include "cam_fence.h" // cam_fence_release_isr
-#include "cam_fix.h"   // cam_wrap_add
+#include "cam_fix.h"   // cam_clamp_i32
 #include "hal/hal.h"   // all reads and writes
 
 cam_t g_cam;
 
-/// Number the tick and take the next place of the trace ring. A reader of the status that sees what
-/// this tick writes sees that it has begun.
+/// Number the tick and take the next record of the trace ring. A reader that sees anything this
+/// tick writes also sees that the tick has begun.
 static cam_tick_record_t *begin_isr(cam_t *c, const cam_config_t *cfg)
 {
     cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->trace_room);
@@ -17,14 +17,15 @@ static cam_tick_record_t *begin_isr(cam_t *c, const cam_config_t *cfg)
     return r;
 }
 
-/// Take a measured position. One beyond cam_sense_most_nm is limited, and its drive is not ready.
+/// Take a measured position. Beyond cam_sense_most_nm it is limited and the drive is not ready.
 static void sense_axis(cam_sense_t *in, hal_axis_t axis, int32_t nm)
 {
-    in->actual_nm[axis] = nm;
-    if (nm < -cam_sense_most_nm || nm >= cam_sense_most_nm) {
-        in->actual_nm[axis] = nm < 0 ? -cam_sense_most_nm : cam_sense_most_nm - 1;
+    int32_t taken_nm = nm;
+    if (taken_nm < -cam_sense_most_nm || taken_nm >= cam_sense_most_nm) {
+        taken_nm = nm < 0 ? -cam_sense_most_nm : cam_sense_most_nm - 1;
         in->inputs &= ~(uint32_t)hal_in_drive_ready;
     }
+    in->actual_nm[axis] = taken_nm;
 }
 
 static void sense_isr(cam_t *c, cam_sense_t *in)
@@ -40,7 +41,7 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Command the axes; a command beyond the limits is a fault in this very tick.
+/// Command the axes. A command beyond the limits raises its fault in the same tick.
 static void command_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     if (!cam_axis_command_isr(&c->command, &cfg->command, r, &c->motion)) {
@@ -50,15 +51,13 @@ static void command_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
 }
 
-/// observe: counts -> angle; play: table -> set-points; guard: faults -> retract; command:
-/// feed-forward, last limits.
+/// Counts -> angle, table -> set-points, faults -> retract, feed-forward and last limits.
 static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    cam_motion_t *m = &c->motion;
     r->config = cfg->generation;
-    cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, m->alpha_q40, &r->angle);
-    cam_play_step_isr(&c->play, &cfg->play, r, m);
-    cam_guard_step_isr(&c->guard, &cfg->guard, r, m);
+    cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
+    cam_play_step_isr(&c->play, &cfg->play, r, &c->motion);
+    cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
     command_isr(c, cfg, r);
 }
 
@@ -75,22 +74,8 @@ static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
     hal_spindle_write_isr(r->want.spindle_mrpm);
 }
 
-/// Shift U's origin without moving U, because its home was found.
-/// @param by_nm  [nm] by which U's position rises, below 2^25
-static void rebase_u(cam_t *c, int32_t by_nm)
-{
-    const int64_t by_q10 = (int64_t)by_nm * 1024;
-    cam_motion_t *m = &c->motion;
-    m->u_home_nm = cam_wrap_add(m->u_home_nm, by_nm);
-    m->axis[hal_axis_u].pos_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, by_q10);
-    m->u_target_q10 = cam_wrap_add_i64(m->u_target_q10, by_q10);
-    cam_jerk_filter_shift_isr(&m->filter[hal_axis_u], by_q10);
-    c->guard.u_set_q6 = cam_sat_add(c->guard.u_set_q6, by_nm * 64);
-    c->command.u.nm = cam_clamp_i32(c->command.u.nm + by_nm, -(1 << 25), (1 << 25) - 1);
-    cam_play_shift_isr(&c->play, by_nm * 64);
-}
-
-/// Plan the axes: jogged in the state manual, else by the table or to rest.
+/// Plan the axes: jogged in the state manual, otherwise by the table or to rest. Homing may shift
+/// U's origin, which moves every position of U by the same amount.
 static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     if (c->motion.state != cam_state_manual) {
@@ -98,30 +83,27 @@ static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t
         cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
         return;
     }
-    const int32_t shift_nm = cam_jog_isr(&c->jog, &cfg->play, r, &c->motion);
-    if (shift_nm != 0) {
-        rebase_u(c, shift_nm);
+    const int32_t by_nm = cam_jog_isr(&c->jog, &cfg->play, r, &c->motion);
+    if (by_nm != 0) {
+        cam_play_shift_isr(&c->play, by_nm * 64);
+        c->guard.u_set_q6 = cam_sat_add(c->guard.u_set_q6, by_nm * 64);
+        c->command.u.nm = cam_clamp_i32(c->command.u.nm + by_nm, -(1 << 25), (1 << 25) - 1);
     }
 }
 
-/// Every enable searches the index anew, even after an off that is shorter than a plan.
-static uint32_t check_index(cam_t *c, const cam_config_t *cfg, const hal_encoder_t *encoder)
-{
-    if (!c->motion.was_off) {
-        return cam_spindle_check_index_isr(&c->spindle, &cfg->spindle, encoder);
-    }
-    cam_spindle_forget_isr(&c->spindle, encoder);
-    return 0;
-}
-
-/// What changes slowly; its faults are the next tick's.
+/// What changes slowly. The next tick acts on its faults.
 static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     cam_motion_t *m = &c->motion;
     const cam_axis_motion_t before[hal_n_axes] = {
         [hal_axis_x] = m->axis[hal_axis_x], [hal_axis_z] = m->axis[hal_axis_z]};
     c->until_plan = cfg->play.plan_ticks;
-    uint32_t faults = check_index(c, cfg, &r->in.encoder);
+    uint32_t faults = 0;
+    if (m->was_off) { // every enable searches the index again, even after an off of a few ticks
+        cam_spindle_forget_isr(&c->spindle, &r->in.encoder);
+    } else {
+        faults = cam_spindle_check_index_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
+    }
     plan_axes(c, cfg, r);
     m->was_off = false;
     faults |= cam_axis_command_plan_isr(&c->command, &cfg->command, m, before);
@@ -131,8 +113,7 @@ static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t 
     m->faults |= faults;
 }
 
-/// The slow side reads the status from the record, which is overwritten two ticks later at the
-/// earliest.
+/// The slow side reads the record, which stays unchanged for at least two ticks.
 static void publish_isr(cam_t *c, const cam_tick_record_t *r)
 {
     cam_turn_bins_add_isr(&c->bins, r);
@@ -153,12 +134,12 @@ void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 void cam_tick_isr(cam_t *c)
 {
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
-    cam_tick_record_t *r = begin_isr(c, cfg); // next place in the trace ring
+    cam_tick_record_t *r = begin_isr(c, cfg); // next record of the trace ring
     sense_isr(c, &r->in);                     // the only reads from the machine
     decide_isr(c, cfg, r);                    // observe -> play -> guard -> command
     actuate_isr(c, r);                        // the only writes to the machine
     if (--c->until_plan <= 0) {
-        plan_isr(c, cfg, r); // what changes slowly
+        plan_isr(c, cfg, r);
     }
     publish_isr(c, r); // trace, learning, status
 }

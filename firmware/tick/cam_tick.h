@@ -3,11 +3,11 @@
 ///
 ///     sense -> observe -> play -> guard -> command -> actuate -> publish
 ///
-/// and in every n-th tick, before it is published, the plan (cam_plan.h). HAL reads only in sense,
-/// HAL writes only in actuate. The tick owns the set-points (cam_motion_t): play moves them on, the
-/// guard judges them and replaces those of U in a fault, command makes of them what the axes get,
-/// and the plan writes their increments. The state is one struct, so that several controllers fit
-/// into a test.
+/// Every n-th tick also runs the plan (cam_plan.h) before it publishes. Only sense reads from the
+/// HAL, only actuate writes to it. The tick owns the set-points (cam_motion_t): play advances them,
+/// the guard checks them and replaces U's in a fault, command turns them into axis commands, and
+/// the plan writes their increments. The whole state is one struct, so a test can run several
+/// controllers.
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
 
@@ -41,7 +41,7 @@ typedef struct {
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
-    _Atomic uint32_t n_begun;                ///< number of the tick that has begun last
+    _Atomic uint32_t n_begun;                ///< number of the newest tick that has begun
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use
@@ -53,13 +53,13 @@ typedef struct {
 /// The controller that cam_isr() ticks.
 extern cam_t g_cam;
 
-/// One tick. Context: ISR; constant time with and without a plan, loops of constant bounds, no
-/// division, no lock.
+/// One tick. Context: ISR; constant time with and without a plan, bounded loops, no division, no
+/// lock.
 void cam_tick_isr(cam_t *c);
 
 /// The stages between sense and actuate, and the plan, without the HAL: replays a recorded tick.
 /// @param cfg  configuration of the tick
-/// @param r    tick number and inputs; all the rest is written
+/// @param r    tick number and inputs; everything else is written
 /// Context: a replay of a trace.
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r);
 

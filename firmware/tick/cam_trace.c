@@ -2,7 +2,7 @@
 #include "cam_trace.h"
 #include "cam_fence.h" // cam_fence_acquire_isr
 
-/// A record goes to a spare place when the ring is full, and when the trace is switched off.
+/// @return the record of a tick that is not kept: the ring is full, or the trace is off
 static cam_tick_record_t *spare(cam_trace_t *trace, uint32_t room)
 {
     if (room != 0u) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_trace: a ring of tick records, written by the interrupt, read by the slow side.
 ///
-/// One writer, one reader, no lock: each owns one counter. A full ring drops the new record and
-/// counts it, so what was read is always without gaps up to the first drop.
+/// One writer, one reader, no lock: each owns one counter. A full ring drops new records and counts
+/// them.
 #ifndef CAM_TRACE_H
 #define CAM_TRACE_H
 
@@ -20,17 +20,17 @@ typedef struct {
     _Atomic uint32_t n_written; ///< interrupt writes
     _Atomic uint32_t n_read;    ///< slow side writes
     _Atomic uint32_t n_dropped; ///< interrupt writes
-    cam_tick_record_t spare[2]; ///< take in turn the records that are not kept
+    cam_tick_record_t spare[2]; ///< alternately hold the records that are not kept
     cam_tick_record_t ring[cam_trace_capacity];
 } cam_trace_t;
 
 /// @param room  [records] that may wait in the ring: cam_trace_capacity, or 0 for no trace
-/// @return where this tick's record is written: the next free place, or a spare one; never where
-/// the last record lies. Context: ISR, constant time.
+/// @return record to be written by this tick: the next free one or a spare one, never that of the
+/// last tick. Context: ISR, constant time.
 cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room);
 
-/// The record is complete and a release fence was passed: hand it to the reader. One that found no
-/// place was counted as dropped. Context: ISR, constant time.
+/// Hand the record to the reader; call it complete, after a release fence. Context: ISR, constant
+/// time.
 void cam_trace_commit_isr(cam_trace_t *trace);
 
 /// Take the oldest record.

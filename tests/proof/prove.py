@@ -34,8 +34,8 @@ WP = {
         "cam_move_profile.c",
         ("can_brake", "choose", "cam_move_profile_to_isr", "cam_move_profile_stop_isr"),
     ),
-    "tell": ("cam_axis_command.c", ("is_allowed", "nearest_nm", "keep_told")),
-    "plan": ("cam_plan.c", ("led",)),
+    "tell": ("cam_axis_command.c", ("is_allowed", "nearest_nm", "commit")),
+    "plan": ("cam_plan.c", ("ramped",)),
 }
 MACHINES = {"32": "gcc_x86_32", "64": "gcc_x86_64"}
 # Drivers of Eva, and the functions whose contracts they show instead of taking them for granted.

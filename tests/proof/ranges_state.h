@@ -69,10 +69,15 @@
     X(want.state, 0, cam_n_states - 1)                                                             \
     X(want.is_retracted, 0, 1)
 
+#define SENSED(X)                                                                                  \
+    X(in.actual_nm[0], -Q30, Q30 - 1)                                                              \
+    X(in.actual_nm[1], -Q30, Q30 - 1)                                                              \
+    X(in.actual_nm[2], -Q30, Q30 - 1)
+
 #define FEED_MOTION(X)                                                                             \
     X(rate_q30, 0, Q30 + Q30 / 2)                                                                  \
     X(to_rate_q30, 0, Q30 + Q30 / 2)                                                               \
-    X(asked_q30, 0, Q30 + Q30 / 2)                                                                 \
+    X(requested_q30, 0, Q30 + Q30 / 2)                                                             \
     X(is_held, 0, 1)
 
 #define WHOLE_STATE(X)                                                                             \

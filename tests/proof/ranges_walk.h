@@ -150,6 +150,11 @@ static inline void walk_state(cam_t *c)
     JOG(EACH)
 #undef P
     walk_plan(&c->plan);
+    for (int i = 0; i < 2; i++) {
+#define P c->trace.spare[i]
+        SENSED(EACH)
+#undef P
+    }
 #define P (*c)
     WHOLE_STATE(EACH)
 #undef P

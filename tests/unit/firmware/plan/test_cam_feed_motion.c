@@ -338,7 +338,7 @@ static void test_what_is_asked_again_or_of_rings_changes_no_rate(void)
     const int64_t end_q32 = f.plan.feed_motion.end_q32;
     f.config.play.feed_rate_q30 /= 2; // no parameter leads to it
     fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
-    TEST_ASSERT_EQUAL_INT32(f.config.play.feed_rate_q30, f.plan.feed_motion.asked_q30);
+    TEST_ASSERT_EQUAL_INT32(f.config.play.feed_rate_q30, f.plan.feed_motion.requested_q30);
     TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.feed_motion.end_q32);
 }
 

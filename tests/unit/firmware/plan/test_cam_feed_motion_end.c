@@ -29,7 +29,7 @@ static void test_feed_of_which_nothing_is_left_ends_where_it_rests(void)
                                .fed_end_q32 = cfg->feed_q32 - cfg->ramp_q32 + more};
         cam_feed_motion_request_isr(&c, cfg, next_q32 - 1000, next_q32);
         TEST_ASSERT_FALSE(c.is_held);
-        TEST_ASSERT_EQUAL_INT32(cfg->feed_rate_q30, c.asked_q30);
+        TEST_ASSERT_EQUAL_INT32(cfg->feed_rate_q30, c.requested_q30);
         TEST_ASSERT_INT64_WITHIN(1 << 20, next_q32, c.end_q32);
     }
 }
@@ -61,7 +61,7 @@ static void test_rings_that_have_not_begun_rest_at_once(void)
     for (int64_t early = 0; early < 14; early++) {
         const int64_t next_q32 = 10 * CAM_TURN_Q32 - early * CAM_TURN_Q32 / 4;
         cam_feed_motion_t c = {
-            .from_q32 = 10 * CAM_TURN_Q32, .end_q32 = 90 * CAM_TURN_Q32, .asked_q30 = 1 << 30};
+            .from_q32 = 10 * CAM_TURN_Q32, .end_q32 = 90 * CAM_TURN_Q32, .requested_q30 = 1 << 30};
         cam_feed_motion_t stopped = c;
         cam_feed_motion_request_isr(&c, cfg, next_q32 - 1000, next_q32);
         TEST_ASSERT_TRUE(c.is_held);
@@ -99,11 +99,11 @@ static void test_override_changes_no_rings(void)
                                       .end_q32 = 71 * CAM_TURN_Q32,
                                       .rate_q30 = one,
                                       .to_rate_q30 = one,
-                                      .asked_q30 = one};
+                                      .requested_q30 = one};
     for (int64_t turn = 5; turn < 80; turn += 5) {
         cam_feed_motion_t c = before;
         cam_feed_motion_request_isr(&c, &cfg, turn * CAM_TURN_Q32, (turn + 1) * CAM_TURN_Q32);
-        TEST_ASSERT_EQUAL_INT32(one / 2, c.asked_q30); // and is not looked at again
+        TEST_ASSERT_EQUAL_INT32(one / 2, c.requested_q30); // and is not looked at again
         TEST_ASSERT_EQUAL_INT64(before.from_q32, c.from_q32);
         TEST_ASSERT_EQUAL_INT64(before.to_q32, c.to_q32);
         TEST_ASSERT_EQUAL_INT64(before.end_q32, c.end_q32);

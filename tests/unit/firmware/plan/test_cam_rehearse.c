@@ -127,7 +127,7 @@ static void test_an_override_in_a_rehearsal_is_for_the_cut(void)
     TEST_ASSERT_EQUAL_INT64(end_q32, g_cam.plan.disengage_at_q32);
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, rehearse(20000));
     TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_cutting, 60000));
-    TEST_ASSERT_INT32_WITHIN(1, 966367642, g_cam.plan.feed_motion.asked_q30); // 0.9 of 2^30
+    TEST_ASSERT_INT32_WITHIN(1, 966367642, g_cam.plan.feed_motion.requested_q30); // 0.9 of 2^30
 }
 
 /// What is watched in the cut is watched in its rehearsal, and X moves off from where it is.

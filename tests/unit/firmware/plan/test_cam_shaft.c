@@ -19,7 +19,7 @@ void setUp(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
     shaft = (cam_shaft_t){0};
     motion = (cam_motion_t){.phase_q32 = 1000};
-    cam_shaft_lay_isr(&shaft, &table, 0, &motion);
+    cam_shaft_begin_isr(&shaft, &table, 0, &motion);
 }
 
 void tearDown(void) {}
@@ -60,7 +60,7 @@ static void test_first_lobe_is_taken_at_the_first_height(void)
 {
     TEST_ASSERT_EQUAL_INT32(1000, motion.phase_q32);
     TEST_ASSERT_EQUAL_INT64(INT64_C(0x1FFFFFFFE), motion.height_q32); // pattern 2: all of it
-    cam_shaft_lay_isr(&shaft, &table, 700000, &motion);
+    cam_shaft_begin_isr(&shaft, &table, 700000, &motion);
     TEST_ASSERT_EQUAL_UINT32(2, shaft.i_lobe);
     TEST_ASSERT_EQUAL_INT64(INT64_C(1) << 32, motion.height_q32);
 }
@@ -68,17 +68,17 @@ static void test_first_lobe_is_taken_at_the_first_height(void)
 static void test_lobe_changes_only_at_amplitude_0(void)
 {
     motion.scale_q30 = 5;
-    cam_share_t share = cam_shaft_aim_isr(&shaft, &table, 390000, &motion);
+    cam_share_t share = cam_shaft_plan_isr(&shaft, &table, 390000, &motion);
     TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, shaft.i_lobe, "still on its way down");
     TEST_ASSERT_EQUAL_INT32(0, share.lift_q30);
     TEST_ASSERT_EQUAL_INT32(1000, motion.phase_q32);
     motion.scale_q30 = 0;
-    share = cam_shaft_aim_isr(&shaft, &table, 390000, &motion);
+    share = cam_shaft_plan_isr(&shaft, &table, 390000, &motion);
     TEST_ASSERT_EQUAL_UINT32(1, shaft.i_lobe);
     TEST_ASSERT_EQUAL_INT32(ONE, share.lift_q30);
     TEST_ASSERT_EQUAL_INT32(1000 + 0x40000000, motion.phase_q32);
     TEST_ASSERT_EQUAL_INT64(0, motion.height_q32);
-    (void)cam_shaft_aim_isr(&shaft, &table, 900000, &motion);
+    (void)cam_shaft_plan_isr(&shaft, &table, 900000, &motion);
     TEST_ASSERT_EQUAL_UINT32(2, shaft.i_lobe);
     TEST_ASSERT_EQUAL_UINT32(0xC0000000u + 1000u, (uint32_t)motion.phase_q32);
 }
@@ -88,8 +88,8 @@ static void test_table_without_lobes_is_left_alone(void)
     const cam_motion_t before = {.phase_q32 = 7, .height_q32 = 99, .scale_q30 = 0};
     table.n_lobes = 0;
     motion = before;
-    cam_shaft_lay_isr(&shaft, &table, 500000, &motion);
-    const cam_share_t share = cam_shaft_aim_isr(&shaft, &table, 300000, &motion);
+    cam_shaft_begin_isr(&shaft, &table, 500000, &motion);
+    const cam_share_t share = cam_shaft_plan_isr(&shaft, &table, 300000, &motion);
     TEST_ASSERT_EQUAL_INT32(ONE, share.lift_q30);
     TEST_ASSERT_EQUAL_INT32(ONE, share.ratio_q30);
     TEST_ASSERT_EQUAL_INT32(7, motion.phase_q32);
@@ -100,7 +100,7 @@ static void test_table_without_lobes_is_left_alone(void)
 /// A ramp without lag, a step of noise as an eighth of it at most, a start within its bound.
 static void test_measured_height_is_smoothed(void)
 {
-    cam_shaft_lay_isr(&shaft, &table, 0, &motion);
+    cam_shaft_begin_isr(&shaft, &table, 0, &motion);
     int32_t most_nm = 0;
     for (int32_t i = 1; i <= 400; i++) {
         const int32_t off_nm = 1000 * i - cam_shaft_smooth_isr(&shaft, 1000 * i);
@@ -108,7 +108,7 @@ static void test_measured_height_is_smoothed(void)
         TEST_ASSERT_TRUE(i < 200 || (off_nm <= 2 && off_nm >= -2));
     }
     TEST_ASSERT_INT32_WITHIN(100, 5200, most_nm);
-    cam_shaft_lay_isr(&shaft, &table, 5000, &motion);
+    cam_shaft_begin_isr(&shaft, &table, 5000, &motion);
     TEST_ASSERT_INT32_WITHIN(1, 5001, cam_shaft_smooth_isr(&shaft, 5010));
 }
 

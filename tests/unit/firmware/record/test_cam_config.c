@@ -236,7 +236,7 @@ static void test_limits_of_what_u_is_told_follow_from_gains_and_limits(void)
         g->leave.log2_window = (uint32_t)i % 8u;
         config.command.k1_q16 = (i % 3 - 1) * 65536 * 3 + i;
         config.command.k2_q16 = (i % 5 - 2) * 65536 * 2 - i;
-        cam_config_tell(&config);
+        cam_config_limit_command(&config);
         const double v = g->u_vel_q6 / 64.0;
         const double a = g->u_acc_q6 / 64.0;
         const double j = ldexp(2.0 * a, -(int)g->leave.log2_window) + 1.0 / 1024.0;
@@ -257,7 +257,7 @@ static void test_limits_of_what_u_is_told_fit_their_words(void)
     config.guard.u_vel_q6 = INT32_MAX;
     config.guard.u_acc_q6 = INT32_MAX;
     config.command.k1_q16 = 100 * 65536;
-    cam_config_tell(&config);
+    cam_config_limit_command(&config);
     TEST_ASSERT_EQUAL_INT32(1 << 29, config.command.step_nm);
     TEST_ASSERT_EQUAL_INT32(1 << 29, config.command.change_nm);
     TEST_ASSERT_EQUAL_INT32(1 << 29, config.command.change_off_nm);

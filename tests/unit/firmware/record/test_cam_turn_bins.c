@@ -60,7 +60,7 @@ static const cam_turn_bin_t *take_next(void)
     const cam_turn_bin_t *bins = NULL;
     for (int i = 0; i < 24 && bins == NULL; i++) {
         turn_on(0.125);
-        bins = cam_gather_take(&g, &turn);
+        bins = cam_turn_bins_take(&g, &turn);
     }
     return bins;
 }
@@ -75,7 +75,7 @@ static void test_turns_go_on_behind_the_last_number(void)
         TEST_ASSERT_TRUE(i == 0 || turn.turn == next);
         TEST_ASSERT_TRUE(turn.is_steady);
         next = (turn.turn + 1u) & 0xFFFFFFu;
-        TEST_ASSERT_TRUE(cam_gather_release(&g));
+        TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
     }
     TEST_ASSERT_LESS_THAN_UINT32(10, next);
 }
@@ -128,7 +128,7 @@ static void test_a_turn_is_gathered_whole_and_alone(void)
         TEST_ASSERT_EQUAL_INT64(1000 * n_steps, turn.height_end_q32 - turn.height_begin_q32);
         TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, turn.state);
         TEST_ASSERT_EQUAL_UINT32(7, turn.config_begin);
-        TEST_ASSERT_TRUE(cam_gather_release(&g));
+        TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
     }
 }
 
@@ -158,7 +158,7 @@ static void test_a_tick_in_fault_is_not_gathered(void)
 static void test_a_turn_in_motion_is_not_steady(void)
 {
     TEST_ASSERT_NOT_NULL(take_next());
-    TEST_ASSERT_TRUE(cam_gather_release(&g));
+    TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
     turn_on(0.3);
     motion.phase_step_q32 = 1;
     turn_on(0.1);
@@ -169,7 +169,7 @@ static void test_a_turn_in_motion_is_not_steady(void)
         TEST_ASSERT_NOT_NULL(take_next());
         was_seen = !turn.is_steady;
         TEST_ASSERT_TRUE(!was_seen || (turn.config_begin == 7u && turn.config_end == 9u));
-        TEST_ASSERT_TRUE(cam_gather_release(&g));
+        TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
     }
     TEST_ASSERT_TRUE(was_seen);
 }
@@ -178,30 +178,30 @@ static void test_a_late_reader_is_told_and_its_bank_left_alone(void)
 {
     TEST_ASSERT_NOT_NULL(take_next());
     turn_on(0.9);
-    TEST_ASSERT_FALSE(cam_gather_release(&g));
+    TEST_ASSERT_FALSE(cam_turn_bins_release(&g));
     TEST_ASSERT_NOT_NULL(take_next()); // the bank is cleared for a later turn
-    TEST_ASSERT_TRUE(cam_gather_release(&g));
+    TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
 }
 
 static void test_a_turn_that_nobody_waited_for_is_not_offered(void)
 {
     turn_on(10.2); // dirty: nothing has been cleared
-    TEST_ASSERT_NULL(cam_gather_take(&g, &turn));
+    TEST_ASSERT_NULL(cam_turn_bins_take(&g, &turn));
     turn_on(1.0);
-    TEST_ASSERT_NULL(cam_gather_take(&g, &turn));
+    TEST_ASSERT_NULL(cam_turn_bins_take(&g, &turn));
     turn_on(1.0);
-    TEST_ASSERT_NOT_NULL(cam_gather_take(&g, &turn));
-    TEST_ASSERT_NULL(cam_gather_take(&g, &turn)); // only once
+    TEST_ASSERT_NOT_NULL(cam_turn_bins_take(&g, &turn));
+    TEST_ASSERT_NULL(cam_turn_bins_take(&g, &turn)); // only once
 }
 
 static void test_turning_back_is_not_a_turn(void)
 {
     TEST_ASSERT_NOT_NULL(take_next());
-    TEST_ASSERT_TRUE(cam_gather_release(&g));
+    TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
     const int64_t at_q32 = pos_q32;
     while (pos_q32 > at_q32 - 2 * CAM_TURN_Q32) {
         tick(-(int32_t)(CAM_TURN_Q32 / ticks_per_turn));
-        TEST_ASSERT_NULL(cam_gather_take(&g, &turn));
+        TEST_ASSERT_NULL(cam_turn_bins_take(&g, &turn));
     }
 }
 

@@ -216,11 +216,11 @@ static void test_an_override_is_nothing_to_a_measured_z(void)
 {
     start_with_measured_z();
     const int64_t end_q32 = f.plan.disengage_at_q32;
-    const int32_t asked_q30 = f.plan.feed_motion.asked_q30;
-    f.config.play.feed_rate_q30 = asked_q30 / 2;
+    const int32_t requested_q30 = f.plan.feed_motion.requested_q30;
+    f.config.play.feed_rate_q30 = requested_q30 / 2;
     fixture_play_ticks(&f, rounds);
     TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
-    TEST_ASSERT_EQUAL_INT32(asked_q30, f.plan.feed_motion.asked_q30);
+    TEST_ASSERT_EQUAL_INT32(requested_q30, f.plan.feed_motion.requested_q30);
 }
 
 /// Z runs ahead of the helix by 0.16 mm in the middle.
