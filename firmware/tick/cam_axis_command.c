@@ -178,18 +178,25 @@ static bool is_plan_allowed(const cam_axis_command_t *t, const cam_axis_command_
            cam_is_within(jump_q10, cfg->jump_q10[axis]);
 }
 
+/// @return fault command where the plan of an axis was refused, or none
+static uint32_t command_plan(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
+                             cam_motion_t *m, uint32_t axis, const cam_axis_motion_t *before)
+{
+    cam_axis_motion_t *now = &m->axis[axis];
+    uint32_t faults = 0;
+    if (m->state != cam_state_off && !is_plan_allowed(t, cfg, axis, now, before)) {
+        *now = *before;
+        m->is_filtering = false;
+        faults = CAM_FAULT_BIT(command);
+    }
+    m->change_q10[axis] = cam_sat_sub(now->vel_q10, t->vel_q10[axis]);
+    t->vel_q10[axis] = now->vel_q10;
+    return faults;
+}
+
 uint32_t cam_axis_command_plan_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
                                    cam_motion_t *m, const cam_axis_motion_t before[hal_n_axes])
 {
-    uint32_t faults = 0;
-    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
-        if (m->state != cam_state_off && !is_plan_allowed(t, cfg, i, &m->axis[i], &before[i])) {
-            m->axis[i] = before[i];
-            m->is_filtering = false;
-            faults = CAM_FAULT_BIT(command);
-        }
-        m->change_q10[i] = cam_sat_sub(m->axis[i].vel_q10, t->vel_q10[i]);
-        t->vel_q10[i] = m->axis[i].vel_q10;
-    }
-    return faults;
+    return command_plan(t, cfg, m, (uint32_t)hal_axis_x, &before[hal_axis_x]) |
+           command_plan(t, cfg, m, (uint32_t)hal_axis_z, &before[hal_axis_z]);
 }

@@ -91,8 +91,10 @@ static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t
     }
 }
 
-/// What changes slowly. The next tick acts on its faults.
-static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+/// What changes slowly. The next tick acts on its faults. A function of its own in every image, so
+/// that its path and its stack are bounded apart from the tick (tools/elfcheck).
+static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg,
+                                               const cam_tick_record_t *r)
 {
     cam_motion_t *m = &c->motion;
     const cam_axis_motion_t before[hal_n_axes] = {
