@@ -19,9 +19,8 @@ int32_t cam_envelope_smooth_q30(int32_t s_q31)
     return y_q30 < UINT32_C(1) << 30 ? (int32_t)y_q30 : ONE_Q30; // rounding may pass 1
 }
 
-/// What a drive with a lag must be commanded on top of the smooth step s to follow it. A drive of
-/// two equal poles of half the lag each is inverted by lag s' + (lag / 2)^2 s''; d is the lag as a
-/// share of the step:
+/// Addition to the smooth step s that makes a drive with a lag follow it. Two equal poles of half
+/// the lag each are inverted by lag s' + (lag / 2)^2 s''; with d the lag as a share of the step:
 ///     d (30 q^2 + 15 d q (1 - 2 s)),   q = s (1 - s)
 /// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
 /// @param d_q31  [1 / 2^31] 0 .. 2^31 / 16
@@ -45,13 +44,12 @@ int32_t cam_envelope_step_q30(int64_t done_q32, int64_t lag_q32, int64_t length_
 {
     const int64_t inverted_q32 = cam_clamp_i64(lag_q32, 0, length_q32 / 16);
     const int64_t at_q32 = cam_wrap_add_i64(done_q32, lag_q32 - inverted_q32);
-    if (at_q32 <= 0 || at_q32 >= length_q32) { // most of a cut lies outside of both steps
+    if (at_q32 <= 0 || at_q32 >= length_q32) { // most of a cut
         return at_q32 <= 0 ? 0 : ONE_Q30;
     }
     const uint32_t at_q24 = (uint32_t)(at_q32 >> 8); // 100 turns at most
     const uint32_t lag_q24 = (uint32_t)(inverted_q32 >> 8);
-    // The reciprocal is rounded down, so that both shares are below 1 and a sixteenth; the masks
-    // tell that to everybody, and hold where length and reciprocal are those of no configuration.
+    // The reciprocal is rounded down, so the shares are below 1 and 1/16; the masks prove it.
     const int32_t s_q31 = (int32_t)((((uint64_t)at_q24 * per_length_q31) >> 24) & 0x7FFFFFFFu);
     const int32_t d_q31 = (int32_t)((((uint64_t)lag_q24 * per_length_q31) >> 24) & 0x0FFFFFFFu);
     return cam_envelope_smooth_q30(s_q31) + inverse_q30(s_q31, d_q31);

@@ -6,7 +6,7 @@
 /// [1 / 2^32] one.
 #define ONE_Q32 (UINT64_C(1) << 32)
 
-/// [turn / 2^32] a shorter ramp would gain nothing: a degree and a half.
+/// [turn / 2^32] shortest ramp: a degree and a half.
 #define LEAST_RAMP_Q32 (UINT32_C(1) << 24)
 
 /// 1 mm/s2 in the unit of feed_speed2(): 10^6 nm/mm (60000 (r/min / 1000) per turn/s)^2 10^-4.
@@ -29,7 +29,7 @@ static uint64_t feed_speed2(uint32_t feed_nm, uint32_t speed_mrpm)
     return section_nm(feed_nm) * speed2;
 }
 
-/// r = (1 - sqrt(1 - 4 feed n^2 / a)) / 2; both sides of the quotient are brought to 31 bits.
+/// r = (1 - sqrt(1 - 4 feed n^2 / a)) / 2; both sides of the quotient are scaled to 31 bits.
 uint32_t cam_feed_ramp_q32(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t acceleration_mm_per_s2)
 {
     uint64_t part = feed_speed2(feed_nm, speed_mrpm);
@@ -79,7 +79,7 @@ int64_t cam_feed_turns_q32(const cam_rings_t *rings)
     return (2 * steps + 1) * CAM_TURN_Q32;
 }
 
-/// Both halves of a turn of the helix are alike, so that the nearer end is looked at.
+/// Both halves of a helix turn are symmetric, so it is evaluated from the nearer end.
 uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32)
 {
     if (((uint64_t)done_q32 & ONE_Q32) == 0u) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_feed: Z over the turns of a ring-helix.
 ///
-/// A closed ring at every section of the drawing, one turn of a helix to the next; the distance of
-/// the sections and the lead are both the feed, the last step is what is left of the height. m
-/// rings take 2 m - 1 turns. Within a turn of the helix Z's speed is a trapezoid: it rises over the
-/// share r of the turn, keeps feed n / (1 - r) at n turns per second, and falls over r, with the
-/// acceleration feed n^2 / (r (1 - r)). The shortest r that the acceleration allows is taken, at
-/// least 1/256, so that the rings stay whole. Source: MATHS.md (40) .. (42); the generator's
-/// path.py has the same law.
+/// One closed ring per section of the drawing, then one turn of helix to the next section. Sections
+/// are one feed apart; the last step is the remainder of the height. m rings take 2 m - 1 turns. In
+/// a helix turn Z's speed is a trapezoid: it rises over the share r of the turn, stays at
+/// feed n / (1 - r) at n turns per second, and falls over r, with acceleration
+/// feed n^2 / (r (1 - r)). r is the smallest value that the acceleration allows, at least 1/256.
+/// Source: MATHS.md (40) .. (42); the generator's path.py has the same law.
 #ifndef CAM_FEED_H
 #define CAM_FEED_H
 
@@ -15,7 +14,7 @@
 #include <stdint.h>  // int32_t, int64_t, uint32_t
 
 enum {
-    cam_feed_least_nm = 4, ///< [nm] sections are not nearer: turns of any part fit 30 bits
+    cam_feed_least_nm = 4, ///< [nm] least distance of sections: the turns of any part fit 30 bits
 };
 
 /// A ring-helix, made by cam_feed_rings().
@@ -28,11 +27,11 @@ typedef struct {
     int32_t span_nm;       ///< [nm] from the first ring to the last
 } cam_rings_t;
 
-/// @param feed_nm                 [nm] 1 .. 10^7, below cam_feed_least_nm it counts as that
+/// @param feed_nm                 [nm] 1 .. 10^7, at least cam_feed_least_nm is taken
 /// @param speed_mrpm              [r/min / 1000] up to 6 * 10^7
 /// @param acceleration_mm_per_s2  [mm/s2] of Z, 10 .. 10^6
 /// @return  [turn / 2^32] shortest ramp, at most 2^-28 turn too long where it is below 0.49; 1/2
-///          also where none is long enough
+///          if none is long enough
 /// Context: slow side.
 uint32_t cam_feed_ramp_q32(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t acceleration_mm_per_s2);
 
@@ -50,9 +49,9 @@ cam_rings_t cam_feed_rings(uint32_t feed_nm, int32_t span_nm, uint32_t speed_mrp
 /// @return [turn / 2^32] length: 2 m - 1 turns, below 2^62. Context: slow side.
 int64_t cam_feed_turns_q32(const cam_rings_t *rings);
 
-/// Share of a step to the next ring that is fed.
+/// Completed share of the step to the next ring.
 /// @param done_q32  [turn / 2^32] since the first ring began, 0 .. the length
-/// @return          [1 / 2^30] 0 .. 2^30, 0 in a ring; error below 2^-26
+/// @return          [1 / 2^30] 0 .. 2^30, 0 on a ring; error below 2^-26
 /// Context: ISR.
 uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32);
 
@@ -61,7 +60,7 @@ uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32);
 /// Context: ISR.
 int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32, uint32_t risen_q30);
 
-/// A path that ends early ends with a closed ring: that of the turn, or the one behind the helix.
+/// A path that ends early still ends with a closed ring: the present one, or that after the helix.
 /// @param done_q32  [turn / 2^32] whole turns, above 0
 /// @return          [turn / 2^32] length of such a path, at most a turn more
 /// Context: ISR.

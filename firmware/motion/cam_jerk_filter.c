@@ -8,9 +8,7 @@ static const struct {
 } sums[cam_jerk_filter_most_log2 + 1] = {{0, 0},      {1, 1},       {6, 14},      {28, 140},
                                          {120, 1240}, {496, 10416}, {2016, 85344}};
 
-/// The places of the line, as of its speeds, count from the newest one back: newest - place is the
-/// sum of the speeds in between, and the sum of these over the window is the first line of
-/// `behind`.
+/// `lag` is the sum over the window of the newest position minus each position of the line.
 void cam_jerk_filter_begin_isr(cam_jerk_filter_t *g, const cam_axis_motion_t *m,
                                uint32_t log2_window)
 {
@@ -19,11 +17,11 @@ void cam_jerk_filter_begin_isr(cam_jerk_filter_t *g, const cam_axis_motion_t *m,
     const int32_t most_q10 = cam_jerk_filter_most_q10(log2_window);
     const int32_t slope_q10 = cam_clamp_i32(m->acc_q10, -most_q10, most_q10);
     const int32_t oldest_q10 = cam_sat_i32(m->vel_q10 - slope_q10 * last / 2);
-    const int64_t behind = (int64_t)oldest_q10 * sums[log2_window].first +
-                           (int64_t)slope_q10 * sums[log2_window].second;
-    g->raw.pos_q10 = cam_wrap_add_i64(m->pos_q10, behind >> log2_window);
+    const int64_t lag = (int64_t)oldest_q10 * sums[log2_window].first +
+                        (int64_t)slope_q10 * sums[log2_window].second;
+    g->raw.pos_q10 = cam_wrap_add_i64(m->pos_q10, lag >> log2_window);
     g->raw.vel_q10 = cam_sat_i32(oldest_q10 + slope_q10 * last);
-    g->sum_pos_q10 = cam_wrap_sub_i64(cam_wrap_times_i64(g->raw.pos_q10, n), behind);
+    g->sum_pos_q10 = cam_wrap_sub_i64(cam_wrap_times_i64(g->raw.pos_q10, n), lag);
     g->sum_vel_q10 = (int64_t)oldest_q10 * n + (int64_t)slope_q10 * sums[log2_window].first;
     g->line_q10 = oldest_q10;
     g->slope_q10 = slope_q10;
@@ -32,7 +30,7 @@ void cam_jerk_filter_begin_isr(cam_jerk_filter_t *g, const cam_axis_motion_t *m,
     g->log2_window = log2_window;
 }
 
-/// At rest the window may become another.
+/// Change the window at rest.
 static void fit(cam_jerk_filter_t *g, const cam_axis_motion_t *m, const cam_motion_limits_t *limits)
 {
     if (g->log2_window != limits->log2_window && g->n_still >> g->log2_window != 0u) {
@@ -41,19 +39,19 @@ static void fit(cam_jerk_filter_t *g, const cam_axis_motion_t *m, const cam_moti
     }
 }
 
-/// Take the speed of raw into the window, and the oldest one out of it.
-/// @return whether the window holds nothing but rest
+/// Move the newest speed of raw into the window, and the oldest one out.
+/// @return whether all of the window is at rest
 static bool carry(cam_jerk_filter_t *g, cam_axis_motion_t *m, bool is_still)
 {
     const uint32_t n = UINT32_C(1) << g->log2_window;
-    int32_t *place = &g->past_q10[g->at & (n - 1u)];
-    int32_t leaving_q10 = *place;
+    int32_t *slot_q10 = &g->past_q10[g->at & (n - 1u)];
+    int32_t leaving_q10 = *slot_q10;
     if (g->n_line > 0u) {
         leaving_q10 = g->line_q10;
         g->line_q10 = cam_sat_add(g->line_q10, g->slope_q10);
         g->n_line--;
     }
-    *place = g->raw.vel_q10;
+    *slot_q10 = g->raw.vel_q10;
     g->at++;
     const int64_t change_q10 = (int64_t)g->raw.vel_q10 - leaving_q10;
     g->sum_vel_q10 = cam_wrap_add_i64(g->sum_vel_q10, change_q10);

@@ -20,7 +20,7 @@ static bool can_brake(uint32_t vel, uint32_t acceleration, uint32_t distance)
       ensures most: \result <= \max(limits->speed_q10, vel - limits->acceleration_q10);
       ensures back: \result >= \min(0, vel + limits->acceleration_q10);
 */
-/// Highest of faster, same, slower speed from which the target is not overshot.
+/// @return the highest of faster, same and slower speed that does not overshoot the target
 static int32_t choose(int32_t vel, const cam_motion_limits_t *limits, uint32_t distance)
 {
     const int32_t a = limits->acceleration_q10;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_move_profile: bring an axis to a place within speed and acceleration limits, tick by tick.
+/// cam_move_profile: moves an axis to a position within speed and acceleration, tick by tick.
 ///
-/// What cam_jerk_filter.h rounds off, wherever an axis does not follow the spindle: approach,
-/// retract, stop after a fault; and by itself the gain of a wave (cam_excite.h). No square root, no
-/// division: a step is accepted when the axis could still brake to the target, MATHS.md (60). Unit
-/// of positions: nm / 1024 (q10); of speeds: nm / 1024 per tick.
+/// Used, with the jerk limit of cam_jerk_filter.h, wherever an axis does not follow the spindle:
+/// approach, retract, stop after a fault; without it for the gain of a wave (cam_excite.h). No
+/// square root, no division: a step is accepted if the axis can still brake to the target, MATHS.md
+/// (60). Positions are nm / 1024 (q10), speeds nm / 1024 per tick.
 #ifndef CAM_MOVE_PROFILE_H
 #define CAM_MOVE_PROFILE_H
 
@@ -19,17 +19,17 @@ typedef struct {
                           ///< share a change of acceleration
 } cam_motion_limits_t;
 
-/// A set-point in motion.
+/// A moving set-point.
 typedef struct {
     int64_t pos_q10;
     int32_t vel_q10;
     int32_t acc_q10; ///< [nm / 1024 per tick^2] of the last step
 } cam_axis_motion_t;
 
-/// One tick towards a target; speed within limits (after braking, when it starts beyond), change of
-/// speed within the acceleration; passes the target by at most acceleration_q10 / 8 unless the
-/// start speed makes more unavoidable.
-/// @return true when the axis rests on the target
+/// One tick towards a target. Speed stays within the limit (after braking, if it starts beyond) and
+/// its change within the acceleration. Overshoots by at most acceleration_q10 / 8 unless the
+/// initial speed makes more unavoidable.
+/// @return true when the axis rests at the target
 /// Context: ISR, constant time.
 /*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
     requires limits: 0 <= limits->speed_q10 <= 0x40000000 &&
@@ -48,7 +48,7 @@ typedef struct {
 bool cam_move_profile_to_isr(cam_axis_motion_t *m, const cam_motion_limits_t *limits,
                              int64_t target_q10);
 
-/// One tick of braking to rest, wherever that is.
+/// One tick of braking to rest.
 /// @return true when the axis rests
 /// Context: ISR, constant time.
 /*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);

@@ -7,8 +7,8 @@ static void enter(cam_acknowledge_t *a, cam_acknowledge_phase_t phase)
     a->n_plans = 0;
 }
 
-/// Take a level of the input that has been stable for a while.
-/// @return whether it is another one than before
+/// Debounce the input.
+/// @return whether the debounced level has changed
 static bool debounce(cam_acknowledge_t *a, const cam_acknowledge_config_t *cfg, uint32_t inputs)
 {
     const bool is_pressed = (inputs & (uint32_t)hal_in_acknowledge) != 0u;
@@ -21,7 +21,7 @@ static bool debounce(cam_acknowledge_t *a, const cam_acknowledge_config_t *cfg, 
     return is_new;
 }
 
-/// Follow the button, where a press counts.
+/// Follow the button in the state off.
 static void watch_press(cam_acknowledge_t *a, const cam_acknowledge_config_t *cfg, bool is_new)
 {
     switch (a->phase) {
@@ -50,7 +50,7 @@ static void watch_press(cam_acknowledge_t *a, const cam_acknowledge_config_t *cf
             enter(a, cam_acknowledge_needed);
         }
         break;
-    case cam_acknowledge_used: // the drives are off again, and whoever pressed may have left
+    case cam_acknowledge_used: // off again: the time for the next enable starts
         enter(a, cam_acknowledge_given);
         break;
     }
@@ -69,7 +69,7 @@ void cam_acknowledge_isr(cam_acknowledge_t *a, const cam_acknowledge_config_t *c
         watch_press(a, cfg, is_new);
     } else if (a->phase == cam_acknowledge_given) {
         enter(a, cam_acknowledge_used);
-    } else { // in motion nothing is watched
+    } else { // no presses in motion
     }
     m->is_acknowledged = a->phase >= cam_acknowledge_given;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_interpolate: equal increments of a set-point from one plan to the next, and X over a height.
+/// cam_interpolate: linear interpolation between plans, and X over a height.
 ///
 /// Inline, constant time, cannot fail. Context: ISR.
 #ifndef CAM_INTERPOLATE_H
@@ -11,19 +11,17 @@
 #include "cam_move_profile.h" // cam_axis_motion_t
 #include <stdint.h>           // int32_t, int64_t
 
-enum {
-    cam_interpolate_most_nm = 2147000000
-}; ///< [nm] farthest place of an axis; the word ends beyond it
+enum { cam_interpolate_most_nm = 2147000000 }; ///< [nm] farthest position of an axis
 
-/// @return the share of one tick in what is left until the next plan
+/// @return increment per tick for a distance until the next plan
 static inline int32_t cam_interpolate_share(const cam_play_config_t *cfg, int32_t left)
 {
     return cam_mul_shift(left, cfg->per_plan_q30, 30);
 }
 
 /// Plan equal increments to a target; the remainder of the division is added at once. The distance
-/// saturates at two millimetres per plan: a Z that others move faster is followed later.
-/// No target leads an axis to the end of the word that tells the drive its place.
+/// saturates at two millimetres per plan: a measured Z that moves faster is followed later. The
+/// target is limited so that the position fits the drive's word.
 static inline void cam_interpolate_isr(cam_axis_motion_t *m, const cam_play_config_t *cfg,
                                        int64_t target_q10)
 {
@@ -37,8 +35,7 @@ static inline void cam_interpolate_isr(cam_axis_motion_t *m, const cam_play_conf
 }
 
 /// @param trim_q4  [nm / 16] stock and trim in force
-/// @return [nm / 1024] X over a height with its trim, and off the work by 1 - envelope of the
-/// clearance
+/// @return [nm / 1024] X over a height with its trim, plus (1 - envelope) of the clearance
 static inline int64_t cam_interpolate_profile_q10(const cam_play_config_t *cfg, int32_t z_nm,
                                                   int32_t envelope, int32_t trim_q4)
 {

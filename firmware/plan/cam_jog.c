@@ -10,7 +10,7 @@ static void end_order(cam_jog_t *h, cam_jog_end_t how)
     h->end = how;
 }
 
-/// Drives without power may come back anywhere.
+/// Drives without power lose their position.
 static void forget_homes(cam_jog_t *h, uint32_t inputs)
 {
     if ((inputs & hal_in_drive_ready) == 0u) {
@@ -28,13 +28,13 @@ static bool is_at_index(const cam_tick_record_t *r, hal_axis_t axis)
     return (r->in.inputs & ((uint32_t)hal_in_index_u << (uint32_t)axis)) != 0u;
 }
 
-/// @return whether the order holds no more
-static bool is_too_old(const cam_jog_order_t *o, const cam_tick_record_t *r)
+/// @return whether the order has expired
+static bool has_expired(const cam_jog_order_t *o, const cam_tick_record_t *r)
 {
     return cam_wrap_diff(o->until, r->tick) <= 0;
 }
 
-/// Begin a phase of homing; U stays within its stroke, X and Z within the numbers of the port.
+/// Begin a phase of homing, within the travel of the order.
 static void begin_phase(cam_jog_t *h, const cam_jog_order_t *o, cam_jog_phase_t phase,
                         int64_t from_q10)
 {
@@ -44,16 +44,16 @@ static void begin_phase(cam_jog_t *h, const cam_jog_order_t *o, cam_jog_phase_t 
         cam_clamp_i64(cam_wrap_add_i64(from_q10, sense * o->distance_q10), o->low_q10, o->high_q10);
 }
 
-/// [nm] U's number rises by less than this at once: set-points in nm / 64 end here.
+/// [nm] limit of a shift of U's origin: the range of set-points in nm / 64.
 enum { most_shift_nm = 1 << 25 };
 
-/// The home is found. @return [nm] by which U's number rises
+/// The home is found. @return [nm] shift of U's position
 static int32_t take_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
                          const cam_motion_t *m)
 {
     const hal_axis_t axis = h->axis;
-    const int32_t place_nm = r->in.actual_nm[axis];
-    const int64_t shift_nm = axis == hal_axis_u ? (int64_t)cfg->order.home_nm - place_nm : 0;
+    const int32_t at_nm = r->in.actual_nm[axis];
+    const int64_t shift_nm = axis == hal_axis_u ? (int64_t)cfg->order.home_nm - at_nm : 0;
     const int64_t u_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, shift_nm * 1024);
     const bool is_in_stroke =
         shift_nm == 0 || cam_is_between(u_q10, -cfg->u_end_q10, cfg->u_end_q10);
@@ -63,14 +63,13 @@ static int32_t take_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_ti
     }
     h->homed |= UINT32_C(1) << (uint32_t)axis;
     h->n_found++;
-    h->found_nm[axis] = place_nm;
+    h->found_nm[axis] = at_nm;
     end_order(h, cam_jog_done);
     return (int32_t)shift_nm;
 }
 
-/// The search begins, or on the switch the way off it; not for a U that is called by a number
-/// beyond its set-points. @return [nm] by which U's number rises, so that it has its whole stroke
-/// before it
+/// Begin the search or, on the switch, the release. U's position becomes an end of its stroke, so
+/// its whole stroke is ahead of it. @return [nm] shift of U's position
 static int32_t begin_homing(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
                             const cam_motion_t *m)
 {
@@ -92,8 +91,8 @@ static int32_t begin_homing(cam_jog_t *h, const cam_jog_config_t *cfg, const cam
     return (int32_t)shift_nm;
 }
 
-/// Where a jog or a step ends: within the travel, or outside of it not farther out than now. A set
-/// point that has just passed the end, as braking by steps may lead it, is not outside.
+/// @return [nm / 1024] end of a jog or step: within the travel, or no farther out than now. Passing
+/// the end by the overshoot of braking does not count as outside
 static int64_t travel_q10(const cam_jog_config_t *cfg, int64_t pos_q10)
 {
     const cam_jog_order_t *o = &cfg->order;
@@ -106,7 +105,7 @@ static int64_t travel_q10(const cam_jog_config_t *cfg, int64_t pos_q10)
                : cam_clamp_i64(cam_wrap_add_i64(pos_q10, o->distance_q10), low_q10, high_q10);
 }
 
-/// Begin the order of the configuration. @return [nm] by which U's number rises
+/// Begin the order of the configuration. @return [nm] shift of U's position
 static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
                            const cam_motion_t *m)
 {
@@ -120,7 +119,7 @@ static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_
     h->axis = o->axis;
     h->phase = o->begin;
     h->end = cam_jog_runs;
-    if (is_too_old(o, r)) { // before it could find or forget a home
+    if (has_expired(o, r)) { // before it finds or forgets a home
         end_order(h, cam_jog_silent);
         return 0;
     }
@@ -134,14 +133,14 @@ static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_
     return 0;
 }
 
-/// @return whether the axis moves back from the switch, not on by the way that it brakes
+/// @return whether the axis moves back from the switch, and no longer brakes on it
 static bool is_back(const cam_jog_order_t *o, const cam_axis_motion_t *axis)
 {
     return o->sense > 0 ? axis->vel_q10 < 0 : axis->vel_q10 > 0;
 }
 
-/// Look whether the phase of homing has found what it looks for. @return [nm] by which U's number
-/// rises
+/// Check whether the phase of homing has found its switch or index. @return [nm] shift of U's
+/// position
 static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
                              const cam_motion_t *m)
 {
@@ -158,12 +157,12 @@ static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const ca
     } else if (h->phase == cam_jog_index && is_at_index(r, h->axis)) {
         return take_home(h, cfg, r, m);
     } else {
-        // the phase goes on
+        // the phase continues
     }
     return 0;
 }
 
-/// The axis has come to where its phase ends.
+/// The axis has reached the end of its phase.
 static void end_phase(cam_jog_t *h)
 {
     static const cam_jog_end_t ends[cam_jog_n_phases] = {
@@ -174,15 +173,15 @@ static void end_phase(cam_jog_t *h)
     end_order(h, ends[h->phase]);
 }
 
-/// U moves from tick to tick; the plan tells where to, and how fast. @return whether it rests
+/// @return whether U rests
 static bool is_u_at_rest(const cam_motion_t *m)
 {
     const cam_axis_motion_t *u = &m->axis[hal_axis_u];
     return u->vel_q10 == 0 && u->acc_q10 == 0;
 }
 
-/// Move the axis of the order, within limits that may have become lower since. @return whether it
-/// has come to where the phase ends
+/// Move the axis of the order, within limits that may have been lowered meanwhile. U itself moves
+/// from tick to tick. @return whether it has reached the end of the phase
 static bool move_axis(const cam_jog_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const cam_jog_order_t *o = &cfg->jog.order;
@@ -199,7 +198,7 @@ static bool move_axis(const cam_jog_t *h, const cam_play_config_t *cfg, cam_moti
     return m->axis[hal_axis_u].pos_q10 == h->target_q10 && is_u_at_rest(m);
 }
 
-/// Bring an axis to rest. @return whether it rests
+/// Brake an axis. @return whether it rests
 static bool brake_axis(hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     if (axis != hal_axis_u) {
@@ -209,8 +208,8 @@ static bool brake_axis(hal_axis_t axis, const cam_play_config_t *cfg, cam_motion
     return is_u_at_rest(m);
 }
 
-/// Move the axis of the order, or bring another one to rest. @return whether it rests
-static bool lead_axis(cam_jog_t *h, hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
+/// Move the axis of the order, or brake another one. @return whether it rests
+static bool plan_axis(cam_jog_t *h, hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     if (h->phase == cam_jog_rest || axis != h->axis) {
         return brake_axis(axis, cfg, m);
@@ -221,12 +220,12 @@ static bool lead_axis(cam_jog_t *h, hal_axis_t axis, const cam_play_config_t *cf
     return false;
 }
 
-/// Lead all axes. @return whether all rest
+/// @return whether all axes rest
 static bool move_axes(cam_jog_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    const bool is_u_still = lead_axis(h, hal_axis_u, cfg, m);
-    const bool is_x_still = lead_axis(h, hal_axis_x, cfg, m);
-    const bool is_z_still = lead_axis(h, hal_axis_z, cfg, m);
+    const bool is_u_still = plan_axis(h, hal_axis_u, cfg, m);
+    const bool is_x_still = plan_axis(h, hal_axis_x, cfg, m);
+    const bool is_z_still = plan_axis(h, hal_axis_z, cfg, m);
     m->is_filtering = true;
     return is_u_still && is_x_still && is_z_still;
 }
@@ -255,12 +254,12 @@ int32_t cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_r
     } else if (h->phase != cam_jog_rest) {
         shift_nm = look_for_home(h, &cfg->jog, r, m);
     } else {
-        // nothing is ordered
+        // no order
     }
     if (h->phase != cam_jog_rest && m->is_stopping) {
         end_order(h, cam_jog_stopped);
     }
-    if (h->phase != cam_jog_rest && is_too_old(o, r)) {
+    if (h->phase != cam_jog_rest && has_expired(o, r)) {
         end_order(h, cam_jog_silent);
     }
     if (shift_nm != 0) { // the order's target already counts from the new origin

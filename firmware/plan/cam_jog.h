@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_jog: axes that are moved by hand: jog, step and homing, the plan of the state manual.
+/// cam_jog: jog, step and homing: the plan of the state manual.
 ///
-/// One axis follows the order of the configuration (cam_jog_order.h), all others brake and stand.
-/// An order that is over, stopped or too old brakes its axis within the axis's gentle acceleration.
-/// The age is judged here, by the tick, so that an axis stops even if the slow side hangs,
-/// MATHS.md (171).
+/// One axis follows the order of the configuration (cam_jog_order.h), all others brake and stop.
+/// When an order ends, is stopped or expires, its axis brakes gently. Expiry is checked here, by
+/// the tick, so an axis stops even if the slow side hangs, MATHS.md (171).
 ///
 /// Homing, MATHS.md (172):
 ///
-///     here                                                  the place where the axis stands
-///     search --switch--> release --no switch--> done        where it left the switch, or
-///                                --> index --index--> done  where the first index lay behind that
+///     here                                                  home is the present position
+///     search --switch--> release --no switch--> done        home is where it left the switch, or
+///                                --> index --index--> done  the first index after that
 ///
-/// Who stands on the switch begins with release. A phase that finds nothing within the travel of
-/// the order ends the order; the axis is then not homed. U, whose travel is its stroke, calls its
-/// place the end of the stroke when the search begins, and its home by its number at the end.
+/// If the axis is already on the switch, homing begins with release. A phase that finds nothing
+/// within the travel of the order ends it without a home. U, whose travel is its stroke: the search
+/// first sets U's position to an end of its stroke, and the home finally sets it to its value.
 #ifndef CAM_JOG_H
 #define CAM_JOG_H
 
@@ -23,16 +22,16 @@
 #include "cam_record.h"    // cam_tick_record_t, cam_motion_t
 #include <stdint.h>        // int32_t, uint32_t
 
-/// One plan of the state manual; it ends the state when a disable was requested and all axes rest.
+/// One plan of the state manual; ends the state when a disable was requested and all axes rest.
 /// @param r  record of the tick
-/// @param m  increments up to now, replaced by those from the next tick on
-/// @return   [nm] by which U's number rises at the place where it is, before the next tick; 0: none
+/// @param m  increments, replaced from the next tick on; U's origin shifted
+/// @return   [nm] shift of U's position by a new origin, for the stages that keep U; 0: none
 /// Context: ISR; constant time in each phase.
 int32_t cam_jog_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                     cam_motion_t *m);
 
-/// One plan of any other state: an order that comes in it is never begun, and homes are forgotten
-/// while the drives are not ready. Context: ISR, constant time.
+/// One plan of any other state: orders are discarded, and homes are forgotten while the drives are
+/// not ready. Context: ISR, constant time.
 void cam_jog_idle_isr(cam_jog_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r);
 
 #endif

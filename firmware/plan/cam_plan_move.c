@@ -3,8 +3,8 @@
 #include "cam_interpolate.h" // cam_interpolate_isr
 #include "cam_fix.h"         // cam_clamp_i64, cam_sat_i32
 
-/// @return an axis as it moves from plan to plan; a speed that no limit per plan holds is
-/// saturated. Its glide goes on, or begins where something else has moved the axis meanwhile
+/// Continue the filtered motion, or begin a new one if something else has moved the axis meanwhile.
+/// @return the axis in units per plan, speed saturated
 static cam_axis_motion_t plan_by_plan(cam_motion_t *m, hal_axis_t axis,
                                       const cam_play_config_t *cfg,
                                       const cam_motion_limits_t *limits)
@@ -12,8 +12,8 @@ static cam_axis_motion_t plan_by_plan(cam_motion_t *m, hal_axis_t axis,
     cam_jerk_filter_t *filter = &m->filter[axis];
     const cam_axis_motion_t *now = &m->axis[axis];
     const int64_t ticks = cfg->plan_ticks;
-    // A spindle that jumps drags the axes geared to it along, beyond their accelerations. A motion
-    // that went on from there would carry X into the work before it leaves.
+    // A jump of the spindle accelerates geared axes beyond their limits; a motion that continued
+    // so would carry X into the work before it retracts.
     const int64_t most_q10 = limits->acceleration_q10;
     const int64_t change_q10 = m->change_q10[axis] * ticks;
     const int64_t acc_q10 = cam_clamp_i64(change_q10, -most_q10, most_q10);
@@ -27,11 +27,11 @@ static cam_axis_motion_t plan_by_plan(cam_motion_t *m, hal_axis_t axis,
 }
 
 bool cam_plan_move_to_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *cfg,
-                          const cam_motion_limits_t *limits, int64_t place_q10)
+                          const cam_motion_limits_t *limits, int64_t position_q10)
 {
     cam_axis_motion_t next = plan_by_plan(m, axis, cfg, limits);
     cam_jerk_filter_t *filter = &m->filter[axis];
-    const bool is_there = cam_jerk_filter_to_isr(filter, &next, limits, place_q10);
+    const bool is_there = cam_jerk_filter_to_isr(filter, &next, limits, position_q10);
     cam_interpolate_isr(&m->axis[axis], cfg, next.pos_q10);
     return is_there;
 }

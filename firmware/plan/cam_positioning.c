@@ -5,13 +5,12 @@
 #include "cam_plan_move.h"   // cam_plan_move_to_isr
 #include "cam_swing.h"       // cam_swing_rest_isr
 
-static bool is_at(const cam_axis_motion_t *m, int64_t place_q10)
+static bool is_at(const cam_axis_motion_t *m, int64_t position_q10)
 {
-    return m->pos_q10 == place_q10 && m->vel_q10 == 0;
+    return m->pos_q10 == position_q10 && m->vel_q10 == 0;
 }
 
-/// Keep the tool out of the work and bring the feed axes to rest. @return true when all of them
-/// rest
+/// Keep the tool out of the work and brake the feed axes. @return true when all of them rest
 static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     m->u_target_q10 = cfg->u_retract_q10;
@@ -26,18 +25,17 @@ static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
            (!cfg->swing.is_swung || m->swing.is_there);
 }
 
-/// @return [nm / 1024] X over a height where a cut or a rehearsal begins. A rehearsal is farther
-/// off by half the stroke of U: wherever U goes, the tool does not reach beyond the approach of a
-/// cut, MATHS.md (139).
+/// @return [nm / 1024] start of X over a height. A rehearsal starts farther off by half the stroke
+/// of U, so the tool never gets closer than at the start of a cut, MATHS.md (139).
 static int64_t x_begin_q10(const cam_play_config_t *cfg, const cam_motion_t *m, int32_t z_nm)
 {
     const int64_t away_q10 = m->state == cam_state_rehearsing ? cfg->rehearse_x_q10 : 0;
     return cam_interpolate_profile_q10(cfg, z_nm, 0, cfg->x_trim_q4) + away_q10;
 }
 
-/// Move Z to the start of the cut while X stands, then X: the tool nears the work only where it
-/// will cut. An X that is not off the work at every height, as after a cut that ended at a smaller
-/// radius, moves out before.
+/// Move Z to the start of the cut, then X: the tool approaches the work only where it will cut. If
+/// X is not clear of the work at every height (after a cut that ended at a smaller radius), it
+/// moves out first.
 /// @return true when both are there
 static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
 {
@@ -58,9 +56,8 @@ static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
     return false;
 }
 
-/// Move X to its place over a measured Z, whose set-point is where it is. X nears the work only
-/// when U is ready.
-/// @param z_nm  [nm] by the port
+/// Move X to its start over a measured Z, once U is ready.
+/// @param z_nm  [nm] in port coordinates
 /// @return      true when X is there
 static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there, cam_motion_t *m)
 {
@@ -73,8 +70,8 @@ static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_the
                                 x_begin_q10(cfg, m, cam_sat_sub(z_nm, cfg->z_origin_nm)));
 }
 
-/// Move all axes to the start of the cut or of its rehearsal; a tool that swings comes to rest at 0
-/// first.
+/// Move all axes to the start of the cut or of its rehearsal, after the swing has come to rest at
+/// 0.
 /// @return true when all are there
 static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
@@ -89,8 +86,7 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
     return is_u_there && is_xz_there;
 }
 
-/// @return [nm / 1024] where X moves in the state fault: off its set-point in the tick of the
-/// fault, but not farther than its travel goes
+/// @return [nm / 1024] target of X in state fault: off by the clearance, within its travel
 static int64_t moved_off_q10(const cam_play_config_t *cfg, int64_t left_q10)
 {
     const int64_t off_q10 = left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
@@ -99,8 +95,8 @@ static int64_t moved_off_q10(const cam_play_config_t *cfg, int64_t left_q10)
     return off_q10 < most_q10 ? off_q10 : most_q10;
 }
 
-/// In the state fault the guard leads U, X moves off, and Z brakes to rest. Behind the state manual
-/// X brakes to rest as well.
+/// In state fault the guard retracts U, X moves off and Z brakes. After the state manual X brakes,
+/// too.
 static void move_off(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
     const int64_t x_q10 = moved_off_q10(cfg, m->x_left_q10);
@@ -128,18 +124,8 @@ static void home(const cam_play_config_t *cfg, const cam_angle_t *angle, cam_mot
     }
 }
 
-/// What only the cut moves stands: amplitude, phase and height would go on with the increments of
-/// the last plan of the cut, in the end beyond their words.
-static void end_increments(cam_motion_t *m)
-{
-    m->phase_step_q32 = 0;
-    m->scale_step_q30 = 0;
-    m->lag_step_q4 = 0;
-    m->height_step_q32 = 0;
-}
-
-/// Plan the axes by the state. @return as cam_positioning_isr()
-static bool plan_rest(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m)
+/// Plan the axes of the present state. @return as cam_positioning_isr()
+static bool plan_state(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m)
 {
     if (m->state == cam_state_fault) {
         move_off(cfg, r->in.actual_nm[hal_axis_z], m);
@@ -161,13 +147,16 @@ static bool plan_rest(const cam_play_config_t *cfg, const cam_tick_record_t *r, 
 
 bool cam_positioning_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m)
 {
-    end_increments(m);
+    m->phase_step_q32 = 0; // only the cut moves these
+    m->scale_step_q30 = 0;
+    m->lag_step_q4 = 0;
+    m->height_step_q32 = 0;
     const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
     m->spindle_mrpm = is_idle ? 0 : cam_mul_shift(cfg->spindle_mrpm, cfg->spindle_rate_q30, 30);
     m->alpha_q40 = 0;
     m->alpha_u = 0;
     m->faults = 0;
-    const bool is_there = plan_rest(cfg, r, m);
+    const bool is_there = plan_state(cfg, r, m);
     m->is_filtering = m->state != cam_state_off;
     return is_there;
 }

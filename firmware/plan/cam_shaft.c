@@ -7,7 +7,7 @@
 #define ONE_Q30 (INT32_C(1) << 30)
 
 /// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
-/// @return       [1 / 2^30] what a smooth step leaves of 1; its end is exactly 0
+/// @return       [1 / 2^30] 1 minus the smooth step, exactly 0 at its end
 static int32_t left_q30(int32_t s_q31)
 {
     return s_q31 < INT32_MAX ? ONE_Q30 - cam_envelope_smooth_q30(s_q31) : 0;
@@ -23,7 +23,7 @@ cam_share_t cam_shaft_share(int32_t change_q31, bool has_speed)
                                  : (cam_share_t){0, left_q30(2 * (change_q31 - half_q31) + 1)};
 }
 
-/// Take up a lobe: its pattern at once, and its phase besides the operator's.
+/// Select a lobe: its pattern, and its phase in addition to the operator's.
 static void take(cam_shaft_t *s, const cam_table_t *t, uint32_t i, cam_motion_t *m)
 {
     const cam_lobe_t *lobe = &t->lobes[i];
@@ -47,9 +47,9 @@ void cam_shaft_begin_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam
 
 int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm)
 {
-    const int64_t led_q8 = cam_wrap_add_i64(s->z_q8, s->speed_q8);
-    const int64_t off_q8 = cam_wrap_sub_i64((int64_t)z_nm * 256, led_q8);
-    s->z_q8 = cam_wrap_add_i64(led_q8, off_q8 >> 3); // two equal poles: 1/8 and (1/8)^2 / 4
+    const int64_t predicted_q8 = cam_wrap_add_i64(s->z_q8, s->speed_q8);
+    const int64_t off_q8 = cam_wrap_sub_i64((int64_t)z_nm * 256, predicted_q8);
+    s->z_q8 = cam_wrap_add_i64(predicted_q8, off_q8 >> 3); // two equal poles: 1/8 and (1/8)^2 / 4
     s->speed_q8 = cam_wrap_add_i64(s->speed_q8, off_q8 >> 8);
     return (int32_t)(cam_wrap_add_i64(s->z_q8, 128) >> 8);
 }

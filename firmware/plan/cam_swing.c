@@ -3,14 +3,14 @@
 #include "cam_eval.h" // cam_eval_segment
 #include "cam_fix.h"  // cam_mulhi
 
-/// @return [turn / 2^32] where the line has led some ticks after its begin; it may wrap
-static int32_t led_to(const cam_swing_t *s, int32_t ticks)
+/// @return [turn / 2^32] position on the line after some ticks; it wraps
+static int32_t on_line(const cam_swing_t *s, int32_t ticks)
 {
     const uint32_t travel_q32 = (uint32_t)s->set.vel_q32 * (uint32_t)ticks;
     return (int32_t)((uint32_t)s->set.pos_q32 + travel_q32);
 }
 
-static void write_down(cam_swing_t *s, int32_t pos_q32, int32_t vel_q32)
+static void write_set(cam_swing_t *s, int32_t pos_q32, int32_t vel_q32)
 {
     s->set.pos_q32 = pos_q32;
     s->set.vel_q32 = vel_q32;
@@ -32,19 +32,19 @@ void cam_swing_plan_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t t
 {
     const int32_t target_q30 = cam_mulhi(read(cfg, theta_q32, z), scale_q30);
     const int32_t target_q32 = (int32_t)((uint32_t)target_q30 * 4u);
-    // The new line starts where the drive has been led, not where the last plan aimed: the speed is
-    // rounded, and no step may remain at the joint of two lines.
-    const int32_t from_q32 = led_to(s, cfg->plan_ticks);
+    // The new line starts at the end of the last one, not at its target: the speed is rounded, and
+    // lines must join without a step.
+    const int32_t from_q32 = on_line(s, cfg->plan_ticks);
     const int32_t left_q32 = cam_wrap_sub(target_q32, from_q32);
     s->is_there = false;
-    write_down(s, from_q32, cam_mul_shift(left_q32, cfg->per_plan_q30, 30));
+    write_set(s, from_q32, cam_mul_shift(left_q32, cfg->per_plan_q30, 30));
 }
 
 uint32_t cam_swing_check_isr(const cam_swing_t *s, const cam_play_config_t *cfg, int32_t actual_q32)
 {
-    // The set-point took effect one tick after its plan, so that one tick of the line is left.
-    const int32_t behind_q32 = (int32_t)(((int64_t)s->set.vel_q32 * cfg->swing.lag_q16) >> 16);
-    const int32_t due_q32 = cam_wrap_sub(led_to(s, cfg->plan_ticks - 1), behind_q32);
+    // The set-point took effect one tick after its plan, so one tick of the line remains.
+    const int32_t lag_q32 = (int32_t)(((int64_t)s->set.vel_q32 * cfg->swing.lag_q16) >> 16);
+    const int32_t due_q32 = cam_wrap_sub(on_line(s, cfg->plan_ticks - 1), lag_q32);
     const int32_t off_q32 = cam_wrap_sub(actual_q32, due_q32);
     return cam_is_within(off_q32, cfg->swing.following_q32) ? 0u : CAM_FAULT_BIT(swing);
 }
@@ -52,7 +52,7 @@ uint32_t cam_swing_check_isr(const cam_swing_t *s, const cam_play_config_t *cfg,
 void cam_swing_rest_isr(cam_swing_t *s, const cam_play_config_t *cfg,
                         const cam_swing_limits_t *limits)
 {
-    const int32_t pos_q32 = led_to(s, cfg->plan_ticks);
+    const int32_t pos_q32 = on_line(s, cfg->plan_ticks);
     const int32_t most_q32 = limits->speed_q32;
     // A speed in proportion to the distance needs no square root, and falls within the limit of the
     // acceleration as the swing nears 0 (cam_build.c chooses the gain so).
@@ -61,12 +61,12 @@ void cam_swing_rest_isr(cam_swing_t *s, const cam_play_config_t *cfg,
     const int32_t change_q32 = cam_wrap_sub(wanted_q32, s->set.vel_q32);
     const int32_t step_q32 = cam_clamp_i32(change_q32, -limits->step_q32, limits->step_q32);
     const int32_t vel_q32 = cam_wrap_add(s->set.vel_q32, step_q32);
-    write_down(s, pos_q32, vel_q32);
+    write_set(s, pos_q32, vel_q32);
     s->is_there = vel_q32 == 0 && home_q32 == 0;
 }
 
 void cam_swing_follow_isr(cam_swing_t *s, int32_t actual_q32)
 {
     s->is_there = false;
-    write_down(s, actual_q32, 0);
+    write_set(s, actual_q32, 0);
 }

@@ -3,10 +3,10 @@
 #include "cam_fix.h" // cam_abs_i64, cam_sat_i32
 #include <stddef.h>  // NULL
 
-/// [nm] what is learned moves the command of U by this at once, at most.
+/// [nm] largest step of the command of U by a learned correction.
 #define LEARNED_STEP_NM 1000
 
-/// @return the half that is not offered
+/// @return the other half
 static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *offered)
 {
     return offered == &bank->half[0] ? &bank->half[1] : &bank->half[0];
@@ -47,7 +47,7 @@ void cam_config_learn(cam_config_t *config)
     cam_config_limit_command(config);
 }
 
-/// @return [nm] of nm / 1024, rounded up, and what is learned more; below 2^30, so that two of them
+/// @return [nm] limit rounded up, plus the step of a learned correction; at most 2^29, so that sums
 /// fit a word
 static int32_t limit_nm(int64_t q10)
 {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_config: what the interrupt reads and never changes, and how it is handed over.
+/// cam_config: the configuration, read-only for the interrupt, and its hand-over.
 ///
-/// cam_build.h makes a configuration of parameters and table on the slow side, with all divisions
-/// and all checks of fit, in the half of the bank that the interrupt does not use; the interrupt
-/// takes it at the start of a tick and keeps it for that tick. There is no lock, but one atomic
-/// pointer in each direction.
+/// The slow side (cam_build.h) builds a configuration from parameters and table, with all divisions
+/// and range checks, in the half of the bank that is not in use. The interrupt takes it at the
+/// start of a tick. No lock: one atomic pointer in each direction.
 #ifndef CAM_CONFIG_H
 #define CAM_CONFIG_H
 
@@ -22,13 +21,13 @@
 #include <stdbool.h>          // bool
 #include <stdint.h>           // int32_t, int64_t, uint32_t
 
-/// What the angle needs (cam_spindle.h).
+/// Configuration of cam_spindle.h.
 typedef struct {
     const int16_t *dm;                ///< cam_learned_t of the same configuration
     uint32_t sign_mask;               ///< 0, or ~0 when counts fall while cutting
     int32_t counts_per_turn;          ///< 64 .. 2^24
     uint32_t turn_per_count_q32;      ///< [turn / 2^32 per count] whole part of 2^32 / counts
-    uint32_t turn_per_count_fraction; ///< ... and 2^32 times what is left
+    uint32_t turn_per_count_fraction; ///< ... and 2^32 times the remainder
     uint32_t centre_q32;              ///< [turn / 2^32] offset of the index and half a count
     int32_t kp_q31;                   ///< observer gain of the position per tick
     int32_t ki_q32;                   ///< ... of the speed, below 1/2
@@ -42,11 +41,11 @@ typedef struct {
     uint32_t late_clocks;             ///< [1 / clock_hz] a longer period is a fault
     uint32_t most_clocks;             ///< [1 / clock_hz] a longer period counts as this one
     uint32_t ticks_per_clock_q27;     ///< [ticks per unit of the time stamp]
-    uint32_t stamp_clocks;            ///< [1 / clock_hz] an edge older than this less a tick has no
-                                      ///< use; 0 where edges have no time stamps
+    uint32_t stamp_clocks;            ///< [1 / clock_hz] an edge older than this minus a tick is
+                                      ///< not used; 0: edges have no time stamps
 } cam_spindle_config_t;
 
-/// Powers of two that bring what the table says of U to nm / 64 and nm / 1024.
+/// Powers of two that scale the table's U to nm / 64 and nm / 1024.
 typedef struct {
     uint32_t speed_shift; ///< speed << this is below 2^30
     int32_t offset;       ///< value at p = 0 in the unit of y
@@ -57,36 +56,36 @@ typedef struct {
     uint32_t alpha_shift; ///< of the acceleration that the spindle is commanded
 } cam_u_scale_t;
 
-/// Limits of the return to 0.
+/// Limits of the return of the swing to 0.
 typedef struct {
     int32_t speed_q32; ///< [turn / 2^32 per tick]
     int32_t step_q32;  ///< ... by which it may change from one set-point to the next
     int32_t gain_q32;  ///< [1 / tick] speed over distance, at most a quarter per plan
 } cam_swing_limits_t;
 
-/// What the plan needs of the tool's swing (cam_swing.h).
+/// Configuration of cam_swing.h.
 typedef struct {
     bool is_swung;             ///< the table swings the tool and there is an axis for it
     int32_t ahead_q16;         ///< [ticks] from a plan to the end of its line, lag included
     int32_t lag_q16;           ///< [ticks] of the drive
-    int32_t ahead2;            ///< [ticks^2] what the acceleration of the spindle adds until then
+    int32_t ahead2;            ///< [ticks^2] factor of the spindle's acceleration until then
     int32_t following_q32;     ///< [turn / 2^32] accepted following error
-    int32_t offset_q30;        ///< [turn / 2^30] value at 0 of the channel
+    int32_t offset_q30;        ///< [turn / 2^30] value of the channel at 0
     int32_t unit_q30;          ///< what is read, twice LSB / 16, times this / 2^32 is turn / 2^30
     cam_swing_limits_t gentle; ///< of the return to 0: a quarter of the machine's limits
     cam_swing_limits_t full;   ///< ... in state fault: all of them
 } cam_swing_config_t;
 
-/// What is demanded of the button at the machine (cam_acknowledge.h).
+/// Configuration of the button at the machine (cam_acknowledge.h).
 typedef struct {
-    bool is_demanded;      ///< false: the drives are enabled without it
+    bool is_demanded;      ///< false: enable needs no press
     uint32_t settle_plans; ///< [plans] for which a level of the input is stable before it counts
     uint32_t least_plans;  ///< [plans] it is released, and then pressed, at least
     uint32_t most_plans;   ///< [plans] it is pressed at most
     uint32_t good_plans;   ///< [plans] in which enable must come
 } cam_acknowledge_config_t;
 
-/// What play and plan need (cam_play.h, cam_plan.h).
+/// Configuration of play and plan (cam_play.h, cam_plan.h).
 typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
     const int16_t *c;         ///< of cam_learned_t of the same configuration
@@ -99,9 +98,9 @@ typedef struct {
     int32_t per_plan_q30;            ///< [1 / ticks] its reciprocal, rounded down
     int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
     int32_t u_plan_q16, xz_plan_q16; ///< [ticks] lead and lag, and to the end of a plan
-    int32_t commanded_q16;  ///< [ticks] ahead of the master: no axis was commanded beyond it
-    int32_t ratio_q16;      ///< [ticks] the speed ratio is read this much ahead
-    int32_t xz_lag2;        ///< [ticks^2] what the spindle's acceleration adds to X and Z
+    int32_t commanded_q16;  ///< [ticks] ahead of the master: no axis is commanded beyond it
+    int32_t ratio_q16;      ///< [ticks] lead of the speed ratio
+    int32_t xz_lag2;        ///< [ticks^2] factor of the spindle's acceleration for X and Z
     int64_t height_max_q32; ///< [slices] end of the table for U
     int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
@@ -115,7 +114,7 @@ typedef struct {
     cam_rings_t rings;      ///< off: the feed is that of a helix
     int32_t feed_nm;        ///< [nm] per turn
     int32_t z_first_nm;     ///< [nm] where the feed starts
-    int32_t z_origin_nm;    ///< [nm] where the port counts Z at height 0 of the part
+    int32_t z_origin_nm;    ///< [nm] Z at height 0 of the part, in port coordinates
     int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z, by the port
     int32_t z_margin_nm;         ///< [nm] accepted distance of a geared Z from its place
     int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
@@ -133,16 +132,16 @@ typedef struct {
     cam_excite_config_t excite; ///< wave of U in the state identifying
     cam_jog_config_t jog;       ///< order of the state manual
     cam_acknowledge_config_t acknowledge;
-    // What the operator changes in the cut (cam_changes.h); the plan alone reads it
+    // Changed by the operator in the cut (cam_changes.h); read by the plan alone
     int32_t feed_rate_q30;     ///< [1] override of the feed; 0: it is held, else at least 1/100
     int32_t per_feed_rate_q24; ///< [1] its reciprocal, 0 where it is held
     int32_t x_trim_q4;         ///< [nm / 16] stock of the pass and the operator's trim
-    int32_t x_trim_step_q4;    ///< [nm / 16] by which that may change from plan to plan
+    int32_t x_trim_step_q4;    ///< [nm / 16] largest change per plan
     int32_t spindle_rate_q30;  ///< [1] override of the spindle
-    int32_t spindle_step_q30;  ///< [1] by which that may change from plan to plan
+    int32_t spindle_step_q30;  ///< [1] largest change per plan
 } cam_play_config_t;
 
-/// What the guard needs (cam_guard.h).
+/// Configuration of cam_guard.h.
 typedef struct {
     int32_t overspeed_q32;      ///< [turn / 2^32 per tick]
     int32_t stopped_q32;        ///< [turn / 2^32 per tick]
@@ -150,26 +149,26 @@ typedef struct {
     uint32_t stopped_ticks;     ///< [ticks] in the cut
     uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
     int32_t following_nm;       ///< [nm] accepted following error of U in the cut
-    int32_t approach_nm;        ///< [nm] the same where U moves by time, not less
+    int32_t approach_nm;        ///< [nm] the same where U moves by time, at least as large
     int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
     int32_t u_acc_off_q6;       ///< [nm / 64 per tick^2] of a tick off its time, whose step differs
     int32_t u_range_q6;         ///< [nm / 64] half the stroke
-    cam_motion_limits_t u;      ///< all that U can
-    cam_motion_limits_t leave;  ///< for the retract: its speed leaves room for the feed-forward
-    int64_t u_retract_q10;      ///< [nm / 1024] place of U out of the work
+    cam_motion_limits_t u;      ///< capability of U
+    cam_motion_limits_t leave;  ///< of the retract: leaves room for the feed-forward
+    int64_t u_retract_q10;      ///< [nm / 1024] position of U outside the work
 } cam_guard_config_t;
 
-/// Limits of what the axes are told, and what U is told beside its set-point (cam_axis_command.h).
+/// Limits of the axis commands, and feed-forward of U (cam_axis_command.h).
 typedef struct {
-    int32_t k1_q16;              ///< [ticks] velocity feed-forward, with what was learned of it
+    int32_t k1_q16;              ///< [ticks] velocity feed-forward, learned part included
     int32_t k2_q16;              ///< [ticks^2] acceleration feed-forward, likewise
     int32_t range_nm;            ///< [nm] half the stroke, for the command of U
     int32_t step_nm;             ///< [nm per tick] speed of the command of U, feed-forward included
     int32_t change_nm;           ///< [nm per tick^2] its acceleration
     int32_t change_off_nm;       ///< ... in a tick off its time
     int32_t vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] X and Z
-    int32_t change_q10[hal_n_axes]; ///< [nm / 1024 per tick] by which a plan changes it
-    int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] by which a plan moves the place at once
+    int32_t change_q10[hal_n_axes]; ///< [nm / 1024 per tick] change of speed per plan
+    int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] step of position in a plan
 } cam_axis_command_config_t;
 
 enum { cam_n_switches = 8 }; ///< position switches
@@ -186,13 +185,13 @@ typedef struct {
     int32_t sense;               ///< 1, -1: on in this sense of rotation only; 0: in both
 } cam_switch_config_t;
 
-/// All of them.
+/// All position switches.
 typedef struct {
-    uint32_t n; ///< up to the last that is in use
+    uint32_t n; ///< number up to the last one in use
     cam_switch_config_t each[cam_n_switches];
 } cam_switches_config_t;
 
-/// Everything that a tick reads and does not change.
+/// Everything that a tick reads without changing it.
 typedef struct {
     cam_spindle_config_t spindle;
     cam_play_config_t play;
@@ -216,25 +215,24 @@ typedef struct {
 /// Context: slow side.
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 
-/// Copy the configuration that was handed over last into the free half, and take what was learned
-/// off its gains.
+/// Copy the newest configuration into the free half, and subtract the learned part of its gains.
 /// @return the copy, NULL while the interrupt has not taken the last one. Context: slow side.
 cam_config_t *cam_config_copy(cam_config_bank_t *bank);
 
-/// Let a configuration point to its own table and to what it has learned.
+/// Set the pointers of a configuration to its own table and learned values.
 /// Context: slow side, before it is offered.
 void cam_config_tie(cam_config_t *config, bool has_table);
 
-/// Add what a configuration has learned of the drive to its gains.
+/// Add the learned part to the gains.
 /// Context: slow side, once before it is offered.
 void cam_config_learn(cam_config_t *config);
 
-/// Derive the limits of what U is told from its own and from the gains of the feed-forward: of the
-/// command's speed v + k1 a + k2 j and of its acceleration a + k1 j + k2 j / tick, with the largest
-/// of each at once, MATHS.md (213). Context: slow side, behind every change of the gains.
+/// Derive the limits of U's command from those of U and from the feed-forward: speed
+/// v + k1 a + k2 j and acceleration a + k1 j + k2 j / tick, all at their largest at once, MATHS.md
+/// (213). Context: slow side, after every change of the gains.
 void cam_config_limit_command(cam_config_t *config);
 
-/// Hand the free half over; it is in force from the next tick on. Context: slow side.
+/// Hand over the free half; it is in force from the next tick on. Context: slow side.
 void cam_config_offer(cam_config_bank_t *bank);
 
 /// @return the configuration of this tick. Context: ISR, constant time.

@@ -4,10 +4,10 @@
 #include <stddef.h>    // NULL, size_t
 #include <string.h>    // memset
 
-/// Turns are numbered modulo 2^24; this bit tells a number from none.
+/// Turns are numbered modulo 2^24; this bit marks a number as valid.
 #define IS_TURN (UINT32_C(1) << 24)
 
-/// @return number of a turn, with the bit that tells it from none
+/// @return number of a turn, marked as valid
 static uint32_t numbered(uint32_t turn)
 {
     return (turn & (IS_TURN - 1u)) | IS_TURN;
@@ -18,7 +18,7 @@ static uint32_t turn_at(uint32_t at_q8)
     return at_q8 >> 8;
 }
 
-/// @return whether this plan found U playing with nothing but the height in motion
+/// @return whether U follows the table with constant amplitude and phase
 static bool is_still(const cam_motion_t *m)
 {
     return m->is_playing && m->scale_step_q30 == 0 && m->phase_step_q32 == 0;
@@ -77,9 +77,9 @@ static cam_turn_bin_t *bank_of(cam_turn_bins_t *g, uint32_t bank)
     return &g->bin[bank != 0u ? cam_turn_bins_n : 0];
 }
 
-/// Clear the bank that is idle in a turn, and mark it when the interrupt cannot have reached the
-/// next turn meanwhile: a plan is at most a quarter of a turn old, or the turn is too short to
-/// learn from. A late mark names a turn that the interrupt has opened as not clean.
+/// Clear the bank that is idle during a turn. Mark it as clean unless the interrupt may have
+/// reached the next turn meanwhile: a plan is at most a quarter turn old, or the turn is too short
+/// to learn from. A late mark is harmless, because the interrupt has opened that turn as not clean.
 /// @return whether it was in time
 static bool clear(cam_turn_bins_t *g, uint32_t turn)
 {

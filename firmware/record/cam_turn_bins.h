@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_turn_bins: what the interrupt gathers for learning, and what it plays of what was learned.
+/// cam_turn_bins: per-turn error bins for learning, and the learned tables.
 ///
-/// In every tick the interrupt adds the error of U to one of 128 bins per turn. There are two banks
-/// of bins, which take the turns alternately: the bank of a tick is the lowest bit of the master
-/// position's turn, so that a bank holds exactly the ticks of one turn. While one bank fills, the
-/// slow side reads the other one and empties it:
+/// In every tick the interrupt adds the error of U to one of 128 bins per turn. Two banks of bins
+/// alternate from turn to turn: the bank is the lowest bit of the turn number, so a bank holds
+/// exactly one turn. While one bank fills, the slow side reads and clears the other one:
 ///
 ///     turn      | k - 1      | k          | k + 1      |
 ///     interrupt | odd bank   | even bank  | odd bank   |
 ///     slow side |            | reads and clears k - 1, until three quarters of turn k
 ///
-/// The slow side makes of them cam_learned_t, which reaches the interrupt as a part of the
-/// configuration (cam_machine_learn_begin()): gains of the feed-forward, a correction c of U's
-/// command and the deviation d of the spindle from uniform rotation. All tables and bins are over
-/// the angle of the spindle; the slow side turns them by the operator's phase. Zeros change
-/// nothing. Source: MATHS.md (135) .. (138).
+/// From them the slow side computes cam_learned_t, which reaches the interrupt as a part of the
+/// configuration (cam_machine_learn_begin()): feed-forward gains, a correction c of U's command and
+/// the deviation d of the spindle from uniform rotation. Tables and bins are functions of the
+/// spindle angle; the slow side rotates them by the operator's phase. Zeros have no effect. Source:
+/// MATHS.md (135) .. (138).
 #ifndef CAM_TURN_BINS_H
 #define CAM_TURN_BINS_H
 
@@ -29,32 +28,32 @@ enum {
     cam_turn_bins_log2 = 7,
     cam_turn_bins_n = 1 << cam_turn_bins_log2, ///< per turn
     cam_learned_points = 256,                  ///< knots per turn of the tables
-    cam_turn_bins_most_ticks = 16384,          ///< a longer turn is not gathered: its sums may wrap
+    cam_turn_bins_most_ticks = 16384,          ///< a longer turn is not used: its sums may wrap
 };
 
-/// What was learned. The slow side fills it, the interrupt only reads it. A table has one entry
-/// more than knots, entry 256 = entry 0, and is linear in between. Over the angle of the spindle:
-/// entry i is at i / 256 turn of the master position.
+/// Learned values, written by the slow side, read by the interrupt. Knot i of a table is at i / 256
+/// turn of the master position, knot 256 equals knot 0, and values in between are interpolated
+/// linearly.
 typedef struct {
     int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
     int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward
     int16_t c[cam_learned_points + 2];  ///< [nm] at full amplitude, added to U's command
     int16_t d[cam_learned_points + 2];  ///< [turn / 2^23] true deviation of the spindle: its angle
                                         ///< is that of the observer plus d
-    int16_t dm[cam_learned_points + 2]; ///< [turn / 2^23] what the encoder measures of it: d plus
-                                        ///< eccentricity, taken off before the observer
+    int16_t dm[cam_learned_points + 2]; ///< [turn / 2^23] deviation seen by the encoder: d plus
+                                        ///< eccentricity, subtracted before the observer
 } cam_learned_t;
 
-/// One bin; sums over its ticks wrap. Means are the sums over n.
+/// One bin: sums over its ticks, which wrap.
 typedef struct {
-    int32_t error_q6;  ///< [nm / 64] set-point of U that was due, minus measured U
-    int32_t u_nm;      ///< [nm] set-point that was due, rounded down
-    int32_t angle_q24; ///< [turn / 2^24] measured angle behind the begin of the bin; as measured,
-                       ///< before anything learned is taken off, so it may lie outside the bin
+    int32_t error_q6;  ///< [nm / 64] due set-point of U minus measured U
+    int32_t u_nm;      ///< [nm] due set-point, rounded down
+    int32_t angle_q24; ///< [turn / 2^24] measured angle minus begin of the bin; without the learned
+                       ///< correction, so it may be outside the bin
     uint32_t n;        ///< ticks
 } cam_turn_bin_t;
 
-/// What is known of a turn whose bank is closed.
+/// Description of a turn whose bank is closed.
 typedef struct {
     uint32_t turn;                     ///< number of the turn, modulo 2^24
     uint32_t config_begin, config_end; ///< generation of the configuration in its first and
@@ -71,8 +70,8 @@ typedef struct {
     uint32_t n_plans;                         ///< plans in it
 } cam_turn_t;
 
-/// Bins and their turns. Zero-initialised is empty; nothing is gathered into a bank that the slow
-/// side has not cleared, so that learning begins with its first call of cam_turn_bins_take().
+/// Bins and their turns. Zero-initialised: empty. A bank counts only after the slow side has
+/// cleared it, so learning begins with the first call of cam_turn_bins_take().
 typedef struct {
     cam_turn_bin_t bin[2 * cam_turn_bins_n]; ///< interrupt adds, slow side clears the idle bank
     cam_turn_t now;                          ///< interrupt only: the turn that is gathered
@@ -84,7 +83,7 @@ typedef struct {
     uint32_t taken;                  ///< slow side only: turn + 2^24 that was taken last
 } cam_turn_bins_t;
 
-/// Add one tick to its bin, unless it is in state fault. Sums wrap.
+/// Add one tick to its bin, except in state fault.
 /// @param r  record of the tick, commanded
 /// Context: ISR, constant time.
 static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_record_t *r)
@@ -95,21 +94,21 @@ static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_reco
     const uint32_t low = cam_angle_of_pos(r->angle.pos_q32) >> (32 - cam_turn_bins_log2);
     const uint32_t high = (uint32_t)((uint64_t)r->angle.pos_q32 >> 32);
     const uint32_t i = cam_insert_bits(low, high, cam_turn_bins_log2, 1);
-    // The bank shifts out of the word, so this is the begin of the bin in the turn.
-    const int32_t behind_q32 = (int32_t)(r->angle.measured_q32 - (i << (32 - cam_turn_bins_log2)));
+    // The bank bit shifts out of the word, which leaves the begin of the bin.
+    const int32_t in_bin_q32 = (int32_t)(r->angle.measured_q32 - (i << (32 - cam_turn_bins_log2)));
     const uint32_t error_q6 =
         (uint32_t)r->want.u_due_q6 - 64u * (uint32_t)r->in.actual_nm[hal_axis_u];
     cam_turn_bin_t *bin = &g->bin[i];
     bin->error_q6 = (int32_t)((uint32_t)bin->error_q6 + error_q6);
     bin->u_nm = cam_wrap_add(bin->u_nm, r->want.u_due_q6 >> 6);
-    bin->angle_q24 = cam_wrap_add(bin->angle_q24, behind_q32 >> 8);
+    bin->angle_q24 = cam_wrap_add(bin->angle_q24, in_bin_q32 >> 8);
     bin->n++;
 }
 
-/// Where between two knots an angle lies.
+/// Position of an angle between two knots.
 typedef struct {
-    uint32_t knot;  ///< the one before, 0 .. 255
-    uint32_t share; ///< [1 / 256] of both knots, that of the one before in the lower half
+    uint32_t knot;  ///< the first one, 0 .. 255
+    uint32_t share; ///< [1 / 256] weights of both knots, that of the first one in the lower half
 } cam_learned_place_t;
 
 /// Context: ISR, constant time.
@@ -136,22 +135,20 @@ static inline uint32_t cam_learned_turn_q32(const int16_t *table, cam_learned_pl
     return 2u * (uint32_t)cam_learned_at_q8(table, at);
 }
 
-/// Once per plan: notice a new turn, close its predecessor and open it.
-/// @param generation  of the configuration in force
+/// Once per plan: on a new turn, close the last one and open the new one.
 /// Context: ISR.
 void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, const cam_motion_t *m);
 
-/// Take the bank of the turn before the present one, if it holds that turn and nothing else. Where
-/// there is none, the idle bank is cleared for the next turn.
+/// Take the bank of the last turn, if it holds exactly that turn; otherwise clear the idle bank for
+/// the next turn.
 /// @param turn  result
 /// @return      128 bins, bin i from i / 128 turn of the master position on, NULL for none; valid
 ///              until cam_turn_bins_release()
 /// Context: slow side, one caller, at least three times a turn.
 const cam_turn_bin_t *cam_turn_bins_take(cam_turn_bins_t *g, cam_turn_t *turn);
 
-/// Give a bank back, cleared. @return false when it was late, more than three quarters of a turn
-/// behind the end of that turn: what was read may have been overwritten and must be forgotten.
-/// Context: slow side.
+/// Clear a bank and give it back. @return false if more than three quarters of a turn late: the
+/// data may have been overwritten while it was read and must be discarded. Context: slow side.
 bool cam_turn_bins_release(cam_turn_bins_t *g);
 
 #endif
