@@ -76,7 +76,7 @@ static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
 
 /// Plan the axes: jogged in the state manual, otherwise by the table or to rest. Homing may shift
 /// U's origin, which moves every position of U by the same amount.
-static void plan_state(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+static void plan_by_state(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     if (c->motion.state != cam_state_manual) {
         cam_jog_idle_isr(&c->jog, &cfg->play, r);
@@ -106,7 +106,7 @@ static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg
     } else {
         faults = cam_spindle_check_index_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     }
-    plan_state(c, cfg, r);
+    plan_by_state(c, cfg, r);
     m->was_off = false;
     faults |= cam_axis_command_plan_isr(&c->command, &cfg->command, m, before);
     faults |= cam_guard_plan_isr(&c->guard, &cfg->guard, r);
