@@ -123,16 +123,17 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// Replace the set-points of play by those of the retract.
-static void write_retract(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m,
-                          uint32_t outputs)
+/// Replace the set-points of play by those of the retract. The drives stay enabled until it has
+/// ended, unless one of them is not ready.
+static void write_retract(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m)
 {
+    const bool is_held = !m->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
     g->u_set_q6 = cam_sat_i32(m->axis[hal_axis_u].pos_q10 >> 4);
     r->want.state = cam_state_fault;
     r->want.spindle_mrpm = 0;
     r->want.u_set_q6 = g->u_set_q6;
     r->want.faults = g->faults;
-    r->want.outputs = outputs;
+    r->want.outputs = is_held ? hal_out_fault | hal_out_enable : hal_out_fault;
     r->want.is_retracted = m->is_retracted;
 }
 
@@ -157,8 +158,7 @@ static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record
     m->state = cam_state_fault;
     m->is_playing = false;
     m->is_retracted = false;
-    const bool is_held = (faults & CAM_FAULT_BIT(drive)) == 0u;
-    write_retract(g, r, m, is_held ? hal_out_fault | hal_out_enable : hal_out_fault);
+    write_retract(g, r, m);
 }
 
 /// After the tick of the fault U retracts (if it was jogged: brakes) while the plan moves the other
@@ -173,8 +173,7 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_reco
                               ? cam_jerk_filter_stop_isr(filter, u, &cfg->leave)
                               : cam_jerk_filter_to_isr(filter, u, &cfg->leave, cfg->u_retract_q10);
     m->is_retracted = m->is_retracted || (is_u_out && m->is_clear);
-    const bool is_held = !m->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
-    write_retract(g, r, m, is_held ? hal_out_fault | hal_out_enable : hal_out_fault);
+    write_retract(g, r, m);
 }
 
 /// Off: set-points follow the axes, and no fault is latched.

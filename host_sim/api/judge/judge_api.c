@@ -91,46 +91,16 @@ bool judge_api_set(judge_api_t *j, const char *name, double value)
 /// @return name of the error of a limit
 static const char *name_of(cam_err_t err)
 {
-#define NAMED(name)                                                                                \
-    {                                                                                              \
-        cam_err_##name, #name                                                                      \
+    switch (err) {
+#define NAME(name, number, text)                                                                   \
+    case cam_err_##name:                                                                           \
+        return #name;
+        CAM_ERRORS(NAME)
+#undef NAME
+    case cam_ok:
+        break;
     }
-    static const struct {
-        cam_err_t err;
-        const char *name;
-    } names[] = {
-        NAMED(cam_amplitude),
-        NAMED(swing_axis),
-        NAMED(z_stations),
-        NAMED(override_measured),
-        NAMED(override_rings),
-        NAMED(swing_range),
-        NAMED(swing_speed),
-        NAMED(swing_acceleration),
-        NAMED(spindle_speed),
-        NAMED(u_stroke),
-        NAMED(u_retract),
-        NAMED(u_speed),
-        NAMED(u_acceleration),
-        NAMED(feed),
-        NAMED(z_speed),
-        NAMED(z_acceleration),
-        NAMED(tick_rate),
-        NAMED(spindle_acceleration),
-        NAMED(spindle_loop),
-        NAMED(spindle_set_point),
-        NAMED(x_speed),
-        NAMED(x_acceleration),
-        NAMED(u_command),
-        NAMED(u_command_speed),
-        NAMED(u_command_acceleration),
-        NAMED(turns),
-    };
-    size_t i = 0;
-    while (i + 1u < sizeof names / sizeof names[0] && names[i].err != err) {
-        i++;
-    }
-    return names[i].name;
+    return "";
 }
 
 static judge_api_demand_t named(const cam_demand_t *d)
