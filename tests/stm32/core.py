@@ -41,6 +41,12 @@ RETURN_HANDLER, RETURN_THREAD = 0xFFFFFFF1, 0xFFFFFFF9
 NO_FP_BIT = 1 << 4  # of EXC_RETURN: set when the frame has 8 words
 
 
+def is_double_store(instruction: bytes) -> bool:
+    """Return whether an instruction is STRD, the store of 64 bits (ARMv7-M ARM A7.7.166)."""
+    half = int.from_bytes(instruction[:2], "little")
+    return half & 0xFE50 == 0xE840 and bool(half & 0x120)
+
+
 class Nvic(Device):
     """The system control space: which exception is due, and what may be written there.
 

@@ -35,7 +35,7 @@ from unicorn import arm_const as arm
 from unicorn.unicorn_py3.unicorn import uclib
 
 from bus import InsnClock, UnmodelledError
-from core import Exceptions
+from core import Exceptions, is_double_store
 from devices import GATES, Devices
 from flash_pwr import WORD_BYTES
 from image import Image
@@ -245,16 +245,12 @@ class Chip(Devices):
         self._fail(UnmodelledError("no memory there"), address)
         return False
 
-    def is_double_store(self, pc: int) -> bool:
-        """Return whether an instruction is STRD, the store of 64 bits (ARMv7-M ARM A7.7.166)."""
-        half = int.from_bytes(self.uc.mem_read(pc, 2), "little")
-        return half & 0xFE50 == 0xE840 and bool(half & 0x120)
-
     def _on_null(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object
     ) -> None:
         pc = uc.reg_read(arm.UC_ARM_REG_PC)
-        if access != UC_MEM_WRITE or not self.is_double_store(pc) or self.nvic.mpu.is_on:
+        is_clearing = access == UC_MEM_WRITE and is_double_store(bytes(uc.mem_read(pc, 2)))
+        if not is_clearing or self.nvic.mpu.is_on:
             self._fail(UnmodelledError("null pointer"), address)
 
     def _on_null_code(self, uc: Uc, address: int, size: int, user: object) -> None:

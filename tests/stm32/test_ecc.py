@@ -14,6 +14,7 @@ from unicorn import arm_const as arm
 from board import TABLE
 from camtools.link.controller import Status
 from camtools.link.watch import report
+from core import is_double_store
 from emulator import FLASH, RAMS, Chip
 from remote import DATABASE, DETAIL, START
 from session import Session
@@ -61,7 +62,7 @@ class StartUp:
         is_store = access == UC_MEM_WRITE
         if is_store and pc in BOOT:
             self.of_boot.update(words)
-        if is_store and self.chip.is_double_store(pc):
+        if is_store and is_double_store(bytes(self.chip.uc.mem_read(pc, 2))):
             self.doubles.update(words)
         else:
             self.early += [word for word in words if word not in self.doubles]
