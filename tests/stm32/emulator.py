@@ -248,9 +248,8 @@ class Chip(Devices):
     def _on_null(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object
     ) -> None:
-        pc = uc.reg_read(arm.UC_ARM_REG_PC)
-        is_clearing = access == UC_MEM_WRITE and is_double_store(bytes(uc.mem_read(pc, 2)))
-        if not is_clearing or self.nvic.mpu.is_on:
+        code = bytes(uc.mem_read(uc.reg_read(arm.UC_ARM_REG_PC), 2))
+        if access != UC_MEM_WRITE or not is_double_store(code) or self.nvic.mpu.is_on:
             self._fail(UnmodelledError("null pointer"), address)
 
     def _on_null_code(self, uc: Uc, address: int, size: int, user: object) -> None:
