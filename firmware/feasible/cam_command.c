@@ -12,7 +12,7 @@ enum { n_coefficients = 6 };
 /// Beyond these the peaks alone are the bound: all products fit 64 bits.
 enum { most_per_ms_log2 = 10, most_ahead_log2 = 10 };
 
-/// What the feed-forward adds to u, of derivatives per knot interval.
+/// Factors of the feed-forward, for derivatives per knot interval.
 typedef struct {
     int64_t first_q16;  ///< [intervals / 2^16] of u'
     int64_t second_q16; ///< [intervals^2 / 2^16] of u''

@@ -15,15 +15,14 @@
 /// @return [nm] largest distance of U's command from the middle of its stroke
 uint64_t cam_command_most_nm(const cam_cut_t *c);
 
-/// What a command needs, and what limits and gains allow it.
+/// Need of a command, and its limit by the limits and gains of U.
 typedef struct {
     int64_t limit;
     uint64_t needed;
 } cam_command_need_t;
 
 /// @return [um/s] the sum of the peaks of u' omega, k1 u'' omega^2 and k2 u''' omega^3. The jerk of
-/// a
-///         table with a speed channel counts as 0.
+///         a table with a speed channel counts as 0.
 cam_command_need_t cam_command_speed_um_per_s(const cam_cut_t *c);
 
 /// @return [mm/s2] the sum of the peaks of u'' omega^2 and k1 u''' omega^3, likewise

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_cut: a cut at a mean speed of the spindle, and the arithmetic in which it is judged.
+/// cam_cut: a cut at a mean speed of the spindle, and the arithmetic that judges it.
 ///
-/// All demands are whole numbers, rounded up, so that none is taken too small. Inline, cannot fail.
+/// All demands are integers, rounded up, so that none is too small. Inline, cannot fail.
 /// Context: slow side.
 #ifndef CAM_CUT_H
 #define CAM_CUT_H
@@ -33,7 +33,7 @@ static inline uint64_t cam_cut_greater(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/// @return a / b, rounded up, so that a demand is never taken too small
+/// @return a / b, rounded up
 static inline uint64_t cam_cut_divided_up(uint64_t a, uint64_t b)
 {
     return (a + b - 1u) / b;

@@ -24,8 +24,8 @@ static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
                           cam_cut_divided_up(omega2 * c->t->spindle_peak_ppm_per_rad, 1000000)};
 }
 
-/// A speed loop of the bandwidth b takes at most b of its speed away in a second, told 0. So it
-/// must be as fast as the ratio falls, -r' times the mean speed.
+/// A speed loop of bandwidth b with set-point 0 loses at most the share b of its speed per second,
+/// so b must reach the rate at which the ratio falls, -r' times the mean speed.
 static cam_demand_t spindle_loop_demand(const cam_cut_t *c)
 {
     const int64_t lag_us = c->p->spindle_lag_us;
@@ -35,7 +35,7 @@ static cam_demand_t spindle_loop_demand(const cam_cut_t *c)
         cam_cut_divided_up(omega * c->t->spindle_demand.fall_ppm_per_rad, 1000000)};
 }
 
-/// What the loop is told so that the spindle follows must not exceed its highest speed.
+/// The set-point that makes the spindle follow must not exceed its highest speed.
 static cam_demand_t spindle_set_point_demand(const cam_cut_t *c)
 {
     const uint64_t lag_us = (uint64_t)c->p->spindle_lag_us;
@@ -127,7 +127,7 @@ static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *
     return most;
 }
 
-/// @return what U does over the angle
+/// @return peaks of U over the angle
 static cam_lobe_transition_peaks_t u_peaks(const cam_table_t *t)
 {
     return (cam_lobe_transition_peaks_t){
@@ -138,7 +138,7 @@ static cam_lobe_transition_peaks_t u_peaks(const cam_table_t *t)
     };
 }
 
-/// U moves with u' omega, in um/s, and with what the feed adds.
+/// U moves with u' omega, in um/s, plus the effect of the feed.
 static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
     const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
@@ -150,7 +150,7 @@ static cam_demand_t u_speed_demand(const cam_cut_t *c)
                           turning + cam_cut_at_amplitude(c, u_drift(c).speed)};
 }
 
-/// U accelerates with u'' omega^2, in mm/s2, and with what the feed adds.
+/// U accelerates with u'' omega^2, in mm/s2, plus the effect of the feed.
 static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
@@ -214,8 +214,8 @@ static uint64_t swing_first(const cam_table_t *t)
     return ((t->swing.first_mdeg_per_rad * ratio_q20) >> 20) + 1u;
 }
 
-/// @return what the swing does over the angle, in degrees / 1000: its acceleration goes with
-///         swing'' r^2 + swing' r r'
+/// @return peaks of the swing over the angle, in degrees / 1000; its acceleration is proportional
+///         to swing'' r^2 + swing' r r'
 static cam_lobe_transition_peaks_t swing_peaks(const cam_table_t *t)
 {
     const uint64_t ratio_q20 = t->ratio_max_q20;
@@ -228,7 +228,7 @@ static cam_lobe_transition_peaks_t swing_peaks(const cam_table_t *t)
     };
 }
 
-/// The swing moves with swing' omega, in degrees / 1000 per second, and with what the feed adds.
+/// The swing moves with swing' omega, in degrees / 1000 per second, plus the effect of the feed.
 static cam_demand_t swing_speed_demand(const cam_cut_t *c)
 {
     const int64_t limit = c->p->swing_speed_mdeg_per_s;
@@ -244,8 +244,7 @@ static cam_demand_t swing_speed_demand(const cam_cut_t *c)
     return (cam_demand_t){cam_err_swing_speed, limit, turning + feeding};
 }
 
-/// The swing accelerates, in degrees per second squared, over the angle and with what the feed
-/// adds.
+/// The swing accelerates, in degrees per second squared, over the angle and by the feed.
 static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
@@ -334,11 +333,11 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
     // The ramps of a ring-helix are made for the programmed feed and speed.
     const bool is_beyond_rings = is_overridden || p->spindle_override_ppm > (int32_t)whole_ppm;
     return (cam_demands_t){{
-        // For a skirt the amplitude is a trim; a lobe of less than its whole lift is another lobe.
+        // A skirt may be trimmed by the amplitude; a lobe with less than its full lift is wrong.
         {cam_err_cam_amplitude, p->amplitude_ppm, cam_table_is_lobe(t) ? whole_ppm : 0u},
-        // A tool that does not swing where it has to would cut another lobe: no speed helps.
+        // Without its swing the tool would cut a wrong lobe at any speed.
         {cam_err_swing_axis, 0, t->is_swung && p->swing_speed_mdeg_per_s == 0 ? 1u : 0u},
-        // Turns are counted by the helix, which a measured Z cannot tell.
+        // Stations count the turns of the helix, which a measured Z does not give.
         {cam_err_z_stations, 0, t->has_stations && is_led ? 1u : 0u},
         {cam_err_override_measured, 0, is_led && is_overridden ? 1u : 0u},
         {cam_err_override_rings, 0, t->is_ring_helix && is_beyond_rings ? 1u : 0u},

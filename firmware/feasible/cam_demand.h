@@ -3,9 +3,9 @@
 ///
 /// A limit is the smaller of the machine's parameter and of the limit that the table was made for.
 /// The table guarantees peaks of u, u' and u''; at a spindle speed omega, U needs the speed
-/// u' omega and the acceleration u'' omega^2. What the feed adds to that is told by
-/// cam_z_coupling.h, where the feed-forward commands U to by cam_command.h. When Z is led by
-/// others, its feed is taken from the parameters or the table. Context: slow side, integers only.
+/// u' omega and the acceleration u'' omega^2. cam_z_coupling.h
+/// adds the effect of the feed, cam_command.h that of the feed-forward. When another controller
+/// moves Z, its feed is that of the parameters or of the table. Context: slow side, integers only.
 #ifndef CAM_DEMAND_H
 #define CAM_DEMAND_H
 
@@ -38,8 +38,7 @@ typedef struct {
 /// Context: slow side.
 int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p);
 
-/// X has to be off the stock that is still on the part, whatever a pass of it leaves, and off what
-/// rises above u = 0 (cam_table_rise_nm).
+/// X must be clear of all stock on the part and of the surface above u = 0 (cam_table_rise_nm).
 /// @param t  NULL: without a table
 /// @return   [nm] distance from which X engages, and by which it leaves
 /// Context: slow side.

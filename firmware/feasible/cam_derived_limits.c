@@ -11,8 +11,8 @@
 enum { least_jump_counts = 8, quantisation_counts = 4, most_jump_counts = 1 << 30 };
 enum { least_following_nm = 10000, most_following_nm = 200000, unknown_following_nm = 100000 };
 
-/// @return [counts] twice the lag of the observer's travel behind a spindle that accelerates: N
-/// times 2 alpha T / w_o of 2 pi, with 2 pi^2 = 987 / 50
+/// @return [counts] twice the observer's lag per tick while the spindle accelerates: N times
+///         2 alpha T / w_o of 2 pi, with 2 pi^2 = 987 / 50
 static uint64_t twice_lag_counts(const cam_params_t *p, uint32_t tick_hz)
 {
     const uint64_t moved =

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_derived_limits: numbers that follow from machine and part where none was set, and what a
-/// tick allows.
+/// cam_derived_limits: limits derived from machine and part where none was set, and the largest
+/// values that the tick rate allows.
 ///
-/// A parameter whose default is 0, "derived", has no number that fits every machine: the jump
-/// window scales with the encoder, the following error with the part. Context: slow side, integers
+/// No default fits every machine: the jump window scales with the encoder, the following error with
+/// the part. 0 selects the derived value. Context: slow side, integers
 /// only.
 #ifndef CAM_DERIVED_LIMITS_H
 #define CAM_DERIVED_LIMITS_H
@@ -13,17 +13,17 @@
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // int32_t, uint32_t
 
-/// [Hz] rate of a tick from which on a measured U is young enough for a limit that follows from the
-/// part. Slower ticks are those of field buses, whose measurements are some ticks old.
+/// [Hz] From this tick rate on a measured U is recent enough for a limit derived from the part.
+/// Slower ticks belong to field buses, whose measurements are some ticks old.
 enum { cam_derived_limits_least_hz = 10000 };
 
 /// Out of the cut every axis takes this share of its speed and of its acceleration: a quarter.
 enum { cam_derived_limits_approach_share = 4 };
 
-/// The most that counts of one tick may deviate from what the observer expects: what a spindle that
-/// accelerates as fast as it can and ripples by a hundredth of its highest speed makes of it,
-/// twice, 4 counts of quantisation, and index_tolerance_counts for the encoder's jitter; at least 8
-/// counts and the jitter.
+/// Largest deviation of a tick's counts from the observer's prediction: twice that of a spindle at
+/// its highest acceleration with a ripple of a hundredth of its highest speed, 4 counts of
+/// quantisation, and index_tolerance_counts for the encoder's jitter; at least 8 counts and the
+/// jitter.
 /// @return [counts] jump_window_counts, or where that is 0 the derived one, at most 2^30
 /// Source: MATHS.md (166).
 int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick_hz);
@@ -35,29 +35,25 @@ int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick
 /// @return [nm] following_limit_nm, or where that is 0 the derived one
 int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_table_t *table);
 
-/// The accepted following error of U out of the cut: that of the cut, but not less than what the
-/// drive may be off in its approach when half of its lag is not what was believed, and its
-/// measurement half a tick old.
+/// The accepted following error of U out of the cut: that of the cut, but not less than the error
+/// in the approach with a lag that is wrong by half and a measurement half a tick old.
 /// @return [nm] following_limit_nm, or where that is 0 the derived one
 /// Source: MATHS.md (167).
 int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_table_t *table,
                                        uint32_t tick_hz);
 
-/// @return [mHz] the bandwidth of the observer where none is set: a twentieth of the tick's rate,
-/// at
-///         which a tick moves its angle by two thirds of an error, or the wanted one where that is
-///         less
+/// @return [mHz] default bandwidth of the observer: the wanted one, but at most a twentieth of the
+///         tick rate, at which a tick corrects two thirds of an angle error
 int32_t cam_derived_limits_usual_mHz(int32_t wanted_mHz, uint32_t tick_hz);
 
-/// @return the largest value of a parameter that fits the rate of the tick, and for the speeds of X
-///         and Z what the port's outputs pass on; for parameters that depend on neither, their
-///         largest value
+/// @return the largest value of a parameter that fits the tick rate, and for the speeds of X and Z
+///         also the port's outputs; of other parameters the end of their range
 int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz);
 
 /// Check what the interrupt relies on: the history reaches back over the lead and the latency of
 /// U's scale, the observer is slower than the tick, feed-forward gains fit 15 integer bits.
-/// The speeds of X and Z are such that their outputs pass them on.
-/// The feed-forward tells U no more than its limits allow, and jerks have a window (cam_gains.h).
+/// The outputs of X and Z can transmit their speeds. The feed-forward keeps the command of U within
+/// its limits, and every jerk has a window (cam_gains.h).
 /// @return cam_ok, cam_err_param_tick, cam_err_param_output, cam_err_jerk or cam_err_gain
 CAM_MUST_USE cam_err_t cam_derived_limits_check(const cam_params_t *params, uint32_t tick_hz);
 

@@ -52,11 +52,10 @@ uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t 
 uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params_t *params,
                                       uint32_t speed_mrpm, uint32_t tick_hz);
 
-/// Judge a speed with all numbers, for a message to people: the verdict and both searches.
+/// Judge a speed with all numbers, for a message: the verdict and both searches.
 /// Parameters as of cam_feasible_check().
-/// @return `needed` is rounded up: where it is near the limit by 0.1 % at most, for the
-/// acceleration
-///         of the swing by 1 %
+/// @return `needed` is rounded up: near the limit by at most 0.1 %, for the acceleration of the
+///         swing by 1 %
 /// Context: slow side. Source: MATHS.md (61).
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz);

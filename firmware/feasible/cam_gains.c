@@ -59,7 +59,7 @@ uint32_t cam_gains_log2_window(const cam_params_t *params, hal_axis_t axis, uint
     return log2;
 }
 
-/// @return [m/s^3] least jerk whose window there is
+/// @return [m/s^3] least jerk whose window fits
 static int64_t least_jerk(const cam_params_t *p, hal_axis_t axis, uint32_t tick_hz)
 {
     const uint64_t a = (uint64_t)cam_param_get(p, accelerations[axis]);
@@ -76,7 +76,7 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
     switch (id) {
     case cam_param_k1_ns: // the retract keeps a quarter of U's speed
         return u_ns / 2 + v * 750000 / a;
-    case cam_param_k2_us2: // a jerk alone tells U no more than its speed
+    case cam_param_k2_us2: // the jerk alone commands no more than U's speed
         return v * u_ns / (2 * a);
     case cam_param_x_jerk_m_per_s3:
         return least_jerk(params, hal_axis_x, tick_hz);

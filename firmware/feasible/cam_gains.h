@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_gains: windows of the motions by time, and what the feed-forward of U may be.
+/// cam_gains: windows of timed moves, and limits of U's feed-forward gains.
 ///
 /// A motion by time is the mean over a window (cam_jerk_filter.h), whose length follows from the
 /// jerk of the axis, or where none is set from tick, limits and feed-forward. The feed-forward adds
 /// k1 times the speed and k2 times the acceleration to the command of U, and so the command itself
-/// moves with v + k1 a + k2 j. Gains that would tell U more than its highest speed are refused.
+/// moves with v + k1 a + k2 j. Gains that would command U beyond its highest speed are refused.
 /// Source: MATHS.md (212) .. (214). Context: slow side, integers only.
 #ifndef CAM_GAINS_H
 #define CAM_GAINS_H
@@ -14,12 +14,11 @@
 #include "hal/hal.h"   // hal_axis_t
 #include <stdint.h>    // int32_t, int64_t, uint32_t
 
-/// @return log2 of the steps of the window of an axis, 0 .. cam_jerk_filter_most_log2: ticks of U,
-/// plans
-///         of X and Z
+/// @return log2 of an axis's window, 0 .. cam_jerk_filter_most_log2, in ticks for U, in plans for X
+///         and Z
 uint32_t cam_gains_log2_window(const cam_params_t *params, hal_axis_t axis, uint32_t tick_hz);
 
-/// The largest k1_ns or k2_us2, or the least jerk other than 0, that the other parameters leave.
+/// Find the largest k1_ns or k2_us2, or the least jerk above 0, that fits the other parameters.
 /// @param id  cam_param_k1_ns, .._k2_us2, .._u_jerk_m_per_s3, x_.. or z_..
 int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t tick_hz);
 

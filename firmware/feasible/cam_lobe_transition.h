@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_lobe_transition: what an axis needs between two lobes, where its lift falls to 0 and rises
-/// again.
+/// cam_lobe_transition: speed and acceleration of an axis between two lobes, where its lift falls
+/// to 0 and rises again.
 ///
 /// The shortest change between lobes takes N = change / feed turns. With the smooth step E of the
 /// share s of the change, the largest magnitudes f, f1, f2 of a function of the angle and of its

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_resolution_limit: the form error that the scales of the port's outputs leave, however well
-/// the machine is tuned.
+/// cam_resolution_limit: the form error due to the resolution of the port's outputs, on a perfectly
+/// tuned machine.
 ///
 /// Context: slow side, integers only.
 #ifndef CAM_RESOLUTION_LIMIT_H
@@ -17,8 +17,9 @@
 uint32_t cam_resolution_limit_form_pm(const cam_table_t *table);
 
 /// @param counts_per_turn  of the spindle's encoder, positive
-/// @return [pm] the most by which a count of the encoder moves U at uniform speed, rounded down,
-///         saturated. Half of it bounds what the counts cost of form where edges have no time.
+/// @return [pm] largest motion of U per count of the encoder at uniform speed, rounded down,
+///         saturated. Half of it bounds the form error of the counts where edges have no time
+///         stamp.
 /// Source: MATHS.md (185).
 uint32_t cam_resolution_limit_count_pm(const cam_table_t *table, int32_t counts_per_turn);
 

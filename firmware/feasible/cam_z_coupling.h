@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_z_coupling: how Z moves in a cut, and what that adds to the motion of the other axes.
+/// cam_z_coupling: motion of Z in a cut, and its effect on the motion of the other axes.
 ///
-/// Along a helix Z moves evenly, but for its ramps and for the way of a table; along a ring-helix
-/// it stands in every other turn. While it moves, U and the swing also change from slice to slice
-/// of the table: they drift. Their rate jumps where one slice ends, and the acceleration of that
-/// jump, spread over one set-point, is added. Context: slow side, integers only. Source: MATHS.md
-/// (63), (64), (104).
+/// Along a helix Z moves evenly except in its ramps and where the table changes the feed; along a
+/// ring-helix it stands in every other turn. While it moves, U and the swing also change from slice
+/// to slice of the table: they drift. Their rate jumps where one slice ends, and the acceleration
+/// of that jump, spread over one set-point, is added. Context: slow side, integers only. Source:
+/// MATHS.md (63), (64), (104).
 #ifndef CAM_Z_COUPLING_H
 #define CAM_Z_COUPLING_H
 
 #include "cam_cut.h" // cam_cut_t
 #include <stdint.h>  // uint32_t, uint64_t
 
-/// [um/s] larger speeds of Z are judged as this one: 6.5 m/s, far beyond any slide.
+/// [um/s] Larger speeds of Z count as this one: 6.5 m/s, far beyond any slide.
 enum { cam_z_coupling_max_z_um_per_s = 6553400 };
 
-/// What the feed adds to the motion of an axis, in thousands of the unit of its channel: um for u.
+/// Effect of the feed on an axis, in thousands of the unit of its channel: um for u.
 typedef struct {
     uint64_t speed;         ///< [1/s]
     uint64_t speed_per_rad; ///< [1/s/rad] how the speed differs over the angle
@@ -35,10 +35,10 @@ uint64_t cam_z_coupling_z_mm_per_s2(const cam_cut_t *c);
 ///         accelerated by this controller, and is taken as moving evenly.
 uint64_t cam_z_coupling_z_feeding_mm_per_s2(const cam_cut_t *c);
 
-/// @return [um/s] how fast X runs along its profile: with stations that is over the helix, not Z
+/// @return [um/s] speed of X along its profile: with stations along the helix, not Z
 uint64_t cam_z_coupling_x_um_per_s(const cam_cut_t *c);
 
-/// @return [mm/s2] how fast that rises
+/// @return [mm/s2] its acceleration
 uint64_t cam_z_coupling_x_mm_per_s2(const cam_cut_t *c);
 
 /// Bound the drift of a channel. Slices pass at the speed of Z over their spacing. The rate of
@@ -48,8 +48,8 @@ uint64_t cam_z_coupling_x_mm_per_s2(const cam_cut_t *c);
 cam_z_coupling_t cam_z_coupling_of(const cam_cut_t *c, const cam_channel_t *ch,
                                    const cam_change_t *change, uint32_t set_point_hz);
 
-/// @return [1/s2] what a drift adds to an acceleration, including that of a rate of change which
-///         differs over the angle
+/// @return [1/s2] effect of a drift on an acceleration, including a rate of change that differs
+///         over the angle
 uint64_t cam_z_coupling_acceleration(const cam_cut_t *c, const cam_z_coupling_t *d);
 
 #endif
