@@ -106,7 +106,9 @@ def test_jog_ends_with_its_heartbeats(
     button.hover()
     page.mouse.down()
     x_mm = overheard.status().signals["x"]
-    overheard.wait_for(lambda status: status.signals["x"] > x_mm + 0.02)
+    overheard.wait_for(
+        lambda status: status.signals["x"] > x_mm + 0.02 and status.signals["hand_phase"] != 0
+    )
     if way == "frozen":
         page.evaluate(FREEZE)
     else:
