@@ -14,6 +14,7 @@ from panel_session import PanelSession
 from windows import PHONE, OpenWindow
 
 JOG_TIMEOUT_ROWS = 25  # 250 ms of the controller's own time: a status comes every 10 ms
+ROUND_ROWS = 24  # the phase of a jog and the place of X stand in pages that come in turn with others
 NEW_POINTS = 100
 MOST_TABS = 60
 # No heartbeat comes meanwhile, then the button is still held.
@@ -113,10 +114,11 @@ def test_jog_ends_with_its_heartbeats(
         page.evaluate(FREEZE)
     else:
         page.mouse.up()
-    status = overheard.wait_for(lambda status: status.signals["hand_phase"] == 0)
-    assert 0 <= overheard.rest_row - overheard.jog_row <= JOG_TIMEOUT_ROWS + 1
-    stands_mm, jog_row = status.signals["x"], overheard.jog_row
-    until_row = status.n_rows + 2 * JOG_TIMEOUT_ROWS
+    overheard.wait_for(lambda status: status.signals["hand_phase"] == 0)
+    assert 0 <= overheard.rest_row - overheard.jog_row <= JOG_TIMEOUT_ROWS + ROUND_ROWS
+    jog_row, seen_row = overheard.jog_row, overheard.rest_row + ROUND_ROWS
+    status = overheard.wait_for(lambda status: status.n_rows > seen_row)
+    stands_mm, until_row = status.signals["x"], seen_row + 2 * JOG_TIMEOUT_ROWS
     later = overheard.wait_for(lambda status: status.n_rows > until_row)
     assert later.signals["x"] == stands_mm and overheard.jog_row == jog_row
     page.mouse.up()

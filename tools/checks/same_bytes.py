@@ -50,8 +50,9 @@ def other_folder(temporary: Path, root: Path = ROOT) -> Path:
 def _copy(unity: Path, folder: Path) -> None:
     """Copy sources, Unity, Monocypher and Python packages to where a build looks for them."""
 
-    def not_sources(_folder: str, names: list[str]) -> set[str]:
-        return {name for name in names if name == "build" or name.startswith(".git")}
+    def not_sources(inside: str, names: list[str]) -> set[str]:
+        builds = {"build"} if Path(inside) == ROOT else set()
+        return builds | {name for name in names if name.startswith(".git")}
 
     shutil.copytree(ROOT, folder, ignore=not_sources, symlinks=True)
     shutil.copytree(unity, folder / "build" / "_unity")
