@@ -54,19 +54,10 @@ typedef struct {
     bool is_clamped; ///< the height is outside the channel
 } cam_height_t;
 
-/// A position on a channel over angle and height: the four knots around it and the weights.
-typedef struct {
-    const cam_knot_t *low[2];  ///< of the lower slice: before and after the angle
-    const cam_knot_t *high[2]; ///< of the upper slice
-    int32_t w_q31;             ///< weight of the upper slice
-    int32_t s_q32;             ///< [h / 2^32] distance from the middle between the knots
-} cam_place_t;
-
 /// A segment at one height: two knots and the position between them.
 typedef struct {
-    cam_knot_t k0; ///< in LSB / 16, likewise the next one
-    cam_knot_t k1;
-    int32_t s_q32; ///< [h / 2^32] distance from the middle of the interval
+    cam_knot_t k0, k1; ///< [LSB / 16]
+    int32_t s_q32;     ///< [h / 2^32] distance from the middle of the interval
 } cam_segment_t;
 
 /// Find a height between two slices by the stored reciprocal of their spacing.
@@ -115,58 +106,38 @@ static inline int32_t cam_eval_round(int32_t r)
     return cam_wrap_add(r, CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
 }
 
-/// Coefficients of a quintic in s, the signed fraction from the middle of its interval.
-typedef struct {
-    int32_t e0, o1, e2, o3, e4, o5; ///< [LSB / 16]
-} cam_powers_t;
-
-/// The quintic through two knots, q(s) = e0 + o1 s + e2 s^2 + o3 s^3 + e4 s^4 + o5 s^5.
-/// With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w, o3 = w - o5 / 2,
-/// o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0: e4 = (a0 + a1 - dv) / 2,
-/// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
-/// @param k0, k1  [LSB / 16] knots within the bounds of cam_table_check()
-/// Source: MATHS.md (46).
-//@ assigns \result \from k0, k1;
-CAM_EVAL_INLINE cam_powers_t cam_eval_powers(cam_knot_t k0, cam_knot_t k1)
-{
-    const int32_t dp = cam_wrap_sub(k1.p, k0.p);
-    const int32_t dv = cam_wrap_sub(k1.v, k0.v);
-    const int32_t w = cam_wrap_sub(cam_wrap_add(k0.v, k1.v), cam_wrap_times(dp, 2));
-    const int32_t o5 = cam_wrap_sub(cam_wrap_sub(k1.a, k0.a), cam_wrap_times(w, 3));
-    const int32_t o3 = cam_wrap_sub(w, o5 >> 1);
-    const int32_t e4 = cam_wrap_sub(cam_wrap_add(k0.a, k1.a), dv) >> 1;
-    const int32_t e2 = cam_wrap_sub(dv, e4) >> 1;
-    return (cam_powers_t){
-        .e0 = cam_wrap_sub(cam_wrap_add(k0.p, k1.p) >> 1, (e2 >> 2) + (e4 >> 4)),
-        .o1 = cam_wrap_sub(dp, (o3 >> 2) + (o5 >> 4)),
-        .e2 = e2,
-        .o3 = o3,
-        .e4 = e4,
-        .o5 = o5,
-    };
-}
-
-/// Evaluate the quintic through two knots by three Horner schemes at once: each uses the running
-/// value of the previous one.
+/// Evaluate the quintic through two knots about the middle of its interval,
+/// q(s) = e0 + o1 s + e2 s^2 + o3 s^3 + e4 s^4 + o5 s^5, by three Horner schemes at once: each uses
+/// the running value of the previous one. With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w,
+/// o3 = w - o5 / 2, o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0:
+/// e4 = (a0 + a1 - dv) / 2, e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
 /// @param at  knots within the bounds of cam_table_check(), any s_q32
-/// Source: MATHS.md (47).
+/// Source: MATHS.md (46), (47).
 //@ assigns \result \from at;
 CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
 {
-    const cam_powers_t c = cam_eval_powers(at.k0, at.k1);
     const int32_t s_q32 = at.s_q32;
-    int32_t y = cam_mulhi_add(c.e4, c.o5, s_q32);
-    int32_t d1 = cam_mulhi_add(y, c.o5, s_q32);
-    int32_t d2 = cam_mulhi_add(d1, c.o5, s_q32);
-    y = cam_mulhi_add(c.o3, y, s_q32);
+    const int32_t dp = cam_wrap_sub(at.k1.p, at.k0.p);
+    const int32_t dv = cam_wrap_sub(at.k1.v, at.k0.v);
+    const int32_t w = cam_wrap_sub(cam_wrap_add(at.k0.v, at.k1.v), cam_wrap_times(dp, 2));
+    const int32_t o5 = cam_wrap_sub(cam_wrap_sub(at.k1.a, at.k0.a), cam_wrap_times(w, 3));
+    const int32_t o3 = cam_wrap_sub(w, o5 >> 1);
+    const int32_t o1 = cam_wrap_sub(dp, (o3 >> 2) + (o5 >> 4));
+    const int32_t e4 = cam_wrap_sub(cam_wrap_add(at.k0.a, at.k1.a), dv) >> 1;
+    const int32_t e2 = cam_wrap_sub(dv, e4) >> 1;
+    const int32_t e0 = cam_wrap_sub(cam_wrap_add(at.k0.p, at.k1.p) >> 1, (e2 >> 2) + (e4 >> 4));
+    int32_t y = cam_mulhi_add(e4, o5, s_q32);
+    int32_t d1 = cam_mulhi_add(y, o5, s_q32);
+    int32_t d2 = cam_mulhi_add(d1, o5, s_q32);
+    y = cam_mulhi_add(o3, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
     d2 = cam_mulhi_add(d1, d2, s_q32);
-    y = cam_mulhi_add(c.e2, y, s_q32);
+    y = cam_mulhi_add(e2, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
     d2 = cam_mulhi_add(d1, d2, s_q32);
-    y = cam_mulhi_add(c.o1, y, s_q32);
+    y = cam_mulhi_add(o1, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
-    y = cam_mulhi_add(c.e0, y, s_q32);
+    y = cam_mulhi_add(e0, y, s_q32);
     return (cam_fine_t){.y = y, .d1 = d1, .d2 = cam_wrap_times(d2, 2)};
 }
 
@@ -179,16 +150,15 @@ static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
                          .is_clamped = is_clamped};
 }
 
-/// @param end  0: before the angle, 1: after it
-/// @return     [LSB / 16] the knots of both slices, blended
-CAM_EVAL_INLINE cam_knot_t cam_eval_knot_at(const cam_place_t *place, uint32_t end)
+/// @return [LSB / 16] knot of the lower and of the upper slice, blended; w_q31 as of
+/// cam_eval_blend()
+CAM_EVAL_INLINE cam_knot_t cam_eval_knot(const cam_knot_t *low, const cam_knot_t *high,
+                                         int32_t w_q31)
 {
-    const cam_knot_t *low = place->low[end];
-    const cam_knot_t *high = place->high[end];
     return (cam_knot_t){
-        .p = cam_eval_blend(low->p, high->p, place->w_q31),
-        .v = cam_eval_blend(low->v, high->v, place->w_q31),
-        .a = cam_eval_blend(low->a, high->a, place->w_q31),
+        .p = cam_eval_blend(low->p, high->p, w_q31),
+        .v = cam_eval_blend(low->v, high->v, w_q31),
+        .a = cam_eval_blend(low->a, high->a, w_q31),
     };
 }
 
@@ -200,12 +170,13 @@ static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
                         .a = cam_wrap_times(k->a, CAM_EVAL_GUARD)};
 }
 
-/// Find the position at an angle and a height on a channel over angle.
-/// @param ch         passed cam_table_check(), any kind but x
+/// Find the segment of a channel over angle at an angle and a height, for cam_eval_quintic(), whose
+/// derivatives are then per knot interval of 2^-(log2_knots + log2_repeat) turn.
+/// @param ch         passed cam_table_check(), any kind but x and way
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
 /// @param z          result of cam_eval_height() for the same channel
-CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t theta_q32,
-                                           cam_height_t z)
+CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
+                                               cam_height_t z)
 {
     const uint32_t pattern_q32 = theta_q32 << ch->log2_repeat;
     const uint32_t n_knots = 1u << ch->log2_knots;
@@ -213,41 +184,19 @@ CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t the
     const uint32_t k_next = (k + 1u) & (n_knots - 1u);
     const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
     const cam_knot_t *high = low + n_knots;
-    return (cam_place_t){
-        .low = {low + k, low + k_next},
-        .high = {high + k, high + k_next},
-        .w_q31 = z.w_q31,
+    return (cam_segment_t){
+        .k0 = cam_eval_knot(low + k, high + k, z.w_q31),
+        .k1 = cam_eval_knot(low + k_next, high + k_next, z.w_q31),
         .s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u),
     };
 }
 
-/// Find a position and blend its knots for cam_eval_quintic(), whose derivatives are then per knot
-/// interval of 2^-(log2_knots + log2_repeat) turn. Arguments as of cam_eval_place().
-CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
-                                               cam_height_t z)
-{
-    const cam_place_t place = cam_eval_place(ch, theta_q32, z);
-    return (cam_segment_t){
-        .k0 = cam_eval_knot_at(&place, 0),
-        .k1 = cam_eval_knot_at(&place, 1),
-        .s_q32 = place.s_q32,
-    };
-}
-
-/// Evaluate a channel over angle at a height. Arguments as of cam_eval_place().
+/// Evaluate a channel over angle at a height. Arguments as of cam_eval_segment().
 /// @return  derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
 static inline cam_value_t cam_eval_surface_at(const cam_channel_t *ch, uint32_t theta_q32,
                                               cam_height_t z)
 {
     return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
-}
-
-/// The same.
-/// @param z_nm  [nm] any value
-static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t theta_q32,
-                                           int32_t z_nm)
-{
-    return cam_eval_surface_at(ch, theta_q32, cam_eval_height(ch, z_nm));
 }
 
 /// Evaluate a channel over height alone.
