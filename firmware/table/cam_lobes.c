@@ -36,17 +36,14 @@ static bool are_rising(const cam_lobe_t *lobe, const cam_entry_t *e)
     return is_good;
 }
 
-cam_err_t cam_lobes_check(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used,
-                          cam_table_t *table)
+cam_err_t cam_lobes_check(const cam_entry_t *e, uint64_t *used, cam_table_t *table)
 {
-    if (!cam_entry_is_plain(e, in) || !cam_is_between(e->n_slices, 1, cam_table_max_lobes)) {
-        return cam_err_image_channel;
-    }
-    const cam_err_t err = cam_entry_check_layout(e, e->n_slices * sizeof(cam_lobe_t), in, used);
+    const cam_err_t err =
+        cam_entry_check_records(e, cam_table_max_lobes, sizeof(cam_lobe_t), table, used);
     if (err != cam_ok) {
         return err;
     }
-    const cam_lobe_t *lobe = (const cam_lobe_t *)(const void *)(in->image + e->offset);
+    const cam_lobe_t *lobe = cam_entry_data(e, table);
     if (!are_rising(lobe, e)) {
         return cam_err_image_height;
     }

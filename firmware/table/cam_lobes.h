@@ -22,8 +22,7 @@ enum {
 /// Check the entry and the directory of lobes, and fill in lobes, n_lobes and least_change_nm.
 /// @param used  as of cam_entry_check()
 /// Context: slow side.
-CAM_MUST_USE cam_err_t cam_lobes_check(const cam_entry_t *e, const cam_entry_place_t *in,
-                                       uint64_t *used, cam_table_t *table);
+CAM_MUST_USE cam_err_t cam_lobes_check(const cam_entry_t *e, uint64_t *used, cam_table_t *table);
 
 /// Check, once all channels are known, that every channel over angle has all patterns.
 /// Context: slow side.
@@ -36,9 +35,8 @@ uint32_t cam_lobes_find(const cam_table_t *t, int32_t z_nm);
 
 /// @param i     a lobe
 /// @param z_nm  [nm] any value
-/// @return      [1 / 2^31] progress of the change to the neighbouring lobe: 0 on lobe i, 2^31 - 1
-/// in
-///              the middle of the gap and beyond
+/// @return      [1 / 2^31] progress of the change to the neighbouring lobe: 0 on lobe i,
+///              2^31 - 1 in the middle of the gap and beyond
 int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm);
 
 /// @param n_slices  of a channel over angle, at least 2
