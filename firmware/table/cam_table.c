@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table.h"
-#include "cam_x_slope.h"         // cam_x_slope_of
 #include "cam_entry.h"           // cam_entry_check
 #include "cam_extent.h"          // cam_extent_widened
 #include "cam_fix.h"             // cam_is_between
 #include "cam_lobes.h"           // cam_lobes_check
 #include "cam_spindle_demand.h"  // cam_spindle_demand_of
 #include "cam_peaks.h"           // cam_peaks_of_swing
-#include "cam_header_limits.h"   // cam_header_limits_check
 #include "cam_signature_block.h" // cam_signature_block_follows
 #include "cam_feed_profile.h"    // cam_feed_profile_check
 #include <stdbool.h>             // bool
