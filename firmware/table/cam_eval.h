@@ -34,10 +34,9 @@ enum { cam_eval_guard_bits = 4 };
 
 /// Value and derivatives of a channel with respect to the knot interval h, in LSB of the channel.
 typedef struct {
-    int32_t y;       ///< [LSB] value
-    int32_t d1;      ///< [LSB / h]
-    int32_t d2;      ///< [LSB / h^2]
-    bool is_clamped; ///< the height was outside the channel, which was evaluated at its edge
+    int32_t y;  ///< [LSB] value
+    int32_t d1; ///< [LSB / h]
+    int32_t d2; ///< [LSB / h^2]
 } cam_value_t;
 
 /// The same with guard bits, before rounding.
@@ -49,9 +48,8 @@ typedef struct {
 
 /// A height between two slices.
 typedef struct {
-    uint32_t i;      ///< lower slice, 0 .. n_slices - 2
-    int32_t w_q31;   ///< weight of slice i + 1, 0 .. 2^31 - 1
-    bool is_clamped; ///< the height is outside the channel
+    uint32_t i;    ///< lower slice, 0 .. n_slices - 2
+    int32_t w_q31; ///< weight of slice i + 1, 0 .. 2^31 - 1
 } cam_height_t;
 
 /// A segment at one height: two knots and the position between them.
@@ -62,27 +60,24 @@ typedef struct {
 
 /// Find a height between two slices by the stored reciprocal of their spacing.
 /// @param ch    passed cam_table_check()
-/// @param z_nm  [nm] any value
+/// @param z_nm  [nm] any value; outside the channel its edge is taken
 /*@ requires slices: \valid_read(ch) && 2 <= ch->n_slices <= 4096;
     assigns \result \from indirect: *ch, indirect: z_nm;
     ensures slice: \result.i <= ch->n_slices - 2;
     ensures most: \result.i <= 4094;
     ensures weight: 0 <= \result.w_q31;
-    ensures flag: \result.is_clamped == 0 || \result.is_clamped == 1;
 */
 CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm)
 {
-    const bool is_below = z_nm < ch->z_first_nm;
-    const uint32_t above_nm = (uint32_t)z_nm - (uint32_t)ch->z_first_nm; // used unless is_below
-    const bool is_above = !is_below && above_nm > ch->span_nm;
-    const uint32_t rel_nm = is_below ? 0u : is_above ? ch->span_nm : above_nm;
+    const uint32_t above_nm =
+        z_nm < ch->z_first_nm ? 0u : (uint32_t)z_nm - (uint32_t)ch->z_first_nm;
+    const uint32_t rel_nm = above_nm < ch->span_nm ? above_nm : ch->span_nm;
     const uint64_t slice_q48 = (uint64_t)rel_nm * ch->slices_per_nm_q48;
     const uint32_t i = (uint32_t)(slice_q48 >> 48);
     const uint32_t last = ch->n_slices - 1u; // the rounded reciprocal may reach it at the end
     return (cam_height_t){
         .i = i < last ? i : last - 1u,
         .w_q31 = i < last ? (int32_t)((slice_q48 >> 17) & 0x7FFFFFFFu) : INT32_MAX,
-        .is_clamped = is_below || is_above,
     };
 }
 
@@ -142,12 +137,10 @@ CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
 }
 
 /// @return value and derivatives rounded to whole LSB
-static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
+static inline cam_value_t cam_eval_rounded(cam_fine_t fine)
 {
-    return (cam_value_t){.y = cam_eval_round(fine.y),
-                         .d1 = cam_eval_round(fine.d1),
-                         .d2 = cam_eval_round(fine.d2),
-                         .is_clamped = is_clamped};
+    return (cam_value_t){
+        .y = cam_eval_round(fine.y), .d1 = cam_eval_round(fine.d1), .d2 = cam_eval_round(fine.d2)};
 }
 
 /// @return [LSB / 16] knot of the lower and of the upper slice, blended; w_q31 as of
@@ -196,7 +189,7 @@ CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t
 static inline cam_value_t cam_eval_surface_at(const cam_channel_t *ch, uint32_t theta_q32,
                                               cam_height_t z)
 {
-    return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
+    return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)));
 }
 
 /// Evaluate a channel over height alone.
@@ -212,7 +205,7 @@ static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm
         .k1 = cam_eval_guarded(below + 1),
         .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
     };
-    return cam_eval_rounded(cam_eval_quintic(segment), z.is_clamped);
+    return cam_eval_rounded(cam_eval_quintic(segment));
 }
 
 #endif

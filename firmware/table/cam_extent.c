@@ -13,11 +13,6 @@ typedef struct {
     int64_t c[6];
 } hull_t;
 
-/// A range, in LSB / SCALE.
-typedef struct {
-    int64_t low, high;
-} fine_t;
-
 static hull_t hull_of(const cam_knot_t *k0, const cam_knot_t *k1)
 {
     const int64_t tenth = SCALE / 10;
@@ -51,7 +46,8 @@ static halves_t halves_of(hull_t mean)
     return half;
 }
 
-static bool is_covered(const fine_t *range, const hull_t *hull)
+// Ranges are in LSB / SCALE below.
+static bool is_covered(const cam_extent_t *range, const hull_t *hull)
 {
     bool is_inside = true;
     for (int32_t i = 0; i < 6; i++) {
@@ -60,7 +56,7 @@ static bool is_covered(const fine_t *range, const hull_t *hull)
     return is_inside;
 }
 
-static void cover(fine_t *range, const hull_t *hull)
+static void cover(cam_extent_t *range, const hull_t *hull)
 {
     for (int32_t i = 0; i < 6; i++) {
         range->low = hull->c[i] < range->low ? hull->c[i] : range->low;
@@ -69,7 +65,7 @@ static void cover(fine_t *range, const hull_t *hull)
 }
 
 /// Widen a range by both halves of a quarter of an interval, unless it covers the quarter.
-static void widen_by_quarter(fine_t *range, const hull_t *quarter)
+static void widen_by_quarter(cam_extent_t *range, const hull_t *quarter)
 {
     if (!is_covered(range, quarter)) {
         const halves_t eighths = halves_of(*quarter);
@@ -78,7 +74,7 @@ static void widen_by_quarter(fine_t *range, const hull_t *quarter)
     }
 }
 
-static void widen_by_half(fine_t *range, const hull_t *half)
+static void widen_by_half(cam_extent_t *range, const hull_t *half)
 {
     if (!is_covered(range, half)) {
         const halves_t quarters = halves_of(*half);
@@ -87,7 +83,7 @@ static void widen_by_half(fine_t *range, const hull_t *half)
     }
 }
 
-static void widen_by_segment(fine_t *range, const cam_knot_t *k0, const cam_knot_t *k1)
+static void widen_by_segment(cam_extent_t *range, const cam_knot_t *k0, const cam_knot_t *k1)
 {
     const hull_t whole = hull_of(k0, k1);
     if (!is_covered(range, &whole)) { // few segments
@@ -107,9 +103,8 @@ cam_extent_t cam_extent_of_knots(const cam_channel_t *ch, int64_t p_min, int64_t
 cam_extent_t cam_extent_widened(const cam_channel_t *ch, bool is_around, cam_extent_t known)
 {
     const int64_t one = INT64_C(1) << ch->frac_bits;
-    const fine_t begin = {((known.low - ch->value_offset) * one + 1) * SCALE,
+    cam_extent_t range = {((known.low - ch->value_offset) * one + 1) * SCALE,
                           ((known.high - ch->value_offset) * one - 1) * SCALE};
-    fine_t range = begin;
     const uint32_t n = ch->n_slices << ch->log2_knots;
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t next = is_around ? cam_bounds_next(ch, i) : i + 1u;

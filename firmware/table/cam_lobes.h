@@ -47,7 +47,6 @@ int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm);
     ensures slice: \result.i <= n_slices - 2;
     ensures most: \result.i <= 4094;
     ensures weight: 0 <= \result.w_q31;
-    ensures flag: \result.is_clamped == 0 || \result.is_clamped == 1;
 */
 static inline cam_height_t cam_lobes_slice(uint32_t n_slices, uint32_t pattern)
 {
