@@ -28,7 +28,6 @@ enum {
     cam_turn_bins_log2 = 7,
     cam_turn_bins_n = 1 << cam_turn_bins_log2, ///< per turn
     cam_learned_points = 256,                  ///< knots per turn of the tables
-    cam_turn_bins_most_ticks = 16384,          ///< a longer turn is not used: its sums may wrap
 };
 
 /// Learned values, written by the slow side, read by the interrupt. Knot i of a table is at i / 256

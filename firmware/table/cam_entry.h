@@ -8,8 +8,8 @@
 #define CAM_ENTRY_H
 
 #include "cam_err.h"     // cam_err_t
+#include "cam_bounds.h"  // cam_extent_t
 #include "cam_channel.h" // cam_table_t
-#include "cam_extent.h"  // cam_extent_t
 #include <stdbool.h>     // bool
 #include <stddef.h>      // size_t
 #include <stdint.h>      // uint32_t, int32_t

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table.h"
 #include "cam_entry.h"           // cam_entry_check
-#include "cam_extent.h"          // cam_extent_widened
+#include "cam_bounds.h"          // cam_extent_widened
 #include "cam_fix.h"             // cam_is_between
 #include "cam_lobes.h"           // cam_lobes_check
 #include "cam_spindle_demand.h"  // cam_spindle_demand_of

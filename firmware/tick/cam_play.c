@@ -215,7 +215,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         if (m->state == cam_state_engaging || m->state == cam_state_rehearsing) {
             m->state = cam_state_ready;
         }
-        cam_excite_end_isr(&p->excite);
+        p->excite.n_left = 0;
         break;
     case cam_request_reset:
         m->state = m->state == cam_state_fault && m->is_retracted ? cam_state_off : m->state;
@@ -225,7 +225,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     case cam_request_identify:
         if (m->state == cam_state_ready && cfg->excite.n > 0u) {
             m->state = cam_state_identifying;
-            cam_excite_begin_isr(&p->excite, &cfg->excite);
+            p->excite = (cam_excite_t){.at = cfg->excite.first, .n_left = cfg->excite.n_play};
         }
         break;
     case cam_request_manual:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The range of values that a channel takes, against a dense evaluation in long double and in the
 // firmware's own arithmetic; and what the check of a table makes of it.
-#include "cam_extent.h"
+#include "cam_bounds.h"
 #include "cam_eval.h"
 #include "cam_table.h"
 #include "fixture_image.h"
