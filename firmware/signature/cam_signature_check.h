@@ -15,12 +15,11 @@
 #ifndef CAM_SIGNATURE_CHECK_H
 #define CAM_SIGNATURE_CHECK_H
 
-#include "cam_err.h"             // cam_err_t
-#include "cam_signature_block.h" // cam_signature_block_id_size
-#include "cam_table.h"           // cam_table_t
-#include <stdbool.h>             // bool
-#include <stddef.h>              // size_t
-#include <stdint.h>              // uint8_t
+#include "cam_err.h"   // cam_err_t
+#include "cam_table.h" // cam_table_t, cam_signature_block_id_size
+#include <stdbool.h>   // bool
+#include <stddef.h>    // size_t
+#include <stdint.h>    // uint8_t
 
 enum { cam_signature_check_key_size = 32 }; ///< [bytes] of a public key
 

@@ -125,12 +125,6 @@ static cam_err_t check_heights(const cam_entry_t *e, const cam_table_t *t)
     return is_spaced && per_nm_q48 == e->slices_per_nm_q48 ? cam_ok : cam_err_image_height;
 }
 
-/// @return whether a sum or a member of a knot keeps the evaluation from overflowing
-static bool is_bounded(int64_t sum)
-{
-    return sum <= CAM_TABLE_SUM_MAX;
-}
-
 /// Check the three sums of TABLE_FORMAT.md ("The bound"). The knots are already bounded, so 64 bits
 /// hold them.
 static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
@@ -144,9 +138,9 @@ static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
     const int64_t c3 = cam_abs_i64(10 * dp - 4 * dv + da);
     const int64_t c4 = cam_abs_i64(-15 * dp + 7 * dv - 2 * da);
     const int64_t c5 = cam_abs_i64(6 * dp - 3 * dv + da);
-    return is_bounded(p + v + a + c3 + c4 + c5) &&
-           is_bounded(v + 2 * a + 3 * c3 + 4 * c4 + 5 * c5) &&
-           is_bounded(2 * a + 6 * c3 + 12 * c4 + 20 * c5);
+    return p + v + a + c3 + c4 + c5 <= CAM_TABLE_SUM_MAX &&
+           v + 2 * a + 3 * c3 + 4 * c4 + 5 * c5 <= CAM_TABLE_SUM_MAX &&
+           2 * a + 6 * c3 + 12 * c4 + 20 * c5 <= CAM_TABLE_SUM_MAX;
 }
 
 /// Check a knot against the bounds of the arithmetic, then against those of the entry.
@@ -154,7 +148,7 @@ static cam_err_t check_knot(const cam_entry_t *e, const cam_knot_t *k)
 {
     const int64_t v = cam_abs_i64(k->v);
     const int64_t a = cam_abs_i64(k->a);
-    if (!is_bounded(cam_abs_i64(k->p)) || !is_bounded(v) || !is_bounded(a)) {
+    if (cam_abs_i64(k->p) > CAM_TABLE_SUM_MAX || v > CAM_TABLE_SUM_MAX || a > CAM_TABLE_SUM_MAX) {
         return cam_err_image_knots;
     }
     const bool is_in_limits = cam_is_between(k->p, e->p_min, e->p_max) && v <= (int64_t)e->v_max &&

@@ -15,12 +15,9 @@ static int64_t change_nm(const cam_lobe_t *lobe)
 /// Check the gap above a lobe and its stored reciprocal.
 static bool is_gap_good(const cam_lobe_t *lobe)
 {
-    const int64_t gap_nm = (int64_t)lobe[1].z_first_nm - lobe->z_last_nm;
-    if (gap_nm < cam_lobes_least_gap_nm) {
-        return false;
-    }
-    const uint64_t n = (uint64_t)change_nm(lobe);
-    return lobe->changes_per_nm_q48 == ((UINT64_C(1) << 48) + n / 2u) / n;
+    const int64_t nm = change_nm(lobe);
+    return nm >= cam_lobes_least_gap_nm / 2 - cam_lobes_kept_off_nm &&
+           lobe->changes_per_nm_q48 == ((INT64_C(1) << 48) + nm / 2) / nm;
 }
 
 /// Check that the lobes rise from the first height of the table to its last, with gaps between.

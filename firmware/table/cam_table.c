@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table.h"
-#include "cam_entry.h"           // cam_entry_check
-#include "cam_bounds.h"          // cam_extent_widened
-#include "cam_fix.h"             // cam_is_between
-#include "cam_lobes.h"           // cam_lobes_check
-#include "cam_spindle_demand.h"  // cam_spindle_demand_of
-#include "cam_peaks.h"           // cam_peaks_of_swing
-#include "cam_signature_block.h" // cam_signature_block_follows
-#include "cam_feed_profile.h"    // cam_feed_profile_check
-#include <stdbool.h>             // bool
-#include <string.h>              // memcpy, memcmp
+#include "cam_entry.h"          // cam_entry_check
+#include "cam_bounds.h"         // cam_extent_widened
+#include "cam_fix.h"            // cam_is_between
+#include "cam_lobes.h"          // cam_lobes_check
+#include "cam_spindle_demand.h" // cam_spindle_demand_of
+#include "cam_peaks.h"          // cam_peaks_of_swing
+#include "cam_feed_profile.h"   // cam_feed_profile_check
+#include <stdbool.h>            // bool
+#include <string.h>             // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
 
@@ -59,6 +58,25 @@ static uint32_t word_at(const uint8_t *image, size_t at)
     uint32_t word = 0;
     (void)memcpy(&word, image + at, sizeof word);
     return word;
+}
+
+bool cam_signature_block_follows(const uint8_t *image, size_t image_size, size_t room)
+{
+    static const uint8_t magic[cam_signature_block_magic_size] = {0x43, 0x41, 0x4D, 0x53,
+                                                                  0x49, 0x47, 0x1A, 0x0A};
+    return image_size <= room && room - image_size >= (size_t)cam_signature_block_size &&
+           memcmp(&image[image_size], magic, sizeof magic) == 0;
+}
+
+bool cam_signature_block_is_sound(const uint8_t *block, size_t image_size)
+{
+    bool is_sound = word_at(block, cam_signature_block_at_version) == 1u &&
+                    word_at(block, cam_signature_block_at_image_size) == image_size;
+    for (size_t i = cam_signature_block_at_zeros; i < (size_t)cam_signature_block_signed_size;
+         i++) {
+        is_sound = is_sound && block[i] == 0u;
+    }
+    return is_sound;
 }
 
 /// Check magic, byte order, version, size and CRC, before any other field is trusted.
