@@ -23,14 +23,13 @@
 #endif
 
 /// Call after the load that shows a hand-over: all earlier writes of the other side are visible
-/// from here on. Context: ISR.
+/// from here on.
 static inline void cam_fence_acquire_isr(void)
 {
     CAM_FENCE(memory_order_acquire);
 }
 
 /// Call before the store that hands over: a side that sees the store also sees all earlier writes.
-/// Context: ISR.
 static inline void cam_fence_release_isr(void)
 {
     CAM_FENCE(memory_order_release);

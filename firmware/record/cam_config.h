@@ -3,7 +3,8 @@
 ///
 /// The slow side (cam_build.h) builds a configuration from parameters and table, with all divisions
 /// and range checks, in the half of the bank that is not in use. The interrupt takes it at the
-/// start of a tick. No lock: one atomic pointer in each direction.
+/// start of a tick. No lock: one atomic pointer in each direction. Context of all functions but
+/// cam_config_take_isr(): slow side.
 #ifndef CAM_CONFIG_H
 #define CAM_CONFIG_H
 
@@ -263,27 +264,24 @@ typedef struct {
 } cam_config_bank_t;
 
 /// @return the half that may be written, NULL while the interrupt has not taken the last one.
-/// Context: slow side.
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 
 /// Copy the newest configuration into the free half, and subtract the learned part of its gains.
-/// @return the copy, NULL while the interrupt has not taken the last one. Context: slow side.
+/// @return the copy, NULL while the interrupt has not taken the last one.
 cam_config_t *cam_config_copy(cam_config_bank_t *bank);
 
-/// Set the pointers of a configuration to its own table and learned values.
-/// Context: slow side, before it is offered.
+/// Set the pointers of a configuration to its own table and learned values, before it is offered.
 void cam_config_tie(cam_config_t *config, bool has_table);
 
-/// Add the learned part to the gains.
-/// Context: slow side, once before it is offered.
+/// Add the learned part to the gains, once before the configuration is offered.
 void cam_config_learn(cam_config_t *config);
 
 /// Derive the limits of U's command from those of U and from the feed-forward: speed
 /// v + k1 a + k2 j and acceleration a + k1 j + k2 j / tick, all at their largest at once, MATHS.md
-/// (213). Context: slow side, after every change of the gains.
+/// (213). Call after every change of the gains.
 void cam_config_limit_command(cam_config_t *config);
 
-/// Hand over the free half; it is in force from the next tick on. Context: slow side.
+/// Hand over the free half; it is in force from the next tick on.
 void cam_config_offer(cam_config_bank_t *bank);
 
 /// @return the configuration of this tick. Context: ISR, constant time.

@@ -13,7 +13,8 @@
 /// configuration (cam_machine_learn_begin()): feed-forward gains, a correction c of U's command and
 /// the deviation d of the spindle from uniform rotation. Tables and bins are functions of the
 /// spindle angle; the slow side rotates them by the operator's phase. Zeros have no effect. Source:
-/// MATHS.md (135) .. (138).
+/// MATHS.md (135) .. (138). Context: cam_turn_bins_take() and cam_turn_bins_release(): slow side,
+/// one caller; all others: ISR, constant time.
 #ifndef CAM_TURN_BINS_H
 #define CAM_TURN_BINS_H
 
@@ -84,7 +85,6 @@ typedef struct {
 
 /// Add one tick to its bin, except in state fault.
 /// @param r  record of the tick, commanded
-/// Context: ISR, constant time.
 static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_record_t *r)
 {
     if (r->want.state == cam_state_fault) {
@@ -110,7 +110,6 @@ typedef struct {
     uint32_t share; ///< [1 / 256] weights of both knots, that of the first one in the lower half
 } cam_learned_place_t;
 
-/// Context: ISR, constant time.
 static inline cam_learned_place_t cam_learned_place(uint32_t theta_q32)
 {
     const uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
@@ -120,7 +119,6 @@ static inline cam_learned_place_t cam_learned_place(uint32_t theta_q32)
 /// Read a table between two knots.
 /// @param table  cam_learned_points + 1 knots
 /// @return       2^8 times the value at the angle, which is rounded down to 2^-16 turn
-/// Context: ISR, constant time.
 static inline int32_t cam_learned_at_q8(const int16_t *table, cam_learned_place_t at)
 {
     uint32_t knots = 0;
@@ -135,19 +133,17 @@ static inline uint32_t cam_learned_turn_q32(const int16_t *table, cam_learned_pl
 }
 
 /// Once per plan: on a new turn, close the last one and open the new one.
-/// Context: ISR.
 void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, const cam_motion_t *m);
 
 /// Take the bank of the last turn, if it holds exactly that turn; otherwise clear the idle bank for
-/// the next turn.
+/// the next turn. Call it at least three times a turn.
 /// @param turn  result
 /// @return      128 bins, bin i from i / 128 turn of the master position on, NULL for none; valid
 ///              until cam_turn_bins_release()
-/// Context: slow side, one caller, at least three times a turn.
 const cam_turn_bin_t *cam_turn_bins_take(cam_turn_bins_t *g, cam_turn_t *turn);
 
 /// Clear a bank and give it back. @return false if more than three quarters of a turn late: the
-/// data may have been overwritten while it was read and must be discarded. Context: slow side.
+/// data may have been overwritten while it was read and must be discarded.
 bool cam_turn_bins_release(cam_turn_bins_t *g);
 
 #endif

@@ -4,7 +4,8 @@
 /// In such a table a slice is the pattern of a profile, not a height. At any height the nearest
 /// lobe is played: its pattern, turned by its phase. From 20 um beyond a lobe's edge its lift falls
 /// by a smooth step; it is 0 in the middle of the gap, where the next lobe takes over. Source:
-/// TABLE_FORMAT.md, "Lobes". Context: ISR or slow side unless noted, constant time, cannot fail.
+/// TABLE_FORMAT.md, "Lobes". Context: the checks: slow side; all others: ISR or slow side, constant
+/// time, cannot fail.
 #ifndef CAM_LOBES_H
 #define CAM_LOBES_H
 
@@ -21,11 +22,9 @@ enum {
 
 /// Check the entry and the directory of lobes, and fill in lobes, n_lobes and least_change_nm.
 /// @param used  as of cam_entry_check()
-/// Context: slow side.
 CAM_MUST_USE cam_err_t cam_lobes_check(const cam_entry_t *e, uint64_t *used, cam_table_t *table);
 
 /// Check, once all channels are known, that every channel over angle has all patterns.
-/// Context: slow side.
 CAM_MUST_USE cam_err_t cam_lobes_check_patterns(const cam_table_t *table);
 
 /// @param t     with lobes

@@ -194,23 +194,6 @@ static cam_err_t check_values(const cam_entry_t *e, const cam_table_t *t, cam_ex
     return cam_entry_is_in_unit(e, *values) ? cam_ok : cam_err_image_limits;
 }
 
-/// @return the table's channel of a kind; swing and contact exclude each other and share one
-static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
-{
-    switch (kind) {
-    case cam_kind_u:
-        return &table->u;
-    case cam_kind_x:
-        return &table->x;
-    case cam_kind_speed:
-        return &table->speed;
-    case cam_kind_way:
-        return &table->way;
-    default:
-        return &table->angle;
-    }
-}
-
 /// @return a derivative per knot interval, converted to per rad, rounded down
 static int64_t knot_per_rad(int64_t x, uint32_t log2_knots_per_turn)
 {
@@ -234,13 +217,18 @@ static cam_err_t check_motion_limits(const cam_entry_t *u, const cam_table_t *t)
     return is_covered ? cam_ok : cam_err_image_limits;
 }
 
-/// Put a checked channel into the table.
-/// @return false if the table has one of this kind, or swing and contact
-static bool take_channel(const cam_entry_t *e, cam_extent_t values, cam_table_t *table)
+/// Put a checked channel into the table, which must not have one of this kind yet. Swing and
+/// contact exclude each other and share one channel.
+static cam_err_t take_channel(const cam_entry_t *e, cam_extent_t values, cam_table_t *table)
 {
-    cam_channel_t *ch = channel_of(table, e->kind);
+    cam_channel_t *const channels[] = {
+        [cam_kind_u] = &table->u,           [cam_kind_x] = &table->x,
+        [cam_kind_speed] = &table->speed,   [cam_kind_swing] = &table->angle,
+        [cam_kind_contact] = &table->angle, [cam_kind_way] = &table->way,
+    };
+    cam_channel_t *ch = channels[e->kind];
     if (ch->knots != NULL) {
-        return false;
+        return cam_err_image_channel;
     }
     *ch = cam_entry_channel(e, table);
     table->is_swung = table->is_swung || e->kind == (uint32_t)cam_kind_swing;
@@ -254,7 +242,7 @@ static bool take_channel(const cam_entry_t *e, cam_extent_t values, cam_table_t 
     if (e->kind == (uint32_t)cam_kind_speed && values.high >= CAM_TABLE_RATIO_ONE) {
         table->ratio_max_q20 = (uint32_t)values.high + 1u; // 1 for the rounding of a share
     }
-    return true;
+    return cam_ok;
 }
 
 /// Check a channel of any kind. A directory of lobes must come first: it makes slices patterns.
@@ -271,10 +259,7 @@ static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, uint64_t *used,
     if (err == cam_ok) {
         err = check_values(e, table, &values);
     }
-    if (err != cam_ok) {
-        return err;
-    }
-    return take_channel(e, values, table) ? cam_ok : cam_err_image_channel;
+    return err == cam_ok ? take_channel(e, values, table) : err;
 }
 
 /// Check the channels together: u and x are present, a ring-helix has a uniform speed and no way, a
