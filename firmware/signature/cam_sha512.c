@@ -30,7 +30,8 @@ static const uint64_t round_constant[n_rounds] = {
 
 static uint64_t rotated(uint64_t x, uint32_t n)
 {
-    return x >> n | x << (64u - n);
+    const uint32_t left = 64u - n;
+    return x >> n | x << left;
 }
 
 static uint64_t big_endian(const uint8_t *bytes)
@@ -45,7 +46,8 @@ static uint64_t big_endian(const uint8_t *bytes)
 static void put_big_endian(uint8_t *bytes, uint64_t x)
 {
     for (uint32_t i = 0; i < 8u; i++) {
-        bytes[i] = (uint8_t)(x >> (56u - 8u * i) & 0xFFu);
+        const uint32_t shift = 56u - 8u * i;
+        bytes[i] = (uint8_t)(x >> shift & 0xFFu);
     }
 }
 
@@ -120,7 +122,8 @@ void cam_sha512_add(cam_sha512_t *s, const void *bytes, size_t n)
 
 void cam_sha512_end(cam_sha512_t *s, uint8_t hash[cam_sha512_bytes])
 {
-    const uint8_t padding[cam_sha512_block] = {0x80u};
+    uint8_t padding[cam_sha512_block] = {0};
+    padding[0] = 0x80u;
     uint8_t length[length_bytes] = {0};
     put_big_endian(&length[8], s->n * 8u);
     const uint32_t n_pending = (uint32_t)(s->n % (uint64_t)cam_sha512_block);

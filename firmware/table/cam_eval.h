@@ -54,8 +54,9 @@ typedef struct {
 
 /// A segment at one height: two knots and the position between them.
 typedef struct {
-    cam_knot_t k0, k1; ///< [LSB / 16]
-    int32_t s_q32;     ///< [h / 2^32] distance from the middle of the interval
+    cam_knot_t k0; ///< [LSB / 16], likewise the next one
+    cam_knot_t k1;
+    int32_t s_q32; ///< [h / 2^32] distance from the middle of the interval
 } cam_segment_t;
 
 /// Find a height between two slices by the stored reciprocal of their spacing.

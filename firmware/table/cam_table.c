@@ -221,7 +221,7 @@ static cam_err_t check_motion_limits(const cam_entry_t *u, const cam_table_t *t)
 /// contact exclude each other and share one channel.
 static cam_err_t take_channel(const cam_entry_t *e, cam_extent_t values, cam_table_t *table)
 {
-    cam_channel_t *const channels[] = {
+    cam_channel_t *const channels[cam_kind_way + 1] = {
         [cam_kind_u] = &table->u,           [cam_kind_x] = &table->x,
         [cam_kind_speed] = &table->speed,   [cam_kind_swing] = &table->angle,
         [cam_kind_contact] = &table->angle, [cam_kind_way] = &table->way,
