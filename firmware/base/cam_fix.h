@@ -103,6 +103,26 @@ static inline int32_t cam_sat_sub(int32_t a, int32_t b)
 #endif
 }
 
+/// Two products of half words and their sum: one instruction on Cortex-M4/M7.
+/// @param a, b  two int16 each, the first one in the lower half
+/// @return      products of the upper halves and of the lower halves, added modulo 2^32
+/// Source: ARMv7-M Architecture Reference Manual, A7.7.157 (SMUAD).
+//@ assigns \result \from a, b;
+static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    int32_t sum;
+    __asm("smuad %0, %1, %2" : "=r"(sum) : "r"(a), "r"(b));
+    return sum;
+#else
+    const int32_t a_low = (int16_t)(uint16_t)a;
+    const int32_t b_low = (int16_t)(uint16_t)b;
+    const int32_t a_high = (int16_t)(uint16_t)(a >> 16);
+    const int32_t b_high = (int16_t)(uint16_t)(b >> 16);
+    return (int32_t)((uint32_t)(a_low * b_low) + (uint32_t)(a_high * b_high));
+#endif
+}
+
 /// Multiply unsigned numbers and keep the upper half of the product.
 /// @return floor(a * b / 2^32), any arguments
 /*@ assigns \result \from a, b;

@@ -106,14 +106,14 @@ static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_reco
 
 /// Position of an angle between two knots.
 typedef struct {
-    uint32_t knot;   ///< the first one, 0 .. 255
-    int32_t part_q8; ///< [1 / 256] weight of the second one, 0 .. 255
+    uint32_t knot;  ///< the first one, 0 .. 255
+    uint32_t share; ///< [1 / 256] weights of both knots, that of the first one in the lower half
 } cam_learned_place_t;
 
 static inline cam_learned_place_t cam_learned_place(uint32_t theta_q32)
 {
-    return (cam_learned_place_t){.knot = theta_q32 >> 24,
-                                 .part_q8 = (int32_t)((theta_q32 >> 16) & 0xFFu)};
+    const uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
+    return (cam_learned_place_t){.knot = theta_q32 >> 24, .share = part_q8 * 0xFFFFu + 256u};
 }
 
 /// Read a table between two knots.
@@ -121,7 +121,9 @@ static inline cam_learned_place_t cam_learned_place(uint32_t theta_q32)
 /// @return       2^8 times the value at the angle, which is rounded down to 2^-16 turn
 static inline int32_t cam_learned_at_q8(const int16_t *table, cam_learned_place_t at)
 {
-    return (256 - at.part_q8) * table[at.knot] + at.part_q8 * table[at.knot + 1u];
+    uint32_t knots = 0;
+    (void)__builtin_memcpy(&knots, &table[at.knot], sizeof knots); // one load, not a call
+    return cam_dot_i16(knots, at.share);
 }
 
 /// @return [turn / 2^32] a deviation

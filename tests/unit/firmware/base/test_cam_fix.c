@@ -83,6 +83,21 @@ static void test_symmetric_range_ends_where_it_says(void)
     TEST_ASSERT_FALSE(cam_is_within(INT32_MIN, INT32_MAX));
 }
 
+static void test_half_words_are_multiplied_with_their_signs(void)
+{
+    static const int16_t halves[] = {INT16_MIN, -12345, -1, 0, 1, 2, 12345, INT16_MAX};
+    for (int i = 0; i < 8 * 8 * 8 * 8; i++) {
+        const int16_t al = halves[i % 8];
+        const int16_t ah = halves[i / 8 % 8];
+        const int16_t bl = halves[i / 64 % 8];
+        const int16_t bh = halves[i / 512];
+        const uint32_t a = (uint32_t)(uint16_t)ah << 16 | (uint16_t)al;
+        const uint32_t b = (uint32_t)(uint16_t)bh << 16 | (uint16_t)bl;
+        const int64_t sum = (int64_t)al * bl + (int64_t)ah * bh;
+        TEST_ASSERT_EQUAL_INT32(wrapped(sum), cam_dot_i16(a, b));
+    }
+}
+
 static void test_product_is_shifted_with_rounding_half_up(void)
 {
     for (int32_t a = -40; a <= 40; a++) {
@@ -153,6 +168,7 @@ int main(void)
     RUN_TEST(test_pairs_of_words_are_what_wide_arithmetic_makes_of_them);
     RUN_TEST(test_wide_sums_and_products_wrap);
     RUN_TEST(test_symmetric_range_ends_where_it_says);
+    RUN_TEST(test_half_words_are_multiplied_with_their_signs);
     RUN_TEST(test_product_is_shifted_with_rounding_half_up);
     RUN_TEST(test_wide_shift_keeps_the_low_word_of_the_floor);
     RUN_TEST(test_limits_are_kept_and_reached);
