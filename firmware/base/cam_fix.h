@@ -203,8 +203,7 @@ static inline uint64_t cam_root_u64(uint64_t v)
     return r;
 }
 
-/// @return a - b of a counter or an angle that wraps at 2^32; exact while |a - b| < 2^31. Of angles
-///         this is the distance from b to a along the shorter arc; half a turn is -2^31.
+/// @return a - b of a counter or angle that wraps at 2^32: -2^31 .. 2^31 - 1, by the shorter arc
 /*@ assigns \result \from a, b;
     ensures plain: INT32_MIN <= a - b <= INT32_MAX ==> \result == a - b;
     ensures wrapped: \result == a - b || \abs(\result - (a - b)) == 0x100000000;

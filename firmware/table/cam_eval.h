@@ -32,19 +32,13 @@
 enum { cam_eval_guard_bits = 4 };
 #define CAM_EVAL_GUARD (INT32_C(1) << cam_eval_guard_bits)
 
-/// Value and derivatives of a channel with respect to the knot interval h, in LSB of the channel.
+/// Value and derivatives of a channel with respect to the knot interval h, in LSB of the channel
+/// or, before rounding, in LSB / 16; below 2^30.
 typedef struct {
     int32_t y;  ///< [LSB] value
     int32_t d1; ///< [LSB / h]
     int32_t d2; ///< [LSB / h^2]
 } cam_value_t;
-
-/// The same with guard bits, before rounding.
-typedef struct {
-    int32_t y;  ///< [LSB / 16] below 2^30
-    int32_t d1; ///< [LSB / 16 / h] below 2^30
-    int32_t d2; ///< [LSB / 16 / h^2] below 2^30
-} cam_fine_t;
 
 /// A height between two slices.
 typedef struct {
@@ -104,13 +98,14 @@ static inline int32_t cam_eval_round(int32_t r)
 
 /// Evaluate the quintic through two knots about the middle of its interval,
 /// q(s) = e0 + o1 s + e2 s^2 + o3 s^3 + e4 s^4 + o5 s^5, by three Horner schemes at once: each uses
-/// the running value of the previous one. With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w,
-/// o3 = w - o5 / 2, o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0:
-/// e4 = (a0 + a1 - dv) / 2, e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
+/// the running value of the previous one.
+/// With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w, o3 = w - o5 / 2,
+/// o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0: e4 = (a0 + a1 - dv) / 2,
+/// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
 /// @param at  knots within the bounds of cam_table_check(), any s_q32
-/// Source: MATHS.md (46), (47).
+/// @return    [LSB / 16] before rounding. Source: MATHS.md (46), (47).
 //@ assigns \result \from at;
-CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
+CAM_EVAL_INLINE cam_value_t cam_eval_quintic(cam_segment_t at)
 {
     const int32_t s_q32 = at.s_q32;
     const int32_t dp = cam_wrap_sub(at.k1.p, at.k0.p);
@@ -134,11 +129,11 @@ CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
     y = cam_mulhi_add(o1, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
     y = cam_mulhi_add(e0, y, s_q32);
-    return (cam_fine_t){.y = y, .d1 = d1, .d2 = cam_wrap_times(d2, 2)};
+    return (cam_value_t){.y = y, .d1 = d1, .d2 = cam_wrap_times(d2, 2)};
 }
 
 /// @return value and derivatives rounded to whole LSB
-static inline cam_value_t cam_eval_rounded(cam_fine_t fine)
+static inline cam_value_t cam_eval_rounded(cam_value_t fine)
 {
     return (cam_value_t){
         .y = cam_eval_round(fine.y), .d1 = cam_eval_round(fine.d1), .d2 = cam_eval_round(fine.d2)};

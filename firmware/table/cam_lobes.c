@@ -4,7 +4,7 @@
 #include <stdbool.h> // bool
 
 _Static_assert(sizeof(cam_lobe_t) == 20, "five words of the image");
-_Static_assert(1 << cam_lobes_search_steps == cam_table_max_lobes, "the search reaches every lobe");
+_Static_assert(cam_table_max_lobes == 1 << 6, "the search halves it down to one lobe");
 
 /// @return [nm] height over which the lift falls above a lobe, and rises below the next one
 static int64_t change_nm(const cam_lobe_t *lobe)

@@ -17,7 +17,6 @@
 enum {
     cam_lobes_least_gap_nm = 200000, ///< [nm] between two lobes
     cam_lobes_kept_off_nm = 20000,   ///< [nm] the full lift extends this far beyond a lobe
-    cam_lobes_search_steps = 6,      ///< halvings that find one of 64
 };
 
 /// Check the entry and the directory of lobes, and fill in lobes, n_lobes and least_change_nm.

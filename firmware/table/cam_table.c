@@ -62,8 +62,7 @@ static uint32_t word_at(const uint8_t *image, size_t at)
 
 bool cam_signature_block_follows(const uint8_t *image, size_t image_size, size_t room)
 {
-    static const uint8_t magic[cam_signature_block_magic_size] = {0x43, 0x41, 0x4D, 0x53,
-                                                                  0x49, 0x47, 0x1A, 0x0A};
+    static const uint8_t magic[8] = {0x43, 0x41, 0x4D, 0x53, 0x49, 0x47, 0x1A, 0x0A};
     return image_size <= room && room - image_size >= (size_t)cam_signature_block_size &&
            memcmp(&image[image_size], magic, sizeof magic) == 0;
 }

@@ -27,7 +27,6 @@ enum {
     cam_signature_block_size = 128,       ///< [bytes] a multiple of hal_table_grain
     cam_signature_block_signed_size = 64, ///< [bytes] of the block that are signed with the image
     cam_signature_block_id_size = 8,      ///< [bytes] of the hash of the public key
-    cam_signature_block_magic_size = 8,   ///< [bytes]
     // Offsets of the fields
     cam_signature_block_at_version = 8,
     cam_signature_block_at_image_size = 12,
