@@ -122,7 +122,7 @@ typedef struct {
 
 /// Configuration of the state manual.
 typedef struct {
-    cam_motion_limits_t limits[hal_n_axes]; ///< of jogs, with gentle acceleration; U: per tick
+    cam_motion_limits_t limits[hal_n_axes]; ///< jog speed, gentle acceleration per plan; U per tick
     int64_t u_end_q10;                      ///< [nm / 1024] end of U's stroke
     cam_jog_order_t order;
 } cam_jog_config_t;
