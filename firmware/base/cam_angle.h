@@ -9,17 +9,10 @@
 #ifndef CAM_ANGLE_H
 #define CAM_ANGLE_H
 
-#include <stdint.h> // int32_t, int64_t, uint32_t
+#include <stdint.h> // int64_t, uint32_t
 
 /// One turn of a master position.
 #define CAM_TURN_Q32 ((int64_t)1 << 32)
-
-/// Signed distance from b to a along the shorter arc, for example +2 from 0xFFFFFFFF to 1.
-/// @return [turn / 2^32] -2^31 .. 2^31 - 1; half a turn is -2^31
-static inline int32_t cam_angle_diff_q32(uint32_t a_q32, uint32_t b_q32)
-{
-    return (int32_t)(a_q32 - b_q32);
-}
 
 /// @return [turn / 2^32] the angle within the turn of a master position
 static inline uint32_t cam_angle_of_pos(int64_t pos_q32)

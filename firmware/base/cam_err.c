@@ -3,19 +3,15 @@
 
 const char *cam_err_text(cam_err_t err)
 {
-    const char *text = "unknown error";
     switch (err) {
     case cam_ok:
-        text = "done";
-        break;
+        return "done";
 #define ERR_TEXT(name, number, clause)                                                             \
     case cam_err_##name:                                                                           \
-        text = (clause);                                                                           \
-        break;
+        return (clause);
         CAM_ERRORS(ERR_TEXT)
 #undef ERR_TEXT
     default:
-        break;
+        return "unknown error";
     }
-    return text;
 }

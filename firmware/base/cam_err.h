@@ -132,8 +132,7 @@ typedef enum {
 /// The compiler refuses a call that ignores the result of such a function.
 #define CAM_MUST_USE __attribute__((warn_unused_result))
 
-/// @return the text of an error, static; "unknown error" for any other value
-/// Context: slow side.
+/// @return the text of an error, static; "unknown error" for any other value. Context: slow side.
 const char *cam_err_text(cam_err_t err);
 
 #endif

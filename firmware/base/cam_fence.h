@@ -15,31 +15,24 @@
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
 #define CAM_ORDER_ACQUIRE memory_order_relaxed
 #define CAM_ORDER_RELEASE memory_order_relaxed
+#define CAM_FENCE atomic_signal_fence
 #else
 #define CAM_ORDER_ACQUIRE memory_order_acquire
 #define CAM_ORDER_RELEASE memory_order_release
+#define CAM_FENCE atomic_thread_fence
 #endif
 
 /// Call after the load that shows a hand-over: all earlier writes of the other side are visible
-/// from here on. Context: ISR.
+/// from here on.
 static inline void cam_fence_acquire_isr(void)
 {
-#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
-    atomic_signal_fence(memory_order_acquire);
-#else
-    atomic_thread_fence(memory_order_acquire);
-#endif
+    CAM_FENCE(memory_order_acquire);
 }
 
 /// Call before the store that hands over: a side that sees the store also sees all earlier writes.
-/// Context: ISR.
 static inline void cam_fence_release_isr(void)
 {
-#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
-    atomic_signal_fence(memory_order_release);
-#else
-    atomic_thread_fence(memory_order_release);
-#endif
+    CAM_FENCE(memory_order_release);
 }
 
 #endif

@@ -53,6 +53,18 @@ static inline int32_t cam_mulhi(int32_t a, int32_t b)
 #endif
 }
 
+/// @return v limited to the range of int32
+/*@ assigns \result \from v;
+    ensures inside: INT32_MIN <= v <= INT32_MAX ==> \result == v;
+    ensures low: v < INT32_MIN ==> \result == INT32_MIN;
+    ensures high: v > INT32_MAX ==> \result == INT32_MAX;
+*/
+static inline int32_t cam_sat_i32(int64_t v)
+{
+    const int32_t low = (int32_t)v; // v fits when its sign-extended low word equals v
+    return low == v ? low : v < 0 ? INT32_MIN : INT32_MAX;
+}
+
 /// Add and saturate: one instruction on Cortex-M4/M7.
 /// @return a + b limited to the range of int32
 /// Source: ARMv7-M Architecture Reference Manual (QADD).
@@ -68,8 +80,7 @@ static inline int32_t cam_sat_add(int32_t a, int32_t b)
     __asm("qadd %0, %1, %2" : "=r"(sum) : "r"(a), "r"(b));
     return sum;
 #else
-    const int64_t sum = (int64_t)a + b;
-    return sum < INT32_MIN ? INT32_MIN : sum > INT32_MAX ? INT32_MAX : (int32_t)sum;
+    return cam_sat_i32((int64_t)a + b);
 #endif
 }
 
@@ -88,10 +99,7 @@ static inline int32_t cam_sat_sub(int32_t a, int32_t b)
     __asm("qsub %0, %1, %2" : "=r"(difference) : "r"(a), "r"(b));
     return difference;
 #else
-    const int64_t difference = (int64_t)a - b;
-    return difference < INT32_MIN   ? INT32_MIN
-           : difference > INT32_MAX ? INT32_MAX
-                                    : (int32_t)difference;
+    return cam_sat_i32((int64_t)a - b);
 #endif
 }
 
@@ -112,23 +120,6 @@ static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
     const int32_t a_high = (int16_t)(uint16_t)(a >> 16);
     const int32_t b_high = (int16_t)(uint16_t)(b >> 16);
     return (int32_t)((uint32_t)(a_low * b_low) + (uint32_t)(a_high * b_high));
-#endif
-}
-
-/// Replace bits of a word: one instruction on Cortex-M4/M7. `from` and `n` are constants.
-/// @return v with its bits from .. from + n - 1 replaced by the lowest n bits of `bits`
-/*@ requires 1 <= n <= 31 && from <= 31;
-    assigns \result \from v, bits, from, n;
-*/
-static inline __attribute__((always_inline)) uint32_t cam_insert_bits(uint32_t v, uint32_t bits,
-                                                                      uint32_t from, uint32_t n)
-{
-#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
-    __asm("bfi %0, %1, %2, %3" : "+r"(v) : "r"(bits), "i"(from), "i"(n));
-    return v;
-#else
-    const uint32_t mask = ((UINT32_C(1) << n) - 1u) << from;
-    return (v & ~mask) | ((bits << from) & mask);
 #endif
 }
 
@@ -189,18 +180,6 @@ static inline int64_t cam_clamp_i64(int64_t v, int64_t lo, int64_t hi)
     return v < lo ? lo : v > hi ? hi : v;
 }
 
-/// @return v limited to the range of int32
-/*@ assigns \result \from v;
-    ensures inside: INT32_MIN <= v <= INT32_MAX ==> \result == v;
-    ensures low: v < INT32_MIN ==> \result == INT32_MIN;
-    ensures high: v > INT32_MAX ==> \result == INT32_MAX;
-*/
-static inline int32_t cam_sat_i32(int64_t v)
-{
-    const int32_t low = (int32_t)v; // v fits when its sign-extended low word equals v
-    return low == v ? low : v < 0 ? INT32_MIN : INT32_MAX;
-}
-
 /// @return |v|; any v but INT64_MIN
 /*@ requires v > INT64_MIN;
     assigns \result \from v;
@@ -224,7 +203,7 @@ static inline uint64_t cam_root_u64(uint64_t v)
     return r;
 }
 
-/// @return [counts] a - b of a counter that wraps at 2^32; exact while |a - b| < 2^31
+/// @return a - b of a counter or angle that wraps at 2^32: -2^31 .. 2^31 - 1, by the shorter arc
 /*@ assigns \result \from a, b;
     ensures plain: INT32_MIN <= a - b <= INT32_MAX ==> \result == a - b;
     ensures wrapped: \result == a - b || \abs(\result - (a - b)) == 0x100000000;

@@ -334,7 +334,7 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
     const bool is_beyond_rings = is_overridden || p->spindle_override_ppm > (int32_t)whole_ppm;
     return (cam_demands_t){{
         // A skirt may be trimmed by the amplitude; a lobe with less than its full lift is wrong.
-        {cam_err_cam_amplitude, p->amplitude_ppm, cam_table_is_lobe(t) ? whole_ppm : 0u},
+        {cam_err_cam_amplitude, p->amplitude_ppm, t->angle.knots != NULL ? whole_ppm : 0u},
         // Without its swing the tool would cut a wrong lobe at any speed.
         {cam_err_swing_axis, 0, t->is_swung && p->swing_speed_mdeg_per_s == 0 ? 1u : 0u},
         // Stations count the turns of the helix, which a measured Z does not give.

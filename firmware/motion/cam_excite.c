@@ -2,16 +2,6 @@
 #include "cam_excite.h"
 #include "cam_fix.h" // cam_sat_i32
 
-void cam_excite_begin_isr(cam_excite_t *e, const cam_excite_config_t *cfg)
-{
-    *e = (cam_excite_t){.at = cfg->first, .n_left = cfg->n_play};
-}
-
-void cam_excite_end_isr(cam_excite_t *e)
-{
-    e->n_left = 0;
-}
-
 bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, int32_t *offset_q6)
 {
     const bool is_falling = e->n_left == 0u;

@@ -28,18 +28,13 @@ typedef struct {
     int64_t place_q10;        ///< [nm / 1024] position of U about which it is played
 } cam_excite_config_t;
 
-/// State; zero-initialised: over.
+/// State; zero-initialised: over. It begins with `at` and `n_left` of the configuration and gain 0;
+/// n_left = 0 starts the fall.
 typedef struct {
     uint32_t at;            ///< next sample
     uint32_t n_left;        ///< [ticks] until the gain falls
     cam_axis_motion_t gain; ///< pos_q10 is [2^-30]
 } cam_excite_t;
-
-/// Begin with the gain 0.
-void cam_excite_begin_isr(cam_excite_t *e, const cam_excite_config_t *cfg);
-
-/// Start the fall of the gain.
-void cam_excite_end_isr(cam_excite_t *e);
 
 /// One tick, with U at rest apart from the wave.
 /// @param offset_q6  result, [nm / 64] to be added to the set-point of U

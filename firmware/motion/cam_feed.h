@@ -6,7 +6,8 @@
 /// a helix turn Z's speed is a trapezoid: it rises over the share r of the turn, stays at
 /// feed n / (1 - r) at n turns per second, and falls over r, with acceleration
 /// feed n^2 / (r (1 - r)). r is the smallest value that the acceleration allows, at least 1/256.
-/// Source: MATHS.md (40) .. (42); the generator's path.py has the same law.
+/// Source: MATHS.md (40) .. (42); the generator's path.py has the same law. Context: ISR for
+/// cam_feed_ring_end_q32() and the functions ending in _isr, slow side for all others.
 #ifndef CAM_FEED_H
 #define CAM_FEED_H
 
@@ -32,38 +33,34 @@ typedef struct {
 /// @param acceleration_mm_per_s2  [mm/s2] of Z, 10 .. 10^6
 /// @return  [turn / 2^32] shortest ramp, at most 2^-28 turn too long where it is below 0.49; 1/2
 ///          if none is long enough
-/// Context: slow side.
 uint32_t cam_feed_ramp_q32(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t acceleration_mm_per_s2);
 
-/// @return [um/s] highest speed of Z with that ramp, rounded up. Context: slow side.
+/// @return [um/s] highest speed of Z with that ramp, rounded up
 uint64_t cam_feed_speed_um_per_s(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t ramp_q32);
 
-/// @return [mm/s2] least that any ramp needs, 4 feed n^2, rounded up. Context: slow side.
+/// @return [mm/s2] least that any ramp needs, 4 feed n^2, rounded up
 uint64_t cam_feed_least_acceleration(uint32_t feed_nm, uint32_t speed_mrpm);
 
 /// @param span_nm  [nm] height of the part, 1 .. 2 * 10^9
-/// @return a ring-helix; other parameters as of cam_feed_ramp_q32(). Context: slow side.
+/// @return a ring-helix; other parameters as of cam_feed_ramp_q32()
 cam_rings_t cam_feed_rings(uint32_t feed_nm, int32_t span_nm, uint32_t speed_mrpm,
                            uint32_t acceleration_mm_per_s2);
 
-/// @return [turn / 2^32] length: 2 m - 1 turns, below 2^62. Context: slow side.
+/// @return [turn / 2^32] length: 2 m - 1 turns, below 2^62
 int64_t cam_feed_turns_q32(const cam_rings_t *rings);
 
 /// Completed share of the step to the next ring.
 /// @param done_q32  [turn / 2^32] since the first ring began, 0 .. the length
 /// @return          [1 / 2^30] 0 .. 2^30, 0 on a ring; error below 2^-26
-/// Context: ISR.
 uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32);
 
 /// @param risen_q30  of the same instant
 /// @return           [nm] Z above the first ring, 0 .. span, rounded to nearest
-/// Context: ISR.
 int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32, uint32_t risen_q30);
 
 /// A path that ends early still ends with a closed ring: the present one, or that after the helix.
 /// @param done_q32  [turn / 2^32] whole turns, above 0
 /// @return          [turn / 2^32] length of such a path, at most a turn more
-/// Context: ISR.
 static inline int64_t cam_feed_ring_end_q32(int64_t done_q32)
 {
     return (int64_t)((uint64_t)done_q32 | UINT64_C(1) << 32);

@@ -5,6 +5,7 @@
 /// approach, retract, stop after a fault; without it for the gain of a wave (cam_excite.h). No
 /// square root, no division: a step is accepted if the axis can still brake to the target, MATHS.md
 /// (60). Positions are nm / 1024 (q10), speeds nm / 1024 per tick.
+/// Context: ISR, constant time.
 #ifndef CAM_MOVE_PROFILE_H
 #define CAM_MOVE_PROFILE_H
 
@@ -30,7 +31,6 @@ typedef struct {
 /// its change within the acceleration. Overshoots by at most acceleration_q10 / 8 unless the
 /// initial speed makes more unavoidable.
 /// @return true when the axis rests at the target
-/// Context: ISR, constant time.
 /*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
     requires limits: 0 <= limits->speed_q10 <= 0x40000000 &&
       0 <= limits->acceleration_q10 <= 0x40000000;
@@ -50,7 +50,6 @@ bool cam_move_profile_to_isr(cam_axis_motion_t *m, const cam_motion_limits_t *li
 
 /// One tick of braking to rest.
 /// @return true when the axis rests
-/// Context: ISR, constant time.
 /*@ requires valid: \valid(m) && \valid_read(limits) && \separated(m, limits);
     requires limits: 0 <= limits->acceleration_q10 <= 0x40000000;
     assigns *m, \result \from *m, *limits;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_jog: jog, step and homing: the plan of the state manual.
 ///
-/// One axis follows the order of the configuration (cam_jog_order.h), all others brake and stop.
+/// One axis follows the order of the configuration (cam_config.h), all others brake and stop.
 /// When an order ends, is stopped or expires, its axis brakes gently. Expiry is checked here, by
 /// the tick, so an axis stops even if the slow side hangs, MATHS.md (171).
 ///
@@ -17,10 +17,22 @@
 #ifndef CAM_JOG_H
 #define CAM_JOG_H
 
-#include "cam_config.h"    // cam_play_config_t
-#include "cam_jog_order.h" // cam_jog_t
-#include "cam_record.h"    // cam_tick_record_t, cam_motion_t
-#include <stdint.h>        // int32_t, uint32_t
+#include "cam_config.h" // cam_jog_phase_t, cam_play_config_t
+#include "cam_record.h" // cam_tick_record_t, cam_motion_t
+#include "hal/hal.h"    // hal_axis_t
+#include <stdint.h>     // int32_t, uint32_t
+
+/// State; zero-initialised: no order, nothing homed.
+typedef struct {
+    uint32_t serial; ///< of the last order begun
+    cam_jog_phase_t phase;
+    cam_jog_end_t end; ///< of that order
+    hal_axis_t axis;
+    int64_t target_q10;           ///< [nm / 1024] where the phase ends
+    uint32_t homed;               ///< bit of an axis: its home is known
+    uint32_t n_found;             ///< homes found since start
+    int32_t found_nm[hal_n_axes]; ///< [nm] port position of the axis at its home
+} cam_jog_t;
 
 /// One plan of the state manual; ends the state when a disable was requested and all axes rest.
 /// @param r  record of the tick

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_plan.h"
 #include "cam_interpolate.h"  // cam_interpolate_isr
-#include "cam_angle.h"        // cam_angle_diff_q32
+#include "cam_angle.h"        // cam_angle_of_pos
 #include "cam_envelope.h"     // cam_envelope_step_q30
 #include "cam_eval.h"         // cam_eval_height
 #include "cam_fix.h"          // cam_clamp_i32
@@ -207,7 +207,7 @@ static int32_t ramped(int32_t value, int32_t to, int32_t most)
 static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const uint32_t to_q32 = (uint32_t)cfg->phase_q32 + p->shaft.phase_q32;
-    const int32_t left_q32 = cam_angle_diff_q32(to_q32, (uint32_t)m->phase_q32);
+    const int32_t left_q32 = cam_wrap_diff(to_q32, (uint32_t)m->phase_q32);
     m->phase_step_q32 = cam_clamp_i32(cam_interpolate_share(cfg, left_q32), -cfg->phase_step_q32,
                                       cfg->phase_step_q32);
     if (m->phase_step_q32 == 0) {

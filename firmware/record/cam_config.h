@@ -3,7 +3,8 @@
 ///
 /// The slow side (cam_build.h) builds a configuration from parameters and table, with all divisions
 /// and range checks, in the half of the bank that is not in use. The interrupt takes it at the
-/// start of a tick. No lock: one atomic pointer in each direction.
+/// start of a tick. No lock: one atomic pointer in each direction. Context of all functions but
+/// cam_config_take_isr(): slow side.
 #ifndef CAM_CONFIG_H
 #define CAM_CONFIG_H
 
@@ -13,7 +14,6 @@
 #include "cam_fence.h"        // cam_fence_acquire_isr, CAM_ORDER_ACQUIRE
 #include "cam_turn_bins.h"    // cam_learned_t
 #include "cam_move_profile.h" // cam_motion_limits_t
-#include "cam_jog_order.h"    // cam_jog_config_t
 #include "cam_speed.h"        // cam_speed_config_t
 #include "cam_state.h"        // CAM_FAULT_BIT
 #include "hal/hal.h"          // hal_n_axes
@@ -75,6 +75,57 @@ typedef struct {
     cam_swing_limits_t gentle; ///< of the return to 0: a quarter of the machine's limits
     cam_swing_limits_t full;   ///< ... in state fault: all of them
 } cam_swing_config_t;
+
+/// Phase of an order. The number is part of the CAN protocol.
+typedef enum {
+    cam_jog_rest,    ///< none: all axes brake and stop
+    cam_jog_jog,     ///< the axis moves until the order expires
+    cam_jog_step,    ///< ... by a distance
+    cam_jog_here,    ///< homing: the present position is the home
+    cam_jog_search,  ///< homing: towards the switch
+    cam_jog_release, ///< homing: back, off the switch
+    cam_jog_index,   ///< homing: on to the index
+    cam_jog_n_phases
+} cam_jog_phase_t;
+
+/// Result of the last order. The number is part of the CAN protocol.
+typedef enum {
+    cam_jog_never,      ///< there was none
+    cam_jog_runs,       ///< in progress
+    cam_jog_done,       ///< the step is made, the home is found
+    cam_jog_stopped,    ///< cut short by stop, disable or a fault
+    cam_jog_silent,     ///< cut short because the commanding node went silent
+    cam_jog_limit,      ///< the axis reached the limit of its travel
+    cam_jog_no_switch,  ///< no switch within the travel of the search
+    cam_jog_no_release, ///< the switch stayed active over that travel
+    cam_jog_no_index,   ///< no index within that travel
+    cam_jog_no_stroke,  ///< with the home found, U would be outside its stroke
+    cam_jog_n_ends
+} cam_jog_end_t;
+
+/// A jog, step or homing order for one axis. It begins when its serial number is new, and expires
+/// at the tick it names; the slow side extends it while the commanding node is alive. Positions are
+/// in port coordinates, lengths nm / 1024, speeds nm / 1024 per plan.
+typedef struct {
+    uint32_t serial;       ///< a new number begins a new order
+    uint32_t until;        ///< [tick] at which it expires
+    cam_jog_phase_t begin; ///< rest, jog, step, here or search
+    hal_axis_t axis;
+    int32_t sense;             ///< +1, -1: of a jog, and of the search for the switch
+    bool has_index;            ///< homing goes on to the index
+    int32_t speed_q10;         ///< of jog, step and search
+    int32_t slow_q10;          ///< off the switch, and to the index
+    int64_t low_q10, high_q10; ///< travel, that of homing is wider
+    int64_t distance_q10;      ///< of a step, signed; homing: travel allowed for each phase
+    int32_t home_nm;           ///< [nm] U at its home
+} cam_jog_order_t;
+
+/// Configuration of the state manual.
+typedef struct {
+    cam_motion_limits_t limits[hal_n_axes]; ///< jog speed, gentle acceleration per plan; U per tick
+    int64_t u_end_q10;                      ///< [nm / 1024] end of U's stroke
+    cam_jog_order_t order;
+} cam_jog_config_t;
 
 /// Configuration of the button at the machine (cam_acknowledge.h).
 typedef struct {
@@ -212,27 +263,24 @@ typedef struct {
 } cam_config_bank_t;
 
 /// @return the half that may be written, NULL while the interrupt has not taken the last one.
-/// Context: slow side.
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 
 /// Copy the newest configuration into the free half, and subtract the learned part of its gains.
-/// @return the copy, NULL while the interrupt has not taken the last one. Context: slow side.
+/// @return the copy, NULL while the interrupt has not taken the last one.
 cam_config_t *cam_config_copy(cam_config_bank_t *bank);
 
-/// Set the pointers of a configuration to its own table and learned values.
-/// Context: slow side, before it is offered.
+/// Set the pointers of a configuration to its own table and learned values, before it is offered.
 void cam_config_tie(cam_config_t *config, bool has_table);
 
-/// Add the learned part to the gains.
-/// Context: slow side, once before it is offered.
+/// Add the learned part to the gains, once before the configuration is offered.
 void cam_config_learn(cam_config_t *config);
 
 /// Derive the limits of U's command from those of U and from the feed-forward: speed
 /// v + k1 a + k2 j and acceleration a + k1 j + k2 j / tick, all at their largest at once, MATHS.md
-/// (213). Context: slow side, after every change of the gains.
+/// (213). Call after every change of the gains.
 void cam_config_limit_command(cam_config_t *config);
 
-/// Hand over the free half; it is in force from the next tick on. Context: slow side.
+/// Hand over the free half; it is in force from the next tick on.
 void cam_config_offer(cam_config_bank_t *bank);
 
 /// @return the configuration of this tick. Context: ISR, constant time.

@@ -95,8 +95,7 @@ typedef struct {
     int32_t alpha_q40; ///< [turn / 2^40 per tick^2] acceleration of the spindle's set-point
     int32_t alpha_u;   ///< the same, in the unit of U's acceleration
     cam_swing_t swing;
-    int32_t change_q10[hal_n_axes]; ///< [nm / 1024 per tick] change of speed of X and Z in the
-                                    ///< last plan
+    int32_t change_q10[hal_n_axes]; ///< [nm / 1024 per tick] last change of speed of X and Z
     bool is_filtering; ///< the jerk filters of X and Z ran in the last plan; otherwise they
                        ///< restart where the axes are
     cam_jerk_filter_t filter[hal_n_axes]; ///< motions by time: of U per tick, of X and Z per plan

@@ -13,17 +13,6 @@ static uint32_t numbered(uint32_t turn)
     return (turn & (IS_TURN - 1u)) | IS_TURN;
 }
 
-static uint32_t turn_at(uint32_t at_q8)
-{
-    return at_q8 >> 8;
-}
-
-/// @return whether U follows the table with constant amplitude and phase
-static bool is_still(const cam_motion_t *m)
-{
-    return m->is_playing && m->scale_step_q30 == 0 && m->phase_step_q32 == 0;
-}
-
 static void open_turn(cam_turn_bins_t *g, uint32_t turn, const cam_tick_record_t *r,
                       const cam_motion_t *m)
 {
@@ -53,13 +42,14 @@ static void close_turn(cam_turn_bins_t *g, uint32_t next)
 void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, const cam_motion_t *m)
 {
     const uint32_t at_q8 = (uint32_t)((uint64_t)r->angle.pos_q32 >> 24);
-    const uint32_t turn = turn_at(at_q8);
+    const uint32_t turn = at_q8 >> 8;
     cam_turn_t *now = &g->now;
     if (turn != now->turn) {
         close_turn(g, turn);
         open_turn(g, turn, r, m);
     }
-    now->is_steady = now->is_steady && is_still(m) && r->want.state == now->state;
+    now->is_steady = now->is_steady && m->is_playing && m->scale_step_q30 == 0 &&
+                     m->phase_step_q32 == 0 && r->want.state == now->state;
     now->config_end = r->config;
     now->speed_q32 = r->angle.speed_q32;
     now->scale_q30 = m->scale_q30;
@@ -87,7 +77,7 @@ static bool clear(cam_turn_bins_t *g, uint32_t turn)
     (void)memset(bank_of(g, bank), 0, (size_t)cam_turn_bins_n * sizeof g->bin[0]);
     atomic_thread_fence(memory_order_acq_rel);
     const uint32_t at_q8 = atomic_load_explicit(&g->at_q8, memory_order_acquire);
-    const bool is_in_time = turn_at(at_q8) == turn && (at_q8 & 0xFFu) < 192u;
+    const bool is_in_time = at_q8 >> 8 == turn && (at_q8 & 0xFFu) < 192u;
     if (is_in_time) {
         atomic_store_explicit(&g->cleared[bank], numbered(turn + 1u), memory_order_release);
     }
@@ -96,7 +86,7 @@ static bool clear(cam_turn_bins_t *g, uint32_t turn)
 
 const cam_turn_bin_t *cam_turn_bins_take(cam_turn_bins_t *g, cam_turn_t *turn)
 {
-    const uint32_t now = turn_at(atomic_load_explicit(&g->at_q8, memory_order_acquire));
+    const uint32_t now = atomic_load_explicit(&g->at_q8, memory_order_acquire) >> 8;
     const uint32_t bank = (now + 1u) & 1u;
     const uint32_t before = numbered(now - 1u);
     const uint32_t closed = atomic_load_explicit(&g->closed_turn[bank], memory_order_acquire);

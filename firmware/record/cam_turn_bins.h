@@ -13,7 +13,8 @@
 /// configuration (cam_machine_learn_begin()): feed-forward gains, a correction c of U's command and
 /// the deviation d of the spindle from uniform rotation. Tables and bins are functions of the
 /// spindle angle; the slow side rotates them by the operator's phase. Zeros have no effect. Source:
-/// MATHS.md (135) .. (138).
+/// MATHS.md (135) .. (138). Context: cam_turn_bins_take() and cam_turn_bins_release(): slow side,
+/// one caller; all others: ISR, constant time.
 #ifndef CAM_TURN_BINS_H
 #define CAM_TURN_BINS_H
 
@@ -28,7 +29,6 @@ enum {
     cam_turn_bins_log2 = 7,
     cam_turn_bins_n = 1 << cam_turn_bins_log2, ///< per turn
     cam_learned_points = 256,                  ///< knots per turn of the tables
-    cam_turn_bins_most_ticks = 16384,          ///< a longer turn is not used: its sums may wrap
 };
 
 /// Learned values, written by the slow side, read by the interrupt. Knot i of a table is at i / 256
@@ -56,15 +56,13 @@ typedef struct {
 /// Description of a turn whose bank is closed.
 typedef struct {
     uint32_t turn;                     ///< number of the turn, modulo 2^24
-    uint32_t config_begin, config_end; ///< generation of the configuration in its first and
-                                       ///< last plan
+    uint32_t config_begin, config_end; ///< generation of the configuration, first and last plan
     cam_state_t state;                 ///< of all of it, where is_steady
     bool is_steady;                    ///< U played the table in all of it in one state, while
                                        ///< envelope, amplitude and phase stood still
     int32_t speed_q32;                 ///< [turn / 2^32 per tick] at its last plan
     int32_t scale_q30;                 ///< [1] amplitude * envelope at its last plan
-    int32_t phase_q32;                 ///< [turn / 2^32] the table's angle is the spindle's
-                                       ///< minus this
+    int32_t phase_q32;                 ///< [turn / 2^32] the spindle's angle minus the table's
     int32_t z_begin_nm, z_end_nm;      ///< [nm] height played in its first and last plan
     int64_t height_begin_q32, height_end_q32; ///< [slices] U's height on the table likewise
     uint32_t n_plans;                         ///< plans in it
@@ -85,7 +83,6 @@ typedef struct {
 
 /// Add one tick to its bin, except in state fault.
 /// @param r  record of the tick, commanded
-/// Context: ISR, constant time.
 static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_record_t *r)
 {
     if (r->want.state == cam_state_fault) {
@@ -93,7 +90,7 @@ static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_reco
     }
     const uint32_t low = cam_angle_of_pos(r->angle.pos_q32) >> (32 - cam_turn_bins_log2);
     const uint32_t high = (uint32_t)((uint64_t)r->angle.pos_q32 >> 32);
-    const uint32_t i = cam_insert_bits(low, high, cam_turn_bins_log2, 1);
+    const uint32_t i = low | (high & 1u) << cam_turn_bins_log2;
     // The bank bit shifts out of the word, which leaves the begin of the bin.
     const int32_t in_bin_q32 = (int32_t)(r->angle.measured_q32 - (i << (32 - cam_turn_bins_log2)));
     const uint32_t error_q6 =
@@ -111,7 +108,6 @@ typedef struct {
     uint32_t share; ///< [1 / 256] weights of both knots, that of the first one in the lower half
 } cam_learned_place_t;
 
-/// Context: ISR, constant time.
 static inline cam_learned_place_t cam_learned_place(uint32_t theta_q32)
 {
     const uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
@@ -121,7 +117,6 @@ static inline cam_learned_place_t cam_learned_place(uint32_t theta_q32)
 /// Read a table between two knots.
 /// @param table  cam_learned_points + 1 knots
 /// @return       2^8 times the value at the angle, which is rounded down to 2^-16 turn
-/// Context: ISR, constant time.
 static inline int32_t cam_learned_at_q8(const int16_t *table, cam_learned_place_t at)
 {
     uint32_t knots = 0;
@@ -136,19 +131,17 @@ static inline uint32_t cam_learned_turn_q32(const int16_t *table, cam_learned_pl
 }
 
 /// Once per plan: on a new turn, close the last one and open the new one.
-/// Context: ISR.
 void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, const cam_motion_t *m);
 
 /// Take the bank of the last turn, if it holds exactly that turn; otherwise clear the idle bank for
-/// the next turn.
+/// the next turn. Call it at least three times a turn.
 /// @param turn  result
 /// @return      128 bins, bin i from i / 128 turn of the master position on, NULL for none; valid
 ///              until cam_turn_bins_release()
-/// Context: slow side, one caller, at least three times a turn.
 const cam_turn_bin_t *cam_turn_bins_take(cam_turn_bins_t *g, cam_turn_t *turn);
 
 /// Clear a bank and give it back. @return false if more than three quarters of a turn late: the
-/// data may have been overwritten while it was read and must be discarded. Context: slow side.
+/// data may have been overwritten while it was read and must be discarded.
 bool cam_turn_bins_release(cam_turn_bins_t *g);
 
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_sha512.h"
-#include <string.h> // memcpy, memset
+#include <string.h> // memcpy
 
 enum { n_rounds = 80, n_words = 16, length_bytes = 16 };
 
@@ -30,10 +30,8 @@ static const uint64_t round_constant[n_rounds] = {
 
 static uint64_t rotated(uint64_t x, uint32_t n)
 {
-    const uint64_t low = x >> n;
     const uint32_t left = 64u - n;
-    const uint64_t high = x << left;
-    return low | high;
+    return x >> n | x << left;
 }
 
 static uint64_t big_endian(const uint8_t *bytes)
@@ -94,16 +92,10 @@ static void take_block(uint64_t h[8], const uint8_t *block)
 void cam_sha512_begin(cam_sha512_t *s)
 {
     // Fractions of the square roots of the first 8 primes. FIPS 180-4, 5.3.5.
-    *s = (cam_sha512_t){.h = {
-                            0x6A09E667F3BCC908u,
-                            0xBB67AE8584CAA73Bu,
-                            0x3C6EF372FE94F82Bu,
-                            0xA54FF53A5F1D36F1u,
-                            0x510E527FADE682D1u,
-                            0x9B05688C2B3E6C1Fu,
-                            0x1F83D9ABFB41BD6Bu,
-                            0x5BE0CD19137E2179u,
-                        }};
+    *s = (cam_sha512_t){
+        .h = {0x6A09E667F3BCC908u, 0xBB67AE8584CAA73Bu, 0x3C6EF372FE94F82Bu, 0xA54FF53A5F1D36F1u,
+              0x510E527FADE682D1u, 0x9B05688C2B3E6C1Fu, 0x1F83D9ABFB41BD6Bu, 0x5BE0CD19137E2179u},
+    };
 }
 
 void cam_sha512_add(cam_sha512_t *s, const void *bytes, size_t n)
@@ -130,8 +122,7 @@ void cam_sha512_add(cam_sha512_t *s, const void *bytes, size_t n)
 
 void cam_sha512_end(cam_sha512_t *s, uint8_t hash[cam_sha512_bytes])
 {
-    uint8_t padding[cam_sha512_block];
-    (void)memset(padding, 0, sizeof padding);
+    uint8_t padding[cam_sha512_block] = {0};
     padding[0] = 0x80u;
     uint8_t length[length_bytes] = {0};
     put_big_endian(&length[8], s->n * 8u);

@@ -46,12 +46,11 @@ static const uint8_t *key_of(const hal_trust_t *trust, const uint8_t *id)
 bool cam_signature_check_is_signed_by(const uint8_t *key, const void *bytes, size_t n,
                                       const uint8_t *signature)
 {
-    enum { r_bytes = 32 };
     uint8_t hash[cam_sha512_bytes];
     uint8_t h_ram[32]; // the hash of R, the key and the message
     cam_sha512_t s;
     cam_sha512_begin(&s);
-    cam_sha512_add(&s, signature, r_bytes);
+    cam_sha512_add(&s, signature, 32); // R
     cam_sha512_add(&s, key, cam_signature_check_key_size);
     cam_sha512_add(&s, bytes, n);
     cam_sha512_end(&s, hash);

@@ -101,12 +101,13 @@ typedef struct {
 
 /// A checked table. All members are read-only after cam_table_check().
 typedef struct {
-    cam_channel_t u;                 ///< radius reduction, positive towards the axis
-    cam_channel_t x;                 ///< long half axis
-    cam_channel_t speed;             ///< speed ratio; knots == NULL: the speed is uniform
-    cam_channel_t angle;             ///< of a lobe: normal at the contact; knots == NULL: a skirt
-    cam_channel_t way;               ///< lead of Z over a plain helix; knots == NULL: 0
-    bool has_stations;               ///< Z may stand; x and lobes are found on the plain helix
+    cam_channel_t u;     ///< radius reduction, positive towards the axis
+    cam_channel_t x;     ///< long half axis
+    cam_channel_t speed; ///< speed ratio; knots == NULL: the speed is uniform
+    cam_channel_t angle; ///< of a lobe, whose u is minus its lift: normal at the contact; knots ==
+                         ///< NULL: a skirt
+    cam_channel_t way;   ///< lead of Z over a plain helix; knots == NULL: 0
+    bool has_stations;   ///< Z may stand; x and lobes are found on the plain helix
     const cam_pass_t *passes;        ///< in the order of cutting; NULL: one, as the header has it
     uint32_t n_passes;               ///< 1 .. 16; 0 without passes
     const cam_lobe_t *lobes;         ///< rising; NULL: slices are heights, not patterns
@@ -144,12 +145,6 @@ typedef struct {
     const void *image;                   ///< start of the image
     uint32_t image_size;                 ///< [bytes] of the whole image
 } cam_table_t;
-
-/// @return whether the part is a lobe, whose u is minus the lift above the base circle
-static inline bool cam_table_is_lobe(const cam_table_t *table)
-{
-    return table->angle.knots != NULL;
-}
 
 /// While engaging, the tool is at u = 0 before the amplitude rises, so a tool out of the work has
 /// to be further away by the rise of the surface above u = 0: of a lobe above its base circle, of a

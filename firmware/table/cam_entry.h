@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_entry: check of one channel of an image: its entry in the directory and its knots.
+/// cam_entry: check of one channel of an image: its entry in the directory, and its knots or
+/// passes.
 ///
-/// Used by cam_table_check() only. Context of all functions: slow side. Source: TABLE_FORMAT.md,
-/// "Channel entry", "Knots", "The bound that makes overflow impossible".
+/// Context of all functions: slow side. Source: TABLE_FORMAT.md, "Channel entry", "Knots",
+/// "Passes", "The bound that makes overflow impossible".
 #ifndef CAM_ENTRY_H
 #define CAM_ENTRY_H
 
 #include "cam_err.h"     // cam_err_t
-#include "cam_channel.h" // cam_channel_t
-#include "cam_extent.h"  // cam_extent_t
+#include "cam_bounds.h"  // cam_extent_t
+#include "cam_channel.h" // cam_table_t
 #include <stdbool.h>     // bool
+#include <stddef.h>      // size_t
 #include <stdint.h>      // uint32_t, int32_t
 
 /// Kind of a channel, as stored in its entry.
@@ -46,29 +48,23 @@ typedef struct {
 } cam_entry_t;
 _Static_assert(sizeof(cam_entry_t) == cam_table_entry_size, "as in the format");
 
-/// The image and the table that an entry has to fit.
-typedef struct {
-    const uint8_t *image;          ///< aligned to 4 bytes, as cam_table_check() demands
-    uint32_t image_size;           ///< [bytes]
-    int32_t z_first_nm, z_last_nm; ///< [nm] heights that the channel has to cover
-    bool has_lobes;                ///< slices over angle are patterns without heights
-} cam_entry_place_t;
-
 /// Check an entry and all its knots.
+/// @param t     its image, range of heights and lobes
 /// @param used  [bytes] end of the preceding data in the image; advanced past this channel
 /// @return      cam_ok, or the first error in the order entry, layout, heights, knots
-CAM_MUST_USE cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in,
-                                       uint64_t *used);
+CAM_MUST_USE cam_err_t cam_entry_check(const cam_entry_t *e, const cam_table_t *t, uint64_t *used);
 
-/// @return whether an entry of records has 0 in all fields that describe knots, and the heights of
-///         the whole table
-bool cam_entry_is_plain(const cam_entry_t *e, const cam_entry_place_t *in);
+/// Check an entry of records: 0 in all fields that describe knots, and the heights of the table.
+/// @param most  largest count of records
+/// @param size  [bytes] of a record
+/// @param used  as of cam_entry_check()
+CAM_MUST_USE cam_err_t cam_entry_check_records(const cam_entry_t *e, uint32_t most, size_t size,
+                                               const cam_table_t *t, uint64_t *used);
 
-/// Check the offset and size of an entry's data.
-/// @param bytes  [bytes] expected size
-/// @param used   as of cam_entry_check()
-CAM_MUST_USE cam_err_t cam_entry_check_layout(const cam_entry_t *e, uint64_t bytes,
-                                              const cam_entry_place_t *in, uint64_t *used);
+/// Check the entry of the passes and its records, and put them into the table.
+/// @param used  as of cam_entry_check()
+/// @return      cam_ok, cam_err_image_channel or cam_err_image_layout
+CAM_MUST_USE cam_err_t cam_entry_check_passes(const cam_entry_t *e, uint64_t *used, cam_table_t *t);
 
 /// @return whether values are valid for the entry's kind: a speed ratio between 1/16 and 4, an
 ///         angle within a quarter turn to either side; lengths are not limited here
@@ -77,7 +73,10 @@ bool cam_entry_is_in_unit(const cam_entry_t *e, cam_extent_t values);
 /// @return whether a channel is a function of angle and height, not of height alone
 bool cam_entry_is_over_angle(const cam_entry_t *e);
 
+/// @return the knots or records of an entry whose layout has been checked
+const void *cam_entry_data(const cam_entry_t *e, const cam_table_t *t);
+
 /// @return the channel of an entry whose layout has been checked
-cam_channel_t cam_entry_channel(const cam_entry_t *e, const uint8_t *image);
+cam_channel_t cam_entry_channel(const cam_entry_t *e, const cam_table_t *t);
 
 #endif

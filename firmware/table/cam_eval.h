@@ -32,66 +32,47 @@
 enum { cam_eval_guard_bits = 4 };
 #define CAM_EVAL_GUARD (INT32_C(1) << cam_eval_guard_bits)
 
-/// Value and derivatives of a channel with respect to the knot interval h, in LSB of the channel.
+/// Value and derivatives of a channel with respect to the knot interval h, in LSB of the channel
+/// or, before rounding, in LSB / 16; below 2^30.
 typedef struct {
-    int32_t y;       ///< [LSB] value
-    int32_t d1;      ///< [LSB / h]
-    int32_t d2;      ///< [LSB / h^2]
-    bool is_clamped; ///< the height was outside the channel, which was evaluated at its edge
+    int32_t y;  ///< [LSB] value
+    int32_t d1; ///< [LSB / h]
+    int32_t d2; ///< [LSB / h^2]
 } cam_value_t;
-
-/// The same with guard bits, before rounding.
-typedef struct {
-    int32_t y;  ///< [LSB / 16] below 2^30
-    int32_t d1; ///< [LSB / 16 / h] below 2^30
-    int32_t d2; ///< [LSB / 16 / h^2] below 2^30
-} cam_fine_t;
 
 /// A height between two slices.
 typedef struct {
-    uint32_t i;      ///< lower slice, 0 .. n_slices - 2
-    int32_t w_q31;   ///< weight of slice i + 1, 0 .. 2^31 - 1
-    bool is_clamped; ///< the height is outside the channel
+    uint32_t i;    ///< lower slice, 0 .. n_slices - 2
+    int32_t w_q31; ///< weight of slice i + 1, 0 .. 2^31 - 1
 } cam_height_t;
-
-/// A position on a channel over angle and height: the four knots around it and the weights.
-typedef struct {
-    const cam_knot_t *low[2];  ///< of the lower slice: before and after the angle
-    const cam_knot_t *high[2]; ///< of the upper slice
-    int32_t w_q31;             ///< weight of the upper slice
-    int32_t s_q32;             ///< [h / 2^32] distance from the middle between the knots
-} cam_place_t;
 
 /// A segment at one height: two knots and the position between them.
 typedef struct {
-    cam_knot_t k0; ///< in LSB / 16, likewise the next one
+    cam_knot_t k0; ///< [LSB / 16], likewise the next one
     cam_knot_t k1;
     int32_t s_q32; ///< [h / 2^32] distance from the middle of the interval
 } cam_segment_t;
 
 /// Find a height between two slices by the stored reciprocal of their spacing.
 /// @param ch    passed cam_table_check()
-/// @param z_nm  [nm] any value
+/// @param z_nm  [nm] any value; outside the channel its edge is taken
 /*@ requires slices: \valid_read(ch) && 2 <= ch->n_slices <= 4096;
     assigns \result \from indirect: *ch, indirect: z_nm;
     ensures slice: \result.i <= ch->n_slices - 2;
     ensures most: \result.i <= 4094;
     ensures weight: 0 <= \result.w_q31;
-    ensures flag: \result.is_clamped == 0 || \result.is_clamped == 1;
 */
 CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm)
 {
-    const bool is_below = z_nm < ch->z_first_nm;
-    const uint32_t above_nm = (uint32_t)z_nm - (uint32_t)ch->z_first_nm; // used unless is_below
-    const bool is_above = !is_below && above_nm > ch->span_nm;
-    const uint32_t rel_nm = is_below ? 0u : is_above ? ch->span_nm : above_nm;
+    const uint32_t above_nm =
+        z_nm < ch->z_first_nm ? 0u : (uint32_t)z_nm - (uint32_t)ch->z_first_nm;
+    const uint32_t rel_nm = above_nm < ch->span_nm ? above_nm : ch->span_nm;
     const uint64_t slice_q48 = (uint64_t)rel_nm * ch->slices_per_nm_q48;
     const uint32_t i = (uint32_t)(slice_q48 >> 48);
     const uint32_t last = ch->n_slices - 1u; // the rounded reciprocal may reach it at the end
     return (cam_height_t){
         .i = i < last ? i : last - 1u,
         .w_q31 = i < last ? (int32_t)((slice_q48 >> 17) & 0x7FFFFFFFu) : INT32_MAX,
-        .is_clamped = is_below || is_above,
     };
 }
 
@@ -115,80 +96,58 @@ static inline int32_t cam_eval_round(int32_t r)
     return cam_wrap_add(r, CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
 }
 
-/// Coefficients of a quintic in s, the signed fraction from the middle of its interval.
-typedef struct {
-    int32_t e0, o1, e2, o3, e4, o5; ///< [LSB / 16]
-} cam_powers_t;
-
-/// The quintic through two knots, q(s) = e0 + o1 s + e2 s^2 + o3 s^3 + e4 s^4 + o5 s^5.
+/// Evaluate the quintic through two knots about the middle of its interval,
+/// q(s) = e0 + o1 s + e2 s^2 + o3 s^3 + e4 s^4 + o5 s^5, by three Horner schemes at once: each uses
+/// the running value of the previous one.
 /// With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w, o3 = w - o5 / 2,
 /// o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0: e4 = (a0 + a1 - dv) / 2,
 /// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
-/// @param k0, k1  [LSB / 16] knots within the bounds of cam_table_check()
-/// Source: MATHS.md (46).
-//@ assigns \result \from k0, k1;
-CAM_EVAL_INLINE cam_powers_t cam_eval_powers(cam_knot_t k0, cam_knot_t k1)
-{
-    const int32_t dp = cam_wrap_sub(k1.p, k0.p);
-    const int32_t dv = cam_wrap_sub(k1.v, k0.v);
-    const int32_t w = cam_wrap_sub(cam_wrap_add(k0.v, k1.v), cam_wrap_times(dp, 2));
-    const int32_t o5 = cam_wrap_sub(cam_wrap_sub(k1.a, k0.a), cam_wrap_times(w, 3));
-    const int32_t o3 = cam_wrap_sub(w, o5 >> 1);
-    const int32_t e4 = cam_wrap_sub(cam_wrap_add(k0.a, k1.a), dv) >> 1;
-    const int32_t e2 = cam_wrap_sub(dv, e4) >> 1;
-    return (cam_powers_t){
-        .e0 = cam_wrap_sub(cam_wrap_add(k0.p, k1.p) >> 1, (e2 >> 2) + (e4 >> 4)),
-        .o1 = cam_wrap_sub(dp, (o3 >> 2) + (o5 >> 4)),
-        .e2 = e2,
-        .o3 = o3,
-        .e4 = e4,
-        .o5 = o5,
-    };
-}
-
-/// Evaluate the quintic through two knots by three Horner schemes at once: each uses the running
-/// value of the previous one.
 /// @param at  knots within the bounds of cam_table_check(), any s_q32
-/// Source: MATHS.md (47).
+/// @return    [LSB / 16] before rounding. Source: MATHS.md (46), (47).
 //@ assigns \result \from at;
-CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
+CAM_EVAL_INLINE cam_value_t cam_eval_quintic(cam_segment_t at)
 {
-    const cam_powers_t c = cam_eval_powers(at.k0, at.k1);
     const int32_t s_q32 = at.s_q32;
-    int32_t y = cam_mulhi_add(c.e4, c.o5, s_q32);
-    int32_t d1 = cam_mulhi_add(y, c.o5, s_q32);
-    int32_t d2 = cam_mulhi_add(d1, c.o5, s_q32);
-    y = cam_mulhi_add(c.o3, y, s_q32);
+    const int32_t dp = cam_wrap_sub(at.k1.p, at.k0.p);
+    const int32_t dv = cam_wrap_sub(at.k1.v, at.k0.v);
+    const int32_t w = cam_wrap_sub(cam_wrap_add(at.k0.v, at.k1.v), cam_wrap_times(dp, 2));
+    const int32_t o5 = cam_wrap_sub(cam_wrap_sub(at.k1.a, at.k0.a), cam_wrap_times(w, 3));
+    const int32_t o3 = cam_wrap_sub(w, o5 >> 1);
+    const int32_t o1 = cam_wrap_sub(dp, (o3 >> 2) + (o5 >> 4));
+    const int32_t e4 = cam_wrap_sub(cam_wrap_add(at.k0.a, at.k1.a), dv) >> 1;
+    const int32_t e2 = cam_wrap_sub(dv, e4) >> 1;
+    const int32_t e0 = cam_wrap_sub(cam_wrap_add(at.k0.p, at.k1.p) >> 1, (e2 >> 2) + (e4 >> 4));
+    int32_t y = cam_mulhi_add(e4, o5, s_q32);
+    int32_t d1 = cam_mulhi_add(y, o5, s_q32);
+    int32_t d2 = cam_mulhi_add(d1, o5, s_q32);
+    y = cam_mulhi_add(o3, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
     d2 = cam_mulhi_add(d1, d2, s_q32);
-    y = cam_mulhi_add(c.e2, y, s_q32);
+    y = cam_mulhi_add(e2, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
     d2 = cam_mulhi_add(d1, d2, s_q32);
-    y = cam_mulhi_add(c.o1, y, s_q32);
+    y = cam_mulhi_add(o1, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
-    y = cam_mulhi_add(c.e0, y, s_q32);
-    return (cam_fine_t){.y = y, .d1 = d1, .d2 = cam_wrap_times(d2, 2)};
+    y = cam_mulhi_add(e0, y, s_q32);
+    return (cam_value_t){.y = y, .d1 = d1, .d2 = cam_wrap_times(d2, 2)};
 }
 
 /// @return value and derivatives rounded to whole LSB
-static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
+static inline cam_value_t cam_eval_rounded(cam_value_t fine)
 {
-    return (cam_value_t){.y = cam_eval_round(fine.y),
-                         .d1 = cam_eval_round(fine.d1),
-                         .d2 = cam_eval_round(fine.d2),
-                         .is_clamped = is_clamped};
+    return (cam_value_t){
+        .y = cam_eval_round(fine.y), .d1 = cam_eval_round(fine.d1), .d2 = cam_eval_round(fine.d2)};
 }
 
-/// @param end  0: before the angle, 1: after it
-/// @return     [LSB / 16] the knots of both slices, blended
-CAM_EVAL_INLINE cam_knot_t cam_eval_knot_at(const cam_place_t *place, uint32_t end)
+/// @return [LSB / 16] knot of the lower and of the upper slice, blended; w_q31 as of
+/// cam_eval_blend()
+CAM_EVAL_INLINE cam_knot_t cam_eval_knot(const cam_knot_t *low, const cam_knot_t *high,
+                                         int32_t w_q31)
 {
-    const cam_knot_t *low = place->low[end];
-    const cam_knot_t *high = place->high[end];
     return (cam_knot_t){
-        .p = cam_eval_blend(low->p, high->p, place->w_q31),
-        .v = cam_eval_blend(low->v, high->v, place->w_q31),
-        .a = cam_eval_blend(low->a, high->a, place->w_q31),
+        .p = cam_eval_blend(low->p, high->p, w_q31),
+        .v = cam_eval_blend(low->v, high->v, w_q31),
+        .a = cam_eval_blend(low->a, high->a, w_q31),
     };
 }
 
@@ -200,12 +159,13 @@ static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
                         .a = cam_wrap_times(k->a, CAM_EVAL_GUARD)};
 }
 
-/// Find the position at an angle and a height on a channel over angle.
-/// @param ch         passed cam_table_check(), any kind but x
+/// Find the segment of a channel over angle at an angle and a height, for cam_eval_quintic(), whose
+/// derivatives are then per knot interval of 2^-(log2_knots + log2_repeat) turn.
+/// @param ch         passed cam_table_check(), any kind but x and way
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
 /// @param z          result of cam_eval_height() for the same channel
-CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t theta_q32,
-                                           cam_height_t z)
+CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
+                                               cam_height_t z)
 {
     const uint32_t pattern_q32 = theta_q32 << ch->log2_repeat;
     const uint32_t n_knots = 1u << ch->log2_knots;
@@ -213,41 +173,19 @@ CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t the
     const uint32_t k_next = (k + 1u) & (n_knots - 1u);
     const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
     const cam_knot_t *high = low + n_knots;
-    return (cam_place_t){
-        .low = {low + k, low + k_next},
-        .high = {high + k, high + k_next},
-        .w_q31 = z.w_q31,
+    return (cam_segment_t){
+        .k0 = cam_eval_knot(low + k, high + k, z.w_q31),
+        .k1 = cam_eval_knot(low + k_next, high + k_next, z.w_q31),
         .s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u),
     };
 }
 
-/// Find a position and blend its knots for cam_eval_quintic(), whose derivatives are then per knot
-/// interval of 2^-(log2_knots + log2_repeat) turn. Arguments as of cam_eval_place().
-CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
-                                               cam_height_t z)
-{
-    const cam_place_t place = cam_eval_place(ch, theta_q32, z);
-    return (cam_segment_t){
-        .k0 = cam_eval_knot_at(&place, 0),
-        .k1 = cam_eval_knot_at(&place, 1),
-        .s_q32 = place.s_q32,
-    };
-}
-
-/// Evaluate a channel over angle at a height. Arguments as of cam_eval_place().
+/// Evaluate a channel over angle at a height. Arguments as of cam_eval_segment().
 /// @return  derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
 static inline cam_value_t cam_eval_surface_at(const cam_channel_t *ch, uint32_t theta_q32,
                                               cam_height_t z)
 {
-    return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
-}
-
-/// The same.
-/// @param z_nm  [nm] any value
-static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t theta_q32,
-                                           int32_t z_nm)
-{
-    return cam_eval_surface_at(ch, theta_q32, cam_eval_height(ch, z_nm));
+    return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)));
 }
 
 /// Evaluate a channel over height alone.
@@ -263,7 +201,7 @@ static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm
         .k1 = cam_eval_guarded(below + 1),
         .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
     };
-    return cam_eval_rounded(cam_eval_quintic(segment), z.is_clamped);
+    return cam_eval_rounded(cam_eval_quintic(segment));
 }
 
 #endif

@@ -6,7 +6,7 @@
 /// way is 0 at both ends of the table, and 1 + dway/dz, the feed over its mean, is positive, so
 /// that Z never reverses. With stations z counts the turns, Z stands at each lobe while X feeds in,
 /// and Z ends at the last lobe. Source: TABLE_FORMAT.md, "Way" and "Stations"; MATHS.md (103),
-/// (104).
+/// (104). Context: cam_feed_profile_at(): ISR or slow side, constant time; all others: slow side.
 #ifndef CAM_FEED_PROFILE_H
 #define CAM_FEED_PROFILE_H
 
@@ -25,7 +25,6 @@ typedef struct {
 /// @param table  with a way
 /// @param z_nm   [nm] height of the plain helix
 /// @return       Z with an error below 1 nm; its feed is below 2^14 times the mean
-/// Context: ISR or slow side, constant time.
 static inline cam_feed_profile_t cam_feed_profile_at(const cam_table_t *table, int32_t z_nm)
 {
     const cam_channel_t *way = &table->way;
@@ -40,7 +39,6 @@ static inline cam_feed_profile_t cam_feed_profile_at(const cam_table_t *table, i
 }
 
 /// @return [nm] Z at the end of the table
-/// Context: slow side.
 static inline int32_t cam_feed_profile_z_last_nm(const cam_table_t *t)
 {
     return t->has_stations ? cam_feed_profile_at(t, t->z_last_nm).z_nm : t->z_last_nm;
@@ -48,8 +46,8 @@ static inline int32_t cam_feed_profile_z_last_nm(const cam_table_t *t)
 
 /// Check that a way begins and ends with 0 and that Z rises everywhere (with stations: never
 /// falls), and fill in way_slope_ppm and way_bend_ppm_per_m, those of a plain helix without a way.
+/// Four evaluations per knot.
 /// @return cam_ok or cam_err_image_channel
-/// Context: slow side; four evaluations per knot.
 CAM_MUST_USE cam_err_t cam_feed_profile_check(cam_table_t *table);
 
 #endif

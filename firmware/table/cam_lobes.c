@@ -4,7 +4,7 @@
 #include <stdbool.h> // bool
 
 _Static_assert(sizeof(cam_lobe_t) == 20, "five words of the image");
-_Static_assert(1 << cam_lobes_search_steps == cam_table_max_lobes, "the search reaches every lobe");
+_Static_assert(cam_table_max_lobes == 1 << 6, "the search halves it down to one lobe");
 
 /// @return [nm] height over which the lift falls above a lobe, and rises below the next one
 static int64_t change_nm(const cam_lobe_t *lobe)
@@ -15,12 +15,9 @@ static int64_t change_nm(const cam_lobe_t *lobe)
 /// Check the gap above a lobe and its stored reciprocal.
 static bool is_gap_good(const cam_lobe_t *lobe)
 {
-    const int64_t gap_nm = (int64_t)lobe[1].z_first_nm - lobe->z_last_nm;
-    if (gap_nm < cam_lobes_least_gap_nm) {
-        return false;
-    }
-    const uint64_t n = (uint64_t)change_nm(lobe);
-    return lobe->changes_per_nm_q48 == ((UINT64_C(1) << 48) + n / 2u) / n;
+    const int64_t nm = change_nm(lobe);
+    return nm >= cam_lobes_least_gap_nm / 2 - cam_lobes_kept_off_nm &&
+           lobe->changes_per_nm_q48 == ((INT64_C(1) << 48) + nm / 2) / nm;
 }
 
 /// Check that the lobes rise from the first height of the table to its last, with gaps between.
@@ -36,17 +33,14 @@ static bool are_rising(const cam_lobe_t *lobe, const cam_entry_t *e)
     return is_good;
 }
 
-cam_err_t cam_lobes_check(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used,
-                          cam_table_t *table)
+cam_err_t cam_lobes_check(const cam_entry_t *e, uint64_t *used, cam_table_t *table)
 {
-    if (!cam_entry_is_plain(e, in) || !cam_is_between(e->n_slices, 1, cam_table_max_lobes)) {
-        return cam_err_image_channel;
-    }
-    const cam_err_t err = cam_entry_check_layout(e, e->n_slices * sizeof(cam_lobe_t), in, used);
+    const cam_err_t err =
+        cam_entry_check_records(e, cam_table_max_lobes, sizeof(cam_lobe_t), table, used);
     if (err != cam_ok) {
         return err;
     }
-    const cam_lobe_t *lobe = (const cam_lobe_t *)(const void *)(in->image + e->offset);
+    const cam_lobe_t *lobe = cam_entry_data(e, table);
     if (!are_rising(lobe, e)) {
         return cam_err_image_height;
     }

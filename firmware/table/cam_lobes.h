@@ -4,7 +4,8 @@
 /// In such a table a slice is the pattern of a profile, not a height. At any height the nearest
 /// lobe is played: its pattern, turned by its phase. From 20 um beyond a lobe's edge its lift falls
 /// by a smooth step; it is 0 in the middle of the gap, where the next lobe takes over. Source:
-/// TABLE_FORMAT.md, "Lobes". Context: ISR or slow side unless noted, constant time, cannot fail.
+/// TABLE_FORMAT.md, "Lobes". Context: the checks: slow side; all others: ISR or slow side, constant
+/// time, cannot fail.
 #ifndef CAM_LOBES_H
 #define CAM_LOBES_H
 
@@ -16,17 +17,13 @@
 enum {
     cam_lobes_least_gap_nm = 200000, ///< [nm] between two lobes
     cam_lobes_kept_off_nm = 20000,   ///< [nm] the full lift extends this far beyond a lobe
-    cam_lobes_search_steps = 6,      ///< halvings that find one of 64
 };
 
 /// Check the entry and the directory of lobes, and fill in lobes, n_lobes and least_change_nm.
 /// @param used  as of cam_entry_check()
-/// Context: slow side.
-CAM_MUST_USE cam_err_t cam_lobes_check(const cam_entry_t *e, const cam_entry_place_t *in,
-                                       uint64_t *used, cam_table_t *table);
+CAM_MUST_USE cam_err_t cam_lobes_check(const cam_entry_t *e, uint64_t *used, cam_table_t *table);
 
 /// Check, once all channels are known, that every channel over angle has all patterns.
-/// Context: slow side.
 CAM_MUST_USE cam_err_t cam_lobes_check_patterns(const cam_table_t *table);
 
 /// @param t     with lobes
@@ -36,9 +33,8 @@ uint32_t cam_lobes_find(const cam_table_t *t, int32_t z_nm);
 
 /// @param i     a lobe
 /// @param z_nm  [nm] any value
-/// @return      [1 / 2^31] progress of the change to the neighbouring lobe: 0 on lobe i, 2^31 - 1
-/// in
-///              the middle of the gap and beyond
+/// @return      [1 / 2^31] progress of the change to the neighbouring lobe: 0 on lobe i,
+///              2^31 - 1 in the middle of the gap and beyond
 int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm);
 
 /// @param n_slices  of a channel over angle, at least 2
@@ -49,7 +45,6 @@ int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm);
     ensures slice: \result.i <= n_slices - 2;
     ensures most: \result.i <= 4094;
     ensures weight: 0 <= \result.w_q31;
-    ensures flag: \result.is_clamped == 0 || \result.is_clamped == 1;
 */
 static inline cam_height_t cam_lobes_slice(uint32_t n_slices, uint32_t pattern)
 {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_peaks.h"
 #include "cam_bounds.h" // cam_bounds_add
+#include "cam_eval.h"   // cam_eval_profile
+#include "cam_fix.h"    // cam_abs_i64
 
 enum {
     // [degrees / 1000] a turn, over 2 pi and over (2 pi)^2, rounded up: they convert an angle in
@@ -9,6 +11,7 @@ enum {
     mdeg_per_turn_rad = 57296,
     mdeg_per_turn_rad2 = 9119,
     turn_per_rad_q20 = 166887, // [2^-20] 1 / 2 pi, rounded up
+    samples_per_slice = 4,     // of a channel over height
     unit_bits = 26,            // fraction bits of the unit of an angle channel, 2^-26 turn
 };
 
@@ -117,4 +120,42 @@ cam_change_t cam_peaks_of_change(const cam_channel_t *ch)
         .per_rad = in_unit(ch, (slope_q20 + (1 << 20) - 1) >> 20),
         .kink = in_unit(ch, (bends.tenfold + 9) / 10),
     };
+}
+
+/// @param per_slice_lsb  [LSB per slice]
+/// @return               [1e-6] its magnitude as a slope
+static uint64_t slope_ppm(const cam_channel_t *x, int64_t per_slice_lsb)
+{
+    const uint64_t rise = (uint64_t)cam_abs_i64(per_slice_lsb) * 1000000u * (x->n_slices - 1u);
+    return (rise >> x->frac_bits) / x->span_nm;
+}
+
+/// @param per_slice_ppm  [1e-6 per slice]
+/// @return               [1e-6 / m] UINT32_MAX where the product would overflow
+static uint64_t bend_ppm_per_m(const cam_channel_t *x, uint64_t per_slice_ppm)
+{
+    const uint64_t most_ppm = UINT64_C(1) << 21; // 2^21 10^9 2^12 < 2^63
+    return per_slice_ppm < most_ppm ? per_slice_ppm * 1000000000u * (x->n_slices - 1u) / x->span_nm
+                                    : UINT32_MAX;
+}
+
+static void raise_to(uint32_t *most, uint64_t value)
+{
+    const uint32_t held = value < UINT32_MAX ? (uint32_t)value : UINT32_MAX;
+    *most = held > *most ? held : *most;
+}
+
+cam_x_slope_t cam_x_slope_of(const cam_channel_t *x)
+{
+    const uint32_t n = (x->n_slices - 1u) * (uint32_t)samples_per_slice;
+    cam_x_slope_t most = {0};
+    for (uint32_t i = 0; i <= n; i++) {
+        const int32_t up_nm = (int32_t)((uint64_t)x->span_nm * i / n);
+        const cam_value_t at = cam_eval_profile(x, x->z_first_nm + up_nm);
+        const uint64_t slope = slope_ppm(x, at.d1);
+        raise_to(&most.slope_ppm, slope);
+        raise_to(&most.rise_ppm, at.d1 > 0 ? slope : 0u);
+        raise_to(&most.bend_ppm_per_m, bend_ppm_per_m(x, slope_ppm(x, at.d2)));
+    }
+    return most;
 }

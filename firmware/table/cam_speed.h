@@ -13,7 +13,7 @@
 ///     acceleration = mean * (r1 - r0) / T
 ///     set-point = mean * ((r0 + r1) / 2 + (r1 - r0) * lag / T)
 ///
-/// Inline, constant time, cannot fail. Context: ISR unless noted.
+/// Inline, constant time, cannot fail. Context: ISR or slow side.
 #ifndef CAM_SPEED_H
 #define CAM_SPEED_H
 
@@ -69,7 +69,6 @@ static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t 
 /// @param theta_q32   [turn / 2^32] any value, 0 = long axis
 /// @param z           of the same channel: cam_eval_height() or cam_lobes_slice()
 /// @return            ratio within 2 LSB of the channel, slope within 2 LSB per knot interval
-/// Context: ISR or slow side.
 static inline cam_ratio_t cam_speed_ratio_at(const cam_channel_t *ch, uint32_t theta_q32,
                                              cam_height_t z)
 {

@@ -19,7 +19,7 @@ static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t sp
     const uint32_t most = (uint32_t)((uint64_t)cfg->height_max_q32 >> 32);
     const cam_height_t z = {.i = i < most ? i : most, // always within the table
                             .w_q31 = (int32_t)((uint32_t)height_q32 >> 1)};
-    const cam_fine_t fine = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z));
+    const cam_value_t fine = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z));
     const int32_t scale_q30 = m->scale_q30;
     const int32_t speed = (int32_t)((uint32_t)speed_q32 << by->speed_shift);
     const int32_t rate = cam_mulhi(speed, scale_q30);
@@ -215,7 +215,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         if (m->state == cam_state_engaging || m->state == cam_state_rehearsing) {
             m->state = cam_state_ready;
         }
-        cam_excite_end_isr(&p->excite);
+        p->excite.n_left = 0;
         break;
     case cam_request_reset:
         m->state = m->state == cam_state_fault && m->is_retracted ? cam_state_off : m->state;
@@ -225,7 +225,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     case cam_request_identify:
         if (m->state == cam_state_ready && cfg->excite.n > 0u) {
             m->state = cam_state_identifying;
-            cam_excite_begin_isr(&p->excite, &cfg->excite);
+            p->excite = (cam_excite_t){.at = cfg->excite.first, .n_left = cfg->excite.n_play};
         }
         break;
     case cam_request_manual:

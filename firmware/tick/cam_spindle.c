@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_spindle.h"
-#include "cam_angle.h" // cam_angle_diff_q32
+#include "cam_angle.h" // cam_angle_of_pos
 #include "cam_fix.h"   // cam_clamp_i32
 
 /// Counts in the direction of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so
@@ -53,7 +53,7 @@ static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_s
 static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const uint32_t before_q32 = measured_q32(s, cfg);
-    const int32_t lag_q32 = cam_angle_diff_q32(cam_angle_of_pos(s->pos_q32), before_q32);
+    const int32_t lag_q32 = cam_wrap_diff(cam_angle_of_pos(s->pos_q32), before_q32);
     s->in_turn = 0;
     s->index_error = 0;
     move_in_turn(s, cfg, cam_wrap_diff(s->counts, s->index_counts));
@@ -128,7 +128,7 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t sm
                   int32_t travel_q32, int32_t alpha_q40)
 {
     const uint32_t predicted = cam_angle_of_pos(s->pos_q32) + (uint32_t)travel_q32;
-    const int32_t error_q32 = cam_angle_diff_q32(smooth_q32, predicted);
+    const int32_t error_q32 = cam_wrap_diff(smooth_q32, predicted);
     const int64_t more_q32 = (int64_t)travel_q32 + INT64_C(2) * cam_mulhi(error_q32, cfg->kp_q31);
     s->pos_q32 = cam_wrap_add_i64(s->pos_q32, more_q32);
     s->speed_q64 = cam_wrap_add_i64(s->speed_q64, (int64_t)error_q32 * cfg->ki_q32);

@@ -97,6 +97,12 @@ static double speed_ratio(const cam_table_t *t, const place_t *at)
     return 1.0 + at->ratio * (ldexp(ratio.ratio_q28, -28) - 1.0);
 }
 
+/// @return whether a height is outside a channel, which is then evaluated at its edge
+static bool is_beyond(const cam_channel_t *ch, int32_t z_nm)
+{
+    return z_nm < ch->z_first_nm || z_nm - (int64_t)ch->z_first_nm > (int64_t)ch->span_nm;
+}
+
 static bool print_value(const cam_table_t *t, const char *point, double turn, double z_mm)
 {
     const int32_t z_nm =
@@ -108,14 +114,15 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     const double h = ldexp(SIM_TWO_PI, -(int)(t->u.log2_knots + t->u.log2_repeat));
     const int frac = -(int)t->u.frac_bits;
     const bool is_outside = z_mm * SIM_NM_PER_MM < (double)t->z_first_nm - 0.5 ||
-                            z_mm * SIM_NM_PER_MM > (double)t->z_last_nm + 0.5;
+                            z_mm * SIM_NM_PER_MM > (double)t->z_last_nm + 0.5 ||
+                            (!has_lobes(t) && is_beyond(&t->u, z_nm)) || is_beyond(&t->x, z_nm);
     const double sense = has_lobes(t) ? -at.lift : 1.0; // a lift is a negative reduction
     if (printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d", point,
                0.0 + sense * (t->u.value_offset + ldexp(u.y, frac)),
                0.0 + sense * sense_of(t) * ldexp(u.d1, frac) / h,
                0.0 + sense * ldexp(u.d2, frac) / (h * h), // + 0: no "-0"
                t->x.value_offset + ldexp(x.y, -(int)t->x.frac_bits), ratio,
-               is_outside || u.is_clamped || x.is_clamped ? 1 : 0) <= 0) {
+               is_outside ? 1 : 0) <= 0) {
         return false;
     }
     if (!has_lobes(t)) {

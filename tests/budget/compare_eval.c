@@ -56,7 +56,7 @@ COMPARED void compare_nothing(const compare_table_t *t, uint32_t theta_q32, int3
 COMPARED void compare_ours(const compare_table_t *t, uint32_t theta_q32, int32_t z_nm,
                            compare_value_t *value)
 {
-    value->ours = cam_eval_surface(t->ours, theta_q32, z_nm);
+    value->ours = cam_eval_surface_at(t->ours, theta_q32, cam_eval_height(t->ours, z_nm));
 }
 
 COMPARED void compare_linear(const compare_table_t *t, uint32_t theta_q32, int32_t z_nm,

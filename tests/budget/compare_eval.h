@@ -48,7 +48,7 @@ typedef union {
 typedef void compare_fn(const compare_table_t *t, uint32_t theta_q32, int32_t z_nm,
                         compare_value_t *value);
 
-compare_fn compare_ours;    ///< cam_eval_surface(): value, two derivatives, whether clamped
+compare_fn compare_ours;    ///< cam_eval_surface_at(): value, two derivatives
 compare_fn compare_linear;  ///< double: value
 compare_fn compare_spline;  ///< float: value, two derivatives
 compare_fn compare_quintic; ///< double: value, two derivatives

@@ -24,20 +24,22 @@ static int64_t unit_of(const cam_channel_t *ch, int32_t y)
 
 static void evaluate(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
 {
-    const cam_value_t u = cam_eval_surface(&t->u, theta_q32, z_nm);
+    const cam_value_t u = cam_eval_surface_at(&t->u, theta_q32, cam_eval_height(&t->u, z_nm));
     FUZZ_EXPECT(u.y <= CAM_TABLE_SUM_MAX && u.y >= -CAM_TABLE_SUM_MAX, "u %d", (int)u.y);
     const int64_t one = INT64_C(1) << t->u.frac_bits;
     FUZZ_EXPECT(u.y >= (t->u_min_nm - (int64_t)t->u.value_offset) * one &&
                     u.y <= (t->u_max_nm - (int64_t)t->u.value_offset) * one,
                 "u %d beyond the promise", (int)u.y);
     if (t->speed.knots != NULL) {
-        const cam_value_t r = cam_eval_surface(&t->speed, theta_q32, z_nm);
+        const cam_value_t r =
+            cam_eval_surface_at(&t->speed, theta_q32, cam_eval_height(&t->speed, z_nm));
         const int64_t ratio = unit_of(&t->speed, r.y);
         FUZZ_EXPECT(ratio <= (int64_t)t->ratio_max_q20, "speed ratio %lld of %u", (long long)ratio,
                     (unsigned)t->ratio_max_q20);
     }
     if (t->angle.knots != NULL) {
-        const cam_value_t a = cam_eval_surface(&t->angle, theta_q32, z_nm);
+        const cam_value_t a =
+            cam_eval_surface_at(&t->angle, theta_q32, cam_eval_height(&t->angle, z_nm));
         const int64_t angle = unit_of(&t->angle, a.y);
         FUZZ_EXPECT(angle <= CAM_TABLE_ANGLE_MAX && angle >= -CAM_TABLE_ANGLE_MAX, "angle %lld",
                     (long long)angle);

@@ -154,8 +154,8 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
 
 
 def test_orders_by_hand_are_those_of_the_firmware(database: Database) -> None:
-    """Phases and ends of the hands are enumerations of cam_jog_order.h."""
-    detail, order = database.get_message_by_name("Detail"), header_of("cam_jog_order.h")
+    """Phases and ends of the hands are enumerations of cam_config.h."""
+    detail, order = database.get_message_by_name("Detail"), header_of("cam_config.h")
     for name in ("phase", "end"):
         words = enumerators(order, f"cam_jog_{name}_t", "cam_jog_")
         assert words.popitem()[1].startswith("n_")

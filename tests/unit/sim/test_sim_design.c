@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_eval.h" // cam_eval_surface
+#include "cam_eval.h" // cam_eval_surface_at
 #include "fixture_image.h"
 #include "sim_design.h"
 #include "sim_units.h" // SIM_PI
@@ -143,7 +143,7 @@ static void test_table_design_is_what_the_firmware_plays(void)
         const double turn = i * 0.000199;
         const int32_t z_nm = (int32_t)(i * 200);
         const uint32_t theta = (uint32_t)(turn * 4294967296.0);
-        const cam_value_t u = cam_eval_surface(&table.u, theta, z_nm);
+        const cam_value_t u = cam_eval_surface_at(&table.u, theta, cam_eval_height(&table.u, z_nm));
         const cam_value_t x = cam_eval_profile(&table.x, z_nm);
         const double u_nm = table.u.value_offset + ldexp(u.y, -(int)table.u.frac_bits);
         const double x_nm = table.x.value_offset + ldexp(x.y, -(int)table.x.frac_bits);

@@ -54,10 +54,10 @@ static void test_times_become_ticks(void)
 
 static void test_distance_of_angles_goes_the_shorter_way(void)
 {
-    TEST_ASSERT_EQUAL_INT32(2, cam_angle_diff_q32(1, UINT32_MAX));
-    TEST_ASSERT_EQUAL_INT32(-2, cam_angle_diff_q32(UINT32_MAX, 1));
-    TEST_ASSERT_EQUAL_INT32(INT32_MIN, cam_angle_diff_q32(0x80000000u, 0));
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, cam_angle_diff_q32(0x7FFFFFFFu, 0));
+    TEST_ASSERT_EQUAL_INT32(2, cam_wrap_diff(1, UINT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(-2, cam_wrap_diff(UINT32_MAX, 1));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, cam_wrap_diff(0x80000000u, 0));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, cam_wrap_diff(0x7FFFFFFFu, 0));
 }
 
 static void test_next_turn_is_at_a_position_or_behind_it(void)

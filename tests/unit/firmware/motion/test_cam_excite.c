@@ -26,13 +26,12 @@ void tearDown(void) {}
 /// Play until it is over, and end it before tick `end`. @return ticks; every offset in *out
 static uint32_t play(const cam_excite_config_t *c, uint32_t end, int32_t *out, uint32_t n_out)
 {
-    cam_excite_t e;
-    cam_excite_begin_isr(&e, c);
+    cam_excite_t e = {.at = c->first, .n_left = c->n_play};
     bool is_over = false;
     uint32_t n = 0;
     for (; n < n_out && !is_over; n++) {
         if (n == end) {
-            cam_excite_end_isr(&e);
+            e.n_left = 0;
         }
         is_over = cam_excite_step_isr(&e, c, &out[n]);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A table with a speed channel: what is accepted, and every promise that is not kept.
-#include "cam_header_limits.h"
+#include "cam_spindle_demand.h"
 #include "fixture_image.h"
 #include "fixture_random.h" // fixture_rarer
 #include "unity.h"

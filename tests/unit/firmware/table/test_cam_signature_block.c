@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The block of a signature: its place behind the image, its fields, and what must be 0 in it.
-#include "cam_signature_block.h"
+#include "cam_table.h"
 #include "unity.h"
 #include <string.h> // memcpy
 

@@ -175,7 +175,7 @@ static void test_phase_changed_in_the_cut_is_ramped_the_short_way(void)
     while (f.motion.phase_q32 != f.config.play.phase_q32 && n < 5000) {
         const uint32_t before = (uint32_t)f.motion.phase_q32;
         fixture_play_tick(&f);
-        const int32_t moved = cam_angle_diff_q32((uint32_t)f.motion.phase_q32, before);
+        const int32_t moved = cam_wrap_diff((uint32_t)f.motion.phase_q32, before);
         TEST_ASSERT_TRUE(moved >= -FIXTURE_PLAN_TICKS && moved <= step + 1.0); // rounded
         n++;
     }
