@@ -13,10 +13,6 @@
 #include "cam_table.h"  // cam_table_t
 #include <stdint.h>     // uint32_t, int64_t
 
-/// [turns] of feed that a part has at the most, ramps included: a day at 3000 r/min. All lengths of
-/// cam_feed_motion.h fit their words with it, whatever the override.
-enum { cam_feasible_most_turns = 1 << 22 };
-
 /// Why a speed is feasible or not, and what would be.
 typedef struct {
     cam_err_t err;            ///< cam_ok, or the first limit that is exceeded
@@ -56,7 +52,6 @@ uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params
 /// Parameters as of cam_feasible_check().
 /// @return `needed` is rounded up: near the limit by at most 0.1 %, for the acceleration of the
 ///         swing by 1 %
-/// Context: slow side. Source: MATHS.md (61).
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz);
 

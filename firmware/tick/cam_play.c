@@ -33,16 +33,13 @@ static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t sp
     return (int32_t)((uint32_t)y << by->y_up);
 }
 
-static void advance(cam_axis_motion_t *m)
-{
-    m->pos_q10 = cam_wrap_add_i64(m->pos_q10, m->vel_q10);
-}
-
 /// Advance everything that is linear between two plans by one tick.
 static void advance_all(cam_motion_t *m)
 {
-    advance(&m->axis[hal_axis_x]);
-    advance(&m->axis[hal_axis_z]);
+    cam_axis_motion_t *x = &m->axis[hal_axis_x];
+    cam_axis_motion_t *z = &m->axis[hal_axis_z];
+    x->pos_q10 = cam_wrap_add_i64(x->pos_q10, x->vel_q10);
+    z->pos_q10 = cam_wrap_add_i64(z->pos_q10, z->vel_q10);
     m->phase_q32 = cam_wrap_add(m->phase_q32, m->phase_step_q32);
     m->scale_q30 = cam_sat_add(m->scale_q30, m->scale_step_q30);
     m->lag_q4 = cam_sat_add(m->lag_q4, m->lag_step_q4);
@@ -150,13 +147,6 @@ static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_wa
     }
 }
 
-/// @return whether a disable is ignored because the axes are in motion
-static bool is_held(cam_state_t state)
-{
-    return cam_state_is_in_work(state) || state == cam_state_fault ||
-           state == cam_state_identifying || state == cam_state_manual;
-}
-
 /// Faults that block enable. In off they are not latched.
 #define HOLDS_OFF                                                                                  \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick))
@@ -177,17 +167,6 @@ static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t
                               cfg->approach[hal_axis_u].log2_window);
 }
 
-/// Enter the state manual: hold the axes where they are; the plan jogs them.
-static void begin_manual(const cam_play_config_t *cfg, cam_motion_t *m, uint32_t faults)
-{
-    if (may_enable(cfg, m, faults)) {
-        switch_on(m, cfg, cam_state_manual);
-        m->u_speed_q10 = 0;
-        m->is_by_hand = true;
-        m->is_stopping = false;
-    }
-}
-
 /// Carry out a new request outside the cut, if the state allows it.
 /// @param seen  faults detected so far in this tick
 /// @return      faults reported by the request
@@ -202,9 +181,11 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
             m->u_target_q10 = cfg->u_retract_q10;
         }
         break;
-    case cam_request_disable: // jogged axes brake first
+    case cam_request_disable: // jogged axes brake first; other motion continues
         m->is_stopping = m->state == cam_state_manual;
-        m->state = is_held(m->state) ? m->state : cam_state_off;
+        if (m->state == cam_state_homing || m->state == cam_state_ready) {
+            m->state = cam_state_off;
+        }
         break;
     case cam_request_start:
         if (m->state == cam_state_ready) {
@@ -229,7 +210,12 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         }
         break;
     case cam_request_manual:
-        begin_manual(cfg, m, seen);
+        if (may_enable(cfg, m, seen)) { // the axes stay where they are until the plan jogs them
+            switch_on(m, cfg, cam_state_manual);
+            m->u_speed_q10 = 0;
+            m->is_by_hand = true;
+            m->is_stopping = false;
+        }
         break;
     case cam_request_none:
         break;
