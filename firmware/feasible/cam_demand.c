@@ -84,8 +84,8 @@ static cam_demand_t stroke_demand(const cam_cut_t *c)
                           cam_cut_greater(inwards_nm, outwards_nm(c))};
 }
 
-/// A retract that was set begins at the outermost place of the cut. The default goes as far as the
-/// stroke allows, and X takes the tool away from the work in any case.
+/// A retract that was set counts from the outermost position of U in the cut. The default goes as
+/// far as the stroke allows, and X moves the tool away from the work in any case.
 static cam_demand_t retract_demand(const cam_cut_t *c)
 {
     const int32_t retract_nm = c->p->u_retract_nm;
@@ -101,12 +101,11 @@ static uint64_t depth_turns(const cam_cut_t *c)
 }
 
 /// The acceleration while engaging, when the envelope e, a smooth step over t turns, adds to it:
-/// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is taken at fourteen
-/// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
-/// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
-/// than its mean speed, and accelerate. The slope of the envelope stays the same within a plan, so
-/// the first set-point of the next one takes at once what e'', and e' with the acceleration of the
-/// spindle, add to it over a whole plan.
+/// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is evaluated at fourteen
+/// points of the second half of the step, with e' and e'' enlarged by 3 %, so that it misses less
+/// than a ten-thousandth of the largest value between them, for any number of turns. The spindle
+/// may turn faster than its mean speed and accelerate. The slope of the envelope is constant within
+/// a plan, so its change over a whole plan acts on the first set-point of the next one.
 /// @param n_set_points  of a plan
 static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *peaks,
                          uint32_t n_set_points)
@@ -300,7 +299,7 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
     const cam_table_t *t = c->t;
     const cam_params_t *p = c->p;
     const cam_command_need_t most_command = {p->u_stroke_nm / 2, cam_command_most_nm(c)};
-    const bool is_led = p->z_is_measured != 0; // others move Z: neither geared nor limited here
+    const bool is_led = p->z_is_measured != 0; // another controller moves and limits Z
     const uint32_t whole_ppm = 1000000;
     const bool is_overridden = p->feed_override_ppm != (int32_t)whole_ppm;
     // The ramps of a ring-helix are made for the programmed feed and speed.

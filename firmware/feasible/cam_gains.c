@@ -3,6 +3,8 @@
 #include "cam_cut.h"         // cam_cut_greater, cam_cut_smaller, cam_cut_divided_up
 #include "cam_jerk_filter.h" // cam_jerk_filter_most_log2
 #include "cam_plan.h"        // cam_plan_ticks
+#include <stdbool.h>         // bool
+#include <stddef.h>          // size_t
 
 /// Without a jerk: shortest window of U, which is also at least two ticks, and that of X and Z.
 enum { least_u_ns = 800000, least_xz_ns = 6400000 };
@@ -75,17 +77,15 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
 
 cam_err_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz, cam_param_id_t *which)
 {
-    for (uint32_t i = 0; i < (uint32_t)hal_n_axes; i++) {
-        const int32_t jerk = cam_param_get(params, jerks[i]);
-        *which = jerks[i];
-        if (jerk > 0 && jerk < cam_gains_bound(params, *which, tick_hz)) {
-            return cam_err_jerk;
+    static const cam_param_id_t gains[] = {cam_param_k1_ns, cam_param_k2_us2};
+    for (size_t i = 0; i < hal_n_axes + sizeof gains / sizeof gains[0]; i++) {
+        const bool is_jerk = i < (size_t)hal_n_axes;
+        *which = is_jerk ? jerks[i] : gains[i - hal_n_axes];
+        const int64_t value = cam_param_get(params, *which);
+        const int64_t bound = cam_gains_bound(params, *which, tick_hz);
+        if (is_jerk ? value > 0 && value < bound : value > bound) {
+            return is_jerk ? cam_err_jerk : cam_err_gain;
         }
     }
-    *which = cam_param_k1_ns;
-    if (params->k1_ns > cam_gains_bound(params, *which, tick_hz)) {
-        return cam_err_gain;
-    }
-    *which = cam_param_k2_us2;
-    return params->k2_us2 > cam_gains_bound(params, *which, tick_hz) ? cam_err_gain : cam_ok;
+    return cam_ok;
 }

@@ -146,19 +146,22 @@ static void schedule_begin(cam_feed_motion_t *c, const cam_play_config_t *cfg, i
 
 void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t at_q32)
 {
-    *c = (cam_feed_motion_t){
-        .from_q32 = at_q32,
-        .to_q32 = at_q32,
-        .brake_q32 = at_q32,
-        .end_q32 = cfg->rings.is_on ? plus(at_q32, cfg->feed_q32) : at_q32,
-        .requested_q30 = cfg->feed_rate_q30,
-        .is_held = cfg->feed_rate_q30 == 0,
-    };
-    if (c->is_held) {
-        c->end_q32 = at_q32;
-    } else if (!cfg->rings.is_on) {
+    c->from_q32 = at_q32; // assigned one by one: an initialiser of the whole would call memset
+    c->to_q32 = at_q32;
+    c->brake_q32 = at_q32;
+    c->end_q32 = at_q32;
+    c->fed_q32 = 0;
+    c->fed_to_q32 = 0;
+    c->fed_end_q32 = 0;
+    c->rate_q30 = 0;
+    c->to_rate_q30 = 0;
+    c->requested_q30 = cfg->feed_rate_q30;
+    c->is_held = cfg->feed_rate_q30 == 0;
+    if (cfg->rings.is_on && !c->is_held) {
+        c->end_q32 = plus(at_q32, cfg->feed_q32);
+    } else if (!c->is_held) {
         schedule_begin(c, cfg, at_q32, 0);
-    } else { // the rings have a schedule of their own
+    } else { // at rest
     }
 }
 
