@@ -147,6 +147,13 @@ static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_wa
     }
 }
 
+/// @return whether a disable is ignored because the axes are in motion
+static bool is_held(cam_state_t state)
+{
+    return cam_state_is_in_work(state) || state == cam_state_fault ||
+           state == cam_state_identifying || state == cam_state_manual;
+}
+
 /// Faults that block enable. In off they are not latched.
 #define HOLDS_OFF                                                                                  \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick))
@@ -167,6 +174,17 @@ static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t
                               cfg->approach[hal_axis_u].log2_window);
 }
 
+/// Enter the state manual: hold the axes where they are; the plan jogs them.
+static void begin_manual(const cam_play_config_t *cfg, cam_motion_t *m, uint32_t faults)
+{
+    if (may_enable(cfg, m, faults)) {
+        switch_on(m, cfg, cam_state_manual);
+        m->u_speed_q10 = 0;
+        m->is_by_hand = true;
+        m->is_stopping = false;
+    }
+}
+
 /// Carry out a new request outside the cut, if the state allows it.
 /// @param seen  faults detected so far in this tick
 /// @return      faults reported by the request
@@ -181,11 +199,9 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
             m->u_target_q10 = cfg->u_retract_q10;
         }
         break;
-    case cam_request_disable: // jogged axes brake first; other motion continues
+    case cam_request_disable: // jogged axes brake first
         m->is_stopping = m->state == cam_state_manual;
-        if (m->state == cam_state_homing || m->state == cam_state_ready) {
-            m->state = cam_state_off;
-        }
+        m->state = is_held(m->state) ? m->state : cam_state_off;
         break;
     case cam_request_start:
         if (m->state == cam_state_ready) {
@@ -210,12 +226,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         }
         break;
     case cam_request_manual:
-        if (may_enable(cfg, m, seen)) { // the axes stay where they are until the plan jogs them
-            switch_on(m, cfg, cam_state_manual);
-            m->u_speed_q10 = 0;
-            m->is_by_hand = true;
-            m->is_stopping = false;
-        }
+        begin_manual(cfg, m, seen);
         break;
     case cam_request_none:
         break;
