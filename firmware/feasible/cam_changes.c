@@ -2,8 +2,8 @@
 #include "cam_changes.h"
 #include "cam_fix.h" // cam_clamp_i64
 
-/// The override 1.
-enum { whole_ppm = 1000000 };
+/// The override 1, and the smallest above 0: its reciprocal still fits a word.
+enum { whole_ppm = 1000000, least_feed_ppm = 10000 };
 
 /// @return ppm as a share of 2^n, rounded to nearest
 static int64_t share(int64_t ppm, uint32_t n)
@@ -14,40 +14,27 @@ static int64_t share(int64_t ppm, uint32_t n)
 int32_t cam_changes_feed_ppm(const cam_params_t *params)
 {
     const int32_t asked_ppm = params->z_is_measured != 0 ? whole_ppm : params->feed_override_ppm;
-    return asked_ppm < cam_changes_least_feed_ppm ? 0 : asked_ppm;
-}
-
-static void build_feed_rate(cam_play_config_t *c, const cam_params_t *p)
-{
-    const int64_t ppm = cam_changes_feed_ppm(p);
-    c->feed_rate_q30 = (int32_t)share(ppm, 30);
-    c->per_feed_rate_q24 =
-        ppm > 0 ? (int32_t)((share(whole_ppm, 24) * whole_ppm + ppm / 2) / ppm) : 0;
-}
-
-/// A step changes the speed of X at once, which takes no more acceleration than the approach.
-static void build_trim(cam_play_config_t *c, const cam_params_t *p, uint32_t tick_hz)
-{
-    const int64_t rate_q4 = (int64_t)p->x_trim_rate_nm_per_s * 16;
-    const int64_t most_q4 = 1 + c->approach[hal_axis_x].acceleration_q10 / 64;
-    c->x_trim_q4 = p->x_trim_nm * 16;
-    c->x_trim_step_q4 = (int32_t)cam_clamp_i64(rate_q4 * c->plan_ticks / tick_hz, 1, most_q4);
-}
-
-/// 1 mrad/s2 is 9.549297 r/min / 1000 in a second.
-static void build_spindle_rate(cam_play_config_t *c, const cam_params_t *p, uint32_t tick_hz)
-{
-    const int64_t mrpm = cam_abs_i64(c->spindle_mrpm) + 1;
-    const int64_t most_ppm_per_s = p->spindle_acceleration_mrad_per_s2 * INT64_C(9549297) / mrpm;
-    const int64_t ppm_per_s =
-        cam_clamp_i64(p->spindle_override_rate_ppm_per_s, 1, most_ppm_per_s + 1);
-    c->spindle_rate_q30 = (int32_t)share(p->spindle_override_ppm, 30);
-    c->spindle_step_q30 = (int32_t)(share(ppm_per_s, 30) * c->plan_ticks / tick_hz) + 1;
+    return asked_ppm < least_feed_ppm ? 0 : asked_ppm;
 }
 
 void cam_changes_build(cam_play_config_t *c, const cam_params_t *params, uint32_t tick_hz)
 {
-    build_feed_rate(c, params);
-    build_trim(c, params, tick_hz);
-    build_spindle_rate(c, params, tick_hz);
+    const int64_t feed_ppm = cam_changes_feed_ppm(params);
+    c->feed_rate_q30 = (int32_t)share(feed_ppm, 30);
+    c->per_feed_rate_q24 =
+        feed_ppm > 0 ? (int32_t)((share(whole_ppm, 24) * whole_ppm + feed_ppm / 2) / feed_ppm) : 0;
+
+    // A step changes the speed of X at once, by no more than the acceleration of the approach.
+    const int64_t trim_q4 = (int64_t)params->x_trim_rate_nm_per_s * 16;
+    const int64_t most_q4 = 1 + c->approach[hal_axis_x].acceleration_q10 / 64;
+    c->x_trim_q4 = params->x_trim_nm * 16;
+    c->x_trim_step_q4 = (int32_t)cam_clamp_i64(trim_q4 * c->plan_ticks / tick_hz, 1, most_q4);
+
+    // 1 mrad/s2 is 9.549297 r/min / 1000 per second.
+    const int64_t most_ppm_per_s = params->spindle_acceleration_mrad_per_s2 * INT64_C(9549297) /
+                                   (cam_abs_i64(c->spindle_mrpm) + 1);
+    const int64_t ppm_per_s =
+        cam_clamp_i64(params->spindle_override_rate_ppm_per_s, 1, most_ppm_per_s + 1);
+    c->spindle_rate_q30 = (int32_t)share(params->spindle_override_ppm, 30);
+    c->spindle_step_q30 = (int32_t)(share(ppm_per_s, 30) * c->plan_ticks / tick_hz) + 1;
 }

@@ -9,7 +9,7 @@
 /// Bernstein coefficients of a quintic. A derivative is raised to the same degree.
 enum { n_coefficients = 6 };
 
-/// Beyond these the peaks alone are the bound: all products fit 64 bits.
+/// Beyond these only the peaks bound the command, because products might exceed 64 bits.
 enum { most_per_ms_log2 = 10, most_ahead_log2 = 10 };
 
 /// Factors of the feed-forward, for derivatives per knot interval.
@@ -18,12 +18,6 @@ typedef struct {
     int64_t second_q16; ///< [intervals^2 / 2^16] of u''
     int64_t swept_q16;  ///< [intervals / 2^16] of u', of either sign: a spindle that accelerates
 } ahead_t;
-
-/// @return [nm] largest |u|
-static uint64_t value_nm(const cam_table_t *t)
-{
-    return cam_cut_greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
-}
 
 /// @return [um/s] peak of u' omega
 static uint64_t speed_um_per_s(const cam_cut_t *c)
@@ -88,13 +82,6 @@ cam_command_need_t cam_command_acceleration_mm_per_s2(const cam_cut_t *c)
     return (cam_command_need_t){(int64_t)limit, cam_cut_at_amplitude(c, needed)};
 }
 
-/// @return [nm] sum of the peaks |u|, k1 |u'| omega and k2 |u''| omega^2
-static uint64_t apart_nm(const cam_cut_t *c)
-{
-    return value_nm(c->t) + cam_cut_scaled_up(speed_um_per_s(c), (uint64_t)c->p->k1_ns, 1000000) +
-           cam_cut_scaled_up(acceleration_um_per_s2(c), (uint64_t)c->p->k2_us2, 1000000000);
-}
-
 /// @return whether the products fit 64 bits
 static bool find_ahead(const cam_cut_t *c, ahead_t *a)
 {
@@ -131,7 +118,7 @@ static int64_t most_of_bend(int64_t b, int64_t d, int64_t e)
     int64_t most =
         cam_abs_i64(b) > cam_abs_i64(b + d + e) ? cam_abs_i64(b) : cam_abs_i64(b + d + e);
     const bool is_bent = e != 0 && (d < 0) != (e < 0) && cam_abs_i64(d) < 2 * cam_abs_i64(e);
-    if (is_bent) { // it turns round at s = -d / 2 e
+    if (is_bent) { // it reverses at s = -d / 2 e
         const int64_t turn =
             cam_abs_i64(b + d * (-d * 32768 / e) / 131072) + cam_abs_i64(d) / 65536;
         most = turn > most ? turn : most;
@@ -182,7 +169,13 @@ static uint64_t together_nm(const cam_channel_t *ch, const ahead_t *a)
 
 uint64_t cam_command_most_nm(const cam_cut_t *c)
 {
-    const uint64_t bound_nm = cam_cut_at_amplitude(c, apart_nm(c));
+    const uint64_t out_nm = (uint64_t)cam_abs_i64(c->t->u_min_nm);
+    const uint64_t in_nm = (uint64_t)cam_abs_i64(c->t->u_max_nm);
+    const uint64_t peaks_nm =
+        cam_cut_greater(out_nm, in_nm) +
+        cam_cut_scaled_up(speed_um_per_s(c), (uint64_t)c->p->k1_ns, 1000000) +
+        cam_cut_scaled_up(acceleration_um_per_s2(c), (uint64_t)c->p->k2_us2, 1000000000);
+    const uint64_t bound_nm = cam_cut_at_amplitude(c, peaks_nm);
     ahead_t ahead;
     const bool is_read = bound_nm > (uint64_t)c->p->u_stroke_nm / 2u &&
                          c->peak_mrpm <= (uint32_t)c->p->spindle_limit_mrpm &&

@@ -10,12 +10,12 @@
 #include "cam_cut.h" // cam_cut_t
 #include <stdint.h>  // uint64_t
 
-/// Bound the command by the peaks of the table. Only where they leave the stroke, at a speed that
-/// the spindle reaches, all knots are read: u and u' seldom peak at the same angle.
+/// Bound the command by the peaks of the table. If this bound leaves the stroke, at a speed that
+/// the spindle reaches, read all knots: u and u' seldom peak at the same angle.
 /// @return [nm] largest distance of U's command from the middle of its stroke
 uint64_t cam_command_most_nm(const cam_cut_t *c);
 
-/// Need of a command, and its limit by the limits and gains of U.
+/// What a command needs, and its limit, which follows from the limits and gains of U.
 typedef struct {
     int64_t limit;
     uint64_t needed;

@@ -10,7 +10,6 @@
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // uint32_t, int64_t, uint64_t
 
-/// A cut at a mean speed of the spindle.
 typedef struct {
     const cam_table_t *t;
     const cam_params_t *p;
@@ -21,13 +20,11 @@ typedef struct {
     uint64_t programmed_nm; ///< [nm] without the override: the ramps of the feed are made for it
 } cam_cut_t;
 
-/// @return the smaller of the two
 static inline int64_t cam_cut_smaller(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
-/// @return the greater of the two
 static inline uint64_t cam_cut_greater(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;

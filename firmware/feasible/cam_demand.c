@@ -12,6 +12,8 @@
 /// The interrupt's arithmetic holds up to 16 knots per tick; half of that leaves room for
 /// overspeed.
 enum { max_knots_per_tick = 8 };
+/// [nm] No part has more stock on its radius.
+enum { most_stock_nm = 100000000 };
 /// The angle observer follows up to a quarter turn per tick; an eighth leaves room.
 enum { min_ticks_per_turn = 8 };
 
@@ -82,8 +84,8 @@ static cam_demand_t stroke_demand(const cam_cut_t *c)
                           cam_cut_greater(inwards_nm, outwards_nm(c))};
 }
 
-/// A retract that was set begins at the outermost place of the cut. The default goes as far as the
-/// stroke allows, and X takes the tool away from the work in any case.
+/// A retract that was set counts from the outermost position of U in the cut. The default goes as
+/// far as the stroke allows, and X moves the tool away from the work in any case.
 static cam_demand_t retract_demand(const cam_cut_t *c)
 {
     const int32_t retract_nm = c->p->u_retract_nm;
@@ -92,13 +94,18 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
                           is_set ? outwards_nm(c) + (uint64_t) - (int64_t)retract_nm : 0u};
 }
 
+/// @return turns of the shorter of the two ramps of the depth
+static uint64_t depth_turns(const cam_cut_t *c)
+{
+    return (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
+}
+
 /// The acceleration while engaging, when the envelope e, a smooth step over t turns, adds to it:
-/// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is taken at fourteen
-/// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
-/// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
-/// than its mean speed, and accelerate. The slope of the envelope stays the same within a plan, so
-/// the first set-point of the next one takes at once what e'', and e' with the acceleration of the
-/// spindle, add to it over a whole plan.
+/// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is evaluated at fourteen
+/// points of the second half of the step, with e' and e'' enlarged by 3 %, so that it misses less
+/// than a ten-thousandth of the largest value between them, for any number of turns. The spindle
+/// may turn faster than its mean speed and accelerate. The slope of the envelope is constant within
+/// a plan, so its change over a whole plan acts on the first set-point of the next one.
 /// @param n_set_points  of a plan
 static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *peaks,
                          uint32_t n_set_points)
@@ -110,7 +117,7 @@ static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *
               {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
               {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
               {999984, 1383, 18115},    {999999, 244, 7711}};
-    const uint64_t turns = (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
+    const uint64_t turns = depth_turns(c);
     const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
     const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
     const uint64_t alpha =
@@ -176,24 +183,6 @@ static cam_demand_t by_gains(const cam_cut_t *c, cam_err_t err, cam_command_need
     return (cam_demand_t){err, n.limit, has_gains ? n.needed : 0u};
 }
 
-/// The feed-forward must not command U beyond its stroke.
-static cam_demand_t u_command_demand(const cam_cut_t *c)
-{
-    const cam_command_need_t n = {c->p->u_stroke_nm / 2, cam_command_most_nm(c)};
-    return by_gains(c, cam_err_u_command, n);
-}
-
-/// Nor faster than the tick accepts.
-static cam_demand_t u_command_speed_demand(const cam_cut_t *c)
-{
-    return by_gains(c, cam_err_u_command_speed, cam_command_speed_um_per_s(c));
-}
-
-static cam_demand_t u_command_acceleration_demand(const cam_cut_t *c)
-{
-    return by_gains(c, cam_err_u_command_acceleration, cam_command_acceleration_mm_per_s2(c));
-}
-
 /// @return [degrees / 1000] of thousands of 2^-26 turn, at most 0.2 % too large
 static uint64_t mdeg_of(uint64_t thousands)
 {
@@ -207,24 +196,17 @@ static cam_z_coupling_t swing_drift(const cam_cut_t *c)
     return cam_z_coupling_of(c, &c->t->angle, &c->t->swing_change, set_point_hz);
 }
 
-/// @return [degrees / 1000 / rad] bound of swing' r
-static uint64_t swing_first(const cam_table_t *t)
-{
-    const uint64_t ratio_q20 = t->ratio_max_q20;
-    return ((t->swing.first_mdeg_per_rad * ratio_q20) >> 20) + 1u;
-}
-
 /// @return peaks of the swing over the angle, in degrees / 1000; its acceleration is proportional
 ///         to swing'' r^2 + swing' r r'
 static cam_lobe_transition_peaks_t swing_peaks(const cam_table_t *t)
 {
     const uint64_t ratio_q20 = t->ratio_max_q20;
+    const uint64_t slope = t->swing.first_mdeg_per_rad;
     const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
     return (cam_lobe_transition_peaks_t){
         .f = t->swing.most_mdeg,
-        .f1 = swing_first(t),
-        .f2 = bend +
-              (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm_per_rad / 1000000u + 1u,
+        .f1 = ((slope * ratio_q20) >> 20) + 1u,
+        .f2 = bend + slope * t->spindle_peak_ppm_per_rad / 1000000u + 1u,
     };
 }
 
@@ -270,21 +252,9 @@ int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p)
     if (t == NULL) {
         return p->x_clearance_nm;
     }
-    const int64_t stock_nm = cam_cut_smaller(t->depth_nm, cam_demand_most_stock_nm);
+    const int64_t stock_nm = cam_cut_smaller(t->depth_nm, most_stock_nm);
     const int64_t clear_nm = p->x_clearance_nm > stock_nm ? p->x_clearance_nm : stock_nm;
     return (int32_t)clear_nm + cam_table_rise_nm(t);
-}
-
-/// @return [nm] distance over which X engages
-static uint64_t clearance_nm(const cam_cut_t *c)
-{
-    return (uint64_t)cam_demand_clearance_nm(c->t, c->p);
-}
-
-/// @return turns of the shorter of the two ramps of the depth
-static uint64_t depth_turns(const cam_cut_t *c)
-{
-    return (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
 }
 
 /// X first leaves its clearance c by a smooth step over t turns while Z stands, which at n turns
@@ -292,8 +262,9 @@ static uint64_t depth_turns(const cam_cut_t *c)
 /// speed of Z. The two do not coincide, so the larger one counts.
 static cam_demand_t x_speed_demand(const cam_cut_t *c)
 {
-    const uint64_t clearing =
-        (clearance_nm(c) * 15u / 8u + 1u) * c->peak_mrpm / (depth_turns(c) * 60000000u) + 1u;
+    const uint64_t clearing = ((uint64_t)cam_demand_clearance_nm(c->t, c->p) * 15u / 8u + 1u) *
+                                  c->peak_mrpm / (depth_turns(c) * 60000000u) +
+                              1u;
     const uint64_t barrel = cam_z_coupling_x_um_per_s(c) * c->t->x_slope_ppm / 1000000u + 1u;
     return (cam_demand_t){cam_err_x_speed, c->p->x_speed_um_per_s,
                           cam_cut_greater(barrel, clearing)};
@@ -305,7 +276,7 @@ static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
 {
     const uint64_t turns = depth_turns(c);
     const uint64_t rpm = cam_cut_divided_up(c->peak_mrpm, 1000);
-    const uint64_t step = (clearance_nm(c) + 1u) * rpm * rpm;
+    const uint64_t step = ((uint64_t)cam_demand_clearance_nm(c->t, c->p) + 1u) * rpm * rpm;
     const uint64_t clearing = (step / (3600u * turns * turns) + 1u) / 173180u + 1u;
     const int64_t v_um_per_s =
         cam_cut_smaller((int64_t)cam_z_coupling_x_um_per_s(c), cam_z_coupling_max_z_um_per_s);
@@ -327,7 +298,8 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
     const cam_params_t *p = c->p;
-    const bool is_led = p->z_is_measured != 0; // others move Z: neither geared nor limited here
+    const cam_command_need_t most_command = {p->u_stroke_nm / 2, cam_command_most_nm(c)};
+    const bool is_led = p->z_is_measured != 0; // another controller moves and limits Z
     const uint32_t whole_ppm = 1000000;
     const bool is_overridden = p->feed_override_ppm != (int32_t)whole_ppm;
     // The ramps of a ring-helix are made for the programmed feed and speed.
@@ -350,9 +322,9 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
         retract_demand(c),
         u_speed_demand(c),
         u_acceleration_demand(c),
-        u_command_demand(c),
-        u_command_speed_demand(c),
-        u_command_acceleration_demand(c),
+        by_gains(c, cam_err_u_command, most_command),
+        by_gains(c, cam_err_u_command_speed, cam_command_speed_um_per_s(c)),
+        by_gains(c, cam_err_u_command_acceleration, cam_command_acceleration_mm_per_s2(c)),
         {cam_err_feed, (int64_t)cam_cut_span_nm(c), is_led ? 0u : c->programmed_nm},
         {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s, cam_z_coupling_z_um_per_s(c)},
         {cam_err_z_acceleration, p->z_acceleration_mm_per_s2,

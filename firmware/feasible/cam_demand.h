@@ -3,9 +3,9 @@
 ///
 /// A limit is the smaller of the machine's parameter and of the limit that the table was made for.
 /// The table guarantees peaks of u, u' and u''; at a spindle speed omega, U needs the speed
-/// u' omega and the acceleration u'' omega^2. cam_z_coupling.h
-/// adds the effect of the feed, cam_command.h that of the feed-forward. When another controller
-/// moves Z, its feed is that of the parameters or of the table. Context: slow side, integers only.
+/// u' omega and the acceleration u'' omega^2. cam_z_coupling.h adds the effect of the feed,
+/// cam_command.h that of the feed-forward. When another controller moves Z, its feed is that of the
+/// parameters or of the table. Context: slow side, integers only.
 #ifndef CAM_DEMAND_H
 #define CAM_DEMAND_H
 
@@ -14,10 +14,6 @@
 #include "cam_param.h" // cam_params_t
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // int64_t, uint64_t
-
-enum {
-    cam_demand_most_stock_nm = 100000000, ///< [nm] no part has more stock on its radius
-};
 
 /// One limit and what the cut needs of it.
 typedef struct {
@@ -35,22 +31,18 @@ typedef struct {
 
 /// @param t  NULL: without a table
 /// @return   [nm] travel of U to either side of the middle of its stroke
-/// Context: slow side.
 int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p);
 
 /// X must be clear of all stock on the part and of the surface above u = 0 (cam_table_rise_nm).
 /// @param t  NULL: without a table
 /// @return   [nm] distance from which X engages, and by which it leaves
-/// Context: slow side.
 int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p);
 
 /// Compute what a cut demands of every axis.
-/// Context: slow side. Source: MATHS.md (61) .. (64), (42), (44).
+/// Source: MATHS.md (61) .. (64), (42), (44).
 cam_demands_t cam_demand_all(const cam_cut_t *c);
 
-/// Compare a cut with all limits.
 /// @return the first limit that the cut exceeds; err = cam_ok when it exceeds none
-/// Context: slow side.
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c);
 
 #endif

@@ -5,38 +5,27 @@
 #include "cam_gains.h" // cam_gains_check
 #include "cam_play.h"  // cam_play_history
 #include "hal/hal.h"   // hal_axis_scale
-#include <stdbool.h>   // bool
 #include <stddef.h>    // NULL, size_t
 
 enum { least_jump_counts = 8, quantisation_counts = 4, most_jump_counts = 1 << 30 };
 enum { least_following_nm = 10000, most_following_nm = 200000, unknown_following_nm = 100000 };
 
-/// @return [counts] twice the observer's lag per tick while the spindle accelerates: N times
-///         2 alpha T / w_o of 2 pi, with 2 pi^2 = 987 / 50
-static uint64_t twice_lag_counts(const cam_params_t *p, uint32_t tick_hz)
-{
-    const uint64_t moved =
-        (uint64_t)p->counts_per_turn * (uint64_t)p->spindle_acceleration_mrad_per_s2;
-    return cam_cut_divided_up(moved * 100u, 987u * (uint64_t)p->observer_bandwidth_mHz * tick_hz);
-}
-
-/// @return [counts] twice a hundredth of what the spindle turns in a tick at its highest speed
-static uint64_t twice_ripple_counts(const cam_params_t *p, uint32_t tick_hz)
-{
-    const uint64_t fastest = (uint64_t)p->counts_per_turn * (uint64_t)p->spindle_limit_mrpm;
-    return cam_cut_divided_up(fastest, UINT64_C(3000000) * tick_hz);
-}
-
 int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick_hz)
 {
-    if (params->jump_window_counts > 0) {
-        return params->jump_window_counts;
+    const cam_params_t *p = params;
+    if (p->jump_window_counts > 0) {
+        return p->jump_window_counts;
     }
-    const uint64_t derived = twice_lag_counts(params, tick_hz) +
-                             twice_ripple_counts(params, tick_hz) + quantisation_counts;
-    const uint64_t window = cam_cut_greater(derived, least_jump_counts);
-    return (int32_t)cam_cut_smaller((int64_t)window + params->index_tolerance_counts,
-                                    most_jump_counts);
+    // Twice the lag of the observer per tick: N times 2 alpha T / w_o of 2 pi; 2 pi^2 = 987 / 50.
+    const uint64_t n = (uint64_t)p->counts_per_turn;
+    const uint64_t alpha = (uint64_t)p->spindle_acceleration_mrad_per_s2;
+    const uint64_t lag =
+        cam_cut_divided_up(n * alpha * 100u, 987u * (uint64_t)p->observer_bandwidth_mHz * tick_hz);
+    // Twice a hundredth of the travel per tick at the highest speed.
+    const uint64_t ripple =
+        cam_cut_divided_up(n * (uint64_t)p->spindle_limit_mrpm, UINT64_C(3000000) * tick_hz);
+    const uint64_t window = cam_cut_greater(lag + ripple + quantisation_counts, least_jump_counts);
+    return (int32_t)cam_cut_smaller((int64_t)window + p->index_tolerance_counts, most_jump_counts);
 }
 
 int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_table_t *table)
@@ -50,17 +39,6 @@ int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_ta
                                   most_following_nm);
 }
 
-/// @return [nm] half of what a drive lags in its approach, and its way in half a tick. Parameters
-/// are in ns, us^2, um/s and mm/s^2, whose products are 1e-6 nm
-static int64_t approach_nm(const cam_params_t *p, uint32_t tick_hz)
-{
-    const int64_t v_um_per_s = p->u_speed_um_per_s / cam_derived_limits_approach_share;
-    const int64_t a_mm_per_s2 = p->u_acceleration_mm_per_s2 / cam_derived_limits_approach_share;
-    const int64_t lag_ns = (int64_t)p->k1_ns + p->lead_ns;
-    return (lag_ns * v_um_per_s + p->k2_us2 * a_mm_per_s2) / 2000000 +
-           v_um_per_s * 500 / (int64_t)tick_hz;
-}
-
 int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_table_t *table,
                                        uint32_t tick_hz)
 {
@@ -68,20 +46,19 @@ int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_tab
     if (params->following_limit_nm > 0) {
         return (int32_t)cut_nm;
     }
-    const int64_t way_nm = approach_nm(params, tick_hz);
-    return cam_sat_i32(cut_nm > way_nm ? cut_nm : way_nm);
+    // Products of ns, us^2, um/s and mm/s^2 are in 1e-6 nm.
+    const int64_t v_um_per_s = params->u_speed_um_per_s / cam_derived_limits_approach_share;
+    const int64_t a_mm_per_s2 =
+        params->u_acceleration_mm_per_s2 / cam_derived_limits_approach_share;
+    const int64_t lag_ns = (int64_t)params->k1_ns + params->lead_ns;
+    const int64_t half_lag_nm = (lag_ns * v_um_per_s + params->k2_us2 * a_mm_per_s2) / 2000000;
+    const int64_t approach_nm = half_lag_nm + v_um_per_s * 500 / (int64_t)tick_hz;
+    return cam_sat_i32(cut_nm > approach_nm ? cut_nm : approach_nm);
 }
 
 int32_t cam_derived_limits_usual_mHz(int32_t wanted_mHz, uint32_t tick_hz)
 {
     return cam_clamp_i32(wanted_mHz, 0, (int32_t)(tick_hz * 50u));
-}
-
-/// @return [um/s] highest speed of an axis, by its output where the port names one
-static int64_t output_um_per_s(hal_axis_t axis, int64_t most)
-{
-    const int32_t fastest_um_per_s = hal_axis_scale(axis).most_um_per_s;
-    return fastest_um_per_s > 0 ? cam_cut_smaller(most, fastest_um_per_s) : most;
 }
 
 int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz)
@@ -103,42 +80,40 @@ int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz)
         most = cam_cut_smaller(most, INT64_C(32766) * 1000000000000 / (hz * hz));
         break;
     case cam_param_x_speed_um_per_s:
-        most = output_um_per_s(hal_axis_x, most);
+    case cam_param_z_speed_um_per_s: {
+        const hal_axis_t axis = id == cam_param_x_speed_um_per_s ? hal_axis_x : hal_axis_z;
+        const int32_t output_um_per_s = hal_axis_scale(axis).most_um_per_s; // 0: no limit
+        most = output_um_per_s > 0 ? cam_cut_smaller(most, output_um_per_s) : most;
         break;
-    case cam_param_z_speed_um_per_s:
-        most = output_um_per_s(hal_axis_z, most);
-        break;
+    }
     default:
         break;
     }
     return (int32_t)most;
 }
 
-/// @return whether each parameter of a list is within cam_derived_limits_most()
-static bool are_within(const cam_params_t *params, const cam_param_id_t *ids, size_t n,
-                       uint32_t tick_hz)
-{
-    bool fits = true;
-    for (size_t i = 0; i < n; i++) {
-        fits = fits && cam_param_get(params, ids[i]) <= cam_derived_limits_most(ids[i], tick_hz);
-    }
-    return fits;
-}
-
 cam_err_t cam_derived_limits_check(const cam_params_t *params, uint32_t tick_hz)
 {
-    static const cam_param_id_t by_tick[] = {cam_param_observer_bandwidth_mHz, cam_param_lead_ns,
-                                             cam_param_k1_ns, cam_param_k2_us2};
-    static const cam_param_id_t by_output[] = {cam_param_x_speed_um_per_s,
-                                               cam_param_z_speed_um_per_s};
+    static const struct {
+        cam_param_id_t id;
+        cam_err_t err;
+    } bounded[] = {
+        {cam_param_observer_bandwidth_mHz, cam_err_param_tick},
+        {cam_param_lead_ns, cam_err_param_tick},
+        {cam_param_k1_ns, cam_err_param_tick},
+        {cam_param_k2_us2, cam_err_param_tick},
+        {cam_param_x_speed_um_per_s, cam_err_param_output},
+        {cam_param_z_speed_um_per_s, cam_err_param_output},
+    };
     const int64_t due_ns = (int64_t)params->lead_ns + params->u_scale_latency_ns;
-    if (due_ns > cam_derived_limits_most(cam_param_lead_ns, tick_hz) ||
-        !are_within(params, by_tick, sizeof by_tick / sizeof by_tick[0], tick_hz)) {
+    if (due_ns > cam_derived_limits_most(cam_param_lead_ns, tick_hz)) {
         return cam_err_param_tick;
     }
-    const size_t n_outputs = sizeof by_output / sizeof by_output[0];
-    if (!are_within(params, by_output, n_outputs, tick_hz)) {
-        return cam_err_param_output;
+    for (size_t i = 0; i < sizeof bounded / sizeof bounded[0]; i++) {
+        const cam_param_id_t id = bounded[i].id;
+        if (cam_param_get(params, id) > cam_derived_limits_most(id, tick_hz)) {
+            return bounded[i].err;
+        }
     }
     cam_param_id_t which = cam_n_params;
     return cam_gains_check(params, tick_hz, &which);

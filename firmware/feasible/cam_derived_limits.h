@@ -3,8 +3,7 @@
 /// values that the tick rate allows.
 ///
 /// No default fits every machine: the jump window scales with the encoder, the following error with
-/// the part. 0 selects the derived value. Context: slow side, integers
-/// only.
+/// the part. 0 selects the derived value. Context: slow side, integers only.
 #ifndef CAM_DERIVED_LIMITS_H
 #define CAM_DERIVED_LIMITS_H
 
@@ -17,7 +16,7 @@
 /// Slower ticks belong to field buses, whose measurements are some ticks old.
 enum { cam_derived_limits_least_hz = 10000 };
 
-/// Out of the cut every axis takes this share of its speed and of its acceleration: a quarter.
+/// Outside the cut every axis uses a quarter of its speed and of its acceleration.
 enum { cam_derived_limits_approach_share = 4 };
 
 /// Largest deviation of a tick's counts from the observer's prediction: twice that of a spindle at
@@ -30,7 +29,7 @@ int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick
 
 /// The accepted following error of U in the cut: a fifth of its travel in the table at the present
 /// amplitude, which of an oval is a tenth of the ovality; at least 0.01 mm, at most 0.2 mm. Without
-/// k1 nothing is known of the drive, and 0.1 mm is the least.
+/// k1 the lag of the drive is unknown, and 0.1 mm is the least.
 /// @param table  NULL: none is selected, and U does not cut
 /// @return [nm] following_limit_nm, or where that is 0 the derived one
 int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_table_t *table);

@@ -2,6 +2,10 @@
 #include "cam_feasible.h"
 #include "cam_changes.h" // cam_changes_feed_ppm
 
+/// [turns] Most feed of a part, ramps included: a day at 3000 r/min. All lengths of
+/// cam_feed_motion.h fit their words with it, whatever the override.
+enum { most_turns = 1 << 22 };
+
 /// Widths of the ranges that are searched: 2^26 / 1000 = 67 109 r/min and 2^24 nm = 16.8 mm.
 enum { speed_bits = 26, feed_bits = 24 };
 
@@ -36,17 +40,17 @@ static cam_cut_t cut_of(const cam_table_t *table, const cam_params_t *params, ui
     return c;
 }
 
-/// A feed of a nanometre makes more turns of a tall part than the course of the feed can count. It
-/// is no demand of an axis: it falls with the feed, which those never do (cam_demand_t).
+/// With a feed of a nanometre a tall part takes more turns than cam_feed_motion.h can count. Unlike
+/// the demands of the axes (cam_demand_t) this one falls with a rising feed.
 static cam_demand_t turns_demand(const cam_cut_t *c)
 {
-    const uint64_t per_feed = c->t->is_ring_helix ? 2u : 1u; // a ring follows each turn of it
+    const uint64_t per_feed =
+        c->t->is_ring_helix ? 2u : 1u; // each turn of feed is followed by a ring
     const uint64_t fed = per_feed * cam_cut_divided_up(cam_cut_span_nm(c), c->programmed_nm);
-    return (cam_demand_t){cam_err_turns, cam_feasible_most_turns,
-                          fed + (uint64_t)c->p->feed_ramp_turns};
+    return (cam_demand_t){cam_err_turns, most_turns, fed + (uint64_t)c->p->feed_ramp_turns};
 }
 
-/// @return the first limit that a cut exceeds
+/// @return the first limit that the cut exceeds, of an axis or of the turns
 static cam_demand_t first_exceeded(const cam_cut_t *c)
 {
     const cam_demand_t axes = cam_demand_first_exceeded(c);

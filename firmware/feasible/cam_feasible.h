@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_feasible: can this machine turn this table at this speed? In integers, with the numbers.
+/// cam_feasible: whether this machine can turn this table at this speed, and if not, why.
 ///
 /// Speeds are mean speeds. Where the table modulates the spindle, its highest speed within a turn
 /// is larger by the largest ratio, and the peaks that the table guarantees contain the modulation.
@@ -12,10 +12,6 @@
 #include "cam_param.h"  // cam_params_t
 #include "cam_table.h"  // cam_table_t
 #include <stdint.h>     // uint32_t, int64_t
-
-/// [turns] of feed that a part has at the most, ramps included: a day at 3000 r/min. All lengths of
-/// cam_feed_motion.h fit their words with it, whatever the override.
-enum { cam_feasible_most_turns = 1 << 22 };
 
 /// Why a speed is feasible or not, and what would be.
 typedef struct {
@@ -38,7 +34,7 @@ CAM_MUST_USE cam_err_t cam_feasible_check(const cam_table_t *table, const cam_pa
 
 /// List every limit with what the cut needs of it. Parameters as of cam_feasible_check().
 /// @param axes  filled with the limits of the axes
-/// @return      the turns of feed, which alone fall with a rising feed
+/// @return      the turns of feed, the only demand that falls with a rising feed
 cam_demand_t cam_feasible_demands(const cam_table_t *table, const cam_params_t *params,
                                   uint32_t speed_mrpm, uint32_t tick_hz, cam_demands_t *axes);
 
@@ -52,11 +48,10 @@ uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t 
 uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params_t *params,
                                       uint32_t speed_mrpm, uint32_t tick_hz);
 
-/// Judge a speed with all numbers, for a message: the verdict and both searches.
+/// Judge a speed and search the limits, for a message.
 /// Parameters as of cam_feasible_check().
 /// @return `needed` is rounded up: near the limit by at most 0.1 %, for the acceleration of the
 ///         swing by 1 %
-/// Context: slow side. Source: MATHS.md (61).
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz);
 

@@ -3,9 +3,10 @@
 #include "cam_cut.h"         // cam_cut_greater, cam_cut_smaller, cam_cut_divided_up
 #include "cam_jerk_filter.h" // cam_jerk_filter_most_log2
 #include "cam_plan.h"        // cam_plan_ticks
+#include <stdbool.h>         // bool
 #include <stddef.h>          // size_t
 
-/// The acceleration of U changes over this at least, and over two ticks; that of X and Z over that.
+/// Without a jerk: shortest window of U, which is also at least two ticks, and that of X and Z.
 enum { least_u_ns = 800000, least_xz_ns = 6400000 };
 
 static const cam_param_id_t jerks[hal_n_axes] = {
@@ -14,38 +15,30 @@ static const cam_param_id_t accelerations[hal_n_axes] = {cam_param_u_acceleratio
                                                          cam_param_x_acceleration_mm_per_s2,
                                                          cam_param_z_acceleration_mm_per_s2};
 
-/// @return [ns] from one step of the axis to the next, rounded down
+/// @return [ns] interval of the set-points of an axis, rounded down
 static uint64_t step_ns(hal_axis_t axis, uint32_t tick_hz)
 {
     const uint32_t ticks = axis == hal_axis_u ? 1u : (uint32_t)cam_plan_ticks(tick_hz);
     return UINT64_C(1000000000) * ticks / tick_hz;
 }
 
-/// @return [ns] over which the acceleration turns round within a jerk: 2 a / j
-static uint64_t turn_round_ns(const cam_params_t *p, hal_axis_t axis, int32_t jerk_m_per_s3)
+/// @return [ns] window of an axis: 2 a / jerk, over which the acceleration reverses. Without a jerk
+/// that of U is at least k1, and so long that the jerk adds at most half of U's speed to its
+/// command: 4 a k2 / v
+static uint64_t window_ns(const cam_params_t *p, hal_axis_t axis, uint32_t tick_hz)
 {
     const uint64_t a = (uint64_t)cam_param_get(p, accelerations[axis]);
-    return cam_cut_divided_up(a * 2000000u, (uint64_t)jerk_m_per_s3);
-}
-
-/// @return [ns] window that was not set. That of U is not shorter than k1, and so long that the
-/// jerk adds no more than half of the speed of U to its command: 4 a k2 / v
-static uint64_t derived_ns(const cam_params_t *p, hal_axis_t axis, uint32_t tick_hz)
-{
+    const int32_t jerk = cam_param_get(p, jerks[axis]);
+    if (jerk > 0) {
+        return cam_cut_divided_up(a * 2000000u, (uint64_t)jerk);
+    }
     if (axis != hal_axis_u) {
         return least_xz_ns;
     }
-    const uint64_t a = (uint64_t)p->u_acceleration_mm_per_s2;
     const uint64_t by_k2 =
         cam_cut_divided_up(4u * a * (uint64_t)p->k2_us2, (uint64_t)p->u_speed_um_per_s);
     const uint64_t least = cam_cut_greater(least_u_ns, 2u * step_ns(axis, tick_hz));
     return cam_cut_greater(least, cam_cut_greater((uint64_t)p->k1_ns, by_k2));
-}
-
-static uint64_t window_ns(const cam_params_t *p, hal_axis_t axis, uint32_t tick_hz)
-{
-    const int32_t jerk = cam_param_get(p, jerks[axis]);
-    return jerk > 0 ? turn_round_ns(p, axis, jerk) : derived_ns(p, axis, tick_hz);
 }
 
 uint32_t cam_gains_log2_window(const cam_params_t *params, hal_axis_t axis, uint32_t tick_hz)
@@ -59,14 +52,6 @@ uint32_t cam_gains_log2_window(const cam_params_t *params, hal_axis_t axis, uint
     return log2;
 }
 
-/// @return [m/s^3] least jerk whose window fits
-static int64_t least_jerk(const cam_params_t *p, hal_axis_t axis, uint32_t tick_hz)
-{
-    const uint64_t a = (uint64_t)cam_param_get(p, accelerations[axis]);
-    return (int64_t)cam_cut_divided_up(a * 2000000u, step_ns(axis, tick_hz)
-                                                         << cam_jerk_filter_most_log2);
-}
-
 int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t tick_hz)
 {
     const int64_t v = params->u_speed_um_per_s;
@@ -78,29 +63,28 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
         return u_ns / 2 + v * 750000 / a;
     case cam_param_k2_us2: // the jerk alone commands no more than U's speed
         return v * u_ns / (2 * a);
-    case cam_param_x_jerk_m_per_s3:
-        return least_jerk(params, hal_axis_x, tick_hz);
-    case cam_param_z_jerk_m_per_s3:
-        return least_jerk(params, hal_axis_z, tick_hz);
     default:
-        return least_jerk(params, hal_axis_u, tick_hz);
+        break;
     }
+    // The least jerk whose window fits.
+    const hal_axis_t axis = id == cam_param_x_jerk_m_per_s3   ? hal_axis_x
+                            : id == cam_param_z_jerk_m_per_s3 ? hal_axis_z
+                                                              : hal_axis_u;
+    const uint64_t most_ns = step_ns(axis, tick_hz) << cam_jerk_filter_most_log2;
+    const uint64_t twice_a = (uint64_t)cam_param_get(params, accelerations[axis]) * 2000000u;
+    return (int64_t)cam_cut_divided_up(twice_a, most_ns);
 }
 
 cam_err_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz, cam_param_id_t *which)
 {
-    for (uint32_t i = 0; i < (uint32_t)hal_n_axes; i++) {
-        const int32_t jerk = cam_param_get(params, jerks[i]);
-        *which = jerks[i];
-        if (jerk > 0 && jerk < cam_gains_bound(params, *which, tick_hz)) {
-            return cam_err_jerk;
-        }
-    }
     static const cam_param_id_t gains[] = {cam_param_k1_ns, cam_param_k2_us2};
-    for (size_t i = 0; i < sizeof gains / sizeof gains[0]; i++) {
-        *which = gains[i];
-        if (cam_param_get(params, *which) > cam_gains_bound(params, *which, tick_hz)) {
-            return cam_err_gain;
+    for (size_t i = 0; i < hal_n_axes + sizeof gains / sizeof gains[0]; i++) {
+        const bool is_jerk = i < (size_t)hal_n_axes;
+        *which = is_jerk ? jerks[i] : gains[i - hal_n_axes];
+        const int64_t value = cam_param_get(params, *which);
+        const int64_t bound = cam_gains_bound(params, *which, tick_hz);
+        if (is_jerk ? value > 0 && value < bound : value > bound) {
+            return is_jerk ? cam_err_jerk : cam_err_gain;
         }
     }
     return cam_ok;

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_lobe_transition.h"
+#include "cam_cut.h" // cam_cut_greater
 
-/// Places of the smooth step.
-enum { n_places = 20 };
+/// The smooth step is evaluated at this many points; between them it is at most 1 % larger.
+enum { n_places = 20, between_ppm = 1010000 };
 
-/// [1e-6] what lies between the places.
-enum { between_ppm = 1010000 };
-
-/// The smooth step and the magnitudes of its derivatives at a place, in 1e-6.
+/// The smooth step and the magnitudes of its derivatives at a point, in 1e-6.
 typedef struct {
     uint64_t e, e1, e2;
 } step_t;
@@ -30,17 +28,6 @@ static uint64_t part(uint64_t a, uint64_t ppm)
     return (a * ppm + 999999u) / 1000000u;
 }
 
-static uint64_t larger(uint64_t a, uint64_t b)
-{
-    return a > b ? a : b;
-}
-
-/// @return whether the lift changes at all: more than one lobe
-static bool has_change(const cam_table_t *t)
-{
-    return t->least_change_nm > 0u;
-}
-
 /// @return [1e-6] x = R / (2 pi N), at most 2^25; a table with a speed channel has half the height
 ///         for its lift
 static uint64_t x_ppm(const cam_table_t *t, uint64_t feed_nm)
@@ -52,42 +39,41 @@ static uint64_t x_ppm(const cam_table_t *t, uint64_t feed_nm)
     return ppm < UINT64_C(1) << 25 ? ppm : UINT64_C(1) << 25;
 }
 
-uint64_t cam_lobe_transition_first(const cam_table_t *t, uint64_t feed_nm,
-                                   const cam_lobe_transition_peaks_t *peaks)
+/// @param f   [unit/rad^n] the magnitude that the smooth step scales
+/// @param by  [unit/rad^n] the factors of the magnitudes of E' and E''
+/// @return    bound of f E + by[0] E' + by[1] E'' over the step, at least f
+static uint64_t bound(uint64_t f, const uint64_t by[2])
 {
-    uint64_t most = peaks->f1;
-    if (!has_change(t)) {
-        return most;
-    }
-    const uint64_t f_x = part(peaks->f, x_ppm(t, feed_nm));
+    uint64_t most = f;
     uint64_t before = 0;
     for (uint64_t i = 1; i <= (uint64_t)n_places; i++) {
         const step_t at = step_at(i);
-        const uint64_t more = part(f_x, at.e1);
-        most = larger(most, part(peaks->f1, at.e) + part(larger(before, more), between_ppm));
+        const uint64_t more = part(by[0], at.e1) + part(by[1], at.e2);
+        const uint64_t between = part(cam_cut_greater(before, more), between_ppm);
+        most = cam_cut_greater(most, part(f, at.e) + between);
         before = more;
     }
     return most;
 }
 
+uint64_t cam_lobe_transition_first(const cam_table_t *t, uint64_t feed_nm,
+                                   const cam_lobe_transition_peaks_t *peaks)
+{
+    if (t->least_change_nm == 0u) { // a single lobe, or none
+        return peaks->f1;
+    }
+    return bound(peaks->f1, (const uint64_t[]){part(peaks->f, x_ppm(t, feed_nm)), 0});
+}
+
 uint64_t cam_lobe_transition_second(const cam_table_t *t, uint64_t feed_nm,
                                     const cam_lobe_transition_peaks_t *peaks, uint32_t n_set_points)
 {
-    uint64_t most = peaks->f2;
-    if (!has_change(t)) {
-        return most;
+    if (t->least_change_nm == 0u) {
+        return peaks->f2;
     }
     const uint64_t x = x_ppm(t, feed_nm);
     const uint64_t f_x = part(peaks->f, x);
-    const uint64_t f_xx = part(f_x, x) * n_set_points;
-    const uint64_t f1_x = part(peaks->f1, x);
     const uint64_t f_xs = part(f_x, t->spindle_peak_ppm_per_rad) * n_set_points;
-    uint64_t before = 0;
-    for (uint64_t i = 1; i <= (uint64_t)n_places; i++) {
-        const step_t at = step_at(i);
-        const uint64_t more = part(2u * f1_x + f_xs, at.e1) + part(f_xx, at.e2);
-        most = larger(most, part(peaks->f2, at.e) + part(larger(before, more), between_ppm));
-        before = more;
-    }
-    return most;
+    return bound(peaks->f2,
+                 (const uint64_t[]){2u * part(peaks->f1, x) + f_xs, part(f_x, x) * n_set_points});
 }

@@ -3,11 +3,9 @@
 #include "hal/hal.h" // hal_axis_scale
 #include <stddef.h>  // NULL
 
-/// Beyond this slope a part is a step, and half a step of Z says nothing of its form.
-enum { most_slope_ppm = 4000000 };
-
-/// 2 pi in millionths.
-enum { turn_urad = 6283185 };
+/// Largest slope that counts: a steeper part is a step, whose form does not depend on half a step
+/// of Z. 2 pi in millionths.
+enum { most_slope_ppm = 4000000, turn_urad = 6283185 };
 
 /// @return [1e-6] steepest change of the radius over the height; lobes are straight along Z
 static uint64_t part_slope_ppm(const cam_table_t *t)

@@ -12,7 +12,7 @@
 /// Bound the form error that the steps of the set-points cause: half a step of U, half a step of X,
 /// and half a step of Z times the steepest slope of the part over its height.
 /// @param table  in use; NULL: none, and the slope counts as 0
-/// @return       [pm] rounded down, saturated; 0 when the port names no step at all
+/// @return       [pm] rounded down, saturated; 0 when the port states no step at all
 /// Source: MATHS.md (183).
 uint32_t cam_resolution_limit_form_pm(const cam_table_t *table);
 

@@ -2,10 +2,10 @@
 /// cam_z_coupling: motion of Z in a cut, and its effect on the motion of the other axes.
 ///
 /// Along a helix Z moves evenly except in its ramps and where the table changes the feed; along a
-/// ring-helix it stands in every other turn. While it moves, U and the swing also change from slice
-/// to slice of the table: they drift. Their rate jumps where one slice ends, and the acceleration
-/// of that jump, spread over one set-point, is added. Context: slow side, integers only. Source:
-/// MATHS.md (63), (64), (104).
+/// ring-helix it rests in every other turn. While it moves, U and the swing also change from slice
+/// to slice of the table: they drift. The rate of this drift jumps at each slice, and the
+/// acceleration of the jump, spread over one set-point, is added. Context: slow side, integers
+/// only. Source: MATHS.md (63), (64), (104).
 #ifndef CAM_Z_COUPLING_H
 #define CAM_Z_COUPLING_H
 

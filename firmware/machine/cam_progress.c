@@ -15,7 +15,7 @@ typedef struct {
 static moment_t moment(const cam_t *c)
 {
     cam_moment_t now;
-    (void)cam_status_moment(c, &now);
+    cam_status_moment(c, &now);
     return (moment_t){
         .plan = now.plan,
         .is_playing = now.motion.is_playing,

@@ -7,20 +7,6 @@ static void enter(cam_acknowledge_t *a, cam_acknowledge_phase_t phase)
     a->n_plans = 0;
 }
 
-/// Debounce the input.
-/// @return whether the debounced level has changed
-static bool debounce(cam_acknowledge_t *a, const cam_acknowledge_config_t *cfg, uint32_t inputs)
-{
-    const bool is_pressed = (inputs & (uint32_t)hal_in_acknowledge) != 0u;
-    a->n_other = is_pressed != a->is_pressed ? a->n_other + 1u : 0u;
-    const bool is_new = a->n_other >= cfg->settle_plans;
-    if (is_new) {
-        a->is_pressed = is_pressed;
-        a->n_other = 0;
-    }
-    return is_new;
-}
-
 /// Follow the button in the state off.
 static void watch_press(cam_acknowledge_t *a, const cam_acknowledge_config_t *cfg, bool is_new)
 {
@@ -59,7 +45,13 @@ static void watch_press(cam_acknowledge_t *a, const cam_acknowledge_config_t *cf
 void cam_acknowledge_isr(cam_acknowledge_t *a, const cam_acknowledge_config_t *cfg,
                          const cam_tick_record_t *r, cam_motion_t *m)
 {
-    const bool is_new = debounce(a, cfg, r->in.inputs);
+    const bool is_pressed = (r->in.inputs & (uint32_t)hal_in_acknowledge) != 0u;
+    a->n_other = is_pressed != a->is_pressed ? a->n_other + 1u : 0u;
+    const bool is_new = a->n_other >= cfg->settle_plans; // the debounced level changes
+    if (is_new) {
+        a->is_pressed = is_pressed;
+        a->n_other = 0;
+    }
     a->n_plans++;
     const bool is_open = m->was_open || (r->in.inputs & (uint32_t)hal_in_estop) != 0u;
     m->was_open = false;

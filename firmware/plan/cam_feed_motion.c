@@ -78,9 +78,8 @@ int32_t cam_feed_motion_fed_nm_isr(const cam_feed_motion_t *c, const cam_play_co
 }
 
 /// Schedule the end of the part after a change of rate.
-/// @param left_q32  [turn] feed between change and brake, not negative; a second step adds the
-/// error
-///                  of the rate's reciprocal
+/// @param left_q32  [turn] feed between change and brake, not negative; a second step removes the
+///                  error of the rate's reciprocal
 /// @param halvings  of the rate of the configuration
 static void schedule_brake(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t left_q32,
                            int32_t halvings)
@@ -145,31 +144,24 @@ static void schedule_begin(cam_feed_motion_t *c, const cam_play_config_t *cfg, i
     }
 }
 
-/// Schedule a rest.
-static void schedule_rest(cam_feed_motion_t *c, int64_t at_q32, int64_t fed_q32)
-{
-    c->brake_q32 = at_q32;
-    c->end_q32 = at_q32;
-    c->fed_end_q32 = fed_q32;
-}
-
 void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t at_q32)
 {
-    c->from_q32 = at_q32;
+    c->from_q32 = at_q32; // assigned one by one: an initialiser of the whole would call memset
     c->to_q32 = at_q32;
+    c->brake_q32 = at_q32;
+    c->end_q32 = at_q32;
     c->fed_q32 = 0;
     c->fed_to_q32 = 0;
+    c->fed_end_q32 = 0;
     c->rate_q30 = 0;
     c->to_rate_q30 = 0;
     c->requested_q30 = cfg->feed_rate_q30;
-    c->is_held = false;
-    schedule_rest(c, at_q32, 0);
-    if (cfg->feed_rate_q30 == 0) {
-        c->is_held = true;
-    } else if (cfg->rings.is_on) {
+    c->is_held = cfg->feed_rate_q30 == 0;
+    if (cfg->rings.is_on && !c->is_held) {
         c->end_q32 = plus(at_q32, cfg->feed_q32);
-    } else {
+    } else if (!c->is_held) {
         schedule_begin(c, cfg, at_q32, 0);
+    } else { // at rest
     }
 }
 
@@ -178,7 +170,9 @@ void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cf
 static bool brake_early(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t next_q32)
 {
     if (next_q32 <= c->from_q32 && c->rate_q30 == 0) {
-        schedule_rest(c, next_q32, c->fed_q32);
+        c->brake_q32 = next_q32;
+        c->end_q32 = next_q32;
+        c->fed_end_q32 = c->fed_q32;
         return true;
     }
     const int64_t braked_q32 = ramp_q32(cfg, c->to_rate_q30);
@@ -194,23 +188,18 @@ static bool brake_early(cam_feed_motion_t *c, const cam_play_config_t *cfg, int6
     return true;
 }
 
-/// @return [turn] earliest rest of a ring-helix: begin of a ring for a hold, end of one for a stop
-static int64_t ring_q32(const cam_feed_motion_t *c, int64_t next_q32, bool is_end)
+/// Let a ring-helix rest as early as possible: at the begin of a ring for a hold, at the end of one
+/// for a stop. @return whether that is before its end
+static bool rest_rings(cam_feed_motion_t *c, int64_t next_q32, bool is_stop)
 {
     const int64_t done_q32 = minus(next_q32, c->from_q32);
-    if (done_q32 <= 0) {
-        return next_q32;
+    int64_t rest_q32 = next_q32;
+    if (done_q32 > 0) {
+        const int64_t begin_q32 = plus(done_q32, done_q32 & CAM_TURN_Q32);
+        rest_q32 = plus(c->from_q32, is_stop ? cam_feed_ring_end_q32(done_q32) : begin_q32);
     }
-    const int64_t odd_q32 = done_q32 & CAM_TURN_Q32;
-    const int64_t whole_q32 = is_end ? cam_feed_ring_end_q32(done_q32) : plus(done_q32, odd_q32);
-    return plus(c->from_q32, whole_q32);
-}
-
-/// End a ring-helix. @return whether that is before its end
-static bool rest_rings(cam_feed_motion_t *c, int64_t end_q32)
-{
-    const bool is_early = end_q32 < c->end_q32;
-    c->end_q32 = is_early ? end_q32 : c->end_q32;
+    const bool is_early = rest_q32 < c->end_q32;
+    c->end_q32 = is_early ? rest_q32 : c->end_q32;
     return is_early;
 }
 
@@ -259,8 +248,8 @@ void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *
     }
     bool is_done = true;
     if (rate_q30 == 0) {
-        c->is_held = cfg->rings.is_on ? rest_rings(c, ring_q32(c, next_q32, false))
-                                      : brake_early(c, cfg, next_q32);
+        c->is_held =
+            cfg->rings.is_on ? rest_rings(c, next_q32, false) : brake_early(c, cfg, next_q32);
     } else if (c->is_held) {
         is_done = now_q32 >= c->end_q32;
         if (is_done) {
@@ -277,10 +266,8 @@ int64_t cam_feed_motion_stop_isr(cam_feed_motion_t *c, const cam_play_config_t *
 {
     if (c->is_held) {
         c->is_held = false;
-        return later(c->end_q32, next_q32);
-    }
-    if (cfg->rings.is_on) {
-        (void)rest_rings(c, ring_q32(c, next_q32, true));
+    } else if (cfg->rings.is_on) {
+        (void)rest_rings(c, next_q32, true);
     } else {
         (void)brake_early(c, cfg, next_q32);
     }

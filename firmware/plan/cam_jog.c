@@ -18,14 +18,10 @@ static void forget_homes(cam_jog_t *h, uint32_t inputs)
     }
 }
 
-static bool is_on_switch(const cam_tick_record_t *r, hal_axis_t axis)
+/// @param of_u  input of U; those of X and Z are the next bits
+static bool is_input_on(const cam_tick_record_t *r, hal_axis_t axis, uint32_t of_u)
 {
-    return (r->in.inputs & ((uint32_t)hal_in_home_u << (uint32_t)axis)) != 0u;
-}
-
-static bool is_at_index(const cam_tick_record_t *r, hal_axis_t axis)
-{
-    return (r->in.inputs & ((uint32_t)hal_in_index_u << (uint32_t)axis)) != 0u;
+    return (r->in.inputs & (of_u << (uint32_t)axis)) != 0u;
 }
 
 /// @return whether the order has expired
@@ -74,7 +70,7 @@ static int32_t begin_homing(cam_jog_t *h, const cam_jog_config_t *cfg, const cam
                             const cam_motion_t *m)
 {
     const cam_jog_order_t *o = &cfg->order;
-    const bool is_on = is_on_switch(r, o->axis);
+    const bool is_on = is_input_on(r, o->axis, hal_in_home_u);
     int64_t from_q10 = m->axis[o->axis].pos_q10;
     int64_t shift_nm = 0;
     h->homed &= ~(UINT32_C(1) << (uint32_t)o->axis);
@@ -133,12 +129,6 @@ static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_
     return 0;
 }
 
-/// @return whether the axis moves back from the switch, and no longer brakes on it
-static bool is_back(const cam_jog_order_t *o, const cam_axis_motion_t *axis)
-{
-    return o->sense > 0 ? axis->vel_q10 < 0 : axis->vel_q10 > 0;
-}
-
 /// Check whether the phase of homing has found its switch or index. @return [nm] shift of U's
 /// position
 static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
@@ -146,31 +136,22 @@ static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const ca
 {
     const cam_jog_order_t *o = &cfg->order;
     const cam_axis_motion_t *axis = &m->axis[h->axis];
-    const bool is_on = is_on_switch(r, h->axis);
+    const bool is_on = is_input_on(r, h->axis, hal_in_home_u);
+    // No longer braking towards the switch, but moving back from it.
+    const bool is_back = o->sense > 0 ? axis->vel_q10 < 0 : axis->vel_q10 > 0;
     if (h->phase == cam_jog_search && is_on) {
         begin_phase(h, o, cam_jog_release, axis->pos_q10);
-    } else if (h->phase == cam_jog_release && !is_on && is_back(o, axis)) {
+    } else if (h->phase == cam_jog_release && !is_on && is_back) {
         if (!o->has_index) {
             return take_home(h, cfg, r, m);
         }
         begin_phase(h, o, cam_jog_index, axis->pos_q10);
-    } else if (h->phase == cam_jog_index && is_at_index(r, h->axis)) {
+    } else if (h->phase == cam_jog_index && is_input_on(r, h->axis, hal_in_index_u)) {
         return take_home(h, cfg, r, m);
     } else {
         // the phase continues
     }
     return 0;
-}
-
-/// The axis has reached the end of its phase.
-static void end_phase(cam_jog_t *h)
-{
-    static const cam_jog_end_t ends[cam_jog_n_phases] = {
-        [cam_jog_jog] = cam_jog_limit,        [cam_jog_step] = cam_jog_done,
-        [cam_jog_search] = cam_jog_no_switch, [cam_jog_release] = cam_jog_no_release,
-        [cam_jog_index] = cam_jog_no_index,
-    };
-    end_order(h, ends[h->phase]);
 }
 
 /// @return whether U rests
@@ -198,26 +179,25 @@ static bool move_axis(const cam_jog_t *h, const cam_play_config_t *cfg, cam_moti
     return m->axis[hal_axis_u].pos_q10 == h->target_q10 && is_u_at_rest(m);
 }
 
-/// Brake an axis. @return whether it rests
-static bool brake_axis(hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
+/// Move the axis of the order, or brake another one. @return whether it rests
+static bool plan_axis(cam_jog_t *h, hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
 {
+    static const cam_jog_end_t ends[cam_jog_n_phases] = {
+        [cam_jog_jog] = cam_jog_limit,        [cam_jog_step] = cam_jog_done,
+        [cam_jog_search] = cam_jog_no_switch, [cam_jog_release] = cam_jog_no_release,
+        [cam_jog_index] = cam_jog_no_index,
+    };
+    if (h->phase != cam_jog_rest && axis == h->axis) {
+        if (move_axis(h, cfg, m)) {
+            end_order(h, ends[h->phase]);
+        }
+        return false;
+    }
     if (axis != hal_axis_u) {
         return cam_plan_move_brake_isr(m, axis, cfg, &cfg->jog.limits[axis]);
     }
     m->u_speed_q10 = 0;
     return is_u_at_rest(m);
-}
-
-/// Move the axis of the order, or brake another one. @return whether it rests
-static bool plan_axis(cam_jog_t *h, hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
-{
-    if (h->phase == cam_jog_rest || axis != h->axis) {
-        return brake_axis(axis, cfg, m);
-    }
-    if (move_axis(h, cfg, m)) {
-        end_phase(h);
-    }
-    return false;
 }
 
 /// @return whether all axes rest

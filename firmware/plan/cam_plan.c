@@ -176,15 +176,6 @@ static void plan_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_an
     m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
 }
 
-static void plan_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
-                       int32_t z_nm, int32_t scale_q30, cam_motion_t *m)
-{
-    const cam_swing_config_t *swing = &cfg->swing;
-    const int64_t pos_q32 = ahead_q32(angle, swing->ahead_q16, m->alpha_q40, swing->ahead2);
-    cam_swing_plan_isr(&m->swing, cfg, cam_angle_of_pos(pos_q32) - phase_then_q32(m, cfg),
-                       cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm), scale_q30);
-}
-
 /// Move a value towards another by at most a step, without overshoot.
 /// @return the new value
 /*@ requires most >= 0;
@@ -322,16 +313,6 @@ static void begin_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
     cam_shaft_begin_isr(&p->shaft, cfg->table, z_nm, m);
 }
 
-/// X follows its profile and the envelope; in a rehearsal it stays off the work.
-static void plan_x(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m, int32_t z_nm,
-                   int32_t envelope)
-{
-    const int64_t away_q10 = p->is_rehearsal ? cfg->rehearse_x_q10 : 0;
-    cam_interpolate_isr(&m->axis[hal_axis_x], cfg,
-                        cam_interpolate_profile_q10(cfg, z_nm, envelope, p->x_trim_q4) +
-                            HALF_NM_Q10 + away_q10);
-}
-
 /// Plan all axes for the instant of the next plan.
 static void plan_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                       cam_motion_t *m)
@@ -348,12 +329,20 @@ static void plan_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
     const int32_t z_nm = at.z_nm;
     const int32_t scale_q30 =
         cam_mul_shift(cam_mul_shift(u_envelope, at.share.lift_q30, 30), p->amplitude_q30, 30);
-    plan_x(p, cfg, m, z_nm,
-           p->is_rehearsal ? 0 : envelope_q30(p, cfg, cam_wrap_sub_i64(xz_q32, lag_q32), lag_q32));
+    // In a rehearsal X stays off the work.
+    const int32_t x_envelope =
+        p->is_rehearsal ? 0 : envelope_q30(p, cfg, cam_wrap_sub_i64(xz_q32, lag_q32), lag_q32);
+    const int64_t away_q10 = p->is_rehearsal ? cfg->rehearse_x_q10 : 0;
+    const int64_t x_q10 = cam_interpolate_profile_q10(cfg, z_nm, x_envelope, p->x_trim_q4);
+    cam_interpolate_isr(&m->axis[hal_axis_x], cfg, x_q10 + HALF_NM_Q10 + away_q10);
     plan_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
     plan_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
     if (cfg->swing.is_swung && !p->is_rehearsal) {
-        plan_swing(p, cfg, angle, z_nm, scale_q30, m);
+        const cam_swing_config_t *swing = &cfg->swing;
+        const int64_t swing_q32 = ahead_q32(angle, swing->ahead_q16, m->alpha_q40, swing->ahead2);
+        cam_swing_plan_isr(&m->swing, cfg, cam_angle_of_pos(swing_q32) - phase_then_q32(m, cfg),
+                           cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm),
+                           scale_q30);
     }
 }
 

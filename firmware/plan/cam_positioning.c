@@ -86,20 +86,14 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
     return is_u_there && is_xz_there;
 }
 
-/// @return [nm / 1024] target of X in state fault: off by the clearance, within its travel
-static int64_t moved_off_q10(const cam_play_config_t *cfg, int64_t left_q10)
-{
-    const int64_t off_q10 = left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
-    const int64_t high_q10 = (int64_t)cfg->x_high_nm * 1024;
-    const int64_t most_q10 = high_q10 > left_q10 ? high_q10 : left_q10;
-    return off_q10 < most_q10 ? off_q10 : most_q10;
-}
-
-/// In state fault the guard retracts U, X moves off and Z brakes. After the state manual X brakes,
-/// too.
+/// In state fault the guard retracts U, X moves off by the clearance, within its travel, and Z
+/// brakes. After the state manual X brakes, too.
 static void move_off(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
-    const int64_t x_q10 = moved_off_q10(cfg, m->x_left_q10);
+    const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
+    const int64_t high_q10 = (int64_t)cfg->x_high_nm * 1024;
+    const int64_t most_q10 = high_q10 > m->x_left_q10 ? high_q10 : m->x_left_q10;
+    const int64_t x_q10 = off_q10 < most_q10 ? off_q10 : most_q10;
     const cam_motion_limits_t *x_limits = &cfg->leave[hal_axis_x];
     if (cfg->swing.is_swung) {
         cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.full);
@@ -113,15 +107,6 @@ static void move_off(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
         is_z_at_rest = cam_plan_move_brake_isr(m, hal_axis_z, cfg, &cfg->leave[hal_axis_z]);
     }
     m->is_clear = is_x_off && is_z_at_rest && (!cfg->swing.is_swung || m->swing.is_there);
-}
-
-/// Homing ends when the angle is known, the spindle turns and the tool is out of the work.
-static void home(const cam_play_config_t *cfg, const cam_angle_t *angle, cam_motion_t *m)
-{
-    const bool is_out = stay_out(cfg, m);
-    if (is_out && !m->was_off && angle->is_synced && angle->speed_q32 >= cfg->turning_q32) {
-        m->state = cam_state_ready;
-    }
 }
 
 /// Plan the axes of the present state. @return as cam_positioning_isr()
@@ -138,7 +123,10 @@ static bool plan_state(const cam_play_config_t *cfg, const cam_tick_record_t *r,
     if (m->state == cam_state_off) {
         cam_swing_follow_isr(&m->swing, r->in.swing_q32);
     } else if (m->state == cam_state_homing) {
-        home(cfg, &r->angle, m);
+        // It ends when the angle is known, the spindle turns and the tool is out of the work.
+        const bool is_out = stay_out(cfg, m);
+        const bool is_turning = r->angle.is_synced && r->angle.speed_q32 >= cfg->turning_q32;
+        m->state = is_out && !m->was_off && is_turning ? cam_state_ready : cam_state_homing;
     } else {
         (void)stay_out(cfg, m);
     }

@@ -17,21 +17,14 @@ static void write_set(cam_swing_t *s, int32_t pos_q32, int32_t vel_q32)
     s->is_new = true;
 }
 
-/// @return [turn / 2^32] of the table at the full amplitude
-static int32_t read(const cam_play_config_t *cfg, uint32_t theta_q32, cam_height_t z)
-{
-    const cam_channel_t *ch = &cfg->table->angle;
-    const int32_t y = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)).y;
-    const int32_t read_q30 =
-        cam_mulhi_add(cfg->swing.offset_q30, cam_sat_add(y, y), cfg->swing.unit_q30);
-    return (int32_t)((uint32_t)read_q30 * 4u); // an angle: it may wrap
-}
-
 void cam_swing_plan_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t theta_q32,
                         cam_height_t z, int32_t scale_q30)
 {
-    const int32_t target_q30 = cam_mulhi(read(cfg, theta_q32, z), scale_q30);
-    const int32_t target_q32 = (int32_t)((uint32_t)target_q30 * 4u);
+    const int32_t y = cam_eval_quintic(cam_eval_segment(&cfg->table->angle, theta_q32, z)).y;
+    const int32_t read_q30 =
+        cam_mulhi_add(cfg->swing.offset_q30, cam_sat_add(y, y), cfg->swing.unit_q30);
+    const int32_t read_q32 = (int32_t)((uint32_t)read_q30 * 4u); // an angle: it may wrap
+    const int32_t target_q32 = (int32_t)((uint32_t)cam_mulhi(read_q32, scale_q30) * 4u);
     // The new line starts at the end of the last one, not at its target: the speed is rounded, and
     // lines must join without a step.
     const int32_t from_q32 = on_line(s, cfg->plan_ticks);

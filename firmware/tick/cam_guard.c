@@ -2,30 +2,23 @@
 #include "cam_guard.h"
 #include "cam_fix.h" // cam_clamp_i32, cam_sat_i32
 
-#define ARMED_ENABLED                                                                              \
-    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
-     CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table) | CAM_FAULT_BIT(command))
-#define ARMED_SYNCED                                                                               \
-    (ARMED_ENABLED | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts) |                    \
-     CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |                              \
+#define ARMED_IN_FAULT                                                                             \
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command))
+#define ARMED_MOVING (ARMED_IN_FAULT | CAM_FAULT_BIT(late_tick) | CAM_FAULT_BIT(table))
+#define ARMED_ENABLED (ARMED_MOVING | CAM_FAULT_BIT(index_missing))
+/// Jogging needs neither the spindle nor its encoder.
+#define ARMED_MANUAL                                                                               \
+    (ARMED_MOVING | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |               \
      CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range))
+#define ARMED_SYNCED                                                                               \
+    (ARMED_ENABLED | ARMED_MANUAL | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts))
 #define ARMED_IN_WORK                                                                              \
     (ARMED_SYNCED | CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |                      \
      CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range) | CAM_FAULT_BIT(swing))
 
-/// Jogging needs neither the spindle nor its encoder.
-#define ARMED_MANUAL                                                                               \
-    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
-     CAM_FAULT_BIT(table) | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |       \
-     CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range) |                        \
-     CAM_FAULT_BIT(command))
-
 /// Marks the states that set the output hal_out_in_cut.
 #define IN_CUT (UINT32_C(1) << 31)
 _Static_assert(cam_n_faults < 32, "one bit is free");
-
-#define ARMED_IN_FAULT                                                                             \
-    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command))
 
 static const uint32_t armed[cam_n_states] = {
     [cam_state_off] = 0,
@@ -59,25 +52,17 @@ static void count_new(cam_guard_t *g)
     g->counted = g->faults;
 }
 
-/// @return whether the spindle stands still in a state that does not allow it; while homing,
-/// reverse rotation counts as standing
-static bool is_standing(const cam_guard_config_t *cfg, const cam_tick_record_t *r)
-{
-    const int32_t speed_q32 = r->angle.speed_q32;
-    const bool is_homing = r->want.state == cam_state_homing;
-    const bool is_watched = (cam_guard_armed(r->want.state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
-    return is_watched && speed_q32 < cfg->stopped_q32 &&
-           (is_homing || speed_q32 > -cfg->stopped_q32);
-}
-
 uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                             const cam_tick_record_t *r)
 {
     const int32_t speed_q32 = r->angle.speed_q32;
-    const bool is_homing = r->want.state == cam_state_homing;
+    const bool is_homing = r->want.state == cam_state_homing; // then reverse counts as standing
     const uint32_t most_ticks = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
     count_new(g);
-    g->n_stopped = is_standing(cfg, r) ? g->n_stopped + cfg->plan_ticks : 0u;
+    const bool is_watched = (cam_guard_armed(r->want.state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
+    const bool is_standing =
+        is_watched && speed_q32 < cfg->stopped_q32 && (is_homing || speed_q32 > -cfg->stopped_q32);
+    g->n_stopped = is_standing ? g->n_stopped + cfg->plan_ticks : 0u;
     return (speed_q32 < -cfg->stopped_q32 ? CAM_FAULT_BIT(reverse) : 0u) |
            (g->n_stopped > most_ticks ? CAM_FAULT_BIT(spindle_stopped) : 0u) |
            (speed_q32 > cfg->overspeed_q32 ? CAM_FAULT_BIT(overspeed) : 0u);
@@ -176,50 +161,38 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_reco
     write_retract(g, r, m);
 }
 
-/// Off: set-points follow the axes, and no fault is latched.
-static void reset_latch(cam_guard_t *g, cam_want_t *want)
-{
-    g->u_set_q6 = want->u_set_q6;
-    g->u_step_q6 = 0;
-    g->faults = 0;
-    g->counted = 0;
-    g->n_stopped = 0;
-    want->faults = 0;
-    want->outputs = 0;
-    want->is_retracted = true;
-}
-
-/// No fault: accept the set-points of play.
-static void accept(cam_guard_t *g, cam_want_t *want, uint32_t watched, int32_t step_q6,
-                   int32_t acc_q10)
-{
-    g->u_set_q6 = want->u_set_q6;
-    g->u_step_q6 = step_q6;
-    g->u_acc_q10 = acc_q10;
-    want->faults = 0;
-    want->outputs = (watched & IN_CUT) != 0u ? hal_out_enable | hal_out_in_cut : hal_out_enable;
-    want->is_retracted = false;
-}
-
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                         cam_motion_t *m)
 {
-    const uint32_t watched = armed[r->want.state];
-    if (r->want.state == cam_state_off) {
-        reset_latch(g, &r->want);
+    cam_want_t *want = &r->want;
+    const uint32_t watched = armed[want->state];
+    if (want->state == cam_state_off) { // set-points follow the axes, and no fault is latched
+        g->u_set_q6 = want->u_set_q6;
+        g->u_step_q6 = 0;
+        g->faults = 0;
+        g->counted = 0;
+        g->n_stopped = 0;
+        want->faults = 0;
+        want->outputs = 0;
+        want->is_retracted = true;
         return;
     }
-    if (r->want.state == cam_state_fault) {
+    if (want->state == cam_state_fault) {
         retract(g, cfg, r, m);
         return;
     }
-    const int32_t step_q6 = cam_sat_sub(r->want.u_set_q6, g->u_set_q6);
+    const int32_t step_q6 = cam_sat_sub(want->u_set_q6, g->u_set_q6);
     const uint32_t faults = faults_of(g, cfg, r, m->is_playing, step_q6) & watched;
     if (faults != 0u) {
         latch(g, cfg, r, m, faults);
         return;
     }
-    accept(g, &r->want, watched, step_q6, m->axis[hal_axis_u].acc_q10);
+    g->u_set_q6 = want->u_set_q6;
+    g->u_step_q6 = step_q6;
+    g->u_acc_q10 = m->axis[hal_axis_u].acc_q10;
+    want->faults = 0;
+    want->outputs = (watched & IN_CUT) != 0u ? hal_out_enable | hal_out_in_cut : hal_out_enable;
+    want->is_retracted = false;
 }
 
 void cam_guard_refuse_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,

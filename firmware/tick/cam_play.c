@@ -33,16 +33,13 @@ static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t sp
     return (int32_t)((uint32_t)y << by->y_up);
 }
 
-static void advance(cam_axis_motion_t *m)
-{
-    m->pos_q10 = cam_wrap_add_i64(m->pos_q10, m->vel_q10);
-}
-
 /// Advance everything that is linear between two plans by one tick.
 static void advance_all(cam_motion_t *m)
 {
-    advance(&m->axis[hal_axis_x]);
-    advance(&m->axis[hal_axis_z]);
+    cam_axis_motion_t *x = &m->axis[hal_axis_x];
+    cam_axis_motion_t *z = &m->axis[hal_axis_z];
+    x->pos_q10 = cam_wrap_add_i64(x->pos_q10, x->vel_q10);
+    z->pos_q10 = cam_wrap_add_i64(z->pos_q10, z->vel_q10);
     m->phase_q32 = cam_wrap_add(m->phase_q32, m->phase_step_q32);
     m->scale_q30 = cam_sat_add(m->scale_q30, m->scale_step_q30);
     m->lag_q4 = cam_sat_add(m->lag_q4, m->lag_step_q4);

@@ -10,12 +10,6 @@ static uint32_t sensed_counts(const cam_spindle_config_t *cfg, uint32_t counts)
     return counts ^ cfg->sign_mask;
 }
 
-/// An index edge lies on the boundary of a count: its mirror image is -c.
-static uint32_t sensed_edge(const cam_spindle_config_t *cfg, uint32_t counts)
-{
-    return (counts ^ cfg->sign_mask) - cfg->sign_mask;
-}
-
 /// Requires |moved| below a turn: at most half a turn, the highest speed that can be represented,
 /// plus the jump window of a quarter turn.
 static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved)
@@ -116,12 +110,6 @@ static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t 
     return centred_q32 + (uint32_t)cam_clamp_i32(behind_q32, -3 * half_q32, 3 * half_q32);
 }
 
-/// @return [turn / 2^32] measured angle minus the learned deviation
-static uint32_t smoothed_q32(const cam_spindle_config_t *cfg, uint32_t measured_q32)
-{
-    return measured_q32 - cam_learned_turn_q32(cfg->dm, cam_learned_place(measured_q32));
-}
-
 /// Tracking loop on the wrapped angle error; the position counts the turns. A speed beyond half a
 /// turn per tick wraps.
 static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t smooth_q32,
@@ -157,7 +145,8 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
     }
     faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
     const uint32_t raw_q32 = observed_q32(s, cfg, in);
-    track(s, cfg, smoothed_q32(cfg, raw_q32), travel_q32, alpha_q40);
+    const uint32_t learned_q32 = cam_learned_turn_q32(cfg->dm, cam_learned_place(raw_q32));
+    track(s, cfg, raw_q32 - learned_q32, travel_q32, alpha_q40);
     angle->faults = faults;
     angle->measured_q32 = raw_q32;
     angle->pos_q32 = s->pos_q32;
@@ -191,7 +180,8 @@ uint32_t cam_spindle_check_index_isr(cam_spindle_t *s, const cam_spindle_config_
 {
     if (encoder->n_index != s->n_index) {
         s->n_index = encoder->n_index;
-        return take_edge(s, cfg, sensed_edge(cfg, encoder->index_counts));
+        // An edge lies on the boundary of a count: its mirror image is -c.
+        return take_edge(s, cfg, sensed_counts(cfg, encoder->index_counts) - cfg->sign_mask);
     }
     const int32_t since = cam_wrap_diff(s->counts, s->index_counts);
     return cam_is_within(since, cfg->index_overdue) ? 0u : CAM_FAULT_BIT(index_missing);

@@ -25,9 +25,9 @@ __attribute__((noinline, no_sanitize("thread"))) static void copy_words(void *to
         copy_words(&(to), &(from), sizeof(to));                                                    \
     } while (false)
 
-/// The count of ticks that have ended is n when a reading begins; where the newest tick that has
-/// begun is number n - 1 behind it, none was in progress.
-bool cam_status_moment(const cam_t *c, cam_moment_t *now)
+/// If n ticks have ended before the copy, and number n - 1 is still the newest that has begun after
+/// it, no tick was in progress meanwhile.
+void cam_status_moment(const cam_t *c, cam_moment_t *now)
 {
     uint32_t n_ended = 0;
     uint32_t begun = 0;
@@ -36,7 +36,7 @@ bool cam_status_moment(const cam_t *c, cam_moment_t *now)
         const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
         if (newest == NULL) {
             *now = (cam_moment_t){.record.want.state = cam_state_off};
-            return false;
+            return;
         }
         COPY(now->record, *newest);
         COPY(now->spindle, c->spindle);
@@ -48,13 +48,12 @@ bool cam_status_moment(const cam_t *c, cam_moment_t *now)
         atomic_thread_fence(memory_order_acquire);
         begun = atomic_load_explicit(&c->n_begun, memory_order_relaxed);
     } while (begun + 1u != n_ended);
-    return true;
 }
 
 cam_status_t cam_status_read(const cam_t *c)
 {
     cam_moment_t now;
-    (void)cam_status_moment(c, &now);
+    cam_status_moment(c, &now);
     const cam_tick_record_t *r = &now.record;
     const cam_guard_t *guard = &now.guard;
     cam_status_t status = {

@@ -52,9 +52,9 @@ typedef struct {
 
 /// Read the newest tick, again and again until no tick was in progress meanwhile (the interrupt may
 /// run on another core).
-/// @return false before the first tick; *now is then in state off
+/// @param now  result; before the first tick 0 in state off
 /// Context: slow side, which the interrupt may interrupt but not the other way round.
-bool cam_status_moment(const cam_t *c, cam_moment_t *now);
+void cam_status_moment(const cam_t *c, cam_moment_t *now);
 
 /// @return the status of the newest tick; all fields belong to the same tick
 /// Context: slow side.

@@ -5,29 +5,21 @@
 #include "cam_state.h" // cam_state_is_in_work
 #include <stdbool.h>   // bool
 
-/// @return whether the height allows an output
-static bool is_height_in(const cam_switch_config_t *w, const cam_want_t *want)
-{
-    return w->is_anywhere || (cam_state_is_in_work(want->state) &&
-                              cam_is_between(want->z_nm, w->z_low_nm, w->z_high_nm));
-}
-
-/// @return whether the direction of rotation allows an output; sense 0: both do
-static bool is_sense(int32_t sense, int32_t speed_q32)
-{
-    return sense == 0 || (sense > 0 ? speed_q32 > 0 : speed_q32 < 0);
-}
-
 /// Update the slowly changing conditions of one output.
 static void refresh(cam_switches_t *s, const cam_switches_config_t *cfg, const cam_tick_record_t *r)
 {
     const uint32_t i = s->next;
     const cam_switch_config_t *w = &cfg->each[i];
-    const bool is_open = is_sense(w->sense, r->angle.speed_q32) && is_height_in(w, &r->want);
+    const int32_t speed_q32 = r->angle.speed_q32;
+    const cam_want_t *want = &r->want;
+    const bool is_sense = w->sense == 0 || (w->sense > 0 ? speed_q32 > 0 : speed_q32 < 0);
+    const bool is_height_in =
+        w->is_anywhere || (cam_state_is_in_work(want->state) &&
+                           cam_is_between(want->z_nm, w->z_low_nm, w->z_high_nm));
+    const bool is_open = is_sense && is_height_in;
     s->next = i + 1u < cfg->n ? i + 1u : 0u;
     s->open = (s->open & ~(1u << i)) | (is_open ? 1u << i : 0u);
-    const uint32_t lead_q32 =
-        (uint32_t)(uint64_t)(((int64_t)r->angle.speed_q32 * w->ahead_q16) >> 16);
+    const uint32_t lead_q32 = (uint32_t)(uint64_t)(((int64_t)speed_q32 * w->ahead_q16) >> 16);
     s->begin_q32[i] = lead_q32 * w->per_turn - w->from_q32;
 }
 

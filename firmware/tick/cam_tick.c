@@ -41,24 +41,19 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Command the axes. A command beyond the limits raises its fault in the same tick.
-static void command_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
-{
-    if (!cam_axis_command_isr(&c->command, &cfg->command, r, &c->motion)) {
-        cam_guard_refuse_isr(&c->guard, &cfg->guard, r, &c->motion);
-        cam_axis_command_nearest_isr(&c->command, &cfg->command, r, &c->motion);
-    }
-    r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
-}
-
-/// Counts -> angle, table -> set-points, faults -> retract, feed-forward and last limits.
+/// Counts -> angle, table -> set-points, faults -> retract, feed-forward and last limits. A command
+/// beyond these limits raises its fault in the same tick.
 static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->config = cfg->generation;
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     cam_play_step_isr(&c->play, &cfg->play, r, &c->motion);
     cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
-    command_isr(c, cfg, r);
+    if (!cam_axis_command_isr(&c->command, &cfg->command, r, &c->motion)) {
+        cam_guard_refuse_isr(&c->guard, &cfg->guard, r, &c->motion);
+        cam_axis_command_nearest_isr(&c->command, &cfg->command, r, &c->motion);
+    }
+    r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
 }
 
 static void actuate_isr(cam_t *c, const cam_tick_record_t *r)

@@ -2,16 +2,6 @@
 #include "cam_trace.h"
 #include "cam_fence.h" // cam_fence_acquire_isr
 
-/// @return the record of a tick that is not kept: the ring is full, or the trace is off
-static cam_tick_record_t *spare(cam_trace_t *trace, uint32_t room)
-{
-    if (room != 0u) {
-        const uint32_t n = atomic_load_explicit(&trace->n_dropped, memory_order_relaxed);
-        atomic_store_explicit(&trace->n_dropped, n + 1u, memory_order_relaxed);
-    }
-    return &trace->spare[trace->n_spared++ & 1u];
-}
-
 cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room)
 {
     const uint32_t written = atomic_load_explicit(&trace->n_written, memory_order_relaxed);
@@ -19,7 +9,11 @@ cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room)
     cam_fence_acquire_isr();
     if (written - read >= room) {
         trace->n_next = written;
-        return spare(trace, room);
+        if (room != 0u) {
+            const uint32_t n = atomic_load_explicit(&trace->n_dropped, memory_order_relaxed);
+            atomic_store_explicit(&trace->n_dropped, n + 1u, memory_order_relaxed);
+        }
+        return &trace->spare[trace->n_spared++ & 1u];
     }
     trace->n_next = written + 1u;
     return &trace->ring[written % cam_trace_capacity];
@@ -39,9 +33,4 @@ bool cam_trace_pop(cam_trace_t *trace, cam_tick_record_t *record)
     *record = trace->ring[read % cam_trace_capacity];
     atomic_store_explicit(&trace->n_read, read + 1u, memory_order_release);
     return true;
-}
-
-uint32_t cam_trace_dropped(cam_trace_t *trace)
-{
-    return atomic_load_explicit(&trace->n_dropped, memory_order_relaxed);
 }

@@ -19,7 +19,7 @@ typedef struct {
     uint32_t n_next;            ///< interrupt only: n_written after this tick
     _Atomic uint32_t n_written; ///< interrupt writes
     _Atomic uint32_t n_read;    ///< slow side writes
-    _Atomic uint32_t n_dropped; ///< interrupt writes
+    _Atomic uint32_t n_dropped; ///< interrupt writes: records lost because the ring was full
     cam_tick_record_t spare[2]; ///< alternately hold the records that are not kept
     cam_tick_record_t ring[cam_trace_capacity];
 } cam_trace_t;
@@ -36,8 +36,5 @@ void cam_trace_commit_isr(cam_trace_t *trace);
 /// Take the oldest record.
 /// @return false when the ring is empty. Context: slow side.
 bool cam_trace_pop(cam_trace_t *trace, cam_tick_record_t *record);
-
-/// @return records lost since start because the ring was full. Context: slow side.
-uint32_t cam_trace_dropped(cam_trace_t *trace);
 
 #endif

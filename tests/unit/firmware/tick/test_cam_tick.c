@@ -86,7 +86,7 @@ static void test_tick_without_trace_records_nothing(void)
     const uint32_t n = rig.n_log;
     fixture_rig_ticks(&rig, 600);
     TEST_ASSERT_EQUAL_UINT32(n, rig.n_log);
-    TEST_ASSERT_EQUAL_UINT32(0, cam_trace_dropped(&g_cam.trace));
+    TEST_ASSERT_EQUAL_UINT32(0, g_cam.trace.n_dropped);
 }
 
 static double step_nm(uint32_t i, hal_axis_t axis)
