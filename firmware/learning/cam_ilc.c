@@ -379,18 +379,3 @@ bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value)
     t->blending = cam_ilc_blend_all;
     return is_good;
 }
-
-const char *cam_ilc_phase_name(cam_ilc_phase_t phase)
-{
-    static const char *const names[cam_ilc_n_phases] = {"off",     "waiting", "settling", "drive",
-                                                        "probing", "shape",   "cutting",  "frozen"};
-    return (unsigned)phase < cam_ilc_n_phases ? names[phase] : "?";
-}
-
-const char *cam_ilc_reason_name(cam_ilc_reason_t reason)
-{
-    static const char *const names[cam_ilc_n_reasons] = {"all",       "not_asked", "not_measured",
-                                                         "no_table",  "modulated", "slow_turn",
-                                                         "fast_turn", "lobes",     "diverged"};
-    return (unsigned)reason < cam_ilc_n_reasons ? names[reason] : "?";
-}

@@ -5,7 +5,6 @@
 #include "cam_machine_jog.h"      // cam_machine_check_positions
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_machine_inner.h"    // cam_machine_post
-#include "cam_machine_override.h" // cam_machine_override_poll
 #include "cam_machine_scope.h"    // cam_machine_scope_poll
 #include "cam_pass.h"             // cam_pass_next
 #include "hal/hal.h"              // hal_halt, hal_scope_memory
@@ -264,6 +263,58 @@ cam_err_t cam_machine_reset(cam_machine_t *m)
                                cam_request_reset);
 }
 
+/// Hold or resume the feed. cam_machine_poll() retries while the interrupt has not taken the last
+/// configuration.
+static void set_hold(cam_machine_t *m, bool is_held)
+{
+    m->is_held = is_held;
+    m->is_rate_due = true;
+    m->is_rate_due = cam_machine_hand_over(m, &m->params, &m->table, m->pass) != cam_ok;
+}
+
+cam_err_t cam_machine_hold(cam_machine_t *m)
+{
+    const cam_state_t state = cam_machine_status(m).state;
+    if (m->params.z_is_measured != 0) {
+        return cam_err_override_measured;
+    }
+    if (!m->has_table || !cam_state_is_in_work(state) || state == cam_state_disengaging) {
+        return cam_err_state;
+    }
+    if (!m->is_held) {
+        set_hold(m, true);
+    }
+    return cam_ok;
+}
+
+cam_err_t cam_machine_resume(cam_machine_t *m)
+{
+    if (!m->is_held) {
+        return cam_err_state;
+    }
+    set_hold(m, false);
+    return cam_ok;
+}
+
+cam_err_t cam_machine_set_parts(cam_machine_t *m, int32_t n)
+{
+    if (n < 0) {
+        return cam_err_param_range;
+    }
+    m->n_parts = (uint32_t)n;
+    return cam_ok;
+}
+
+/// Hand a hold over to the interrupt, and clear it after the cut.
+static void poll_hold(cam_machine_t *m, const cam_status_t *status)
+{
+    const bool is_over =
+        m->is_held && !cam_machine_is_pending(m, status) && !cam_state_is_in_work(status->state);
+    if (is_over || (m->is_rate_due && m->has_table)) {
+        set_hold(m, m->is_held && !is_over);
+    }
+}
+
 void cam_machine_poll(cam_machine_t *m)
 {
     if (m->homes_again) {
@@ -275,7 +326,7 @@ void cam_machine_poll(cam_machine_t *m)
     const cam_status_t status = cam_machine_status(m);
     cam_machine_rights_poll(m, &status);
     end_pass(m, &status);
-    cam_machine_override_poll(m, &status);
+    poll_hold(m, &status);
     cam_machine_ilc_poll(m, status.state);
     if (!m->has_table) {
         return;

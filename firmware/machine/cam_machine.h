@@ -12,7 +12,6 @@
 #include "cam_err.h"             // cam_err_t
 #include "cam_feasible.h"        // cam_feasibility_t
 #include "cam_offsets.h"         // cam_offsets_t
-#include "cam_identify.h"        // cam_identify_t
 #include "cam_param_store.h"     // cam_param_store_found_t
 #include "cam_param.h"           // cam_params_t
 #include "cam_rights.h"          // cam_rights_t
@@ -57,6 +56,40 @@ typedef struct {
     uint32_t checksum; ///< cam_param_store_checksum()
     cam_kept_t kept;
 } cam_params_status_t;
+
+/// Result of the last excitation. The numbers are part of the CAN protocol.
+typedef enum {
+    cam_excited_never,
+    cam_excited_runs,
+    cam_excited_done,    ///< played to its end
+    cam_excited_stopped, ///< by stop or disable
+    cam_excited_silent,  ///< stopped for lack of a sign of life
+    cam_excited_fault,   ///< stopped by a fault, or refused by the interrupt
+} cam_excited_t;
+
+/// Phase of an excitation.
+typedef enum {
+    cam_identify_none,
+    cam_identify_offered,   ///< the interrupt has not yet taken the wave
+    cam_identify_requested, ///< the interrupt has not yet started
+    cam_identify_runs,
+    cam_identify_ends, ///< the configuration without the wave is not yet offered
+} cam_identify_phase_t;
+
+/// State of the excitation of U (cam_machine_identify.h); zero-initialised: no wave.
+typedef struct {
+    uint32_t n_bytes;  ///< [bytes] announced size of the download
+    uint32_t received; ///< [bytes]
+    bool is_open;      ///< blocks are accepted
+    uint32_t n;        ///< [samples] of the complete wave; 0: none
+    int32_t place_nm;  ///< [nm] U's mean position
+    uint32_t n_fall;   ///< [ticks] in which the gain falls at the end
+    cam_identify_phase_t phase;
+    cam_excited_t excited;
+    int32_t following_nm; ///< [nm] limit of the following error, restored at the end
+    uint32_t alive_tick;  ///< [tick] of the last sign of life
+    bool disables;        ///< disable the drives at the end
+} cam_identify_t;
 
 /// State of the slow side. Other modules may read only has_table, table, signature, params, pass,
 /// n_parts, is_held, tick_hz, refusal and kept.
@@ -206,6 +239,21 @@ CAM_MUST_USE cam_err_t cam_machine_start(cam_machine_t *m);
 /// manual, brake the axes.
 /// @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_stop(cam_machine_t *m);
+
+/// Hold the feed: Z stops within its ramp on a whole turn, a ring-helix where the next ring begins,
+/// while U and X continue; the state is then holding. In rehearsing and engaging, the hold takes
+/// effect where the feed would begin. Within the ramp at the end of the part, the feed continues to
+/// the end. The hold ends with the cut.
+/// @return cam_ok, cam_err_state, cam_err_override_measured
+CAM_MUST_USE cam_err_t cam_machine_hold(cam_machine_t *m);
+
+/// Resume the feed on a whole turn.
+/// @return cam_ok, or cam_err_state when nothing is held
+CAM_MUST_USE cam_err_t cam_machine_resume(cam_machine_t *m);
+
+/// Set the part counter.
+/// @return cam_ok, or cam_err_param_range when below 0
+CAM_MUST_USE cam_err_t cam_machine_set_parts(cam_machine_t *m, int32_t n);
 
 /// Acknowledge a fault: fault -> off, after the retract has ended.
 /// @return cam_ok, cam_err_state, cam_err_busy
