@@ -127,19 +127,10 @@ static cam_err_t check_part(cam_machine_t *m)
 cam_err_t cam_machine_enable(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_err_t err = status.state == cam_state_off ? cam_ok : cam_err_state;
-    if (err == cam_ok) {
-        err = check_part(m);
-    }
-    if (err == cam_ok) {
-        err = cam_machine_check_drives(&m->params, &status);
-    }
-    if (err == cam_ok) {
-        err = cam_machine_check_positions(m, &status);
-    }
-    if (err == cam_ok) {
-        err = cam_machine_check_acknowledge(m, &status);
-    }
+    cam_err_t err = status.state == cam_state_off ? check_part(m) : cam_err_state;
+    err = err == cam_ok ? cam_machine_check_drives(&m->params, &status) : err;
+    err = err == cam_ok ? cam_machine_check_positions(m, &status) : err;
+    err = err == cam_ok ? cam_machine_check_acknowledge(m, &status) : err;
     return err == cam_ok ? cam_machine_post(m, &status, cam_request_enable) : err;
 }
 
@@ -165,17 +156,9 @@ cam_err_t cam_machine_home(cam_machine_t *m)
     return err;
 }
 
-/// Second half of cam_machine_home(): enable when the disable has taken effect. Another command or
-/// a fault in between ends the attempt.
-static void home_again(cam_machine_t *m)
-{
-    const cam_status_t status = cam_machine_status(m);
-    if (!cam_machine_is_pending(m, &status)) {
-        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
-    }
-}
-
-/// Check that the interrupt has taken all commands and configurations, and the state is idle.
+/// @return cam_ok when the interrupt has taken all commands and configurations, and the state is
+/// off
+///         or, where allowed, ready
 static cam_err_t check_idle(const cam_machine_t *m, bool is_ready_idle)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -220,17 +203,13 @@ cam_err_t cam_machine_start(cam_machine_t *m)
         return cam_err_state;
     }
     cam_err_t err = check_part(m);
-    if (err == cam_ok) {
-        err = cam_machine_check_positions(m, &status);
-    }
+    err = err == cam_ok ? cam_machine_check_positions(m, &status) : err;
     // After a faster pass the spindle may still exceed the limit of this one.
     const bool is_too_fast = status.speed_q32 > cam_build_speed_q32(m->limit_mrpm, m->tick_hz);
     if (err == cam_ok && (m->is_in_pass || m->is_rate_due || is_too_fast)) {
         err = cam_err_busy;
     }
-    if (err == cam_ok) {
-        err = cam_machine_post(m, &status, cam_request_start);
-    }
+    err = err == cam_ok ? cam_machine_post(m, &status, cam_request_start) : err;
     if (err == cam_ok) {
         m->is_in_pass = true;
         m->is_cut_short = false;
@@ -317,13 +296,16 @@ static void poll_hold(cam_machine_t *m, const cam_status_t *status)
 
 void cam_machine_poll(cam_machine_t *m)
 {
-    if (m->homes_again) {
-        home_again(m);
+    cam_status_t status = cam_machine_status(m);
+    // Second half of cam_machine_home(): enable when the disable has taken effect. Another command
+    // or a fault in between ends the attempt.
+    if (m->homes_again && !cam_machine_is_pending(m, &status)) {
+        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
     }
     cam_machine_scope_poll(m);
     cam_machine_identify_poll(m);
     cam_machine_jog_poll(m);
-    const cam_status_t status = cam_machine_status(m);
+    status = cam_machine_status(m);
     cam_machine_rights_poll(m, &status);
     end_pass(m, &status);
     poll_hold(m, &status);

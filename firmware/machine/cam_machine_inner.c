@@ -108,7 +108,7 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
     }
     cam_build_origin(half, cam_offsets_origin_nm(&m->offsets, params, hal_axis_x),
                      cam_offsets_origin_nm(&m->offsets, params, hal_axis_z));
-    const cam_config_t *last = atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+    const cam_config_t *last = cam_machine_newest_config(m);
     half->play.x_high_nm = x_high_nm(m, params);
     if (last != NULL) {
         half->learned = last->learned;
