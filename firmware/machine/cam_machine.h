@@ -91,6 +91,34 @@ typedef struct {
     bool disables;        ///< disable the drives at the end
 } cam_identify_t;
 
+/// Completed and remaining turns of a pass: of the rehearsal, if any, and of the cut with engaging
+/// and disengaging, without the approach to the start. The feed override is included as planned; a
+/// hold counts as if resumed at once.
+typedef struct {
+    bool has_end;      ///< false: only stop ends the pass, or no table is selected
+    int64_t left_q32;  ///< [turn] to the end of the pass, or length of the next one
+    int64_t whole_q32; ///< [turn] completed and remaining
+    uint32_t mrpm;     ///< [r/min / 1000] mean spindle set-point with its override
+} cam_progress_t;
+
+/// State of the acknowledge button. The numbers are part of the CAN protocol.
+typedef enum {
+    cam_button_needed, ///< must be pressed before enable
+    cam_button_given,  ///< pressed
+    cam_button_none,   ///< the port has none, so enable is refused
+    cam_button_waived, ///< waived by the port's builder
+} cam_button_t;
+
+/// Status of the rights and of the button.
+typedef struct {
+    uint32_t commander; ///< sender number; 0: none
+    uint32_t n_take_overs, n_losses;
+    cam_level_t level;
+    uint32_t level_left_s; ///< [s] until locked again; 0: locked
+    cam_button_t button;
+    uint32_t button_left_s; ///< [s] left for enable; 0: no time limit
+} cam_rights_status_t;
+
 /// State of the slow side. Other modules may read only has_table, table, signature, params, pass,
 /// n_parts, is_held, tick_hz, refusal and kept.
 typedef struct {
@@ -271,6 +299,19 @@ void cam_machine_learn_end(cam_machine_t *m);
 
 /// @return a consistent copy of the status that the interrupt published last
 cam_status_t cam_machine_status(const cam_machine_t *m);
+
+/// @return progress of the pass in the newest tick
+cam_progress_t cam_progress(const cam_machine_t *m);
+
+/// Take command: cutting and jogging need a commander (cam_rights_take()).
+/// @return cam_ok, cam_err_not_commander, cam_err_frame
+CAM_MUST_USE cam_err_t cam_machine_take_command(cam_machine_t *m, uint8_t sender, bool is_over);
+
+/// Release command. A lost or released command stops the motion as cam_machine_stop() does.
+void cam_machine_release_command(cam_machine_t *m);
+
+/// @return status of the rights and of the button
+cam_rights_status_t cam_machine_rights(const cam_machine_t *m, const cam_status_t *status);
 
 /// Background work of the main loop: all polls, the continuous check of the table, one kilobyte per
 /// call, the second half of cam_machine_home() and the step to the next pass. A damaged table is no

@@ -115,9 +115,7 @@ cam_err_t cam_machine_manual(cam_machine_t *m)
     const cam_status_t status = cam_machine_status(m);
     cam_err_t err = status.state == cam_state_off ? cam_machine_check_drives(&m->params, &status)
                                                   : cam_err_state;
-    if (err == cam_ok) {
-        err = cam_machine_check_acknowledge(m, &status);
-    }
+    err = err == cam_ok ? cam_machine_check_acknowledge(m, &status) : err;
     return err == cam_ok ? cam_machine_post(m, &status, cam_request_manual) : err;
 }
 
@@ -200,9 +198,8 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
         .home_nm = a.home_nm,
     };
     err = give_order(m, &status, &order);
-    if (err == cam_ok && axis == hal_axis_u && order.begin == cam_jog_search) {
-        m->offsets.has_searched_u = true;
-    }
+    const bool is_search = axis == hal_axis_u && order.begin == cam_jog_search;
+    m->offsets.has_searched_u = m->offsets.has_searched_u || (err == cam_ok && is_search);
     return err;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_progress.h"
+#include "cam_machine.h"
 #include "cam_state.h" // cam_state_is_in_work
 #include <stdatomic.h> // atomic_load_explicit
 #include <stddef.h>    // NULL

@@ -5,7 +5,6 @@
 #include "cam_machine_jog.h"
 #include "cam_machine_identify.h"
 #include "cam_machine_inner.h"
-#include "cam_machine_rights.h"
 #include "cam_machine_scope.h"
 #include "fixture_newer.h"
 #include "rig_bench.h"
