@@ -81,7 +81,7 @@
     X(hand_moves,            -74, "an axis is being jogged or homed") \
     X(home_none,             -75, "no homing method is set for the axis") \
     X(not_homed,             -76, "an axis is not homed") \
-    /* Changes while a part is cut (cam_machine_override.h) */ \
+    /* Changes while a part is cut (cam_machine.h) */ \
     X(override_measured,     -79, "Z is measured, not geared: there is no feed to hold or to override") \
     X(override_rings,        -80, "a ring-helix has no override of the feed, and none of the spindle above 100 %") \
     X(trim_limit,            -81, "the trim of X is beyond x_trim_limit_nm") \

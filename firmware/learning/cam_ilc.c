@@ -55,18 +55,17 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
         t->blending |= cam_ilc_blend_correction;
     }
     t->state = (uint8_t)state;
-    cam_ilc_update_phase(t, cam_ilc_waiting);
-    if (state == cam_state_rehearsing) {
-        cam_ilc_update_phase(t, cam_ilc_settling);
-        t->n_turns = 0;
+    const bool is_rehearsal = state == cam_state_rehearsing;
+    const bool is_cut = state == cam_state_cutting;
+    cam_ilc_update_phase(t, is_rehearsal ? cam_ilc_settling
+                            : is_cut     ? cam_ilc_cutting
+                                         : cam_ilc_waiting);
+    t->n_turns = is_rehearsal ? 0u : t->n_turns;
+    if (is_rehearsal || is_cut) {
         restart_guards(t);
-    } else if (state == cam_state_cutting) {
-        cam_ilc_update_phase(t, cam_ilc_cutting);
-        restart_guards(t);
-    } else if (state == cam_state_fault) {
+    }
+    if (state == cam_state_fault) {
         restore(t);
-    } else {
-        // nothing is learned
     }
 }
 
@@ -175,24 +174,8 @@ static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
         t->n_steps = (uint8_t)(t->n_steps < UINT8_MAX ? t->n_steps + 1u : UINT8_MAX);
         t->best_square += t->best_square < UINT64_MAX / 2u ? t->best_square >> 4 : 0u;
         break;
-    case cam_ilc_off:
-    case cam_ilc_waiting:
-    case cam_ilc_frozen:
-    case cam_ilc_n_phases:
+    default: // nothing is learned
         break;
-    }
-}
-
-static void finish_turn(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_t *bins)
-{
-    t->bin = NULL;
-    (void)cam_turn_bins_release(bins);
-    if (t->is_counted) {
-        step(t, s);
-    }
-    if (t->true_q36 > 0 &&
-        cam_ripple_close(&t->ripple, s->ripple_turns, s->least_ripple_q32, t->true_q36)) {
-        t->blending |= cam_ilc_blend_ripple;
     }
 }
 
@@ -227,8 +210,17 @@ static void take_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_
                        cam_harmonics_of(&t->bin->angle_q24, cam_ilc_words_per_bin, t->k));
     }
     t->k++;
-    if (t->k >= cam_ilc_terms) {
-        finish_turn(t, s, bins);
+    if (t->k < cam_ilc_terms) {
+        return;
+    }
+    t->bin = NULL; // the turn is complete
+    (void)cam_turn_bins_release(bins);
+    if (t->is_counted) {
+        step(t, s);
+    }
+    if (t->true_q36 > 0 &&
+        cam_ripple_close(&t->ripple, s->ripple_turns, s->least_ripple_q32, t->true_q36)) {
+        t->blending |= cam_ilc_blend_ripple;
     }
 }
 
@@ -378,19 +370,4 @@ bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value)
     }
     t->blending = cam_ilc_blend_all;
     return is_good;
-}
-
-const char *cam_ilc_phase_name(cam_ilc_phase_t phase)
-{
-    static const char *const names[cam_ilc_n_phases] = {"off",     "waiting", "settling", "drive",
-                                                        "probing", "shape",   "cutting",  "frozen"};
-    return (unsigned)phase < cam_ilc_n_phases ? names[phase] : "?";
-}
-
-const char *cam_ilc_reason_name(cam_ilc_reason_t reason)
-{
-    static const char *const names[cam_ilc_n_reasons] = {"all",       "not_asked", "not_measured",
-                                                         "no_table",  "modulated", "slow_turn",
-                                                         "fast_turn", "lobes",     "diverged"};
-    return (unsigned)reason < cam_ilc_n_reasons ? names[reason] : "?";
 }

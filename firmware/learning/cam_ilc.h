@@ -208,10 +208,4 @@ int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index);
 /// Set a learned value. @return whether index and value are in range
 bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value);
 
-/// @return a name without blanks, "off"
-const char *cam_ilc_phase_name(cam_ilc_phase_t phase);
-
-/// @return a name without blanks, "not_asked"
-const char *cam_ilc_reason_name(cam_ilc_reason_t reason);
-
 #endif

@@ -62,8 +62,7 @@ static bool slew_angles(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_learne
 }
 
 /// @return the first turn to learn from: in a rehearsal U settles for half a turn; in the cut,
-/// whose
-///         steps are small, a turn may begin with one
+///         whose steps are small, a turn may begin with one
 static uint32_t good_from(cam_state_t state, uint32_t at_q8)
 {
     const uint32_t turn = at_q8 >> 8;
@@ -86,16 +85,16 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
         done |= is_k1 && is_k2 ? cam_ilc_blend_drive : 0u;
     }
     const bool is_due = !is_early(t, at_q8);
-    if (is_due && (t->blending & cam_ilc_blend_correction) != 0u) {
+    const bool is_correction_next = (t->blending & cam_ilc_blend_correction) != 0u;
+    if (is_due && is_correction_next) {
         done |= cam_harmonics_slew(in->c, t->correction.c_q6, 6, most_nm) ? cam_ilc_blend_correction
                                                                           : 0u;
         t->blend_from_q8 = at_q8 + step_q8;
-    } else if (is_due && (t->blending & cam_ilc_blend_ripple) != 0u) {
+    }
+    if (is_due && !is_correction_next && (t->blending & cam_ilc_blend_ripple) != 0u) {
         const int32_t most = step_of((cam_state_t)t->state, rehearsal_angle_step, cut_angle_step);
         done |= slew_angles(t, setup, in, most) ? cam_ilc_blend_ripple : 0u;
         t->blend_from_q8 = at_q8 + 2u * step_q8;
-    } else {
-        // no points to compute
     }
     t->blending &= (uint8_t)~done;
     if (t->blending == 0u) {

@@ -107,12 +107,8 @@ bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32)
 static void freeze(cam_ilc_t *t, int32_t speed_q32)
 {
     const bool is_other = t->correction.is_probed && cam_ilc_update_is_other_speed(t, speed_q32);
-    if (t->phase == (uint8_t)cam_ilc_cutting && is_other) {
-        cam_ilc_update_phase(t, cam_ilc_frozen);
-    } else if (t->phase == (uint8_t)cam_ilc_frozen && !is_other) {
-        cam_ilc_update_phase(t, cam_ilc_cutting);
-    } else {
-        // no change
+    if (t->phase == (uint8_t)(is_other ? cam_ilc_cutting : cam_ilc_frozen)) {
+        cam_ilc_update_phase(t, is_other ? cam_ilc_frozen : cam_ilc_cutting);
     }
 }
 
@@ -144,7 +140,7 @@ static uint32_t floor_q6(const cam_ilc_t *t, const cam_ilc_setup_t *s, uint32_t 
 uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t)
 {
     const bool is_cutting = t->phase == (uint8_t)cam_ilc_cutting;
-    const uint32_t part_q6 = is_cutting ? t->begun_nm * 64u / 16u : t->begun_nm * 64u / 1024u;
+    const uint32_t part_q6 = t->begun_nm * 64u / (is_cutting ? 16u : 1024u);
     return part_q6 > t->floor_q6 ? part_q6 : t->floor_q6;
 }
 

@@ -5,7 +5,6 @@
 #include "cam_machine_jog.h"      // cam_machine_check_positions
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_machine_inner.h"    // cam_machine_post
-#include "cam_machine_override.h" // cam_machine_override_poll
 #include "cam_machine_scope.h"    // cam_machine_scope_poll
 #include "cam_pass.h"             // cam_pass_next
 #include "hal/hal.h"              // hal_halt, hal_scope_memory
@@ -128,19 +127,10 @@ static cam_err_t check_part(cam_machine_t *m)
 cam_err_t cam_machine_enable(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_err_t err = status.state == cam_state_off ? cam_ok : cam_err_state;
-    if (err == cam_ok) {
-        err = check_part(m);
-    }
-    if (err == cam_ok) {
-        err = cam_machine_check_drives(&m->params, &status);
-    }
-    if (err == cam_ok) {
-        err = cam_machine_check_positions(m, &status);
-    }
-    if (err == cam_ok) {
-        err = cam_machine_check_acknowledge(m, &status);
-    }
+    cam_err_t err = status.state == cam_state_off ? check_part(m) : cam_err_state;
+    err = err == cam_ok ? cam_machine_check_drives(&m->params, &status) : err;
+    err = err == cam_ok ? cam_machine_check_positions(m, &status) : err;
+    err = err == cam_ok ? cam_machine_check_acknowledge(m, &status) : err;
     return err == cam_ok ? cam_machine_post(m, &status, cam_request_enable) : err;
 }
 
@@ -166,17 +156,9 @@ cam_err_t cam_machine_home(cam_machine_t *m)
     return err;
 }
 
-/// Second half of cam_machine_home(): enable when the disable has taken effect. Another command or
-/// a fault in between ends the attempt.
-static void home_again(cam_machine_t *m)
-{
-    const cam_status_t status = cam_machine_status(m);
-    if (!cam_machine_is_pending(m, &status)) {
-        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
-    }
-}
-
-/// Check that the interrupt has taken all commands and configurations, and the state is idle.
+/// @return cam_ok when the interrupt has taken all commands and configurations, and the state is
+/// off
+///         or, where allowed, ready
 static cam_err_t check_idle(const cam_machine_t *m, bool is_ready_idle)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -221,17 +203,13 @@ cam_err_t cam_machine_start(cam_machine_t *m)
         return cam_err_state;
     }
     cam_err_t err = check_part(m);
-    if (err == cam_ok) {
-        err = cam_machine_check_positions(m, &status);
-    }
+    err = err == cam_ok ? cam_machine_check_positions(m, &status) : err;
     // After a faster pass the spindle may still exceed the limit of this one.
     const bool is_too_fast = status.speed_q32 > cam_build_speed_q32(m->limit_mrpm, m->tick_hz);
     if (err == cam_ok && (m->is_in_pass || m->is_rate_due || is_too_fast)) {
         err = cam_err_busy;
     }
-    if (err == cam_ok) {
-        err = cam_machine_post(m, &status, cam_request_start);
-    }
+    err = err == cam_ok ? cam_machine_post(m, &status, cam_request_start) : err;
     if (err == cam_ok) {
         m->is_in_pass = true;
         m->is_cut_short = false;
@@ -264,18 +242,73 @@ cam_err_t cam_machine_reset(cam_machine_t *m)
                                cam_request_reset);
 }
 
+/// Hold or resume the feed. cam_machine_poll() retries while the interrupt has not taken the last
+/// configuration.
+static void set_hold(cam_machine_t *m, bool is_held)
+{
+    m->is_held = is_held;
+    m->is_rate_due = true;
+    m->is_rate_due = cam_machine_hand_over(m, &m->params, &m->table, m->pass) != cam_ok;
+}
+
+cam_err_t cam_machine_hold(cam_machine_t *m)
+{
+    const cam_state_t state = cam_machine_status(m).state;
+    if (m->params.z_is_measured != 0) {
+        return cam_err_override_measured;
+    }
+    if (!m->has_table || !cam_state_is_in_work(state) || state == cam_state_disengaging) {
+        return cam_err_state;
+    }
+    if (!m->is_held) {
+        set_hold(m, true);
+    }
+    return cam_ok;
+}
+
+cam_err_t cam_machine_resume(cam_machine_t *m)
+{
+    if (!m->is_held) {
+        return cam_err_state;
+    }
+    set_hold(m, false);
+    return cam_ok;
+}
+
+cam_err_t cam_machine_set_parts(cam_machine_t *m, int32_t n)
+{
+    if (n < 0) {
+        return cam_err_param_range;
+    }
+    m->n_parts = (uint32_t)n;
+    return cam_ok;
+}
+
+/// Hand a hold over to the interrupt, and clear it after the cut.
+static void poll_hold(cam_machine_t *m, const cam_status_t *status)
+{
+    const bool is_over =
+        m->is_held && !cam_machine_is_pending(m, status) && !cam_state_is_in_work(status->state);
+    if (is_over || (m->is_rate_due && m->has_table)) {
+        set_hold(m, m->is_held && !is_over);
+    }
+}
+
 void cam_machine_poll(cam_machine_t *m)
 {
-    if (m->homes_again) {
-        home_again(m);
+    cam_status_t status = cam_machine_status(m);
+    // Second half of cam_machine_home(): enable when the disable has taken effect. Another command
+    // or a fault in between ends the attempt.
+    if (m->homes_again && !cam_machine_is_pending(m, &status)) {
+        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
     }
     cam_machine_scope_poll(m);
     cam_machine_identify_poll(m);
     cam_machine_jog_poll(m);
-    const cam_status_t status = cam_machine_status(m);
+    status = cam_machine_status(m);
     cam_machine_rights_poll(m, &status);
     end_pass(m, &status);
-    cam_machine_override_poll(m, &status);
+    poll_hold(m, &status);
     cam_machine_ilc_poll(m, status.state);
     if (!m->has_table) {
         return;

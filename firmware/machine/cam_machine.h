@@ -12,7 +12,6 @@
 #include "cam_err.h"             // cam_err_t
 #include "cam_feasible.h"        // cam_feasibility_t
 #include "cam_offsets.h"         // cam_offsets_t
-#include "cam_identify.h"        // cam_identify_t
 #include "cam_param_store.h"     // cam_param_store_found_t
 #include "cam_param.h"           // cam_params_t
 #include "cam_rights.h"          // cam_rights_t
@@ -57,6 +56,68 @@ typedef struct {
     uint32_t checksum; ///< cam_param_store_checksum()
     cam_kept_t kept;
 } cam_params_status_t;
+
+/// Result of the last excitation. The numbers are part of the CAN protocol.
+typedef enum {
+    cam_excited_never,
+    cam_excited_runs,
+    cam_excited_done,    ///< played to its end
+    cam_excited_stopped, ///< by stop or disable
+    cam_excited_silent,  ///< stopped for lack of a sign of life
+    cam_excited_fault,   ///< stopped by a fault, or refused by the interrupt
+} cam_excited_t;
+
+/// Phase of an excitation.
+typedef enum {
+    cam_identify_none,
+    cam_identify_offered,   ///< the interrupt has not yet taken the wave
+    cam_identify_requested, ///< the interrupt has not yet started
+    cam_identify_runs,
+    cam_identify_ends, ///< the configuration without the wave is not yet offered
+} cam_identify_phase_t;
+
+/// State of the excitation of U (cam_machine_identify.h); zero-initialised: no wave.
+typedef struct {
+    uint32_t n_bytes;  ///< [bytes] announced size of the download
+    uint32_t received; ///< [bytes]
+    bool is_open;      ///< blocks are accepted
+    uint32_t n;        ///< [samples] of the complete wave; 0: none
+    int32_t place_nm;  ///< [nm] U's mean position
+    uint32_t n_fall;   ///< [ticks] in which the gain falls at the end
+    cam_identify_phase_t phase;
+    cam_excited_t excited;
+    int32_t following_nm; ///< [nm] limit of the following error, restored at the end
+    uint32_t alive_tick;  ///< [tick] of the last sign of life
+    bool disables;        ///< disable the drives at the end
+} cam_identify_t;
+
+/// Completed and remaining turns of a pass: of the rehearsal, if any, and of the cut with engaging
+/// and disengaging, without the approach to the start. The feed override is included as planned; a
+/// hold counts as if resumed at once.
+typedef struct {
+    bool has_end;      ///< false: only stop ends the pass, or no table is selected
+    int64_t left_q32;  ///< [turn] to the end of the pass, or length of the next one
+    int64_t whole_q32; ///< [turn] completed and remaining
+    uint32_t mrpm;     ///< [r/min / 1000] mean spindle set-point with its override
+} cam_progress_t;
+
+/// State of the acknowledge button. The numbers are part of the CAN protocol.
+typedef enum {
+    cam_button_needed, ///< must be pressed before enable
+    cam_button_given,  ///< pressed
+    cam_button_none,   ///< the port has none, so enable is refused
+    cam_button_waived, ///< waived by the port's builder
+} cam_button_t;
+
+/// Status of the rights and of the button.
+typedef struct {
+    uint32_t commander; ///< sender number; 0: none
+    uint32_t n_take_overs, n_losses;
+    cam_level_t level;
+    uint32_t level_left_s; ///< [s] until locked again; 0: locked
+    cam_button_t button;
+    uint32_t button_left_s; ///< [s] left for enable; 0: no time limit
+} cam_rights_status_t;
 
 /// State of the slow side. Other modules may read only has_table, table, signature, params, pass,
 /// n_parts, is_held, tick_hz, refusal and kept.
@@ -207,6 +268,21 @@ CAM_MUST_USE cam_err_t cam_machine_start(cam_machine_t *m);
 /// @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_stop(cam_machine_t *m);
 
+/// Hold the feed: Z stops within its ramp on a whole turn, a ring-helix where the next ring begins,
+/// while U and X continue; the state is then holding. In rehearsing and engaging, the hold takes
+/// effect where the feed would begin. Within the ramp at the end of the part, the feed continues to
+/// the end. The hold ends with the cut.
+/// @return cam_ok, cam_err_state, cam_err_override_measured
+CAM_MUST_USE cam_err_t cam_machine_hold(cam_machine_t *m);
+
+/// Resume the feed on a whole turn.
+/// @return cam_ok, or cam_err_state when nothing is held
+CAM_MUST_USE cam_err_t cam_machine_resume(cam_machine_t *m);
+
+/// Set the part counter.
+/// @return cam_ok, or cam_err_param_range when below 0
+CAM_MUST_USE cam_err_t cam_machine_set_parts(cam_machine_t *m, int32_t n);
+
 /// Acknowledge a fault: fault -> off, after the retract has ended.
 /// @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_reset(cam_machine_t *m);
@@ -223,6 +299,19 @@ void cam_machine_learn_end(cam_machine_t *m);
 
 /// @return a consistent copy of the status that the interrupt published last
 cam_status_t cam_machine_status(const cam_machine_t *m);
+
+/// @return progress of the pass in the newest tick
+cam_progress_t cam_progress(const cam_machine_t *m);
+
+/// Take command: cutting and jogging need a commander (cam_rights_take()).
+/// @return cam_ok, cam_err_not_commander, cam_err_frame
+CAM_MUST_USE cam_err_t cam_machine_take_command(cam_machine_t *m, uint8_t sender, bool is_over);
+
+/// Release command. A lost or released command stops the motion as cam_machine_stop() does.
+void cam_machine_release_command(cam_machine_t *m);
+
+/// @return status of the rights and of the button
+cam_rights_status_t cam_machine_rights(const cam_machine_t *m, const cam_status_t *status);
 
 /// Background work of the main loop: all polls, the continuous check of the table, one kilobyte per
 /// call, the second half of cam_machine_home() and the step to the next pass. A damaged table is no

@@ -86,11 +86,6 @@ cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc)
 
 // The excitation
 
-static cam_wave_verdict_t no_value(cam_err_t err)
-{
-    return (cam_wave_verdict_t){.err = err};
-}
-
 static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status)
 {
     if (cam_machine_is_pending(m, status)) {
@@ -109,30 +104,25 @@ static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status
 }
 
 /// Limit fades and periods together to cam_wave_longest_s.
-static cam_wave_verdict_t check_length(const cam_machine_t *m, uint32_t n_periods,
-                                       uint32_t fade_ticks)
+static cam_verdict_t check_length(const cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks)
 {
     const uint64_t most = (uint64_t)cam_wave_longest_s * m->tick_hz;
     const uint64_t ticks = (uint64_t)n_periods * m->identify.n + 2u * (uint64_t)fade_ticks;
     const bool is_good = n_periods >= 1u && ticks <= most && fade_ticks >= cam_wave_least &&
                          fade_ticks <= cam_wave_longest_fade;
-    return (cam_wave_verdict_t){
-        .err = is_good ? cam_ok : cam_err_wave_length,
-        .value = is_good ? 0 : cam_sat_i32((int64_t)most),
-    };
+    return is_good ? (cam_verdict_t){.err = cam_ok}
+                   : (cam_verdict_t){cam_err_wave_length, cam_sat_i32((int64_t)most)};
 }
 
 /// Require half the clearance between tool and work, at every height and at U's innermost sample.
-static cam_wave_verdict_t check_clear(const cam_machine_t *m, const cam_status_t *status,
-                                      const cam_config_t *cfg, const cam_wave_range_t *range)
+static cam_verdict_t check_clear(const cam_machine_t *m, const cam_status_t *status,
+                                 const cam_config_t *cfg, const cam_wave_range_t *range)
 {
     const int64_t off_nm = (cfg->play.x_clear_q10 >> 10) - cfg->play.x_clearance_nm / 2;
     const int64_t needed_nm = off_nm + m->identify.place_nm + range->high_nm;
-    const bool is_clear = status->x_actual_nm >= needed_nm;
-    return (cam_wave_verdict_t){
-        .err = is_clear ? cam_ok : cam_err_wave_clear,
-        .value = is_clear ? 0 : cam_sat_i32(needed_nm),
-    };
+    return status->x_actual_nm >= needed_nm
+               ? (cam_verdict_t){.err = cam_ok}
+               : (cam_verdict_t){cam_err_wave_clear, cam_sat_i32(needed_nm)};
 }
 
 /// Offer the interrupt the configuration in force with another excitation.
@@ -174,17 +164,15 @@ static cam_err_t offer_wave(cam_machine_t *m, const cam_status_t *status,
     return cam_ok;
 }
 
-cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks)
+cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_wave_verdict_t verdict = no_value(check_moment(m, &status));
-    if (verdict.err == cam_ok) {
-        verdict = check_length(m, n_periods, fade_ticks);
-    }
+    cam_verdict_t verdict = {.err = check_moment(m, &status)};
+    verdict = verdict.err == cam_ok ? check_length(m, n_periods, fade_ticks) : verdict;
     if (verdict.err != cam_ok) {
         return verdict;
     }
-    const cam_config_t *cfg = atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+    const cam_config_t *cfg = cam_machine_newest_config(m);
     const cam_wave_range_t range = cam_wave_range(m->scope.words, m->identify.n);
     const cam_motion_limits_t fade = cam_wave_fade(fade_ticks);
     const uint32_t n_fall = cam_wave_fall_ticks(&fade); // the rise takes as many
@@ -198,16 +186,15 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
         .place_q10 = (int64_t)m->identify.place_nm * 1024,
     };
     verdict = cam_wave_judge(&range, &excite.fade, m->identify.place_nm, cfg, m->tick_hz);
-    if (verdict.err == cam_ok) {
-        verdict = check_clear(m, &status, cfg, &range);
-    }
+    verdict = verdict.err == cam_ok ? check_clear(m, &status, cfg, &range) : verdict;
     if (verdict.err != cam_ok) {
         return verdict;
     }
     m->identify.following_nm = cfg->guard.following_nm;
     m->identify.n_fall = n_fall;
     const int64_t most_nm = -range.low_nm > range.high_nm ? -range.low_nm : range.high_nm;
-    return no_value(offer_wave(m, &status, &excite, m->identify.following_nm + most_nm));
+    verdict.err = offer_wave(m, &status, &excite, m->identify.following_nm + most_nm);
+    return verdict;
 }
 
 void cam_machine_keep_alive(cam_machine_t *m)
@@ -234,10 +221,10 @@ static void watch(cam_machine_t *m, const cam_status_t *status)
     i->phase = cam_identify_ends;
     if (status->state != cam_state_ready) {
         i->excited = cam_excited_fault;
-    } else if (i->excited == cam_excited_runs) {
+        return;
+    }
+    if (i->excited == cam_excited_runs) { // not stopped early, which has noted its reason
         i->excited = cam_excited_done;
-    } else {
-        // stopped early: the reason is already noted
     }
 }
 
@@ -245,13 +232,9 @@ static void watch(cam_machine_t *m, const cam_status_t *status)
 static void end(cam_machine_t *m)
 {
     static const cam_excite_config_t nothing = {0};
-    cam_identify_t *i = &m->identify;
-    if (!offer(m, &nothing, i->following_nm)) {
-        return;
-    }
-    i->phase = cam_identify_none;
-    if (i->disables) {
-        const cam_err_t err = cam_machine_disable(m);
+    if (offer(m, &nothing, m->identify.following_nm)) {
+        m->identify.phase = cam_identify_none;
+        const cam_err_t err = m->identify.disables ? cam_machine_disable(m) : cam_ok;
         (void)err; // refused after a fault, whose retract disables as well
     }
 }

@@ -16,7 +16,7 @@
 #define CAM_MACHINE_IDENTIFY_H
 
 #include "cam_machine.h" // cam_machine_t
-#include "cam_wave.h"    // cam_wave_verdict_t
+#include "cam_wave.h"    // cam_verdict_t
 #include <stdint.h>      // uint8_t, uint32_t
 
 enum { cam_identify_patience_ms = 500 };
@@ -50,7 +50,7 @@ CAM_MUST_USE cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc);
 /// @return            cam_ok, cam_err_state, _busy, _wave_none, _scope_trace, _scope_memory,
 ///                    _scope_unread, or a verdict of cam_wave_judge(); cam_err_wave_clear with the
 ///                    required X [nm]
-cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks);
+cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks);
 
 /// Sign of life of the commander of an excitation, a step or a homing.
 void cam_machine_keep_alive(cam_machine_t *m);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning: its setup from parameters and table, and the hand-over to the interrupt.
-#include "cam_angle.h" // CAM_TURN_Q32
-#include "cam_gains.h" // cam_gains_bound
-#include "cam_machine.h"
-#include "hal/hal.h" // hal_measures_u
-#include <stddef.h>  // NULL
+#include "cam_angle.h"         // CAM_TURN_Q32
+#include "cam_gains.h"         // cam_gains_bound
+#include "cam_machine_inner.h" // cam_machine_newest_config
+#include "hal/hal.h"           // hal_measures_u
+#include <stddef.h>            // NULL
 
 _Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8192u,
                "RAM of learning: state, bins of two turns, and what is in force in two halves");
@@ -57,14 +57,6 @@ static cam_complex_t eccentricity(const cam_machine_t *m)
     return cam_harmonics_rotated(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
 }
 
-/// @return [nm] the probe, at least three steps of the scale
-static int32_t probe_nm(const cam_params_t *p)
-{
-    const int32_t least_nm =
-        cam_clamp_i32(3 * p->u_scale_nm, 0, cam_param_info(cam_param_probe_nm)->max);
-    return p->probe_nm > least_nm ? p->probe_nm : least_nm;
-}
-
 /// @return [ticks / 2^16] largest learned change of k1; k1 stays within its gain bound
 static int32_t k1_most_q16(const cam_machine_t *m)
 {
@@ -96,23 +88,23 @@ static uint32_t ripple_turns(const cam_machine_t *m)
 static cam_ilc_setup_t setup_of(const cam_machine_t *m)
 {
     const cam_params_t *p = &m->params;
-    const int32_t k1_q16 = ticks_q16(m, p->k1_ns);
-    const int32_t k2_q16 = ticks2_q16(m, p->k2_us2);
+    const int32_t most_probe_nm = cam_param_info(cam_param_probe_nm)->max;
     const int64_t part_q16 = ticks_q16(m, (int64_t)p->lead_ns + p->u_scale_latency_ns) & 0xFFFF;
     return (cam_ilc_setup_t){
         .reason = asked_of(m),
         .n_harmonics = (uint32_t)p->learn_harmonics,
         .gain_q16 = q16_of_ppm(p->learn_gain_ppm),
         .cut_gain_q16 = q16_of_ppm(p->learn_cut_gain_ppm),
-        .probe_q6 = probe_nm(p) * 64,
+        // at least three steps of the scale, within the range of the parameter
+        .probe_q6 = cam_clamp_i32(3 * p->u_scale_nm, p->probe_nm, most_probe_nm) * 64,
         .ripple_turns = ripple_turns(m),
         .scale_nm = p->u_scale_nm,
         .least_ripple_q32 =
             hal_has_edge_time() ? 0 : (int32_t)(CAM_TURN_Q32 / p->counts_per_turn / feigned_part),
         .count_urad = 6283185 / p->counts_per_turn,
         .most_q6 = cam_ilc_most_nm * 64,
-        .k1_q16 = k1_q16,
-        .k2_q16 = k2_q16,
+        .k1_q16 = ticks_q16(m, p->k1_ns),
+        .k2_q16 = ticks2_q16(m, p->k2_us2),
         .k1_most_q16 = k1_most_q16(m),
         .k2_most_q16 = k2_most_q16(m),
         .between_q16 = (int32_t)(part_q16 * (65536 - part_q16) >> 17),
@@ -172,9 +164,7 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state)
     cam_learned_t *in = is_walking ? cam_machine_learn_begin(m) : NULL;
     if (in != NULL) {
         cam_ilc_blend(&m->ilc, &setup, at_q8, in);
-        const cam_config_bank_t *bank = &m->core->config;
-        const cam_config_t *last = atomic_load_explicit(&bank->offered, memory_order_relaxed);
-        if (!is_same(in, &last->learned)) {
+        if (!is_same(in, &cam_machine_newest_config(m)->learned)) {
             cam_machine_learn_end(m);
         }
     }

@@ -2,7 +2,6 @@
 #include "cam_machine_inner.h"
 #include "cam_build.h"        // cam_build_config
 #include "cam_build_motion.h" // cam_build_origin
-#include "cam_identify.h"     // cam_identify_is_between
 #include "cam_pass.h"         // cam_pass_params, cam_pass_check
 #include <stdatomic.h>        // atomic_store_explicit
 #include <stddef.h>           // NULL
@@ -17,7 +16,9 @@ bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *stat
 
 bool cam_machine_is_pending(const cam_machine_t *m, const cam_status_t *status)
 {
-    return !cam_machine_is_carried_out(m, status) || cam_identify_is_between(&m->identify);
+    const cam_identify_phase_t phase = m->identify.phase;
+    return !cam_machine_is_carried_out(m, status) ||
+           (phase != cam_identify_none && phase != cam_identify_runs);
 }
 
 void cam_machine_request(cam_machine_t *m, cam_request_t request)
@@ -107,7 +108,7 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
     }
     cam_build_origin(half, cam_offsets_origin_nm(&m->offsets, params, hal_axis_x),
                      cam_offsets_origin_nm(&m->offsets, params, hal_axis_z));
-    const cam_config_t *last = atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+    const cam_config_t *last = cam_machine_newest_config(m);
     half->play.x_high_nm = x_high_nm(m, params);
     if (last != NULL) {
         half->learned = last->learned;

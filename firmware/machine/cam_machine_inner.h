@@ -11,6 +11,12 @@
 #include <stdbool.h>     // bool
 #include <stdint.h>      // uint32_t
 
+/// @return the newest configuration handed over, in force or about to be; NULL before the first
+static inline const cam_config_t *cam_machine_newest_config(const cam_machine_t *m)
+{
+    return atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+}
+
 /// @return whether the interrupt has carried out the last request
 bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *status);
 

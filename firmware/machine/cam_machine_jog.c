@@ -7,14 +7,9 @@
 #include "cam_units.h"         // cam_units_scale
 #include <stddef.h>            // NULL
 
-static cam_jog_verdict_t verdict(cam_err_t err, int32_t value)
+static cam_verdict_t verdict(cam_err_t err, int32_t value)
 {
-    return (cam_jog_verdict_t){.err = err, .value = value};
-}
-
-static const cam_config_t *newest_config(const cam_machine_t *m)
-{
-    return atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+    return (cam_verdict_t){.err = err, .value = value};
 }
 
 // Orders
@@ -67,7 +62,7 @@ static cam_err_t check_order(const cam_machine_t *m, const cam_status_t *status,
     if (status->state != cam_state_manual) {
         return cam_err_state;
     }
-    const cam_jog_phase_t given = newest_config(m)->play.jog.order.begin;
+    const cam_jog_phase_t given = cam_machine_newest_config(m)->play.jog.order.begin;
     const bool may_replace = kind == cam_jog_jog && (given == cam_jog_jog || given == cam_jog_rest);
     return is_axis_moving(m, status) && !may_replace ? cam_err_hand_moves : cam_ok;
 }
@@ -75,15 +70,15 @@ static cam_err_t check_order(const cam_machine_t *m, const cam_status_t *status,
 /// @return [nm / 1024 per plan] a speed, clamped to 1 .. most_q10
 static int32_t order_speed_q10(const cam_machine_t *m, int32_t um_per_s, int32_t most_q10)
 {
-    const int64_t per_plan_q10 =
-        cam_units_scale(um_per_s, INT64_C(1024000) * newest_config(m)->play.plan_ticks, m->tick_hz);
+    const int64_t per_plan_q10 = cam_units_scale(
+        um_per_s, INT64_C(1024000) * cam_machine_newest_config(m)->play.plan_ticks, m->tick_hz);
     return (int32_t)cam_clamp_i64(per_plan_q10, 1, most_q10);
 }
 
 /// @return [um/s] the highest jog speed of an axis
 static int32_t most_um_per_s(const cam_machine_t *m, hal_axis_t axis)
 {
-    const cam_play_config_t *play = &newest_config(m)->play;
+    const cam_play_config_t *play = &cam_machine_newest_config(m)->play;
     return (int32_t)cam_units_scale(play->jog.limits[axis].speed_q10, m->tick_hz,
                                     INT64_C(1024000) * play->plan_ticks);
 }
@@ -97,7 +92,7 @@ typedef struct {
 ///         overshoot of stepwise braking (cam_move_profile.h)
 static limits_t limits_of(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
 {
-    const cam_jog_config_t *jog = &newest_config(m)->play.jog;
+    const cam_jog_config_t *jog = &cam_machine_newest_config(m)->play.jog;
     if (axis == hal_axis_u) {
         return (limits_t){-jog->u_end_q10, jog->u_end_q10};
     }
@@ -120,13 +115,11 @@ cam_err_t cam_machine_manual(cam_machine_t *m)
     const cam_status_t status = cam_machine_status(m);
     cam_err_t err = status.state == cam_state_off ? cam_machine_check_drives(&m->params, &status)
                                                   : cam_err_state;
-    if (err == cam_ok) {
-        err = cam_machine_check_acknowledge(m, &status);
-    }
+    err = err == cam_ok ? cam_machine_check_acknowledge(m, &status) : err;
     return err == cam_ok ? cam_machine_post(m, &status, cam_request_manual) : err;
 }
 
-cam_jog_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_s)
+cam_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_s)
 {
     const cam_status_t status = cam_machine_status(m);
     const cam_err_t err = check_order(m, &status, axis, cam_jog_jog);
@@ -143,14 +136,14 @@ cam_jog_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_
         .axis = axis,
         .sense = um_per_s < 0 ? -1 : 1,
         .speed_q10 = order_speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s,
-                                     newest_config(m)->play.jog.limits[axis].speed_q10),
+                                     cam_machine_newest_config(m)->play.jog.limits[axis].speed_q10),
         .low_q10 = limits.low_q10,
         .high_q10 = limits.high_q10,
     };
     return verdict(give_order(m, &status, &order), um_per_s);
 }
 
-cam_jog_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
+cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
 {
     const cam_status_t status = cam_machine_status(m);
     const cam_err_t err = check_order(m, &status, axis, cam_jog_step);
@@ -168,7 +161,7 @@ cam_jog_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm
         .begin = cam_jog_step,
         .axis = axis,
         .sense = nm < 0 ? -1 : 1,
-        .speed_q10 = newest_config(m)->play.jog.limits[axis].speed_q10,
+        .speed_q10 = cam_machine_newest_config(m)->play.jog.limits[axis].speed_q10,
         .low_q10 = limits.low_q10,
         .high_q10 = limits.high_q10,
         .distance_q10 = (int64_t)nm * 1024,
@@ -188,7 +181,7 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     if (a.method == none) {
         return cam_err_home_none;
     }
-    const cam_jog_config_t *jog = &newest_config(m)->play.jog;
+    const cam_jog_config_t *jog = &cam_machine_newest_config(m)->play.jog;
     const int32_t most_q10 = jog->limits[axis].speed_q10;
     const int64_t end_q10 =
         axis == hal_axis_u ? jog->u_end_q10 : (int64_t)CAM_OFFSETS_FAR_NM * 1024;
@@ -205,9 +198,8 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
         .home_nm = a.home_nm,
     };
     err = give_order(m, &status, &order);
-    if (err == cam_ok && axis == hal_axis_u && order.begin == cam_jog_search) {
-        m->offsets.has_searched_u = true;
-    }
+    const bool is_search = axis == hal_axis_u && order.begin == cam_jog_search;
+    m->offsets.has_searched_u = m->offsets.has_searched_u || (err == cam_ok && is_search);
     return err;
 }
 
@@ -221,7 +213,7 @@ cam_err_t cam_machine_jog_stop(cam_machine_t *m)
 void cam_machine_jog_alive(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_jog_order_t order = newest_config(m)->play.jog.order;
+    cam_jog_order_t order = cam_machine_newest_config(m)->play.jog.order;
     if (status.state == cam_state_manual && order.begin != cam_jog_jog &&
         is_axis_moving(m, &status)) {
         order.until = patience_end(m, &status);
@@ -238,7 +230,7 @@ int32_t cam_machine_position_nm(const cam_machine_t *m, hal_axis_t axis)
     return cam_sat_i32(port_nm(&status, axis) + shift_nm);
 }
 
-cam_jog_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm)
+cam_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm)
 {
     const cam_status_t status = cam_machine_status(m);
     const bool is_x = axis == hal_axis_x;

@@ -10,16 +10,11 @@
 #define CAM_MACHINE_JOG_H
 
 #include "cam_machine.h" // cam_machine_t
+#include "cam_wave.h"    // cam_verdict_t
 #include <stdbool.h>     // bool
 #include <stdint.h>      // int32_t
 
 enum { cam_jog_patience_ms = 250 };
-
-/// Result of a command, with a number for the operator.
-typedef struct {
-    cam_err_t err;
-    int32_t value; ///< the accepted value, or the limit that the command exceeds
-} cam_jog_verdict_t;
 
 /// Enable the drives: off -> manual. No table is needed.
 /// @return cam_ok, cam_err_state, _busy, _estop, _drive, _bus, _u_place, _acknowledge,
@@ -30,13 +25,13 @@ CAM_MUST_USE cam_err_t cam_machine_manual(cam_machine_t *m);
 /// @param um_per_s  [um/s] signed; 0 brakes
 /// @return          cam_ok, cam_err_state, _busy, _hand_axis, _hand_moves during a step or homing;
 ///                  _hand_speed with the limit [um/s]
-cam_jog_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_s);
+cam_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_s);
 
 /// Move an axis by a distance, at its highest jog speed.
 /// @param nm  [nm] signed
 /// @return    cam_ok, cam_err_state, _busy, _hand_axis, _hand_moves; _travel with the limit [nm] in
 ///            machine coordinates
-cam_jog_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm);
+cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm);
 
 /// Home an axis by the method in its parameters.
 /// @return cam_ok, cam_err_state, _busy, _hand_axis, _hand_moves, _home_none
@@ -47,7 +42,7 @@ CAM_MUST_USE cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis);
 /// @param nm    [nm] X: diameter that the tip touches at U's present position; Z: height
 /// @return      cam_ok with the datum [nm]; cam_err_hand_axis, _hand_moves, _not_homed, _busy,
 ///              _param_state; _param_range with the datum in force
-cam_jog_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm);
+cam_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm);
 
 /// Brake the moving axis. @return cam_ok, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_jog_stop(cam_machine_t *m);

@@ -62,13 +62,13 @@ static cam_err_t refuse(cam_machine_t *m, cam_err_t err, cam_param_id_t id, int6
 static cam_err_t check_trim(cam_machine_t *m, const cam_params_t *params,
                             const cam_status_t *status)
 {
-    if (cam_is_within(params->x_trim_nm, params->x_trim_limit_nm)) {
-        const bool is_safe = !m->has_table || !cam_state_is_in_work(status->state) ||
-                             cam_machine_is_x_in_travel(m, status, params->x_trim_nm);
-        return is_safe ? cam_ok : cam_err_travel;
+    if (!cam_is_within(params->x_trim_nm, params->x_trim_limit_nm)) {
+        return refuse(m, cam_err_trim_limit, cam_param_x_trim_nm, cam_abs_i64(params->x_trim_nm),
+                      params->x_trim_limit_nm);
     }
-    return refuse(m, cam_err_trim_limit, cam_param_x_trim_nm, cam_abs_i64(params->x_trim_nm),
-                  params->x_trim_limit_nm);
+    const bool is_safe = !m->has_table || !cam_state_is_in_work(status->state) ||
+                         cam_machine_is_x_in_travel(m, status, params->x_trim_nm);
+    return is_safe ? cam_ok : cam_err_travel;
 }
 
 /// While enabled, U must be within the new stroke, or limiting its set-point would cause a step.
@@ -128,14 +128,6 @@ static cam_err_t check_level(cam_machine_t *m, const cam_params_t *from, const c
     return err == cam_ok ? cam_ok : refuse(m, err, id, 0, 0);
 }
 
-/// Record the refused gain or jerk, with the maximum gain or the minimum jerk.
-static void explain_gains(cam_machine_t *m, const cam_params_t *params)
-{
-    cam_param_id_t id = cam_n_params;
-    const cam_err_t err = cam_gains_check(params, m->tick_hz, &id);
-    (void)refuse(m, err, id, cam_param_get(params, id), cam_gains_bound(params, id, m->tick_hz));
-}
-
 /// Store parameters that were handed to the interrupt.
 static void adopt(cam_machine_t *m, const cam_params_t *params, cam_param_id_t named)
 {
@@ -161,15 +153,9 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
         return cam_err_busy;
     }
     cam_err_t err = check_level(m, &m->params, params, named);
-    if (err == cam_ok) {
-        err = check_state(m, params, named, &status);
-    }
-    if (err == cam_ok) {
-        err = check_stroke(m, params, &status);
-    }
-    if (err == cam_ok) {
-        err = check_trim(m, params, &status);
-    }
+    err = err == cam_ok ? check_state(m, params, named, &status) : err;
+    err = err == cam_ok ? check_stroke(m, params, &status) : err;
+    err = err == cam_ok ? check_trim(m, params, &status) : err;
     // An enabled machine applies the change at once, so the result must be feasible.
     const bool is_judged = status.state != cam_state_off && status.state != cam_state_manual;
     if (err == cam_ok && is_judged && m->has_table) {
@@ -177,16 +163,18 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
     }
     if (err == cam_ok) {
         const cam_table_t *table = m->has_table ? &m->table : NULL;
-        const cam_param_id_t pass_id = cam_param_pass;
-        const bool begins = next_change(&m->params, params, named, (uint32_t)pass_id) == pass_id;
+        const bool begins = named == cam_param_pass || params->pass != m->params.pass;
         const uint32_t pass = begins ? cam_pass_first(params, table) : m->pass;
         err = cam_machine_hand_over(m, params, table, pass);
     }
     if (err == cam_err_param_tick || err == cam_err_param_output) {
         explain_fit(m, params, err);
     }
-    if (err == cam_err_gain || err == cam_err_jerk) {
-        explain_gains(m, params);
+    if (err == cam_err_gain || err == cam_err_jerk) { // the maximum gain or the minimum jerk
+        cam_param_id_t id = cam_n_params;
+        const cam_err_t which = cam_gains_check(params, m->tick_hz, &id);
+        (void)refuse(m, which, id, cam_param_get(params, id),
+                     cam_gains_bound(params, id, m->tick_hz));
     }
     if (err == cam_ok) {
         adopt(m, params, named);
@@ -287,9 +275,7 @@ cam_err_t cam_machine_save_params(cam_machine_t *m)
     cam_params_t params = m->params;
     forget_overrides(&params);
     cam_err_t err = cam_machine_may_keep(m);
-    if (err == cam_ok) {
-        err = check_keep(m, &params);
-    }
+    err = err == cam_ok ? check_keep(m, &params) : err;
     if (err != cam_ok) {
         return err;
     }
@@ -323,5 +309,5 @@ cam_params_status_t cam_machine_params_status(const cam_machine_t *m)
     if (m->kept.err == cam_ok) {
         kept = m->kept_checksum == m->checksum ? cam_kept_same : cam_kept_changed;
     }
-    return (cam_params_status_t){.version = m->version, .checksum = m->checksum, .kept = kept};
+    return (cam_params_status_t){m->version, m->checksum, kept};
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_machine_rights.h"
 #include "cam_machine_inner.h" // cam_machine_is_pending
 #include "cam_plan.h"          // cam_plan_ticks
 
@@ -39,16 +38,11 @@ static cam_button_t button_of(const cam_machine_t *m, const cam_status_t *status
 
 cam_err_t cam_machine_check_acknowledge(const cam_machine_t *m, const cam_status_t *status)
 {
-    switch (button_of(m, status)) {
-    case cam_button_needed:
-        return cam_err_acknowledge;
-    case cam_button_none:
+    const cam_button_t button = button_of(m, status);
+    if (button == cam_button_none) {
         return cam_err_acknowledge_none;
-    case cam_button_given:
-    case cam_button_waived:
-        break;
     }
-    return cam_ok;
+    return button == cam_button_needed ? cam_err_acknowledge : cam_ok;
 }
 
 cam_err_t cam_machine_take_command(cam_machine_t *m, uint8_t sender, bool is_over)
@@ -64,9 +58,7 @@ void cam_machine_release_command(cam_machine_t *m)
 
 void cam_machine_rights_poll(cam_machine_t *m, const cam_status_t *status)
 {
-    if (cam_rights_poll(&m->rights, status->inputs, status->tick)) {
-        m->is_stop_due = true;
-    }
+    m->is_stop_due = cam_rights_poll(&m->rights, status->inputs, status->tick) || m->is_stop_due;
     if (m->is_stop_due) {
         // A pending request may be a start, so wait until the interrupt has taken it.
         m->homes_again = false;

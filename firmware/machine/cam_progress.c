@@ -1,28 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_progress.h"
+#include "cam_machine.h"
 #include "cam_state.h" // cam_state_is_in_work
 #include <stdatomic.h> // atomic_load_explicit
 #include <stddef.h>    // NULL
-
-/// Snapshot of one tick.
-typedef struct {
-    cam_plan_t plan;
-    bool is_playing;
-    cam_state_t state;
-    int64_t pos_q32;
-} moment_t;
-
-static moment_t moment(const cam_t *c)
-{
-    cam_moment_t now;
-    cam_status_moment(c, &now);
-    return (moment_t){
-        .plan = now.plan,
-        .is_playing = now.motion.is_playing,
-        .state = now.motion.state, // planned, as is_playing; the record has the previous state
-        .pos_q32 = now.record.angle.pos_q32,
-    };
-}
 
 static int64_t at_least_0(int64_t turns_q32)
 {
@@ -52,19 +32,20 @@ static int64_t held_q32(const cam_feed_motion_t *c, const cam_play_config_t *cfg
 }
 
 /// @return [turn] to the end of the planned motion
-static int64_t laid_q32(const moment_t *now, const cam_play_config_t *cfg, int32_t ppm)
+static int64_t laid_q32(const cam_moment_t *now, const cam_play_config_t *cfg, int32_t ppm)
 {
     const cam_plan_t *p = &now->plan;
     const bool is_held = p->feed_motion.is_held && !p->is_stopped && !p->is_rehearsal;
     if (is_held) {
-        return at_least_0(p->feed_motion.end_q32 - now->pos_q32) +
+        return at_least_0(p->feed_motion.end_q32 - now->record.angle.pos_q32) +
                held_q32(&p->feed_motion, cfg, ppm) + cfg->disengage_q32;
     }
-    return at_least_0(p->disengage_at_q32 + cfg->disengage_q32 - now->pos_q32);
+    return at_least_0(p->disengage_at_q32 + cfg->disengage_q32 - now->record.angle.pos_q32);
 }
 
-/// Fill in the turns of a pass that ends by itself.
-static void count(cam_progress_t *to, const moment_t *now, const cam_play_config_t *cfg,
+/// Fill in the turns of a pass that ends by itself. State and is_playing are the planned ones; the
+/// record has the previous state.
+static void count(cam_progress_t *to, const cam_moment_t *now, const cam_play_config_t *cfg,
                   int32_t ppm)
 {
     const int64_t ends = cfg->engage_q32 + cfg->disengage_q32;
@@ -72,16 +53,18 @@ static void count(cam_progress_t *to, const moment_t *now, const cam_play_config
     const int64_t feed =
         cfg->rings.is_on ? cfg->feed_q32 : feed_turns_q32(cfg, cfg->feed_q32 - cfg->ramp_q32, ppm);
     const int64_t cut = ends + feed;
-    int64_t done = now->is_playing ? at_least_0(now->pos_q32 - now->plan.engage_at_q32) : 0;
-    if (!cam_state_is_in_work(now->state)) {
+    int64_t done = now->motion.is_playing
+                       ? at_least_0(now->record.angle.pos_q32 - now->plan.engage_at_q32)
+                       : 0;
+    if (!cam_state_is_in_work(now->motion.state)) {
         done = 0;
         to->left_q32 = rehearsal + cut;
-    } else if (now->state == cam_state_rehearsing) {
-        to->left_q32 = now->is_playing ? laid_q32(now, cfg, ppm) : rehearsal;
-        to->left_q32 += now->is_playing && now->plan.is_stopped ? 0 : cut;
+    } else if (now->motion.state == cam_state_rehearsing) {
+        to->left_q32 = now->motion.is_playing ? laid_q32(now, cfg, ppm) : rehearsal;
+        to->left_q32 += now->motion.is_playing && now->plan.is_stopped ? 0 : cut;
     } else {
         done += rehearsal;
-        to->left_q32 = now->is_playing ? laid_q32(now, cfg, ppm) : cut;
+        to->left_q32 = now->motion.is_playing ? laid_q32(now, cfg, ppm) : cut;
     }
     to->whole_q32 = done + to->left_q32;
 }
@@ -93,11 +76,12 @@ cam_progress_t cam_progress(const cam_machine_t *m)
     if (!m->has_table || cfg == NULL || cfg->play.table == NULL) {
         return to;
     }
-    const moment_t now = moment(m->core);
+    cam_moment_t now;
+    cam_status_moment(m->core, &now);
     const int32_t mrpm = cfg->play.spindle_mrpm;
     const uint32_t speed = mrpm < 0 ? 0u - (uint32_t)mrpm : (uint32_t)mrpm;
     to.mrpm = (uint32_t)((uint64_t)speed * (uint32_t)cfg->play.spindle_rate_q30 >> 30);
-    to.has_end = !cfg->play.is_z_measured || now.state == cam_state_disengaging;
+    to.has_end = !cfg->play.is_z_measured || now.motion.state == cam_state_disengaging;
     if (to.has_end) {
         count(&to, &now, &cfg->play, m->params.feed_override_ppm);
     }

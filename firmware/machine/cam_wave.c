@@ -52,13 +52,13 @@ static int64_t share_q10(int64_t distance_nm, int64_t share_q30)
     return ((distance_nm * share_q30) >> 20) + 1;
 }
 
-static cam_wave_verdict_t refused(cam_err_t err, int64_t value)
+static cam_verdict_t refused(cam_err_t err, int64_t value)
 {
-    return (cam_wave_verdict_t){.err = err, .value = cam_sat_i32(value)};
+    return (cam_verdict_t){.err = err, .value = cam_sat_i32(value)};
 }
 
-cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motion_limits_t *fade,
-                                  int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz)
+cam_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motion_limits_t *fade,
+                             int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz)
 {
     const int64_t most_nm = cfg->guard.u_range_q6 / 64;
     const int64_t low_nm = place_nm + range->low_nm;
@@ -77,5 +77,5 @@ cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motio
     if (bend_q10 > cfg->guard.u.acceleration_q10) {
         return refused(cam_err_wave_acceleration, bend_q10 * tick_hz / 1024000 * tick_hz / 1000);
     }
-    return (cam_wave_verdict_t){.err = cam_ok};
+    return (cam_verdict_t){.err = cam_ok};
 }

@@ -26,12 +26,11 @@ typedef struct {
     int64_t bend_nm;         ///< [nm per tick^2] largest second difference
 } cam_wave_range_t;
 
-/// Result of the check; after a refusal `value` is the demand that exceeds the limit.
+/// Result of a command or check, with a number for the operator.
 typedef struct {
     cam_err_t err;
-    int32_t value; ///< wave_stroke [nm]: position farthest from 0; wave_speed [um/s];
-                   ///< wave_acceleration [mm/s2]; wave_length [ticks]: the longest
-} cam_wave_verdict_t;
+    int32_t value; ///< the accepted value, or the limit or demand that led to the refusal
+} cam_verdict_t;
 
 /// @param n  samples, at least 2
 cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n);
@@ -48,7 +47,9 @@ uint32_t cam_wave_fall_ticks(const cam_motion_limits_t *fade);
 /// Check stroke, speed and acceleration of U.
 /// @param place_nm  [nm] U's mean position
 /// @param cfg       configuration in force
-cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motion_limits_t *fade,
-                                  int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz);
+/// @return          cam_ok, or a demand above its limit: cam_err_wave_stroke with the position [nm]
+///                  farthest from 0, _wave_speed [um/s], _wave_acceleration [mm/s2]
+cam_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_motion_limits_t *fade,
+                             int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz);
 
 #endif

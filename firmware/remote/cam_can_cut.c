@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_can_inner.h"
-#include "cam_machine_override.h" // cam_machine_hold
-#include "cam_fix.h"              // cam_sat_i32
+#include "cam_machine.h" // cam_machine_hold
+#include "cam_fix.h"     // cam_sat_i32
 
 /// @return an error with the number of parts
 static cam_outcome_t parts(const cam_can_t *r, cam_err_t err)

@@ -2,7 +2,7 @@
 #include "cam_can_inner.h"
 #include "cam_machine_jog.h" // cam_machine_jog
 
-static cam_outcome_t outcome_of(cam_jog_verdict_t verdict)
+static cam_outcome_t outcome_of(cam_verdict_t verdict)
 {
     return (cam_outcome_t){.err = verdict.err, .value = verdict.value};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_can_inner.h"
-#include "cam_machine_rights.h" // cam_machine_take_command
+#include "cam_machine.h" // cam_machine_take_command
 
 /// Right that a command requires.
 typedef enum {

@@ -23,7 +23,7 @@ static cam_outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t e
 
 static cam_outcome_t excite(cam_machine_t *machine, const struct camturn_command_t *m)
 {
-    const cam_wave_verdict_t verdict = cam_machine_excite(machine, m->periods, m->fade);
+    const cam_verdict_t verdict = cam_machine_excite(machine, m->periods, m->fade);
     return (cam_outcome_t){.err = verdict.err, .value = verdict.value};
 }
 

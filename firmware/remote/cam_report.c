@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_report.h"
-#include "cam_fix.h"            // cam_sat_i32, cam_clamp_i32
-#include "cam_machine_rights.h" // cam_machine_rights
-#include "cam_progress.h"       // cam_progress
-#include "camturn.h"            // camturn_state_pack
+#include "cam_fix.h"     // cam_sat_i32, cam_clamp_i32
+#include "cam_machine.h" // cam_machine_rights
+#include "camturn.h"     // camturn_state_pack
 
 /// [Hz] rate of the status.
 enum { status_hz = 100 };

@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): poll
 #include "cam_can.h"            // cam_can_init
 #include "cam_machine.h"        // cam_machine_init
-#include "cam_machine_rights.h" // cam_machine_rights
 #include "cam_machine_scope.h"  // cam_machine_blackbox
 #include "sim_live.h"
 #include "sim_params.h" // sim_params_apply

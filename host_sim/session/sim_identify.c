@@ -77,7 +77,7 @@ static bool begin(sim_cut_t *cut, const sim_identify_options_t *o, common_error_
     if (err != cam_ok) {
         return refused("--signals", err, e);
     }
-    const cam_wave_verdict_t v = cam_machine_excite(m, o->n_periods, o->fade_ticks);
+    const cam_verdict_t v = cam_machine_excite(m, o->n_periods, o->fade_ticks);
     switch (v.err) {
     case cam_ok:
         return true;

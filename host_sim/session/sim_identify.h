@@ -7,7 +7,7 @@
 #ifndef SIM_IDENTIFY_H
 #define SIM_IDENTIFY_H
 
-#include "cam_identify.h" // cam_excited_t
+#include "cam_machine.h"  // cam_excited_t
 #include "common_error.h" // common_error_t
 #include "sim_cut.h"      // sim_cut_t
 #include <stdbool.h>      // bool

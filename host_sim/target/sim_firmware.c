@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_firmware.h"
-#include "cam_machine_override.h" // cam_machine_hold
+#include "cam_machine.h" // cam_machine_hold
 
 bool sim_firmware_open(sim_firmware_t *f, const char *target, const char *image, common_error_t *e)
 {

@@ -3,7 +3,7 @@
 #include "budget_strike.h"
 #include "cam_machine_jog.h"      // cam_machine_jog
 #include "cam_machine_identify.h" // cam_machine_excite
-#include "cam_machine_override.h" // cam_machine_hold
+#include "cam_machine.h"          // cam_machine_hold
 #include "cam_table.h"            // cam_crc32
 #include "fixture_newer.h"        // fixture_newer_way
 #include "fixture_shaft.h"        // fixture_shaft_make

@@ -96,7 +96,7 @@ static void jog_on(hal_axis_t axis, int32_t um_per_s, uint32_t n)
 static void jog_to_end(uint8_t which, uint16_t code)
 {
     const hal_axis_t axis = (hal_axis_t)(which % hal_n_axes);
-    const cam_jog_verdict_t told = cam_machine_jog(&fuzz_rig.machine, axis, INT32_MAX);
+    const cam_verdict_t told = cam_machine_jog(&fuzz_rig.machine, axis, INT32_MAX);
     const int64_t wanted = (int64_t)told.value * (code >> 8) / 255;
     jog_on(axis, (int32_t)((which & 0x80u) != 0u ? -wanted : wanted), code % 32u + 1u);
 }

@@ -2,7 +2,6 @@
 /// pil_main: the firmware on a target, at camsim's command (pil_wire.h). Ends when camsim closes
 /// the wire, with status 0.
 #include "cam_machine.h"
-#include "cam_machine_override.h"
 #include "cam_trace.h"
 #include "hal/hal.h"
 #include "mps2_machine.h"

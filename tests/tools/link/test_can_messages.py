@@ -134,7 +134,7 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
     refusals = enumerators(header_of("cam_machine.h"), "cam_refusal_field_t", "cam_refusal_")
     assert refusals.popitem()[1] == "cam_n_refusals"
     assert tables["refusal_field"] == refusals
-    scope, identify = header_of("cam_scope.h"), header_of("cam_identify.h")
+    scope, identify = header_of("cam_scope.h"), header_of("cam_machine.h")
     assert tables["scope_phase"] == enumerators(scope, "cam_scope_phase_t", "cam_scope_")
     assert tables["scope_end"] == enumerators(scope, "cam_scope_end_t", "cam_scope_")
     assert tables["scope_use"] == enumerators(scope, "cam_scope_use_t", "cam_scope_")

@@ -185,23 +185,6 @@ static void test_harmonic_is_told(void)
     TEST_ASSERT_EQUAL_INT32(0, cam_ilc_harmonic(&t, 17).correction_q6.re);
 }
 
-static void test_names_are_those_of_the_enumerations(void)
-{
-    static const char *const phases[] = {"off",     "waiting", "settling", "drive",
-                                         "probing", "shape",   "cutting",  "frozen"};
-    static const char *const reasons[] = {"all",       "not_asked", "not_measured",
-                                          "no_table",  "modulated", "slow_turn",
-                                          "fast_turn", "lobes",     "diverged"};
-    for (uint32_t i = 0; i < cam_ilc_n_phases; i++) {
-        TEST_ASSERT_EQUAL_STRING(phases[i], cam_ilc_phase_name((cam_ilc_phase_t)i));
-    }
-    for (uint32_t i = 0; i < cam_ilc_n_reasons; i++) {
-        TEST_ASSERT_EQUAL_STRING(reasons[i], cam_ilc_reason_name((cam_ilc_reason_t)i));
-    }
-    TEST_ASSERT_EQUAL_STRING("?", cam_ilc_phase_name(cam_ilc_n_phases));
-    TEST_ASSERT_EQUAL_STRING("?", cam_ilc_reason_name(cam_ilc_n_reasons));
-}
-
 int main(void)
 {
     UNITY_BEGIN();
@@ -213,6 +196,5 @@ int main(void)
     RUN_TEST(test_status_is_told_in_the_units_of_people);
     RUN_TEST(test_phase_and_reason_are_told);
     RUN_TEST(test_harmonic_is_told);
-    RUN_TEST(test_names_are_those_of_the_enumerations);
     return UNITY_END();
 }

@@ -328,7 +328,7 @@ static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
     rig.is_z_held = true;
     m->core->motion.axis[hal_axis_x].pos_q10 = 0;
     fixture_rig_ticks(&rig, 2);
-    const cam_wave_verdict_t v = cam_machine_excite(m, 1, fade);
+    const cam_verdict_t v = cam_machine_excite(m, 1, fade);
     TEST_ASSERT_EQUAL_INT(cam_err_wave_clear, v.err);
     TEST_ASSERT_GREATER_THAN_INT32(0, v.value);
     TEST_ASSERT_EQUAL_INT(cam_state_ready, state());

@@ -62,7 +62,7 @@ static void test_length_of_an_excitation_is_limited(void)
                  {5990, 1001, false}, {5991, 1000, false}, {UINT32_MAX, 16, false}};
     load();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const cam_wave_verdict_t found =
+        const cam_verdict_t found =
             cam_machine_excite(&rig.machine, cases[i].n_periods, cases[i].fade_ticks);
         TEST_ASSERT_NOT_EQUAL_INT(cam_ok, found.err);
         TEST_ASSERT_EQUAL_INT(!cases[i].is_good, found.err == cam_err_wave_length);

@@ -77,7 +77,7 @@ static void test_refusals_carry_the_limit(void)
     set(cam_param_x_low_nm, -2 * mm);
     set(cam_param_x_high_nm, 3 * mm);
     to_manual();
-    cam_jog_verdict_t verdict = cam_machine_jog(machine(), hal_axis_x, -10001);
+    cam_verdict_t verdict = cam_machine_jog(machine(), hal_axis_x, -10001);
     TEST_ASSERT_EQUAL_INT(cam_err_hand_speed, verdict.err);
     TEST_ASSERT_EQUAL_INT32(10000, verdict.value);
     verdict = cam_machine_step(machine(), hal_axis_x, 3 * mm + 1);
@@ -97,7 +97,7 @@ static void test_jog_is_no_faster_than_the_axis_can_brake(void)
     set(cam_param_x_acceleration_mm_per_s2, 10);
     set(cam_param_x_jog_um_per_s, 100000);
     to_manual();
-    const cam_jog_verdict_t verdict = cam_machine_jog(machine(), hal_axis_x, 100000);
+    const cam_verdict_t verdict = cam_machine_jog(machine(), hal_axis_x, 100000);
     TEST_ASSERT_EQUAL_INT(cam_err_hand_speed, verdict.err);
     TEST_ASSERT_INT32_WITHIN(50, 3385, verdict.value); // root of 2 * 2.73 mm/s2 * 2.097 mm
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hold, overrides and trim as commands: states, refusals, what is kept and what is forgotten.
-#include "cam_machine_override.h"
+#include "cam_machine.h"
 #include "fixture_rig.h"
 #include "unity.h"
 

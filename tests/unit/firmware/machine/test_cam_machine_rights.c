@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is demanded of the button in plans, and that a loss of command forgets what was to come.
-#include "cam_machine_rights.h"
+#include "cam_machine.h"
 #include "cam_machine_inner.h"
 #include "fixture_rig.h"
 #include "unity.h"

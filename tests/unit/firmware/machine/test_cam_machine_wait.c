@@ -5,8 +5,6 @@
 #include "cam_machine_jog.h"
 #include "cam_machine_identify.h"
 #include "cam_machine_inner.h"
-#include "cam_machine_override.h"
-#include "cam_machine_rights.h"
 #include "cam_machine_scope.h"
 #include "fixture_newer.h"
 #include "rig_bench.h"
@@ -275,11 +273,10 @@ static void test_a_hold_ends_with_the_work_only(void)
     bring(cam_state_ready);
     m->is_held = true;
     m->n_requests++;
-    const cam_status_t status = fixture_rig_status(&rig);
-    cam_machine_override_poll(m, &status);
+    cam_machine_poll(m);
     TEST_ASSERT_TRUE(m->is_held);
     m->n_requests--;
-    cam_machine_override_poll(m, &status);
+    cam_machine_poll(m);
     TEST_ASSERT_FALSE(m->is_held);
 }
 

@@ -150,7 +150,7 @@ static void test_zero_is_refused_where_it_cannot_be(void)
     TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_zero(machine(), hal_axis_x, 0).err);
     hal_host.in.axis_nm[hal_axis_z] = 1050 * mm;
     fixture_rig_tick(&rig);
-    const cam_jog_verdict_t verdict = cam_machine_zero(machine(), hal_axis_z, 0);
+    const cam_verdict_t verdict = cam_machine_zero(machine(), hal_axis_z, 0);
     TEST_ASSERT_EQUAL_INT(cam_err_param_range, verdict.err);
     TEST_ASSERT_EQUAL_INT32(0, verdict.value);
     hal_host.in.axis_nm[hal_axis_z] = 0;

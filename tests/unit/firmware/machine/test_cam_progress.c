@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns of a pass that are left, against those that the spindle then really makes.
-#include "cam_progress.h"
-#include "cam_machine_override.h"
+#include "cam_machine.h"
 #include "fixture_rig.h"
 #include "unity.h"
 

@@ -58,7 +58,7 @@ static void test_fade_takes_its_ticks(void)
 
 static void expect(cam_err_t err, int32_t value, int32_t place_nm)
 {
-    const cam_wave_verdict_t v = cam_wave_judge(&range, &fade, place_nm, &cfg, tick_hz);
+    const cam_verdict_t v = cam_wave_judge(&range, &fade, place_nm, &cfg, tick_hz);
     TEST_ASSERT_EQUAL_INT(err, v.err);
     TEST_ASSERT_EQUAL_INT32(value, v.value);
 }

@@ -125,7 +125,7 @@ static void test_every_end_stays_within_the_bounds(void)
     }
 }
 
-static cam_wave_verdict_t judge(uint32_t n, int32_t place_nm, uint32_t fade_ticks)
+static cam_verdict_t judge(uint32_t n, int32_t place_nm, uint32_t fade_ticks)
 {
     const cam_wave_range_t range = cam_wave_range(wave_nm, n);
     const cam_motion_limits_t fade = cam_wave_fade(fade_ticks);
@@ -150,7 +150,7 @@ static void test_limits_are_those_of_u_and_told_in_their_units(void)
 {
     wave_nm[3] = 100;
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(32, 599900, 2000).err);
-    cam_wave_verdict_t v = judge(32, 599901, 2000);
+    cam_verdict_t v = judge(32, 599901, 2000);
     TEST_ASSERT_EQUAL_INT(cam_err_wave_stroke, v.err);
     TEST_ASSERT_EQUAL_INT32(600001, v.value);
     wave_nm[3] = -100;

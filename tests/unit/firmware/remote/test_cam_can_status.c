@@ -2,7 +2,7 @@
 // What the controller sends unasked: status frames and their period. test_cam_can_text.c has the
 // lines of text.
 #include "cam_can.h"
-#include "cam_progress.h"
+#include "cam_machine.h"
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"

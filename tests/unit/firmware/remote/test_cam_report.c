@@ -3,7 +3,7 @@
 // camturn.dbc says.
 #include "cam_report.h"
 #include "cam_offsets.h"
-#include "cam_progress.h"
+#include "cam_machine.h"
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"

@@ -7,7 +7,6 @@
 #include "cam_scope.h"
 #include "cam_state.h"
 #include "cam_table.h" // cam_crc32
-#include "cam_ilc.h"
 #include "cam_trace.h"
 #include "unity.h"
 #include <stdio.h> // snprintf
@@ -46,10 +45,6 @@ static void test_numbers_beyond_a_list_stand_for_nothing(void)
         TEST_ASSERT_EQUAL_HEX32(0, cam_guard_armed((cam_state_t)(cam_n_states + by)));
         TEST_ASSERT_EQUAL_STRING("?", cam_fault_name((cam_fault_t)(cam_n_faults + by)));
         TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)(cam_n_faults + by)));
-        const int phase = (int)cam_ilc_n_phases + by;
-        TEST_ASSERT_EQUAL_STRING("?", cam_ilc_phase_name((cam_ilc_phase_t)phase));
-        const int reason = (int)cam_ilc_n_reasons + by;
-        TEST_ASSERT_EQUAL_STRING("?", cam_ilc_reason_name((cam_ilc_reason_t)reason));
         TEST_ASSERT_EQUAL_STRING("?", cam_scope_signal_name(cam_scope_n_signals + (uint32_t)by));
         TEST_ASSERT_NULL(cam_param_info((cam_param_id_t)(cam_n_params + by)));
     }

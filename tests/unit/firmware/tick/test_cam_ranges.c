@@ -7,7 +7,7 @@
 #include "cam_entry.h"
 #include "cam_machine_jog.h"
 #include "cam_machine_identify.h"
-#include "cam_machine_override.h"
+#include "cam_machine.h"
 #include "cam_machine_scope.h"
 #include "cam_param.h"
 #include "cam_table.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From power-on: every record of a session with changes of parameters and table replays to the bit.
-#include "cam_machine_override.h"
+#include "cam_machine.h"
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"

@@ -5,7 +5,7 @@
 #include "cam_fix.h"
 #include "cam_machine_jog.h"
 #include "cam_machine_identify.h"
-#include "cam_machine_override.h"
+#include "cam_machine.h"
 #include "cam_machine_scope.h"
 #include "cam_table.h"
 #include "fixture_can.h"
