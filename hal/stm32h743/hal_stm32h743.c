@@ -41,7 +41,7 @@ static void init_text(void)
     USART3_CR1 = USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE;
 }
 
-/// Report why the port cannot be used: main() gets only a number.
+/// Report why the port cannot be used; main() only gets the number.
 static int refuse(int reason, const char *why)
 {
     hal_text(why);
@@ -73,8 +73,8 @@ int hal_init(void)
     return stm_can_init() ? 0 : refuse(no_can, "port: FDCAN1 does not work");
 }
 
-/// Report how the firmware is protected (UPDATE.md). Nothing is refused: a machine that is being
-/// set up is open, and a forgotten protection shows at every start.
+/// Report how the firmware is protected (UPDATE.md). Missing protection refuses nothing, because a
+/// machine being set up is unprotected; the line shows it at every start.
 static void report_protection(void)
 {
     char line[] =
@@ -150,7 +150,7 @@ hal_start_t hal_start(void)
     return start;
 }
 
-/// A character takes 87 us to send. It is dropped if there is no room for a millisecond.
+/// Sending a character takes 87 us. It is dropped if there is no room within a millisecond.
 static void put_char(char c)
 {
     const uint32_t begin = TIM5->CNT;
@@ -226,7 +226,7 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     }
 }
 
-/// All outputs of the DAC are in use, so this board has no axis for the swing.
+/// All DAC outputs are in use, so this board has no swing axis.
 bool hal_has_swing(void)
 {
     return false;
@@ -254,7 +254,7 @@ hal_memory_t hal_scope_memory(void)
     return (hal_memory_t){.words = (int32_t *)stm_scope_start, .n_words = 2u * n_doubles};
 }
 
-/// The black box lasts until power-off: flash is for tables and parameters.
+/// The black box is kept until power-off only: flash is for tables and parameters.
 void hal_scope_keep(const int32_t *words, uint32_t n)
 {
     (void)words;
@@ -271,7 +271,7 @@ void hal_swing_write_isr(const hal_swing_t *setpoint)
     (void)setpoint;
 }
 
-/// Inputs of port D. Switches are normally closed, so a broken wire reads as a reached switch.
+/// Inputs of port D. Home switches are normally closed, so a broken wire reads as reached.
 static uint32_t port_d(void)
 {
     enum { shift = 1, indices = 7u << stm_pin_index_u };

@@ -65,8 +65,8 @@ static void set_memory(void)
     FDCAN1_TXESC = FDCAN_TXESC_TBDS_64;
 }
 
-/// The clock calibration unit would make the time quanta from messages on the bus: it is bypassed,
-/// undivided, which needs INIT and CCE. RM0433 56.4.8 (CCU), FDCAN_CCU_CCFG.
+/// Bypass the clock calibration unit, which would derive time quanta from bus messages, without
+/// division; this needs INIT and CCE. RM0433 56.4.8 (CCU), FDCAN_CCU_CCFG.
 bool stm_can_init(void)
 {
     RCC_APB1HENR |= RCC_APB1HENR_FDCAN;

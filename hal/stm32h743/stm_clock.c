@@ -4,11 +4,11 @@
 #include "stm_reg.h"
 #include <stdbool.h> // bool
 
-/// Polls of a flag before it is given up: about 50 ms at the 64 MHz after reset.
+/// Polls of a flag before giving up: about 50 ms at the 64 MHz after reset.
 enum { max_polls = 400000 };
 
 /// Poll a register until the bits of a mask have the wanted values.
-/// @return false when they do not take them in time
+/// @return false on timeout
 static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t wanted)
 {
     for (uint32_t i = 0; i < max_polls; i++) {
@@ -19,12 +19,12 @@ static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t wanted)
     return false;
 }
 
-/// Raise the core's voltage to scale 1 and from there by overdrive to scale 0, the highest one. The
-/// LDO supplies it since start-up.
+/// Raise the core voltage to scale 1, then by overdrive to scale 0, the highest. Start-up has
+/// selected the LDO.
 static bool raise_supply(void)
 {
     PWR_D3CR |= PWR_D3CR_VOS_SCALE1;
-    (void)PWR_D3CR; // the flag below is that of the new scale, here as behind ODEN
+    (void)PWR_D3CR; // so that the flag below is that of the new scale; same after ODEN
     if (!wait_for(&PWR_D3CR, PWR_D3CR_VOSRDY, PWR_D3CR_VOSRDY)) {
         return false;
     }
@@ -45,7 +45,7 @@ static bool start_hse(void)
     return wait_for(&RCC_CR, RCC_CR_HSERDY, RCC_CR_HSERDY);
 }
 
-/// Start PLL1 with 8 MHz from either source; times 120 its VCO runs at 960 MHz.
+/// Start PLL1 with 8 MHz from either source; multiplied by 120, the VCO runs at 960 MHz.
 static bool start_pll(bool has_hse)
 {
     RCC_PLLCKSELR = has_hse ? RCC_PLLCKSELR_HSE | RCC_PLLCKSELR_DIVM1(1)

@@ -3,11 +3,11 @@
 #ifndef STM_CLOCK_H
 #define STM_CLOCK_H
 
-/// What the clocks run from.
+/// Source of the clocks.
 typedef enum {
     stm_clock_hse,  ///< crystal accuracy
     stm_clock_hsi,  ///< the same frequencies within about 1 %: for diagnosis, not for cutting
-    stm_clock_fail, ///< supply or PLL did not become ready: still 64 MHz as after reset
+    stm_clock_fail, ///< supply or PLL not ready: still 64 MHz as after reset
 } stm_clock_t;
 
 /// [Hz] frequencies once stm_clock_init() has succeeded.
@@ -20,7 +20,7 @@ enum {
 
 /// Raise supply and clocks from their state after reset, and let the clock security system
 /// supervise the HSE.
-/// @return what the clocks run from
+/// @return source of the clocks
 /// Context: slow side, once; blocks up to 0.2 s. Source: RM0433 6.6 (voltage scaling,
 /// VOS0), 8.5 (PLLs, CSS), 4.3 (wait states).
 stm_clock_t stm_clock_init(void);

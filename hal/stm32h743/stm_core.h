@@ -18,7 +18,7 @@
 #define SCB_CCR_DC (1u << 16)
 #define SCB_CCR_IC (1u << 17)
 #define SCB_SHCSR STM_REG(0xE000ED24u)
-#define SCB_SHCSR_FAULTS (7u << 16) // memory, bus and usage faults have handlers of their own
+#define SCB_SHCSR_FAULTS (7u << 16) // memory, bus and usage faults have their own handlers
 
 // B3.4, nested vectored interrupt controller: priorities are 0 after reset, the highest
 
@@ -35,7 +35,7 @@
 #define MPU_RASR_ENABLE (1u << 0)
 #define MPU_RASR_SIZE(log2_bytes) (((uint32_t)(log2_bytes)-1u) << 1)
 #define MPU_RASR_WITHOUT(eighth) (1u << (8u + (eighth)))
-#define MPU_RASR_DEVICE (1u << 16) // no read but what the program asks for
+#define MPU_RASR_DEVICE (1u << 16) // no speculative reads
 #define MPU_RASR_WRITE_THROUGH (1u << 17)
 #define MPU_RASR_UNCACHED (1u << 19)
 #define MPU_RASR_NO_ACCESS (0u << 24)
@@ -60,8 +60,8 @@
 #define DWT_LAR STM_REG(0xE0001FB0u)
 #define DWT_LAR_KEY 0xC5ACCE55u
 
-/// Barrier: all memory accesses before it are complete, and all instructions behind it see their
-/// effect. Inlined always: the start-up in flash calls it before the code in RAM is there.
+/// Barrier: completes all earlier memory accesses before any later instruction runs. Always
+/// inlined, because start-up in flash calls it before code has been copied to RAM.
 __attribute__((always_inline)) static inline void stm_barrier(void)
 {
     __asm volatile("dsb\n isb" ::: "memory");

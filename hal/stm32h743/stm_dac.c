@@ -32,8 +32,8 @@ static void send_isr(const uint32_t words[stm_n_dacs])
     SPI3_CR1 = SPI_CR1_SPE | SPI_CR1_CSTART;
 }
 
-/// Wait for the end of a transfer, outside of the tick.
-/// @return false when it does not come
+/// Wait for the end of a transfer, outside the tick.
+/// @return false on timeout
 static bool wait_for_end(void)
 {
     for (uint32_t i = 0; i < 100000u; i++) { // some hundred times the duration of a transfer
@@ -44,8 +44,8 @@ static bool wait_for_end(void)
     return false;
 }
 
-/// Set SPI3 up for 20 MHz. Data change on the rising edge. Frames are four clocks apart, during
-/// three of which /SYNC is high: 150 ns, where the converter asks for 100 ns (RM0433 50.4.8, SSOM;
+/// Set SPI3 up for 20 MHz. Data change on the rising edge. Frames are four clocks apart, and /SYNC
+/// is high for three of them: 150 ns; the converter requires 100 ns (RM0433 50.4.8, SSOM;
 /// data sheet, timing characteristics).
 static void init_spi(void)
 {
@@ -57,11 +57,11 @@ static void init_spi(void)
     SPI3_CR2 = stm_n_dacs;
 }
 
-/// Set the internal DAC up: its output shows the middle from the first moment, and later steps with
-/// the trigger of TIM4. Its buffer is on, which is the value of DAC_MCR after reset. Without the
-/// trigger a value reaches the output at once; whether it does so while the channel is off, the
-/// manual does not say, so it is stored before and after EN1 is set. The trigger is chosen before,
-/// since it may not change while the channel is on. RM0433 chapter 26, DAC_CR, DAC_DOR1.
+/// Set the internal DAC up: it starts at mid-scale and later steps on the trigger of TIM4. Its
+/// buffer is on, the reset value of DAC_MCR. Without the trigger a value reaches the output at
+/// once; the manual does not say whether this holds while the channel is off, so the value is
+/// stored both before and after EN1 is set. The trigger is selected first, since it must not change
+/// while the channel is on. RM0433 chapter 26, DAC_CR, DAC_DOR1.
 static void init_internal(void)
 {
     enum { middle = 2048, most_polls = 1000 };
@@ -82,7 +82,7 @@ bool stm_dac_init(void)
                                                frame_control | control_protect, frame_nothing};
     static const uint32_t load[stm_n_dacs] = {frame_load_all, frame_nothing, frame_nothing,
                                               frame_nothing};
-    // Ranges, power and protection first, then 0 V into all outputs, and at last the load command.
+    // First ranges, power and protection, then 0 V for all outputs, finally the load command.
     for (uint32_t i = 0; i < stm_n_dacs; i++) {
         stm_dac_set_isr(i, 0);
     }
@@ -90,8 +90,7 @@ bool stm_dac_init(void)
     init_spi();
     send_isr(setup);
     bool is_good = wait_for_end();
-    // The reference needs 10 us after its power-up (data sheet, "Power control register"): wait
-    // 100.
+    // The reference needs 10 us to power up (data sheet, "Power control register"): wait 100 us.
     const uint32_t begin = TIM5->CNT;
     while (TIM5->CNT - begin < stm_timer_hz / 1000000 * 100) {
     }

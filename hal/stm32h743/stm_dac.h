@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_dac: set-points as voltages, by an AD5754R on SPI3 and, for U once more, by the internal
-/// DAC.
+/// stm_dac: outputs set-points as voltages: an AD5754R on SPI3, and for U also the internal DAC.
 ///
-/// Four frames of 24 bits are sent at the end of a tick. The outputs do not change until TIM4 lets
-/// /LDAC fall and triggers the internal DAC, so all of them step together, always BOARD_UPDATE_NS
+/// Four frames of 24 bits are sent at the end of a tick. The outputs do not change until TIM4 pulls
+/// /LDAC low and triggers the internal DAC, so all of them step together, always BOARD_UPDATE_NS
 /// after the start of the tick. The AD5754R is strapped to two's complement (BIN/2sCOMP low).
 /// Source: AD5754R data sheet, "Serial interface", "Input shift register"; RM0433 chapters 26, 50.
 #ifndef STM_DAC_H
@@ -16,7 +15,7 @@
 enum { stm_dac_u, stm_dac_x, stm_dac_z, stm_dac_spindle, stm_n_dacs };
 
 /// Bring up both converters with all outputs at 0 V.
-/// @return false when SPI3 does not work; whether an AD5754R listens cannot be detected
+/// @return false if SPI3 does not work; a missing AD5754R cannot be detected
 /// Context: slow side, once, while TIM5 runs; blocks for less than a millisecond if SPI3 works.
 bool stm_dac_init(void);
 
@@ -25,12 +24,12 @@ bool stm_dac_init(void);
 /// @param code  -32 768 .. 32 767; 0 is 0 V
 void stm_dac_set_isr(uint32_t dac, int32_t code);
 
-/// Set the code that the internal DAC takes at the next step of the outputs. Context: ISR.
+/// Set the code that the internal DAC outputs at the next step of the outputs. Context: ISR.
 /// @param code  0 .. 4095; 2048 is the middle
 void stm_dac_set_internal_isr(uint32_t code);
 
 /// Start the transfer of the four codes. Context: ISR.
-/// @return false when the previous transfer had not ended, and was abandoned
+/// @return false if the previous transfer had not ended; it is then aborted
 bool stm_dac_send_isr(void);
 
 #endif

@@ -54,7 +54,7 @@ const char *stm_ecc_why(const char *exception)
     return text;
 }
 
-/// An interrupt without a flag was pending from before stm_ecc_init().
+/// An interrupt without a flag was pending before stm_ecc_init().
 void stm_ecc_isr(void)
 {
     const char *why = stm_ecc_why("");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_ecc: counts the memory errors that the hardware corrected, and stops on those it could not.
+/// stm_ecc: counts memory errors corrected by hardware and halts on uncorrectable ones.
 ///
 /// Flash and every RAM have an error-correction code: a single flipped bit in a word is corrected,
-/// two are detected. Start-up writes all RAM in use before (stm_start.c), because the code is
+/// two are detected. Start-up first writes all RAM in use (stm_start.c), because the code is
 /// random after power-on. Source: RM0433 chapter 3 (RAMECC), 4.3.12 (flash).
 #ifndef STM_ECC_H
 #define STM_ECC_H

@@ -19,8 +19,8 @@ static uint32_t bank_of(uint32_t address)
     return (address - flash_start) / bank_bytes;
 }
 
-/// Flags of reads are ignored: RDSERR and RDPERR come from speculative reads (stm_memory.h, region
-/// 7), and stm_ecc counts SNECCERR. What was written is compared.
+/// Read error flags are ignored: RDSERR and RDPERR come from speculative reads (stm_memory.h,
+/// region 7), and stm_ecc counts SNECCERR. Written data are read back and compared.
 /// @return whether the operation has ended without an error; its flags are cleared
 static bool ends_well(uint32_t bank)
 {
@@ -29,8 +29,8 @@ static bool ends_well(uint32_t bank)
     return (flags & (FLASH_SR_QW | FLASH_SR_ERRORS)) == 0u;
 }
 
-/// Make the tables of a bank writable and unlock its control register, unless it is unlocked: the
-/// keys may then lock it until a reset. RM0433 4.5.1.
+/// Make the tables of a bank writable and unlock its control register. If it is unlocked already,
+/// the keys are not written, because they may then lock it until a reset. RM0433 4.5.1.
 /// @return false when it stays locked
 static bool open_bank(uint32_t bank)
 {
@@ -76,7 +76,7 @@ bool stm_flash_erase(uint32_t address, uint32_t bytes)
     return is_good;
 }
 
-/// @return the four bytes from `at` on as a word, FFh after the end of the n bytes
+/// @return the four bytes at `at` as a word, padded with FFh beyond the n bytes
 static uint32_t word_at(const uint8_t *bytes, uint32_t n, uint32_t at)
 {
     uint32_t word = UINT32_MAX;
@@ -86,8 +86,8 @@ static uint32_t word_at(const uint8_t *bytes, uint32_t n, uint32_t at)
     return word;
 }
 
-/// Program a flash word of an open bank. The flash interface collects eight words and starts to
-/// program after the last one.
+/// Program a flash word of an open bank. The flash interface collects eight words and starts
+/// programming after the last one.
 static bool program_word(uint32_t bank, uint32_t address, const uint8_t *bytes, uint32_t n)
 {
     volatile uint32_t *to = (volatile uint32_t *)address;
@@ -105,7 +105,7 @@ bool stm_flash_program(uint32_t address, const uint8_t *bytes, uint32_t n)
     const uint32_t bank = bank_of(address);
     bool is_good = open_bank(bank);
     FLASH_CR(bank) = FLASH_CR_PG | FLASH_CR_PSIZE_64;
-    // The bit must arrive before the first store, which takes another bus: otherwise PGSERR.
+    // The bit must arrive before the first store, which uses another bus; otherwise PGSERR.
     // RM0433 4.3.9; embassy pull requests 1014 and 2539.
     stm_barrier();
     for (uint32_t at = 0; at < n && is_good; at += stm_flash_word_bytes) {
@@ -132,7 +132,7 @@ static void end_peeking(void)
     __asm volatile("cpsie f" ::: "memory");
 }
 
-/// @return whether all reads since the flags were cleared were good; the flags are cleared
+/// @return whether all reads since the flags were last cleared succeeded; clears the flags
 static bool was_readable(uint32_t bank)
 {
     const bool is_readable = (FLASH_SR(bank) & FLASH_SR_DBECCERR) == 0u;

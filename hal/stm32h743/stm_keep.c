@@ -57,8 +57,8 @@ static bool take_text(void)
     return is_valid;
 }
 
-/// A power-on sets the brown-out flag as well, and every reset inside the device sets that of the
-/// pin. So the flags are checked from the most to the least specific one.
+/// Power-on also sets the brown-out flag, and every internal reset also sets the pin flag, so check
+/// the flags from the most to the least specific.
 static hal_reset_t reason(uint32_t flags, bool has_text)
 {
     if ((flags & RCC_RSR_PORRSTF) != 0u) {

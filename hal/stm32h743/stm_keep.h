@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_keep: why the processor started, and the text of the last hal_halt().
+/// stm_keep: reason for the last start, and the text of the last hal_halt().
 ///
-/// The text has a check word and is in memory that start-up clears, except after a software reset:
-/// after a power-on its error-correction code is random.
+/// The text has a check word. Start-up clears its memory, whose error-correction code is random
+/// after power-on, except after a software reset.
 #ifndef STM_KEEP_H
 #define STM_KEEP_H
 
@@ -10,8 +10,8 @@
 #include "stm_reg.h" // RCC_RSR
 #include <stdbool.h> // bool
 
-/// @return whether RCC_RSR says that memory has held a text since the last start. Inlined always:
-/// the start-up in flash calls it before the code in RAM is there.
+/// @return whether, according to RCC_RSR, memory has kept its content since the last start. Always
+/// inlined, because start-up in flash calls it before code has been copied to RAM.
 __attribute__((always_inline)) static inline bool stm_keep_may_hold(uint32_t flags)
 {
     return (flags & (RCC_RSR_SFTRSTF | RCC_RSR_PORRSTF | RCC_RSR_BORRSTF)) == RCC_RSR_SFTRSTF;

@@ -3,11 +3,9 @@
 ///
 /// Where regions overlap, the one with the highest number applies:
 ///
-///   - 0, 1: 60000000h .. 9FFFFFFFh, external: no access, so that the core does not read ahead
-///   there
-///   - 2: flash, both banks: no access. The first two sectors hold the start-up and the load
-///   images,
-///     which are not needed once the start-up has copied them
+///   - 0, 1: 60000000h .. 9FFFFFFFh, external: no access, to prevent speculative reads
+///   - 2: flash, both banks: no access. The first two sectors hold start-up and load images, which
+///     are not needed after start-up has copied them
 ///   - 3, 8: flash with tables, bank 2 and bank 1 except its first two sectors: read, cached; while
 ///     the bank is erased or programmed: read and write as device memory, so that the core does not
 ///     read ahead and then wait for the end of the operation

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_params: where parameters are kept, and how that survives a loss of power at any instant.
+/// stm_params: stores parameters in flash, safe against power loss at any instant.
 ///
-/// Two sectors hold a log. A record is the bytes, filled up to whole flash words, and behind them
-/// one more flash word, the seal. The seal is written last and at once, so a record without one
-/// does not count:
+/// Two sectors hold a log. A record consists of the bytes, padded to whole flash words, followed by
+/// one flash word, the seal. The seal is written last and in one operation; a record without a seal
+/// is invalid:
 ///
 ///     | bytes .. | seal 7 | bytes .. | seal 8 | bytes, torn | erased ..
 ///
-/// The sealed record with the highest number is the one that is kept. Records are appended to its
-/// sector. When that is full, the other one is erased and takes the next record, so that the newest
-/// record is never in a sector that is erased. Both sectors are in the bank of place 0.
+/// The sealed record with the highest number is current. Records are appended to its sector. When
+/// it is full, the other one is erased and receives the next record, so the sector with the newest
+/// record is never erased. Both sectors are in the bank of place 0.
 #include "stm_params.h"
 #include "hal/hal.h"
 #include "stm_flash.h"
@@ -26,13 +26,13 @@ _Static_assert(sizeof(word_t) == stm_flash_word_bytes, "a seal is written at onc
 
 static const uint32_t seal_magic = 0x4D524150u; // "PARM"
 
-/// What is known of the log.
+/// State of the log.
 typedef struct {
     hal_params_t kept;
-    uint32_t number; ///< of the kept record, from 1 on; 0: there is none
-    uint32_t sector; ///< in which that one is
-    uint32_t open;   ///< sector in which the next record is appended
-    uint32_t next;   ///< flash word of it where that record begins
+    uint32_t number; ///< of the current record, from 1; 0: none
+    uint32_t sector; ///< sector of the current record
+    uint32_t open;   ///< sector to which the next record is appended
+    uint32_t next;   ///< flash word at which that record begins
 } store_t;
 
 static store_t store;
@@ -64,8 +64,8 @@ static bool is_same(const word_t *a, const word_t *b)
     return is;
 }
 
-/// Take the record whose seal is word i, if it is newer than the one that was found before.
-/// @param begin  first word behind the seal before, and behind all that cannot be read
+/// Make the record whose seal is word i current if it is newer than the one found before.
+/// @param begin  first word after the previous seal and after any unreadable word
 /// @return       whether the word is a seal of readable bytes
 static bool take_record(uint32_t sector, uint32_t begin, uint32_t i, const word_t *found)
 {
@@ -86,14 +86,14 @@ static bool take_record(uint32_t sector, uint32_t begin, uint32_t i, const word_
     return true;
 }
 
-/// Look through a sector up to its first erased word.
-/// @param n_used  result: number of words in front of that
-/// @return        whether all of them belong to records that are whole
+/// Scan a sector up to its first erased word.
+/// @param n_used  result: number of words before it
+/// @return        whether all of them belong to complete records
 static bool read_sector(uint32_t sector, uint32_t *n_used)
 {
     static const word_t erased = {{UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX,
                                    UINT32_MAX, UINT32_MAX, UINT32_MAX}};
-    uint32_t begin = 0; // of what may be the bytes of the next seal
+    uint32_t begin = 0; // of the candidate bytes of the next seal
     uint32_t i = 0;
     for (; i < (uint32_t)n_words; i++) {
         word_t found;
@@ -117,7 +117,7 @@ void stm_params_init(void)
     }
     store.kept.is_damaged = !is_whole;
     store.open = store.sector;
-    // Without a record nothing is known of the sectors: the first save erases one.
+    // Without a record the state of the sectors is unknown, so the first save erases one.
     store.next = store.number > 0u ? n_used[store.open] : (uint32_t)n_words;
 }
 
@@ -146,7 +146,7 @@ bool hal_params_keep(const void *bytes, uint32_t size)
     const uint32_t begin = address_of(store.open, store.next);
     const uint32_t end = begin + words_of(size) * stm_flash_word_bytes;
     const word_t seal = seal_of(store.number + 1u, size);
-    // Behind what does not end well nothing is appended: a start looks no further than to there.
+    // Append nothing after a failed write: the scan at the next start would stop there.
     const uint32_t next = store.next + words_of(size) + 1u;
     store.next = (uint32_t)n_words;
     if (!stm_flash_program(begin, (const uint8_t *)bytes, size) ||

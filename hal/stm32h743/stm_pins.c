@@ -11,11 +11,11 @@ typedef struct {
     stm_gpio_t *port;
     uint8_t pin;
     uint8_t mode;
-    uint8_t pull; ///< an input's pull brings a cut wire to the level of rest
+    uint8_t pull; ///< pulls an input with a cut wire to its rest level
     uint8_t alternate;
 } pin_t;
 
-/// The outputs of port E are missing here: stm_outputs_safe() has set them up.
+/// Without the outputs of port E, which stm_outputs_safe() has set up.
 static const pin_t pins[] = {
     {GPIOA, 4, mode_analogue, pull_none, 0},   // internal DAC
     {GPIOA, 5, mode_alternate, pull_down, 1},  // TIM2 channel 1: spindle A

@@ -48,13 +48,13 @@ enum {
 #define STM_OUTPUT_MODES 0x54005555u
 
 /// Bits of port B's MODER that make PB3 an input when cleared. After a reset PB3 is the output of
-/// the debug unit's trace, while a receiver of the spindle's B drives it. RM0433 11.3.1, 60.4.
+/// the debug unit's trace, while the receiver of spindle B drives it. RM0433 11.3.1, 60.4.
 #define STM_TRACE_MODE_MASK (3u << 2 * 3)
 
 /// Make the outputs safe: enable low, fault high, all others low. The levels are set before the
 /// pins become outputs.
 /// Context: any, even before memory is set up: it is inlined and reads no constants from memory.
-/// Start-up does the same by its own table.
+/// Start-up does the same from its own table.
 /// Source: RM0433 11.4, GPIOx_BSRR, GPIOx_MODER; 8.7, RCC_AHB4ENR.
 __attribute__((always_inline)) static inline void stm_outputs_safe(void)
 {
@@ -64,7 +64,7 @@ __attribute__((always_inline)) static inline void stm_outputs_safe(void)
     GPIOE->MODER = (GPIOE->MODER & ~STM_OUTPUT_MODES_MASK) | STM_OUTPUT_MODES;
 }
 
-/// Give all pins their function. Context: slow side, once.
+/// Configure all pins. Context: slow side, once.
 void stm_pins_init(void);
 
 #endif

@@ -63,7 +63,7 @@ static void on_unexpected(void)
     hal_halt("exception: unexpected interrupt");
 }
 
-/// An exception before memory is filled: make the outputs safe and start again.
+/// Exception before memory is initialised: make the outputs safe and restart.
 STM_BOOT static void on_boot_fault(void)
 {
     stm_outputs_safe();
@@ -72,7 +72,7 @@ STM_BOOT static void on_boot_fault(void)
     }
 }
 
-/// The vectors in flash, from which the core starts. Interrupts are enabled later.
+/// Vectors in flash, used at reset. Interrupts are enabled later.
 __attribute__((section(".vectors"), used)) static const struct {
     uint32_t *stack_top;
     vector_t system[n_system - 1];
@@ -152,7 +152,7 @@ __attribute__((section(".boot_table"), used)) const struct {
     .ready = PWR_CSR1_ACTVOSRDY,
 };
 
-/// Clear the other memories (the DTCM is clear already), but not the text of a halt, and copy the
+/// Clear the other memories (the DTCM is already clear), except the text of a halt, and copy the
 /// load images.
 STM_BOOT void stm_boot_fill(void)
 {
@@ -167,7 +167,7 @@ STM_BOOT void stm_boot_fill(void)
     stm_barrier();
 }
 
-/// Runs after the start-up, from ITCM: from here on only the tables in flash may be read.
+/// Runs from ITCM after start-up. From here on, flash is accessible only for tables.
 __attribute__((used, noinline)) void stm_run(void)
 {
     fill_vectors();
@@ -176,10 +176,10 @@ __attribute__((used, noinline)) void stm_run(void)
     hal_halt("main returned");
 }
 
-/// Changes the registers of stm_boot_table and reads each back, so that the next change finds its
-/// clock running; waits; clears the DTCM, the stack included, with 64-bit stores. In assembler, so
-/// that nothing uses the stack too early, and link-time optimisation does not inline main() here,
-/// in flash. Without a valid supply it waits with safe outputs.
+/// Applies stm_boot_table, reading back each register so that its clock runs before the next
+/// change; waits; clears the DTCM, stack included, with 64-bit stores. Written in assembler so that
+/// nothing uses the stack too early and link-time optimisation does not inline main() here, in
+/// flash. Without a valid supply it waits with safe outputs.
 __attribute__((naked, section(".boot"), used)) void stm_reset(void)
 {
     __asm volatile("ldr r0, =stm_boot_table\n"

@@ -25,12 +25,11 @@ static struct {
 
 static bool is_enabled;
 
-/// [1 / stm_timer_hz] period of a train by the number of its steps, so that the interrupt does not
-/// divide.
+/// [1 / stm_timer_hz] period of a train by its number of steps; avoids a division in the interrupt.
 static uint16_t period[stm_steps_most + 1];
 
 /// Prepare trains. In PWM mode 2 the output is high from CCR1 to the end of a period. The counter
-/// rests at 0, so the output rests low where CCR1 is above, as it must be before it is switched on.
+/// rests at 0, so the output rests low if CCR1 is above 0, which must hold before it is enabled.
 static void init_output(stm_tim_t *tim)
 {
     tim->CR1 = TIM_CR1_URS | TIM_CR1_OPM;
@@ -67,8 +66,8 @@ void stm_steps_enable_isr(bool is_on)
     is_enabled = is_on;
 }
 
-/// Start a train. The update event that is asked for loads the repetition counter; it ends no
-/// train, because the counter stands still.
+/// Start a train. The forced update event loads the repetition counter; it does not end a train,
+/// because the counter is stopped.
 static void start_train(stm_tim_t *tim, uint32_t n)
 {
     tim->RCR = n - 1u;
@@ -78,7 +77,7 @@ static void start_train(stm_tim_t *tim, uint32_t n)
     tim->CR1 = TIM_CR1_URS | TIM_CR1_OPM | TIM_CR1_CEN;
 }
 
-/// Send what is missing of an axis, as far as this tick can.
+/// Send the missing steps of an axis, as many as fit in this tick.
 static void send(uint32_t i)
 {
     const uint32_t missing = (uint32_t)axis[i].wanted - (uint32_t)axis[i].sent;

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_table: the two places for tables, which of them is in use, and how that changes
-/// (hal_table_*()).
+/// stm_table: two slots for tables in flash and the switch between them (hal_table_*()).
 ///
 /// The places are in different banks. A log in a sector of its own records which one is in use. A
 /// record is one flash word, so it is written completely or not at all. The last good record
 /// applies; an empty log means place 0, which programming tools write. The log is erased only while
-/// place 0 is in use, since an empty log then means the same as before.
+/// place 0 is in use, so erasing it does not change the place in use.
 ///
-/// Firmware that fitted one sector kept place 1 from sector 1 on, where code is now. Its records
-/// name that place 1; those of today's place 1 name 2. A table in the old place is lost: none is
-/// used until a new one is downloaded or programmed, because the table in place 0 may be of another
-/// part.
+/// Older firmware, which fitted in one sector, had place 1 at sector 1, where code is now. Records
+/// of that old place have the name 1, those of the present place 1 the name 2. A table in the old
+/// place is lost. Place 0 may hold a table of another part, so no table is used until a new one is
+/// downloaded or programmed.
 #include "hal/hal.h"
 #include "stm_flash.h"
 #include "stm_table.h"
@@ -18,7 +17,7 @@
 
 enum { n_records = 1024 };
 
-/// What a record names.
+/// Names of places in a record.
 enum { name_place_0 = 0, name_old_place_1 = 1, name_place_1 = 2, n_names = 3 };
 
 extern const uint8_t stm_table_start[], stm_table_bytes[];
@@ -100,8 +99,9 @@ static hal_image_t place(uint32_t i)
                    : (hal_image_t){.bytes = stm_other_start, .size = (uint32_t)stm_other_bytes};
 }
 
-/// An interrupted programmer leaves words that cannot be read. The place ends before them, so the
-/// table is cut off and refused; a load would be a bus fault and a reset at every start.
+/// If programming was interrupted, some words cannot be read, and loading one would cause a bus
+/// fault and a reset at every start. The image ends before them, so the table is truncated and
+/// refused.
 hal_image_t hal_table_image(void)
 {
     const hal_image_t all = place(in_use);
@@ -114,7 +114,7 @@ hal_image_t hal_table_staged(void)
     return is_begun ? place(1u - in_use) : (hal_image_t){.bytes = NULL, .size = 0};
 }
 
-/// @return whether the log has room for the record of the next table, after an erase if need be
+/// @return whether the log has room for the next record, after an erase if necessary
 static bool make_room_in_log(void)
 {
     if (in_use == 0u && n_written > n_records / 2u) {
@@ -150,12 +150,12 @@ bool hal_table_commit(void)
     if (!is_begun || n_written == n_records) {
         return false;
     }
-    // Count the record before it is written: a torn one occupies its place in the log as well.
+    // Count the record before writing: a torn one also uses up its entry in the log.
     const record_t record = record_of(in_use == 0u ? name_place_1 : name_place_0, n_written);
     const uint32_t address = log_address(n_written);
     n_written++;
     is_begun = false;
-    hal_idle(); // feeds the watchdog between the check of the table before and the one after
+    hal_idle(); // feed the watchdog between the table checks before and after
     if (!stm_flash_program(address, (const uint8_t *)record.words, sizeof record)) {
         return false;
     }

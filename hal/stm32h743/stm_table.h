@@ -8,8 +8,8 @@
 /// Read the log. Context: slow side, once, before hal_table_image().
 void stm_table_init(void);
 
-/// @return whether the table in use was in a place that an older firmware used and where code is
-/// now: it is no longer there. Context: slow side.
+/// @return whether the table in use is lost: older firmware stored it where code is now.
+/// Context: slow side.
 bool stm_table_is_lost(void);
 
 #endif

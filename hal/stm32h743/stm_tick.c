@@ -14,10 +14,10 @@ static volatile struct {
     uint32_t n_ticks;
     uint32_t faults;
     uint32_t last_cycles, max_cycles;
-    bool is_behind; ///< interrupt only: the last tick ended when the next one was due
+    bool is_behind; ///< interrupt only: the last tick ended after the next one was due
 } tick;
 
-/// Faults are latched last: an overrun during the measurement counts as well.
+/// Faults are latched last, so that an overrun during the measurement is included.
 void stm_tick_isr(void)
 {
     const uint32_t begin = DWT_CYCCNT;

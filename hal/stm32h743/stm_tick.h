@@ -5,8 +5,8 @@
 
 #include <stdint.h> // uint32_t
 
-/// Faults of the port. Any of them makes hal_inputs_read_isr() report the drives as not ready until
-/// the next reset, so that the controller retracts and does not start again.
+/// Faults of the port. With any of them hal_inputs_read_isr() reports the drives as not ready until
+/// the next reset, so the controller retracts and does not restart.
 enum {
     stm_fault_clock = 1u << 0,   ///< the HSE did not start: rates are within 1 % only
     stm_fault_overrun = 1u << 1, ///< a tick had not ended when the next one was due

@@ -24,17 +24,17 @@ static struct {
     uint32_t index_counts, n_index;
 } position;
 
-/// The spindle's counter, and when its tracks had their last edges.
+/// The spindle's counter, and the times of the last edges of A and B.
 typedef struct {
     uint32_t counts;
     uint32_t a_clock, b_clock; ///< [1 / stm_timer_hz]
 } edges_t;
 
-/// As the last tick read them.
+/// As read by the last tick.
 static edges_t last;
 
-/// Set a timer up as an encoder interface: both edges of both tracks count. The filter is the same
-/// on all inputs, so it delays all of them alike.
+/// Set a timer up as an encoder interface: both edges of both tracks count. All inputs
+/// have the same filter and so the same delay.
 static void init_encoder(stm_tim_t *tim, uint32_t top)
 {
     tim->ARR = top;
@@ -70,7 +70,7 @@ void stm_timers_init(void)
     TIM2->CCER = TIM_CCER_CC3E | TIM_CCER_CC4E | TIM_CCER_CC4P;
     init_tick();
     TIM5->ARR = UINT32_MAX;
-    // Every edge of A and of B; the filter is that of the counter, so both delay an edge alike.
+    // Every edge of A and B, with the counter's filter, so both delay an edge equally.
     TIM5->CCMR1 = TIM_CCMR1_IC1_TI1 | TIM_CCMR1_IC1F_8;
     TIM5->CCMR2 = TIM_CCMR2_IC4_TI4 | TIM_CCMR2_IC4F_8;
     TIM5->CCER = TIM_CCER_IC1_BOTH | TIM_CCER_IC4_BOTH;
@@ -133,8 +133,9 @@ bool hal_has_edge_time(void)
     return BOARD_HAS_EDGE_TIME != 0;
 }
 
-/// Counter and captures of the same instant. Edges are 2 us apart at 10 000 counts and 3000 r/min,
-/// three reads take a tenth of that: the second try is whole, and the third one is for noise.
+/// Read a consistent set of counter and captures. Edges are 2 us apart at 10 000 counts and 3000
+/// r/min, and three reads take a tenth of that: the second try succeeds, the third allows for
+/// noise.
 static edges_t read_edges(void)
 {
     enum { most_tries = 3 };
@@ -151,7 +152,7 @@ static edges_t read_edges(void)
     return e;
 }
 
-/// Four counts have edges of both tracks; one that was not captured is not wired.
+/// Four counts contain edges of both tracks; a track without a capture is not wired.
 static void judge_edges(const edges_t *now)
 {
     const uint32_t moved = now->counts - last.counts + 3u;

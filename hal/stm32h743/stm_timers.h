@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// stm_timers: tick, encoders and clock: TIM1 to TIM5.
 ///
-/// Hardware latches the spindle's counter at both edges of the index pulse. The port uses the place
-/// at which a positive rotation enters the pulse, which is the rising edge. In the negative sense
-/// the pulse is left at that very place, so the falling edge is used. The direction bit of the
-/// counter decides, as it is when the tick reads it.
+/// Hardware latches the spindle's counter at both edges of the index pulse. The port uses the
+/// position at which positive rotation enters the pulse: its rising edge. Negative rotation leaves
+/// the pulse at the same position, so the falling edge is used. The counter's direction bit, as
+/// read in the tick, selects the edge.
 ///
-/// TIM5 is the clock of the time stamps, and captures itself at every edge of A and of B on
-/// channels 1 and 4, so the later of the two captures is the time of the edge that the counter
-/// counted last.
+/// TIM5 is the timestamp clock. Its channels 1 and 4 capture it at every edge of A and B, so the
+/// later capture is the time of the last counted edge.
 #ifndef STM_TIMERS_H
 #define STM_TIMERS_H
 
@@ -23,14 +22,13 @@ void stm_timers_init(void);
 /// Start TIM4 and its interrupt. Context: slow side.
 void stm_timers_start_tick(void);
 
-/// Acknowledge the tick. Context: ISR, at its begin.
+/// Acknowledge the tick. Context: ISR, at its start.
 void stm_timers_tick_begin_isr(void);
 
-/// @return whether the next tick is due already. Context: ISR, at its end.
+/// @return whether the next tick is already due. Context: ISR, at its end.
 bool stm_timers_is_overrun_isr(void);
 
-/// @return whether a transfer that starts now would end after the outputs have stepped. Context:
-/// ISR.
+/// @return whether a transfer started now would end after the outputs step. Context: ISR.
 bool stm_timers_is_late_isr(void);
 
 /// @return [counts] position of the U scale since start. Context: ISR, every tick.

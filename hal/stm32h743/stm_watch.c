@@ -4,8 +4,8 @@
 #include "stm_clock.h"    // stm_apb_hz
 #include "stm_reg.h"
 
-/// The window watchdog counts down from `from` in steps of 4096 clocks of APB3, bites when it falls
-/// below 64, and may be fed when it has come to `open`: after one step at least.
+/// The window watchdog counts down from `from` in steps of 4096 APB3 clocks, resets below 64, and
+/// may be fed from `open` on: after at least one step.
 enum {
     step_clocks = 4096,
     tick_clocks = stm_apb_hz / BOARD_TICK_HZ,
@@ -18,7 +18,7 @@ _Static_assert((steps - 1) * step_clocks > 3 * tick_clocks, "three ticks may be 
 
 static void start_window(void)
 {
-    RCC_GCR |= RCC_GCR_WW1RSC; // a bite resets the whole device, not the core alone
+    RCC_GCR |= RCC_GCR_WW1RSC; // resets the whole device, not only the core
     RCC_APB3ENR |= RCC_APB3ENR_WWDG1;
     (void)RCC_APB3ENR;
     DBGMCU_APB3FZ1 |= DBGMCU_APB3FZ1_WWDG1;
@@ -26,7 +26,7 @@ static void start_window(void)
     WWDG_CR = WWDG_CR_WDGA | from;
 }
 
-/// The second is longer than the slow side needs for the check of the largest table.
+/// One second is longer than the slow side needs to check the largest table.
 static void start_independent(void)
 {
     DBGMCU_APB4FZ1 |= DBGMCU_APB4FZ1_WDGLSD1;

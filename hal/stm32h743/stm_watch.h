@@ -1,27 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_watch: two watchdogs, which reset the device and thereby let the outputs go.
+/// stm_watch: two watchdogs, which reset the device and so release the outputs.
 ///
-/// The independent one, IWDG1, has a clock of its own and bites when nobody has fed it for a
-/// second: it supervises the main loop, and the tick through it. The window watchdog, WWDG1, is fed
-/// by each tick at its begin. It bites when the next one does not begin within 171 to 205 us, four
-/// periods, and when two are less than a step of 34 us apart, as of a tick's timer that has become
-/// too fast: a controller that moves by ticks would then move faster than its limits.
+/// The independent watchdog, IWDG1, has its own clock and resets after a second without a feed. It
+/// supervises the main loop, and through it the tick. The window watchdog, WWDG1, is fed at the
+/// start of each tick. It resets if the next tick does not start within 171 to 205 us, four
+/// periods, or if two ticks are less than a step of 34 us apart: motion is computed per tick, so a
+/// tick timer that runs fast would move the axes beyond their speed limits.
 #ifndef STM_WATCH_H
 #define STM_WATCH_H
 
 #include <stdbool.h> // bool
 
-/// Start both; nothing but a reset stops them, and a debugger that holds the core. To be called
-/// when the tick starts.
+/// Start both when the tick starts. Only a reset, or a debugger that halts the core, stops them.
 /// Source: RM0433 44.3, 44.4 (WWDG), 45.3 (IWDG), 60.5 (freeze). Context: slow side, once.
 void stm_watch_start(void);
 
-/// The main loop is alive. Context: slow side.
+/// Report that the main loop is running. Context: slow side.
 void stm_watch_feed(void);
 
-/// A tick begins.
-/// @param is_behind  the last one ended when this one was due already: it follows sooner than the
-///                   window opens, and feeds nothing. Context: ISR.
+/// Feed the window watchdog at the start of a tick. Context: ISR.
+/// @param is_behind  the last tick overran: this one starts before the window opens and does not
+///                   feed the watchdog
 void stm_watch_tick_isr(bool is_behind);
 
 #endif
