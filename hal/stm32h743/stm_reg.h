@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// stm_reg: the registers and bits of the STM32H743 that this port uses, and no others.
 ///
-/// Names are those of the reference manual RM0433 (revision 8), whose chapter stands above each
+/// Names are those of the reference manual RM0433 (revision 8), with the chapter above each
 /// group; addresses: chapter 2, "Memory organization". Core registers: stm_core.h.
 #ifndef STM_REG_H
 #define STM_REG_H
@@ -15,7 +15,7 @@
 
 #define RAMECC1_CR(monitor) STM_REG(0x52009000u + 0x20u * (monitor))
 #define RAMECC_CR_ECCDEIE (1u << 3)   // interrupt of a double error in a read
-#define RAMECC_CR_ECCDEBWIE (1u << 4) // and in a write of a part of a word
+#define RAMECC_CR_ECCDEBWIE (1u << 4) // and in a partial write of a word
 #define RAMECC_CR_ECCELEN (1u << 5)   // FAR keeps the address of an error
 #define RAMECC1_SR(monitor) STM_REG(0x52009004u + 0x20u * (monitor)) // a flag is cleared by a 0
 #define RAMECC_SR_SEDCF (1u << 0)
@@ -28,7 +28,7 @@
 
 #define FLASH_ACR STM_REG(0x52002000u)
 #define FLASH_ACR_LATENCY_4WS (4u << 0)       // VOS0, AXI clock up to 240 MHz
-#define FLASH_ACR_WRHIGHFREQ_240MHZ (2u << 4) // the same row of the table
+#define FLASH_ACR_WRHIGHFREQ_240MHZ (2u << 4) // same row of the table
 
 /// Registers of a bank, 0 (bank 1) or 1 (bank 2).
 #define FLASH_OPTSR_CUR STM_REG(0x5200201Cu)
@@ -49,7 +49,7 @@
 #define FLASH_SR_SNECCERR (1u << 25) // a single error was corrected
 #define FLASH_SR_DBECCERR (1u << 26) // a double error was detected
 #define FLASH_SR_ERRORS 0x006E0000u  // WRPERR, PGSERR, STRBERR, INCERR, OPERR: of erase and program
-#define FLASH_SR_FLAGS 0x05EF0000u   // these, EOP, and flags of reads, but not SNECCERR
+#define FLASH_SR_FLAGS 0x05EF0000u   // these, EOP and read flags, but not SNECCERR
 #define FLASH_CCR(bank) STM_REG(0x52002014u + 0x100u * (bank))
 #define FLASH_ECC_FA(bank) STM_REG(0x52002060u + 0x100u * (bank)) // flash word of the bank
 
