@@ -11,7 +11,8 @@
     (ARMED_MOVING | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |               \
      CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range))
 #define ARMED_SYNCED                                                                               \
-    (ARMED_ENABLED | ARMED_MANUAL | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts))
+    (ARMED_MANUAL | CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(encoder_jump) |                   \
+     CAM_FAULT_BIT(lost_counts))
 #define ARMED_IN_WORK                                                                              \
     (ARMED_SYNCED | CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |                      \
      CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range) | CAM_FAULT_BIT(swing))
