@@ -294,18 +294,25 @@ static void poll_hold(cam_machine_t *m, const cam_status_t *status)
     }
 }
 
+/// Second half of cam_machine_home(): enable when the disable has taken effect. Another command or
+/// a fault in between ends the attempt.
+static void home_again(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (!cam_machine_is_pending(m, &status)) {
+        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
+    }
+}
+
 void cam_machine_poll(cam_machine_t *m)
 {
-    cam_status_t status = cam_machine_status(m);
-    // Second half of cam_machine_home(): enable when the disable has taken effect. Another command
-    // or a fault in between ends the attempt.
-    if (m->homes_again && !cam_machine_is_pending(m, &status)) {
-        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
+    if (m->homes_again) {
+        home_again(m);
     }
     cam_machine_scope_poll(m);
     cam_machine_identify_poll(m);
     cam_machine_jog_poll(m);
-    status = cam_machine_status(m);
+    const cam_status_t status = cam_machine_status(m);
     cam_machine_rights_poll(m, &status);
     end_pass(m, &status);
     poll_hold(m, &status);
