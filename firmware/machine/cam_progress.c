@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "cam_changes.h" // cam_changes_feed_ppm
 #include "cam_machine.h"
 #include "cam_state.h" // cam_state_is_in_work
 #include <stdatomic.h> // atomic_load_explicit
@@ -12,11 +13,11 @@ static int64_t at_least_0(int64_t turns_q32)
 /// @return [turn] of a feed from rest to rest. At rate r the ramps at both ends are r times as long
 ///         and feed half of what full rate would
 /// @param fed_q32  [turn at full rate] distance
-/// @param ppm      feed rate; a hold counts as full rate
+/// @param ppm      feed rate in force; a hold, 0, counts as full rate
 static int64_t feed_turns_q32(const cam_play_config_t *cfg, int64_t fed_q32, int32_t ppm)
 {
-    enum { whole_ppm = 1000000, least_ppm = whole_ppm / 100 };
-    const int64_t rate_ppm = ppm >= least_ppm ? ppm : whole_ppm;
+    enum { whole_ppm = 1000000 };
+    const int64_t rate_ppm = ppm > 0 ? ppm : whole_ppm;
     const int64_t fed_q12 = fed_q32 >> 20; // below 2^44 for any part, times 10^6 below 2^64
     return (int64_t)((uint64_t)fed_q12 * whole_ppm / (uint64_t)rate_ppm << 20) +
            cfg->ramp_q32 / whole_ppm * rate_ppm;
@@ -83,7 +84,7 @@ cam_progress_t cam_progress(const cam_machine_t *m)
     to.mrpm = (uint32_t)((uint64_t)speed * (uint32_t)cfg->play.spindle_rate_q30 >> 30);
     to.has_end = !cfg->play.is_z_measured || now.motion.state == cam_state_disengaging;
     if (to.has_end) {
-        count(&to, &now, &cfg->play, m->params.feed_override_ppm);
+        count(&to, &now, &cfg->play, cam_changes_feed_ppm(&m->params));
     }
     return to;
 }
