@@ -3,6 +3,8 @@
 #ifndef CAM_ERR_H
 #define CAM_ERR_H
 
+#include <stdint.h> // int32_t
+
 // clang-format off
 /// X(name, number, text). The numbers are part of the CAN protocol (camturn.dbc): a number is never
 /// changed or used again. A text is one clause without a full stop.
@@ -128,6 +130,12 @@ typedef enum {
     CAM_ERRORS(CAM_ERR_NUMBER)
 #undef CAM_ERR_NUMBER
 } cam_err_t;
+
+/// Result of a command or check, with a number for the operator.
+typedef struct {
+    cam_err_t err;
+    int32_t value; ///< the accepted value, or the limit or demand that led to the refusal
+} cam_verdict_t;
 
 /// The compiler refuses a call that ignores the result of such a function.
 #define CAM_MUST_USE __attribute__((warn_unused_result))

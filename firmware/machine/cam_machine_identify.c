@@ -6,6 +6,7 @@
 #include "cam_machine_inner.h" // cam_machine_request
 #include "cam_machine_scope.h" // cam_machine_scope_is_free
 #include "cam_table.h"         // cam_crc32
+#include "cam_wave.h"          // cam_wave_judge
 #include <stddef.h>            // NULL
 #include <string.h>            // memcmp, memcpy
 

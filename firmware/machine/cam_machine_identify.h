@@ -15,8 +15,8 @@
 #ifndef CAM_MACHINE_IDENTIFY_H
 #define CAM_MACHINE_IDENTIFY_H
 
+#include "cam_err.h"     // cam_verdict_t
 #include "cam_machine.h" // cam_machine_t
-#include "cam_wave.h"    // cam_verdict_t
 #include <stdint.h>      // uint8_t, uint32_t
 
 enum { cam_identify_patience_ms = 500 };

@@ -9,8 +9,8 @@
 #ifndef CAM_MACHINE_JOG_H
 #define CAM_MACHINE_JOG_H
 
+#include "cam_err.h"     // cam_verdict_t
 #include "cam_machine.h" // cam_machine_t
-#include "cam_wave.h"    // cam_verdict_t
 #include <stdbool.h>     // bool
 #include <stdint.h>      // int32_t
 

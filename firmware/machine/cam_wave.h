@@ -26,12 +26,6 @@ typedef struct {
     int64_t bend_nm;         ///< [nm per tick^2] largest second difference
 } cam_wave_range_t;
 
-/// Result of a command or check, with a number for the operator.
-typedef struct {
-    cam_err_t err;
-    int32_t value; ///< the accepted value, or the limit or demand that led to the refusal
-} cam_verdict_t;
-
 /// @param n  samples, at least 2
 cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n);
 
