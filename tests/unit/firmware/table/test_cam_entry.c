@@ -3,6 +3,7 @@
 #include "cam_entry.h"
 #include "fixture_random.h"
 #include "unity.h"
+#include <stdlib.h>
 #include <string.h>
 
 enum { begin = 64, n_knots = 8, n_words = 16 };
@@ -278,22 +279,15 @@ static void test_records_have_no_field_of_knots(void)
     }
 }
 
-static int64_t size_of(int64_t x)
-{
-    return x < 0 ? -x : x;
-}
-
-/// @return whether the three sums of the format hold, its coefficients taken from the knots
-/// directly
+/// @return whether the three sums of the format hold, with coefficients straight from the knots
 static bool is_within(const cam_knot_t *k, const cam_knot_t *l)
 {
     const int64_t d = (int64_t)l->p - k->p;
-    const int64_t c3 = size_of(10 * d - 6LL * k->v - 4LL * l->v - 3LL * k->a + l->a);
-    const int64_t c4 = size_of(-15 * d + 8LL * k->v + 7LL * l->v + 3LL * k->a - 2LL * l->a);
-    const int64_t c5 = size_of(6 * d - 3LL * k->v - 3LL * l->v - k->a + l->a);
-    const int64_t v = size_of(k->v);
-    const int64_t a = size_of(k->a);
-    return size_of(k->p) + v + a + c3 + c4 + c5 <= CAM_TABLE_SUM_MAX &&
+    const int64_t c3 = llabs(10 * d - 6LL * k->v - 4LL * l->v - 3LL * k->a + l->a);
+    const int64_t c4 = llabs(-15 * d + 8LL * k->v + 7LL * l->v + 3LL * k->a - 2LL * l->a);
+    const int64_t c5 = llabs(6 * d - 3LL * k->v - 3LL * l->v - k->a + l->a);
+    const int64_t v = llabs(k->v), a = llabs(k->a);
+    return llabs(k->p) + v + a + c3 + c4 + c5 <= CAM_TABLE_SUM_MAX &&
            v + 2 * a + 3 * c3 + 4 * c4 + 5 * c5 <= CAM_TABLE_SUM_MAX &&
            2 * a + 6 * c3 + 12 * c4 + 20 * c5 <= CAM_TABLE_SUM_MAX;
 }
