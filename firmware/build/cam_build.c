@@ -97,18 +97,6 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t di
     c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
 }
 
-/// Ring-helix, which a table may demand of a geared Z. Its ramps are for the commanded speed.
-static void build_rings(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
-                        uint32_t speed_mrpm)
-{
-    if (table->is_ring_helix && !c->is_z_measured) {
-        const int32_t span_nm = table->z_last_nm - table->z_first_nm;
-        c->rings = cam_feed_rings((uint32_t)c->feed_nm, span_nm, speed_mrpm,
-                                  (uint32_t)p->z_acceleration_mm_per_s2);
-        c->feed_q32 = cam_feed_turns_q32(&c->rings);
-    }
-}
-
 /// The feed in turns is rounded down by less than 2^-32, heights to nearest: the last is reached.
 static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
                        uint32_t tick_hz)
@@ -129,7 +117,11 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
     const uint32_t speed_mrpm = (uint32_t)cam_clamp_i64(wanted_mrpm, 0, p->spindle_limit_mrpm);
     c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
     build_speed(&c->speed, p, table->direction, (int32_t)speed_mrpm, tick_hz);
-    build_rings(c, p, table, speed_mrpm);
+    if (table->is_ring_helix && !c->is_z_measured) { // its ramps are for the commanded speed
+        c->rings = cam_feed_rings((uint32_t)c->feed_nm, (int32_t)span_nm, speed_mrpm,
+                                  (uint32_t)p->z_acceleration_mm_per_s2);
+        c->feed_q32 = cam_feed_turns_q32(&c->rings);
+    }
 }
 
 /// Shifts that scale products to full words: k bits bring the speed to 2^30, R = knots per
@@ -268,9 +260,8 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
 }
 
 /// @return [ticks^2 / 2^16] k2, corrected for half the attenuation by holding a set-point for a
-/// tick,
-///         MATHS.md (189); the whole would be right at the ticks only. A k2 smaller than that is
-///         unchanged.
+///         tick, MATHS.md (189); the whole would be right at the ticks only. A k2 smaller than that
+///         is unchanged.
 static int32_t held_k2_q16(int32_t k2_us2, uint32_t tick_hz)
 {
     const int32_t hold_q16 = 65536 / 48;

@@ -315,11 +315,15 @@ static bool serve(cam_can_t *r, uint32_t tick)
 
 void cam_can_init(cam_can_t *r, cam_machine_t *machine)
 {
-    *r = (cam_can_t){.machine = machine, .report.start = hal_start()};
-    r->isotp = (cam_isotp_t){
-        .bytes = r->block, .capacity = sizeof r->block, .timeout_ticks = machine->tick_hz};
-    r->lines.refused_ticks = machine->tick_hz;
-    cam_table_store_init(&r->store, machine);
+    *r = (cam_can_t){
+        .machine = machine,
+        .store = {.machine = machine, .err = cam_err_no_table},
+        .report.start = hal_start(),
+        .lines.refused_ticks = machine->tick_hz,
+        .isotp = {.bytes = r->block,
+                  .capacity = sizeof r->block,
+                  .timeout_ticks = machine->tick_hz},
+    };
     cam_log_text_start(&r->report.start);
     cam_log_text_params(machine);
     (void)cam_can_select(r);
