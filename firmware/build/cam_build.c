@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
 #include "cam_angle.h"          // CAM_TURN_Q32
-#include "cam_build_motion.h"   // cam_build_motion
+#include "cam_build_inner.h"    // cam_build_motion, cam_windows_build
 #include "cam_changes.h"        // cam_changes_build
 #include "cam_demand.h"         // cam_demand_half_stroke_nm
 #include "cam_derived_limits.h" // cam_derived_limits_jump_counts
@@ -11,7 +11,6 @@
 #include "cam_trace.h"          // cam_trace_capacity
 #include "cam_units.h"          // cam_units_ticks_of_ns
 #include "cam_feed_profile.h"   // cam_feed_profile_z_last_nm
-#include "cam_windows.h"        // cam_windows_build
 #include "hal/hal.h"            // hal_has_edge_time
 #include <stddef.h>             // NULL
 
@@ -317,4 +316,14 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     cam_config_limit_command(config);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return cam_ok;
+}
+
+void cam_build_origin(cam_config_t *config, int32_t x_nm, int32_t z_nm)
+{
+    cam_play_config_t *c = &config->play;
+    c->x_clear_q10 += (int64_t)x_nm * 1024;
+    c->x_offset_q10 += (int64_t)x_nm * 1024;
+    c->z_origin_nm = z_nm;
+    c->z_low_nm = cam_sat_i32((int64_t)c->z_low_nm + z_nm);
+    c->z_high_nm = cam_sat_i32((int64_t)c->z_high_nm + z_nm);
 }

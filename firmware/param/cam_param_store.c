@@ -93,7 +93,10 @@ typedef struct {
 static bool is_number(const char *text, uint32_t n, int64_t *value)
 {
     const bool is_negative = n > 0u && text[0] == '-';
-    const uint32_t from = is_negative ? 1u : 0u;
+    uint32_t from = 0;
+    if (is_negative) {
+        from = 1;
+    }
     bool is_good = n > from && n <= (uint32_t)most_digits;
     int64_t size = 0;
     for (uint32_t i = from; i < n && is_good; i++) {

@@ -46,7 +46,7 @@ static cam_outcome_t set(cam_can_t *r, struct camturn_command_t *m, cam_param_id
     return with_range(get(r, id, cam_machine_set_param(r->machine, id, value)), id);
 }
 
-static cam_outcome_t stage(const cam_can_t *r, cam_param_id_t id, int32_t value)
+static cam_outcome_t stage(cam_can_t *r, cam_param_id_t id, int32_t value)
 {
     cam_outcome_t outcome = cam_outcome(cam_machine_stage(r->machine, id, value));
     if (outcome.err != cam_err_param_id && outcome.err != cam_err_params_begin) {
@@ -170,7 +170,7 @@ static cam_outcome_t read_scope(cam_can_t *r, const struct camturn_command_t *m,
     return (cam_outcome_t){.err = err, .is_deferred = err == cam_ok};
 }
 
-static cam_outcome_t strobe(const cam_can_t *r, uint32_t every)
+static cam_outcome_t strobe(cam_can_t *r, uint32_t every)
 {
     cam_machine_t *machine = r->machine;
     const cam_err_t err = cam_machine_strobe(machine, every);
@@ -183,14 +183,14 @@ static cam_outcome_t strobe(const cam_can_t *r, uint32_t every)
 
 // Rights
 
-static cam_outcome_t take_session(const cam_can_t *r, const struct camturn_command_t *m)
+static cam_outcome_t take_session(cam_can_t *r, const struct camturn_command_t *m)
 {
     const cam_err_t err = cam_machine_take_command(r->machine, m->sender, m->is_take_over != 0u);
     const int32_t session = err == cam_ok ? (int32_t)r->machine->rights.session : 0;
     return (cam_outcome_t){.err = err, .value = session};
 }
 
-static cam_outcome_t challenge(const cam_can_t *r, uint32_t tick)
+static cam_outcome_t challenge(cam_can_t *r, uint32_t tick)
 {
     uint32_t number = 0;
     const cam_err_t err = cam_rights_challenge(&r->machine->rights, tick, &number);
