@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
 #include "cam_angle.h"          // CAM_TURN_Q32
-#include "cam_build_motion.h"   // cam_build_motion
+#include "cam_build_inner.h"    // cam_build_motion, cam_windows_build
 #include "cam_changes.h"        // cam_changes_build
 #include "cam_demand.h"         // cam_demand_half_stroke_nm
 #include "cam_derived_limits.h" // cam_derived_limits_jump_counts
@@ -11,7 +11,6 @@
 #include "cam_trace.h"          // cam_trace_capacity
 #include "cam_units.h"          // cam_units_ticks_of_ns
 #include "cam_feed_profile.h"   // cam_feed_profile_z_last_nm
-#include "cam_windows.h"        // cam_windows_build
 #include "hal/hal.h"            // hal_has_edge_time
 #include <stddef.h>             // NULL
 
@@ -97,18 +96,6 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t di
     c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
 }
 
-/// Ring-helix, which a table may demand of a geared Z. Its ramps are for the commanded speed.
-static void build_rings(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
-                        uint32_t speed_mrpm)
-{
-    if (table->is_ring_helix && !c->is_z_measured) {
-        const int32_t span_nm = table->z_last_nm - table->z_first_nm;
-        c->rings = cam_feed_rings((uint32_t)c->feed_nm, span_nm, speed_mrpm,
-                                  (uint32_t)p->z_acceleration_mm_per_s2);
-        c->feed_q32 = cam_feed_turns_q32(&c->rings);
-    }
-}
-
 /// The feed in turns is rounded down by less than 2^-32, heights to nearest: the last is reached.
 static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
                        uint32_t tick_hz)
@@ -129,7 +116,11 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
     const uint32_t speed_mrpm = (uint32_t)cam_clamp_i64(wanted_mrpm, 0, p->spindle_limit_mrpm);
     c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
     build_speed(&c->speed, p, table->direction, (int32_t)speed_mrpm, tick_hz);
-    build_rings(c, p, table, speed_mrpm);
+    if (table->is_ring_helix && !c->is_z_measured) { // its ramps are for the commanded speed
+        c->rings = cam_feed_rings((uint32_t)c->feed_nm, (int32_t)span_nm, speed_mrpm,
+                                  (uint32_t)p->z_acceleration_mm_per_s2);
+        c->feed_q32 = cam_feed_turns_q32(&c->rings);
+    }
 }
 
 /// Shifts that scale products to full words: k bits bring the speed to 2^30, R = knots per
@@ -268,9 +259,8 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
 }
 
 /// @return [ticks^2 / 2^16] k2, corrected for half the attenuation by holding a set-point for a
-/// tick,
-///         MATHS.md (189); the whole would be right at the ticks only. A k2 smaller than that is
-///         unchanged.
+///         tick, MATHS.md (189); the whole would be right at the ticks only. A k2 smaller than that
+///         is unchanged.
 static int32_t held_k2_q16(int32_t k2_us2, uint32_t tick_hz)
 {
     const int32_t hold_q16 = 65536 / 48;
@@ -326,4 +316,14 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     cam_config_limit_command(config);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return cam_ok;
+}
+
+void cam_build_origin(cam_config_t *config, int32_t x_nm, int32_t z_nm)
+{
+    cam_play_config_t *c = &config->play;
+    c->x_clear_q10 += (int64_t)x_nm * 1024;
+    c->x_offset_q10 += (int64_t)x_nm * 1024;
+    c->z_origin_nm = z_nm;
+    c->z_low_nm = cam_sat_i32((int64_t)c->z_low_nm + z_nm);
+    c->z_high_nm = cam_sat_i32((int64_t)c->z_high_nm + z_nm);
 }

@@ -7,7 +7,7 @@
 #include "cam_config.h" // cam_config_t
 #include "cam_err.h"    // cam_err_t
 #include "cam_param.h"  // cam_params_t
-#include <stdint.h>     // uint32_t
+#include <stdint.h>     // int32_t, uint32_t
 
 /// Derive a configuration.
 /// @param config      result, complete on success
@@ -19,6 +19,11 @@
 CAM_MUST_USE cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
                                         const cam_table_t *table, uint32_t speed_limit_mrpm,
                                         uint32_t tick_hz, uint32_t clock_hz);
+
+/// Shift the targets in X and Z by the offset of the part; set-points stay in port coordinates.
+/// Call once after cam_build_config(). Source: MATHS.md (170).
+/// @param x_nm, z_nm  [nm] port coordinates of the part's origin
+void cam_build_origin(cam_config_t *config, int32_t x_nm, int32_t z_nm);
 
 /// @return [turn / 2^32 per tick] of a speed, rounded, saturated
 int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz);

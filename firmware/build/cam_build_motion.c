@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_build_motion.h"
+#include "cam_build_inner.h"
 #include "cam_angle.h"          // CAM_TURN_Q32
 #include "cam_cut.h"            // cam_cut_smaller
 #include "cam_derived_limits.h" // cam_derived_limits_approach_share
@@ -236,14 +236,4 @@ void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t ti
                              cam_clamp_i64(ahead_q10, 0, cam_build_room_q10(config));
     const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - room_q10;
     jog->u_end_q10 = cam_clamp_i64(end_q10, 0, INT64_MAX) / 1024 * 1024;
-}
-
-void cam_build_origin(cam_config_t *config, int32_t x_nm, int32_t z_nm)
-{
-    cam_play_config_t *c = &config->play;
-    c->x_clear_q10 += (int64_t)x_nm * 1024;
-    c->x_offset_q10 += (int64_t)x_nm * 1024;
-    c->z_origin_nm = z_nm;
-    c->z_low_nm = cam_sat_i32((int64_t)c->z_low_nm + z_nm);
-    c->z_high_nm = cam_sat_i32((int64_t)c->z_high_nm + z_nm);
 }

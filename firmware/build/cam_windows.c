@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_windows.h"
+#include "cam_build_inner.h"
 #include "cam_fix.h"   // cam_clamp_i64
 #include "cam_units.h" // cam_units_turn_of_udeg
 #include <stdbool.h>   // bool

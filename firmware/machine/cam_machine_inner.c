@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_inner.h"
-#include "cam_build.h"        // cam_build_config
-#include "cam_build_motion.h" // cam_build_origin
-#include "cam_pass.h"         // cam_pass_params, cam_pass_check
-#include <stdatomic.h>        // atomic_store_explicit
-#include <stddef.h>           // NULL
+#include "cam_build.h" // cam_build_config, cam_build_origin
+#include "cam_pass.h"  // cam_pass_params, cam_pass_check
+#include <stdatomic.h> // atomic_store_explicit
+#include <stddef.h>    // NULL
 
 /// Margin of the overspeed fault above the highest feasible speed, for speed ripple.
 enum { overspeed_percent = 1 };

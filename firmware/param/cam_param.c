@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_param.h"
+#include "cam_fix.h"  // cam_clamp_i32
 #include "cam_hard.h" // CAM_HARD_LEAST
 #include <stddef.h>   // NULL, offsetof
 #include <string.h>   // strcmp, memcpy
@@ -17,21 +18,19 @@
      CAM_HARD_IS_SET(cam_param_##name)},
 static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
 
+/// All fields are int32 in the order of the list, so the index of a parameter gives its offset.
 #define PARAM_CHECK(name, min, def, max, what)                                                     \
     _Static_assert(PARAM_MIN(name, min) <= PARAM_MAX(name, max),                                   \
-                   #name ": CAM_HARD_LIMITS leaves no value of its range");
-CAM_PARAMS(PARAM_CHECK)
-
-/// All fields are int32 in the order of the list, so the index of a parameter gives its offset.
-#define PARAM_PLACE(name, min, def, max, what)                                                     \
+                   #name ": CAM_HARD_LIMITS leaves no value of its range");                        \
     _Static_assert(offsetof(cam_params_t, name) ==                                                 \
                        (size_t)cam_param_##name * sizeof(((cam_params_t *)NULL)->name),            \
                    #name ": out of its order");
-CAM_PARAMS(PARAM_PLACE)
+CAM_PARAMS(PARAM_CHECK)
 
-static size_t offset_of(cam_param_id_t id)
+/// Set a parameter without checking its range.
+static void assign(cam_params_t *params, uint32_t id, int32_t value)
 {
-    return (size_t)id * sizeof(int32_t);
+    (void)memcpy((char *)params + (size_t)id * sizeof value, &value, sizeof value);
 }
 
 const cam_param_info_t *cam_param_info(cam_param_id_t id)
@@ -60,8 +59,7 @@ cam_params_t cam_param_defaults(void)
 {
     cam_params_t params = {0};
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
-        const size_t place = offset_of((cam_param_id_t)id);
-        (void)memcpy((char *)&params + place, &infos[id].def, sizeof infos[id].def);
+        assign(&params, id, infos[id].def);
     }
     return params;
 }
@@ -79,25 +77,16 @@ void cam_param_learn(cam_params_t *params)
 void cam_param_fit(cam_params_t *params)
 {
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
-        const size_t place = offset_of((cam_param_id_t)id);
         const int32_t value = cam_param_get(params, (cam_param_id_t)id);
-        const int32_t most = LEAST_OF(value, infos[id].max);
-        const int32_t fitted = MOST_OF(most, infos[id].min);
-        (void)memcpy((char *)params + place, &fitted, sizeof fitted);
+        assign(params, id, cam_clamp_i32(value, infos[id].min, infos[id].max));
     }
 }
 
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id)
 {
     int32_t value = 0;
-    (void)memcpy(&value, (const char *)params + offset_of(id), sizeof value);
+    (void)memcpy(&value, (const char *)params + (size_t)id * sizeof value, sizeof value);
     return value;
-}
-
-static bool is_sign(cam_param_id_t id)
-{
-    return id == cam_param_encoder_sign || id == cam_param_u_home_sense ||
-           id == cam_param_x_home_sense || id == cam_param_z_home_sense;
 }
 
 cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
@@ -106,10 +95,11 @@ cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
     if (info == NULL) {
         return cam_err_param_id;
     }
-    const bool is_no_sign = is_sign(id) && value == 0;
-    if (value < info->min || value > info->max || is_no_sign) {
+    const bool is_sign = id == cam_param_encoder_sign || id == cam_param_u_home_sense ||
+                         id == cam_param_x_home_sense || id == cam_param_z_home_sense;
+    if (value < info->min || value > info->max || (is_sign && value == 0)) {
         return info->is_hard ? cam_err_hard_limit : cam_err_param_range;
     }
-    (void)memcpy((char *)params + offset_of(id), &value, sizeof value);
+    assign(params, (uint32_t)id, value);
     return cam_ok;
 }

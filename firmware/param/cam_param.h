@@ -2,7 +2,7 @@
 /// cam_param: every number that a machine builder may set, with unit, range and default.
 ///
 /// CAM_PARAMS lists X(name, min, default, max, what). The name ends in the unit. Parameters are
-/// int32; they are set on the slow side only and reach the interrupt through cam_build_config().
+/// int32 and reach the interrupt through cam_build_config(). All functions: slow side.
 #ifndef CAM_PARAM_H
 #define CAM_PARAM_H
 
@@ -163,13 +163,13 @@ typedef struct {
     bool is_hard;          ///< it has hard limits (cam_hard.h)
 } cam_param_info_t;
 
-/// @return description of a parameter, NULL when id is not one. Context: slow side.
+/// @return description of a parameter, NULL when id is not one
 const cam_param_info_t *cam_param_info(cam_param_id_t id);
 
 /// @return whether a parameter changes in the unlocked level only (cam_rights.h)
 bool cam_param_is_locked(cam_param_id_t id);
 
-/// @return id of the parameter with that name, cam_n_params when there is none. Context: slow side.
+/// @return id of the parameter with that name, cam_n_params when there is none
 cam_param_id_t cam_param_find(const char *name);
 
 /// @return all parameters at their defaults
@@ -181,14 +181,12 @@ void cam_param_fit(cam_params_t *params);
 /// Switch learning on: the default of ports that measure U.
 void cam_param_learn(cam_params_t *params);
 
-/// @return value of a parameter; id < cam_n_params. Context: slow side.
+/// @return value of a parameter; id < cam_n_params
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id);
 
 /// Set one parameter after checking its range.
 /// @return cam_ok, cam_err_param_id, cam_err_param_range, or cam_err_hard_limit for a parameter
-/// with
-///         hard limits; *params is unchanged on error
-/// Context: slow side.
+///         with hard limits; *params is unchanged on error
 CAM_MUST_USE cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value);
 
 #endif

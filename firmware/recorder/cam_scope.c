@@ -272,19 +272,6 @@ static void add_row(cam_scope_t *s, const cam_tick_record_t *r)
     }
 }
 
-/// Count the ticks to the next row, also while no row is kept, so that rows are equally spaced.
-static void count_row(cam_scope_t *s, const cam_tick_record_t *r)
-{
-    if (s->to_row > 0u) {
-        s->to_row--;
-        return;
-    }
-    s->to_row = s->plan.every - 1u;
-    if (s->phase == cam_scope_recording || s->plan.before > 0u) {
-        add_row(s, r);
-    }
-}
-
 /// Process a record in the selected state.
 static void record_tick(cam_scope_t *s, const cam_tick_record_t *r)
 {
@@ -298,7 +285,15 @@ static void record_tick(cam_scope_t *s, const cam_tick_record_t *r)
         clear_rows(s);
     }
     check_trigger(s, r);
-    count_row(s, r);
+    // The ticks are counted also while no row is kept, so that rows are equally spaced.
+    if (s->to_row > 0u) {
+        s->to_row--;
+        return;
+    }
+    s->to_row = s->plan.every - 1u;
+    if (s->phase == cam_scope_recording || s->plan.before > 0u) {
+        add_row(s, r);
+    }
 }
 
 void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r)

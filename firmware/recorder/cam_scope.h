@@ -150,9 +150,9 @@ typedef struct {
     cam_scope_use_t use;
     cam_scope_phase_t phase;
     cam_scope_end_t end;
-    uint32_t at;                        ///< [words] start of the ring of rows
-    uint32_t most_rows;                 ///< of the ring
-    uint32_t n_signals;                 ///< [words] of a row
+    uint32_t at;        ///< [words] start of the ring of rows, in order without a trigger
+    uint32_t most_rows; ///< of the ring
+    uint32_t n_signals; ///< [words] of a row
     uint8_t order[cam_scope_n_signals]; ///< the signals of a row
     uint32_t oldest;                    ///< index of the first row in the ring
     uint32_t n_rows;                    ///< recorded
@@ -220,13 +220,6 @@ uint32_t cam_scope_count(uint32_t signals);
 static inline uint32_t cam_scope_n_recorded(const cam_scope_t *s)
 {
     return s->n_rows * s->n_signals;
-}
-
-/// @return first word of the ring of rows. Without rows before a trigger these are in order there;
-///         else read them with cam_scope_span().
-static inline const int32_t *cam_scope_recorded(const cam_scope_t *s)
-{
-    return &s->words[s->at];
 }
 
 /// Words are in memory as they are sent, the lowest byte first.

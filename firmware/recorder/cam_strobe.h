@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_strobe: samples for a live view of the following error over the angle.
 ///
-///     subscription: every n-th tick -> sample -> queue -> message Strobe (cam_can_strobe.c)
+///     subscription: every n-th tick -> sample -> queue -> message Strobe (cam_can.c)
 ///
 /// The slow side samples the records of the trace ring (cam_machine_scope.h), independently of
 /// recorder and black box. A subscription ends cam_strobe_hold_s after it was last renewed. A lost

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_can.h"
-#include "cam_can_inner.h"        // cam_can_scope
-#include "cam_fix.h"              // cam_sat_i32
-#include "cam_machine_identify.h" // cam_machine_wave_begin
+#include "cam_can_inner.h"        // cam_can_carry_out
+#include "cam_fix.h"              // cam_clamp_i32
+#include "cam_machine_identify.h" // cam_machine_wave_block
 #include "camturn.h"              // camturn_command_unpack
 #include <stddef.h>               // NULL
 
@@ -15,8 +15,8 @@ enum { max_frames = 8 };
 // Answers
 
 /// The command selects the signal that carries the value: all are set, and the generated pack
-/// function uses one.
-void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcome_t outcome)
+/// function uses one. There is room for cam_can_max_answers.
+static void answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcome_t outcome)
 {
     const struct camturn_answer_t m = {
         .command = command,
@@ -63,161 +63,91 @@ static bool send_answers(cam_can_t *r)
     return true;
 }
 
-// Parameters
-
-/// @return the value in force, with a given error unless the parameter does not exist
-static cam_outcome_t get(const cam_can_t *r, cam_param_id_t id, cam_err_t err)
-{
-    const bool is_there = cam_param_info(id) != NULL;
-    return (cam_outcome_t){.err = is_there ? err : cam_err_param_id,
-                           .value = is_there ? cam_param_get(&r->machine->params, id) : 0};
-}
-
-/// @return the smallest or the largest value that a parameter can take
-static cam_outcome_t limit(cam_param_id_t id, bool is_lower)
-{
-    const cam_param_info_t *info = cam_param_info(id);
-    if (info == NULL) {
-        return cam_outcome(cam_err_param_id);
-    }
-    return (cam_outcome_t){.err = cam_ok, .value = is_lower ? info->min : info->max};
-}
-
-void cam_can_answer_range(cam_can_t *r, cam_param_id_t id)
-{
-    const uint8_t index = (uint8_t)id;
-    cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MINIMUM_CHOICE, index, limit(id, true));
-    cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MAXIMUM_CHOICE, index, limit(id, false));
-}
-
-void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
-{
-    const uint8_t index = (uint8_t)id;
-    const cam_outcome_t outcome = get(r, id, cam_machine_set_param(r->machine, id, value));
-    cam_can_answer(r, command, index, outcome);
-    if (outcome.err == cam_err_param_range || outcome.err == cam_err_hard_limit) {
-        cam_can_answer_range(r, id);
-    }
-}
-
 // Commands
 
-/// Select the table and report it in a line of text, unless the error is temporary.
-static cam_err_t select_and_report(cam_can_t *r)
-{
-    const cam_err_t err = cam_table_store_select(&r->store);
-    if (!cam_table_store_is_of_moment(err)) {
-        cam_log_text_table(&r->lines, &r->store);
-    }
-    return err;
-}
+/// Right that a command requires.
+typedef enum {
+    right_none,     ///< reading, and stop
+    right_command,  ///< the current session
+    right_unlocked, ///< the current session in the unlocked level
+} right_t;
 
-/// Explain a refusal: without a table by the error of its check, of an infeasible speed by the
-/// highest feasible one.
-static cam_outcome_t explained(const cam_can_t *r, cam_err_t err)
+/// @return the right that a command requires: command unless it is listed
+static right_t right_of(uint8_t command)
 {
-    if (err == cam_err_no_table) {
-        return cam_outcome(r->store.err);
-    }
-    const bool is_infeasible = err != cam_ok && err == cam_machine_check_speed(r->machine, 0);
-    return (cam_outcome_t){
-        .err = err,
-        .value = is_infeasible ? cam_sat_i32(cam_machine_highest_mrpm(r->machine)) : 0,
-    };
-}
-
-cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err)
-{
-    const uint32_t n = r->is_wave ? cam_machine_wave_received(r->machine) : r->store.received;
-    return (cam_outcome_t){.err = err, .value = (int32_t)n};
-}
-
-cam_outcome_t cam_can_begin_download(cam_can_t *r, uint32_t size, bool is_wave)
-{
-    r->is_wave = is_wave;
-    r->download_session = r->machine->rights.session;
-    return cam_can_received(r, is_wave ? cam_machine_wave_begin(r->machine, size)
-                                       : cam_table_store_begin(&r->store, size));
-}
-
-/// Execute a command that has exactly one answer.
-static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
-{
-    const cam_param_id_t id = (cam_param_id_t)m->parameter;
-    switch (m->command) {
-    case CAMTURN_COMMAND_COMMAND_ENABLE_CHOICE:
-        return explained(r, cam_machine_enable(r->machine));
-    case CAMTURN_COMMAND_COMMAND_HOME_CHOICE:
-        return explained(r, cam_machine_home(r->machine));
-    case CAMTURN_COMMAND_COMMAND_DISABLE_CHOICE:
-        return cam_outcome(cam_machine_disable(r->machine));
-    case CAMTURN_COMMAND_COMMAND_START_CHOICE:
-        return explained(r, cam_machine_start(r->machine));
+    switch (command) {
     case CAMTURN_COMMAND_COMMAND_STOP_CHOICE:
-        return cam_outcome(cam_machine_stop(r->machine));
-    case CAMTURN_COMMAND_COMMAND_RESET_CHOICE:
-        return cam_outcome(cam_machine_reset(r->machine));
     case CAMTURN_COMMAND_COMMAND_GET_PARAMETER_CHOICE:
-        return get(r, id, cam_ok);
     case CAMTURN_COMMAND_COMMAND_GET_MINIMUM_CHOICE:
-        return limit(id, true);
     case CAMTURN_COMMAND_COMMAND_GET_MAXIMUM_CHOICE:
-        return limit(id, false);
+    case CAMTURN_COMMAND_COMMAND_GET_SCOPE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_FD_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_LEARNED_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_PLACE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_PARTS_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_REFUSAL_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_STROBE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_TAKE_COMMAND_CHOICE:
+        return right_none;
     case CAMTURN_COMMAND_COMMAND_SELECT_TABLE_CHOICE:
-        return cam_outcome(select_and_report(r));
     case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
-        return cam_can_begin_download(r, m->size, false);
     case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
-        return cam_can_received(r, cam_table_store_end(&r->store, m->crc));
+    case CAMTURN_COMMAND_COMMAND_SET_LEARNED_CHOICE:
+        return right_unlocked;
     default:
-        return cam_outcome(cam_err_command);
+        return right_command;
     }
 }
 
-/// Execute a command and answer it. Setting a parameter may take several answers.
-static void follow(cam_can_t *r, const struct camturn_command_t *m)
+/// @return whether the sender of a command may give it
+static cam_err_t admit(const cam_rights_t *rights, const struct camturn_command_t *m)
 {
-    switch (m->command) {
-    case CAMTURN_COMMAND_COMMAND_SET_PARAMETER_CHOICE:
-        cam_can_set(r, m->command, (cam_param_id_t)m->parameter, m->value);
-        break;
-    case CAMTURN_COMMAND_COMMAND_SET_SPEED_CHOICE:
-        cam_can_set(r, m->command, cam_param_spindle_mrpm, m->speed);
-        break;
-    case CAMTURN_COMMAND_COMMAND_SET_FEED_CHOICE:
-        cam_can_set(r, m->command, cam_param_feed_nm, m->feed);
-        break;
-    case CAMTURN_COMMAND_COMMAND_SET_AMPLITUDE_CHOICE:
-        cam_can_set(r, m->command, cam_param_amplitude_ppm, m->amplitude);
-        break;
-    case CAMTURN_COMMAND_COMMAND_SET_PHASE_CHOICE:
-        cam_can_set(r, m->command, cam_param_phase_udeg, m->phase);
-        break;
-    default:
-        if (!cam_can_scope(r, m) && !cam_can_params(r, m) && !cam_can_jog(r, m) &&
-            !cam_can_cut(r, m) && !cam_can_strobe(r, m) && !cam_can_rights(r, m)) {
-            cam_can_answer(r, m->command, m->parameter, carry_out(r, m));
-        }
-        break;
+    const right_t right = right_of(m->command);
+    if (right == right_none) {
+        return cam_ok;
+    }
+    if (!cam_rights_is_commander(rights, m->sender, m->session)) {
+        return cam_err_not_commander;
+    }
+    return right == right_unlocked ? cam_rights_check_level(rights) : cam_ok;
+}
+
+/// Note the commander as heard if a command is of the current session.
+static void hear(cam_can_t *r, const struct camturn_command_t *m)
+{
+    cam_rights_t *rights = &r->machine->rights;
+    if (cam_rights_is_commander(rights, m->sender, m->session)) {
+        cam_rights_hear(rights, cam_machine_status(r->machine).tick);
     }
 }
 
-/// Execute a command if its sender may give it. The commander counts as heard again at the end: a
-/// long command does not cost it command, though its next frame waits.
-static void give(cam_can_t *r, const struct camturn_command_t *m)
+/// Execute a command if its sender may give it, and answer it. The commander counts as heard again
+/// at the end: a long command does not cost it command, though its next frame waits.
+static void give(cam_can_t *r, struct camturn_command_t *m)
 {
     cam_rights_t *rights = &r->machine->rights;
     rights->is_bus_calling = true;
-    cam_can_hear(r, m);
-    const cam_outcome_t refused = cam_can_admit(r, m);
-    if (refused.err == cam_ok) {
-        follow(r, m);
-    } else {
-        cam_can_answer(r, m->command, m->parameter, refused);
-        cam_log_text_refused(&r->lines, m->sender, m->command, refused.err,
+    hear(r, m);
+    const cam_err_t refusal = admit(rights, m);
+    cam_outcome_t outcome = refusal == cam_ok ? cam_can_carry_out(r, m) : cam_outcome(refusal);
+    if (outcome.err == cam_err_not_commander) {
+        outcome.value = (int32_t)rights->commander;
+    }
+    if (!outcome.is_deferred) {
+        answer(r, m->command, m->parameter, outcome);
+    }
+    if (outcome.has_range) {
+        answer(r, CAMTURN_ANSWER_COMMAND_GET_MINIMUM_CHOICE, m->parameter,
+               (cam_outcome_t){.value = outcome.min});
+        answer(r, CAMTURN_ANSWER_COMMAND_GET_MAXIMUM_CHOICE, m->parameter,
+               (cam_outcome_t){.value = outcome.max});
+    }
+    if (refusal != cam_ok) {
+        cam_log_text_refused(&r->lines, m->sender, m->command, refusal,
                              cam_machine_status(r->machine).tick);
     }
-    cam_can_hear(r, m);
+    hear(r, m);
     rights->is_bus_calling = false;
 }
 
@@ -236,7 +166,7 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
     for (uint32_t i = 0; i < n_echoed && i < frame->n; i++) {
         echo[i] = frame->data[i];
     }
-    cam_can_answer(r, echo[at_command], echo[at_parameter], cam_outcome(cam_err_frame));
+    answer(r, echo[at_command], echo[at_parameter], cam_outcome(cam_err_frame));
 }
 
 // Downloads
@@ -245,7 +175,9 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
 static cam_err_t store_block(cam_can_t *r, uint32_t n)
 {
     const uint8_t *b = r->block;
-    if (cam_can_is_foreign_download(r)) {
+    const cam_rights_t *rights = &r->machine->rights;
+    const bool is_own = rights->commander != 0u && r->download_session == rights->session;
+    if (r->download_session != 0u && !is_own) { // begun by another session than the current one
         return cam_err_not_commander;
     }
     if (!r->is_wave) {
@@ -265,8 +197,7 @@ static void end_block(cam_can_t *r, cam_isotp_event_t event)
     if (event != cam_isotp_nothing) {
         const cam_err_t err =
             event == cam_isotp_message ? store_block(r, r->isotp.length) : cam_err_download_order;
-        cam_can_answer(r, CAMTURN_ANSWER_COMMAND_DOWNLOAD_BLOCK_CHOICE, 0,
-                       cam_can_received(r, err));
+        answer(r, CAMTURN_ANSWER_COMMAND_DOWNLOAD_BLOCK_CHOICE, 0, cam_can_received(r, err));
     }
 }
 
@@ -282,6 +213,47 @@ static bool send_flow(cam_can_t *r)
         cam_isotp_flow_sent(&r->isotp);
     }
     return true;
+}
+
+// Samples for a live picture
+
+/// [Hz] messages while a piece of a recording is sent, which itself takes more than half of the
+/// bus.
+enum { during_reading_hz = 125 };
+
+/// @return whether the rate allows another message
+static bool is_due(const cam_can_t *r, uint32_t tick)
+{
+    const uint32_t rate_hz =
+        r->reading.is_on ? (uint32_t)during_reading_hz : (uint32_t)cam_strobe_hz;
+    return (uint64_t)(tick - r->strobe_tick) * rate_hz >= r->machine->tick_hz;
+}
+
+/// Send a sample, at most cam_strobe_hz a second, fewer while a piece of a recording is sent. One
+/// that does not fit is tried again; meanwhile the queue of samples may overflow and drop some.
+static void send_sample(cam_can_t *r, uint32_t tick)
+{
+    enum { most_nm = (1 << 23) - 1, angle_bits = 16 };
+    cam_strobe_t *strobe = &r->machine->strobe;
+    const cam_strobe_sample_t *s = cam_strobe_oldest(strobe);
+    if (s == NULL || !is_due(r, tick)) {
+        return;
+    }
+    const struct camturn_strobe_t m = {
+        .number = (uint8_t)(s->number & 0xFFu),
+        .angle = (uint16_t)(s->pos_q16 & 0xFFFFu),
+        .turn = (uint8_t)(s->pos_q16 >> angle_bits & 0xFFu),
+        .error = cam_clamp_i32(s->following_nm, -most_nm - 1, most_nm),
+        .state = (uint8_t)s->state,
+        .is_synced = s->is_synced ? 1u : 0u,
+        .is_saturated = s->following_nm > most_nm || s->following_nm < -most_nm - 1 ? 1u : 0u,
+    };
+    hal_can_frame_t frame = {.id = CAMTURN_STROBE_FRAME_ID};
+    frame.n = (uint32_t)camturn_strobe_pack(frame.data, &m, sizeof frame.data);
+    if (hal_can_write(&frame)) {
+        cam_strobe_drop(strobe);
+        r->strobe_tick = tick;
+    }
 }
 
 // The loop
@@ -318,7 +290,7 @@ static void continue_reading(cam_can_t *r, uint32_t tick)
         };
         const uint8_t command = r->reading.is_fd ? CAMTURN_ANSWER_COMMAND_READ_SCOPE_FD_CHOICE
                                                  : CAMTURN_ANSWER_COMMAND_READ_SCOPE_CHOICE;
-        cam_can_answer(r, command, r->reading.parameter, outcome);
+        answer(r, command, r->reading.parameter, outcome);
     }
 }
 
@@ -343,14 +315,18 @@ static bool serve(cam_can_t *r, uint32_t tick)
 
 void cam_can_init(cam_can_t *r, cam_machine_t *machine)
 {
-    *r = (cam_can_t){.machine = machine, .report.start = hal_start()};
-    r->isotp = (cam_isotp_t){
-        .bytes = r->block, .capacity = sizeof r->block, .timeout_ticks = machine->tick_hz};
-    r->lines.refused_ticks = machine->tick_hz;
-    cam_table_store_init(&r->store, machine);
+    *r = (cam_can_t){
+        .machine = machine,
+        .store = {.machine = machine, .err = cam_err_no_table},
+        .report.start = hal_start(),
+        .lines.refused_ticks = machine->tick_hz,
+        .isotp = {.bytes = r->block,
+                  .capacity = sizeof r->block,
+                  .timeout_ticks = machine->tick_hz},
+    };
     cam_log_text_start(&r->report.start);
     cam_log_text_params(machine);
-    (void)select_and_report(r);
+    (void)cam_can_select(r);
     cam_log_text_scales(machine);
 }
 
@@ -360,7 +336,7 @@ void cam_can_poll(cam_can_t *r)
     const cam_status_t status = cam_machine_status(r->machine);
     cam_report_send(&r->report, &r->store, &status);
     if (is_idle) { // a live picture waits for everything else
-        cam_can_send_sample(r, status.tick);
+        send_sample(r, status.tick);
     }
     cam_log_text_change(&r->lines, &r->store, &status);
 }

@@ -12,9 +12,8 @@
 ///   block, ends the piece without an answer.
 /// - Answers that do not fit the transmit queue are kept, and nothing is read until they are sent.
 /// - A silent bus also stops the commander's heartbeats: a second later the cut ends as by stop.
-/// - A table that fails its check does not keep the controller from starting. Enable is refused
-/// with
-///   the error of the check, which the status and a line of text report, until one is selected.
+/// - A table that fails its check does not keep the controller from starting. Until one is
+///   selected, enable is refused with the error of the check, which the status and a text report.
 ///
 /// All functions: slow side, main() only.
 #ifndef CAM_CAN_H

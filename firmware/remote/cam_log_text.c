@@ -44,8 +44,8 @@ void cam_log_text_start(const hal_start_t *start)
     say("start: ", reason, start->why[0] != '\0' ? ": " : "", start->why);
 }
 
-/// Append a number.
-static void add_number(line_t *line, uint32_t number)
+/// Append text and a number.
+static void add_number(line_t *line, const char *before, uint32_t number)
 {
     static const char digits[] = "0123456789";
     char text[12];
@@ -57,6 +57,7 @@ static void add_number(line_t *line, uint32_t number)
         text[at] = digits[left % 10u];
         left /= 10u;
     } while (left > 0u);
+    add(line, before);
     add(line, &text[at]);
 }
 
@@ -65,8 +66,7 @@ static void say_some(uint32_t n, const char *name, const char *what)
 {
     line_t line = {.n = 0};
     if (n > 0u) {
-        add(&line, "params: ");
-        add_number(&line, n);
+        add_number(&line, "params: ", n);
         add(&line, what);
         add(&line, name);
         hal_text(line.text);
@@ -87,8 +87,7 @@ void cam_log_text_params(const cam_machine_t *machine)
         return;
     }
     line_t line = {.n = 0};
-    add(&line, "params: version ");
-    add_number(&line, kept->version);
+    add_number(&line, "params: version ", kept->version);
     add(&line, kept->is_torn ? " in use, what was to be saved after it is not whole" : " in use");
     hal_text(line.text);
     say_some(kept->n_unknown, kept->unknown, " unknown to this firmware and left out, first ");
@@ -96,28 +95,24 @@ void cam_log_text_params(const cam_machine_t *machine)
     say_some(kept->n_missing, name_of(kept->missing), " not among those kept, at default, first ");
 }
 
-/// Append picometres as nanometres with one place.
-static void add_nm(line_t *line, uint32_t pm)
+/// Append text and picometres as nanometres with one place.
+static void add_nm(line_t *line, const char *before, uint32_t pm)
 {
-    add_number(line, pm / 1000u);
-    add(line, ".");
-    add_number(line, pm % 1000u / 100u);
+    add_number(line, before, pm / 1000u);
+    add_number(line, ".", pm % 1000u / 100u);
     add(line, " nm");
 }
 
 /// Append resolution and speed of an axis.
 static void add_axis(line_t *line, const char *name, const hal_axis_scale_t *scale)
 {
-    add(line, name);
-    add_nm(line, scale->command_pm);
+    add_nm(line, name, scale->command_pm);
     if (scale->most_um_per_s > 0) {
-        add(line, " up to ");
-        add_number(line, (uint32_t)scale->most_um_per_s);
+        add_number(line, " up to ", (uint32_t)scale->most_um_per_s);
         add(line, " um/s");
     }
     if (scale->measured_pm != 0u) {
-        add(line, ", read to ");
-        add_nm(line, scale->measured_pm);
+        add_nm(line, ", read to ", scale->measured_pm);
     }
 }
 
@@ -126,15 +121,14 @@ static void say_form_error(const cam_machine_t *machine)
 {
     const cam_table_t *table = machine->has_table ? &machine->table : NULL;
     line_t line = {.n = 0};
-    add(&line, "form error by the steps of the outputs: ");
     const uint32_t form_nm = cam_resolution_limit_form_pm(table) / 1000u;
-    add_number(&line, form_nm / 1000u);
-    add(&line, form_nm % 1000u < 10u ? ".00" : form_nm % 1000u < 100u ? ".0" : ".");
-    add_number(&line, form_nm % 1000u);
+    const uint32_t places = form_nm % 1000u;
+    add_number(&line, "form error by the steps of the outputs: ", form_nm / 1000u);
+    add_number(&line, places < 10u ? ".00" : places < 100u ? ".0" : ".", places);
     add(&line, " um");
     if (table != NULL) {
-        add(&line, "; a count of the encoder is ");
-        add_nm(&line, cam_resolution_limit_count_pm(table, machine->params.counts_per_turn));
+        add_nm(&line, "; a count of the encoder is ",
+               cam_resolution_limit_count_pm(table, machine->params.counts_per_turn));
         add(&line, " of U");
     }
     hal_text(line.text);
@@ -201,21 +195,15 @@ static void say_command(cam_log_text_t *l, const cam_rights_t *now)
 {
     line_t line = {.n = 0};
     const bool is_lost = now->n_losses != l->n_losses;
-    const bool is_taken_over = now->n_take_overs != l->n_take_overs;
-    add(&line, "command: ");
     if (is_lost) {
-        add(&line, "lost, nothing was heard of ");
-        add_number(&line, l->commander);
+        add_number(&line, "command: lost, nothing was heard of ", l->commander);
     } else if (now->commander == 0u) {
-        add(&line, "given up by ");
-        add_number(&line, l->commander);
+        add_number(&line, "command: given up by ", l->commander);
     } else {
-        add(&line, "taken by ");
-        add_number(&line, now->commander);
+        add_number(&line, "command: taken by ", now->commander);
     }
-    if (is_taken_over) {
-        add(&line, " over from ");
-        add_number(&line, l->commander);
+    if (now->n_take_overs != l->n_take_overs) {
+        add_number(&line, " over from ", l->commander);
     }
     hal_text(line.text);
     // The next call reports who took command after a loss.
@@ -249,10 +237,8 @@ void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, 
         return;
     }
     l->refused_tick = tick;
-    add(&line, "refused: command ");
-    add_number(&line, command);
-    add(&line, " of ");
-    add_number(&line, sender);
+    add_number(&line, "refused: command ", command);
+    add_number(&line, " of ", sender);
     add(&line, ": ");
     add(&line, cam_err_text(err));
     hal_text(line.text);

@@ -229,6 +229,7 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
                         const cam_status_t *status)
 {
     enum { most = (1 << 23) - 1 };
+    const hal_load_t load = hal_load();
     struct camturn_detail_t m = {
         .page = (uint8_t)page,
         .following_error = cam_clamp_i32(status->following_nm, -most - 1, most),
@@ -240,12 +241,9 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .is_bus_lost = (status->inputs & hal_in_bus_lost) != 0u ? 1u : 0u,
         .tick_rate = store->machine->tick_hz,
         .late_ticks = status->n_late,
+        .tick_time_max = tick_time(load.max_cycles, 1000000000u, UINT32_MAX),
+        .memory_errors = load.n_corrected < 0xFFFFFFu ? load.n_corrected : 0xFFFFFFu,
     };
-    if (page == page_load) {
-        m.tick_time_max = tick_time(hal_load().max_cycles, 1000000000u, UINT32_MAX);
-    }
-    const uint32_t n_corrected = hal_load().n_corrected;
-    m.memory_errors = n_corrected < 0xFFFFFFu ? n_corrected : 0xFFFFFFu;
     describe_table(&m, store);
     describe_learning(&m, store->machine);
     describe_params(&m, store->machine);

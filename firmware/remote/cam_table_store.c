@@ -6,11 +6,6 @@
 /// Offset of the field image_size in the header of an image (TABLE_FORMAT.md).
 enum { at_image_size = 16 };
 
-void cam_table_store_init(cam_table_store_t *s, cam_machine_t *machine)
-{
-    *s = (cam_table_store_t){.machine = machine, .err = cam_err_no_table};
-}
-
 // Select
 
 /// Select the table in the slot in use. The slot may be larger than the image, whose header then

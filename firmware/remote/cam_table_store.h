@@ -27,20 +27,16 @@ static inline uint32_t cam_table_store_word(const uint8_t *bytes)
            (uint32_t)bytes[3] << 24;
 }
 
-/// State.
+/// State; zero-initialised except for machine and err, which begins as cam_err_no_table.
 typedef struct {
-    cam_machine_t *machine;
-    cam_err_t err;       ///< result of the last check of the table in use
-    uint32_t generation; ///< how often a table has been taken into use
-    uint32_t size;       ///< [bytes] of the image that is being downloaded
-    uint32_t received;   ///< [bytes] of it that have been stored
-    bool is_open;        ///< a download has begun, blocks are accepted
-    bool is_checked;     ///< the download is complete and good: the next select takes it
+    cam_machine_t *machine; ///< initialised
+    cam_err_t err;          ///< result of the last check of the table in use
+    uint32_t generation;    ///< how often a table has been taken into use
+    uint32_t size;          ///< [bytes] of the image that is being downloaded
+    uint32_t received;      ///< [bytes] of it that have been stored
+    bool is_open;           ///< a download has begun, blocks are accepted
+    bool is_checked;        ///< the download is complete and good: the next select takes it
 } cam_table_store_t;
-
-/// Begin without a table.
-/// @param machine  initialised; kept
-void cam_table_store_init(cam_table_store_t *s, cam_machine_t *machine);
 
 /// Put a table into use: a complete download, else the table of the slot in use, checked again.
 /// @return as cam_machine_select_table(); cam_err_no_table if the slot is empty;

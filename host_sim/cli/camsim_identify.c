@@ -232,7 +232,7 @@ static void write_record(sim_out_t *out, const sim_cut_t *cut)
         }
     }
     sim_out_char(out, '\n');
-    const int32_t *word = cam_scope_recorded(s);
+    const int32_t *word = &s->words[s->at];
     const uint32_t n_rows = sim_identify_n_played(cut);
     for (uint32_t row = 0; row < n_rows; row++) {
         sim_out_integer(out, (int64_t)s->first_tick + row);

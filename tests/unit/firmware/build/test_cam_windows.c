@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Windows of the position switches, to the last digit of what the interrupt gets of them.
-#include "cam_windows.h"
+#include "cam_build_inner.h"
 #include "unity.h"
 
 enum { tick_hz = 20000, per_degree_q32 = 11930465 };

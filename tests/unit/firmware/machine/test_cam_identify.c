@@ -102,7 +102,7 @@ static void expect_wave_is_played(uint32_t ticks)
     const int32_t n_fall = field(cam_scope_field_n_fall);
     const int32_t first = field(cam_scope_field_n_rows) - n_fall - n_periods * n;
     TEST_ASSERT_GREATER_THAN_INT32(0, first);
-    const int32_t *words = cam_scope_recorded(&rig.machine.scope);
+    const int32_t *words = &rig.machine.scope.words[rig.machine.scope.at];
     for (int32_t i = 0; i < n_periods * n; i++) {
         const int32_t at = (first + i) * 3;
         TEST_ASSERT_EQUAL_INT32((place_nm + wave_nm[i % n]) * 64, words[at]); // u_set_q6

@@ -86,7 +86,7 @@ static void test_rows_hold_the_chosen_signals_in_the_order_of_the_list(void)
         take(tick);
     }
     static const int32_t wanted[] = {100, -100, 101, -101, 102, -102, 0x55555555};
-    TEST_ASSERT_EQUAL_INT32_ARRAY(wanted, cam_scope_recorded(&scope), 7);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(wanted, &scope.words[scope.at], 7);
     TEST_ASSERT_EQUAL_INT32(3, field(cam_scope_field_n_rows));
     TEST_ASSERT_EQUAL_INT32(100, field(cam_scope_field_first_tick));
     TEST_ASSERT_EQUAL_INT32(cam_scope_done, field(cam_scope_field_phase));
@@ -135,7 +135,7 @@ static void test_every_nth_tick_is_recorded(void)
         take(UINT32_MAX - 6u + i);
     }
     static const int32_t wanted[] = {-7, -2, 3, 8};
-    TEST_ASSERT_EQUAL_INT32_ARRAY(wanted, cam_scope_recorded(&scope), 4);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(wanted, &scope.words[scope.at], 4);
 }
 
 static void test_a_lost_record_ends_the_recording_and_is_counted(void)
@@ -222,7 +222,7 @@ static void test_signals_are_those_of_the_record(void)
     set(cam_scope_field_signals, (int32_t)(UINT32_MAX >> (32 - cam_scope_n_signals)));
     start(5);
     cam_scope_take(&scope, &r);
-    const int32_t *row = cam_scope_recorded(&scope);
+    const int32_t *row = &scope.words[scope.at];
     TEST_ASSERT_EQUAL_INT32(cam_scope_n_signals, field(cam_scope_field_n_signals));
     TEST_ASSERT_EQUAL_INT32(5, row[cam_scope_tick]);
     TEST_ASSERT_EQUAL_INT32(313, row[cam_scope_u_set_q6]);

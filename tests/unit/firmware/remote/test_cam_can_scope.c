@@ -121,7 +121,8 @@ static void expect_parts(uint32_t offset, uint32_t n_words, uint32_t part)
     TEST_ASSERT_EQUAL_UINT32(7, fixture_can_answer(&last).index);
     const uint32_t n_bytes = n_words * 4u;
     TEST_ASSERT_EQUAL_UINT32((n_bytes + part - 1u) / part * part, n_piece);
-    TEST_ASSERT_EQUAL_MEMORY(&cam_scope_recorded(&f.rig.machine.scope)[offset], piece, n_bytes);
+    TEST_ASSERT_EQUAL_MEMORY(&f.rig.machine.scope.words[f.rig.machine.scope.at + offset], piece,
+                             n_bytes);
     TEST_ASSERT_EQUAL_HEX32(cam_crc32(0, piece, n_bytes),
                             (uint32_t)fixture_can_answer(&last).value);
 }

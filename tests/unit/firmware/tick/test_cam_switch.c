@@ -3,7 +3,7 @@
 // hysteresis, height, and the states in which all are off.
 #include "cam_param.h"
 #include "cam_switch.h"
-#include "cam_windows.h"
+#include "cam_build_inner.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <math.h>   // floor, fabs

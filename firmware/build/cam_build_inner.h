@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_build_inner: parts of cam_build_config(), private to this room. Context: slow side.
+#ifndef CAM_BUILD_INNER_H
+#define CAM_BUILD_INNER_H
+
+#include "cam_config.h" // cam_config_t
+#include "cam_param.h"  // cam_params_t
+#include <stdint.h>     // int32_t, int64_t, uint32_t
+
+/// [nm / 1024] Rounding margin of set-point checks, which also allow 1/16 for encoder noise.
+#define CAM_BUILD_MARGIN_Q10 3072
+
+/// Derive the limits of all axes with their jerk windows: approach, retract and axis commands.
+/// Requires the gains of the feed-forward, the spindle and the feed.
+void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz);
+
+/// @return [nm / 1024] by how much the end of a retract may take the command of U beyond its
+///         target: an eighth of the acceleration, because it brakes in ticks (cam_move_profile.c),
+///         and the lead of the feed-forward, MATHS.md (214)
+int64_t cam_build_room_q10(const cam_config_t *config);
+
+/// Derive the limits of jogging. Call after cam_build_motion().
+void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz);
+
+/// Derive the windows of the position switches from the parameters switch_1_.. to switch_8_..
+///
+/// The window of an output extends from switch_N_on_udeg to switch_N_off_udeg in the sense in which
+/// the drawing's angle rises, whatever the sense of cutting, and repeats switch_N_per_turn times
+/// per turn. A window that fills its share of the turn is always on; one with equal ends is empty.
+/// The hysteresis is limited to a quarter of the window. Source: MATHS.md (180) .. (182).
+/// @param sense  1, or -1 where the interrupt's angle is the negative of the drawing's
+/// @return       windows of all outputs up to the last one in use
+cam_switches_config_t cam_windows_build(const cam_params_t *params, int32_t sense,
+                                        uint32_t tick_hz);
+
+#endif
