@@ -1,6 +1,6 @@
 # monocypher: keyed BLAKE2b, comparison in constant time and the curve of Ed25519, fetched once into
 # build/_monocypher and shared by all presets. Its SHA-512 lies in a file of its own, which the
-# source of the Python package pymonocypher leaves out; firmware/base/cam_sha512.c takes its place.
+# source of the Python package pymonocypher leaves out; firmware/signature/cam_sha512.c takes its place.
 #
 # It is pinned twice: the archive by its SHA-256, and so are the two files in build/_monocypher, which
 # any other way of putting them there has to meet, too. -D CAM_MONOCYPHER=DIR takes a copy of your own
