@@ -28,16 +28,18 @@ _RESERVED = "corrupt"  # a bit without a fault
 
 _HEAD = """# Safety case
 
-What may hurt somebody at a lathe with a driven tool, what this controller does against it, what the
-machine around it must do, and which test shows what. It is made from [safety.toml](safety.toml) by
-`build/venv/bin/python -m checks.safety --write` (in tools/), and a test compares the two.
+How a lathe with a driven tool can hurt somebody, what this controller does against it, what the
+rest of the machine must do, and the tests that verify it. The page is generated from
+[safety.toml](safety.toml) by `build/venv/bin/python -m checks.safety --write` (in tools/); a test
+compares the two.
 
-**The controller is no safety component, and nothing here is a certificate.** The frame is that of
-ISO 12100 (a machine builder's assessment of risks) and ISO 23125 (safety of turning machines): the
-builder assesses the whole machine; protective functions with a performance level (ISO 13849-1) are
-those of the cabinet below, which work without any program. What the controller does reduces how
-often they are needed. Faults with their reaction and time stand in [FAULTS.md](FAULTS.md), who may
-command and what is not protected in [THREATS.md](THREATS.md).
+**The controller is not a safety component, and this page is not a certificate.** The framework is
+that of ISO 12100 (risk assessment by the machine builder) and ISO 23125 (safety of turning
+machines): the builder assesses the whole machine, and protective functions with a performance
+level (ISO 13849-1) belong to the cabinet below, where they work without software. What the
+controller does only makes it less likely that they are needed. [FAULTS.md](FAULTS.md) lists the
+faults with reaction and time, [THREATS.md](THREATS.md) says who may command and what is not
+protected.
 """
 
 
