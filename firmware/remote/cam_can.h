@@ -6,10 +6,11 @@
 /// it, and can/README.md describes the protocol. In addition:
 ///
 /// - Every command frame is answered: with cam_err_frame if its length is not 8 (missing bytes are
-///   echoed as 0), with cam_err_not_commander if its sender does not have command (cam_rights.h),
-///   with cam_err_command if the command is unknown. Frames with other ids are ignored.
-/// - read_scope is answered after its piece (cam_reading.h). A command other than strobe, or a
-///   block, ends the piece without an answer.
+///   echoed as 0), with cam_err_not_commander if the command needs the right to command and its
+///   sender does not have it (cam_rights.h), with cam_err_command if it is unknown. Frames with
+///   other ids are ignored.
+/// - read_scope alone is answered later, when its data has been sent (cam_reading.h). A block, or
+///   any command but strobe, aborts it unanswered.
 /// - Answers that do not fit the transmit queue are kept, and nothing is read until they are sent.
 /// - A silent bus also stops the commander's heartbeats: a second later the cut ends as by stop.
 /// - A table that fails its check does not keep the controller from starting. Until one is
