@@ -170,6 +170,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
     if (want->state == cam_state_off) { // set-points follow the axes, and no fault is latched
         g->u_set_q6 = want->u_set_q6;
         g->u_step_q6 = 0;
+        g->u_acc_q10 = 0;
         g->faults = 0;
         g->counted = 0;
         g->n_stopped = 0;

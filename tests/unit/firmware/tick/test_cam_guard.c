@@ -256,6 +256,23 @@ static void test_guard_setpoint_beyond_acceleration_speed_or_range_is_not_writte
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(setpoint_range), judge_want(-599900, -600001));
 }
 
+/// A fault in the first enabled tick finds U at rest, whatever U did before the last fault.
+static void test_guard_off_forgets_the_motion_before_it(void)
+{
+    const cam_config_t *config = g_cam.config.offered;
+    cam_guard_t guard = {.u_set_q6 = 64, .u_step_q6 = 6400, .u_acc_q10 = 1024};
+    cam_motion_t motion = {.state = cam_state_off};
+    cam_tick_record_t r = {.in.inputs = hal_in_drive_ready, .want.state = cam_state_off};
+    cam_guard_step_isr(&guard, &config->guard, &r, &motion);
+    r.want = (cam_want_t){.state = cam_state_manual, .faults = CAM_FAULT_BIT(late_tick)};
+    motion.state = cam_state_manual;
+    cam_guard_step_isr(&guard, &config->guard, &r, &motion);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, r.want.state);
+    TEST_ASSERT_EQUAL_INT32(0, r.want.u_set_q6);
+    TEST_ASSERT_EQUAL_INT32(0, motion.axis[hal_axis_u].vel_q10);
+    TEST_ASSERT_EQUAL_INT32(0, motion.axis[hal_axis_u].acc_q10);
+}
+
 static void test_guard_armed_masks_are_those_of_the_manual(void)
 {
     const uint32_t enabled = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) |
@@ -297,6 +314,7 @@ int main(void)
     RUN_TEST(test_guard_z_off_its_place_is_a_fault_while_in_work);
     RUN_TEST(test_guard_damaged_table_is_a_fault_and_stays_refused);
     RUN_TEST(test_guard_setpoint_beyond_acceleration_speed_or_range_is_not_written);
+    RUN_TEST(test_guard_off_forgets_the_motion_before_it);
     RUN_TEST(test_guard_armed_masks_are_those_of_the_manual);
     return UNITY_END();
 }
