@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_entry.h"
-#include "cam_bounds.h" // cam_bounds_next
-#include "cam_fix.h"    // cam_is_between
-#include <stdbool.h>    // bool
+#include "cam_fix.h" // cam_is_between
 
 /// Limits that the arithmetic of the evaluation relies on.
 enum {

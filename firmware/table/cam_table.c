@@ -7,7 +7,6 @@
 #include "cam_spindle_demand.h" // cam_spindle_demand_of
 #include "cam_peaks.h"          // cam_peaks_of_swing
 #include "cam_feed_profile.h"   // cam_feed_profile_check
-#include <stdbool.h>            // bool
 #include <string.h>             // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
