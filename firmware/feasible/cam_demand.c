@@ -4,7 +4,7 @@
 #include "cam_z_coupling.h"      // cam_z_coupling_of
 #include "cam_fix.h"             // cam_abs_i64
 #include "cam_lobe_transition.h" // cam_lobe_transition_first
-#include "cam_spindle_demand.h"  // cam_spindle_demand_set_q20
+#include "cam_peaks.h"           // cam_peaks_set_point_q20
 #include "cam_plan.h"            // cam_plan_ticks
 #include <stdbool.h>             // bool
 #include <stddef.h>              // size_t
@@ -43,7 +43,7 @@ static cam_demand_t spindle_set_point_demand(const cam_cut_t *c)
     const uint64_t lag_us = (uint64_t)c->p->spindle_lag_us;
     const uint64_t c_q16 =
         cam_cut_divided_up(cam_cut_omega_mrad_per_s(c->mean_mrpm) * lag_us * 4096u, 62500000);
-    const uint64_t set_q20 = cam_spindle_demand_set_q20(&c->t->spindle_demand, c_q16);
+    const uint64_t set_q20 = cam_peaks_set_point_q20(&c->t->spindle_demand, c_q16);
     const bool is_told = c->t->speed.knots != NULL;
     return (cam_demand_t){
         cam_err_spindle_set_point, c->p->spindle_limit_mrpm,

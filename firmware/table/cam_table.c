@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table.h"
-#include "cam_entry.h"          // cam_entry_check
-#include "cam_bounds.h"         // cam_extent_widened
-#include "cam_fix.h"            // cam_is_between
-#include "cam_lobes.h"          // cam_lobes_check
-#include "cam_spindle_demand.h" // cam_spindle_demand_of
-#include "cam_peaks.h"          // cam_peaks_of_swing
-#include "cam_feed_profile.h"   // cam_feed_profile_check
-#include <string.h>             // memcpy, memcmp
+#include "cam_entry.h"        // cam_entry_check
+#include "cam_bounds.h"       // cam_extent_widened
+#include "cam_fix.h"          // cam_is_between
+#include "cam_lobes.h"        // cam_lobes_check
+#include "cam_peaks.h"        // cam_peaks_of_swing
+#include "cam_feed_profile.h" // cam_feed_profile_check
+#include <string.h>           // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
 
@@ -203,7 +202,7 @@ static int64_t knot_per_rad(int64_t x, uint32_t log2_knots_per_turn)
 static cam_err_t check_motion_limits(const cam_entry_t *u, const cam_table_t *t)
 {
     if (t->speed.knots != NULL) {
-        return cam_header_limits_check(t);
+        return cam_peaks_check(t);
     }
     const uint32_t log2_knots = u->log2_knots + u->log2_repeat; // per turn
     const int64_t u1 = knot_per_rad(u->v_max, log2_knots) >> u->frac_bits;
@@ -313,7 +312,7 @@ static void measure(cam_table_t *table)
     const cam_x_slope_t slope = cam_x_slope_of(&table->x);
     table->x_slope_ppm = slope.slope_ppm;
     table->x_bend_ppm_per_m = slope.bend_ppm_per_m;
-    table->spindle_demand = cam_spindle_demand_of(&table->speed);
+    table->spindle_demand = cam_peaks_of_speed(&table->speed);
     table->u3_peak_nm_per_rad3 = cam_peaks_third(&table->u);
     if (table->lobes == NULL) { // slices of a lobe are not neighbours
         table->u_change = cam_peaks_of_change(&table->u);
