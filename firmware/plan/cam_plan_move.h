@@ -50,15 +50,13 @@ static inline int64_t cam_plan_move_profile_q10(const cam_play_config_t *cfg, in
            (int64_t)trim_q4 * 64 + clear_q10;
 }
 
-/// Move an axis towards a position.
-/// @param limits  [nm / 1024 per plan, per plan^2]
-/// @return        true when it rests there
+/// Move an axis towards a position, within limits in nm / 1024 per plan and per plan^2.
+/// @return true when it rests there
 bool cam_plan_move_to_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *cfg,
                           const cam_motion_limits_t *limits, int64_t position_q10);
 
-/// Brake an axis to rest.
-/// @param limits  [nm / 1024 per plan, per plan^2]
-/// @return        true when it rests
+/// Brake an axis, likewise.
+/// @return true when it rests
 bool cam_plan_move_brake_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *cfg,
                              const cam_motion_limits_t *limits);
 

@@ -69,8 +69,7 @@ static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_the
                                 x_begin_q10(cfg, m, cam_sat_sub(z_nm, cfg->z_origin_nm)));
 }
 
-/// Move all axes to the start of the cut or of its rehearsal, after the swing has come to rest at
-/// 0.
+/// Move all axes to the start of the cut or its rehearsal, after the swing has come to rest at 0.
 /// @return true when all are there
 static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {

@@ -17,11 +17,10 @@
 
 /// State; zero-initialised: a table without lobes.
 typedef struct {
-    uint32_t i_lobe; ///< current lobe
-    uint32_t
-        phase_q32; ///< [turn / 2^32] its phase, included in that of cam_motion_t; 0 without lobes
-    int64_t z_q8;  ///< [nm / 256] smoothed height of a measured Z
-    int64_t speed_q8; ///< [nm / 256 per plan] its speed
+    uint32_t i_lobe;    ///< current lobe
+    uint32_t phase_q32; ///< [turn / 2^32] its phase, part of that of cam_motion_t; 0 without lobes
+    int64_t z_q8;       ///< [nm / 256] smoothed height of a measured Z
+    int64_t speed_q8;   ///< [nm / 256 per plan] its speed
 } cam_shaft_t;
 
 /// Shares of lift and speed ratio.

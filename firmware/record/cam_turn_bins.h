@@ -81,8 +81,7 @@ typedef struct {
     uint32_t taken;                  ///< slow side only: turn + 2^24 that was taken last
 } cam_turn_bins_t;
 
-/// Add one tick to its bin, except in state fault.
-/// @param r  record of the tick, commanded
+/// Add a commanded tick to its bin, except in state fault.
 static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_record_t *r)
 {
     if (r->want.state == cam_state_fault) {

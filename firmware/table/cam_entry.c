@@ -180,9 +180,7 @@ cam_err_t cam_entry_check(const cam_entry_t *e, const cam_table_t *t, uint64_t *
         const uint64_t n_knots = (uint64_t)e->n_slices << e->log2_knots;
         err = check_layout(e, n_knots * sizeof(cam_knot_t), t, used);
     }
-    if (err == cam_ok) {
-        err = check_heights(e, t);
-    }
+    err = err == cam_ok ? check_heights(e, t) : err;
     if (err != cam_ok) {
         return err;
     }

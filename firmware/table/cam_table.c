@@ -253,9 +253,7 @@ static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, uint64_t *used,
     }
     cam_extent_t values;
     cam_err_t err = cam_entry_check(e, table, used);
-    if (err == cam_ok) {
-        err = check_values(e, table, &values);
-    }
+    err = err == cam_ok ? check_values(e, table, &values) : err;
     return err == cam_ok ? take_channel(e, values, table) : err;
 }
 
@@ -332,12 +330,8 @@ cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table)
         return cam_err_image_address;
     }
     cam_err_t err = check_frame(image, size);
-    if (err == cam_ok) {
-        err = check_header(image, table);
-    }
-    if (err == cam_ok) {
-        err = check_channels(image, table);
-    }
+    err = err == cam_ok ? check_header(image, table) : err;
+    err = err == cam_ok ? check_channels(image, table) : err;
     if (err == cam_ok) {
         measure(table);
     } else {

@@ -29,8 +29,7 @@ typedef struct {
 /// last tick. Context: ISR, constant time.
 cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room);
 
-/// Hand the record to the reader; call it complete, after a release fence. Context: ISR, constant
-/// time.
+/// Hand the complete record to the reader, after a release fence. Context: ISR, constant time.
 void cam_trace_commit_isr(cam_trace_t *trace);
 
 /// Take the oldest record.
