@@ -134,8 +134,7 @@ static int64_t most_of_bend(int64_t b, int64_t d, int64_t e)
 }
 
 /// Of s, the share of the speed, the command is b + s d + s^2 e.
-/// @return ten times the largest command of the quintic between two knots at any speed up to this
-///         one, in LSB
+/// @return [LSB / 10] largest command of the quintic between two knots at any speed up to this one
 static int64_t tenfold(const cam_knot_t *k0, const cam_knot_t *k1, int64_t offset, const ahead_t *a)
 {
     const int64_t from = 10 * (k0->p + offset);

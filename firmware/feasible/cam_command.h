@@ -15,9 +15,8 @@
 ///         the next two are 0 without gains.
 cam_demand_t cam_command_stroke_demand(const cam_cut_t *c);
 
-/// @return [um/s] the sum of the peaks of u' omega, k1 u'' omega^2 and k2 u''' omega^3. The limit
-///         follows from the limits and gains of U. The jerk of a table with a speed channel counts
-///         as 0.
+/// @return [um/s] the sum of the peaks of u' omega, k1 u'' omega^2 and k2 u''' omega^3 (0 for a
+///         table with a speed channel). The limit follows from the limits and gains of U.
 cam_demand_t cam_command_speed_demand(const cam_cut_t *c);
 
 /// @return [mm/s2] the sum of the peaks of u'' omega^2 and k1 u''' omega^3, likewise

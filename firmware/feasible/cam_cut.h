@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_cut: a cut at a mean speed of the spindle, and the arithmetic that judges it.
 ///
-/// All demands are integers, rounded up, so that none is too small. Inline, cannot fail.
-/// Context: slow side.
+/// All demands are integers, rounded up, so that none is too small. Context: slow side.
 #ifndef CAM_CUT_H
 #define CAM_CUT_H
 

@@ -8,8 +8,7 @@
 #include <stdbool.h>        // bool
 #include <stddef.h>         // size_t
 
-/// The interrupt's arithmetic holds up to 16 knots per tick; half of that leaves room for
-/// overspeed.
+/// The interrupt's arithmetic holds 16 knots per tick; half of them leaves room for overspeed.
 enum { max_knots_per_tick = 8 };
 /// [nm] No part has more stock on its radius.
 enum { most_stock_nm = 100000000 };
@@ -49,8 +48,7 @@ static cam_demand_t spindle_set_point_demand(const cam_cut_t *c)
         is_told ? cam_cut_divided_up(set_q20 * c->mean_mrpm, (uint32_t)CAM_TABLE_RATIO_ONE) : 0u};
 }
 
-/// The speed must not let more knots or more of a turn pass in a tick than the interrupt can
-/// follow.
+/// No more knots, and no larger part of a turn, may pass in a tick than the interrupt can follow.
 static cam_demand_t tick_demand(const cam_cut_t *c)
 {
     const uint64_t knots = UINT64_C(1) << (c->t->u.log2_knots + c->t->u.log2_repeat);
@@ -73,8 +71,7 @@ static uint64_t outwards_nm(const cam_cut_t *c)
     return cam_cut_at_amplitude(c, (uint64_t)(out_nm > 0 ? out_nm : 0));
 }
 
-/// In the cut U travels to both sides of the middle of its stroke, inwards by the largest u and
-/// outwards by the least.
+/// From the middle of its stroke U travels inwards by the largest u and outwards by the least.
 static cam_demand_t stroke_demand(const cam_cut_t *c)
 {
     const int64_t in_nm = c->t->u_max_nm;

@@ -138,8 +138,7 @@ static uint64_t part(uint64_t a, uint64_t ppm)
     return cam_cut_scaled_up(a, ppm, 1000000);
 }
 
-/// @return [1e-6] x = R / (2 pi N), at most 2^25; a table with a speed channel has half the height
-///         for its lift
+/// @return [1e-6] x = R / (2 pi N), at most 2^25; with a speed channel the lift has half the height
 static uint64_t x_ppm(const cam_table_t *t, uint64_t feed_nm)
 {
     const uint64_t change_nm =

@@ -59,8 +59,7 @@ uint64_t cam_z_coupling_x_mm_per_s2(const cam_cut_t *c);
 cam_z_coupling_t cam_z_coupling_of(const cam_cut_t *c, const cam_channel_t *ch,
                                    const cam_change_t *change, uint32_t set_point_hz);
 
-/// @return [1/s2] effect of a drift on an acceleration, including a rate of change that differs
-///         over the angle
+/// @return [1/s2] effect of a drift on an acceleration, with its difference over the angle
 uint64_t cam_z_coupling_acceleration(const cam_cut_t *c, const cam_z_coupling_t *d);
 
 /// Largest magnitudes of a function over the angle, below 2^33.
@@ -77,8 +76,7 @@ uint64_t cam_z_coupling_lobes_first(const cam_table_t *t, uint64_t feed_nm,
                                     const cam_z_coupling_peaks_t *peaks);
 
 /// @param n_set_points  of the axis from plan to plan, 1 .. 80
-/// @return              [unit/rad2] bound of the acceleration over the mean speed squared, at least
-///                      f2
+/// @return              [unit/rad2] bound of acceleration over mean speed squared, at least f2
 uint64_t cam_z_coupling_lobes_second(const cam_table_t *t, uint64_t feed_nm,
                                      const cam_z_coupling_peaks_t *peaks, uint32_t n_set_points);
 

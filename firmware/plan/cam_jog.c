@@ -128,8 +128,7 @@ static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_
     return 0;
 }
 
-/// Check whether the phase of homing has found its switch or index. @return [nm] shift of U's
-/// position
+/// Check whether homing has found its switch or index. @return [nm] shift of U's position
 static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
                              const cam_motion_t *m)
 {

@@ -47,8 +47,7 @@ static int64_t by_port_q10(const cam_play_config_t *cfg, int32_t z_nm)
     return ((int64_t)z_nm + cfg->z_origin_nm) * 1024;
 }
 
-/// @return [nm] Z at the next plan, along a plain helix; a measured Z is extrapolated by its travel
-/// since the last plan
+/// @return [nm] Z at the next plan, on a plain helix; a measured Z repeats its last travel per plan
 static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t actual_nm,
                          int64_t pos_q32)
 {

@@ -42,8 +42,7 @@ void cam_shaft_begin_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam
 /// @return [nm] height for cam_shaft_plan_isr()
 int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm);
 
-/// Select the lobe at U's height. A Z that reaches the next lobe early finds U still moving to the
-/// base circle.
+/// Select the lobe at U's height. If Z is there early, U still moves to the base circle.
 cam_share_t cam_shaft_plan_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m);
 
 /// @return slice of a channel: pattern of the current lobe, or the slices around the height

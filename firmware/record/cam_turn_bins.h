@@ -32,8 +32,7 @@ enum {
 };
 
 /// Learned values, written by the slow side, read by the interrupt. Knot i of a table is at i / 256
-/// turn of the master position, knot 256 equals knot 0, and values in between are interpolated
-/// linearly.
+/// turn of the master position, knot 256 equals knot 0; linear interpolation in between.
 typedef struct {
     int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
     int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward

@@ -92,8 +92,7 @@ static hull_t hull_of(const cam_knot_t *k0, const cam_knot_t *k1)
 }
 
 /// Halve an interval by de Casteljau's means, which are whole (SCALE). After r rounds the first
-/// mean is coefficient r of the lower half, and the last one is coefficient 5 - r of the upper
-/// half.
+/// mean is coefficient r of the lower half, the last one coefficient 5 - r of the upper half.
 static void halve(hull_t mean, hull_t *lower, hull_t *upper)
 {
     for (int32_t r = 0; r < 6; r++) {

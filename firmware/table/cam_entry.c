@@ -123,8 +123,7 @@ static cam_err_t check_heights(const cam_entry_t *e, const cam_table_t *t)
     return is_spaced && per_nm_q48 == e->slices_per_nm_q48 ? cam_ok : cam_err_image_height;
 }
 
-/// Check the three sums of TABLE_FORMAT.md ("The bound"). The knots are already bounded, so 64 bits
-/// hold them.
+/// Check the three sums of TABLE_FORMAT.md ("The bound"), which fit 64 bits for bounded knots.
 static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
 {
     const int64_t p = cam_abs_i64(k0->p);

@@ -2,8 +2,7 @@
 /// cam_status: status of the newest tick for the slow side.
 ///
 /// The interrupt writes its state in every tick without waiting. A reader copies the state and
-/// repeats if a tick was in progress, so all of the copy belongs to one tick.
-/// Context: slow side.
+/// repeats if a tick was in progress, so all of it belongs to one tick. Context: slow side.
 #ifndef CAM_STATUS_H
 #define CAM_STATUS_H
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_trace: a ring of tick records, written by the interrupt, read by the slow side.
 ///
-/// One writer, one reader, no lock: each owns one counter. A full ring drops new records and counts
-/// them.
+/// One writer, one reader, no lock: each owns a counter. A full ring drops new records, counted.
 #ifndef CAM_TRACE_H
 #define CAM_TRACE_H
 
