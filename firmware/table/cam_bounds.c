@@ -66,8 +66,8 @@ void cam_bounds_add_third(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_
 
 uint32_t cam_bounds_next(const cam_channel_t *ch, uint32_t i)
 {
-    const uint32_t in_slice = i & ((UINT32_C(1) << ch->log2_knots) - 1u);
-    return i - in_slice + ((in_slice + 1u) & ((UINT32_C(1) << ch->log2_knots) - 1u));
+    const uint32_t in_slice = (UINT32_C(1) << ch->log2_knots) - 1u;
+    return (i & ~in_slice) | ((i + 1u) & in_slice);
 }
 
 /// Factor that keeps all numbers whole: ten for the Bernstein coefficients of a quintic, 2^5 for
