@@ -22,8 +22,7 @@
 #define CAM_FENCE atomic_thread_fence
 #endif
 
-/// Call after the load that shows a hand-over: all earlier writes of the other side are visible
-/// from here on.
+/// Call after the load that shows a hand-over: from here on all earlier writes are visible.
 static inline void cam_fence_acquire_isr(void)
 {
     CAM_FENCE(memory_order_acquire);

@@ -4,8 +4,9 @@
 /// `_q<n>` in a name gives the number of fraction bits: 0.5 in q28 is 2^27. Right shifts of
 /// negative numbers are arithmetic (asserted below), so they round towards minus infinity. Left
 /// shifts of signed values are written as multiplications and sums that wrap by design are computed
-/// in uint32, because C11 leaves both undefined for signed operands. Context of all functions: ISR
-/// or slow side, unless noted.
+/// in uint32, because C11 leaves both undefined for signed operands. Names in brackets are single
+/// instructions of Cortex-M4/M7: ARMv7-M Architecture Reference Manual, A7.7. Context of all
+/// functions: ISR or slow side, unless noted.
 #ifndef CAM_FIX_H
 #define CAM_FIX_H
 
@@ -17,9 +18,8 @@ _Static_assert((-3 >> 1) == -2, "arithmetic right shift");
 /// The product that the next two functions round to nearest.
 //@ logic integer cam_part(integer a, integer b) = (a * b + 0x80000000) >> 32;
 
-/// Multiply by a fraction of 2^-32 and add, with rounding: one instruction on Cortex-M4/M7.
+/// Multiply by a fraction of 2^-32 and add, with rounding (SMMLAR).
 /// @return c + floor(a * b / 2^32 + 1/2) modulo 2^32, any arguments
-/// Source: ARMv7-M Architecture Reference Manual, A7.7.147 (SMMLAR).
 /*@ assigns \result \from a, b, c;
     ensures exact: INT32_MIN <= c + cam_part(a, b) <= INT32_MAX ==>
       \result == c + cam_part(a, b);
@@ -36,9 +36,8 @@ static inline int32_t cam_mulhi_add(int32_t c, int32_t a, int32_t b)
 #endif
 }
 
-/// Multiply by a fraction of 2^-32, rounded to nearest: one instruction on Cortex-M4/M7.
+/// Multiply by a fraction of 2^-32, rounded to nearest (SMMULR).
 /// @return floor(a * b / 2^32 + 1/2), any arguments
-/// Source: ARMv7-M Architecture Reference Manual, A7.7.149 (SMMULR).
 /*@ assigns \result \from a, b;
     ensures exact: \result == cam_part(a, b);
 */
@@ -65,9 +64,7 @@ static inline int32_t cam_sat_i32(int64_t v)
     return low == v ? low : v < 0 ? INT32_MIN : INT32_MAX;
 }
 
-/// Add and saturate: one instruction on Cortex-M4/M7.
-/// @return a + b limited to the range of int32
-/// Source: ARMv7-M Architecture Reference Manual (QADD).
+/// @return a + b limited to the range of int32 (QADD)
 /*@ assigns \result \from a, b;
     ensures inside: INT32_MIN <= a + b <= INT32_MAX ==> \result == a + b;
     ensures low: a + b < INT32_MIN ==> \result == INT32_MIN;
@@ -84,9 +81,7 @@ static inline int32_t cam_sat_add(int32_t a, int32_t b)
 #endif
 }
 
-/// Subtract and saturate: one instruction on Cortex-M4/M7.
-/// @return a - b limited to the range of int32
-/// Source: ARMv7-M Architecture Reference Manual (QSUB).
+/// @return a - b limited to the range of int32 (QSUB)
 /*@ assigns \result \from a, b;
     ensures inside: INT32_MIN <= a - b <= INT32_MAX ==> \result == a - b;
     ensures low: a - b < INT32_MIN ==> \result == INT32_MIN;
@@ -103,10 +98,8 @@ static inline int32_t cam_sat_sub(int32_t a, int32_t b)
 #endif
 }
 
-/// Two products of half words and their sum: one instruction on Cortex-M4/M7.
 /// @param a, b  two int16 each, the first one in the lower half
-/// @return      products of the upper halves and of the lower halves, added modulo 2^32
-/// Source: ARMv7-M Architecture Reference Manual, A7.7.157 (SMUAD).
+/// @return      products of the upper halves and of the lower halves, added modulo 2^32 (SMUAD)
 //@ assigns \result \from a, b;
 static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
 {
@@ -123,7 +116,6 @@ static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
 #endif
 }
 
-/// Multiply unsigned numbers and keep the upper half of the product.
 /// @return floor(a * b / 2^32), any arguments
 /*@ assigns \result \from a, b;
     ensures floor: \result * 0x100000000 <= a * b < (\result + 1) * 0x100000000;
@@ -190,8 +182,7 @@ static inline int64_t cam_abs_i64(int64_t v)
     return v < 0 ? -v : v;
 }
 
-/// Integer square root, bit by bit. Context: slow side.
-/// @return floor of the root of v, any v
+/// @return square root of any v, rounded down. Context: slow side.
 //@ assigns \result \from v;
 static inline uint64_t cam_root_u64(uint64_t v)
 {

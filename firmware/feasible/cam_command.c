@@ -57,7 +57,14 @@ static uint64_t jerk_by_time(const cam_cut_t *c)
     return (uint64_t)c->p->u_acceleration_mm_per_s2 * 2000000u / window_ns;
 }
 
-cam_command_need_t cam_command_speed_um_per_s(const cam_cut_t *c)
+/// @return a demand of the feed-forward; without gains the command is u, which has its own limits
+static cam_demand_t by_gains(const cam_cut_t *c, cam_err_t err, uint64_t limit, uint64_t needed)
+{
+    const bool has_gains = c->p->k1_ns > 0 || c->p->k2_us2 > 0;
+    return (cam_demand_t){err, (int64_t)limit, has_gains ? cam_cut_at_amplitude(c, needed) : 0u};
+}
+
+cam_demand_t cam_command_speed_demand(const cam_cut_t *c)
 {
     const uint64_t k1 = (uint64_t)c->p->k1_ns;
     const uint64_t k2 = (uint64_t)c->p->k2_us2;
@@ -67,10 +74,10 @@ cam_command_need_t cam_command_speed_um_per_s(const cam_cut_t *c)
     const uint64_t needed = speed_um_per_s(c) +
                             cam_cut_scaled_up(acceleration_um_per_s2(c), k1, 1000000000) +
                             cam_cut_scaled_up(jerk_m_per_s3(c), k2, 1000000);
-    return (cam_command_need_t){(int64_t)limit, cam_cut_at_amplitude(c, needed)};
+    return by_gains(c, cam_err_u_command_speed, limit, needed);
 }
 
-cam_command_need_t cam_command_acceleration_mm_per_s2(const cam_cut_t *c)
+cam_demand_t cam_command_acceleration_demand(const cam_cut_t *c)
 {
     const uint64_t k1 = (uint64_t)c->p->k1_ns;
     const uint64_t by_time = jerk_by_time(c);
@@ -79,7 +86,7 @@ cam_command_need_t cam_command_acceleration_mm_per_s2(const cam_cut_t *c)
         cam_cut_scaled_up(by_time * 2u * c->tick_hz, (uint64_t)c->p->k2_us2, 1000000000);
     const uint64_t needed = cam_cut_divided_up(acceleration_um_per_s2(c), 1000) +
                             cam_cut_scaled_up(jerk_m_per_s3(c), k1, 1000000);
-    return (cam_command_need_t){(int64_t)limit, cam_cut_at_amplitude(c, needed)};
+    return by_gains(c, cam_err_u_command_acceleration, limit, needed);
 }
 
 /// @return whether the products fit 64 bits
@@ -127,8 +134,7 @@ static int64_t most_of_bend(int64_t b, int64_t d, int64_t e)
 }
 
 /// Of s, the share of the speed, the command is b + s d + s^2 e.
-/// @return ten times the largest command of the quintic between two knots at any speed up to this
-///         one, in LSB
+/// @return [LSB / 10] largest command of the quintic between two knots at any speed up to this one
 static int64_t tenfold(const cam_knot_t *k0, const cam_knot_t *k1, int64_t offset, const ahead_t *a)
 {
     const int64_t from = 10 * (k0->p + offset);
@@ -167,22 +173,19 @@ static uint64_t together_nm(const cam_channel_t *ch, const ahead_t *a)
     return ((uint64_t)most / 10u >> ch->frac_bits) + 1u;
 }
 
-uint64_t cam_command_most_nm(const cam_cut_t *c)
+cam_demand_t cam_command_stroke_demand(const cam_cut_t *c)
 {
+    const uint64_t limit_nm = (uint64_t)c->p->u_stroke_nm / 2u;
     const uint64_t out_nm = (uint64_t)cam_abs_i64(c->t->u_min_nm);
     const uint64_t in_nm = (uint64_t)cam_abs_i64(c->t->u_max_nm);
     const uint64_t peaks_nm =
         cam_cut_greater(out_nm, in_nm) +
         cam_cut_scaled_up(speed_um_per_s(c), (uint64_t)c->p->k1_ns, 1000000) +
         cam_cut_scaled_up(acceleration_um_per_s2(c), (uint64_t)c->p->k2_us2, 1000000000);
-    const uint64_t bound_nm = cam_cut_at_amplitude(c, peaks_nm);
     ahead_t ahead;
-    const bool is_read = bound_nm > (uint64_t)c->p->u_stroke_nm / 2u &&
+    const bool is_read = cam_cut_at_amplitude(c, peaks_nm) > limit_nm &&
                          c->peak_mrpm <= (uint32_t)c->p->spindle_limit_mrpm &&
                          c->t->u.knots != NULL && find_ahead(c, &ahead);
-    if (!is_read) {
-        return bound_nm;
-    }
-    const uint64_t most_nm = cam_cut_at_amplitude(c, together_nm(&c->t->u, &ahead));
-    return most_nm < bound_nm ? most_nm : bound_nm;
+    const uint64_t read_nm = is_read ? together_nm(&c->t->u, &ahead) : peaks_nm;
+    return by_gains(c, cam_err_u_command, limit_nm, read_nm < peaks_nm ? read_nm : peaks_nm);
 }

@@ -7,25 +7,19 @@
 #ifndef CAM_COMMAND_H
 #define CAM_COMMAND_H
 
-#include "cam_cut.h" // cam_cut_t
-#include <stdint.h>  // uint64_t
+#include "cam_cut.h" // cam_cut_t, cam_demand_t
 
 /// Bound the command by the peaks of the table. If this bound leaves the stroke, at a speed that
 /// the spindle reaches, read all knots: u and u' seldom peak at the same angle.
-/// @return [nm] largest distance of U's command from the middle of its stroke
-uint64_t cam_command_most_nm(const cam_cut_t *c);
+/// @return [nm] the largest distance of U's command from the middle of its stroke. This demand and
+///         the next two are 0 without gains.
+cam_demand_t cam_command_stroke_demand(const cam_cut_t *c);
 
-/// What a command needs, and its limit, which follows from the limits and gains of U.
-typedef struct {
-    int64_t limit;
-    uint64_t needed;
-} cam_command_need_t;
-
-/// @return [um/s] the sum of the peaks of u' omega, k1 u'' omega^2 and k2 u''' omega^3. The jerk of
-///         a table with a speed channel counts as 0.
-cam_command_need_t cam_command_speed_um_per_s(const cam_cut_t *c);
+/// @return [um/s] the sum of the peaks of u' omega, k1 u'' omega^2 and k2 u''' omega^3 (0 for a
+///         table with a speed channel). The limit follows from the limits and gains of U.
+cam_demand_t cam_command_speed_demand(const cam_cut_t *c);
 
 /// @return [mm/s2] the sum of the peaks of u'' omega^2 and k1 u''' omega^3, likewise
-cam_command_need_t cam_command_acceleration_mm_per_s2(const cam_cut_t *c);
+cam_demand_t cam_command_acceleration_demand(const cam_cut_t *c);
 
 #endif

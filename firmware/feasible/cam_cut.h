@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_cut: a cut at a mean speed of the spindle, and the arithmetic that judges it.
 ///
-/// All demands are integers, rounded up, so that none is too small. Inline, cannot fail.
-/// Context: slow side.
+/// All demands are integers, rounded up, so that none is too small. Context: slow side.
 #ifndef CAM_CUT_H
 #define CAM_CUT_H
 
+#include "cam_err.h"   // cam_err_t
 #include "cam_param.h" // cam_params_t
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // uint32_t, int64_t, uint64_t
@@ -19,6 +19,13 @@ typedef struct {
     uint64_t feed_nm;   ///< [nm] feed per turn, override included, below 2^25
     uint64_t programmed_nm; ///< [nm] without the override: the ramps of the feed are made for it
 } cam_cut_t;
+
+/// One limit and what the cut needs of it.
+typedef struct {
+    cam_err_t err;   ///< error that reports an excess
+    int64_t limit;   ///< in the unit that cam_feasibility_t gives for err
+    uint64_t needed; ///< in the same unit, rounded up; it never falls with rising speed or feed
+} cam_demand_t;
 
 static inline int64_t cam_cut_smaller(int64_t a, int64_t b)
 {

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_demand.h"
-#include "cam_command.h"         // cam_command_most_nm
-#include "cam_z_coupling.h"      // cam_z_coupling_of
-#include "cam_fix.h"             // cam_abs_i64
-#include "cam_lobe_transition.h" // cam_lobe_transition_first
-#include "cam_spindle_demand.h"  // cam_spindle_demand_set_q20
-#include "cam_plan.h"            // cam_plan_ticks
-#include <stdbool.h>             // bool
-#include <stddef.h>              // size_t
+#include "cam_command.h"    // cam_command_stroke_demand
+#include "cam_z_coupling.h" // cam_z_coupling_of
+#include "cam_fix.h"        // cam_abs_i64
+#include "cam_peaks.h"      // cam_peaks_set_point_q20
+#include "cam_plan.h"       // cam_plan_ticks
+#include <stdbool.h>        // bool
+#include <stddef.h>         // size_t
 
-/// The interrupt's arithmetic holds up to 16 knots per tick; half of that leaves room for
-/// overspeed.
+/// The interrupt's arithmetic holds 16 knots per tick; half of them leaves room for overspeed.
 enum { max_knots_per_tick = 8 };
 /// [nm] No part has more stock on its radius.
 enum { most_stock_nm = 100000000 };
@@ -43,15 +41,14 @@ static cam_demand_t spindle_set_point_demand(const cam_cut_t *c)
     const uint64_t lag_us = (uint64_t)c->p->spindle_lag_us;
     const uint64_t c_q16 =
         cam_cut_divided_up(cam_cut_omega_mrad_per_s(c->mean_mrpm) * lag_us * 4096u, 62500000);
-    const uint64_t set_q20 = cam_spindle_demand_set_q20(&c->t->spindle_demand, c_q16);
+    const uint64_t set_q20 = cam_peaks_set_point_q20(&c->t->spindle_demand, c_q16);
     const bool is_told = c->t->speed.knots != NULL;
     return (cam_demand_t){
         cam_err_spindle_set_point, c->p->spindle_limit_mrpm,
         is_told ? cam_cut_divided_up(set_q20 * c->mean_mrpm, (uint32_t)CAM_TABLE_RATIO_ONE) : 0u};
 }
 
-/// The speed must not let more knots or more of a turn pass in a tick than the interrupt can
-/// follow.
+/// No more knots, and no larger part of a turn, may pass in a tick than the interrupt can follow.
 static cam_demand_t tick_demand(const cam_cut_t *c)
 {
     const uint64_t knots = UINT64_C(1) << (c->t->u.log2_knots + c->t->u.log2_repeat);
@@ -74,8 +71,7 @@ static uint64_t outwards_nm(const cam_cut_t *c)
     return cam_cut_at_amplitude(c, (uint64_t)(out_nm > 0 ? out_nm : 0));
 }
 
-/// In the cut U travels to both sides of the middle of its stroke, inwards by the largest u and
-/// outwards by the least.
+/// From the middle of its stroke U travels inwards by the largest u and outwards by the least.
 static cam_demand_t stroke_demand(const cam_cut_t *c)
 {
     const int64_t in_nm = c->t->u_max_nm;
@@ -107,7 +103,7 @@ static uint64_t depth_turns(const cam_cut_t *c)
 /// may turn faster than its mean speed and accelerate. The slope of the envelope is constant within
 /// a plan, so its change over a whole plan acts on the first set-point of the next one.
 /// @param n_set_points  of a plan
-static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *peaks,
+static uint64_t engaging(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks,
                          uint32_t n_set_points)
 {
     static const struct {
@@ -135,9 +131,9 @@ static uint64_t engaging(const cam_cut_t *c, const cam_lobe_transition_peaks_t *
 }
 
 /// @return peaks of U over the angle
-static cam_lobe_transition_peaks_t u_peaks(const cam_table_t *t)
+static cam_z_coupling_peaks_t u_peaks(const cam_table_t *t)
 {
-    return (cam_lobe_transition_peaks_t){
+    return (cam_z_coupling_peaks_t){
         .f =
             cam_cut_greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm)),
         .f1 = t->u1_peak_nm_per_rad,
@@ -149,8 +145,8 @@ static cam_lobe_transition_peaks_t u_peaks(const cam_table_t *t)
 static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
     const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
-    const cam_lobe_transition_peaks_t u = u_peaks(c->t);
-    const uint64_t u1 = cam_cut_at_amplitude(c, cam_lobe_transition_first(c->t, c->feed_nm, &u));
+    const cam_z_coupling_peaks_t u = u_peaks(c->t);
+    const uint64_t u1 = cam_cut_at_amplitude(c, cam_z_coupling_lobes_first(c->t, c->feed_nm, &u));
     const uint64_t turning =
         cam_cut_divided_up(u1 * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000000);
     return (cam_demand_t){cam_err_u_speed, limit,
@@ -163,10 +159,10 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
     const cam_table_t *t = c->t;
     const int64_t limit =
         cam_cut_smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
-    const cam_lobe_transition_peaks_t u = u_peaks(t);
+    const cam_z_coupling_peaks_t u = u_peaks(t);
     const uint32_t plan_ticks = (uint32_t)cam_plan_ticks(c->tick_hz);
     const uint64_t most = cam_cut_greater(
-        engaging(c, &u, plan_ticks), cam_lobe_transition_second(t, c->feed_nm, &u, plan_ticks));
+        engaging(c, &u, plan_ticks), cam_z_coupling_lobes_second(t, c->feed_nm, &u, plan_ticks));
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
     const uint64_t turning = cam_cut_scaled_up(cam_cut_at_amplitude(c, most), omega2, 100000000);
@@ -174,13 +170,6 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
     const uint64_t feeding = cam_cut_divided_up(cam_z_coupling_acceleration(c, &d), 1000);
     return (cam_demand_t){cam_err_u_acceleration, limit,
                           turning + cam_cut_at_amplitude(c, feeding)};
-}
-
-/// @return a demand of the feed-forward; without gains the command is u, which has its own limits
-static cam_demand_t by_gains(const cam_cut_t *c, cam_err_t err, cam_command_need_t n)
-{
-    const bool has_gains = c->p->k1_ns > 0 || c->p->k2_us2 > 0;
-    return (cam_demand_t){err, n.limit, has_gains ? n.needed : 0u};
 }
 
 /// @return [degrees / 1000] of thousands of 2^-26 turn, at most 0.2 % too large
@@ -198,12 +187,12 @@ static cam_z_coupling_t swing_drift(const cam_cut_t *c)
 
 /// @return peaks of the swing over the angle, in degrees / 1000; its acceleration is proportional
 ///         to swing'' r^2 + swing' r r'
-static cam_lobe_transition_peaks_t swing_peaks(const cam_table_t *t)
+static cam_z_coupling_peaks_t swing_peaks(const cam_table_t *t)
 {
     const uint64_t ratio_q20 = t->ratio_max_q20;
     const uint64_t slope = t->swing.first_mdeg_per_rad;
     const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
-    return (cam_lobe_transition_peaks_t){
+    return (cam_z_coupling_peaks_t){
         .f = t->swing.most_mdeg,
         .f1 = ((slope * ratio_q20) >> 20) + 1u,
         .f2 = bend + slope * t->spindle_peak_ppm_per_rad / 1000000u + 1u,
@@ -211,40 +200,29 @@ static cam_lobe_transition_peaks_t swing_peaks(const cam_table_t *t)
 }
 
 /// The swing moves with swing' omega, in degrees / 1000 per second, plus the effect of the feed.
-static cam_demand_t swing_speed_demand(const cam_cut_t *c)
+static uint64_t swing_speed(const cam_cut_t *c)
 {
-    const int64_t limit = c->p->swing_speed_mdeg_per_s;
-    if (!c->t->is_swung) {
-        return (cam_demand_t){cam_err_swing_speed, limit, 0};
-    }
-    const cam_lobe_transition_peaks_t swing = swing_peaks(c->t);
+    const cam_z_coupling_peaks_t swing = swing_peaks(c->t);
     const uint64_t first =
-        cam_cut_at_amplitude(c, cam_lobe_transition_first(c->t, c->feed_nm, &swing));
+        cam_cut_at_amplitude(c, cam_z_coupling_lobes_first(c->t, c->feed_nm, &swing));
     const uint64_t turning =
         cam_cut_divided_up(first * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000);
-    const uint64_t feeding = cam_cut_at_amplitude(c, mdeg_of(swing_drift(c).speed));
-    return (cam_demand_t){cam_err_swing_speed, limit, turning + feeding};
+    return turning + cam_cut_at_amplitude(c, mdeg_of(swing_drift(c).speed));
 }
 
 /// The swing accelerates, in degrees per second squared, over the angle and by the feed.
-static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
+static uint64_t swing_acceleration(const cam_cut_t *c)
 {
-    const cam_table_t *t = c->t;
-    const int64_t limit = c->p->swing_acceleration_deg_per_s2;
-    if (!t->is_swung) {
-        return (cam_demand_t){cam_err_swing_acceleration, limit, 0};
-    }
-    const cam_lobe_transition_peaks_t swing = swing_peaks(t);
+    const cam_z_coupling_peaks_t swing = swing_peaks(c->t);
     const uint64_t second = cam_cut_at_amplitude(
         c, cam_cut_greater(engaging(c, &swing, 1u),
-                           cam_lobe_transition_second(t, c->feed_nm, &swing, 1u)));
+                           cam_z_coupling_lobes_second(c->t, c->feed_nm, &swing, 1u)));
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
     const uint64_t turning = cam_cut_scaled_up(second, omega2, 1000000);
     const cam_z_coupling_t d = swing_drift(c);
     const uint64_t feeding = cam_cut_divided_up(mdeg_of(cam_z_coupling_acceleration(c, &d)), 1000);
-    return (cam_demand_t){cam_err_swing_acceleration, limit,
-                          turning + cam_cut_at_amplitude(c, feeding)};
+    return turning + cam_cut_at_amplitude(c, feeding);
 }
 
 int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p)
@@ -298,7 +276,6 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
     const cam_params_t *p = c->p;
-    const cam_command_need_t most_command = {p->u_stroke_nm / 2, cam_command_most_nm(c)};
     const bool is_led = p->z_is_measured != 0; // another controller moves and limits Z
     const uint32_t whole_ppm = 1000000;
     const bool is_overridden = p->feed_override_ppm != (int32_t)whole_ppm;
@@ -314,17 +291,18 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
         {cam_err_override_measured, 0, is_led && is_overridden ? 1u : 0u},
         {cam_err_override_rings, 0, t->is_ring_helix && is_beyond_rings ? 1u : 0u},
         {cam_err_swing_range, p->swing_range_mdeg, cam_cut_at_amplitude(c, t->swing.most_mdeg)},
-        swing_speed_demand(c),
-        swing_acceleration_demand(c),
+        {cam_err_swing_speed, p->swing_speed_mdeg_per_s, t->is_swung ? swing_speed(c) : 0u},
+        {cam_err_swing_acceleration, p->swing_acceleration_deg_per_s2,
+         t->is_swung ? swing_acceleration(c) : 0u},
         {cam_err_spindle_speed, cam_cut_smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm),
          c->peak_mrpm},
         stroke_demand(c),
         retract_demand(c),
         u_speed_demand(c),
         u_acceleration_demand(c),
-        by_gains(c, cam_err_u_command, most_command),
-        by_gains(c, cam_err_u_command_speed, cam_command_speed_um_per_s(c)),
-        by_gains(c, cam_err_u_command_acceleration, cam_command_acceleration_mm_per_s2(c)),
+        cam_command_stroke_demand(c),
+        cam_command_speed_demand(c),
+        cam_command_acceleration_demand(c),
         {cam_err_feed, (int64_t)cam_cut_span_nm(c), is_led ? 0u : c->programmed_nm},
         {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s, cam_z_coupling_z_um_per_s(c)},
         {cam_err_z_acceleration, p->z_acceleration_mm_per_s2,

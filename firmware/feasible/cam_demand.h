@@ -15,13 +15,6 @@
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // int64_t, uint64_t
 
-/// One limit and what the cut needs of it.
-typedef struct {
-    cam_err_t err;   ///< error that reports an excess
-    int64_t limit;   ///< in the unit that cam_feasibility_t gives for err
-    uint64_t needed; ///< in the same unit, rounded up; it never falls with rising speed or feed
-} cam_demand_t;
-
 enum { cam_n_demands = 25 };
 
 /// Every limit of the axes, in the order in which excesses are reported.

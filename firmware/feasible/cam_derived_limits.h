@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_derived_limits: limits derived from machine and part where none was set, and the largest
-/// values that the tick rate allows.
+/// cam_derived_limits: limits derived from machine and part where none was set, the largest values
+/// that the tick rate allows, and the form error due to the resolution of the port's outputs.
 ///
 /// No default fits every machine: the jump window scales with the encoder, the following error with
 /// the part. 0 selects the derived value. Context: slow side, integers only.
@@ -55,5 +55,19 @@ int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz);
 /// its limits, and every jerk has a window (cam_gains.h).
 /// @return cam_ok, cam_err_param_tick, cam_err_param_output, cam_err_jerk or cam_err_gain
 CAM_MUST_USE cam_err_t cam_derived_limits_check(const cam_params_t *params, uint32_t tick_hz);
+
+/// Bound the form error that the steps of the set-points cause: half a step of U, half a step of X,
+/// and half a step of Z times the steepest slope of the part over its height.
+/// @param table  in use; NULL: none, and the slope counts as 0
+/// @return       [pm] rounded down, saturated; 0 when the port states no step at all
+/// Source: MATHS.md (183).
+uint32_t cam_derived_limits_form_pm(const cam_table_t *table);
+
+/// @param counts_per_turn  of the spindle's encoder, positive
+/// @return [pm] largest motion of U per count of the encoder at uniform speed, rounded down,
+///         saturated. Half of it bounds the form error of the counts where edges have no time
+///         stamp.
+/// Source: MATHS.md (185).
+uint32_t cam_derived_limits_count_pm(const cam_table_t *table, int32_t counts_per_turn);
 
 #endif

@@ -11,8 +11,8 @@ enum { speed_bits = 26, feed_bits = 24 };
 
 uint32_t cam_feasible_peak_mrpm(const cam_table_t *table, uint32_t mean_mrpm)
 {
-    const uint64_t peak = ((uint64_t)mean_mrpm * table->ratio_max_q20 + CAM_TABLE_RATIO_ONE - 1u) /
-                          (uint32_t)CAM_TABLE_RATIO_ONE;
+    const uint64_t peak = cam_cut_divided_up((uint64_t)mean_mrpm * table->ratio_max_q20,
+                                             (uint32_t)CAM_TABLE_RATIO_ONE);
     return peak < UINT32_MAX ? (uint32_t)peak : UINT32_MAX;
 }
 
@@ -44,8 +44,7 @@ static cam_cut_t cut_of(const cam_table_t *table, const cam_params_t *params, ui
 /// the demands of the axes (cam_demand_t) this one falls with a rising feed.
 static cam_demand_t turns_demand(const cam_cut_t *c)
 {
-    const uint64_t per_feed =
-        c->t->is_ring_helix ? 2u : 1u; // each turn of feed is followed by a ring
+    const uint64_t per_feed = c->t->is_ring_helix ? 2u : 1u; // a ring follows each turn of feed
     const uint64_t fed = per_feed * cam_cut_divided_up(cam_cut_span_nm(c), c->programmed_nm);
     return (cam_demand_t){cam_err_turns, most_turns, fed + (uint64_t)c->p->feed_ramp_turns};
 }

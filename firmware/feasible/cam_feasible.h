@@ -48,8 +48,7 @@ uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t 
 uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params_t *params,
                                       uint32_t speed_mrpm, uint32_t tick_hz);
 
-/// Judge a speed and search the limits, for a message.
-/// Parameters as of cam_feasible_check().
+/// Judge a speed and search the limits, for a message. Parameters as of cam_feasible_check().
 /// @return `needed` is rounded up: near the limit by at most 0.1 %, for the acceleration of the
 ///         swing by 1 %
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,

@@ -23,8 +23,7 @@ static uint64_t step_ns(hal_axis_t axis, uint32_t tick_hz)
 }
 
 /// @return [ns] window of an axis: 2 a / jerk, over which the acceleration reverses. Without a jerk
-/// that of U is at least k1, and so long that the jerk adds at most half of U's speed to its
-/// command: 4 a k2 / v
+/// that of U is at least k1 and 4 a k2 / v: the jerk adds at most half of U's speed to its command
 static uint64_t window_ns(const cam_params_t *p, hal_axis_t axis, uint32_t tick_hz)
 {
     const uint64_t a = (uint64_t)cam_param_get(p, accelerations[axis]);

@@ -14,8 +14,7 @@
 #include "hal/hal.h"   // hal_axis_t
 #include <stdint.h>    // int32_t, int64_t, uint32_t
 
-/// @return log2 of an axis's window, 0 .. cam_jerk_filter_most_log2, in ticks for U, in plans for X
-///         and Z
+/// @return log2 of an axis's window in ticks (U) or plans (X, Z), 0 .. cam_jerk_filter_most_log2
 uint32_t cam_gains_log2_window(const cam_params_t *params, hal_axis_t axis, uint32_t tick_hz);
 
 /// Find the largest k1_ns or k2_us2, or the least jerk above 0, that fits the other parameters.

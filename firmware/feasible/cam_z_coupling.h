@@ -4,8 +4,19 @@
 /// Along a helix Z moves evenly except in its ramps and where the table changes the feed; along a
 /// ring-helix it rests in every other turn. While it moves, U and the swing also change from slice
 /// to slice of the table: they drift. The rate of this drift jumps at each slice, and the
-/// acceleration of the jump, spread over one set-point, is added. Context: slow side, integers
-/// only. Source: MATHS.md (63), (64), (104).
+/// acceleration of the jump, spread over one set-point, is added.
+///
+/// Between two lobes of a shaft the lift of an axis falls to 0 and rises again. The shortest change
+/// takes N = change / feed turns. With the smooth step E of the share s of the change, the largest
+/// magnitudes f, f1, f2 of a function of the angle and of its derivatives at the table's speed
+/// ratio, the largest ratio R and the largest S of |r r'|, the bounds over s are those of
+///
+///     E f1 + E' f x,    E f2 + 2 E' f1 x + n |E''| f x^2 + n E' f S x,    x = R / (2 pi N)
+///
+/// The amplitude moves in straight lines from plan to plan, so one set-point of n takes the bend of
+/// all of them, that by the spindle's acceleration too. Between two twentieths of s the first term
+/// is taken at the upper one, and the rest 1 % above the larger of both, which it does not exceed
+/// in between. Context: slow side, integers only. Source: MATHS.md (63), (64), (88), (104).
 #ifndef CAM_Z_COUPLING_H
 #define CAM_Z_COUPLING_H
 
@@ -48,8 +59,25 @@ uint64_t cam_z_coupling_x_mm_per_s2(const cam_cut_t *c);
 cam_z_coupling_t cam_z_coupling_of(const cam_cut_t *c, const cam_channel_t *ch,
                                    const cam_change_t *change, uint32_t set_point_hz);
 
-/// @return [1/s2] effect of a drift on an acceleration, including a rate of change that differs
-///         over the angle
+/// @return [1/s2] effect of a drift on an acceleration, with its difference over the angle
 uint64_t cam_z_coupling_acceleration(const cam_cut_t *c, const cam_z_coupling_t *d);
+
+/// Largest magnitudes of a function over the angle, below 2^33.
+typedef struct {
+    uint64_t f;  ///< [unit]
+    uint64_t f1; ///< [unit/rad] times the speed ratio
+    uint64_t f2; ///< [unit/rad2] at the speed ratio
+} cam_z_coupling_peaks_t;
+
+/// @param t        with or without lobes
+/// @param feed_nm  [nm] per turn, below 2^24
+/// @return         [unit/rad] bound of the speed over the mean speed, at least f1
+uint64_t cam_z_coupling_lobes_first(const cam_table_t *t, uint64_t feed_nm,
+                                    const cam_z_coupling_peaks_t *peaks);
+
+/// @param n_set_points  of the axis from plan to plan, 1 .. 80
+/// @return              [unit/rad2] bound of acceleration over mean speed squared, at least f2
+uint64_t cam_z_coupling_lobes_second(const cam_table_t *t, uint64_t feed_nm,
+                                     const cam_z_coupling_peaks_t *peaks, uint32_t n_set_points);
 
 #endif

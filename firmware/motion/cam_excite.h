@@ -7,8 +7,7 @@
 /// falls; when it rests at 0 the excitation is over. An earlier end makes the gain fall at once.
 ///
 /// The slow side has checked the wave (cam_wave.h): at any gain the set-point stays within stroke,
-/// speed and acceleration of U.
-/// Context: ISR.
+/// speed and acceleration of U. Context: ISR, constant time.
 #ifndef CAM_EXCITE_H
 #define CAM_EXCITE_H
 
@@ -39,7 +38,6 @@ typedef struct {
 /// One tick, with U at rest apart from the wave.
 /// @param offset_q6  result, [nm / 64] to be added to the set-point of U
 /// @return           true when the gain rests at 0 after the end
-/// Constant time.
 bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, int32_t *offset_q6);
 
 #endif

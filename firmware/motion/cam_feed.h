@@ -31,8 +31,7 @@ typedef struct {
 /// @param feed_nm                 [nm] 1 .. 10^7, at least cam_feed_least_nm is taken
 /// @param speed_mrpm              [r/min / 1000] up to 6 * 10^7
 /// @param acceleration_mm_per_s2  [mm/s2] of Z, 10 .. 10^6
-/// @return  [turn / 2^32] shortest ramp, at most 2^-28 turn too long where it is below 0.49; 1/2
-///          if none is long enough
+/// @return  [turn / 2^32] shortest ramp, at most 2^-28 turn too long below 0.49, at most 1/2
 uint32_t cam_feed_ramp_q32(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t acceleration_mm_per_s2);
 
 /// @return [um/s] highest speed of Z with that ramp, rounded up

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_jog.h"
-#include "cam_interpolate.h" // cam_interpolate_share
-#include "cam_fix.h"         // cam_clamp_i64, cam_wrap_diff
-#include "cam_plan_move.h"   // cam_plan_move_to_isr
+#include "cam_plan_move.h" // cam_plan_move_share
+#include "cam_fix.h"       // cam_clamp_i64, cam_wrap_diff
 
 static void end_order(cam_jog_t *h, cam_jog_end_t how)
 {
@@ -129,8 +128,7 @@ static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_
     return 0;
 }
 
-/// Check whether the phase of homing has found its switch or index. @return [nm] shift of U's
-/// position
+/// Check whether homing has found its switch or index. @return [nm] shift of U's position
 static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
                              const cam_motion_t *m)
 {
@@ -173,7 +171,7 @@ static bool move_axis(const cam_jog_t *h, const cam_play_config_t *cfg, cam_moti
     if (h->axis != hal_axis_u) {
         return cam_plan_move_to_isr(m, h->axis, cfg, &limits, h->target_q10);
     }
-    const int32_t speed_q10 = cam_interpolate_share(cfg, limits.speed_q10);
+    const int32_t speed_q10 = cam_plan_move_share(cfg, limits.speed_q10);
     m->u_speed_q10 = speed_q10 > 0 ? speed_q10 : 1;
     m->u_target_q10 = h->target_q10;
     return m->axis[hal_axis_u].pos_q10 == h->target_q10 && is_u_at_rest(m);

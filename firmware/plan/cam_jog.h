@@ -35,7 +35,6 @@ typedef struct {
 } cam_jog_t;
 
 /// One plan of the state manual; ends the state when a disable was requested and all axes rest.
-/// @param r  record of the tick
 /// @param m  increments, replaced from the next tick on; U's origin shifted
 /// @return   [nm] shift of U's position by a new origin, for the stages that keep U; 0: none
 /// Context: ISR; constant time in each phase.

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_plan.h"
-#include "cam_interpolate.h"  // cam_interpolate_isr
+#include "cam_plan_move.h"    // cam_plan_move_line_isr
 #include "cam_angle.h"        // cam_angle_of_pos
 #include "cam_envelope.h"     // cam_envelope_step_q30
 #include "cam_eval.h"         // cam_eval_height
 #include "cam_fix.h"          // cam_clamp_i32
 #include "cam_positioning.h"  // cam_positioning_isr
-#include "cam_shaft.h"        // cam_shaft_plan_isr
 #include "cam_swing.h"        // cam_swing_plan_isr
 #include "cam_feed_profile.h" // cam_feed_profile_at
 
@@ -48,8 +47,7 @@ static int64_t by_port_q10(const cam_play_config_t *cfg, int32_t z_nm)
     return ((int64_t)z_nm + cfg->z_origin_nm) * 1024;
 }
 
-/// @return [nm] Z at the next plan, along a plain helix; a measured Z is extrapolated by its travel
-/// since the last plan
+/// @return [nm] Z at the next plan, on a plain helix; a measured Z repeats its last travel per plan
 static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t actual_nm,
                          int64_t pos_q32)
 {
@@ -99,9 +97,9 @@ static void plan_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_
                    int32_t u_z_nm)
 {
     const int32_t lag_q4 = cam_sat_i32(((int64_t)z_nm - u_z_nm) * 16);
-    m->scale_step_q30 = cam_interpolate_share(cfg, cam_sat_sub(scale_q30, m->scale_q30));
+    m->scale_step_q30 = cam_plan_move_share(cfg, cam_sat_sub(scale_q30, m->scale_q30));
     m->scale_q30 = cam_sat_i32(scale_q30 - (int64_t)m->scale_step_q30 * cfg->plan_ticks);
-    m->lag_step_q4 = cam_interpolate_share(cfg, cam_sat_sub(lag_q4, m->lag_q4));
+    m->lag_step_q4 = cam_plan_move_share(cfg, cam_sat_sub(lag_q4, m->lag_q4));
     m->lag_q4 = cam_sat_i32(lag_q4 - (int64_t)m->lag_step_q4 * cfg->plan_ticks);
 }
 
@@ -120,7 +118,7 @@ static height_t plan_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, ca
     const cam_feed_profile_t plain = {.z_nm = helix_nm};
     const cam_feed_profile_t profile =
         has_profile ? cam_feed_profile_at(cfg->table, helix_nm) : plain;
-    cam_interpolate_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, profile.z_nm));
+    cam_plan_move_line_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, profile.z_nm));
     const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
     const int64_t behind_q16 = (int64_t)cam_sat_sub(u_nm, helix_nm) * profile.slope_q16;
     const int32_t u_z_nm = has_profile ? cam_sat_i32(profile.z_nm + (behind_q16 >> 16)) : u_nm;
@@ -138,9 +136,9 @@ static height_t plan_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_moti
     int32_t u_z_nm = helix_nm;
     int32_t lobe_z_nm = helix_nm;
     if (t->has_stations) {
-        cam_interpolate_isr(z, cfg, by_port_q10(cfg, cam_feed_profile_at(t, helix_nm).z_nm));
+        cam_plan_move_line_isr(z, cfg, by_port_q10(cfg, cam_feed_profile_at(t, helix_nm).z_nm));
     } else {
-        cam_interpolate_isr(z, cfg, by_port_q10(cfg, helix_nm));
+        cam_plan_move_line_isr(z, cfg, by_port_q10(cfg, helix_nm));
         u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, z->vel_q10);
         lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_z_nm) : u_z_nm;
     }
@@ -172,7 +170,7 @@ static void plan_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_an
         cam_clamp_i32(ratio.ratio_q28, CAM_RATIO_ONE_Q28 / 32, CAM_RATIO_ONE_Q28 * 5);
     p->ratio_q28 = cam_speed_eased_q28(held_q28, envelope);
     m->spindle_mrpm = cam_speed_mrpm(&speed, from_q28, p->ratio_q28);
-    m->alpha_q40 = cam_speed_alpha_q40(&speed, cam_interpolate_share(cfg, p->ratio_q28 - from_q28));
+    m->alpha_q40 = cam_speed_alpha_q40(&speed, cam_plan_move_share(cfg, p->ratio_q28 - from_q28));
     m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
 }
 
@@ -199,7 +197,7 @@ static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const uint32_t to_q32 = (uint32_t)cfg->phase_q32 + p->shaft.phase_q32;
     const int32_t left_q32 = cam_wrap_diff(to_q32, (uint32_t)m->phase_q32);
-    m->phase_step_q32 = cam_clamp_i32(cam_interpolate_share(cfg, left_q32), -cfg->phase_step_q32,
+    m->phase_step_q32 = cam_clamp_i32(cam_plan_move_share(cfg, left_q32), -cfg->phase_step_q32,
                                       cfg->phase_step_q32);
     if (m->phase_step_q32 == 0) {
         m->phase_q32 = (int32_t)to_q32;
@@ -333,8 +331,8 @@ static void plan_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
     const int32_t x_envelope =
         p->is_rehearsal ? 0 : envelope_q30(p, cfg, cam_wrap_sub_i64(xz_q32, lag_q32), lag_q32);
     const int64_t away_q10 = p->is_rehearsal ? cfg->rehearse_x_q10 : 0;
-    const int64_t x_q10 = cam_interpolate_profile_q10(cfg, z_nm, x_envelope, p->x_trim_q4);
-    cam_interpolate_isr(&m->axis[hal_axis_x], cfg, x_q10 + HALF_NM_Q10 + away_q10);
+    const int64_t x_q10 = cam_plan_move_profile_q10(cfg, z_nm, x_envelope, p->x_trim_q4);
+    cam_plan_move_line_isr(&m->axis[hal_axis_x], cfg, x_q10 + HALF_NM_Q10 + away_q10);
     plan_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
     plan_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
     if (cfg->swing.is_swung && !p->is_rehearsal) {

@@ -40,10 +40,9 @@ typedef struct {
     cam_shaft_t shaft;             ///< current lobe
 } cam_plan_t;
 
-/// One plan.
+/// One plan, constant time in each state.
 /// @param r  record of the tick, complete
 /// @param m  increments, replaced from the next tick on
-/// Constant time in each state.
 void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                   cam_motion_t *m);
 

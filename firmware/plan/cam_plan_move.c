@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_plan_move.h"
-#include "cam_interpolate.h" // cam_interpolate_isr
-#include "cam_fix.h"         // cam_clamp_i64, cam_sat_i32
 
 /// Continue the filtered motion, or begin a new one if something else has moved the axis meanwhile.
 /// @return the axis in units per plan, speed saturated
@@ -32,7 +30,7 @@ bool cam_plan_move_to_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_confi
     cam_axis_motion_t next = plan_by_plan(m, axis, cfg, limits);
     cam_jerk_filter_t *filter = &m->filter[axis];
     const bool is_there = cam_jerk_filter_to_isr(filter, &next, limits, position_q10);
-    cam_interpolate_isr(&m->axis[axis], cfg, next.pos_q10);
+    cam_plan_move_line_isr(&m->axis[axis], cfg, next.pos_q10);
     return is_there;
 }
 
@@ -41,6 +39,6 @@ bool cam_plan_move_brake_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_co
 {
     cam_axis_motion_t next = plan_by_plan(m, axis, cfg, limits);
     const bool is_at_rest = cam_jerk_filter_stop_isr(&m->filter[axis], &next, limits);
-    cam_interpolate_isr(&m->axis[axis], cfg, next.pos_q10);
+    cam_plan_move_line_isr(&m->axis[axis], cfg, next.pos_q10);
     return is_at_rest;
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_positioning.h"
-#include "cam_interpolate.h" // cam_interpolate_profile_q10
-#include "cam_fix.h"         // cam_sat_sub
-#include "cam_plan_move.h"   // cam_plan_move_to_isr
-#include "cam_swing.h"       // cam_swing_rest_isr
+#include "cam_plan_move.h" // cam_plan_move_profile_q10
+#include "cam_fix.h"       // cam_sat_sub
+#include "cam_swing.h"     // cam_swing_rest_isr
 
 static bool is_at(const cam_axis_motion_t *m, int64_t position_q10)
 {
@@ -30,7 +29,7 @@ static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
 static int64_t x_begin_q10(const cam_play_config_t *cfg, const cam_motion_t *m, int32_t z_nm)
 {
     const int64_t away_q10 = m->state == cam_state_rehearsing ? cfg->rehearse_x_q10 : 0;
-    return cam_interpolate_profile_q10(cfg, z_nm, 0, cfg->x_trim_q4) + away_q10;
+    return cam_plan_move_profile_q10(cfg, z_nm, 0, cfg->x_trim_q4) + away_q10;
 }
 
 /// Move Z to the start of the cut, then X: the tool approaches the work only where it will cut. If
@@ -70,8 +69,7 @@ static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_the
                                 x_begin_q10(cfg, m, cam_sat_sub(z_nm, cfg->z_origin_nm)));
 }
 
-/// Move all axes to the start of the cut or of its rehearsal, after the swing has come to rest at
-/// 0.
+/// Move all axes to the start of the cut or its rehearsal, after the swing has come to rest at 0.
 /// @return true when all are there
 static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {

@@ -12,7 +12,6 @@
 #include <stdbool.h>    // bool
 
 /// One plan outside the cut.
-/// @param r  record of the tick
 /// @param m  increments, replaced from the next tick on
 /// @return   true in the states rehearsing and engaging when all axes are at their start
 /// Context: ISR, called by cam_plan_isr(); constant time in each state.

@@ -17,11 +17,10 @@
 
 /// State; zero-initialised: a table without lobes.
 typedef struct {
-    uint32_t i_lobe; ///< current lobe
-    uint32_t
-        phase_q32; ///< [turn / 2^32] its phase, included in that of cam_motion_t; 0 without lobes
-    int64_t z_q8;  ///< [nm / 256] smoothed height of a measured Z
-    int64_t speed_q8; ///< [nm / 256 per plan] its speed
+    uint32_t i_lobe;    ///< current lobe
+    uint32_t phase_q32; ///< [turn / 2^32] its phase, part of that of cam_motion_t; 0 without lobes
+    int64_t z_q8;       ///< [nm / 256] smoothed height of a measured Z
+    int64_t speed_q8;   ///< [nm / 256 per plan] its speed
 } cam_shaft_t;
 
 /// Shares of lift and speed ratio.
@@ -43,8 +42,7 @@ void cam_shaft_begin_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam
 /// @return [nm] height for cam_shaft_plan_isr()
 int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm);
 
-/// Select the lobe at U's height. A Z that reaches the next lobe early finds U still moving to the
-/// base circle.
+/// Select the lobe at U's height. If Z is there early, U still moves to the base circle.
 cam_share_t cam_shaft_plan_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m);
 
 /// @return slice of a channel: pattern of the current lobe, or the slices around the height

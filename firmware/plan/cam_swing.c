@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_swing.h"
-#include "cam_eval.h" // cam_eval_segment
-#include "cam_fix.h"  // cam_mulhi
+#include "cam_fix.h" // cam_mulhi
 
 /// @return [turn / 2^32] position on the line after some ticks; it wraps
 static int32_t on_line(const cam_swing_t *s, int32_t ticks)

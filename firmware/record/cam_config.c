@@ -6,7 +6,6 @@
 /// [nm] largest step of the command of U by a learned correction.
 #define LEARNED_STEP_NM 1000
 
-/// @return the other half
 static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *offered)
 {
     return offered == &bank->half[0] ? &bank->half[1] : &bank->half[0];
@@ -47,8 +46,7 @@ void cam_config_learn(cam_config_t *config)
     cam_config_limit_command(config);
 }
 
-/// @return [nm] limit rounded up, plus the step of a learned correction; at most 2^29, so that sums
-/// fit a word
+/// @return [nm] limit rounded up, plus a learned correction's step; at most 2^29: sums fit a word
 static int32_t limit_nm(int64_t q10)
 {
     return (int32_t)cam_clamp_i64(q10 / 1024 + 1 + LEARNED_STEP_NM, 0, INT64_C(1) << 29);

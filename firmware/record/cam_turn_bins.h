@@ -32,8 +32,7 @@ enum {
 };
 
 /// Learned values, written by the slow side, read by the interrupt. Knot i of a table is at i / 256
-/// turn of the master position, knot 256 equals knot 0, and values in between are interpolated
-/// linearly.
+/// turn of the master position, knot 256 equals knot 0; linear interpolation in between.
 typedef struct {
     int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
     int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward
@@ -81,8 +80,7 @@ typedef struct {
     uint32_t taken;                  ///< slow side only: turn + 2^24 that was taken last
 } cam_turn_bins_t;
 
-/// Add one tick to its bin, except in state fault.
-/// @param r  record of the tick, commanded
+/// Add a commanded tick to its bin, except in state fault.
 static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_record_t *r)
 {
     if (r->want.state == cam_state_fault) {

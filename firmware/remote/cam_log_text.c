@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_log_text.h"
-#include "cam_resolution_limit.h" // cam_resolution_limit_form_pm
-#include <stddef.h>               // NULL
+#include "cam_derived_limits.h" // cam_derived_limits_form_pm
+#include <stddef.h>             // NULL
 
 enum { max_line = 120 }; ///< longest line that hal_text() allows
 
@@ -121,14 +121,14 @@ static void say_form_error(const cam_machine_t *machine)
 {
     const cam_table_t *table = machine->has_table ? &machine->table : NULL;
     line_t line = {.n = 0};
-    const uint32_t form_nm = cam_resolution_limit_form_pm(table) / 1000u;
+    const uint32_t form_nm = cam_derived_limits_form_pm(table) / 1000u;
     const uint32_t places = form_nm % 1000u;
     add_number(&line, "form error by the steps of the outputs: ", form_nm / 1000u);
     add_number(&line, places < 10u ? ".00" : places < 100u ? ".0" : ".", places);
     add(&line, " um");
     if (table != NULL) {
         add_nm(&line, "; a count of the encoder is ",
-               cam_resolution_limit_count_pm(table, machine->params.counts_per_turn));
+               cam_derived_limits_count_pm(table, machine->params.counts_per_turn));
         add(&line, " of U");
     }
     hal_text(line.text);

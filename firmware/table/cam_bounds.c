@@ -66,8 +66,8 @@ void cam_bounds_add_third(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_
 
 uint32_t cam_bounds_next(const cam_channel_t *ch, uint32_t i)
 {
-    const uint32_t in_slice = i & ((UINT32_C(1) << ch->log2_knots) - 1u);
-    return i - in_slice + ((in_slice + 1u) & ((UINT32_C(1) << ch->log2_knots) - 1u));
+    const uint32_t in_slice = (UINT32_C(1) << ch->log2_knots) - 1u;
+    return (i & ~in_slice) | ((i + 1u) & in_slice);
 }
 
 /// Factor that keeps all numbers whole: ten for the Bernstein coefficients of a quintic, 2^5 for
@@ -91,29 +91,20 @@ static hull_t hull_of(const cam_knot_t *k0, const cam_knot_t *k1)
                      (to - 4 * v1 + k1->a) * tenth, (to - 2 * v1) * tenth, to * tenth}};
 }
 
-/// Both halves of an interval.
-typedef struct {
-    hull_t lower;
-    hull_t upper;
-} halves_t;
-
 /// Halve an interval by de Casteljau's means, which are whole (SCALE). After r rounds the first
-/// mean is coefficient r of the lower half, and the last one is coefficient 5 - r of the upper
-/// half.
-static halves_t halves_of(hull_t mean)
+/// mean is coefficient r of the lower half, the last one coefficient 5 - r of the upper half.
+static void halve(hull_t mean, hull_t *lower, hull_t *upper)
 {
-    halves_t half;
     for (int32_t r = 0; r < 6; r++) {
-        half.lower.c[r] = mean.c[0];
-        half.upper.c[5 - r] = mean.c[5 - r];
+        lower->c[r] = mean.c[0];
+        upper->c[5 - r] = mean.c[5 - r];
         for (int32_t i = 0; i + r < 5; i++) {
             mean.c[i] = (mean.c[i] + mean.c[i + 1]) >> 1;
         }
     }
-    return half;
 }
 
-// Ranges are in LSB / SCALE below.
+/// @return whether a range in LSB / SCALE covers an interval
 static bool is_covered(const cam_extent_t *range, const hull_t *hull)
 {
     bool is_inside = true;
@@ -123,40 +114,23 @@ static bool is_covered(const cam_extent_t *range, const hull_t *hull)
     return is_inside;
 }
 
-static void cover(cam_extent_t *range, const hull_t *hull)
-{
-    for (int32_t i = 0; i < 6; i++) {
-        range->low = hull->c[i] < range->low ? hull->c[i] : range->low;
-        range->high = hull->c[i] > range->high ? hull->c[i] : range->high;
-    }
-}
-
-/// Widen a range by both halves of a quarter of an interval, unless it covers the quarter.
-static void widen_by_quarter(cam_extent_t *range, const hull_t *quarter)
-{
-    if (!is_covered(range, quarter)) {
-        const halves_t eighths = halves_of(*quarter);
-        cover(range, &eighths.lower);
-        cover(range, &eighths.upper);
-    }
-}
-
-static void widen_by_half(cam_extent_t *range, const hull_t *half)
-{
-    if (!is_covered(range, half)) {
-        const halves_t quarters = halves_of(*half);
-        widen_by_quarter(range, &quarters.lower);
-        widen_by_quarter(range, &quarters.upper);
-    }
-}
-
+/// Widen a range in LSB / SCALE by the eighths of an interval, unless it covers the interval.
 static void widen_by_segment(cam_extent_t *range, const cam_knot_t *k0, const cam_knot_t *k1)
 {
-    const hull_t whole = hull_of(k0, k1);
-    if (!is_covered(range, &whole)) { // few segments
-        const halves_t halves = halves_of(whole);
-        widen_by_half(range, &halves.lower);
-        widen_by_half(range, &halves.upper);
+    hull_t part[8];
+    part[0] = hull_of(k0, k1);
+    if (is_covered(range, &part[0])) { // most segments
+        return;
+    }
+    for (uint32_t n = 1; n < 8u; n *= 2u) {
+        for (uint32_t i = n; i > 0u; i--) { // from the last part, so that none is overwritten
+            halve(part[i - 1u], &part[2u * i - 2u], &part[2u * i - 1u]);
+        }
+    }
+    for (uint32_t i = 0; i < 48u; i++) {
+        const int64_t c = part[i / 6u].c[i % 6u];
+        range->low = c < range->low ? c : range->low;
+        range->high = c > range->high ? c : range->high;
     }
 }
 

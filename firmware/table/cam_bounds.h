@@ -54,14 +54,12 @@ typedef struct {
 /// @return              their range plus an LSB for the evaluation's rounding, rounded outwards
 cam_extent_t cam_extent_of_knots(const cam_channel_t *ch, int64_t p_min, int64_t p_max);
 
-/// Widen a range until it holds every value that cam_eval.h returns for a channel, with an LSB for
-/// its rounding.
+/// Widen a range to all values that cam_eval.h returns for a channel, with an LSB for its rounding.
 /// @param ch         its knots keep the bounds of the format
 /// @param is_around  it is over angle: the knot after the last of a slice is the first
 /// @param known      [unit] initial range: the guaranteed one, or that of the knots
 /// @return           the smallest range of whole units that holds `known` and all values
-/// Cost: six sums per knot, and near an end of the range up to 14 halvings of the interval;
-/// TABLE_FORMAT.md has figures.
+/// Cost: six sums per knot, and near an end of the range 7 halvings; TABLE_FORMAT.md has figures.
 cam_extent_t cam_extent_widened(const cam_channel_t *ch, bool is_around, cam_extent_t known);
 
 #endif

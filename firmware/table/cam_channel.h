@@ -88,11 +88,10 @@ typedef struct {
     uint32_t kink;    ///< jump of the difference at a slice
 } cam_change_t;
 
-/// Speed times time constant at which the set-point of a speed loop is bounded: k^2 / 128 rad,
-/// up to 8.
+/// Speed times time constant at which the set-point of a speed loop is bounded: k^2 / 128 <= 8 rad.
 enum { cam_spindle_demand_places = 33, cam_spindle_demand_per_rad = 128 };
 
-/// Demand of a speed channel on the spindle's speed loop (cam_spindle_demand.h).
+/// Demand of a speed channel on the spindle's speed loop (cam_peaks.h).
 typedef struct {
     uint32_t fall_ppm_per_rad; ///< [1e-6 / rad] largest -r': bandwidth over mean speed
     uint32_t set_q20[cam_spindle_demand_places]; ///< [2^-20] largest r + c r r' at these c

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_entry.h"
-#include "cam_bounds.h" // cam_bounds_next
-#include "cam_fix.h"    // cam_is_between
-#include <stdbool.h>    // bool
+#include "cam_fix.h" // cam_is_between
 
 /// Limits that the arithmetic of the evaluation relies on.
 enum {
@@ -125,8 +123,7 @@ static cam_err_t check_heights(const cam_entry_t *e, const cam_table_t *t)
     return is_spaced && per_nm_q48 == e->slices_per_nm_q48 ? cam_ok : cam_err_image_height;
 }
 
-/// Check the three sums of TABLE_FORMAT.md ("The bound"). The knots are already bounded, so 64 bits
-/// hold them.
+/// Check the three sums of TABLE_FORMAT.md ("The bound"), which fit 64 bits for bounded knots.
 static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
 {
     const int64_t p = cam_abs_i64(k0->p);
@@ -182,9 +179,7 @@ cam_err_t cam_entry_check(const cam_entry_t *e, const cam_table_t *t, uint64_t *
         const uint64_t n_knots = (uint64_t)e->n_slices << e->log2_knots;
         err = check_layout(e, n_knots * sizeof(cam_knot_t), t, used);
     }
-    if (err == cam_ok) {
-        err = check_heights(e, t);
-    }
+    err = err == cam_ok ? check_heights(e, t) : err;
     if (err != cam_ok) {
         return err;
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_entry: check of one channel of an image: its entry in the directory, and its knots or
-/// passes.
+/// cam_entry: check of one channel of an image: its entry in the directory, and its data.
 ///
 /// Context of all functions: slow side. Source: TABLE_FORMAT.md, "Channel entry", "Knots",
 /// "Passes", "The bound that makes overflow impossible".

@@ -15,8 +15,7 @@ static bool is_zero(const cam_channel_t *way, const cam_knot_t *knot)
 }
 
 /// @return [LSB per slice] lower bound of the slope of way between two knots: the smallest
-/// Bernstein
-///         coefficient of its derivative
+///         Bernstein coefficient of its derivative
 static int64_t least_slope(const cam_knot_t *k0, const cam_knot_t *k1)
 {
     const int64_t rise = (int64_t)k1->p - k0->p;

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table.h"
-#include "cam_entry.h"          // cam_entry_check
-#include "cam_bounds.h"         // cam_extent_widened
-#include "cam_fix.h"            // cam_is_between
-#include "cam_lobes.h"          // cam_lobes_check
-#include "cam_spindle_demand.h" // cam_spindle_demand_of
-#include "cam_peaks.h"          // cam_peaks_of_swing
-#include "cam_feed_profile.h"   // cam_feed_profile_check
-#include <stdbool.h>            // bool
-#include <string.h>             // memcpy, memcmp
+#include "cam_entry.h"        // cam_entry_check
+#include "cam_bounds.h"       // cam_extent_widened
+#include "cam_fix.h"          // cam_is_between
+#include "cam_lobes.h"        // cam_lobes_check
+#include "cam_peaks.h"        // cam_peaks_of_swing
+#include "cam_feed_profile.h" // cam_feed_profile_check
+#include <string.h>           // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
 
@@ -204,7 +202,7 @@ static int64_t knot_per_rad(int64_t x, uint32_t log2_knots_per_turn)
 static cam_err_t check_motion_limits(const cam_entry_t *u, const cam_table_t *t)
 {
     if (t->speed.knots != NULL) {
-        return cam_header_limits_check(t);
+        return cam_peaks_check(t);
     }
     const uint32_t log2_knots = u->log2_knots + u->log2_repeat; // per turn
     const int64_t u1 = knot_per_rad(u->v_max, log2_knots) >> u->frac_bits;
@@ -255,9 +253,7 @@ static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, uint64_t *used,
     }
     cam_extent_t values;
     cam_err_t err = cam_entry_check(e, table, used);
-    if (err == cam_ok) {
-        err = check_values(e, table, &values);
-    }
+    err = err == cam_ok ? check_values(e, table, &values) : err;
     return err == cam_ok ? take_channel(e, values, table) : err;
 }
 
@@ -314,7 +310,7 @@ static void measure(cam_table_t *table)
     const cam_x_slope_t slope = cam_x_slope_of(&table->x);
     table->x_slope_ppm = slope.slope_ppm;
     table->x_bend_ppm_per_m = slope.bend_ppm_per_m;
-    table->spindle_demand = cam_spindle_demand_of(&table->speed);
+    table->spindle_demand = cam_peaks_of_speed(&table->speed);
     table->u3_peak_nm_per_rad3 = cam_peaks_third(&table->u);
     if (table->lobes == NULL) { // slices of a lobe are not neighbours
         table->u_change = cam_peaks_of_change(&table->u);
@@ -334,12 +330,8 @@ cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table)
         return cam_err_image_address;
     }
     cam_err_t err = check_frame(image, size);
-    if (err == cam_ok) {
-        err = check_header(image, table);
-    }
-    if (err == cam_ok) {
-        err = check_channels(image, table);
-    }
+    err = err == cam_ok ? check_header(image, table) : err;
+    err = err == cam_ok ? check_channels(image, table) : err;
     if (err == cam_ok) {
         measure(table);
     } else {

@@ -31,13 +31,11 @@ typedef struct {
     int32_t vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] speeds of X and Z in the last plan
 } cam_axis_command_t;
 
-/// Command the axes. In off U may stand beyond its stroke; its command then is the end of the
-/// stroke.
-/// @param r       record of the tick, checked by the guard; r->out is the result
-/// @param m       set-points and learned correction
-/// @return        whether the command of U is within its limits; if not, the guard must latch the
-///                fault, then cam_axis_command_nearest_isr() must be called
-/// Constant time.
+/// Command the axes, in constant time. In off U may stand beyond its stroke; its command then is
+/// the end of the stroke.
+/// @param r  record of the tick, checked by the guard; r->out is the result
+/// @return   whether the command of U is within its limits; if not, the guard must latch the fault,
+///           then cam_axis_command_nearest_isr() must be called
 CAM_MUST_USE bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
                                        cam_tick_record_t *r, const cam_motion_t *m);
 

@@ -30,11 +30,10 @@ typedef struct {
     int32_t u_acc_q10;                    ///< [nm / 1024 per tick^2] its last acceleration
 } cam_guard_t;
 
-/// Check one tick.
-/// @param r     inputs, spindle and r->want with all faults found so far; the guard completes
-///              r->want, and replaces it in state fault
-/// @param m     set-points of play; in state fault the guard moves U
-/// Constant time.
+/// Check one tick, in constant time.
+/// @param r  inputs, spindle and r->want with all faults found so far; the guard completes r->want,
+///           and replaces it in state fault
+/// @param m  set-points of play; in state fault the guard moves U
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                         cam_motion_t *m);
 

@@ -46,8 +46,7 @@ static void advance_all(cam_motion_t *m)
     m->height_q32 = cam_wrap_add_i64(m->height_q32, m->height_step_q32);
 }
 
-/// Evaluate U at the spindle's angle. In the tick of a fault U repeats its last step, and the guard
-/// takes over.
+/// Evaluate U at the spindle's angle. In the tick of a fault, U repeats its last step.
 /// @return [nm / 64] U
 static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
                           cam_motion_t *m, uint32_t faults)
@@ -235,8 +234,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
 }
 
 /// @return [nm / 64] what U's scale should show now: the set-point of one lead plus the scale's
-/// latency ago, interpolated between two ticks. The difference wraps only in off, which has no
-/// following error
+/// latency ago, interpolated between two ticks. It wraps only in off, without a following error
 static int32_t due_q6(cam_play_t *p, const cam_play_config_t *cfg)
 {
     const int32_t a_q6 = p->history_q6[(p->n_history - cfg->due_ticks) % cam_play_history];

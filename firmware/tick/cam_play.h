@@ -35,11 +35,10 @@ typedef struct {
     cam_excite_t excite;                  ///< in the state identifying
 } cam_play_t;
 
-/// One tick of the sequence.
-/// @param cfg    configuration with a table, unless the state is off or fault
-/// @param r      inputs, request and spindle; r->want is the result, with all faults found so far
-/// @param m      set-points, advanced by one tick
-/// Constant time in each state.
+/// One tick of the sequence, constant time in each state.
+/// @param cfg  with a table, unless the state is off or fault
+/// @param r    inputs, request and spindle; r->want is the result, with all faults found so far
+/// @param m    set-points, advanced by one tick
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, cam_tick_record_t *r,
                        cam_motion_t *m);
 

@@ -22,8 +22,7 @@ static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int3
     s->in_turn = in_turn;
 }
 
-/// Multiplies the whole part and the fraction of the reciprocal separately, with an error below
-/// 2^-32 turn.
+/// Multiplies whole part and fraction of the reciprocal separately: error below 2^-32 turn.
 static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const uint32_t in_turn = (uint32_t)s->in_turn;
@@ -110,8 +109,7 @@ static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t 
     return centred_q32 + (uint32_t)cam_clamp_i32(behind_q32, -3 * half_q32, 3 * half_q32);
 }
 
-/// Tracking loop on the wrapped angle error; the position counts the turns. A speed beyond half a
-/// turn per tick wraps.
+/// Tracking loop on the wrapped angle error: a speed beyond half a turn per tick wraps.
 static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t smooth_q32,
                   int32_t travel_q32, int32_t alpha_q40)
 {
@@ -123,8 +121,7 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t sm
     s->speed_q64 = cam_wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
 }
 
-/// Uses the tick's time stamp only when the tick is visibly off its time, so that a coarse clock
-/// adds no jitter.
+/// Time stamps count only in a tick visibly off its time, so that a coarse clock adds no jitter.
 void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
                           int32_t alpha_q40, cam_angle_t *angle)
 {

@@ -39,14 +39,10 @@ typedef struct {
     int64_t speed_q64;     ///< [turn / 2^64 per tick] observer
 } cam_spindle_t;
 
-/// Take one reading.
-/// @param s    state
-/// @param cfg  configuration; forget the angle after changing it
-/// @param in   inputs of the tick
+/// Take the reading of a tick, in constant time.
+/// @param cfg        forget the angle after changing it
 /// @param alpha_q40  [turn / 2^40 per tick^2] commanded acceleration of the spindle since the last
-///             tick, 0 at uniform speed; it causes no lag
-/// @param angle      result
-/// Constant time.
+///                   tick, 0 at uniform speed; it causes no lag
 void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
                           int32_t alpha_q40, cam_angle_t *angle);
 

@@ -55,14 +55,13 @@ cam_status_t cam_status_read(const cam_t *c)
     cam_moment_t now;
     cam_status_moment(c, &now);
     const cam_tick_record_t *r = &now.record;
-    const cam_guard_t *guard = &now.guard;
     cam_status_t status = {
         .tick = r->tick,
         .config = r->config,
         .request = r->in.request >> 8,
         .state = r->want.state,
         .faults = r->want.faults,
-        .first_fault = guard->first_faults,
+        .first_fault = now.guard.first_faults,
         .is_synced = r->angle.is_synced,
         .is_retracted = r->want.is_retracted,
         .is_u_at_rest = r->out[hal_axis_u].vel_q10 == 0 && r->out[hal_axis_u].acc_q10 == 0,
@@ -82,7 +81,7 @@ cam_status_t cam_status_read(const cam_t *c)
         .max_period = now.spindle.max_period,
     };
     for (uint32_t i = 0; i < cam_n_faults; i++) {
-        status.fault_count[i] = cam_guard_count(guard, (cam_fault_t)i);
+        status.fault_count[i] = cam_guard_count(&now.guard, (cam_fault_t)i);
     }
     return status;
 }

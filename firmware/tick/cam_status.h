@@ -2,8 +2,7 @@
 /// cam_status: status of the newest tick for the slow side.
 ///
 /// The interrupt writes its state in every tick without waiting. A reader copies the state and
-/// repeats if a tick was in progress, so all of the copy belongs to one tick.
-/// Context: slow side.
+/// repeats if a tick was in progress, so all of it belongs to one tick. Context: slow side.
 #ifndef CAM_STATUS_H
 #define CAM_STATUS_H
 
@@ -51,13 +50,11 @@ typedef struct {
 } cam_moment_t;
 
 /// Read the newest tick, again and again until no tick was in progress meanwhile (the interrupt may
-/// run on another core).
+/// run on another core, but the slow side must never interrupt it).
 /// @param now  result; before the first tick 0 in state off
-/// Context: slow side, which the interrupt may interrupt but not the other way round.
 void cam_status_moment(const cam_t *c, cam_moment_t *now);
 
 /// @return the status of the newest tick; all fields belong to the same tick
-/// Context: slow side.
 cam_status_t cam_status_read(const cam_t *c);
 
 #endif

@@ -3,9 +3,8 @@
 ///
 /// Each of the eight outputs has a window of the drawing's angle, repeated per_turn times per turn,
 /// and a window of the height. Switching leads by the dead time of the actuator, at any speed and
-/// in both directions:
-///     on where (n (angle + speed * (dead time + half a tick)) - from) mod 1 < width  MATHS.md
-///     (180)
+/// in both directions, MATHS.md (180):
+///     on where (n (angle + speed * (dead time + half a tick)) - from) mod 1 < width
 /// so the output changes in the tick nearest to the edge of the window. After a change it keeps its
 /// state until the spindle has moved away by the hysteresis, in either direction: a spindle that
 /// dithers on an edge causes no chatter, and one that keeps turning switches exactly at the edges.

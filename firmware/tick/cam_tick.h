@@ -6,8 +6,7 @@
 /// Every n-th tick also runs the plan (cam_plan.h) before it publishes. Only sense reads from the
 /// HAL, only actuate writes to it. The tick owns the set-points (cam_motion_t): play advances them,
 /// the guard checks them and replaces U's in a fault, command turns them into axis commands, and
-/// the plan writes their increments. The whole state is one struct, so a test can run several
-/// controllers.
+/// the plan writes their increments. All state is one struct: a test can run several controllers.
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
 
@@ -53,8 +52,7 @@ typedef struct {
 /// The controller that cam_isr() ticks.
 extern cam_t g_cam;
 
-/// One tick. Context: ISR; constant time with and without a plan, bounded loops, no division, no
-/// lock.
+/// One tick. Context: ISR; constant time with and without plan, bounded loops, no division or lock.
 void cam_tick_isr(cam_t *c);
 
 /// The stages between sense and actuate, and the plan, without the HAL: replays a recorded tick.

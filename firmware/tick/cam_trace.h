@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_trace: a ring of tick records, written by the interrupt, read by the slow side.
 ///
-/// One writer, one reader, no lock: each owns one counter. A full ring drops new records and counts
-/// them.
+/// One writer, one reader, no lock: each owns a counter. A full ring drops new records, counted.
 #ifndef CAM_TRACE_H
 #define CAM_TRACE_H
 
@@ -29,8 +28,7 @@ typedef struct {
 /// last tick. Context: ISR, constant time.
 cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room);
 
-/// Hand the record to the reader; call it complete, after a release fence. Context: ISR, constant
-/// time.
+/// Hand the complete record to the reader, after a release fence. Context: ISR, constant time.
 void cam_trace_commit_isr(cam_trace_t *trace);
 
 /// Take the oldest record.

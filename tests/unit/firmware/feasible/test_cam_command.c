@@ -38,7 +38,7 @@ static uint64_t found_nm(uint32_t mrpm)
                            .tick_hz = 20000,
                            .mean_mrpm = mrpm,
                            .peak_mrpm = cam_feasible_peak_mrpm(&table, mrpm)};
-    return cam_command_most_nm(&cut);
+    return cam_command_stroke_demand(&cut).needed;
 }
 
 /// @return [nm] command at an angle, where the ovality is largest
@@ -81,11 +81,11 @@ static void test_peaks_alone_bound_a_command_within_the_stroke(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.001 * sum, sum / 2.0, (double)found_nm(3000000));
 }
 
-static void test_without_gains_it_is_u(void)
+static void test_without_gains_nothing_is_demanded(void)
 {
     load();
     params.u_stroke_nm = 1000;
-    TEST_ASSERT_EQUAL_UINT64(table.u_max_nm, found_nm(3000000));
+    TEST_ASSERT_EQUAL_UINT64(0, found_nm(3000000));
 }
 
 /// Drives of every damping: what is found is an upper bound, at most 2 % too large.
@@ -194,12 +194,12 @@ static void test_speed_and_acceleration_of_the_command_have_all_their_terms(void
     const double a = 1e-6 * table.u2_peak_nm_per_rad2 * omega * omega; // [mm/s2]
     const double j = 1e-6 * table.u3_peak_nm_per_rad3 * omega * omega * omega;
     const cam_cut_t cut = cut_at(3000000);
-    const cam_command_need_t speed = cam_command_speed_um_per_s(&cut);
+    const cam_demand_t speed = cam_command_speed_demand(&cut);
     const double v_most = 400000.0 + 1e3 * (k1 * 20000.0 + k2 * jerk);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * v_most, v_most, (double)speed.limit);
     const double v_needed = v + 1e3 * (k1 * a + k2 * j);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * v_needed, v_needed, (double)speed.needed);
-    const cam_command_need_t bend = cam_command_acceleration_mm_per_s2(&cut);
+    const cam_demand_t bend = cam_command_acceleration_demand(&cut);
     const double a_most = 20000.0 + k1 * jerk + 2.0 * k2 * jerk * 20000.0;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * a_most, a_most, (double)bend.limit);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * (a + k1 * j), a + k1 * j, (double)bend.needed);
@@ -225,7 +225,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_peaks_alone_bound_a_command_within_the_stroke);
-    RUN_TEST(test_without_gains_it_is_u);
+    RUN_TEST(test_without_gains_nothing_is_demanded);
     RUN_TEST(test_command_beyond_the_stroke_is_bounded_by_the_knots);
     RUN_TEST(test_modulated_spindle_is_bounded_too);
     RUN_TEST(test_bound_by_the_peaks_where_the_knots_are_not_read);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an axis needs between two lobes, against the largest sum on a grid of a thousandth.
-#include "cam_lobe_transition.h"
+#include "cam_z_coupling.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <math.h> // fabs, fmax, ldexp
@@ -13,8 +13,8 @@ void setUp(void) {}
 void tearDown(void) {}
 
 /// Largest needs, by the equations.
-static void exact(const cam_table_t *t, double feed_nm, const cam_lobe_transition_peaks_t *p,
-                  double n, double most[2])
+static void exact(const cam_table_t *t, double feed_nm, const cam_z_coupling_peaks_t *p, double n,
+                  double most[2])
 {
     const double half = t->speed.knots != NULL ? 0.5 : 1.0;
     const double x = ldexp(t->ratio_max_q20, -20) * feed_nm / (TWO_PI * t->least_change_nm * half);
@@ -44,15 +44,15 @@ static void test_needs_are_bounded_tightly(void)
             .speed.knots = k % 2 == 0 ? NULL : &knot,
         };
         const uint64_t feed_nm = (uint64_t)fixture_random_range(&random, 1000, 3000000);
-        const cam_lobe_transition_peaks_t p = {
+        const cam_z_coupling_peaks_t p = {
             (uint64_t)fixture_random_range(&random, 1000000, 15000000),
             (uint64_t)fixture_random_range(&random, 1000000, 60000000),
             (uint64_t)fixture_random_range(&random, 10000000, 900000000)};
         double most[2];
         const uint32_t n = 1u + (uint32_t)k % 8u;
         exact(&t, (double)feed_nm, &p, n, most);
-        const double first = (double)cam_lobe_transition_first(&t, feed_nm, &p);
-        const double second = (double)cam_lobe_transition_second(&t, feed_nm, &p, n);
+        const double first = (double)cam_z_coupling_lobes_first(&t, feed_nm, &p);
+        const double second = (double)cam_z_coupling_lobes_second(&t, feed_nm, &p, n);
         TEST_ASSERT_TRUE(first >= most[0] * (1.0 - 1e-6) && first <= most[0] * 1.09 + 10.0);
         TEST_ASSERT_TRUE(second >= most[1] * (1.0 - 1e-6) && second <= most[1] * 1.12 + 10.0);
         TEST_ASSERT_TRUE(first >= (double)p.f1 && second >= (double)p.f2);
@@ -62,29 +62,29 @@ static void test_needs_are_bounded_tightly(void)
 static void test_needs_rise_with_the_feed_and_vanish_without_a_change(void)
 {
     cam_table_t t = {.least_change_nm = 100000, .ratio_max_q20 = 1u << 20};
-    const cam_lobe_transition_peaks_t p = {8000000u, 12000000u, 40000000u};
+    const cam_z_coupling_peaks_t p = {8000000u, 12000000u, 40000000u};
     uint64_t before = 0;
     for (uint64_t feed_nm = 1; feed_nm < UINT64_C(1) << 24; feed_nm = feed_nm * 5u / 4u + 1u) {
-        const uint64_t second = cam_lobe_transition_second(&t, feed_nm, &p, 8u);
+        const uint64_t second = cam_z_coupling_lobes_second(&t, feed_nm, &p, 8u);
         TEST_ASSERT_TRUE(second >= before);
         before = second;
     }
     t.least_change_nm = 0;
-    TEST_ASSERT_EQUAL_UINT64(p.f1, cam_lobe_transition_first(&t, 100000, &p));
-    TEST_ASSERT_EQUAL_UINT64(p.f2, cam_lobe_transition_second(&t, 100000, &p, 8u));
+    TEST_ASSERT_EQUAL_UINT64(p.f1, cam_z_coupling_lobes_first(&t, 100000, &p));
+    TEST_ASSERT_EQUAL_UINT64(p.f2, cam_z_coupling_lobes_second(&t, 100000, &p, 8u));
 }
 
 /// A change over next to nothing needs no more than is told of the steepest: numbers stay in their
 /// words.
 static void test_needs_of_the_steepest_change_are_bounded(void)
 {
-    const cam_lobe_transition_peaks_t p = {8000000u, 12000000u, 40000000u};
+    const cam_z_coupling_peaks_t p = {8000000u, 12000000u, 40000000u};
     cam_table_t t = {.least_change_nm = 1, .ratio_max_q20 = 4u << 20};
-    const uint64_t first = cam_lobe_transition_first(&t, 1u << 24, &p);
-    const uint64_t second = cam_lobe_transition_second(&t, 1u << 24, &p, 80u);
+    const uint64_t first = cam_z_coupling_lobes_first(&t, 1u << 24, &p);
+    const uint64_t second = cam_z_coupling_lobes_second(&t, 1u << 24, &p, 80u);
     t.least_change_nm = 3;
-    TEST_ASSERT_EQUAL_UINT64(first, cam_lobe_transition_first(&t, 1u << 24, &p));
-    TEST_ASSERT_EQUAL_UINT64(second, cam_lobe_transition_second(&t, 1u << 24, &p, 80u));
+    TEST_ASSERT_EQUAL_UINT64(first, cam_z_coupling_lobes_first(&t, 1u << 24, &p));
+    TEST_ASSERT_EQUAL_UINT64(second, cam_z_coupling_lobes_second(&t, 1u << 24, &p, 80u));
     TEST_ASSERT_TRUE(first <= p.f1 + 2u * p.f * 34u && first > p.f * 60u); // 2^25 ppm, 15 / 8
 }
 

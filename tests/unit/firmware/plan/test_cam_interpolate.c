@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Equal increments of a set-point: they arrive exactly, and no target leads beyond the word of a
 // place.
-#include "cam_interpolate.h"
+#include "cam_plan_move.h"
 #include "unity.h"
 
 enum { most_plan_ticks = 40 };
@@ -28,7 +28,7 @@ static void test_target_is_there_at_the_next_plan(void)
         cfg.per_plan_q30 = (1 << 30) / ticks;
         for (int64_t way_q10 = -100000; way_q10 <= 100000; way_q10 += 7777) {
             cam_axis_motion_t m = {.pos_q10 = 5000000, .vel_q10 = 99, .acc_q10 = 77};
-            cam_interpolate_isr(&m, &cfg, 5000000 + way_q10);
+            cam_plan_move_line_isr(&m, &cfg, 5000000 + way_q10);
             TEST_ASSERT_EQUAL_INT64(5000000 + way_q10, then_q10(&m));
             TEST_ASSERT_INT32_WITHIN(1, (int32_t)(way_q10 / ticks), m.vel_q10);
             TEST_ASSERT_EQUAL_INT32(0, m.acc_q10);
@@ -40,10 +40,10 @@ static void test_target_is_there_at_the_next_plan(void)
 
 static void test_share_is_rounded_to_nearest(void)
 {
-    TEST_ASSERT_EQUAL_INT32(1, cam_interpolate_share(&cfg, 8));
-    TEST_ASSERT_EQUAL_INT32(1, cam_interpolate_share(&cfg, 4));
-    TEST_ASSERT_EQUAL_INT32(0, cam_interpolate_share(&cfg, 3));
-    TEST_ASSERT_EQUAL_INT32(-1, cam_interpolate_share(&cfg, -5));
+    TEST_ASSERT_EQUAL_INT32(1, cam_plan_move_share(&cfg, 8));
+    TEST_ASSERT_EQUAL_INT32(1, cam_plan_move_share(&cfg, 4));
+    TEST_ASSERT_EQUAL_INT32(0, cam_plan_move_share(&cfg, 3));
+    TEST_ASSERT_EQUAL_INT32(-1, cam_plan_move_share(&cfg, -5));
 }
 
 /// One that is further than 2^31 / 1024 nm, 2.1 mm, takes more than a plan.
@@ -51,7 +51,7 @@ static void test_far_target_is_followed_later(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         cam_axis_motion_t m = {.pos_q10 = 0};
-        cam_interpolate_isr(&m, &cfg, sign * (INT64_C(1) << 40));
+        cam_plan_move_line_isr(&m, &cfg, sign * (INT64_C(1) << 40));
         TEST_ASSERT_EQUAL_INT64(sign > 0 ? INT32_MAX : INT32_MIN, then_q10(&m));
     }
 }
@@ -61,11 +61,11 @@ static void test_no_target_leads_beyond_the_farthest_place(void)
     const int64_t most_q10 = INT64_C(2147000000) * 1024;
     for (int sign = -1; sign <= 1; sign += 2) {
         cam_axis_motion_t m = {.pos_q10 = sign * (most_q10 - 100)};
-        cam_interpolate_isr(&m, &cfg, sign * (most_q10 - 1));
+        cam_plan_move_line_isr(&m, &cfg, sign * (most_q10 - 1));
         TEST_ASSERT_EQUAL_INT64(sign * (most_q10 - 1), then_q10(&m));
-        cam_interpolate_isr(&m, &cfg, sign * (most_q10 + 1));
+        cam_plan_move_line_isr(&m, &cfg, sign * (most_q10 + 1));
         TEST_ASSERT_EQUAL_INT64(sign * most_q10, then_q10(&m));
-        cam_interpolate_isr(&m, &cfg, sign * (INT64_C(1) << 60));
+        cam_plan_move_line_isr(&m, &cfg, sign * (INT64_C(1) << 60));
         TEST_ASSERT_EQUAL_INT64(sign * most_q10, then_q10(&m));
     }
 }
@@ -84,12 +84,11 @@ static void test_x_has_its_trim_and_its_clearance(void)
     cfg.x_clearance_nm = 2000;
     cfg.x_offset_q10 = INT64_C(7000) * 1024;
     const int32_t full = 1 << 30;
-    TEST_ASSERT_EQUAL_INT64(7030 * 1024, cam_interpolate_profile_q10(&cfg, 500000, full, 0));
-    TEST_ASSERT_EQUAL_INT64(9030 * 1024, cam_interpolate_profile_q10(&cfg, 500000, 0, 0));
-    TEST_ASSERT_EQUAL_INT64(7530 * 1024,
-                            cam_interpolate_profile_q10(&cfg, 500000, full / 4 * 3, 0));
-    TEST_ASSERT_EQUAL_INT64(7030 * 1024 + 64, cam_interpolate_profile_q10(&cfg, 500000, full, 1));
-    TEST_ASSERT_EQUAL_INT64(7030 * 1024 - 64, cam_interpolate_profile_q10(&cfg, 500000, full, -1));
+    TEST_ASSERT_EQUAL_INT64(7030 * 1024, cam_plan_move_profile_q10(&cfg, 500000, full, 0));
+    TEST_ASSERT_EQUAL_INT64(9030 * 1024, cam_plan_move_profile_q10(&cfg, 500000, 0, 0));
+    TEST_ASSERT_EQUAL_INT64(7530 * 1024, cam_plan_move_profile_q10(&cfg, 500000, full / 4 * 3, 0));
+    TEST_ASSERT_EQUAL_INT64(7030 * 1024 + 64, cam_plan_move_profile_q10(&cfg, 500000, full, 1));
+    TEST_ASSERT_EQUAL_INT64(7030 * 1024 - 64, cam_plan_move_profile_q10(&cfg, 500000, full, -1));
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A table with a speed channel: what is accepted, and every promise that is not kept.
-#include "cam_spindle_demand.h"
+#include "cam_peaks.h"
 #include "fixture_image.h"
 #include "fixture_random.h" // fixture_rarer
 #include "unity.h"
@@ -150,9 +150,9 @@ static void test_curvature_is_limited_by_itself(void)
     t.u.slices_per_nm_q48 = t.speed.slices_per_nm_q48 = 281474977;
     for (int sign = -1; sign <= 1; sign += 2) {
         u[n_u - 1].a = sign * (1 << 23);
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_header_limits_check(&t));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_peaks_check(&t));
         u[n_u - 1].a += sign;
-        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, cam_header_limits_check(&t));
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, cam_peaks_check(&t));
     }
 }
 

@@ -2,7 +2,7 @@
 // What the speed channel demands of a speed loop, against doubles of the ratio it was made of; and
 // a loop of first order that is told it, simulated.
 #include "cam_feasible.h"
-#include "cam_spindle_demand.h"
+#include "cam_peaks.h"
 #include "fixture_play.h"
 #include "unity.h"
 #include <math.h>
@@ -44,8 +44,7 @@ static void test_set_point_is_bounded_at_any_lag(void)
         const double c = i * 0.05;
         const double exact = largest(c);
         const double bound = ldexp(
-            (double)cam_spindle_demand_set_q20(&f.table.spindle_demand, (uint64_t)(c * 65536.0)),
-            -20);
+            (double)cam_peaks_set_point_q20(&f.table.spindle_demand, (uint64_t)(c * 65536.0)), -20);
         TEST_ASSERT_TRUE(bound >= exact * 0.99);
         TEST_ASSERT_TRUE(c > 8.0 || bound <= exact * 1.002);
     }
