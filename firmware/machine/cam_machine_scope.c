@@ -28,7 +28,7 @@ cam_err_t cam_machine_scope_start(cam_machine_t *m)
     if (cam_blackbox_is_unread(&m->scope)) {
         return cam_err_scope_unread;
     }
-    return cam_scope_start(&m->scope, cam_machine_status(m).tick);
+    return cam_scope_begin(&m->scope, &m->scope.set, cam_scope_user, 0, cam_machine_status(m).tick);
 }
 
 void cam_machine_scope_stop(cam_machine_t *m)

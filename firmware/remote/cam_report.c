@@ -220,7 +220,7 @@ static void describe_cut(struct camturn_detail_t *m, const cam_machine_t *machin
     m->passes = (uint8_t)(n_passes & 0xFFu);
     m->recorder_use = (uint8_t)machine->scope.use;
     m->recorder_phase = (uint8_t)machine->scope.phase;
-    m->recorder_faults = machine->scope.faults;
+    m->recorder_faults = machine->scope.ring.faults;
 }
 
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the
