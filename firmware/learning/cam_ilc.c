@@ -269,12 +269,11 @@ cam_ilc_harmonic_t cam_ilc_harmonic(const cam_ilc_t *t, uint32_t k)
     if (k >= cam_ilc_terms) {
         return (cam_ilc_harmonic_t){0};
     }
-    const cam_complex_t none = {0};
     return (cam_ilc_harmonic_t){
         .correction_q6 = t->correction.c_q6[k],
         .gain = t->correction.gain[k],
         .best_q6 = t->correction.best_q6[k],
-        .ripple = k > 0u ? cam_ripple_order(&t->ripple, k) : none,
+        .ripple = k > 0u ? cam_ripple_order(&t->ripple, k) : (cam_complex_t){0},
         .is_masked = (t->correction.masked >> k & 1u) != 0u,
     };
 }

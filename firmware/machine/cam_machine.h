@@ -18,7 +18,7 @@
 #include "cam_scope.h"           // cam_scope_t
 #include "cam_strobe.h"          // cam_strobe_t
 #include "cam_table.h"           // cam_table_t
-#include "cam_ilc.h"             // cam_ilc_status_t, cam_ilc_harmonic_t
+#include "cam_ilc.h"             // cam_ilc_t, cam_ilc_status_t
 #include "cam_signature_check.h" // cam_signature_check_t
 #include "cam_status.h"          // cam_t, cam_status_t
 #include <stdbool.h>             // bool
@@ -120,7 +120,7 @@ typedef struct {
 } cam_rights_status_t;
 
 /// State of the slow side. Other modules may read only has_table, table, signature, params, pass,
-/// n_parts, is_held, tick_hz, refusal and kept.
+/// n_parts, is_held, tick_hz, refusal, kept, identify.received and the harmonics of ilc.
 typedef struct {
     cam_t *core;                     ///< state of the interrupt
     cam_params_t params;             ///< as last set
@@ -200,8 +200,7 @@ CAM_MUST_USE cam_err_t cam_machine_stage(cam_machine_t *m, cam_param_id_t id, in
 CAM_MUST_USE cam_err_t cam_machine_stage_commit(cam_machine_t *m);
 
 /// Store the parameters in force in the port's memory.
-/// @return cam_ok, cam_err_state when not off, cam_err_busy, cam_err_params_keep; cam_err_locked
-/// and
+/// @return cam_ok, cam_err_state when not off, cam_err_busy, cam_err_params_keep; cam_err_locked,
 ///         cam_err_lock_none where limits or constants differ from the kept ones
 /// Context: takes as long as hal_params_keep().
 CAM_MUST_USE cam_err_t cam_machine_save_params(cam_machine_t *m);
@@ -245,9 +244,6 @@ CAM_MUST_USE cam_err_t cam_machine_home(cam_machine_t *m);
 ///         reads a table, once the interrupt has taken all commands and configurations; else
 ///         cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_may_exchange(const cam_machine_t *m);
-
-/// @return the same for storing parameters, only in off
-CAM_MUST_USE cam_err_t cam_machine_may_keep(const cam_machine_t *m);
 
 /// Check an image as cam_machine_select_table() does, without using it.
 CAM_MUST_USE cam_err_t cam_machine_check_table(cam_machine_t *m, const void *image, size_t size);
@@ -329,10 +325,6 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state);
 
 /// @return status of learning
 cam_ilc_status_t cam_machine_learning(const cam_machine_t *m);
-
-/// @param k  0 .. cam_ilc_harmonics, 0 is the mean
-/// @return   state of the harmonic, all 0 beyond the last
-cam_ilc_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k);
 
 /// Read a learned value, for storage.
 /// @param index  below cam_ilc_n_values

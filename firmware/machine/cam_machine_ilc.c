@@ -176,11 +176,6 @@ cam_ilc_status_t cam_machine_learning(const cam_machine_t *m)
     return cam_ilc_status(&m->ilc, &setup, m->tick_hz);
 }
 
-cam_ilc_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k)
-{
-    return cam_ilc_harmonic(&m->ilc, k);
-}
-
 cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index, int32_t *value)
 {
     *value = cam_ilc_get(&m->ilc, index);

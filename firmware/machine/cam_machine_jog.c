@@ -47,8 +47,7 @@ static cam_err_t give_order(cam_machine_t *m, const cam_status_t *status, cam_jo
     return err;
 }
 
-/// @return cam_ok when an order of this kind may be given: only a jog replaces an order, another
-/// jog
+/// @return cam_ok when an order of this kind may be given: only a jog replaces a jog
 static cam_err_t check_order(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis,
                              cam_jog_phase_t kind)
 {
@@ -73,14 +72,6 @@ static int32_t order_speed_q10(const cam_machine_t *m, int32_t um_per_s, int32_t
     const int64_t per_plan_q10 = cam_units_scale(
         um_per_s, INT64_C(1024000) * cam_machine_newest_config(m)->play.plan_ticks, m->tick_hz);
     return (int32_t)cam_clamp_i64(per_plan_q10, 1, most_q10);
-}
-
-/// @return [um/s] the highest jog speed of an axis
-static int32_t most_um_per_s(const cam_machine_t *m, hal_axis_t axis)
-{
-    const cam_play_config_t *play = &cam_machine_newest_config(m)->play;
-    return (int32_t)cam_units_scale(play->jog.limits[axis].speed_q10, m->tick_hz,
-                                    INT64_C(1024000) * play->plan_ticks);
 }
 
 /// Limits of jogs and steps, in port coordinates.
@@ -126,7 +117,10 @@ cam_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_
     if (err != cam_ok) {
         return verdict(err, 0);
     }
-    const int32_t most = most_um_per_s(m, axis);
+    const cam_play_config_t *play = &cam_machine_newest_config(m)->play;
+    const int32_t most_q10 = play->jog.limits[axis].speed_q10;
+    const int32_t most =
+        (int32_t)cam_units_scale(most_q10, m->tick_hz, INT64_C(1024000) * play->plan_ticks);
     if (!cam_is_between(um_per_s, -most, most)) {
         return verdict(cam_err_hand_speed, most);
     }
@@ -135,8 +129,7 @@ cam_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_
         .begin = um_per_s == 0 ? cam_jog_rest : cam_jog_jog,
         .axis = axis,
         .sense = um_per_s < 0 ? -1 : 1,
-        .speed_q10 = order_speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s,
-                                     cam_machine_newest_config(m)->play.jog.limits[axis].speed_q10),
+        .speed_q10 = order_speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s, most_q10),
         .low_q10 = limits.low_q10,
         .high_q10 = limits.high_q10,
     };

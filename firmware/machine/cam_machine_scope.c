@@ -69,22 +69,19 @@ cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value)
 
 cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t *value)
 {
-    const cam_identify_t *i = &m->identify;
-    const cam_err_t err = cam_scope_get(&m->scope, field, value);
     switch (field) {
     case cam_scope_field_place_nm:
-        *value = i->place_nm;
-        break;
+        *value = m->identify.place_nm;
+        return cam_ok;
     case cam_scope_field_excited:
-        *value = (int32_t)i->excited;
-        break;
+        *value = (int32_t)m->identify.excited;
+        return cam_ok;
     case cam_scope_field_n_fall:
-        *value = (int32_t)i->n_fall;
-        break;
-    default: // a field of the recorder itself
-        break;
+        *value = (int32_t)m->identify.n_fall;
+        return cam_ok;
+    default:
+        return cam_scope_get(&m->scope, field, value);
     }
-    return err;
 }
 
 // The black box

@@ -128,7 +128,7 @@ cam_err_t cam_can_select(cam_can_t *r)
 
 cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err)
 {
-    const uint32_t n = r->is_wave ? cam_machine_wave_received(r->machine) : r->store.received;
+    const uint32_t n = r->is_wave ? r->machine->identify.received : r->store.received;
     return (cam_outcome_t){.err = err, .value = (int32_t)n};
 }
 

@@ -234,10 +234,10 @@ static void test_harmonics_are_told(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_correction, 64 * 64));
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_masked, 4));
-    TEST_ASSERT_EQUAL_INT32(64 * 64, cam_machine_harmonic(&rig.machine, 0).correction_q6.re);
-    TEST_ASSERT_FALSE(cam_machine_harmonic(&rig.machine, 1).is_masked);
-    TEST_ASSERT_TRUE(cam_machine_harmonic(&rig.machine, 2).is_masked);
-    const cam_ilc_harmonic_t beyond = cam_machine_harmonic(&rig.machine, cam_ilc_terms);
+    TEST_ASSERT_EQUAL_INT32(64 * 64, cam_ilc_harmonic(&rig.machine.ilc, 0).correction_q6.re);
+    TEST_ASSERT_FALSE(cam_ilc_harmonic(&rig.machine.ilc, 1).is_masked);
+    TEST_ASSERT_TRUE(cam_ilc_harmonic(&rig.machine.ilc, 2).is_masked);
+    const cam_ilc_harmonic_t beyond = cam_ilc_harmonic(&rig.machine.ilc, cam_ilc_terms);
     TEST_ASSERT_EQUAL_INT32(0, beyond.correction_q6.re);
     TEST_ASSERT_FALSE(beyond.is_masked);
 }
