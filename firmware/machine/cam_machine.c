@@ -142,7 +142,7 @@ cam_err_t cam_machine_disable(cam_machine_t *m)
     }
     const bool may_end = status.state == cam_state_homing || status.state == cam_state_ready ||
                          status.state == cam_state_manual;
-    return cam_machine_post_if(m, &status, may_end, cam_request_disable);
+    return may_end ? cam_machine_post(m, &status, cam_request_disable) : cam_err_state;
 }
 
 cam_err_t cam_machine_home(cam_machine_t *m)
@@ -215,7 +215,7 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
     }
     const bool may_stop =
         cam_state_is_in_work(status.state) && status.state != cam_state_disengaging;
-    const cam_err_t err = cam_machine_post_if(m, &status, may_stop, cam_request_stop);
+    const cam_err_t err = may_stop ? cam_machine_post(m, &status, cam_request_stop) : cam_err_state;
     // With a measured Z, stop is the regular end of a cut.
     const bool is_end = m->params.z_is_measured != 0 && status.state == cam_state_cutting;
     m->is_cut_short = m->is_cut_short || (err == cam_ok && !is_end);
@@ -225,8 +225,8 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
 cam_err_t cam_machine_reset(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    return cam_machine_post_if(m, &status, status.state == cam_state_fault && status.is_retracted,
-                               cam_request_reset);
+    const bool may_reset = status.state == cam_state_fault && status.is_retracted;
+    return may_reset ? cam_machine_post(m, &status, cam_request_reset) : cam_err_state;
 }
 
 /// Hold or resume the feed. cam_machine_poll() retries while the interrupt has not taken the last

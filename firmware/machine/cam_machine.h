@@ -283,16 +283,6 @@ CAM_MUST_USE cam_err_t cam_machine_set_parts(cam_machine_t *m, int32_t n);
 /// @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_reset(cam_machine_t *m);
 
-/// Begin to hand over learned values; the rest of the configuration stays and is not checked again.
-/// Call no other function before cam_machine_learn_end().
-/// @return the values in force, to be changed in place; NULL while the interrupt has not taken the
-///         last configuration
-cam_learned_t *cam_machine_learn_begin(cam_machine_t *m);
-
-/// Hand over the values of cam_machine_learn_begin() with a new generation, in force from the next
-/// tick on. |k1| and |k2|, added to those configured, must be below 2^31.
-void cam_machine_learn_end(cam_machine_t *m);
-
 /// @return a consistent copy of the status that the interrupt published last
 cam_status_t cam_machine_status(const cam_machine_t *m);
 
@@ -305,6 +295,10 @@ CAM_MUST_USE cam_err_t cam_machine_take_command(cam_machine_t *m, uint8_t sender
 
 /// Release command. A lost or released command stops the motion as cam_machine_stop() does.
 void cam_machine_release_command(cam_machine_t *m);
+
+/// Sign of life of the commander of an excitation, a step or a homing. A jog is renewed by the next
+/// jog command.
+void cam_machine_keep_alive(cam_machine_t *m);
 
 /// @return status of the rights and of the button
 cam_rights_status_t cam_machine_rights(const cam_machine_t *m, const cam_status_t *status);

@@ -49,9 +49,6 @@ CAM_MUST_USE cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc);
 ///                    required X [nm]
 cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks);
 
-/// Sign of life of the commander of an excitation, a step or a homing.
-void cam_machine_keep_alive(cam_machine_t *m);
-
 /// Part of cam_machine_poll(): the sequence of the excitation.
 void cam_machine_identify_poll(cam_machine_t *m);
 

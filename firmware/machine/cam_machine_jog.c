@@ -34,7 +34,7 @@ static cam_err_t offer_order(cam_machine_t *m, const cam_jog_order_t *order)
         return cam_err_busy;
     }
     copy->play.jog.order = *order;
-    cam_machine_learn_end(m);
+    cam_machine_offer_copy(m);
     return cam_ok;
 }
 
@@ -203,9 +203,10 @@ cam_err_t cam_machine_jog_stop(cam_machine_t *m)
     return give_order(m, &status, &order);
 }
 
-void cam_machine_jog_alive(cam_machine_t *m)
+void cam_machine_keep_alive(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
+    m->identify.alive_tick = status.tick;
     cam_jog_order_t order = cam_machine_newest_config(m)->play.jog.order;
     if (status.state == cam_state_manual && order.begin != cam_jog_jog &&
         is_axis_moving(m, &status)) {

@@ -8,15 +8,6 @@ void cam_machine_blackbox(cam_machine_t *m)
     m->is_box_kept = cam_blackbox_restore(&m->scope, hal_scope_memory().n_kept);
 }
 
-cam_err_t cam_machine_scope_is_free(const cam_machine_t *m)
-{
-    if (cam_blackbox_is_unread(&m->scope)) {
-        return cam_err_scope_unread;
-    }
-    const bool is_taken = m->scope.use == cam_scope_user && cam_scope_is_on(&m->scope);
-    return is_taken ? cam_err_scope_on : cam_ok;
-}
-
 cam_err_t cam_machine_scope_start(cam_machine_t *m)
 {
     if (m->identify.phase != cam_identify_none) {
