@@ -50,13 +50,6 @@ typedef enum {
     cam_kept_damaged, ///< unusable: power-on uses the defaults
 } cam_kept_t;
 
-/// Identity of the parameters in force.
-typedef struct {
-    uint32_t version;  ///< rises with every change; at power-on that of the kept ones
-    uint32_t checksum; ///< cam_param_store_checksum()
-    cam_kept_t kept;
-} cam_params_status_t;
-
 /// Result of the last excitation. The numbers are part of the CAN protocol.
 typedef enum {
     cam_excited_never,
@@ -119,12 +112,13 @@ typedef struct {
     uint32_t button_left_s; ///< [s] left for enable; 0: no time limit
 } cam_rights_status_t;
 
-/// State of the slow side. Other modules may read only has_table, table, signature, params, pass,
-/// n_parts, is_held, tick_hz, refusal, kept, identify.received and the harmonics of ilc.
+/// State of the slow side. Other modules may read only has_table, table, signature, params,
+/// version, checksum, pass, n_parts, is_held, tick_hz, refusal, kept, identify.received and the
+/// harmonics of ilc.
 typedef struct {
     cam_t *core;                     ///< state of the interrupt
     cam_params_t params;             ///< as last set
-    uint32_t version;                ///< of params: rises with every change
+    uint32_t version;                ///< of params: rises from that of the kept ones on
     uint32_t checksum;               ///< of params (cam_param_store_checksum())
     cam_param_store_found_t kept;    ///< kept parameters; .err also covers their hand-over
     uint32_t kept_checksum;          ///< of the kept parameters, when kept.err is cam_ok
@@ -213,8 +207,8 @@ CAM_MUST_USE cam_err_t cam_machine_restore_defaults(cam_machine_t *m);
 /// @return as cam_machine_set_param(), cam_err_params_none, cam_err_params_damaged
 CAM_MUST_USE cam_err_t cam_machine_revert_params(cam_machine_t *m);
 
-/// @return version and checksum of the parameters in force, and whether they are kept
-cam_params_status_t cam_machine_params_status(const cam_machine_t *m);
+/// @return whether the parameters in force are kept
+cam_kept_t cam_machine_params_kept(const cam_machine_t *m);
 
 /// Check the feasibility of all passes.
 /// @param speed_mrpm  [r/min / 1000] 0: each pass at its own speed

@@ -236,15 +236,15 @@ void cam_machine_identify_poll(cam_machine_t *m)
     if (i->phase == cam_identify_none || !cam_machine_is_carried_out(m, &status)) {
         return;
     }
-    if (i->phase == cam_identify_offered && status.config == m->generation) {
-        cam_machine_request(m, cam_request_identify);
-        i->phase = cam_identify_requested;
-    } else if (i->phase == cam_identify_requested || i->phase == cam_identify_runs) {
-        watch(m, &status);
+    if (i->phase == cam_identify_offered) {
+        if (status.config == m->generation) { // the interrupt has taken the wave
+            cam_machine_request(m, cam_request_identify);
+            i->phase = cam_identify_requested;
+        }
     } else if (i->phase == cam_identify_ends) {
         end(m);
     } else {
-        // the interrupt has not yet taken the wave
+        watch(m, &status);
     }
 }
 

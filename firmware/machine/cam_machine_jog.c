@@ -7,11 +7,6 @@
 #include "cam_units.h"         // cam_units_scale
 #include <stddef.h>            // NULL
 
-static cam_verdict_t verdict(cam_err_t err, int32_t value)
-{
-    return (cam_verdict_t){.err = err, .value = value};
-}
-
 // Orders
 
 /// @return whether an order is pending or an axis is moving
@@ -115,14 +110,14 @@ cam_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_
     const cam_status_t status = cam_machine_status(m);
     const cam_err_t err = check_order(m, &status, axis, cam_jog_jog);
     if (err != cam_ok) {
-        return verdict(err, 0);
+        return (cam_verdict_t){.err = err};
     }
     const cam_play_config_t *play = &cam_machine_newest_config(m)->play;
     const int32_t most_q10 = play->jog.limits[axis].speed_q10;
     const int32_t most =
         (int32_t)cam_units_scale(most_q10, m->tick_hz, INT64_C(1024000) * play->plan_ticks);
     if (!cam_is_between(um_per_s, -most, most)) {
-        return verdict(cam_err_hand_speed, most);
+        return (cam_verdict_t){cam_err_hand_speed, most};
     }
     const limits_t limits = limits_of(m, &status, axis);
     cam_jog_order_t order = {
@@ -133,7 +128,7 @@ cam_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_
         .low_q10 = limits.low_q10,
         .high_q10 = limits.high_q10,
     };
-    return verdict(give_order(m, &status, &order), um_per_s);
+    return (cam_verdict_t){give_order(m, &status, &order), um_per_s};
 }
 
 cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
@@ -141,14 +136,14 @@ cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
     const cam_status_t status = cam_machine_status(m);
     const cam_err_t err = check_order(m, &status, axis, cam_jog_step);
     if (err != cam_ok) {
-        return verdict(err, 0);
+        return (cam_verdict_t){.err = err};
     }
     const limits_t limits = limits_of(m, &status, axis);
     const int64_t to_q10 = ((int64_t)port_nm(&status, axis) + nm) * 1024;
     const int64_t end_q10 = nm < 0 ? limits.low_q10 : limits.high_q10;
     if (nm < 0 ? to_q10 < end_q10 : to_q10 > end_q10) {
         const int32_t shift_nm = cam_offsets_shift_nm(&m->offsets, &m->params, axis);
-        return verdict(cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm));
+        return (cam_verdict_t){cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm)};
     }
     cam_jog_order_t order = {
         .begin = cam_jog_step,
@@ -159,7 +154,7 @@ cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
         .high_q10 = limits.high_q10,
         .distance_q10 = (int64_t)nm * 1024,
     };
-    return verdict(give_order(m, &status, &order), nm);
+    return (cam_verdict_t){give_order(m, &status, &order), nm};
 }
 
 cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
@@ -229,22 +224,22 @@ cam_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm)
     const cam_status_t status = cam_machine_status(m);
     const bool is_x = axis == hal_axis_x;
     if (!is_x && axis != hal_axis_z) {
-        return verdict(cam_err_hand_axis, 0);
+        return (cam_verdict_t){.err = cam_err_hand_axis};
     }
     const cam_param_id_t id = is_x ? cam_param_x_datum_nm : cam_param_z_datum_nm;
     const int32_t now_nm = cam_param_get(&m->params, id);
     if (status.state == cam_state_manual && is_axis_moving(m, &status)) {
-        return verdict(cam_err_hand_moves, now_nm);
+        return (cam_verdict_t){cam_err_hand_moves, now_nm};
     }
     if (!cam_offsets_is_known(&m->params, &status, axis)) {
-        return verdict(cam_err_not_homed, now_nm);
+        return (cam_verdict_t){cam_err_not_homed, now_nm};
     }
     // The tip is at the radius X - U.
     const int64_t part_nm = is_x ? (int64_t)nm / 2 + status.u_actual_nm : nm;
     const int64_t tool_nm = cam_offsets_axis(&m->params, axis).tool_nm;
     const int64_t datum_nm = part_nm - tool_nm - cam_machine_position_nm(m, axis);
     const cam_err_t err = cam_machine_set_param(m, id, cam_sat_i32(datum_nm));
-    return verdict(err, cam_param_get(&m->params, id));
+    return (cam_verdict_t){err, cam_param_get(&m->params, id)};
 }
 
 /// @return whether an axis must be homed first. A search changes U's counts, so that U must then be

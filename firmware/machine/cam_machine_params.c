@@ -307,11 +307,10 @@ cam_err_t cam_machine_revert_params(cam_machine_t *m)
     return found.err == cam_ok ? apply(m, &params, cam_n_params) : found.err;
 }
 
-cam_params_status_t cam_machine_params_status(const cam_machine_t *m)
+cam_kept_t cam_machine_params_kept(const cam_machine_t *m)
 {
-    cam_kept_t kept = m->kept.err == cam_err_params_none ? cam_kept_none : cam_kept_damaged;
     if (m->kept.err == cam_ok) {
-        kept = m->kept_checksum == m->checksum ? cam_kept_same : cam_kept_changed;
+        return m->kept_checksum == m->checksum ? cam_kept_same : cam_kept_changed;
     }
-    return (cam_params_status_t){m->version, m->checksum, kept};
+    return m->kept.err == cam_err_params_none ? cam_kept_none : cam_kept_damaged;
 }

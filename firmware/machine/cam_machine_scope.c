@@ -103,14 +103,13 @@ static void poll_box(cam_machine_t *m)
 
 cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every)
 {
-    const uint32_t tick = cam_machine_status(m).tick;
     if (every != 0u && (every < cam_strobe_least(m->tick_hz) || every > m->tick_hz)) {
         return cam_err_param_range;
     }
     if (every != 0u && m->params.trace_on == 0) {
         return cam_err_scope_trace;
     }
-    cam_strobe_subscribe(&m->strobe, every, tick);
+    cam_strobe_subscribe(&m->strobe, every, cam_machine_status(m).tick);
     return cam_ok;
 }
 
