@@ -34,17 +34,6 @@ static void restart_guards(cam_ilc_t *t)
     t->n_halved = 0;
 }
 
-/// After a fault the best values become those in force.
-static void restore(cam_ilc_t *t)
-{
-    cam_harmonic_correction_restore(&t->correction);
-    if (t->best_square != UINT64_MAX) {
-        t->k1_q16 = t->best_k1_q16;
-        t->k2_q16 = t->best_k2_q16;
-    }
-    t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
-}
-
 static void follow_state(cam_ilc_t *t, cam_state_t state)
 {
     if (t->state == (uint8_t)state) {
@@ -64,8 +53,12 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
     if (is_rehearsal || is_cut) {
         restart_guards(t);
     }
-    if (state == cam_state_fault) {
-        restore(t);
+    if (state == cam_state_fault) { // restore the best values
+        cam_harmonic_correction_restore(&t->correction);
+        const bool is_known = t->best_square != UINT64_MAX;
+        t->k1_q16 = is_known ? t->best_k1_q16 : t->k1_q16;
+        t->k2_q16 = is_known ? t->best_k2_q16 : t->k2_q16;
+        t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
     }
 }
 

@@ -283,10 +283,6 @@ cam_status_t cam_machine_status(const cam_machine_t *m);
 /// @return progress of the pass in the newest tick
 cam_progress_t cam_progress(const cam_machine_t *m);
 
-/// Take command: cutting and jogging need a commander (cam_rights_take()).
-/// @return cam_ok, cam_err_not_commander, cam_err_frame
-CAM_MUST_USE cam_err_t cam_machine_take_command(cam_machine_t *m, uint8_t sender, bool is_over);
-
 /// Release command. A lost or released command stops the motion as cam_machine_stop() does.
 void cam_machine_release_command(cam_machine_t *m);
 

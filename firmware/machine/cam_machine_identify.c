@@ -106,8 +106,10 @@ static cam_verdict_t check_length(const cam_machine_t *m, uint32_t n_periods, ui
     const uint64_t ticks = (uint64_t)n_periods * m->identify.n + 2u * (uint64_t)fade_ticks;
     const bool is_good = n_periods >= 1u && ticks <= most && fade_ticks >= cam_wave_least &&
                          fade_ticks <= cam_wave_longest_fade;
-    return is_good ? (cam_verdict_t){.err = cam_ok}
-                   : (cam_verdict_t){cam_err_wave_length, cam_sat_i32((int64_t)most)};
+    if (is_good) {
+        return (cam_verdict_t){.err = cam_ok};
+    }
+    return (cam_verdict_t){cam_err_wave_length, cam_sat_i32((int64_t)most)};
 }
 
 /// Require half the clearance between tool and work, at every height and at U's innermost sample.
@@ -116,9 +118,10 @@ static cam_verdict_t check_clear(const cam_machine_t *m, const cam_status_t *sta
 {
     const int64_t off_nm = (cfg->play.x_clear_q10 >> 10) - cfg->play.x_clearance_nm / 2;
     const int64_t needed_nm = off_nm + m->identify.place_nm + range->high_nm;
-    return status->x_actual_nm >= needed_nm
-               ? (cam_verdict_t){.err = cam_ok}
-               : (cam_verdict_t){cam_err_wave_clear, cam_sat_i32(needed_nm)};
+    if (status->x_actual_nm >= needed_nm) {
+        return (cam_verdict_t){.err = cam_ok};
+    }
+    return (cam_verdict_t){cam_err_wave_clear, cam_sat_i32(needed_nm)};
 }
 
 /// Offer the interrupt the configuration in force with another excitation.

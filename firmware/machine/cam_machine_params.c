@@ -261,25 +261,21 @@ bool cam_machine_load_params(cam_machine_t *m)
     return true;
 }
 
-/// Check whether the level allows these limits and constants at the next power-on.
-static cam_err_t check_keep(cam_machine_t *m, const cam_params_t *params)
-{
-    const hal_params_t kept = hal_params_kept();
-    cam_params_t next = cam_machine_defaults(m->tick_hz);
-    (void)cam_param_store_read(&kept, &next);
-    return check_level(m, &next, params, cam_n_params);
-}
-
 cam_err_t cam_machine_save_params(cam_machine_t *m)
 {
     static char text[cam_param_store_most_bytes];
+    const hal_params_t kept = hal_params_kept();
     cam_params_t params = m->params;
     forget_overrides(&params);
     cam_err_t err = cam_machine_may_exchange(m);
     if (err == cam_ok && cam_machine_status(m).state != cam_state_off) {
         err = cam_err_state;
     }
-    err = err == cam_ok ? check_keep(m, &params) : err;
+    if (err == cam_ok) { // does the level allow these limits and constants at the next power-on?
+        cam_params_t next = cam_machine_defaults(m->tick_hz);
+        (void)cam_param_store_read(&kept, &next);
+        err = check_level(m, &next, &params, cam_n_params);
+    }
     if (err != cam_ok) {
         return err;
     }
