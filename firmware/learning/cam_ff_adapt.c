@@ -66,15 +66,3 @@ cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q
         .k2_q16 = cam_sat_i32(-((share2_q24 * per_rad_q8 >> 12) * per_rad_q8 >> 12)),
     };
 }
-
-cam_complex_t cam_harmonic_correction_change(cam_complex_t error, cam_gain_t gain, int32_t mu_q16)
-{
-    const int64_t square_q24 = cam_gain_square_q24(gain);
-    if (square_q24 == 0) {
-        return (cam_complex_t){0};
-    }
-    const int64_t re = (int64_t)error.re * gain.re_q12 + (int64_t)error.im * gain.im_q12;
-    const int64_t im = (int64_t)error.im * gain.re_q12 - (int64_t)error.re * gain.im_q12;
-    return (cam_complex_t){.re = cam_sat_i32(re * mu_q16 / square_q24 >> 4),
-                           .im = cam_sat_i32(im * mu_q16 / square_q24 >> 4)};
-}

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_ff_adapt: updates of the drive's constants (layer 1) and of the correction at one harmonic
-/// (layer 2) from the error of a revolution.
+/// cam_ff_adapt: update of the drive's constants (layer 1) from the error of a revolution.
 ///
 /// With the error E_k and the set-point U_k of harmonic k, and U's response G_k to a correction
-/// (layer 1: from the constants; layer 2: as probed):
-///     layer 1   E_k / (U_k G_k) = j w_k dk1 - w_k^2 dk2, weighted least squares over all k
-///     layer 2   c_k <- c_k + mu E_k / G_k
+/// according to the constants:
+///     E_k / (U_k G_k) = j w_k dk1 - w_k^2 dk2, weighted least squares over all k
 /// Source: MATHS.md (141) .. (144). Context of all functions: slow side.
 #ifndef CAM_FF_ADAPT_H
 #define CAM_FF_ADAPT_H
@@ -36,8 +34,5 @@ void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_
 
 /// @return change of the constants that removes the error of the revolution in a linear drive
 cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q32);
-
-/// @return mu E / G in the unit of E, saturated; 0 when G is 0
-cam_complex_t cam_harmonic_correction_change(cam_complex_t error, cam_gain_t gain, int32_t mu_q16);
 
 #endif

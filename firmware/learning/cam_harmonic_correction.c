@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_harmonic_correction.h"
-#include "cam_fix.h"      // cam_clamp_i32
-#include "cam_ff_adapt.h" // cam_harmonic_correction_change
-#include <string.h>       // memset
+#include "cam_fix.h" // cam_clamp_i32
+#include <string.h>  // memset
 
 enum { most_halved = 4 }; ///< halvings of the gain that mask a harmonic
 
@@ -89,6 +88,19 @@ static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q
     return false;
 }
 
+/// @return mu E / G in the unit of E, saturated; 0 when G is 0
+static cam_complex_t correction_change(cam_complex_t error, cam_gain_t gain, int32_t mu_q16)
+{
+    const int64_t square_q24 = cam_gain_square_q24(gain);
+    if (square_q24 == 0) {
+        return (cam_complex_t){0};
+    }
+    const int64_t re = (int64_t)error.re * gain.re_q12 + (int64_t)error.im * gain.im_q12;
+    const int64_t im = (int64_t)error.im * gain.re_q12 - (int64_t)error.re * gain.im_q12;
+    return (cam_complex_t){.re = cam_sat_i32(re * mu_q16 / square_q24 >> 4),
+                           .im = cam_sat_i32(im * mu_q16 / square_q24 >> 4)};
+}
+
 void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
                                    uint32_t floor_q6, int32_t mu_q16, uint32_t room_q6)
 {
@@ -98,8 +110,7 @@ void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam
         (is_guarded && !is_as_good(s, k, cam_complex_size(error_q6), floor_q6))) {
         return;
     }
-    const cam_complex_t change =
-        cam_harmonic_correction_change(error_q6, s->gain[k], mu_q16 >> s->n_halved[k]);
+    const cam_complex_t change = correction_change(error_q6, s->gain[k], mu_q16 >> s->n_halved[k]);
     if (cam_complex_size(change) <= room_q6) {
         s->c_q6[k] = cam_complex_add(s->c_q6[k], change);
     }

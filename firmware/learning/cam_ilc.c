@@ -34,17 +34,6 @@ static void restart_guards(cam_ilc_t *t)
     t->n_halved = 0;
 }
 
-/// After a fault the best values become those in force.
-static void restore(cam_ilc_t *t)
-{
-    cam_harmonic_correction_restore(&t->correction);
-    if (t->best_square != UINT64_MAX) {
-        t->k1_q16 = t->best_k1_q16;
-        t->k2_q16 = t->best_k2_q16;
-    }
-    t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
-}
-
 static void follow_state(cam_ilc_t *t, cam_state_t state)
 {
     if (t->state == (uint8_t)state) {
@@ -64,8 +53,12 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
     if (is_rehearsal || is_cut) {
         restart_guards(t);
     }
-    if (state == cam_state_fault) {
-        restore(t);
+    if (state == cam_state_fault) { // restore the best values
+        cam_harmonic_correction_restore(&t->correction);
+        const bool is_known = t->best_square != UINT64_MAX;
+        t->k1_q16 = is_known ? t->best_k1_q16 : t->k1_q16;
+        t->k2_q16 = is_known ? t->best_k2_q16 : t->k2_q16;
+        t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
     }
 }
 
@@ -269,12 +262,11 @@ cam_ilc_harmonic_t cam_ilc_harmonic(const cam_ilc_t *t, uint32_t k)
     if (k >= cam_ilc_terms) {
         return (cam_ilc_harmonic_t){0};
     }
-    const cam_complex_t none = {0};
     return (cam_ilc_harmonic_t){
         .correction_q6 = t->correction.c_q6[k],
         .gain = t->correction.gain[k],
         .best_q6 = t->correction.best_q6[k],
-        .ripple = k > 0u ? cam_ripple_order(&t->ripple, k) : none,
+        .ripple = k > 0u ? cam_ripple_order(&t->ripple, k) : (cam_complex_t){0},
         .is_masked = (t->correction.masked >> k & 1u) != 0u,
     };
 }

@@ -142,7 +142,7 @@ cam_err_t cam_machine_disable(cam_machine_t *m)
     }
     const bool may_end = status.state == cam_state_homing || status.state == cam_state_ready ||
                          status.state == cam_state_manual;
-    return cam_machine_post_if(m, &status, may_end, cam_request_disable);
+    return may_end ? cam_machine_post(m, &status, cam_request_disable) : cam_err_state;
 }
 
 cam_err_t cam_machine_home(cam_machine_t *m)
@@ -156,27 +156,14 @@ cam_err_t cam_machine_home(cam_machine_t *m)
     return err;
 }
 
-/// @return cam_ok when the interrupt has taken all commands and configurations, and the state is
-/// off
-///         or, where allowed, ready
-static cam_err_t check_idle(const cam_machine_t *m, bool is_ready_idle)
+cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
     if (cam_machine_is_pending(m, &status) || status.config != m->generation || m->homes_again) {
         return cam_err_busy;
     }
-    const bool is_ready = is_ready_idle && status.state == cam_state_ready;
-    return status.state == cam_state_off || is_ready ? cam_ok : cam_err_state;
-}
-
-cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
-{
-    return check_idle(m, true);
-}
-
-cam_err_t cam_machine_may_keep(const cam_machine_t *m)
-{
-    return check_idle(m, false);
+    const bool is_idle = status.state == cam_state_off || status.state == cam_state_ready;
+    return is_idle ? cam_ok : cam_err_state;
 }
 
 /// Detect the end of the pass and hand over the next one if the pass was completed. Retried while
@@ -228,7 +215,7 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
     }
     const bool may_stop =
         cam_state_is_in_work(status.state) && status.state != cam_state_disengaging;
-    const cam_err_t err = cam_machine_post_if(m, &status, may_stop, cam_request_stop);
+    const cam_err_t err = may_stop ? cam_machine_post(m, &status, cam_request_stop) : cam_err_state;
     // With a measured Z, stop is the regular end of a cut.
     const bool is_end = m->params.z_is_measured != 0 && status.state == cam_state_cutting;
     m->is_cut_short = m->is_cut_short || (err == cam_ok && !is_end);
@@ -238,8 +225,8 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
 cam_err_t cam_machine_reset(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    return cam_machine_post_if(m, &status, status.state == cam_state_fault && status.is_retracted,
-                               cam_request_reset);
+    const bool may_reset = status.state == cam_state_fault && status.is_retracted;
+    return may_reset ? cam_machine_post(m, &status, cam_request_reset) : cam_err_state;
 }
 
 /// Hold or resume the feed. cam_machine_poll() retries while the interrupt has not taken the last
@@ -299,16 +286,14 @@ static void poll_hold(cam_machine_t *m, const cam_status_t *status)
 static void home_again(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    if (!cam_machine_is_pending(m, &status)) {
+    if (m->homes_again && !cam_machine_is_pending(m, &status)) {
         m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
     }
 }
 
 void cam_machine_poll(cam_machine_t *m)
 {
-    if (m->homes_again) {
-        home_again(m);
-    }
+    home_again(m);
     cam_machine_scope_poll(m);
     cam_machine_identify_poll(m);
     cam_machine_jog_poll(m);

@@ -18,7 +18,7 @@
 #include "cam_scope.h"           // cam_scope_t
 #include "cam_strobe.h"          // cam_strobe_t
 #include "cam_table.h"           // cam_table_t
-#include "cam_ilc.h"             // cam_ilc_status_t, cam_ilc_harmonic_t
+#include "cam_ilc.h"             // cam_ilc_t, cam_ilc_status_t
 #include "cam_signature_check.h" // cam_signature_check_t
 #include "cam_status.h"          // cam_t, cam_status_t
 #include <stdbool.h>             // bool
@@ -49,13 +49,6 @@ typedef enum {
     cam_kept_changed, ///< different
     cam_kept_damaged, ///< unusable: power-on uses the defaults
 } cam_kept_t;
-
-/// Identity of the parameters in force.
-typedef struct {
-    uint32_t version;  ///< rises with every change; at power-on that of the kept ones
-    uint32_t checksum; ///< cam_param_store_checksum()
-    cam_kept_t kept;
-} cam_params_status_t;
 
 /// Result of the last excitation. The numbers are part of the CAN protocol.
 typedef enum {
@@ -119,12 +112,13 @@ typedef struct {
     uint32_t button_left_s; ///< [s] left for enable; 0: no time limit
 } cam_rights_status_t;
 
-/// State of the slow side. Other modules may read only has_table, table, signature, params, pass,
-/// n_parts, is_held, tick_hz, refusal and kept.
+/// State of the slow side. Other modules may read only has_table, table, signature, params,
+/// version, checksum, pass, n_parts, is_held, tick_hz, refusal, kept, identify.received and the
+/// harmonics of ilc.
 typedef struct {
     cam_t *core;                     ///< state of the interrupt
     cam_params_t params;             ///< as last set
-    uint32_t version;                ///< of params: rises with every change
+    uint32_t version;                ///< of params: rises from that of the kept ones on
     uint32_t checksum;               ///< of params (cam_param_store_checksum())
     cam_param_store_found_t kept;    ///< kept parameters; .err also covers their hand-over
     uint32_t kept_checksum;          ///< of the kept parameters, when kept.err is cam_ok
@@ -200,8 +194,7 @@ CAM_MUST_USE cam_err_t cam_machine_stage(cam_machine_t *m, cam_param_id_t id, in
 CAM_MUST_USE cam_err_t cam_machine_stage_commit(cam_machine_t *m);
 
 /// Store the parameters in force in the port's memory.
-/// @return cam_ok, cam_err_state when not off, cam_err_busy, cam_err_params_keep; cam_err_locked
-/// and
+/// @return cam_ok, cam_err_state when not off, cam_err_busy, cam_err_params_keep; cam_err_locked,
 ///         cam_err_lock_none where limits or constants differ from the kept ones
 /// Context: takes as long as hal_params_keep().
 CAM_MUST_USE cam_err_t cam_machine_save_params(cam_machine_t *m);
@@ -214,8 +207,8 @@ CAM_MUST_USE cam_err_t cam_machine_restore_defaults(cam_machine_t *m);
 /// @return as cam_machine_set_param(), cam_err_params_none, cam_err_params_damaged
 CAM_MUST_USE cam_err_t cam_machine_revert_params(cam_machine_t *m);
 
-/// @return version and checksum of the parameters in force, and whether they are kept
-cam_params_status_t cam_machine_params_status(const cam_machine_t *m);
+/// @return whether the parameters in force are kept
+cam_kept_t cam_machine_params_kept(const cam_machine_t *m);
 
 /// Check the feasibility of all passes.
 /// @param speed_mrpm  [r/min / 1000] 0: each pass at its own speed
@@ -245,9 +238,6 @@ CAM_MUST_USE cam_err_t cam_machine_home(cam_machine_t *m);
 ///         reads a table, once the interrupt has taken all commands and configurations; else
 ///         cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_may_exchange(const cam_machine_t *m);
-
-/// @return the same for storing parameters, only in off
-CAM_MUST_USE cam_err_t cam_machine_may_keep(const cam_machine_t *m);
 
 /// Check an image as cam_machine_select_table() does, without using it.
 CAM_MUST_USE cam_err_t cam_machine_check_table(cam_machine_t *m, const void *image, size_t size);
@@ -287,28 +277,18 @@ CAM_MUST_USE cam_err_t cam_machine_set_parts(cam_machine_t *m, int32_t n);
 /// @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_reset(cam_machine_t *m);
 
-/// Begin to hand over learned values; the rest of the configuration stays and is not checked again.
-/// Call no other function before cam_machine_learn_end().
-/// @return the values in force, to be changed in place; NULL while the interrupt has not taken the
-///         last configuration
-cam_learned_t *cam_machine_learn_begin(cam_machine_t *m);
-
-/// Hand over the values of cam_machine_learn_begin() with a new generation, in force from the next
-/// tick on. |k1| and |k2|, added to those configured, must be below 2^31.
-void cam_machine_learn_end(cam_machine_t *m);
-
 /// @return a consistent copy of the status that the interrupt published last
 cam_status_t cam_machine_status(const cam_machine_t *m);
 
 /// @return progress of the pass in the newest tick
 cam_progress_t cam_progress(const cam_machine_t *m);
 
-/// Take command: cutting and jogging need a commander (cam_rights_take()).
-/// @return cam_ok, cam_err_not_commander, cam_err_frame
-CAM_MUST_USE cam_err_t cam_machine_take_command(cam_machine_t *m, uint8_t sender, bool is_over);
-
 /// Release command. A lost or released command stops the motion as cam_machine_stop() does.
 void cam_machine_release_command(cam_machine_t *m);
+
+/// Sign of life of the commander of an excitation, a step or a homing. A jog is renewed by the next
+/// jog command.
+void cam_machine_keep_alive(cam_machine_t *m);
 
 /// @return status of the rights and of the button
 cam_rights_status_t cam_machine_rights(const cam_machine_t *m, const cam_status_t *status);
@@ -329,10 +309,6 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state);
 
 /// @return status of learning
 cam_ilc_status_t cam_machine_learning(const cam_machine_t *m);
-
-/// @param k  0 .. cam_ilc_harmonics, 0 is the mean
-/// @return   state of the harmonic, all 0 beyond the last
-cam_ilc_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k);
 
 /// Read a learned value, for storage.
 /// @param index  below cam_ilc_n_values

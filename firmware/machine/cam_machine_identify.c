@@ -2,9 +2,7 @@
 #include "cam_machine_identify.h"
 #include "cam_blackbox.h"      // cam_blackbox_is_unread
 #include "cam_fix.h"           // cam_sat_i32
-#include "cam_machine_jog.h"   // cam_machine_jog_alive
 #include "cam_machine_inner.h" // cam_machine_request
-#include "cam_machine_scope.h" // cam_machine_scope_is_free
 #include "cam_table.h"         // cam_crc32
 #include "cam_wave.h"          // cam_wave_judge
 #include <stddef.h>            // NULL
@@ -23,9 +21,11 @@ cam_err_t cam_machine_wave_begin(cam_machine_t *m, uint32_t n_bytes)
     if (i->phase != cam_identify_none) {
         return i->phase == cam_identify_runs ? cam_err_state : cam_err_busy;
     }
-    const cam_err_t err = cam_machine_scope_is_free(m);
-    if (err != cam_ok) {
-        return err;
+    if (cam_blackbox_is_unread(&m->scope)) {
+        return cam_err_scope_unread;
+    }
+    if (m->scope.use == cam_scope_user && cam_scope_is_on(&m->scope)) {
+        return cam_err_scope_on;
     }
     if (n_bytes % sizeof(int32_t) != 0u || n_bytes < cam_wave_least * sizeof(int32_t)) {
         return cam_err_wave_length;
@@ -61,11 +61,6 @@ cam_err_t cam_machine_wave_block(cam_machine_t *m, uint32_t offset, const uint8_
     (void)memcpy(&wave_bytes(m)[offset], bytes, n);
     i->received += n;
     return cam_ok;
-}
-
-uint32_t cam_machine_wave_received(const cam_machine_t *m)
-{
-    return m->identify.received;
 }
 
 cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc)
@@ -140,7 +135,7 @@ static bool offer(cam_machine_t *m, const cam_excite_config_t *excite, int32_t f
     }
     copy->play.excite = *excite;
     copy->guard.following_nm = following_nm;
-    cam_machine_learn_end(m);
+    cam_machine_offer_copy(m);
     return true;
 }
 
@@ -201,12 +196,6 @@ cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t 
     return verdict;
 }
 
-void cam_machine_keep_alive(cam_machine_t *m)
-{
-    m->identify.alive_tick = cam_machine_status(m).tick;
-    cam_machine_jog_alive(m);
-}
-
 // The sequence
 
 /// Stop when no sign of life comes; note the result at the end.
@@ -246,22 +235,19 @@ static void end(cam_machine_t *m)
 void cam_machine_identify_poll(cam_machine_t *m)
 {
     cam_identify_t *i = &m->identify;
-    if (i->phase == cam_identify_none) {
-        return;
-    }
     const cam_status_t status = cam_machine_status(m);
-    if (!cam_machine_is_carried_out(m, &status)) {
+    if (i->phase == cam_identify_none || !cam_machine_is_carried_out(m, &status)) {
         return;
     }
-    if (i->phase == cam_identify_offered && status.config == m->generation) {
-        cam_machine_request(m, cam_request_identify);
-        i->phase = cam_identify_requested;
-    } else if (i->phase == cam_identify_requested || i->phase == cam_identify_runs) {
-        watch(m, &status);
+    if (i->phase == cam_identify_offered) {
+        if (status.config == m->generation) { // the interrupt has taken the wave
+            cam_machine_request(m, cam_request_identify);
+            i->phase = cam_identify_requested;
+        }
     } else if (i->phase == cam_identify_ends) {
         end(m);
     } else {
-        // the interrupt has not yet taken the wave
+        watch(m, &status);
     }
 }
 

@@ -30,13 +30,10 @@ CAM_MUST_USE cam_err_t cam_machine_wave_begin(cam_machine_t *m, uint32_t n_bytes
 
 /// Store the next bytes. Accepts a repetition of bytes already received.
 /// @param n  [bytes] a multiple of 4
-/// @return   cam_ok; cam_err_download_order: continue at cam_machine_wave_received();
+/// @return   cam_ok; cam_err_download_order: continue at m->identify.received;
 ///           cam_err_download_room: beyond the announced size
 CAM_MUST_USE cam_err_t cam_machine_wave_block(cam_machine_t *m, uint32_t offset,
                                               const uint8_t *bytes, uint32_t n);
-
-/// @return [bytes] received so far
-uint32_t cam_machine_wave_received(const cam_machine_t *m);
 
 /// End the download.
 /// @param crc  CRC-32 of all bytes
@@ -51,9 +48,6 @@ CAM_MUST_USE cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc);
 ///                    _scope_unread, or a verdict of cam_wave_judge(); cam_err_wave_clear with the
 ///                    required X [nm]
 cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks);
-
-/// Sign of life of the commander of an excitation, a step or a homing.
-void cam_machine_keep_alive(cam_machine_t *m);
 
 /// Part of cam_machine_poll(): the sequence of the excitation.
 void cam_machine_identify_poll(cam_machine_t *m);

@@ -112,21 +112,6 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
     };
 }
 
-cam_learned_t *cam_machine_learn_begin(cam_machine_t *m)
-{
-    cam_config_t *copy = cam_config_copy(&m->core->config);
-    return copy != NULL ? &copy->learned : NULL;
-}
-
-void cam_machine_learn_end(cam_machine_t *m)
-{
-    cam_config_t *half = cam_config_free_half(&m->core->config);
-    m->generation++;
-    half->generation = m->generation;
-    cam_config_learn(half);
-    cam_config_offer(&m->core->config);
-}
-
 void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
 {
     if (id == cam_param_k1_ns || id == cam_param_k2_us2 || id == cam_param_lead_ns ||
@@ -160,12 +145,12 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state)
     cam_turn_bins_t *bins = &m->core->bins;
     cam_ilc_poll(&m->ilc, &setup, state, bins);
     const uint32_t at_q8 = atomic_load_explicit(&bins->at_q8, memory_order_relaxed);
-    const bool is_walking = cam_ilc_is_blending(&m->ilc, at_q8);
-    cam_learned_t *in = is_walking ? cam_machine_learn_begin(m) : NULL;
-    if (in != NULL) {
-        cam_ilc_blend(&m->ilc, &setup, at_q8, in);
-        if (!is_same(in, &cam_machine_newest_config(m)->learned)) {
-            cam_machine_learn_end(m);
+    const bool is_blending = cam_ilc_is_blending(&m->ilc, at_q8);
+    cam_config_t *copy = is_blending ? cam_config_copy(&m->core->config) : NULL;
+    if (copy != NULL) {
+        cam_ilc_blend(&m->ilc, &setup, at_q8, &copy->learned);
+        if (!is_same(&copy->learned, &cam_machine_newest_config(m)->learned)) {
+            cam_machine_offer_copy(m);
         }
     }
 }
@@ -174,11 +159,6 @@ cam_ilc_status_t cam_machine_learning(const cam_machine_t *m)
 {
     const cam_ilc_setup_t setup = setup_of(m);
     return cam_ilc_status(&m->ilc, &setup, m->tick_hz);
-}
-
-cam_ilc_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k)
-{
-    return cam_ilc_harmonic(&m->ilc, k);
 }
 
 cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index, int32_t *value)

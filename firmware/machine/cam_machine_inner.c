@@ -36,12 +36,6 @@ cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *status, cam_req
     return cam_ok;
 }
 
-cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t *status, bool is_allowed,
-                              cam_request_t request)
-{
-    return is_allowed ? cam_machine_post(m, status, request) : cam_err_state;
-}
-
 cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table)
 {
     uint32_t pass = 0;
@@ -78,6 +72,15 @@ cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed
     const cam_err_t err = cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass);
     return cam_pass_feasibility(&m->table, &m->params, speed_mrpm, m->tick_hz,
                                 err == cam_ok ? m->pass : pass);
+}
+
+void cam_machine_offer_copy(cam_machine_t *m)
+{
+    cam_config_t *half = cam_config_free_half(&m->core->config);
+    m->generation++;
+    half->generation = m->generation;
+    cam_config_learn(half);
+    cam_config_offer(&m->core->config);
 }
 
 /// @return [nm] upper end of X's travel in counts of the port

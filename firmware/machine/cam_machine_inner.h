@@ -32,11 +32,6 @@ void cam_machine_request(cam_machine_t *m, cam_request_t request);
 CAM_MUST_USE cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *status,
                                         cam_request_t request);
 
-/// Post a request if the state allows it.
-/// @return as cam_machine_post(), or cam_err_state
-CAM_MUST_USE cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t *status,
-                                           bool is_allowed, cam_request_t request);
-
 /// Check the inputs, and that U is within its stroke: set-points are limited to the stroke, so U
 /// would jump to its edge on enable.
 /// @return cam_ok, cam_err_estop, _drive, _bus, _u_place
@@ -66,6 +61,11 @@ cam_params_t cam_machine_defaults(uint32_t tick_hz);
 /// Context: before the tick starts.
 /// @return false when nothing was handed over, see m->kept.err
 bool cam_machine_load_params(cam_machine_t *m);
+
+/// Offer the copy from cam_config_copy(), changed, with a new generation; in force from the next
+/// tick on. The rest of the configuration is not checked again. The sums of configured and learned
+/// k1 and k2 must be below 2^31.
+void cam_machine_offer_copy(cam_machine_t *m);
 
 /// Hand parameters, table and learned values to the interrupt as one configuration. Nothing changes
 /// on error.

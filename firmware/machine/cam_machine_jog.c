@@ -7,11 +7,6 @@
 #include "cam_units.h"         // cam_units_scale
 #include <stddef.h>            // NULL
 
-static cam_verdict_t verdict(cam_err_t err, int32_t value)
-{
-    return (cam_verdict_t){.err = err, .value = value};
-}
-
 // Orders
 
 /// @return whether an order is pending or an axis is moving
@@ -34,7 +29,7 @@ static cam_err_t offer_order(cam_machine_t *m, const cam_jog_order_t *order)
         return cam_err_busy;
     }
     copy->play.jog.order = *order;
-    cam_machine_learn_end(m);
+    cam_machine_offer_copy(m);
     return cam_ok;
 }
 
@@ -47,8 +42,7 @@ static cam_err_t give_order(cam_machine_t *m, const cam_status_t *status, cam_jo
     return err;
 }
 
-/// @return cam_ok when an order of this kind may be given: only a jog replaces an order, another
-/// jog
+/// @return cam_ok when an order of this kind may be given: only a jog replaces a jog
 static cam_err_t check_order(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis,
                              cam_jog_phase_t kind)
 {
@@ -73,14 +67,6 @@ static int32_t order_speed_q10(const cam_machine_t *m, int32_t um_per_s, int32_t
     const int64_t per_plan_q10 = cam_units_scale(
         um_per_s, INT64_C(1024000) * cam_machine_newest_config(m)->play.plan_ticks, m->tick_hz);
     return (int32_t)cam_clamp_i64(per_plan_q10, 1, most_q10);
-}
-
-/// @return [um/s] the highest jog speed of an axis
-static int32_t most_um_per_s(const cam_machine_t *m, hal_axis_t axis)
-{
-    const cam_play_config_t *play = &cam_machine_newest_config(m)->play;
-    return (int32_t)cam_units_scale(play->jog.limits[axis].speed_q10, m->tick_hz,
-                                    INT64_C(1024000) * play->plan_ticks);
 }
 
 /// Limits of jogs and steps, in port coordinates.
@@ -124,23 +110,25 @@ cam_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um_per_
     const cam_status_t status = cam_machine_status(m);
     const cam_err_t err = check_order(m, &status, axis, cam_jog_jog);
     if (err != cam_ok) {
-        return verdict(err, 0);
+        return (cam_verdict_t){.err = err};
     }
-    const int32_t most = most_um_per_s(m, axis);
+    const cam_play_config_t *play = &cam_machine_newest_config(m)->play;
+    const int32_t most_q10 = play->jog.limits[axis].speed_q10;
+    const int32_t most =
+        (int32_t)cam_units_scale(most_q10, m->tick_hz, INT64_C(1024000) * play->plan_ticks);
     if (!cam_is_between(um_per_s, -most, most)) {
-        return verdict(cam_err_hand_speed, most);
+        return (cam_verdict_t){cam_err_hand_speed, most};
     }
     const limits_t limits = limits_of(m, &status, axis);
     cam_jog_order_t order = {
         .begin = um_per_s == 0 ? cam_jog_rest : cam_jog_jog,
         .axis = axis,
         .sense = um_per_s < 0 ? -1 : 1,
-        .speed_q10 = order_speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s,
-                                     cam_machine_newest_config(m)->play.jog.limits[axis].speed_q10),
+        .speed_q10 = order_speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s, most_q10),
         .low_q10 = limits.low_q10,
         .high_q10 = limits.high_q10,
     };
-    return verdict(give_order(m, &status, &order), um_per_s);
+    return (cam_verdict_t){give_order(m, &status, &order), um_per_s};
 }
 
 cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
@@ -148,14 +136,14 @@ cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
     const cam_status_t status = cam_machine_status(m);
     const cam_err_t err = check_order(m, &status, axis, cam_jog_step);
     if (err != cam_ok) {
-        return verdict(err, 0);
+        return (cam_verdict_t){.err = err};
     }
     const limits_t limits = limits_of(m, &status, axis);
     const int64_t to_q10 = ((int64_t)port_nm(&status, axis) + nm) * 1024;
     const int64_t end_q10 = nm < 0 ? limits.low_q10 : limits.high_q10;
     if (nm < 0 ? to_q10 < end_q10 : to_q10 > end_q10) {
         const int32_t shift_nm = cam_offsets_shift_nm(&m->offsets, &m->params, axis);
-        return verdict(cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm));
+        return (cam_verdict_t){cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm)};
     }
     cam_jog_order_t order = {
         .begin = cam_jog_step,
@@ -166,7 +154,7 @@ cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
         .high_q10 = limits.high_q10,
         .distance_q10 = (int64_t)nm * 1024,
     };
-    return verdict(give_order(m, &status, &order), nm);
+    return (cam_verdict_t){give_order(m, &status, &order), nm};
 }
 
 cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
@@ -210,9 +198,10 @@ cam_err_t cam_machine_jog_stop(cam_machine_t *m)
     return give_order(m, &status, &order);
 }
 
-void cam_machine_jog_alive(cam_machine_t *m)
+void cam_machine_keep_alive(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
+    m->identify.alive_tick = status.tick;
     cam_jog_order_t order = cam_machine_newest_config(m)->play.jog.order;
     if (status.state == cam_state_manual && order.begin != cam_jog_jog &&
         is_axis_moving(m, &status)) {
@@ -235,22 +224,22 @@ cam_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm)
     const cam_status_t status = cam_machine_status(m);
     const bool is_x = axis == hal_axis_x;
     if (!is_x && axis != hal_axis_z) {
-        return verdict(cam_err_hand_axis, 0);
+        return (cam_verdict_t){.err = cam_err_hand_axis};
     }
     const cam_param_id_t id = is_x ? cam_param_x_datum_nm : cam_param_z_datum_nm;
     const int32_t now_nm = cam_param_get(&m->params, id);
     if (status.state == cam_state_manual && is_axis_moving(m, &status)) {
-        return verdict(cam_err_hand_moves, now_nm);
+        return (cam_verdict_t){cam_err_hand_moves, now_nm};
     }
     if (!cam_offsets_is_known(&m->params, &status, axis)) {
-        return verdict(cam_err_not_homed, now_nm);
+        return (cam_verdict_t){cam_err_not_homed, now_nm};
     }
     // The tip is at the radius X - U.
     const int64_t part_nm = is_x ? (int64_t)nm / 2 + status.u_actual_nm : nm;
     const int64_t tool_nm = cam_offsets_axis(&m->params, axis).tool_nm;
     const int64_t datum_nm = part_nm - tool_nm - cam_machine_position_nm(m, axis);
     const cam_err_t err = cam_machine_set_param(m, id, cam_sat_i32(datum_nm));
-    return verdict(err, cam_param_get(&m->params, id));
+    return (cam_verdict_t){err, cam_param_get(&m->params, id)};
 }
 
 /// @return whether an axis must be homed first. A search changes U's counts, so that U must then be

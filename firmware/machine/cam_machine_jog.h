@@ -5,7 +5,7 @@
 ///
 /// The spindle stands still, and one axis at a time moves by order (cam_jog.h). An order expires
 /// after cam_jog_patience_ms, and the interrupt brakes the axis. A repeated jog command renews a
-/// jog, cam_machine_jog_alive() a step or a homing. Context: slow side, one caller.
+/// jog, cam_machine_keep_alive() a step or a homing. Context: slow side, one caller.
 #ifndef CAM_MACHINE_JOG_H
 #define CAM_MACHINE_JOG_H
 
@@ -46,9 +46,6 @@ cam_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t nm);
 
 /// Brake the moving axis. @return cam_ok, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_jog_stop(cam_machine_t *m);
-
-/// Renew the current step or homing: its commander is alive.
-void cam_machine_jog_alive(cam_machine_t *m);
 
 /// @return [nm] the position of an axis, in machine coordinates
 int32_t cam_machine_position_nm(const cam_machine_t *m, hal_axis_t axis);

@@ -37,16 +37,10 @@ static bool needs_rest(cam_param_id_t id)
            id == cam_param_u_jerk_m_per_s3;
 }
 
-/// @return the first parameter, from an id on, that is named or changes; cam_n_params: none
-static cam_param_id_t next_change(const cam_params_t *from, const cam_params_t *to,
-                                  cam_param_id_t named, uint32_t first)
+/// @return whether a parameter changes
+static bool is_change(const cam_params_t *from, const cam_params_t *to, cam_param_id_t id)
 {
-    uint32_t id = first;
-    while (id < (uint32_t)cam_n_params && id != (uint32_t)named &&
-           cam_param_get(from, (cam_param_id_t)id) == cam_param_get(to, (cam_param_id_t)id)) {
-        id++;
-    }
-    return (cam_param_id_t)id;
+    return cam_param_get(from, id) != cam_param_get(to, id);
 }
 
 static cam_err_t refuse(cam_machine_t *m, cam_err_t err, cam_param_id_t id, int64_t needed,
@@ -87,12 +81,13 @@ static cam_err_t check_state(cam_machine_t *m, const cam_params_t *params, cam_p
                              const cam_status_t *status)
 {
     const bool is_moving = status->state != cam_state_off && !status->is_u_at_rest;
-    cam_param_id_t id = next_change(&m->params, params, named, 0);
-    for (; id != cam_n_params; id = next_change(&m->params, params, named, (uint32_t)id + 1u)) {
-        if (!may_change(id, status->state)) {
+    for (uint32_t i = 0; i < (uint32_t)cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const bool is_set = id == named || is_change(&m->params, params, id);
+        if (is_set && !may_change(id, status->state)) {
             return refuse(m, cam_err_param_state, id, 0, 0);
         }
-        if (is_moving && needs_rest(id)) {
+        if (is_set && is_moving && needs_rest(id)) {
             return cam_err_busy;
         }
     }
@@ -120,25 +115,31 @@ static void explain_fit(cam_machine_t *m, const cam_params_t *params, cam_err_t 
 static cam_err_t check_level(cam_machine_t *m, const cam_params_t *from, const cam_params_t *to,
                              cam_param_id_t named)
 {
-    cam_param_id_t id = next_change(from, to, named, 0);
-    while (id != cam_n_params && !cam_param_is_locked(id)) {
-        id = next_change(from, to, named, (uint32_t)id + 1u);
+    const cam_err_t err = cam_rights_check_level(&m->rights);
+    for (uint32_t i = 0; err != cam_ok && i < (uint32_t)cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        if (cam_param_is_locked(id) && (id == named || is_change(from, to, id))) {
+            return refuse(m, err, id, 0, 0);
+        }
     }
-    const cam_err_t err = id != cam_n_params ? cam_rights_check_level(&m->rights) : cam_ok;
-    return err == cam_ok ? cam_ok : refuse(m, err, id, 0, 0);
+    return cam_ok;
 }
 
 /// Store parameters that were handed to the interrupt.
 static void adopt(cam_machine_t *m, const cam_params_t *params, cam_param_id_t named)
 {
-    const cam_params_t before = m->params;
-    m->params = *params;
-    cam_param_id_t id = next_change(&before, params, named, 0);
-    for (; id != cam_n_params; id = next_change(&before, params, named, (uint32_t)id + 1u)) {
-        m->is_in_pass = m->is_in_pass && id != cam_param_pass;
-        cam_machine_unlearn(m, id);
+    bool is_new = false;
+    for (uint32_t i = 0; i < (uint32_t)cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const bool is_changed = is_change(&m->params, params, id);
+        is_new = is_new || is_changed;
+        if (is_changed || id == named) {
+            m->is_in_pass = m->is_in_pass && id != cam_param_pass;
+            cam_machine_unlearn(m, id);
+        }
     }
-    if (next_change(&before, params, cam_n_params, 0) != cam_n_params) {
+    m->params = *params;
+    if (is_new) {
         m->version++;
         m->checksum = cam_param_store_checksum(params);
     }
@@ -260,22 +261,21 @@ bool cam_machine_load_params(cam_machine_t *m)
     return true;
 }
 
-/// Check whether the level allows these limits and constants at the next power-on.
-static cam_err_t check_keep(cam_machine_t *m, const cam_params_t *params)
-{
-    const hal_params_t kept = hal_params_kept();
-    cam_params_t next = cam_machine_defaults(m->tick_hz);
-    (void)cam_param_store_read(&kept, &next);
-    return check_level(m, &next, params, cam_n_params);
-}
-
 cam_err_t cam_machine_save_params(cam_machine_t *m)
 {
     static char text[cam_param_store_most_bytes];
+    const hal_params_t kept = hal_params_kept();
     cam_params_t params = m->params;
     forget_overrides(&params);
-    cam_err_t err = cam_machine_may_keep(m);
-    err = err == cam_ok ? check_keep(m, &params) : err;
+    cam_err_t err = cam_machine_may_exchange(m);
+    if (err == cam_ok && cam_machine_status(m).state != cam_state_off) {
+        err = cam_err_state;
+    }
+    if (err == cam_ok) { // does the level allow these limits and constants at the next power-on?
+        cam_params_t next = cam_machine_defaults(m->tick_hz);
+        (void)cam_param_store_read(&kept, &next);
+        err = check_level(m, &next, &params, cam_n_params);
+    }
     if (err != cam_ok) {
         return err;
     }
@@ -303,11 +303,10 @@ cam_err_t cam_machine_revert_params(cam_machine_t *m)
     return found.err == cam_ok ? apply(m, &params, cam_n_params) : found.err;
 }
 
-cam_params_status_t cam_machine_params_status(const cam_machine_t *m)
+cam_kept_t cam_machine_params_kept(const cam_machine_t *m)
 {
-    cam_kept_t kept = m->kept.err == cam_err_params_none ? cam_kept_none : cam_kept_damaged;
     if (m->kept.err == cam_ok) {
-        kept = m->kept_checksum == m->checksum ? cam_kept_same : cam_kept_changed;
+        return m->kept_checksum == m->checksum ? cam_kept_same : cam_kept_changed;
     }
-    return (cam_params_status_t){m->version, m->checksum, kept};
+    return m->kept.err == cam_err_params_none ? cam_kept_none : cam_kept_damaged;
 }

@@ -45,11 +45,6 @@ cam_err_t cam_machine_check_acknowledge(const cam_machine_t *m, const cam_status
     return button == cam_button_needed ? cam_err_acknowledge : cam_ok;
 }
 
-cam_err_t cam_machine_take_command(cam_machine_t *m, uint8_t sender, bool is_over)
-{
-    return cam_rights_take(&m->rights, sender, is_over, cam_machine_status(m).tick);
-}
-
 void cam_machine_release_command(cam_machine_t *m)
 {
     cam_rights_release(&m->rights);

@@ -8,15 +8,6 @@ void cam_machine_blackbox(cam_machine_t *m)
     m->is_box_kept = cam_blackbox_restore(&m->scope, hal_scope_memory().n_kept);
 }
 
-cam_err_t cam_machine_scope_is_free(const cam_machine_t *m)
-{
-    if (cam_blackbox_is_unread(&m->scope)) {
-        return cam_err_scope_unread;
-    }
-    const bool is_taken = m->scope.use == cam_scope_user && cam_scope_is_on(&m->scope);
-    return is_taken ? cam_err_scope_on : cam_ok;
-}
-
 cam_err_t cam_machine_scope_start(cam_machine_t *m)
 {
     if (m->identify.phase != cam_identify_none) {
@@ -28,7 +19,7 @@ cam_err_t cam_machine_scope_start(cam_machine_t *m)
     if (cam_blackbox_is_unread(&m->scope)) {
         return cam_err_scope_unread;
     }
-    return cam_scope_start(&m->scope, cam_machine_status(m).tick);
+    return cam_scope_begin(&m->scope, &m->scope.set, cam_scope_user, 0, cam_machine_status(m).tick);
 }
 
 void cam_machine_scope_stop(cam_machine_t *m)
@@ -69,22 +60,19 @@ cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value)
 
 cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t *value)
 {
-    const cam_identify_t *i = &m->identify;
-    const cam_err_t err = cam_scope_get(&m->scope, field, value);
     switch (field) {
     case cam_scope_field_place_nm:
-        *value = i->place_nm;
-        break;
+        *value = m->identify.place_nm;
+        return cam_ok;
     case cam_scope_field_excited:
-        *value = (int32_t)i->excited;
-        break;
+        *value = (int32_t)m->identify.excited;
+        return cam_ok;
     case cam_scope_field_n_fall:
-        *value = (int32_t)i->n_fall;
-        break;
-    default: // a field of the recorder itself
-        break;
+        *value = (int32_t)m->identify.n_fall;
+        return cam_ok;
+    default:
+        return cam_scope_get(&m->scope, field, value);
     }
-    return err;
 }
 
 // The black box
@@ -115,14 +103,13 @@ static void poll_box(cam_machine_t *m)
 
 cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every)
 {
-    const uint32_t tick = cam_machine_status(m).tick;
     if (every != 0u && (every < cam_strobe_least(m->tick_hz) || every > m->tick_hz)) {
         return cam_err_param_range;
     }
     if (every != 0u && m->params.trace_on == 0) {
         return cam_err_scope_trace;
     }
-    cam_strobe_subscribe(&m->strobe, every, tick);
+    cam_strobe_subscribe(&m->strobe, every, cam_machine_status(m).tick);
     return cam_ok;
 }
 

@@ -23,10 +23,7 @@ enum { cam_scope_patience_s = 600 };
 /// reads the trace ring itself.
 void cam_machine_blackbox(cam_machine_t *m);
 
-/// @return cam_ok when a command may take the memory; cam_err_scope_on, cam_err_scope_unread
-CAM_MUST_USE cam_err_t cam_machine_scope_is_free(const cam_machine_t *m);
-
-/// Start a recording; replaces a running one. @return as cam_scope_start(); cam_err_scope_trace;
+/// Start a recording; replaces a running one. @return as cam_scope_begin(); cam_err_scope_trace;
 /// cam_err_scope_unread; cam_err_state during an excitation
 CAM_MUST_USE cam_err_t cam_machine_scope_start(cam_machine_t *m);
 

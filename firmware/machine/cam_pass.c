@@ -39,13 +39,15 @@ uint32_t cam_pass_next(const cam_params_t *params, const cam_table_t *table, uin
     return params->pass > 0 || is_last ? cam_pass_first(params, table) : i + 1u;
 }
 
-/// @return [r/min / 1000] speed of a pass, with the override, rounded up. A set speed replaces the
-///         table's
-static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *table)
+/// @return [r/min / 1000] the asked speed of a pass; 0 asks for its own with the override, rounded
+///         up. A set speed replaces the table's
+static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *table,
+                              uint32_t asked_mrpm)
 {
     const uint64_t mrpm =
         params->spindle_mrpm > 0 ? (uint64_t)params->spindle_mrpm : table->spindle_mrpm;
-    return (uint32_t)((mrpm * (uint64_t)params->spindle_override_ppm + 999999u) / 1000000u);
+    const uint64_t own = (mrpm * (uint64_t)params->spindle_override_ppm + 999999u) / 1000000u;
+    return asked_mrpm > 0u ? asked_mrpm : (uint32_t)own;
 }
 
 cam_err_t cam_pass_check(const cam_table_t *table, const cam_params_t *params, uint32_t speed_mrpm,
@@ -54,8 +56,7 @@ cam_err_t cam_pass_check(const cam_table_t *table, const cam_params_t *params, u
     cam_err_t err = cam_ok;
     for (uint32_t k = 0; k < cam_pass_count(table) && err == cam_ok; k++) {
         const cam_params_t here = cam_pass_params(params, table, k);
-        const uint32_t mrpm = speed_mrpm > 0u ? speed_mrpm : speed_mrpm_of(&here, table);
-        err = cam_feasible_check(table, &here, mrpm, tick_hz);
+        err = cam_feasible_check(table, &here, speed_mrpm_of(&here, table, speed_mrpm), tick_hz);
         *i = k;
     }
     return err;
@@ -65,7 +66,7 @@ cam_feasibility_t cam_pass_feasibility(const cam_table_t *table, const cam_param
                                        uint32_t speed_mrpm, uint32_t tick_hz, uint32_t i)
 {
     const cam_params_t here = cam_pass_params(params, table, i);
-    const uint32_t mrpm = speed_mrpm > 0u ? speed_mrpm : speed_mrpm_of(&here, table);
+    const uint32_t mrpm = speed_mrpm_of(&here, table, speed_mrpm);
     cam_feasibility_t found = cam_feasible(table, &here, mrpm, tick_hz);
     found.pass = table->passes != NULL ? i + 1u : 0u;
     return found;

@@ -10,7 +10,7 @@
 ///     slow side |            | reads and clears k - 1, until three quarters of turn k
 ///
 /// From them the slow side computes cam_learned_t, which reaches the interrupt as a part of the
-/// configuration (cam_machine_learn_begin()): feed-forward gains, a correction c of U's command and
+/// configuration (cam_config_copy()): feed-forward gains, a correction c of U's command and
 /// the deviation d of the spindle from uniform rotation. Tables and bins are functions of the
 /// spindle angle; the slow side rotates them by the operator's phase. Zeros have no effect. Source:
 /// MATHS.md (135) .. (138). Context: cam_turn_bins_take() and cam_turn_bins_release(): slow side,

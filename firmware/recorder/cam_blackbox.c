@@ -10,14 +10,7 @@ typedef struct {
     uint32_t tick_hz;
     uint32_t every;
     uint32_t before;
-    uint32_t most_rows;
-    uint32_t oldest;
-    uint32_t n_rows;
-    uint32_t n_before;
-    uint32_t first_tick;
-    uint32_t trigger_tick;
-    uint32_t faults;
-    uint32_t n_lost;
+    cam_scope_ring_t ring;
     uint32_t end;
 } head_t;
 
@@ -64,19 +57,12 @@ void cam_blackbox_keep(const cam_scope_t *s)
         .tick_hz = s->tick_hz,
         .every = s->plan.every,
         .before = s->plan.before,
-        .most_rows = s->most_rows,
-        .oldest = s->oldest,
-        .n_rows = s->n_rows,
-        .n_before = s->n_before,
-        .first_tick = s->first_tick,
-        .trigger_tick = s->trigger_tick,
-        .faults = s->faults,
-        .n_lost = s->n_lost,
+        .ring = s->ring,
         .end = (uint32_t)s->end,
     };
     int32_t *begin = &s->words[s->at - (uint32_t)head_words];
     (void)memcpy((uint8_t *)begin, (const uint8_t *)&head, sizeof head);
-    hal_scope_keep(begin, (uint32_t)head_words + s->most_rows * s->n_signals);
+    hal_scope_keep(begin, (uint32_t)head_words + s->ring.most_rows * s->n_signals);
 }
 
 /// @return whether a head is valid for the words that were kept
@@ -84,10 +70,10 @@ static bool is_head_valid(const head_t *h, const cam_scope_t *s, uint32_t n_kept
 {
     const uint32_t n_signals = cam_scope_count(CAM_BLACKBOX_SIGNALS);
     return h->layout == (uint32_t)layout_1 && h->signals == CAM_BLACKBOX_SIGNALS &&
-           h->tick_hz == s->tick_hz && h->every >= 1u && h->most_rows >= 1u &&
-           h->most_rows == (n_kept - (uint32_t)head_words) / n_signals &&
-           h->oldest < h->most_rows && h->n_rows <= h->most_rows && h->n_before <= h->n_rows &&
-           h->end <= (uint32_t)cam_scope_gap;
+           h->tick_hz == s->tick_hz && h->every >= 1u && h->ring.most_rows >= 1u &&
+           h->ring.most_rows == (n_kept - (uint32_t)head_words) / n_signals &&
+           h->ring.oldest < h->ring.most_rows && h->ring.n_rows <= h->ring.most_rows &&
+           h->ring.n_before <= h->ring.n_rows && h->end <= (uint32_t)cam_scope_gap;
 }
 
 bool cam_blackbox_restore(cam_scope_t *s, uint32_t n_kept)
@@ -102,14 +88,7 @@ bool cam_blackbox_restore(cam_scope_t *s, uint32_t n_kept)
     }
     s->plan.every = head.every;
     s->plan.before = head.before;
-    s->most_rows = head.most_rows;
-    s->oldest = head.oldest;
-    s->n_rows = head.n_rows;
-    s->n_before = head.n_before;
-    s->first_tick = head.first_tick;
-    s->trigger_tick = head.trigger_tick;
-    s->faults = head.faults;
-    s->n_lost = head.n_lost;
+    s->ring = head.ring;
     s->end = (cam_scope_end_t)head.end;
     s->phase = cam_scope_done;
     return true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_scope.h"
+#include "cam_fix.h" // cam_wrap_sub
 
 enum { most_every = 1000000, word_bytes = 4 };
 
@@ -65,7 +66,7 @@ static bool set_field(cam_scope_plan_t *plan, uint32_t field, int32_t value)
 
 cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value)
 {
-#define FIELD_IS_SET(name, is_set, what) is_set,
+#define FIELD_IS_SET(name, is_set, value, what) is_set,
     static const bool may_set[cam_scope_n_fields] = {CAM_SCOPE_FIELDS(FIELD_IS_SET)};
     if (field >= cam_scope_n_fields || !may_set[field] || field == cam_scope_field_place_nm) {
         return cam_err_scope_field;
@@ -87,31 +88,8 @@ static const cam_scope_plan_t *reported_plan(const cam_scope_t *s)
 
 cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value)
 {
-    const int32_t values[cam_scope_n_fields] = {
-        [cam_scope_field_signals] = (int32_t)reported_plan(s)->signals,
-        [cam_scope_field_every] = (int32_t)reported_plan(s)->every,
-        [cam_scope_field_rows] = (int32_t)s->set.rows,
-        [cam_scope_field_from_state] = s->set.from_state,
-        [cam_scope_field_phase] = (int32_t)s->phase,
-        [cam_scope_field_end] = (int32_t)s->end,
-        [cam_scope_field_n_rows] = (int32_t)s->n_rows,
-        [cam_scope_field_n_signals] = (int32_t)s->n_signals,
-        [cam_scope_field_first_tick] = (int32_t)s->first_tick,
-        [cam_scope_field_n_lost] = (int32_t)s->n_lost,
-        [cam_scope_field_number] = (int32_t)s->number,
-        [cam_scope_field_tick_hz] = (int32_t)s->tick_hz,
-        [cam_scope_field_n_words] = (int32_t)s->n_words,
-        [cam_scope_field_n_wave] = (int32_t)s->n_wave,
-        [cam_scope_field_before] = (int32_t)s->set.before,
-        [cam_scope_field_trigger] = (int32_t)s->set.trigger.kind,
-        [cam_scope_field_watched] = (int32_t)s->set.trigger.signal,
-        [cam_scope_field_level] = s->set.trigger.level,
-        [cam_scope_field_edge] = s->set.trigger.falls ? 1 : 0,
-        [cam_scope_field_use] = (int32_t)s->use,
-        [cam_scope_field_n_before] = (int32_t)s->n_before,
-        [cam_scope_field_trigger_tick] = (int32_t)s->trigger_tick,
-        [cam_scope_field_faults] = (int32_t)s->faults,
-    };
+#define FIELD_VALUE(name, is_set, value, what) (int32_t)(value),
+    const int32_t values[cam_scope_n_fields] = {CAM_SCOPE_FIELDS(FIELD_VALUE)};
     *value = field < cam_scope_n_fields ? values[field] : 0;
     return field < cam_scope_n_fields ? cam_ok : cam_err_scope_field;
 }
@@ -129,9 +107,9 @@ uint32_t cam_scope_count(uint32_t signals)
 
 static void clear_rows(cam_scope_t *s)
 {
-    s->oldest = 0;
-    s->n_rows = 0;
-    s->n_before = 0;
+    s->ring.oldest = 0;
+    s->ring.n_rows = 0;
+    s->ring.n_before = 0;
     s->to_row = 0;
     s->last.is_there = false;
 }
@@ -153,13 +131,9 @@ cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan, cam_scop
     s->plan = *plan;
     s->use = use;
     s->at = taken;
-    s->most_rows = most;
-    s->n_lost = 0;
+    s->ring = (cam_scope_ring_t){.most_rows = most, .first_tick = tick, .trigger_tick = tick};
     s->start_tick = tick;
-    s->first_tick = tick;
     s->last_tick = tick;
-    s->trigger_tick = tick;
-    s->faults = 0;
     s->number++;
     s->end = cam_scope_open;
     s->phase = cam_scope_armed;
@@ -174,11 +148,6 @@ cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan, cam_scop
     return cam_ok;
 }
 
-cam_err_t cam_scope_start(cam_scope_t *s, uint32_t tick)
-{
-    return cam_scope_begin(s, &s->set, cam_scope_user, 0, tick);
-}
-
 static void end_by(cam_scope_t *s, cam_scope_end_t end)
 {
     s->phase = cam_scope_done;
@@ -188,8 +157,8 @@ static void end_by(cam_scope_t *s, cam_scope_end_t end)
 void cam_scope_stop(cam_scope_t *s)
 {
     if (s->phase == cam_scope_armed) { // without a trigger all rows are before it
-        s->n_before = s->n_rows;
-        s->trigger_tick = s->last_tick;
+        s->ring.n_before = s->ring.n_rows;
+        s->ring.trigger_tick = s->last_tick;
     }
     if (cam_scope_is_on(s)) {
         end_by(s, cam_scope_stopped);
@@ -201,11 +170,9 @@ void cam_scope_reserve(cam_scope_t *s, uint32_t n_wave)
     s->phase = cam_scope_idle;
     s->use = cam_scope_nobody;
     s->end = cam_scope_open;
-    s->n_rows = 0;
+    s->ring.n_rows = 0;
     s->n_wave = n_wave;
 }
-
-// Recording
 
 static int32_t value_of(const cam_tick_record_t *r, uint32_t signal)
 {
@@ -217,6 +184,46 @@ static int32_t value_of(const cam_tick_record_t *r, uint32_t signal)
 #undef SIGNAL_VALUE
     default:
         return 0;
+    }
+}
+
+// Trigger
+
+/// @return whether values rise to the level
+static bool reaches(int32_t level, int32_t last, int32_t now)
+{
+    return last < level && now >= level;
+}
+
+/// @return whether an angle reaches or crosses the level. A step is less than half a turn, so the
+///         opposite side of the turn is crossed in the other sense.
+static bool passes(const cam_trigger_t *t, int32_t last, int32_t now)
+{
+    const int32_t before = cam_wrap_sub(last, t->level);
+    const int32_t here = cam_wrap_sub(now, t->level);
+    const int32_t step = cam_wrap_sub(now, last);
+    return t->falls ? step < 0 && before > 0 && here <= 0 : step > 0 && before < 0 && here >= 0;
+}
+
+bool cam_trigger_fires(const cam_trigger_t *t, cam_trigger_last_t last, int32_t now)
+{
+    if (t->kind == cam_trigger_now || t->kind == cam_trigger_time) {
+        return t->kind == cam_trigger_now || cam_wrap_sub(now, t->level) >= 0;
+    }
+    if (!last.is_there) {
+        return false;
+    }
+    switch (t->kind) {
+    case cam_trigger_level:
+        return t->falls ? reaches(-1 - t->level, -1 - last.value, -1 - now)
+                        : reaches(t->level, last.value, now);
+    case cam_trigger_angle:
+        return passes(t, last.value, now);
+    case cam_trigger_state:
+        return now == t->level && last.value != t->level;
+    default: // a new fault bit
+        return ((uint32_t)now & ~(uint32_t)last.value &
+                (t->level != 0 ? (uint32_t)t->level : UINT32_MAX)) != 0u;
     }
 }
 
@@ -242,31 +249,33 @@ static void check_trigger(cam_scope_t *s, const cam_tick_record_t *r)
     const int32_t now = trigger_value(s, r);
     if (s->phase == cam_scope_armed && cam_trigger_fires(&s->plan.trigger, s->last, now)) {
         s->phase = cam_scope_recording;
-        s->trigger_tick = r->tick;
-        s->faults = r->want.faults;
-        s->n_before = s->n_rows;
-        s->to_row = s->n_rows > 0u ? s->to_row : 0u; // the first row is of the trigger
+        s->ring.trigger_tick = r->tick;
+        s->ring.faults = r->want.faults;
+        s->ring.n_before = s->ring.n_rows;
+        s->to_row = s->ring.n_rows > 0u ? s->to_row : 0u; // the first row is of the trigger
     }
     s->last = (cam_trigger_last_t){.is_there = true, .value = now};
     s->last_tick = r->tick;
 }
 
+// Recording
+
 static void add_row(cam_scope_t *s, const cam_tick_record_t *r)
 {
-    if (s->phase == cam_scope_armed && s->n_rows == s->plan.before) {
-        s->oldest = s->oldest + 1u < s->most_rows ? s->oldest + 1u : 0u;
-        s->first_tick += s->plan.every;
-        s->n_rows--;
+    if (s->phase == cam_scope_armed && s->ring.n_rows == s->plan.before) {
+        s->ring.oldest = s->ring.oldest + 1u < s->ring.most_rows ? s->ring.oldest + 1u : 0u;
+        s->ring.first_tick += s->plan.every;
+        s->ring.n_rows--;
     }
-    const uint32_t place = s->oldest + s->n_rows;
-    const uint32_t row = place < s->most_rows ? place : place - s->most_rows;
+    const uint32_t place = s->ring.oldest + s->ring.n_rows;
+    const uint32_t row = place < s->ring.most_rows ? place : place - s->ring.most_rows;
     int32_t *words = &s->words[s->at + row * s->n_signals];
     for (uint32_t i = 0; i < s->n_signals; i++) {
         words[i] = value_of(r, s->order[i]);
     }
-    s->first_tick = s->n_rows == 0u ? r->tick : s->first_tick;
-    s->n_rows++;
-    if (s->n_rows - s->n_before == s->most_rows - s->plan.before &&
+    s->ring.first_tick = s->ring.n_rows == 0u ? r->tick : s->ring.first_tick;
+    s->ring.n_rows++;
+    if (s->ring.n_rows - s->ring.n_before == s->ring.most_rows - s->plan.before &&
         s->phase == cam_scope_recording) {
         end_by(s, cam_scope_full);
     }
@@ -277,7 +286,7 @@ static void record_tick(cam_scope_t *s, const cam_tick_record_t *r)
 {
     const bool is_next = !s->last.is_there || r->tick - s->last_tick == 1u;
     if (!is_next && s->phase == cam_scope_recording) {
-        s->n_lost = r->tick - s->last_tick - 1u;
+        s->ring.n_lost = r->tick - s->last_tick - 1u;
         end_by(s, cam_scope_gap);
         return;
     }
@@ -314,8 +323,8 @@ void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r)
 cam_scope_span_t cam_scope_span(const cam_scope_t *s, uint32_t offset, uint32_t n)
 {
     const uint32_t row_bytes = s->n_signals * (uint32_t)word_bytes;
-    const uint32_t ring = s->most_rows * row_bytes;
-    const uint32_t place = s->oldest * row_bytes + offset;
+    const uint32_t ring = s->ring.most_rows * row_bytes;
+    const uint32_t place = s->ring.oldest * row_bytes + offset;
     const uint32_t from = place < ring ? place : place - ring;
     const uint8_t *bytes = (const uint8_t *)&s->words[s->at];
     return (cam_scope_span_t){.bytes = &bytes[from], .n = n < ring - from ? n : ring - from};

@@ -7,23 +7,22 @@
 /// for it; cam_machine_scope.h is the only reader. A row holds the selected signals of one tick as
 /// int32, in the order of the list; rows are `every` ticks apart.
 ///
-/// Armed, the recorder evaluates the trigger (cam_trigger.h) in every tick and keeps the last
-/// `before` rows in a ring; after an early trigger there are fewer (`n_before`). From the tick of
-/// the trigger it records the other `rows` less `before` rows. It ends when they are complete, when
-/// the selected state is left, by a stop, or at a gap: the main loop was more than
-/// cam_trace_capacity ticks late and a record is lost. The rows before the gap are continuous. A
-/// gap before the trigger empties the ring.
+/// Armed, the recorder evaluates the trigger in every tick and keeps the last `before` rows in a
+/// ring; after an early trigger there are fewer (`n_before`). From the tick of the trigger it
+/// records the other `rows` less `before` rows. It ends when they are complete, when the selected
+/// state is left, by a stop, or at a gap: the main loop was more than cam_trace_capacity ticks late
+/// and a record is lost. The rows before the gap are continuous. A gap before the trigger empties
+/// the ring.
 ///
 /// The black box (cam_blackbox.h) uses the same memory. Works in all states. Context: slow side.
 #ifndef CAM_SCOPE_H
 #define CAM_SCOPE_H
 
-#include "cam_err.h"     // CAM_MUST_USE
-#include "cam_record.h"  // cam_tick_record_t
-#include "cam_trigger.h" // cam_trigger_t
-#include "hal/hal.h"     // hal_memory_t
-#include <stdbool.h>     // bool
-#include <stdint.h>      // int32_t, uint8_t, uint32_t
+#include "cam_err.h"    // CAM_MUST_USE
+#include "cam_record.h" // cam_tick_record_t
+#include "hal/hal.h"    // hal_memory_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int32_t, uint8_t, uint32_t
 
 // clang-format off
 /// Signals: X(name, value of the record r, what). The name ends in the unit; the value is an int32
@@ -57,34 +56,35 @@
     X(outputs,       r->want.outputs,                      "hal_out_*") \
     X(config,        r->config,                            "generation of the configuration in force")
 
-/// Fields of a recording: X(name, can be set, what).
+/// Fields of a recording: X(name, can be set, value, what). The value is an int32 or the bits of an
+/// uint32.
 #define CAM_SCOPE_FIELDS(X) \
-    X(signals,    true,  "bit i: signal i is recorded") \
-    X(every,      true,  "ticks from row to row, 1 .. 1000000") \
-    X(rows,       true,  "requested rows; 0: as many as fit") \
-    X(from_state, true,  "record in this state only; -1: in all states") \
-    X(phase,      false, "cam_scope_phase_t") \
-    X(end,        false, "cam_scope_end_t") \
-    X(n_rows,     false, "recorded rows") \
-    X(n_signals,  false, "words of a row") \
-    X(first_tick, false, "tick of the first row") \
-    X(n_lost,     false, "records lost in the gap at the end; 0: none") \
-    X(number,     false, "recordings since the start, with this one") \
-    X(tick_hz,    false, "tick rate") \
-    X(n_words,    false, "words of the memory") \
-    X(n_wave,     false, "words of the wave at its start") \
-    X(excited,    false, "cam_excited_t: result of the last excitation") \
-    X(place_nm,   true,  "position of U about which a wave is played") \
-    X(n_fall,     false, "ticks at the end of an excitation over which its gain falls") \
-    X(before,     true,  "requested rows before the trigger, fewer than rows") \
-    X(trigger,    true,  "cam_trigger_kind_t") \
-    X(watched,    true,  "signal of the trigger level") \
-    X(level,      true,  "cam_trigger_t") \
-    X(edge,       true,  "0: rising, 1: falling") \
-    X(use,        false, "cam_scope_use_t: owner of the recording") \
-    X(n_before,   false, "recorded rows before the trigger") \
-    X(trigger_tick, false, "tick in which the trigger fired") \
-    X(faults,     false, "faults latched in that tick, a bit each")
+    X(signals,      true,  reported_plan(s)->signals,       "bit i: signal i is recorded") \
+    X(every,        true,  reported_plan(s)->every,         "ticks from row to row, 1 .. 1000000") \
+    X(rows,         true,  s->set.rows,                     "requested rows; 0: as many as fit") \
+    X(from_state,   true,  s->set.from_state,               "record in this state only; -1: in all states") \
+    X(phase,        false, s->phase,                        "cam_scope_phase_t") \
+    X(end,          false, s->end,                          "cam_scope_end_t") \
+    X(n_rows,       false, s->ring.n_rows,                  "recorded rows") \
+    X(n_signals,    false, s->n_signals,                    "words of a row") \
+    X(first_tick,   false, s->ring.first_tick,              "tick of the first row") \
+    X(n_lost,       false, s->ring.n_lost,                  "records lost in the gap at the end; 0: none") \
+    X(number,       false, s->number,                       "recordings since the start, with this one") \
+    X(tick_hz,      false, s->tick_hz,                      "tick rate") \
+    X(n_words,      false, s->n_words,                      "words of the memory") \
+    X(n_wave,       false, s->n_wave,                       "words of the wave at its start") \
+    X(excited,      false, 0,                               "cam_excited_t: result of the last excitation") \
+    X(place_nm,     true,  0,                               "position of U about which a wave is played") \
+    X(n_fall,       false, 0,                               "ticks at the end of an excitation over which its gain falls") \
+    X(before,       true,  s->set.before,                   "requested rows before the trigger, fewer than rows") \
+    X(trigger,      true,  s->set.trigger.kind,             "cam_trigger_kind_t") \
+    X(watched,      true,  s->set.trigger.signal,           "signal of the trigger level") \
+    X(level,        true,  s->set.trigger.level,            "of the trigger, cam_trigger_t") \
+    X(edge,         true,  s->set.trigger.falls ? 1 : 0,    "0: rising, 1: falling") \
+    X(use,          false, s->use,                          "cam_scope_use_t: owner of the recording") \
+    X(n_before,     false, s->ring.n_before,                "recorded rows before the trigger") \
+    X(trigger_tick, false, s->ring.trigger_tick,            "tick in which the trigger fired") \
+    X(faults,       false, s->ring.faults,                  "faults latched in that tick, a bit each")
 // clang-format on
 
 /// Number of a signal.
@@ -99,7 +99,7 @@ _Static_assert(cam_scope_n_signals <= 32, "a set of signals is one word");
 
 /// Number of a field.
 typedef enum {
-#define CAM_SCOPE_FIELD_ID(name, is_set, what) cam_scope_field_##name,
+#define CAM_SCOPE_FIELD_ID(name, is_set, value, what) cam_scope_field_##name,
     CAM_SCOPE_FIELDS(CAM_SCOPE_FIELD_ID)
 #undef CAM_SCOPE_FIELD_ID
         cam_scope_n_fields
@@ -129,6 +129,32 @@ typedef enum {
     cam_scope_box,  ///< the black box
 } cam_scope_use_t;
 
+/// When a trigger fires. The number is part of the CAN protocol.
+typedef enum {
+    cam_trigger_now,   ///< at once
+    cam_trigger_time,  ///< `level` ticks after the start
+    cam_trigger_level, ///< a signal, as an int32, reaches `level`
+    cam_trigger_angle, ///< the spindle's angle passes `level` [turn / 2^32]
+    cam_trigger_state, ///< the state becomes `level`, a cam_state_t
+    cam_trigger_fault, ///< a fault of the bits `level` is latched; 0: any fault
+    cam_trigger_n
+} cam_trigger_kind_t;
+
+/// A trigger. It compares a value with that of the previous tick and fires when its condition
+/// becomes true.
+typedef struct {
+    cam_trigger_kind_t kind;
+    uint32_t signal; ///< cam_scope_signal_t, of kind level
+    int32_t level;   ///< in the unit of the value
+    bool falls;      ///< level, angle: fires on falling values, else on rising ones
+} cam_trigger_t;
+
+/// Value of the trigger in the previous tick, if there was one.
+typedef struct {
+    bool is_there;
+    int32_t value;
+} cam_trigger_last_t;
+
 /// Settings of a recording.
 typedef struct {
     uint32_t signals;   ///< bit i is signal i
@@ -138,6 +164,18 @@ typedef struct {
     int32_t from_state; ///< cam_state_t to record in, or -1
     cam_trigger_t trigger;
 } cam_scope_plan_t;
+
+/// Rows of a recording.
+typedef struct {
+    uint32_t most_rows;    ///< that fit
+    uint32_t oldest;       ///< index of the first row
+    uint32_t n_rows;       ///< recorded
+    uint32_t n_before;     ///< of these before the trigger
+    uint32_t first_tick;   ///< of the first row
+    uint32_t trigger_tick; ///< tick in which the trigger fired
+    uint32_t faults;       ///< latched in that tick
+    uint32_t n_lost;       ///< [records]
+} cam_scope_ring_t;
 
 /// State; made by cam_scope_init().
 typedef struct {
@@ -150,21 +188,14 @@ typedef struct {
     cam_scope_use_t use;
     cam_scope_phase_t phase;
     cam_scope_end_t end;
-    uint32_t at;        ///< [words] start of the ring of rows, in order without a trigger
-    uint32_t most_rows; ///< of the ring
-    uint32_t n_signals; ///< [words] of a row
+    uint32_t at;                        ///< [words] start of the ring
+    cam_scope_ring_t ring;              ///< in order without a trigger
+    uint32_t n_signals;                 ///< [words] of a row
     uint8_t order[cam_scope_n_signals]; ///< the signals of a row
-    uint32_t oldest;                    ///< index of the first row in the ring
-    uint32_t n_rows;                    ///< recorded
-    uint32_t n_before;                  ///< of these before the trigger
     uint32_t to_row;                    ///< [ticks] to the next row
     uint32_t start_tick;                ///< earlier records are ignored
-    uint32_t first_tick;                ///< of the first row
     uint32_t last_tick;                 ///< newest, if there is a last value
-    uint32_t trigger_tick;              ///< tick in which the trigger fired
-    uint32_t faults;                    ///< latched in that tick
     cam_trigger_last_t last;            ///< value of the trigger
-    uint32_t n_lost;                    ///< [records]
     uint32_t number;                    ///< of recordings since the start
 } cam_scope_t;
 
@@ -186,15 +217,11 @@ CAM_MUST_USE cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t val
 /// @return cam_ok, cam_err_scope_field
 CAM_MUST_USE cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value);
 
-/// Start a recording as set; the previous one is lost.
+/// Start a recording; the previous one is lost.
+/// @param head  [words] to leave free before the rows
 /// @param tick  newest tick, the first that is recorded
 /// @return      cam_ok, cam_err_scope_memory (no row fits), cam_err_scope_before (no row remains
 ///              after the trigger)
-CAM_MUST_USE cam_err_t cam_scope_start(cam_scope_t *s, uint32_t tick);
-
-/// Start a recording with given settings.
-/// @param head  [words] to leave free before the rows
-/// @return      as cam_scope_start()
 CAM_MUST_USE cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan,
                                        cam_scope_use_t use, uint32_t head, uint32_t tick);
 
@@ -213,13 +240,18 @@ static inline bool cam_scope_is_on(const cam_scope_t *s)
     return s->phase == cam_scope_armed || s->phase == cam_scope_recording;
 }
 
+/// @param last  value of the previous tick; without one only the kinds now and time fire
+/// @param now   value of this tick; kind time: ticks since the start
+/// @return      whether the trigger fires in this tick
+bool cam_trigger_fires(const cam_trigger_t *t, cam_trigger_last_t last, int32_t now);
+
 /// @return number of signals in a set
 uint32_t cam_scope_count(uint32_t signals);
 
 /// @return [words] of the recorded rows, row by row
 static inline uint32_t cam_scope_n_recorded(const cam_scope_t *s)
 {
-    return s->n_rows * s->n_signals;
+    return s->ring.n_rows * s->n_signals;
 }
 
 /// Words are in memory as they are sent, the lowest byte first.

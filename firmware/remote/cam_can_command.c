@@ -128,7 +128,7 @@ cam_err_t cam_can_select(cam_can_t *r)
 
 cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err)
 {
-    const uint32_t n = r->is_wave ? cam_machine_wave_received(r->machine) : r->store.received;
+    const uint32_t n = r->is_wave ? r->machine->identify.received : r->store.received;
     return (cam_outcome_t){.err = err, .value = (int32_t)n};
 }
 
@@ -185,7 +185,9 @@ static cam_outcome_t strobe(cam_can_t *r, uint32_t every)
 
 static cam_outcome_t take_session(cam_can_t *r, const struct camturn_command_t *m)
 {
-    const cam_err_t err = cam_machine_take_command(r->machine, m->sender, m->is_take_over != 0u);
+    const uint32_t tick = cam_machine_status(r->machine).tick;
+    const cam_err_t err =
+        cam_rights_take(&r->machine->rights, m->sender, m->is_take_over != 0u, tick);
     const int32_t session = err == cam_ok ? (int32_t)r->machine->rights.session : 0;
     return (cam_outcome_t){.err = err, .value = session};
 }

@@ -166,10 +166,9 @@ static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *m
 static void describe_params(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
     enum { most = 1 << 20 };
-    const cam_params_status_t p = cam_machine_params_status(machine);
-    m->params_kept = (uint8_t)p.kept;
-    m->params_version = p.version % (uint32_t)most;
-    m->params_checksum = p.checksum;
+    m->params_kept = (uint8_t)cam_machine_params_kept(machine);
+    m->params_version = machine->version % (uint32_t)most;
+    m->params_checksum = machine->checksum;
 }
 
 /// Fill in the signals about command and level.
@@ -220,7 +219,7 @@ static void describe_cut(struct camturn_detail_t *m, const cam_machine_t *machin
     m->passes = (uint8_t)(n_passes & 0xFFu);
     m->recorder_use = (uint8_t)machine->scope.use;
     m->recorder_phase = (uint8_t)machine->scope.phase;
-    m->recorder_faults = machine->scope.faults;
+    m->recorder_faults = machine->scope.ring.faults;
 }
 
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the

@@ -235,7 +235,7 @@ static void write_record(sim_out_t *out, const sim_cut_t *cut)
     const int32_t *word = &s->words[s->at];
     const uint32_t n_rows = sim_identify_n_played(cut);
     for (uint32_t row = 0; row < n_rows; row++) {
-        sim_out_integer(out, (int64_t)s->first_tick + row);
+        sim_out_integer(out, (int64_t)s->ring.first_tick + row);
         sim_out_real_column(out, (double)row / s->tick_hz, 9);
         for (uint32_t i = 0; i < s->n_signals; i++) {
             sim_out_integer_column(out, *word++);
@@ -257,7 +257,7 @@ static int report_short(const sim_cut_t *cut)
         (void)fprintf(stderr,
                       "camsim: the excitation was cut short after %u ticks: %s; nothing "
                       "is written\n",
-                      s->n_rows, why[end]);
+                      s->ring.n_rows, why[end]);
     }
     return camsim_not_good;
 }

@@ -135,5 +135,6 @@ cam_excited_t sim_identify_end(const sim_cut_t *cut)
 uint32_t sim_identify_n_played(const sim_cut_t *cut)
 {
     const cam_machine_t *m = &cut->firmware.machine;
-    return m->scope.n_rows > m->identify.n_fall ? m->scope.n_rows - m->identify.n_fall : 0u;
+    return m->scope.ring.n_rows > m->identify.n_fall ? m->scope.ring.n_rows - m->identify.n_fall
+                                                     : 0u;
 }

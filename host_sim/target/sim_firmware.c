@@ -105,7 +105,7 @@ cam_ilc_status_t sim_firmware_learning(sim_firmware_t *f)
 cam_ilc_harmonic_t sim_firmware_harmonic(sim_firmware_t *f, uint32_t k)
 {
     if (f->remote == NULL) {
-        return cam_machine_harmonic(&f->machine, k);
+        return cam_ilc_harmonic(&f->machine.ilc, k);
     }
     (void)sim_remote_call(f->remote, pil_op_learning, k, 0);
     return f->remote->answer.harmonic;

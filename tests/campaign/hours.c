@@ -251,7 +251,7 @@ static void by_hand(void)
     for (uint32_t i = any(6); i > 0u && fuzz_rig_state() == cam_state_manual; i--) {
         (void)cam_machine_jog(m, (hal_axis_t)any(hal_n_axes), (int32_t)any(2000) - 1000);
         for (uint32_t k = any(8); k > 0u; k--) {
-            cam_machine_jog_alive(m);
+            cam_machine_keep_alive(m);
             pass_ms(20);
         }
     }

@@ -146,7 +146,7 @@ void fuzz_command(uint8_t what, int32_t value)
         fuzz_try(cam_machine_resume(m));
         break;
     case 13:
-        cam_machine_jog_alive(m);
+        cam_machine_keep_alive(m);
         break;
     case 14:
         cam_machine_stage_begin(m);
@@ -176,7 +176,7 @@ static void carry_out(fuzz_order_t order, void (*other)(fuzz_order_t))
         fuzz_let_pass(order.code % 600u + 1u);
         break;
     case fuzz_order_alive:
-        cam_machine_jog_alive(&fuzz_rig.machine);
+        cam_machine_keep_alive(&fuzz_rig.machine);
         fuzz_let_pass(order.code % 200u + 1u);
         break;
     default:

@@ -58,7 +58,8 @@ static void read_box(const uint8_t *data, size_t size)
         return;
     }
     FUZZ_EXPECT(scope.n_signals == (uint32_t)signals_of_box, "%u", (unsigned)scope.n_signals);
-    FUZZ_EXPECT(scope.at + scope.most_rows * scope.n_signals <= n_kept, "rows beyond the words");
+    FUZZ_EXPECT(scope.at + scope.ring.most_rows * scope.n_signals <= n_kept,
+                "rows beyond the words");
     FUZZ_EXPECT(cam_blackbox_is_unread(&scope), "a box that nobody reads");
     const uint32_t n_bytes = cam_scope_n_recorded(&scope) * 4u;
     uint32_t sum = 0;

@@ -105,7 +105,7 @@ static cam_err_t serve(int32_t wire)
         return cam_ok;
     case pil_op_learning:
         answer.learning = cam_machine_learning(&machine);
-        answer.harmonic = cam_machine_harmonic(&machine, request.a);
+        answer.harmonic = cam_ilc_harmonic(&machine.ilc, request.a);
         return cam_ok;
     }
     hal_halt("pil_main: unknown operation");

@@ -138,7 +138,7 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
     assert tables["scope_phase"] == enumerators(scope, "cam_scope_phase_t", "cam_scope_")
     assert tables["scope_end"] == enumerators(scope, "cam_scope_end_t", "cam_scope_")
     assert tables["scope_use"] == enumerators(scope, "cam_scope_use_t", "cam_scope_")
-    triggers = enumerators(header_of("cam_trigger.h"), "cam_trigger_kind_t", "cam_trigger_")
+    triggers = enumerators(scope, "cam_trigger_kind_t", "cam_trigger_")
     assert triggers.popitem()[1] == "n"
     assert tables["trigger"] == triggers
     assert tables["excited"] == enumerators(identify, "cam_excited_t", "cam_excited_")

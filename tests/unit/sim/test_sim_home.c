@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Home switches, indices and zeros of the simulated lathe, and the firmware that homes by them.
 #include "cam_machine_jog.h"
-#include "cam_machine_identify.h" // cam_machine_keep_alive
 #include "hal_host.h"
 #include "sim_port.h"
 #include "unity.h"

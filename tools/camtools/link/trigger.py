@@ -28,7 +28,7 @@ GRAMMAR = (
 
 @dataclass(frozen=True)
 class Trigger:
-    """When a recording begins; see cam_trigger.h.
+    """When a recording begins; see cam_scope.h.
 
     Attributes
     ----------

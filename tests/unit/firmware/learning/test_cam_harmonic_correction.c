@@ -3,6 +3,7 @@
 // (142) .. (144) in double.
 #include "cam_harmonic_correction.h"
 #include "unity.h"
+#include <complex.h>
 #include <math.h>
 #include <string.h>
 
@@ -119,6 +120,27 @@ static void test_learn_adds_its_part_of_the_error(void)
     learn(2, of(3200, -1600));
     expect(of(4800, -2400), s.c_q6[2]);
     expect(of(0, 0), s.c_q6[1]);
+}
+
+static void test_learn_divides_the_error_by_the_response(void)
+{
+    const double complex response = (2048.0 - 3000.0 * I) / 4096.0;
+    const double complex want = 0.5 * (640000.0 - 123456.0 * I) / response;
+    s.gain[0] = (cam_gain_t){.re_q12 = 2048, .im_q12 = -3000};
+    cam_harmonic_correction_learn(&s, 0, of(640000, -123456), 0, 32768, UINT32_MAX);
+    TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(creal(want)), s.c_q6[0].re);
+    TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(cimag(want)), s.c_q6[0].im);
+    s.gain[1] = (cam_gain_t){0}; // no response: nothing can be corrected
+    cam_harmonic_correction_learn(&s, 1, of(64, 0), 0, 65536, UINT32_MAX);
+    expect(of(0, 0), s.c_q6[1]);
+}
+
+/// The ends of the range, under the sanitizers.
+static void test_largest_error_over_the_smallest_response_fits(void)
+{
+    s.gain[0] = (cam_gain_t){.re_q12 = 1};
+    cam_harmonic_correction_learn(&s, 0, of(INT32_MAX, INT32_MIN + 1), 0, 65536, UINT32_MAX);
+    expect(of(INT32_MAX, INT32_MIN), s.c_q6[0]);
 }
 
 static void test_learn_leaves_a_masked_harmonic_alone(void)
@@ -251,6 +273,8 @@ int main(void)
     RUN_TEST(test_probe_masks_what_answers_too_little);
     RUN_TEST(test_probe_masks_what_answers_out_of_proportion);
     RUN_TEST(test_learn_adds_its_part_of_the_error);
+    RUN_TEST(test_learn_divides_the_error_by_the_response);
+    RUN_TEST(test_largest_error_over_the_smallest_response_fits);
     RUN_TEST(test_learn_leaves_a_masked_harmonic_alone);
     RUN_TEST(test_learn_takes_a_change_that_just_fits_the_room);
     RUN_TEST(test_guard_goes_back_to_the_best_and_halves);

@@ -2,6 +2,7 @@
 // Excitation of U by the commands of the slow side, and every way out of it.
 #include "cam_fix.h"
 #include "cam_machine_identify.h"
+#include "cam_machine_inner.h" // cam_machine_offer_copy
 #include "cam_machine_scope.h"
 #include "cam_table.h"
 #include "fixture_rig.h"
@@ -222,8 +223,8 @@ static void test_begin_and_end_need_room(void)
         go_on(1, true);
     }
     TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
-    (void)cam_machine_learn_begin(m); // somebody else hands a configuration over
-    cam_machine_learn_end(m);
+    (void)cam_config_copy(&m->core->config); // somebody else hands a configuration over
+    cam_machine_offer_copy(m);
     cam_machine_poll(m);
     TEST_ASSERT_EQUAL_INT(cam_identify_ends, m->identify.phase);
     expect_end(cam_excited_done, cam_state_ready);

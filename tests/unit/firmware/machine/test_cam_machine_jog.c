@@ -16,7 +16,7 @@ static void test_commands_by_hand_are_refused_in_every_other_state(void)
         TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_jog(machine(), hal_axis_x, 100).err);
         TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_step(machine(), hal_axis_x, 100).err);
         TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_home_axis(machine(), hal_axis_x));
-        cam_machine_jog_alive(machine());
+        cam_machine_keep_alive(machine());
         TEST_ASSERT_EQUAL_UINT32(generation, machine()->generation);
         if (states[i] != cam_state_off) {
             TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_manual(machine()));
@@ -317,7 +317,7 @@ static void test_session_by_hand_replays_bit_for_bit(void)
             configs[now->generation] = *now;
             fixture_rig_tick(&rig);
             if (i % 1000u == 999u) {
-                cam_machine_jog_alive(machine());
+                cam_machine_keep_alive(machine());
             }
             cam_machine_jog_poll(machine());
         }

@@ -9,7 +9,7 @@ static void jog(hal_axis_t axis, int32_t um_per_s)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), axis, um_per_s).err);
     for (uint32_t i = 0; i < 10u; i++) {
         fixture_rig_ticks(&rig, 200);
-        cam_machine_jog_alive(machine());
+        cam_machine_keep_alive(machine());
     }
 }
 

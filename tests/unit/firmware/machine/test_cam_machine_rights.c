@@ -69,7 +69,7 @@ static void test_button_is_told_by_what_the_port_has(void)
 static void test_a_loss_forgets_the_enable_that_waits(void)
 {
     cam_machine_t *m = &rig.machine;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_take_command(m, 5, true));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&m->rights, 5, true, cam_machine_status(m).tick));
     m->homes_again = true;
     cam_machine_release_command(m);
     TEST_ASSERT_EQUAL_UINT8(0, m->rights.commander);

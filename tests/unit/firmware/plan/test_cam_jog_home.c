@@ -96,7 +96,7 @@ static void test_home_of_u_changes_its_number_and_moves_nothing_by_that(void)
         motion_t motion = motion_of(hal_axis_u);
         for (int k = 0; k < 60000 && (k < 40 || jog_state().phase != cam_jog_rest); k++) {
             if (k % 1000 == 0) {
-                cam_machine_jog_alive(&rig.machine);
+                cam_machine_keep_alive(&rig.machine);
             }
             fixture_rig_tick(&rig);
             watch(&motion, hal_axis_u);

@@ -71,12 +71,12 @@ static void test_half_a_second_before_a_fault_is_there(void)
 {
     const uint32_t tick = fail();
     const cam_scope_t *s = scope();
-    TEST_ASSERT_EQUAL_UINT32(tick, s->trigger_tick);
-    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), s->faults);
-    TEST_ASSERT_EQUAL_UINT32(n_before, s->n_before);
-    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, s->n_rows);
+    TEST_ASSERT_EQUAL_UINT32(tick, s->ring.trigger_tick);
+    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), s->ring.faults);
+    TEST_ASSERT_EQUAL_UINT32(n_before, s->ring.n_before);
+    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, s->ring.n_rows);
     TEST_ASSERT_EQUAL_UINT32(n_signals, s->n_signals);
-    TEST_ASSERT_EQUAL_UINT32(tick - n_before, s->first_tick);
+    TEST_ASSERT_EQUAL_UINT32(tick - n_before, s->ring.first_tick);
     TEST_ASSERT_EQUAL_INT32(cam_state_ready, word(n_before - 1, 0));
     TEST_ASSERT_EQUAL_INT32(cam_state_fault, word(n_before, 0));
     TEST_ASSERT_EQUAL_INT32(0, word(n_before - 1, 7));
@@ -94,8 +94,8 @@ static void test_a_later_fault_does_not_take_its_place(void)
     hal_host.in.inputs &= ~(uint32_t)hal_in_drive_ready;
     go_on(1000);
     TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
-    TEST_ASSERT_EQUAL_UINT32(tick, scope()->trigger_tick);
-    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->faults);
+    TEST_ASSERT_EQUAL_UINT32(tick, scope()->ring.trigger_tick);
+    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->ring.faults);
 }
 
 static void test_a_box_is_handed_over_once(void)
@@ -130,7 +130,7 @@ static void test_an_unread_box_waits(void)
     scope()->last_tick -= (uint32_t)tick_hz * (cam_scope_patience_s + 1u);
     go_on(50);
     TEST_ASSERT_TRUE(cam_blackbox_is_unread(scope()));
-    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, scope()->n_rows);
+    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, scope()->ring.n_rows);
 }
 
 static void test_a_restart_finds_the_box_again(void)
@@ -144,11 +144,11 @@ static void test_a_restart_finds_the_box_again(void)
     cam_machine_blackbox(&rig.machine);
     go_on(100);
     TEST_ASSERT_TRUE(cam_blackbox_is_unread(scope()));
-    TEST_ASSERT_EQUAL_UINT32(tick, scope()->trigger_tick);
-    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->faults);
-    TEST_ASSERT_EQUAL_UINT32(n_before, scope()->n_before);
-    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, scope()->n_rows);
-    TEST_ASSERT_EQUAL_UINT32(tick - n_before, scope()->first_tick);
+    TEST_ASSERT_EQUAL_UINT32(tick, scope()->ring.trigger_tick);
+    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->ring.faults);
+    TEST_ASSERT_EQUAL_UINT32(n_before, scope()->ring.n_before);
+    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, scope()->ring.n_rows);
+    TEST_ASSERT_EQUAL_UINT32(tick - n_before, scope()->ring.first_tick);
     for (uint32_t i = 0; i < (n_before + n_behind) * n_signals; i++) {
         TEST_ASSERT_EQUAL_INT32(words[i], word(i / n_signals, i % n_signals));
     }
@@ -167,7 +167,7 @@ static void test_a_damaged_head_is_passed_over(void)
             head[i] = bad[k];
             cam_scope_init(scope(), hal_scope_memory(), tick_hz);
             if (cam_blackbox_restore(scope(), n_kept)) {
-                for (uint32_t at = 0; at < scope()->n_rows * n_signals; at += 997u) {
+                for (uint32_t at = 0; at < scope()->ring.n_rows * n_signals; at += 997u) {
                     (void)word(at / n_signals, at % n_signals);
                 }
             }
@@ -274,9 +274,9 @@ static void test_a_full_ring_is_taken_at_once(void)
     for (uint32_t i = 0; i < cam_trace_capacity; i++) {
         hal_host_tick();
     }
-    const uint32_t before = scope()->n_rows;
+    const uint32_t before = scope()->ring.n_rows;
     cam_machine_scope_poll(&rig.machine);
-    TEST_ASSERT_EQUAL_UINT32(before + cam_trace_capacity, scope()->n_rows);
+    TEST_ASSERT_EQUAL_UINT32(before + cam_trace_capacity, scope()->ring.n_rows);
     TEST_ASSERT_FALSE(cam_trace_pop(&rig.machine.core->trace, &rig.last));
 }
 
@@ -306,16 +306,17 @@ static void test_the_time_fits_every_memory(void)
         cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = n}, board_hz);
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_blackbox_begin(&s, 0));
         TEST_ASSERT_GREATER_OR_EQUAL_UINT32(half_s, s.plan.before * s.plan.every);
-        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(behind, (s.most_rows - s.plan.before) * s.plan.every);
-        TEST_ASSERT_LESS_OR_EQUAL_UINT32(n, s.at + s.most_rows * s.n_signals);
+        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(behind,
+                                            (s.ring.most_rows - s.plan.before) * s.plan.every);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(n, s.at + s.ring.most_rows * s.n_signals);
     }
     cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = axi_words}, board_hz);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_blackbox_begin(&s, 0));
     TEST_ASSERT_EQUAL_UINT32(1, s.plan.every);
     cam_scope_reserve(&s, 18000);
     s.set.signals = 0xFF;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_start(&s, 0));
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(half_s, s.most_rows);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&s, &s.set, cam_scope_user, 0, 0));
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(half_s, s.ring.most_rows);
     cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = 31}, board_hz);
     TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_blackbox_begin(&s, 0));
 }

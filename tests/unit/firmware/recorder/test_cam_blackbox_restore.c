@@ -45,10 +45,10 @@ static void test_all_that_is_told_of_a_box_outlives_a_restart(void)
     TEST_ASSERT_TRUE(cam_blackbox_restore(&scope, n_kept));
     TEST_ASSERT_TRUE(cam_blackbox_is_unread(&scope));
     TEST_ASSERT_EQUAL_HEX32(CAM_BLACKBOX_SIGNALS, scope.plan.signals);
-    const uint32_t found[] = {scope.plan.every, scope.plan.before,  scope.most_rows,
-                              scope.oldest,     scope.n_rows,       scope.n_before,
-                              scope.first_tick, scope.trigger_tick, scope.faults,
-                              scope.n_lost,     (uint32_t)scope.end};
+    const uint32_t found[] = {scope.plan.every,      scope.plan.before,       scope.ring.most_rows,
+                              scope.ring.oldest,     scope.ring.n_rows,       scope.ring.n_before,
+                              scope.ring.first_tick, scope.ring.trigger_tick, scope.ring.faults,
+                              scope.ring.n_lost,     (uint32_t)scope.end};
     TEST_ASSERT_EQUAL_UINT32_ARRAY(&good[at_every], found, sizeof found / sizeof found[0]);
     TEST_ASSERT_EQUAL_UINT32(n_signals, scope.n_signals);
     TEST_ASSERT_EQUAL_UINT32(n_head, scope.at);

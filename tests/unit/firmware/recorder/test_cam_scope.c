@@ -53,7 +53,7 @@ static void set(uint32_t which, int32_t value)
 
 static void start(uint32_t tick)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_start(&scope, tick));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, tick));
 }
 
 /// A recording begins with nothing of the one before it.
@@ -64,13 +64,13 @@ static void test_a_recording_begins_empty(void)
         take(tick);
     }
     cam_scope_stop(&scope);
-    scope.faults = 0x55u;
-    scope.n_lost = 3;
+    scope.ring.faults = 0x55u;
+    scope.ring.n_lost = 3;
     const uint32_t number = scope.number;
     start(5000);
-    TEST_ASSERT_EQUAL_HEX32(0, scope.faults);
-    TEST_ASSERT_EQUAL_UINT32(0, scope.n_lost);
-    TEST_ASSERT_EQUAL_UINT32(0, scope.n_rows);
+    TEST_ASSERT_EQUAL_HEX32(0, scope.ring.faults);
+    TEST_ASSERT_EQUAL_UINT32(0, scope.ring.n_lost);
+    TEST_ASSERT_EQUAL_UINT32(0, scope.ring.n_rows);
     TEST_ASSERT_EQUAL_UINT32(number + 1u, scope.number);
     TEST_ASSERT_EQUAL_UINT32(5000, scope.start_tick);
     TEST_ASSERT_EQUAL_INT(cam_scope_armed, scope.phase);
@@ -102,7 +102,8 @@ static void test_memory_bounds_the_rows_and_is_never_left(void)
         cam_scope_reserve(&scope, n_wave);
         set(cam_scope_field_rows, n_wave % 2u == 0u ? 0 : 1000000);
         if ((n_memory - n_wave) / 3u == 0u) {
-            TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_scope_start(&scope, 0));
+            TEST_ASSERT_EQUAL_INT(cam_err_scope_memory,
+                                  cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, 0));
             continue;
         }
         start(0);
@@ -120,7 +121,8 @@ static void test_memory_bounds_the_rows_and_is_never_left(void)
 static void test_without_memory_nothing_is_recorded(void)
 {
     cam_scope_init(&scope, (hal_memory_t){0}, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_scope_start(&scope, 0));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory,
+                          cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, 0));
     take(1);
     TEST_ASSERT_EQUAL_INT32(cam_scope_idle, field(cam_scope_field_phase));
 }
@@ -249,23 +251,23 @@ static void test_recording_begins_anew_in_each_word(void)
     plan.rows = 5;
     s.phase = cam_scope_done;
     s.end = cam_scope_gap;
-    s.oldest = s.n_rows = s.n_before = s.to_row = 3;
-    s.start_tick = s.first_tick = s.last_tick = s.trigger_tick = 7;
-    s.faults = s.n_lost = s.number = 9;
+    s.ring.oldest = s.ring.n_rows = s.ring.n_before = s.to_row = 3;
+    s.start_tick = s.ring.first_tick = s.last_tick = s.ring.trigger_tick = 7;
+    s.ring.faults = s.ring.n_lost = s.number = 9;
     s.last.is_there = true;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&s, &plan, cam_scope_box, 11, 1234));
     TEST_ASSERT_EQUAL_INT(cam_scope_armed, s.phase);
     TEST_ASSERT_EQUAL_INT(cam_scope_open, s.end);
     TEST_ASSERT_EQUAL_INT(cam_scope_box, s.use);
     TEST_ASSERT_EQUAL_UINT32(11, s.at);
-    TEST_ASSERT_EQUAL_UINT32(5, s.most_rows);
-    TEST_ASSERT_EQUAL_UINT32(0, s.oldest + s.n_rows + s.n_before + s.to_row);
-    TEST_ASSERT_EQUAL_UINT32(0, s.faults + s.n_lost);
+    TEST_ASSERT_EQUAL_UINT32(5, s.ring.most_rows);
+    TEST_ASSERT_EQUAL_UINT32(0, s.ring.oldest + s.ring.n_rows + s.ring.n_before + s.to_row);
+    TEST_ASSERT_EQUAL_UINT32(0, s.ring.faults + s.ring.n_lost);
     TEST_ASSERT_EQUAL_UINT32(10, s.number);
     TEST_ASSERT_EQUAL_UINT32(1234, s.start_tick);
-    TEST_ASSERT_EQUAL_UINT32(1234, s.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(1234, s.ring.first_tick);
     TEST_ASSERT_EQUAL_UINT32(1234, s.last_tick);
-    TEST_ASSERT_EQUAL_UINT32(1234, s.trigger_tick);
+    TEST_ASSERT_EQUAL_UINT32(1234, s.ring.trigger_tick);
     TEST_ASSERT_FALSE(s.last.is_there);
 }
 

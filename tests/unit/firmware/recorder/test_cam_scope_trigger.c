@@ -70,12 +70,12 @@ static void expect_recording(uint32_t at, uint32_t before, uint32_t rows)
     }
     const uint32_t n_before = least(at, before);
     TEST_ASSERT_EQUAL_INT(cam_scope_full, scope.end);
-    TEST_ASSERT_EQUAL_UINT32(first + at, scope.trigger_tick);
-    TEST_ASSERT_EQUAL_UINT32(n_before, scope.n_before);
-    TEST_ASSERT_EQUAL_UINT32(n_before + rows - before, scope.n_rows);
-    TEST_ASSERT_EQUAL_UINT32(first + at - n_before, scope.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(first + at, scope.ring.trigger_tick);
+    TEST_ASSERT_EQUAL_UINT32(n_before, scope.ring.n_before);
+    TEST_ASSERT_EQUAL_UINT32(n_before + rows - before, scope.ring.n_rows);
+    TEST_ASSERT_EQUAL_UINT32(first + at - n_before, scope.ring.first_tick);
     const int32_t *words = rows_by(1 + at % 9u);
-    for (uint32_t k = 0; k < scope.n_rows; k++) {
+    for (uint32_t k = 0; k < scope.ring.n_rows; k++) {
         const uint32_t i = at - n_before + k;
         TEST_ASSERT_EQUAL_INT32(first + i, words[2u * k]);
         TEST_ASSERT_EQUAL_INT32(i < at ? 999 - (int32_t)i : 1000 + (int32_t)i, words[2u * k + 1u]);
@@ -107,13 +107,13 @@ static void test_rows_far_apart_tell_the_tick_of_the_trigger(void)
             take(i, i == at ? 1000 : 0); // for one tick only
         }
         TEST_ASSERT_EQUAL_INT(cam_scope_full, scope.end);
-        TEST_ASSERT_EQUAL_UINT32(at, scope.trigger_tick);
-        TEST_ASSERT_EQUAL_UINT32(least((at + 2u) / 3u, 4), scope.n_before);
+        TEST_ASSERT_EQUAL_UINT32(at, scope.ring.trigger_tick);
+        TEST_ASSERT_EQUAL_UINT32(least((at + 2u) / 3u, 4), scope.ring.n_before);
         const int32_t *words = rows_by(most_bytes);
-        const uint32_t behind = (uint32_t)words[2u * scope.n_before];
+        const uint32_t behind = (uint32_t)words[2u * scope.ring.n_before];
         TEST_ASSERT_TRUE(behind >= at && behind < at + 3u);
-        for (uint32_t k = 0; k < scope.n_rows; k++) {
-            TEST_ASSERT_EQUAL_UINT32(scope.first_tick + 3u * k, words[2u * k]);
+        for (uint32_t k = 0; k < scope.ring.n_rows; k++) {
+            TEST_ASSERT_EQUAL_UINT32(scope.ring.first_tick + 3u * k, words[2u * k]);
         }
     }
 }
@@ -125,7 +125,7 @@ static void test_without_rows_before_it_the_first_row_is_that_of_the_trigger(voi
     for (uint32_t i = 0; i < 300u; i++) {
         take(i, i >= 17u ? 1000 : 0);
     }
-    TEST_ASSERT_EQUAL_UINT32(17, scope.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(17, scope.ring.first_tick);
     TEST_ASSERT_EQUAL_INT32(24, rows_by(most_bytes)[2]);
 }
 
@@ -142,15 +142,15 @@ static void test_a_gap_before_the_trigger_empties_the_ring(void)
         take(i, i >= 28u ? 1000 : 0);
     }
     TEST_ASSERT_EQUAL_INT(cam_scope_recording, scope.phase);
-    TEST_ASSERT_EQUAL_UINT32(3, scope.n_before);
-    TEST_ASSERT_EQUAL_UINT32(25, scope.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(3, scope.ring.n_before);
+    TEST_ASSERT_EQUAL_UINT32(25, scope.ring.first_tick);
     take(31, 0);
     TEST_ASSERT_EQUAL_INT(cam_scope_gap, scope.end);
-    TEST_ASSERT_EQUAL_UINT32(2, scope.n_lost);
+    TEST_ASSERT_EQUAL_UINT32(2, scope.ring.n_lost);
     plan.before = 0;
     begin(40); // with nothing of what was before
-    TEST_ASSERT_EQUAL_UINT32(0, scope.n_before);
-    TEST_ASSERT_EQUAL_UINT32(0, scope.n_rows);
+    TEST_ASSERT_EQUAL_UINT32(0, scope.ring.n_before);
+    TEST_ASSERT_EQUAL_UINT32(0, scope.ring.n_rows);
 }
 
 /// What is beyond the level when the ticks come again was not seen to reach it.
@@ -171,9 +171,9 @@ static void test_stop_before_the_trigger_keeps_the_rows_of_before_it(void)
     }
     cam_scope_stop(&scope);
     TEST_ASSERT_EQUAL_INT(cam_scope_stopped, scope.end);
-    TEST_ASSERT_EQUAL_UINT32(8, scope.n_rows);
-    TEST_ASSERT_EQUAL_UINT32(8, scope.n_before);
-    TEST_ASSERT_EQUAL_UINT32(12, scope.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(8, scope.ring.n_rows);
+    TEST_ASSERT_EQUAL_UINT32(8, scope.ring.n_before);
+    TEST_ASSERT_EQUAL_UINT32(12, scope.ring.first_tick);
 }
 
 static void test_every_kind_watches_its_value(void)
@@ -192,8 +192,8 @@ static void test_every_kind_watches_its_value(void)
             r.want.faults = i < 6u ? 0u : 4u;
             cam_scope_take(&scope, &r);
         }
-        TEST_ASSERT_EQUAL_UINT32(106, scope.trigger_tick);
-        TEST_ASSERT_EQUAL_UINT32(4, scope.faults);
+        TEST_ASSERT_EQUAL_UINT32(106, scope.ring.trigger_tick);
+        TEST_ASSERT_EQUAL_UINT32(4, scope.ring.faults);
     }
 }
 

@@ -202,7 +202,7 @@ static void test_the_ring_is_left_alone_when_nobody_waits(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(&rig.machine));
     cam_machine_scope_poll(&rig.machine);
     TEST_ASSERT_EQUAL_INT(cam_scope_done, rig.machine.scope.phase);
-    TEST_ASSERT_EQUAL_UINT32(now + 1u, rig.machine.scope.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(now + 1u, rig.machine.scope.ring.first_tick);
     cam_tick_record_t left;
     TEST_ASSERT_TRUE(cam_trace_pop(&g_cam.trace, &left)); // behind the last row
     TEST_ASSERT_EQUAL_UINT32(now + 3u, left.tick);
@@ -221,7 +221,7 @@ static void test_recorder_and_samples_share_the_records(void)
     write_ring(now + 11u, 100);
     cam_machine_scope_poll(&rig.machine);
     TEST_ASSERT_EQUAL_INT(cam_scope_full, rig.machine.scope.end);
-    TEST_ASSERT_EQUAL_UINT32(now + 11u, rig.machine.scope.first_tick);
+    TEST_ASSERT_EQUAL_UINT32(now + 11u, rig.machine.scope.ring.first_tick);
     TEST_ASSERT_EQUAL_UINT32(3, rig.machine.strobe.n_in);
     TEST_ASSERT_EQUAL_UINT32(0, rig.machine.strobe.n_lost);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_trigger.h"
+#include "cam_scope.h"
 #include "unity.h"
 
 void setUp(void) {}

@@ -153,12 +153,12 @@ static void test_heartbeats_lost_in_manual_brake_the_axes(void)
     f.rig.is_silent = true;
     for (uint32_t i = 0; i < 20000u - 40u; i++) { // what a step needs to go on, but no heartbeat
         if (i % 2000u == 0u) {
-            cam_machine_jog_alive(&f.rig.machine);
+            cam_machine_keep_alive(&f.rig.machine);
         }
         fixture_can_loop(&f, 1);
     }
     TEST_ASSERT_NOT_EQUAL(0, f.rig.last.out[hal_axis_x].vel_q10);
-    cam_machine_jog_alive(&f.rig.machine);
+    cam_machine_keep_alive(&f.rig.machine);
     fixture_can_loop(&f, 2000);
     TEST_ASSERT_EQUAL_INT32(0, f.rig.last.out[hal_axis_x].vel_q10);
     TEST_ASSERT_EQUAL_INT(cam_jog_stopped, fixture_rig_status(&f.rig).jog.end);

@@ -169,7 +169,7 @@ static void test_pieces_of_a_ring_are_in_order(void)
     expect(cam_err_scope_on, 0, read_scope, 0, 1 << 24);
     fixture_can_loop(&f, 1800);
     TEST_ASSERT_EQUAL_INT(cam_scope_full, s->end);
-    TEST_ASSERT_GREATER_THAN_UINT32(0, s->oldest);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, s->ring.oldest);
     for (int way = 0; way < 2; way++) {
         (void)ask_by(way == 0 ? read_scope : read_scope_fd, 0, 252);
         TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_answer(&last).result);
@@ -177,7 +177,7 @@ static void test_pieces_of_a_ring_are_in_order(void)
         for (uint32_t i = 0; i < n_words; i++) {
             uint32_t tick = 0;
             memcpy(&tick, &piece[4u * i], sizeof tick);
-            TEST_ASSERT_EQUAL_UINT32(s->first_tick + i, tick);
+            TEST_ASSERT_EQUAL_UINT32(s->ring.first_tick + i, tick);
         }
         TEST_ASSERT_EQUAL_HEX32(cam_crc32(0, piece, n_words * 4u),
                                 (uint32_t)fixture_can_answer(&last).value);
@@ -226,7 +226,8 @@ static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
     n_piece = 0;
     fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(255u << 24));
     go_on(10);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_start(&f.rig.machine.scope, 0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&f.rig.machine.scope, &f.rig.machine.scope.set,
+                                                  cam_scope_user, 0, 0));
     go_on(10);
     TEST_ASSERT_EQUAL_INT32(cam_err_scope_range, fixture_can_answer(&last).result);
     TEST_ASSERT_EQUAL_INT32(0, fixture_can_answer(&last).value);

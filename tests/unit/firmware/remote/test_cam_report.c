@@ -192,7 +192,7 @@ static void test_recorder_is_told(void)
 {
     m->scope.use = cam_scope_box;
     m->scope.phase = cam_scope_recording;
-    m->scope.faults = 0x87654321u;
+    m->scope.ring.faults = 0x87654321u;
     expect(cam_scope_box, 22, 8, 8);
     expect(cam_scope_recording, 22, 16, 8);
     expect(0x87654321u, 22, 32, 32);

@@ -117,7 +117,7 @@ static void test_params_are_those_that_are_known(void)
 }
 
 #define SIGNAL(name, value, what) #name " "
-#define FIELD(name, is_set, what) #name " " #is_set " "
+#define FIELD(name, is_set, value, what) #name " " #is_set " "
 
 /// The numbers of signals and fields are part of the CAN protocol: new ones come last. Who means to
 /// add one changes the number here.

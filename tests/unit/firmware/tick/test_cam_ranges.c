@@ -171,7 +171,6 @@ static void pass(uint32_t n)
             cam_machine_poll(&rig.machine);
         }
         cam_machine_keep_alive(&rig.machine);
-        cam_machine_jog_alive(&rig.machine);
         walk_state(&g_cam);
         visited |= UINT32_C(1) << (uint32_t)rig.last.want.state;
     }
