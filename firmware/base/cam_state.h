@@ -9,7 +9,7 @@
 // clang-format off
 /// States of the machine. The interrupt owns the state; the slow side only requests changes.
 ///
-///     off --enable--> homing --index--> ready --start--> engaging --> cutting --> disengaging --> ready
+///     off --enable--> homing --index found--> ready --start--> engaging --> cutting --> disengaging --> ready
 ///                                       ready --start, rehearse_turns > 0--> rehearsing --> engaging
 ///     homing, ready --disable--> off
 ///     engaging, cutting --stop--> disengaging; while the axes approach: ready
@@ -18,19 +18,22 @@
 ///     ready --identify--> identifying --end of the wave, stop--> ready
 ///     off --manual--> manual --disable, as soon as the axes rest--> off
 ///     any but off --fault--> fault --reset, after the retract--> off
+///
+/// Homing ends when the index is found, the spindle turns and the axes rest. Hold and resume are no
+/// requests: the configuration sets the feed override to 0 and back.
 // clang-format on
 typedef enum {
     cam_state_off,         ///< drives not enabled, set-points follow the measured axes
-    cam_state_homing,      ///< enabled, U retracts, spindle turns until the index is found
+    cam_state_homing,      ///< enabled, U retracts, the spindle's index is searched
     cam_state_ready,       ///< angle known, tool retracted from the workpiece
     cam_state_engaging,    ///< the axes approach, then depth and amplitude rise
     cam_state_cutting,     ///< full amplitude, Z feeds
-    cam_state_disengaging, ///< depth and amplitude fall while Z stands still
+    cam_state_disengaging, ///< depth and amplitude fall while Z rests
     cam_state_fault,       ///< retracting or retracted, latched until reset
     cam_state_rehearsing,  ///< X stays clear while the section of the first height plays
     cam_state_identifying, ///< as ready, but U plays a downloaded wave about its position
     cam_state_manual,      ///< enabled, spindle at rest, axes are jogged and homed
-    cam_state_holding,     ///< as cutting, but the feed is held and Z stands still
+    cam_state_holding,     ///< as cutting, but Z rests
     cam_n_states
 } cam_state_t;
 
@@ -42,8 +45,8 @@ static inline bool cam_state_is_in_work(cam_state_t state)
            state == cam_state_holding;
 }
 
-/// Requests of the slow side to the interrupt, which carries one out in the next tick if the state
-/// allows it and ignores it otherwise.
+/// Requests of the slow side to the interrupt, which obeys one in the next tick if the state allows
+/// it (the stop of a cut in the next plan) and ignores it otherwise.
 typedef enum {
     cam_request_none,
     cam_request_enable,
@@ -67,7 +70,7 @@ typedef enum {
     X(lost_counts, "encoder counts lost or gained between two index edges")                        \
     X(index_missing, "no index edge where one was due")                                            \
     X(reverse, "spindle turns against the sense of cutting")                                       \
-    X(spindle_stopped, "spindle stopped in the cut")                                               \
+    X(spindle_stopped, "the spindle does not turn")                                                \
     X(overspeed, "spindle faster than this table allows")                                          \
     X(following_error, "U does not follow")                                                        \
     X(setpoint_speed, "U set-point moves faster than U can")                                       \

@@ -24,7 +24,7 @@ typedef struct {
 typedef struct {
     cam_err_t err;   ///< error that reports an excess
     int64_t limit;   ///< in the unit that cam_feasibility_t gives for err
-    uint64_t needed; ///< in the same unit, rounded up; it never falls with rising speed or feed
+    uint64_t needed; ///< in the same unit, rounded up; it never decreases as speed or feed rises
 } cam_demand_t;
 
 static inline int64_t cam_cut_smaller(int64_t a, int64_t b)

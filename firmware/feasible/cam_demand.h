@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_demand: what a cut demands of every axis, compared with what the machine can do.
 ///
-/// A limit is the smaller of the machine's parameter and of the limit that the table was made for.
+/// A limit is the smaller of the machine's parameter and the limit for which the table was made.
 /// The table guarantees peaks of u, u' and u''; at a spindle speed omega, U needs the speed
 /// u' omega and the acceleration u'' omega^2. cam_z_coupling.h adds the effect of the feed,
-/// cam_command.h that of the feed-forward. When another controller moves Z, its feed is that of the
-/// parameters or of the table. Context: slow side, integers only.
+/// cam_command.h that of the feed-forward. If another controller moves Z, its feed is taken to
+/// be feed_nm or, if that is 0, the table's. Context: slow side, integers only.
 #ifndef CAM_DEMAND_H
 #define CAM_DEMAND_H
 

@@ -12,18 +12,18 @@
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // int32_t, uint32_t
 
-/// [Hz] From this tick rate on a measured U is recent enough for a limit derived from the part.
-/// Slower ticks belong to field buses, whose measurements are some ticks old.
+/// [Hz] At this tick rate or above, measurements of U are recent enough for a limit derived from
+/// the part. Slower ticks belong to field buses, whose measurements are some ticks old.
 enum { cam_derived_limits_least_hz = 10000 };
 
 /// Outside the cut every axis uses a quarter of its speed and of its acceleration.
 enum { cam_derived_limits_approach_share = 4 };
 
-/// Largest deviation of a tick's counts from the observer's prediction: twice that of a spindle at
-/// its highest acceleration with a ripple of a hundredth of its highest speed, 4 counts of
-/// quantisation, and index_tolerance_counts for the encoder's jitter; at least 8 counts and the
-/// jitter.
-/// @return [counts] jump_window_counts, or where that is 0 the derived one, at most 2^30
+/// Largest accepted difference between the counts of a tick and the observer's prediction: twice
+/// what full acceleration of the spindle and a speed ripple of 1 % of its highest speed cause, plus
+/// 4 counts of quantisation, at least 8; plus index_tolerance_counts for the encoder's jitter.
+/// @return [counts] jump_window_counts, or if that is 0 the derived one, at most 2^30; cam_build.c
+///         limits both to a quarter turn
 /// Source: MATHS.md (166).
 int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick_hz);
 
@@ -41,8 +41,9 @@ int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_ta
 int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_table_t *table,
                                        uint32_t tick_hz);
 
-/// @return [mHz] default bandwidth of the observer: the wanted one, but at most a twentieth of the
-///         tick rate, at which a tick corrects two thirds of an angle error
+/// @return [mHz] default bandwidth of the observer: the requested one, limited to a twentieth of
+/// the
+///         tick rate, where one tick corrects two thirds of an angle error
 int32_t cam_derived_limits_usual_mHz(int32_t wanted_mHz, uint32_t tick_hz);
 
 /// @return the largest value of a parameter that fits the tick rate, and for the speeds of X and Z
@@ -52,7 +53,7 @@ int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz);
 /// Check what the interrupt relies on: the history reaches back over the lead and the latency of
 /// U's scale, the observer is slower than the tick, feed-forward gains fit 15 integer bits.
 /// The outputs of X and Z can transmit their speeds. The feed-forward keeps the command of U within
-/// its limits, and every jerk has a window (cam_gains.h).
+/// its limits, and every jerk limit has a filter window (cam_gains.h).
 /// @return cam_ok, cam_err_param_tick, cam_err_param_output, cam_err_jerk or cam_err_gain
 CAM_MUST_USE cam_err_t cam_derived_limits_check(const cam_params_t *params, uint32_t tick_hz);
 

@@ -3,9 +3,10 @@
 /// time.
 ///
 /// Two probes of different size give U's response G to a correction. A harmonic at which U responds
-/// weakly or not in proportion is masked. Then c <- c + mu E / G. A guard keeps the smallest error
-/// of each harmonic with its correction; an error 1.5 times as large restores that correction and
-/// halves the gain, and the fourth time masks the harmonic. The correction is for full amplitude.
+/// weakly or not in proportion is masked. Then c <- c + mu E / G. For each harmonic but the mean,
+/// the smallest error is kept with its correction; an error 1.5 times as large, and above the noise
+/// floor, restores that correction and halves mu, and the fourth time masks the harmonic. The
+/// correction is for full amplitude.
 /// Source: MATHS.md (142) .. (144). Context: slow side.
 #ifndef CAM_HARMONIC_CORRECTION_H
 #define CAM_HARMONIC_CORRECTION_H
@@ -17,7 +18,7 @@
 
 enum { cam_harmonic_terms = cam_harmonics_most + 1 };
 
-/// State; zero-initialised corrects nothing.
+/// State, made by cam_harmonic_correction_forget().
 typedef struct {
     cam_complex_t c_q6[cam_harmonic_terms]; ///< [nm / 64] the correction
     struct {
@@ -26,16 +27,16 @@ typedef struct {
     } kept[cam_harmonic_terms];           ///< correction of the smallest error; while probing: the
                                           ///< error without a probe
     uint32_t best_q6[cam_harmonic_terms]; ///< [nm / 64] the smallest error, UINT32_MAX: none
-    cam_gain_t gain[cam_harmonic_terms];  ///< response of U
-    uint8_t n_halved[cam_harmonic_terms]; ///< times that the guard halved the gain
+    cam_gain_t gain[cam_harmonic_terms];  ///< response G of U
+    uint8_t n_halved[cam_harmonic_terms]; ///< times that mu was halved
     uint32_t masked;                      ///< bit k
     bool is_probed;
 } cam_harmonic_correction_t;
 
-/// Clear the correction, the responses and the guard.
+/// Clear the correction, the responses and the smallest errors.
 void cam_harmonic_correction_forget(cam_harmonic_correction_t *s);
 
-/// Restart the guard, because the cutting conditions have changed.
+/// Forget the smallest errors, because the cutting conditions have changed.
 void cam_harmonic_correction_restart_guard(cam_harmonic_correction_t *s);
 
 /// Replace the correction by a probe, p e^(j pi k^2 / n) at harmonic k: its crest factor is low.
@@ -53,7 +54,7 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
 /// @param error_q6  [nm / 64] at full amplitude
 /// @param floor_q6  [nm / 64] noise floor of the scale
 /// @param mu_q16    learning gain, 0 .. 2^16
-/// @param room_q6   [nm / 64] largest change of the correction
+/// @param room_q6   [nm / 64] a larger change of the correction is discarded
 void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
                                    uint32_t floor_q6, int32_t mu_q16, uint32_t room_q6);
 

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_feed_motion: feed over the turns of a cut, with override and hold.
 ///
-/// The feed rate, 1 as programmed, changes by 1 over `feed_ramp_turns`: from rest to the override,
-/// from one override to the next, and to rest for the end, a hold or a stop. Ramps never overlap,
-/// so Z never accelerates more than in the plain cut, whatever the override. A change of the rate
+/// The feed rate, 1 as programmed, ramps by 1 per `feed_ramp_turns` turns: from rest to the
+/// override, from one override to the next, and to rest for the end, a hold or a stop. Ramps never
+/// overlap, so Z never accelerates more than in the plain cut, whatever the override. A change of
+/// the rate
 ///
 ///     from .. to    rate -> to_rate     parabola of what is fed
 ///     .. brake      to_rate             straight line
 ///     brake .. end  to_rate -> 0        parabola
 ///
 /// is scheduled at master positions that are not yet commanded. The feed at any position follows
-/// exactly from these numbers alone. A request during a ramp waits for its end; the ramp at the end
-/// of the part is final. The feed comes to rest at a whole turn.
+/// exactly from these numbers alone. A new rate waits until a ramp has ended, but a hold is
+/// scheduled at once and brakes after the ramp; the ramp at the end of the part is final. The feed
+/// comes to rest at a whole turn.
 ///
 /// A ring-helix has no other rate than its own: it rests at the begin of a ring, for whole turns,
 /// and continues with that ring. Source: MATHS.md (175) .. (177). Context: ISR, constant time.
@@ -35,7 +37,8 @@ typedef struct {
     bool is_held;                ///< the rest is a hold, not the end of the part
 } cam_feed_motion_t;
 
-/// Schedule the feed of a whole part at the rate of the configuration.
+/// Schedule the feed of a whole part at the rate of the configuration, or at a lower one if the
+/// part is too short for its ramps.
 /// @param at_q32  [turn] master position where the feed begins, a whole turn
 void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t at_q32);
 
@@ -43,7 +46,8 @@ void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cf
 int32_t cam_feed_motion_fed_nm_isr(const cam_feed_motion_t *c, const cam_play_config_t *cfg,
                                    int64_t pos_q32);
 
-/// Carry out a new rate of the configuration, unless a ramp is in progress.
+/// Apply the rate of the configuration if it has changed. Called in every plan: during a ramp a new
+/// rate stays pending.
 /// @param now_q32   [turn] master position; earlier positions are never read again
 /// @param next_q32  [turn] first whole turn that is not yet commanded
 void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg,

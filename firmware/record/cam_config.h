@@ -37,23 +37,23 @@ typedef struct {
     int32_t max_counts;               ///< [counts / tick] a quarter turn
     uint32_t tick_clocks;             ///< [1 / clock_hz] period
     uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
-    uint32_t on_time_clocks;          ///< [1 / clock_hz] width of what counts as on time
+    uint32_t on_time_clocks;          ///< [1 / clock_hz] width of the window of periods on time
     uint32_t late_clocks;             ///< [1 / clock_hz] a longer period is a fault
-    uint32_t most_clocks;             ///< [1 / clock_hz] a longer period counts as this one
+    uint32_t most_clocks;             ///< [1 / clock_hz] longer periods are clamped to this
     uint32_t ticks_per_clock_q27;     ///< [ticks per unit of the time stamp]
     uint32_t stamp_clocks;            ///< [1 / clock_hz] an edge older than this minus a tick is
                                       ///< not used; 0: edges have no time stamps
 } cam_spindle_config_t;
 
-/// Powers of two that scale the table's U to nm / 64 and nm / 1024.
+/// Fixed-point scaling of the table's U to nm / 64 and nm / 1024.
 typedef struct {
     uint32_t speed_shift; ///< speed << this is below 2^30
     int32_t offset;       ///< value at p = 0 in the unit of y
     uint32_t scale_down;  ///< scale_q30 >> this makes the factor of y
     uint32_t y_up, v_up;  ///< shifts of the high words of the products
-    uint32_t a_down;      ///< of d2 before, and
-    uint32_t a_shift;     ///< of the product
-    uint32_t alpha_shift; ///< of the acceleration that the spindle is commanded
+    uint32_t a_down;      ///< right shift of d2 before the multiplication
+    uint32_t a_shift;     ///< right shift of the product
+    uint32_t alpha_shift; ///< right shift for the commanded acceleration of the spindle
 } cam_u_scale_t;
 
 /// Limits of the return of the swing to 0.
@@ -66,17 +66,17 @@ typedef struct {
 /// Configuration of cam_swing.h.
 typedef struct {
     bool is_swung;             ///< the table swings the tool and there is an axis for it
-    int32_t ahead_q16;         ///< [ticks] from a plan to the end of its line, lag included
+    int32_t ahead_q16;         ///< [ticks] from a plan to the end of its interval, plus the lag
     int32_t lag_q16;           ///< [ticks] of the drive
-    int32_t ahead2;            ///< [ticks^2] factor of the spindle's acceleration until then
+    int32_t ahead2;            ///< [ticks^2] factor of the spindle's acceleration over that time
     int32_t following_q32;     ///< [turn / 2^32] accepted following error
     int32_t offset_q30;        ///< [turn / 2^30] value of the channel at 0
-    int32_t unit_q30;          ///< what is read, twice LSB / 16, times this / 2^32 is turn / 2^30
+    int32_t unit_q30;          ///< [turn / 2^30] = value read [2 LSB / 16] * this / 2^32
     cam_swing_limits_t gentle; ///< of the return to 0: a quarter of the machine's limits
     cam_swing_limits_t full;   ///< ... in state fault: all of them
 } cam_swing_config_t;
 
-/// Phase of an order. The number is part of the CAN protocol.
+/// Phase of a jog order. The number is part of the CAN protocol.
 typedef enum {
     cam_jog_rest,    ///< none: all axes brake and stop
     cam_jog_jog,     ///< the axis moves until the order expires
@@ -144,15 +144,16 @@ typedef struct {
     cam_u_scale_t u;
     int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
     uint32_t due_ticks;              ///< [ticks] whole ones of lead and latency of U's scale
-    int32_t due_part_q31;            ///< [ticks / 2^31] the rest
+    int32_t due_part_q31;            ///< [ticks / 2^31] their fractional part
     int32_t plan_ticks;              ///< [ticks] from plan to plan, 1 .. 80
     int32_t per_plan_q30;            ///< [1 / ticks] its reciprocal, rounded down
     int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
     int32_t u_plan_q16, xz_plan_q16; ///< [ticks] lead and lag, and to the end of a plan
-    int32_t commanded_q16;  ///< [ticks] ahead of the master: no axis is commanded beyond it
-    int32_t ratio_q16;      ///< [ticks] lead of the speed ratio
-    int32_t xz_lag2;        ///< [ticks^2] factor of the spindle's acceleration for X and Z
-    int64_t height_max_q32; ///< [slices] end of the table for U
+    int32_t commanded_q16;           ///< [ticks] look-ahead beyond the master position: no axis is
+                                     ///< commanded farther
+    int32_t ratio_q16;               ///< [ticks] lead of the speed ratio
+    int32_t xz_lag2;                 ///< [ticks^2] factor of the spindle's acceleration for X and Z
+    int64_t height_max_q32;          ///< [slices] end of the table for U
     int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
     int64_t engage_q32, disengage_q32;          ///< [turn] lengths
@@ -166,17 +167,17 @@ typedef struct {
     int32_t feed_nm;        ///< [nm] per turn
     int32_t z_first_nm;     ///< [nm] where the feed starts
     int32_t z_origin_nm;    ///< [nm] Z at height 0 of the part, in port coordinates
-    int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z, by the port
-    int32_t z_margin_nm;         ///< [nm] accepted distance of a geared Z from its place
+    int32_t z_low_nm, z_high_nm; ///< [nm] accepted range of a measured Z, in port coordinates
+    int32_t z_margin_nm;         ///< [nm] limit of the following error of a geared Z
     int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
     bool is_z_measured;
     int64_t u_retract_q10;  ///< [nm / 1024]
     int32_t x_clearance_nm; ///< [nm]
-    int32_t x_high_nm;      ///< [nm] end of X's travel by the port
-    int64_t x_clear_q10;    ///< [nm / 1024] X off the work at every height, by the port
-    int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0, by the port
+    int32_t x_high_nm;      ///< [nm] end of X's travel, in port coordinates
+    int64_t x_clear_q10;    ///< [nm / 1024] X off the work at every height, likewise
+    int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0, likewise
     cam_motion_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan
-    cam_motion_limits_t leave[hal_n_axes];    ///< full limits per plan, of X and Z in state fault
+    cam_motion_limits_t leave[hal_n_axes];    ///< full limits of X and Z in state fault, per plan
     int32_t spindle_mrpm;       ///< mean set-point, signed by the table's direction, programmed
     cam_speed_config_t speed;   ///< modulation, of a table with a speed channel
     cam_swing_config_t swing;   ///< of a table that swings the tool
@@ -262,7 +263,7 @@ typedef struct {
     cam_config_t half[2];
 } cam_config_bank_t;
 
-/// @return the half that may be written, NULL while the interrupt has not taken the last one.
+/// @return the half that may be written; NULL until the interrupt has taken the previous offer
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 
 /// Copy the newest configuration into the free half, and subtract the learned part of its gains.
@@ -288,7 +289,8 @@ static inline const cam_config_t *cam_config_take_isr(cam_config_bank_t *bank)
 {
     const cam_config_t *offered = atomic_load_explicit(&bank->offered, CAM_ORDER_ACQUIRE);
     cam_fence_acquire_isr();
-    cam_fence_release_isr(); // the last tick has read the other half before this one gives it back
+    cam_fence_release_isr(); // the previous tick has read the other half before this one releases
+                             // it
     atomic_store_explicit(&bank->in_use, offered, CAM_ORDER_RELEASE);
     return offered;
 }

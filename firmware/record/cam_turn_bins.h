@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_turn_bins: per-turn error bins for learning, and the learned tables.
 ///
-/// In every tick the interrupt adds the error of U to one of 128 bins per turn. Two banks of bins
-/// alternate from turn to turn: the bank is the lowest bit of the turn number, so a bank holds
-/// exactly one turn. While one bank fills, the slow side reads and clears the other one:
+/// In every tick outside the state fault the interrupt adds the error of U to one of 128 bins per
+/// turn. Two banks of bins alternate from turn to turn: the bank is the lowest bit of the turn
+/// number, so a bank holds exactly one turn. While one bank fills, the slow side reads and clears
+/// the other one:
 ///
 ///     turn      | k - 1      | k          | k + 1      |
 ///     interrupt | odd bank   | even bank  | odd bank   |
@@ -12,9 +13,9 @@
 /// From them the slow side computes cam_learned_t, which reaches the interrupt as a part of the
 /// configuration (cam_config_copy()): feed-forward gains, a correction c of U's command and
 /// the deviation d of the spindle from uniform rotation. Tables and bins are functions of the
-/// spindle angle; the slow side rotates them by the operator's phase. Zeros have no effect. Source:
-/// MATHS.md (135) .. (138). Context: cam_turn_bins_take() and cam_turn_bins_release(): slow side,
-/// one caller; all others: ISR, constant time.
+/// spindle angle; the slow side rotates them by the operator's phase. All-zero tables correct
+/// nothing. Source: MATHS.md (135) .. (138). Context: cam_turn_bins_take() and
+/// cam_turn_bins_release(): slow side, one caller; all others: ISR, constant time.
 #ifndef CAM_TURN_BINS_H
 #define CAM_TURN_BINS_H
 
@@ -34,18 +35,19 @@ enum {
 /// Learned values, written by the slow side, read by the interrupt. Knot i of a table is at i / 256
 /// turn of the master position, knot 256 equals knot 0; linear interpolation in between.
 typedef struct {
-    int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
-    int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward
-    int16_t c[cam_learned_points + 2];  ///< [nm] at full amplitude, added to U's command
-    int16_t d[cam_learned_points + 2];  ///< [turn / 2^23] true deviation of the spindle: its angle
-                                        ///< is that of the observer plus d
+    int32_t k1_q16;                    ///< [ticks] added to the configured velocity feed-forward
+    int32_t k2_q16;                    ///< [ticks^2] added to the acceleration feed-forward
+    int16_t c[cam_learned_points + 2]; ///< [nm] at full amplitude, added to U's command
+    int16_t d[cam_learned_points + 2]; ///< [turn / 2^23] true angle of the spindle minus that of
+                                       ///< the observer
     int16_t dm[cam_learned_points + 2]; ///< [turn / 2^23] deviation seen by the encoder: d plus
                                         ///< eccentricity, subtracted before the observer
 } cam_learned_t;
 
 /// One bin: sums over its ticks, which wrap.
 typedef struct {
-    int32_t error_q6;  ///< [nm / 64] due set-point of U minus measured U
+    int32_t error_q6;  ///< [nm / 64] due set-point of U minus measured U: the following
+                       ///< error with the opposite sign
     int32_t u_nm;      ///< [nm] due set-point, rounded down
     int32_t angle_q24; ///< [turn / 2^24] measured angle minus begin of the bin; without the learned
                        ///< correction, so it may be outside the bin
@@ -71,13 +73,13 @@ typedef struct {
 /// cleared it, so learning begins with the first call of cam_turn_bins_take().
 typedef struct {
     cam_turn_bin_t bin[2 * cam_turn_bins_n]; ///< interrupt adds, slow side clears the idle bank
-    cam_turn_t now;                          ///< interrupt only: the turn that is gathered
-    bool is_clean;                           ///< interrupt only: its bank was empty at its begin
+    cam_turn_t now;                          ///< interrupt only: the current turn
+    bool is_clean;                           ///< interrupt only: its bank was clean when it began
     cam_turn_t closed[2];                    ///< interrupt writes: the last turn of each bank
-    _Atomic uint32_t closed_turn[2]; ///< interrupt writes: its number + 2^24, 0 when it is no good
-    _Atomic uint32_t at_q8;          ///< interrupt writes: [turn / 256] position at the last plan
-    _Atomic uint32_t cleared[2];     ///< slow side writes: turn + 2^24 for which a bank is empty
-    uint32_t taken;                  ///< slow side only: turn + 2^24 that was taken last
+    _Atomic uint32_t closed_turn[2];         ///< interrupt writes: its number + 2^24, 0 if invalid
+    _Atomic uint32_t at_q8;      ///< interrupt writes: [turn / 256] position at the last plan
+    _Atomic uint32_t cleared[2]; ///< slow side writes: turn + 2^24 for which a bank is empty
+    uint32_t taken;              ///< slow side only: turn + 2^24 that was taken last
 } cam_turn_bins_t;
 
 /// Add a commanded tick to its bin, except in state fault.
@@ -131,15 +133,16 @@ static inline uint32_t cam_learned_turn_q32(const int16_t *table, cam_learned_pl
 /// Once per plan: on a new turn, close the last one and open the new one.
 void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, const cam_motion_t *m);
 
-/// Take the bank of the last turn, if it holds exactly that turn; otherwise clear the idle bank for
-/// the next turn. Call it at least three times a turn.
+/// Take the bank of the previous turn, once, if it holds exactly that turn; otherwise clear the
+/// idle bank for the next turn. Call it at least three times a turn.
 /// @param turn  result
-/// @return      128 bins, bin i from i / 128 turn of the master position on, NULL for none; valid
-///              until cam_turn_bins_release()
+/// @return      128 bins, bin i from i / 128 turn of the master position on, valid until
+///              cam_turn_bins_release(); NULL if there is no such turn
 const cam_turn_bin_t *cam_turn_bins_take(cam_turn_bins_t *g, cam_turn_t *turn);
 
-/// Clear a bank and give it back. @return false if more than three quarters of a turn late: the
-/// data may have been overwritten while it was read and must be discarded.
+/// Clear a bank and give it back.
+/// @return false if called later than three quarters into the next turn: the data may have been
+///         overwritten while it was read and must be discarded
 bool cam_turn_bins_release(cam_turn_bins_t *g);
 
 #endif

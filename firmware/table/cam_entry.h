@@ -16,12 +16,12 @@
 /// Kind of a channel, as stored in its entry.
 enum {
     cam_kind_u = 1,       ///< radius reduction over angle and height
-    cam_kind_x = 2,       ///< long half axis over height
+    cam_kind_x = 2,       ///< semi-major axis over height
     cam_kind_speed = 3,   ///< speed ratio of the spindle over angle and height
     cam_kind_swing = 4,   ///< lobe: swing angle of the tool over angle and height
     cam_kind_contact = 5, ///< lobe: angle of the contact on the wheel, reported, not played
     cam_kind_lobes = 6,   ///< position of each lobe on the shaft and the slice it plays
-    cam_kind_way = 7,     ///< lead of Z over a plain helix, over the helix's height
+    cam_kind_way = 7,     ///< Z in advance of a plain helix, over the helix's height
     cam_kind_passes = 8,  ///< records of the passes in which the part is cut
     cam_kind_newer = 6,   ///< kinds from here on need version 1.1
 };

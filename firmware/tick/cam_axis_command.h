@@ -6,12 +6,14 @@
 ///     command of U = set-point + k1 speed + k2 acceleration + correction
 ///
 /// X and Z are commanded to their set-points. Every command is checked before it is written:
-/// position, step and change of step of U in every tick; speed and change of speed of X and Z in
+/// position, speed and acceleration of U in every tick; speed and change of speed of X and Z in
 /// every plan, which fixes them until the next one. A command beyond its limits raises the fault
-/// `command`, and the nearest position within the limits is written instead.
+/// `command`. U then gets the nearest position within its limits; X and Z keep the motion of the
+/// previous plan. In off nothing is refused.
 ///
-/// In the tick of a fault the command of U continues with its last step. Its difference from the
-/// command of the retract (a learned correction or a wave) fades over the next ticks.
+/// In the tick of a fault the command of U continues with its last step plus the acceleration of
+/// its set-point. Its difference from the command of the retract (a learned correction or a wave)
+/// fades over the next ticks.
 /// Source: MATHS.md (56), (189), (213). Context: ISR.
 #ifndef CAM_AXIS_COMMAND_H
 #define CAM_AXIS_COMMAND_H
@@ -40,10 +42,10 @@ CAM_MUST_USE bool cam_axis_command_isr(cam_axis_command_t *t, const cam_axis_com
                                        cam_tick_record_t *r, const cam_motion_t *m);
 
 /// Command the axes after a refusal: U moves to the position within its limits that is nearest to
-/// the refused one or, in the tick of a new fault, to the refused continuation of its last step.
-/// The difference from the command of the retract fades. If the limits contradict one another,
-/// position outranks acceleration, and step outranks position (U beyond its stroke): U never jumps
-/// and never moves farther out.
+/// the refused one, or in the first tick of a fault to a repetition of its last step. The
+/// difference from the command of the retract fades. If the limits contradict one another, speed
+/// takes precedence over the stroke, and the stroke over acceleration: U never jumps, and beyond
+/// its stroke it never moves farther out.
 /// @param r, m  in state fault
 void cam_axis_command_nearest_isr(cam_axis_command_t *t, const cam_axis_command_config_t *cfg,
                                   cam_tick_record_t *r, const cam_motion_t *m);

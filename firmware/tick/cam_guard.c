@@ -57,7 +57,8 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                             const cam_tick_record_t *r)
 {
     const int32_t speed_q32 = r->angle.speed_q32;
-    const bool is_homing = r->want.state == cam_state_homing; // then reverse counts as standing
+    const bool is_homing =
+        r->want.state == cam_state_homing; // then reverse rotation counts as standstill
     const uint32_t most_ticks = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
     count_new(g);
     const bool is_watched = (cam_guard_armed(r->want.state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
@@ -69,7 +70,7 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
            (speed_q32 > cfg->overspeed_q32 ? CAM_FAULT_BIT(overspeed) : 0u);
 }
 
-/// @return all faults of a tick, armed or not
+/// @return all faults of a tick, whether armed or not
 static uint32_t faults_of(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
                           bool is_playing, int32_t step_q6)
 {
@@ -110,7 +111,7 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
 }
 
 /// Replace the set-points of play by those of the retract. The drives stay enabled until it has
-/// ended, unless one of them is not ready.
+/// ended or one of them is not ready.
 static void write_retract(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m)
 {
     const bool is_held = !m->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
@@ -147,8 +148,8 @@ static void latch(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record
     write_retract(g, r, m);
 }
 
-/// After the tick of the fault U retracts (if it was jogged: brakes) while the plan moves the other
-/// axes off. The enable drops when all axes rest.
+/// In the ticks after a fault U retracts (in manual it brakes) while the plan moves the other axes
+/// off. The drives are disabled when all axes are at rest.
 static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                     cam_motion_t *m)
 {

@@ -2,8 +2,9 @@
 /// cam_guard: detects faults and retracts the tool.
 ///
 /// Every tick the guard compares set-points and readings with the limits. It latches a fault that
-/// is armed in the present state and takes over U: in that tick U continues at the speed of its
-/// last step, because its new set-point is not trusted, and the spindle's set-point becomes 0. From
+/// is armed in the present state and takes over U: in that tick U continues with the speed and
+/// acceleration of its last step, because its new set-point is not trusted, and the spindle's
+/// set-point becomes 0. From
 /// the next tick on U retracts within its limits, X moves off by the clearance, Z brakes; then the
 /// enable drops. If a drive is not ready, the enable drops at once. FAULTS.md lists detection time,
 /// reaction and remedy of each fault. Context: ISR unless noted.

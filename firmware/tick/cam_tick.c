@@ -17,7 +17,8 @@ static cam_tick_record_t *begin_isr(cam_t *c, const cam_config_t *cfg)
     return r;
 }
 
-/// Take a measured position. Beyond cam_sense_most_nm it is limited and the drive is not ready.
+/// Take a measured position. Beyond cam_sense_most_nm it is clamped, and the drives are reported as
+/// not ready.
 static void sense_axis(cam_sense_t *in, hal_axis_t axis, int32_t nm)
 {
     int32_t taken_nm = nm;
@@ -41,8 +42,7 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Counts -> angle, table -> set-points, faults -> retract, feed-forward and last limits. A command
-/// beyond these limits raises its fault in the same tick.
+/// Observe, play, guard, command. A refused command raises the fault `command` in the same tick.
 static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->config = cfg->generation;
@@ -69,8 +69,8 @@ static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
     hal_spindle_write_isr(r->want.spindle_mrpm);
 }
 
-/// Plan the axes: jogged in the state manual, otherwise by the table or to rest. Homing may shift
-/// U's origin, which moves every position of U by the same amount.
+/// Plan the axes: in manual jog them, otherwise follow the table or position them. Finding U's home
+/// in manual shifts U's origin, and with it every position of U by the same amount.
 static void plan_by_state(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     if (c->motion.state != cam_state_manual) {
@@ -86,8 +86,8 @@ static void plan_by_state(cam_t *c, const cam_config_t *cfg, const cam_tick_reco
     }
 }
 
-/// What changes slowly. The next tick acts on its faults. A function of its own in every image, so
-/// that its path and its stack are bounded apart from the tick (tools/elfcheck).
+/// Run the plan. Its faults take effect in the next tick. Not inlined, so that tools/elfcheck
+/// bounds its path and its stack apart from the tick.
 static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg,
                                                const cam_tick_record_t *r)
 {
