@@ -264,14 +264,14 @@ bool cam_machine_load_params(cam_machine_t *m)
 cam_err_t cam_machine_save_params(cam_machine_t *m)
 {
     static char text[cam_param_store_most_bytes];
-    const hal_params_t kept = hal_params_kept();
     cam_params_t params = m->params;
     forget_overrides(&params);
     cam_err_t err = cam_machine_may_exchange(m);
     if (err == cam_ok && cam_machine_status(m).state != cam_state_off) {
         err = cam_err_state;
     }
-    if (err == cam_ok) { // does the level allow these limits and constants at the next power-on?
+    if (err == cam_ok) { // the level must allow these limits and constants at the next power-on
+        const hal_params_t kept = hal_params_kept();
         cam_params_t next = cam_machine_defaults(m->tick_hz);
         (void)cam_param_store_read(&kept, &next);
         err = check_level(m, &next, &params, cam_n_params);

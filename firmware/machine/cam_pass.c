@@ -39,8 +39,8 @@ uint32_t cam_pass_next(const cam_params_t *params, const cam_table_t *table, uin
     return params->pass > 0 || is_last ? cam_pass_first(params, table) : i + 1u;
 }
 
-/// @return [r/min / 1000] the asked speed of a pass; 0 asks for its own with the override, rounded
-///         up. A set speed replaces the table's
+/// @return [r/min / 1000] asked_mrpm; where it is 0, the speed of the pass with the override,
+///         rounded up. A speed set by the parameter replaces the table's
 static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *table,
                               uint32_t asked_mrpm)
 {
