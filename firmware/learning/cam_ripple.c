@@ -125,9 +125,12 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int3
     for (int64_t k = 1; k <= cam_harmonics_most; k++) {
         const cam_complex_t sum = {.re = cam_sat_i32(r->sum[k - 1].re - drift / (k * k)),
                                    .im = r->sum[k - 1].im};
-        const bool is_above = cam_complex_square(sum) > (uint64_t)(least * least);
-        r->mean[k - 1].re = is_above ? mean_of(sum.re, r->n) : 0;
-        r->mean[k - 1].im = is_above ? mean_of(sum.im, r->n) : 0;
+        r->mean[k - 1].re = 0;
+        r->mean[k - 1].im = 0;
+        if (cam_complex_square(sum) > (uint64_t)(least * least)) {
+            r->mean[k - 1].re = mean_of(sum.re, r->n);
+            r->mean[k - 1].im = mean_of(sum.im, r->n);
+        }
     }
     separate(r, before, speed_q36 >> 4);
     r->n_mean = r->n;
