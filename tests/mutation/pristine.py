@@ -74,6 +74,12 @@ def copy_tree(root: Path, folder: Path) -> None:
             shutil.copy(source, target)
 
 
+def test_sources(tree: Path) -> dict[str, Path]:
+    """Return the unit tests that judge mutants, by the name of their program."""
+    found = (path for name in _TEST_NAMES for path in (tree / "tests/unit").rglob(name))
+    return {path.stem: path for path in found}
+
+
 class Pristine:
     """A build of the tracked files with one preset.
 
@@ -95,9 +101,10 @@ class Pristine:
             link.parent.mkdir(exist_ok=True)
             if fetched.exists() and not link.exists():
                 link.symlink_to(fetched.resolve())
-        found = [p for name in _TEST_NAMES for p in (tree / "tests/unit").glob(f"*/{name}")]
         self.sources = {
-            path.stem: path for path in found if (root / path.relative_to(tree)).exists()
+            name: path
+            for name, path in test_sources(tree).items()
+            if (root / path.relative_to(tree)).exists()
         }
         made = run(["cmake", "--preset", preset], tree, BUILD_LIMIT_S)
         ninja = ["ninja", "-C", str(self.build), CAMSIM, *sorted(self.sources)]

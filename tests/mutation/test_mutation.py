@@ -10,6 +10,7 @@ import pytest
 from account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, figures_of, reasons, table
 from asserted import asserted, unseen
 from journal import Journal, Judged
+from pristine import test_sources as sources_of_tests
 
 RECORDED = json.loads((HERE / "figures.json").read_text(encoding="utf-8"))
 
@@ -31,6 +32,14 @@ def test_recorded_campaign_is_whole_and_notices() -> None:
     assert RECORDED["count"] == noticed + RECORDED["survived"] >= 300
     assert RECORDED["percent"] == round(100 * noticed / RECORDED["count"], 2) >= LEAST_PERCENT
     assert RECORDED["deaf_percent"] < MOST_DEAF_PERCENT
+
+
+def test_every_unit_test_of_the_firmware_judges() -> None:
+    """In whatever folder it is."""
+    root = HERE.parent.parent
+    named = {path.stem for path in (root / "tests/unit/firmware").rglob("test_cam_*.c")}
+    assert len(named) > 100
+    assert named <= set(sources_of_tests(root))
 
 
 @pytest.mark.parametrize("reason", reasons(), ids=lambda reason: f"{reason.file}: {reason.was}")
