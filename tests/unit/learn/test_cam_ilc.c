@@ -21,8 +21,6 @@ void setUp(void)
     learn_plant_init(&p, &what);
 }
 
-void tearDown(void) {}
-
 static cam_ilc_status_t status(void)
 {
     return cam_ilc_status(&p.ilc, &p.setup, p.what.tick_hz);
@@ -313,29 +311,4 @@ static void test_a_probe_cut_short_is_walked_away_from(void)
     cam_ilc_poll(&t, &setup, cam_state_ready, &nothing);
     TEST_ASSERT_EQUAL_INT32(0, t.correction.c_q6[2].re);
     TEST_ASSERT_BITS_HIGH(cam_ilc_blend_correction, t.blending);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_probe_cut_short_is_walked_away_from);
-    RUN_TEST(test_steps_are_those_of_the_state);
-    RUN_TEST(test_a_rehearsal_goes_through_its_phases);
-    RUN_TEST(test_the_next_part_begins_with_what_was_learned);
-    RUN_TEST(test_another_speed_freezes_the_correction);
-    RUN_TEST(test_all_values_are_read_and_set_again);
-    RUN_TEST(test_a_fault_in_the_probe_leaves_no_probe);
-    RUN_TEST(test_a_fault_brings_the_best_back);
-    RUN_TEST(test_nothing_is_learned_where_nothing_is_asked);
-    RUN_TEST(test_lobes_teach_the_drive_alone);
-    RUN_TEST(test_harmonics_without_the_motion_do_not_tell_the_drive);
-    RUN_TEST(test_a_shape_that_grows_from_nothing_is_learned_in_the_cut);
-    RUN_TEST(test_a_turn_of_few_ticks_teaches_the_oval);
-    RUN_TEST(test_a_turn_of_too_few_ticks_teaches_nothing);
-    RUN_TEST(test_a_turn_that_is_too_slow_teaches_nothing);
-    RUN_TEST(test_the_speed_of_the_rehearsal_ends_the_freeze);
-    RUN_TEST(test_the_correction_turns_with_the_shape);
-    RUN_TEST(test_an_even_spindle_shows_no_ripple);
-    RUN_TEST(test_what_is_forgotten_is_walked_away_from);
-    return UNITY_END();
 }

@@ -7,10 +7,6 @@
 
 enum { rehearsal_turns = 44, cut_turns = 10 };
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 typedef struct {
     uint32_t n, n_learned, n_left, n_masked, n_worse;
     double worst; ///< error with learning over that without, where it is more than noise
@@ -161,14 +157,4 @@ static void test_no_other_drive_is_made_worse(void)
         try_machine(&what, &t);
     }
     report("other drives", &t);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_no_wrong_drive_is_made_worse);
-    RUN_TEST(test_no_mode_is_driven);
-    RUN_TEST(test_no_latency_makes_it_worse);
-    RUN_TEST(test_no_other_drive_is_made_worse);
-    return UNITY_END();
 }

@@ -21,8 +21,6 @@ void setUp(void)
     begin(false);
 }
 
-void tearDown(void) {}
-
 /// The spindle turns by some counts; an edge that is passed and waited for resets the counter.
 static void turn_by(int32_t by, int32_t edge_at)
 {
@@ -114,17 +112,4 @@ static void test_step_off_forgets_the_index(void)
     TEST_ASSERT_FALSE(x.arms);
     lcn_index_step(&x, &now, turn, false);
     TEST_ASSERT_TRUE(x.arms);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_step_an_edge_that_was_waited_for_is_reported_at_its_place);
-    RUN_TEST(test_step_alone_every_edge_is_waited_for);
-    RUN_TEST(test_step_an_edge_at_the_same_place_is_an_edge);
-    RUN_TEST(test_step_shared_one_edge_is_waited_for_and_the_others_are_due);
-    RUN_TEST(test_step_shared_a_foreign_edge_is_reported_where_it_was);
-    RUN_TEST(test_step_shared_backwards_the_edges_are_due_as_well);
-    RUN_TEST(test_step_off_forgets_the_index);
-    return UNITY_END();
 }

@@ -79,14 +79,3 @@ static void test_a_folder_that_is_gone_is_told(void)
     lin_blackbox_keep(lin_blackbox_memory().words, 10, &e);
     TEST_ASSERT_NOT_NULL(strstr(e.text, file));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_without_a_file_there_is_memory_and_nothing_kept);
-    RUN_TEST(test_words_that_are_kept_are_at_the_begin_after_a_restart);
-    RUN_TEST(test_what_is_forgotten_is_not_found_again);
-    RUN_TEST(test_a_file_of_another_kind_is_told_and_not_taken);
-    RUN_TEST(test_a_folder_that_is_gone_is_told);
-    return UNITY_END();
-}

@@ -7,8 +7,6 @@ void setUp(void)
     bench_begin();
 }
 
-void tearDown(void) {}
-
 static void expect_cause(lin_loss_t loss, uint32_t node)
 {
     TEST_ASSERT_EQUAL_INT(loss, bus.cause.loss);
@@ -197,22 +195,4 @@ static void test_foreign_frames_change_nothing(void)
     hear(0x181, 8, 1, 1); // of a wrong length
     hear(0x182, 8, 1, 1);
     TEST_ASSERT_EQUAL_MEMORY(&before, &bus, sizeof bus);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_bus_is_lost_until_all_nodes_were_heard);
-    RUN_TEST(test_each_node_that_is_silent_is_named);
-    RUN_TEST(test_encoder_or_spindle_alone_leaves_the_drives_ready);
-    RUN_TEST(test_spindle_in_fault_refuses_enable);
-    RUN_TEST(test_axis_in_fault_is_not_ready_but_no_loss);
-    RUN_TEST(test_loss_is_kept_while_the_fault_is_latched);
-    RUN_TEST(test_link_that_is_down_takes_the_drives_along);
-    RUN_TEST(test_what_only_a_controller_sends_is_another_one);
-    RUN_TEST(test_whoever_comes_second_is_silent);
-    RUN_TEST(test_whoever_holds_drives_lets_go_before_it_is_silent);
-    RUN_TEST(test_number_is_its_own_only_when_no_other_has_it);
-    RUN_TEST(test_foreign_frames_change_nothing);
-    return UNITY_END();
 }

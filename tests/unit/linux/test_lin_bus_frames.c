@@ -7,8 +7,6 @@ void setUp(void)
     bench_begin();
 }
 
-void tearDown(void) {}
-
 static int32_t i32(const hal_can_frame_t *frame, uint32_t at)
 {
     return (int32_t)common_get_u32(frame->data + at);
@@ -124,17 +122,4 @@ static void test_ids_are_those_that_are_taken(void)
             TEST_ASSERT_NOT_EQUAL_UINT32(ids[i], ids[k]);
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_tick_sends_setpoints_then_sync);
-    RUN_TEST(test_fd_puts_the_velocity_behind_the_position);
-    RUN_TEST(test_start_tells_all_nodes_and_then_beats);
-    RUN_TEST(test_node_that_comes_late_is_started_while_disabled_only);
-    RUN_TEST(test_stopping_leads_all_drives_to_rest);
-    RUN_TEST(test_axis_without_a_drive_tells_its_setpoint);
-    RUN_TEST(test_ids_are_those_that_are_taken);
-    return UNITY_END();
 }

@@ -51,8 +51,6 @@ void setUp(void)
     n_binds = 0;
 }
 
-void tearDown(void) {}
-
 static void test_interface_that_is_there_is_left_alone(void)
 {
     lin_can_rebind(&can);
@@ -85,13 +83,4 @@ static void test_removal_in_the_middle_of_the_binding_is_not_forgotten(void)
     lin_can_rebind(&can);
     TEST_ASSERT_FALSE(atomic_load(&can.is_gone));
     TEST_ASSERT_EQUAL_UINT32(2, n_binds);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_interface_that_is_there_is_left_alone);
-    RUN_TEST(test_interface_that_was_removed_is_bound_once_it_is_back);
-    RUN_TEST(test_removal_in_the_middle_of_the_binding_is_not_forgotten);
-    return UNITY_END();
 }

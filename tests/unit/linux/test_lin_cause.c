@@ -12,8 +12,6 @@ void setUp(void)
     config = lin_config_defaults();
 }
 
-void tearDown(void) {}
-
 static void expect_line(lin_cause_t cause, bool is_drives, const char *expected)
 {
     char line[lin_line_bytes];
@@ -38,11 +36,4 @@ static void test_words_name_the_node_and_its_error(void)
     for (int loss = 0; loss <= lin_loss_spindle; loss++) {
         TEST_ASSERT_GREATER_THAN(5, strlen(lin_loss_text((lin_loss_t)loss)));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_words_name_the_node_and_its_error);
-    return UNITY_END();
 }

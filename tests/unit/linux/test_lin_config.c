@@ -12,12 +12,21 @@ static lin_config_t config;
 static common_error_t error;
 static char path[] = "/tmp/test_lin_config.XXXXXX";
 
+void suiteSetUp(void)
+{
+    (void)close(mkstemp(path));
+}
+
+int suiteTearDown(int n_failures)
+{
+    (void)unlink(path);
+    return n_failures;
+}
+
 void setUp(void)
 {
     config = lin_config_defaults();
 }
-
-void tearDown(void) {}
 
 static bool load(const char *text)
 {
@@ -321,29 +330,4 @@ static void test_nothing_but_the_button_is_waived(void)
     TEST_ASSERT_TRUE(lin_line_is_there(&config, lin_line_key));
     TEST_ASSERT_TRUE(load("[gpio]\nestop = \"waived\"\n"));
     TEST_ASSERT_TRUE(lin_line_is_there(&config, lin_line_estop));
-}
-
-int main(void)
-{
-    (void)close(mkstemp(path));
-    UNITY_BEGIN();
-    RUN_TEST(test_example_file_tells_every_default);
-    RUN_TEST(test_desk_file_is_right);
-    RUN_TEST(test_values_of_every_kind_arrive);
-    RUN_TEST(test_line_field_value_and_remedy_are_named);
-    RUN_TEST(test_what_is_wrong_is_refused);
-    RUN_TEST(test_values_that_do_not_fit_one_another_are_refused);
-    RUN_TEST(test_what_cannot_work_is_refused);
-    RUN_TEST(test_what_is_no_toml_is_refused_with_its_line);
-    RUN_TEST(test_bus_that_cannot_bear_the_ticks_is_refused_with_the_rate);
-    RUN_TEST(test_what_is_doubtful_is_told);
-    RUN_TEST(test_file_that_is_not_there_or_no_text_is_refused);
-    RUN_TEST(test_file_with_a_nul_byte_is_refused);
-    RUN_TEST(test_trusted_keys_arrive_in_order_whichever_places_are_used);
-    RUN_TEST(test_what_is_no_trusted_key_is_refused);
-    RUN_TEST(test_a_signature_that_nobody_could_give_is_not_required);
-    RUN_TEST(test_wrong_settings_of_the_operator_are_refused);
-    RUN_TEST(test_nothing_but_the_button_is_waived);
-    (void)unlink(path);
-    return UNITY_END();
 }

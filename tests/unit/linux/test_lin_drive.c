@@ -16,8 +16,6 @@ void setUp(void)
     lin_drive_init(&d, node, 1, 1);
 }
 
-void tearDown(void) {}
-
 static void hear(uint16_t status, int32_t actual, int64_t ns)
 {
     hal_can_frame_t frame = {.id = canopen_id_tpdo1 + node, .n = 6};
@@ -225,21 +223,4 @@ static void test_unit_is_that_of_the_scale_and_none_without_a_drive(void)
     TEST_ASSERT_EQUAL_UINT32(38147, lin_drive_unit_pm(&d));
     lin_drive_init(&d, 0, 131072, 5000000);
     TEST_ASSERT_EQUAL_UINT32(0, lin_drive_unit_pm(&d));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_states_are_those_of_the_standard);
-    RUN_TEST(test_control_words_lead_to_the_goal);
-    RUN_TEST(test_drive_that_is_heard_is_ready_until_it_is_silent);
-    RUN_TEST(test_drive_with_an_error_is_not_ready);
-    RUN_TEST(test_enabled_drive_must_follow_in_time_and_stay);
-    RUN_TEST(test_fault_is_reset_once_a_second_where_it_may);
-    RUN_TEST(test_drive_that_stays_in_quick_stop_loses_its_voltage);
-    RUN_TEST(test_node_that_boots_or_stops_is_lost_and_told_to_start);
-    RUN_TEST(test_foreign_and_malformed_frames_are_left_alone);
-    RUN_TEST(test_scales_round_clamp_and_turn_round);
-    RUN_TEST(test_unit_is_that_of_the_scale_and_none_without_a_drive);
-    return UNITY_END();
 }

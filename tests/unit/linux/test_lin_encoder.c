@@ -22,8 +22,6 @@ void setUp(void)
     begin(0, lin_index_line);
 }
 
-void tearDown(void) {}
-
 static uint32_t at(int64_t ns)
 {
     return lin_encoder_at(&e, ns).counts;
@@ -183,22 +181,4 @@ static void test_place_of_a_wrapping_position_is_the_same_modulo_a_turn(void)
         }
     }
     TEST_ASSERT_EQUAL_UINT32(499 * 37 / 1000 + 1, n);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_counts_are_brought_to_the_instant_by_the_last_two_frames);
-    RUN_TEST(test_extrapolation_ends_at_the_greatest_age);
-    RUN_TEST(test_greatest_age_is_three_ticks_unless_given);
-    RUN_TEST(test_delay_of_the_frame_is_taken_off);
-    RUN_TEST(test_frames_close_together_tell_no_speed);
-    RUN_TEST(test_speed_of_frames_that_come_often_is_that_of_now);
-    RUN_TEST(test_position_unwraps_at_its_modulus);
-    RUN_TEST(test_edge_is_brought_to_counts_between_its_frames);
-    RUN_TEST(test_edge_is_the_same_for_both_senses);
-    RUN_TEST(test_edges_without_a_frame_or_with_a_place_are_ignored);
-    RUN_TEST(test_place_of_the_position_is_an_index_for_both_senses);
-    RUN_TEST(test_place_of_a_wrapping_position_is_the_same_modulo_a_turn);
-    return UNITY_END();
 }

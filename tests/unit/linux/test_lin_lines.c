@@ -66,6 +66,15 @@ const char *lin_gpio_library(void)
     return "none";
 }
 
+void suiteSetUp(void)
+{
+    const lin_config_t config = lin_config_defaults();
+    common_error_t error;
+    if (!lin_lines_open(&config, &error)) {
+        abort();
+    }
+}
+
 void setUp(void)
 {
     for (int i = 0; i < n_places; i++) {
@@ -73,8 +82,6 @@ void setUp(void)
         chip[i].n_writes = 0;
     }
 }
-
-void tearDown(void) {}
 
 static void test_only_changes_are_written(void)
 {
@@ -131,20 +138,4 @@ static void test_line_that_is_not_there_is_told_by_its_key(void)
     (void)strcpy(config.line[lin_line_fault].place, "LAMP");
     TEST_ASSERT_FALSE(lin_lines_open(&config, &error));
     TEST_ASSERT_EQUAL_STRING("gpio.fault: no such line", error.text);
-}
-
-int main(void)
-{
-    const lin_config_t config = lin_config_defaults();
-    common_error_t error;
-    if (!lin_lines_open(&config, &error)) {
-        return 1;
-    }
-    UNITY_BEGIN();
-    RUN_TEST(test_only_changes_are_written);
-    RUN_TEST(test_enable_low_is_repeated_until_it_is_written);
-    RUN_TEST(test_enable_that_could_not_be_set_is_taken_back);
-    RUN_TEST(test_line_that_was_lost_is_an_emergency_stop_for_good);
-    RUN_TEST(test_line_that_is_not_there_is_told_by_its_key);
-    return UNITY_END();
 }

@@ -12,13 +12,27 @@ static lin_config_t config;
 static common_error_t e;
 static char folder[] = "/tmp/test_lin_operator_XXXXXX";
 
+void suiteSetUp(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        abort();
+    }
+}
+
+int suiteTearDown(int n_failures)
+{
+    char file[sizeof config.secret_file];
+    (void)snprintf(file, sizeof file, "%s/secret", folder);
+    (void)unlink(file);
+    (void)rmdir(folder);
+    return n_failures;
+}
+
 void setUp(void)
 {
     config = lin_config_defaults();
     e.text[0] = '\0';
 }
-
-void tearDown(void) {}
 
 static void write_secret(const char *text, mode_t mode)
 {
@@ -101,24 +115,4 @@ static void test_what_is_no_file_of_its_own_is_refused(void)
     refused("not a regular file");
     (void)snprintf(config.secret_file, sizeof config.secret_file, "%s/nowhere", folder);
     refused("No such file");
-}
-
-int main(void)
-{
-    if (mkdtemp(folder) == NULL) {
-        return 1;
-    }
-    UNITY_BEGIN();
-    RUN_TEST(test_by_default_nothing_is_allowed);
-    RUN_TEST(test_lines_are_there_and_a_waiver_is_no_line);
-    RUN_TEST(test_a_secret_is_read_without_its_line_end);
-    RUN_TEST(test_a_secret_that_others_may_read_or_write_is_refused);
-    RUN_TEST(test_a_secret_of_another_size_is_refused);
-    RUN_TEST(test_what_is_no_file_of_its_own_is_refused);
-    const int status = UNITY_END();
-    char file[sizeof config.secret_file];
-    (void)snprintf(file, sizeof file, "%s/secret", folder);
-    (void)unlink(file);
-    (void)rmdir(folder);
-    return status;
 }

@@ -16,6 +16,22 @@ static char path[100], fresh[110];
 static int n_good_syncs;
 static bool is_read_only;
 
+void suiteSetUp(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        abort();
+    }
+    (void)snprintf(path, sizeof path, "%s/parameters.toml", folder);
+    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
+}
+
+int suiteTearDown(int n_failures)
+{
+    (void)unlink(path);
+    (void)rmdir(folder);
+    return n_failures;
+}
+
 void setUp(void)
 {
     n_good_syncs = INT32_MAX;
@@ -24,8 +40,6 @@ void setUp(void)
     (void)unlink(fresh);
     lin_params_open(path, &error);
 }
-
-void tearDown(void) {}
 
 /// Stands in front of the library's function: a disk that confirms a number of times.
 int fsync(int fd)
@@ -137,24 +151,4 @@ static void test_empty_path_keeps_nothing(void)
     TEST_ASSERT_EQUAL_STRING("", error.text);
     TEST_ASSERT_FALSE(lin_params_keep("first", 5, &error));
     TEST_ASSERT_NOT_NULL(strstr(error.text, "parameters.file is empty"));
-}
-
-int main(void)
-{
-    if (mkdtemp(folder) == NULL) {
-        return 1;
-    }
-    (void)snprintf(path, sizeof path, "%s/parameters.toml", folder);
-    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
-    UNITY_BEGIN();
-    RUN_TEST(test_keep_is_found_by_the_next_start);
-    RUN_TEST(test_keep_cut_off_leaves_the_old_ones);
-    RUN_TEST(test_folder_that_is_not_confirmed_is_told);
-    RUN_TEST(test_read_only_folder_is_told_at_the_start);
-    RUN_TEST(test_file_that_cannot_be_read_is_damage);
-    RUN_TEST(test_empty_path_keeps_nothing);
-    const int status = UNITY_END();
-    (void)unlink(path);
-    (void)rmdir(folder);
-    return status;
 }

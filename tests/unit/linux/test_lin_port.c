@@ -17,12 +17,25 @@ static common_error_t error;
 static char folder[] = "/tmp/test_lin_port.XXXXXX";
 static char path[100];
 
+void suiteSetUp(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        abort();
+    }
+    (void)snprintf(path, sizeof path, "%s/table", folder);
+}
+
 void setUp(void)
 {
     (void)unlink(path);
 }
 
-void tearDown(void) {}
+int suiteTearDown(int n_failures)
+{
+    setUp();
+    (void)rmdir(folder);
+    return n_failures;
+}
 
 static void test_due_times_do_not_drift(void)
 {
@@ -162,26 +175,4 @@ static void test_reason_of_a_halt_follows_no_link(void)
     lin_halt_text_halt("broken");
     TEST_ASSERT_NOT_EQUAL_INT(0, access(path, F_OK));
     TEST_ASSERT_EQUAL_INT(0, unlink(kept));
-}
-
-int main(void)
-{
-    if (mkdtemp(folder) == NULL) {
-        return 1;
-    }
-    (void)snprintf(path, sizeof path, "%s/table", folder);
-    UNITY_BEGIN();
-    RUN_TEST(test_due_times_do_not_drift);
-    RUN_TEST(test_missed_ticks_are_counted);
-    RUN_TEST(test_place_is_a_name_or_chip_and_offset);
-    RUN_TEST(test_line_that_cannot_be_had_is_told_with_a_remedy);
-    RUN_TEST(test_end_waits_for_the_retract_and_for_the_drives);
-    RUN_TEST(test_end_while_off_tells_the_drives_three_times);
-    RUN_TEST(test_end_does_not_wait_for_ever);
-    RUN_TEST(test_second_signal_hurries_and_one_that_is_doubled_does_not);
-    RUN_TEST(test_reason_of_a_halt_is_told_at_the_next_start_once);
-    RUN_TEST(test_reason_of_a_halt_follows_no_link);
-    setUp();
-    (void)rmdir(folder);
-    return UNITY_END();
 }

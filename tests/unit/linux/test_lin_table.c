@@ -15,6 +15,15 @@ static char folder[] = "/tmp/test_lin_table.XXXXXX";
 static char path[100], fresh[110];
 static int n_good_syncs;
 
+void suiteSetUp(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        abort();
+    }
+    (void)snprintf(path, sizeof path, "%s/table", folder);
+    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
+}
+
 void setUp(void)
 {
     n_good_syncs = INT32_MAX;
@@ -22,7 +31,12 @@ void setUp(void)
     (void)unlink(fresh);
 }
 
-void tearDown(void) {}
+int suiteTearDown(int n_failures)
+{
+    setUp();
+    (void)rmdir(folder);
+    return n_failures;
+}
 
 /// Stands in front of the library's function: a disk that confirms a number of times.
 int fsync(int fd)
@@ -178,25 +192,4 @@ static void test_folder_that_is_not_confirmed_is_told(void)
     expect_file("second");
     TEST_ASSERT_EQUAL_UINT32(0, lin_table_staged().size);
     TEST_ASSERT_FALSE(lin_table_commit(&error)); // nothing is left to be done
-}
-
-int main(void)
-{
-    if (mkdtemp(folder) == NULL) {
-        return 1;
-    }
-    (void)snprintf(path, sizeof path, "%s/table", folder);
-    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
-    UNITY_BEGIN();
-    RUN_TEST(test_table_is_read_at_the_start);
-    RUN_TEST(test_table_that_cannot_be_read_is_told);
-    RUN_TEST(test_new_table_comes_into_force_by_commit_only);
-    RUN_TEST(test_interrupted_download_leaves_the_old_table);
-    RUN_TEST(test_table_that_cannot_be_stored_leaves_the_old_one);
-    RUN_TEST(test_disk_that_does_not_take_the_file_leaves_the_old_one);
-    RUN_TEST(test_a_link_in_the_place_of_the_new_file_is_not_followed);
-    RUN_TEST(test_folder_that_is_not_confirmed_is_told);
-    setUp();
-    (void)rmdir(folder);
-    return UNITY_END();
 }

@@ -35,8 +35,6 @@ void setUp(void)
     fixture_can_start(&f);
 }
 
-void tearDown(void) {}
-
 static int64_t any(int64_t low, int64_t high)
 {
     return fixture_random_range(&dice, low, high);
@@ -330,11 +328,4 @@ static void test_any_session_keeps_every_limit(void)
             TEST_ASSERT_GREATER_THAN_UINT32_MESSAGE(0, n_visits[i], cam_state_name((cam_state_t)i));
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_any_session_keeps_every_limit);
-    return UNITY_END();
 }

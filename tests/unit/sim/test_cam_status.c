@@ -27,8 +27,6 @@ void setUp(void)
     atomic_store(&is_over, false);
 }
 
-void tearDown(void) {}
-
 static void ask(cam_request_t request)
 {
     atomic_store(&g_cam.request, ++n_requests << 8 | (uint32_t)request);
@@ -125,11 +123,4 @@ static void test_status_belongs_to_one_tick(void)
     }
     TEST_ASSERT_EQUAL_INT(0, pthread_join(core, NULL));
     TEST_ASSERT_GREATER_THAN_UINT32(100, n_read);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_status_belongs_to_one_tick);
-    return UNITY_END();
 }

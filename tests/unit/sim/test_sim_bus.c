@@ -20,8 +20,6 @@ void setUp(void)
     sim_bus_init(&bus, &config, X_NM, Z_NM);
 }
 
-void tearDown(void) {}
-
 static void send(uint32_t id, uint32_t control_word, int32_t target)
 {
     sim_frame_t frame = {.id = id};
@@ -220,21 +218,4 @@ static void test_status_of_the_controller_is_remembered(void)
     sim_bus_receive(&bus, &status);
     TEST_ASSERT_EQUAL_UINT32(3, bus.reported_state);
     TEST_ASSERT_EQUAL_HEX32(0x10, bus.reported_faults);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_enabled_axis_goes_where_it_is_told);
-    RUN_TEST(test_axis_moves_as_in_a_run_with_the_same_commands);
-    RUN_TEST(test_encoder_speaks_of_the_middle_between_two_ticks);
-    RUN_TEST(test_encoder_wraps_at_its_modulus);
-    RUN_TEST(test_index_is_foreseen_once_per_turn_at_its_place);
-    RUN_TEST(test_silence_brakes_within_the_limits_and_ends_in_fault);
-    RUN_TEST(test_foreign_drive_is_followed_by_its_own_word);
-    RUN_TEST(test_failed_drive_tells_by_emergency_status_and_line);
-    RUN_TEST(test_missing_encoder_frames_are_missing);
-    RUN_TEST(test_what_only_a_run_can_do_is_refused);
-    RUN_TEST(test_status_of_the_controller_is_remembered);
-    return UNITY_END();
 }

@@ -20,8 +20,6 @@ void setUp(void)
     sim_cia402_boot(&drive);
 }
 
-void tearDown(void) {}
-
 static void enable(void)
 {
     sim_cia402_control(&drive, shutdown);
@@ -129,17 +127,4 @@ static void test_rest_changes_nothing_in_operation(void)
     enable();
     sim_cia402_rest(&drive);
     TEST_ASSERT_TRUE(sim_cia402_is_following(&drive));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_status_words_of_the_way_up_are_those_of_the_standard);
-    RUN_TEST(test_status_words_of_the_ways_out_are_those_of_the_standard);
-    RUN_TEST(test_enable_operation_takes_one_step_per_word);
-    RUN_TEST(test_ways_down_follow_the_figure);
-    RUN_TEST(test_quick_stop_ends_disabled_at_rest_or_in_operation_again);
-    RUN_TEST(test_fault_stays_until_reset_rises);
-    RUN_TEST(test_rest_changes_nothing_in_operation);
-    return UNITY_END();
 }

@@ -13,8 +13,6 @@ void setUp(void)
     sim_clock_init(&ticks, 1);
 }
 
-void tearDown(void) {}
-
 static sim_clock_step_t next(void)
 {
     return sim_clock_next(&ticks, PERIOD_S, clock_hz);
@@ -80,15 +78,4 @@ static void test_twice_comes_between_two_ticks_of_the_grid(void)
     TEST_ASSERT_EQUAL_INT32(-9000, next().late_clocks);
     TEST_ASSERT_EQUAL_INT32(-1000, next().late_clocks);
     TEST_ASSERT_EQUAL_INT32(0, next().late_clocks);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_right_clock_makes_steps_of_a_period);
-    RUN_TEST(test_drift_changes_the_time_of_the_machine_only);
-    RUN_TEST(test_jitter_is_spread_over_its_range_and_does_not_add_up);
-    RUN_TEST(test_burst_hits_one_of_sixteen_ticks);
-    RUN_TEST(test_twice_comes_between_two_ticks_of_the_grid);
-    return UNITY_END();
 }

@@ -236,24 +236,3 @@ static void test_load_refuses_a_missing_file(void)
     TEST_ASSERT_FALSE(sim_config_load(&config, "nowhere/none.toml", &error));
     TEST_ASSERT_NOT_NULL(strstr(error.text, "nowhere/none.toml: cannot be opened"));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_default_file_is_the_built_in_machine);
-    RUN_TEST(test_other_machines_are_accepted);
-    RUN_TEST(test_load_takes_comments_blanks_and_indentation);
-    RUN_TEST(test_what_is_believed_is_the_truth_but_for_its_keys);
-    RUN_TEST(test_nothing_is_believed_without_a_key);
-    RUN_TEST(test_a_force_drive_is_tuned_for_the_mass_that_is_believed);
-    RUN_TEST(test_refused_beliefs_name_line_and_reason);
-    RUN_TEST(test_ranges_of_the_effects_are_kept);
-    RUN_TEST(test_load_takes_firmware_parameters);
-    RUN_TEST(test_load_refuses_what_is_wrong);
-    RUN_TEST(test_load_refuses_a_line_that_is_too_long);
-    RUN_TEST(test_load_takes_a_last_line_without_an_end);
-    RUN_TEST(test_load_refuses_a_nul_byte);
-    RUN_TEST(test_load_refuses_a_file_that_is_too_large);
-    RUN_TEST(test_load_refuses_a_missing_file);
-    return UNITY_END();
-}

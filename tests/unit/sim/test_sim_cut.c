@@ -252,29 +252,3 @@ static void test_late_tick_lets_the_machine_live_longer(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40e-6,
                               cut.port.time_s - (double)hal_host.n_ticks * cut.port.lathe.step_s);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_matched_machine_cuts_within_a_micrometre);
-    RUN_TEST(test_override_hold_and_resume_leave_the_form_as_it_is);
-    RUN_TEST(test_trim_is_on_the_radius_while_it_cuts);
-    RUN_TEST(test_without_feed_forward_and_lead_it_is_off_by_tens_of_micrometres);
-    RUN_TEST(test_same_seed_repeats_bit_for_bit);
-    RUN_TEST(test_reversed_encoder_and_direction_cut_the_same_part);
-    RUN_TEST(test_phase_turns_the_oval_on_the_part);
-    RUN_TEST(test_measured_z_is_led_by_the_feed);
-    RUN_TEST(test_estop_ends_in_a_fault_with_the_tool_out);
-    RUN_TEST(test_flipped_table_byte_is_found);
-    RUN_TEST(test_flip_outside_the_table_is_refused);
-    RUN_TEST(test_stop_ends_the_cut_early);
-    RUN_TEST(test_cut_that_is_stopped_before_it_begins_is_not_gauged);
-    RUN_TEST(test_whole_camshaft_has_a_whole_turn_of_every_lobe);
-    RUN_TEST(test_time_is_limited);
-    RUN_TEST(test_time_is_enough_for_engaging_and_disengaging);
-    RUN_TEST(test_infeasible_speed_is_refused_with_numbers);
-    RUN_TEST(test_speed_that_counts_as_stopped_is_no_remedy);
-    RUN_TEST(test_damaged_table_is_refused);
-    RUN_TEST(test_late_tick_lets_the_machine_live_longer);
-    return UNITY_END();
-}

@@ -227,18 +227,3 @@ static void test_target_is_read_beside_the_drawing(void)
     TEST_ASSERT_FALSE(sim_design_load_target(&target, &is_there, path, &table, &error));
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "target.radius_mm"), error.text);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_delta_has_the_published_values);
-    RUN_TEST(test_delta_of_a_tiny_ovality_keeps_its_digits);
-    RUN_TEST(test_load_evaluates_piecewise_cubics_and_clamps);
-    RUN_TEST(test_load_refuses_what_is_wrong);
-    RUN_TEST(test_load_refuses_a_missing_file);
-    RUN_TEST(test_table_design_is_what_the_firmware_plays);
-    RUN_TEST(test_arc_has_the_published_values);
-    RUN_TEST(test_arc_is_refused_without_its_keys);
-    RUN_TEST(test_target_is_read_beside_the_drawing);
-    return UNITY_END();
-}

@@ -16,8 +16,6 @@ void setUp(void)
     n_sent = 0;
 }
 
-void tearDown(void) {}
-
 /// Run one period: the encoder sends a letter, another node sends, too.
 static void say(char letter, double t_s)
 {
@@ -84,15 +82,4 @@ static void test_late_frame_comes_at_its_time(void)
     TEST_ASSERT_EQUAL_UINT8('b', late.data[0]);
     TEST_ASSERT_FALSE(sim_disturb_due(&disturb, 4e-3, &late, &at_s));
     TEST_ASSERT_EQUAL_STRING("ac", sent);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_nothing_is_changed_without_a_disturbance);
-    RUN_TEST(test_missing_frames_are_not_sent);
-    RUN_TEST(test_repeated_frames_are_the_last_good_one);
-    RUN_TEST(test_swapped_frames_change_places_in_pairs);
-    RUN_TEST(test_late_frame_comes_at_its_time);
-    return UNITY_END();
 }

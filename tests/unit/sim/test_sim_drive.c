@@ -17,8 +17,6 @@ void setUp(void)
     config.quantum_micro = 0.0;
 }
 
-void tearDown(void) {}
-
 /// Closed form of the step response, an independent expression for each damping.
 static double step_response(double t_s)
 {
@@ -175,20 +173,4 @@ static void test_step_in_another_time_is_exact(void)
     drive.is_blocked = true;
     sim_drive_step_in(&drive, 0, true, PERIOD_S);
     TEST_ASSERT_TRUE(drive.pos_micro == at_micro);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_step_response_is_exact_for_every_damping);
-    RUN_TEST(test_step_response_is_exact_for_every_dead_time);
-    RUN_TEST(test_dead_time_of_whole_ticks_is_found_in_spite_of_rounding);
-    RUN_TEST(test_inverse_of_the_drive_makes_it_follow);
-    RUN_TEST(test_limits_are_kept_and_the_way_is_right);
-    RUN_TEST(test_disabled_drive_brakes_to_rest_and_holds);
-    RUN_TEST(test_blocked_drive_stands_still);
-    RUN_TEST(test_quantum_rounds_command_and_measurement);
-    RUN_TEST(test_linger_goes_on_exactly);
-    RUN_TEST(test_step_in_another_time_is_exact);
-    return UNITY_END();
 }

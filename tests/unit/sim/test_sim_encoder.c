@@ -11,8 +11,6 @@ void setUp(void)
     config = sim_encoder_defaults();
 }
 
-void tearDown(void) {}
-
 static void init_at(double turn)
 {
     sim_encoder_init(&encoder, &config, turn, 1);
@@ -106,17 +104,4 @@ static void test_jitter_differs_with_the_seed(void)
     sim_random_t zero = sim_random_seeded(0);
     TEST_ASSERT_TRUE(sim_random_next(&a) != sim_random_next(&b));
     TEST_ASSERT_TRUE(sim_random_next(&zero) != 0u);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_read_counts_rise_with_the_turn_and_wrap);
-    RUN_TEST(test_read_negative_sign_counts_fall);
-    RUN_TEST(test_index_is_the_same_edge_for_both_senses);
-    RUN_TEST(test_index_edges_lie_a_turn_apart);
-    RUN_TEST(test_eccentricity_errs_once_per_turn);
-    RUN_TEST(test_jitter_has_the_rms_and_repeats_with_the_seed);
-    RUN_TEST(test_jitter_differs_with_the_seed);
-    return UNITY_END();
 }

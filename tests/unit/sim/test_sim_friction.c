@@ -21,8 +21,6 @@ void setUp(void)
     law.longest_s = sim_friction_longest_s(&law);
 }
 
-void tearDown(void) {}
-
 /// A loop of 300 Hz without friction has the exact flow of sim_drive.h.
 static void test_without_friction_it_is_the_exact_flow(void)
 {
@@ -128,17 +126,4 @@ static void test_limits_of_speed_and_acceleration_are_kept(void)
         before = s.vel_micro_per_s;
     }
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 1e6, s.vel_micro_per_s);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_without_friction_it_is_the_exact_flow);
-    RUN_TEST(test_free_mass_stops_after_its_way);
-    RUN_TEST(test_swing_shrinks_by_a_constant_each_half);
-    RUN_TEST(test_it_sticks_while_the_force_is_below_the_friction);
-    RUN_TEST(test_force_displaces_the_loop);
-    RUN_TEST(test_amplifier_lags);
-    RUN_TEST(test_limits_of_speed_and_acceleration_are_kept);
-    return UNITY_END();
 }

@@ -14,8 +14,6 @@ void setUp(void)
     config = sim_lathe_defaults();
 }
 
-void tearDown(void) {}
-
 static void test_look_sees_the_switch_on_its_side_and_an_index_for_a_while(void)
 {
     sim_home_t home;
@@ -96,13 +94,4 @@ static void test_lathe_is_homed_by_the_firmware(void)
     TEST_ASSERT_DOUBLE_WITHIN(470.0, x_nm, cam_machine_position_nm(&machine, hal_axis_x));
     TEST_ASSERT_DOUBLE_WITHIN(60.0, u_nm, cam_machine_position_nm(&machine, hal_axis_u));
     TEST_ASSERT_EQUAL_HEX32(0, cam_machine_status(&machine).faults);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_look_sees_the_switch_on_its_side_and_an_index_for_a_while);
-    RUN_TEST(test_look_without_switch_and_index_sees_nothing);
-    RUN_TEST(test_lathe_is_homed_by_the_firmware);
-    return UNITY_END();
 }

@@ -16,8 +16,6 @@ void setUp(void)
     sim_port_sense(&port);
 }
 
-void tearDown(void) {}
-
 static void refused(const char *text, const char *why)
 {
     TEST_ASSERT_FALSE_MESSAGE(sim_inject_parse(&inject, text, sim_inject_in_run, &error), text);
@@ -144,18 +142,4 @@ static void test_apply_reaches_the_lathe(void)
     TEST_ASSERT_TRUE(port.lathe.is_speed_forced && port.lathe.forced_rad_per_s == 0.0);
     happen("reverse@0");
     TEST_ASSERT_TRUE(port.lathe.is_reversed);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_only_the_live_lathe_has_a_button_and_a_key);
-    RUN_TEST(test_parse_takes_kind_time_and_value);
-    RUN_TEST(test_parse_refuses_what_is_wrong);
-    RUN_TEST(test_apply_reaches_the_port);
-    RUN_TEST(test_apply_reaches_the_clock);
-    RUN_TEST(test_apply_reaches_the_encoder);
-    RUN_TEST(test_index_copies_the_counter_with_its_faults_until_it_dies);
-    RUN_TEST(test_apply_reaches_the_lathe);
-    return UNITY_END();
 }

@@ -14,8 +14,6 @@ void setUp(void)
     config = sim_lathe_defaults();
 }
 
-void tearDown(void) {}
-
 static void init(void)
 {
     sim_lathe_init(&lathe, &config, 1.0 / config.tick_hz, 50e6, 0.0, 1);
@@ -234,17 +232,4 @@ static void test_old_edge_keeps_its_time(void)
         before = lathe.encoder.edge_age_s;
     }
     TEST_ASSERT_TRUE(n_kept > 300);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_machines_without_effects_move_as_they_always_did);
-    RUN_TEST(test_every_effect_makes_a_machine_rough);
-    RUN_TEST(test_run_out_moves_the_part_once_and_twice_per_turn);
-    RUN_TEST(test_chip_pushes_u_back_and_bends_the_tool);
-    RUN_TEST(test_scale_sees_only_the_modes_that_lie_on_it);
-    RUN_TEST(test_time_stamps_are_those_of_the_edges);
-    RUN_TEST(test_old_edge_keeps_its_time);
-    return UNITY_END();
 }

@@ -151,15 +151,3 @@ static void test_bad_designs_are_refused_by_field(void)
         sim_lobe_design_free(&design);
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_disc_has_the_published_contacts);
-    RUN_TEST(test_poly345_has_the_published_contacts);
-    RUN_TEST(test_pieces_are_evaluated_from_the_highest_power);
-    RUN_TEST(test_derivatives_agree_with_differences);
-    RUN_TEST(test_lobes_are_found_by_height);
-    RUN_TEST(test_bad_designs_are_refused_by_field);
-    return UNITY_END();
-}

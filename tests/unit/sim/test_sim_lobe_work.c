@@ -26,10 +26,6 @@ typedef struct {
     double swung;      ///< share of the swing
 } flaw_t;
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static void begin(bool is_turned)
 {
     memset(&design, 0, sizeof design);
@@ -234,22 +230,4 @@ static void test_standing_wheel_is_gauged_once(void)
     TEST_ASSERT_EQUAL_UINT64(sim_lobe_dexels, lobes.gauge[0].n);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, lobes.gauge[0].max_um);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 6.0, lobes.gauge[0].max_z_mm);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_ground_disc_is_a_circle);
-    RUN_TEST(test_wheel_is_swept_between_ticks);
-    RUN_TEST(test_turned_disc_is_a_circle_and_its_rake_constant);
-    RUN_TEST(test_tool_that_does_not_swing_leaves_another_lobe);
-    RUN_TEST(test_error_of_the_wheels_distance_shows_along_the_normal);
-    RUN_TEST(test_lift_that_lags_turns_the_profile);
-    RUN_TEST(test_speed_of_the_contact_is_that_of_the_geometry);
-    RUN_TEST(test_removed_metal_is_the_blank_around_the_disc);
-    RUN_TEST(test_heights_beside_the_lobe_are_not_cut);
-    RUN_TEST(test_lobe_entered_anywhere_is_judged_where_it_was_cut);
-    RUN_TEST(test_cut_below_the_base_circle_between_lobes_is_a_gouge);
-    RUN_TEST(test_standing_wheel_is_gauged_once);
-    return UNITY_END();
 }

@@ -16,8 +16,6 @@ void setUp(void)
     config.hz = 800.0;
 }
 
-void tearDown(void) {}
-
 /// Let the slide swing until the mode has settled; return the largest tip after that.
 static double settled_tip(double hz)
 {
@@ -90,14 +88,4 @@ static void test_without_a_frequency_there_is_no_mode(void)
 {
     config = sim_mode_defaults();
     TEST_ASSERT_TRUE(settled_tip(100.0) == 0.0);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_tip_swings_as_the_frequency_response_says);
-    RUN_TEST(test_constant_acceleration_moves_the_tip_back);
-    RUN_TEST(test_pieces_make_the_same_way_as_the_whole);
-    RUN_TEST(test_without_a_frequency_there_is_no_mode);
-    return UNITY_END();
 }

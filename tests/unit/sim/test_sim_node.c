@@ -17,8 +17,6 @@ void setUp(void)
     out.n = 0;
 }
 
-void tearDown(void) {}
-
 static void speak(double t_s)
 {
     out.n = 0;
@@ -218,24 +216,4 @@ static void test_broken_heartbeat_leaves_the_pdos(void)
     speak(0.2);
     TEST_ASSERT_NULL(said(0x702));
     TEST_ASSERT_EQUAL_HEX32(drive_following, common_get_u16(said(0x182)->data) & 0x6Fu);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_node_boots_up_and_tells_its_state_at_the_heartbeat_rate);
-    RUN_TEST(test_network_management_reaches_the_addressed_node);
-    RUN_TEST(test_pdos_need_the_state_operational);
-    RUN_TEST(test_tpdo_of_a_drive_has_status_and_position_little_endian);
-    RUN_TEST(test_tpdo_of_an_encoder_has_its_position_only);
-    RUN_TEST(test_targets_take_effect_at_the_sync);
-    RUN_TEST(test_fd_frame_carries_all_three);
-    RUN_TEST(test_pdo_of_wrong_length_is_dropped_with_an_emergency);
-    RUN_TEST(test_drive_fails_when_its_rpdo_stays_away_longer_than_the_guard_time);
-    RUN_TEST(test_drive_fails_when_sync_stays_away_though_rpdos_come);
-    RUN_TEST(test_drive_out_of_operation_may_wait_for_ever);
-    RUN_TEST(test_drive_stopped_by_the_network_fails);
-    RUN_TEST(test_dead_node_is_silent_and_deaf);
-    RUN_TEST(test_broken_heartbeat_leaves_the_pdos);
-    return UNITY_END();
 }

@@ -109,15 +109,3 @@ static void test_a_table_without_report_holds_the_path_of_the_tip(void)
     sim_nose_init(&nose, 0.8, &design);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, nose.nose_mm);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_point_stands_on_the_surface);
-    RUN_TEST(test_on_a_cone_the_tip_stands_out_by_the_closed_form);
-    RUN_TEST(test_on_a_parabola_the_contact_lies_where_the_slopes_are_equal);
-    RUN_TEST(test_over_a_kink_the_tip_runs_on_a_circle);
-    RUN_TEST(test_an_end_that_rises_is_touched_from_beside);
-    RUN_TEST(test_a_table_without_report_holds_the_path_of_the_tip);
-    return UNITY_END();
-}

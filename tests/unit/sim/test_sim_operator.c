@@ -10,8 +10,6 @@ void setUp(void)
     o = (sim_operator_t){.is_present = true, .is_key_on = true, .turns_key = true};
 }
 
-void tearDown(void) {}
-
 static void test_he_presses_for_a_fifth_of_a_second_and_again_where_that_did_not_do(void)
 {
     int n_pressed = 0;
@@ -51,14 +49,4 @@ static void test_a_key_that_nobody_turns_stays_as_it_is(void)
     TEST_ASSERT_TRUE(sim_operator_key(&o, 7));
     o.is_key_on = false;
     TEST_ASSERT_FALSE(sim_operator_key(&o, 7));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_he_presses_for_a_fifth_of_a_second_and_again_where_that_did_not_do);
-    RUN_TEST(test_who_is_not_there_presses_only_what_is_typed);
-    RUN_TEST(test_the_key_is_off_for_one_look_where_a_session_is_new);
-    RUN_TEST(test_a_key_that_nobody_turns_stays_as_it_is);
-    return UNITY_END();
 }

@@ -4,9 +4,6 @@
 
 static sim_pace_t pace;
 
-void setUp(void) {}
-void tearDown(void) {}
-
 static void test_init_tick_takes_its_share_of_the_clock(void)
 {
     sim_pace_init(&pace, 20000.0, 4.0);
@@ -40,14 +37,4 @@ static void test_tick_far_behind_gives_the_time_up(void)
     sim_pace_tick(&pace);
     TEST_ASSERT_TRUE(pace.lost_ns >= 0.99e10);
     TEST_ASSERT_TRUE(pace.due_ns >= was_ns + 0.99e10);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_init_tick_takes_its_share_of_the_clock);
-    RUN_TEST(test_tick_moves_the_due_time_by_one_tick);
-    RUN_TEST(test_tick_far_ahead_waits_for_the_clock);
-    RUN_TEST(test_tick_far_behind_gives_the_time_up);
-    return UNITY_END();
 }

@@ -18,8 +18,6 @@ void setUp(void)
     params = rig.machine.params;
 }
 
-void tearDown(void) {}
-
 static cam_err_t set(void *controller, cam_param_id_t id, int32_t value)
 {
     fixture_rig_t *to = controller;
@@ -85,14 +83,4 @@ static void test_other_values_are_told_by_the_parameter_that_is_refused(void)
     params = rig.machine.params;
     params.observer_bandwidth_mHz = 100000000;
     expect_refusal("parameter observer_bandwidth_mHz = 100000000: refused: ");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_set_is_taken_whose_first_part_is_wrong_alone);
-    RUN_TEST(test_gain_that_is_wrong_in_the_whole_set_is_told_with_its_bound);
-    RUN_TEST(test_jerk_is_told_with_its_bound);
-    RUN_TEST(test_other_values_are_told_by_the_parameter_that_is_refused);
-    return UNITY_END();
 }

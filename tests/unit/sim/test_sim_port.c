@@ -13,8 +13,6 @@ void setUp(void)
     config.spindle.ripple = 0.0;
 }
 
-void tearDown(void) {}
-
 static void test_port_says_what_the_machine_has(void)
 {
     sim_port_init(&port, &config, 50e6, 0.0, 1);
@@ -89,13 +87,4 @@ static void test_ticks_off_their_grid_take_their_time(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0 * gone_s, port.lathe.spindle.turn - turn);
     TEST_ASSERT_UINT32_WITHIN(1100, (uint32_t)(1002 / config.tick_hz * hal_host_clock_hz),
                               hal_host.clock - clock);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_port_says_what_the_machine_has);
-    RUN_TEST(test_edge_clock_is_the_time_of_the_edge_on_the_clock_of_the_tick);
-    RUN_TEST(test_ticks_off_their_grid_take_their_time);
-    return UNITY_END();
 }

@@ -20,8 +20,6 @@ void setUp(void)
     sim_removal_init(&removal, &papers);
 }
 
-void tearDown(void) {}
-
 static double ellipse_mm(double turn)
 {
     double u[3];
@@ -153,19 +151,4 @@ static void test_turns_that_are_not_judged_do_not_count(void)
     TEST_ASSERT_TRUE(removal.removed_mm3 > 0.0);
     (void)turn_uniformly(2.5, 3.0, true);
     TEST_ASSERT_EQUAL_UINT64(2, removal.rate_ripple.n); // 3 and 4; 2 began unjudged, 5 is not over
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_volume_of_a_ring_is_exact);
-    RUN_TEST(test_force_of_a_chip_is_that_of_its_section);
-    RUN_TEST(test_z_that_repeats_each_turn_does_not_ripple);
-    RUN_TEST(test_thin_chips_take_more_force_per_area);
-    RUN_TEST(test_nose_cuts_thinner_chips);
-    RUN_TEST(test_ripple_of_uniform_turning_is_the_published_one);
-    RUN_TEST(test_power_and_forces_belong_together);
-    RUN_TEST(test_equal_volume_has_no_ripple_of_rate_but_of_force);
-    RUN_TEST(test_turns_that_are_not_judged_do_not_count);
-    return UNITY_END();
 }

@@ -14,8 +14,6 @@ void setUp(void)
     config = sim_scale_defaults();
 }
 
-void tearDown(void) {}
-
 static void check_latency(double latency_us)
 {
     const double f = SIM_TWO_PI * 100.0;
@@ -59,13 +57,4 @@ static void test_ideal_scale_shows_what_it_sees(void)
     TEST_ASSERT_TRUE(sim_scale_read_micro(&scale) == 12.5);
     sim_scale_push(&scale, -7.25, 1e6);
     TEST_ASSERT_TRUE(sim_scale_read_micro(&scale) == -7.25);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_reading_is_older_by_the_latency);
-    RUN_TEST(test_error_repeats_twice_in_a_period);
-    RUN_TEST(test_ideal_scale_shows_what_it_sees);
-    return UNITY_END();
 }

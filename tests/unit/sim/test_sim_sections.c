@@ -15,8 +15,6 @@ void setUp(void)
     sim_sections_init(&s, heights_mm, 3, 0.0, LAST_MM);
 }
 
-void tearDown(void) {}
-
 /// The surface that the tool leaves: waves that grow along the height, in closed form.
 static double surface_mm(double turn, double z_mm)
 {
@@ -132,18 +130,4 @@ static void test_nothing_is_made_when_nothing_is_asked_for(void)
     sim_sections_init(&s, heights_mm, 0, 0.0, LAST_MM);
     cut_helix(0.0, 3.0, 1);
     TEST_ASSERT_TRUE(isnan(s.line_e_mm[0][50]));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_section_of_a_helix_is_the_surface);
-    RUN_TEST(test_section_of_a_helix_cut_in_the_other_sense);
-    RUN_TEST(test_lines_follow_the_height_at_four_angles);
-    RUN_TEST(test_section_without_a_track_below_or_above_is_empty);
-    RUN_TEST(test_tracks_apart_by_an_interruption_are_not_joined);
-    RUN_TEST(test_ring_at_the_height_is_taken_as_it_is);
-    RUN_TEST(test_spindle_that_turns_back_leaves_numbers);
-    RUN_TEST(test_nothing_is_made_when_nothing_is_asked_for);
-    return UNITY_END();
 }

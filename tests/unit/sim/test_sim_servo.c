@@ -18,8 +18,6 @@ void setUp(void)
     config.quantum_micro = 0.0;
 }
 
-void tearDown(void) {}
-
 /// [nm] largest error behind a sine of 0.3 mm that is led by an inverse
 static double worst_behind(const sim_servo_equivalent_t *worth, double hz)
 {
@@ -110,16 +108,4 @@ static void test_loop_begins_anew_when_it_is_enabled_again(void)
     sim_drive_step(&drive, (int32_t)lround(rest), true);
     sim_drive_step(&drive, (int32_t)lround(rest), true);
     TEST_ASSERT_DOUBLE_WITHIN(1.0, rest, drive.pos_micro);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_inverse_of_what_it_is_worth_makes_it_follow);
-    RUN_TEST(test_fast_loop_is_worth_what_it_is_tuned_for);
-    RUN_TEST(test_wrong_mass_makes_another_loop);
-    RUN_TEST(test_constant_force_is_taken_away);
-    RUN_TEST(test_force_is_limited);
-    RUN_TEST(test_loop_begins_anew_when_it_is_enabled_again);
-    return UNITY_END();
 }

@@ -92,13 +92,3 @@ static void test_refused_table_is_named(void)
         sim_session_open(&session, &options, image.bytes, image.size, "short.camtab", &error));
     TEST_ASSERT_NOT_NULL(strstr(error.text, "short.camtab: table refused: "));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_axes_start_off_the_blank_and_before_the_part);
-    RUN_TEST(test_following_error_counts_while_cutting_only);
-    RUN_TEST(test_injections_are_due_once_by_the_clock_or_by_the_cut);
-    RUN_TEST(test_refused_table_is_named);
-    return UNITY_END();
-}

@@ -24,8 +24,6 @@ void setUp(void)
     params = cam_param_defaults();
 }
 
-void tearDown(void) {}
-
 static bool check(double mean_rpm, uint32_t highest_mrpm)
 {
     const cam_feasibility_t f = {.speed_mrpm = (uint32_t)(mean_rpm * 1e3 + 0.5),
@@ -84,15 +82,4 @@ static void test_uniform_speed_is_compared_with_the_parameter(void)
     TEST_ASSERT_FALSE(check(4.999, 600000));
     TEST_ASSERT_NOT_NULL_MESSAGE(
         strstr(error.text, "at least --rpm 5.0, or --set stopped_mrpm=4999"), error.text);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_slow_part_of_a_turn_lasts_as_long_as_its_integral);
-    RUN_TEST(test_mean_speed_at_which_homing_never_ends_is_refused);
-    RUN_TEST(test_slow_part_may_last_as_long_as_the_parameter_allows);
-    RUN_TEST(test_remedy_is_no_speed_that_the_machine_cannot_reach);
-    RUN_TEST(test_uniform_speed_is_compared_with_the_parameter);
-    return UNITY_END();
 }

@@ -14,8 +14,6 @@ void setUp(void)
     sim_spindle_init(&spindle, &config);
 }
 
-void tearDown(void) {}
-
 static void run(double set_rad_per_s, int n, double dt_s)
 {
     for (int i = 0; i < n; i++) {
@@ -81,17 +79,4 @@ static void test_step_at_rest_stays_at_rest(void)
     const double turn = spindle.turn;
     run(0.0, 1000, PERIOD_S);
     TEST_ASSERT_TRUE(spindle.turn == turn);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_step_far_from_set_speed_accelerates_by_torque_over_inertia);
-    RUN_TEST(test_step_near_set_speed_is_an_exponential);
-    RUN_TEST(test_step_settles_at_both_senses);
-    RUN_TEST(test_step_run_up_angle_does_not_depend_on_the_period);
-    RUN_TEST(test_step_with_ripple_keeps_the_time_of_a_turn);
-    RUN_TEST(test_true_speed_ripples_with_its_amplitude_and_period);
-    RUN_TEST(test_step_at_rest_stays_at_rest);
-    return UNITY_END();
 }

@@ -196,16 +196,3 @@ static void test_sections_without_a_number_are_refused(void)
             "\"knots\": [1, 0, 0, 1, 0, 0], \"slopes\": [0]}",
             "design.surface.slopes: wants 6");
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_pieces_of_a_whole_turn);
-    RUN_TEST(test_heights_outside_are_clamped);
-    RUN_TEST(test_joint_moves_with_the_height_and_quadrants_are_mirrored);
-    RUN_TEST(test_malformed_surfaces_are_refused_by_field);
-    RUN_TEST(test_sections_are_told_by_knots);
-    RUN_TEST(test_sections_without_slopes_are_joined_by_straight_lines);
-    RUN_TEST(test_sections_without_a_number_are_refused);
-    return UNITY_END();
-}

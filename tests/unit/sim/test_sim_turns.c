@@ -17,8 +17,6 @@ void setUp(void)
     step = 1.0 / ticks_per_turn;
 }
 
-void tearDown(void) {}
-
 /// The drawing is 500 um sin(2 x), less a radius; U is it times the amplitude, and an error.
 static void rehearse(double n_turns, double from, double to, double error_um)
 {
@@ -142,16 +140,4 @@ static void test_long_cut_is_thinned_and_keeps_its_peaks(void)
     }
     TEST_ASSERT_TRUE(turns.n > sim_turns_most / 2 && turns.n <= sim_turns_most);
     TEST_ASSERT_EQUAL_DOUBLE(9.0, most_um);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_rehearsal_leaves_the_turns_of_full_amplitude);
-    RUN_TEST(test_cut_behind_it_has_the_largest_error_of_each_turn);
-    RUN_TEST(test_rehearsal_that_was_broken_off_keeps_what_was_full);
-    RUN_TEST(test_rehearsal_that_never_moved_leaves_nothing);
-    RUN_TEST(test_each_of_several_passes_has_its_turns);
-    RUN_TEST(test_long_cut_is_thinned_and_keeps_its_peaks);
-    return UNITY_END();
 }

@@ -5,9 +5,6 @@
 #include "unity.h"
 #include <stdlib.h> // strtod, free
 
-void setUp(void) {}
-void tearDown(void) {}
-
 static sim_out_t out;
 static sim_values_t values;
 
@@ -71,13 +68,4 @@ static void test_many_rows_are_kept(void)
     TEST_ASSERT_EQUAL_size_t(100000, values.n);
     TEST_ASSERT_TRUE(values.value[99999] == 99999.0);
     sim_values_free(&values);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_columns_are_numbers);
-    RUN_TEST(test_numbers_are_those_of_the_text);
-    RUN_TEST(test_many_rows_are_kept);
-    return UNITY_END();
 }

@@ -174,14 +174,3 @@ static void test_injection_reaches_the_nodes(void)
     (void)run();
     TEST_ASSERT_TRUE(watch.bus.lathe.drive[hal_axis_u].is_blocked);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_cut_is_done_when_the_controller_is_ready_again);
-    RUN_TEST(test_fault_ends_when_all_rests);
-    RUN_TEST(test_controller_without_sync_is_lost);
-    RUN_TEST(test_time_and_signals_end_it);
-    RUN_TEST(test_injection_reaches_the_nodes);
-    return UNITY_END();
-}

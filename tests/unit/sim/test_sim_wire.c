@@ -101,14 +101,3 @@ static void test_open_no_socket_is_refused_with_the_remedy(void)
     TEST_ASSERT_NOT_NULL(strstr(e.text, "no partner"));
     TEST_ASSERT_NOT_NULL(strstr(e.text, "let tools/live start both"));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_sensed_whole_in_crosses_with_the_distorted_encoder);
-    RUN_TEST(test_written_whole_out_crosses);
-    RUN_TEST(test_wire_partner_gone_is_lost_for_good_and_changes_nothing);
-    RUN_TEST(test_open_another_program_is_refused);
-    RUN_TEST(test_open_no_socket_is_refused_with_the_remedy);
-    return UNITY_END();
-}

@@ -11,8 +11,6 @@ void setUp(void)
     sim_work_init(&work, 46.1, 0.0, 62.0);
 }
 
-void tearDown(void) {}
-
 static void test_touch_counts_largest_and_rms_error(void)
 {
     sim_work_touch(&work, 0.1, 10.0, 46.003, 46.0, true);
@@ -78,17 +76,4 @@ static void test_empty_work_has_no_errors(void)
 {
     TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, sim_work_rms_um(&work));
     TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, sim_work_roundness_um(&work));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_touch_counts_largest_and_rms_error);
-    RUN_TEST(test_touch_outside_the_cut_counts_only_as_gouge);
-    RUN_TEST(test_cell_keeps_the_worst_sample);
-    RUN_TEST(test_places_beyond_the_map_fall_into_its_edge);
-    RUN_TEST(test_roundness_is_the_span_of_errors_of_a_row);
-    RUN_TEST(test_volume_of_a_ring);
-    RUN_TEST(test_empty_work_has_no_errors);
-    return UNITY_END();
 }

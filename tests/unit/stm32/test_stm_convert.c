@@ -17,8 +17,6 @@ void setUp(void)
     dice.state = 743;
 }
 
-void tearDown(void) {}
-
 static int32_t any(void)
 {
     return (int32_t)fixture_random_u32(&dice);
@@ -115,18 +113,4 @@ static void test_counter_of_16_bits_is_continued(void)
     }
     TEST_ASSERT_EQUAL_INT32(32767, stm_extend(0, 32767));
     TEST_ASSERT_EQUAL_INT32(-32768, stm_extend(0, 32768));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_code_is_the_nearest_one);
-    RUN_TEST(test_code_is_clamped_at_both_ends);
-    RUN_TEST(test_code_never_falls_where_the_value_rises);
-    RUN_TEST(test_internal_code_has_its_zero_in_the_middle);
-    RUN_TEST(test_counts_become_nanometres);
-    RUN_TEST(test_step_is_the_nearest_one_and_reads_back_exactly);
-    RUN_TEST(test_code_of_the_whole_range_is_a_32768th);
-    RUN_TEST(test_counter_of_16_bits_is_continued);
-    return UNITY_END();
 }

@@ -93,8 +93,6 @@ void setUp(void)
     stm_params_init();
 }
 
-void tearDown(void) {}
-
 static uint8_t record[hal_params_most_bytes];
 
 static bool keep(uint8_t version, uint32_t n)
@@ -255,18 +253,4 @@ static void test_a_record_that_cannot_be_read_does_not_count(void)
     stm_params_init();
     TEST_ASSERT_EQUAL_UINT32(0, hal_params_kept().size);
     TEST_ASSERT_TRUE(hal_params_kept().is_damaged);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_keep_first_record_is_found_by_the_next_start);
-    RUN_TEST(test_keep_of_no_or_too_many_bytes_is_refused);
-    RUN_TEST(test_keep_many_times_goes_round_both_sectors);
-    RUN_TEST(test_power_lost_at_any_write_of_an_append_leaves_the_old_record);
-    RUN_TEST(test_power_lost_at_any_operation_of_a_compaction_leaves_the_old_record);
-    RUN_TEST(test_power_lost_at_any_operation_of_the_first_save_leaves_none);
-    RUN_TEST(test_a_torn_record_is_told_until_the_next_is_kept);
-    RUN_TEST(test_a_record_that_cannot_be_read_does_not_count);
-    return UNITY_END();
 }

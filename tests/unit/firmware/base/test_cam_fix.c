@@ -9,10 +9,6 @@ static const int32_t ends[] = {
     32767,     65535,         123456789,   1073741824, INT32_MAX - 1, INT32_MAX};
 enum { n_ends = sizeof ends / sizeof ends[0] };
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 /// @return v / 2^n rounded down
 static int64_t floor_of(int64_t v, uint32_t n)
 {
@@ -160,19 +156,4 @@ static void test_derivative_per_turn_becomes_one_per_rad(void)
         const double found = (double)cam_per_rad(x);
         TEST_ASSERT_TRUE(found <= exact && found > exact * (1.0 - 4e-7) - 1.0);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_pairs_of_words_are_what_wide_arithmetic_makes_of_them);
-    RUN_TEST(test_wide_sums_and_products_wrap);
-    RUN_TEST(test_symmetric_range_ends_where_it_says);
-    RUN_TEST(test_half_words_are_multiplied_with_their_signs);
-    RUN_TEST(test_product_is_shifted_with_rounding_half_up);
-    RUN_TEST(test_wide_shift_keeps_the_low_word_of_the_floor);
-    RUN_TEST(test_limits_are_kept_and_reached);
-    RUN_TEST(test_root_is_rounded_down);
-    RUN_TEST(test_derivative_per_turn_becomes_one_per_rad);
-    return UNITY_END();
 }

@@ -30,8 +30,6 @@ void setUp(void)
     };
 }
 
-void tearDown(void) {}
-
 static void build(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok,
@@ -288,21 +286,4 @@ static void test_scale_of_u(void)
         const bool is_most = c->v_up == 0u || c->speed_shift == 20u; // else one more would not fit
         TEST_ASSERT_TRUE(is_most || most_q32 << (c->speed_shift + 1u) >= INT64_C(1) << 30);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_clock);
-    RUN_TEST(test_spindle);
-    RUN_TEST(test_play);
-    RUN_TEST(test_plan);
-    RUN_TEST(test_feed);
-    RUN_TEST(test_speed);
-    RUN_TEST(test_swing);
-    RUN_TEST(test_swing_brakes_with_the_largest_acceleration);
-    RUN_TEST(test_guard);
-    RUN_TEST(test_trace_and_no_table);
-    RUN_TEST(test_scale_of_u);
-    return UNITY_END();
 }

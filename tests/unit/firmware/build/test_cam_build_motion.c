@@ -26,8 +26,6 @@ void setUp(void)
     params.z_acceleration_mm_per_s2 = 2500;
 }
 
-void tearDown(void) {}
-
 static void build(uint32_t rate_hz)
 {
     hz = rate_hz;
@@ -233,16 +231,4 @@ static void test_retract_leaves_room_for_the_feed_forward(void)
                                   config.guard.u.acceleration_q10 / 8.0 + more,
                                   (double)cam_build_room_q10(&config));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_limits_are_those_of_the_parameters_per_step);
-    RUN_TEST(test_limits_are_limited_to_their_words);
-    RUN_TEST(test_told_is_bounded_by_acceleration_and_encoder);
-    RUN_TEST(test_told_is_bounded_by_a_quarter_of_a_turn);
-    RUN_TEST(test_z_that_is_measured_is_not_bounded);
-    RUN_TEST(test_retract_leaves_room_for_the_feed_forward);
-    return UNITY_END();
 }

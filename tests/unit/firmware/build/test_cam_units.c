@@ -4,10 +4,6 @@
 #include "cam_angle.h"
 #include "unity.h"
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static void test_share_is_rounded_to_nearest_half_up(void)
 {
     static const int64_t thirds[] = {0, 0, 1, 1, 1, 2, 2, 2, 3};
@@ -70,15 +66,4 @@ static void test_next_turn_is_at_a_position_or_behind_it(void)
         TEST_ASSERT_EQUAL_HEX32(5, cam_angle_of_pos(at_q32 + 5));
         TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, cam_angle_of_pos(at_q32 - 1));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_share_is_rounded_to_nearest_half_up);
-    RUN_TEST(test_micro_degrees_become_a_part_of_a_turn);
-    RUN_TEST(test_times_become_ticks);
-    RUN_TEST(test_distance_of_angles_goes_the_shorter_way);
-    RUN_TEST(test_next_turn_is_at_a_position_or_behind_it);
-    return UNITY_END();
 }

@@ -12,8 +12,6 @@ void setUp(void)
     params = cam_param_defaults();
 }
 
-void tearDown(void) {}
-
 /// One window per turn of the third output, in degrees.
 static void between(int32_t on_deg, int32_t off_deg)
 {
@@ -117,17 +115,4 @@ static void test_heights_and_sense_are_passed_on(void)
     TEST_ASSERT_EQUAL_INT32(-5, c.z_low_nm);
     TEST_ASSERT_EQUAL_INT32(7, c.z_high_nm);
     TEST_ASSERT_EQUAL_INT32(-1, c.sense);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_outputs_up_to_the_last_in_use_are_built);
-    RUN_TEST(test_window_is_as_wide_as_from_its_one_end_to_its_other);
-    RUN_TEST(test_window_begins_at_the_end_that_is_passed_first);
-    RUN_TEST(test_several_windows_per_turn_are_those_of_a_faster_angle);
-    RUN_TEST(test_hysteresis_is_at_most_a_quarter_of_the_window);
-    RUN_TEST(test_dead_time_and_half_a_tick_are_looked_ahead);
-    RUN_TEST(test_heights_and_sense_are_passed_on);
-    return UNITY_END();
 }

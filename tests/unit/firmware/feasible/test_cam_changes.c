@@ -17,8 +17,6 @@ void setUp(void)
     fixture_play_init(&f, &part);
 }
 
-void tearDown(void) {}
-
 static void test_feed_below_a_hundredth_is_rest_and_rates_have_reciprocals(void)
 {
     const int32_t ppm[] = {0, 9999, 10000, 333333, 1000000, 1500000};
@@ -142,17 +140,4 @@ static void test_modulated_spindle_keeps_its_ratio(void)
         sum += f.want.spindle_mrpm;
     }
     TEST_ASSERT_DOUBLE_WITHIN(mean * 2e-3, 0.8 * sum / 480.0, whole);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_feed_below_a_hundredth_is_rest_and_rates_have_reciprocals);
-    RUN_TEST(test_rates_and_reciprocals_are_rounded_to_nearest);
-    RUN_TEST(test_step_of_the_trim_is_limited_to_both_sides);
-    RUN_TEST(test_trim_moves_x_at_its_rate_and_leaves_the_rest);
-    RUN_TEST(test_trim_takes_no_more_acceleration_than_the_approach);
-    RUN_TEST(test_spindle_is_led_within_rate_and_acceleration);
-    RUN_TEST(test_modulated_spindle_keeps_its_ratio);
-    return UNITY_END();
 }

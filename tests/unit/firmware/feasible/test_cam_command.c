@@ -22,8 +22,6 @@ void setUp(void)
     params.spindle_acceleration_mrad_per_s2 = 2000000000;
 }
 
-void tearDown(void) {}
-
 static void load(void)
 {
     fixture_image_make(&image, &part);
@@ -219,19 +217,4 @@ static void test_command_too_fast_is_refused(void)
                           cam_feasible_check(&table, &params, 3300000, 20000));
     params.k1_ns = 0;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_feasible_check(&table, &params, 3300000, 20000));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_peaks_alone_bound_a_command_within_the_stroke);
-    RUN_TEST(test_without_gains_nothing_is_demanded);
-    RUN_TEST(test_command_beyond_the_stroke_is_bounded_by_the_knots);
-    RUN_TEST(test_modulated_spindle_is_bounded_too);
-    RUN_TEST(test_bound_by_the_peaks_where_the_knots_are_not_read);
-    RUN_TEST(test_refused_with_the_numbers);
-    RUN_TEST(test_third_derivative_is_bounded);
-    RUN_TEST(test_speed_and_acceleration_of_the_command_have_all_their_terms);
-    RUN_TEST(test_command_too_fast_is_refused);
-    return UNITY_END();
 }

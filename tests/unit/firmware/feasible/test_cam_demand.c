@@ -19,8 +19,6 @@ void setUp(void)
     part = fixture_part_short();
 }
 
-void tearDown(void) {}
-
 static cam_feasibility_t judge(void)
 {
     return cam_feasible(&f.table, &f.params, 2400000, FIXTURE_PLAY_HZ); // 40 turns per second
@@ -226,19 +224,4 @@ static void test_what_the_table_cannot_be_cut_with_is_told(void)
     TEST_ASSERT_EQUAL_INT(cam_err_override_measured, judge().err);
     f.table.has_stations = true;
     TEST_ASSERT_EQUAL_INT(cam_err_z_stations, judge().err);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_what_the_table_cannot_be_cut_with_is_told);
-    RUN_TEST(test_acceleration_of_u_has_all_its_terms);
-    RUN_TEST(test_speed_of_u_has_both_its_terms);
-    RUN_TEST(test_largest_feed_and_highest_speed_are_edges);
-    RUN_TEST(test_no_feed_helps_where_the_feed_does_not_count);
-    RUN_TEST(test_speed_of_the_swing_is_that_of_its_slope);
-    RUN_TEST(test_swing_has_the_same_terms);
-    RUN_TEST(test_cut_at_the_largest_feed_stays_within_the_limit);
-    RUN_TEST(test_patterns_of_a_low_shaft_do_not_drift);
-    return UNITY_END();
 }

@@ -21,8 +21,6 @@ void setUp(void)
     table = (cam_table_t){.u_min_nm = 0, .u_max_nm = 150000};
 }
 
-void tearDown(void) {}
-
 /// Equation (166) in double, with the spindle's acceleration and a hundredth of its speed.
 static double window(double counts, double tick_hz)
 {
@@ -210,24 +208,4 @@ static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
     const double room_nm = 625.0 / 8.0 + a * (over * over / 2.0 + 256.0 / 12.0);
     TEST_ASSERT_DOUBLE_WITHIN(60.0, -(400000.0 - room_nm),
                               (double)config.guard.u_retract_q10 / 1024.0);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_jump_window_scales_with_encoder_observer_and_tick);
-    RUN_TEST(test_jump_window_of_the_usual_machine_is_eight_counts_and_the_jitter);
-    RUN_TEST(test_jump_window_that_was_set_is_taken);
-    RUN_TEST(test_jump_window_of_extremes_stays_in_its_word_and_a_quarter_turn);
-    RUN_TEST(test_following_limit_is_a_tenth_of_the_ovality);
-    RUN_TEST(test_following_limit_does_not_grow_beyond_a_fifth_of_a_millimetre);
-    RUN_TEST(test_following_limit_has_a_floor_and_a_drive_of_which_nothing_is_known_another);
-    RUN_TEST(test_approach_limit_is_what_half_of_the_lag_makes);
-    RUN_TEST(test_following_limit_that_was_set_is_taken_and_without_a_table_it_is_the_least);
-    RUN_TEST(test_most_is_the_largest_value_that_is_built);
-    RUN_TEST(test_limits_by_the_tick_are_exact);
-    RUN_TEST(test_speeds_of_slow_axes_are_those_of_their_outputs);
-    RUN_TEST(test_usual_observer_is_a_twentieth_of_a_slow_tick);
-    RUN_TEST(test_retract_leaves_room_to_brake_inside_the_stroke);
-    return UNITY_END();
 }

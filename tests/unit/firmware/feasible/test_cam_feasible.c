@@ -289,30 +289,3 @@ static void test_tool_that_must_swing_is_refused_at_any_speed(void)
     TEST_ASSERT_EQUAL_INT(cam_err_swing_axis, found.err);
     TEST_ASSERT_EQUAL_UINT32(0u, found.highest_mrpm);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_feasible_part_within_all_limits_passes);
-    RUN_TEST(test_spindle_limit_is_the_smaller_of_machine_and_table);
-    RUN_TEST(test_u_speed_limit_is_the_smaller_of_machine_and_table);
-    RUN_TEST(test_u_acceleration_limit_is_the_smaller_of_machine_and_table);
-    RUN_TEST(test_amplitude_scales_what_u_needs);
-    RUN_TEST(test_stroke_counts_the_travel_to_both_sides);
-    RUN_TEST(test_retract_that_was_set_counts_from_the_outermost_place);
-    RUN_TEST(test_default_retract_blocks_no_part_that_fits_the_stroke);
-    RUN_TEST(test_feed_larger_than_the_part_is_refused);
-    RUN_TEST(test_more_turns_than_are_counted_are_refused);
-    RUN_TEST(test_an_axis_is_blamed_before_the_turns);
-    RUN_TEST(test_ring_helix_needs_ramps_of_z);
-    RUN_TEST(test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits);
-    RUN_TEST(test_z_speed_and_acceleration_limit_feed_times_speed);
-    RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
-    RUN_TEST(test_modulation_limits_peak_speed_and_spindle_acceleration);
-    RUN_TEST(test_highest_speed_passes_where_numbers_are_small);
-    RUN_TEST(test_verdict_and_searches_agree_with_the_full_judgement);
-    RUN_TEST(test_flat_table_has_a_finite_highest_speed);
-    RUN_TEST(test_largest_demands_do_not_overflow);
-    RUN_TEST(test_tool_that_must_swing_is_refused_at_any_speed);
-    return UNITY_END();
-}

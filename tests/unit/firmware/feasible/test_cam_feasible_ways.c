@@ -118,14 +118,3 @@ static void test_short_engaging_with_a_modulated_spindle_adds_more(void)
     table.spindle_peak_ppm_per_rad = 1500000;
     expect_engaging_needs();
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_x_leaves_its_clearance_within_its_limits);
-    RUN_TEST(test_x_follows_the_barrel_within_its_limits);
-    RUN_TEST(test_engaging_of_a_disc_is_never_taken_too_small);
-    RUN_TEST(test_short_engaging_adds_to_what_u_needs);
-    RUN_TEST(test_short_engaging_with_a_modulated_spindle_adds_more);
-    return UNITY_END();
-}

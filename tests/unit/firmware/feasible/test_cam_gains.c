@@ -152,16 +152,3 @@ static void test_bounds_of_the_gains_are_those_of_the_window(void)
     TEST_ASSERT_EQUAL_INT64(400000 + 1200000, cam_gains_bound(&p, cam_param_k1_ns, 20000));
     TEST_ASSERT_EQUAL_INT64(640000, cam_gains_bound(&p, cam_param_k2_us2, 20000));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_derived_windows_are_those_of_the_manual);
-    RUN_TEST(test_window_of_a_jerk_keeps_it_and_half_of_it_does_not);
-    RUN_TEST(test_bounds_are_the_last_that_are_accepted);
-    RUN_TEST(test_refused_gain_is_named_with_the_largest_that_would_do);
-    RUN_TEST(test_accepted_gains_leave_the_retract_within_the_speed_of_u);
-    RUN_TEST(test_least_jerk_is_that_of_the_longest_window_of_its_axis);
-    RUN_TEST(test_bounds_of_the_gains_are_those_of_the_window);
-    return UNITY_END();
-}

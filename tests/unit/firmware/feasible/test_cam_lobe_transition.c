@@ -9,9 +9,6 @@
 
 static const cam_knot_t knot;
 
-void setUp(void) {}
-void tearDown(void) {}
-
 /// Largest needs, by the equations.
 static void exact(const cam_table_t *t, double feed_nm, const cam_z_coupling_peaks_t *p, double n,
                   double most[2])
@@ -86,13 +83,4 @@ static void test_needs_of_the_steepest_change_are_bounded(void)
     TEST_ASSERT_EQUAL_UINT64(first, cam_z_coupling_lobes_first(&t, 1u << 24, &p));
     TEST_ASSERT_EQUAL_UINT64(second, cam_z_coupling_lobes_second(&t, 1u << 24, &p, 80u));
     TEST_ASSERT_TRUE(first <= p.f1 + 2u * p.f * 34u && first > p.f * 60u); // 2^25 ppm, 15 / 8
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_needs_are_bounded_tightly);
-    RUN_TEST(test_needs_rise_with_the_feed_and_vanish_without_a_change);
-    RUN_TEST(test_needs_of_the_steepest_change_are_bounded);
-    return UNITY_END();
 }

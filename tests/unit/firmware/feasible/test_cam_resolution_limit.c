@@ -15,8 +15,6 @@ void setUp(void)
                           .u = {.n_slices = 11, .span_nm = 5000000}};
 }
 
-void tearDown(void) {}
-
 static void set_steps(uint32_t u_pm, uint32_t x_pm, uint32_t z_pm)
 {
     hal_host.slow.scale[hal_axis_u].command_pm = u_pm;
@@ -66,15 +64,4 @@ static void test_form_of_extremes_is_saturated(void)
     table.u_change.most = UINT32_MAX;
     table.u.n_slices = cam_table_max_slices;
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, cam_derived_limits_form_pm(&table));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_form_of_a_skirt_is_half_of_each_step_and_of_z_by_the_slope);
-    RUN_TEST(test_form_without_a_table_or_of_a_lobe_takes_no_z);
-    RUN_TEST(test_form_without_a_word_of_the_port_is_nothing);
-    RUN_TEST(test_count_is_the_way_of_u_in_it);
-    RUN_TEST(test_form_of_extremes_is_saturated);
-    return UNITY_END();
 }

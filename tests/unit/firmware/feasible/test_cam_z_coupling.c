@@ -24,8 +24,6 @@ void setUp(void)
                       .programmed_nm = 100000};
 }
 
-void tearDown(void) {}
-
 static void with_way(uint32_t slope_ppm, uint32_t bend_ppm_per_m)
 {
     table.way.knots = &knot;
@@ -203,22 +201,4 @@ static void test_rate_that_differs_over_the_angle_is_an_acceleration(void)
     TEST_ASSERT_EQUAL_UINT64(6284 + 7, cam_z_coupling_acceleration(&cut, &d));
     const cam_z_coupling_t slow = {.speed_per_rad = 1};
     TEST_ASSERT_EQUAL_UINT64(126, cam_z_coupling_acceleration(&cut, &slow)); // of 125.7
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_quotients_are_rounded_up);
-    RUN_TEST(test_speed_of_z_is_feed_times_turns);
-    RUN_TEST(test_way_makes_z_faster_where_the_port_moves_it);
-    RUN_TEST(test_ramps_of_a_helix_need_an_acceleration);
-    RUN_TEST(test_ramps_are_not_longer_than_the_part);
-    RUN_TEST(test_way_adds_its_bend_to_the_acceleration);
-    RUN_TEST(test_ring_helix_has_the_speed_and_the_acceleration_of_its_ramps);
-    RUN_TEST(test_drift_is_the_change_times_the_slices_that_pass);
-    RUN_TEST(test_acceleration_of_z_adds_to_the_drift);
-    RUN_TEST(test_speed_of_z_is_judged_up_to_that_of_any_slide);
-    RUN_TEST(test_patterns_of_lobes_do_not_drift);
-    RUN_TEST(test_rate_that_differs_over_the_angle_is_an_acceleration);
-    return UNITY_END();
 }

@@ -12,8 +12,6 @@ void setUp(void)
     random_of = (fixture_random_t){3u};
 }
 
-void tearDown(void) {}
-
 static cam_complex_t any(int32_t most)
 {
     return (cam_complex_t){.re = (int32_t)fixture_random_range(&random_of, -most, most),
@@ -75,13 +73,4 @@ static void test_a_ratio_is_a_gain(void)
     const cam_gain_t none = cam_gain_ratio((cam_complex_t){.re = 5, .im = 6}, (cam_complex_t){0});
     TEST_ASSERT_EQUAL_INT16(0, none.re_q12);
     TEST_ASSERT_EQUAL_INT16(0, none.im_q12);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_sums_and_magnitudes);
-    RUN_TEST(test_a_number_times_a_gain);
-    RUN_TEST(test_a_ratio_is_a_gain);
-    return UNITY_END();
 }

@@ -11,10 +11,6 @@ enum { speed_q32 = 10737418 }; // 3000 r/min at 20 kHz
 
 static const double k1_ticks = 14.9, k2_ticks2 = 112.6;
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static double omega(uint32_t k)
 {
     return TURN * k * speed_q32 / 4294967296.0;
@@ -85,14 +81,4 @@ static void test_the_largest_numbers_fit(void)
     const cam_drive_change_t by = cam_drive_solve(&sums, 1 << 18);
     TEST_ASSERT_TRUE(by.k1_q16 != 0 || by.k2_q16 != 0);
     (void)cam_drive_gain(16, 1 << 26, INT32_MAX, INT32_MAX);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_answer_of_the_drive_is_that_of_its_constants);
-    RUN_TEST(test_wrong_constants_are_found_from_their_error);
-    RUN_TEST(test_nothing_says_nothing);
-    RUN_TEST(test_the_largest_numbers_fit);
-    return UNITY_END();
 }

@@ -15,8 +15,6 @@ void setUp(void)
     cam_harmonic_correction_forget(&s);
 }
 
-void tearDown(void) {}
-
 static cam_complex_t of(int32_t re, int32_t im)
 {
     return (cam_complex_t){.re = re, .im = im};
@@ -260,30 +258,4 @@ static void test_turn_takes_what_is_kept_along_and_leaves_the_mean(void)
     cam_harmonic_correction_restore(&s);
     TEST_ASSERT_INT32_WITHIN(64, 6400, s.c_q6[4].im);
     TEST_ASSERT_INT32_WITHIN(64, -6400, s.c_q6[8].re);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_play_puts_a_chirp_up_to_n_and_nothing_above);
-    RUN_TEST(test_play_of_nothing_ends_the_probe);
-    RUN_TEST(test_probe_learns_how_u_answers);
-    RUN_TEST(test_probe_without_a_correction_keeps_the_answer);
-    RUN_TEST(test_guard_keeps_the_older_of_two_equals);
-    RUN_TEST(test_probe_masks_what_answers_too_little);
-    RUN_TEST(test_probe_masks_what_answers_out_of_proportion);
-    RUN_TEST(test_learn_adds_its_part_of_the_error);
-    RUN_TEST(test_learn_divides_the_error_by_the_response);
-    RUN_TEST(test_largest_error_over_the_smallest_response_fits);
-    RUN_TEST(test_learn_leaves_a_masked_harmonic_alone);
-    RUN_TEST(test_learn_takes_a_change_that_just_fits_the_room);
-    RUN_TEST(test_guard_goes_back_to_the_best_and_halves);
-    RUN_TEST(test_guard_masks_at_the_fourth_time);
-    RUN_TEST(test_guard_asks_for_no_less_than_the_floor);
-    RUN_TEST(test_mean_is_not_guarded);
-    RUN_TEST(test_best_ages_by_a_sixteenth);
-    RUN_TEST(test_restore_goes_back_where_something_is_known);
-    RUN_TEST(test_sum_is_that_of_all_magnitudes);
-    RUN_TEST(test_turn_takes_what_is_kept_along_and_leaves_the_mean);
-    return UNITY_END();
 }

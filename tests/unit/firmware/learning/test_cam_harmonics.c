@@ -10,10 +10,6 @@
 
 enum { most_nm = 30000 };
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static void test_a_wave_is_its_own_harmonic_and_no_other(void)
 {
     static int32_t mean[2 * cam_turn_bins_n]; // a stride of two words
@@ -175,17 +171,4 @@ static void test_cosines_are_the_nearest_of_their_word(void)
             TEST_ASSERT_EQUAL_INT16(point_by(part, at.cosine, down), point[at.i]);
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_wave_is_its_own_harmonic_and_no_other);
-    RUN_TEST(test_points_are_the_sum_of_the_harmonics);
-    RUN_TEST(test_points_move_by_no_more_than_a_step_and_arrive);
-    RUN_TEST(test_points_beyond_their_word_stay_at_its_end);
-    RUN_TEST(test_turned_is_a_multiplication_by_a_unit);
-    RUN_TEST(test_axes_of_the_circle_are_exact);
-    RUN_TEST(test_cosines_are_the_nearest_of_their_word);
-    return UNITY_END();
 }

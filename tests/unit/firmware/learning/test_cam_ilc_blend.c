@@ -19,8 +19,6 @@ void setUp(void)
     t.blend_from_q8 = usual_q8;
 }
 
-void tearDown(void) {}
-
 static void walk(uint32_t at_q8)
 {
     cam_ilc_blend(&t, &s, at_q8, &in);
@@ -241,20 +239,4 @@ static void test_turns_count_when_u_has_settled(void)
         walk(usual_q8 + cases[i].part);
         TEST_ASSERT_EQUAL_UINT32(1000u + cases[i].behind, t.good_from);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_constants_are_led_in_steps_of_the_command);
-    RUN_TEST(test_constants_arrive_exactly);
-    RUN_TEST(test_constants_wait_out_of_the_work_while_u_moves);
-    RUN_TEST(test_correction_is_led_by_points);
-    RUN_TEST(test_ripple_is_led_by_points);
-    RUN_TEST(test_both_tables_of_the_ripple_have_to_be_there);
-    RUN_TEST(test_without_a_mean_the_eccentricity_is_what_is_known);
-    RUN_TEST(test_costly_steps_wait_for_their_place_in_the_turn);
-    RUN_TEST(test_one_set_of_points_is_led_at_a_time);
-    RUN_TEST(test_turns_count_when_u_has_settled);
-    return UNITY_END();
 }

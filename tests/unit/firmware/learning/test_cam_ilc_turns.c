@@ -230,20 +230,3 @@ static void test_a_turn_that_is_taken_too_late_is_dropped(void)
         TEST_ASSERT_EQUAL_INT32(late == 0u ? 78 : 0, t.ripple.sum[15].im);
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_rehearsal_is_a_turn_to_settle_three_of_the_drive_and_three_of_the_probe);
-    RUN_TEST(test_lobes_are_not_probed);
-    RUN_TEST(test_error_is_told_as_rms);
-    RUN_TEST(test_a_step_is_the_share_of_the_gain_and_halves_with_each_strike);
-    RUN_TEST(test_the_two_layers_share_their_gain);
-    RUN_TEST(test_the_guard_brings_the_best_back_four_times);
-    RUN_TEST(test_the_end_of_the_probe_lets_the_guard_begin_anew);
-    RUN_TEST(test_a_larger_shape_lets_the_guard_begin_anew);
-    RUN_TEST(test_constants_stay_within_their_bounds);
-    RUN_TEST(test_the_cut_forgets_slowly);
-    RUN_TEST(test_a_turn_that_is_taken_too_late_is_dropped);
-    return UNITY_END();
-}

@@ -13,8 +13,6 @@ void setUp(void)
     s = (cam_ilc_setup_t){.gain_q16 = 32768, .cut_gain_q16 = 9830, .n_harmonics = 8};
 }
 
-void tearDown(void) {}
-
 /// A 1024th of what there was in the rehearsal, a 16th in the cut, not less than the scale tells.
 static void test_guard_compares_above_a_part_of_the_first_error(void)
 {
@@ -147,18 +145,4 @@ static void test_best_error_ages_in_the_cut_alone(void)
         cam_ilc_update_harmonic(&t, &s);
         TEST_ASSERT_EQUAL_UINT32(is_cut ? 17001 : 16000, t.correction.best_q6[1]);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_large_harmonics_share_their_gain);
-    RUN_TEST(test_best_error_ages_in_the_cut_alone);
-    RUN_TEST(test_a_harmonic_is_taken_at_its_size);
-    RUN_TEST(test_gain_is_that_of_the_phase);
-    RUN_TEST(test_drive_is_told_by_a_large_motion);
-    RUN_TEST(test_guard_compares_above_a_part_of_the_first_error);
-    RUN_TEST(test_a_speed_is_another_beyond_two_percent);
-    RUN_TEST(test_phase_begins_with_no_steps);
-    return UNITY_END();
 }

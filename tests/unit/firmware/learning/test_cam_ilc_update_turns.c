@@ -248,23 +248,3 @@ static void test_a_rehearsal_at_another_speed_forgets_the_correction(void)
         TEST_ASSERT_EQUAL_UINT8(percent == 103 ? cam_ilc_drive : cam_ilc_shape, t.phase);
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_turn_that_is_not_like_the_others_does_not_count);
-    RUN_TEST(test_a_turn_that_tells_nothing_is_given_back_at_once);
-    RUN_TEST(test_a_turn_counts_when_the_drive_has_settled);
-    RUN_TEST(test_a_turn_of_another_speed_than_the_last_does_not_count);
-    RUN_TEST(test_slow_and_fast_turns_are_told);
-    RUN_TEST(test_harmonics_are_as_many_as_the_ticks_tell);
-    RUN_TEST(test_gaps_are_filled_by_straight_lines);
-    RUN_TEST(test_errors_are_those_at_full_amplitude);
-    RUN_TEST(test_the_floor_is_what_scale_and_encoder_cannot_tell);
-    RUN_TEST(test_room_is_what_the_bound_leaves);
-    RUN_TEST(test_another_speed_freezes_a_cut);
-    RUN_TEST(test_a_feed_that_changes_begins_the_steps_anew);
-    RUN_TEST(test_the_phase_of_the_operator_turns_the_correction);
-    RUN_TEST(test_a_rehearsal_at_another_speed_forgets_the_correction);
-    return UNITY_END();
-}

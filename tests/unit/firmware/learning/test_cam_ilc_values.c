@@ -13,8 +13,6 @@ void setUp(void)
     s = (cam_ilc_setup_t){.reason = cam_ilc_all, .n_harmonics = 8};
 }
 
-void tearDown(void) {}
-
 /// The numbers are part of the CAN protocol, and each value has one of its own.
 static void test_values_have_their_numbers(void)
 {
@@ -183,18 +181,4 @@ static void test_harmonic_is_told(void)
     t.correction.c_q6[16].re = 1;
     TEST_ASSERT_EQUAL_INT32(1, cam_ilc_harmonic(&t, 16).correction_q6.re);
     TEST_ASSERT_EQUAL_INT32(0, cam_ilc_harmonic(&t, 17).correction_q6.re);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_values_have_their_numbers);
-    RUN_TEST(test_each_value_has_its_range);
-    RUN_TEST(test_masks_are_those_of_the_harmonics);
-    RUN_TEST(test_number_beyond_the_last_is_refused);
-    RUN_TEST(test_what_is_set_is_walked_to);
-    RUN_TEST(test_status_is_told_in_the_units_of_people);
-    RUN_TEST(test_phase_and_reason_are_told);
-    RUN_TEST(test_harmonic_is_told);
-    return UNITY_END();
 }

@@ -9,10 +9,6 @@
 
 static cam_turn_bin_t bin[cam_turn_bins_n];
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 /// One turn of 401.3 ticks with ripple of the orders 2 and 5, in a speed that drifts by a share per
 /// turn, measured in counts (0: exactly).
 static void fill(double drift, double counts)
@@ -227,21 +223,4 @@ static void test_a_turn_of_few_ticks_has_no_ripple(void)
     bin[5] = (cam_turn_bin_t){.n = 2, .angle_q24 = 2 * 65536};
     bin[100].n = 0;
     TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_orders_are_found);
-    RUN_TEST(test_a_drift_of_the_speed_is_no_ripple);
-    RUN_TEST(test_what_counts_feign_is_not_learned);
-    RUN_TEST(test_two_speeds_tell_the_scale_from_the_spindle);
-    RUN_TEST(test_a_turn_with_a_hole_or_a_jump_is_refused);
-    RUN_TEST(test_a_sum_beyond_its_word_keeps_its_sign);
-    RUN_TEST(test_a_mean_is_made_of_its_turns_and_begins_anew);
-    RUN_TEST(test_the_least_that_is_told_is_beyond_what_counts_feign);
-    RUN_TEST(test_drift_is_taken_off_by_the_square_of_the_order);
-    RUN_TEST(test_speeds_within_a_tenth_tell_nothing_of_the_scale);
-    RUN_TEST(test_a_turn_of_few_ticks_has_no_ripple);
-    return UNITY_END();
 }

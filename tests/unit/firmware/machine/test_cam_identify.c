@@ -50,8 +50,6 @@ void setUp(void)
                           cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, place_nm));
 }
 
-void tearDown(void) {}
-
 static cam_state_t state(void)
 {
     return fixture_rig_state();
@@ -368,28 +366,4 @@ static void test_between_two_states_everything_waits(void)
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
     go_on(3, true);
     expect_end(cam_excited_done, cam_state_ready);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_wave_is_played_recorded_and_left);
-    RUN_TEST(test_the_way_to_the_place_is_without_the_wave);
-    RUN_TEST(test_stop_lets_it_fade);
-    RUN_TEST(test_stop_on_the_way_to_the_place_ends_it);
-    RUN_TEST(test_disable_lets_it_fade_and_then_takes_the_enable);
-    RUN_TEST(test_a_stop_takes_no_disable_back);
-    RUN_TEST(test_a_begin_that_was_not_seen_is_not_stopped);
-    RUN_TEST(test_a_begin_that_was_missed_is_told_by_its_end);
-    RUN_TEST(test_begin_and_end_need_room);
-    RUN_TEST(test_a_box_that_was_not_read_is_in_the_way);
-    RUN_TEST(test_a_recording_without_room_begins_nothing);
-    RUN_TEST(test_silence_ends_it);
-    RUN_TEST(test_a_fault_retracts_u);
-    RUN_TEST(test_following_error_has_the_room_of_the_larger_side);
-    RUN_TEST(test_following_error_has_the_room_of_the_wave);
-    RUN_TEST(test_it_begins_in_ready_only_and_with_a_whole_wave);
-    RUN_TEST(test_nothing_else_is_accepted_meanwhile);
-    RUN_TEST(test_between_two_states_everything_waits);
-    return UNITY_END();
 }

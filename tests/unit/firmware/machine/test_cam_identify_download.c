@@ -90,13 +90,3 @@ static void test_what_is_asked_for_comes_before_an_excitation(void)
     fixture_rig_ticks(&rig, 20);
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(&rig.machine, 1, 16).err);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_downloads_out_of_order_are_refused);
-    RUN_TEST(test_length_of_an_excitation_is_limited);
-    RUN_TEST(test_a_release_forgets_the_wave);
-    RUN_TEST(test_what_is_asked_for_comes_before_an_excitation);
-    return UNITY_END();
-}

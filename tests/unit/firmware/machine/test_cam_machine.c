@@ -347,27 +347,3 @@ static void test_home_finds_the_index_anew_in_every_phase_of_the_plan(void)
         TEST_ASSERT_TRUE(was_homing && was_forgotten && status.is_synced);
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_commands_out_of_order_are_refused_and_change_nothing);
-    RUN_TEST(test_requests_that_reach_the_interrupt_out_of_order_are_ignored);
-    RUN_TEST(test_fault_is_left_by_reset_after_the_retract_only);
-    RUN_TEST(test_enable_is_refused_while_u_stands_outside_its_stroke);
-    RUN_TEST(test_command_before_the_last_was_taken_is_busy);
-    RUN_TEST(test_request_serial_wraps_without_losing_a_command);
-    RUN_TEST(test_second_change_before_the_first_was_taken_is_busy);
-    RUN_TEST(test_parameters_change_only_where_they_may);
-    RUN_TEST(test_what_makes_the_angle_changes_in_off_only);
-    RUN_TEST(test_parameter_errors_leave_everything_as_it_was);
-    RUN_TEST(test_changes_wait_for_a_pending_command);
-    RUN_TEST(test_without_a_table_nothing_starts);
-    RUN_TEST(test_init_at_a_slow_tick_slows_the_observer);
-    RUN_TEST(test_init_derives_the_following_error_where_u_is_measured_at_a_quick_tick);
-    RUN_TEST(test_select_table_needs_a_good_one_and_the_right_state);
-    RUN_TEST(test_poll_finds_damage_in_every_state);
-    RUN_TEST(test_poll_tries_again_when_the_interrupt_is_busy);
-    RUN_TEST(test_home_finds_the_index_anew_in_every_phase_of_the_plan);
-    return UNITY_END();
-}

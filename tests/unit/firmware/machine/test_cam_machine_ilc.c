@@ -280,22 +280,3 @@ static void test_a_coarse_scale_tells_less(void)
     TEST_ASSERT_UINT32_WITHIN(2, 64 + 78 * 10 / 31, floor_of(10));
     TEST_ASSERT_UINT32_WITHIN(10, 64 + 78 * 1000 / 31, floor_of(1000));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_coarse_scale_tells_less);
-    RUN_TEST(test_learned_values_are_set_in_off_and_ready_only);
-    RUN_TEST(test_constants_of_the_drive_stay_within_what_can_be_learned);
-    RUN_TEST(test_values_beyond_their_range_leave_the_old_ones);
-    RUN_TEST(test_new_constants_of_the_drive_forget_what_was_learned);
-    RUN_TEST(test_the_encoders_error_is_led_to_its_new_value);
-    RUN_TEST(test_only_what_changes_is_handed_over);
-    RUN_TEST(test_a_correction_and_a_ripple_are_handed_over);
-    RUN_TEST(test_each_reason_to_work_suffices);
-    RUN_TEST(test_walk_waits_for_the_interrupt);
-    RUN_TEST(test_why_nothing_is_learned_is_told);
-    RUN_TEST(test_what_the_encoder_measures_alone_is_handed_over);
-    RUN_TEST(test_harmonics_are_told);
-    return UNITY_END();
-}

@@ -132,13 +132,3 @@ static void test_turns_of_the_ripple_are_those_that_are_set(void)
     play_turns(6, cam_state_ready);
     TEST_ASSERT_EQUAL_UINT32(0, rig.machine.ilc.ripple.n_mean);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_gain_of_the_rehearsal_is_the_one_that_is_set);
-    RUN_TEST(test_gain_of_the_cut_is_the_one_that_is_set);
-    RUN_TEST(test_probe_is_the_one_that_is_set_or_three_steps_of_the_scale);
-    RUN_TEST(test_turns_of_the_ripple_are_those_that_are_set);
-    return UNITY_END();
-}

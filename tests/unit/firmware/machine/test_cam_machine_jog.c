@@ -345,26 +345,3 @@ static void test_session_by_hand_replays_bit_for_bit(void)
     }
     free(rig.log);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_commands_by_hand_are_refused_in_every_other_state);
-    RUN_TEST(test_commands_of_other_states_are_refused_by_hand);
-    RUN_TEST(test_manual_is_refused_for_what_enable_is);
-    RUN_TEST(test_manual_needs_no_table);
-    RUN_TEST(test_refusals_carry_the_limit);
-    RUN_TEST(test_jog_is_no_faster_than_the_axis_can_brake);
-    RUN_TEST(test_measured_z_is_not_moved_by_hand);
-    RUN_TEST(test_one_order_after_the_other);
-    RUN_TEST(test_order_is_not_kept_for_the_next_manual);
-    RUN_TEST(test_order_outlives_a_new_configuration);
-    RUN_TEST(test_jog_without_travel_limits_ends_at_one_metre);
-    RUN_TEST(test_u_whose_search_failed_is_not_cut_with);
-    RUN_TEST(test_work_out_of_the_travel_of_x_is_refused);
-    RUN_TEST(test_orders_wait_for_requests_and_not_for_rest);
-    RUN_TEST(test_only_a_search_of_u_makes_its_home_lost);
-    RUN_TEST(test_travel_holds_where_the_place_is_known);
-    RUN_TEST(test_session_by_hand_replays_bit_for_bit);
-    return UNITY_END();
-}

@@ -98,14 +98,3 @@ static void test_ring_helix_allows_only_speeds_that_z_can_follow(void)
     TEST_ASSERT_EQUAL_INT(cam_err_param_state,
                           fixture_rig_set(&rig, cam_param_spindle_mrpm, 1000000));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_ready_refuses_what_the_spindle_or_u_cannot_do);
-    RUN_TEST(test_start_beyond_the_limits_is_refused_before_motion);
-    RUN_TEST(test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut);
-    RUN_TEST(test_lobe_is_cut_with_all_of_its_lift_or_not_at_all);
-    RUN_TEST(test_ring_helix_allows_only_speeds_that_z_can_follow);
-    return UNITY_END();
-}

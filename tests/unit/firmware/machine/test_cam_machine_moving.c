@@ -84,12 +84,3 @@ static void test_stroke_keeps_where_u_stands(void)
         TEST_ASSERT_EQUAL_INT(cam_err_u_place, cam_machine_manual(machine()));
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_x_and_z_brake_to_a_lower_limit);
-    RUN_TEST(test_limits_of_u_change_while_u_stands);
-    RUN_TEST(test_stroke_keeps_where_u_stands);
-    return UNITY_END();
-}

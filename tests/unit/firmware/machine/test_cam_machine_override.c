@@ -12,8 +12,6 @@ void setUp(void)
     fixture_rig_init(&rig, &part, 20000);
 }
 
-void tearDown(void) {}
-
 static void until(cam_state_t state)
 {
     (void)fixture_rig_wait(&rig, state, 200000);
@@ -155,19 +153,4 @@ static void test_parts_are_set_from_0_on(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     until(cam_state_ready);
     TEST_ASSERT_EQUAL_UINT32(42, rig.machine.n_parts);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_disable_and_a_start_do_not_fit_a_hold);
-    RUN_TEST(test_rate_that_is_due_goes_with_any_configuration);
-    RUN_TEST(test_hold_needs_a_cut_and_resume_a_hold);
-    RUN_TEST(test_hold_is_forgotten_when_the_cut_ends);
-    RUN_TEST(test_hold_is_handed_over_as_soon_as_there_is_room);
-    RUN_TEST(test_changes_in_the_cut_are_bounded);
-    RUN_TEST(test_an_infeasible_override_is_refused_with_numbers);
-    RUN_TEST(test_a_ring_helix_has_its_own_feed_or_none);
-    RUN_TEST(test_parts_are_set_from_0_on);
-    return UNITY_END();
 }

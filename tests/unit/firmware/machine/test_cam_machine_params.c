@@ -17,8 +17,6 @@ void setUp(void)
     fixture_can_start(&f);
 }
 
-void tearDown(void) {}
-
 static cam_machine_t *machine(void)
 {
     return &f.rig.machine;
@@ -277,24 +275,4 @@ static void test_a_jerk_that_is_too_low_is_refused_with_numbers(void)
     TEST_ASSERT_GREATER_THAN_INT32(1, (int32_t)refusal->why.limit);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&f.rig.machine, cam_param_u_jerk_m_per_s3,
                                                         (int32_t)refusal->why.limit));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_commit_brings_all_into_force_in_one_tick);
-    RUN_TEST(test_commit_that_is_refused_leaves_all_as_they_were);
-    RUN_TEST(test_commit_behind_a_change_by_another_is_refused);
-    RUN_TEST(test_feed_forward_changes_in_ready_while_u_rests);
-    RUN_TEST(test_feed_forward_stays_while_u_is_jogged);
-    RUN_TEST(test_saved_parameters_are_there_after_a_restart);
-    RUN_TEST(test_overrides_are_whole_after_a_restart_and_a_revert);
-    RUN_TEST(test_save_is_refused_out_of_off_and_when_the_port_fails);
-    RUN_TEST(test_defaults_and_kept_parameters_come_back);
-    RUN_TEST(test_kept_parameters_that_cannot_be_used_are_told);
-    RUN_TEST(test_kept_parameters_of_another_image_are_told);
-    RUN_TEST(test_refusal_tells_demand_and_limit);
-    RUN_TEST(test_speed_beyond_an_output_is_refused_with_the_highest);
-    RUN_TEST(test_a_jerk_that_is_too_low_is_refused_with_numbers);
-    return UNITY_END();
 }

@@ -18,8 +18,6 @@ void setUp(void)
     begin(20000);
 }
 
-void tearDown(void) {}
-
 /// 20 ms, 50 ms, 2 s and a minute, rounded up to plans of 400 us or of a tick.
 static void test_times_of_the_button_are_plans(void)
 {
@@ -91,15 +89,4 @@ static void test_a_stop_waits_for_the_request_before_it(void)
     m->n_requests--;
     cam_machine_rights_poll(m, &status);
     TEST_ASSERT_FALSE(m->is_stop_due);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_times_of_the_button_are_plans);
-    RUN_TEST(test_waiver_of_the_port_demands_nothing);
-    RUN_TEST(test_button_is_told_by_what_the_port_has);
-    RUN_TEST(test_a_loss_forgets_the_enable_that_waits);
-    RUN_TEST(test_a_stop_waits_for_the_request_before_it);
-    return UNITY_END();
 }

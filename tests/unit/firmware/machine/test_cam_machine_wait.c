@@ -363,27 +363,3 @@ static void test_a_piece_of_a_wave_has_whole_words(void)
     TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, words, 3));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 0, words, 8));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_start_waits_for_the_rate_and_for_the_spindle);
-    RUN_TEST(test_start_waits_for_the_pass);
-    RUN_TEST(test_the_next_pass_needs_the_table);
-    RUN_TEST(test_the_part_counts_when_its_first_pass_is_ready);
-    RUN_TEST(test_the_end_of_a_pass_is_seen_once);
-    RUN_TEST(test_home_ends_where_the_state_is_another);
-    RUN_TEST(test_home_waits_until_all_homes_are_read);
-    RUN_TEST(test_an_exchange_waits_for_command_and_configuration);
-    RUN_TEST(test_a_table_in_ready_follows_another_of_its_sense);
-    RUN_TEST(test_damage_is_dropped_at_once_in_off_and_fault);
-    RUN_TEST(test_a_stop_cuts_short_only_what_has_another_end);
-    RUN_TEST(test_a_hold_needs_a_table);
-    RUN_TEST(test_a_hold_ends_with_the_work_only);
-    RUN_TEST(test_a_resume_waits_for_room);
-    RUN_TEST(test_the_stop_of_a_lost_commander_is_not_forgotten);
-    RUN_TEST(test_the_stop_of_an_order_waits_for_room);
-    RUN_TEST(test_without_a_table_there_is_nothing_to_judge);
-    RUN_TEST(test_a_piece_of_a_wave_has_whole_words);
-    return UNITY_END();
-}

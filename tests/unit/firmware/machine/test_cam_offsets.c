@@ -313,24 +313,3 @@ static void test_faults_again_and_again_leave_x_within_its_travel(void)
     TEST_ASSERT_EQUAL_INT32(78 * mm, x_behind_a_fault_in_homing());
     TEST_ASSERT_EQUAL_INT32(79 * mm, x_behind_a_fault_in_homing());
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_axis_has_its_parameters);
-    RUN_TEST(test_zero_moves_the_part_not_the_axes);
-    RUN_TEST(test_faults_again_and_again_leave_x_within_its_travel);
-    RUN_TEST(test_cut_at_another_place_is_the_same_cut);
-    RUN_TEST(test_measured_z_is_read_from_its_datum_on);
-    RUN_TEST(test_tool_moves_the_part_by_its_offset);
-    RUN_TEST(test_zero_is_refused_where_it_cannot_be);
-    RUN_TEST(test_without_homing_required_nothing_is_demanded);
-    RUN_TEST(test_homing_required_refuses_until_every_axis_is_homed);
-    RUN_TEST(test_home_that_is_not_in_force_yet_is_busy);
-    RUN_TEST(test_part_beyond_the_travel_is_refused_before_motion);
-    RUN_TEST(test_no_travel_is_set_beyond_a_metre);
-    RUN_TEST(test_a_measured_z_needs_no_home);
-    RUN_TEST(test_every_pass_lies_in_the_travel_of_x);
-    RUN_TEST(test_a_home_that_was_found_waits_for_room);
-    return UNITY_END();
-}

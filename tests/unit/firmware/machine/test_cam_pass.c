@@ -22,8 +22,6 @@ void setUp(void)
     fixture_image_make(&image, &part);
 }
 
-void tearDown(void) {}
-
 static cam_err_t check(cam_table_t *table)
 {
     return cam_table_check(image.bytes, image.size, table);
@@ -291,23 +289,4 @@ static void test_a_port_without_the_swing_swings_nothing(void)
     hal_host.slow.has_no_swing = true;
     TEST_ASSERT_EQUAL_INT32(0, cam_pass_params(&fast, NULL, 0).swing_speed_mdeg_per_s);
     hal_host_reset(20000);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_records_are_taken_in_their_order);
-    RUN_TEST(test_version_belongs_to_the_kinds);
-    RUN_TEST(test_records_out_of_range_are_refused);
-    RUN_TEST(test_the_largest_stock_is_taken);
-    RUN_TEST(test_highest_speed_is_that_of_the_pass_that_allows_the_least);
-    RUN_TEST(test_entry_of_passes_is_plain);
-    RUN_TEST(test_starts_cut_one_pass_after_the_other);
-    RUN_TEST(test_pass_that_is_stopped_or_fails_is_cut_again);
-    RUN_TEST(test_parameter_chooses_a_pass_and_zero_begins_anew);
-    RUN_TEST(test_choice_or_table_after_a_pass_stands);
-    RUN_TEST(test_parameters_overrule_all_passes);
-    RUN_TEST(test_infeasible_pass_is_refused_with_its_number);
-    RUN_TEST(test_a_port_without_the_swing_swings_nothing);
-    return UNITY_END();
 }

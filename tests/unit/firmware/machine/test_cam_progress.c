@@ -12,8 +12,6 @@ void setUp(void)
     fixture_rig_init(&rig, &part, 20000);
 }
 
-void tearDown(void) {}
-
 /// @return [turn / 1000] rounded down
 static int32_t turns(int64_t turns_q32)
 {
@@ -276,25 +274,4 @@ static void test_a_table_is_told_from_the_next_tick_on(void)
     TEST_ASSERT_EQUAL_UINT32(0, now().mrpm);
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_cut_ends_where_it_is_told);
-    RUN_TEST(test_before_the_cut_the_whole_of_it_is_told);
-    RUN_TEST(test_an_override_is_in_it);
-    RUN_TEST(test_a_rehearsal_is_in_it);
-    RUN_TEST(test_a_hold_counts_as_if_it_were_resumed_at_once);
-    RUN_TEST(test_a_stop_brings_the_end_near);
-    RUN_TEST(test_rings_end_where_they_are_told);
-    RUN_TEST(test_a_measured_z_has_no_end_before_its_stop);
-    RUN_TEST(test_the_speed_is_that_of_the_pass_with_its_override);
-    RUN_TEST(test_without_a_table_nothing_is_told);
-    RUN_TEST(test_a_stop_of_a_hold_ends_it);
-    RUN_TEST(test_a_rehearsal_is_not_held);
-    RUN_TEST(test_a_stopped_rehearsal_is_followed_by_nothing);
-    RUN_TEST(test_the_other_sense_and_a_stopped_z_are_told);
-    RUN_TEST(test_a_table_is_told_from_the_next_tick_on);
-    return UNITY_END();
 }

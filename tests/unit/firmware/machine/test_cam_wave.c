@@ -19,8 +19,6 @@ void setUp(void)
     fade = (cam_motion_limits_t){0};
 }
 
-void tearDown(void) {}
-
 static void expect_range(const int32_t *wave_nm, uint32_t n, int64_t low_nm, int64_t high_nm,
                          int64_t step_nm, int64_t bend_nm)
 {
@@ -110,15 +108,4 @@ static void test_acceleration_has_its_three_terms(void)
     expect(cam_err_wave_acceleration, 40000, 0);
     range.bend_nm = 79;
     expect(cam_ok, 0, 0);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_range_is_that_of_the_samples_and_of_their_differences);
-    RUN_TEST(test_fade_takes_its_ticks);
-    RUN_TEST(test_stroke_is_that_of_both_sides);
-    RUN_TEST(test_speed_is_that_of_the_wave_and_its_fade);
-    RUN_TEST(test_acceleration_has_its_three_terms);
-    return UNITY_END();
 }

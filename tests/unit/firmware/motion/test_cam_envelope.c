@@ -7,10 +7,6 @@
 
 enum { per_turn = 2000, length_turns = 4 };
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static void test_smooth_everywhere_is_the_polynomial(void)
 {
     const double bound = ldexp(1.0, -24);
@@ -67,13 +63,4 @@ static void test_drive_follows_the_step_it_is_commanded(void)
 {
     TEST_ASSERT_TRUE(missed_by_drive(0.05) < 2e-4);
     TEST_ASSERT_TRUE(missed_by_drive(0.2) < 2e-3);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_smooth_everywhere_is_the_polynomial);
-    RUN_TEST(test_step_without_a_lag_is_the_smooth_step);
-    RUN_TEST(test_drive_follows_the_step_it_is_commanded);
-    return UNITY_END();
 }

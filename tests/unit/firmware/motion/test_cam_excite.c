@@ -21,8 +21,6 @@ void setUp(void)
     cfg.guard.u = (cam_motion_limits_t){.speed_q10 = 20480000, .acceleration_q10 = 640000};
 }
 
-void tearDown(void) {}
-
 /// Play until it is over, and end it before tick `end`. @return ticks; every offset in *out
 static uint32_t play(const cam_excite_config_t *c, uint32_t end, int32_t *out, uint32_t n_out)
 {
@@ -178,16 +176,4 @@ static void test_any_samples_are_judged_without_overflow(void)
         }
         TEST_ASSERT_EQUAL_INT(cam_err_wave_stroke, judge(longest, 0, 16).err);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_gain_rises_and_falls_in_the_ticks_that_are_asked);
-    RUN_TEST(test_periods_in_full_are_the_samples);
-    RUN_TEST(test_every_end_stays_within_the_bounds);
-    RUN_TEST(test_range_knows_the_wrap);
-    RUN_TEST(test_limits_are_those_of_u_and_told_in_their_units);
-    RUN_TEST(test_any_samples_are_judged_without_overflow);
-    return UNITY_END();
 }

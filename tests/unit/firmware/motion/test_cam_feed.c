@@ -7,9 +7,6 @@
 
 static const double turn_q32 = 4294967296.0;
 
-void setUp(void) {}
-void tearDown(void) {}
-
 /// @return shortest ramp [turn], 1/2 where none is long enough
 static double exact_ramp(double feed_nm, double mrpm, double acceleration)
 {
@@ -147,18 +144,4 @@ static void test_early_end_is_behind_a_ring(void)
     TEST_ASSERT_EQUAL_INT64(1 * turn, cam_feed_ring_end_q32(1 * turn));
     TEST_ASSERT_EQUAL_INT64(3 * turn, cam_feed_ring_end_q32(2 * turn));
     TEST_ASSERT_EQUAL_INT64(3 * turn, cam_feed_ring_end_q32(3 * turn));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_ramp_is_the_shortest_that_the_acceleration_allows);
-    RUN_TEST(test_ramp_is_never_below_a_256th_nor_above_half_a_turn);
-    RUN_TEST(test_speed_and_acceleration_of_worked_numbers);
-    RUN_TEST(test_height_is_exact_to_a_nanometre);
-    RUN_TEST(test_worked_heights);
-    RUN_TEST(test_turns_of_any_part_fit);
-    RUN_TEST(test_speed_never_jumps);
-    RUN_TEST(test_early_end_is_behind_a_ring);
-    return UNITY_END();
 }

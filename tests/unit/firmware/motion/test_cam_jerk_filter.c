@@ -12,8 +12,6 @@ void setUp(void)
     filter = (cam_jerk_filter_t){0};
 }
 
-void tearDown(void) {}
-
 static int64_t larger(int64_t a, int64_t b)
 {
     return a > b ? a : b;
@@ -213,17 +211,4 @@ static void test_glide_takes_another_window_at_rest_and_other_numbers_at_once(vo
     (void)cam_jerk_filter_to_isr(&filter, &m, &limits, 51000000);
     TEST_ASSERT_EQUAL_UINT32(5, filter.log2_window);
     (void)drive(&m, &limits, 0);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_glide_from_rest_keeps_every_limit_and_lands_exactly);
-    RUN_TEST(test_glide_that_begins_at_rest_is_still);
-    RUN_TEST(test_glide_from_motion_keeps_every_limit_and_lands_exactly);
-    RUN_TEST(test_glide_is_the_mean_of_the_last_places);
-    RUN_TEST(test_glide_takes_a_window_longer_than_the_motion_without_a_limit_of_jerk);
-    RUN_TEST(test_glide_brakes_to_rest_within_its_limits);
-    RUN_TEST(test_glide_takes_another_window_at_rest_and_other_numbers_at_once);
-    return UNITY_END();
 }

@@ -7,10 +7,6 @@
 
 static const cam_motion_limits_t limits = {.speed_q10 = 2000000, .acceleration_q10 = 64000};
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 /// Drive to the target and check every step. @return largest travel beyond the target
 static int64_t drive(cam_axis_motion_t *m, int64_t target_q10, uint32_t n_max)
 {
@@ -168,19 +164,4 @@ static void test_stop_brakes_to_rest_wherever_that_is(void)
         TEST_ASSERT_LESS_OR_EQUAL_UINT32(32, n);
         TEST_ASSERT_TRUE((int64_t)speeds[i] * m.pos_q10 >= 0);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_move_from_rest_reaches_the_target_without_passing_it);
-    RUN_TEST(test_move_takes_the_highest_speed_from_which_it_can_brake);
-    RUN_TEST(test_move_from_motion_turns_round_and_arrives);
-    RUN_TEST(test_move_faster_than_allowed_brakes_to_the_limit);
-    RUN_TEST(test_move_slower_than_a_step_of_acceleration_keeps_its_speed);
-    RUN_TEST(test_move_random_starts_and_targets_always_arrive);
-    RUN_TEST(test_move_keeps_limits_of_any_proportion);
-    RUN_TEST(test_move_takes_about_the_time_of_a_trapezoid);
-    RUN_TEST(test_stop_brakes_to_rest_wherever_that_is);
-    return UNITY_END();
 }

@@ -10,9 +10,6 @@
 
 enum { set = 6, get_minimum = 9, get_maximum };
 
-void setUp(void) {}
-void tearDown(void) {}
-
 static void expect_info(cam_param_id_t id, int32_t min, int32_t def, int32_t max, bool is_hard)
 {
     const cam_param_info_t *info = cam_param_info(id);
@@ -77,15 +74,4 @@ static void test_stored_parameters_beyond_them_are_limited_to_them(void)
     fixture_can_start(&f);
     TEST_ASSERT_EQUAL_INT32(800000, m->params.u_stroke_nm);
     TEST_ASSERT_EQUAL_UINT32(1, m->kept.n_unfit);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_ranges_are_those_that_both_lists_allow);
-    RUN_TEST(test_no_value_beyond_is_taken_and_the_refusal_names_the_builder);
-    RUN_TEST(test_defaults_of_a_port_are_led_into_them);
-    RUN_TEST(test_over_the_bus_the_refusal_brings_the_range);
-    RUN_TEST(test_stored_parameters_beyond_them_are_limited_to_them);
-    return UNITY_END();
 }

@@ -14,8 +14,6 @@ void setUp(void)
     params = cam_param_defaults();
 }
 
-void tearDown(void) {}
-
 static cam_param_store_found_t read_text(uint32_t n)
 {
     const hal_params_t kept = {.bytes = text, .size = n};
@@ -125,15 +123,4 @@ static void test_checksum_differs_by_every_parameter(void)
         TEST_ASSERT_TRUE(before != cam_param_store_checksum(&other));
     }
     TEST_ASSERT_EQUAL_UINT32(before, cam_param_store_checksum(&params));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_read_what_was_written_is_the_same);
-    RUN_TEST(test_read_nothing_or_anything_leaves_the_parameters);
-    RUN_TEST(test_read_a_damaged_text_leaves_the_parameters);
-    RUN_TEST(test_read_a_text_of_another_image_takes_what_it_knows);
-    RUN_TEST(test_checksum_differs_by_every_parameter);
-    return UNITY_END();
 }

@@ -22,8 +22,6 @@ void setUp(void)
     begin(true, true);
 }
 
-void tearDown(void) {}
-
 static void take(uint8_t sender, uint32_t tick)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, sender, false, tick));
@@ -283,30 +281,4 @@ static void test_what_is_left_of_a_level_ends_at_0(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(1000)), 1000));
     TEST_ASSERT_EQUAL_UINT32(1, cam_rights_level_left_s(&r, 1000 + 599999));
     TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 1000 + 600001)); // not polled since
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_first_to_take_has_command_and_another_is_told_no);
-    RUN_TEST(test_a_sender_has_a_number_of_its_own);
-    RUN_TEST(test_a_take_over_counts_and_ends_the_old_session);
-    RUN_TEST(test_a_session_is_never_0_and_not_the_last_one);
-    RUN_TEST(test_command_is_lost_after_a_second_of_silence);
-    RUN_TEST(test_nobody_cannot_be_lost);
-    RUN_TEST(test_a_key_unlocks_for_who_has_command_when_it_is_turned_on);
-    RUN_TEST(test_a_key_that_was_left_on_unlocks_nobody);
-    RUN_TEST(test_a_key_that_is_turned_before_the_session_does_not_count);
-    RUN_TEST(test_a_key_input_without_a_key_switch_is_nothing);
-    RUN_TEST(test_the_level_ends_with_command);
-    RUN_TEST(test_the_level_ends_after_ten_minutes);
-    RUN_TEST(test_a_challenge_is_answered_once);
-    RUN_TEST(test_a_wrong_answer_uses_the_challenge_up);
-    RUN_TEST(test_a_challenge_belongs_to_its_session);
-    RUN_TEST(test_challenges_depend_on_when_the_commander_was_heard);
-    RUN_TEST(test_a_port_with_neither_key_nor_secret_is_never_unlocked);
-    RUN_TEST(test_a_program_that_calls_the_machine_itself_is_unlocked);
-    RUN_TEST(test_a_key_takes_nothing_from_a_challenge);
-    RUN_TEST(test_what_is_left_of_a_level_ends_at_0);
-    return UNITY_END();
 }

@@ -11,8 +11,6 @@ void setUp(void)
     begin(20000);
 }
 
-void tearDown(void) {}
-
 static void test_power_on_wants_a_press(void)
 {
     expect_refused();
@@ -191,22 +189,4 @@ static void test_what_is_left_ends_at_0(void)
     TEST_ASSERT_EQUAL_UINT32(0, cam_acknowledge_left(&a, &cfg));
     a = (cam_acknowledge_t){.phase = cam_acknowledge_needed, .n_plans = 99};
     TEST_ASSERT_EQUAL_UINT32(0, cam_acknowledge_left(&a, &cfg));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_power_on_wants_a_press);
-    RUN_TEST(test_manual_wants_a_press_and_takes_it);
-    RUN_TEST(test_without_a_stop_between_one_press_serves_for_more);
-    RUN_TEST(test_drives_that_were_off_for_a_minute_want_another_press);
-    RUN_TEST(test_a_press_is_good_for_a_minute);
-    RUN_TEST(test_an_emergency_stop_wants_another_press_behind_the_reset);
-    RUN_TEST(test_any_fault_wants_another_press);
-    RUN_TEST(test_a_fault_that_is_reset_at_once_wants_another_press_in_every_phase_of_the_plan);
-    RUN_TEST(test_enable_does_not_rise_in_the_tick_that_sees_what_holds_it_off);
-    RUN_TEST(test_what_else_refuses_is_told_first);
-    RUN_TEST(test_a_port_without_the_button_refuses_and_says_so);
-    RUN_TEST(test_what_is_left_ends_at_0);
-    return UNITY_END();
 }

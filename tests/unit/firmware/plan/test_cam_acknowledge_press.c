@@ -9,8 +9,6 @@ void setUp(void)
     begin(20000);
 }
 
-void tearDown(void) {}
-
 static void test_a_button_that_is_stuck_does_not_count(void)
 {
     button(true, ms(2200));
@@ -151,22 +149,4 @@ static void test_at_the_slowest_tick_the_times_are_the_same(void)
         30000 - 40, // plans of 2 ms, the first of which behind the settling of the input
         cam_acknowledge_left(&g_cam.acknowledge, &g_cam.config.half[0].play.acknowledge));
     TEST_ASSERT_EQUAL_INT(cam_ok, enable());
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_button_that_is_stuck_does_not_count);
-    RUN_TEST(test_a_press_of_nearly_two_seconds_counts);
-    RUN_TEST(test_a_button_that_is_stuck_at_power_on_does_not_count);
-    RUN_TEST(test_a_short_pulse_does_not_count);
-    RUN_TEST(test_a_contact_that_bounces_all_the_time_does_not_count);
-    RUN_TEST(test_a_press_that_bounces_at_its_ends_counts);
-    RUN_TEST(test_a_press_while_the_chain_is_open_does_not_count);
-    RUN_TEST(test_a_press_across_the_closing_of_the_chain_does_not_count);
-    RUN_TEST(test_one_tick_of_the_open_chain_ends_a_press);
-    RUN_TEST(test_one_tick_of_the_open_chain_ends_a_press_that_has_begun);
-    RUN_TEST(test_a_press_across_the_reset_does_not_count);
-    RUN_TEST(test_at_the_slowest_tick_the_times_are_the_same);
-    return UNITY_END();
 }

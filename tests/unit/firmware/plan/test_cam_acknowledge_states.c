@@ -3,10 +3,6 @@
 #include "cam_acknowledge.h"
 #include "unity.h"
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 /// Whatever is done with enabled drives uses the press up; a fault and the chain want a new one.
 static void test_every_state_with_enabled_drives_uses_it_up(void)
 {
@@ -22,11 +18,4 @@ static void test_every_state_with_enabled_drives_uses_it_up(void)
         TEST_ASSERT_EQUAL(i < 5u, m.is_acknowledged);
         TEST_ASSERT_FALSE(m.was_open);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_every_state_with_enabled_drives_uses_it_up);
-    return UNITY_END();
 }

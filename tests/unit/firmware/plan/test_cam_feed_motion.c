@@ -33,8 +33,6 @@ void setUp(void)
     step_nm = 0.0;
 }
 
-void tearDown(void) {}
-
 static void ask(int32_t feed_ppm)
 {
     f.params.feed_override_ppm = feed_ppm;
@@ -365,25 +363,4 @@ static void test_resume_feeds_the_least_that_is_left(void)
         }
         go_back(&place);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_resume_feeds_the_least_that_is_left);
-    RUN_TEST(test_override_is_the_rate_of_the_feed);
-    RUN_TEST(test_override_before_the_feed_holds_from_its_first_turn);
-    RUN_TEST(test_untouched_feed_is_laid_as_it_was_before_overrides);
-    RUN_TEST(test_hold_rests_on_a_whole_turn_and_goes_on_from_one);
-    RUN_TEST(test_hold_while_engaging_keeps_the_feed_from_beginning);
-    RUN_TEST(test_override_of_nothing_is_a_hold);
-    RUN_TEST(test_stop_while_held_disengages);
-    RUN_TEST(test_second_stop_while_held_leaves_the_end_ahead);
-    RUN_TEST(test_hold_within_the_last_ramp_is_overtaken_by_the_end);
-    RUN_TEST(test_resume_near_the_end_creeps_there);
-    RUN_TEST(test_rate_without_room_for_it_before_the_end_stays);
-    RUN_TEST(test_random_changes_always_end_at_the_last_height);
-    RUN_TEST(test_ring_helix_is_held_at_a_ring);
-    RUN_TEST(test_what_is_asked_again_or_of_rings_changes_no_rate);
-    return UNITY_END();
 }

@@ -14,8 +14,6 @@ void setUp(void)
     fixture_play_init(&f, &part);
 }
 
-void tearDown(void) {}
-
 /// It rests where it is, and counts as ended: the tool leaves the work at once.
 static void test_feed_of_which_nothing_is_left_ends_where_it_rests(void)
 {
@@ -109,15 +107,4 @@ static void test_override_changes_no_rings(void)
         TEST_ASSERT_EQUAL_INT64(before.end_q32, c.end_q32);
         TEST_ASSERT_EQUAL_INT32(one, c.to_rate_q30);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_feed_of_which_nothing_is_left_ends_where_it_rests);
-    RUN_TEST(test_rest_that_is_asked_for_again_stays);
-    RUN_TEST(test_rings_that_have_not_begun_rest_at_once);
-    RUN_TEST(test_stop_ends_a_hold);
-    RUN_TEST(test_override_changes_no_rings);
-    return UNITY_END();
 }

@@ -13,8 +13,6 @@ void setUp(void)
     cfg = (cam_play_config_t){.plan_ticks = 8, .per_plan_q30 = (1 << 30) / 8};
 }
 
-void tearDown(void) {}
-
 /// @return [nm / 1024] where the axis is at the next plan
 static int64_t then_q10(const cam_axis_motion_t *m)
 {
@@ -89,15 +87,4 @@ static void test_x_has_its_trim_and_its_clearance(void)
     TEST_ASSERT_EQUAL_INT64(7530 * 1024, cam_plan_move_profile_q10(&cfg, 500000, full / 4 * 3, 0));
     TEST_ASSERT_EQUAL_INT64(7030 * 1024 + 64, cam_plan_move_profile_q10(&cfg, 500000, full, 1));
     TEST_ASSERT_EQUAL_INT64(7030 * 1024 - 64, cam_plan_move_profile_q10(&cfg, 500000, full, -1));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_target_is_there_at_the_next_plan);
-    RUN_TEST(test_share_is_rounded_to_nearest);
-    RUN_TEST(test_far_target_is_followed_later);
-    RUN_TEST(test_no_target_leads_beyond_the_farthest_place);
-    RUN_TEST(test_x_has_its_trim_and_its_clearance);
-    return UNITY_END();
 }

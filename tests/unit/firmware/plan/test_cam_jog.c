@@ -304,25 +304,3 @@ static void test_nothing_counts_as_clear_by_hand(void)
     fixture_rig_ticks(&rig, 20);
     TEST_ASSERT_FALSE(g_cam.motion.is_clear);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_order_holds_to_the_tick_before_its_last);
-    RUN_TEST(test_a_stop_at_rest_leaves_what_came_of_the_order_before);
-    RUN_TEST(test_manual_holds_all_axes_and_the_spindle);
-    RUN_TEST(test_jog_without_its_commander_stops_by_the_interrupt_alone);
-    RUN_TEST(test_jog_repeated_in_time_goes_on_at_its_speed);
-    RUN_TEST(test_another_order_brakes_the_axis_of_the_last);
-    RUN_TEST(test_step_ends_where_it_was_ordered_to);
-    RUN_TEST(test_step_without_a_sign_of_life_stops_on_its_way);
-    RUN_TEST(test_order_that_is_already_too_old_is_not_begun);
-    RUN_TEST(test_random_orders_stay_within_speed_acceleration_and_travel);
-    RUN_TEST(test_jog_to_the_limit_rests_there_and_comes_back);
-    RUN_TEST(test_jog_of_u_to_its_limit_leaves_room_for_the_feed_forward);
-    RUN_TEST(test_jog_from_outside_of_the_travel_goes_inwards_only);
-    RUN_TEST(test_disable_brakes_before_the_enable_drops);
-    RUN_TEST(test_fault_by_hand_brakes_all_axes_where_they_are);
-    RUN_TEST(test_nothing_counts_as_clear_by_hand);
-    return UNITY_END();
-}

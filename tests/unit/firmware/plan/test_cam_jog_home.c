@@ -216,21 +216,3 @@ static void test_homes_are_forgotten_when_the_drives_lose_power(void)
     fixture_rig_ticks(&rig, 8);
     TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_home_by_switch_finds_its_edge_from_anywhere);
-    RUN_TEST(test_home_by_index_is_that_of_the_index);
-    RUN_TEST(test_home_here_needs_no_motion);
-    RUN_TEST(test_home_of_u_changes_its_number_and_moves_nothing_by_that);
-    RUN_TEST(test_cut_with_a_homed_u_is_offset_by_its_home);
-    RUN_TEST(test_home_that_is_not_found_ends_after_its_travel_and_is_none);
-    RUN_TEST(test_home_without_an_index_ends_and_is_none);
-    RUN_TEST(test_home_of_u_from_far_away_is_refused);
-    RUN_TEST(test_home_of_u_beyond_its_stroke_is_refused);
-    RUN_TEST(test_homing_without_a_sign_of_life_stops);
-    RUN_TEST(test_homes_are_forgotten_when_the_drives_lose_power);
-    RUN_TEST(test_home_of_u_changes_its_number_by_a_nanometre);
-    return UNITY_END();
-}

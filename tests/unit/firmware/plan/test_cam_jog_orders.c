@@ -31,8 +31,6 @@ void setUp(void)
                                       .distance_q10 = 2000 * 1024};
 }
 
-void tearDown(void) {}
-
 static int32_t order(cam_jog_phase_t begin, hal_axis_t axis)
 {
     cfg.jog.order.serial++;
@@ -163,16 +161,4 @@ static void test_jog_and_step_end_within_the_travel(void)
     m.axis[hal_axis_x].pos_q10 = mm * INT64_C(1024) + 64;
     (void)order(cam_jog_jog, hal_axis_x);
     TEST_ASSERT_EQUAL_INT64(mm * INT64_C(1024), h.target_q10);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_number_of_u_changes_by_its_homing_alone);
-    RUN_TEST(test_home_here_is_the_number_that_was_ordered);
-    RUN_TEST(test_search_of_u_has_the_whole_stroke_before_it);
-    RUN_TEST(test_search_forgets_the_home_of_its_axis);
-    RUN_TEST(test_stop_ends_order_and_state_once);
-    RUN_TEST(test_jog_and_step_end_within_the_travel);
-    return UNITY_END();
 }

@@ -17,8 +17,6 @@ void setUp(void)
     fixture_play_init(&f, &part);
 }
 
-void tearDown(void) {}
-
 /// @return whether the last tick had a plan
 static bool is_planned(void)
 {
@@ -284,21 +282,4 @@ static void test_cut_begins_on_the_first_turn_behind_the_next_plan(void)
         TEST_ASSERT_TRUE(found >= least - 1.01 * f.angle.speed_q32);
         TEST_ASSERT_TRUE(found < least + (double)CAM_TURN_Q32 + 1.01 * f.angle.speed_q32);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_plan_comes_every_400_us_or_in_every_tick);
-    RUN_TEST(test_increments_arrive_exactly);
-    RUN_TEST(test_x_of_a_drive_with_that_lag_is_at_the_first_height_when_the_feed_begins);
-    RUN_TEST(test_spindle_goes_from_the_ratio_of_one_plan_to_that_of_the_next);
-    RUN_TEST(test_slow_port_plans_in_every_tick);
-    RUN_TEST(test_stop_is_obeyed_in_its_tick_and_laid_by_the_next_plan);
-    RUN_TEST(test_spindle_that_turns_back_in_the_cut_leaves_the_state);
-    RUN_TEST(test_spindle_that_turns_back_while_disengaging_leaves_the_state);
-    RUN_TEST(test_measured_z_is_extrapolated_to_the_next_plan);
-    RUN_TEST(test_a_cut_ends_the_glides_of_the_approach);
-    RUN_TEST(test_cut_begins_on_the_first_turn_behind_the_next_plan);
-    return UNITY_END();
 }

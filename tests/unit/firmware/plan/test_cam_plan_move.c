@@ -19,8 +19,6 @@ void setUp(void)
     motion.axis[hal_axis_x].vel_q10 = -700 * nm;
 }
 
-void tearDown(void) {}
-
 /// Plan until X rests, each tick with a plan.
 /// @return [nm] how far X goes on before it turns round
 static int64_t go_on_nm(int64_t place_nm)
@@ -62,12 +60,4 @@ static void test_acceleration_beyond_the_limit_is_not_gone_on_with(void)
     motion.change_q10[hal_axis_x] = 6600 * nm; // the other way likewise
     (void)cam_plan_move_brake_isr(&motion, hal_axis_x, &config, &limits);
     TEST_ASSERT_LESS_OR_EQUAL_INT32((700 + acceleration_nm) * nm, motion.axis[hal_axis_x].vel_q10);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_motion_begins_with_speed_and_acceleration_of_the_axis);
-    RUN_TEST(test_acceleration_beyond_the_limit_is_not_gone_on_with);
-    return UNITY_END();
 }

@@ -25,8 +25,6 @@ void setUp(void)
     fixture_play_ticks(&f, 100 * FIXTURE_PLAN_TICKS);
 }
 
-void tearDown(void) {}
-
 /// @return [1] lift at which the present plan arrives
 static double lift(void)
 {
@@ -56,11 +54,4 @@ static void test_lift_follows_a_jump_of_the_measured_height_smoothly(void)
     TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
     TEST_ASSERT_TRUE(fabs(last - before) > 0.01);
     TEST_ASSERT_TRUE(fabs(first - before) < 0.4 * fabs(last - before));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_lift_follows_a_jump_of_the_measured_height_smoothly);
-    return UNITY_END();
 }

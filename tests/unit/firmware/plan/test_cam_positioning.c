@@ -3,10 +3,6 @@
 #include "cam_positioning.h"
 #include "unity.h"
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static void test_clear_is_forgotten_behind_a_fault(void)
 {
     static const cam_state_t states[] = {cam_state_off, cam_state_homing, cam_state_ready};
@@ -173,15 +169,4 @@ static void test_swing_comes_to_rest_behind_a_fault(void)
     }
     TEST_ASSERT_INT32_WITHIN(1 << 10, 0, h.m.swing.set.pos_q32);
     TEST_ASSERT_TRUE(h.m.is_clear);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_clear_is_forgotten_behind_a_fault);
-    RUN_TEST(test_homing_ends_when_the_tool_is_out_and_all_stand);
-    RUN_TEST(test_one_of_x_and_z_moves_at_a_time);
-    RUN_TEST(test_a_measured_z_is_never_led);
-    RUN_TEST(test_swing_comes_to_rest_behind_a_fault);
-    return UNITY_END();
 }

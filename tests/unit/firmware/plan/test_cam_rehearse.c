@@ -19,8 +19,6 @@ void setUp(void)
     part = fixture_part_short();
 }
 
-void tearDown(void) {}
-
 static void begin(int32_t turns)
 {
     fixture_rig_init(&rig, &part, 20000);
@@ -190,17 +188,4 @@ static void test_what_was_learned_is_in_the_command(void)
     TEST_ASSERT_INT32_WITHIN(1, (rig.last.want.u_set_q6 >> 6) + 1500,
                              rig.last.out[hal_axis_u].pos_nm);
     TEST_ASSERT_EQUAL_UINT32(rig.machine.generation, rig.last.config);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_u_plays_in_full_while_x_is_clear_by_half_the_stroke);
-    RUN_TEST(test_u_rests_between_rehearsal_and_cut);
-    RUN_TEST(test_stop_ends_a_rehearsal_in_ready);
-    RUN_TEST(test_an_override_in_a_rehearsal_is_for_the_cut);
-    RUN_TEST(test_a_fault_retracts_as_in_the_cut);
-    RUN_TEST(test_a_modulated_table_is_not_rehearsed);
-    RUN_TEST(test_what_was_learned_is_in_the_command);
-    return UNITY_END();
 }

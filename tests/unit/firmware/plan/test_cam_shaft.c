@@ -22,8 +22,6 @@ void setUp(void)
     cam_shaft_begin_isr(&shaft, &table, 0, &motion);
 }
 
-void tearDown(void) {}
-
 static double smooth(double s)
 {
     return s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
@@ -110,16 +108,4 @@ static void test_measured_height_is_smoothed(void)
     TEST_ASSERT_INT32_WITHIN(100, 5200, most_nm);
     cam_shaft_begin_isr(&shaft, &table, 5000, &motion);
     TEST_ASSERT_INT32_WITHIN(1, 5001, cam_shaft_smooth_isr(&shaft, 5010));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_lift_falls_by_a_smooth_step);
-    RUN_TEST(test_speed_ratio_moves_only_while_u_rests);
-    RUN_TEST(test_first_lobe_is_taken_at_the_first_height);
-    RUN_TEST(test_lobe_changes_only_at_amplitude_0);
-    RUN_TEST(test_table_without_lobes_is_left_alone);
-    RUN_TEST(test_measured_height_is_smoothed);
-    return UNITY_END();
 }

@@ -37,8 +37,6 @@ void setUp(void)
     slope = 0.0;
 }
 
-void tearDown(void) {}
-
 static void test_z_may_stand_at_the_lobes(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, check(1));
@@ -138,17 +136,4 @@ static void test_a_measured_z_finds_the_lobe(void)
     TEST_ASSERT_EQUAL_UINT32(2, f.plan.shaft.i_lobe);
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
     TEST_ASSERT_INT64_WITHIN(20000 * 256, 800000 * 256, f.plan.shaft.z_q8); // by the lead of a plan
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_z_may_stand_at_the_lobes);
-    RUN_TEST(test_way_of_a_shaft_has_stations_and_does_not_turn_back);
-    RUN_TEST(test_skirt_has_no_stations);
-    RUN_TEST(test_range_of_z_ends_where_z_does);
-    RUN_TEST(test_measured_z_is_refused_before_motion);
-    RUN_TEST(test_z_stands_while_one_lobe_after_the_other_is_cut);
-    RUN_TEST(test_a_measured_z_finds_the_lobe);
-    return UNITY_END();
 }

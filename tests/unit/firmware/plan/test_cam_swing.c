@@ -26,8 +26,6 @@ void setUp(void)
     fixture_play_configure(&f);
 }
 
-void tearDown(void) {}
-
 /// @return [turn] the table's swing by its formula, at a master position
 static double wanted_turn(double pos_turn, double z_nm)
 {
@@ -283,21 +281,4 @@ static void test_acceleration_of_the_spindle_is_read_ahead(void)
     TEST_ASSERT_TRUE(by_q32 > TURN / 100.0);
     TEST_ASSERT_INT32_WITHIN(200, aimed[1].vel_q32, aimed[0].vel_q32);
     f.motion.alpha_q40 = 0;
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_swing_that_turns_back_is_not_there);
-    RUN_TEST(test_lines_leave_the_table_by_their_sagitta_at_most);
-    RUN_TEST(test_swing_follows_phase_amplitude_and_envelope);
-    RUN_TEST(test_swing_nears_zero_within_its_limits_from_anywhere);
-    RUN_TEST(test_drive_beyond_its_limit_is_a_fault);
-    RUN_TEST(test_blocked_drive_is_seen_within_one_plan);
-    RUN_TEST(test_cut_waits_for_the_swing_to_come_to_rest);
-    RUN_TEST(test_peaks_are_bounds_within_two_per_cent);
-    RUN_TEST(test_infeasible_swing_is_refused_with_the_numbers);
-    RUN_TEST(test_tool_leaves_a_cam_beyond_its_lift);
-    RUN_TEST(test_acceleration_of_the_spindle_is_read_ahead);
-    return UNITY_END();
 }

@@ -27,8 +27,6 @@ void setUp(void)
     memset(&bank, 0, sizeof bank);
 }
 
-void tearDown(void) {}
-
 static void build(uint32_t tick_hz)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok,
@@ -261,25 +259,4 @@ static void test_limits_of_what_u_is_told_fit_their_words(void)
     TEST_ASSERT_EQUAL_INT32(1 << 29, config.command.step_nm);
     TEST_ASSERT_EQUAL_INT32(1 << 29, config.command.change_nm);
     TEST_ASSERT_EQUAL_INT32(1 << 29, config.command.change_off_nm);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_speed_is_turns_per_tick);
-    RUN_TEST(test_build_a_hold_is_compensated_where_there_is_feed_forward);
-    RUN_TEST(test_build_times_and_gains_are_ticks);
-    RUN_TEST(test_build_limits_are_per_tick);
-    RUN_TEST(test_build_limits_too_fast_for_a_slow_tick_are_lowered);
-    RUN_TEST(test_build_angles_turn_and_wrap);
-    RUN_TEST(test_build_sense_follows_direction_and_encoder);
-    RUN_TEST(test_build_feed_and_speed_of_the_parameters_overrule_the_table);
-    RUN_TEST(test_build_x_keeps_clear_of_the_stock);
-    RUN_TEST(test_build_cam_keeps_clear_of_its_lobes);
-    RUN_TEST(test_build_without_a_table_has_none);
-    RUN_TEST(test_build_what_does_not_fit_the_tick_rate_is_refused);
-    RUN_TEST(test_bank_hands_over_one_configuration_at_a_time);
-    RUN_TEST(test_limits_of_what_u_is_told_follow_from_gains_and_limits);
-    RUN_TEST(test_limits_of_what_u_is_told_fit_their_words);
-    return UNITY_END();
 }

@@ -29,8 +29,6 @@ void setUp(void)
     n_ticks = 0;
 }
 
-void tearDown(void) {}
-
 /// One tick at a uniform speed; the encoder reads a thousandth of a turn too much.
 static void tick(int32_t step_q32)
 {
@@ -233,20 +231,4 @@ static void test_a_copy_keeps_the_configuration_and_its_ties(void)
     TEST_ASSERT_EQUAL_PTR(copy->learned.c, copy->play.c);
     TEST_ASSERT_EQUAL_PTR(copy->learned.d, copy->play.d);
     TEST_ASSERT_EQUAL_PTR(copy->learned.dm, copy->spindle.dm);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_tables_are_linear_between_knots);
-    RUN_TEST(test_a_turn_is_gathered_whole_and_alone);
-    RUN_TEST(test_the_angle_is_counted_from_the_begin_of_the_bin);
-    RUN_TEST(test_a_tick_in_fault_is_not_gathered);
-    RUN_TEST(test_a_turn_in_motion_is_not_steady);
-    RUN_TEST(test_a_late_reader_is_told_and_its_bank_left_alone);
-    RUN_TEST(test_a_turn_that_nobody_waited_for_is_not_offered);
-    RUN_TEST(test_turning_back_is_not_a_turn);
-    RUN_TEST(test_a_copy_keeps_the_configuration_and_its_ties);
-    RUN_TEST(test_turns_go_on_behind_the_last_number);
-    return UNITY_END();
 }

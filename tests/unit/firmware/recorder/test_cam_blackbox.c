@@ -25,8 +25,6 @@ void setUp(void)
     cam_machine_blackbox(&rig.machine);
 }
 
-void tearDown(void) {}
-
 static cam_scope_t *scope(void)
 {
     return &rig.machine.scope;
@@ -319,24 +317,4 @@ static void test_the_time_fits_every_memory(void)
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(half_s, s.ring.most_rows);
     cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = 31}, board_hz);
     TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_blackbox_begin(&s, 0));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_half_a_second_before_a_fault_is_there);
-    RUN_TEST(test_a_later_fault_does_not_take_its_place);
-    RUN_TEST(test_a_box_is_handed_over_once);
-    RUN_TEST(test_nothing_takes_an_unread_box_but_a_release);
-    RUN_TEST(test_an_unread_box_waits);
-    RUN_TEST(test_a_restart_finds_the_box_again);
-    RUN_TEST(test_a_damaged_head_is_passed_over);
-    RUN_TEST(test_a_recording_has_precedence_until_it_is_released_or_forgotten);
-    RUN_TEST(test_a_recording_is_stopped_by_command);
-    RUN_TEST(test_who_is_at_work_keeps_the_recording);
-    RUN_TEST(test_the_box_needs_trace_and_memory);
-    RUN_TEST(test_a_full_ring_is_taken_at_once);
-    RUN_TEST(test_a_wave_takes_its_share);
-    RUN_TEST(test_the_time_fits_every_memory);
-    return UNITY_END();
 }

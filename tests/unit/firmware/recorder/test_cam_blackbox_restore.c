@@ -38,8 +38,6 @@ void setUp(void)
     cam_scope_init(&scope, (hal_memory_t){.words = words, .n_words = n_words}, tick_hz);
 }
 
-void tearDown(void) {}
-
 static void test_all_that_is_told_of_a_box_outlives_a_restart(void)
 {
     TEST_ASSERT_TRUE(cam_blackbox_restore(&scope, n_kept));
@@ -119,15 +117,4 @@ static void test_as_many_words_as_the_rows_need_are_in_the_memory(void)
     TEST_ASSERT_TRUE(cam_blackbox_restore(&scope, n_kept));
     cam_scope_init(&scope, (hal_memory_t){.words = words, .n_words = n_kept - 1}, tick_hz);
     TEST_ASSERT_FALSE(cam_blackbox_restore(&scope, n_kept));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_all_that_is_told_of_a_box_outlives_a_restart);
-    RUN_TEST(test_rows_are_found_where_they_were);
-    RUN_TEST(test_head_is_written_as_it_was_read);
-    RUN_TEST(test_each_word_of_a_head_is_limited);
-    RUN_TEST(test_as_many_words_as_the_rows_need_are_in_the_memory);
-    return UNITY_END();
 }

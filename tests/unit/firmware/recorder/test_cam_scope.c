@@ -14,8 +14,6 @@ void setUp(void)
     cam_scope_init(&scope, (hal_memory_t){.words = memory, .n_words = n_memory}, 20000);
 }
 
-void tearDown(void) {}
-
 static cam_tick_record_t record(uint32_t tick)
 {
     cam_tick_record_t r = {.tick = tick};
@@ -269,21 +267,4 @@ static void test_recording_begins_anew_in_each_word(void)
     TEST_ASSERT_EQUAL_UINT32(1234, s.last_tick);
     TEST_ASSERT_EQUAL_UINT32(1234, s.ring.trigger_tick);
     TEST_ASSERT_FALSE(s.last.is_there);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_recording_begins_empty);
-    RUN_TEST(test_rows_hold_the_chosen_signals_in_the_order_of_the_list);
-    RUN_TEST(test_memory_bounds_the_rows_and_is_never_left);
-    RUN_TEST(test_without_memory_nothing_is_recorded);
-    RUN_TEST(test_every_nth_tick_is_recorded);
-    RUN_TEST(test_a_lost_record_ends_the_recording_and_is_counted);
-    RUN_TEST(test_a_state_begins_and_ends_it);
-    RUN_TEST(test_stop_ends_it_and_keeps_the_rows);
-    RUN_TEST(test_fields_are_checked);
-    RUN_TEST(test_signals_are_those_of_the_record);
-    RUN_TEST(test_recording_begins_anew_in_each_word);
-    return UNITY_END();
 }

@@ -22,8 +22,6 @@ void setUp(void)
     };
 }
 
-void tearDown(void) {}
-
 static void take(uint32_t tick, int32_t watched)
 {
     cam_tick_record_t r = {.tick = tick};
@@ -244,19 +242,4 @@ static void test_fields_set_the_trigger(void)
     }
     TEST_ASSERT_EQUAL_UINT32(7, scope.set.before);
     TEST_ASSERT_TRUE(scope.set.trigger.falls);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_rows_before_the_trigger_are_exact_to_the_tick);
-    RUN_TEST(test_rows_far_apart_tell_the_tick_of_the_trigger);
-    RUN_TEST(test_without_rows_before_it_the_first_row_is_that_of_the_trigger);
-    RUN_TEST(test_a_gap_before_the_trigger_empties_the_ring);
-    RUN_TEST(test_a_change_across_a_gap_is_no_trigger);
-    RUN_TEST(test_stop_before_the_trigger_keeps_the_rows_of_before_it);
-    RUN_TEST(test_every_kind_watches_its_value);
-    RUN_TEST(test_a_recording_without_room_behind_the_trigger_is_refused);
-    RUN_TEST(test_fields_set_the_trigger);
-    return UNITY_END();
 }

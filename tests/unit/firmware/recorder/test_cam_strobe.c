@@ -16,8 +16,6 @@ void setUp(void)
     memset(&strobe, 0, sizeof strobe);
 }
 
-void tearDown(void) {}
-
 static cam_tick_record_t record(uint32_t tick)
 {
     cam_tick_record_t r = {.tick = tick};
@@ -224,21 +222,4 @@ static void test_recorder_and_samples_share_the_records(void)
     TEST_ASSERT_EQUAL_UINT32(now + 11u, rig.machine.scope.ring.first_tick);
     TEST_ASSERT_EQUAL_UINT32(3, rig.machine.strobe.n_in);
     TEST_ASSERT_EQUAL_UINT32(0, rig.machine.strobe.n_lost);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_least_distance_keeps_the_rate);
-    RUN_TEST(test_a_sample_is_one_record);
-    RUN_TEST(test_samples_are_equally_far_apart);
-    RUN_TEST(test_lost_records_leave_a_gap_in_the_numbers);
-    RUN_TEST(test_a_full_queue_loses_what_comes);
-    RUN_TEST(test_a_renewal_goes_on_and_another_distance_begins_anew);
-    RUN_TEST(test_it_ends_when_it_is_not_renewed);
-    RUN_TEST(test_bounds_are_those_of_the_tick_rate);
-    RUN_TEST(test_without_a_trace_it_is_refused);
-    RUN_TEST(test_the_ring_is_left_alone_when_nobody_waits);
-    RUN_TEST(test_recorder_and_samples_share_the_records);
-    return UNITY_END();
 }

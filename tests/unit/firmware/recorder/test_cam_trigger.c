@@ -2,9 +2,6 @@
 #include "cam_scope.h"
 #include "unity.h"
 
-void setUp(void) {}
-void tearDown(void) {}
-
 static bool fires(cam_trigger_t t, int32_t last, int32_t now)
 {
     return cam_trigger_fires(&t, (cam_trigger_last_t){.is_there = true, .value = last}, now);
@@ -122,17 +119,4 @@ static void test_a_first_tick_is_no_change(void)
         const cam_trigger_t t = {.kind = (cam_trigger_kind_t)kind, .level = 1};
         TEST_ASSERT_FALSE(cam_trigger_fires(&t, (cam_trigger_last_t){0}, 1));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_level_fires_where_it_is_reached_and_not_beyond);
-    RUN_TEST(test_angle_fires_once_per_turn_in_its_sense_alone);
-    RUN_TEST(test_state_fires_when_it_is_entered);
-    RUN_TEST(test_state_fires_from_any_other_state);
-    RUN_TEST(test_fault_fires_for_a_new_bit_of_the_mask);
-    RUN_TEST(test_time_and_now_need_no_tick_before);
-    RUN_TEST(test_a_first_tick_is_no_change);
-    return UNITY_END();
 }

@@ -22,8 +22,6 @@ void setUp(void)
     TEST_ASSERT_EQUAL_INT32(50000, answer.value);
 }
 
-void tearDown(void) {}
-
 static void loop_until(cam_state_t wanted)
 {
     expect_state_within(&f, wanted, 60000);
@@ -274,26 +272,4 @@ static void test_bus_off_stops_nothing_and_ends(void)
     fixture_can_loop(&f, 1);
     const hal_can_frame_t frame = fixture_can_sent(0x5C0);
     TEST_ASSERT_EQUAL_INT32(10000, fixture_can_answer(&frame).value);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_part_is_cut_by_commands);
-    RUN_TEST(test_a_fault_is_left_by_reset);
-    RUN_TEST(test_commands_out_of_order_are_refused);
-    RUN_TEST(test_a_command_before_the_last_was_taken_is_busy);
-    RUN_TEST(test_an_infeasible_speed_is_refused_with_the_highest);
-    RUN_TEST(test_set_tells_the_value_in_force);
-    RUN_TEST(test_a_value_out_of_range_is_answered_with_the_range);
-    RUN_TEST(test_a_range_without_room_is_kept);
-    RUN_TEST(test_quick_commands_set_their_parameters);
-    RUN_TEST(test_only_ramped_parameters_change_in_the_cut);
-    RUN_TEST(test_home_homes_and_homes_anew);
-    RUN_TEST(test_home_anew_stays_off_when_the_drives_are_not_ready);
-    RUN_TEST(test_get_knows_every_parameter);
-    RUN_TEST(test_unknown_commands_have_an_error_of_their_own);
-    RUN_TEST(test_an_answer_without_room_is_kept_before_the_next_command);
-    RUN_TEST(test_bus_off_stops_nothing_and_ends);
-    return UNITY_END();
 }

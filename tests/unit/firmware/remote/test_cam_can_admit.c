@@ -18,10 +18,3 @@ static void test_a_stranger_may_read_and_stop_and_nothing_else(void)
         TEST_ASSERT_EQUAL_UINT8(1, f.rig.machine.rights.commander);
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_stranger_may_read_and_stop_and_nothing_else);
-    return UNITY_END();
-}

@@ -48,13 +48,3 @@ static void test_hold_and_resume_are_carried_out(void)
     expect_answer(&f, cam_ok, 0, resume, 10, 0);
     until(cam_state_cutting);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_change_sets_its_parameter);
-    RUN_TEST(test_a_change_out_of_range_changes_nothing);
-    RUN_TEST(test_parts_are_set_and_told);
-    RUN_TEST(test_hold_and_resume_are_carried_out);
-    return UNITY_END();
-}

@@ -16,8 +16,6 @@ void setUp(void)
     fixture_download_init(&d);
 }
 
-void tearDown(void) {}
-
 static void expect_download_works(void)
 {
     expect_begin(&d);
@@ -189,20 +187,4 @@ static void test_answers_and_flow_control_wait_for_room(void)
     cam_can_poll(&d.can.can);
     const hal_can_frame_t frame = fixture_can_sent(0x5C0);
     TEST_ASSERT_EQUAL_UINT32(fixture_block, fixture_can_answer(&frame).command);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_table_comes_over_the_bus);
-    RUN_TEST(test_the_places_take_turns);
-    RUN_TEST(test_interrupted_at_every_block);
-    RUN_TEST(test_interrupted_within_every_block);
-    RUN_TEST(test_a_break_is_answered_with_where_to_go_on);
-    RUN_TEST(test_a_new_begin_forgets_what_came);
-    RUN_TEST(test_repeated_blocks_are_accepted_once);
-    RUN_TEST(test_a_block_repeated_with_other_content_is_refused);
-    RUN_TEST(test_blocks_out_of_order_are_refused);
-    RUN_TEST(test_answers_and_flow_control_wait_for_room);
-    return UNITY_END();
 }

@@ -126,14 +126,3 @@ static void test_whatever_comes_is_answered_or_passed_over(void)
     TEST_ASSERT_EQUAL_PTR(f.rig.image.bytes, hal_table_image().bytes);
     TEST_ASSERT_EQUAL_MEMORY(before, f.rig.image.bytes, sizeof before);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_malformed_frames_are_answered_and_do_nothing);
-    RUN_TEST(test_foreign_ids_are_passed_over);
-    RUN_TEST(test_a_flood_of_foreign_ids_does_not_hold_up_a_poll);
-    RUN_TEST(test_one_command_per_poll);
-    RUN_TEST(test_whatever_comes_is_answered_or_passed_over);
-    return UNITY_END();
-}

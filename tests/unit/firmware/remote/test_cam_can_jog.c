@@ -88,13 +88,3 @@ static void test_each_home_is_told(void)
     (void)done(home_axis, 0, 0);
     TEST_ASSERT_EQUAL_UINT8(1u << hal_axis_z | 1u << hal_axis_u, page(page_homes).data[1]);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_jog_and_step_move_and_the_pages_tell);
-    RUN_TEST(test_home_zero_and_tool_change_what_the_pages_tell);
-    RUN_TEST(test_wrong_axes_and_values_are_refused_with_the_limit);
-    RUN_TEST(test_each_home_is_told);
-    return UNITY_END();
-}

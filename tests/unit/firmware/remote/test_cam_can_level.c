@@ -117,16 +117,3 @@ static void test_the_secret_unlocks_by_its_challenge(void)
     fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_STRING("level: unlocked by the secret", fixture_can_line(0));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_locked_limits_and_tables_stay_and_the_refusal_says_why);
-    RUN_TEST(test_what_is_set_at_the_machine_itself_needs_no_key);
-    RUN_TEST(test_a_commit_that_changes_a_limit_is_refused_as_a_whole);
-    RUN_TEST(test_what_would_bring_other_limits_into_force_or_keep_them_needs_the_key);
-    RUN_TEST(test_never_in_the_work);
-    RUN_TEST(test_a_port_without_key_and_secret_says_that_it_is_locked_for_good);
-    RUN_TEST(test_the_secret_unlocks_by_its_challenge);
-    return UNITY_END();
-}

@@ -87,14 +87,3 @@ static void test_refusal_is_told_field_by_field(void)
     expect_answer(&f, cam_err_param_state, 1, set, cam_param_encoder_sign, -1);
     expect_answer(&f, cam_ok, cam_param_encoder_sign, refusal, cam_refusal_parameter, 0);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_staged_parameters_come_into_force_by_commit);
-    RUN_TEST(test_stage_out_of_range_is_answered_with_the_range);
-    RUN_TEST(test_saved_parameters_are_reverted_to);
-    RUN_TEST(test_status_tells_version_checksum_and_whether_they_are_kept);
-    RUN_TEST(test_refusal_is_told_field_by_field);
-    return UNITY_END();
-}

@@ -16,8 +16,6 @@ void setUp(void)
     fixture_download_init(&d);
 }
 
-void tearDown(void) {}
-
 static void expect_wrong(cam_err_t err, uint32_t crc)
 {
     expect_begin(&d);
@@ -190,20 +188,4 @@ static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(vo
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
     TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
     expect_begin(&d);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_damaged_and_wrong_images_are_refused);
-    RUN_TEST(test_sizes_that_cannot_be_are_refused);
-    RUN_TEST(test_blocks_beyond_the_end_are_refused);
-    RUN_TEST(test_a_block_too_long_for_the_controller_is_told_by_flow_control);
-    RUN_TEST(test_memory_that_fails_leaves_the_old_table);
-    RUN_TEST(test_a_download_goes_on_in_ready_and_is_selected_there);
-    RUN_TEST(test_an_infeasible_table_is_refused_in_ready_and_stays_downloaded);
-    RUN_TEST(test_the_cut_refuses_everything);
-    RUN_TEST(test_a_command_on_its_way_makes_it_wait);
-    RUN_TEST(test_a_table_in_use_is_not_overwritten_after_a_select_that_failed);
-    return UNITY_END();
 }

@@ -281,22 +281,3 @@ static void test_lines_tell_who_commands_and_who_was_refused(void)
     fixture_can_loop(&f, 1);
     TEST_ASSERT_EQUAL_STRING("command: given up by 1", fixture_can_line(1));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_of_another_sender_only_reading_and_stop_are_obeyed);
-    RUN_TEST(test_an_old_session_is_void);
-    RUN_TEST(test_take_command_answers_who_has_it_or_the_session);
-    RUN_TEST(test_anybody_stops_the_cut);
-    RUN_TEST(test_a_take_over_does_not_end_the_cut);
-    RUN_TEST(test_heartbeats_lost_in_the_cut_end_it_as_stop_does);
-    RUN_TEST(test_command_given_up_in_the_cut_ends_it_as_well);
-    RUN_TEST(test_a_start_on_its_way_does_not_outlive_its_commander);
-    RUN_TEST(test_heartbeats_lost_in_manual_brake_the_axes);
-    RUN_TEST(test_blocks_of_an_old_session_are_refused);
-    RUN_TEST(test_a_restart_behind_the_emergency_stop_by_the_bus_alone_is_impossible);
-    RUN_TEST(test_page_25_tells_commander_counts_and_level);
-    RUN_TEST(test_lines_tell_who_commands_and_who_was_refused);
-    return UNITY_END();
-}

@@ -38,8 +38,6 @@ void setUp(void)
     n_seen = hal_host.slow.n_sent;
 }
 
-void tearDown(void) {}
-
 static void expect(cam_err_t err, int32_t value, uint8_t command, uint8_t index, int32_t given)
 {
     const fixture_answer_t a = fixture_can_command(&f, command, index, given);
@@ -288,20 +286,4 @@ static void test_a_sign_of_life_is_taken(void)
     expect(cam_ok, 0, keep_alive, 3, 0);
     TEST_ASSERT_UINT32_WITHIN(2, fixture_rig_status(&f.rig).tick,
                               f.rig.machine.identify.alive_tick);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_sign_of_life_is_taken);
-    RUN_TEST(test_pieces_are_the_words_of_the_recording);
-    RUN_TEST(test_pieces_over_fd_are_the_same_words);
-    RUN_TEST(test_pieces_of_a_ring_are_in_order);
-    RUN_TEST(test_release_gives_the_recording_up);
-    RUN_TEST(test_a_full_queue_delays_a_piece);
-    RUN_TEST(test_a_command_ends_a_piece_and_a_new_recording_too);
-    RUN_TEST(test_words_that_are_not_there_are_refused);
-    RUN_TEST(test_fields_and_learned_values_have_their_errors);
-    RUN_TEST(test_blocks_of_a_wave_and_of_a_table_are_told_apart);
-    return UNITY_END();
 }

@@ -23,8 +23,6 @@ void setUp(void)
     fixture_download_init(&d);
 }
 
-void tearDown(void) {}
-
 static int32_t download(void)
 {
     expect_begin(&d);
@@ -122,17 +120,4 @@ static void test_an_older_signed_table_is_taken_again(void)
     d.other = older;
     TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
     TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_signed_table_comes_over_the_bus);
-    RUN_TEST(test_a_table_without_a_signature_is_refused_at_the_end);
-    RUN_TEST(test_a_wrong_signature_is_refused_at_the_end);
-    RUN_TEST(test_a_table_is_judged_again_when_it_is_selected);
-    RUN_TEST(test_the_table_in_the_flash_is_judged_at_the_start);
-    RUN_TEST(test_no_signature_of_before_lies_behind_a_table_without_one);
-    RUN_TEST(test_an_older_signed_table_is_taken_again);
-    return UNITY_END();
 }

@@ -23,8 +23,6 @@ void setUp(void)
     begin(20000);
 }
 
-void tearDown(void) {}
-
 static void to_cutting(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_lead_ns, 50000));
@@ -353,28 +351,4 @@ static void test_without_a_table_there_is_nothing_to_tell_of_it(void)
     const hal_can_frame_t frame = fixture_can_detail(3);
     static const uint8_t bytes[] = {3, 0, 0, 0, 0, 0, 0, 0};
     TEST_ASSERT_EQUAL_MEMORY(bytes, frame.data, sizeof bytes);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_status_comes_every_ten_milliseconds);
-    RUN_TEST(test_status_keeps_its_period_across_the_wrap_of_the_tick);
-    RUN_TEST(test_periods_without_a_poll_are_skipped);
-    RUN_TEST(test_a_late_poll_does_not_stretch_the_period);
-    RUN_TEST(test_status_that_finds_no_room_is_lost_without_harm);
-    RUN_TEST(test_status_tells_state_reset_and_faults);
-    RUN_TEST(test_status_tells_speed_and_height);
-    RUN_TEST(test_speed_is_rounded_signed_and_saturated);
-    RUN_TEST(test_status_tells_the_longest_tick);
-    RUN_TEST(test_status_tells_the_mean_tick);
-    RUN_TEST(test_status_tells_turns_and_speed_of_the_pass);
-    RUN_TEST(test_status_tells_late_ticks);
-    RUN_TEST(test_status_tells_u);
-    RUN_TEST(test_status_tells_the_angle_of_the_drawing);
-    RUN_TEST(test_status_tells_inputs_and_that_the_angle_is_known);
-    RUN_TEST(test_status_tells_the_pass);
-    RUN_TEST(test_status_tells_the_table);
-    RUN_TEST(test_without_a_table_there_is_nothing_to_tell_of_it);
-    return UNITY_END();
 }

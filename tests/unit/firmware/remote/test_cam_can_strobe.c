@@ -34,8 +34,6 @@ void setUp(void)
     n_sent = n_status = n_parts = n_answers = 0;
 }
 
-void tearDown(void) {}
-
 static fixture_answer_t ask(int32_t every)
 {
     const fixture_answer_t a = fixture_can_command(&f, strobe, 0, every);
@@ -280,20 +278,4 @@ static void test_a_renewal_does_not_end_a_piece(void)
     look();
     go_on(1500);
     TEST_ASSERT_EQUAL_UINT32(146, n_parts);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_frames_are_the_records_of_their_ticks);
-    RUN_TEST(test_a_large_error_is_saturated_and_says_so);
-    RUN_TEST(test_a_distance_out_of_range_is_answered_with_the_range);
-    RUN_TEST(test_without_a_trace_it_is_refused);
-    RUN_TEST(test_it_ends_two_seconds_after_the_last_renewal);
-    RUN_TEST(test_status_comes_as_before);
-    RUN_TEST(test_the_pace_is_kept_when_the_main_loop_dawdles);
-    RUN_TEST(test_everything_else_goes_first);
-    RUN_TEST(test_a_piece_of_a_recording_takes_as_long_as_ever);
-    RUN_TEST(test_a_renewal_does_not_end_a_piece);
-    return UNITY_END();
 }

@@ -21,8 +21,6 @@ void setUp(void)
     fixture_can_init(&f, &part, 20000);
 }
 
-void tearDown(void) {}
-
 static int32_t send(uint8_t command)
 {
     return fixture_can_command(&f, command, 0, 0).result;
@@ -256,28 +254,4 @@ static void test_damage_while_enabled_is_told_beside_the_fault(void)
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(reset));
     fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, send(enable));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_good_table_in_a_larger_sector_is_taken);
-    RUN_TEST(test_a_good_table_that_fills_its_place_is_taken);
-    RUN_TEST(test_no_place);
-    RUN_TEST(test_erased_place);
-    RUN_TEST(test_other_version_and_byte_order);
-    RUN_TEST(test_writing_that_stopped_is_refused_wherever_it_stopped);
-    RUN_TEST(test_place_that_ends_within_the_image);
-    RUN_TEST(test_place_that_ends_within_the_header_is_not_read_beyond);
-    RUN_TEST(test_size_in_the_header_that_cannot_be);
-    RUN_TEST(test_misaligned_place);
-    RUN_TEST(test_select_takes_a_table_written_after_the_start);
-    RUN_TEST(test_select_of_a_place_overwritten_with_rubbish_forgets_the_table);
-    RUN_TEST(test_select_of_a_damaged_table_in_ready_is_a_fault);
-    RUN_TEST(test_select_of_a_bad_table_elsewhere_keeps_the_one_in_use);
-    RUN_TEST(test_select_out_of_order_keeps_the_result_of_the_last_check);
-    RUN_TEST(test_damage_found_in_the_background_is_told);
-    RUN_TEST(test_damage_of_the_table_in_use_after_another_was_refused);
-    RUN_TEST(test_damage_while_enabled_is_told_beside_the_fault);
-    return UNITY_END();
 }

@@ -122,15 +122,3 @@ static void test_every_text_fits_a_line(void)
         TEST_ASSERT_LESS_OR_EQUAL_size_t(120, strlen(line));
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_start_is_told_with_its_reason);
-    RUN_TEST(test_start_tells_the_scales_and_their_form_error);
-    RUN_TEST(test_a_long_line_is_cut_off);
-    RUN_TEST(test_every_change_of_state_is_told_once);
-    RUN_TEST(test_every_fault_is_told_once_and_again_after_a_reset);
-    RUN_TEST(test_every_text_fits_a_line);
-    return UNITY_END();
-}

@@ -18,8 +18,6 @@ void setUp(void)
     now = UINT32_MAX - 3u; // time wraps during each test
 }
 
-void tearDown(void) {}
-
 static uint8_t pattern(uint32_t i)
 {
     return (uint8_t)(i * 7u + i / 256u);
@@ -243,21 +241,4 @@ static void test_each_byte_of_a_length_counts(void)
         TEST_ASSERT_EQUAL_HEX32(length, t.length);
         TEST_ASSERT_EQUAL(length > capacity, t.is_too_long);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_single_frame_may_fill_the_room);
-    RUN_TEST(test_single_frames);
-    RUN_TEST(test_long_messages_of_every_form);
-    RUN_TEST(test_padded_last_frame);
-    RUN_TEST(test_too_long_is_told_and_not_received);
-    RUN_TEST(test_wrong_sequence_breaks);
-    RUN_TEST(test_a_late_frame_breaks);
-    RUN_TEST(test_a_new_message_takes_the_place_of_the_old);
-    RUN_TEST(test_frames_without_a_place_are_passed_over);
-    RUN_TEST(test_they_do_not_disturb_a_message);
-    RUN_TEST(test_each_byte_of_a_length_counts);
-    return UNITY_END();
 }

@@ -22,8 +22,6 @@ void setUp(void)
     n_seen = 0;
 }
 
-void tearDown(void) {}
-
 /// @return the newest line that was not yet asked for, "" for none; there must be no other one
 static const char *line(void)
 {
@@ -287,23 +285,4 @@ static void test_refused_senders_are_told_once_a_second(void)
     TEST_ASSERT_EQUAL_STRING(due, line());
     cam_log_text_refused(&lines, 34, 12, cam_err_not_commander, begin + 39999u);
     TEST_ASSERT_EQUAL_STRING("", line());
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_start_is_told_with_its_reason);
-    RUN_TEST(test_parameters_are_told_as_they_were_found);
-    RUN_TEST(test_parameters_that_are_not_used_are_told);
-    RUN_TEST(test_scales_are_told_as_far_as_they_are_known);
-    RUN_TEST(test_form_error_is_told_in_micrometres);
-    RUN_TEST(test_table_is_told_with_whose_it_is);
-    RUN_TEST(test_refused_table_is_told);
-    RUN_TEST(test_damaged_table_is_told_once);
-    RUN_TEST(test_state_and_faults_are_told_one_at_a_time);
-    RUN_TEST(test_command_is_told);
-    RUN_TEST(test_commander_behind_a_loss_is_told_next);
-    RUN_TEST(test_level_is_told_once);
-    RUN_TEST(test_refused_senders_are_told_once_a_second);
-    return UNITY_END();
 }

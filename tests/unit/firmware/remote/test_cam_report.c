@@ -25,8 +25,6 @@ void setUp(void)
     status = fixture_rig_status(&f.rig);
 }
 
-void tearDown(void) {}
-
 /// @return the bits of a page, the first behind the number of the page
 static uint64_t bits(uint8_t page, uint32_t at, uint32_t n)
 {
@@ -310,27 +308,4 @@ static void test_without_a_table_nothing_is_told_of_one(void)
     expect(0, 3, 8, 56);
     expect(0, 4, 8, 56);
     expect(0, 5, 8, 56);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_without_a_table_nothing_is_told_of_one);
-    RUN_TEST(test_inputs_are_told_bit_by_bit);
-    RUN_TEST(test_memory_errors_are_sent_with_the_crc);
-    RUN_TEST(test_late_ticks_are_told_beside_the_rate);
-    RUN_TEST(test_following_error_is_bounded_by_its_bits);
-    RUN_TEST(test_learning_is_told);
-    RUN_TEST(test_learning_is_bounded_by_its_bits);
-    RUN_TEST(test_hand_is_told_bit_by_bit);
-    RUN_TEST(test_changes_are_told);
-    RUN_TEST(test_version_of_the_parameters_keeps_its_lower_bits);
-    RUN_TEST(test_recorder_is_told);
-    RUN_TEST(test_rights_are_told);
-    RUN_TEST(test_button_is_told_with_its_seconds);
-    RUN_TEST(test_time_of_the_interrupt_is_told);
-    RUN_TEST(test_progress_is_told);
-    RUN_TEST(test_every_page_comes_in_turn);
-    RUN_TEST(test_pages_of_the_table_hold_its_name_in_pieces);
-    return UNITY_END();
 }

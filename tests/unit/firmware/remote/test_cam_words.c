@@ -12,10 +12,6 @@
 #include <stdio.h> // snprintf
 #include <string.h>
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static void test_names_are_there_and_differ(void)
 {
     for (int i = 0; i < cam_n_states; i++) {
@@ -191,20 +187,4 @@ static void test_trace_record_that_nobody_wants_is_not_kept(void)
     TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
     TEST_ASSERT_EQUAL_UINT32(2, record.tick);
     TEST_ASSERT_EQUAL_UINT32(0, trace.n_dropped);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_names_are_there_and_differ);
-    RUN_TEST(test_numbers_beyond_a_list_stand_for_nothing);
-    RUN_TEST(test_err_text_knows_every_error);
-    RUN_TEST(test_param_set_takes_its_range_and_nothing_else);
-    RUN_TEST(test_param_foreign_ids_and_names_are_refused);
-    RUN_TEST(test_params_are_those_that_are_known);
-    RUN_TEST(test_signals_and_fields_of_the_recorder_are_those_that_are_known);
-    RUN_TEST(test_params_of_learning_and_their_fit);
-    RUN_TEST(test_trace_keeps_order_and_counts_what_it_drops);
-    RUN_TEST(test_trace_record_that_nobody_wants_is_not_kept);
-    return UNITY_END();
 }

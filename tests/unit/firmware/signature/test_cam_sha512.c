@@ -6,10 +6,6 @@
 #include <stdio.h>  // snprintf
 #include <string.h> // strlen, memset
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static void expect_hash(const char *expected, cam_sha512_t *s)
 {
     uint8_t hash[cam_sha512_bytes];
@@ -69,13 +65,4 @@ static void test_a_million_a_in_pieces_of_any_length(void)
     expect_hash("e718483d0ce769644e2e42c7bc15b4638e1f98b13b2044285632a803afa973eb"
                 "de0ff244877ea60a4cb0432ce577c31beb009c5c2c49aa2e4eadb217ad8cc09b",
                 &s);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_examples_of_the_standard);
-    RUN_TEST(test_every_division_gives_the_same_hash);
-    RUN_TEST(test_a_million_a_in_pieces_of_any_length);
-    return UNITY_END();
 }

@@ -32,8 +32,6 @@ void setUp(void)
     trust(2, true);
 }
 
-void tearDown(void) {}
-
 static cam_signature_check_t verdict;
 
 static cam_err_t check(size_t size)
@@ -264,21 +262,4 @@ static void test_blocks_of_another_format_are_refused(void)
         fixture_sign_anew(image.bytes, size, &keys);
         TEST_ASSERT_EQUAL_INT(cam_err_sign_block, check(image.size));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_vectors_of_rfc_8032_hold);
-    RUN_TEST(test_the_policy_as_a_matrix);
-    RUN_TEST(test_weak_keys_are_known);
-    RUN_TEST(test_a_table_signed_for_a_weak_key_is_refused_where_that_key_was_named);
-    RUN_TEST(test_the_verdict_names_the_key);
-    RUN_TEST(test_every_bit_of_the_block_counts);
-    RUN_TEST(test_every_bit_of_the_header_counts_with_a_right_crc);
-    RUN_TEST(test_a_knot_that_changed_with_the_crc_is_refused);
-    RUN_TEST(test_a_block_that_is_cut_off_is_no_table);
-    RUN_TEST(test_the_signature_of_another_table_is_refused);
-    RUN_TEST(test_blocks_of_another_format_are_refused);
-    return UNITY_END();
 }

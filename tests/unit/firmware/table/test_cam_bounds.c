@@ -8,10 +8,6 @@
 static double c[6]; ///< coefficients of the quintic
 static cam_wide_knot_t k0, k1;
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 /// Knots of a quintic with whole coefficients.
 static void segment(int64_t p, int64_t v, int64_t a, int64_t c3, int64_t c4, int64_t c5)
 {
@@ -131,14 +127,4 @@ static void test_next_knot_is_of_the_same_slice(void)
     TEST_ASSERT_EQUAL_UINT32(9, cam_bounds_next(&ch, 8));
     TEST_ASSERT_EQUAL_UINT32(15, cam_bounds_next(&ch, 14));
     TEST_ASSERT_EQUAL_UINT32(24, cam_bounds_next(&ch, 31));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_value_and_slope_are_bounded_by_their_coefficients);
-    RUN_TEST(test_each_term_of_the_second_derivative_counts);
-    RUN_TEST(test_second_derivative_is_bounded_within_a_hundredth);
-    RUN_TEST(test_next_knot_is_of_the_same_slice);
-    return UNITY_END();
 }

@@ -57,8 +57,6 @@ void setUp(void)
     make(cam_kind_u);
 }
 
-void tearDown(void) {}
-
 static void test_plain_channel_of_each_kind_is_good(void)
 {
     for (uint32_t kind = 0; kind < 12u; kind++) {
@@ -377,24 +375,4 @@ static void test_channel_is_told_as_its_entry_has_it(void)
     TEST_ASSERT_EQUAL_UINT32(1000007, ch.span_nm);
     TEST_ASSERT_EQUAL_UINT32(entry.slices_per_nm_q48, ch.slices_per_nm_q48);
     TEST_ASSERT_EQUAL_INT32(-5, ch.value_offset);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_plain_channel_of_each_kind_is_good);
-    RUN_TEST(test_only_x_and_way_are_over_height_alone);
-    RUN_TEST(test_each_field_is_limited);
-    RUN_TEST(test_range_of_the_knots_is_rounded_outwards);
-    RUN_TEST(test_unit_of_a_kind_is_limited_to_both_sides);
-    RUN_TEST(test_numbers_lie_aligned_behind_what_was_used_and_in_the_image);
-    RUN_TEST(test_heights_serve_the_whole_table);
-    RUN_TEST(test_spacing_of_slices_and_its_reciprocal_are_limited);
-    RUN_TEST(test_patterns_have_no_heights_of_their_own);
-    RUN_TEST(test_records_have_no_field_of_knots);
-    RUN_TEST(test_segments_are_refused_where_a_sum_of_the_format_is_too_large);
-    RUN_TEST(test_sums_may_be_just_as_large_as_allowed);
-    RUN_TEST(test_each_knot_is_checked_with_its_segment);
-    RUN_TEST(test_channel_is_told_as_its_entry_has_it);
-    return UNITY_END();
 }

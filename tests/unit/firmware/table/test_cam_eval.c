@@ -18,8 +18,6 @@ void setUp(void)
     part = fixture_part_short();
 }
 
-void tearDown(void) {}
-
 static void make(void)
 {
     fixture_image_make(&image, &part);
@@ -222,21 +220,4 @@ static void test_surface_constant_at_the_bound_is_exact(void)
     for (int i = 0; i < 100000 / fixture_rarer; i++) {
         expect_surface(fixture_random_u32(&dice), (int32_t)fixture_random_range(&dice, 0, 1000000));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_surface_random_points_are_within_the_documented_error);
-    RUN_TEST(test_surface_every_pattern_and_size_is_within_the_error);
-    RUN_TEST(test_surface_last_segment_runs_into_the_first_knot);
-    RUN_TEST(test_surface_is_continuous_to_the_second_derivative_at_every_knot);
-    RUN_TEST(test_surface_at_slices_is_the_slice);
-    RUN_TEST(test_height_outside_is_clamped);
-    RUN_TEST(test_height_weight_is_exact_for_every_nanometre_spacing);
-    RUN_TEST(test_profile_random_heights_are_within_the_documented_error);
-    RUN_TEST(test_surface_exact_ellipse_is_within_a_nanometre);
-    RUN_TEST(test_surface_wildest_accepted_tables_do_not_overflow);
-    RUN_TEST(test_surface_constant_at_the_bound_is_exact);
-    return UNITY_END();
 }

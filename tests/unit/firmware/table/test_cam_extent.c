@@ -27,8 +27,6 @@ void setUp(void)
     fixture_image_make(&image, &part);
 }
 
-void tearDown(void) {}
-
 static cam_err_t check(void)
 {
     fixture_image_seal(&image);
@@ -240,18 +238,4 @@ static void test_range_of_a_shaft_holds_the_base_circle(void)
     fixture_image_put(&image, at, (uint32_t)-1000000);
     fixture_image_remeasure(&image, fixture_behind_lobes + fixture_u);
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, check());
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_range_is_that_of_a_dense_evaluation);
-    RUN_TEST(test_promise_is_kept_or_widened);
-    RUN_TEST(test_range_of_u_holds_between_the_knots);
-    RUN_TEST(test_evaluation_keeps_the_promise);
-    RUN_TEST(test_range_of_x_and_of_the_ratio_hold_between_the_knots);
-    RUN_TEST(test_range_of_x_is_that_of_its_promise);
-    RUN_TEST(test_values_beyond_their_unit_between_the_knots_are_refused);
-    RUN_TEST(test_range_of_a_shaft_holds_the_base_circle);
-    return UNITY_END();
 }

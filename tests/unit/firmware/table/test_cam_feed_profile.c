@@ -32,8 +32,6 @@ void setUp(void)
     fixture_play_init(&f, &part);
 }
 
-void tearDown(void) {}
-
 static cam_err_t with_way(uint32_t n_knots)
 {
     fixture_image_make(&f.image, &part);
@@ -255,23 +253,4 @@ static void test_a_second_way_is_refused(void)
     fixture_newer_way(&f.image, sine, n_knots, 4);
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
                           cam_table_check(f.image.bytes, f.image.size, &f.table));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_second_way_is_refused);
-    RUN_TEST(test_way_is_measured);
-    RUN_TEST(test_a_way_that_falls_in_one_slice_is_refused);
-    RUN_TEST(test_z_follows_the_way_over_the_turns);
-    RUN_TEST(test_limits_of_z_hold_with_the_way);
-    RUN_TEST(test_way_that_turns_back_is_refused);
-    RUN_TEST(test_way_begins_and_ends_with_the_table);
-    RUN_TEST(test_rings_have_no_way);
-    RUN_TEST(test_offset_counts_in_the_ends_of_a_way);
-    RUN_TEST(test_shafts_of_lobes_have_no_way);
-    RUN_TEST(test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots);
-    RUN_TEST(test_a_way_is_bounded_at_its_first_and_last_knot);
-    RUN_TEST(test_end_of_a_way_with_stations_is_where_an_axis_reaches);
-    return UNITY_END();
 }

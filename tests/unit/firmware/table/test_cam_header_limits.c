@@ -16,8 +16,6 @@ void setUp(void)
     fixture_image_make(&image, &part);
 }
 
-void tearDown(void) {}
-
 static cam_err_t check(void)
 {
     fixture_image_seal(&image);
@@ -154,19 +152,4 @@ static void test_curvature_is_limited_by_itself(void)
         u[n_u - 1].a += sign;
         TEST_ASSERT_EQUAL_INT(cam_err_image_limits, cam_peaks_check(&t));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_modulated_table_is_accepted_and_described);
-    RUN_TEST(test_uniform_table_has_ratio_one);
-    RUN_TEST(test_promises_just_kept_pass_and_lower_ones_fail);
-    RUN_TEST(test_speed_outside_a_sixteenth_to_four_is_refused);
-    RUN_TEST(test_second_speed_channel_is_refused);
-    RUN_TEST(test_layout_and_knots_of_speed_are_checked_as_those_of_u);
-    RUN_TEST(test_every_flipped_bit_is_refused);
-    RUN_TEST(test_absurd_curvature_is_refused_without_overflow);
-    RUN_TEST(test_curvature_is_limited_by_itself);
-    return UNITY_END();
 }

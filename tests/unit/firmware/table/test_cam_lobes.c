@@ -29,8 +29,6 @@ void setUp(void)
     make();
 }
 
-void tearDown(void) {}
-
 static void test_shaft_is_described(void)
 {
     TEST_ASSERT_EQUAL_UINT32(3, table.n_lobes);
@@ -257,22 +255,4 @@ static void test_channels_of_a_shaft_have_the_same_patterns(void)
     t = table; // two patterns are too few for the third
     t.u.n_slices = t.speed.n_slices = t.angle.n_slices = 2;
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_shaft_is_described);
-    RUN_TEST(test_gap_between_lobes_has_its_least);
-    RUN_TEST(test_lobes_out_of_order_or_too_near_are_refused);
-    RUN_TEST(test_entry_without_meaning_is_refused);
-    RUN_TEST(test_version_tells_whether_there_are_lobes);
-    RUN_TEST(test_patterns_have_no_heights_and_are_alike);
-    RUN_TEST(test_only_one_directory_that_comes_first_is_taken);
-    RUN_TEST(test_flipped_bits_are_found);
-    RUN_TEST(test_lobe_and_change_are_those_of_the_format);
-    RUN_TEST(test_middle_of_the_gap_belongs_to_the_upper_lobe_and_has_no_lift);
-    RUN_TEST(test_slice_is_the_pattern_alone);
-    RUN_TEST(test_channels_of_a_shaft_have_the_same_patterns);
-    return UNITY_END();
 }

@@ -17,8 +17,6 @@ void setUp(void)
     part = fixture_part_short();
 }
 
-void tearDown(void) {}
-
 static cam_change_t change(void)
 {
     fixture_image_make(&image, &part);
@@ -256,24 +254,4 @@ static void test_change_to_the_last_slice_counts(void)
     fill(0, 1, (cam_knot_t){.p = 1000});
     TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).most);
     TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).kink);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_even_rise_has_no_kink);
-    RUN_TEST(test_equal_slices_change_by_nothing);
-    RUN_TEST(test_step_from_lobe_to_lobe_is_all_kink);
-    RUN_TEST(test_repeated_patterns_and_units_count);
-    RUN_TEST(test_kink_of_a_peak_is_twice_its_step);
-    RUN_TEST(test_swing_changes_in_its_own_unit);
-    RUN_TEST(test_standing_swing_is_bounded_by_the_next_thousandth_of_a_degree);
-    RUN_TEST(test_slope_of_a_swing_is_bounded_by_the_next_whole_number);
-    RUN_TEST(test_bend_of_a_swing_is_bounded_by_the_next_whole_number);
-    RUN_TEST(test_bounds_of_a_swing_saturate);
-    RUN_TEST(test_each_knot_counts_for_the_swing);
-    RUN_TEST(test_change_is_the_next_whole_unit);
-    RUN_TEST(test_change_of_slope_is_hardly_above_the_next_whole_unit);
-    RUN_TEST(test_change_to_the_last_slice_counts);
-    return UNITY_END();
 }

@@ -19,8 +19,6 @@ void setUp(void)
     memset(block + 24, 0, 40);
 }
 
-void tearDown(void) {}
-
 static void test_block_follows_where_all_of_it_is_there(void)
 {
     TEST_ASSERT_TRUE(cam_signature_block_follows(bytes, image_size, sizeof bytes));
@@ -45,12 +43,4 @@ static void test_each_byte_has_its_meaning(void)
         TEST_ASSERT_EQUAL(is_free, cam_signature_block_is_sound(block, image_size));
         block[i] ^= 0x80u;
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_block_follows_where_all_of_it_is_there);
-    RUN_TEST(test_each_byte_has_its_meaning);
-    return UNITY_END();
 }

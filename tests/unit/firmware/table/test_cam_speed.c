@@ -28,8 +28,6 @@ void setUp(void)
                           cam_build_config(&config, &params, &table, 3000000, tick_hz, clock_hz));
 }
 
-void tearDown(void) {}
-
 static void test_ratio_and_slope_are_those_of_the_function(void)
 {
     for (int i = 0; i < 4000; i++) {
@@ -125,16 +123,4 @@ static void test_config_carries_mean_speed_lag_and_sense(void)
     const double plans = 0.025 * tick_hz / config.play.plan_ticks;
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, plans, ldexp(c->lag_q16, -16));
     TEST_ASSERT_DOUBLE_WITHIN(2e-10, 200.0 / 60.0 / tick_hz, ldexp(c->mean_q32, -32));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_ratio_and_slope_are_those_of_the_function);
-    RUN_TEST(test_set_point_is_the_inverse_of_the_speed_loop);
-    RUN_TEST(test_spindle_with_the_lag_reaches_the_ratio_at_every_plan);
-    RUN_TEST(test_ratio_is_eased_by_the_envelope);
-    RUN_TEST(test_extremes_saturate_without_overflow);
-    RUN_TEST(test_config_carries_mean_speed_lag_and_sense);
-    return UNITY_END();
 }

@@ -17,8 +17,6 @@ void setUp(void)
     fixture_play_init(&f, &part);
 }
 
-void tearDown(void) {}
-
 /// @return the largest r + c r r' over both ends of the part
 static double largest(double c)
 {
@@ -82,15 +80,4 @@ static void test_set_point_beyond_the_highest_speed_is_refused(void)
     const double needed = 200e3 * largest(200.0 * pi / 30.0 * 0.025);
     TEST_ASSERT_DOUBLE_WITHIN(0.003 * needed, needed, (double)why.needed);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_feasible(&f.table, &f.params, why.highest_mrpm, 20000).err);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_largest_fall_is_that_of_the_ratio);
-    RUN_TEST(test_set_point_is_bounded_at_any_lag);
-    RUN_TEST(test_table_without_modulation_demands_nothing);
-    RUN_TEST(test_slow_loop_is_refused_with_the_highest_speed_that_it_follows);
-    RUN_TEST(test_set_point_beyond_the_highest_speed_is_refused);
-    return UNITY_END();
 }

@@ -15,8 +15,6 @@ void setUp(void)
     fixture_image_make(&image, &part);
 }
 
-void tearDown(void) {}
-
 static cam_err_t check(void)
 {
     return cam_table_check(image.bytes, image.size, &table);
@@ -367,28 +365,4 @@ static void test_check_knots_beyond_the_promise_are_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_u_min, 10u));
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_u1_peak, 140000u));
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_u2_peak, 280000u));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_crc32_gives_the_check_value_whole_and_in_pieces);
-    RUN_TEST(test_check_good_image_is_accepted_and_described);
-    RUN_TEST(test_check_every_length_but_the_right_one_is_refused);
-    RUN_TEST(test_check_every_flipped_bit_is_refused);
-    RUN_TEST(test_check_address_is_refused_when_null_or_misaligned);
-    RUN_TEST(test_check_frame_fields_have_their_own_codes);
-    RUN_TEST(test_check_header_fields_out_of_range_are_refused);
-    RUN_TEST(test_check_header_fields_at_the_ends_of_their_ranges_are_accepted);
-    RUN_TEST(test_check_name_must_be_printable_and_padded);
-    RUN_TEST(test_check_channel_fields_out_of_range_are_refused);
-    RUN_TEST(test_check_path_is_a_helix_or_a_ring_helix);
-    RUN_TEST(test_check_twice_or_missing_channel_is_refused);
-    RUN_TEST(test_check_cam_has_one_angle_channel_within_a_quarter_turn);
-    RUN_TEST(test_check_layout_misaligned_overlapping_or_outside_is_refused);
-    RUN_TEST(test_check_directory_beyond_the_image_is_refused);
-    RUN_TEST(test_check_heights_that_do_not_fit_are_refused);
-    RUN_TEST(test_check_knots_beyond_the_sums_are_refused);
-    RUN_TEST(test_check_knots_beyond_the_promise_are_refused);
-    return UNITY_END();
 }

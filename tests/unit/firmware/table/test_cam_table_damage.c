@@ -7,10 +7,6 @@
 #include "unity.h"
 #include <math.h>
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static long double off(int32_t got, long double wanted)
 {
     return fabsl((long double)got - wanted);
@@ -53,11 +49,4 @@ static void test_check_random_damage_with_a_right_crc_is_refused_or_harmless(voi
         }
     }
     TEST_ASSERT_GREATER_THAN_UINT32(n_damages / 200, n_accepted);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_check_random_damage_with_a_right_crc_is_refused_or_harmless);
-    return UNITY_END();
 }

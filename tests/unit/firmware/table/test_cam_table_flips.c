@@ -23,9 +23,6 @@ static struct {
 } kept;
 static uint32_t n_by_guard, n_by_check;
 
-void setUp(void) {}
-void tearDown(void) {}
-
 /// Set-points of U of the last ticks.
 static struct {
     int32_t u_q6, step_q6;
@@ -128,12 +125,4 @@ static void test_flipped_bits_of_the_speed_are_defined_and_caught(void)
     begin(1000000);
     const cam_table_t *t = &rig.machine.table;
     play_knots(fixture_speed, &t->speed, slice_at(&t->speed), 1u << t->speed.log2_knots);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_flipped_bits_of_u_and_x_are_defined_and_caught);
-    RUN_TEST(test_flipped_bits_of_the_speed_are_defined_and_caught);
-    return UNITY_END();
 }

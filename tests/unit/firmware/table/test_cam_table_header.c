@@ -17,8 +17,6 @@ void setUp(void)
     fixture_image_make(&image, &part);
 }
 
-void tearDown(void) {}
-
 static uint32_t word(uint32_t at)
 {
     return fixture_image_get(&image, at);
@@ -117,14 +115,4 @@ static void test_passes_are_sixteen_at_most(void)
     passes[16].allowance_nm = 0;
     fixture_newer_passes(&image, passes, 17);
     TEST_ASSERT_NOT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_fields_are_told_as_they_stand);
-    RUN_TEST(test_image_is_followed_by_a_signature_or_nothing);
-    RUN_TEST(test_name_has_a_character_and_an_end);
-    RUN_TEST(test_passes_are_sixteen_at_most);
-    return UNITY_END();
 }

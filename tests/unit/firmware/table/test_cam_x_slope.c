@@ -13,8 +13,6 @@ void setUp(void)
     part = fixture_part_short();
 }
 
-void tearDown(void) {}
-
 static void make(void)
 {
     fixture_image_make(&image, &part);
@@ -69,14 +67,4 @@ static void test_units_do_not_depend_on_the_unit_of_the_table(void)
     part.x_frac_bits = 4;
     make();
     TEST_ASSERT_UINT32_WITHIN(20, 24000, table.x_slope_ppm);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_parabola_has_its_peaks_at_its_end);
-    RUN_TEST(test_cylinder_has_none);
-    RUN_TEST(test_peak_between_two_slices_is_seen);
-    RUN_TEST(test_units_do_not_depend_on_the_unit_of_the_table);
-    return UNITY_END();
 }

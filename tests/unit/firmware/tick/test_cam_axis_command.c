@@ -27,8 +27,6 @@ void setUp(void)
     motion.is_playing = true;
 }
 
-void tearDown(void) {}
-
 static void told(int32_t nm, int32_t step_nm)
 {
     command.u = (cam_u_command_t){.nm = nm, .step_nm = step_nm};
@@ -333,25 +331,4 @@ static void test_axis_at_the_end_of_its_word_may_brake(void)
     motion.axis[hal_axis_x].vel_q10 = INT32_MIN + 1;
     TEST_ASSERT_EQUAL_HEX32(0, cam_axis_command_plan_isr(&command, &cfg, &motion, before));
     TEST_ASSERT_EQUAL_INT32(INT32_MIN + 1, command.vel_q10[hal_axis_x]);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_axis_at_the_end_of_its_word_may_brake);
-    RUN_TEST(test_command_is_set_point_feed_forward_and_correction);
-    RUN_TEST(test_correction_belongs_to_play);
-    RUN_TEST(test_limits_hold_to_the_nanometre);
-    RUN_TEST(test_feed_forward_beyond_a_word_is_refused);
-    RUN_TEST(test_off_follows_u_without_a_step);
-    RUN_TEST(test_tick_of_a_fault_goes_on_and_the_difference_fades);
-    RUN_TEST(test_difference_of_the_other_sign_fades_alike);
-    RUN_TEST(test_new_fault_tells_the_last_step_within_the_limits);
-    RUN_TEST(test_refused_command_is_followed_as_far_as_the_limits_allow);
-    RUN_TEST(test_refused_command_beyond_the_stroke_is_no_leap);
-    RUN_TEST(test_plan_tells_what_is_within_speed_change_and_place);
-    RUN_TEST(test_plan_in_off_is_told_as_it_is);
-    RUN_TEST(test_axes_are_written_in_the_numbers_of_the_port);
-    RUN_TEST(test_off_forgets_the_speeds_of_the_last_plan);
-    return UNITY_END();
 }

@@ -294,27 +294,3 @@ static void test_guard_armed_masks_are_those_of_the_manual(void)
                                 CAM_FAULT_BIT(command),
                             cam_guard_armed(cam_state_fault));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_guard_inputs_in_every_enabled_state_are_faults_at_once);
-    RUN_TEST(test_guard_inputs_while_off_latch_nothing);
-    RUN_TEST(test_guard_late_tick_beyond_limit_is_a_fault);
-    RUN_TEST(test_guard_late_tick_below_limit_is_none);
-    RUN_TEST(test_guard_encoder_jump_is_a_fault_at_once_when_synced);
-    RUN_TEST(test_guard_encoder_jump_while_homing_is_none);
-    RUN_TEST(test_guard_lost_counts_are_a_fault_within_a_turn);
-    RUN_TEST(test_guard_index_missing_is_a_fault_within_an_eighth_turn_more);
-    RUN_TEST(test_guard_reverse_and_stop_in_the_cut_are_faults);
-    RUN_TEST(test_guard_time_of_standing_counts_in_the_work_only);
-    RUN_TEST(test_guard_homing_without_rotation_gives_up);
-    RUN_TEST(test_guard_overspeed_is_a_fault_above_one_percent);
-    RUN_TEST(test_guard_following_error_is_a_fault_beyond_its_limit);
-    RUN_TEST(test_guard_z_off_its_place_is_a_fault_while_in_work);
-    RUN_TEST(test_guard_damaged_table_is_a_fault_and_stays_refused);
-    RUN_TEST(test_guard_setpoint_beyond_acceleration_speed_or_range_is_not_written);
-    RUN_TEST(test_guard_off_forgets_the_motion_before_it);
-    RUN_TEST(test_guard_armed_masks_are_those_of_the_manual);
-    return UNITY_END();
-}

@@ -27,8 +27,6 @@ void setUp(void)
     want = (cam_want_t){.spindle_mrpm = 2500000};
 }
 
-void tearDown(void) {}
-
 /// A tick behind a plan. @return what is written
 static cam_want_t tick(void)
 {
@@ -272,18 +270,4 @@ static void test_retract_goes_on_with_speed_and_acceleration_of_the_last_step(vo
         acc_q6 = now_acc_q6;
     }
     TEST_ASSERT_LESS_THAN_INT32(0, step_q6);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_fault_beyond_its_limit_is_latched_at_once_where_it_is_armed);
-    RUN_TEST(test_fault_at_its_limit_is_none_in_any_state);
-    RUN_TEST(test_armed_mask_of_every_state_is_the_manuals);
-    RUN_TEST(test_following_error_out_of_the_cut_has_a_limit_of_its_own);
-    RUN_TEST(test_limits_of_the_other_sign_are_the_same);
-    RUN_TEST(test_limits_are_those_of_the_parameters);
-    RUN_TEST(test_fault_with_a_set_point_far_off_writes_from_the_last_good_place);
-    RUN_TEST(test_retract_goes_on_with_speed_and_acceleration_of_the_last_step);
-    return UNITY_END();
 }

@@ -327,22 +327,3 @@ static void test_in_cut_output_is_high_in_the_cut_only(void)
         TEST_ASSERT_EQUAL_HEX32(hal_out_enable | in_cut, hal_host.out.outputs);
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_reaction_in_every_enabled_state_retracts_within_limits);
-    RUN_TEST(test_reaction_from_any_speed_of_u_retracts_within_limits);
-    RUN_TEST(test_reaction_at_full_speed_is_tried_inwards_and_outwards);
-    RUN_TEST(test_reaction_to_a_lost_drive_drops_enable_at_once);
-    RUN_TEST(test_reaction_to_a_drive_lost_while_retracting_drops_enable_at_once);
-    RUN_TEST(test_reaction_while_retracting_takes_no_other_fault_on);
-    RUN_TEST(test_reaction_to_several_faults_of_one_tick_tells_all);
-    RUN_TEST(test_latch_holds_until_reset_after_the_retract);
-    RUN_TEST(test_latch_reset_with_the_cause_still_there_refuses_enable);
-    RUN_TEST(test_counters_rise_with_every_fault);
-    RUN_TEST(test_late_tick_of_45_percent_anywhere_in_the_section_is_no_fault);
-    RUN_TEST(test_late_tick_of_80_percent_anywhere_in_the_section_is_that_fault_alone);
-    RUN_TEST(test_in_cut_output_is_high_in_the_cut_only);
-    return UNITY_END();
-}

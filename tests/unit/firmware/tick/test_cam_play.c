@@ -16,8 +16,6 @@ void setUp(void)
     fixture_play_init(&f, &part);
 }
 
-void tearDown(void) {}
-
 static double nm(const cam_axis_motion_t *axes, hal_axis_t axis)
 {
     return (double)axes[axis].pos_q10 / 1024.0;
@@ -244,19 +242,4 @@ static void test_due_is_the_setpoint_of_lead_ago(void)
             }
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_u_with_lead_is_read_at_the_angle_to_come);
-    RUN_TEST(test_u_while_the_speed_differs_is_read_at_that_speed);
-    RUN_TEST(test_u_of_a_geared_cut_is_read_at_the_height_of_its_angle);
-    RUN_TEST(test_xz_with_lag_are_read_ahead);
-    RUN_TEST(test_envelope_while_engaging_and_disengaging_is_the_smooth_step);
-    RUN_TEST(test_phase_changed_in_the_cut_is_ramped_the_short_way);
-    RUN_TEST(test_amplitude_changed_in_the_cut_is_ramped);
-    RUN_TEST(test_velocity_and_acceleration_of_u_are_those_of_the_setpoints);
-    RUN_TEST(test_due_is_the_setpoint_of_lead_ago);
-    return UNITY_END();
 }

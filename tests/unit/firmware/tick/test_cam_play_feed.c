@@ -15,8 +15,6 @@ void setUp(void)
     part = fixture_part_short();
 }
 
-void tearDown(void) {}
-
 static void plain_profile(double z_nm, double x[3])
 {
     (void)z_nm;
@@ -344,24 +342,4 @@ static void test_geared_z_off_its_place_by_more_than_the_margin_is_a_fault(void)
         f.in.actual_nm[hal_axis_z] = f.want.z_nm + off_nm[i];
         TEST_ASSERT_EQUAL_HEX32(i < 3 ? 0u : CAM_FAULT_BIT(z_range), faults_within_a_plan());
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_feed_of_62000_turns_is_exact_to_a_nanometre);
-    RUN_TEST(test_feed_eases_in_and_out_over_its_ramp);
-    RUN_TEST(test_feed_shorter_than_the_ramp_eases_over_its_own_length);
-    RUN_TEST(test_feed_in_ticks_never_steps);
-    RUN_TEST(test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges);
-    RUN_TEST(test_feed_ramp_of_a_measured_z_limits_no_speed);
-    RUN_TEST(test_x_offset_moves_every_place_of_x);
-    RUN_TEST(test_measured_z_is_what_is_played);
-    RUN_TEST(test_an_override_is_nothing_to_a_measured_z);
-    RUN_TEST(test_a_measured_z_has_no_way);
-    RUN_TEST(test_angle_at_fault_leaves_u_its_pace);
-    RUN_TEST(test_measured_z_beyond_table_and_margin_is_a_fault);
-    RUN_TEST(test_measured_z_that_jumps_is_a_fault);
-    RUN_TEST(test_geared_z_off_its_place_by_more_than_the_margin_is_a_fault);
-    return UNITY_END();
 }

@@ -13,8 +13,6 @@ void setUp(void)
     fixture_play_init(&f, &part);
 }
 
-void tearDown(void) {}
-
 /// In the cut the background check of the table raises its fault in the tick that sees the request,
 /// once.
 static void test_fault_of_the_background_check_is_raised_in_the_cut(void)
@@ -100,15 +98,4 @@ static void test_motion_by_hand_begins_at_rest(void)
     TEST_ASSERT_EQUAL_INT32(0, f.motion.u_speed_q10);
     TEST_ASSERT_FALSE(f.motion.is_stopping);
     TEST_ASSERT_TRUE(f.motion.is_by_hand);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_fault_of_the_background_check_is_raised_in_the_cut);
-    RUN_TEST(test_requests_that_do_not_fit_the_cut_are_nothing);
-    RUN_TEST(test_an_emergency_stop_between_two_plans_is_remembered);
-    RUN_TEST(test_off_follows_the_axes_as_far_as_they_go);
-    RUN_TEST(test_motion_by_hand_begins_at_rest);
-    return UNITY_END();
 }

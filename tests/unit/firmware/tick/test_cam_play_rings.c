@@ -16,8 +16,6 @@ void setUp(void)
     part.is_ring_helix = true;
 }
 
-void tearDown(void) {}
-
 static void engage(void)
 {
     fixture_play_init(&f, &part);
@@ -229,18 +227,4 @@ static void test_ramps_fit_the_speed_in_force(void)
     TEST_ASSERT_GREATER_THAN_UINT32(at_2500, f.config.play.rings.ramp_q32);
     TEST_ASSERT_EQUAL_INT32(250000, f.config.play.rings.feed_nm);
     TEST_ASSERT_EQUAL_INT64(9 * CAM_TURN_Q32, f.config.play.feed_q32);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_whole_path_in_ticks_is_within_a_plan_of_the_exact_one);
-    RUN_TEST(test_every_place_is_exact_to_a_nanometre);
-    RUN_TEST(test_first_and_last_ring_are_whole);
-    RUN_TEST(test_stop_goes_on_to_the_end_of_a_ring);
-    RUN_TEST(test_stop_before_the_first_ring_leaves_z_where_it_is);
-    RUN_TEST(test_measured_z_knows_no_path);
-    RUN_TEST(test_ramps_fit_the_speed_in_force);
-    RUN_TEST(test_hold_rests_before_a_ring_and_goes_on_from_it);
-    return UNITY_END();
 }

@@ -14,8 +14,6 @@ void setUp(void)
     fixture_play_init(&f, &part);
 }
 
-void tearDown(void) {}
-
 static void bring(cam_state_t state)
 {
     TEST_ASSERT_TRUE(fixture_play_bring(&f, state));
@@ -353,29 +351,4 @@ static void test_off_follows_the_axes(void)
         TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_u].vel_q10);
         TEST_ASSERT_EQUAL_INT32(0, f.want.spindle_mrpm);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_enable_without_table_is_ignored);
-    RUN_TEST(test_homing_needs_index_and_rotation_in_the_sense_of_cutting);
-    RUN_TEST(test_homing_waits_for_the_tool_to_be_out);
-    RUN_TEST(test_requests_out_of_order_are_ignored);
-    RUN_TEST(test_reset_before_the_retract_has_ended_is_ignored);
-    RUN_TEST(test_increments_of_the_cut_end_with_a_fault);
-    RUN_TEST(test_request_that_stands_is_carried_out_once);
-    RUN_TEST(test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of);
-    RUN_TEST(test_start_approaches_zero_clearance_and_first_height);
-    RUN_TEST(test_x_waits_until_z_rests);
-    RUN_TEST(test_stop_while_approaching_goes_back_to_ready);
-    RUN_TEST(test_stop_before_the_feed_disengages_at_the_next_turn_without_feed);
-    RUN_TEST(test_stop_in_the_rising_feed_lets_it_rise_and_fall);
-    RUN_TEST(test_stop_in_the_steady_feed_falls_from_the_next_turn_on);
-    RUN_TEST(test_stop_in_the_falling_feed_changes_nothing);
-    RUN_TEST(test_stop_twice_does_not_lengthen_the_feed);
-    RUN_TEST(test_stop_while_disengaging_is_ignored);
-    RUN_TEST(test_stop_of_a_measured_cut_disengages_at_the_next_turn);
-    RUN_TEST(test_off_follows_the_axes);
-    return UNITY_END();
 }

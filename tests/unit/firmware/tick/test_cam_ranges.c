@@ -29,8 +29,6 @@ void setUp(void)
     n_built = 0;
 }
 
-void tearDown(void) {}
-
 static void refuse(const char *name, int64_t value, int64_t low, int64_t high)
 {
     char text[160];
@@ -341,12 +339,4 @@ static void test_every_tick_leaves_the_state_within_the_ranges_of_the_proof(void
         run_session(&parts[i % 3u], rates_hz[i / 3u], n_session_steps);
     }
     TEST_ASSERT_EQUAL_HEX32((1u << cam_n_states) - 1u, visited);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_every_tick_leaves_the_state_within_the_ranges_of_the_proof);
-    RUN_TEST(test_every_configuration_is_within_the_ranges_of_the_proof);
-    return UNITY_END();
 }

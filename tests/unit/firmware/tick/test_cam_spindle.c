@@ -27,8 +27,6 @@ void setUp(void)
     params = cam_param_defaults();
 }
 
-void tearDown(void) {}
-
 /// Controller and encoder at rest; sense of the encoder -1: counts fall while cutting.
 static void start(int32_t counts_per_turn, int32_t sense, uint32_t base)
 {
@@ -359,27 +357,4 @@ static void test_forget_keeps_the_speed_and_needs_a_new_edge(void)
     TEST_ASSERT_TRUE(angle.is_synced);
     TEST_ASSERT_EQUAL_HEX32(0, faults);
     TEST_ASSERT_TRUE(angle.pos_q32 >> 32 <= 1); // turns count from the new edge
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_step_any_encoder_and_sense_knows_the_angle_within_a_count);
-    RUN_TEST(test_step_offset_is_added_to_the_angle);
-    RUN_TEST(test_step_constant_speed_has_no_mean_error);
-    RUN_TEST(test_step_constant_acceleration_lags_by_acceleration_over_bandwidth_squared);
-    RUN_TEST(test_step_speed_ripple_is_missed_by_the_documented_share);
-    RUN_TEST(test_step_lost_or_gained_counts_show_at_the_next_edge);
-    RUN_TEST(test_step_doubled_edge_hides_no_lost_counts);
-    RUN_TEST(test_step_index_tolerance_bears_its_counts_in_sum);
-    RUN_TEST(test_step_jump_shows_in_its_tick);
-    RUN_TEST(test_step_missing_index_shows_within_an_eighth_turn);
-    RUN_TEST(test_step_turning_back_over_the_index_is_no_fault);
-    RUN_TEST(test_step_standstill_and_creep_are_steady);
-    RUN_TEST(test_step_late_tick_with_its_time_stamp_costs_no_angle);
-    RUN_TEST(test_step_known_acceleration_causes_no_lag);
-    RUN_TEST(test_step_first_reading_anywhere_is_no_jump);
-    RUN_TEST(test_step_first_edge_far_away_is_no_angle);
-    RUN_TEST(test_forget_keeps_the_speed_and_needs_a_new_edge);
-    return UNITY_END();
 }

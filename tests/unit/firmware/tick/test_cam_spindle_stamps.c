@@ -199,16 +199,3 @@ static void test_a_learned_ripple_leaves_the_observer_even(void)
     turn(0.5, 49.7, 0.002);
     TEST_ASSERT_TRUE(most_observed < 1.5e-6); // of d at an angle that itself is off by d
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_stamps_take_the_counts_out_of_the_angle_in_both_senses);
-    RUN_TEST(test_without_stamps_half_a_count_is_left);
-    RUN_TEST(test_a_slow_or_standing_spindle_is_in_the_middle_of_its_count);
-    RUN_TEST(test_first_edge_from_rest_is_the_begin_of_its_count);
-    RUN_TEST(test_a_wrong_stamp_is_limited);
-    RUN_TEST(test_an_edge_that_contradicts_the_speed_is_limited);
-    RUN_TEST(test_a_learned_ripple_leaves_the_observer_even);
-    return UNITY_END();
-}

@@ -37,8 +37,6 @@ void setUp(void)
     atomic_store(&core.n_ticks, 42);
 }
 
-void tearDown(void) {}
-
 static void test_words_of_the_record_are_told(void)
 {
     const cam_status_t s = cam_status_read(&core);
@@ -111,15 +109,4 @@ static void test_before_the_first_tick_the_state_is_off_and_nothing_else_is_know
     TEST_ASSERT_EQUAL_INT(off.record.want.state, now.record.want.state);
     TEST_ASSERT_EQUAL_UINT32(0, now.record.tick);
     TEST_ASSERT_EQUAL_UINT32(0, cam_status_read(&core).n_late);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_words_of_the_record_are_told);
-    RUN_TEST(test_words_of_the_stages_are_told);
-    RUN_TEST(test_each_condition_is_told_by_itself);
-    RUN_TEST(test_moment_holds_what_the_stages_left);
-    RUN_TEST(test_before_the_first_tick_the_state_is_off_and_nothing_else_is_known);
-    return UNITY_END();
 }

@@ -40,8 +40,6 @@ void setUp(void)
     record.angle.speed_q32 = 1; // so slow that half a tick is nothing
 }
 
-void tearDown(void) {}
-
 /// @return bits of the outputs at an angle in the sense of cutting
 static uint32_t at(double turn)
 {
@@ -224,20 +222,4 @@ static void test_build_limits_the_hysteresis_to_a_quarter_of_the_window(void)
     params.switch_1_hysteresis_udeg = 5000000;
     configure(1);
     TEST_ASSERT_UINT32_WITHIN(8, (uint32_t)(TURN / 360.0), config.each[0].hysteresis_q32);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_build_without_windows_has_no_outputs);
-    RUN_TEST(test_step_at_any_angle_is_the_window_of_the_drawing);
-    RUN_TEST(test_step_forth_and_back_changes_at_the_edges);
-    RUN_TEST(test_step_trembling_on_an_edge_does_not_chatter);
-    RUN_TEST(test_step_against_its_sense_is_off);
-    RUN_TEST(test_step_with_a_height_is_on_between_its_ends_in_the_work);
-    RUN_TEST(test_step_without_an_angle_or_in_fault_is_off);
-    RUN_TEST(test_step_of_eight_outputs_keeps_them_apart);
-    RUN_TEST(test_step_of_an_output_that_is_no_longer_in_use_is_off);
-    RUN_TEST(test_build_limits_the_hysteresis_to_a_quarter_of_the_window);
-    return UNITY_END();
 }

@@ -252,20 +252,3 @@ static void test_tick_that_sees_a_fault_does_not_enable(void)
         }
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_tick_writes_outputs_and_what_it_records);
-    RUN_TEST(test_tick_off_tells_u_beyond_its_stroke_the_nearer_end);
-    RUN_TEST(test_tick_that_sees_a_fault_does_not_enable);
-    RUN_TEST(test_tick_status_tells_what_the_record_tells);
-    RUN_TEST(test_tick_without_trace_records_nothing);
-    RUN_TEST(test_tick_whole_cut_never_steps_a_setpoint);
-    RUN_TEST(test_tick_cut_visits_every_height_at_full_amplitude);
-    RUN_TEST(test_tick_velocity_and_acceleration_match_the_setpoints);
-    RUN_TEST(test_tick_feed_forward_is_the_inverse_of_the_drive);
-    RUN_TEST(test_tick_steps_recorded_cut_replays_bit_for_bit);
-    RUN_TEST(test_tick_steps_recorded_fault_replays_bit_for_bit);
-    return UNITY_END();
-}

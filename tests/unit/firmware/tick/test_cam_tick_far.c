@@ -6,10 +6,6 @@
 
 static fixture_rig_t rig;
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static void begin(void)
 {
     const fixture_part_t part = fixture_part_short();
@@ -70,12 +66,4 @@ static void test_enable_is_refused_while_a_position_is_beyond_a_metre(void)
         TEST_ASSERT_TRUE(is_ready_at((hal_axis_t)axis, -(1 << 30)));
         rig.isr = NULL;
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_position_beyond_a_metre_is_a_drive_that_is_not_ready);
-    RUN_TEST(test_enable_is_refused_while_a_position_is_beyond_a_metre);
-    return UNITY_END();
 }

@@ -107,13 +107,3 @@ static void test_due_in_the_record_is_the_setpoint_of_lead_ago(void)
         TEST_ASSERT_DOUBLE_WITHIN(0.05, due, records[i].want.u_due_q6 / 64.0);
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_command_in_the_cut_is_the_control_law);
-    RUN_TEST(test_command_of_x_and_z_is_their_setpoint);
-    RUN_TEST(test_command_at_rest_is_the_place_itself);
-    RUN_TEST(test_due_in_the_record_is_the_setpoint_of_lead_ago);
-    return UNITY_END();
-}

@@ -153,8 +153,6 @@ void setUp(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_select_table(&machine, image.bytes, image.size));
 }
 
-void tearDown(void) {}
-
 /// One tick; counts of the spindle in the tick at 2500 r/min: 20.8.
 static void tick(uint32_t counts)
 {
@@ -245,12 +243,4 @@ static void test_tick_writes_what_it_records_and_publishes(void)
                                  s.following_nm);
     }
     TEST_ASSERT_EQUAL_INT(cam_state_ready, cam_machine_status(&machine).state);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_tick_reads_before_it_writes_and_writes_all_once_in_every_state);
-    RUN_TEST(test_tick_writes_what_it_records_and_publishes);
-    return UNITY_END();
 }

@@ -245,15 +245,3 @@ static void test_trace_switched_off_and_on_has_a_gap_and_goes_on(void)
     TEST_ASSERT_EQUAL_UINT32(tick + 1001u, rig.last.tick);
     TEST_ASSERT_EQUAL_UINT32(0, g_cam.trace.n_dropped);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_session_with_changes_in_the_cut_replays_bit_for_bit);
-    RUN_TEST(test_session_with_stop_fault_and_reset_replays_bit_for_bit);
-    RUN_TEST(test_session_with_overrides_hold_trim_and_switches_replays_bit_for_bit);
-    RUN_TEST(test_session_with_a_modulated_spindle_replays_bit_for_bit);
-    RUN_TEST(test_session_with_other_senses_does_not_replay_alike);
-    RUN_TEST(test_trace_switched_off_and_on_has_a_gap_and_goes_on);
-    return UNITY_END();
-}

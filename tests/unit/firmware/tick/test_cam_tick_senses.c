@@ -83,9 +83,6 @@ static struct {
     unsigned char can[sizeof(fixture_can_t)];
 } * kept, saved;
 
-void setUp(void) {}
-void tearDown(void) {}
-
 static int64_t any(int64_t low, int64_t high)
 {
     return fixture_random_range(&dice, low, high);
@@ -337,11 +334,4 @@ static void test_any_senses_in_any_state_are_defined(void)
             }
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_any_senses_in_any_state_are_defined);
-    return UNITY_END();
 }

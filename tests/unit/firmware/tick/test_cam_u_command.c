@@ -317,21 +317,3 @@ static void test_fast_observer_moves_x_off_a_wide_clearance_without_a_fault(void
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     TEST_ASSERT_LESS_THAN_UINT32(200000, fixture_rig_until(&rig, cam_state_cutting, 200000));
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_command_through_faults_at_any_angle_keeps_the_speed_of_u);
-    RUN_TEST(test_command_through_faults_at_any_angle_keeps_the_acceleration_of_u);
-    RUN_TEST(test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract);
-    RUN_TEST(test_command_of_the_retract_keeps_the_speed_of_u_in_a_short_window);
-    RUN_TEST(test_command_stays_within_the_stroke_in_homing_and_retract);
-    RUN_TEST(test_fault_tick_tells_the_acceleration_of_its_set_points);
-    RUN_TEST(test_x_and_z_are_told_the_acceleration_of_their_increments);
-    RUN_TEST(test_command_of_a_wrong_gain_is_a_fault_and_not_written);
-    RUN_TEST(test_command_beyond_the_stroke_is_a_fault_and_not_clipped);
-    RUN_TEST(test_increments_beyond_the_limits_are_a_fault_before_they_are_told);
-    RUN_TEST(test_steps_of_the_encoder_move_x_off_a_wide_clearance_without_a_fault);
-    RUN_TEST(test_fast_observer_moves_x_off_a_wide_clearance_without_a_fault);
-    return UNITY_END();
-}
