@@ -41,8 +41,7 @@ int32_t cam_derived_limits_following_nm(const cam_params_t *params, const cam_ta
 int32_t cam_derived_limits_approach_nm(const cam_params_t *params, const cam_table_t *table,
                                        uint32_t tick_hz);
 
-/// @return [mHz] default bandwidth of the observer: the requested one, limited to a twentieth of
-/// the
+/// @return [mHz] default bandwidth of the observer: the requested one, at most a twentieth of the
 ///         tick rate, where one tick corrects two thirds of an angle error
 int32_t cam_derived_limits_usual_mHz(int32_t wanted_mHz, uint32_t tick_hz);
 

@@ -286,14 +286,16 @@ static void poll_hold(cam_machine_t *m, const cam_status_t *status)
 static void home_again(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    if (m->homes_again && !cam_machine_is_pending(m, &status)) {
+    if (!cam_machine_is_pending(m, &status)) {
         m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
     }
 }
 
 void cam_machine_poll(cam_machine_t *m)
 {
-    home_again(m);
+    if (m->homes_again) {
+        home_again(m);
+    }
     cam_machine_scope_poll(m);
     cam_machine_identify_poll(m);
     cam_machine_jog_poll(m);

@@ -112,9 +112,9 @@ typedef struct {
     uint32_t button_left_s; ///< [s] left for enable; 0: no time limit
 } cam_rights_status_t;
 
-/// State of the slow side. Other modules may read only has_table, table, signature, params,
-/// version, checksum, pass, n_parts, is_held, tick_hz, refusal, kept, identify.received and the
-/// harmonics of ilc.
+/// State of the slow side. The room remote may also use rights, scope and strobe, and read
+/// has_table, table, signature, params, staged, version, checksum, pass, n_parts, is_held, tick_hz,
+/// refusal, kept, identify.received and the harmonics of ilc.
 typedef struct {
     cam_t *core;                     ///< state of the interrupt
     cam_params_t params;             ///< as last set

@@ -50,13 +50,16 @@ cam_offsets_travel_t cam_offsets_travel(const cam_offsets_t *h, const cam_params
                                         hal_axis_t axis, bool is_known)
 {
     const cam_offsets_axis_t a = cam_offsets_axis(params, axis);
-    if (a.low_nm >= a.high_nm || !is_known) {
+    if (a.low_nm == a.high_nm || !is_known) {
         return (cam_offsets_travel_t){-CAM_OFFSETS_FAR_NM, CAM_OFFSETS_FAR_NM};
     }
+    const bool is_swapped = a.low_nm > a.high_nm; // limits hold in either order
+    const int64_t low_nm = is_swapped ? a.high_nm : a.low_nm;
+    const int64_t high_nm = is_swapped ? a.low_nm : a.high_nm;
     const int64_t shift_nm = cam_offsets_shift_nm(h, params, axis);
     return (cam_offsets_travel_t){
-        (int32_t)cam_clamp_i64(a.low_nm - shift_nm, -CAM_OFFSETS_FAR_NM, CAM_OFFSETS_FAR_NM),
-        (int32_t)cam_clamp_i64(a.high_nm - shift_nm, -CAM_OFFSETS_FAR_NM, CAM_OFFSETS_FAR_NM)};
+        (int32_t)cam_clamp_i64(low_nm - shift_nm, -CAM_OFFSETS_FAR_NM, CAM_OFFSETS_FAR_NM),
+        (int32_t)cam_clamp_i64(high_nm - shift_nm, -CAM_OFFSETS_FAR_NM, CAM_OFFSETS_FAR_NM)};
 }
 
 bool cam_offsets_is_known(const cam_params_t *params, const cam_status_t *status, hal_axis_t axis)

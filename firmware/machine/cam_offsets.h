@@ -29,7 +29,7 @@ typedef struct {
     int32_t search_um_per_s, slow_um_per_s;
     int32_t home_nm;           ///< [nm] machine coordinate
     int32_t way_nm;            ///< [nm] longest travel of a homing phase
-    int32_t low_nm, high_nm;   ///< [nm] travel, machine coordinates; low >= high: no limits
+    int32_t low_nm, high_nm;   ///< [nm] travel, machine coordinates; equal: no limits
     int32_t datum_nm, tool_nm; ///< [nm] datum, and offset of the selected tool
 } cam_offsets_axis_t;
 

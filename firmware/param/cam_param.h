@@ -89,10 +89,10 @@
     X(u_jog_um_per_s,                 1,       2000,    1000000, "highest jog speed of U") \
     X(x_jog_um_per_s,                 1,      10000,    1000000, "highest jog speed of X") \
     X(z_jog_um_per_s,                 1,      10000,    1000000, "highest jog speed of Z") \
-    X(x_low_nm,             -1000000000,          0, 1000000000, "lower limit of X's travel when jogging, in machine coordinates; low = high: none") \
-    X(x_high_nm,            -1000000000,          0, 1000000000, "upper limit of it") \
-    X(z_low_nm,             -1000000000,          0, 1000000000, "lower limit of Z's travel when jogging, in machine coordinates; low = high: none") \
-    X(z_high_nm,            -1000000000,          0, 1000000000, "upper limit of it") \
+    X(x_low_nm,             -2000000000,          0, 2000000000, "lower limit of X's travel, in machine coordinates; low = high: none") \
+    X(x_high_nm,            -2000000000,          0, 2000000000, "upper limit of it") \
+    X(z_low_nm,             -2000000000,          0, 2000000000, "lower limit of Z's travel, in machine coordinates; low = high: none") \
+    X(z_high_nm,            -2000000000,          0, 2000000000, "upper limit of it") \
     X(homing_required,                0,          0,          1, "1: enable and start require every axis with a homing method to be homed") \
     X(u_home,                         0,          0,          3, "homing of U: 0 none, its position is known; 1 at its present position; 2 switch; 3 switch and index") \
     X(u_home_sense,                  -1,          1,          1, "direction in which U searches its switch, 1: its position rises; 0 is refused") \
@@ -104,13 +104,13 @@
     X(x_home_um_per_s,                1,      10000,    1000000, "speed of that search") \
     X(x_home_slow_um_per_s,           1,       1000,    1000000, "... off the switch and to the index") \
     X(x_home_nm,            -1000000000,          0, 1000000000, "X at its home, in machine coordinates") \
-    X(x_home_travel_nm,            1000,  500000000, 1000000000, "the search of X ends without success after this") \
+    X(x_home_travel_nm,            1000,  500000000, 2000000000, "the search of X ends without success after this") \
     X(z_home,                         0,          0,          3, "homing of Z, as that of U") \
     X(z_home_sense,                  -1,          1,          1, "direction in which Z searches its switch, 1: its height rises; 0 is refused") \
     X(z_home_um_per_s,                1,      10000,    1000000, "speed of that search") \
     X(z_home_slow_um_per_s,           1,       1000,    1000000, "... off the switch and to the index") \
     X(z_home_nm,            -1000000000,          0, 1000000000, "Z at its home, in machine coordinates") \
-    X(z_home_travel_nm,            1000, 1000000000, 1000000000, "the search of Z ends without success after this") \
+    X(z_home_travel_nm,            1000, 1000000000, 2000000000, "the search of Z ends without success after this") \
     X(x_datum_nm,           -1000000000,          0, 1000000000, "X of the part minus X of the machine, with tool 0") \
     X(z_datum_nm,           -1000000000,          0, 1000000000, "height of the part minus Z of the machine, with tool 0") \
     X(tool,                           0,          0,          4, "tool whose offsets apply; 0: none") \

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_param_store.h"
-#include "cam_fix.h"   // cam_clamp_i64
 #include "cam_table.h" // cam_crc32
 #include <stddef.h>    // NULL
 #include <string.h>    // memcpy, memset, strlen, strncmp
@@ -162,10 +161,8 @@ static void take_line(cam_param_store_found_t *found, const kept_line_t *line, c
         return;
     }
     is_there[id] = true;
-    const cam_param_info_t *info = cam_param_info((cam_param_id_t)id);
-    const int32_t nearest = (int32_t)cam_clamp_i64(line->value, info->min, info->max);
-    const cam_err_t err = cam_param_set(params, (cam_param_id_t)id, nearest);
-    if (err != cam_ok || nearest != line->value) {
+    const bool is_word = line->value >= INT32_MIN && line->value <= INT32_MAX;
+    if (!is_word || cam_param_set(params, (cam_param_id_t)id, (int32_t)line->value) != cam_ok) {
         found->unfit = found->n_unfit == 0u ? (cam_param_id_t)id : found->unfit;
         found->n_unfit++;
     }

@@ -32,7 +32,7 @@ typedef struct {
     bool is_torn;           ///< a later save is incomplete
     uint32_t version;       ///< of the parameters
     uint32_t n_unknown;     ///< lines with parameters unknown to this image
-    uint32_t n_unfit;       ///< values out of their range, limited to it
+    uint32_t n_unfit;       ///< values out of their range
     uint32_t n_missing;     ///< parameters of this image without a line
     cam_param_id_t unfit;   ///< the first one out of range; cam_n_params: none
     cam_param_id_t missing; ///< the first one missing; cam_n_params: none

@@ -289,8 +289,7 @@ static inline const cam_config_t *cam_config_take_isr(cam_config_bank_t *bank)
 {
     const cam_config_t *offered = atomic_load_explicit(&bank->offered, CAM_ORDER_ACQUIRE);
     cam_fence_acquire_isr();
-    cam_fence_release_isr(); // the previous tick has read the other half before this one releases
-                             // it
+    cam_fence_release_isr(); // the previous tick has read the other half, which this one releases
     atomic_store_explicit(&bank->in_use, offered, CAM_ORDER_RELEASE);
     return offered;
 }

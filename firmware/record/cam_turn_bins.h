@@ -35,11 +35,11 @@ enum {
 /// Learned values, written by the slow side, read by the interrupt. Knot i of a table is at i / 256
 /// turn of the master position, knot 256 equals knot 0; linear interpolation in between.
 typedef struct {
-    int32_t k1_q16;                    ///< [ticks] added to the configured velocity feed-forward
-    int32_t k2_q16;                    ///< [ticks^2] added to the acceleration feed-forward
-    int16_t c[cam_learned_points + 2]; ///< [nm] at full amplitude, added to U's command
-    int16_t d[cam_learned_points + 2]; ///< [turn / 2^23] true angle of the spindle minus that of
-                                       ///< the observer
+    int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
+    int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward
+    int16_t c[cam_learned_points + 2];  ///< [nm] at full amplitude, added to U's command
+    int16_t d[cam_learned_points + 2];  ///< [turn / 2^23] true angle of the spindle minus that of
+                                        ///< the observer
     int16_t dm[cam_learned_points + 2]; ///< [turn / 2^23] deviation seen by the encoder: d plus
                                         ///< eccentricity, subtracted before the observer
 } cam_learned_t;

@@ -61,7 +61,7 @@ static void add_number(line_t *line, const char *before, uint32_t number)
     add(line, &text[at]);
 }
 
-/// Report n stored parameters that are not used as they are, by the name of the first, unless n is 0.
+/// Report n stored parameters that are not used, by the name of the first, unless n is 0.
 static void say_some(uint32_t n, const char *name, const char *what)
 {
     line_t line = {.n = 0};
@@ -91,7 +91,7 @@ void cam_log_text_params(const cam_machine_t *machine)
     add(&line, kept->is_torn ? " in use, what was to be saved after it is not whole" : " in use");
     hal_text(line.text);
     say_some(kept->n_unknown, kept->unknown, " unknown to this firmware and left out, first ");
-    say_some(kept->n_unfit, name_of(kept->unfit), " out of range, limited to it, first ");
+    say_some(kept->n_unfit, name_of(kept->unfit), " out of range and left at default, first ");
     say_some(kept->n_missing, name_of(kept->missing), " not among those kept, at default, first ");
 }
 

@@ -203,20 +203,6 @@ static void test_home_that_is_not_in_force_yet_is_busy(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
 }
 
-/// Readings beyond about 1.07 m are a fault, so no limit of travel or search lies beyond 1 m.
-static void test_no_travel_is_set_beyond_a_metre(void)
-{
-    const cam_param_id_t lowest[] = {cam_param_x_low_nm, cam_param_z_low_nm};
-    const cam_param_id_t highest[] = {cam_param_x_high_nm, cam_param_z_high_nm,
-                                      cam_param_x_home_travel_nm, cam_param_z_home_travel_nm};
-    for (uint32_t i = 0; i < 2u; i++) {
-        TEST_ASSERT_EQUAL_INT32(-1000 * mm, cam_param_info(lowest[i])->min);
-    }
-    for (uint32_t i = 0; i < 4u; i++) {
-        TEST_ASSERT_EQUAL_INT32(1000 * mm, cam_param_info(highest[i])->max);
-    }
-}
-
 static void test_part_beyond_the_travel_is_refused_before_motion(void)
 {
     set(cam_param_z_low_nm, -10 * mm);
@@ -227,6 +213,17 @@ static void test_part_beyond_the_travel_is_refused_before_motion(void)
     bring(cam_state_ready);
     set(cam_param_z_datum_nm, 10500000);
     TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_start(machine()));
+}
+
+/// Swapped by mistake, they do not switch the travel off.
+static void test_limits_of_the_travel_hold_in_either_order(void)
+{
+    set(cam_param_z_low_nm, 10 * mm);
+    set(cam_param_z_high_nm, -10 * mm);
+    set(cam_param_z_datum_nm, -9500000);
+    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
+    set(cam_param_z_datum_nm, -8 * mm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
 }
 
 /// A measured Z, which others lead, needs no home of its own.

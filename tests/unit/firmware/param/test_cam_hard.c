@@ -62,14 +62,14 @@ static void test_over_the_bus_the_refusal_brings_the_range(void)
     TEST_ASSERT_EQUAL_INT32(800000, answer.value);
 }
 
-static void test_stored_parameters_beyond_them_are_limited_to_them(void)
+static void test_kept_parameters_beyond_them_are_left_at_their_defaults(void)
 {
     fixture_part_t part = fixture_part_short();
     static fixture_can_t f;
     fixture_can_init(&f, &part, 20000);
     fixture_can_start(&f);
     cam_machine_t *m = &f.rig.machine;
-    m->params.u_stroke_nm = 1200000; // as an image without the limits has stored it
+    m->params.u_stroke_nm = 1200000; // as an image without the limits has kept it
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_save_params(m));
     fixture_can_start(&f);
     TEST_ASSERT_EQUAL_INT32(800000, m->params.u_stroke_nm);

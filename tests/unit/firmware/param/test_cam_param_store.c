@@ -106,8 +106,7 @@ static void test_read_a_text_of_another_image_takes_what_it_knows(void)
     TEST_ASSERT_EQUAL_INT(cam_param_counts_per_turn, found.missing);
     TEST_ASSERT_EQUAL_INT32(77, params.k1_ns);
     TEST_ASSERT_EQUAL_INT32(-5, params.x_trim_nm);
-    TEST_ASSERT_EQUAL_INT32(20000000, params.lead_ns);
-    TEST_ASSERT_EQUAL_INT32(-180000000, params.phase_udeg);
+    TEST_ASSERT_EQUAL_INT32(cam_param_defaults().lead_ns, params.lead_ns);
     TEST_ASSERT_EQUAL_INT32(1, params.encoder_sign);
 }
 

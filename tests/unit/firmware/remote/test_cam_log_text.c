@@ -93,7 +93,7 @@ static void test_parameters_that_are_not_used_are_told(void)
     TEST_ASSERT_EQUAL_STRING("params: version 12 in use", line_before(3));
     TEST_ASSERT_EQUAL_STRING("params: 1 unknown to this firmware and left out, first colour",
                              line_before(2));
-    TEST_ASSERT_EQUAL_STRING("params: 20 out of range, limited to it, first feed_nm",
+    TEST_ASSERT_EQUAL_STRING("params: 20 out of range and left at default, first feed_nm",
                              line_before(1));
     TEST_ASSERT_EQUAL_STRING("params: 300 not among those kept, at default, first k1_ns",
                              line_before(0));
