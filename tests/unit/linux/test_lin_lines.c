@@ -4,6 +4,7 @@
 #include "lin_gpio.h"
 #include "lin_lines.h"
 #include "unity.h"
+#include <stdlib.h> // abort
 #include <string.h> // strcmp
 
 enum { n_places = 6 };
