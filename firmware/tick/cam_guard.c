@@ -203,7 +203,6 @@ void cam_guard_refuse_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tic
 {
     if (m->state != cam_state_fault) {
         latch(g, cfg, r, m, CAM_FAULT_BIT(command));
-        return;
     }
     g->faults |= CAM_FAULT_BIT(command);
     r->want.faults = g->faults;

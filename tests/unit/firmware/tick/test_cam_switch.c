@@ -216,6 +216,24 @@ static void test_step_of_an_output_that_is_no_longer_in_use_is_off(void)
     }
 }
 
+/// One output is prepared per tick; the next one is always among those in use.
+static void test_step_prepares_outputs_in_use_only(void)
+{
+    set(1, 0, 180);
+    params.switch_8_per_turn = 1;
+    params.switch_8_off_udeg = 180000000;
+    configure(1);
+    for (uint32_t i = 0; i < 5u; i++) {
+        (void)at(0.25);
+    }
+    params.switch_8_per_turn = 0;
+    configure(1);
+    for (uint32_t i = 0; i < 20u; i++) {
+        TEST_ASSERT_EQUAL_HEX32(1, at(0.25));
+        TEST_ASSERT_EQUAL_UINT32(0, switches.next);
+    }
+}
+
 static void test_build_limits_the_hysteresis_to_a_quarter_of_the_window(void)
 {
     set(4, 0.0, 4.0);
