@@ -21,7 +21,6 @@ PROGRAMS = ROOT / "build" / "host-fuzz" / "tests" / "fuzz"
 COVERED = ROOT / "build" / "host-cov"
 WORK = ROOT / "build" / "verify" / "fuzz"
 RECORDED = HERE / "figures.json"
-MARK = "<!-- figures -->"
 FIGURES = ROOT / "build" / "verify" / "fuzz.json"
 SHORT_S = 10
 INPUT_LIMIT_S = 10
@@ -229,15 +228,6 @@ def table(flat: Mapping[str, float | str]) -> str:
     return "\n".join(lines)
 
 
-def record(flat: Mapping[str, float | str]) -> None:
-    """Keep the figures, and write them into README.md."""
-    RECORDED.write_text(json.dumps(flat, indent=2) + "\n", "utf-8")
-    readme = HERE / "README.md"
-    begin, _, rest = readme.read_text("utf-8").partition(MARK)
-    _, _, end = rest.partition(MARK)
-    readme.write_text(f"{begin}{MARK}\n{table(flat)}\n{MARK}{end}", "utf-8")
-
-
 def arguments() -> argparse.Namespace:
     """Return what the command line asks for."""
     parser = argparse.ArgumentParser(prog="tests/fuzz/run", description=__doc__)
@@ -283,7 +273,7 @@ def main() -> int:
             print(f"{outcome.name}: {outcome.found}")
     if asked.record:
         flat |= coverage()
-        record(flat)
+        RECORDED.write_text(json.dumps(flat, indent=2) + "\n", "utf-8")
     FIGURES.write_text(json.dumps(flat, indent=2) + "\n", "utf-8")
     found = flat["found"]
     print(f"{flat['executions']} executions, {found} targets with a finding (build/verify/fuzz)")

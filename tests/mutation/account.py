@@ -1,4 +1,4 @@
-"""What a campaign amounts to: which survivors are explained, the figures, and their table."""
+"""The result of a campaign: which survivors are explained, and the figures."""
 
 from __future__ import annotations
 
@@ -97,28 +97,6 @@ def tell_survivors(judged: Sequence[Judged]) -> None:
         print(f"{one.told()}\n    {why(one, known) or 'NOT EXPLAINED: a test is missing'}")
 
 
-def table(figures: Figures) -> str:
-    """Return the figures as a table of README.md."""
-    rows = {
-        f"judged, drawn with seed {figures['seed']}": figures["count"],
-        "noticed by a test": figures["killed"],
-        "survived, explained one by one": figures["explained"],
-        "survived, a test is missing": figures["survived"],
-        "noticed or explained, percent": figures["percent"],
-        "drawn besides and refused by the compiler": figures["refused_by_compiler"],
-        "drawn besides, the same code": figures["same_code"],
-        f"noticed of {figures['deaf_count']} where no assertion is heard, percent": figures[
-            "deaf_percent"
-        ],
-    }
-    lines = ["| mutants | |", "|---|---:|", *(f"| {name} | {x} |" for name, x in rows.items())]
-    return "\n".join(lines) + "\n"
-
-
 def write(figures: Figures) -> None:
-    """Write figures.json, and the table of README.md."""
+    """Write figures.json."""
     (HERE / "figures.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
-    readme = HERE / "README.md"
-    head, mark, rest = readme.read_text(encoding="utf-8").partition("<!-- figures -->\n")
-    _, end, tail = rest.partition("<!-- end")
-    readme.write_text(head + mark + table(figures) + end + tail, encoding="utf-8")

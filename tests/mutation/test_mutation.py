@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
-from account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, figures_of, reasons, table
+from account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, figures_of, reasons
 from asserted import asserted, unseen
 from journal import Journal, Judged
 from pristine import test_sources as sources_of_tests
@@ -18,12 +18,6 @@ RECORDED = json.loads((HERE / "figures.json").read_text(encoding="utf-8"))
 def judged(line: int, verdict: str) -> Judged:
     """Return a mutant of a file that is not there."""
     return Judged("firmware/no.c", line, "a = b;", "a = c;", verdict, 1.0)
-
-
-def test_readme_tells_the_recorded_figures() -> None:
-    """Its table is made of figures.json as it is."""
-    told = (HERE / "README.md").read_text(encoding="utf-8")
-    assert table(RECORDED) == told.partition("<!-- figures -->\n")[2].partition("<!-- end")[0]
 
 
 def test_recorded_campaign_is_whole_and_notices() -> None:

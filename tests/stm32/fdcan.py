@@ -61,6 +61,8 @@ class MessageRam(Device):
 class Ccu(Device):
     """The clock calibration unit before both nodes; bypassed, it passes the kernel clock on.
 
+    Unless bypassed, nothing gets through: RM0433 56.4; Zephyr and ST's HAL set BCC.
+
     Attributes
     ----------
     can_configure : callable

@@ -7,6 +7,10 @@ from them is an error on the bus. What the core reads ahead by itself is modelle
 harm here: in the system memory it sets error flags, in the bank at work it would wait for the end
 of the operation. The supply is the LDO; its scale follows the request after a time. What a
 frequency needs of wait states and voltage is checked whenever a frequency comes into force.
+
+Sources beyond the manual: read ahead of system memory, Zephyr issue 60449 and pull request 60765,
+hubris 1905; a store that overtakes PG, embassy 1014 and 2539, stm32h7xx-hal 383; torn words, Zephyr
+33140 and 34374, PX4 27642; keys for an open bank, and ODEN read back, as in ST's HAL.
 """
 
 from __future__ import annotations

@@ -3,7 +3,8 @@
 
 Which word holds flipped bits is for a test to say (`flip`); a load of it is an error, and a store
 to it repairs it. FAR holds the number of a double word in the monitor's memory: ST's FAQ "How to
-read RAMECC_MxFAR"; the DTCM is two memories, of the even and of the odd words.
+read RAMECC_MxFAR"; the DTCM is two memories, of the even and of the odd words: ST's example
+RAMECC_ErrorCount.
 
 >>> place(0x20000014), place(0x24000018), place(0x1000)
 ((4, 2), (1, 3), (2, 512))

@@ -307,7 +307,7 @@ class Dac1(Device):
     """The chip's own DAC1 (RM0433, section 26): channel 1 by trigger or at once.
 
     Whether the output register follows a store while the channel is off, the manual leaves open:
-    here it does not.
+    here it does not (embassy 1676).
 
     Attributes
     ----------
