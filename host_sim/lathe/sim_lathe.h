@@ -3,7 +3,7 @@
 ///
 /// The lathe knows only set-points and time: target/sim_port.h connects it to the firmware in this
 /// process, bus/sim_bus.h to the nodes of a CAN bus. Convention: turn is the drawing's angle at the
-/// tool (tools/README.md). It rises in the machine's positive sense (M3), the sense of a positive
+/// tool (PARTFILE.md). It rises in the machine's positive sense (M3), the sense of a positive
 /// spindle set-point.
 ///
 /// The position of U's tip is its slide plus the motion of the modes and the bending by the chip.

@@ -244,7 +244,7 @@ def ports_table(table: Path) -> str:
 
 
 TABLES = {
-    "resolution": (ROOT / "hal" / "PORTING.md", resolution_table),
+    "resolution": (ROOT / "hal" / "RETROFIT.md", resolution_table),
     "ports": (ROOT / "hal" / "RETROFIT.md", ports_table),
 }
 

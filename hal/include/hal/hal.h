@@ -48,7 +48,7 @@ enum {
 
 /// One reading of the spindle encoder; all members are sampled at the same instant. The counter may
 /// count either way; the parameter encoder_sign is +1 if it counts up with M3, the rotation in
-/// which the drawing's angle at the tool increases (tools/README.md, "The drawing's angle").
+/// which the drawing's angle at the tool increases (PARTFILE.md, "The drawing's angle").
 typedef struct {
     uint32_t counts;       ///< [counts] free-running, four edges per line, wraps by design
     uint32_t index_counts; ///< [counts] counter at the last index edge. Both directions of rotation

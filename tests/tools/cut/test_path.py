@@ -256,7 +256,7 @@ def test_ramp_is_at_least_a_256th_of_a_turn() -> None:
 
 def test_limits_of_z_are_documented() -> None:
     """Keys and defaults stand in the manual of part files."""
-    text = (ROOT / "tools" / "README.md").read_text()
+    text = (ROOT / "tools" / "docs" / "PARTFILE.md").read_text()
     limits = MachineLimits()
     assert f"| `z_speed_mm_s` | mm/s | 0.1 .. 10000 | {limits.z_speed_mm_s:g} |" in text
     assert f"mm/s2 | 10 .. 1e6 | {limits.z_acceleration_mm_s2:g} |" in text

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same part with M3 and M4: every surface against a formula of the drawing, both ways round.
 
-The formulas stand here, in the drawing's angle (tools/README.md, "The drawing's angle"); neither
+The formulas stand here, in the drawing's angle (PARTFILE.md, "The drawing's angle"); neither
 the table nor NAME.json takes part in the judgement, except where the gauge itself is on trial.
 """
 

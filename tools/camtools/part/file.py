@@ -45,7 +45,9 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
         raise InputError(file, "", None, problem, "save the file as UTF-8") from error
     except ValueError as error:
         problem = f"not TOML: {error}"
-        raise InputError(file, "", None, problem, "correct it; see tools/README.md") from error
+        raise InputError(
+            file, "", None, problem, "correct it; see tools/docs/PARTFILE.md"
+        ) from error
 
 
 def validated(

@@ -23,7 +23,7 @@ _PROBLEMS = {
 }
 _REMEDIES = {
     "missing": "add it",
-    "extra_forbidden": "remove it or correct its spelling; tools/README.md lists every key",
+    "extra_forbidden": "remove it or correct its spelling; tools/docs/PARTFILE.md lists every key",
     "finite_number": "give a finite number",
     "float_type": "give a number without quotes",
     "string_type": 'give text in "quotes"',
@@ -46,7 +46,7 @@ def remedy_for(kind: str, context: Mapping[str, Any]) -> str:
     """Return what the user can do about a pydantic error of this kind."""
     if "remedy" in context:
         return str(context["remedy"])
-    return _REMEDIES.get(kind, "see tools/README.md").format_map(context)
+    return _REMEDIES.get(kind, "see tools/docs/PARTFILE.md").format_map(context)
 
 
 def describe(file: str, finding: ErrorDetails) -> str:

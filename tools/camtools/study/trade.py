@@ -1,4 +1,4 @@
-"""Print what a tolerance costs in bytes, as the table in tools/README.md.
+"""Print what a tolerance costs in bytes, as rows of a table.
 
 >>> from camtools.skirt.part import example_part
 >>> row(example_part(), 1.0)

@@ -1,6 +1,6 @@
 """The table of a part that is cut with M4: every channel over angle, mirrored.
 
-The drawing's angle phi counts the same way round whatever the spindle does (tools/README.md "The
+The drawing's angle phi counts the same way round whatever the spindle does (PARTFILE.md, "The
 drawing's angle"). The angle of a table counts in the sense of cutting: phi with M3, -phi with M4.
 Generators make channels over the drawing's angle, and `table_of` hands all of them to `in_sense`
 for `process.direction = -1`, so a kind of part has nothing else to do. What a table says about

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the manual says of each key of a part file: the tables of "Part files", read as they are.
+"""Meaning of each key of a part file, read from the tables of tools/docs/PARTFILE.md.
 
 >>> meaning_of("piston", ("process", "depth_mm"))
 'cutting depth at the long axis'
@@ -15,8 +15,8 @@ from functools import cache
 from camtools.base.places import ROOT
 
 _TOOLS = ROOT / "tools"
-# Of each kind its own manual, and behind it that of pistons, to which the others refer.
-_PAGES = {"cam": "docs/CAMS.md", "polygon": "docs/POLYGONS.md", "piston": "README.md"}
+# The page of each kind. Pages of other kinds refer to that of pistons for common keys.
+_PAGES = {"cam": "docs/CAMS.md", "polygon": "docs/POLYGONS.md", "piston": "docs/PARTFILE.md"}
 _ROW = re.compile(r"^\| (\*\*\[|`)(.*)\|$", re.MULTILINE)
 _TABLE = re.compile(r"\[+([a-z_.]+)\]+")
 _KEY = re.compile(r"`([a-z_0-9]+)`")
@@ -55,7 +55,7 @@ def _meanings(page: str) -> dict[tuple[str, ...], str]:
 
 
 def meaning_of(kind: str, path: tuple[str | int, ...]) -> str:
-    """Return what a key or a table means; "" where the manual says nothing."""
+    """Return what a key or a table means; "" if the manual does not say."""
     names = tuple(one for one in path if isinstance(one, str) and not one.isdigit())
     for page in (_PAGES.get(kind, ""), _PAGES["piston"]):
         if page and (found := _meanings(page).get(names)):
