@@ -192,6 +192,22 @@ static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(vo
     expect_begin(&d);
 }
 
+/// The place in use has changed, but its table was refused: the machine still cuts that of the
+/// other place, which therefore is not emptied.
+static void test_the_place_of_the_table_that_the_machine_holds_is_not_emptied(void)
+{
+    hal_host.slow.table.bytes = d.other.bytes;
+    d.other.bytes[0] ^= 1u;
+    TEST_ASSERT_EQUAL_INT32(cam_err_image_magic,
+                            fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
+    d.other.bytes[0] ^= 1u;
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
+    fixture_can_loop(&d.can, 2);
+    expect_begin(&d);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -205,5 +221,6 @@ int main(void)
     RUN_TEST(test_the_cut_refuses_everything);
     RUN_TEST(test_a_command_on_its_way_makes_it_wait);
     RUN_TEST(test_a_table_in_use_is_not_overwritten_after_a_select_that_failed);
+    RUN_TEST(test_the_place_of_the_table_that_the_machine_holds_is_not_emptied);
     return UNITY_END();
 }
