@@ -313,7 +313,6 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->play.u_retract_q10 = retract_q10(params, table, cam_build_room_q10(config));
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->command.range_nm = params->u_stroke_nm / 2;
-    cam_config_limit_command(config);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return cam_ok;
 }

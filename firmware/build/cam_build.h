@@ -10,7 +10,7 @@
 #include <stdint.h>     // int32_t, uint32_t
 
 /// Derive a configuration.
-/// @param config      result, complete on success
+/// @param config      result, on success complete but for cam_config_learn()
 /// @param params      within their ranges
 /// @param table       NULL when none is selected
 /// @param speed_limit_mrpm  [r/min / 1000] limit of the fault overspeed

@@ -96,23 +96,44 @@ static uint64_t depth_turns(const cam_cut_t *c)
     return (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
 }
 
-/// The acceleration while engaging, when the envelope e, a smooth step over t turns, adds to it:
-/// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is evaluated at fourteen
-/// points of the second half of the step, with e' and e'' enlarged by 3 %, so that it misses less
-/// than a ten-thousandth of the largest value between them, for any number of turns. The spindle
-/// may turn faster than its mean speed and accelerate. The slope of the envelope is constant within
-/// a plan, so its change over a whole plan acts on the first set-point of the next one.
+enum { n_steps = 14 };
+
+/// The envelope e, a smooth step over a turn, at fourteen points of its second half: e, and with
+/// 3 % more 2 e' / 2 pi and e'' / (2 pi)^2. With them the largest of a sum of its terms is missed
+/// by less than a ten-thousandth between the points, for any number of turns.
+static const struct {
+    uint32_t e_ppm, e1_ppm, e2_ppm;
+} ramp[n_steps] = {
+    {500000, 614736, 0},      {611425, 597160, 46287},  {716510, 545958, 88515},
+    {809474, 465722, 122629}, {885658, 364099, 144569}, {925567, 289630, 150430},
+    {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
+    {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
+    {999984, 1383, 18115},    {999999, 244, 7711},
+};
+
+/// The speed while engaging: the largest of e f' + e' f over the step of t turns, or f' itself. The
+/// spindle may turn faster than its mean speed.
+static uint64_t engaging_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks)
+{
+    const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
+    const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
+    uint64_t most = peaks->f1;
+    for (uint32_t i = 0; i < (uint32_t)n_steps; i++) {
+        const uint64_t rising = value * ramp[i].e1_ppm / (2u * depth_turns(c));
+        most =
+            cam_cut_greater(most, cam_cut_divided_up(peaks->f1 * ramp[i].e_ppm + rising, 1000000));
+    }
+    return most;
+}
+
+/// The acceleration while engaging: the largest of e f'' + 2 e' f' + e'' f over the step, or f''
+/// itself. The spindle may turn faster than its mean speed and accelerate. The slope of the
+/// envelope is constant within a plan, so its change over a whole plan acts on the first set-point
+/// of the next one.
 /// @param n_set_points  of a plan
 static uint64_t engaging(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks,
                          uint32_t n_set_points)
 {
-    static const struct {
-        uint32_t e_ppm, e1_ppm, e2_ppm; // e, 1.03 2 e' / 2 pi and 1.03 e'' / (2 pi)^2
-    } at[] = {{500000, 614736, 0},      {611425, 597160, 46287},  {716510, 545958, 88515},
-              {809474, 465722, 122629}, {885658, 364099, 144569}, {925567, 289630, 150430},
-              {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
-              {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
-              {999984, 1383, 18115},    {999999, 244, 7711}};
     const uint64_t turns = depth_turns(c);
     const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
     const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
@@ -121,10 +142,10 @@ static uint64_t engaging(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks
     const uint64_t first = cam_cut_divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
     const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024) * n_set_points;
     uint64_t most = peaks->f2;
-    for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
-        most = cam_cut_greater(most, cam_cut_divided_up(peaks->f2 * at[i].e_ppm +
-                                                            first * at[i].e1_ppm / turns +
-                                                            far * at[i].e2_ppm / (turns * turns),
+    for (uint32_t i = 0; i < (uint32_t)n_steps; i++) {
+        most = cam_cut_greater(most, cam_cut_divided_up(peaks->f2 * ramp[i].e_ppm +
+                                                            first * ramp[i].e1_ppm / turns +
+                                                            far * ramp[i].e2_ppm / (turns * turns),
                                                         1000000));
     }
     return most;
@@ -146,7 +167,9 @@ static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
     const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
     const cam_z_coupling_peaks_t u = u_peaks(c->t);
-    const uint64_t u1 = cam_cut_at_amplitude(c, cam_z_coupling_lobes_first(c->t, c->feed_nm, &u));
+    const uint64_t most =
+        cam_cut_greater(engaging_speed(c, &u), cam_z_coupling_lobes_first(c->t, c->feed_nm, &u));
+    const uint64_t u1 = cam_cut_at_amplitude(c, most);
     const uint64_t turning =
         cam_cut_divided_up(u1 * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000000);
     return (cam_demand_t){cam_err_u_speed, limit,
@@ -203,8 +226,9 @@ static cam_z_coupling_peaks_t swing_peaks(const cam_table_t *t)
 static uint64_t swing_speed(const cam_cut_t *c)
 {
     const cam_z_coupling_peaks_t swing = swing_peaks(c->t);
-    const uint64_t first =
-        cam_cut_at_amplitude(c, cam_z_coupling_lobes_first(c->t, c->feed_nm, &swing));
+    const uint64_t first = cam_cut_at_amplitude(
+        c, cam_cut_greater(engaging_speed(c, &swing),
+                           cam_z_coupling_lobes_first(c->t, c->feed_nm, &swing)));
     const uint64_t turning =
         cam_cut_divided_up(first * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000);
     return turning + cam_cut_at_amplitude(c, mdeg_of(swing_drift(c).speed));

@@ -114,9 +114,9 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
     half->play.x_high_nm = x_high_nm(m, params);
     if (last != NULL) {
         half->learned = last->learned;
-        cam_config_learn(half);
         half->play.jog.order = last->play.jog.order;
     }
+    cam_config_learn(half);
     half->play.acknowledge = cam_machine_acknowledge_config(m);
     if (m->is_held) {
         half->play.feed_rate_q30 = 0;

@@ -273,7 +273,8 @@ cam_config_t *cam_config_copy(cam_config_bank_t *bank);
 /// Set the pointers of a configuration to its own table and learned values, before it is offered.
 void cam_config_tie(cam_config_t *config, bool has_table);
 
-/// Add the learned part to the gains, once before the configuration is offered.
+/// Add the learned part to the gains and limit U's command by them, once before the configuration
+/// is offered.
 void cam_config_learn(cam_config_t *config);
 
 /// Derive the limits of U's command from those of U and from the feed-forward: speed

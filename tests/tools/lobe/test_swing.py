@@ -153,7 +153,7 @@ def test_blocked_swing_is_a_fault(cam: Path, tmp_path: Path) -> None:
 REFUSED = {
     "swing_speed_mdeg_per_s=0": "swings the tool, for which there is no axis: needs 1",
     "swing_range_mdeg=15000": "swing farther than it can: needs 19.968 degrees, limit 15",
-    "swing_speed_mdeg_per_s=100000": "swing faster than it can: needs 346",
+    "swing_speed_mdeg_per_s=100000": "swing faster than it can: needs 347",
     "swing_acceleration_deg_per_s2=5000": "have to accelerate more than it can: needs 2",
 }
 

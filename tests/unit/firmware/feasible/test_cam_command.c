@@ -203,6 +203,17 @@ static void test_speed_and_acceleration_of_the_command_have_all_their_terms(void
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * (a + k1 * j), a + k1 * j, (double)bend.needed);
 }
 
+/// Without k1 the acceleration of the command is that of U, u'' omega^2.
+static void test_acceleration_of_the_command_without_k1_is_that_of_u(void)
+{
+    load();
+    params.k2_us2 = 3000000;
+    const cam_cut_t cut = cut_at(3000000);
+    const double omega = 3000.0 * pi / 30.0;
+    const double a = 1e-6 * table.u2_peak_nm_per_rad2 * omega * omega; // [mm/s2]
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * a, a, (double)cam_command_acceleration_demand(&cut).needed);
+}
+
 /// 3300 r/min at the full acceleration of U have more jerk than its motions by time, over 64 ticks.
 static void test_command_too_fast_is_refused(void)
 {

@@ -211,6 +211,16 @@ static void test_mean_is_not_guarded(void)
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, s.best_q6[0]);
 }
 
+static void test_the_first_harmonic_is_guarded(void)
+{
+    answer(1);
+    learn(1, of(640, 0));
+    learn(1, of(64000, 0));
+    expect(of(0, 0), s.c_q6[1]);
+    TEST_ASSERT_EQUAL_UINT8(1, s.n_halved[1]);
+    TEST_ASSERT_EQUAL_UINT32(640, s.best_q6[1]);
+}
+
 static void test_best_ages_by_a_sixteenth(void)
 {
     s.best_q6[1] = 1600;

@@ -183,6 +183,7 @@ static void request(uint32_t n_asked)
 static void test_a_begin_that_was_not_seen_is_not_stopped(void)
 {
     request(n_periods);
+    cam_machine_poll(&rig.machine); // waits for the interrupt
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(&rig.machine));

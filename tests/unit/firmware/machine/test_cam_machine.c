@@ -301,6 +301,8 @@ static void test_poll_finds_damage_in_every_state(void)
         poll_round();
         poll_round(); // the first round may have passed the byte already
         TEST_ASSERT_FALSE(rig.machine.has_table);
+        TEST_ASSERT_EQUAL_INT(state == cam_state_ready ? cam_err_no_table : cam_err_state,
+                              cam_machine_start(&rig.machine));
         fixture_rig_tick(&rig);
         const cam_status_t status = fixture_rig_status(&rig);
         TEST_ASSERT_EQUAL_INT(state == cam_state_off ? cam_state_off : cam_state_fault,

@@ -64,3 +64,14 @@ static void test_drive_follows_the_step_it_is_commanded(void)
     TEST_ASSERT_TRUE(missed_by_drive(0.05) < 2e-4);
     TEST_ASSERT_TRUE(missed_by_drive(0.2) < 2e-3);
 }
+
+/// A lag of a sixteenth of the length is inverted as a whole, so its step begins in time; of a
+/// longer lag the step begins earlier by what is beyond the sixteenth.
+static void test_only_a_lag_beyond_a_sixteenth_is_read_ahead(void)
+{
+    const double sixteenth = length_turns / 16.0;
+    for (double beyond = 0.0; beyond <= 1.0; beyond += 0.25) {
+        TEST_ASSERT_TRUE(commanded(-beyond, sixteenth + beyond) == 0.0);
+        TEST_ASSERT_TRUE(commanded(-beyond + 0.01, sixteenth + beyond) > 0.0);
+    }
+}

@@ -88,6 +88,7 @@ static void test_read_a_text_of_another_image_takes_what_it_knows(void)
         read_lines("# of an older image\n"
                    "version = 9\n"
                    "k1_ns = 77\n"
+                   "k1_ns > 78\n"
                    "gone_since_a_long_time_with_a_very_long_name = 4\n"
                    "other = -2\n"
                    "lead_ns = 2000000000\n"

@@ -162,3 +162,17 @@ static void test_jog_and_step_end_within_the_travel(void)
     (void)order(cam_jog_jog, hal_axis_x);
     TEST_ASSERT_EQUAL_INT64(mm * INT64_C(1024), h.target_q10);
 }
+
+/// A fault or another state stops the order that runs; of one that has ended it changes nothing.
+static void test_another_state_stops_the_order_that_runs(void)
+{
+    (void)order(cam_jog_jog, hal_axis_x);
+    TEST_ASSERT_EQUAL_INT(cam_jog_runs, h.end);
+    cam_jog_idle_isr(&h, &cfg, &r);
+    TEST_ASSERT_EQUAL_INT(cam_jog_stopped, h.end);
+    TEST_ASSERT_EQUAL_INT(cam_jog_rest, h.phase);
+    (void)order(cam_jog_here, hal_axis_x);
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, h.end);
+    cam_jog_idle_isr(&h, &cfg, &r);
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, h.end);
+}

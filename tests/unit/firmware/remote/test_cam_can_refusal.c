@@ -189,3 +189,19 @@ static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(vo
     TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
     expect_begin(&d);
 }
+
+/// The place in use has changed, but its table was refused: the machine still cuts that of the
+/// other place, which therefore is not emptied.
+static void test_the_place_of_the_table_that_the_machine_holds_is_not_emptied(void)
+{
+    hal_host.slow.table.bytes = d.other.bytes;
+    d.other.bytes[0] ^= 1u;
+    TEST_ASSERT_EQUAL_INT32(cam_err_image_magic,
+                            fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
+    d.other.bytes[0] ^= 1u;
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
+    fixture_can_loop(&d.can, 2);
+    expect_begin(&d);
+}

@@ -231,6 +231,21 @@ static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
     TEST_ASSERT_EQUAL_INT32(0, fixture_can_answer(&last).value);
 }
 
+static void test_a_block_ends_a_piece(void)
+{
+    record();
+    n_piece = 0;
+    last = (hal_can_frame_t){0};
+    fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(255u << 24));
+    go_on(100);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, n_piece);
+    const hal_can_frame_t single = {.id = 0x6C0, .n = 8, .data = {7}};
+    (void)hal_host_can_receive(&single);
+    go_on(2000);
+    TEST_ASSERT_EQUAL_UINT32(0, last.id); // the piece has no answer
+    TEST_ASSERT_LESS_THAN_UINT32(255u * 4u, n_piece);
+}
+
 static void test_words_that_are_not_there_are_refused(void)
 {
     expect(cam_err_scope_range, 0, read_scope, 0, 1 << 24);
@@ -259,6 +274,21 @@ static void test_fields_and_learned_values_have_their_errors(void)
     expect(cam_err_download_order, 0, end_wave, 0, 0);
 }
 
+/// A block of one word arrives, for offset 0. @return the answer
+static fixture_answer_t send_word(void)
+{
+    static const hal_can_frame_t frames[] = {
+        {.id = 0x6C0, .n = 8, .data = {0x10, 8, 0, 0, 0, 0, 1, 2}},
+        {.id = 0x6C0, .n = 3, .data = {0x21, 3, 4}},
+    };
+    for (int i = 0; i < 2; i++) {
+        (void)hal_host_can_receive(&frames[i]);
+        fixture_can_loop(&f, 2);
+    }
+    const hal_can_frame_t answer = fixture_can_sent(0x5C0);
+    return fixture_can_answer(&answer);
+}
+
 /// Blocks go where the last begin said.
 static void test_blocks_of_a_wave_and_of_a_table_are_told_apart(void)
 {
@@ -275,8 +305,11 @@ static void test_blocks_of_a_wave_and_of_a_table_are_told_apart(void)
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order, fixture_can_answer(&answer).result);
     TEST_ASSERT_EQUAL_UINT32(18, fixture_can_answer(&answer).command);
     expect(cam_err_download_short, 0, end_wave, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, send_word().result);
+    TEST_ASSERT_EQUAL_UINT32(4, f.rig.machine.identify.received);
     expect(cam_ok, 0, 16, 0, 4096); // begin_download: blocks are of a table again
-    TEST_ASSERT_FALSE(f.can.is_wave);
+    TEST_ASSERT_EQUAL_INT32(cam_err_download_order, send_word().result); // no whole grain
+    TEST_ASSERT_EQUAL_INT32(0, send_word().value);
 }
 
 static void test_a_sign_of_life_is_taken(void)

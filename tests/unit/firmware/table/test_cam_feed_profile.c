@@ -111,6 +111,19 @@ static void test_a_way_is_bounded_at_its_first_and_last_knot(void)
     }
 }
 
+/// A feed that falls to exactly a fiftieth of its mean is accepted, one LSB less is refused.
+static void test_the_smallest_feed_is_a_fiftieth_of_the_mean(void)
+{
+    enum { n = 9, plain = 1000000 * 16 / (n - 1), deepest = plain * 98 / 100 };
+    for (int32_t more = 0; more < 2; more++) {
+        cam_knot_t knots[n] = {{.v = -deepest - more, .a = 2 * (deepest + more)}};
+        cam_table_t table = {
+            .way = {.knots = knots, .n_slices = n, .span_nm = 1000000, .frac_bits = 4}};
+        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
+                              cam_feed_profile_check(&table));
+    }
+}
+
 /// With stations Z may end anywhere above its begin that an axis reaches; the offset counts.
 static void test_end_of_a_way_with_stations_is_where_an_axis_reaches(void)
 {

@@ -228,6 +228,18 @@ static void test_step_jump_shows_in_its_tick(void)
     }
 }
 
+/// By a whole turn the next edge comes where one may be, but the angle took a quarter of the jump.
+static void test_step_jump_that_cost_angle_shows_at_the_next_edge(void)
+{
+    start(10000, 1, 0);
+    run_up(40.0);
+    encoder.lost = -10000;
+    for (int i = 0; i < 508; i++) { // a turn, and a plan
+        step(40.0, 1.0);
+    }
+    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(lost_counts), faults);
+}
+
 static void test_step_missing_index_shows_within_an_eighth_turn(void)
 {
     start(10000, 1, 0);
