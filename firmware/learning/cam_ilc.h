@@ -182,8 +182,7 @@ void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
 
 /// @param at_q8  [turn / 256] position of the spindle
 /// @return whether cam_ilc_blend() has something to do. Points are computed at most 25 times a
-/// turn,
-///         which bounds the processor load of learning.
+///         turn, which bounds the processor load of learning.
 bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8);
 
 /// Blend one step from the values in force to the learned values. A step moves each point of the

@@ -13,6 +13,7 @@ typedef struct {
     cam_scope_ring_t ring;
     uint32_t end;
 } head_t;
+_Static_assert(sizeof(head_t) == 56, "another head needs another layout number");
 
 enum { layout_1 = 0x31584243, head_words = sizeof(head_t) / sizeof(int32_t), ms_per_s = 1000 };
 

@@ -16,8 +16,7 @@
 bool lin_lines_open(const lin_config_t *config, common_error_t *e);
 
 /// @return hal_in_* of all lines; an unwired estop or ready line reads as closed or ready, all
-/// others
-///         as off. Context: tick.
+///         others as off. Context: tick.
 uint32_t lin_lines_read(void);
 
 /// Read the oldest edge of the index line. @return false if there is none. Context: tick.

@@ -63,8 +63,7 @@ void lcn_port_run(void);
 void lcn_port_tick(const lcn_in_t *in, int32_t turn_counts, lcn_out_t *out);
 
 /// @return whether the thread's period matches tick_hz within 1 %, or time is nominal. If not, the
-/// tick
-///         reports an open emergency stop. True before the first tick.
+///         tick reports an open emergency stop. True before the first tick.
 bool lcn_port_is_on_rate(void);
 
 /// @return [ns] period of the thread, 0 before the first tick

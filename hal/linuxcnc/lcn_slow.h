@@ -41,8 +41,7 @@ bool lcn_slow_load(const char *path);
 
 /// One round of the main loop: apply parameters, execute commands, learn.
 /// @param values    HAL parameters, in the order of cam_param.h; a refused one is reset to the
-/// value
-///                  in use
+///                  value in use
 /// @param period_ns [ns] period of the slow thread
 void lcn_slow_poll(volatile int32_t *values, const lcn_commands_t *commands, int32_t period_ns);
 
