@@ -103,7 +103,7 @@ enum { n_steps = 14 };
 /// by less than a ten-thousandth between the points, for any number of turns.
 static const struct {
     uint32_t e_ppm, e1_ppm, e2_ppm;
-} ramp[n_steps] = {
+} envelope_at[n_steps] = {
     {500000, 614736, 0},      {611425, 597160, 46287},  {716510, 545958, 88515},
     {809474, 465722, 122629}, {885658, 364099, 144569}, {925567, 289630, 150430},
     {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
@@ -119,9 +119,9 @@ static uint64_t engaging_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t 
     const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
     uint64_t most = peaks->f1;
     for (uint32_t i = 0; i < (uint32_t)n_steps; i++) {
-        const uint64_t rising = value * ramp[i].e1_ppm / (2u * depth_turns(c));
-        most =
-            cam_cut_greater(most, cam_cut_divided_up(peaks->f1 * ramp[i].e_ppm + rising, 1000000));
+        const uint64_t rising = value * envelope_at[i].e1_ppm / (2u * depth_turns(c));
+        most = cam_cut_greater(
+            most, cam_cut_divided_up(peaks->f1 * envelope_at[i].e_ppm + rising, 1000000));
     }
     return most;
 }
@@ -143,10 +143,11 @@ static uint64_t engaging(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks
     const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024) * n_set_points;
     uint64_t most = peaks->f2;
     for (uint32_t i = 0; i < (uint32_t)n_steps; i++) {
-        most = cam_cut_greater(most, cam_cut_divided_up(peaks->f2 * ramp[i].e_ppm +
-                                                            first * ramp[i].e1_ppm / turns +
-                                                            far * ramp[i].e2_ppm / (turns * turns),
-                                                        1000000));
+        most = cam_cut_greater(most,
+                               cam_cut_divided_up(peaks->f2 * envelope_at[i].e_ppm +
+                                                      first * envelope_at[i].e1_ppm / turns +
+                                                      far * envelope_at[i].e2_ppm / (turns * turns),
+                                                  1000000));
     }
     return most;
 }
