@@ -19,6 +19,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from part_cases import ROOT
+
 NOBODY = 65534
 PLACES = {b"/usr/lib/linuxcnc/modules": b"./modules", b"/usr/bin/rtapi_app": b"./rtapi_app"}
 KEYS = ("0x48414c32", "0x48484c34")  # HAL's and its owner's shared memory
@@ -27,8 +29,15 @@ LOCK = Path(tempfile.gettempdir()) / "camturn-hal.lock"
 
 
 def build(root: Path, folder: Path, *words: str | Path) -> str:
-    """Call make in `folder` with LinuxCNC's tools below `root`; return what it says, or fail."""
-    tools = root / "usr"
+    """Call make in `folder` with LinuxCNC's tools below `root`; return what it says, or fail.
+
+    A link in `folder` stands for the project, whose path may have spaces, which make cannot use.
+    """
+    link = folder / "camturn"
+    if not link.exists():
+        link.symlink_to(ROOT)
+    words = tuple(link / w.relative_to(ROOT) if isinstance(w, Path) else w for w in words)
+    tools = (link / root.relative_to(ROOT) if root.is_relative_to(ROOT) else root) / "usr"
     env = os.environ | {"PYTHONPATH": str(tools / "lib" / "python3" / "dist-packages")}
     done = subprocess.run(
         ["make", f"HALCOMPILE={tools / 'bin' / 'halcompile'}", f"prefix={tools}", *map(str, words)],

@@ -43,6 +43,30 @@ static void test_commands_of_other_states_are_refused_by_hand(void)
     }
 }
 
+/// Gains and limits of U wait until it rests; nothing is cut, so a slow U is accepted.
+static void test_gains_and_limits_of_a_jogged_u_wait_until_it_rests(void)
+{
+    static const cam_param_id_t ids[] = {cam_param_k1_ns,
+                                         cam_param_k2_us2,
+                                         cam_param_u_stroke_nm,
+                                         cam_param_u_speed_um_per_s,
+                                         cam_param_u_acceleration_mm_per_s2,
+                                         cam_param_u_jerk_m_per_s3};
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_u, 1000).err);
+    fixture_rig_ticks(&rig, 100);
+    for (uint32_t i = 0; i < sizeof ids / sizeof ids[0]; i++) {
+        const int32_t old = cam_param_get(&machine()->params, ids[i]);
+        TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(machine(), ids[i], old + 1));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
+    (void)until_rest();
+    set(cam_param_k2_us2, 1);
+    set(cam_param_k2_us2, 0);
+    set(cam_param_u_speed_um_per_s, 5000);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_speed, cam_machine_check_speed(machine(), 0));
+}
+
 static void test_manual_is_refused_for_what_enable_is(void)
 {
     hal_host_fault_estop(true);

@@ -146,6 +146,24 @@ static void test_home_that_is_not_found_ends_after_its_travel_and_is_none(void)
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
 }
 
+/// The switch is left only by moving back from it.
+static void test_home_switch_that_bounces_is_not_left_yet(void)
+{
+    const fixture_home_t home = {.side = 1, .edge_nm = 100000};
+    rig.home[hal_axis_x] = home;
+    set_home(hal_axis_x, 2, 1, 0);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
+    for (uint32_t i = 0; i < 4000u && jog_state().phase != cam_jog_release; i++) {
+        fixture_rig_tick(&rig);
+    }
+    rig.home[hal_axis_x].edge_nm = 100 * mm;
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_jog_release, jog_state().phase);
+    rig.home[hal_axis_x] = home;
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
+}
+
 static void test_home_without_an_index_ends_and_is_none(void)
 {
     rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 100000};
