@@ -217,7 +217,17 @@ static void test_parameter_chooses_a_pass_and_zero_begins_anew(void)
     TEST_ASSERT_EQUAL_UINT32(0, rig.machine.pass);
 }
 
-/// A choice behind the end of a pass is not overtaken by the step to the next one.
+/// A set of parameters chooses it as well.
+static void test_staged_pass_is_the_next_one(void)
+{
+    bring_ready();
+    cam_machine_stage_begin(&rig.machine);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage(&rig.machine, cam_param_pass, 2));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(&rig.machine));
+    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass); // counted from 0
+}
+
+/// A choice after the end of a pass is not overtaken by the step to the next one.
 static void test_choice_or_table_after_a_pass_stands(void)
 {
     for (int is_table = 0; is_table < 2; is_table++) {
