@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -275,7 +276,7 @@ def test_long_silence_is_broken(run: Run, monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_slowest_steps_stand_in_a_table(run: Run) -> None:
     """In order of time, with the processor's time of all their processes."""
-    burn = f"{sys.executable} -c 'import time\nwhile time.process_time() < 0.3: pass'"
+    burn = f"{shlex.quote(sys.executable)} -c 'import time\nwhile time.process_time() < 0.3: pass'"
     said = run(shell("quick", "true"), shell("burns", burn), shell("waits", "sleep 0.5"), status=0)
     used = {timing.name: timing for timing in said.runner.timings}
     assert used["burns"].cpu_s >= 0.3 > used["waits"].cpu_s
