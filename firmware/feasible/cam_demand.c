@@ -111,19 +111,25 @@ static const struct {
     {999984, 1383, 18115},    {999999, 244, 7711},
 };
 
-/// The speed while engaging: the largest of e f' + e' f over the step of t turns, or f' itself. The
-/// spindle may turn faster than its mean speed.
+/// @return the largest of f e + g 2 e' + h e'' over a step of so many turns, or f itself
+static uint64_t most_of_step(uint64_t turns, uint64_t f, uint64_t g, uint64_t h)
+{
+    uint64_t most = f;
+    for (uint32_t i = 0; i < (uint32_t)n_steps; i++) {
+        const uint64_t sum = f * envelope_at[i].e_ppm + g * envelope_at[i].e1_ppm / turns +
+                             h * envelope_at[i].e2_ppm / (turns * turns);
+        most = cam_cut_greater(most, cam_cut_divided_up(sum, 1000000));
+    }
+    return most;
+}
+
+/// The speed while engaging: the largest of e f' + e' f over the step, or f' itself. The spindle
+/// may turn faster than its mean speed.
 static uint64_t engaging_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks)
 {
     const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
     const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
-    uint64_t most = peaks->f1;
-    for (uint32_t i = 0; i < (uint32_t)n_steps; i++) {
-        const uint64_t rising = value * envelope_at[i].e1_ppm / (2u * depth_turns(c));
-        most = cam_cut_greater(
-            most, cam_cut_divided_up(peaks->f1 * envelope_at[i].e_ppm + rising, 1000000));
-    }
-    return most;
+    return most_of_step(2u * depth_turns(c), peaks->f1, value, 0); // e' is half of 2 e'
 }
 
 /// The acceleration while engaging: the largest of e f'' + 2 e' f' + e'' f over the step, or f''
@@ -131,25 +137,16 @@ static uint64_t engaging_speed(const cam_cut_t *c, const cam_z_coupling_peaks_t 
 /// envelope is constant within a plan, so its change over a whole plan acts on the first set-point
 /// of the next one.
 /// @param n_set_points  of a plan
-static uint64_t engaging(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks,
-                         uint32_t n_set_points)
+static uint64_t engaging_acceleration(const cam_cut_t *c, const cam_z_coupling_peaks_t *peaks,
+                                      uint32_t n_set_points)
 {
-    const uint64_t turns = depth_turns(c);
     const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
     const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
     const uint64_t alpha =
         cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000) * n_set_points;
     const uint64_t first = cam_cut_divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
     const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024) * n_set_points;
-    uint64_t most = peaks->f2;
-    for (uint32_t i = 0; i < (uint32_t)n_steps; i++) {
-        most = cam_cut_greater(most,
-                               cam_cut_divided_up(peaks->f2 * envelope_at[i].e_ppm +
-                                                      first * envelope_at[i].e1_ppm / turns +
-                                                      far * envelope_at[i].e2_ppm / (turns * turns),
-                                                  1000000));
-    }
-    return most;
+    return most_of_step(depth_turns(c), peaks->f2, first, far);
 }
 
 /// @return peaks of U over the angle
@@ -185,8 +182,9 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
         cam_cut_smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
     const cam_z_coupling_peaks_t u = u_peaks(t);
     const uint32_t plan_ticks = (uint32_t)cam_plan_ticks(c->tick_hz);
-    const uint64_t most = cam_cut_greater(
-        engaging(c, &u, plan_ticks), cam_z_coupling_lobes_second(t, c->feed_nm, &u, plan_ticks));
+    const uint64_t most =
+        cam_cut_greater(engaging_acceleration(c, &u, plan_ticks),
+                        cam_z_coupling_lobes_second(t, c->feed_nm, &u, plan_ticks));
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
     const uint64_t turning = cam_cut_scaled_up(cam_cut_at_amplitude(c, most), omega2, 100000000);
@@ -240,7 +238,7 @@ static uint64_t swing_acceleration(const cam_cut_t *c)
 {
     const cam_z_coupling_peaks_t swing = swing_peaks(c->t);
     const uint64_t second = cam_cut_at_amplitude(
-        c, cam_cut_greater(engaging(c, &swing, 1u),
+        c, cam_cut_greater(engaging_acceleration(c, &swing, 1u),
                            cam_z_coupling_lobes_second(c->t, c->feed_nm, &swing, 1u)));
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]

@@ -95,7 +95,7 @@ static void test_engaging_of_a_disc_is_never_taken_too_small(void)
 }
 
 /// A U that stands far off its middle moves there while it engages, however little its sections
-/// ask for.
+/// ask for: e u' + e' u, which is e u'' + 2 e' u' with u' for u'' and half of u for u'.
 static void test_engaging_of_an_offset_needs_speed(void)
 {
     const double w = 300.0 * 2.0 * pi / 60.0;
@@ -106,13 +106,7 @@ static void test_engaging_of_an_offset_needs_speed(void)
     params.u_speed_um_per_s = 100;
     params.disengage_turns = 100;
     for (int turns = 1; turns <= 20; turns++) {
-        double needed = 0.0;
-        for (int i = 0; i <= 1000; i++) {
-            const double s = i / 1000.0;
-            const double e = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
-            const double e1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) / (2.0 * pi * turns);
-            needed = fmax(needed, e * 10000.0 + e1 * 400000.0);
-        }
+        const double needed = engaging_peak_of(turns, 0.0, 400000.0 / 2.0, 10000.0, 0.0);
         params.engage_turns = turns;
         const cam_feasibility_t why = judge(300000);
         TEST_ASSERT_EQUAL_INT(cam_err_u_speed, why.err);
