@@ -235,8 +235,11 @@ static void end(cam_machine_t *m)
 void cam_machine_identify_poll(cam_machine_t *m)
 {
     cam_identify_t *i = &m->identify;
+    if (i->phase == cam_identify_none) {
+        return;
+    }
     const cam_status_t status = cam_machine_status(m);
-    if (i->phase == cam_identify_none || !cam_machine_is_carried_out(m, &status)) {
+    if (!cam_machine_is_carried_out(m, &status)) {
         return;
     }
     if (i->phase == cam_identify_offered) {
