@@ -127,9 +127,10 @@ bool cam_harmonics_slew(int16_t *point, const cam_complex_t *c, uint32_t down, i
         const parts_t even = parts_at(c, 0, i);
         const parts_t odd = parts_at(c, 1, i);
         const uint32_t at[4] = {i, circle / 2u + i, circle - i, circle / 2u - i};
-        const int32_t sum[4] = {
-            even.cos + even.sin + (odd.cos + odd.sin), even.cos + even.sin - (odd.cos + odd.sin),
-            even.cos - even.sin + (odd.cos - odd.sin), even.cos - even.sin - (odd.cos - odd.sin)};
+        const int32_t here[2] = {even.cos + even.sin, even.cos - even.sin};
+        const int32_t more[2] = {odd.cos + odd.sin, odd.cos - odd.sin};
+        const int32_t sum[4] = {here[0] + more[0], here[0] - more[0], here[1] + more[1],
+                                here[1] - more[1]};
         for (uint32_t j = 0; j < 4u; j++) {
             // On an axis a point is its own mirror image.
             const bool is_same = (i == 0u && j >= 2u) || (i == quarter && (j & 1u) != 0u);

@@ -55,9 +55,10 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
     }
     if (state == cam_state_fault) { // restore the best values
         cam_harmonic_correction_restore(&t->correction);
-        const bool is_known = t->best_square != UINT64_MAX;
-        t->k1_q16 = is_known ? t->best_k1_q16 : t->k1_q16;
-        t->k2_q16 = is_known ? t->best_k2_q16 : t->k2_q16;
+        if (t->best_square != UINT64_MAX) {
+            t->k1_q16 = t->best_k1_q16;
+            t->k2_q16 = t->best_k2_q16;
+        }
         t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
     }
 }
