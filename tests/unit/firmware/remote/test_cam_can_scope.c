@@ -182,6 +182,15 @@ static void test_pieces_of_a_ring_are_in_order(void)
     }
 }
 
+/// Record, and ask for a piece of so many words.
+static void ask_for_piece(uint32_t n)
+{
+    record();
+    n_piece = 0;
+    last = (hal_can_frame_t){0};
+    fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(n << 24));
+}
+
 static void test_release_gives_the_recording_up(void)
 {
     record();
@@ -192,10 +201,7 @@ static void test_release_gives_the_recording_up(void)
 
 static void test_a_full_queue_delays_a_piece(void)
 {
-    record();
-    n_piece = 0;
-    last = (hal_can_frame_t){0};
-    fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(100u << 24));
+    ask_for_piece(100);
     hal_host.slow.n_room = 3;
     go_on(400);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(21, n_piece);
@@ -207,10 +213,7 @@ static void test_a_full_queue_delays_a_piece(void)
 
 static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
 {
-    record();
-    n_piece = 0;
-    last = (hal_can_frame_t){0};
-    fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(255u << 24));
+    ask_for_piece(255);
     go_on(100);
     TEST_ASSERT_TRUE(f.can.reading.is_on);
     fixture_can_receive(0x100, 8, get_scope, cam_scope_field_every, 0); // nobody's
@@ -233,10 +236,7 @@ static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
 
 static void test_a_block_ends_a_piece(void)
 {
-    record();
-    n_piece = 0;
-    last = (hal_can_frame_t){0};
-    fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(255u << 24));
+    ask_for_piece(255);
     go_on(100);
     TEST_ASSERT_GREATER_THAN_UINT32(0, n_piece);
     const hal_can_frame_t single = {.id = 0x6C0, .n = 8, .data = {7}};
