@@ -74,7 +74,7 @@ def copy_tree(root: Path, folder: Path) -> None:
             shutil.copy(source, target)
 
 
-def test_sources(tree: Path) -> dict[str, Path]:
+def judging_tests(tree: Path) -> dict[str, Path]:
     """Return the unit tests that judge mutants, by the name of their program."""
     found = (path for name in _TEST_NAMES for path in (tree / "tests/unit").rglob(name))
     return {path.stem: path for path in found}
@@ -103,7 +103,7 @@ class Pristine:
                 link.symlink_to(fetched.resolve())
         self.sources = {
             name: path
-            for name, path in test_sources(tree).items()
+            for name, path in judging_tests(tree).items()
             if (root / path.relative_to(tree)).exists()
         }
         made = run(["cmake", "--preset", preset], tree, BUILD_LIMIT_S)

@@ -10,7 +10,7 @@ import pytest
 from account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, figures_of, reasons
 from asserted import asserted, unseen
 from journal import Journal, Judged
-from pristine import test_sources as sources_of_tests
+from pristine import judging_tests
 
 RECORDED = json.loads((HERE / "figures.json").read_text(encoding="utf-8"))
 
@@ -33,7 +33,7 @@ def test_every_unit_test_of_the_firmware_judges() -> None:
     root = HERE.parent.parent
     named = {path.stem for path in (root / "tests/unit/firmware").rglob("test_cam_*.c")}
     assert len(named) > 100
-    assert named <= set(sources_of_tests(root))
+    assert named <= set(judging_tests(root))
 
 
 @pytest.mark.parametrize("reason", reasons(), ids=lambda reason: f"{reason.file}: {reason.was}")
