@@ -65,7 +65,7 @@ else()
     file(LOCK ${PROJECT_SOURCE_DIR}/build/_unity.lock RELEASE)
 endif()
 
-add_library(unity STATIC ${unity_dir}/src/unity.c ${PROJECT_SOURCE_DIR}/tests/unit/unity_defaults.c)
+add_library(unity STATIC ${unity_dir}/src/unity.c)
 if(CMAKE_CROSSCOMPILING) # images do not tell where it was taken from
     target_compile_options(unity PUBLIC -ffile-prefix-map=${unity_dir}=unity)
 endif()
