@@ -96,28 +96,23 @@ static uint64_t depth_turns(const cam_cut_t *c)
     return (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
 }
 
-enum { n_steps = 14 };
-
-/// The envelope e, a smooth step over a turn, at fourteen points of its second half: e, and with
-/// 3 % more 2 e' / 2 pi and e'' / (2 pi)^2. With them the largest of a sum of its terms is missed
-/// by less than a ten-thousandth between the points, for any number of turns.
-static const struct {
-    uint32_t e_ppm, e1_ppm, e2_ppm;
-} envelope_at[n_steps] = {
-    {500000, 614736, 0},      {611425, 597160, 46287},  {716510, 545958, 88515},
-    {809474, 465722, 122629}, {885658, 364099, 144569}, {925567, 289630, 150430},
-    {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
-    {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
-    {999984, 1383, 18115},    {999999, 244, 7711},
-};
-
-/// @return the largest of f e + g 2 e' + h e'' over a step of so many turns, or f itself
+/// Bound a sum while the envelope e, a smooth step, rises over so many turns. It is evaluated at
+/// fourteen points of the second half of the step, with e' and e'' enlarged by 3 %, so that it
+/// misses less than a ten-thousandth of the largest value between them, for any number of turns.
+/// @return the largest of f e + g 2 e' + h e'' over the step, or f itself
 static uint64_t most_of_step(uint64_t turns, uint64_t f, uint64_t g, uint64_t h)
 {
+    static const struct {
+        uint32_t e_ppm, e1_ppm, e2_ppm; // e, 1.03 2 e' / 2 pi and 1.03 e'' / (2 pi)^2
+    } at[] = {{500000, 614736, 0},      {611425, 597160, 46287},  {716510, 545958, 88515},
+              {809474, 465722, 122629}, {885658, 364099, 144569}, {925567, 289630, 150430},
+              {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
+              {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
+              {999984, 1383, 18115},    {999999, 244, 7711}};
     uint64_t most = f;
-    for (uint32_t i = 0; i < (uint32_t)n_steps; i++) {
-        const uint64_t sum = f * envelope_at[i].e_ppm + g * envelope_at[i].e1_ppm / turns +
-                             h * envelope_at[i].e2_ppm / (turns * turns);
+    for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
+        const uint64_t sum =
+            f * at[i].e_ppm + g * at[i].e1_ppm / turns + h * at[i].e2_ppm / (turns * turns);
         most = cam_cut_greater(most, cam_cut_divided_up(sum, 1000000));
     }
     return most;
