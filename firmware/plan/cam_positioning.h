@@ -4,7 +4,7 @@
 /// In homing, ready, identifying, the approach to a cut, and fault, X and Z move to positions or
 /// brake within their limits, one step per plan; a measured Z is followed, and the swing returns to
 /// 0. U gets a target, to which the ticks move it (cam_play.h); in fault the guard retracts U. In
-/// off the axes follow their scales. The end of homing is decided here.
+/// off the swing follows its scale (the other axes: cam_play.h). The end of homing is decided here.
 #ifndef CAM_POSITIONING_H
 #define CAM_POSITIONING_H
 
