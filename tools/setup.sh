@@ -91,8 +91,8 @@ camturn_python() {
     return 1
 }
 
-# camturn_venv LIST...: build/venv with the packages of tools/LIST.lock; exports CAMTURN_PYTHON.
-# A lock names all that is needed, so pip need not look for more.
+# camturn_venv LIST...: build/venv with what tools/LIST.in needs; exports CAMTURN_PYTHON.
+# tools/requirements.lock names all of it, so pip need not look for more.
 camturn_venv() {
     export CAMTURN_PYTHON=$camturn_root/build/venv/bin/python
     (
@@ -105,7 +105,7 @@ camturn_venv() {
 }
 
 camturn_venv_list() {
-    local venv=$camturn_root/build/venv lock=$camturn_root/tools/$1.lock
+    local venv=$camturn_root/build/venv lock=$camturn_root/tools/requirements.lock
     local want stamp=$camturn_root/build/venv/$1.stamp unfinished=$camturn_root/build/venv/unfinished
 
     want="$(sha256sum <"$lock") $("$CAMTURN_PYTHON" -V 2>/dev/null || true)"
@@ -126,11 +126,12 @@ camturn_venv_list() {
         touch "$unfinished"
         "$(camturn_python)" -m venv "$venv"
     fi
-    camturn_say "installing the Python packages of tools/$1.lock"
+    camturn_say "installing the Python packages of tools/$1.in"
     touch "$unfinished"
+    "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" "$1" >"$venv/$1.txt"
     if ! "$CAMTURN_PYTHON" -m pip install -q --disable-pip-version-check --no-input \
-        --require-hashes --no-deps --only-binary :all: -r "$lock" </dev/null >&2; then
-        camturn_say "pip could not install tools/$1.lock; when the network is back, just start again"
+        --require-hashes --no-deps --only-binary :all: -r "$venv/$1.txt" </dev/null >&2; then
+        camturn_say "pip could not install the packages of tools/$1.in; when the network is back, just start again"
         exit 2
     fi
     printf '%s %s' "$(sha256sum <"$lock")" "$("$CAMTURN_PYTHON" -V)" >"$stamp"

@@ -130,11 +130,6 @@ def _tests(names: list[str]) -> str:
     return ", ".join(shown)
 
 
-def _faults_cell(requirement: dict[str, Any]) -> str:
-    is_all = requirement.get("faults") == [_ALL]
-    return "all" if is_all else ", ".join(f"`{one}`" for one in _faults_of(requirement))
-
-
 def page(case: dict[str, Any]) -> str:
     """Return the text of SAFETY.md."""
     hazards = _rows(

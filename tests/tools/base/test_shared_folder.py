@@ -14,19 +14,16 @@ import pytest
 
 from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
-from camtools.base.leftovers import sweep
-from camtools.base.output import growing, write_all
-from camtools.base.stage import Stage
+from camtools.base.output import growing, staged, write_all
 from part_cases import environment
 
 NOBODY = 65534
 KILLED = """
 import sys, time
 from pathlib import Path
-from camtools.base.output import growing
-from camtools.base.stage import Stage
+from camtools.base.output import growing, staged
 folder = Path(sys.argv[1])
-with Stage(folder) as stage, growing(folder / "log.txt") as stream:
+with staged(folder) as stage, growing(folder / "log.txt") as stream:
     (stage.folder / "half").write_text("1")
     stream.write("1")
     stream.flush()
@@ -36,9 +33,9 @@ with Stage(folder) as stage, growing(folder / "log.txt") as stream:
 as_root = pytest.mark.skipif(os.geteuid() != 0, reason="another user's link needs root")
 
 
-def staged(folder: Path) -> None:
+def published(folder: Path) -> None:
     """Publish one file by a stage."""
-    with Stage(folder) as stage:
+    with staged(folder) as stage:
         (stage.folder / "a.txt").write_text("new")
         stage.publish()
 
@@ -54,7 +51,7 @@ def written(folder: Path) -> None:
     write_all(folder, {"a.txt": b"new"})
 
 
-WAYS = [staged, grown, written]
+WAYS = [published, grown, written]
 
 
 @as_root
@@ -78,7 +75,7 @@ def test_a_planted_link_is_not_followed(tmp_path: Path, way: Callable[[Path], No
 
 
 @as_root
-@pytest.mark.parametrize("way", [staged, written])
+@pytest.mark.parametrize("way", [published, written])
 def test_a_planted_folder_is_not_followed(tmp_path: Path, way: Callable[[Path], None]) -> None:
     """The output folder itself may be a link as well."""
     (tmp_path / "mine").mkdir()
@@ -121,12 +118,12 @@ def test_the_next_run_removes_what_a_killed_one_left(tmp_path: Path) -> None:
         begun = hidden(tmp_path)
         assert len(begun) == 2
         age(begun)
-        staged(tmp_path)
+        published(tmp_path)
         grown(tmp_path)
         assert hidden(tmp_path) == begun
         process.send_signal(signal.SIGKILL)
     assert hidden(tmp_path) == begun
-    staged(tmp_path)
+    published(tmp_path)
     with growing(tmp_path / "log.txt") as stream:
         stream.write("1")
     assert not hidden(tmp_path)
@@ -142,5 +139,5 @@ def test_what_others_left_stays(tmp_path: Path) -> None:
     (tmp_path / ".run.c.other").mkdir()
     age(list(tmp_path.iterdir()))
     before = sorted(tmp_path.iterdir())
-    sweep(tmp_path, ".run.")
-    assert sorted(tmp_path.iterdir()) == before
+    written(tmp_path)
+    assert sorted(tmp_path.iterdir()) == sorted([*before, tmp_path / "a.txt"])

@@ -1,4 +1,4 @@
-"""Cams by MATHS.md (30) .. (38), digit by digit: r = 20, r1 = 10, Rw = 200, n0 = 60.
+"""Cams by MATHS.md (30), (31), (33) .. (38), digit by digit: r = 20, r1 = 10, Rw = 200, n0 = 60.
 
 >>> len(DISC), len(POLY345)
 (13, 19)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from camtools.cli.analyse import main, products
+from camtools.cli.analyse import main, skirt_products
 from camtools.skirt.part import SkirtPart
 from camtools.study.section import AnalysisWishes, make_analysis
 from camtools.study.section_text import notes, summary
@@ -28,7 +28,7 @@ WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
 @pytest.fixture(scope="module")
 def files(perkins: SkirtPart) -> dict[str, bytes]:
     """Analyse the Perkins skirt as the papers do."""
-    return products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False)
+    return skirt_products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False)[1]
 
 
 def rows(data: bytes) -> list[dict[str, str]]:
@@ -99,14 +99,15 @@ def test_constant_is_constant(files: dict[str, bytes]) -> None:
 
 def test_corner_is_studied_too() -> None:
     """A part with a corner gets the study of its refit beside the paper."""
-    found = products(load_part(WEICHAI), AnalysisWishes(), with_pictures=False)
+    _, found = skirt_products(load_part(WEICHAI), AnalysisWishes(), with_pictures=False)
     assert b"Beside the paper" in found["refit_notes.md"]
     assert len(rows(found["refit_candidates.csv"])) == 16
 
 
 def test_same_input_same_bytes(perkins: SkirtPart, files: dict[str, bytes]) -> None:
     """Everything again is the same."""
-    assert products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False) == files
+    again = skirt_products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False)
+    assert again[1] == files
 
 
 @pytest.mark.slow

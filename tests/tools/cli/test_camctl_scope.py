@@ -10,10 +10,10 @@ from pathlib import Path
 
 import can
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from camctl_bench import Bench, columns, order
-from camtools.base.parquet import parquet_read
 from camtools.cli.camctl_files import ABOUT
 from camtools.link import excitation, scope
 from camtools.link.controller import BLOCK_ID, FD_PART_ID, PART_ID, Link
@@ -89,11 +89,12 @@ def test_a_trigger_has_rows_before_it(bench: Bench, tmp_path: Path) -> None:
     assert times[at] == 0
     assert np.allclose(np.diff(times), 1 / 20000)
     bench.do("scope", other, "--again")
-    table, about = parquet_read(other.read_bytes())
-    assert list(table) == list(told)
-    for name, values in table.items():
-        assert np.allclose(values, np.array(told[name], np.float64), rtol=1e-11)
-    assert json.loads(about[ABOUT])["n_before"] == 400
+    table = pq.read_table(other)
+    assert table.column_names == list(told)
+    for name in told:
+        values = np.array(told[name], np.float64)
+        assert np.allclose(table[name].to_numpy(), values, rtol=1e-11)
+    assert json.loads(table.schema.metadata[ABOUT.encode()])["n_before"] == 400
 
 
 def test_turns_are_drawn_over_each_other(bench: Bench, tmp_path: Path) -> None:

@@ -247,7 +247,7 @@ def test_interrupted_program_leaves_nothing(tmp_path: Path, number: int) -> None
     (folder / "part.ngc").write_text("old")
     command = words_of(part, "-o", folder / "part.ngc", "--axes", "cxzu")
     child = subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE, text=True)
-    while not any(p.stat().st_size > 1_000_000 for p in folder.glob(".part.ngc.*")):
+    while not any(p.stat().st_size > 1_000_000 for p in folder.glob(".run.*/part.ngc")):
         assert child.poll() is None
         time.sleep(0.01)
     child.send_signal(number)

@@ -14,7 +14,7 @@ import pytest
 
 from camsim_cases import CAMSIM
 from camtools.base.errors import CamtoolsError
-from camtools.base.stage import Stage
+from camtools.base.output import staged
 from part_cases import Command, environment, listing
 
 built = pytest.mark.skipif(not CAMSIM.exists(), reason="camsim is not built")
@@ -87,7 +87,7 @@ def test_stage_publishes_over_earlier_files(tmp_path: Path) -> None:
     """Files of the stage replace those of the same name; others stay."""
     (tmp_path / "a").write_text("older")
     (tmp_path / "b").write_text("older")
-    with Stage(tmp_path) as stage:
+    with staged(tmp_path) as stage:
         (stage.folder / "a").write_text("new")
         assert (tmp_path / "a").read_text() == "older"
         stage.publish()
@@ -102,7 +102,7 @@ def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
     (tmp_path / "b").mkdir()
     with (
         pytest.raises(CamtoolsError, match="/b: cannot write: Is a directory; "),
-        Stage(tmp_path) as stage,
+        staged(tmp_path) as stage,
     ):
         (stage.folder / "a").write_text("new")
         (stage.folder / "b").write_text("new")

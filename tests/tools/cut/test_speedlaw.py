@@ -17,10 +17,8 @@ from camtools.cut.speedlaw import (
     full,
     full_mean_rad_s,
     grid_rad,
-    highest_mean_rad_s,
     largest_partial,
     optimise,
-    partial,
     periodic_quintic,
     uniform,
 )
@@ -160,16 +158,6 @@ def test_uniform_speed_beyond_a_limit_is_refused_with_numbers() -> None:
     slow_u = SpeedLimits(500.0, 3000 * RPM, 1.0, 250_000.0)
     with pytest.raises(InfeasibleError, match=r"u_speed_mm_s: needs 10.47 times .* 1000 r/min"):
         optimise(PAPERS, slow_u, 1000 * RPM)
-
-
-@pytest.mark.slow
-def test_attainable_speed_for_a_ripple() -> None:
-    """For a ripple of 20 % the optimised law is the faster one, and keeps it."""
-    blended = highest_mean_rad_s(PAPERS, LATHE, 0.2, is_optimised=False)
-    best = highest_mean_rad_s(PAPERS, LATHE, 0.2, is_optimised=True)
-    assert best > 1.1 * blended
-    assert optimise(PAPERS, LATHE, best).ripple <= 0.2
-    assert partial(PAPERS, 0.0).ripple > 0.2
 
 
 def test_law_of_a_shallow_cut_is_one_that_a_table_holds() -> None:

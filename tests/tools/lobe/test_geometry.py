@@ -1,4 +1,4 @@
-"""Cams against the worked numbers of MATHS.md (30) .. (39), and against each other."""
+"""Cams against the worked numbers of MATHS.md (30), (31), (33) .. (39), and against each other."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.lobe.check import all_round, check_roller, check_wheel, shape_of
-from camtools.lobe.contact import Contact, at_angles, contact, follow, from_profile
+from camtools.lobe.contact import Contact, Follower, contact, follow, solved_at
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, periodic_spline
 from lobe_tables import DISC, POLY345, POLY345_WHEEL
 
@@ -105,29 +105,17 @@ def test_followers_lie_on_the_envelope(radius_mm: float) -> None:
         assert reached.max() == pytest.approx(centre, abs=2e-9)
 
 
-def test_polar_profile_gives_the_roller_back() -> None:
-    """MATHS.md (32) is the inverse of MATHS.md (30), with the plus root."""
-    touch = contact(POLY_LAW, BASE_MM, ROLLER_MM, np.radians(np.linspace(-80, 80, 161)))
-    slope = touch.radius * np.tan(touch.gamma + _turned(touch.radius, touch.p, touch.gamma))
-    theta, p, gamma = from_profile(touch.radius, slope, touch.alpha, ROLLER_MM)
-    assert theta == pytest.approx(touch.theta, abs=1e-12)
-    assert p == pytest.approx(touch.p, abs=1e-12)
-    assert gamma == pytest.approx(touch.gamma, abs=1e-12)
-
-
-def _turned(rho: Floats, p: Floats, gamma: Floats) -> Floats:
-    """Return psi - theta by the law of sines: rho sin(psi - theta) = -r1 sin(-gamma)."""
-    return np.asarray(np.arctan2(ROLLER_MM * np.sin(gamma), p - ROLLER_MM * np.cos(gamma)))
-
-
 @pytest.mark.parametrize("radius_mm", [ROLLER_MM, WHEEL_MM])
 @pytest.mark.parametrize("law", [DISC_LAW, POLY_LAW])
 def test_derivatives_are_those_of_the_path(law: LiftLaw, radius_mm: float) -> None:
     """Differences of lift and angle over the cam angle give the derivatives; ds/dphi too."""
     phi, h = np.radians(np.array([-66.0, -63, -50, -20, -3, 7, 31, 62.5, 120])), 1e-5
-    before, here, behind = (
-        at_angles(law, BASE_MM, ROLLER_MM, radius_mm, phi + k * h) for k in (-1, 0, 1)
-    )
+
+    def touch_at(theta_rad: Floats) -> tuple[Contact, Follower]:
+        touch = contact(law, BASE_MM, ROLLER_MM, theta_rad)
+        return touch, follow(touch, radius_mm)
+
+    before, here, behind = (solved_at(touch_at, phi + k * h) for k in (-1, 0, 1))
     for name, derivative in (("lift", "d1"), ("d1", "d2"), ("angle", "angle1")):
         slope = (getattr(behind[1], name) - getattr(before[1], name)) / (2 * h)
         assert slope == pytest.approx(getattr(here[1], derivative), rel=1e-6, abs=1e-5)

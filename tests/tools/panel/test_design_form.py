@@ -164,9 +164,9 @@ def test_undo_leads_back_step_by_step(texts: list[str]) -> None:
     for i, text in enumerate(texts):
         draft.change(text, float(i), is_step=True)
     last = draft.text
-    while draft.can_undo:
+    for _ in texts:
         draft.undo()
     assert draft.text == "start"
-    while draft.can_redo:
+    for _ in texts:
         draft.redo()
     assert draft.text == last

@@ -31,7 +31,7 @@ def test_a_sign_never_stands_before_zeros(value: float, decimals: int) -> None:
 
 def test_what_is_not_known_is_no_zero() -> None:
     """A dash, for every number of the page."""
-    assert len(FIELDS) > 10
+    assert len(FIELDS) >= 10
     for one in FIELDS:
         assert one.text({}) == numbers.NOTHING
     assert clock(None) == clock(float("inf")) == signed(float("nan"), 2) == numbers.NOTHING
@@ -40,7 +40,7 @@ def test_what_is_not_known_is_no_zero() -> None:
 def test_every_number_is_a_signal_of_the_status_with_a_unit() -> None:
     """The unit is that of the DBC, times the factor."""
     signals = {s.name: s for m in DATABASE.messages for s in m.signals}
-    known = {("mm", 1.0): "mm", ("mm", 1e3): "µm", ("mm", 2e3): "µm", ("mm", 2.0): "mm"}
+    known = {("mm", 1.0): "mm", ("mm", 1e3): "µm", ("mm", 2.0): "mm"}
     for one in FIELDS:
         unit = signals[one.signal].unit
         assert one.unit and one.label

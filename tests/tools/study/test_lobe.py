@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The study of cams: the worked numbers of MATHS.md (30) .. (38), figures, files, refusals."""
+"""The study of cams: worked numbers of MATHS.md (30), (31), (33) .. (38), figures, refusals."""
 
 from __future__ import annotations
 

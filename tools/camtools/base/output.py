@@ -1,70 +1,35 @@
 """Files appear complete or not at all.
 
->>> import tempfile
 >>> with tempfile.TemporaryDirectory() as name:
 ...     write_all(Path(name), {"a.txt": b"1", "b.txt": iter([b"2", b"3"])})
+...     with staged(Path(name)) as stage:
+...         _ = (stage.folder / "c.txt").write_text("4")
+...         stage.publish()
 ...     sorted(path.name for path in Path(name).iterdir())
-['a.txt', 'b.txt']
+['a.txt', 'b.txt', 'c.txt']
 """
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import os
+import shutil
 import signal
 import stat
 import tempfile
+import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import TextIO
+from typing import NamedTuple, TextIO
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.leftovers import SUFFIX, held, sweep
-from camtools.base.links import followed
 
 _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
-
-
-def file_target(path: Path) -> Path:
-    """Return the file that a path stands for, symbolic links followed: they stay links.
-
-    Raises
-    ------
-    CamtoolsError
-        There is something that is no regular file: a name put in its place would destroy it; or a
-        link of somebody else (camtools.base.links).
-    OSError
-        A folder on the way cannot be read.
-    """
-    place = followed(path)
-    with suppress(FileNotFoundError):
-        mode = place.stat().st_mode
-        if not stat.S_ISREG(mode):
-            what = "Is a directory" if stat.S_ISDIR(mode) else "not a regular file"
-            raise CamtoolsError([f"{path}: cannot write: {what}; give the name of a file"])
-    return Path(os.path.realpath(place))
-
-
-def _write_temporary(
-    target: Path, chunks: Iterable[bytes], made: list[Path], alive: ExitStack
-) -> Path:
-    prefix = f".{target.name}."
-    sweep(target.parent, prefix)
-    handle, path = tempfile.mkstemp(prefix=prefix, suffix=SUFFIX, dir=target.parent)
-    made.append(Path(path))
-    alive.enter_context(held(Path(path)))
-    with os.fdopen(handle, "wb") as stream:
-        os.fchmod(handle, 0o666 & ~_umask())
-        stream.writelines(chunks)
-        stream.flush()
-        os.fsync(handle)
-    return Path(path)
-
-
-def _umask() -> int:
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask
+_PREFIX, _SUFFIX = ".run.", ".tmp"
+_NEW_S = 1.0  # between making and locking a hidden folder nobody else may remove it
+_MOST_LINKS = 40  # as the kernel
 
 
 @contextmanager
@@ -77,12 +42,107 @@ def signals_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+def cannot_write(place: Path, error: OSError) -> CamtoolsError:
+    """Return the error of a place that cannot be written, in one line."""
+    reason = error.strerror or str(error)
+    remedy = "give a folder that can be written and has room"
+    return CamtoolsError([f"{place}: cannot write: {reason}; {remedy}"])
+
+
+def _followed(path: Path) -> Path:
+    """Return the target of a path whose last part may be a symbolic link of a trusted owner.
+
+    In a folder that others can write to, a link that one of them planted under the name of a result
+    would overwrite a file of ours. Only our own links and those of root are followed; links among
+    the parent folders are left to the system (`fs.protected_symlinks`).
+    """
+    place = path
+    for _ in range(_MOST_LINKS):
+        if not place.is_symlink():
+            return place
+        if place.lstat().st_uid not in (os.geteuid(), 0):
+            problem = "is a link of another user, which is not followed"
+            raise CamtoolsError([f"{place}: {problem}; remove it, or give another folder"])
+        place = place.parent / place.readlink()
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+
+
+def _target(path: Path) -> Path:
+    """Return the regular file, existing or not, that a path stands for; a link stays a link."""
+    place = _followed(path)
+    with suppress(FileNotFoundError):
+        mode = place.stat().st_mode
+        if not stat.S_ISREG(mode):  # renaming a file over it would destroy it
+            what = "Is a directory" if stat.S_ISDIR(mode) else "not a regular file"
+            raise CamtoolsError([f"{path}: cannot write: {what}; give the name of a file"])
+    return Path(os.path.realpath(place))
+
+
+@contextmanager
+def _made(folder: Path) -> Iterator[None]:
+    """Make a folder and its missing parents; at the end remove those that stayed empty."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]  # innermost first
+    try:
+        _followed(folder).mkdir(parents=True, exist_ok=True)
+        yield
+    finally:
+        for path in missing:
+            with suppress(OSError):
+                path.rmdir()
+
+
+@contextmanager
+def _opened(folder: Path) -> Iterator[int]:
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    try:
+        yield handle
+    finally:
+        os.close(handle)
+
+
+def _sweep(folder: Path) -> None:
+    """Remove our own hidden folders whose process was killed: they are no longer locked."""
+    for left in folder.glob(f"{_PREFIX}*{_SUFFIX}"):
+        with suppress(OSError), _opened(left) as handle:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            about = os.fstat(handle)
+            is_old = abs(time.time() - about.st_ctime) > _NEW_S
+            if is_old and about.st_uid == os.geteuid():
+                shutil.rmtree(left, ignore_errors=True)
+
+
+@contextmanager
+def _hidden(folder: Path) -> Iterator[Path]:
+    """Make a hidden folder for unfinished files, absolute and locked while it is in use."""
+    _sweep(folder)
+    place = Path(tempfile.mkdtemp(prefix=_PREFIX, suffix=_SUFFIX, dir=folder)).resolve()
+    try:
+        with _opened(place) as handle:
+            with suppress(OSError):  # some network file systems know no locks
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            yield place
+    finally:
+        with signals_held():
+            shutil.rmtree(place, ignore_errors=True)
+
+
+def _rename(finished: Mapping[Path, Path]) -> None:
+    """Give every finished file its name, or none of them."""
+    targets = {path: _target(name) for path, name in finished.items()}
+    for path, target in targets.items():
+        if path.stat().st_dev != target.parent.stat().st_dev:
+            raise OSError(errno.EXDEV, f"{os.strerror(errno.EXDEV)}: {target.name}")
+        with path.open("rb") as stream:
+            os.fsync(stream.fileno())
+    with signals_held():
+        for path, target in targets.items():
+            path.replace(target)
+
+
 def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> None:
     """Write files into a folder so that either all get their names or none does.
 
-    Everything is written to temporary files and synchronised first; only then are they
-    renamed, with interrupts held back. A name that is a symbolic link stays one: the file that it
-    points to is replaced.
+    A name that is a symbolic link stays one: the file that it points to is replaced.
 
     Parameters
     ----------
@@ -93,43 +153,59 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
     Raises
     ------
     CamtoolsError
-        The system refuses, or a name belongs to what is no regular file; nothing new is left
-        behind, older files are as they were.
+        The system refuses, a name belongs to what is no regular file, or a link to another user;
+        older files are as they were.
     """
-    made: list[Path] = []
-    alive = ExitStack()
-    folders: list[Path] = []
-    done = False
+    finished: dict[Path, Path] = {}
     try:
-        missing = [path for path in (folder, *folder.parents) if not path.exists()]
-        followed(folder).mkdir(parents=True, exist_ok=True)
-        folders = missing  # innermost first
-        targets = {name: file_target(folder / name) for name in files}
-        finals = {
-            targets[name]: _write_temporary(
-                targets[name], [data] if isinstance(data, bytes) else data, made, alive
-            )
-            for name, data in files.items()
-        }
-        for target in finals:
-            file_target(target)  # again: writing may have taken long
-        with signals_held():
-            for target, path in finals.items():
-                path.replace(target)
-        done = True
+        with _made(folder), ExitStack() as stack:
+            targets = {name: _target(folder / name) for name in files}
+            parents = {target.parent for target in targets.values()}
+            hidden = {parent: stack.enter_context(_hidden(parent)) for parent in parents}
+            for name, data in files.items():
+                path = hidden[targets[name].parent] / targets[name].name
+                with path.open("wb") as stream:
+                    stream.writelines([data] if isinstance(data, bytes) else data)
+                finished[path] = targets[name]
+            _rename(finished)
     except OSError as error:
-        remedy = "give a folder that can be written and has room"
-        reason = error.strerror or str(error)
-        raise CamtoolsError([f"{folder}: cannot write: {reason}; {remedy}"]) from error
-    finally:
-        alive.close()
-        if not done:
-            for path in made:
-                with suppress(OSError):
-                    path.unlink()
-            for path in folders:
-                with suppress(OSError):
-                    path.rmdir()
+        raise cannot_write(folder, error) from error
+
+
+class Stage(NamedTuple):
+    """A hidden folder inside an output folder."""
+
+    output: Path
+    folder: Path  # absolute; write everything here
+
+    def publish(self) -> None:
+        """Move every file into the output folder, over those of earlier runs."""
+        files = sorted(path for path in self.folder.iterdir() if path.is_file())
+        try:
+            _rename({path: self.output / path.name for path in files})
+        except OSError as error:
+            raise cannot_write(self.output, error) from error
+
+
+@contextmanager
+def staged(output: Path) -> Iterator[Stage]:
+    """Give a hidden folder for the results of a run, gone at the end.
+
+    The output folder is made when missing, and removed again when nothing is published.
+
+    Raises
+    ------
+    CamtoolsError
+        On entering and publishing: the output folder cannot be written.
+    """
+    with ExitStack() as stack:
+        try:
+            with signals_held():
+                stack.enter_context(_made(output))
+                folder = stack.enter_context(_hidden(output))
+        except OSError as error:
+            raise cannot_write(output, error) from error
+        yield Stage(output, folder)
 
 
 @contextmanager
@@ -148,16 +224,14 @@ def growing(path: Path) -> Iterator[TextIO]:
         with path.open("w", newline="", encoding="utf-8") as stream:
             yield stream
         return
-    path = Path(os.path.realpath(followed(path)))
-    sweep(path.parent, f".{path.name}.")
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=SUFFIX, dir=path.parent)
-    try:
-        with held(Path(name)), os.fdopen(handle, "w", newline="", encoding="utf-8") as stream:
-            os.fchmod(handle, 0o666 & ~_umask())
-            yield stream
-    finally:
-        with signals_held():
-            if Path(name).stat().st_size > 0:
-                Path(name).replace(path)
-            else:
-                Path(name).unlink()
+    target = _target(path)
+    with _hidden(target.parent) as folder:
+        part = folder / target.name
+        part.touch()
+        try:
+            with part.open("w", newline="", encoding="utf-8") as stream:
+                yield stream
+        finally:
+            if part.stat().st_size > 0:
+                with signals_held():
+                    part.replace(target)

@@ -2,9 +2,9 @@
 """Tables as Parquet files.
 
 >>> data = parquet_bytes({"t_s": [0.0, 0.5]}, pa.schema([("t_s", pa.float64())]), {"part": "a"})
->>> columns, about = parquet_read(data)
->>> columns["t_s"].tolist(), about["part"]
-([0.0, 0.5], 'a')
+>>> table = pq.read_table(BytesIO(data))
+>>> table["t_s"].to_pylist(), table.schema.metadata[b"part"]
+([0.0, 0.5], b'a')
 """
 
 from __future__ import annotations
@@ -23,10 +23,3 @@ def parquet_bytes(columns: dict[str, Any], schema: Any, about: dict[str, str]) -
     stream = BytesIO()
     pq.write_table(table, stream, compression="zstd")
     return stream.getvalue()
-
-
-def parquet_read(data: bytes) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the columns of a Parquet file as arrays, and its metadata."""
-    table = pq.read_table(BytesIO(data))
-    about = {name.decode(): text.decode() for name, text in (table.schema.metadata or {}).items()}
-    return {name: table[name].to_numpy() for name in table.column_names}, about

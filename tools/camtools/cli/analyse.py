@@ -1,7 +1,7 @@
 """Command line of the analysis: areas, equal parts, speed law, forces, refit; motion of lobes.
 
 >>> from camtools.skirt.part import example_part
->>> sorted(products(example_part(), AnalysisWishes(), with_pictures=False))[:3]
+>>> sorted(skirt_products(example_part(), AnalysisWishes(), with_pictures=False)[1])[:3]
 ['analysis.json', 'axes_equal_volume.csv', 'axes_uniform.csv']
 """
 
@@ -70,19 +70,6 @@ def _wishes(arguments: argparse.Namespace) -> AnalysisWishes:
     )
 
 
-def products(
-    part: SkirtPart, wishes: AnalysisWishes, *, with_pictures: bool = True
-) -> dict[str, bytes]:
-    """Return the content of every file of an analysis, by file name.
-
-    Raises
-    ------
-    CamtoolsError
-        A wish is out of range, or the part impossible.
-    """
-    return _files(make_analysis(part, wishes), wishes.nose_mm, with_pictures=with_pictures)
-
-
 def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str, bytes]:
     texts = all_tables(found) | {"notes.md": notes(found)}
     texts["analysis.json"] = json.dumps(figures(found), indent=1, sort_keys=True) + "\n"
@@ -143,9 +130,18 @@ def _lobe_wishes(arguments: argparse.Namespace) -> LobeWishes:
     return LobeWishes(arguments.step_deg, arguments.rpm)
 
 
-def _skirt_products(part: SkirtPart, wishes: AnalysisWishes) -> tuple[str, dict[str, bytes]]:
+def skirt_products(
+    part: SkirtPart, wishes: AnalysisWishes, *, with_pictures: bool = True
+) -> tuple[str, dict[str, bytes]]:
+    """Return what is printed of a skirt, and the content of every file by its name.
+
+    Raises
+    ------
+    CamtoolsError
+        A wish is out of range, or the part impossible.
+    """
     found = make_analysis(part, wishes)
-    files = _files(found, wishes.nose_mm, with_pictures=True)
+    files = _files(found, wishes.nose_mm, with_pictures=with_pictures)
     told = summary(found)
     if "refit_notes.md" in files:
         told += "\n" + files["refit_notes.md"].decode("utf-8")
@@ -159,7 +155,7 @@ def _run(arguments: argparse.Namespace) -> int:
             told, files = lobe_products(part, _lobe_wishes(arguments))
         else:
             assert isinstance(part, SkirtPart)
-            told, files = _skirt_products(part, _wishes(arguments))
+            told, files = skirt_products(part, _wishes(arguments))
     except CamtoolsError as error:
         raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
     write_all(arguments.output, files)

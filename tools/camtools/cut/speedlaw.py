@@ -354,27 +354,3 @@ def full_mean_rad_s(load: Load, limits: SpeedLimits) -> float:
         is_kept = max(excess(law, limits, middle).values()) <= 1
         low, high = (middle, high) if is_kept else (low, middle)
     return low
-
-
-def highest_mean_rad_s(
-    load: Load, limits: SpeedLimits, ripple: float, *, is_optimised: bool
-) -> float:
-    """Return the highest mean speed at which the ripple can be kept below a value [rad/s].
-
-    Parameters
-    ----------
-    ripple : float
-        (Largest - least) / mean of the removal rate, below that of uniform turning.
-    is_optimised : bool
-        Of optimised modulation, else of partial modulation.
-    """
-    solver = optimise if is_optimised else largest_partial
-    low, high = 0.0, limits.spindle_rad_s
-    for _ in range(_BISECTIONS // 2):
-        middle = (low + high) / 2
-        try:
-            is_kept = solver(load, limits, middle).ripple <= ripple
-        except InfeasibleError:
-            is_kept = False
-        low, high = (middle, high) if is_kept else (low, middle)
-    return low

@@ -52,15 +52,6 @@ REMEDIES = {
     "params_damaged": "params keep keeps those in force instead",
     "params_keep": "its memory failed or is read-only, what was kept before stays; its log tells",
 }
-_SETTERS = {
-    "set_speed": "spindle_mrpm",
-    "set_feed": "feed_nm",
-    "set_amplitude": "amplitude_ppm",
-    "set_phase": "phase_udeg",
-    "set_feed_override": "feed_override_ppm",
-    "set_spindle_override": "spindle_override_ppm",
-    "set_trim": "x_trim_nm",
-}
 _STATE_S = 1.0
 
 

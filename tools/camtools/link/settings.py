@@ -16,7 +16,6 @@ from camtools.link.refusal import ask_done
 
 OVERRIDES = ("feed", "spindle")
 MEASURES = ("diameter", "radius")
-QUICK = ("speed", "feed", "amplitude", "phase")
 N_TOOLS = 4
 
 

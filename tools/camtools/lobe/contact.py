@@ -25,10 +25,8 @@ __all__ = [
     "Contact",
     "Disc",
     "Follower",
-    "at_angles",
     "contact",
     "follow",
-    "from_profile",
     "solved_at",
 ]
 
@@ -153,18 +151,6 @@ def _sagged(t: Contact) -> Floats:
     return np.asarray(t.lift - 2 * t.p * np.sin(t.gamma / 2) ** 2, dtype=np.float64)
 
 
-def at_angles(
-    law: LiftLaw, base_mm: float, roller_mm: float, radius_mm: float, phi_rad: Floats
-) -> tuple[Contact, Follower]:
-    """Return contacts with a roller and path of a follower of a radius at given lobe angles."""
-
-    def touch_at(theta_rad: Floats) -> tuple[Contact, Follower]:
-        touch = contact(law, base_mm, roller_mm, theta_rad)
-        return touch, follow(touch, radius_mm)
-
-    return solved_at(touch_at, phi_rad)
-
-
 def solved_at(
     touch_at: Callable[[Floats], tuple[Contact, Follower]], phi_rad: Floats
 ) -> tuple[Contact, Follower]:
@@ -192,30 +178,3 @@ def solved_at(
         guess = theta - off / path.phi1
         theta = np.where((guess > low) & (guess < high), guess, (low + high) / 2)
     return touch, path
-
-
-def from_profile(
-    rho_mm: Floats, slope_mm: Floats, psi_rad: Floats, roller_mm: float
-) -> tuple[Floats, Floats, Floats]:
-    """Return where the roller stands that touches a polar profile rho(psi).
-
-    Parameters
-    ----------
-    rho_mm, slope_mm : ndarray
-        Radius of the profile and its derivative by the polar angle [mm, mm/rad].
-    psi_rad : ndarray
-        Polar angles [rad].
-
-    Returns
-    -------
-    tuple of ndarray
-        theta [rad], distance of the roller's centre [mm] (the positive root), gamma [rad].
-
-    Notes
-    -----
-    Source: MATHS.md (32).
-    """
-    mu = np.arctan2(slope_mm, rho_mm)
-    p = np.sqrt(rho_mm**2 + roller_mm**2 + 2 * rho_mm * roller_mm * np.cos(mu))
-    alpha = np.arctan2(roller_mm * np.sin(mu), rho_mm + roller_mm * np.cos(mu))
-    return psi_rad - alpha, p, mu - alpha

@@ -7,7 +7,7 @@ per turn, eases out over a turn, stays for the spark-out, and goes off; then Z m
 >>> plan = Plan(10, 3, 4, 8, 300_000, 4, 9.5, 0.01)
 >>> plan.stay_turns, plan.turns(3)
 (22, 82)
->>> infeed_mm(plan, np.array([4.0, 5.0, 14.5, 15.0, 18.0])).round(6).tolist()
+>>> _sampled(_pieces(plan), np.array([4.0, 5.0, 14.5, 15.0, 18.0]))[:, 0].round(6).tolist()
 [0.105, 0.095, 0.000938, 0.0, 0.0]
 """
 
@@ -110,11 +110,6 @@ def _sampled(pieces: list[Stretch], turn: Floats) -> Floats:
     for i, piece in enumerate(pieces):
         found[which == i] = _quintic(piece, turn[which == i])
     return found
-
-
-def infeed_mm(plan: Plan, turn: Floats) -> Floats:
-    """Return how far X is above its last place, over the turns since the begin of a lobe [mm]."""
-    return np.asarray(_sampled(_pieces(plan), turn)[:, 0])
 
 
 def middles_nm(lobes: list[ShaftLobe]) -> list[int]:

@@ -80,17 +80,6 @@ class Turn(NamedTuple):
     error_mm: float  # chord of X
 
 
-class _Around(NamedTuple):
-    """A lobe on the grid of the spindle's angle, the first place repeated at the end."""
-
-    path: Follower
-    speed_rad_s: Floats
-
-    @property
-    def lift_mm(self) -> Floats:
-        return self.path.lift
-
-
 def _speed(job: LobeJob, path: Follower) -> Floats:
     """Return the spindle's speed over a turn [rad/s] on the grid."""
     process, limits = job.part.process, job.part.machine.limits

@@ -4,8 +4,8 @@
 Every order needs the token, and all but those of `URGENT` the command: whoever may command at all
 may end what moves, at once. Numbers are in the unit of their name.
 
->>> RULES["step"].arguments["mm"] is float, RULES["stop"].needs_command
-(True, False)
+>>> RULES["step"].arguments["mm"] is float
+True
 >>> checked(Order("step", {"axis": "x", "mm": 1}))
 {'axis': 'x', 'mm': 1.0}
 >>> checked(Order("step", {"axis": "y", "mm": 1}))
@@ -38,13 +38,10 @@ class OrderRule:
         type by name; all must be there but those of `optional`
     optional : Mapping
         type by name of those that may be missing
-    needs_command : bool
-        whether only the commander may give it
     """
 
     arguments: Mapping[str, type]
     optional: Mapping[str, type]
-    needs_command: bool = True
 
 
 # They overtake everything, break off what runs, and drop what waits.
@@ -70,7 +67,7 @@ def _rule(optional: Mapping[str, type] | None = None, **arguments: type) -> Orde
 
 RULES = {
     # Without arguments, as camctl has them. home: finds the index; of an axis: in manual.
-    **{name: OrderRule({}, {}, needs_command=False) for name in URGENT},
+    **{name: _rule() for name in URGENT},
     **{name: _rule() for name in ("enable", "manual", "start", "hold", "resume", "reset")},
     "home": _rule({"axis": str}),
     # By hand. press: a number that rises with each press of a button in one page. The page repeats

@@ -15,8 +15,8 @@ from pathlib import Path
 from camtools.base.command import Parser
 from camtools.base.errors import CamtoolsError
 from camtools.base.origin import origin_of
+from camtools.base.output import cannot_write
 from camtools.base.places import ROOT
-from camtools.base.stage import cannot_write
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
 from camtools.pipeline.correct import add_measured, request_of

@@ -18,7 +18,7 @@ from pathlib import Path
 from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
-from camtools.base.stage import Stage
+from camtools.base.output import staged
 from camtools.base.words import size_text
 from camtools.pipeline.correct import correction_for
 from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
@@ -165,7 +165,7 @@ def run(argv: Sequence[str]) -> int:
         correction=correction,
     )
     folder = job.folder(loaded.part.part.name, len(correction.rounds) if correction else 0)
-    with Stage(folder) as stage:
+    with staged(folder) as stage:
         outcome = _simulate(job, made, stage.folder)
         if outcome is None:
             return BAD_INPUT

@@ -34,7 +34,6 @@ import pyarrow as pa
 import pyarrow.csv as pc
 import pyarrow.parquet as pq
 
-SUFFIX = ".parquet"
 # Columns of the CSV that are another one in a smaller unit: (its name, how many of them in one).
 TOLD_TWICE = {
     "z_nm": ("z_mm", 1_000_000),

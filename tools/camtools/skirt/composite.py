@@ -112,27 +112,3 @@ def fold(phi_rad: FloatsLike) -> tuple[Floats, Floats]:
     half = np.mod(np.asarray(phi_rad, dtype=np.float64), np.pi)
     is_back = half > QUARTER_RAD
     return np.where(is_back, np.pi - half, half), np.where(is_back, -1.0, 1.0)
-
-
-def trim_for(
-    a_mm: float, ovality_mm: float, joint_rad: float, eccentricity_mm: float, law: Section
-) -> float:
-    """Return the trim that goes with a given eccentricity, MATHS.md (12)."""
-    p = a_mm - float(law.evaluate(joint_rad, a_mm, ovality_mm).delta)
-    e, sine = eccentricity_mm, float(np.sin(joint_rad))
-    short = -e + float(np.sqrt(e * e + p * p + 2 * e * p * sine))
-    return a_mm - ovality_mm / 2 - short
-
-
-def diameter_for(
-    ovality_mm: float, trim_mm: float, joint_rad: float, eccentricity_mm: float
-) -> float:
-    """Return the diameter that goes with a given eccentricity, cosine oval, MATHS.md (12).
-
-    Extremely ill-conditioned: 5 um of eccentricity shift it by several millimetres. For checking
-    printed numbers, not for making parts.
-    """
-    sine = float(np.sin(joint_rad))
-    delta, half = ovality_mm / 2 * sine**2, ovality_mm / 2 + trim_mm
-    q, e = half - delta, eccentricity_mm
-    return ((delta + half) * q - 2 * e * (half - delta * sine)) / (q - e * (1 - sine))

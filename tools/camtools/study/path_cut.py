@@ -26,7 +26,6 @@ from camtools.study.path import N_ANGLES, N_HEIGHTS, PathRow, PathStudy, make_st
 from camtools.table.summary import table_files
 
 _MACHINE = "machine.toml"
-_UM_PER_MM = 1000.0
 
 
 def peak_to_valley(map_um: Floats) -> Floats:

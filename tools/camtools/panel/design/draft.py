@@ -28,16 +28,6 @@ class Draft:
         self._behind: list[str] = []
         self._changed_s = -1e9
 
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is an earlier text."""
-        return bool(self._before)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is a text that was undone."""
-        return bool(self._behind)
-
     def change(self, text: str, at_s: float, *, is_step: bool = False) -> None:
         """Take a changed text.
 
