@@ -52,13 +52,7 @@ class ConnectedU:
         return int(answer.value)
 
     def believed(self) -> Believed:
-        """Return what the controller is configured with.
-
-        Raises
-        ------
-        Refused
-            There is none, or its state is not ready.
-        """
+        """Return what the controller is configured with."""
         status = self.link.listen()
         if status.state != "ready":
             raise Refused(f"{self.link.where}: {not_ready(status.state)}")

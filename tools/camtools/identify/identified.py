@@ -182,11 +182,6 @@ def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
     ----------
     with_mode : bool
         look for a mode as well
-
-    Raises
-    ------
-    CamtoolsError
-        Too few lines stand above their noise.
     """
     spectra, plain = _plain_of(record)
     if record.is_coarse:

@@ -98,11 +98,5 @@ class ExactLobes(Exact):
 
 
 def exact_lobes(part: LobePart) -> ExactLobes:
-    """Return the exact shape of a camshaft.
-
-    Raises
-    ------
-    CamtoolsError
-        The numbers make no lobes.
-    """
+    """Return the exact shape of a camshaft."""
     return ExactLobes(lobes_of(part))

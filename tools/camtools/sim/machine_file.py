@@ -60,13 +60,7 @@ def find_machine(word: str | Path) -> Machine:
 
 
 def read_machine(text: str, name: str) -> Tree:
-    """Return the tree of a machine's text; whether its keys are known, only the simulator tells.
-
-    Raises
-    ------
-    InputError
-        It is no TOML.
-    """
+    """Return the tree of a machine's text; whether its keys are known, only the simulator tells."""
     try:
         return toml_tree(text)
     except ValueError as error:
