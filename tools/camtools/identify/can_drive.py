@@ -34,13 +34,7 @@ def not_ready(state: str) -> str:
 
 
 class ConnectedU:
-    """U of a controller.
-
-    Parameters
-    ----------
-    link : Link
-        to the controller
-    """
+    """U of a controller."""
 
     def __init__(self, link: Link) -> None:
         self.link = link

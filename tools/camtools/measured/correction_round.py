@@ -132,11 +132,6 @@ def _check_new(previous: Previous, surface: Path, own: int) -> None:
 def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     """Return the correction of the next table.
 
-    Parameters
-    ----------
-    name : str
-        Of the part.
-
     Raises
     ------
     CamtoolsError

@@ -152,15 +152,6 @@ def tell(
 
     Each pass fits the waves of every height to what the smooth waves of the pass before leave of
     its points, so that heights which run through within a band do no harm.
-
-    Parameters
-    ----------
-    ends_mm : tuple of float
-        Of the part.
-    most_order : int, optional
-        See `by_height`.
-    first : int
-        First order that may be kept.
     """
     heights = by_height(points, most_order)
     z_mm = np.array([height.z_mm for height in heights.heights])

@@ -34,13 +34,7 @@ _MAX_FILE_BYTES = 20_000_000
 
 
 class DesignService:
-    """Previews, parts and runs of one panel.
-
-    Parameters
-    ----------
-    context : AppContext
-        Of the panel.
-    """
+    """Previews, parts and runs of one panel."""
 
     def __init__(self, context: AppContext) -> None:
         self.engine = Engine()

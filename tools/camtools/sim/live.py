@@ -85,15 +85,6 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 class LivePair:
     """The two processes, joined by a pair of sockets; both end when this object is closed.
 
-    Parameters
-    ----------
-    program : Path
-        camsim
-    folder : Path
-        where they work
-    words : list of str
-        table and options of both
-
     Attributes
     ----------
     controller, lathe : subprocess.Popen

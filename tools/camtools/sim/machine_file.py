@@ -125,11 +125,6 @@ def mistaken(tree: Tree, truth: Mapping[str, float]) -> Tree:
 
     The controller goes on believing the numbers that it has: those of `[believed]`, else those that
     were the truth before.
-
-    Parameters
-    ----------
-    truth : mapping
-        True numbers by table and key.
     """
     changed = copy.deepcopy(tree)
     for key, value in truth.items():

@@ -81,15 +81,7 @@ class Run:
 
 
 class RunStore:
-    """The folders of runs.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the panel's runs.
-    others : Path
-        Of those of tools/run.
-    """
+    """The folders of runs."""
 
     def __init__(self, folder: Path, others: Path) -> None:
         self._folders = {OWN: folder, OTHER: others}

@@ -110,13 +110,7 @@ def fit(x_rad: Floats, y_mm: Floats, recipe: Recipe) -> PPoly:
 
 
 def refit(joint: Joint, recipe: Recipe, n_ellipse: int) -> PPoly:
-    """Return the refitted quadrant of one section.
-
-    Parameters
-    ----------
-    joint : Joint
-        Of scalars.
-    """
+    """Return the refitted quadrant of one section."""
     x_rad = sites_rad(float(joint.joint_rad), n_ellipse)[kept_sites(recipe, n_ellipse)]
     return fit(x_rad, joint.reduction(x_rad).delta, recipe)
 

@@ -79,13 +79,6 @@ def continued(
     """Return a curve over height, continued beyond its ends.
 
     Tangentially, with a curvature that fades; an ovality that would fall below 0 stays.
-
-    Parameters
-    ----------
-    ends_mm : tuple of float
-        Lower and upper end [mm].
-    runs_mm : sequence of float
-        How far below and above [mm].
     """
     inside = (spline.x > ends_mm[0]) & (spline.x < ends_mm[1])
     x = np.concatenate([ends_mm[:1], spline.x[inside], ends_mm[1:]])
