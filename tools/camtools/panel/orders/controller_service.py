@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The desk: pages ask it for what the controller does, and give it orders.
+"""The service: pages ask it for what the controller does, and give it orders.
 
 `snapshot()`, `strobe()` and `parameters()` never wait and may be called by every page as often as
 it draws. `do()` judges each order by the visitor who gives it, whatever buttons his page shows: the
