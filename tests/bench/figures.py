@@ -17,6 +17,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -42,6 +43,7 @@ CORE_FIGURES = (
 
 Figures = dict[str, float]
 _PLACE = re.compile(r"\{([\w.]+):(\d)\}")
+_TABLES = TemporaryDirectory()
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,14 @@ def _run(*command: str | Path, most: int = 0) -> None:
         raise SystemExit(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
 
 
+@cache
+def table_of(part: str) -> Path:
+    """Return the table of a part, which is made once."""
+    folder = Path(_TABLES.name) / part
+    _run(ROOT / "tools" / "mktables", ROOT / "tools/parts" / f"{part}.toml", "-o", folder)
+    return next(folder.glob("*.camtab"))
+
+
 def measure(case: Case) -> Figures:
     """Return the figures of a case, by key.
 
@@ -141,17 +151,14 @@ def measure(case: Case) -> Figures:
     SystemExit
         The table cannot be made, or the cut fails.
     """
-    with TemporaryDirectory() as name:
-        folder = Path(name)
-        summary = folder / "summary.json"
-        _run(ROOT / "tools" / "mktables", ROOT / "tools/parts" / f"{case.part}.toml", "-o", folder)
-        table = next(folder.glob("*.camtab"))
-        camsim = BUILD / "host" / "host_sim" / "camsim"
-        _run(camsim, "run", table, *case.arguments, "--summary", summary, most=1)
-        report = json.loads(table.with_suffix(".json").read_text())
-        record = json.loads(summary.read_text())
-        found = {k: _value(k, report, place) for k, place in case.table.items()}
-        found |= {k: _value(k, record, place) for k, place in case.cut.items()}
+    table = table_of(case.part)
+    summary = table.with_name("summary.json")
+    camsim = BUILD / "host" / "host_sim" / "camsim"
+    _run(camsim, "run", table, *case.arguments, "--summary", summary, most=1)
+    report = json.loads(table.with_suffix(".json").read_text())
+    record = json.loads(summary.read_text())
+    found = {k: _value(k, report, place) for k, place in case.table.items()}
+    found |= {k: _value(k, record, place) for k, place in case.cut.items()}
     return {f"{case.name}.{figure}": value for figure, value in found.items()}
 
 
