@@ -8,11 +8,11 @@ from collections.abc import Callable
 import pytest
 
 from board import READY
-from core import HARD_FAULT
 from emulator import DTCM, DTCM_BYTES
-from gpio import OUTPUT
 from host import make_table
-from rcc import RESET_FLAGS
+from models.core import HARD_FAULT
+from models.gpio import OUTPUT
+from models.rcc import RESET_FLAGS
 from remote import ENABLE, KEY, PARAMS, RESET, SELECT, SET, START, TAKE, errors
 from session import Session
 

@@ -57,16 +57,18 @@ DESIGN = {
     "host_sim/bus": ("host_sim/lathe",),
     "host_sim/target/pil": ("hal/include",),
     "host_sim/target": ("host_sim/lathe", "firmware/machine", "hal/host", "host_sim/target/pil"),
-    "host_sim/session": ("host_sim/gauge", "host_sim/target", "host_sim/bus"),
-    "host_sim/live": ("host_sim/session", "firmware/remote"),
+    "host_sim/setup": ("host_sim/lathe", "host_sim/part", "firmware/feasible"),
+    "host_sim/cut": ("host_sim/setup", "host_sim/gauge", "host_sim/target", "host_sim/bus"),
+    "host_sim/results": ("host_sim/cut",),
+    "host_sim/live": ("host_sim/results", "firmware/remote"),
     "host_sim/cli": ("host_sim/live",),
     "host_sim/api": ("host_sim/cli",),
     "host_sim/api/judge": ("firmware/machine",),
 }
 # Ports that the host does not build: nobody there sees their headers.
 FOREIGN = ("hal/linux", "hal/mps2", "hal/stm32h743")
-# Sources of the room above them, one for each kind of computer.
-PARTS = {"host_sim/bus/linux", "host_sim/bus/none"}
+# Sources of the room above them.
+PARTS = {"host_sim/bus/linux", "host_sim/bus/none", "hal/stm32h743/memory"}
 WITHOUT_HEADERS = {"hal/template", "firmware"}
 WITHOUT_SOURCES = {"hal/include", "host_sim/target/pil"}  # in the build of the host
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from camctl_bench import Bench
-from desk_cases import Seat
+from controller_cases import Seat
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.design.shelf import EXAMPLE, OWN, Shelf
-from camtools.panel.workshop import files_named, is_confined_tree
+from camtools.panel.design.part_library import EXAMPLE, OWN, PartLibrary
+from camtools.panel.design_service import files_named, is_confined_tree
 from preview_cases import PARTS, answers, problems, text_of
 
 LEAVING = ("/etc/passwd", "../secret.csv", "sub/../../secret.csv", "link.csv", "dir/secret.csv")
@@ -111,7 +111,7 @@ def test_broken_toml_is_told_with_its_line() -> None:
 )
 def test_hostile_names_are_refused(name: str, tmp_path: Path) -> None:
     """Nothing is written or read under them, inside the folder or outside."""
-    shelf = Shelf(tmp_path / "parts")
+    shelf = PartLibrary(tmp_path / "parts")
     with pytest.raises(CamtoolsError, match="not usable"):
         shelf.save(name, "x", replaces=True)
     with pytest.raises(CamtoolsError, match="not usable"):
@@ -121,7 +121,7 @@ def test_hostile_names_are_refused(name: str, tmp_path: Path) -> None:
 
 def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     """A second part of a name needs a yes, and a link is never followed."""
-    shelf = Shelf(tmp_path / "parts")
+    shelf = PartLibrary(tmp_path / "parts")
     shelf.save("a", "one", replaces=False)
     with pytest.raises(CamtoolsError, match="there is such a part"):
         shelf.save("a", "two", replaces=False)
@@ -140,7 +140,7 @@ def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
 
 def test_examples_are_read_only(tmp_path: Path) -> None:
     """They are read where they lie, and saved among one's own."""
-    shelf = Shelf(tmp_path)
+    shelf = PartLibrary(tmp_path)
     assert "perkins240" in shelf.examples()
     assert shelf.read(EXAMPLE, "perkins240") == text_of("perkins240")
     shelf.save("perkins240", "mine", replaces=False)

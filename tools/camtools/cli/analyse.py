@@ -1,6 +1,6 @@
 """Command line of the analysis: areas, equal parts, speed law, forces, refit; motion of lobes.
 
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> sorted(skirt_products(example_part(), AnalysisWishes(), with_pictures=False)[1])[:3]
 ['analysis.json', 'axes_equal_volume.csv', 'axes_uniform.csv']
 """
@@ -19,7 +19,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
 from camtools.lobe.part import LobePart
 from camtools.pipeline.load import load_able
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.lobe import LobeWishes, lobe_figures, lobe_table, lobe_text, study_lobes
 from camtools.study.path import csv, make_study
 from camtools.study.refit import candidates_csv, comparison_csv, study

@@ -29,9 +29,9 @@ from camtools.cli.camctl_scope import blackbox, scope_ticks
 from camtools.link.controller import Link, Status
 from camtools.link.download import check_image, download, select_table
 from camtools.link.messages import NUMBERS, Answer, Refused
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.settings import set_quick
-from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_report
+from camtools.link.status_text import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1
 HOME_S = 60.0

@@ -19,7 +19,7 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link, Status
 from camtools.link.messages import Refused, value_text
 from camtools.link.progress import IN_CUT, cut_progress
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.settings import (
     MEASURES,
     OVERRIDES,

@@ -19,7 +19,7 @@ from camtools.base.output import write_all
 from camtools.cli.camctl_files import Say, names_of, write_raw
 from camtools.link import excitation
 from camtools.link.controller import Link
-from camtools.link.learned import (
+from camtools.link.learned_file import (
     get_learned,
     learned_text,
     learned_values,

@@ -14,7 +14,7 @@ from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link
-from camtools.link.hand import (
+from camtools.link.manual_axes import (
     AXES,
     carry_out,
     end_text,

@@ -19,7 +19,7 @@ from pathlib import Path
 from camtools.base.command import Interrupted, Parser
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, May, secret_of, sender_of
 from camtools.link.rights_report import level_text, name_of, rights_report
 from camtools.link.shared_session import SharedSession

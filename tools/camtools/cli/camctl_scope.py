@@ -20,8 +20,8 @@ from camtools.link import scope
 from camtools.link.controller import Link
 from camtools.link.messages import FAULT_TEXTS, NUMBERS, Refused
 from camtools.link.signals import BITS, faults_in, physical, state_name
+from camtools.link.status_text import sparkline
 from camtools.link.trigger import arm, trigger_of
-from camtools.link.watch import sparkline
 
 _PATIENCE_S = 3600.0
 _BARS = 60

@@ -17,14 +17,14 @@ from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import emit_json
 from camtools.base.output import write_all
-from camtools.base.places import ROOT
-from camtools.forecast.compute import cut_all
+from camtools.base.project_paths import ROOT
 from camtools.forecast.job import Question, limits, plan_of
+from camtools.forecast.one_cut import CutOutcome
+from camtools.forecast.parallel_cuts import cut_all
 from camtools.forecast.progress import Progress
 from camtools.forecast.result import evaluate, forecast_summary, runs_parquet
 from camtools.forecast.store import Store
 from camtools.forecast.text import forecast_text
-from camtools.forecast.work import CutOutcome
 
 _RUNS = 256
 _MOST_RUNS = 1_000_000

@@ -13,9 +13,9 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.pipeline.correct import add_measured, correction_for
+from camtools.pipeline.correct_options import add_measured, correction_for
 from camtools.pipeline.load import load
-from camtools.pipeline.make import make
+from camtools.pipeline.make_table import make
 from camtools.table.export import FORMS, Export, export_files
 from camtools.table.header import check_tolerance
 from camtools.table.image import Table

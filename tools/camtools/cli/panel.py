@@ -20,18 +20,18 @@ from pathlib import Path
 from camtools.base.command import Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
 from camtools.cli.bus import add_bus_options, bus_arguments, open_controller
 from camtools.link.bus import configured
 from camtools.link.controller import Link
-from camtools.link.live import live_lathes, only_lathe
+from camtools.link.live_lathes import live_lathes, only_lathe
 from camtools.link.rights import secret_of
-from camtools.panel.command_log import CommandLog
-from camtools.panel.commander import Commander
+from camtools.panel.access.listening_socket import hosts_of, open_socket
+from camtools.panel.access.token import LEAST_CHARS, MOST_CHARS, TokenGuard, new_token
 from camtools.panel.context import AppContext
-from camtools.panel.desk import Desk
-from camtools.panel.listening import hosts_of, open_socket
-from camtools.panel.token import LEAST_CHARS, MOST_CHARS, TokenGuard, new_token
+from camtools.panel.orders.command_log import CommandLog
+from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.controller_service import ControllerService
 
 _PORT = 8417
 _EPILOG = """\
@@ -163,7 +163,7 @@ def _run(arguments: argparse.Namespace) -> int:
         from camtools.panel.server import application, serve  # it takes a second
 
         commander = Commander(log)
-        desk = Desk(open_link, commander, log, secret)
+        desk = ControllerService(open_link, commander, log, secret)
         stack.callback(desk.close)
         hosts = hosts_of(sock)
         own = arguments.keep / "parts", arguments.keep / "runs"

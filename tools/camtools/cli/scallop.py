@@ -16,7 +16,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
 from camtools.pipeline.load import load_for
 from camtools.sim.camsim import camsim_path
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.path_cut import csv, cut_paths, text
 
 _NOSE_MM = (0.01, 100.0)

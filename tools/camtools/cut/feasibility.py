@@ -18,7 +18,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
-from camtools.cut.gap import GapChange, Motion, in_gap
+from camtools.cut.lobe_gap import GapChange, Motion, in_gap
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.table.channel import Bounds, Channel
 from camtools.table.evaluate import PLACES, evaluate_grid

@@ -1,6 +1,6 @@
 """Metal removed from one section: area, equal parts, speed law, forces, MATHS.md (20) .. (29).
 
->>> from camtools.skirt.sections import Ellipse
+>>> from camtools.skirt.geometry.sections import Ellipse
 >>> papers = SectionCut(lambda phi: Ellipse().evaluate(phi, 46.0, 0.2), 46.0, 46.1)
 >>> f"{papers.total_mm2:.12f} mm2"
 '10.846348636519 mm2'

@@ -13,12 +13,12 @@ from pathlib import Path
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
-from camtools.forecast.draw import draw
+from camtools.forecast.one_cut import TABLE, Task, build_of, folder_of
+from camtools.forecast.sampling import draw
 from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, read_vary
-from camtools.forecast.work import TABLE, Task, build_of, folder_of
 from camtools.part.file import read_part_file
 from camtools.pipeline.load import load
-from camtools.pipeline.make import Made, make
+from camtools.pipeline.make_table import Made, make
 from camtools.sim.binding import SimSession, library_path
 from camtools.sim.machine_file import (
     Machine,

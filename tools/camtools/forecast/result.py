@@ -18,6 +18,7 @@ from camtools.base.json_text import Json, emit_json
 from camtools.base.parquet import parquet_bytes
 from camtools.base.quantities import Floats
 from camtools.forecast.job import ForecastPlan, Question
+from camtools.forecast.one_cut import CutOutcome
 from camtools.forecast.statistics import (
     Effect,
     Quantile,
@@ -27,7 +28,6 @@ from camtools.forecast.statistics import (
     share_within,
 )
 from camtools.forecast.store import SCHEMA
-from camtools.forecast.work import CutOutcome
 
 PERCENTS = (50.0, 90.0, 95.0, 99.0)
 _NOTHING_UM = float("inf")  # a cut without a result is worse than any error

@@ -25,7 +25,7 @@ import pyarrow.parquet as pq
 from camtools.base.errors import InputError
 from camtools.base.output import write_all
 from camtools.base.parquet import parquet_bytes
-from camtools.forecast.work import CutOutcome
+from camtools.forecast.one_cut import CutOutcome
 
 _FIELDS = {
     "key": pa.string(),

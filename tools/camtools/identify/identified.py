@@ -13,10 +13,10 @@ import numpy as np
 
 from camtools.base.quantities import Floats
 from camtools.identify.fit import FRICTION, K1, K2, LEAD, DriveFit, Gain, fit, moved_per_commanded
-from camtools.identify.mode import ModeFit, fit_mode
+from camtools.identify.friction import friction_of
 from camtools.identify.recording import SettledRecord
+from camtools.identify.resonance import ModeFit, fit_mode
 from camtools.identify.spectra import Spectra, spectra_of
-from camtools.identify.stick import friction_of
 
 _ROUNDS = 5  # friction played with the constants found so far
 _MODE_ROUNDS = 3

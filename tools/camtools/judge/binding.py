@@ -28,8 +28,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.library import Prototypes, loaded
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
+from camtools.base.shared_library import Prototypes, loaded
 
 
 class _Demand(Structure):

@@ -16,7 +16,7 @@ import isotp
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import BLOCK_ID, FLOW_ID, Link
 from camtools.link.messages import Refused
-from camtools.link.refusal import require
+from camtools.link.refusal_text import require
 
 BLOCK_BYTES = 4096
 BEGIN_S = 60.0  # erasing flash: up to 4 s for each 128 KiB

@@ -22,7 +22,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.toml_text import toml_tree
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 
 _HEADER = Path(__file__).resolve().parents[3] / "firmware" / "param" / "cam_param.h"
 _ROW = re.compile(r'X\((\w+),\s*(-?\d+),\s*(-?\d+),\s*(-?\d+),\s*"([^"]*)"')

@@ -26,7 +26,7 @@ import numpy.typing as npt
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
 from camtools.link.messages import DATABASE, NOT_COMMANDER, NUMBERS, OLDER, Answer, Refused
-from camtools.link.refusal import REMEDIES, explain
+from camtools.link.refusal_text import REMEDIES, explain
 
 Ints = npt.NDArray[np.int64]
 

@@ -161,7 +161,7 @@ def solved_at(
     touch_at : callable
         Contacts and path at directions of the lobe's own follower [rad].
     phi_rad : ndarray, shape (n,)
-        Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.check`).
+        Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.undercut`).
 
     Notes
     -----

@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from camtools.base.quantities import Floats
+from camtools.lobe.cache_keys import lobes_of
 from camtools.lobe.channels import has_patterns, range_of
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
-from camtools.lobe.recalled import lobes_of
 from camtools.pipeline.exact import (
     Exact,
     ExactTurn,

@@ -14,7 +14,7 @@ from math import ceil, pi
 
 import numpy as np
 
-from camtools.base.memory import recall
+from camtools.base.cache import recall
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import (
     HighestSpeed,
@@ -25,6 +25,7 @@ from camtools.cut.feasibility import (
 )
 from camtools.cut.verdict import check_table, needs_of_peaks
 from camtools.judge.binding import TablePeaks
+from camtools.lobe.cache_keys import channels_key, lobes_of
 from camtools.lobe.channels import (
     MadeChannel,
     centre_channel,
@@ -39,7 +40,6 @@ from camtools.lobe.heel import LobeHeel, check_lobe_heel
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
-from camtools.lobe.recalled import channels_key, lobes_of
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
 from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel

@@ -12,7 +12,7 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM
 from camtools.lobe.exact import exact_lobes
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
-from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.lobe_machine import lobe_machine_text
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary

@@ -18,7 +18,7 @@ from camtools.base.beside import beside
 from camtools.base.quantities import Floats, length_unit
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plots import draw_lobes
-from camtools.lobe.report_alive import live_of, motion_of
+from camtools.lobe.report_interactive import live_of, motion_of
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.plots.style import (
     BLUE,

@@ -20,7 +20,7 @@ from camtools.base.quantities import Floats
 from camtools.cut.correction import Complexes, Correction, nodes_of
 from camtools.measured.heights import MIN_HEIGHTS, Heights, by_height
 from camtools.measured.points import GaugedPoints
-from camtools.measured.smooth import Smoothed, Smoother, off_neighbours, scatter, shares_kept
+from camtools.measured.smoothing import Smoothed, Smoother, off_neighbours, scatter, shares_kept
 from camtools.measured.waves import HeightWaves, fit_waves
 
 _PASSES = 3

@@ -17,10 +17,17 @@ from camtools.papers import corner_plots as plots
 from camtools.papers.draw import png
 from camtools.papers.gauge import Record, cut_records
 from camtools.papers.rows import Chapter, Maker, Row, part_of, percent
-from camtools.skirt.composite import Joint
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.refit import Recipe, RefitCandidate, deviation_mm, ellipse_steps, judge, refit
+from camtools.skirt.geometry.composite import Joint
+from camtools.skirt.geometry.refit import (
+    Recipe,
+    RefitCandidate,
+    deviation_mm,
+    ellipse_steps,
+    judge,
+    refit,
+)
+from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.refit import (
     PAPER_JERK_MM_S3,
     PAPER_PEAK_MM_S2,

@@ -1,6 +1,6 @@
 """Pictures of the refit paper: section, motion with jerk, the best deletions, records.
 
->>> from camtools.skirt.composite import Joint
+>>> from camtools.skirt.geometry.composite import Joint
 >>> len(draw_section(Joint(45.46, 0.38, 0.4, np.radians(48.0))).axes)
 2
 """
@@ -18,7 +18,7 @@ from camtools.base.quantities import omega_rad_s
 from camtools.papers.draw import UM_PER_MM, around, panels, plane, side_by_side
 from camtools.papers.gauge import Record
 from camtools.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, new_figure
-from camtools.skirt.composite import Joint
+from camtools.skirt.geometry.composite import Joint
 from camtools.study.refit import Study
 
 _COLOURS = (BLUE, ORANGE, PURPLE)

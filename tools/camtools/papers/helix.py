@@ -16,8 +16,8 @@ from camtools.cut.path import ToolPath
 from camtools.papers import helix_plots as plots
 from camtools.papers.draw import png
 from camtools.papers.rows import Chapter, Maker, Row, part_of, um
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 
 FEED_MM = 2.0  # distance of the sections of the point matrix
 FEW_MM = 10.0  # of the pictures in which single points are seen

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from camtools.base.quantities import Floats
 from camtools.papers.draw import around, plane, points, side_by_side, space
 from camtools.plots.style import BLUE, GREY, ORANGE, new_figure
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.part.part_file import SkirtPart
 
 _TURN, _IS_HELIX, _C, _Z, _RHO, _X, _Y = range(7)  # columns of the point matrix
 _FEW_TURNS = 3

@@ -15,9 +15,9 @@ from camtools.cut.removal import PartsRange, SectionCut, parts_range
 from camtools.papers import removal_plots as plots
 from camtools.papers.draw import png
 from camtools.papers.rows import Chapter, Maker, Row, part_of, um
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.sections import DoubleEllipse
+from camtools.skirt.geometry.sections import DoubleEllipse
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study import section_tables
 from camtools.study.section import Analysis, AnalysisWishes, make_analysis
 

@@ -1,7 +1,7 @@
 """Pictures of the papers on equal removal.
 
->>> from camtools.skirt.geometry import make_geometry
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.geometry.skirt_geometry import make_geometry
+>>> from camtools.skirt.part.part_file import example_part
 >>> len(draw_skirts({"as drawn": make_geometry(example_part())}).axes)
 1
 """
@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from camtools.cut.removal import TURN_RAD
 from camtools.papers.draw import UM_PER_MM, around, panels, plane, points, side_by_side, space
 from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, new_figure
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.section import Analysis
 
 _ENLARGED = 100.0  # chip of the quadrant

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
 from camtools.part.common import PartFile
 from camtools.pipeline.load import load
 

@@ -14,12 +14,12 @@ from pathlib import Path
 
 from camtools.base.command import Parser
 from camtools.base.errors import CamtoolsError
-from camtools.base.origin import origin_of
 from camtools.base.output import cannot_write
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
+from camtools.base.provenance import origin_of
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
-from camtools.pipeline.correct import add_measured, request_of
+from camtools.pipeline.correct_options import add_measured, request_of
 from camtools.roundness.waves import DEFAULT_UPR, UPR_CHOICES
 from camtools.sim.machines import machine_bytes, names
 from camtools.table.header import check_tolerance

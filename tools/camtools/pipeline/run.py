@@ -19,13 +19,13 @@ from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.output import staged
-from camtools.base.words import size_text
-from camtools.pipeline.correct import correction_for
+from camtools.base.readable import size_text
+from camtools.pipeline.correct_options import correction_for
 from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
-from camtools.pipeline.kept import drop_all_but, kept_text
+from camtools.pipeline.kept_runs import drop_all_but, kept_text
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
-from camtools.pipeline.make import Made, make
+from camtools.pipeline.make_table import Made, make
 from camtools.report.sheet_json import out_of_tolerance
 from camtools.report.sheet_page import SHEETS
 from camtools.report.text import ReportRow, page_text
@@ -43,7 +43,7 @@ from camtools.sim.camsim import (
     traced_turns,
 )
 from camtools.sim.cut_plan import plan_of
-from camtools.sim.mismatch import SHARE, Mismatch, mismatch
+from camtools.sim.drive_mismatch import SHARE, Mismatch, mismatch
 from camtools.sim.results import (
     AnyCut,
     Measured,

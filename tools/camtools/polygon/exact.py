@@ -18,10 +18,10 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.pipeline.exact import HeightCurve, ProfileOver
 from camtools.polygon.generate import shapes_of
 from camtools.polygon.part import PolygonPart
-from camtools.skirt.exact import ExactGeometry
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.nose import tip_geometry
-from camtools.skirt.zero import middle_nm
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.tool.exact_shape import ExactGeometry
+from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.u_zero import middle_nm
 
 
 class ExactPolygon(ExactGeometry):

@@ -16,8 +16,8 @@ from functools import partial
 import numpy as np
 from scipy.interpolate import PPoly
 
+from camtools.base.cache import recall
 from camtools.base.errors import CamtoolsError
-from camtools.base.memory import recall
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
@@ -27,14 +27,14 @@ from camtools.polygon.outline import Outline, extremes_of
 from camtools.polygon.part import PolygonPart, PolygonSection
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
 from camtools.polygon.surface import prism_of
-from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
-from camtools.skirt.channels import u_channel, x_channel
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.heel import Heel, check_heel
-from camtools.skirt.nose import tip_geometry
-from camtools.skirt.poly_surface import PolySurface
-from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
-from camtools.skirt.zero import middle_nm, moved, with_mean
+from camtools.skirt.geometry.poly_surface import PolySurface
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.table.accuracy import Accuracy, measure_u, measure_x
+from camtools.skirt.table.channels import u_channel, x_channel
+from camtools.skirt.table.search import DERIVATIVE_SHARE, slice_counts
+from camtools.skirt.tool.heel import Heel, check_heel
+from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.u_zero import middle_nm, moved, with_mean
 from camtools.table.channel import MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, Channel
 from camtools.table.header import MAX_PEAK_NM, table_of, u_bounds
 from camtools.table.image import Table

@@ -21,7 +21,7 @@ from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, no_truth, risi
 from camtools.part.passes import Pass, Passes, check_passes
 from camtools.part.tolerances import FormTolerances
 from camtools.part.tool import Tool
-from camtools.polygon.sizes import P3G, P4C
+from camtools.polygon.standard_sizes import P3G, P4C
 
 MAX_SIDES = 16
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]

@@ -22,18 +22,18 @@ from camtools.plots.style import (
     png_of,
 )
 from camtools.polygon.plots import hardest_blend, paint_blend, paint_section
-from camtools.polygon.report_alive import live_of, motion_of
+from camtools.polygon.report_interactive import live_of, motion_of
 from camtools.polygon.report_text import PolygonCut, name_of, polygon_rows
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
-from camtools.report.cells import map_rows
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
+from camtools.report.map_cells import map_rows
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import sheet_pages
 from camtools.report.switches import SWITCHES_TEXT, switches
 from camtools.sim.results import CUTTING, FAULT, GaugedSurface
-from camtools.skirt import report_surface
+from camtools.skirt.report import surface_plots
 
 _MARKS = {"color": RED, "ls": "", "marker": "o", "ms": 3.0, "mfc": "none"}
 _MOST_MARKS = 240
@@ -95,7 +95,7 @@ def _band(outcome: PolygonCut) -> tuple[GaugedSurface, float]:
     low, high = geometry.z_first_mm, geometry.z_last_mm
     middle = (low + high) / 2
     rows = map_rows(high - low, feed_mm)
-    return report_surface.section_at(outcome.surface, middle, 1.5 * (high - low) / rows), middle
+    return surface_plots.section_at(outcome.surface, middle, 1.5 * (high - low) / rows), middle
 
 
 def draw_cut_section(outcome: PolygonCut) -> Figure:
@@ -114,7 +114,7 @@ def draw_cut_section(outcome: PolygonCut) -> Figure:
     r = near.radius_mm / factor
     left.plot((r * np.cos(phi))[::step], (r * np.sin(phi))[::step], label="cut", **_MARKS)
     limit_um = nice_limit(float(np.abs(near.error_um).max(initial=0.0)))
-    report_surface.draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
+    surface_plots.draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
     figure.legend(loc="outside lower center", ncols=3, frameon=False)
     return figure
 
@@ -156,8 +156,8 @@ def _drawers(outcome: PolygonCut) -> dict[str, Callable[[], Figure]]:
         drawers["section"] = lambda: draw_cut_section(outcome)
         if outcome.generated.blended.blends:
             drawers["blend"] = lambda: draw_cut_blend(outcome)
-        drawers["map"] = lambda: _named(report_surface.draw_map(surface, geometry, feed_mm))
-        drawers["height"] = lambda: _named(report_surface.draw_height(surface, geometry))
+        drawers["map"] = lambda: _named(surface_plots.draw_map(surface, geometry, feed_mm))
+        drawers["height"] = lambda: _named(surface_plots.draw_height(surface, geometry))
     drawers["motion"] = lambda: report_motion.draw_motion(motion_of(outcome))
     drawers |= convergence(outcome.summary)
     drawers |= switches(outcome.summary)

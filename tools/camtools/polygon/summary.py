@@ -16,9 +16,9 @@ from camtools.cut.feasibility import given_of, needed_of
 from camtools.polygon.blend import widest_rad
 from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.outline import Outline, OutlineJoint, all_around, is_smooth, measures_of
-from camtools.skirt.poly_surface import PolySurface
-from camtools.skirt.summary import error_of, jumps_of, motion_at, passes_of, tool_of
-from camtools.skirt.summary_text import emit_text
+from camtools.skirt.geometry.poly_surface import PolySurface
+from camtools.skirt.report.summary import error_of, jumps_of, motion_at, passes_of, tool_of
+from camtools.skirt.report.summary_text import emit_text
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
 

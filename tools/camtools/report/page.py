@@ -16,8 +16,8 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from camtools.report.board import Board
-from camtools.report.live import Live, css_text, scripts_of, twin_of
-from camtools.report.sentences import sentences_of
+from camtools.report.page_scripts import Live, css_text, scripts_of, twin_of
+from camtools.report.picture_text import sentences_of
 from camtools.report.sheet_page import SheetPages
 from camtools.report.text import (
     ReportRow,

@@ -44,7 +44,7 @@ def switch_rows(summary: Json) -> list[ReportRow]:
     Parameters
     ----------
     summary : Json
-        Of camsim; its `switches` are those of host_sim/session/sim_switch_summary.h.
+        Of camsim; its `switches` are those of host_sim/results/sim_switch_summary.h.
     """
     return [
         ReportRow(f"position switch {one['output']:.0f}", _switch_text(one))

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.library import Prototypes, loaded
+from camtools.base.shared_library import Prototypes, loaded
 from camtools.sim.camsim import camsim_path
 
 Rows = npt.NDArray[Any]  # structured: a field of float64 for each column

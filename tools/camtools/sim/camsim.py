@@ -17,7 +17,7 @@ from typing import BinaryIO
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.output import cannot_write
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
 from camtools.part.common import MachineLimits
 from camtools.sim.results import CutVariant, read_summary
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
 
 MACHINES = ROOT / "host_sim" / "machines"
 

@@ -45,7 +45,7 @@ class Result:
         Worst sample of each gauged cell: fields turn (drawing's angle, 0 .. 1), z_mm, radius_mm,
         error_nm (above 0: metal left standing), and control_nm where the table plays a refit.
     trace : ndarray, shape (n,)
-        Tick by tick, fields as in `host_sim/session/sim_trace.h`; `state` is the number of the
+        Tick by tick, fields as in `host_sim/results/sim_trace.h`; `state` is the number of the
         controller's state in `firmware/base/cam_state.h`, masks are numbers. Empty if none was
         asked for.
     summary_text : str

@@ -19,9 +19,9 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
 from camtools.sim.camsim import Simulator, machine_text
 from camtools.sim.results import read_summary
-from camtools.skirt.generate import GeneratedSkirt, generate
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.summary import make_summary
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.study.path import N_ANGLES, N_HEIGHTS, PathRow, PathStudy, make_study
 from camtools.table.summary import table_files
 

@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.composite import Joint
-from camtools.skirt.corner import Corner
-from camtools.skirt.refit import Recipe, RefitCandidate, judge, judge_all
+from camtools.skirt.geometry.composite import Joint
+from camtools.skirt.geometry.corner import Corner
+from camtools.skirt.geometry.refit import Recipe, RefitCandidate, judge, judge_all
 
 # The paper's Table 1, largest jerk, rows s2 = 0 .. 3, columns s1 = 0 .. 3.
 PAPER_JERK_MM_S3 = (

@@ -25,7 +25,7 @@ from camtools.plots.style import (
     new_figure,
     png_of,
 )
-from camtools.skirt.refit import PAPER_JERK_LIMIT_MM_S3, ellipse_steps, refit
+from camtools.skirt.geometry.refit import PAPER_JERK_LIMIT_MM_S3, ellipse_steps, refit
 from camtools.study.refit import PAPER_JERK_MM_S3, Study
 
 _COLOURS = (BLUE, ORANGE, RED, PURPLE)

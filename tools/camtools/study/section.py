@@ -1,6 +1,6 @@
 """What is worked out about one section of a part: the numbers behind tables and pictures.
 
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> study = make_analysis(example_part(), AnalysisWishes())
 >>> study.height_mm, study.steps.area_mm2.size
 (20.0, 31)
@@ -31,9 +31,9 @@ from camtools.cut.removal import (
     speed_peaks,
     steps_of,
 )
-from camtools.skirt.blank import section_cut
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.geometry.blank import section_cut
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 
 N_HARMONICS = 12
 MAX_PARTS, MAX_TURNS = 1000, 100

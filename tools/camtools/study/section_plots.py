@@ -1,7 +1,7 @@
 """Pictures of the analysis of one section.
 
 >>> from camtools.study.section import AnalysisWishes, make_analysis
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> sorted(draw_all(make_analysis(example_part(), AnalysisWishes())))[:2]
 ['area', 'forces']
 """

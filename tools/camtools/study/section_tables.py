@@ -12,7 +12,7 @@ import numpy as np
 
 from camtools.base.quantities import Floats
 from camtools.cut.removal import TURN_RAD, equal_volume_angles, mean_rpm_for, motion_at
-from camtools.skirt.blank import axes_at
+from camtools.skirt.geometry.blank import axes_at
 from camtools.study.section import Analysis
 
 _MEAN_RPM = (300.0, 800.0, 1500.0, 2500.0)

@@ -16,7 +16,7 @@ from tomlkit.exceptions import TOMLKitError
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.toml_text import toml_tree
-from camtools.panel.design.places import Path
+from camtools.panel.design.key_lines import Path
 
 Value = float | str | list[Any] | None
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The form of a part file, made from the model of its kind: tables, fields, ranges, meanings.
 
->>> from camtools.skirt.part import SkirtPart
+>>> from camtools.skirt.part.part_file import SkirtPart
 >>> tables = form_of("piston", SkirtPart, {"process.spindle_rpm": 2500})
 >>> [process] = [one for one in tables if one.title == "process"]
 >>> rpm = process.fields[0]
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from camtools.panel.design.manual import meaning_of
+from camtools.panel.design.key_meanings import meaning_of
 from camtools.part.model import TomlTable
 
 Step = str | int

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from camtools.panel.design.places import line_of, lines_of, path_of
+from camtools.panel.design.key_lines import line_of, lines_of, path_of
 
 _FIELD = re.compile(r"([a-z_][a-z0-9_]*(?:\.(?:[a-z_][a-z0-9_]*|\d+))+)\b")
 _AT_LINE = re.compile(r"at line (\d+)")

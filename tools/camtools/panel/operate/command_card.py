@@ -8,10 +8,10 @@ from collections.abc import Callable
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
+from camtools.panel.dialogs import confirmed
 from camtools.panel.operate.card import card
-from camtools.panel.operate.orders import Orders, Press
-from camtools.panel.question import confirmed
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.operate.order_buttons import Orders, Press
+from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.views.availability import why_not
 
 _FEED_DETENTS = (0, 50, 80, 100, 120, 150)

@@ -13,9 +13,9 @@ from nicegui import ui
 from nicegui.events import GenericEventArguments
 
 from camtools.panel.operate.card import card
-from camtools.panel.operate.orders import Orders
-from camtools.panel.order import Order
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.operate.order_buttons import Orders
+from camtools.panel.orders.order import Order
+from camtools.panel.orders.snapshot import Snapshot
 
 _JOG = ("jog_begin", "jog_hold", "jog_end")
 _AXES = {"u": ("in", "out"), "x": ("out", "in"), "z": ("up", "down")}

@@ -15,20 +15,20 @@ from typing import Any
 from nicegui import background_tasks, events, ui
 
 from camtools.base.errors import CamtoolsError
+from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
 from camtools.panel.design.draft import Draft
 from camtools.panel.design.fields import FormField
-from camtools.panel.design.shelf import EXAMPLE, OWN
-from camtools.panel.frame import framed
+from camtools.panel.design.part_library import EXAMPLE, OWN
+from camtools.panel.design_service import DesignService, workshop_of
+from camtools.panel.dialogs import confirmed
 from camtools.panel.operate.file_button import file_button
+from camtools.panel.page_frame import framed
 from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
 from camtools.panel.pages.reports import add_reports
-from camtools.panel.question import confirmed
 from camtools.panel.runs.options import RunOptions
-from camtools.panel.visitor import Visitor
-from camtools.panel.workshop import Workshop, workshop_of
 
 STYLE = '<link rel="stylesheet" href="/panel/design.css">'
 _FIRST = "perkins240"
@@ -50,13 +50,13 @@ class DesignPage:
 
     Parameters
     ----------
-    workshop : Workshop
+    workshop : DesignService
         Of the panel.
     visitor : Visitor
         Of this page.
     """
 
-    def __init__(self, workshop: Workshop, visitor: Visitor) -> None:
+    def __init__(self, workshop: DesignService, visitor: Visitor) -> None:
         self._workshop, self._visitor = workshop, visitor
         self._source = EXAMPLE
         self._draft = Draft("")

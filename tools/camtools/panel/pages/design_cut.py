@@ -16,13 +16,13 @@ from collections.abc import Awaitable, Callable
 from nicegui import ui
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.words import duration_text
-from camtools.panel.design.shelf import checked_name
+from camtools.base.readable import duration_text
+from camtools.panel.access.visitor import Visitor
+from camtools.panel.design.part_library import checked_name
+from camtools.panel.design_service import DesignService
 from camtools.panel.operate.file_button import file_button
 from camtools.panel.runs.options import OF_THE_PART, RunOptions
 from camtools.panel.runs.store import DONE, OWN, RUNNING, WAITING, Run
-from camtools.panel.visitor import Visitor
-from camtools.panel.workshop import Workshop
 
 _SHOW_S = 0.25
 _MAX_MACHINE_BYTES = 100_000
@@ -46,7 +46,7 @@ class CutView:
 
     Parameters
     ----------
-    workshop : Workshop
+    workshop : DesignService
         Of the panel.
     visitor : Visitor
         Who asks.
@@ -56,7 +56,7 @@ class CutView:
 
     def __init__(
         self,
-        workshop: Workshop,
+        workshop: DesignService,
         visitor: Visitor,
         cut: Callable[[RunOptions], Awaitable[str]],
     ) -> None:

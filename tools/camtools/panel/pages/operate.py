@@ -27,23 +27,23 @@ from __future__ import annotations
 from nicegui import ui
 from nicegui.events import GenericEventArguments, KeyEventArguments
 
+from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
-from camtools.panel.frame import STATIC, framed
 from camtools.panel.operate.command_card import AdjustCard, CommandCard
 from camtools.panel.operate.error_card import ErrorCard
 from camtools.panel.operate.figures_card import FiguresCard
 from camtools.panel.operate.guide_card import GuideCard
 from camtools.panel.operate.hand_card import HandCard
-from camtools.panel.operate.help import Help
+from camtools.panel.operate.keyboard_help import Help
 from camtools.panel.operate.learning_card import LearningCard
 from camtools.panel.operate.log_card import LogCard
-from camtools.panel.operate.orders import Orders
+from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.operate.params_card import ParamsCard
 from camtools.panel.operate.progress_card import ProgressCard
 from camtools.panel.operate.state_bar import StateBar
 from camtools.panel.operate.table_card import TableCard
+from camtools.panel.page_frame import STATIC, framed
 from camtools.panel.views.missing import way_on
-from camtools.panel.visitor import Visitor
 
 FAST_S, SLOW_S = 0.08, 0.5  # between two updates of numbers and charts, and of the rest
 UNSEEN_S = 2.0  # of a page whose tab is hidden

@@ -15,14 +15,14 @@ from typing import Any
 from nicegui import ui
 
 from camtools.base.errors import CamtoolsError
+from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
-from camtools.panel.frame import framed
+from camtools.panel.design_service import DesignService, workshop_of
+from camtools.panel.dialogs import confirmed
+from camtools.panel.page_frame import framed
 from camtools.panel.pages.design import STYLE
 from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
-from camtools.panel.question import confirmed
 from camtools.panel.runs.store import Run
-from camtools.panel.visitor import Visitor
-from camtools.panel.workshop import Workshop, workshop_of
 
 _BOX = '<q-checkbox dense v-model="props.selected" {name} />'
 _SHOW_S = 0.5
@@ -59,13 +59,13 @@ class RunsPage:
 
     Parameters
     ----------
-    workshop : Workshop
+    workshop : DesignService
         Of the panel.
     visitor : Visitor
         Of this page.
     """
 
-    def __init__(self, workshop: Workshop, visitor: Visitor) -> None:
+    def __init__(self, workshop: DesignService, visitor: Visitor) -> None:
         self._workshop, self._visitor = workshop, visitor
         self._version: tuple[int, int] | None = None
         columns = [
