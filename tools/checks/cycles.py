@@ -132,11 +132,6 @@ def allowances(header: str) -> dict[str, int]:
 
     >>> allowances("/// <= 9 cycles\nvoid hal_x_isr(void);\n")
     {'hal_x_isr': 9}
-
-    Raises
-    ------
-    CamtoolsError
-        The header states none for a function.
     """
     found = {}
     begin = 0

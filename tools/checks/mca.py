@@ -83,13 +83,7 @@ def straight_line(executed: Sequence[Step]) -> list[str]:
 
 
 def mca_cycles(lines: Sequence[str], cpu: str) -> int:
-    """Return the cycles that llvm-mca gives for a straight line of instructions, run once.
-
-    Raises
-    ------
-    CamtoolsError
-        llvm-mca is missing or does not know an instruction.
-    """
+    """Return the cycles that llvm-mca gives for a straight line of instructions, run once."""
     command = ["llvm-mca-14", "-mtriple=thumbv7em-none-eabi", f"-mcpu={cpu}", "-iterations=1"]
     command += ["-instruction-info=0", "-resource-pressure=0"]
     report = run_tool(command, "".join(f"{line}\n" for line in lines))

@@ -64,13 +64,7 @@ class InstructionTrace:
 
 
 def run_tool(command: Sequence[str | Path], text: str = "") -> str:
-    """Run a tool of the tool chain; return its output.
-
-    Raises
-    ------
-    CamtoolsError
-        It is missing or fails.
-    """
+    """Run a tool of the tool chain; return its output."""
     words = [str(word) for word in command]
     try:
         done = subprocess.run(

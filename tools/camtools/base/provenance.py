@@ -30,13 +30,7 @@ class Origin(NamedTuple):
 
 
 def date_text() -> str:
-    """Return now, or the time of SOURCE_DATE_EPOCH, to the minute.
-
-    Raises
-    ------
-    CamtoolsError
-        The variable is no number of seconds.
-    """
+    """Return now, or the time of SOURCE_DATE_EPOCH, to the minute."""
     given = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         when = datetime.now(UTC) if given is None else datetime.fromtimestamp(int(given), UTC)

@@ -220,13 +220,7 @@ def _tell(link: Link, say: Say) -> None:
 
 
 def blackbox(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Tell what the black box holds, read it into a file, or clear it.
-
-    Raises
-    ------
-    Refused
-        There is no fault to be read.
-    """
+    """Tell what the black box holds, read it into a file, or clear it."""
     if arguments.file is not None:
         check_name(arguments.file)
     _tell(link, say)

@@ -62,13 +62,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def _positive(option: str, value: float | None) -> list[str]:
-    """Return an option of camsim, nothing when it is not given.
-
-    Raises
-    ------
-    CamtoolsError
-        Not a finite number above 0.
-    """
+    """Return an option of camsim, nothing when it is not given."""
     if value is None:
         return []
     if not (math.isfinite(value) and value > 0):

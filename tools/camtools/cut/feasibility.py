@@ -227,11 +227,6 @@ def check_feasible(peaks: Peaks, limits: MachineLimits, spindle_rpm: float) -> N
 
     A table is judged by the controller's own rule, `camtools.cut.verdict`.
 
-    Parameters
-    ----------
-    spindle_rpm : float
-        Mean speed.
-
     Raises
     ------
     CamtoolsError

@@ -143,15 +143,7 @@ class PartsRange(NamedTuple):
 def parts_range(
     cut: SectionCut, feed_mm: float, rpm: float, volume_mm3: float, cycle_s: float
 ) -> PartsRange:
-    """Return the least and the most parts of a pattern, MATHS.md (23).
-
-    Parameters
-    ----------
-    volume_mm3 : float
-        Largest volume of a part.
-    cycle_s : float
-        Cycle of the controller [s].
-    """
+    """Return the least and the most parts of a pattern, MATHS.md (23)."""
     return PartsRange(
         ceil(cut.total_mm2 * feed_mm / volume_mm3 - 1e-9),
         floor(60 / rpm / (cut.n_patterns * cycle_s) + 1e-9),

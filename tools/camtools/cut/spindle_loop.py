@@ -91,11 +91,6 @@ def _plan_ticks(mean_rad_s: float, loop: SpindleLoop) -> int:
 def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: SpindleLoop) -> Floats:
     """Return (largest - least) / mean of the removal rate of each law, as a spindle plays it.
 
-    Parameters
-    ----------
-    mean_rad_s : float
-        Mean speed of all laws.
-
     Notes
     -----
     The spindle's own ripple may have any phase, so all of it is added.

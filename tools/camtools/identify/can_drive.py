@@ -34,13 +34,7 @@ def not_ready(state: str) -> str:
 
 
 class ConnectedU:
-    """U of a controller.
-
-    Parameters
-    ----------
-    link : Link
-        to the controller
-    """
+    """U of a controller."""
 
     def __init__(self, link: Link) -> None:
         self.link = link
@@ -52,13 +46,7 @@ class ConnectedU:
         return int(answer.value)
 
     def believed(self) -> Believed:
-        """Return what the controller is configured with.
-
-        Raises
-        ------
-        Refused
-            There is none, or its state is not ready.
-        """
+        """Return what the controller is configured with."""
         status = self.link.listen()
         if status.state != "ready":
             raise Refused(f"{self.link.where}: {not_ready(status.state)}")

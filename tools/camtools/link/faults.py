@@ -23,17 +23,7 @@ _LINK = re.compile(r"\[([^]]*)\]\([^)]*\)")
 
 @dataclass(frozen=True)
 class FaultText:
-    """A fault for people.
-
-    Attributes
-    ----------
-    name : str
-        of the fault, as the DBC has it
-    title : str
-        what it is, a few words
-    cause, remedy : str
-        sentences
-    """
+    """A fault for people."""
 
     name: str
     title: str

@@ -98,13 +98,7 @@ def checksum(values: Mapping[str, int]) -> int:
 
 
 def text_of(values: Mapping[str, int], origin: str) -> str:
-    """Return parameters as a TOML file, by groups, with ranges and meanings.
-
-    Parameters
-    ----------
-    origin : str
-        where they are from; a clause
-    """
+    """Return parameters as a TOML file, by groups, with ranges and meanings."""
     lines = [_HEAD.format(origin=origin)]
     for group in _GROUPS:
         names = [name for name in INFOS if name in values and group_of(name) == group]

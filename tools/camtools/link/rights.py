@@ -46,13 +46,7 @@ class CommandLost(Refused):
 
 
 class CommandHeld(Refused):
-    """Another has command.
-
-    Attributes
-    ----------
-    holder : int
-        his number
-    """
+    """Another has command."""
 
     def __init__(self, text: str, holder: int) -> None:
         super().__init__(text)

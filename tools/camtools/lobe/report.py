@@ -20,6 +20,7 @@ from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plots import draw_lobes
 from camtools.lobe.report_interactive import live_of, motion_of
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.plots.panels import stacked
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -190,7 +191,8 @@ def draw_speed(outcome: LobeOutcome) -> Figure:
 def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
     """Return the tool's line from the normal over the angle, with and without the swing."""
     figure, trace = new_figure(10, 5.4), outcome.trace
-    above, below = figure.subplots(2, 1, sharex=True)
+    names = "off the ground rake,\ndegrees", "the same with the\nswing, degrees"
+    above, below = stacked(figure, names)
     rows = trace.state == CUTTING
     lobe = outcome.generated.lobes[0]  # one is enough to see it
     rows &= _heights(lobe, trace.z_mm)
@@ -201,11 +203,8 @@ def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
     degrees, least, most = band(turn, -off_deg)
     above.plot(degrees, (least + most) / 2, color=BLUE, lw=1.6, label="with the swing")
     below.fill_between(degrees, least, most, color=BLUE, alpha=0.5, lw=0.8)
-    names = "off the ground rake,\ndegrees", "the same with the\nswing, degrees"
-    for axes, name in zip((above, below), names, strict=True):
+    for axes in (above, below):
         axes.axhline(0, color=GREY, lw=0.8)
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
     _over_the_angle(below, above, 1.22)
     return figure
 

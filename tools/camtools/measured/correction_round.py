@@ -62,13 +62,7 @@ class Round(NamedTuple):
 
 
 def check_request(request: Request) -> None:
-    """Refuse options that are out of range.
-
-    Raises
-    ------
-    CamtoolsError
-        With the range.
-    """
+    """Refuse options that are out of range."""
     if not MIN_GAIN <= request.gain <= MAX_GAIN:
         problem = f"--gain {request.gain:g}: must be {MIN_GAIN:g} .. {MAX_GAIN:g}"
         raise CamtoolsError([f"{problem}; leave it out for {DEFAULT_GAIN:g}"])
@@ -137,11 +131,6 @@ def _check_new(previous: Previous, surface: Path, own: int) -> None:
 
 def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     """Return the correction of the next table.
-
-    Parameters
-    ----------
-    name : str
-        Of the part.
 
     Raises
     ------

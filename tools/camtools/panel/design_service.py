@@ -34,13 +34,7 @@ _MAX_FILE_BYTES = 20_000_000
 
 
 class DesignService:
-    """Previews, parts and runs of one panel.
-
-    Parameters
-    ----------
-    context : AppContext
-        Of the panel.
-    """
+    """Previews, parts and runs of one panel."""
 
     def __init__(self, context: AppContext) -> None:
         self.engine = Engine()
@@ -80,13 +74,7 @@ class DesignService:
         return sorted(path.stem for path in self.machines.glob("*.toml") if not path.is_symlink())
 
     def keep_machine(self, name: str, data: bytes) -> None:
-        """Keep a machine file of one's own.
-
-        Raises
-        ------
-        CamtoolsError
-            It is no TOML, or has the name of one of the simulator's.
-        """
+        """Keep a machine file of one's own."""
         if name in names():
             raise CamtoolsError([f"{name}: is a machine of the simulator; give another name"])
         read_tree(data, f"{name}.toml")
@@ -177,13 +165,7 @@ def is_confined_tree(tree: object, folder: Path) -> bool:
 
 
 def files_named(tree: object, folder: Path) -> dict[str, bytes]:
-    """Return the files that a part names, by their place seen from it; it was checked before.
-
-    Raises
-    ------
-    CamtoolsError
-        One cannot be read.
-    """
+    """Return the files that a part names, by their place seen from it; it was checked before."""
     found: dict[str, bytes] = {}
     if isinstance(tree, dict):
         for key, value in tree.items():

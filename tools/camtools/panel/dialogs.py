@@ -19,15 +19,7 @@ _open: WeakKeyDictionary[Client, WeakSet[ui.dialog]] = WeakKeyDictionary()
 
 @contextmanager
 def titled_dialog(title: str, name: str) -> Iterator[ui.dialog]:
-    """Make a dialog; what is made within the block is in it.
-
-    Parameters
-    ----------
-    title : str
-        its heading
-    name : str
-        of its mark
-    """
+    """Make a dialog; what is made within the block is in it."""
     dialog = ui.dialog().props(f"seamless no-esc-dismiss aria-labelledby=op-title-{name}")
     _open.setdefault(dialog.client, WeakSet()).add(dialog)
     with dialog, ui.card().classes("op-dialog").props(f"data-testid={name}"):

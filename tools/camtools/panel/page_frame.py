@@ -82,11 +82,6 @@ def _admit(context: AppContext, client: Client) -> Visitor:
 def framed(context: AppContext, path: str) -> Iterator[Visitor]:
     """Make the frame of a page; what is made within the block is its content.
 
-    Parameters
-    ----------
-    path : str
-        of the page, one of PAGES
-
     Yields
     ------
     Visitor

@@ -26,15 +26,7 @@ def machine_text(state: str, *, is_connected: bool) -> str:
 
 
 class FrameStop:
-    """The machine's state and its STOP.
-
-    Parameters
-    ----------
-    context : AppContext
-        Of the panel.
-    visitor : Visitor
-        Of this page.
-    """
+    """The machine's state and its STOP."""
 
     def __init__(self, context: AppContext, visitor: Visitor) -> None:
         self._context, self._visitor = context, visitor

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.papers.draw import panels, plane
+from camtools.plots.panels import plane, stacked
 from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, new_figure
 from camtools.study.lobe import LobeStudy
 
@@ -94,17 +94,15 @@ def draw_turning(study: LobeStudy, i: int) -> Figure:
 
 def draw_swing(study: LobeStudy) -> Figure:
     """Return travel, its speed and the swing over the follower's direction."""
-    figure, (one, two, three) = panels(3, f"tool at {study.rpm:g} r/min", 7)
+    figure = new_figure(8, 7)
+    figure.suptitle(f"tool at {study.rpm:g} r/min")
+    one, two, three = stacked(figure, ("travel x, mm", "speed v, mm/s", "swing, degrees"))
     omega, deg = study.omega_rad_s, study.theta_deg
     one.plot(deg, study.touch.lift, color=BLUE)
     two.plot(deg, study.touch.p1 * omega, color=ORANGE)
     three.plot(deg, np.degrees(study.touch.gamma), color=RED)
-    names = ("travel x, mm", "speed v, mm/s", "swing, degrees")
-    for axes, name in zip((one, two, three), names, strict=True):
-        axes.set_ylabel(name)
     three.set_xticks(range(-180, 181, 30))
     three.set_xlabel("direction of the follower from the zero of the law, degrees")
-    figure.align_ylabels([one, two, three])
     return figure
 
 

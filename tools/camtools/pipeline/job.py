@@ -102,13 +102,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _positive(option: str, text: str | None, unit: str) -> float | None:
-    """Return the number of an option, None when it is not given.
-
-    Raises
-    ------
-    CamtoolsError
-        Not a finite number above 0.
-    """
+    """Return the number of an option, None when it is not given."""
     if text is None:
         return None
     try:
@@ -122,13 +116,7 @@ def _positive(option: str, text: str | None, unit: str) -> float | None:
 
 
 def _for_camsim(words: Sequence[str]) -> list[str]:
-    """Return the user's words for camsim, which works in another folder.
-
-    Raises
-    ------
-    CamtoolsError
-        An option that this command sets itself.
-    """
+    """Return the user's words for camsim, which works in another folder."""
     for word in words:
         if word.split("=")[0] in _OURS:
             raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
@@ -222,13 +210,7 @@ def say(text: str) -> None:
 
 
 def write_files(folder: Path, files: dict[str, bytes]) -> None:
-    """Write files into a folder.
-
-    Raises
-    ------
-    CamtoolsError
-        A file cannot be written.
-    """
+    """Write files into a folder."""
     try:
         for name, data in files.items():
             (folder / name).write_bytes(data)

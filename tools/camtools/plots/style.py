@@ -131,15 +131,7 @@ def nice_floor(value: float) -> float:
 
 
 def log_axis(axes: Axes, name: str, low: float, high: float) -> None:
-    """Make an axis logarithmic, with 1, 2 and 5 written out, of many decades 1 alone.
-
-    Parameters
-    ----------
-    name : str
-        "x" or "y".
-    low, high : float
-        Its ends, above 0.
-    """
+    """Make an axis logarithmic, with 1, 2 and 5 written out, of many decades 1 alone."""
     axes.set(**{f"{name}scale": "log", f"{name}lim": (low, high)})
     axis = axes.xaxis if name == "x" else axes.yaxis
     subs = (1.0, 2.0, 5.0) if high / low < _MANY_DECADES[name] else (1.0,)

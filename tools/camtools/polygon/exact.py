@@ -47,13 +47,7 @@ class ExactPolygon(ExactGeometry):
 
 
 def exact_polygon(part: PolygonPart) -> ExactPolygon:
-    """Return the exact shape of a polygon.
-
-    Raises
-    ------
-    CamtoolsError
-        The numbers make no polygon.
-    """
+    """Return the exact shape of a polygon."""
     _, _, geometry, design = shapes_of(part)
     tip = tip_geometry(geometry, part.tool)
     middle_mm = middle_nm(tip, part.process.u_zero) / NM_PER_MM

@@ -9,19 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.beside import beside
 from camtools.part.tolerances import Tolerances
-from camtools.plots.style import (
-    RED,
-    drawing,
-    new_figure,
-    nice_limit,
-    png_of,
-)
-from camtools.polygon.plots import hardest_blend, paint_blend, paint_section
+from camtools.plots.panels import stacked
+from camtools.plots.style import RED, drawing, new_figure, nice_limit, png_of
+from camtools.polygon.plots import BLEND_NAMES, hardest_blend, paint_blend, paint_section
 from camtools.polygon.report_interactive import live_of, motion_of
 from camtools.polygon.report_text import PolygonCut, name_of, polygon_rows
 from camtools.report import compare as report_compare
@@ -124,7 +118,7 @@ def draw_cut_blend(outcome: PolygonCut) -> Figure:
     made, surface = outcome.generated, outcome.surface
     blend = hardest_blend(made)
     figure = new_figure(10, 6.0)
-    panels: list[Axes] = list(figure.subplots(2, 1, sharex=True))
+    panels = stacked(figure, BLEND_NAMES)
     paint_blend(panels, made, blend)
     off = 2 * np.pi * surface.turn - blend.joint_rad
     off = np.mod(off + np.pi, 2 * np.pi) - np.pi

@@ -118,11 +118,6 @@ class SimSession:
             Of that text, for messages.
         traced : bool
             Keep every tick, or one of --trace-every.
-
-        Raises
-        ------
-        CamtoolsError
-            The simulator refuses; its line says why.
         """
         coded = [os.fsencode(word) for word in words]
         array = (c_char_p * len(coded))(*coded)
@@ -146,13 +141,7 @@ class SimSession:
         return str(self._library.sim_api_error(self._session).decode("utf-8", "replace"))
 
     def finish(self, wall_s: float) -> RawResult:
-        """Return what the cut left, in memory of Python's own; the cut is ended.
-
-        Raises
-        ------
-        CamtoolsError
-            Not enough memory, or a controller on a target is lost.
-        """
+        """Return what the cut left, in memory of Python's own; the cut is ended."""
         library, session = self._library, self._session
         status = int(library.sim_api_finish(session, wall_s))
         summary = library.sim_api_summary(session).decode("ascii")

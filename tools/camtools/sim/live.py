@@ -56,13 +56,7 @@ def with_home_switches(text: str, z_last_mm: float) -> str:
 
 
 def refuses(program: Path, folder: Path, words: Sequence[str]) -> bool:
-    """Return whether camsim refuses table and options; it has said why, once and not twice.
-
-    Raises
-    ------
-    CamtoolsError
-        It cannot be started.
-    """
+    """Return whether camsim refuses table and options; it has said why, once and not twice."""
     command = [str(program), "params", *words]
     try:
         done = subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=False)
@@ -90,15 +84,6 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 class LivePair:
     """The two processes, joined by a pair of sockets; both end when this object is closed.
-
-    Parameters
-    ----------
-    program : Path
-        camsim
-    folder : Path
-        where they work
-    words : list of str
-        table and options of both
 
     Attributes
     ----------

@@ -152,13 +152,6 @@ def pack_trace(stream: BinaryIO, path: Path) -> int:
 
     Of an empty stream, as camsim leaves it when it refuses a cut, no file is made.
 
-    Parameters
-    ----------
-    stream : binary file
-        Read to its end.
-    path : Path
-        Of the Parquet file.
-
     Raises
     ------
     OSError

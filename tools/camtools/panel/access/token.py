@@ -36,13 +36,6 @@ class TokenGuard:
 
     After `MOST_TRIES` wrong ones within `TRIES_S` an address is not heard, not even with the right
     one, until the oldest of them is that old.
-
-    Parameters
-    ----------
-    token : str
-        the right one
-    clock : callable
-        [s]
     """
 
     def __init__(self, token: str, clock: Callable[[], float] = time.monotonic) -> None:

@@ -86,13 +86,7 @@ class FormField:
 
 @dataclass(frozen=True)
 class FormTable:
-    """One table of the file.
-
-    Attributes
-    ----------
-    is_there : bool
-        The text has it.
-    """
+    """One table of the file."""
 
     path: tuple[Step, ...]
     fields: tuple[FormField, ...]

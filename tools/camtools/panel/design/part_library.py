@@ -30,13 +30,7 @@ _MAX_CSV_BYTES = 20_000_000
 
 
 def checked_name(name: str) -> str:
-    """Return a name that is good for a file.
-
-    Raises
-    ------
-    CamtoolsError
-        It is none.
-    """
+    """Return a name that is good for a file."""
     if not _NAME.match(name):
         shown = name if len(name) <= 40 else name[:37] + "..."
         problem = f"name {shown!r}: not usable"

@@ -123,13 +123,7 @@ class _Worker:
 
 
 class Engine:
-    """Processes that compute previews.
-
-    Parameters
-    ----------
-    limits : PreviewLimits
-        What they may take.
-    """
+    """Processes that compute previews."""
 
     def __init__(self, limits: PreviewLimits | None = None) -> None:
         self.limits = limits or PreviewLimits()

@@ -119,11 +119,6 @@ def limits_of(limits: MachineLimits) -> Shown:
 class Judged:
     """A table that was made, and what the controller's rule says of it.
 
-    Parameters
-    ----------
-    loaded : Loaded
-        Kind and part.
-
     Raises
     ------
     CamtoolsError

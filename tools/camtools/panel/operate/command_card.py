@@ -21,13 +21,7 @@ _CHANGED = "table, state or commander have changed since the question; look, and
 
 
 class CommandCard:
-    """Buttons of the sequence; their orders are those of the keyboard, too.
-
-    Attributes
-    ----------
-    on_keys : callable
-        shows the keys
-    """
+    """Buttons of the sequence; their orders are those of the keyboard, too."""
 
     def __init__(self, orders: Orders) -> None:
         self._orders = orders

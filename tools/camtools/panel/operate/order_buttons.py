@@ -55,14 +55,7 @@ class _Guarded:
 
 @dataclass
 class Orders:
-    """The orders of one page.
-
-    Attributes
-    ----------
-    context : AppContext
-    visitor : Visitor
-        of this page
-    """
+    """The orders of one page."""
 
     context: AppContext
     visitor: Visitor

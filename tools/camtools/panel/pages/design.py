@@ -46,15 +46,7 @@ _REPLACED = "What is there now is gone then."
 
 
 class DesignPage:
-    """What one visitor works on.
-
-    Parameters
-    ----------
-    workshop : DesignService
-        Of the panel.
-    visitor : Visitor
-        Of this page.
-    """
+    """What one visitor works on."""
 
     def __init__(self, workshop: DesignService, visitor: Visitor) -> None:
         self._workshop, self._visitor = workshop, visitor

@@ -55,15 +55,7 @@ def row_of(run: Run) -> dict[str, Any]:
 
 
 class RunsPage:
-    """What one visitor looks at.
-
-    Parameters
-    ----------
-    workshop : DesignService
-        Of the panel.
-    visitor : Visitor
-        Of this page.
-    """
+    """What one visitor looks at."""
 
     def __init__(self, workshop: DesignService, visitor: Visitor) -> None:
         self._workshop, self._visitor = workshop, visitor

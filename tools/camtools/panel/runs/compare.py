@@ -161,13 +161,7 @@ class ErrorCurves(NamedTuple):
 
 
 def cells_of(surface: GaugedSurface, heights_mm: tuple[float, float]) -> Floats:
-    """Return the form error of largest magnitude in each cell of a map, NaN where nothing is.
-
-    Parameters
-    ----------
-    heights_mm : tuple of float
-        Ends of the map.
-    """
+    """Return the form error of largest magnitude in each cell of a map, NaN where nothing is."""
     low, high = heights_mm
     row = np.floor((surface.z_mm - low) / max(high - low, 1e-9) * N_HEIGHTS).astype(np.int64)
     column = np.floor(np.mod(surface.turn, 1.0) * N_ANGLES).astype(np.int64)

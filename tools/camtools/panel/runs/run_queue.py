@@ -77,11 +77,6 @@ class RunQueue:
             As `RunStore.new` made it.
         machine : str, optional
             Path of the machine file, where it is one of one's own.
-
-        Raises
-        ------
-        CamtoolsError
-            Too many wait.
         """
         self.check_room()
         self._waiting.append((folder, options.words(PART, machine)))

@@ -81,15 +81,7 @@ class Run:
 
 
 class RunStore:
-    """The folders of runs.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the panel's runs.
-    others : Path
-        Of those of tools/run.
-    """
+    """The folders of runs."""
 
     def __init__(self, folder: Path, others: Path) -> None:
         self._folders = {OWN: folder, OTHER: others}
@@ -152,13 +144,7 @@ class RunStore:
         return sorted(found, key=lambda run: (-run.at_s, run.name))
 
     def run(self, key: str) -> Run:
-        """Return a run by its key.
-
-        Raises
-        ------
-        CamtoolsError
-            There is none.
-        """
+        """Return a run by its key."""
         place, _, name = key.partition("/")
         folder = self._folders.get(place)
         if folder is not None and _NAME.match(name):
@@ -170,13 +156,7 @@ class RunStore:
         raise CamtoolsError([f"run {key[:80]!r}: there is none; it may have been removed"])
 
     def remove(self, key: str) -> None:
-        """Remove a run of the panel.
-
-        Raises
-        ------
-        CamtoolsError
-            It is going on, or it is one of tools/run.
-        """
+        """Remove a run of the panel."""
         run = self.run(key)
         if run.place != OWN:
             raise CamtoolsError([f"{run.name}: is of tools/run; remove it by tools/run --keep"])

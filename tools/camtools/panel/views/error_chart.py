@@ -131,17 +131,7 @@ def _limits(kind: str, limit_um: float, full_um: float) -> list[Option]:
 
 
 def whole(kind: str, full_um: float, limit_um: float) -> Option:
-    """Return the options of an empty chart.
-
-    Parameters
-    ----------
-    kind : str
-        UNROLLED or POLAR
-    full_um : float
-        scale, to both sides
-    limit_um : float
-        tolerance, to both sides
-    """
+    """Return the options of an empty chart."""
     limits = [
         _line(kind, name, _LIMIT, 1.5, "dashed") | data
         for name, data in zip(_LIMITS, _limits(kind, limit_um, full_um), strict=True)

@@ -110,13 +110,7 @@ def fit(x_rad: Floats, y_mm: Floats, recipe: Recipe) -> PPoly:
 
 
 def refit(joint: Joint, recipe: Recipe, n_ellipse: int) -> PPoly:
-    """Return the refitted quadrant of one section.
-
-    Parameters
-    ----------
-    joint : Joint
-        Of scalars.
-    """
+    """Return the refitted quadrant of one section."""
     x_rad = sites_rad(float(joint.joint_rad), n_ellipse)[kept_sites(recipe, n_ellipse)]
     return fit(x_rad, joint.reduction(x_rad).delta, recipe)
 
@@ -184,11 +178,6 @@ def best_of(
     """Return the candidate of least peak acceleration within both limits, MATHS.md (16), (74).
 
     Where none is near enough to the drawing it is the nearest one, which the generator refuses.
-
-    Raises
-    ------
-    GeometryError
-        No candidate keeps the limit of the jerk.
     """
     within = [one for one in candidates if one.tail_jerk_mm_s3 <= jerk_limit_mm_s3]
     if not within:

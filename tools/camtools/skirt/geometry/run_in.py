@@ -79,13 +79,6 @@ def continued(
     """Return a curve over height, continued beyond its ends.
 
     Tangentially, with a curvature that fades; an ovality that would fall below 0 stays.
-
-    Parameters
-    ----------
-    ends_mm : tuple of float
-        Lower and upper end [mm].
-    runs_mm : sequence of float
-        How far below and above [mm].
     """
     inside = (spline.x > ends_mm[0]) & (spline.x < ends_mm[1])
     x = np.concatenate([ends_mm[:1], spline.x[inside], ends_mm[1:]])
@@ -118,11 +111,6 @@ def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometr
     ----------
     run_in_mm, run_out_mm : float
         How far the tool begins below the skirt and ends above it [mm]; 0 leaves the end.
-
-    Raises
-    ------
-    GeometryError
-        The continued half axis falls to 0.
     """
     if run_in_mm == 0 and run_out_mm == 0:
         return geometry

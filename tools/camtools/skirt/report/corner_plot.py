@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats, omega_rad_s
+from camtools.plots.panels import stacked
 from camtools.plots.style import BLUE, GREY, ORANGE, RED, new_figure
 from camtools.sim.results import CUTTING, CutTrace, GaugedSurface
 from camtools.skirt.geometry.composite import fold
@@ -104,27 +105,21 @@ def draw_corner(
     assert corner is not None
     z_mm = corner.worst_mm
     lines = lines_at(geometry, corner, z_mm, spindle_rpm)
+    names = ("reduction of\nthe radius, µm", "error, µm\n(above 0: metal left)")
     figure = new_figure(10, 8.6)
-    panels: list[Axes] = list(figure.subplots(4, 1, sharex=True))
+    panels = stacked(figure, (*names, "U velocity,\nmm/s", "U acceleration,\nm/s²"))
     deg, off_um = _cut_points(geometry, corner, cut, z_mm)
     drawn_um = np.interp(deg, lines.deg, lines.drawn_um)
     _contour(panels, lines, deg, drawn_um + off_um)
     panels[2].plot(lines.deg, trace.sense * lines.velocity_mm_s, color=ORANGE, lw=1.6, ls="--")
     panels[2].plot(*_measured(trace, corner, z_mm), **_DOTS, label="measured on U")
     panels[3].plot(lines.deg, lines.acceleration_m_s2, color=ORANGE, lw=1.6, ls="--")
-    names = (
-        *("reduction of\nthe radius, µm", "error, µm\n(above 0: metal left)"),
-        *("U velocity,\nmm/s", "U acceleration,\nm/s²"),
-    )
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
+    for axes in panels:
         axes.axvline(float(corner.joint_deg(z_mm)), color=GREY, lw=1, ls=":")
     panels[0].set_title(f"height {z_mm:.1f} mm, {spindle_rpm:g} r/min; dotted: the joint")
     panels[0].legend(frameon=False, loc="lower left", ncols=3)
     panels[-1].set_xlabel("spindle angle from the long axis, degrees (all quadrants folded)")
     panels[-1].set_xlim(lines.deg[0], lines.deg[-1])
-    figure.align_ylabels(panels)
     return figure
 
 

@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats
+from camtools.plots.panels import stacked
 from camtools.plots.style import BLUE, GREY, ORANGE, RED, angle_axis, new_figure
 from camtools.sim.results import Removal
 from camtools.skirt.report.outcome import Even
@@ -51,8 +52,9 @@ def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
     """Return speed, rate, power and both forces over one turn where the ripple is largest."""
     worst = worst_of(speed)
     z_mm, law = float(speed.z_mm[worst]), speed.laws[worst]
+    forces = ("force, papers'\nmodel, N", "force of the\nchip, N")
     figure = new_figure(10, 10)
-    panels: list[Axes] = list(figure.subplots(5, 1, sharex=True))
+    panels = stacked(figure, ("spindle, r/min", "removal rate,\nmm³/s", "power, W", *forces))
     ours, theirs = turn_near(even.removal, z_mm), turn_near(even.uniform_removal, z_mm)
     deg = np.linspace(0, 360, 721)
     panels[0].plot(deg, spindle_rpm * law.ratio(np.radians(deg)), color=BLUE, label="equal volume")
@@ -65,21 +67,10 @@ def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
     _pair(panels[2], theirs, ours, "power_w")
     _pair(panels[3], theirs, ours, "rate_force_n")
     _pair(panels[4], theirs, ours, "chip_force_n")
-    names = (
-        "spindle, r/min",
-        "removal rate,\nmm³/s",
-        "power, W",
-        "force, papers'\nmodel, N",
-        "force of the\nchip, N",
-    )
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
     for axes in panels[1:]:
         axes.set_ylim(bottom=0)
     panels[0].set_title(f"height {z_mm:.1f} mm, mean {spindle_rpm:g} r/min", loc="left")
     panels[0].legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 0.97), ncols=3)
-    figure.align_ylabels(panels)
     angle_axis(panels[-1])
     return figure
 

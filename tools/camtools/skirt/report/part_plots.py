@@ -14,7 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.projections.polar import PolarAxes
 
 from camtools.base.quantities import Floats
-from camtools.plots.style import png_of, titled_figure
+from camtools.plots.panels import legend_below, stacked
+from camtools.plots.style import angle_axis, png_of, titled_figure
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.skirt.table.speed import motion_played
@@ -84,18 +85,11 @@ def draw_motion(result: GeneratedSkirt) -> bytes:
     """Return U, its velocity and acceleration over one turn at the part's speed."""
     speed_rpm = result.part.process.spindle_rpm
     figure = titled_figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
-    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    panels = stacked(figure, ("U towards the axis, µm", "velocity, mm/s", "acceleration, m/s²"))
     for i, z_mm in enumerate(_heights_mm(result.geometry)):
         _motion_curves(panels, result, float(z_mm), i)
-    names = ("U towards the axis, µm", "velocity, mm/s", "acceleration, m/s²")
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
-    panels[-1].set_xlabel("spindle angle from the long axis, degrees")
-    panels[-1].set_xticks(range(0, 361, 45))
-    panels[-1].set_xlim(0, 360)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=_N_SECTIONS, frameon=False)
+    angle_axis(panels[-1])
+    legend_below(figure, panels[0], _N_SECTIONS)
     return png_of(figure)
 
 
