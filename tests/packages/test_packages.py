@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from camsim_cases import BUILD, ROOT
-from camtools.base.places import VERSION
+from camtools.base.project_paths import VERSION
 
 LIMIT_S = 600
 HERE = Path(__file__).parent
