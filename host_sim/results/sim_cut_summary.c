@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut_summary.h"
+#include "hal/version.h"        // CAMTURN_VERSION
 #include "sim_cut_pass.h"       // sim_cut_pass_result
 #include "sim_learn_summary.h"  // sim_learn_summary
 #include "sim_switch_summary.h" // sim_switch_summary
@@ -17,7 +18,7 @@ static const char *base_name(const char *path)
 
 static void add_what(cJSON *root, const sim_cut_t *cut, const char *table_path)
 {
-    sim_summary_text(root, "camsim", SIM_VERSION);
+    sim_summary_text(root, "camsim", CAMTURN_VERSION);
     sim_summary_text(root, "part", cut->session.table.name);
     sim_summary_text(root, "table", base_name(table_path));
     sim_summary_number(root, "table_crc32", cut->session.table.crc32);

@@ -11,8 +11,6 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // uint32_t
 
-#define SIM_VERSION "0.1.0"
-
 void sim_summary_number(cJSON *object, const char *key, double value);
 
 void sim_summary_text(cJSON *object, const char *key, const char *text);

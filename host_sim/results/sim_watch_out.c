@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_watch_out.h"
+#include "hal/version.h" // CAMTURN_VERSION
 #include "sim_summary.h" // sim_summary_number
 #include "sim_units.h"   // SIM_NM_PER_MM, sim_round
 
@@ -59,7 +60,7 @@ bool sim_watch_summary(sim_out_t *o, const sim_watch_t *w)
     static const char *const name[] = {"encoder", "u", "x", "z", "spindle"};
     const sim_session_t *s = &w->session;
     cJSON *root = cJSON_CreateObject();
-    sim_summary_text(root, "camsim", SIM_VERSION);
+    sim_summary_text(root, "camsim", CAMTURN_VERSION);
     sim_summary_text(root, "part", s->table.name);
     sim_summary_number(root, "table_crc32", s->table.crc32);
     sim_summary_text(root, "machine", s->options.config.name);

@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT
+from camtools.base.project_paths import ROOT, VERSION, with_names
 
 _OUTPUT = ("-o", "--output")
 
@@ -41,9 +41,9 @@ def date_text() -> str:
 
 
 def version_text() -> str:
-    """Return what git calls this state of the project, or that there is no git to tell."""
+    """Return what git calls this state of the project, without a clone its version."""
     if not (ROOT / ".git").exists():
-        return "unknown (no git)"
+        return VERSION
     words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--tags"]
     try:
         done = subprocess.run(words, capture_output=True, text=True, timeout=10, check=False)
@@ -67,4 +67,4 @@ def command_text(program: str, words: Sequence[str]) -> str:
 
 def origin_of(program: str, words: Sequence[str]) -> Origin:
     """Return where a result comes from that a command makes now."""
-    return Origin(date_text(), version_text(), command_text(program, words))
+    return Origin(date_text(), version_text(), command_text(with_names(program), words))

@@ -33,7 +33,7 @@ _DRAWN_DEG = 0.25  # step of the curves of a cam
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
-        prog="analyse",
+        prog="tools/analyse",
         description="Work out areas, equal parts, speed law and forces of one section of a piston, "
         "of a section with a corner also its refit; of a cam the motion of tool or wheel, speed, "
         "contact and curvature. A cam takes --step-deg and --rpm only.",

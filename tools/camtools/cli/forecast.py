@@ -17,7 +17,7 @@ from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import emit_json
 from camtools.base.output import write_all
-from camtools.base.project_paths import ROOT
+from camtools.base.project_paths import RESULTS
 from camtools.forecast.job import Question, limits, plan_of
 from camtools.forecast.one_cut import CutOutcome
 from camtools.forecast.parallel_cuts import cut_all
@@ -95,7 +95,7 @@ def _run(given: argparse.Namespace) -> int:
     question = _question(given)
     workers = None if given.workers is None else limits("--workers", given.workers, 1, 1024)
     plan = plan_of(question)
-    folder = given.output or ROOT / "build" / "forecast" / plan.made.table.part.part.name
+    folder = given.output or RESULTS / "forecast" / plan.made.table.part.part.name
     store = Store(folder / "store")
     texts = dict(zip(plan.keys, plan.texts, strict=True))
     missing = [text for key, text in texts.items() if key not in store.found]

@@ -26,7 +26,7 @@ FAILED = 1
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = Parser(prog="keys", description="Make keys for signed tables, sign, verify.")
+    parser = Parser(prog="tools/keys", description="Make keys for signed tables, sign, verify.")
     commands = parser.add_subparsers(dest="command", required=True)
     made = commands.add_parser("make", help="write NAME.pem, the private key, and NAME.pub")
     made.add_argument("name", type=Path, metavar="NAME")

@@ -27,7 +27,7 @@ import can
 
 from camtools.base.command import BAD_INPUT, Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
-from camtools.base.project_paths import ROOT
+from camtools.base.project_paths import ROOT, with_names
 from camtools.base.quantities import NM_PER_MM
 from camtools.cli.bus import add_interface_options, bus_arguments
 from camtools.link.bus import open_bus
@@ -101,7 +101,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _say(text: str) -> None:
-    sys.stdout.write(f"live: {text}\n")
+    sys.stdout.write(with_names(f"live: {text}\n"))
     sys.stdout.flush()
 
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from camtools.base.command import Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
-from camtools.base.project_paths import ROOT
+from camtools.base.project_paths import RESULTS
 from camtools.cli.bus import add_bus_options, bus_arguments, open_controller
 from camtools.link.bus import configured
 from camtools.link.controller import Link
@@ -42,7 +42,7 @@ From another computer: ssh -L 8417:127.0.0.1:8417 THIS, then the address as prin
 Exit status: 0 ended by control-C or SIGTERM, 2 wrong usage or bad input."""
 
 
-_KEPT = ROOT / "build" / "panel"
+_KEPT = RESULTS / "panel"
 
 
 def _port(text: str) -> int:

@@ -25,7 +25,7 @@ _RPM = (1.0, 60_000.0)
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
-        prog="scallop",
+        prog="tools/scallop",
         description="Cut a part on the simulator along a ring-helix and along helices, with a tool "
         "of a nose radius; compare surface and time with what theory says.",
         allow_abbrev=False,

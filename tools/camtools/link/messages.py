@@ -12,13 +12,13 @@ The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from cantools.database.can import Database, Message
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.project_paths import ROOT
 
-DBC = Path(__file__).resolve().parents[3] / "firmware" / "remote" / "can" / "camturn.dbc"
+DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"
 DATABASE = Database()
 DATABASE.add_dbc_file(DBC)
 COMMAND, ANSWER = (DATABASE.get_message_by_name(name) for name in ("Command", "Answer"))

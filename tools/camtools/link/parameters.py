@@ -16,15 +16,15 @@ import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.project_paths import ROOT
 from camtools.base.toml_text import toml_tree
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS
 from camtools.link.refusal_text import ask_done
 
-_HEADER = Path(__file__).resolve().parents[3] / "firmware" / "param" / "cam_param.h"
+_HEADER = ROOT / "firmware" / "param" / "cam_param.h"
 _ROW = re.compile(r'X\((\w+),\s*(-?\d+),\s*(-?\d+),\s*(-?\d+),\s*"([^"]*)"')
 _HEAD = """\
 # Parameters of a camturn controller, {origin}.

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from camtools.base.project_paths import ROOT
+from camtools.base.project_paths import RESULTS
 from camtools.panel.access.token import TokenGuard
 from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
@@ -41,5 +41,5 @@ class AppContext:
     commander: Commander
     log: CommandLog
     guard: TokenGuard
-    parts: Path = ROOT / "build" / "panel" / "parts"
-    runs: Path = ROOT / "build" / "panel" / "runs"
+    parts: Path = RESULTS / "panel" / "parts"
+    runs: Path = RESULTS / "panel" / "runs"

@@ -15,7 +15,7 @@ from pathlib import Path
 from camtools.base.command import Parser
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import cannot_write
-from camtools.base.project_paths import ROOT
+from camtools.base.project_paths import RESULTS, ROOT
 from camtools.base.provenance import origin_of
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
@@ -24,7 +24,7 @@ from camtools.roundness.waves import DEFAULT_UPR, UPR_CHOICES
 from camtools.sim.machines import machine_bytes, names
 from camtools.table.header import check_tolerance
 
-RUNS = ROOT / "build" / "run"
+RUNS = RESULTS / "run"
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _OURS = (

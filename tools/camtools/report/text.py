@@ -17,10 +17,11 @@ import numpy as np
 
 from camtools.base.errors import InputError
 from camtools.base.json_text import Json
+from camtools.base.project_paths import ROOT
 from camtools.base.quantities import length_text
 from camtools.sim.results import FAULT, AnyCut
 
-_FAULTS = Path(__file__).resolve().parents[3] / "firmware" / "FAULTS.md"
+_FAULTS = ROOT / "firmware" / "FAULTS.md"
 _FAULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
 _MOST_NAMES = 3
 _CLEAR_MM = 0.2  # the tool counts as out of the work: twice the usual depth of cut
