@@ -13,14 +13,7 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.table.signature import (
-    key_id,
-    make_private,
-    read_private,
-    read_public,
-    sign,
-    verify,
-)
+from camtools.table.signature import key_id, make_private, read_private, read_public, sign, verify
 
 FAILED = 1
 

@@ -44,13 +44,7 @@ from camtools.sim.camsim import (
 )
 from camtools.sim.cut_plan import plan_of
 from camtools.sim.drive_mismatch import SHARE, Mismatch, mismatch
-from camtools.sim.results import (
-    AnyCut,
-    Measured,
-    read_summary,
-    read_surface,
-    read_trace,
-)
+from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
 from camtools.sim.sections import read_sections
 
 
@@ -146,10 +140,7 @@ def run(argv: Sequence[str]) -> int:
     correction = correction_for(job.options, loaded, job.output)
     say(f"making the table of {job.part_path.name}")
     made = make(
-        *(loaded, job.part_path),
-        rpm=job.rpm,
-        tolerance_nm=job.tolerance_nm,
-        correction=correction,
+        *(loaded, job.part_path), rpm=job.rpm, tolerance_nm=job.tolerance_nm, correction=correction
     )
     folder = job.folder(loaded.part.part.name, len(correction.rounds) if correction else 0)
     with staged(folder) as stage:

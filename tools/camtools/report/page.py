@@ -19,13 +19,7 @@ from camtools.report.board import Board
 from camtools.report.page_scripts import Live, css_text, scripts_of, twin_of
 from camtools.report.picture_text import sentences_of
 from camtools.report.sheet_page import SheetPages
-from camtools.report.text import (
-    ReportRow,
-    fault_story,
-    margins_of,
-    origin_rows,
-    verdict_of,
-)
+from camtools.report.text import ReportRow, fault_story, margins_of, origin_rows, verdict_of
 from camtools.sim.results import AnyCut
 
 _TEMPLATE = "page.html.j2"

@@ -55,10 +55,7 @@ class CutView:
     """
 
     def __init__(
-        self,
-        designs: DesignService,
-        visitor: Visitor,
-        cut: Callable[[RunOptions], Awaitable[str]],
+        self, designs: DesignService, visitor: Visitor, cut: Callable[[RunOptions], Awaitable[str]]
     ) -> None:
         self._designs, self._visitor, self._cut = designs, visitor, cut
         self._mine = ""

@@ -119,8 +119,7 @@ def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
             "no speed law changes it",
         ),
         ReportRow(
-            "form error at uniform speed",
-            error_pair(outcome.even.uniform_summary["form_error_um"]),
+            "form error at uniform speed", error_pair(outcome.even.uniform_summary["form_error_um"])
         ),
     ]
 
