@@ -105,10 +105,6 @@ def download(link: Link, image: bytes, progress: Callable[[int, float], None]) -
 
     Parameters
     ----------
-    link : Link
-        to the controller
-    image : bytes
-        whole table image
     progress : callable
         called with [bytes] that are stored and [s] since the begin
 

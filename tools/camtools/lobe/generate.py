@@ -93,8 +93,6 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
 
     Parameters
     ----------
-    part : LobePart
-        A validated part.
     tolerance_nm : float, optional
         Largest error of the lift [nm], 10 by default; angles are within 1e-4 degrees.
 

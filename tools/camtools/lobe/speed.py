@@ -44,8 +44,6 @@ def surface_speed(
     ----------
     ds_dphi : ndarray, shape (N_GRID,)
         Travel of the contact along the profile [mm/rad], above 0.
-    base_mm : float
-        Radius of the base circle.
     base_rad_s : float
         Speed of the spindle on the base circle.
     limits : SpindleLimits

@@ -28,8 +28,6 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
     ----------
     data : bytes
         Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
     """
     try:
         return toml_tree(data.decode("utf-8"))

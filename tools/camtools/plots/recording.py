@@ -158,8 +158,6 @@ def time_picture(
         by names whose last word is the unit
     states : mapping
         names of the numbers in the column state
-    trigger : str
-        written at the trigger
     bits : mapping, optional
         names of the bits of columns that are sums of bits, by column
     """

@@ -111,8 +111,6 @@ class SimSession:
             Of `camsim run`, the table included, without outputs.
         machine : str or None
             Text of a machine file; None: that of --machine, or the default machine.
-        name : str
-            Of that text, for messages.
         traced : bool
             Keep every tick, or one of --trace-every.
         """

@@ -109,8 +109,6 @@ def simulate(
         (`feed_ramp_turns`) are gauged, too.
     set : mapping, optional
         Parameters of the controller, by their names in `firmware/param/cam_param.h`.
-    seed : int
-        Of all noise.
     trace : bool
         Keep every tick: 300 bytes each.
     options : list of str

@@ -54,12 +54,8 @@ def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, in
 
     Parameters
     ----------
-    kind : int
-        Of the channel.
     exact : ndarray, shape (n_slices, n_knots, 3)
         Triples (value, h value', h^2 value'' / 2) in the unit of the channel.
-    log2_repeat : int
-        Of the channel.
     range_nm : (int, int)
         Height of the first and of the last slice.
 

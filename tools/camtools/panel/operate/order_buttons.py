@@ -113,8 +113,6 @@ class Orders:
 
         Parameters
         ----------
-        order : str
-            of availability.RULES
         key : str
             of the keyboard that does the same
         """

@@ -44,10 +44,6 @@ class ControllerService:
     open_link : callable
         returns a Link with an open bus, or raises CamtoolsError, whose text the page shows; it is
         called again and again while no controller is heard
-    commander : Commander
-        who may give orders
-    log : CommandLog
-        of orders
     secret : bytes, optional
         unlocks the controller
     """

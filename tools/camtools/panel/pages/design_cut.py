@@ -46,10 +46,6 @@ class CutView:
 
     Parameters
     ----------
-    designs : DesignService
-        Of the panel.
-    visitor : Visitor
-        Who asks.
     cut : callable
         Starts a run with options; returns its name, or raises CamtoolsError.
     """

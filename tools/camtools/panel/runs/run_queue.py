@@ -37,8 +37,6 @@ class RunQueue:
 
     Parameters
     ----------
-    store : RunStore
-        Where they are kept.
     on_change : callable
         Called in the event loop when anything has changed.
     command : list of str, optional
@@ -66,8 +64,6 @@ class RunQueue:
 
         Parameters
         ----------
-        folder : Path
-            As `RunStore.new` made it.
         machine : str, optional
             Path of the machine file, where it is one of one's own.
         """

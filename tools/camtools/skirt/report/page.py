@@ -128,8 +128,6 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes], sheets: SheetPages | N
 
     Parameters
     ----------
-    pngs : dict
-        Pictures by key, drawn.
     sheets : SheetPages or None
         Sheets of the gauged sections, drawn.
     """

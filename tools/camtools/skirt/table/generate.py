@@ -153,8 +153,6 @@ def generate(
 
     Parameters
     ----------
-    part : SkirtPart
-        A validated part.
     tolerance_nm : float, optional
         Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
         by default 1 nm, for u of a refitted composite section 5 nm, of a corrected drawing the
