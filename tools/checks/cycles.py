@@ -48,32 +48,22 @@ class Processor:
     Attributes
     ----------
     name : str
-    cpu : str
-        Core, as llvm-mca calls it.
-    preset, board : str
-        Build preset, and the emulator's name of the board.
     clock_hz : int
-    entry_late_cycles : int
-        What an interrupt's entry may take above `ENTRY_CYCLES`.
     refill_cycles : int
         What a taken branch costs at most above llvm-mca's figure; 0: Arm publishes a table of
         cycles, which is taken instead.
-    fetch_bytes, fetch_cycles : int
-        Unit in which code comes from flash, and what the core waits for one.
-    is_kept : bool
-        A unit once fetched stays: it lies in a cache that is larger than a tick's code.
     """
 
     name: str
-    cpu: str
-    preset: str
-    board: str
+    cpu: str  # core, as llvm-mca calls it
+    preset: str  # of the build
+    board: str  # the emulator's name of it
     clock_hz: int
-    entry_late_cycles: int
+    entry_late_cycles: int  # what an interrupt's entry may take above `ENTRY_CYCLES`
     refill_cycles: int
-    fetch_bytes: int
-    fetch_cycles: int
-    is_kept: bool
+    fetch_bytes: int  # unit in which code comes from flash
+    fetch_cycles: int  # what the core waits for one
+    is_kept: bool  # a unit once fetched stays: it lies in a cache that is larger than a tick's code
 
 
 # 4 wait states at 240 MHz (RM0433, flash latency), then four beats of 64 bits, at two cycles of the

@@ -61,21 +61,11 @@ class InfeasibleError(CamtoolsError):
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A speed law of one section.
+    """A speed law of one section."""
 
-    Attributes
-    ----------
-    spline : BSpline
-        r over the angle [rad], periodic.
-    load : Load
-        Of the section.
-    share : float
-        lambda of MATHS.md (26) for partial modulation; 1 full, 0 uniform, NaN optimised.
-    """
-
-    spline: BSpline
-    load: Load
-    share: float
+    spline: BSpline  # r over the angle [rad], periodic
+    load: Load  # of the section
+    share: float  # lambda of MATHS.md (26) for partial modulation; 1 full, 0 uniform, NaN optimised
 
     def ratio(self, phi_rad: FloatsLike, derivative: int = 0) -> Floats:
         """Return r, r' or r'' at angles [rad]."""

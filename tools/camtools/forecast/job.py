@@ -42,28 +42,16 @@ def limits(option: str, value: int, low: int, high: int) -> int:
 
 @dataclass(frozen=True)
 class Question:
-    """What the command line says.
-
-    Attributes
-    ----------
-    part, machine, vary : path, name or path, path
-        The last two may be missing: the machine of the part file, and the usual unknowns.
-    words : tuple of str
-        Options of camsim: speed, feed, turns, parameters.
-    rpm : float or None
-        Speed, which the table of some parts depends on.
-    tolerance_um : float or None
-        None: that of the part.
-    """
+    """What the command line says."""
 
     part: Path
-    machine: str | None
-    vary: Path | None
+    machine: str | None  # name or path; None: that of the part file
+    vary: Path | None  # None: the usual unknowns
     n_runs: int
     seed: int
-    rpm: float | None
-    words: tuple[str, ...]
-    tolerance_um: float | None
+    rpm: float | None  # speed, which the table of some parts depends on
+    words: tuple[str, ...]  # options of camsim: speed, feed, turns, parameters
+    tolerance_um: float | None  # None: that of the part
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,34 +60,18 @@ class ForecastPlan:
 
     Attributes
     ----------
-    made : Made
-        The part and its table.
-    machine : Machine
-        As given or made from the part file.
     unknowns : list of Unknown
-    left_out : list of str
-        Of the usual unknowns those that this machine does not have.
-    inputs : ndarray, shape (runs, unknowns)
-        True numbers of the machines.
-    texts : list of str
-        Machine files.
-    keys : list of str
-        Digest of each cut.
-    task : Task
-        What the cuts share.
-    tolerance_um : float
-        That a good part keeps.
     """
 
-    made: Made
-    machine: Machine
+    made: Made  # the part and its table
+    machine: Machine  # as given or made from the part file
     unknowns: list[Unknown]
-    left_out: list[str]
-    inputs: Floats
-    texts: list[str]
-    keys: list[str]
-    task: Task
-    tolerance_um: float
+    left_out: list[str]  # of the usual unknowns those that this machine does not have
+    inputs: Floats  # shape (runs, unknowns); true numbers of the machines
+    texts: list[str]  # machine files
+    keys: list[str]  # digest of each cut
+    task: Task  # what the cuts share
+    tolerance_um: float  # that a good part keeps
 
     @property
     def names(self) -> list[str]:

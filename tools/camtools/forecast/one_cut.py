@@ -26,22 +26,12 @@ TABLE, DESIGN = "part.camtab", "part.json"
 
 
 class Task(NamedTuple):
-    """What all cuts of a forecast have in common.
+    """What all cuts of a forecast have in common."""
 
-    Attributes
-    ----------
-    table, design : bytes
-        Content of the table and of its report.
-    words : tuple of str
-        Options of camsim.
-    build : str
-        Digest of the simulator that all cuts are to be made by.
-    """
-
-    table: bytes
-    design: bytes
-    words: tuple[str, ...]
-    build: str
+    table: bytes  # content of the table
+    design: bytes  # content of its report
+    words: tuple[str, ...]  # options of camsim
+    build: str  # digest of the simulator that all cuts are to be made by
 
     def key(self, machine: str) -> str:
         """Return what a cut depends on, as one digest."""
@@ -58,36 +48,24 @@ class CutOutcome(NamedTuple):
 
     Attributes
     ----------
-    key : str
-        Digest of all that it depends on.
     end : str
         done, stopped, fault, timeout, refused: as in the summary; "refused" also where the
         simulator refused the machine or the speed.
-    status : int
-        Exit status of camsim.
-    faults : str
-        Names of the first faults, separated by blanks.
-    message : str
-        Why it is not good.
     form_max_um, form_rms_um, roundness_um, following_max_um : float
         NaN where nothing was gauged.
-    ticks : int
-        That the cut took.
-    wall_s : float
-        Computing time.
     """
 
-    key: str
+    key: str  # digest of all that it depends on
     end: str
-    status: int
-    faults: str
-    message: str
+    status: int  # exit status of camsim
+    faults: str  # names of the first faults, separated by blanks
+    message: str  # why it is not good
     form_max_um: float
     form_rms_um: float
     roundness_um: float
     following_max_um: float
-    ticks: int
-    wall_s: float
+    ticks: int  # that the cut took
+    wall_s: float  # computing time
 
     @property
     def is_gauged(self) -> bool:

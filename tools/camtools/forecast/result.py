@@ -27,25 +27,13 @@ _NOTHING_UM = float("inf")  # a cut without a result is worse than any error
 
 
 class Forecast(NamedTuple):
-    """What is known after all cuts.
+    """What is known after all cuts."""
 
-    Attributes
-    ----------
-    errors_um : ndarray, shape (runs,)
-        Largest form error of each cut, infinite where there is none.
-    within : Share
-        Of the cuts that came to their end within tolerance.
-    ends : dict
-        Count of cuts by how they ended, and by their first faults.
-    effects : list of Effect
-        Of the unknowns, the strongest first; empty when there are too few cuts.
-    """
-
-    errors_um: Floats
-    within: Share
+    errors_um: Floats  # shape (runs,); largest form error of each cut, infinite where there is none
+    within: Share  # of the cuts that came to their end within tolerance
     quantiles: list[Quantile]
-    ends: dict[str, int]
-    effects: list[Effect]
+    ends: dict[str, int]  # count of cuts by how they ended, and by their first faults
+    effects: list[Effect]  # of the unknowns, the strongest first; empty when there are too few cuts
 
 
 def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome], seed: int) -> Forecast:

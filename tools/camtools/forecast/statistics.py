@@ -43,22 +43,16 @@ class Effect(NamedTuple):
 
     Attributes
     ----------
-    key : str
-        Of the unknown.
-    pawn : float
-        How far its knowledge moves the distribution of the error, 0 .. 1.
     first_order, first_order_conf : float
         Share of the variance of the error's logarithm that it explains alone, and half the width of
         its interval of 95 %.
-    is_noise : bool
-        Of numbers that have no effect, 5 % seem to move the distribution as far.
     """
 
-    key: str
-    pawn: float
+    key: str  # of the unknown
+    pawn: float  # how far its knowledge moves the distribution of the error, 0 .. 1
     first_order: float
     first_order_conf: float
-    is_noise: bool
+    is_noise: bool  # of numbers that have no effect, 5 % seem to move the distribution as far
 
 
 def share_within(n_within: int, n: int) -> Share:

@@ -76,24 +76,16 @@ class Unknown(NamedTuple):
 
     Attributes
     ----------
-    key : str
-        Table and key of the machine file.
-    nominal : float
-        What the controller believes.
     low, high : float
         Ends of what is drawn, in the unit of the key.
-    words : str
-        The distribution for people.
-    frozen : distribution of scipy.stats
-        Without its ends.
     """
 
-    key: str
-    nominal: float
+    key: str  # table and key of the machine file
+    nominal: float  # what the controller believes
     low: float
     high: float
-    words: str
-    frozen: Any
+    words: str  # the distribution for people
+    frozen: Any  # without its ends
 
     def at(self, share: FloatsLike) -> Floats:
         """Return the number below which a share of the truncated distribution lies.

@@ -35,22 +35,12 @@ class Wishes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """A wave, and how it is played.
-
-    Attributes
-    ----------
-    place_nm : int
-        of U about which it is played: as far out of the work as the stroke allows
-    n_periods : int
-        at full amplitude
-    fade_ticks : int
-        in which it rises before, and falls behind
-    """
+    """A wave, and how it is played."""
 
     wave: Wave
-    place_nm: int
-    n_periods: int
-    fade_ticks: int
+    place_nm: int  # of U about which it is played: as far out of the work as the stroke allows
+    n_periods: int  # at full amplitude
+    fade_ticks: int  # in which it rises before, and falls behind
 
 
 def _refused(option: str, value_um: float, what: str, found: str, remedy: str) -> CamtoolsError:

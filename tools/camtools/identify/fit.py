@@ -42,18 +42,12 @@ class DriveFit:
     ----------
     values : ndarray, shape (4,)
         k1 [s], k2 [s2], friction c [nm], dead time with half a tick of hold [s]
-    covariance : ndarray, shape (4, 4)
-        of the values, from residuals and scatter
-    residual : ndarray, shape (n,)
-        of each line, as a share of its amplitude
-    misfit : float
-        rms of the residual, lines that stand little above their noise counting less
     """
 
     values: Floats
-    covariance: Floats
-    residual: Complexes
-    misfit: float
+    covariance: Floats  # shape (4, 4); of the values, from residuals and scatter
+    residual: Complexes  # shape (n,); of each line, as a share of its amplitude
+    misfit: float  # rms of the residual, lines that stand little above their noise counting less
 
     @property
     def k1_s(self) -> float:

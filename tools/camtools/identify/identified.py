@@ -39,24 +39,12 @@ class Limits:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """The constants of U's drive with their doubts.
+    """The constants of U's drive with their doubts."""
 
-    Attributes
-    ----------
-    spectra : Spectra
-        with the friction that the fit found
-    plain : DriveFit
-        of a drive of second order
-    with_mode : ModeFit or None
-        of one with a mode as well
-    gain : Gain
-        share of a commanded way that U moves
-    """
-
-    spectra: Spectra
-    plain: DriveFit
-    with_mode: ModeFit | None
-    gain: Gain
+    spectra: Spectra  # with the friction that the fit found
+    plain: DriveFit  # of a drive of second order
+    with_mode: ModeFit | None  # of one with a mode as well
+    gain: Gain  # share of a commanded way that U moves
 
     @property
     def has_mode(self) -> bool:

@@ -43,15 +43,11 @@ class Grid:
     Attributes
     ----------
     tick_hz : float
-    n_ticks : int
-        of a period
-    highest_hz : float
-        no line lies above
     """
 
     tick_hz: float
-    n_ticks: int
-    highest_hz: float
+    n_ticks: int  # of a period
+    highest_hz: float  # no line lies above
 
     @classmethod
     def of(cls, tick_hz: float, highest_hz: float = HIGHEST_HZ) -> Grid:
@@ -86,25 +82,13 @@ class WavePeaks:
 
 @dataclass(frozen=True)
 class Wave:
-    """One period of an excitation about its middle.
-
-    Attributes
-    ----------
-    u_nm : ndarray, shape (n_ticks,)
-        whole multiples of the quantum
-    rms_nm : float
-        of the multisine alone
-    carrier_nm : float
-        amplitude of the carrier
-    peaks : WavePeaks
-        of the continuous wave
-    """
+    """One period of an excitation about its middle."""
 
     grid: Grid
-    u_nm: Ints
-    rms_nm: float
-    carrier_nm: float
-    peaks: WavePeaks
+    u_nm: Ints  # shape (n_ticks,); whole multiples of the quantum
+    rms_nm: float  # of the multisine alone
+    carrier_nm: float  # amplitude of the carrier
+    peaks: WavePeaks  # of the continuous wave
 
 
 def _shape(bins: Ints, line_hz: float) -> Floats:

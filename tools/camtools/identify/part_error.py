@@ -32,18 +32,10 @@ _MOST_POINTS = 4096
 
 @dataclass(frozen=True, eq=False)
 class ToolMotion:
-    """The way of U over one turn.
+    """The way of U over one turn."""
 
-    Attributes
-    ----------
-    u_nm : ndarray, shape (n,)
-        at angles that divide the turn evenly
-    rpm : float
-        spindle speed, its mean where it is modulated
-    """
-
-    u_nm: Floats
-    rpm: float
+    u_nm: Floats  # shape (n,); at angles that divide the turn evenly
+    rpm: float  # spindle speed, its mean where it is modulated
 
     @property
     def s(self) -> Complexes:

@@ -33,16 +33,12 @@ class SettledRecord:
     ----------
     u_nm : ndarray, shape (n_dropped + n_periods, n_ticks)
         written in a tick; the first periods are those in which U settles
-    y_nm : ndarray, of the same shape
-        measured in the same tick, before the set-point was written
-    quantum_nm : float
-        of the scale, 0 when it is not known
     """
 
     grid: Grid
     u_nm: Floats
-    y_nm: Floats
-    quantum_nm: float
+    y_nm: Floats  # measured in the same tick, before the set-point was written
+    quantum_nm: float  # of the scale, 0 when it is not known
     n_dropped: int = N_DROPPED
 
     @property

@@ -46,16 +46,12 @@ class Mode:
     ----------
     hz, damping : float
         of the mode
-    lead_out : float
-        of the acceleration: 1 when nothing rings
-    drag_out : float
-        of the speed [1/s]: 2 damping times the angular frequency when nothing rings
     """
 
     hz: float
     damping: float
-    lead_out: float
-    drag_out: float
+    lead_out: float  # of the acceleration: 1 when nothing rings
+    drag_out: float  # of the speed [1/s]: 2 damping times the angular frequency when nothing rings
 
     def factor(self, s: Complexes) -> Complexes:
         """Return that share for s = j times the angular frequency [rad/s]."""

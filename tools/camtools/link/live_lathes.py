@@ -36,19 +36,13 @@ class LiveLathe:
 
     Attributes
     ----------
-    name : str
-        by which camctl --live finds it
-    bus : dict
-        arguments of can.Bus
-    node : int
-        of the controller
     facts : dict
         all that was announced: `pid` and `start` of the process, and what else it told
     """
 
-    name: str
-    bus: dict[str, Any]
-    node: int
+    name: str  # by which camctl --live finds it
+    bus: dict[str, Any]  # arguments of can.Bus
+    node: int  # of the controller
     facts: dict[str, Any]
 
 

@@ -79,20 +79,14 @@ class Answer:
 
     Attributes
     ----------
-    result : str
-        name of a cam_err_t, "done" when accepted
-    value : float
-        of the signal that the command's answer has, scaled; 0 without one
-    parameter : int
-        index, as reported
     limits : tuple of float or None
         lowest and highest value, when the value was out of its range
     """
 
     command: str
-    result: str
-    value: float
-    parameter: int
+    result: str  # name of a cam_err_t, "done" when accepted
+    value: float  # of the signal that the command's answer has, scaled; 0 without one
+    parameter: int  # index, as reported
     limits: tuple[float, float] | None = None
 
 

@@ -97,19 +97,13 @@ class TickLoad:
     ----------
     longest_us, mean_us : float or None
         [us] since the start, and over the last quarter of a second; None: the port does not measure
-    period_us : float or None
-        [us] from tick to tick
-    share : float or None
-        the longest as a share of the period
-    text : str
-        for people
     """
 
     longest_us: float | None
     mean_us: float | None
-    period_us: float | None
-    share: float | None
-    text: str
+    period_us: float | None  # [us] from tick to tick
+    share: float | None  # the longest as a share of the period
+    text: str  # for people
 
 
 def tick_load(signals: Mapping[str, float]) -> TickLoad:

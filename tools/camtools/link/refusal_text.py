@@ -57,30 +57,14 @@ _STATE_S = 1.0
 
 @dataclass(frozen=True)
 class Excess:
-    """What a cut demands too much of, and how that is told.
+    """What a cut demands too much of, and how that is told."""
 
-    Attributes
-    ----------
-    what : str
-        of what
-    unit : str
-        for people
-    scale : float
-        that unit per unit of the controller
-    parameter : str
-        that limits it; "" where none does
-    label : str
-        what the limit is called: the parameter without its unit, or what else sets it
-    share : int
-        the limit is that part of the parameter: 1 / share
-    """
-
-    what: str
-    unit: str
-    scale: float
-    parameter: str
-    label: str
-    share: int = 1
+    what: str  # of what
+    unit: str  # for people
+    scale: float  # that unit per unit of the controller
+    parameter: str  # that limits it; "" where none does
+    label: str  # what the limit is called: the parameter without its unit, or what else sets it
+    share: int = 1  # the limit is that part of the parameter: 1 / share
 
     def text(self, needed: int, limit: int, label: str) -> str:
         """Return the comparison, in the unit for people."""

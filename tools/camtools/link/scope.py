@@ -68,43 +68,19 @@ _LIMITS = {
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What a controller recorded.
+    """What a controller recorded."""
 
-    Attributes
-    ----------
-    signals : tuple of str
-        names of the columns; the last word is the unit, see SIGNALS
-    rows : ndarray of int32, shape (n, len(signals))
-        a row for each tick that was recorded
-    tick_hz, every : int
-        [Hz] rate of the ticks, and [ticks] from row to row
-    first_tick : int
-        number of the tick of the first row, modulo 2^32
-    end : str
-        why it ended, one of ENDS
-    n_lost : int
-        ticks that were lost at the end; the rows have no gap
-    n_fall : int
-        rows at the end of an excitation in which its amplitude falls; 0 without one
-    n_before : int
-        rows of before the trigger
-    trigger_tick : int
-        in which the trigger fired, not wrapped against the ticks of the rows
-    faults : int
-        that were latched in that tick, a bit each
-    """
-
-    signals: tuple[str, ...]
-    rows: npt.NDArray[np.int32]
-    tick_hz: int
-    every: int
-    first_tick: int
-    end: str
-    n_lost: int
-    n_fall: int = 0
-    n_before: int = 0
-    trigger_tick: int = 0
-    faults: int = 0
+    signals: tuple[str, ...]  # names of the columns; the last word is the unit, see SIGNALS
+    rows: npt.NDArray[np.int32]  # shape (n, len(signals)); a row for each tick that was recorded
+    tick_hz: int  # [Hz] rate of the ticks
+    every: int  # [ticks] from row to row
+    first_tick: int  # number of the tick of the first row, modulo 2^32
+    end: str  # why it ended, one of ENDS
+    n_lost: int  # ticks that were lost at the end; the rows have no gap
+    n_fall: int = 0  # rows at the end of an excitation in which its amplitude falls; 0 without one
+    n_before: int = 0  # rows of before the trigger
+    trigger_tick: int = 0  # in which the trigger fired, not wrapped against the ticks of the rows
+    faults: int = 0  # that were latched in that tick, a bit each
 
     def __getitem__(self, signal: str) -> Ints:
         """Return a column."""

@@ -30,21 +30,11 @@ _S_PER_MIN = 60.0
 
 @dataclass(frozen=True)
 class Unit:
-    """How a signal is told.
+    """How a signal is told."""
 
-    Attributes
-    ----------
-    name : str
-        of the column; the last word is the unit
-    factor : float
-        that unit per unit of the controller
-    is_wrapping : bool
-        it counts from 0 to 2^32, not from -2^31
-    """
-
-    name: str
-    factor: float
-    is_wrapping: bool = False
+    name: str  # of the column; the last word is the unit
+    factor: float  # that unit per unit of the controller
+    is_wrapping: bool = False  # it counts from 0 to 2^32, not from -2^31
 
 
 def unit_of(signal: str, tick_hz: int) -> Unit:

@@ -49,32 +49,18 @@ class Samples:
 
     Attributes
     ----------
-    tick : ndarray of int64
-        numbers of the ticks, from that of the first sample since begin() on
-    turn : ndarray of int64
-        whole turns in the sense of cutting, without wrap; only differences mean anything
     angle_turn : ndarray of float
         angle in the sense of cutting, [0, 1): the drawing's with M3, 1 less the drawing's with M4
-    error_um : ndarray of float
-        following error [um] of the same tick: U measured less U due
-    state : ndarray of int64
-        number of the state, as in NAMES["state"]
-    is_synced : ndarray of bool
-        whether the angle was known
-    is_saturated : ndarray of bool
-        whether the error is larger than 8388.607 um, which then stands for it
-    n_lost : int
-        samples that were lost since begin(), on the bus or because they found no room
     """
 
-    tick: Ints
-    turn: Ints
+    tick: Ints  # numbers of the ticks, from that of the first sample since begin() on
+    turn: Ints  # whole turns in the sense of cutting, without wrap; only differences mean anything
     angle_turn: Floats
-    error_um: Floats
-    state: Ints
-    is_synced: Flags
-    is_saturated: Flags
-    n_lost: int
+    error_um: Floats  # following error [um] of the same tick: U measured less U due
+    state: Ints  # number of the state, as in NAMES["state"]
+    is_synced: Flags  # whether the angle was known
+    is_saturated: Flags  # whether the error is larger than 8388.607 um, which then stands for it
+    n_lost: int  # samples that were lost since begin(), on the bus or because they found no room
 
 
 class Strobe:

@@ -28,24 +28,12 @@ GRAMMAR = (
 
 @dataclass(frozen=True)
 class Trigger:
-    """When a recording begins; see cam_scope.h.
+    """When a recording begins; see cam_scope.h."""
 
-    Attributes
-    ----------
-    kind : str
-        one of scope.TRIGGERS
-    watched : str
-        signal of kind level
-    level : int
-        in the unit of the controller
-    is_falling : bool
-        of kind level and angle
-    """
-
-    kind: str
-    watched: str = "tick"
-    level: int = 0
-    is_falling: bool = False
+    kind: str  # one of scope.TRIGGERS
+    watched: str = "tick"  # signal of kind level
+    level: int = 0  # in the unit of the controller
+    is_falling: bool = False  # of kind level and angle
 
 
 def _number(text: str, what: str) -> float:

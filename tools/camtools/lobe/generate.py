@@ -54,38 +54,20 @@ _DEG_PER_UNIT = 360 / ANGLE_TURN
 
 @dataclass(frozen=True, eq=False)
 class GeneratedLobes:
-    """A table of a camshaft and everything that is known about it.
-
-    Attributes
-    ----------
-    lobes : list of ShaftLobe
-        Exact geometry.
-    lift, angle : MadeChannel
-        Channels of u and of swing or contact, with their errors in nm and degrees.
-    speed : MadeChannel or None
-        Channel of the speed ratio, error of the ratio.
-    mean_rpm : float
-        Mean speed of a turn.
-    peaks : Peaks
-        What the axes need.
-    heel : LobeHeel or None
-        Where the flank of a tool comes nearest to the lobes; None of a wheel.
-    plunge : Plan or None
-        The turns of a plunge cut.
-    """
+    """A table of a camshaft and everything that is known about it."""
 
     part: LobePart
-    lobes: list[ShaftLobe]
+    lobes: list[ShaftLobe]  # exact geometry
     tolerance_nm: float
     table: Table
-    lift: MadeChannel
-    angle: MadeChannel
-    speed: MadeChannel | None
-    mean_rpm: float
-    peaks: Peaks
+    lift: MadeChannel  # channel of u, error in nm
+    angle: MadeChannel  # channel of swing or contact, error in degrees
+    speed: MadeChannel | None  # channel of the speed ratio, error of the ratio
+    mean_rpm: float  # mean speed of a turn
+    peaks: Peaks  # what the axes need
     highest_speed: HighestSpeed
-    heel: LobeHeel | None
-    plunge: Plan | None = None
+    heel: LobeHeel | None  # where the flank of a tool comes nearest to the lobes; None of a wheel
+    plunge: Plan | None = None  # the turns of a plunge cut
 
 
 def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:

@@ -53,16 +53,10 @@ class LiftLaw(Protocol):
 
 @dataclass(frozen=True)
 class Poly345:
-    """The 3-4-5 polynomial: speed and acceleration 0 at the ends and at the nose.
+    """The 3-4-5 polynomial: speed and acceleration 0 at the ends and at the nose."""
 
-    Attributes
-    ----------
-    lift_mm, half_angle_rad : float
-        Lift at the nose, angle 0, and the angle from the nose to the base circle.
-    """
-
-    lift_mm: float
-    half_angle_rad: float
+    lift_mm: float  # at the nose, angle 0
+    half_angle_rad: float  # from the nose to the base circle
 
     def evaluate(self, theta_rad: Floats) -> Lift:
         """See `LiftLaw.evaluate`. Source: MATHS.md (37)."""
@@ -79,23 +73,13 @@ class Poly345:
 
 @dataclass(frozen=True)
 class Risen:
-    """A rise, a dwell at the nose, a fall that is a rise of its own angle turned round.
+    """A rise, a dwell at the nose, a fall that is a rise of its own angle turned round."""
 
-    Attributes
-    ----------
-    rise, fall : RiseLaw
-        Of the rising and of the falling flank.
-    lift_mm : float
-        Lift at the nose, whose middle is at angle 0.
-    rise_rad, dwell_rad, fall_rad : float
-        Angles of the flanks and of the nose, a turn together at most.
-    """
-
-    rise: RiseLaw
-    fall: RiseLaw
-    lift_mm: float
-    rise_rad: float
-    dwell_rad: float
+    rise: RiseLaw  # of the rising flank
+    fall: RiseLaw  # of the falling flank
+    lift_mm: float  # lift at the nose, whose middle is at angle 0
+    rise_rad: float  # the three angles are a turn together at most
+    dwell_rad: float  # of the nose
     fall_rad: float
 
     def evaluate(self, theta_rad: Floats) -> Lift:
@@ -118,18 +102,10 @@ class Risen:
 
 @dataclass(frozen=True)
 class Disc:
-    """An eccentric disc: the roller's centre runs on a circle about the disc's centre.
+    """An eccentric disc: the roller's centre runs on a circle about the disc's centre."""
 
-    Attributes
-    ----------
-    reach_mm : float
-        Radius of the disc plus that of the roller.
-    offset_mm : float
-        Distance of the disc's centre from the axis, towards angle 0.
-    """
-
-    reach_mm: float
-    offset_mm: float
+    reach_mm: float  # radius of the disc plus that of the roller
+    offset_mm: float  # distance of the disc's centre from the axis, towards angle 0
 
     def evaluate(self, theta_rad: Floats) -> Lift:
         """See `LiftLaw.evaluate`. Source: MATHS.md (38), base radius reach - offset - r1."""

@@ -27,31 +27,21 @@ class ShaftLobe:
 
     Attributes
     ----------
-    law : LiftLaw
-        Of the lobe itself.
     base_mm, roller_mm, follower_mm : float
         Radii of the base circle, of the roller that defines the lift, and of what touches the cam.
-    phase_rad : float
-        Spindle angle at which the lobe's own angle is 0.
-    z_mm : tuple of float
-        Where it begins and ends.
-    shape : Shape
-        Its extremes.
     profile : int
         Lobes of the same number have the same law: 0 .. , in the order in which they appear.
-    is_flat : bool
-        The lift is that of a flat face, not of a roller.
     """
 
-    law: LiftLaw
+    law: LiftLaw  # of the lobe itself
     base_mm: float
     roller_mm: float
     follower_mm: float
-    phase_rad: float
-    z_mm: tuple[float, float]
-    shape: Shape
+    phase_rad: float  # spindle angle at which the lobe's own angle is 0
+    z_mm: tuple[float, float]  # where the lobe begins and ends
+    shape: Shape  # its extremes
     profile: int = 0
-    is_flat: bool = False
+    is_flat: bool = False  # the lift is that of a flat face, not of a roller
 
     def contacts(self, phi_rad: Floats) -> tuple[Contact, Follower]:
         """Return contacts and follower at spindle angles [rad], in the frame of the lobe."""

@@ -49,26 +49,16 @@ class Told(NamedTuple):
 
     Attributes
     ----------
-    z_mm : ndarray, shape (n,)
-        Heights that count.
-    waves : list of KeptWave
-        From the mean on.
-    sigma_um : float
-        Standard deviation of a point about the waves, the median of all heights.
-    n_far : int
-        GaugedPoints that do not count because they are far from the waves of their height.
     alone_mm : list of float
         Heights that do not count because they differ from both their neighbours.
-    heights : Heights
-        As the points were divided.
     """
 
-    z_mm: Floats
-    waves: list[KeptWave]
-    sigma_um: float
-    n_far: int
+    z_mm: Floats  # shape (n,); heights that count
+    waves: list[KeptWave]  # from the mean on
+    sigma_um: float  # standard deviation of a point about the waves, the median of all heights
+    n_far: int  # points that do not count because they are far from the waves of their height
     alone_mm: list[float]
-    heights: Heights
+    heights: Heights  # as the points were divided
 
     def correction(self, ends_mm: tuple[float, float], gain: float) -> Correction:
         """Return what is kept as a correction of this gain."""

@@ -25,21 +25,13 @@ class AppContext:
     ----------
     service : ControllerService
         owns the link; `service.snapshot()`, `service.strobe()`, `await service.do(order, visitor)`
-    commander : Commander
-        who commands
-    log : CommandLog
-        of commands, also of edits and runs of the design page
-    guard : TokenGuard
-        sets `visitor.has_token`; pages only look at that
     parts : Path
         folder of the part files; nothing outside of it is read or written by a page
-    runs : Path
-        folder of the runs that are kept
     """
 
     service: ControllerService
-    commander: Commander
-    log: CommandLog
-    guard: TokenGuard
+    commander: Commander  # who commands
+    log: CommandLog  # of commands, also of edits and runs of the design page
+    guard: TokenGuard  # sets `visitor.has_token`; pages only look at that
     parts: Path = RESULTS / "panel" / "parts"
-    runs: Path = RESULTS / "panel" / "runs"
+    runs: Path = RESULTS / "panel" / "runs"  # folder of the runs that are kept

@@ -41,23 +41,15 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
 
     Attributes
     ----------
-    name : str
-        `part.kind` of its part files.
-    plural : str
-        Many of them, for messages.
-    rank : int
-        Place in lists of kinds; the first one judges a part file that names none.
     commands : tuple of str
         Commands of the project that can do something with such a part.
-    model : type
-        Of its part file: a TomlTable that is a PartFile.
     """
 
-    name: ClassVar[str]
-    plural: ClassVar[str]
-    rank: ClassVar[int]
+    name: ClassVar[str]  # `part.kind` of its part files
+    plural: ClassVar[str]  # many of them, for messages
+    rank: ClassVar[int]  # place in lists of kinds; the first one judges a part file that names none
     commands: ClassVar[tuple[str, ...]]
-    model: ClassVar[type[TomlTable]]
+    model: ClassVar[type[TomlTable]]  # of its part file: a TomlTable that is a PartFile
 
     @abstractmethod
     def make(self, part: PartT, tolerance_nm: float | None = None) -> MadeT:

@@ -56,16 +56,10 @@ def shifted(phi_rad: Floats, middle_rad: float) -> Floats:
 
 @dataclass(frozen=True)
 class Line:
-    """A straight side, MATHS.md (113).
+    """A straight side, MATHS.md (113)."""
 
-    Attributes
-    ----------
-    distance_mm, normal_rad : float
-        Of the line from the axis, and the direction of the foot.
-    """
-
-    distance_mm: float
-    normal_rad: float
+    distance_mm: float  # of the line from the axis
+    normal_rad: float  # direction of the foot
 
     @property
     def reach(self) -> Reach:
@@ -82,19 +76,11 @@ class Line:
 
 @dataclass(frozen=True)
 class CornerArc:
-    """A circle round a centre that may lie off the axis, MATHS.md (114).
+    """A circle round a centre that may lie off the axis, MATHS.md (114)."""
 
-    Attributes
-    ----------
-    centre_mm, centre_rad : float
-        Distance and direction of the centre.
-    radius_mm : float
-        Of the circle; the axis lies inside, or the far side of the circle is meant.
-    """
-
-    centre_mm: float
-    centre_rad: float
-    radius_mm: float
+    centre_mm: float  # distance of the centre
+    centre_rad: float  # and its direction
+    radius_mm: float  # of the circle; the axis lies inside, or the far side of the circle is meant
 
     @property
     def reach(self) -> Reach:
@@ -121,21 +107,12 @@ class Flank:
 
     p(alpha) = mean - eccentricity cos(n alpha) is the distance of the tangent whose normal has
     the direction alpha, counted from the middle of a side.
-
-    Attributes
-    ----------
-    mean_mm, eccentricity_mm : float
-        Mean distance of a tangent, and by how much it swings.
-    n : int
-        Number of sides.
-    middle_rad : float
-        Direction of the middle of a side.
     """
 
-    mean_mm: float
-    eccentricity_mm: float
-    n: int
-    middle_rad: float
+    mean_mm: float  # mean distance of a tangent
+    eccentricity_mm: float  # by how much it swings
+    n: int  # number of sides
+    middle_rad: float  # direction of the middle of a side
 
     @property
     def is_convex(self) -> bool:

@@ -49,34 +49,20 @@ _HINT_MARGIN = 1.02  # what is advised is a little more than what is needed
 
 @dataclass(frozen=True, eq=False)
 class GeneratedPolygon:
-    """A table of a polygon and everything that is known about it.
-
-    Attributes
-    ----------
-    drawing : Outline
-        The section of the first height, as drawn.
-    blended : Blended
-        The section as it is cut, with what the blends of its joints cost.
-    design : PolySurface
-        Surface of the drawing.
-    geometry : Geometry
-        Surface that the table holds.
-    middle_nm : int
-        What X takes over from U, `process.u_zero`.
-    """
+    """A table of a polygon and everything that is known about it."""
 
     part: PolygonPart
-    drawing: Outline
-    blended: Blended
-    design: PolySurface
-    geometry: Geometry
+    drawing: Outline  # the section of the first height, as drawn
+    blended: Blended  # the section as it is cut, with what the blends of its joints cost
+    design: PolySurface  # surface of the drawing
+    geometry: Geometry  # surface that the table holds
     tolerance_nm: float
     table: Table
     accuracy_u: Accuracy
     accuracy_x: Accuracy
     peaks: Peaks
     highest_speed: HighestSpeed
-    middle_nm: int
+    middle_nm: int  # what X takes over from U, `process.u_zero`
     heel: Heel
 
     @property

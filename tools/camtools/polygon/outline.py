@@ -42,15 +42,11 @@ class Outline:
     ----------
     starts_rad : tuple of float
         Where each curve begins, rising, within one turn; the last one ends where the first begins.
-    curves : tuple of Curve
-        As many.
-    repeat : int
-        How many times the outline repeats per turn.
     """
 
     starts_rad: tuple[float, ...]
-    curves: tuple[Curve, ...]
-    repeat: int
+    curves: tuple[Curve, ...]  # as many
+    repeat: int  # how many times the outline repeats per turn
 
     def ends_rad(self) -> tuple[float, ...]:
         """Return where each curve ends."""

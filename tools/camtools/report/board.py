@@ -40,24 +40,12 @@ class Magnification(NamedTuple):
 
 
 class Board(NamedTuple):
-    """What the linked charts show.
+    """What the linked charts show."""
 
-    Attributes
-    ----------
-    cells : Cells
-        Worst points; its heights are the steps of the slider.
-    tolerance_um : float
-        Largest form error of a good part.
-    shape : int
-        How often the shape of a section is enlarged, its deviation from a circle.
-    space : int
-        The same of the part in space.
-    """
-
-    cells: Cells
-    tolerance_um: float
-    shape: int
-    space: int
+    cells: Cells  # worst points; its heights are the steps of the slider
+    tolerance_um: float  # largest form error of a good part
+    shape: int  # how often the shape of a section is enlarged, its deviation from a circle
+    space: int  # the same of the part in space
 
     @property
     def largest_um(self) -> float:

@@ -36,24 +36,12 @@ _TWINS = {
 
 
 class Live(NamedTuple):
-    """What of a report is alive.
+    """What of a report is alive."""
 
-    Attributes
-    ----------
-    board : Board or None
-        The linked charts of the surface; None where nothing was gauged.
-    angle : str
-        From where the angle counts, for axes.
-    charts : dict
-        Charts of plotly.js by the key of the picture whose place they take.
-    sentences : dict
-        What pictures show, in words, by key.
-    """
-
-    board: Board | None
-    angle: str
-    charts: dict[str, Json]
-    sentences: dict[str, str]
+    board: Board | None  # the linked charts of the surface; None where nothing was gauged
+    angle: str  # from where the angle counts, for axes
+    charts: dict[str, Json]  # charts of plotly.js by the key of the picture whose place they take
+    sentences: dict[str, str]  # what pictures show, in words, by key
 
 
 def json_script(value: Json) -> Markup:

@@ -37,34 +37,26 @@ class SectionFigures(NamedTuple):
     ----------
     drawn_mm, raw_mm, filtered_mm : ndarray, shape (n,)
         Radius of the drawing, deviation from it, and that through the filter.
-    largest_mm, largest_deg : float
-        Deviation of the largest size, unfiltered, with its sign, and its angle.
     off, off_zone : Roundness, Zone
         Of the filtered deviation, laid on a circle with the mean radius of the drawing: about the
         least-squares circle, and the minimum zone.
-    whole, whole_zone, circumscribed, inscribed
-        The same of the section as it is, drawing and filtered deviation.
-    drawn_axes, cut_axes : OvalAxes
-        DIAMETERS of the drawing and of the section as it is.
-    off_waves, whole_waves : list of RoundWave
-        Of the deviation and of the section, unfiltered.
     """
 
     drawn_mm: Floats
     raw_mm: Floats
     filtered_mm: Floats
-    largest_mm: float
-    largest_deg: float
+    largest_mm: float  # deviation of the largest size, unfiltered, with its sign
+    largest_deg: float  # its angle
     off: Roundness
     off_zone: Zone
-    whole: Roundness
+    whole: Roundness  # the same of the section as it is, drawing and filtered deviation
     whole_zone: Zone
     circumscribed: Circle
     inscribed: Circle
-    drawn_axes: OvalAxes
-    cut_axes: OvalAxes
-    off_waves: list[RoundWave]
-    whole_waves: list[RoundWave]
+    drawn_axes: OvalAxes  # DIAMETERS of the drawing
+    cut_axes: OvalAxes  # DIAMETERS of the section as it is
+    off_waves: list[RoundWave]  # of the deviation, unfiltered
+    whole_waves: list[RoundWave]  # of the section, unfiltered
 
     @property
     def cut_mm(self) -> Floats:

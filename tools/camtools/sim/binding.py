@@ -57,25 +57,13 @@ def _library(path: Path) -> ctypes.CDLL:
 
 
 class RawResult(NamedTuple):
-    """What a cut left.
+    """What a cut left."""
 
-    Attributes
-    ----------
-    status : int
-        Exit status of `camsim run`: 0 good, 1 not good.
-    message : str
-        Why it is not good, "" when it is.
-    surface, trace : ndarray
-        A field for each column of the file; trace is empty when none was asked for.
-    summary_text : str
-        JSON, as the file.
-    """
-
-    status: int
-    message: str
-    surface: Rows
+    status: int  # exit status of `camsim run`: 0 good, 1 not good
+    message: str  # why it is not good, "" when it is
+    surface: Rows  # a field for each column of the file; trace is empty when none was asked for
     trace: Rows
-    summary_text: str
+    summary_text: str  # JSON, as the file
 
 
 class SimSession:

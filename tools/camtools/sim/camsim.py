@@ -121,21 +121,11 @@ def traced_turns(turns: float, speed_rpm: float) -> float | None:
 
 @dataclass(frozen=True)
 class Simulator:
-    """Where camsim is and where it works.
+    """Where camsim is and where it works."""
 
-    Attributes
-    ----------
-    program : Path
-        The executable.
-    folder : Path
-        Working folder: names of tables and results are relative to it.
-    table : str
-        Name of the table.
-    """
-
-    program: Path
-    folder: Path
-    table: str
+    program: Path  # the executable
+    folder: Path  # working folder: names of tables and results are relative to it
+    table: str  # name of the table
 
     def command(self, words: Sequence[str]) -> list[str]:
         """Return the command line of a cut."""

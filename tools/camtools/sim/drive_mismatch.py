@@ -35,16 +35,12 @@ class Mismatch(NamedTuple):
     ----------
     without_um, with_um : float or None
         Largest form error without learning and with it [um]; none where the cut ended otherwise.
-    learns : bool
-        The controller learns on this machine.
-    turns : float
-        Turns that were cut.
     """
 
     without_um: float | None
     with_um: float | None
-    learns: bool
-    turns: float
+    learns: bool  # the controller learns on this machine
+    turns: float  # turns that were cut
 
     def text(self) -> str:
         """Return it in one line.

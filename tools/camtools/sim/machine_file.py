@@ -33,18 +33,10 @@ _MAX_BYTES = 1 << 20
 
 
 class Machine(NamedTuple):
-    """A machine file.
+    """A machine file."""
 
-    Attributes
-    ----------
-    name : str
-        For messages: the file as the user named it.
-    text : str
-        TOML.
-    """
-
-    name: str
-    text: str
+    name: str  # for messages: the file as the user named it
+    text: str  # TOML
 
 
 def find_machine(word: str | Path) -> Machine:

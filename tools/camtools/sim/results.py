@@ -265,34 +265,20 @@ class Cut(Generic[MadeT]):
 
     Attributes
     ----------
-    generated : MadeTable
-        The part and its table.
-    summary : dict
-        Of camsim.
-    is_trace_complete : bool
-        The trace holds the whole cut, not its first turns only.
-    variants : tuple of CutVariant
-        Comparison cuts, the matched one first; may be empty.
     overview : CutTrace or None
         One tick of several of the whole cut, where the trace is not complete.
-    origin : Origin or None
-        What repeats the cut, where a command made it.
-    sections : GaugedSections
-        The true radius at evenly spaced places.
-    cutoff_upr : int
-        Of the filter of the sheets, waves per turn.
     """
 
-    generated: MadeT
-    summary: Json
+    generated: MadeT  # the part and its table
+    summary: Json  # of camsim
     surface: GaugedSurface
     trace: CutTrace
-    is_trace_complete: bool = True
-    variants: tuple[CutVariant, ...] = ()
+    is_trace_complete: bool = True  # the trace holds the whole cut, not its first turns only
+    variants: tuple[CutVariant, ...] = ()  # comparison cuts, the matched one first; may be empty
     overview: CutTrace | None = None
-    origin: Origin | None = None
-    sections: GaugedSections = NO_SECTIONS
-    cutoff_upr: int = DEFAULT_UPR
+    origin: Origin | None = None  # what repeats the cut, where a command made it
+    sections: GaugedSections = NO_SECTIONS  # the true radius at evenly spaced places
+    cutoff_upr: int = DEFAULT_UPR  # of the filter of the sheets, waves per turn
 
     @property
     def name(self) -> str:

@@ -68,35 +68,23 @@ class Channel:
 
     Attributes
     ----------
-    kind : int
-        KIND_U, KIND_X, KIND_SPEED, KIND_SWING or KIND_CONTACT.
     knots : ndarray of int32, shape (n_slices, n_knots, 3)
         (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed 2^-frac_bits 2^-20, of
         swing and contact 2^-frac_bits 2^-26 turn; n_knots = 1 for x.
-    log2_repeat : int
-        The pattern repeats 2^log2_repeat times per turn; 0 for x.
-    frac_bits : int
-        0 .. 16.
-    z_first_nm, z_last_nm : int
-        Heights of the first and the last slice.
-    value_offset : int
-        Value at p = 0, in the unit of the channel.
-    p_min, p_max, v_max, a_max : int
-        Bounds of p and of the magnitudes of v and a.
     has_patterns : bool
         Slices are patterns of lobes, found by their number instead of a height.
     """
 
-    kind: int
+    kind: int  # KIND_U, KIND_X, KIND_SPEED, KIND_SWING or KIND_CONTACT
     knots: Knots
-    log2_repeat: int
-    frac_bits: int
-    z_first_nm: int
-    z_last_nm: int
-    value_offset: int
+    log2_repeat: int  # the pattern repeats 2^log2_repeat times per turn; 0 for x
+    frac_bits: int  # 0 .. 16
+    z_first_nm: int  # height of the first slice
+    z_last_nm: int  # height of the last slice
+    value_offset: int  # value at p = 0, in the unit of the channel
     p_min: int
     p_max: int
-    v_max: int
+    v_max: int  # of the magnitude, as a_max
     a_max: int
     has_patterns: bool = False
 

@@ -20,26 +20,16 @@ class Visitor:
 
     Attributes
     ----------
-    id : str
-        short name, shown and logged; it opens nothing
-    address : str
-        of the computer that asked for the page
-    has_token : bool
-        whether the page has shown the token of this start
-    is_here : bool
-        whether the page's connection stands
-    was_connected : bool
-        whether it has stood before
     back_at_s : float
         [s] of time.monotonic: when it stood again after it was lost; what a browser had kept back
         meanwhile comes just behind that
     """
 
-    id: str
-    address: str
-    has_token: bool = False
-    is_here: bool = True
-    was_connected: bool = False
+    id: str  # short name, shown and logged; it opens nothing
+    address: str  # of the computer that asked for the page
+    has_token: bool = False  # whether the page has shown the token of this start
+    is_here: bool = True  # whether the page's connection stands
+    was_connected: bool = False  # whether it has stood before
     back_at_s: float = -1e9
 
     def __str__(self) -> str:

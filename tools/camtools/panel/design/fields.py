@@ -36,20 +36,14 @@ class FormField:
 
     Attributes
     ----------
-    path : tuple
-        Of the key in the file; numbers are places in lists of tables.
     sort : str
         number, whole, choice, switch, text, numbers (one or a list) or other (the text alone).
-    value : object
-        That of the text; None where the text leaves it out.
-    default : object
-        What holds without it; None: nothing.
     """
 
-    path: tuple[Step, ...]
+    path: tuple[Step, ...]  # of the key in the file; numbers are places in lists of tables
     sort: str
-    value: Any
-    default: Any
+    value: Any  # that of the text; None where the text leaves it out
+    default: Any  # what holds without it; None: nothing
     is_required: bool
     low: float | None = None
     high: float | None = None

@@ -33,24 +33,12 @@ _MOST_WAITING = 20  # edits of one page
 
 @dataclass(frozen=True)
 class PreviewLimits:
-    """What computing a preview may take.
+    """What computing a preview may take."""
 
-    Attributes
-    ----------
-    workers : int
-        Processes that are kept ready: while one is replaced the others serve.
-    time_s : float
-        Until a request is given up [s].
-    memory_mb : int
-        Address space of a process [MB].
-    start_s : float
-        Until a new process is ready [s].
-    """
-
-    workers: int = 2
-    time_s: float = 20.0
-    memory_mb: int = 2048
-    start_s: float = 60.0
+    workers: int = 2  # processes that are kept ready: while one is replaced the others serve
+    time_s: float = 20.0  # until a request is given up [s]
+    memory_mb: int = 2048  # address space of a process [MB]
+    start_s: float = 60.0  # until a new process is ready [s]
 
 
 @dataclass(eq=False)

@@ -61,20 +61,16 @@ class Job:
 
     Attributes
     ----------
-    is_urgent : bool
-        whether it overtakes
     still_allowed : callable
         called when its turn comes: why it may not be done any more, "" when it may
-    told : Future
-        gets the outcome
     """
 
     name: str
     arguments: Mapping[str, Any]
     visitor: Visitor
-    is_urgent: bool = False
+    is_urgent: bool = False  # whether it overtakes
     still_allowed: Callable[[], str] = lambda: ""
-    told: Future[Outcome] = field(default_factory=Future)
+    told: Future[Outcome] = field(default_factory=Future)  # gets the outcome
     given_s: float = field(default_factory=time.monotonic)
 
     def tell(self, is_done: bool, text: str) -> None:

@@ -15,31 +15,15 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Order:
-    """What a visitor wants done.
+    """What a visitor wants done."""
 
-    Attributes
-    ----------
-    name : str
-        one of camtools.panel.orders.order_rules.RULES
-    arguments : Mapping
-        by their names there
-    """
-
-    name: str
-    arguments: Mapping[str, Any] = field(default_factory=dict)
+    name: str  # one of camtools.panel.orders.order_rules.RULES
+    arguments: Mapping[str, Any] = field(default_factory=dict)  # by their names there
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of an order.
+    """What came of an order."""
 
-    Attributes
-    ----------
-    is_done : bool
-        whether the controller accepted it
-    text : str
-        one line for people: what is so now, or why not and what to do
-    """
-
-    is_done: bool
-    text: str
+    is_done: bool  # whether the controller accepted it
+    text: str  # one line for people: what is so now, or why not and what to do

@@ -30,18 +30,10 @@ from camtools.panel.orders.order import Order
 
 @dataclass(frozen=True)
 class OrderRule:
-    """What an order needs.
+    """What an order needs."""
 
-    Attributes
-    ----------
-    arguments : Mapping
-        type by name; all must be there but those of `optional`
-    optional : Mapping
-        type by name of those that may be missing
-    """
-
-    arguments: Mapping[str, type]
-    optional: Mapping[str, type]
+    arguments: Mapping[str, type]  # type by name; all must be there but those of `optional`
+    optional: Mapping[str, type]  # type by name of those that may be missing
 
 
 # They overtake everything, break off what runs, and drop what waits.

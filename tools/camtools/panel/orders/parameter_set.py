@@ -20,24 +20,12 @@ from camtools.link.status_text import kept_text
 
 @dataclass(frozen=True)
 class ParameterSet:
-    """Values in force; link.parameters.INFOS has their ranges and meanings.
+    """Values in force; link.parameters.INFOS has their ranges and meanings."""
 
-    Attributes
-    ----------
-    values : Mapping
-        by name, in the controller's order
-    version : int
-        that the controller tells
-    kept : str
-        whether the controller keeps them over a restart, in words
-    checksum : int
-        of the values, as the status tells it
-    """
-
-    values: Mapping[str, int]
-    version: int
-    kept: str
-    checksum: int = field(init=False)
+    values: Mapping[str, int]  # by name, in the controller's order
+    version: int  # that the controller tells
+    kept: str  # whether the controller keeps them over a restart, in words
+    checksum: int = field(init=False)  # of the values, as the status tells it
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "checksum", checksum(self.values))

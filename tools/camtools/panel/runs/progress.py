@@ -19,24 +19,12 @@ _MOST_CHARS = 300
 
 @dataclass(frozen=True)
 class RunProgress:
-    """How far a run is.
+    """How far a run is."""
 
-    Attributes
-    ----------
-    text : str
-        What is done.
-    share : float or None
-        Of the cut, 0 .. 1, where it is told.
-    left_s : float or None
-        Of the cut [s].
-    last : str
-        The last line that was no progress: why it failed, where it does.
-    """
-
-    text: str = "starting"
-    share: float | None = None
-    left_s: float | None = None
-    last: str = ""
+    text: str = "starting"  # what is done
+    share: float | None = None  # of the cut, 0 .. 1, where it is told
+    left_s: float | None = None  # of the cut [s]
+    last: str = ""  # the last line that was no progress: why it failed, where it does
 
     def after(self, line: str) -> RunProgress:
         """Return the progress after another line."""

@@ -40,33 +40,17 @@ _MOST_SUMMARY_BYTES = 50_000_000
 
 @dataclass(frozen=True)
 class Run:
-    """What is known about a run.
+    """What is known about a run."""
 
-    Attributes
-    ----------
-    place : str
-        OWN, or OTHER for those of tools/run.
-    name : str
-        Of its folder.
-    at_s : float
-        When it was asked for [s of time.time].
-    status : str
-        waiting, running, done, failed or stopped.
-    told : str
-        Last line of the command, where it failed.
-    took_s : float or None
-        How long it took.
-    """
-
-    place: str
-    name: str
+    place: str  # OWN, or OTHER for those of tools/run
+    name: str  # of its folder
     folder: Path
     part: str
-    at_s: float
+    at_s: float  # when it was asked for [s of time.time]
     options: RunOptions
-    status: str
-    told: str = ""
-    took_s: float | None = None
+    status: str  # waiting, running, done, failed or stopped
+    told: str = ""  # last line of the command, where it failed
+    took_s: float | None = None  # how long it took
     verdict: str = ""
     form_um: float | None = None
     tolerance_um: float | None = None

@@ -32,40 +32,20 @@ Points = list[list[float]]
 
 @dataclass(frozen=True)
 class Ticks:
-    """Single ticks; arrays of the same length, in the order of time.
+    """Single ticks; arrays of the same length, in the order of time."""
 
-    Attributes
-    ----------
-    turn : ndarray of int
-        whole turns, rising
-    angle_turn : ndarray
-        drawing's angle [turn], 0 .. 1
-    error_um : ndarray
-        following error of U in the same tick [um]
-    """
-
-    turn: Whole
-    angle_turn: Floats
-    error_um: Floats
+    turn: Whole  # whole turns, rising
+    angle_turn: Floats  # drawing's angle [turn], 0 .. 1
+    error_um: Floats  # following error of U in the same tick [um]
 
 
 @dataclass(frozen=True)
 class Series:
-    """A series that changes.
+    """A series that changes."""
 
-    Attributes
-    ----------
-    slot : int
-        its number in the chart, 0 .. SLOTS - 1
-    age : int
-        0 is the newest
-    points : list or None
-        angle [degrees] and error [um]; None: those of before stay
-    """
-
-    slot: int
-    age: int
-    points: Points | None
+    slot: int  # its number in the chart, 0 .. SLOTS - 1
+    age: int  # 0 is the newest
+    points: Points | None  # angle [degrees] and error [um]; None: those of before stay
 
 
 @dataclass(frozen=True)

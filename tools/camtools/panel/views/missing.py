@@ -27,37 +27,19 @@ _M_PER_UNIT = 1000.0
 
 @dataclass(frozen=True)
 class Missing:
-    """Something to be done by a person.
+    """Something to be done by a person."""
 
-    Attributes
-    ----------
-    key : str
-        stable name
-    text : str
-        what to do, a sentence
-    """
-
-    key: str
-    text: str
+    key: str  # stable name
+    text: str  # what to do, a sentence
 
 
 @dataclass(frozen=True)
 class Way:
-    """How it goes on from here.
+    """How it goes on from here."""
 
-    Attributes
-    ----------
-    missing : tuple of Missing
-        the first is to be done first; empty: the order will be accepted
-    order : str
-        that leads on; "" where the controller goes on by itself
-    then : str
-        what to do or to wait for when nothing is missing, a sentence
-    """
-
-    missing: tuple[Missing, ...]
-    order: str
-    then: str
+    missing: tuple[Missing, ...]  # the first is to be done first; empty: the order will be accepted
+    order: str  # that leads on; "" where the controller goes on by itself
+    then: str  # what to do or to wait for when nothing is missing, a sentence
 
     @property
     def sentence(self) -> str:

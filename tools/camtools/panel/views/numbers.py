@@ -57,26 +57,18 @@ class Field:
 
     Attributes
     ----------
-    key : str
-        stable name, also of the test
     label, unit : str
         for people
-    signal : str
-        of the DBC
-    factor : float
-        that unit per unit of the signal
     decimals : int
-    is_signed : bool
-        a plus stands in front of what is not negative
     """
 
-    key: str
+    key: str  # stable name, also of the test
     label: str
     unit: str
-    signal: str
+    signal: str  # of the DBC
     decimals: int
-    factor: float = 1.0
-    is_signed: bool = False
+    factor: float = 1.0  # that unit per unit of the signal
+    is_signed: bool = False  # a plus stands in front of what is not negative
 
     def text(self, signals: Mapping[str, float]) -> str:
         """Return the number as it is shown."""

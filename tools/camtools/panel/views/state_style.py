@@ -14,24 +14,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Look:
-    """Of a state.
+    """Of a state."""
 
-    Attributes
-    ----------
-    word : str
-        in big letters
-    tone : str
-        names the colour: a class of the style sheet, `tone-` in front
-    icon : str
-        shape, a name of the Material icons that NiceGUI brings along
-    meaning : str
-        what goes on, a sentence
-    """
-
-    word: str
-    tone: str
-    icon: str
-    meaning: str
+    word: str  # in big letters
+    tone: str  # names the colour: a class of the style sheet, `tone-` in front
+    icon: str  # shape, a name of the Material icons that NiceGUI brings along
+    meaning: str  # what goes on, a sentence
 
 
 LOOKS = {

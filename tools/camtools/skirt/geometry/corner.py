@@ -65,31 +65,21 @@ class Corner:
     ----------
     radius, ovality, trim, joint_deg : PPoly
         Over height [mm, mm, mm, degrees].
-    law : Section
-        The oval's.
-    recipe : Recipe or None
-        None: the corner is left as drawn.
-    worst_mm : float
-        Height of the sharpest corner, for which the candidates are judged.
     candidates : tuple of RefitCandidate
         All deletions the paper tries, at the part's speed; empty without a refit. Accelerations
         and jerks are those at `worst_mm`, deviations the largest of all heights.
-    off : RefitDeviation or None
-        How far the refit is off the drawing.
-    off_limit_um : float
-        How far it may be.
     """
 
     radius: PPoly
     ovality: PPoly
     trim: PPoly
     joint_deg: PPoly
-    law: Section
-    recipe: Recipe | None = None
-    worst_mm: float = 0.0
+    law: Section  # the oval's
+    recipe: Recipe | None = None  # None: the corner is left as drawn
+    worst_mm: float = 0.0  # height of the sharpest corner, for which the candidates are judged
     candidates: tuple[RefitCandidate, ...] = ()
-    off: RefitDeviation | None = None
-    off_limit_um: float = np.inf
+    off: RefitDeviation | None = None  # how far the refit is off the drawing
+    off_limit_um: float = np.inf  # how far it may be
     log2_repeat: int = 1
 
     def joint(self, z_mm: FloatsLike) -> Joint:

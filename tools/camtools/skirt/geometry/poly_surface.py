@@ -56,25 +56,17 @@ class PolySurface:
 
     Attributes
     ----------
-    breaks : ndarray, shape (n + 1,)
-        Angle coordinate, rising; 0 .. 1, or 0 .. 2 with a joint.
     breaks_mm : ndarray, shape (m + 1,)
         Heights, rising; beyond them the surface goes on as at the end.
-    coefficients : ndarray, shape (m, n, 6, 8)
-        c[j, i, k, l] [mm].
-    joint_turn : PPoly or None
-        Joint [turn] over height.
-    log2_alike : int
-        Without a joint: the pieces repeat 2^log2_alike times per turn.
     knots : Knots or None
         What the coefficients follow from, where they do: a shorter document.
     """
 
-    breaks: Floats
+    breaks: Floats  # shape (n + 1,); angle coordinate, rising; 0 .. 1, or 0 .. 2 with a joint
     breaks_mm: Floats
-    coefficients: Floats
-    joint_turn: PPoly | None = None
-    log2_alike: int = 0
+    coefficients: Floats  # shape (m, n, 6, 8); c[j, i, k, l] [mm]
+    joint_turn: PPoly | None = None  # joint [turn] over height
+    log2_alike: int = 0  # without a joint: the pieces repeat 2^log2_alike times per turn
     knots: Knots | None = None
 
     @property

@@ -35,18 +35,14 @@ class Sections(NamedTuple):
 
     Attributes
     ----------
-    z_mm : ndarray, shape (m,)
-        Heights, rising.
     angles_deg, values_mm : tuple of ndarray
         Of each height: drawing's angles, rising, 0 <= angle < 360, and what was measured there.
-    is_radius : bool
-        Values are radii; else reductions of the profile's radius.
     """
 
-    z_mm: Floats
+    z_mm: Floats  # shape (m,); heights, rising
     angles_deg: tuple[Floats, ...]
     values_mm: tuple[Floats, ...]
-    is_radius: bool = False
+    is_radius: bool = False  # values are radii; else reductions of the profile's radius
 
 
 class _Format(NamedTuple):

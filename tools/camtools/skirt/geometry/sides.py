@@ -56,24 +56,16 @@ class OvalSide:
 
     Attributes
     ----------
-    shape : str
-        Of `make_section`.
-    radius : PPoly
-        Long half axis of the part [mm] over height [mm].
     ovality, drop : PPoly
         Diametral ovality of this side, and how far its half axis lies below the part's [mm].
-    parameter : PPoly
-        beta or the exponent of the law.
-    phase : PPoly
-        How far its long axis is turned [rad].
     """
 
-    shape: str
-    radius: PPoly
+    shape: str  # of `make_section`
+    radius: PPoly  # long half axis of the part [mm] over height [mm]
     ovality: PPoly
     drop: PPoly
-    parameter: PPoly
-    phase: PPoly
+    parameter: PPoly  # beta or the exponent of the law
+    phase: PPoly  # how far its long axis is turned [rad]
     log2_repeat: int = 1
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
@@ -107,19 +99,13 @@ class SidesSurface:
 
     Attributes
     ----------
-    thrust : OvalSide
-        The side that the main tables describe.
-    antithrust : OvalSide or None
-        The other one.
-    meet : str
-        "short-axis" or "long-axis": where they meet.
     blend_rad : float
         Width of each of the two zones in which one side becomes the other.
     """
 
-    thrust: OvalSide
-    antithrust: OvalSide | None = None
-    meet: str = "short-axis"
+    thrust: OvalSide  # the side that the main tables describe
+    antithrust: OvalSide | None = None  # the other one
+    meet: str = "short-axis"  # "short-axis" or "long-axis": where they meet
     blend_rad: float = float(np.radians(30.0))
 
     @property
@@ -182,18 +168,10 @@ def share_of(phi_rad: FloatsLike, middle_rad: float, blend_rad: float) -> Sectio
 
 @dataclass(frozen=True, eq=False)
 class TurnedSurface:
-    """A surface whose sections are turned by an angle that changes with height, MATHS.md (78).
+    """A surface whose sections are turned by an angle that changes with height, MATHS.md (78)."""
 
-    Attributes
-    ----------
-    surface : AnySurface
-        As drawn before it is turned.
-    phase : PPoly
-        Angle [rad] over height [mm]; the section turns counter-clockwise with it.
-    """
-
-    surface: AnySurface
-    phase: PPoly
+    surface: AnySurface  # as drawn before it is turned
+    phase: PPoly  # angle [rad] over height [mm]; the section turns counter-clockwise with it
 
     @property
     def log2_repeat(self) -> int:
