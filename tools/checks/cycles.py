@@ -188,12 +188,8 @@ def estimate(
 
     Parameters
     ----------
-    trace : InstructionTrace
-        What was executed.
     listing, symbols : mapping
         Instructions and functions of the image.
-    machine : Processor
-        Where it would run.
     allowed : mapping
         Longest times of the HAL functions, from `allowances`.
 

@@ -162,12 +162,8 @@ def judge(
 
     Parameters
     ----------
-    findings : iterable of Finding
-        Of all files.
     deviations : list of Deviation
         The first that covers a finding has it.
-    texts : mapping
-        Lines of every file.
     """
     left, covered = list[Finding](), Counter[str]()
     for finding in findings:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A desk of the panel with visitors, over a bus within this process."""
+"""A service of the panel with visitors, over a bus within this process."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def until(is_true: Callable[[], bool], what: str = "") -> None:
 
 
 class Seat:
-    """A desk, one visitor who commands, one with the token and one without.
+    """A service, one visitor who commands, one with the token and one without.
 
     Attributes
     ----------
-    desk, commander, log
+    service, commander, log
         of the panel
     boss, other, guest : Visitor
     is_bus_there : bool
@@ -49,7 +49,7 @@ class Seat:
         self.other = Visitor("other", "127.0.0.1", has_token=True)
         self.guest = Visitor("guest", "127.0.0.1")
         self.commander.take(self.boss)
-        self.desk = ControllerService(self._open, self.commander, self.log)
+        self.service = ControllerService(self._open, self.commander, self.log)
 
     def _open(self) -> Link:
         if not self.is_bus_there:
@@ -58,12 +58,12 @@ class Seat:
 
     def connect(self) -> None:
         """Wait for the status."""
-        until(lambda: self.desk.snapshot().is_connected, self.desk.snapshot().problem)
+        until(lambda: self.service.snapshot().is_connected, self.service.snapshot().problem)
 
     @property
     def state(self) -> str:
         """State of the controller."""
-        return self.desk.snapshot().state
+        return self.service.snapshot().state
 
     def wait_for(self, *states: str) -> None:
         """Wait for one of some states."""
@@ -71,7 +71,7 @@ class Seat:
 
     async def order(self, name: str, visitor: Visitor | None = None, /, **words: Any) -> Outcome:  # noqa: ANN401
         """Give an order, of the boss by default."""
-        return await self.desk.do(Order(name, words), visitor or self.boss)
+        return await self.service.do(Order(name, words), visitor or self.boss)
 
     def ask(self, name: str, visitor: Visitor | None = None, /, **words: Any) -> Outcome:  # noqa: ANN401
         """Give an order and wait for its outcome."""
@@ -93,5 +93,5 @@ class Seat:
         """Return where an axis is, by a status that is yet to come."""
         name = {"u": "u_actual"}.get(axis, axis)
         seen_s = time.monotonic()
-        until(lambda: self.desk.snapshot().at_s > seen_s + 0.35)  # its page comes all 0.25 s
-        return self.desk.snapshot().signals[name]
+        until(lambda: self.service.snapshot().at_s > seen_s + 0.35)  # its page comes all 0.25 s
+        return self.service.snapshot().signals[name]

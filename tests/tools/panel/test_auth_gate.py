@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What passes the doorway and what does not; behind it everything would be taken."""
+"""What passes the gate and what does not; behind it everything would be taken."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ async def _everything(scope: Any, receive: Any, send: Any) -> None:  # noqa: ANN
 
 
 class Visit:
-    """One request or websocket through the doorway.
+    """One request or websocket through the gate.
 
     Attributes
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The desk before the firmware with an ideal machine: orders, rights, stop, parameters."""
+"""The service before the firmware with an ideal machine: orders, rights, stop, parameters."""
 
 from __future__ import annotations
 
@@ -41,22 +41,22 @@ def test_a_part_is_cut_with_overrides(seat: Seat) -> None:
     trim = seat.do("trim", measure="diameter", mm=0.002)
     assert trim == "trim: diameter 0.002 mm, radius 0.001 mm"
     seat.do("hold")
-    until(lambda: bool(seat.desk.snapshot().signals["is_held"]))
+    until(lambda: bool(seat.service.snapshot().signals["is_held"]))
     seat.do("resume")
-    until(lambda: not seat.desk.snapshot().signals["is_held"])
+    until(lambda: not seat.service.snapshot().signals["is_held"])
     seat.do("stop")
     seat.wait_for("ready")
-    signals = seat.desk.snapshot().signals
+    signals = seat.service.snapshot().signals
     assert signals["override_of_feed"] == pytest.approx(90)
     assert signals["trim_of_x"] == pytest.approx(0.001)
-    assert seat.desk.snapshot().table_name == "short skirt"
+    assert seat.service.snapshot().table_name == "short skirt"
     for name, value in (("feed", 100), ("spindle", 100), ("amplitude", 100)):
         seat.do(name, percent=value)
     seat.do("phase", deg=0)
     seat.do("trim", measure="radius", mm=0)
 
 
-def test_rights_are_checked_by_the_desk(seat: Seat) -> None:
+def test_rights_are_checked_by_the_service(seat: Seat) -> None:
     """Without token nothing, with token stop and drives off, the rest for the commander alone."""
     assert "need the token" in seat.refused("enable", seat.guest)
     assert "need the token" in seat.refused("stop", seat.guest)
@@ -110,7 +110,7 @@ def test_everything_tried_is_in_the_log(seat: Seat) -> None:
 def test_what_is_wrong_is_one_line(
     seat: Seat, name: str, words: dict[str, object], why: str
 ) -> None:
-    """The desk or the controller refuses, and nothing has changed."""
+    """The service or the controller refuses, and nothing has changed."""
     text = seat.refused(name, **words)
     assert why in text and "\n" not in text
     assert seat.state == "off"
@@ -118,10 +118,10 @@ def test_what_is_wrong_is_one_line(
 
 def test_what_comes_with_a_connection_that_was_lost_is_refused(seat: Seat) -> None:
     """A browser keeps back what is pressed meanwhile; only stop is wanted still."""
-    seat.desk.page_connected(seat.boss)
-    seat.desk.page_lost(seat.boss)
+    seat.service.page_connected(seat.boss)
+    seat.service.page_lost(seat.boss)
     assert "connection was lost" in seat.refused("enable")
-    seat.desk.page_connected(seat.boss)
+    seat.service.page_connected(seat.boss)
     assert "connection was lost" in seat.refused("home")
     assert seat.ask("stop").text.startswith("stop: refused: state")  # it reached the controller
     seat.boss.back_at_s -= 1.0
@@ -144,7 +144,7 @@ def test_commands_that_get_lost_are_told_and_leave_nothing_behind(
     finally:
         shared_bench.drop = lambda frame: False
     assert seat.state == "manual" and seat.place() == before
-    assert seat.desk.snapshot().work == ""
+    assert seat.service.snapshot().work == ""
 
 
 def test_a_busy_controller_is_asked_again_and_then_told() -> None:
@@ -176,7 +176,7 @@ def test_what_is_urgent_overtakes_a_download(seat: Seat, urgent: str) -> None:
     async def session() -> tuple[str, str, str]:
         image = large_image()
         download = asyncio.create_task(seat.order("download", image=image, name="big"))
-        while not download.done() and "download of big" not in seat.desk.snapshot().work:
+        while not download.done() and "download of big" not in seat.service.snapshot().work:
             await asyncio.sleep(0.01)
         busy = (await seat.order("trim", measure="radius", mm=0.0)).text
         told = (await seat.order(urgent, seat.other)).text
@@ -186,8 +186,8 @@ def test_what_is_urgent_overtakes_a_download(seat: Seat, urgent: str) -> None:
     assert download == f"broken off by {urgent}"
     assert busy.startswith("busy with download of big")
     assert told == "disable: off" if urgent == "disable" else "stop: refused: state ready" in told
-    until(lambda: seat.desk.snapshot().work == "")
-    assert seat.desk.snapshot().table_name == "short skirt"
+    until(lambda: seat.service.snapshot().work == "")
+    assert seat.service.snapshot().table_name == "short skirt"
 
 
 def test_a_table_is_downloaded_and_taken_into_use(seat: Seat, bench_table: bytes) -> None:
@@ -197,25 +197,25 @@ def test_a_table_is_downloaded_and_taken_into_use(seat: Seat, bench_table: bytes
     async def session(image: bytes) -> tuple[bool, str]:
         download = asyncio.create_task(seat.order("table_next", image=image, name="other"))
         while not download.done():
-            shown.add(seat.desk.snapshot().work)
+            shown.add(seat.service.snapshot().work)
             await asyncio.sleep(0.005)
         outcome = await download
         return outcome.is_done, outcome.text
 
     damaged = bench_table[:-1] + bytes([bench_table[-1] ^ 1])
     assert not asyncio.run(session(damaged))[0]
-    assert seat.desk.snapshot().table_name == "short skirt"
+    assert seat.service.snapshot().table_name == "short skirt"
     is_done, text = asyncio.run(session(bench_table))
     assert is_done and text.startswith("table other part; ")
-    until(lambda: seat.desk.snapshot().table_name == "other part")
+    until(lambda: seat.service.snapshot().table_name == "other part")
     assert any(work.startswith("download of other, ") for work in shown)
 
 
 def test_parameters_are_read_set_saved_loaded_and_kept(seat: Seat) -> None:
     """The page has them all, with the checksum of the controller; a change is seen."""
     seat.do("defaults")
-    until(lambda: seat.desk.parameters() is not None, "they are read while somebody asks")
-    read = seat.desk.parameters()
+    until(lambda: seat.service.parameters() is not None, "they are read while somebody asks")
+    read = seat.service.parameters()
     assert read is not None
     assert set(read.values) == set(INFOS)
     saved = read.text().encode()
@@ -223,11 +223,11 @@ def test_parameters_are_read_set_saved_loaded_and_kept(seat: Seat) -> None:
     assert seat.do("set", name="lead_ns", value=value) == f"lead_ns = {value}"
 
     def is_seen() -> bool:
-        now = seat.desk.parameters()
+        now = seat.service.parameters()
         return now is not None and now.values["lead_ns"] == value
 
     until(is_seen)
-    now = seat.desk.parameters()
+    now = seat.service.parameters()
     assert now is not None
     assert now.differences(saved, "a.toml") == {"lead_ns": (value - 1000, value)}
     seat.do("keep")
@@ -244,7 +244,7 @@ def test_the_strobe_is_asked_for_while_a_page_looks(seat: Seat) -> None:
     """Samples come after the first look."""
     seat.do("home")
     seat.wait_for("ready")
-    until(lambda: len(seat.desk.strobe().tick) > 50)
+    until(lambda: len(seat.service.strobe().tick) > 50)
 
 
 @pytest.fixture(scope="module")
@@ -268,7 +268,7 @@ def test_a_controller_that_falls_silent_is_seen_and_comes_back(
     channel = request.node.name
     seat = Seat(channel)
     try:
-        until(lambda: "no answer" in seat.desk.snapshot().problem)
+        until(lambda: "no answer" in seat.service.snapshot().problem)
         assert "emergency stop is at the machine" in seat.refused("stop")
         for _ in range(2):
             bench = Bench(channel)
@@ -276,10 +276,10 @@ def test_a_controller_that_falls_silent_is_seen_and_comes_back(
             # An order in the session of the controller of before is refused; a new one is taken.
             until(lambda: seat.ask("home").is_done)
             bench.close()
-            until(lambda: not seat.desk.snapshot().is_connected)
-            assert "silent" in seat.desk.snapshot().problem
+            until(lambda: not seat.service.snapshot().is_connected)
+            assert "silent" in seat.service.snapshot().problem
             assert seat.refused("start").startswith("not sent: ")
         seat.is_bus_there = False
-        until(lambda: seat.desk.snapshot().problem == "no bus: start tools/live")
+        until(lambda: seat.service.snapshot().problem == "no bus: start tools/live")
     finally:
-        seat.desk.close()
+        seat.service.close()

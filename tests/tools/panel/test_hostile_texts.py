@@ -95,7 +95,7 @@ def test_an_old_question_starts_nothing_else(
     """While it was open another had the command, took another table into use, or a fault came."""
     told: list[str] = []
     commander = SimpleNamespace(holder="me", since_s=1.0)
-    desk = SimpleNamespace(snapshot=lambda: READY)
+    service = SimpleNamespace(snapshot=lambda: READY)
 
     async def give(name: str) -> None:
         told.append(name)
@@ -103,11 +103,11 @@ def test_an_old_question_starts_nothing_else(
     async def agreed(*_words: str) -> bool:
         commander.since_s = change.get("since_s", 1.0)
         shown = {name: value for name, value in change.items() if name != "since_s"}
-        desk.snapshot = lambda: replace(READY, **shown)
+        service.snapshot = lambda: replace(READY, **shown)
         return True
 
     monkeypatch.setattr(command_card, "confirmed", agreed)
-    context = SimpleNamespace(commander=commander, desk=desk)
+    context = SimpleNamespace(commander=commander, service=service)
     orders = SimpleNamespace(
         context=context,
         visitor="me",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Axes that the desk moves by hand: held buttons, steps, homes, what stops them."""
+"""Axes that the service moves by hand: held buttons, steps, homes, what stops them."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_held_button_dies_with_its_right(seat: Seat, what: str) -> None:
         jog = asyncio.create_task(seat.order("jog_begin", press=number, axis="x", mm_per_s=1.0))
         await hold(seat, number, 0.3)
         if what == "page lost":
-            seat.desk.page_lost(seat.boss)
+            seat.service.page_lost(seat.boss)
         elif what == "taken over":
             seat.commander.take_over(seat.other)
         else:
@@ -95,9 +95,9 @@ def test_steps_homes_tools_and_zero(seat: Seat) -> None:
     assert seat.do("home", axis="z").startswith("home z ")
     assert seat.do("tool_offset", number=2, axis="x", mm=0.5) == "tool 2: x 0.500000 mm"
     assert seat.do("tool", number=2) == "tool 2 is in use"
-    until(lambda: seat.desk.snapshot().signals["tool"] == 2)
+    until(lambda: seat.service.snapshot().signals["tool"] == 2)
     assert seat.do("tool", number=0) == "no tool is in use"
-    until(lambda: seat.desk.snapshot().signals["tool"] == 0)
+    until(lambda: seat.service.snapshot().signals["tool"] == 0)
     assert seat.do("zero", axis="x", mm=120.0).startswith("zero x: diameter 120 mm here, datum ")
     assert 2 * (seat.place() - seat.place("u")) == pytest.approx(120.0, abs=1e-5)
 
@@ -109,7 +109,7 @@ def test_stop_brakes_a_step_at_once(seat: Seat) -> None:
 
     async def session() -> tuple[str, str]:
         step = asyncio.create_task(seat.order("step", axis="x", mm=50.0))
-        while not step.done() and "step" not in seat.desk.snapshot().work:
+        while not step.done() and "step" not in seat.service.snapshot().work:
             await asyncio.sleep(0.01)
         stop = await seat.order("stop", seat.other)
         return (await step).text, stop.text

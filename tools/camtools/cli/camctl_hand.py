@@ -24,13 +24,7 @@ from camtools.link.manual_axes import (
     rest,
     usual_mm_per_s,
 )
-from camtools.link.settings import (
-    N_TOOLS,
-    parameter,
-    set_tool,
-    set_tool_offset,
-    set_zero,
-)
+from camtools.link.settings import N_TOOLS, parameter, set_tool, set_tool_offset, set_zero
 
 Say = Callable[[str], None]
 

@@ -106,11 +106,6 @@ def _finish(
 # scope
 
 
-def _signals(arguments: argparse.Namespace) -> list[str]:
-    names = names_of(arguments.signals)
-    return names if not arguments.over_angle or _OF_ANGLE in names else [*names, _OF_ANGLE]
-
-
 def _configure(link: Link, arguments: argparse.Namespace) -> None:
     """Set what the recordings are to be."""
     tick_hz = scope.get(link, "tick_hz")
@@ -125,7 +120,9 @@ def _configure(link: Link, arguments: argparse.Namespace) -> None:
     if rows and before >= rows:
         text = f"--before {arguments.before:g}: give less than --seconds {arguments.seconds:g}"
         raise CamtoolsError([text])
-    scope.configure(link, _signals(arguments), arguments.every, rows)
+    names = names_of(arguments.signals)
+    signals = names if not arguments.over_angle or _OF_ANGLE in names else [*names, _OF_ANGLE]
+    scope.configure(link, signals, arguments.every, rows)
     arm(link, trigger, before)
     state = arguments.from_state
     scope.put(link, "from_state", -1 if state is None else NUMBERS["state"][state])

@@ -38,8 +38,6 @@ def generate(dbc: str, name: str) -> tuple[str, str]:
 
     Parameters
     ----------
-    dbc : str
-        Text of a DBC file.
     name : str
         Stem of both files and prefix of every function.
 

@@ -159,11 +159,7 @@ def _run(arguments: argparse.Namespace) -> int:
         problem = f"--axes {axes}: not for a {part.part.kind}; give {' or '.join(able)}"
         raise CamtoolsError([f"{arguments.part}: {problem}"])
     wishes = ProgramWishes(
-        axes,
-        arguments.from_mm,
-        arguments.to_mm,
-        arguments.chord_um,
-        arguments.diameter,
+        axes, arguments.from_mm, arguments.to_mm, arguments.chord_um, arguments.diameter
     )
     try:
         pieces = _program(part, wishes)

@@ -76,15 +76,6 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
     return export_files(table, Export(arguments.export, heights_mm, n_points))
 
 
-def _signed(files: dict[str, bytes], key_file: Path) -> dict[str, bytes]:
-    """Return the images of all tables among the files, with a signature behind each."""
-    # Only those who sign need the package cryptography.
-    from camtools.table.signature import read_private, sign
-
-    key = read_private(key_file)
-    return {name: sign(data, key) for name, data in files.items() if name.endswith(".camtab")}
-
-
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.tolerance_nm is not None:
         check_tolerance(arguments.tolerance_nm)
@@ -94,7 +85,11 @@ def _run(arguments: argparse.Namespace) -> int:
     exported = _exported(arguments, made.table.table)
     files = made.files(with_plots=arguments.plot) | exported
     if arguments.sign is not None:
-        files |= _signed(files, arguments.sign)
+        # Only those who sign need the package cryptography.
+        from camtools.table.signature import read_private, sign
+
+        key = read_private(arguments.sign)
+        files |= {name: sign(data, key) for name, data in files.items() if name.endswith(".camtab")}
     write_all(arguments.output, files)
     sys.stdout.write(made.text())
     return 0

@@ -157,11 +157,11 @@ def _run(arguments: argparse.Namespace) -> int:
         from camtools.panel.server import application, serve  # it takes a second
 
         commander = Commander(log)
-        desk = ControllerService(open_link, commander, log, secret)
-        stack.callback(desk.close)
+        service = ControllerService(open_link, commander, log, secret)
+        stack.callback(service.close)
         hosts = hosts_of(sock)
         own = arguments.keep / "parts", arguments.keep / "runs"
-        app = application(AppContext(desk, commander, log, TokenGuard(token), *own), hosts)
+        app = application(AppContext(service, commander, log, TokenGuard(token), *own), hosts)
         if not ipaddress.ip_address(arguments.listen).is_loopback:
             _say("warning: nothing is encrypted: who hears the network sees the token; see ssh -L")
         _say(f"http://{hosts[0]}/#token={token}")

@@ -48,11 +48,7 @@ def in_gap(motion: Motion, change: GapChange) -> Motion:
     more1 = motion.most * x * _STEP1
     swept = 2 * motion.first * x + change.n_set_points * motion.most * x * change.spindle_rad2
     more2 = swept * _STEP1 + change.n_set_points * motion.most * x**2 * _STEP2
-    return Motion(
-        motion.most,
-        _largest(motion.first, more1),
-        _largest(motion.second, more2),
-    )
+    return Motion(motion.most, _largest(motion.first, more1), _largest(motion.second, more2))
 
 
 def _largest(own: float, more: Floats) -> float:

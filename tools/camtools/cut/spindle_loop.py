@@ -83,11 +83,6 @@ class _PlayedSpindle:
         self.omega = told - sign * left * (1 - decay)
 
 
-def _plan_ticks(mean_rad_s: float, loop: SpindleLoop) -> int:
-    longest_s = max(PLAN_S, 2 * np.pi / mean_rad_s / _MOST_PLANS)
-    return max(1, round(longest_s / loop.tick_s))
-
-
 def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: SpindleLoop) -> Floats:
     """Return (largest - least) / mean of the removal rate of each law, as a spindle plays it.
 
@@ -96,7 +91,8 @@ def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: SpindleLoop) -> 
     The spindle's own ripple may have any phase, so all of it is added.
     """
     tables, spindle = _LawTables(laws), _PlayedSpindle(len(laws), mean_rad_s, loop)
-    ticks = _plan_ticks(mean_rad_s, loop)
+    longest_s = max(PLAN_S, 2 * np.pi / mean_rad_s / _MOST_PLANS)
+    ticks = max(1, round(longest_s / loop.tick_s))
     plan_s, lag_plans = ticks * loop.tick_s, 1 / (loop.bandwidth_rad_s * ticks * loop.tick_s)
     told = np.full(len(laws), mean_rad_s)
     ahead_s, before = (ticks + 1) * loop.tick_s, np.ones(len(laws))

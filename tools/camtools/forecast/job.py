@@ -122,7 +122,11 @@ def plan_of(question: Question) -> ForecastPlan:
     machine = own if question.machine is None else find_machine(question.machine)
     tree = read_machine(machine.text, machine.name)
     unknowns, left_out = _unknowns(question.vary, tree)
-    task = _task(made, question.words)
+    files = made.files(with_plots=False)
+    name = made.table.part.part.name
+    table, design = files[f"{name}.camtab"], files[f"{name}.json"]
+    # The gauge judges by its own tolerance only whether a cut is good, which is done here.
+    task = Task(table, design, (*question.words, "--tolerance-um", "1e6"), build_of(library_path()))
     _check(task, machine, part.part.name)
     _check_ends(task, tree, unknowns, str(question.vary or DEFAULT_VARY.name))
     inputs = draw(unknowns, question.n_runs, seed=question.seed)
@@ -148,14 +152,6 @@ def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:
         lines = [line.replace("a part file (TOML)", "a V.toml") for line in error.lines]
         raise CamtoolsError(lines) from error
     return read_vary(data, str(vary), tree), []
-
-
-def _task(made: Made, words: Sequence[str]) -> Task:
-    files = made.files(with_plots=False)
-    name = made.table.part.part.name
-    table, design = files[f"{name}.camtab"], files[f"{name}.json"]
-    # The gauge judges by its own tolerance only whether a cut is good, which is done here.
-    return Task(table, design, (*words, "--tolerance-um", "1e6"), build_of(library_path()))
 
 
 def _begin(task: Task, machine: Machine) -> None:

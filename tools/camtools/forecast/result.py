@@ -19,14 +19,7 @@ from camtools.base.parquet import parquet_bytes
 from camtools.base.quantities import Floats
 from camtools.forecast.job import ForecastPlan, Question
 from camtools.forecast.one_cut import CutOutcome
-from camtools.forecast.statistics import (
-    Effect,
-    Quantile,
-    Share,
-    effects,
-    quantile,
-    share_within,
-)
+from camtools.forecast.statistics import Effect, Quantile, Share, effects, quantile, share_within
 from camtools.forecast.store import SCHEMA
 
 PERCENTS = (50.0, 90.0, 95.0, 99.0)
@@ -105,11 +98,7 @@ def forecast_summary(question: Question, plan: ForecastPlan, forecast: Forecast)
         "form_error_um": [_quantile(one) for one in forecast.quantiles],
         "ends": forecast.ends,
         "unknowns": [
-            {
-                "key": one.key,
-                "nominal": one.nominal,
-                "distribution": one.words,
-            }
+            {"key": one.key, "nominal": one.nominal, "distribution": one.words}
             for one in plan.unknowns
         ],
         "left_out": plan.left_out,

@@ -173,10 +173,6 @@ def read_vary(data: bytes, file: str, machine: Mapping[str, Any]) -> list[Unknow
 
     Parameters
     ----------
-    data : bytes
-        Content of a V.toml.
-    file : str
-        Its name, for messages.
     machine : mapping
         Tree of the machine file, for the nominal values.
     """

@@ -91,8 +91,6 @@ def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> 
     ----------
     believed : ndarray, shape (4,)
         constants of the feed-forward, as of `fit.DriveFit.values`
-    response : ndarray
-        of the drive at `motion.s`
     """
     s = motion.s
     error = (response / second_order(s, *believed[[K1, K2, LEAD]]) - 1) * motion.harmonics
@@ -107,8 +105,6 @@ def constants_for(motion: ToolMotion, response: Complexes, lead_s: float) -> Flo
     ----------
     response : ndarray
         of the drive at `motion.s`, of whatever order
-    lead_s : float
-        dead time that is taken
 
     Returns
     -------

@@ -50,12 +50,7 @@ class SimulatedU:
     """
 
     def __init__(
-        self,
-        folder: Path,
-        machine: bytes,
-        name: str,
-        image: bytes,
-        options: Sequence[str] = (),
+        self, folder: Path, machine: bytes, name: str, image: bytes, options: Sequence[str] = ()
     ) -> None:
         self._options = options
         self._folder, self._name = folder, name

@@ -94,8 +94,6 @@ class Judge:
     ----------
     table : bytes or TablePeaks
         Its image, or what is known before there is one.
-    tick_hz : int
-        Rate of the tick.
     parameters : mapping
         Of the controller, by name; each is rounded and limited to its range.
 

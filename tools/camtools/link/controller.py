@@ -255,8 +255,6 @@ class Link:
 
         Parameters
         ----------
-        command : str
-            name of the DBC's value table
         value : float
             at most one signal of the message Command, in its unit
 

@@ -100,19 +100,11 @@ def check_image(image: bytes, name: str) -> None:
         raise CamtoolsError([f"{name}: not a cam table; make one by tools/mktables"])
 
 
-def download(
-    link: Link,
-    image: bytes,
-    progress: Callable[[int, float], None],
-) -> None:
+def download(link: Link, image: bytes, progress: Callable[[int, float], None]) -> None:
     """Bring an image into the place that is not in use, and have it checked there.
 
     Parameters
     ----------
-    link : Link
-        to the controller
-    image : bytes
-        whole table image
     progress : callable
         called with [bytes] that are stored and [s] since the begin
 

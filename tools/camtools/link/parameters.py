@@ -64,15 +64,10 @@ class Info:
     what: str
 
 
-def _bodies(text: str) -> dict[str, str]:
-    """Return the lists of a header by the names of their macros."""
-    found = re.findall(r"#define (CAM_\w*PARAMS)\(X(?:, n)?\) \\\n((?:[^\n]*\\\n)*[^\n]*)", text)
-    return {name: body.replace("\\\n", "\n") for name, body in found}
-
-
 def infos_of(text: str) -> dict[str, Info]:
     """Return the parameters of the text of cam_param.h, in their order."""
-    bodies = _bodies(text)
+    found = re.findall(r"#define (CAM_\w*PARAMS)\(X(?:, n)?\) \\\n((?:[^\n]*\\\n)*[^\n]*)", text)
+    bodies = {name: body.replace("\\\n", "\n") for name, body in found}
     body = re.sub(
         r"(CAM_\w+)\(X, (\w+)\)",
         lambda call: bodies[call[1]].replace("##n##", call[2]).replace("##n", call[2]),

@@ -108,8 +108,6 @@ class Rights:
 
     Parameters
     ----------
-    link : Link
-        whose orders it stamps
     sender : int
         by which others know it, 1 .. 254
 

@@ -82,8 +82,6 @@ class Strobe:
 
     Parameters
     ----------
-    link : Link
-        its `on_strobe` is taken
     most, most_turns : int
         samples and whole turns that are kept; older ones are forgotten
 

@@ -21,14 +21,7 @@ import numpy as np
 from camtools.base.quantities import Floats
 from camtools.lobe.lift import Disc, LiftLaw
 
-__all__ = [
-    "Contact",
-    "Disc",
-    "Follower",
-    "contact",
-    "follow",
-    "solved_at",
-]
+__all__ = ["Contact", "Disc", "Follower", "contact", "follow", "solved_at"]
 
 _NEWTON_STEPS = 60
 _ANGLE_ERROR_RAD = 1e-13

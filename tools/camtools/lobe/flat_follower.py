@@ -56,8 +56,6 @@ def follow_flat(law: LiftLaw, touch: Contact, radius_mm: float) -> Follower:
 
     Parameters
     ----------
-    touch : Contact
-        Of the lobe with its flat face.
     radius_mm : float
         Of the wheel, or of the circle on which the tip of the tool runs.
 

@@ -16,13 +16,7 @@ import numpy as np
 
 from camtools.base.cache import recall
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
-from camtools.cut.feasibility import (
-    HighestSpeed,
-    Peaks,
-    given_of,
-    needed_of,
-    peaks_of,
-)
+from camtools.cut.feasibility import HighestSpeed, Peaks, given_of, needed_of, peaks_of
 from camtools.cut.verdict import check_table, needs_of_peaks
 from camtools.judge.binding import TablePeaks
 from camtools.lobe.cache_keys import channels_key, lobes_of
@@ -99,8 +93,6 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
 
     Parameters
     ----------
-    part : LobePart
-        A validated part.
     tolerance_nm : float, optional
         Largest error of the lift [nm], 10 by default; angles are within 1e-4 degrees.
 
@@ -141,8 +133,7 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
     peaks = peaks._replace(feed_mm=fed.feed_mm, change_mm=fed.change_mm)
     best = _judge(part, lobes, table, fed)
     return GeneratedLobes(
-        *(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel),
-        plunge,
+        *(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel), plunge
     )
 
 

@@ -33,14 +33,15 @@ from camtools.plots.style import (
     png_of,
     stroke_of,
 )
-from camtools.report import compare as report_compare
-from camtools.report import motion as report_motion
-from camtools.report.learning import CONVERGENCE_TEXT, convergence
+from camtools.report.charts import TurnOfU
+from camtools.report.common_pictures import COMPARE_TEXT, common_drawers
+from camtools.report.learning import CONVERGENCE_TEXT
+from camtools.report.motion import draw_motion
 from camtools.report.page import Caption, Page, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import sheet_pages
-from camtools.report.switches import SWITCHES_TEXT, switches
-from camtools.sim.results import CUTTING, FAULT, CutTrace
+from camtools.report.switches import SWITCHES_TEXT
+from camtools.sim.results import CUTTING, CutTrace
 
 _N_BINS = 720
 _SPEED_TICKS = 10
@@ -96,11 +97,7 @@ _TEXTS = {
         "X comes in from clear of the lobes while the lift grows from nothing, so that the nose is "
         "never cut; disengaging is the reverse. Only the green stretch is judged.",
     ),
-    "compare": (
-        "What each part of the controller is worth",
-        "The same cut with parts of the controller switched off; mind the scale, which grows "
-        "tenfold from number to number.",
-    ),
+    "compare": COMPARE_TEXT,
 }
 
 
@@ -209,27 +206,18 @@ def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
     return figure
 
 
-def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
-    """Return what the cut lets be drawn, in the order of the report."""
-    trace, form, swing_deg = outcome.trace, outcome.summary["form_error_um"], outcome.swing_deg
-    drawers: dict[str, Callable[[], Figure]] = {}
-    if (trace.state == FAULT).any():
-        retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
-        drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
+def _drawers(outcome: LobeOutcome, motion: TurnOfU | None) -> dict[str, Callable[[], Figure]]:
+    """Return what the cut lets be drawn, but for the pictures of its table."""
+    swing_deg = outcome.swing_deg
+    drawers = common_drawers(outcome, "spindle angle")
     if outcome.surface.turn.size:
         drawers["profile"] = lambda: draw_profile(outcome)
-    drawers |= convergence(outcome.summary)
-    drawers |= switches(outcome.summary)
-    if (trace.state == CUTTING).any():
+    if (outcome.trace.state == CUTTING).any():
         drawers["speed"] = lambda: draw_speed(outcome)
         if swing_deg is not None:
             drawers["rake"] = lambda: draw_rake(outcome, swing_deg)
-        drawers["following"] = lambda: report_motion.draw_following(trace, "spindle angle")
-    if trace.t_s.size > 1:
-        drawers["sequence"] = lambda: report_motion.draw_sequence(trace, outcome.overview)
-    if len(outcome.variants) > 1:
-        variants, tolerance_um = outcome.variants, form["tolerance"]
-        drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)
+    if motion is not None:
+        drawers["stroke"] = lambda: draw_motion(motion)
     return drawers
 
 
@@ -252,9 +240,7 @@ def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
     """Return the page and its pictures, by file name."""
     pngs, motion = draw_lobes(outcome.generated), motion_of(outcome)
     with drawing(), beside(lambda: sheet_pages(outcome, _subject(outcome))) as drawn_sheets:
-        pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome).items()}
-        if motion is not None:
-            pngs["stroke"] = png_of(report_motion.draw_motion(motion))
+        pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome, motion).items()}
         sheets = drawn_sheets()
     tool = "a circle" if outcome.is_turned else "a whole cylinder"
     shown = [(Caption(key, *text), pngs[key]) for key, text in _TEXTS.items() if key in pngs]

@@ -72,12 +72,6 @@ def check_request(request: Request) -> None:
         raise CamtoolsError([f"{problem}; leave it out for 16 or what the angles tell"])
 
 
-def _named(surface: Path, error: CamtoolsError) -> CamtoolsError:
-    """Return an error of a surface with the file's name in it."""
-    lines = [line.replace("--measured: ", f"--measured {surface}: ", 1) for line in error.lines]
-    return CamtoolsError(lines)
-
-
 def _check_place(points: GaugedPoints, drawing: Drawing) -> None:
     """Refuse points that lie beyond the part, or on another radius."""
     first_mm, last_mm = drawing.ends_mm
@@ -153,7 +147,11 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
         told = tell(points, drawing.ends_mm, request.most_order, first)
         _check_size(told, drawing)
     except CamtoolsError as error:
-        raise _named(request.surface, error) from error
+        lines = [
+            line.replace("--measured: ", f"--measured {request.surface}: ", 1)
+            for line in error.lines
+        ]
+        raise CamtoolsError(lines) from error
     before = previous.correction or Correction(drawing.ends_mm, {})
     step = take(told.correction(drawing.ends_mm, 1.0), before.left_mm, request.gain)
     about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}

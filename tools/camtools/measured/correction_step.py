@@ -28,14 +28,6 @@ class RoundStep(NamedTuple):
     left_mm: dict[int, Complexes]
 
 
-def _agreed(shown: Complexes, expected: Complexes) -> Complexes:
-    """Return the part of what was expected that is shown, no more than all of it."""
-    energy = np.abs(expected) ** 2
-    along = (shown * expected.conj()).real
-    share = np.divide(along, energy, out=np.zeros(energy.size), where=energy > 0)
-    return np.asarray(np.clip(share, 0.0, 1.0) * expected, dtype=np.complex128)
-
-
 def take(shown: Correction, expected_mm: Mapping[int, Complexes], gain: float) -> RoundStep:
     """Return the step of a round, MATHS.md (160).
 
@@ -49,6 +41,11 @@ def take(shown: Correction, expected_mm: Mapping[int, Complexes], gain: float) -
     taken, left = {}, {}
     for order, values in shown.waves_mm.items():
         expected = expected_mm.get(order, np.zeros(N_NODES, dtype=np.complex128))
-        step = gain * values + (1 - gain) * _agreed(values, expected)
+        # The part of what was expected that is shown, no more than all of it.
+        energy = np.abs(expected) ** 2
+        along = (values * expected.conj()).real
+        share = np.divide(along, energy, out=np.zeros(energy.size), where=energy > 0)
+        agreed = np.clip(share, 0.0, 1.0) * expected
+        step = gain * values + (1 - gain) * agreed
         taken[order], left[order] = step, values - step
     return RoundStep(Correction(shown.heights_mm, taken), left)

@@ -26,13 +26,7 @@ from camtools.cut.path import ToolPath
 from camtools.lobe.contact import Follower
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import LobePart
-from camtools.lobe.speed import (
-    N_GRID,
-    SpindleLimits,
-    acceleration_of,
-    mean_of,
-    surface_speed,
-)
+from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.ngc.gcode_words import (
     ANGLE_DECIMALS,
     CLEARANCE_MM,

@@ -60,11 +60,7 @@ def _kinks_mm(geometry: Geometry, z_first_mm: float, z_last_mm: float) -> Floats
 
 
 def segments(
-    geometry: Geometry,
-    z_first_mm: float,
-    z_last_mm: float,
-    chord_mm: float,
-    middle_mm: float = 0.0,
+    geometry: Geometry, z_first_mm: float, z_last_mm: float, chord_mm: float, middle_mm: float = 0.0
 ) -> Segments:
     """Return the fewest points on the profile whose polygon keeps a chord error.
 

@@ -23,8 +23,8 @@ class AppContext:
 
     Attributes
     ----------
-    desk : ControllerService
-        owns the link; `desk.snapshot()`, `desk.strobe()`, `await desk.do(order, visitor)`
+    service : ControllerService
+        owns the link; `service.snapshot()`, `service.strobe()`, `await service.do(order, visitor)`
     commander : Commander
         who commands
     log : CommandLog
@@ -37,7 +37,7 @@ class AppContext:
         folder of the runs that are kept
     """
 
-    desk: ControllerService
+    service: ControllerService
     commander: Commander
     log: CommandLog
     guard: TokenGuard

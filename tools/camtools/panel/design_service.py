@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the pages of design and runs share: previews, the shelf of parts, the runs.
+"""What the pages of design and runs share: previews, the library of parts, the runs.
 
 >>> DesignService.__name__
 'DesignService'
@@ -38,7 +38,7 @@ class DesignService:
 
     def __init__(self, context: AppContext) -> None:
         self.engine = Engine()
-        self.shelf = PartLibrary(context.parts)
+        self.library = PartLibrary(context.parts)
         self.machines = context.parts.parent / "machines"
         self.store = RunStore(context.runs, RUNS)
         self.queue = RunQueue(self.store)
@@ -82,15 +82,15 @@ class DesignService:
 
     def bring_files(self, text: str) -> None:
         """Put the files that the text of an example names beside one's own parts, unless there."""
-        folder = self.shelf.folder(EXAMPLE)
+        folder = self.library.folder(EXAMPLE)
         try:
             tree = read_tree(text.encode("utf-8", "replace"), "part.toml")
             found = files_named(tree, folder) if is_confined_tree(tree, folder) else {}
         except CamtoolsError:
             return  # the text is no part yet, which is shown beside it
         for name, data in found.items():
-            if not (self.shelf.folder(OWN_PARTS) / name).exists():
-                self.shelf.save_csv(name, data, replaces=False)
+            if not (self.library.folder(OWN_PARTS) / name).exists():
+                self.library.save_csv(name, data, replaces=False)
 
     def last_took_s(self, folder: Path) -> float | None:
         """Return how long the last run of the same part on the same machine took [s]."""
@@ -117,7 +117,7 @@ class DesignService:
         """
         options = options.checked()
         self.queue.check_room()
-        folder = self.shelf.folder(source)
+        folder = self.library.folder(source)
         data = text.encode("utf-8", "replace")
         machine = self._machine(options.machine)
         name, files = await asyncio.to_thread(_checked, data, folder)
@@ -185,9 +185,9 @@ def files_named(tree: object, folder: Path) -> dict[str, bytes]:
 
 
 @cache
-def workshop_of(context: AppContext) -> DesignService:
-    """Return the workshop of a panel, which begins and ends with it."""
-    workshop = DesignService(context)
-    app.on_startup(workshop.start)
-    app.on_shutdown(workshop.close)
-    return workshop
+def design_service_of(context: AppContext) -> DesignService:
+    """Return the design service of a panel, which begins and ends with it."""
+    designs = DesignService(context)
+    app.on_startup(designs.start)
+    app.on_shutdown(designs.close)
+    return designs

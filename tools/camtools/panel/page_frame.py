@@ -59,16 +59,16 @@ def _admit(context: AppContext, client: Client) -> Visitor:
     _visitors[client.id] = visitor
 
     def on_connect() -> None:
-        context.desk.page_connected(visitor)
+        context.service.page_connected(visitor)
         client.run_javascript("panelHello()")
 
     def on_disconnect() -> None:
         if not client.has_socket_connection:  # a new one may stand before the old one is given up
-            context.desk.page_lost(visitor)
+            context.service.page_lost(visitor)
 
     def on_delete() -> None:
         _visitors.pop(client.id, None)
-        context.desk.page_lost(visitor)
+        context.service.page_lost(visitor)
         context.commander.lose(visitor)
         forget_routes()
 
@@ -85,7 +85,7 @@ def framed(context: AppContext, path: str) -> Iterator[Visitor]:
     Yields
     ------
     Visitor
-        of this page, for desk.do() and the commander
+        of this page, for service.do() and the commander
     """
     visitor = _admit(context, ui.context.client)
     ui.colors(primary=_PRIMARY, positive=_POSITIVE)
@@ -141,7 +141,7 @@ class _CommandBar:
     def show(self) -> None:
         """Bring the bar up to date."""
         commander, visitor = self._context.commander, self._visitor
-        holder, other = commander.holder, other_sender(self._context.desk.snapshot())
+        holder, other = commander.holder, other_sender(self._context.service.snapshot())
         self._who.text = _who(commander, visitor, other)
         self._token.set_visibility(not visitor.has_token)
         self._take.set_visibility(visitor.has_token)
@@ -159,7 +159,7 @@ class _CommandBar:
         told = event.args if isinstance(event.args, dict) else {}
         sent_ms = told.get("sent_ms")
         if isinstance(sent_ms, int | float):
-            self._context.desk.page_clock(self._visitor, float(sent_ms))
+            self._context.service.page_clock(self._visitor, float(sent_ms))
         if told.get("token") and not self._visitor.has_token:
             self._try(told["token"])
 
@@ -180,8 +180,8 @@ class _CommandBar:
         return not problem
 
     async def _on_take(self) -> None:
-        commander, visitor, desk = self._context.commander, self._visitor, self._context.desk
-        newest = desk.snapshot()
+        commander, visitor, service = self._context.commander, self._visitor, self._context.service
+        newest = service.snapshot()
         holder, other = commander.holder, other_sender(newest)
         if holder is visitor and not other:
             if newest.state in IN_WORK and not await confirmed("Give back?", _ENDS, "Give back"):
@@ -190,7 +190,7 @@ class _CommandBar:
         elif holder is None and not other:
             outcome = commander.take(visitor)
         elif await confirmed("Take the command over?", _warning(holder, other), "Take over"):
-            outcome = await desk.take_over(visitor)
+            outcome = await service.take_over(visitor)
         else:
             return
         ui.notify(outcome.text, type="positive" if outcome.is_done else "negative")

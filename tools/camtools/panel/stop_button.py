@@ -44,13 +44,13 @@ class FrameStop:
     async def stop(self) -> None:
         """End what moves, without a question, and tell what came of it."""
         withdraw(self._button.client)
-        order = stop_order(self._context.desk.snapshot().state)
-        outcome = await self._context.desk.do(Order(order, {}), self._visitor)
+        order = stop_order(self._context.service.snapshot().state)
+        outcome = await self._context.service.do(Order(order, {}), self._visitor)
         with self._button:
             words = f"STOP of the machine: {outcome.text}"
             ui.notify(words, type="positive" if outcome.is_done else "negative")
 
     def show(self) -> None:
         """Show what the machine does now."""
-        snapshot = self._context.desk.snapshot()
+        snapshot = self._context.service.snapshot()
         self._machine.text = machine_text(snapshot.state, is_connected=snapshot.is_connected)

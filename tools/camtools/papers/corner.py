@@ -28,12 +28,7 @@ from camtools.skirt.geometry.refit import (
 )
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.study.refit import (
-    PAPER_JERK_MM_S3,
-    PAPER_PEAK_MM_S2,
-    Study,
-    study,
-)
+from camtools.study.refit import PAPER_JERK_MM_S3, PAPER_PEAK_MM_S2, Study, study
 
 HEIGHT_MM, RPM = 40.0, 800.0
 CUBIC, QUINTIC = Recipe("cubic", 0, 0, "as-paper"), Recipe("quintic", 0, 0, "as-paper")

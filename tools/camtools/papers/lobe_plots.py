@@ -21,14 +21,6 @@ _UP = 1j  # the zero of the law points upwards
 _AROUND = np.exp(1j * np.linspace(0, 2 * np.pi, 721))
 
 
-def _outline(axes: Axes, study: LobeStudy) -> None:
-    touch, _ = study.lobe.contacts(np.linspace(-np.pi, np.pi, 1441) + study.lobe.phase_rad)
-    shape = touch.radius * np.exp(1j * touch.alpha) * _UP
-    axes.fill(shape.real, shape.imag, fc=PALE, ec=GREY, lw=1.5)
-    base = study.lobe.base_mm * _AROUND
-    axes.plot(base.real, base.imag, color=GREY, lw=0.7, ls=":")
-
-
 def _line(axes: Axes, start: complex, end: complex, colour: str, width: float = 1.0) -> None:
     axes.plot([start.real, end.real], [start.imag, end.imag], color=colour, lw=width)
 
@@ -67,7 +59,11 @@ def _base_figure(study: LobeStudy, i: int, title: str) -> tuple[Figure, Axes, _P
     figure = new_figure(7.5, 7)
     figure.suptitle(title)
     axes, at = figure.add_subplot(), _Places(study, i)
-    _outline(axes, study)
+    touch, _ = study.lobe.contacts(np.linspace(-np.pi, np.pi, 1441) + study.lobe.phase_rad)
+    shape = touch.radius * np.exp(1j * touch.alpha) * _UP
+    axes.fill(shape.real, shape.imag, fc=PALE, ec=GREY, lw=1.5)
+    base = study.lobe.base_mm * _AROUND
+    axes.plot(base.real, base.imag, color=GREY, lw=0.7, ls=":")
     _circle(axes, at.roller, study.touch.roller, ORANGE)
     _line(axes, 0j, at.roller, BLUE)
     _mark(axes, 0j, "O", -1 - 1j)

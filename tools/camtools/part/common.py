@@ -8,13 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Protocol, Self
 
-from pydantic import (
-    Field,
-    StringConstraints,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, StringConstraints, ValidationInfo, field_validator, model_validator
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM

@@ -9,9 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import (
-    ValidationError,
-)
+from pydantic import ValidationError
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.input_file import read_limited
@@ -30,8 +28,6 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
     ----------
     data : bytes
         Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
     """
     try:
         return toml_tree(data.decode("utf-8"))

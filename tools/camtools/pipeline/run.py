@@ -44,13 +44,7 @@ from camtools.sim.camsim import (
 )
 from camtools.sim.cut_plan import plan_of
 from camtools.sim.drive_mismatch import SHARE, Mismatch, mismatch
-from camtools.sim.results import (
-    AnyCut,
-    Measured,
-    read_summary,
-    read_surface,
-    read_trace,
-)
+from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
 from camtools.sim.sections import read_sections
 
 
@@ -131,14 +125,6 @@ def complete_summary(made: Made, outcome: AnyCut, off: Mismatch | None, total_s:
     )
 
 
-def _tell_what_is_kept(job: RunJob) -> None:
-    """Remove what the user wants to keep no longer, and say what lies in build/run."""
-    for old in drop_all_but(RUNS, job.keep) if job.keep is not None else ():
-        say(f"removed {shown(RUNS / old.name)}, {size_text(old.n_bytes)}")
-    hint = "" if job.keep is not None else "; --keep N leaves the N newest"
-    say(f"{shown(RUNS)} holds {kept_text(RUNS)}{hint}")
-
-
 def run(argv: Sequence[str]) -> int:
     """Make, cut and report a part; return the exit status.
 
@@ -154,10 +140,7 @@ def run(argv: Sequence[str]) -> int:
     correction = correction_for(job.options, loaded, job.output)
     say(f"making the table of {job.part_path.name}")
     made = make(
-        *(loaded, job.part_path),
-        rpm=job.rpm,
-        tolerance_nm=job.tolerance_nm,
-        correction=correction,
+        *(loaded, job.part_path), rpm=job.rpm, tolerance_nm=job.tolerance_nm, correction=correction
     )
     folder = job.folder(loaded.part.part.name, len(correction.rounds) if correction else 0)
     with staged(folder) as stage:
@@ -179,5 +162,8 @@ def run(argv: Sequence[str]) -> int:
         rows.append(ReportRow(f"drive of U {100 * SHARE:.0f} % worse", off.text()))
     sys.stdout.write(page_text(outcome, rows, shown(folder), total_s, out))
     if job.output is None:
-        _tell_what_is_kept(job)
+        for old in drop_all_but(RUNS, job.keep) if job.keep is not None else ():
+            say(f"removed {shown(RUNS / old.name)}, {size_text(old.n_bytes)}")
+        hint = "" if job.keep is not None else "; --keep N leaves the N newest"
+        say(f"{shown(RUNS)} holds {kept_text(RUNS)}{hint}")
     return 0 if outcome.is_good and not out else 1

@@ -39,10 +39,7 @@ class ExactPolygon(ExactGeometry):
         outer = self._drawn.radius_mm(z_mm)
         return ProfileOver(
             z_mm,
-            (
-                HeightCurve("outer circle", outer),
-                HeightCurve("inner circle", outer * self._least),
-            ),
+            (HeightCurve("outer circle", outer), HeightCurve("inner circle", outer * self._least)),
         )
 
 

@@ -228,8 +228,6 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
 
     Parameters
     ----------
-    part : PolygonPart
-        A validated part.
     tolerance_nm : float, optional
         Largest error of u and of x anywhere [nm] against the blended outline; by default 1, or
         the 3 or 10 that a long stroke allows.

@@ -8,13 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    Field,
-    Tag,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
 
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, no_truth, rising, wrong
@@ -57,11 +51,7 @@ def _of_size(form: str, size_mm: float) -> dict[str, float]:
         mean, eccentricity = P3G[size_mm]
         return {"mean_diameter_mm": mean, "eccentricity_mm": eccentricity}
     outer, inner, eccentricity = P4C[size_mm]
-    return {
-        "outer_diameter_mm": outer,
-        "inner_diameter_mm": inner,
-        "eccentricity_mm": eccentricity,
-    }
+    return {"outer_diameter_mm": outer, "inner_diameter_mm": inner, "eccentricity_mm": eccentricity}
 
 
 class PolygonSection(TomlTable):

@@ -164,7 +164,11 @@ def _rounded(corners: Floats, radii: Floats, repeat: int) -> Outline:
     along = side / length[:, None]
     normal = np.stack([along[:, 1], -along[:, 0]], axis=-1)
     distance = (corners * normal).sum(axis=1)
-    taken = radii * np.tan(_half_turns(along))  # of both sides of a corner
+    # Half of the angle by which the outline turns at each corner [rad].
+    before = np.roll(along, 1, axis=0)
+    cross = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0]
+    dot = (before * along).sum(axis=1)
+    taken = radii * np.tan(np.arctan2(cross, dot) / 2)  # of both sides of a corner
     _check_room(length, taken, radii)
     starts: list[float] = []
     curves: list[Curve] = []
@@ -180,14 +184,6 @@ def _rounded(corners: Floats, radii: Floats, repeat: int) -> Outline:
         curves.append(line)
     rising = np.unwrap(starts)
     return Outline(tuple(float(one) for one in rising), tuple(curves), repeat)
-
-
-def _half_turns(along: Floats) -> Floats:
-    """Return half of the angle by which the outline turns at each corner [rad]."""
-    before = np.roll(along, 1, axis=0)
-    cross = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0]
-    dot = (before * along).sum(axis=1)
-    return np.asarray(np.arctan2(cross, dot) / 2, dtype=np.float64)
 
 
 def _angle(point: Floats) -> float:

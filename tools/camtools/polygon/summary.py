@@ -99,11 +99,7 @@ def make_polygon_summary(made: GeneratedPolygon) -> Json:
     own = {
         "part": {"name": table.part_name, "kind": "polygon", "source": made.part.part.source},
         "process": process.model_dump()
-        | {
-            "u_zero_mm": made.middle_nm / NM_PER_MM,
-            "passes": passes_of(table),
-            "feed_law": None,
-        },
+        | {"u_zero_mm": made.middle_nm / NM_PER_MM, "passes": passes_of(table), "feed_law": None},
         "tool": tool_of(made.part.tool, made.heel),
         "polygon": _about(made),
         "channels": {"u": describe_channel(u), "x": describe_channel(x)},

@@ -48,10 +48,7 @@ def worst_of(index: Ints, error_um: Floats, n: int) -> Ints:
 
 
 def cells_of(
-    surface: GaugedSurface,
-    z_range_mm: tuple[float, float],
-    n_rows: int,
-    n_columns: int = N_COLUMNS,
+    surface: GaugedSurface, z_range_mm: tuple[float, float], n_rows: int, n_columns: int = N_COLUMNS
 ) -> Cells:
     """Return the worst point of every cell, rows by rising height, columns by angle."""
     low, high = z_range_mm

@@ -30,13 +30,6 @@ def _learning_sentence(outcome: AnyCut) -> str:
     return f"Error of each of {len(um)} turns: {first} first, {last} last, {least} least."
 
 
-def _sequence_sentence(outcome: AnyCut) -> str:
-    whole = outcome.trace if outcome.overview is None else outcome.overview
-    cutting = whole.t_s[whole.state == CUTTING]
-    from_to = f", cutting from {cutting[0]:.2f} to {cutting[-1]:.2f} s" if cutting.size else ""
-    return f"State, Z, X and U over {whole.t_s[-1]:.2f} s{from_to}."
-
-
 def surface_sentence(outcome: AnyCut) -> str:
     """Return the error of the surface in words."""
     surface, form = outcome.surface, outcome.summary["form_error_um"]
@@ -59,7 +52,10 @@ def sentences_of(outcome: AnyCut) -> dict[str, str]:
     if (outcome.trace.state == CUTTING).any():
         found["following"] = following_sentence(following_by_angle(outcome.trace))
     if outcome.trace.t_s.size > 1:
-        found["sequence"] = _sequence_sentence(outcome)
+        whole = outcome.trace if outcome.overview is None else outcome.overview
+        cutting = whole.t_s[whole.state == CUTTING]
+        from_to = f", cutting from {cutting[0]:.2f} to {cutting[-1]:.2f} s" if cutting.size else ""
+        found["sequence"] = f"State, Z, X and U over {whole.t_s[-1]:.2f} s{from_to}."
     if outcome.variants:
         found["compare"] = _variants_sentence([one._asdict() for one in outcome.variants])
     if len(outcome.summary.get("error_per_turn_um", [])) > 1:

@@ -219,7 +219,11 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
         for name in outcome.summary["first_faults"]
         if name in facts
     ]
-    rows += [ReportRow("when", _when(fault)), ReportRow("reaction", _reaction(outcome))]
+    since = fault.get("time_of_cutting_s")
+    cutting = "" if since is None else f" ({since:.3f} s into the cut)"
+    place = f"height {fault['z_mm']:.3f} mm, angle {360 * fault['turn']:.1f}°"
+    when = f"{fault['time_s']:.4f} s after the start{cutting}, {fault['state']}, {place}"
+    rows += [ReportRow("when", when), ReportRow("reaction", _reaction(outcome))]
     later = [
         name for name in outcome.summary["faults"] if name not in outcome.summary["first_faults"]
     ]
@@ -231,13 +235,6 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
         if name in facts
     ]
     return rows
-
-
-def _when(fault: Json) -> str:
-    since = fault.get("time_of_cutting_s")
-    cutting = "" if since is None else f" ({since:.3f} s into the cut)"
-    place = f"height {fault['z_mm']:.3f} mm, angle {360 * fault['turn']:.1f}°"
-    return f"{fault['time_s']:.4f} s after the start{cutting}, {fault['state']}, {place}"
 
 
 def _reaction(outcome: AnyCut) -> str:

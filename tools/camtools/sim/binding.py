@@ -32,10 +32,7 @@ PROTOTYPES: Prototypes = {
     "sim_api_close": (None, [c_void_p]),
     "sim_api_version": (c_char_p, []),
     "sim_api_error": (c_char_p, [c_void_p]),
-    "sim_api_begin": (
-        c_bool,
-        [c_void_p, WORDS, c_int, c_char_p, c_size_t, c_char_p, c_bool],
-    ),
+    "sim_api_begin": (c_bool, [c_void_p, WORDS, c_int, c_char_p, c_size_t, c_char_p, c_bool]),
     "sim_api_run": (c_bool, [c_void_p, c_uint64]),
     "sim_api_progress": (c_double, [c_void_p]),
     "sim_api_finish": (c_int, [c_void_p, c_double]),
@@ -114,8 +111,6 @@ class SimSession:
             Of `camsim run`, the table included, without outputs.
         machine : str or None
             Text of a machine file; None: that of --machine, or the default machine.
-        name : str
-            Of that text, for messages.
         traced : bool
             Keep every tick, or one of --trace-every.
         """

@@ -153,8 +153,6 @@ class Simulator:
 
         Parameters
         ----------
-        trace : str
-            Name of the file.
         keeps_text : bool
             The text of camsim is kept beside it, with the suffix .csv.
         """
@@ -239,8 +237,6 @@ def cut(
 
     Parameters
     ----------
-    words : list of str
-        Options of camsim.
     window_turns : float or None
         The trace is of a second run that ends after so many turns; None: of the cut itself.
     every : int

@@ -84,12 +84,6 @@ def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) 
 
     Parameters
     ----------
-    table : Path
-        Of the part.
-    machine : str
-        Text of the machine file.
-    words : list of str
-        Other options of camsim.
     speed_rpm : float
         Mean speed; a cut of more than 300 000 ticks ends after so many.
 

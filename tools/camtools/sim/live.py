@@ -37,8 +37,6 @@ def with_home_switches(text: str, z_last_mm: float) -> str:
 
     Parameters
     ----------
-    text : str
-        of a machine without switches
     z_last_mm : float
         height of the drawing up to which Z feeds
     """

@@ -71,8 +71,6 @@ def make_study(
         Section distance and lead of the ring-helix, at most the height range.
     rpm : float
         Wanted speed; the ring-helix is turned more slowly where Z cannot follow [r/min].
-    nose_mm : float
-        Radius of the tool's nose.
     """
     ring_rpm = min(rpm, highest_rpm(feed_mm, limits) * (1 - 1e-9))
     ramp = ramp_of(feed_mm, ring_rpm, limits)

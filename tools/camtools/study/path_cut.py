@@ -115,10 +115,6 @@ def cut_paths(
 
     Parameters
     ----------
-    nose_mm : float
-        Radius of the tool's nose.
-    program : Path
-        camsim.
     folder : Path
         Empty; tables and results of the simulator go there.
 

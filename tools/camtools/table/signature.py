@@ -27,12 +27,7 @@ from cryptography.hazmat.primitives.serialization import (
 
 from camtools.base.errors import CamtoolsError
 from camtools.table.channel import ImageError
-from camtools.table.image import (
-    SIGNATURE_MAGIC,
-    SIGNATURE_SIZE,
-    unpack,
-    without_signature,
-)
+from camtools.table.image import SIGNATURE_MAGIC, SIGNATURE_SIZE, unpack, without_signature
 
 VERSION, ID_SIZE, KEY_SIZE, SIGNED_SIZE = 1, 8, 32, 64
 _FIELDS = struct.Struct("<8sII8s40x")

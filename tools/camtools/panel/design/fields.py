@@ -224,10 +224,6 @@ def form_of(kind: str, model: type[TomlTable], values: dict[str, Any]) -> tuple[
 
     Parameters
     ----------
-    kind : str
-        Name of the kind.
-    model : type
-        Of its part files.
     values : dict
         By dotted names, see `values.values_of`.
     """

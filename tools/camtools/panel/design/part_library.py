@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shelf of parts: the examples of the project, and a folder of one's own that a page may write.
+"""The library of parts: the examples of the project, and a folder of one's own.
 
 Names are checked, files are replaced only when that was said, and all of a file is written or none.
 
 >>> import tempfile
->>> shelf = PartLibrary(Path(tempfile.mkdtemp()))
->>> shelf.save("my-part", "[part]", replaces=False)
->>> shelf.own(), shelf.read(OWN, "my-part")
+>>> library = PartLibrary(Path(tempfile.mkdtemp()))
+>>> library.save("my-part", "[part]", replaces=False)
+>>> library.own(), library.read(OWN, "my-part")
 (['my-part'], '[part]')
 """
 
@@ -89,14 +89,7 @@ class PartLibrary:
             raise CamtoolsError([f"{name}: cannot be read: {reason}; choose another"]) from error
 
     def save(self, name: str, text: str, *, replaces: bool) -> None:
-        """Write a part of one's own.
-
-        Raises
-        ------
-        CamtoolsError
-            The name is no good, there is such a part and it shall not be replaced, or the shelf is
-            full.
-        """
+        """Write a part of one's own; a part of that name is replaced only where it shall be."""
         checked_name(name)
         if self.has(name) and not replaces:
             raise CamtoolsError([f"{name}: there is such a part; give another name or replace it"])
@@ -126,7 +119,7 @@ class PartLibrary:
 
     def _write(self, name: str, data: bytes) -> None:
         if len(list(self._folder.glob("*"))) >= MOST_PARTS:
-            raise CamtoolsError([f"the shelf has {MOST_PARTS} files; remove some"])
+            raise CamtoolsError([f"the library has {MOST_PARTS} files; remove some"])
         if (self._folder / name).is_symlink():
             raise CamtoolsError([f"{name}: is a link; give another name"])
         write_all(self._folder, {name: data})

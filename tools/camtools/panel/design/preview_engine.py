@@ -256,7 +256,10 @@ class Engine:
         worker.number += 1
         problem = "the preview's process ended; it is started anew"
         try:
-            _say(worker, job.request | {"id": worker.number})
+            assert worker.process.stdin is not None
+            worker.process.stdin.write(
+                json.dumps(job.request | {"id": worker.number}).encode("ascii") + b"\n"
+            )
             is_done = await asyncio.wait_for(self._listen(worker, job), self.limits.time_s)
         except TimeoutError:
             is_done = False
@@ -292,11 +295,6 @@ class Engine:
                 job.on_answer(answer)
             if answer["stage"] == "done":
                 return True
-
-
-def _say(worker: _Worker, request: Answer) -> None:
-    assert worker.process.stdin is not None
-    worker.process.stdin.write(json.dumps(request).encode("ascii") + b"\n")
 
 
 async def _heard(worker: _Worker) -> Answer | None:

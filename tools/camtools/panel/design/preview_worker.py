@@ -67,17 +67,12 @@ def _loaded(text: str, folder: str) -> Loaded:
     return parse(data, FILE, Path(folder), is_confined=True)
 
 
-def _form(text: str) -> Shown:
-    """Return the values of all fields that the text has, or why it has none."""
-    tree = read_tree(text.encode("utf-8", "replace")[:MAX_FILE_BYTES], FILE)
-    return {"stage": "form", "kind": kind_of(tree).name, "values": values_of(tree)}
-
-
 def _preview(request: Shown) -> Iterator[Shown]:
     text, folder = str(request["text"]), str(request["folder"])
     z_mm = request.get("height_mm")
     try:
-        form = _form(text)
+        tree = read_tree(text.encode("utf-8", "replace")[:MAX_FILE_BYTES], FILE)
+        form: Shown = {"stage": "form", "kind": kind_of(tree).name, "values": values_of(tree)}
         yield form
         loaded = _loaded(text, folder)
         key = loaded.kind.name, loaded.part.model_dump_json(), _state_of(form["values"], folder)
@@ -130,15 +125,6 @@ def answers_to(request: Shown, memory: Memory) -> Iterator[Shown]:
         yield from _ACTIONS[request["do"]](request)
 
 
-def _limited(memory_mb: int) -> None:
-    """Limit what this process may take, and let it write no file."""
-    most = memory_mb << 20
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    os.nice(5)  # a cut that is watched comes first
-
-
 def _tell(answer: Shown) -> None:
     sys.stdout.write(json.dumps(answer) + "\n")
     sys.stdout.flush()
@@ -179,7 +165,10 @@ def main(memory_mb: int) -> None:
     signal.signal(signal.SIGUSR1, _drop)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # control-C ends the panel, which ends this
     kinds()
-    _limited(memory_mb)
+    resource.setrlimit(resource.RLIMIT_AS, (memory_mb << 20, memory_mb << 20))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    os.nice(5)  # a cut that is watched comes first
     memory = Memory(_REMEMBERED)
     _tell({"id": 0, "stage": "ready"})
     for line in sys.stdin:

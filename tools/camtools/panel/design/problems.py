@@ -31,8 +31,6 @@ def problems_of(lines: list[str], text: str, file: str = "") -> list[Problem]:
 
     Parameters
     ----------
-    lines : list of str
-        As `CamtoolsError.lines`.
     file : str
         Name that the messages begin with; it is left out.
     """

@@ -61,7 +61,7 @@ class CommandCard:
 
     async def start(self) -> None:
         """Cut a part, after a question; nothing starts unasked, however new the state is."""
-        newest = self._orders.context.desk.snapshot()
+        newest = self._orders.context.service.snapshot()
         why = self._orders.why_no_rights or why_not("start", newest.state, newest.signals)
         if why:
             self._orders.refuse("start", why)
@@ -70,7 +70,7 @@ class CommandCard:
         asked = self._what_starts(newest)
         if not await confirmed("Start the cut?", text, "Start"):
             return
-        if self._what_starts(self._orders.context.desk.snapshot()) != asked:
+        if self._what_starts(self._orders.context.service.snapshot()) != asked:
             self._orders.refuse("start", _CHANGED)
             return
         await self._orders.give("start")

@@ -73,7 +73,7 @@ class Orders:
         """Give an order, and show what came of it."""
         told = words or name.replace("_", " ")
         self._tell(f"{told} ..", "busy")
-        outcome = await self.context.desk.do(Order(name, arguments), self.visitor)
+        outcome = await self.context.service.do(Order(name, arguments), self.visitor)
         self.tell(told, outcome)
         return outcome
 
@@ -113,8 +113,6 @@ class Orders:
 
         Parameters
         ----------
-        order : str
-            of availability.RULES
         key : str
             of the keyboard that does the same
         """

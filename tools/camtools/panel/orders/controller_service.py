@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The desk: pages ask it for what the controller does, and give it orders.
+"""The service: pages ask it for what the controller does, and give it orders.
 
 `snapshot()`, `strobe()` and `parameters()` never wait and may be called by every page as often as
 it draws. `do()` judges each order by the visitor who gives it, whatever buttons his page shows: the
@@ -44,10 +44,6 @@ class ControllerService:
     open_link : callable
         returns a Link with an open bus, or raises CamtoolsError, whose text the page shows; it is
         called again and again while no controller is heard
-    commander : Commander
-        who may give orders
-    log : CommandLog
-        of orders
     secret : bytes, optional
         unlocks the controller
     """

@@ -198,6 +198,6 @@ ACTIONS: Mapping[str, Action] = {
     "params_load": _params_load,
     "unlock": _unlock,
     "lock": _lock,
-    "take_over": _take_over,  # of the desk alone: no page orders it by its name
+    "take_over": _take_over,  # of the service alone: no page orders it by its name
 }
 assert set(ACTIONS) - {"take_over"} == set(RULES) - {"jog_hold", "jog_end"}

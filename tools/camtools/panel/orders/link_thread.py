@@ -210,7 +210,11 @@ class LinkThread:
             self._is_breaking = bool(self._urgent)
             with suppress(_Overtaken):
                 if self._urgent:
-                    self._carry_out_urgent(link)
+                    while self._urgent:  # what waited behind them is dropped
+                        urgent = self._urgent.popleft()
+                        while self._jobs:
+                            self._jobs.popleft().tell(False, f"not done: {urgent.name} came first")
+                        self._carry_out(link, urgent)
                 elif self._jobs:
                     self._carry_out(link, self._jobs.popleft())
                 else:
@@ -235,14 +239,6 @@ class LinkThread:
             own = {"has_command": self._has_command}
             self._snapshot = snapshot_of(status, link.where, self._work, **own)
             self._convergence.add(status.signals)
-
-    def _carry_out_urgent(self, link: Link) -> None:
-        """Carry the urgent jobs out; what waited behind them is dropped."""
-        while self._urgent:
-            urgent = self._urgent.popleft()
-            while self._jobs:
-                self._jobs.popleft().tell(False, f"not done: {urgent.name} came first")
-            self._carry_out(link, urgent)
 
     def _carry_out(self, link: Link, job: Job) -> None:
         late = time.monotonic() - job.given_s > PATIENCE_S

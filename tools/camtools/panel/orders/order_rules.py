@@ -49,10 +49,7 @@ URGENT = ("stop", "disable")
 _LONGEST_TEXT = 200
 _MOST_TEXT_BYTES, MOST_IMAGE_BYTES = 1 << 20, 16 << 20
 _SIZES = {"text": _MOST_TEXT_BYTES, "image": MOST_IMAGE_BYTES}
-_CHOICES: Mapping[str, Collection[object]] = {
-    "axis": tuple(AXES),
-    "measure": MEASURES,
-}
+_CHOICES: Mapping[str, Collection[object]] = {"axis": tuple(AXES), "measure": MEASURES}
 _OWN_CHOICES: Mapping[tuple[str, str], Collection[object]] = {
     ("zero", "axis"): ("x", "z"),
     ("tool_offset", "axis"): ("x", "z"),

@@ -41,7 +41,7 @@ class Snapshot:
     problem : str
         why there is no connection and what to do; "" when there is one
     work : str
-        what the desk is busy with, for example "download, 40 %"; "" when it is free
+        what the service is busy with, for example "download, 40 %"; "" when it is free
     has_command : bool
         whether the panel commands the controller; signals["commander"] tells who else does
     """

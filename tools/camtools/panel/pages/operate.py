@@ -117,8 +117,8 @@ class OperatePage:
         self._error.forget()
 
     async def _show_fast(self) -> None:
-        snapshot = self._context.desk.snapshot()
-        read = self._context.desk.parameters()
+        snapshot = self._context.service.snapshot()
+        read = self._context.service.parameters()
         values = read.values if read is not None else {}
         way = way_on(snapshot.state, snapshot.signals, values, is_connected=snapshot.is_connected)
         self._state.show(snapshot, way)
@@ -128,18 +128,18 @@ class OperatePage:
             return
         self._figures.show(snapshot)
         self._progress.show(snapshot)
-        await self._error.show(self._context.desk.strobe())
+        await self._error.show(self._context.service.strobe())
 
     def _show_slow(self) -> None:
-        snapshot = self._context.desk.snapshot()
+        snapshot = self._context.service.snapshot()
         # A page that gets no beat turns grey by its style sheet (operate.css).
         self._beat = not self._beat
         lost = "" if snapshot.is_connected else " op-silent"
         self._page.classes(replace=f"op-page op-beat-{'a' if self._beat else 'b'}{lost}")
         for one in (self._adjust, self._hand, self._table):
             one.show(snapshot)
-        self._learning.show(snapshot, self._context.desk.lessons())
-        self._params.show(self._context.desk.parameters())
+        self._learning.show(snapshot, self._context.service.lessons())
+        self._params.show(self._context.service.parameters())
         self._params.show_level(snapshot.signals)
         self._log.show()
 

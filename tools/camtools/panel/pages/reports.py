@@ -12,13 +12,13 @@ from camtools.panel.design_service import DesignService
 from camtools.panel.runs.store import REPORT
 
 
-def add_reports(workshop: DesignService) -> None:
+def add_reports(designs: DesignService) -> None:
     """Serve the report of every run, and no other file of its folder."""
 
     @app.get("/reports/{place}/{name}/report.html")
     def report(place: str, name: str) -> FileResponse:
         try:
-            path = workshop.store.run(f"{place}/{name}").folder / REPORT
+            path = designs.store.run(f"{place}/{name}").folder / REPORT
         except CamtoolsError as error:
             raise HTTPException(404, "no such run") from error
         if path.is_symlink() or not path.is_file():

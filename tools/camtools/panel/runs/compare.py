@@ -188,11 +188,8 @@ def error_curves(folder: Path, heights_mm: tuple[float, float] | None = None) ->
     worst = np.where(np.isfinite(worst), worst, np.nan)
     middles = ends[0] + (ends[1] - ends[0]) * (np.arange(N_HEIGHTS) + 0.5) / N_HEIGHTS
     mean, spread = following_over_angle(folder)
-    return ErrorCurves(middles, worst, cells, _angles(), mean, spread)
-
-
-def _angles() -> Floats:
-    return (np.arange(N_ANGLES, dtype=np.float64) + 0.5) * (_DEG / N_ANGLES)
+    angles = (np.arange(N_ANGLES, dtype=np.float64) + 0.5) * (_DEG / N_ANGLES)
+    return ErrorCurves(middles, worst, cells, angles, mean, spread)
 
 
 def following_over_angle(folder: Path) -> tuple[Floats | None, Floats | None]:

@@ -57,8 +57,6 @@ class RunOptions:
 
         Parameters
         ----------
-        part : str
-            Name of the part file.
         machine : str, optional
             Path that the machine is given by, instead of its name.
         """

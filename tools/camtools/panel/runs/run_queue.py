@@ -22,14 +22,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.panel.child_environment import child_environment
 from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.progress import RunProgress
-from camtools.panel.runs.store import (
-    DONE,
-    FAILED,
-    PART,
-    RUNNING,
-    STOPPED,
-    RunStore,
-)
+from camtools.panel.runs.store import DONE, FAILED, PART, RUNNING, STOPPED, RunStore
 from camtools.sim.camsim import SUMMARY
 
 MOST_WAITING = 5
@@ -44,8 +37,6 @@ class RunQueue:
 
     Parameters
     ----------
-    store : RunStore
-        Where they are kept.
     on_change : callable
         Called in the event loop when anything has changed.
     command : list of str, optional
@@ -73,8 +64,6 @@ class RunQueue:
 
         Parameters
         ----------
-        folder : Path
-            As `RunStore.new` made it.
         machine : str, optional
             Path of the machine file, where it is one of one's own.
         """

@@ -194,11 +194,6 @@ def _about(folder: Path) -> Json:
     return found if isinstance(found, dict) else {}
 
 
-def _stamp(path: Path) -> tuple[int, int]:
-    state = path.stat()
-    return state.st_mtime_ns, state.st_size
-
-
 @lru_cache(maxsize=256)
 def _summary(path: Path, _stamped: tuple[int, int]) -> Json:
     found: Json = json.loads(path.read_bytes())
@@ -209,7 +204,8 @@ def summary_of(folder: Path) -> Json | None:
     """Return the summary of a cut, nothing where there is none."""
     path = folder / SUMMARY
     try:
-        stamp = _stamp(path)
+        state = path.stat()
+        stamp = state.st_mtime_ns, state.st_size
         if stamp[1] > _MOST_SUMMARY_BYTES:
             return None
         return _summary(path, stamp)

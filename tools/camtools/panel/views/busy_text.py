@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far the desk is with what it is busy with.
+"""How far the service is with what it is busy with.
 
 >>> share_of("download, 40 %"), share_of(""), share_of("keep")
 (0.4, 0.0, 0.0)

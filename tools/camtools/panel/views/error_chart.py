@@ -33,13 +33,9 @@ def opacity(age: int) -> float:
     return round(max(0.06, 0.85 * 0.72**age), 3)
 
 
-def _pair(kind: str, angle: float | None, error: float | None) -> list[float | None]:
-    """Return a point in the order of the coordinate system: on a polar one the radius is first."""
-    return [error, angle] if kind == POLAR else [angle, error]
-
-
 def _placed(kind: str, points: Points | Means) -> list[list[float | None]]:
-    return [_pair(kind, angle, error) for angle, error in points]
+    # In the order of the coordinate system: on a polar one the radius is first.
+    return [[error, angle] if kind == POLAR else [angle, error] for angle, error in points]
 
 
 def _slot(kind: str, slot: int) -> Option:

@@ -65,8 +65,6 @@ def look(state: str, *, is_connected: bool) -> Look:
 
     Parameters
     ----------
-    state : str
-        name of the DBC's value table
     is_connected : bool
         whether the controller's status comes
     """

@@ -163,8 +163,6 @@ def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floa
 
     Parameters
     ----------
-    radius, ovality : PPoly
-        Of the part, magnified already.
     heights_mm : ndarray
         Dense heights at which the shape is checked, both ends among them.
 

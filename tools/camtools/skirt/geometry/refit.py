@@ -81,12 +81,6 @@ def kept_sites(recipe: Recipe, n_ellipse: int) -> npt.NDArray[np.int64]:
     return np.flatnonzero(~is_left_out)
 
 
-def _averaged_knots(x: Floats) -> Floats:
-    """Return the knots of order 6 whose inner ones are means of five sites."""
-    inner = [float(x[i : i + 5].mean()) for i in range(1, x.size - 5)]
-    return np.concatenate([np.full(6, x[0]), inner, np.full(6, x[-1])])
-
-
 def fit(x_rad: Floats, y_mm: Floats, recipe: Recipe) -> PPoly:
     """Return the spline through points of one quadrant.
 
@@ -106,7 +100,10 @@ def fit(x_rad: Floats, y_mm: Floats, recipe: Recipe) -> PPoly:
     if is_mirror:
         flat = [(1, np.zeros(y_mm.shape[1:])), (3, np.zeros(y_mm.shape[1:]))]
         return PPoly.from_spline(make_interp_spline(x_rad, y_mm, k=5, bc_type=(flat, flat)))
-    return PPoly.from_spline(make_interp_spline(x_rad, y_mm, k=5, t=_averaged_knots(x_rad)))
+    # Knots of order 6 whose inner ones are means of five sites.
+    inner = [float(x_rad[i : i + 5].mean()) for i in range(1, x_rad.size - 5)]
+    knots = np.concatenate([np.full(6, x_rad[0]), inner, np.full(6, x_rad[-1])])
+    return PPoly.from_spline(make_interp_spline(x_rad, y_mm, k=5, t=knots))
 
 
 def refit(joint: Joint, recipe: Recipe, n_ellipse: int) -> PPoly:

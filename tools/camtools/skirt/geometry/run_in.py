@@ -61,10 +61,6 @@ def _fading(spline: PPoly, end_mm: float, run_mm: float) -> Floats:
     return np.pad(found.coeffs, (4 - len(found.coeffs), 0))
 
 
-def _held(spline: PPoly, end_mm: float) -> Floats:
-    return np.array([0.0, 0.0, 0.0, float(spline(end_mm))])
-
-
 def _is_above_zero(piece: Floats, run_mm: float) -> bool:
     return bool(np.polyval(piece, np.linspace(0, abs(run_mm), _PLACES)).min() >= 0)
 
@@ -88,7 +84,7 @@ def continued(
             continue
         piece = _fading(spline, end_mm, run_mm)
         if is_ovality and not _is_above_zero(piece, run_mm):
-            piece = _held(spline, end_mm)
+            piece = np.array([0.0, 0.0, 0.0, float(spline(end_mm))])
         x = np.append(x, end_mm + run_mm) if run_mm > 0 else np.append(end_mm + run_mm, x)
         columns = [*columns, piece] if run_mm > 0 else [piece, *columns]
     order = max(len(column) for column in columns)

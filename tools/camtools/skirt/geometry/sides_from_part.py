@@ -81,7 +81,8 @@ def sides_of(
     drop = _over(other, other.drop_mm or [0.0] * len(other.height_mm), "drop_mm", 1000.0)
     drop = magnified(drop, factors[1], 0.0)
     if other.ovality_mm is None:
-        its_ovality = _difference(ovality, drop)
+        breaks = np.union1d(ovality.x, drop.x)  # G - 2 drop leaves the short half axis as it is
+        its_ovality = PPoly(_on(ovality, breaks) - 2 * _on(drop, breaks), breaks)
     else:
         its_ovality = magnified(_over(other, other.ovality_mm, "ovality_mm", 1000.0), factors[0], 0)
     _check_least(its_ovality, _ends(piston))
@@ -109,18 +110,14 @@ def _scaled(curve: PPoly, factor: float) -> PPoly:
     return PPoly(curve.c * factor, curve.x)
 
 
-def _kind(piston: Piston) -> str:
-    """Return how lists of the section are joined: as the ovality is."""
-    kind = "linear" if piston.ovality is None else piston.ovality.interpolation
-    return "linear" if kind == "segments" else kind
-
-
 def _over_ovality(value: list[float] | float, piston: Piston) -> PPoly:
     """Return a number, or a list over the ovality's heights, as cubics."""
     assert piston.ovality is not None
     heights_mm = piston.ovality.height_mm
     if isinstance(value, list):
-        return through(heights_mm, value, _kind(piston))
+        # As the ovality is joined.
+        kind = "linear" if piston.ovality is None else piston.ovality.interpolation
+        return through(heights_mm, value, "linear" if kind == "segments" else kind)
     return constant_spline(value, heights_mm[0], heights_mm[-1])
 
 
@@ -142,12 +139,6 @@ def _check(curve: PPoly, allowed: Allowance, piston: Piston) -> None:
     if piston.ovality is not None and not isinstance(piston.ovality, PeakOvality):
         heights_mm = np.asarray(piston.ovality.height_mm, dtype=np.float64)
         check_overshoot("piston.ovality.interpolation", curve, allowed, heights_mm)
-
-
-def _difference(ovality: PPoly, drop: PPoly) -> PPoly:
-    """Return the ovality that leaves the short half axis as it is: G - 2 drop."""
-    breaks = np.union1d(ovality.x, drop.x)
-    return PPoly(_on(ovality, breaks) - 2 * _on(drop, breaks), breaks)
 
 
 def _on(curve: PPoly, breaks: Floats) -> Floats:

@@ -26,8 +26,6 @@ def spread(
 
     Parameters
     ----------
-    named_mm : list of float
-        Heights that the drawing names.
     ends_mm : tuple of float
         Ends of the part; sections keep a margin from them.
     """

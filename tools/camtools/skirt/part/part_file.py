@@ -9,13 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    Field,
-    Tag,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
 
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import TomlTable, no_truth, wrong

@@ -123,16 +123,12 @@ def _points(
     )
 
 
-def _check_segments(interpolation: str, n_segments: int) -> None:
-    if (interpolation == "segments") != (n_segments > 0):
-        problem = 'interpolation = "segments" and the tables "segment" belong together'
-        context = {"field": "interpolation", "value": interpolation}
-        raise wrong("segments", problem, "give both or neither", **context)
-
-
 def _completed(curve: Profile | Ovality, key: str, scale: int) -> dict[str, list[float]]:
     """Return the points of a curve over the height with the ends of its segments, if it has any."""
-    _check_segments(curve.interpolation, len(curve.segment))
+    if (curve.interpolation == "segments") != (len(curve.segment) > 0):
+        problem = 'interpolation = "segments" and the tables "segment" belong together'
+        context = {"field": "interpolation", "value": curve.interpolation}
+        raise wrong("segments", problem, "give both or neither", **context)
     if not curve.segment:
         return {}
     z_mm, values = _points(curve.height_mm, getattr(curve, key), curve.segment, key, scale)

@@ -8,14 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    Field,
-    StringConstraints,
-    Tag,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, StringConstraints, Tag, ValidationInfo, field_validator, model_validator
 
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, beside_the_part, rising, wrong
 from camtools.skirt.part.antithrust_keys import Betas, Exponents, Phases

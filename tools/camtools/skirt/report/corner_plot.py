@@ -52,11 +52,7 @@ def lines_at(geometry: Geometry, corner: Corner, z_mm: float, spindle_rpm: float
     u = geometry.delta(np.radians(deg), z_mm)
     drawn = corner.delta(np.radians(deg), z_mm).delta
     return Lines(
-        deg,
-        drawn * _UM_PER_MM,
-        u.delta * _UM_PER_MM,
-        u.d1 * omega,
-        u.d2 * omega**2 / _MM_PER_M,
+        deg, drawn * _UM_PER_MM, u.delta * _UM_PER_MM, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M
     )
 
 

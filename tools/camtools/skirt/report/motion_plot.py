@@ -60,8 +60,6 @@ def motion_at(
 
     Parameters
     ----------
-    speed_rpm : float
-        Mean speed.
     middle_mm : float
         Reduction of the radius at U 0 [mm].
     speed : Channel, optional

@@ -6,24 +6,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from matplotlib.figure import Figure
-
 from camtools.base.beside import beside
 from camtools.plots.style import drawing, png_of
-from camtools.report import compare as report_compare
-from camtools.report import motion as report_motion
-from camtools.report.learning import CONVERGENCE_TEXT, convergence
+from camtools.report.common_pictures import COMPARE_TEXT, SEQUENCE_TEXT, common_drawers, in_order
+from camtools.report.learning import CONVERGENCE_TEXT
+from camtools.report.motion import draw_motion
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import SheetPages, sheet_pages
-from camtools.report.switches import SWITCHES_TEXT, switches
-from camtools.sim.results import CUTTING, FAULT
+from camtools.report.switches import SWITCHES_TEXT
 from camtools.skirt.report import surface_plots
 from camtools.skirt.report.corner_plot import draw_corner
 from camtools.skirt.report.equal_volume_plots import draw_even, draw_ripple
-from camtools.skirt.report.interactive import live_of, motion_of
+from camtools.skirt.report.interactive import ANGLE, live_of, motion_of
 from camtools.skirt.report.outcome import SkirtOutcome
 from camtools.skirt.report.shape_plot import draw_skirt
 from camtools.skirt.report.text import rows_of
@@ -60,10 +55,23 @@ _TEXTS = {
         "acceleration, below, finite. The cut must lie on the refit; how far that is off the "
         "drawing counts in the form error.",
     ),
+    "height": (
+        "Error over height",
+        "The band should be narrow and without steps from bottom to top. A rise with height is "
+        "normal when the ovality rises; a spike at an end comes from the engage or disengage.",
+    ),
     "skirt": (
         "The skirt in space",
         "The gauged surface with its deviations from a cylinder enlarged: oval, barrel shape and, "
         "where there is one, the corner can be seen; steps or waves would stand out.",
+    ),
+    "learning": CONVERGENCE_TEXT,
+    "switches": SWITCHES_TEXT,
+    "motion": (
+        "Motion of U over one turn",
+        "U swings in and out twice per turn; the measured points must lie on the drawn curve in "
+        "position and in velocity. The peaks of velocity and acceleration are what the machine "
+        "limits above are compared with.",
     ),
     "even": (
         "Equal-volume turning",
@@ -78,52 +86,25 @@ _TEXTS = {
         "the spindle's acceleration allows it the rate is constant; where it does not, the table "
         "holds the law of least ripple, which must lie below the papers' partial modulation.",
     ),
-    "height": (
-        "Error over height",
-        "The band should be narrow and without steps from bottom to top. A rise with height is "
-        "normal when the ovality rises; a spike at an end comes from the engage or disengage.",
-    ),
-    "learning": CONVERGENCE_TEXT,
-    "switches": SWITCHES_TEXT,
-    "motion": (
-        "Motion of U over one turn",
-        "U swings in and out twice per turn; the measured points must lie on the drawn curve in "
-        "position and in velocity. The peaks of velocity and acceleration are what the machine "
-        "limits above are compared with.",
-    ),
     "following": (
         "Following error of U",
         "How far U was from where it should have been at that moment; the band holds every turn of "
         "the cut. The shape of the velocity curve means a wrong dead time or k1, that of the "
         "acceleration curve a wrong k2; a thin band means that all turns are alike.",
     ),
-    "sequence": (
-        "How the cut begins, goes on and ends",
-        "Homing finds the index with U out of the work; engaging brings X to depth and lets the "
-        "swing of U grow smoothly from nothing; disengaging is the reverse. There must be no jump "
-        "in any line, and only the green stretch is the part that is judged.",
-    ),
-    "compare": (
-        "What each part of the controller is worth",
-        "The same cut with parts of the controller switched off; mind the scale, which grows "
-        "tenfold from number to number. Dead-time lead plays the table ahead by the time the drive "
-        "needs to react, feed-forward adds the table's own velocity and acceleration so that U "
-        "need not lag.",
-    ),
+    "sequence": SEQUENCE_TEXT,
+    "compare": COMPARE_TEXT,
 }
 
 
-def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
-    """Return what can be drawn of a cut, in the order of the report."""
+def pictures_of(outcome: SkirtOutcome) -> list[Picture]:
+    """Return the pictures of a cut, not drawn yet."""
     geometry, cut = outcome.generated.geometry, outcome.summary["cut"]
-    surface, trace = outcome.surface, outcome.trace
-    magnify = outcome.generated.part.magnify
+    surface, magnify = outcome.surface, outcome.generated.part.magnify
     factor = magnify.factor if magnify else 1.0
     feed_mm, speed_rpm = cut["feed_mm"], cut["spindle_rpm"]
-    drawers: dict[str, Callable[[], Figure]] = {}
-    if (trace.state == FAULT).any():
-        retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
-        drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
+    drawers = common_drawers(outcome, ANGLE)
+    drawers["motion"] = lambda: draw_motion(motion_of(outcome))
     if surface.turn.size:
         drawers["map"] = lambda: surface_plots.draw_map(surface, geometry, feed_mm)
         own = outcome.control
@@ -132,30 +113,14 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
             drawers["own"] = lambda: surface_plots.draw_map(own, geometry, feed_mm, played)
         drawers["sections"] = lambda: surface_plots.draw_sections(surface, geometry, feed_mm)
         if geometry.corner is not None:
-            drawers["corner"] = lambda: draw_corner(surface, trace, geometry, speed_rpm)
+            drawers["corner"] = lambda: draw_corner(surface, outcome.trace, geometry, speed_rpm)
         drawers["height"] = lambda: surface_plots.draw_height(surface, geometry)
         drawers["skirt"] = lambda: draw_skirt(surface, geometry, factor)
-    drawers |= convergence(outcome.summary)
-    drawers |= switches(outcome.summary)
     even, speed = outcome.even, outcome.generated.speed
-    drawers["motion"] = lambda: report_motion.draw_motion(motion_of(outcome))
     if even is not None and speed is not None and even.removal.turn.size:
         drawers["even"] = lambda: draw_even(even, speed, speed_rpm)
         drawers["ripple"] = lambda: draw_ripple(even, speed)
-    if (trace.state == CUTTING).any():
-        drawers["following"] = lambda: report_motion.draw_following(trace)
-    if trace.t_s.size > 1:
-        drawers["sequence"] = lambda: report_motion.draw_sequence(trace, outcome.overview)
-    if len(outcome.variants) > 1:
-        tolerance_um = outcome.summary["form_error_um"]["tolerance"]
-        variants = outcome.variants
-        drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)
-    return drawers
-
-
-def pictures_of(outcome: SkirtOutcome) -> list[Picture]:
-    """Return the pictures of a cut, not drawn yet."""
-    return [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
+    return in_order(_TEXTS, drawers)
 
 
 def render(outcome: SkirtOutcome, pngs: dict[str, bytes], sheets: SheetPages | None = None) -> str:
@@ -163,8 +128,6 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes], sheets: SheetPages | N
 
     Parameters
     ----------
-    pngs : dict
-        Pictures by key, drawn.
     sheets : SheetPages or None
         Sheets of the gauged sections, drawn.
     """

@@ -7,7 +7,6 @@ from camtools.base.quantities import length_text
 from camtools.report.learning_text import learning_rows
 from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair
-from camtools.skirt.part.part_file import SkirtProcess
 from camtools.skirt.report.outcome import SkirtOutcome
 from camtools.skirt.report.tool_text import tool_row, track_row
 
@@ -46,12 +45,6 @@ def _force_text(force: Json) -> str:
     if not force["max"]:
         return ""
     return f", chip force {force['mean']:.0f} N, at most {force['max']:.0f} N"
-
-
-def _feed_peak(process: SkirtProcess) -> float:
-    """Return the largest feed over the height as a multiple of the mean."""
-    law = process.feed_law
-    return max(law.feed_mm) / process.feed_mm if law is not None else 1.0
 
 
 def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
@@ -126,16 +119,9 @@ def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
             "no speed law changes it",
         ),
         ReportRow(
-            "form error at uniform speed",
-            error_pair(outcome.even.uniform_summary["form_error_um"]),
+            "form error at uniform speed", error_pair(outcome.even.uniform_summary["form_error_um"])
         ),
     ]
-
-
-def _form_text(form: Json) -> str:
-    """Return the form error in words."""
-    allowed = length_text(form["tolerance"])
-    return f"{error_pair(form)} against the drawing (tolerance {allowed})"
 
 
 def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
@@ -144,9 +130,13 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
     form = summary["form_error_um"]
     worst_nm = max(generated.accuracy_u.value_nm, generated.accuracy_x.value_nm)
     wall_s, machine_s = summary["wall_time_s"], summary["machine_time_s"]
+    law = generated.part.process.feed_law
+    feed_peak = max(law.feed_mm) / generated.part.process.feed_mm if law is not None else 1.0
+    allowed = length_text(form["tolerance"])
+    form_text = f"{error_pair(form)} against the drawing (tolerance {allowed})"
     return [
         ReportRow("cut", what_was_cut(outcome)),
-        ReportRow("form error", _form_text(form)),
+        ReportRow("form error", form_text),
         *_correction_rows(outcome),
         *_control_rows(outcome),
         *pass_rows(summary),
@@ -157,7 +147,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *_filter_rows(outcome),
         *_removal_rows(outcome),
         tool_row(summary, generated.part.tool, generated.heel),
-        track_row(summary, generated.part.tool, _feed_peak(generated.part.process)),
+        track_row(summary, generated.part.tool, feed_peak),
         ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
         ReportRow("machine time", f"{machine_s:.1f} s"),
         ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),

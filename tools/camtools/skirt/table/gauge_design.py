@@ -26,12 +26,6 @@ def _piecewise(spline: PPoly) -> Json:
     return {"breaks_mm": spline.x.tolist(), "coefficients": spline.c.T.tolist()}
 
 
-def _corner(corner: Corner) -> Json:
-    """Return what an ellipse-arc section has beyond an oval (layout: host_sim/part/sim_arc.h)."""
-    joint = PPoly(np.radians(corner.joint_deg.c) / TURN_RAD, corner.joint_deg.x)
-    return {"trim_mm": _piecewise(corner.trim), "joint_turn": _piecewise(joint)}
-
-
 def _document(part: SkirtPart, geometry: Geometry, radius_mm: PPoly, surface: SkirtSurface) -> Json:
     """Return a surface of the skirt with its profile."""
     if isinstance(surface, HeldSurface):  # beyond the ends nothing is gauged
@@ -51,7 +45,10 @@ def _document(part: SkirtPart, geometry: Geometry, radius_mm: PPoly, surface: Sk
     oval = radius | {"ovality_mm": _piecewise(geometry.ovality)}
     found: Json = {"shape": section.shape, "beta": float(np.asarray(section.beta))} | oval
     if isinstance(surface, Corner):
-        found |= {"base": section.base} | _corner(surface)
+        # What it has beyond an oval; layout: host_sim/part/sim_arc.h.
+        joint = PPoly(np.radians(surface.joint_deg.c) / TURN_RAD, surface.joint_deg.x)
+        corner = {"trim_mm": _piecewise(surface.trim), "joint_turn": _piecewise(joint)}
+        found |= {"base": section.base} | corner
     return found
 
 

@@ -16,13 +16,7 @@ from camtools.base.cache import recall
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM
 from camtools.cut.correction import Correction
-from camtools.cut.feasibility import (
-    HighestSpeed,
-    Peaks,
-    drift_of,
-    highest_speed,
-    peaks_of,
-)
+from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, highest_speed, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
 from camtools.cut.verdict import check_table
 from camtools.skirt.geometry.cache_keys import geometry_of, law_key, way_key
@@ -159,8 +153,6 @@ def generate(
 
     Parameters
     ----------
-    part : SkirtPart
-        A validated part.
     tolerance_nm : float, optional
         Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
         by default 1 nm, for u of a refitted composite section 5 nm, of a corrected drawing the

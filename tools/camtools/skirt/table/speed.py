@@ -101,8 +101,6 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
 
     Parameters
     ----------
-    u : Channel
-        Of the part.
     uniform_rpm : float
         Highest speed of uniform turning, for comparison [r/min].
 

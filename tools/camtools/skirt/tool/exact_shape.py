@@ -28,8 +28,6 @@ class ExactGeometry(Exact):
 
     Parameters
     ----------
-    drawn : Geometry
-        The part.
     tip : Geometry
         What the tip of the tool follows.
     middle_mm : float

@@ -47,10 +47,7 @@ def _turned(law: FeedLaw, ends_mm: tuple[float, float]) -> _Turned:
 
 
 def height_at_mm(
-    law: FeedLaw,
-    ends_mm: tuple[float, float],
-    helix_mm: Floats,
-    turned: _Turned | None = None,
+    law: FeedLaw, ends_mm: tuple[float, float], helix_mm: Floats, turned: _Turned | None = None
 ) -> Floats:
     """Return Z where the plain helix with the mean feed is at some heights, MATHS.md (103).
 
