@@ -257,7 +257,9 @@ def test_interrupted_forecast_goes_on(tmp_path: Path) -> None:
         os.killpg(process.pid, signal.SIGINT)
         told = process.communicate(timeout=PATIENCE_S)[1].splitlines()
     assert process.returncode == 130, told
-    assert told[-1] == "forecast: interrupted; what is done is kept: the same command goes on"
+    assert (
+        told[-1] == "forecast: interrupted; finished cuts are kept; repeat the command to continue"
+    )
     assert all(line.startswith("forecast: ") for line in told), told
     n_kept = len(Store(store).found)
     assert 8 <= n_kept < 400

@@ -30,8 +30,8 @@ from camtools.link.parameters import (
 
 _MOST_BYTES = 1024 * 1024
 FILES = {
-    "save": "write all parameters into a TOML file",
-    "load": "bring those of a file into force, all or none",
+    "save": "save all parameters to a TOML file",
+    "load": "set the parameters of a file, all or none",
     "diff": "compare a file with the controller; status 1 where they differ",
 }
 Say = Callable[[str], None]

@@ -27,7 +27,6 @@ ROOT = Path(__file__).resolve().parents[3]
 PROGRAMMERS = ("openocd", "st-flash", "pyocd")
 _FIRMWARE_FILE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.bin"
 _EPILOG = """\
-Without --programmer the first of openocd, st-flash and pyocd that is installed is used.
 Exit status: 0 written, 1 the programmer failed, 2 wrong usage or bad input."""
 _TCL_SPECIAL = frozenset("{}\\")
 
@@ -172,11 +171,15 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--firmware", action="store_true", help="build and write the firmware")
     parser.add_argument(
-        "--table", type=Path, metavar="TABLE.camtab", help="check and write a table"
+        "--table", type=Path, metavar="TABLE.camtab", help="check this table and write it"
     )
-    parser.add_argument("--programmer", choices=PROGRAMMERS, help="which program writes")
     parser.add_argument(
-        "--dry-run", action="store_true", help="check, print the command lines only"
+        "--programmer",
+        choices=PROGRAMMERS,
+        help="program that writes (default: the first one installed)",
+    )
+    parser.add_argument(
+        "--dry-run", action="store_true", help="check the files and only print the command lines"
     )
     arguments = parser.parse_args(argv)
     if not arguments.firmware and arguments.table is None:

@@ -46,9 +46,12 @@ _GROUPS = {
 }
 KEEP_S = 30.0  # flash may have to be erased
 MEMORY = {
-    "keep": ("save_parameters", "the controller keeps those in force over a restart"),
-    "revert": ("revert_parameters", "bring those back into force that it keeps"),
-    "defaults": ("restore_defaults", "bring its defaults into force; what it keeps stays"),
+    "keep": (
+        "save_parameters",
+        "store the current parameters in the controller, for its next start",
+    ),
+    "revert": ("revert_parameters", "restore the stored parameters"),
+    "defaults": ("restore_defaults", "restore the defaults; the stored parameters stay"),
 }
 # What the text that a controller keeps for itself has besides.
 _KEPT = ("version", "crc32")

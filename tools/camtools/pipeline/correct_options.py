@@ -32,28 +32,31 @@ def add_measured(parser: argparse.ArgumentParser) -> None:
         "--measured",
         type=Path,
         metavar="SURFACE.csv",
-        help="correct the table by the gauged surface of a part: that of camsim, or angle, height "
-        "and deviation (docs/MEASURED.md)",
+        help="correct the table by the measured surface of a part, from camsim or as angle, height "
+        "and deviation (tools/docs/MEASURED.md)",
     )
     parser.add_argument(
         "--previous",
         type=Path,
         metavar="NAME.json",
-        help="of the table that cut it; default: beside the surface",
+        help="summary of the table that cut that part (default: next to the surface)",
     )
     parser.add_argument(
         "--gain",
         type=float,
         metavar="G",
-        help=f"share of the deviation that is taken off, default {DEFAULT_GAIN}",
+        help=f"share of the deviation to correct (default: {DEFAULT_GAIN})",
     )
     parser.add_argument(
-        "--keep-harmonics", type=int, metavar="N", help="highest wave per turn, default 16"
+        "--keep-harmonics",
+        type=int,
+        metavar="N",
+        help="highest harmonic to correct, in waves per turn (default: 16)",
     )
     parser.add_argument(
         "--centred",
         action="store_true",
-        help="the instrument took mean and centre out: leave both alone",
+        help="do not correct mean and centre, which the instrument has removed",
     )
 
 
