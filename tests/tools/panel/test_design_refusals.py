@@ -123,7 +123,7 @@ def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     """A second part of a name needs a yes, and a link is never followed."""
     shelf = PartLibrary(tmp_path / "parts")
     shelf.save("a", "one", replaces=False)
-    with pytest.raises(CamtoolsError, match="there is such a part"):
+    with pytest.raises(CamtoolsError, match="this part exists"):
         shelf.save("a", "two", replaces=False)
     assert shelf.read(OWN, "a") == "one"
     shelf.save("a", "two", replaces=True)

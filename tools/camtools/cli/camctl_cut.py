@@ -41,7 +41,7 @@ def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
     one = commands.add_parser(
         "override", help="print or set the override of feed or spindle speed; the change is ramped"
     )
-    one.add_argument("what", choices=OVERRIDES)
+    one.add_argument("what", choices=OVERRIDES, help="what to override")
     one.add_argument(
         "percent",
         nargs="?",
@@ -51,7 +51,7 @@ def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
     one = commands.add_parser(
         "trim", help="print or set the wear offset of X; ramped, also while cutting"
     )
-    one.add_argument("measure", choices=MEASURES)
+    one.add_argument("measure", choices=MEASURES, help="what the offset is measured on")
     one.add_argument(
         "value",
         nargs="?",

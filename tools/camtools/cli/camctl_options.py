@@ -168,7 +168,7 @@ def _add_excite(one: argparse.ArgumentParser) -> None:
 
 def _add_hand(commands: argparse._SubParsersAction[Parser]) -> None:
     one = commands.add_parser("jog", help="in manual: move an axis until control-C, or by one step")
-    one.add_argument("axis", choices=tuple(AXES))
+    one.add_argument("axis", choices=tuple(AXES), help="axis to move")
     one.add_argument(
         "sense", nargs="?", choices=("+", "-"), help="direction; leave out with --step"
     )
@@ -185,7 +185,7 @@ def _add_hand(commands: argparse._SubParsersAction[Parser]) -> None:
     one = commands.add_parser(
         "zero", help="set the position of an axis to a known value; nothing moves"
     )
-    one.add_argument("axis", choices=("x", "z"))
+    one.add_argument("axis", choices=("x", "z"), help="axis to set")
     one.add_argument(
         "--diameter",
         type=not_negative,
@@ -256,10 +256,12 @@ def make_parser() -> argparse.ArgumentParser:
         commands.add_parser(name, help=what).add_argument("value", type=finite)
     _add_hand(commands)
     add_cut(commands)
-    commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
+    commands.add_parser("get", help="print parameters").add_argument(
+        "names", nargs="+", help="parameters; `list` prints all"
+    )
     one = commands.add_parser("set", help="set a parameter")
-    one.add_argument("name")
-    one.add_argument("value", type=whole)
+    one.add_argument("name", help="parameter; `list` prints all")
+    one.add_argument("value", type=whole, help="whole number, in the unit of the name")
     one = commands.add_parser("list", help="print parameters with their ranges")
     one.add_argument(
         "pattern", nargs="?", default="*", help="only names that match, with * and ? (default: all)"
@@ -288,15 +290,15 @@ def make_parser() -> argparse.ArgumentParser:
     )
     _add_excite(commands.add_parser("excite", help="in ready: move U along a wave and record it"))
     one = commands.add_parser("learned", help="print, save or load the learned correction")
-    one.add_argument("action", nargs="?", choices=("save", "load"))
+    one.add_argument("action", nargs="?", choices=("save", "load"), help="default: print")
     one.add_argument("file", nargs="?", type=Path, help="TOML file, with save and load")
     table = commands.add_parser("table", help="show the active table, or download another one")
     actions = table.add_subparsers(dest="table", required=True, metavar="ACTION")
     actions.add_parser("info", help="print name, size, CRC-32 and generation of the active table")
     one = actions.add_parser("next", help="download a table and activate it; also allowed in ready")
-    one.add_argument("file", type=Path)
+    one.add_argument("file", type=Path, help="table, NAME.camtab")
     one = actions.add_parser("download", help="download and check a table; the active one stays")
-    one.add_argument("file", type=Path)
+    one.add_argument("file", type=Path, help="table, NAME.camtab")
     one.add_argument("--select", action="store_true", help="activate it after the download")
     commands.add_parser("select", help="activate the downloaded table")
     return parser

@@ -57,8 +57,8 @@ def _save(link: Link, path: Path, say: Say) -> None:
     if int(s["params_checksum"]) != checksum(values):
         raise Refused(
             f"{path}: not written: the checksum of the controller, "
-            f"{int(s['params_checksum']):08x}, is not that of its parameters, "
-            f"{checksum(values):08x}; is it of another version, or are parameters being set?"
+            f"{int(s['params_checksum']):08x}, does not match its parameters, "
+            f"{checksum(values):08x}; is its version different, or is somebody setting parameters?"
         )
     origin = f"version {s['params_version']:.0f}, checksum {checksum(values):08x}"
     write_all(path.parent, {path.name: text_of(values, origin).encode()})

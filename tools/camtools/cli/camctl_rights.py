@@ -84,7 +84,7 @@ def commanding(link: Link, node: int, arguments: argparse.Namespace) -> Iterator
     try:
         yield
     except CommandHeld as held:
-        remedy = "wait until he gives it back, or take it over by --take-over"
+        remedy = "wait until it is given back, or use --take-over"
         raise Refused(f"{held}; {remedy}") from held
     finally:
         rights.release()
@@ -106,7 +106,9 @@ def _level(link: Link) -> str:
 def _await_key(link: Link, say: Say) -> None:
     """Take command, and wait until somebody turns the key for it."""
     if link.ask("get_challenge").result == "lock_none":  # which takes command, too
-        raise Refused("unlock: the port has neither a secret nor a key switch; name them there")
+        raise Refused(
+            "unlock: the port has neither a secret nor a key switch; add one to its settings"
+        )
     say(f"unlock: turn the key switch at the machine off and on, within {_KEY_S:.0f} s")
     end_s = time.monotonic() + _KEY_S
     while _level(link) == "locked":

@@ -140,7 +140,7 @@ def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
         return [[*words, f"0x{write.address:08X}", str(write.file)] for write in writes]
     for write in writes:
         if _TCL_SPECIAL & set(str(write.file)):
-            raise _refusal(write.file, "a name that openocd cannot take", "rename it")
+            raise _refusal(write.file, "openocd cannot handle this name", "rename it")
     words = ["openocd", "-f", "board/st_nucleo_h743zi.cfg"]
     for write in writes:
         words += ["-c", f"program {{{write.file}}} verify 0x{write.address:08X}"]
@@ -208,7 +208,7 @@ def _run(arguments: argparse.Namespace) -> int:
         sys.stdout.flush()
         if not arguments.dry_run and (status := subprocess.run(line, check=False).returncode) != 0:
             sys.stderr.write(
-                f"flash: {programmer} ended with status {status}; nothing is certain\n"
+                f"flash: {programmer} ended with status {status}; the flash may be incomplete\n"
             )
             return 1
     return 0

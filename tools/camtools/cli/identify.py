@@ -142,16 +142,16 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 def _check(parser: Parser, arguments: argparse.Namespace) -> None:
     """End with a line when options do not go together."""
     if arguments.apply and arguments.machine is not None and arguments.output is None:
-        parser.error("--apply: the simulator's machine file goes into a folder: add -o DIR")
+        parser.error("--apply: needs a folder for the machine file: add -o DIR")
     if arguments.form_error_um is not None and arguments.part is None:
-        parser.error("--form-error-um: is that of a part: add PART.toml")
+        parser.error("--form-error-um: needs a part: add PART.toml")
     if arguments.rpm is not None and arguments.part is None:
-        parser.error("--rpm: is the speed of a part: add PART.toml")
+        parser.error("--rpm: needs a part: add PART.toml")
     if arguments.highest_hz < 50:
         parser.error(f"--highest-hz {arguments.highest_hz:g}: give at least 50")
     of_bus = [name for name in ("interface", "channel", "bitrate") if getattr(arguments, name)]
     if of_bus and not arguments.bus:
-        parser.error(f"--{of_bus[0]}: is of a bus: use --bus instead of --machine")
+        parser.error(f"--{of_bus[0]}: needs a bus: use --bus instead of --machine")
 
 
 class _Part:
@@ -253,7 +253,7 @@ def _status(one: _Found, arguments: argparse.Namespace, out: TextIO, applied: st
     if one.is_good and applied:
         out.write(f"applied: {applied}\n")
     if not one.is_good:
-        what = "nothing is applied" if arguments.apply else "the fit is not to be applied"
+        what = "nothing was applied" if arguments.apply else "the fit is not good enough to apply"
         first = one.found.problems(Limits())[0]
         sys.stderr.write(f"identify: {what}: {first}\n")
     return 0 if one.is_good else NOT_GOOD

@@ -63,7 +63,9 @@ def _read(table: Path) -> bytes:
 def _make(name: Path) -> int:
     public_file = name.with_name(name.name + ".pub")
     if public_file.exists():
-        raise CamtoolsError([f"{public_file}: is there, and no key is overwritten; give another"])
+        raise CamtoolsError(
+            [f"{public_file}: exists, and no key is overwritten; give another name"]
+        )
     public = make_private(name.with_name(name.name + ".pem")).public_key().public_bytes_raw()
     write_all(name.parent, {public_file.name: f"{public.hex()}\n".encode()})
     print(f"key {key_id(public).hex()}: {name}.pem is private, {name}.pub is for the machines")

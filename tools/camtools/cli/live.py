@@ -186,7 +186,7 @@ class _Session:
             status = process.poll()
             if status is not None:
                 del self._alive[name]
-                after = f"; the {next(iter(self._alive))} goes on" if self._alive else ""
+                after = f"; the {next(iter(self._alive))} continues" if self._alive else ""
                 _say(f"the {name} (process {process.pid}) {died(status)}{after}")
 
     def _take(self, source: int) -> None:
@@ -217,7 +217,7 @@ def _tell(lathe: LiveLathe, arguments: argparse.Namespace, where: str) -> None:
     others = len(live_lathes()) > 1
     _say(f"talk to it: tools/camctl {f'--live {lathe.name} ' if others else ''}status")
     _say(f"other programs of python-can: {_environment(lathe.bus)}")
-    _say("type a fault (estop, drive, bus, lost-counts:5, ..) or release; control-C ends")
+    _say("type estop, drive, bus, lost-counts:5, .. for a fault, release to end it; control-C ends")
 
 
 def _end(pair: LivePair, bridge: Bridge) -> None:

@@ -73,7 +73,7 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
     if arguments.export is None:
         if heights_mm or n_points is not None:
             option = "--export-height" if heights_mm else "--export-points"
-            problem = f"{option}: says nothing about the format"
+            problem = f"{option}: has no effect without --export"
             raise CamtoolsError([f"{problem}; add --export {' or --export '.join(FORMS)}"])
         return {}
     if n_points is not None and not MIN_POINTS <= n_points <= MAX_POINTS:

@@ -173,7 +173,7 @@ def _run(arguments: argparse.Namespace) -> int:
         own = arguments.keep / "parts", arguments.keep / "runs"
         app = application(AppContext(desk, commander, log, TokenGuard(token), *own), hosts)
         if not ipaddress.ip_address(arguments.listen).is_loopback:
-            _say("warning: nothing is encrypted: who hears the network sees the token; see ssh -L")
+            _say("warning: not encrypted: anybody on the network can read the token; use ssh -L")
         _say(f"http://{hosts[0]}/#token={token}")
         _say("control-C ends")
         try:

@@ -128,7 +128,7 @@ def _flat(table: Mapping[str, object], where: str = "") -> list[tuple[str, str, 
 def problem_of(name: str, value: object) -> str:
     """Return what is wrong with a value, "" when nothing is."""
     if name not in INFOS:
-        return f"{name}: no such parameter; tools/camctl list tells them"
+        return f"{name}: no such parameter; tools/camctl list prints all"
     if not isinstance(value, int) or isinstance(value, bool):
         return f"{name} = {value}: give a whole number"
     info = INFOS[name]
@@ -155,7 +155,7 @@ def parse(data: bytes, name: str) -> dict[str, int]:
     for group, key, value in _flat(told):
         if key in _KEPT and not group:
             continue
-        problem = f"{key}: there twice; give it once" if key in values else problem_of(key, value)
+        problem = f"{key}: appears twice; give it once" if key in values else problem_of(key, value)
         problems += [f"{name}: {problem}"] if problem else []
         values[key] = value
     if problems or not values:

@@ -65,7 +65,9 @@ def request_of(arguments: argparse.Namespace) -> Request | None:
     if arguments.measured is None:
         for key, option in _NEEDS.items():
             if getattr(arguments, key) not in (None, False):
-                raise CamtoolsError([f"{option}: corrects nothing; add --measured SURFACE.csv"])
+                raise CamtoolsError(
+                    [f"{option}: has no effect without --measured; add --measured SURFACE.csv"]
+                )
         return None
     gain = DEFAULT_GAIN if arguments.gain is None else arguments.gain
     return Request(
@@ -99,7 +101,7 @@ def correction_for(
     found = next_round(request, name, kind.drawing(part))
     path = found.previous.path
     if output is not None and (output / f"{name}.json").resolve() == path.resolve():
-        problem = f"{name}.json there is that of the table that cut the gauged part"
+        problem = f"has the {name}.json of the table that cut the measured part"
         raise CamtoolsError([f"-o {output}: {problem}; give another folder for each round"])
     for line in cautions(part.process, getattr(part, "tool", None), found.previous.report):
         sys.stderr.write(f"{line.strip()}\n")

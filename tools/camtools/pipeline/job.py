@@ -156,7 +156,7 @@ class RunJob:
         if arguments.output == "":
             raise CamtoolsError(["-o: an empty path; give a folder"])
         if arguments.keep is not None and arguments.output:
-            raise CamtoolsError(["--keep: is about build/run; leave out -o or --keep"])
+            raise CamtoolsError(["--keep: applies only to build/run; leave out -o or --keep"])
         self.keep: int | None = arguments.keep
         self.cutoff_upr: int = arguments.upr
         self.keeps_text: bool = arguments.csv
@@ -177,7 +177,7 @@ class RunJob:
         if feed_mm is None or (feed_mm <= _MAX_FEED_MM and is_feed_within(part, feed_mm)):
             return
         most_mm = min(part.height_mm, _MAX_FEED_MM)
-        why = "the height of the part" if most_mm < _MAX_FEED_MM else "what the firmware takes"
+        why = "the height of the part" if most_mm < _MAX_FEED_MM else "the limit of the firmware"
         problem = f"--feed {feed_mm:.9g}: must be at most {most_mm:.9g} mm, {why}"
         raise CamtoolsError([f"{problem}; give at most --feed {most_mm:.9g}"])
 

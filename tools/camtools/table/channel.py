@@ -166,7 +166,7 @@ def check_way(way: Channel, demand: Demand, *, has_stations: bool) -> None:
     most_slow = LEAST_STANDING if has_stations else LEAST_FEED
     demand(
         least >= most_slow * plain,
-        "way: Z turns back or nearly stands",
+        "way: Z reverses or nearly stops",
     )
 
 

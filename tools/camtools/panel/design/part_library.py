@@ -99,7 +99,7 @@ class PartLibrary:
         """
         checked_name(name)
         if self.has(name) and not replaces:
-            raise CamtoolsError([f"{name}: there is such a part; give another name or replace it"])
+            raise CamtoolsError([f"{name}: this part exists; give another name or replace it"])
         data = text.encode("utf-8", "replace")
         if len(data) > MAX_FILE_BYTES:
             problem = f"{name}: {len(data)} bytes, a part file has at most {MAX_FILE_BYTES}"
@@ -112,9 +112,9 @@ class PartLibrary:
             remedy = "use letters, digits, _, - and ., and the ending .csv"
             raise CamtoolsError([f"name {name[:40]!r}: not usable; {remedy}"])
         if len(data) > _MAX_CSV_BYTES:
-            raise CamtoolsError([f"{name}: more than {_MAX_CSV_BYTES} bytes; thin it out"])
+            raise CamtoolsError([f"{name}: more than {_MAX_CSV_BYTES} bytes; give fewer points"])
         if (self._folder / name).exists() and not replaces:
-            raise CamtoolsError([f"{name}: there is such a file; give another name or replace it"])
+            raise CamtoolsError([f"{name}: this file exists; give another name or replace it"])
         self._write(name, data)
 
     def remove(self, name: str) -> None:
@@ -126,7 +126,7 @@ class PartLibrary:
 
     def _write(self, name: str, data: bytes) -> None:
         if len(list(self._folder.glob("*"))) >= MOST_PARTS:
-            raise CamtoolsError([f"the shelf has {MOST_PARTS} files; remove some"])
+            raise CamtoolsError([f"the library has {MOST_PARTS} files; remove some"])
         if (self._folder / name).is_symlink():
             raise CamtoolsError([f"{name}: is a link; give another name"])
         write_all(self._folder, {name: data})
