@@ -93,7 +93,7 @@ def test_the_command_is_taken_over_visibly_and_free_when_its_page_goes(
     command(second, "Take over")
     second.get_by_test_id("question-yes").click()
     expect(second.get_by_text("you command").first).to_be_visible()
-    expect(first.get_by_text("took the command over").first).to_be_visible()
+    expect(first.get_by_text("took over command").first).to_be_visible()
     second.close()
     for page in (first, viewer):
         expect(page.get_by_text("nobody commands").first).to_be_visible(timeout=GONE_MS)
@@ -122,7 +122,7 @@ def test_a_jog_ends_with_its_page(session: PanelSession, open_window: OpenWindow
         session.witness.wait(lambda: False, 0.6)
     jog = [line for line in session.logged() if line["order"] == "jog_begin"][-1]
     assert jog["outcome"].endswith(
-        ("the page is gone", "nothing was heard from the page for 250 ms", "let go")
+        ("the page was closed", "nothing was heard from the page for 250 ms", "released")
     )
     again = open_window().page
     again.goto(session.url)

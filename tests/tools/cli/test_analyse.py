@@ -131,13 +131,13 @@ def test_uniform_part_is_not_judged_by_equal_parts(perkins: SkirtPart) -> None:
         text = told_of(load_part(PERKINS.with_name(f"{name}.toml")), AnalysisWishes())
         assert "the part is turned uniformly; equal volume would take" in text
         assert not re.search(r"not possible|NOT", text)
-    assert "30 equal parts are possible, as 28 (volume" in told_of(
+    assert "30 equal parts are possible; the range is 28 (volume" in told_of(
         perkins, AnalysisWishes(parts=30)
     )
     even = load_part(PERKINS.with_name("perkins240_equal_volume.toml"))
     assert "30 equal parts are possible" in told_of(even, AnalysisWishes())
     asked = told_of(perkins, AnalysisWishes(parts=500))
-    assert "500 equal parts are not possible: 28 (volume of a part) .. 120" in asked
+    assert "500 equal parts are not possible; give 28 (volume of a part) .. 120" in asked
     assert "give --parts or process.parts" in asked
     none = told_of(even, AnalysisWishes(slice_volume_mm3=1e-6))
     assert "30 equal parts: no number is possible" in none

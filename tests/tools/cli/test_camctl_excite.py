@@ -49,7 +49,7 @@ def test_u_plays_what_the_file_says(bench: Bench, wave: Path, tmp_path: Path) ->
     assert np.all(played == (tone(HEIGHT_NM) - 300_000) * 64)
     assert np.all(np.diff(np.array(told["tick"], np.int64)) == 1)
     assert "state             ready" in bench.do("status")
-    assert "black box         it records" in bench.do("blackbox")
+    assert "black box         recording" in bench.do("blackbox")
 
 
 def test_an_excitation_needs_ready_and_room(
@@ -69,7 +69,11 @@ def test_an_excitation_needs_ready_and_room(
     short = tmp_path / "short.csv"
     short.write_text("u_nm\n" + "1\n" * 15)
     assert "wave length" in refusal(bench, 1, f"excite {short} {record}")
-    for text, why in (("", "no u_nm"), ("u_nm\n", "no samples"), ("u_nm\nx\n", "line 2: x")):
+    for text, why in (
+        ("", "no heading u_nm"),
+        ("u_nm\n", "no samples"),
+        ("u_nm\nx\n", "line 2: x"),
+    ):
         short.write_text(text)
         assert why in refusal(bench, 2, f"excite {short} {record}")
     assert "check the path" in refusal(bench, 2, f"excite {tmp_path / 'none'} {record}")
@@ -169,7 +173,7 @@ def test_bad_learned_values_are_refused(bench: Bench, tmp_path: Path, refusal: R
         ("k1_q16 = 0", "", "k1_q16: not a whole number"),
         ("k1_q16 = 0", "k1_q16 = 3000000000", "k1_q16: not a whole number"),
         ("gain_q12 = [0, ", "gain_q12 = [", "gain_q12: not 34 whole numbers"),
-        ("k2_q16 = 0", "k2_q16 = 0\nother = 1", "other: no such key"),
+        ("k2_q16 = 0", "k2_q16 = 0\nother = 1", "other: unknown key"),
     ):
         file.write_text(good.replace(old, new))
         assert why in refusal(bench, 2, f"learned load {file}")

@@ -55,10 +55,10 @@ def test_a_file_with_errors_changes_nothing(
     assert bench.run("params", "load", file)[0] == 2
     lines = [line.removeprefix(f"camctl: {file}: ") for line in capsys.readouterr().err.split("\n")]
     assert lines[0] == "k1_ns = -1: out of range; give 0 .. 100000000"
-    assert lines[1] == "laed_ns: no such parameter; tools/camctl list tells them"
+    assert lines[1] == "laed_ns: no such parameter; tools/camctl list prints all"
     assert lines[2] == "k2_us2 = 1.5: give a whole number"
     assert lines[3] == "encoder_sign = 0: out of range; give -1 .. 1"
-    assert lines[4] == "lead_ns: there twice; give it once"
+    assert lines[4] == "lead_ns: appears twice; give it once"
     assert bench.do("get", "lead_ns") == "lead_ns = 50000\n"
     for text in ("", "lead_ns = ", "\xff"):
         file.write_text(text, "latin-1")
@@ -94,7 +94,7 @@ def test_what_is_kept_is_told_and_brought_back(
     assert "keep: done" in bench.do("params", "load", file, "--keep")
     assert ", kept\n" in bench.do("status")
     bench.do("set", "x_trim_nm", "4000")
-    assert "a restart uses others" in bench.do("status")
+    assert "a restart uses other values" in bench.do("status")
     bench.do("params", "revert")
     assert bench.do("get", "x_trim_nm") == "x_trim_nm = 3000\n"
     assert ", kept\n" in bench.do("status")

@@ -84,9 +84,7 @@ def test_an_order_is_refused_while_another_commands(
     ask_done(other, "home")
     assert other.wait(lambda: other.status.state == "ready", 10)
     line = refusal(bench, 1, "start")
-    assert line.endswith(
-        "sender 7 commands; wait until he gives it back, or take it over by --take-over"
-    )
+    assert line.endswith("sender 7 commands; wait until it is given back, or use --take-over")
     ask_done(other, "start")
     assert other.wait(lambda: other.status.state == "engaging", 10)
     assert bench.do("stop").startswith("stop: ")
@@ -116,7 +114,7 @@ def test_the_loser_of_a_cut_says_who_has_it_now(bench: Bench, other: Link) -> No
         other.listen()
         assert other.status.state == "engaging"
     assert str(bench.ended[0]).endswith(
-        "command is lost: sender 7 has taken it over; what ran goes on under it"
+        "command is lost: sender 7 has taken it over; running motion continues"
     )
 
 
@@ -202,7 +200,7 @@ def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
     assert told.endswith("unlock: locked again\n")
     secret.write_text("of another machine")
     assert refusal(strict, 1, "unlock") == (
-        "camctl: unlock: refused: the secret is not the controller's; give the right file"
+        "camctl: unlock: refused: wrong secret; give the file with the controller's secret"
     )
     secret.chmod(0o644)
     assert "others may read it; chmod 600" in refusal(strict, 2, "unlock")

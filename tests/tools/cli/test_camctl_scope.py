@@ -59,11 +59,11 @@ def test_bad_recordings_are_refused(bench: Bench, tmp_path: Path, refusal: Refus
     for trigger, why in (
         ("fast", "give one of now"),
         ("u_set>3", "u_set: no such signal"),
-        ("u_set_q6>x", "x is no number"),
+        ("u_set_q6>x", "x is not a number"),
         ("angle>nan", "give less than 2^31"),
         ("time=-1", "give 0 .. 107374 s"),
         ("state=cut", "give one of off"),
-        ("fault=stop", "stop is no fault; give some of estop"),
+        ("fault=stop", "stop is not a fault; give some of estop"),
     ):
         assert why in refusal(bench, 2, f"scope {record} --trigger {trigger}")
     assert "no recording is complete" in refusal(bench, 1, f"scope {record} --again")
@@ -107,7 +107,7 @@ def test_turns_are_drawn_over_each_other(bench: Bench, tmp_path: Path) -> None:
         angle, speed = float(told["angle_deg"][0]), float(told["speed_rpm"][0])
         assert 90 <= angle < 90 + speed * 6 / 20000 * 1.01
         assert (tmp_path / f"turns-{number}.png").read_bytes().startswith(b"\x89PNG")
-    assert "black box         it records" in bench.do("blackbox")
+    assert "black box         recording" in bench.do("blackbox")
 
 
 @pytest.mark.parametrize("is_fd", [False, True])
@@ -142,7 +142,7 @@ def test_the_black_box_keeps_what_was_before_a_fault(
     assert "black box         of estop: camctl blackbox FILE" in bench.do("status")
     text = bench.do("blackbox")
     assert "unread: estop" in text
-    assert "0.500 s before it and 0.020 s behind it" in text
+    assert "0.500 s before it and 0.020 s after it" in text
     assert "camctl blackbox FILE" in refusal(bench, 1, f"scope {tmp_path / 'a.csv'}")
     bench.is_fd = True
     link.is_fd = True

@@ -103,7 +103,7 @@ def test_biased_fit_is_not_applied(tmp_path: Path, capsys: pytest.CaptureFixture
     assert "camctl set" not in text
     assert "the fit is biased by it: k1" in text
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1 and lines[0].startswith("identify: nothing is applied: ")
+    assert len(lines) == 1 and lines[0].startswith("identify: nothing was applied: ")
     assert not list((tmp_path / "out").glob("*.toml"))
 
 
@@ -132,12 +132,12 @@ def test_part_may_decide(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ("--machine default --form-error-um 1", "--form-error-um: is that of a part: add PART"),
+        ("--machine default --form-error-um 1", "--form-error-um: needs a part: add PART"),
         ("", "one of the arguments --machine --bus is required"),
         ("--machine nowhere", "--machine nowhere: no such machine; give one of cam, default,"),
-        ("--machine default --apply", "--apply: the simulator's machine file goes into a folder"),
-        ("--machine default --rpm 900", "--rpm: is the speed of a part: add PART.toml"),
-        ("--machine default --channel can0", "--channel: is of a bus: use --bus instead of"),
+        ("--machine default --apply", "--apply: needs a folder for the machine file"),
+        ("--machine default --rpm 900", "--rpm: needs a part: add PART.toml"),
+        ("--machine default --channel can0", "--channel: needs a bus: use --bus instead of"),
         ("--machine default --rms-um 0", "argument --rms-um: 0: give a number above 0"),
         ("--machine default --periods 2", "argument --periods: 2: give 3 .. 100"),
         ("--machine default --highest-hz 20", "--highest-hz 20: give at least 50"),
@@ -146,7 +146,7 @@ def test_part_may_decide(tmp_path: Path) -> None:
             "--machine default --rms-um 70",
             "--rms-um 70: too large: acceleration of U 3.664e+05 mm/s2, 0.8 of 2.5e+05 are allowed",
         ),
-        ("--bus --interface nobus", "interface nobus: python-can has no such"),
+        ("--bus --interface nobus", "interface nobus: unknown to python-can"),
     ],
 )
 def test_bad_input_is_one_line(words: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -272,7 +272,7 @@ def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str
     status, text = run(*bus_words(bench), "--apply", "--periods", "3")
     assert status == 1
     assert "excited: 25 um rms" in text
-    assert "nothing is applied: no drive of second order" in capsys.readouterr().err
+    assert "nothing was applied: no drive of second order" in capsys.readouterr().err
     assert "ready" in bench.do("status").splitlines()[0]
 
 

@@ -72,11 +72,11 @@ def test_same_surface_is_not_taken_twice(
     """Neither into the folder of the table that cut it, nor by the report of the next one."""
     surface = first / "surface.csv"
     line = refusal(capsys, "-o", first, "--measured", surface)
-    assert "perkins240.json there is that of the table that cut the gauged part" in line
+    assert "has the perkins240.json of the table that cut the measured part" in line
     assert correct("-o", tmp_path, "--measured", surface) == 0
     words: list[str | Path] = ["--measured", surface, "--previous", tmp_path / "perkins240.json"]
     line = refusal(capsys, "-o", tmp_path / "next", *words)
-    assert "is in round 1 of" in line
+    assert "was already used in round 1 of" in line
     assert not (tmp_path / "next").exists()
 
 
@@ -102,7 +102,7 @@ def test_corrections_add_up(first: Path, tmp_path: Path) -> None:
         (["--keep-harmonics", "0"], "--keep-harmonics 0: must be 1 .. 64"),
         (["--keep-harmonics", "60"], "harmonics up to 60 need 182 points"),
         (["--previous", "none.json"], "--previous none.json: cannot be read: No such file"),
-        (["--previous", str(PERKINS)], "is no NAME.json as mktables writes it"),
+        (["--previous", str(PERKINS)], "not a NAME.json of mktables"),
     ],
 )
 def test_options_out_of_range(
@@ -119,7 +119,9 @@ def test_options_without_a_surface(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str]
 ) -> None:
     """An option that says how to correct wants a surface."""
-    assert "corrects nothing; add --measured" in refusal(capsys, "-o", tmp_path, *words)
+    assert "has no effect without --measured; add --measured" in refusal(
+        capsys, "-o", tmp_path, *words
+    )
 
 
 def test_surface_of_another_part(
@@ -129,7 +131,9 @@ def test_surface_of_another_part(
     turn, z_mm = traces(np.linspace(*ENDS, 9), 120)
     alone = write_surface(tmp_path / "alone.csv", turn, z_mm, error_um(turn, z_mm))
     out: list[str | Path] = ["-o", tmp_path / "x", "--measured", alone]
-    assert "no perkins240.json beside it tells which table cut the part" in refusal(capsys, *out)
+    assert "no perkins240.json next to it, so the table that cut the part is unknown" in refusal(
+        capsys, *out
+    )
     report = first / "perkins240.json"
     high = write_surface(tmp_path / "high.csv", turn, z_mm + 20, error_um(turn, z_mm))
     words: list[str | Path] = ["-o", tmp_path / "x", "--previous", report, "--measured"]
@@ -137,7 +141,7 @@ def test_surface_of_another_part(
     rows = np.column_stack([turn, z_mm, np.full(turn.size, 45.0), 1000 * error_um(turn, z_mm)])
     thin, header = tmp_path / "thin.csv", "turn,z_mm,radius_mm,error_nm"
     np.savetxt(thin, rows, delimiter=",", header=header, comments="")
-    assert "radii are -913 um off" in refusal(capsys, *words, thin)
+    assert "radii and deviations contradict each other by -913 um" in refusal(capsys, *words, thin)
     other = json.loads(report.read_text())
     other["part"]["name"] = "other"
     wrong = tmp_path / "wrong.json"
@@ -148,9 +152,9 @@ def test_surface_of_another_part(
     other["design"]["ovality_mm"]["coefficients"][0][3] += 0.001
     wrong.write_text(json.dumps(other))
     line = refusal(capsys, "-o", tmp_path / "x", "--measured", alone, "--previous", wrong)
-    assert "has another drawing than the part file" in line
+    assert "not the drawing of the part file" in line
     (tmp_path / "summary.json").write_text('{"table_crc32": 1}')
-    assert "the part was cut by another table" in refusal(capsys, *words, alone)
+    assert "another table cut the part" in refusal(capsys, *words, alone)
     assert not (tmp_path / "x").exists()
 
 
@@ -185,8 +189,8 @@ def test_changed_speed_is_cautioned(
     words = ["--measured", str(first / "surface.csv")]
     assert main([str(slow), "-o", str(tmp_path / "slow"), *words]) == 0
     assert capsys.readouterr().err == (
-        "caution: the gauged part was cut otherwise: process.spindle_rpm: 2500 r/min then, "
-        "2000 now\n"
+        "caution: the measured part was cut with other settings: process.spindle_rpm: "
+        "2500 r/min then, 2000 now\n"
     )
 
 
@@ -222,4 +226,4 @@ def test_run_takes_the_same_options(first: Path, capsys: pytest.CaptureFixture[s
     assert run_part([*words, "-o", str(first)]) == 2
     assert "give another folder for each round" in capsys.readouterr().err
     assert run_part([str(PERKINS), "--gain", "0.5"]) == 2
-    assert "corrects nothing; add --measured" in capsys.readouterr().err
+    assert "has no effect without --measured; add --measured" in capsys.readouterr().err

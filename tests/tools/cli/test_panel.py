@@ -49,7 +49,7 @@ def complaint(capsys: pytest.CaptureFixture[str], folder: Path, *words: str | Pa
         (["--listen", "0.0.0.0"], "0.0.0.0: give the one address by which browsers"),
         (["--listen", "192.0.2.1"], "192.0.2.1 port 0: Cannot assign requested address; give "),
         (["--port", "70000"], "70000: give 0 .. 65535"),
-        (["-i", "slcn"], "interface slcn: python-can has no such; did you mean slcan?"),
+        (["-i", "slcn"], "interface slcn: unknown to python-can; did you mean slcan?"),
         (["-i", "socketcand"], "socketcand: needs channel, host, port"),
         (["--live", "a", "-i", "virtual"], "--live a: has its own bus; leave out interface"),
         (["--log", "/proc/nosuch/a"], "/proc/nosuch/a: No such file or directory; give another"),

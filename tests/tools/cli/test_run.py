@@ -110,7 +110,7 @@ def test_default_cut_is_within_a_micrometre(run: Command, tmp_path: Path) -> Non
 
 @built
 def test_csv_is_kept_where_it_is_wanted(run: Command, tmp_path: Path) -> None:
-    """Beside the compact trace, with the same numbers; --keep is about build/run alone."""
+    """Beside the compact trace, with the same numbers; --keep applies only to build/run."""
     done = run("--feed", "2", "--csv", "-o", tmp_path / "out", draws=False)
     assert done.returncode == 0, done.stderr
     ours, text = (read_trace(tmp_path / "out" / f"trace.{end}") for end in ("parquet", "csv"))
@@ -118,7 +118,7 @@ def test_csv_is_kept_where_it_is_wanted(run: Command, tmp_path: Path) -> None:
     assert "cutting 33 turns, " in done.stderr, "with the ramp of the feed"
     refused = run("--keep", "2", "-o", tmp_path / "out")
     assert refused.returncode == 2
-    assert refused.stderr == "run: --keep: is about build/run; leave out -o or --keep\n"
+    assert refused.stderr == "run: --keep: applies only to build/run; leave out -o or --keep\n"
 
 
 def same_picture(one: Path, two: Path) -> bool:
@@ -171,7 +171,7 @@ def test_out_of_tolerance_is_status_1(run: Command, tmp_path: Path) -> None:
         (["--rpm", "1e9"], "--rpm 1000000000.0: out of range"),
         (["--rpm", "4000"], "give at most --rpm 3000"),
         (["--feed", "0"], "--feed 0: must be a finite number above 0; give mm per turn"),
-        (["--feed", "500"], "--feed 500: must be at most 10 mm, what the firmware takes; give"),
+        (["--feed", "500"], "--feed 500: must be at most 10 mm, the limit of the firmware; give"),
         (["-o", ""], "-o: an empty path"),
         (["-o", "older"], "older: cannot write: File exists"),
         (["-o", "older/below"], "older/below: cannot write: Not a directory"),

@@ -115,7 +115,7 @@ def test_a_hexagon_is_refused_with_the_angle_that_does(tmp_path: Path) -> None:
         generate(part, 1000.0)
     (line,) = refused.value.lines
     assert line.startswith("tool.clearance_deg: the heel of 7 degrees rubs: at ")
-    assert ", height 0 mm the work behind the edge rises by " in line
+    assert ", height 0 mm the work after the edge rises by " in line
     least_deg = float(line.split("give a tool with at least ")[1].split(",")[0])
     geometry = make_geometry(part)
     heel = check_heel(geometry, Tool(clearance_deg=least_deg), 1)

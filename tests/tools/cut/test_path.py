@@ -192,7 +192,7 @@ def test_path_of_a_part() -> None:
         ('path = "spiral"', "process.path = 'spiral': Input should be 'helix', 'ring-helix' or"),
         (
             'path = "ring-helix"\nmode = "equal-volume"',
-            "process.path = 'ring-helix': is for a constant spindle speed",
+            "process.path = 'ring-helix': needs a constant spindle speed",
         ),
     ],
 )

@@ -94,7 +94,7 @@ def test_same_command_gives_the_same_and_cuts_nothing(
     assert len(list((tmp_path / "o" / "store").iterdir())) == 1
     capsys.readouterr()
     assert run(tmp_path / "o", *vary(tmp_path), "--runs", "12") == 0
-    assert capsys.readouterr().err == "forecast: 12 of 12 cuts were done before\n"
+    assert capsys.readouterr().err == "forecast: 12 of 12 cuts are already done\n"
     assert first == {name.name: name.read_bytes() for name in (tmp_path / "o").glob("*.*")}
 
 
@@ -105,7 +105,7 @@ def test_more_runs_add_to_those_that_are_there(
     """What a longer forecast finds is what it finds when it begins anew."""
     assert run(tmp_path / "a", *vary(tmp_path), "--runs", "8") == 0
     assert run(tmp_path / "a", *vary(tmp_path), "--runs", "20") == 0
-    assert "forecast: 8 of 20 cuts were done before\n" in capsys.readouterr().err
+    assert "forecast: 8 of 20 cuts are already done\n" in capsys.readouterr().err
     assert run(tmp_path / "b", *vary(tmp_path), "--runs", "20") == 0
     one, other = ((tmp_path / name / "runs.parquet").read_bytes() for name in "ab")
     assert one == other
@@ -170,7 +170,7 @@ def test_foreign_file_in_the_store_is_refused(
     (tmp_path / "o" / "store").mkdir(parents=True)
     (tmp_path / "o" / "store" / "x.parquet").write_bytes(b"nothing")
     assert run(tmp_path / "o", "--runs", "1") == 2
-    assert "store/x.parquet: is no result of ours" in capsys.readouterr().err
+    assert "store/x.parquet: not a result of tools/forecast" in capsys.readouterr().err
 
 
 def test_worker_with_another_simulator_is_refused() -> None:
@@ -257,7 +257,9 @@ def test_interrupted_forecast_goes_on(tmp_path: Path) -> None:
         os.killpg(process.pid, signal.SIGINT)
         told = process.communicate(timeout=PATIENCE_S)[1].splitlines()
     assert process.returncode == 130, told
-    assert told[-1] == "forecast: interrupted; what is done is kept: the same command goes on"
+    assert (
+        told[-1] == "forecast: interrupted; finished cuts are kept; repeat the command to continue"
+    )
     assert all(line.startswith("forecast: ") for line in told), told
     n_kept = len(Store(store).found)
     assert 8 <= n_kept < 400
@@ -271,5 +273,5 @@ def test_interrupted_forecast_goes_on(tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "cuts were done before" in done.stderr.splitlines()[0]
+    assert "cuts are already done" in done.stderr.splitlines()[0]
     assert pq.read_table(tmp_path / "o" / "runs.parquet").num_rows == n_kept + 8

@@ -93,9 +93,12 @@ def test_usual_unknowns_fit_every_machine(name: str) -> None:
     [
         ("[u\n", "v.toml: not TOML"),
         ("", "v.toml: 0 numbers to vary; give 1 .. 100"),
-        ("u = 1\n", "v.toml: u = 1: is no table of a machine's keys; write [TABLE.KEY]"),
-        ("[u]\ndelay_us = 1\n", "v.toml: u.delay_us = 1: is no table; write [u.delay_us]"),
-        ('[u.x]\ndistribution = "uniform"\nlow = 0\nhigh = 1\n', "u.x: is no number of a machine"),
+        ("u = 1\n", "v.toml: u = 1: not a table of a machine file; write [TABLE.KEY]"),
+        ("[u]\ndelay_us = 1\n", "v.toml: u.delay_us = 1: not a table; write [u.delay_us]"),
+        (
+            '[u.x]\ndistribution = "uniform"\nlow = 0\nhigh = 1\n',
+            "u.x: not a number of a machine file",
+        ),
         ('[u.delay_us]\ndistribution = "flat"\n', "u.delay_us.distribution = 'flat'"),
         ('[u.delay_us]\ndistribution = "uniform"\nlow = 0\n', "u.delay_us.high: is missing"),
         (

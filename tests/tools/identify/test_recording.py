@@ -26,7 +26,7 @@ def test_whole_periods_at_the_end_are_taken() -> None:
 @pytest.mark.parametrize(
     ("ticks", "u", "y", "says"),
     [
-        (np.append(TICKS[:-1], TICKS[-1] + 3), WAVE, WAVE, "1 gap, the first behind tick 19998"),
+        (np.append(TICKS[:-1], TICKS[-1] + 3), WAVE, WAVE, "1 gap, the first after tick 19998"),
         (TICKS[:9000], WAVE[:9000], WAVE[:9000], "9000 ticks are 2 periods, a fit needs 3"),
         (TICKS, WAVE * (1 + 1e-6 * TICKS), WAVE, "the set-points of two periods differ by"),
         (TICKS, 0 * WAVE, WAVE, "U was not excited"),

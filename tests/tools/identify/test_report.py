@@ -43,7 +43,10 @@ def test_settings_are_the_drive() -> None:
     assert any(line.startswith("friction adds up to 1.") for line in lines)
     text = "\n".join(lines)
     assert "oval at 3000 r/min: U moves at up to 314 mm/s and 197 m/s2" in text
-    assert "lead: dead time and half a tick of hold; a latency of the scale cannot be told" in text
+    assert (
+        "lead: dead time and half a tick of hold; the latency of the scale cannot be separated"
+        in text
+    )
 
 
 def test_biased_fit_has_no_settings() -> None:

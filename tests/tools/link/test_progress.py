@@ -27,13 +27,17 @@ def test_a_cut_tells_share_and_time() -> None:
 def test_a_hold_says_that_the_time_stands(more: dict[str, float]) -> None:
     """In holding, and on the way to it."""
     state = "cutting" if more else "holding"
-    assert cut_progress(state, CUT | more).text == "25 %, held, 0:30 left when it goes on"
+    assert cut_progress(state, CUT | more).text == "25 %, held, 0:30 left after resume"
 
 
 @pytest.mark.parametrize(
     ("state", "signals", "text"),
     [
-        ("cutting", {"has_end": 0.0, "pass_speed": 500.0}, "Z is led by others: only a stop"),
+        (
+            "cutting",
+            {"has_end": 0.0, "pass_speed": 500.0},
+            "Z is moved by another controller: only a stop",
+        ),
         ("ready", {"has_end": 0.0, "pass_speed": 0.0}, "no table"),
         ("fault", CUT, "no cut"),
         ("off", CUT, "no cut"),

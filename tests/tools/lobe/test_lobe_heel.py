@@ -79,7 +79,7 @@ def test_the_tool_of_a_hollow_cam_is_refused_with_what_does() -> None:
 
 def test_a_convex_cam_needs_nothing_and_a_wheel_has_no_heel() -> None:
     """What the sections need stands in the report of a turned cam only."""
-    assert "the lobes need 0.00\n" in emit_lobe_text(
+    assert "mm, required 0.00\n" in emit_lobe_text(
         make_lobe_summary(generate_lobes(example_lobe()))
     )
     ground = example_lobe("grinding").model_dump(exclude_unset=True)

@@ -148,7 +148,7 @@ def test_rake_is_told_beside_that_without_swing(turned: GeneratedLobes) -> None:
     assert "surface speed" not in rows
     outcome = made_up(turned, TURNED)
     text = page_text(outcome, lobe_rows(outcome), "out", 2.0)
-    assert "needs U stroke" in text and "constant within 0.002 deg" in text
+    assert "required U stroke" in text and "constant within 0.002 deg" in text
 
 
 def test_lobes_are_told_apart(turned: GeneratedLobes) -> None:

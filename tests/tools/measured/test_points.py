@@ -37,11 +37,11 @@ def test_whole_turn_is_none() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "a.csv: line 1: wants one column of the angle: turn, angle_turn, angle_deg"),
-        ("angle,height_mm,deviation_um\n", "wants one column of the angle"),
-        ("angle_deg,turn,height_mm,deviation_um\n", "wants one column of the angle"),
-        ("angle_deg,height,deviation_um\n", "wants one column of the height: z_mm, height_mm"),
-        ("angle_deg,height_mm,roundness\n", "wants one column of the deviation: deviation_um"),
+        ("", "a.csv: line 1: needs one column of the angle: turn, angle_turn, angle_deg"),
+        ("angle,height_mm,deviation_um\n", "needs one column of the angle"),
+        ("angle_deg,turn,height_mm,deviation_um\n", "needs one column of the angle"),
+        ("angle_deg,height,deviation_um\n", "needs one column of the height: z_mm, height_mm"),
+        ("angle_deg,height_mm,roundness\n", "needs one column of the deviation: deviation_um"),
         ("angle_deg,height_mm,deviation_um\n", "a.csv: has no point; gauge the part"),
         ("angle_deg,z_mm,error_nm\n1,2\n", "a.csv: line 2 = '1,2': no numbers"),
         ("angle_deg,z_mm,error_nm\n1,2,x\n", "a.csv: line 2: no numbers"),

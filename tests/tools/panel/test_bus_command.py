@@ -81,7 +81,7 @@ def test_two_panels_at_one_controller(strict: Bench, first: Seat, second: Seat) 
     assert asyncio.run(second.service.take_over(second.boss)).is_done
     assert second.service.snapshot().has_command
     until(lambda: first.commander.holder is None)
-    assert "has taken it over; what ran goes on under it" in first.commander.news(first.boss)
+    assert "has taken it over; running motion continues" in first.commander.news(first.boss)
     assert "you do not command" in first.refused("hold")
     assert second.state == "engaging"
     assert first.do("stop").startswith("stop: ")
@@ -131,7 +131,7 @@ def test_what_is_locked_is_told_with_the_remedy(strict: Bench, first: Seat) -> N
     strict.turn_key(False)
     until(lambda: first.service.snapshot().signals.get("level") == 0)
     told = first.refused("set", name="u_stroke_nm", value=1_000_000)
-    assert "refused: locked; turn the key switch at the machine anew" in told
+    assert "refused: locked; turn the key switch at the machine off and on" in told
     assert first.do("speed", rpm=900.0) == "speed = 900 r/min"
     assert "start it with --secret" in first.refused("unlock")
     first.service._secret = SECRET.encode()  # as --secret gives it

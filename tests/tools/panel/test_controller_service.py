@@ -79,7 +79,7 @@ def test_everything_tried_is_in_the_log(seat: Seat) -> None:
     assert "not a cam table" in newest["outcome"] and newest["time"].endswith(" UTC")
     seat.commander.take_over(seat.other)
     assert last(seat) == ("other", "take_over", True)
-    assert seat.commander.news(seat.boss).startswith("other at 127.0.0.1 took the command over at")
+    assert seat.commander.news(seat.boss).startswith("other at 127.0.0.1 took over command at")
     assert "do not command" in seat.refused("enable")
     seat.commander.lose(seat.other)
     assert last(seat) == ("other", "lose", True) and seat.commander.holder is None
@@ -183,7 +183,7 @@ def test_what_is_urgent_overtakes_a_download(seat: Seat, urgent: str) -> None:
         return (await download).text, busy, told
 
     download, busy, told = asyncio.run(session())
-    assert download == f"broken off by {urgent}"
+    assert download == f"interrupted by {urgent}"
     assert busy.startswith("busy with download of big")
     assert told == "disable: off" if urgent == "disable" else "stop: refused: state ready" in told
     until(lambda: seat.service.snapshot().work == "")
@@ -269,7 +269,7 @@ def test_a_controller_that_falls_silent_is_seen_and_comes_back(
     seat = Seat(channel)
     try:
         until(lambda: "no answer" in seat.service.snapshot().problem)
-        assert "emergency stop is at the machine" in seat.refused("stop")
+        assert "emergency stop at the machine" in seat.refused("stop")
         for _ in range(2):
             bench = Bench(channel)
             seat.connect()

@@ -123,7 +123,7 @@ def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     """A second part of a name needs a yes, and a link is never followed."""
     library = PartLibrary(tmp_path / "parts")
     library.save("a", "one", replaces=False)
-    with pytest.raises(CamtoolsError, match="there is such a part"):
+    with pytest.raises(CamtoolsError, match="this part exists"):
         library.save("a", "two", replaces=False)
     assert library.read(OWN, "a") == "one"
     library.save("a", "two", replaces=True)

@@ -32,7 +32,7 @@ def test_an_axis_moves_while_the_button_is_held(seat: Seat) -> None:
         return (await jog).text, busy
 
     text, busy = asyncio.run(press())
-    assert text.endswith("; let go") and text.startswith("x ")
+    assert text.endswith("; released") and text.startswith("x ")
     assert busy == "busy with jog x; wait, or stop it"
     after = seat.place()
     assert 0.5 < after - before < 10
@@ -76,9 +76,9 @@ def test_a_held_button_dies_with_its_right(seat: Seat, what: str) -> None:
 
     text = asyncio.run(press())
     wanted = {
-        "page lost": "the page is gone",
+        "page lost": "the page was closed",
         "taken over": "you do not command",
-        "stop by another": "broken off by stop",
+        "stop by another": "interrupted by stop",
     }
     assert wanted[what] in text
     there = seat.place()
@@ -115,6 +115,6 @@ def test_stop_brakes_a_step_at_once(seat: Seat) -> None:
         return (await step).text, stop.text
 
     step, stop = asyncio.run(session())
-    assert step == "broken off by stop" and stop == "stop: manual"
+    assert step == "interrupted by stop" and stop == "stop: manual"
     there = seat.place()
     assert there < before + 49 and seat.place() == there

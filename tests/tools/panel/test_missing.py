@@ -105,5 +105,5 @@ def test_every_order_is_possible_or_says_why_not(state: str) -> None:
 
 def test_reset_waits_for_the_retract() -> None:
     """The controller refuses it until then."""
-    assert "on its way out" in why_not("reset", "fault", {"is_retracted": 0.0})
+    assert "still leaving the work" in why_not("reset", "fault", {"is_retracted": 0.0})
     assert why_not("reset", "fault", {"is_retracted": 1.0}) == ""

@@ -85,7 +85,7 @@ def test_a_heap_of_heartbeats_that_were_kept_back_moves_nothing() -> None:
     assert not press.is_alive()
     for i in range(1, 20):
         assert not presses.hold(visitor, 1, 1e2 * i)
-    with pytest.raises(CamtoolsError, match="under way for too long"):
+    with pytest.raises(CamtoolsError, match="took too long to arrive"):
         presses.begin(visitor, 2, 500.0)
     clock.now_s = begun_s + 3.0
     assert presses.begin(visitor, 3, 3000.0).is_alive()
@@ -128,7 +128,7 @@ def test_numbers_of_presses_rise() -> None:
     for number in (5, 4, -1):
         with pytest.raises(CamtoolsError, match="is over"):
             presses.begin(one, number)
-    assert not press.is_alive() and press.ending == "let go"
+    assert not press.is_alive() and press.ending == "released"
 
 
 def test_of_many_who_take_the_command_at_once_one_has_it() -> None:

@@ -86,7 +86,7 @@ def test_keys_lead_nowhere_else(store: RunStore, key: str) -> None:
     """A key that no run has is refused, whatever is in it."""
     kept(store, "skirt", 10.0)
     for action in (store.run, store.remove):
-        with pytest.raises(CamtoolsError, match="there is none"):
+        with pytest.raises(CamtoolsError, match="no such run"):
             action(key)
     assert len(store.runs()) == 1
 
@@ -182,7 +182,7 @@ def test_a_queue_has_an_end(store: RunStore) -> None:
         queue = RunQueue(store, command=[sys.executable, "-c", "import time; time.sleep(60)"])
         for _ in range(MOST_WAITING):
             queue.add(store.new("skirt", "x", RunOptions(), at_s=0.0), RunOptions())
-        with pytest.raises(CamtoolsError, match="wait already"):
+        with pytest.raises(CamtoolsError, match="are waiting already"):
             queue.add(Path("more"), RunOptions())
         await queue.close()
 

@@ -58,12 +58,12 @@ def text(summary: dict[str, Any]) -> str:
 def test_what_was_learned_and_masked_is_told() -> None:
     """Turns, error at first and at last, constants, correction, ripple, masks."""
     told = text(learned())
-    assert told.startswith("on, 40 turns used: error at the scale 10.1 µm rms at first, 43 nm at")
+    assert told.startswith("on, 40 turns used: rms error at the scale 10.1 µm at first, 43 nm at")
     assert "by +7738 ns and -93638 µs²" in told
-    assert "ripple of 1179 µrad was learned of 16 turns" in told
+    assert "ripple of 1179 µrad learned from 16 turns" in told
     assert told.endswith("harmonics masked: 7 .. 9, 16")
     assert text(learned(masked=[])).endswith("no harmonic is masked")
-    assert "the mean of U is left" in text(learned(masked=[0]))
+    assert "the mean of U is not corrected" in text(learned(masked=[0]))
     assert "did not converge" in text(learned(reason="diverged"))
     assert "ripple" not in text(learned(ripple_turns=0))
 
@@ -71,7 +71,7 @@ def test_what_was_learned_and_masked_is_told() -> None:
 @pytest.mark.parametrize(
     ("reason", "named"),
     [
-        ("not_asked", "off: learn_harmonics is 0"),
+        ("not_asked", "off: learn_harmonics = 0"),
         ("not_measured", "off: the port does not measure U"),
         ("modulated", "off: the table modulates"),
         ("slow_turn", "off: a turn has more ticks"),

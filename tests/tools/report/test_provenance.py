@@ -20,7 +20,7 @@ def test_date_is_that_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> Non
     assert date_text() == "2023-11-14 22:13 UTC"
     for wrong in ("tomorrow", "", "1e9", "9" * 30):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", wrong)
-        with pytest.raises(CamtoolsError, match=r"SOURCE_DATE_EPOCH = .*: is no time; give whole"):
+        with pytest.raises(CamtoolsError, match=r"SOURCE_DATE_EPOCH = .*: not a time; give whole"):
             date_text()
     monkeypatch.delenv("SOURCE_DATE_EPOCH")
     assert date_text()[:2] == "20"

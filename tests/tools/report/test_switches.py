@@ -46,9 +46,9 @@ def test_every_switch_has_a_row() -> None:
     assert [row.name for row in rows] == ["position switch 3", "position switch 8"]
     assert rows[0].value == (
         "170° .. 190°, 2 times per turn, dead time 3000 µs; on 64 times, +0.02° (at most +0.40°); "
-        "off 63 times, -0.03° (at most -0.41°); 2 changes by height, state or sense"
+        "off 63 times, -0.03° (at most -0.41°); 2 changes by height, state or direction"
     )
-    assert rows[1].value == "170° .. 190°; never on by its angle; never off by its angle"
+    assert rows[1].value == "170° .. 190°; never switched on by angle; never switched off by angle"
 
 
 def test_picture_has_the_windows_and_where_they_acted() -> None:

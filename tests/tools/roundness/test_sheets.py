@@ -264,7 +264,7 @@ def test_few_ticks_per_turn_are_told() -> None:
     found = make_sheets(cut, OVAL)
     assert found is not None
     points = {row.name: row.value for row in found.head}["points"]
-    assert "from 200 ticks per turn; fewer than 7 for each of 50 waves" in points
+    assert "from 200 ticks per turn; fewer than 7 ticks per wave at 50 UPR" in points
 
 
 @pytest.mark.parametrize("is_fastest_told", [False, True])

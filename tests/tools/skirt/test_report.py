@@ -222,7 +222,12 @@ def test_faulty_report_tells_what_happened(faulty: SkirtOutcome) -> None:
     page = files["report.html"].decode()
     for words in ("FAULT: ESTOP", "emergency-stop chain is open", "0.3000 s after the start"):
         assert words in page
-    for words in ("Enable was dropped after 45.5 ms", "drive", "Caused on purpose", "angle 90.0°"):
+    for words in (
+        "The drives were disabled after 45.5 ms",
+        "drive",
+        "Simulated disturbances",
+        "angle 90.0°",
+    ):
         assert words in page
 
 

@@ -101,7 +101,10 @@ def test_part_with_a_corner_gets_its_picture(weichai: GeneratedSkirt) -> None:
     files = make_report(outcome)
     assert "cut_corner.png" in files
     rows = {row.name: row.value for row in rows_of(outcome)}
-    assert "(3, 3) left out: at most 16.3 µm off the drawing" in rows["refit of the corner"]
+    assert (
+        "(3, 3) points left out: deviates from the drawing by at most 16.3 µm"
+        in rows["refit of the corner"]
+    )
     assert "The corner" in files["report.html"].decode()
     off = surface._replace(error_um=surface.error_um + 5.0)
     with drawing():
@@ -160,7 +163,7 @@ def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt)
     rows = {row.name: row.value for row in rows_of(outcome)}
     assert "at mean 2500 r/min" in rows["cut"]
     assert "mean 4.0 %, max 4.0 %" in rows["ripple of the removal rate"]
-    assert "no speed law changes it" in rows["ripple of the chip's force"]
+    assert "no speed law changes it" in rows["ripple of the chip force"]
     assert "spindle acceleration" in {margin.name for margin in margins_of(outcome)}
     assert modulated.speed is not None
     with drawing():
@@ -173,9 +176,9 @@ def test_removal_without_a_whole_turn_is_told(modulated: GeneratedSkirt) -> None
     even = made_up_even(0.04, 0.66)
     even.summary["removal"] = {"turns": 0.0}
     rows = {row.name: row.value for row in rows_of(made_up_outcome(modulated, even))}
-    told = "none: no whole turn at full feed was measured"
+    told = "unknown: no whole turn at full feed was cut"
     assert rows["ripple of the removal rate"] == told
-    assert "ripple of the chip's force" not in rows
+    assert "ripple of the chip force" not in rows
 
 
 def test_uniform_parts_have_none_of_it(generated: GeneratedSkirt) -> None:

@@ -111,7 +111,7 @@ BAD = {
         "a radius of 105 mm, the profile has 44.96",
     ),
     "decimal comma": (GOOD + "5,0,1,5\n", "not three numbers"),
-    "twice": (GOOD + "10,0,1\n", "this point is there already"),
+    "twice": (GOOD + "10,0,1\n", "this point appears twice"),
     "few": (HEADER + "\n" + "".join(f"{a},0,1\n" for a in range(0, 330, 30)), "has 11 angles"),
     "cover": (csv_of((0.0, 50.0)), "heights 0 .. 50 mm do not cover the profile's"),
 }

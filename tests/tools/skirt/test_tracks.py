@@ -28,7 +28,7 @@ allowance_um = 0
 def test_ridges_are_told() -> None:
     """1.5 mm of feed and a nose of 0.8 mm leave a thread 0.522 mm deep."""
     told = track_row({"cut": {"feed_mm": 1.5}}, Tool(nose_radius_mm=0.8)).value
-    assert told.startswith("ridges of 522 µm by theory")
+    assert told.startswith("522 µm in theory")
     fed = track_row({"cut": {"feed_mm": 0.5}}, Tool(nose_radius_mm=0.8), peak=3.0).value
     assert fed == told
     assert "do not meet" in track_row({"cut": {"feed_mm": 1.6}}, Tool(nose_radius_mm=0.8)).value

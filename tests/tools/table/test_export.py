@@ -305,7 +305,7 @@ def test_options_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[st
     out = tmp_path / "out"
     words = [str(PERKINS), "-o", str(out)]
     for more, message in (
-        (["--export-height", "3"], "--export-height: says nothing about the format"),
+        (["--export-height", "3"], "--export-height: has no effect without --export"),
         (["--export", "xyva", "--export-height", "63"], "outside of the table, 0 .. 62 mm"),
         (["--export", "text", "--export-points", "3"], "--export-points 3: must be 4 .. 100000"),
     ):

@@ -50,5 +50,5 @@ def read_text(path: Path, most_bytes: int) -> str:
         return read_limited(path, most_bytes).decode("utf-8-sig")
     except (OSError, UnicodeDecodeError, ValueError) as error:  # a path with a NUL is a ValueError
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        remedy = "give a text file, its place seen from the part file"
+        remedy = "give a text file, with its path relative to the part file"
         raise InputError(path.name, "", None, f"cannot be read: {reason}", remedy) from error

@@ -20,7 +20,7 @@ IS_INSTALLED = _TREE.is_dir()
 ROOT = _TREE if IS_INSTALLED else _PACKAGE.parents[1]
 RESULTS = Path("build").absolute() if IS_INSTALLED else ROOT / "build"
 _HEADER = ROOT / "hal" / "include" / "hal" / "version.h"
-VERSION = re.findall(r'"([\d.]+)"', _HEADER.read_text(encoding="ascii"))[0]
+VERSION: str = re.findall(r'"([\d.]+)"', _HEADER.read_text(encoding="ascii"))[0]
 _SHORT = re.compile(r"\btools/(mktables|mkgcode|camctl)\b")
 _LONG = re.compile(r"\btools/(?=(analyse|forecast|identify|keys|live|panel|papers|run|scallop)\b)")
 

@@ -35,7 +35,7 @@ def date_text() -> str:
     try:
         when = datetime.now(UTC) if given is None else datetime.fromtimestamp(int(given), UTC)
     except (ValueError, OverflowError, OSError) as error:
-        problem = f"SOURCE_DATE_EPOCH = {given}: is no time"
+        problem = f"SOURCE_DATE_EPOCH = {given}: not a time"
         raise CamtoolsError([f"{problem}; give whole seconds since 1970, or unset it"]) from error
     return when.strftime("%Y-%m-%d %H:%M UTC")
 

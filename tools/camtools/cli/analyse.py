@@ -34,24 +34,73 @@ _DRAWN_DEG = 0.25  # step of the curves of a cam
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
         prog="tools/analyse",
-        description="Work out areas, equal parts, speed law and forces of one section of a piston, "
-        "of a section with a corner also its refit; of a cam the motion of tool or wheel, speed, "
-        "contact and curvature. A cam takes --step-deg and --rpm only.",
+        description="Analyse one section of a piston: areas, equal parts, speed law, forces "
+        "and, for a section with a corner, its refit. Analyse a cam: motion of the tool or wheel, "
+        "speed, contact and curvature. A cam takes only --step-deg and --rpm.",
         allow_abbrev=False,
     )
     add = parser.add_argument
     add("part", type=Path, metavar="PART.toml", help="part file")
-    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
-    add("--height", type=float, metavar="MM", help="default: that of the largest diameter")
-    add("--step-deg", type=float, default=3.0, metavar="D", help="of Table 1, default 3")
-    add("--parts", type=int, metavar="N", help="equal parts of a quarter turn, default the part's")
-    add("--turns", type=int, default=1, metavar="N", help="of the axis positions, default 1")
-    add("--slice-volume-mm3", type=float, default=0.04, metavar="V", help="largest, default 0.04")
-    add("--cycle-us", type=float, default=50.0, metavar="T", help="controller's, default 50")
-    add("--kc-n-mm2", type=float, default=700.0, metavar="K", help="cutting force, default 700")
-    add("--kc-exponent", type=float, default=0.0, metavar="M", help="its size effect, default 0")
-    add("--nose-mm", type=float, default=0.8, metavar="R", help="tool's nose radius, default 0.8")
-    add("--rpm", type=float, metavar="N", help="mean speed, default the part's")
+    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    add(
+        "--height",
+        type=float,
+        metavar="MM",
+        help="height of the section in mm (default: of the largest diameter)",
+    )
+    add(
+        "--step-deg",
+        type=float,
+        default=3.0,
+        metavar="D",
+        help="step of Table 1 in degrees (default: 3)",
+    )
+    add(
+        "--parts", type=int, metavar="N", help="equal parts of a quarter turn (default: the part's)"
+    )
+    add(
+        "--turns",
+        type=int,
+        default=1,
+        metavar="N",
+        help="turns in the tables of axis positions (default: 1)",
+    )
+    add(
+        "--slice-volume-mm3",
+        type=float,
+        default=0.04,
+        metavar="V",
+        help="largest volume of a slice in mm3 (default: 0.04)",
+    )
+    add(
+        "--cycle-us",
+        type=float,
+        default=50.0,
+        metavar="T",
+        help="controller cycle in us (default: 50)",
+    )
+    add(
+        "--kc-n-mm2",
+        type=float,
+        default=700.0,
+        metavar="K",
+        help="specific cutting force in N/mm2 (default: 700)",
+    )
+    add(
+        "--kc-exponent",
+        type=float,
+        default=0.0,
+        metavar="M",
+        help="exponent of its size effect (default: 0, none)",
+    )
+    add(
+        "--nose-mm",
+        type=float,
+        default=0.8,
+        metavar="R",
+        help="nose radius of the tool in mm (default: 0.8)",
+    )
+    add("--rpm", type=float, metavar="N", help="mean spindle speed in r/min (default: the part's)")
     return parser.parse_args(argv)
 
 

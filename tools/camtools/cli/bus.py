@@ -49,24 +49,35 @@ def _pair(text: str) -> tuple[str, Any]:
 
 def add_interface_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that name a bus."""
-    parser.add_argument("--interface", "-i", help="of python-can: socketcan, pcan, slcan, ...")
-    parser.add_argument("--channel", "-c", help="of that interface, for example can0")
-    parser.add_argument("--bitrate", "-b", type=int, help="in bit/s, where the interface sets it")
+    parser.add_argument(
+        "--interface", "-i", help="CAN interface of python-can: socketcan, pcan, slcan, ..."
+    )
+    parser.add_argument("--channel", "-c", help="channel of the CAN interface, for example can0")
+    parser.add_argument(
+        "--bitrate", "-b", type=int, help="bit rate in bit/s (default: the interface's)"
+    )
     parser.add_argument(
         "--option",
         type=_pair,
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="of that interface, for example host=192.168.1.7; may be given again",
+        help="further setting of the CAN interface, for example host=192.168.1.7; repeatable",
     )
 
 
 def add_bus_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that name a bus and a controller on it."""
     add_interface_options(parser)
-    parser.add_argument("--live", metavar="NAME", help="a live lathe, where tools/live runs twice")
-    parser.add_argument("--node", "-n", type=_node, help=f"of the controller, 1 .. 127; {DBC_NODE}")
+    parser.add_argument(
+        "--live", metavar="NAME", help="name of the live lathe (default: the only one running)"
+    )
+    parser.add_argument(
+        "--node",
+        "-n",
+        type=_node,
+        help=f"node of the controller, 1 .. 127 (default: the live lathe's, else {DBC_NODE})",
+    )
 
 
 def bus_arguments(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -88,7 +88,7 @@ class Control:
 
     def _index(self, name: str) -> int:
         if name not in NUMBERS["parameter"]:
-            raise CamtoolsError([f"{name}: no such parameter; tools/camctl list tells them"])
+            raise CamtoolsError([f"{name}: no such parameter; tools/camctl list prints all"])
         return NUMBERS["parameter"][name]
 
     def get(self, arguments: argparse.Namespace) -> None:
@@ -112,7 +112,7 @@ class Control:
         names = [n for n in NUMBERS["parameter"] if fnmatch.fnmatch(n, arguments.pattern)]
         if not names:
             raise CamtoolsError(
-                [f"{arguments.pattern}: no parameter is called so; tools/camctl list tells them"]
+                [f"{arguments.pattern}: no parameter matches; tools/camctl list prints all"]
             )
         for name in names:
             index = NUMBERS["parameter"][name]
@@ -215,7 +215,7 @@ class Control:
             last_percent = percent
 
         download(self.link, image, progress)
-        self.say("downloaded and checked; select takes it into use")
+        self.say("downloaded and checked; select activates it")
 
     def select(self, _arguments: argparse.Namespace) -> None:
         """Take the downloaded table into use, or check the one in its place anew."""

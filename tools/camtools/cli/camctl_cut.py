@@ -38,14 +38,35 @@ _SAME_LINE = "\x1b[K\r"
 
 def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
     """Add the subcommands to the command line."""
-    one = commands.add_parser("override", help="feed or spindle over its programmed value, ramped")
-    one.add_argument("what", choices=OVERRIDES)
-    one.add_argument("percent", nargs="?", type=finite, help="feed 0 .. 150, spindle 50 .. 120")
-    one = commands.add_parser("trim", help="X off its place, for wear, ramped also while cutting")
-    one.add_argument("measure", choices=MEASURES)
-    one.add_argument("value", nargs="?", type=finite, metavar="MM", help="positive: a larger part")
-    one = commands.add_parser("parts", help="number of parts that were cut")
-    one.add_argument("number", nargs="?", type=whole, metavar="N", help="go on counting from here")
+    one = commands.add_parser(
+        "override", help="print or set the override of feed or spindle speed; the change is ramped"
+    )
+    one.add_argument("what", choices=OVERRIDES, help="what to override")
+    one.add_argument(
+        "percent",
+        nargs="?",
+        type=finite,
+        help="override in %%: feed 0 .. 150, spindle 50 .. 120 (default: print it)",
+    )
+    one = commands.add_parser(
+        "trim", help="print or set the wear offset of X; ramped, also while cutting"
+    )
+    one.add_argument("measure", choices=MEASURES, help="what the offset is measured on")
+    one.add_argument(
+        "value",
+        nargs="?",
+        type=finite,
+        metavar="MM",
+        help="offset in mm, positive for a larger part (default: print it)",
+    )
+    one = commands.add_parser("parts", help="print or set the part counter")
+    one.add_argument(
+        "number",
+        nargs="?",
+        type=whole,
+        metavar="N",
+        help="new value of the counter (default: print it)",
+    )
 
 
 def _until_over(link: Link) -> None:

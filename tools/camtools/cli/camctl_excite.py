@@ -41,7 +41,7 @@ def wave_of(data: bytes, name: str) -> npt.NDArray[np.int64]:
     """Return the samples of a wave file."""
     lines = data.decode("utf-8", "replace").split("\n")
     if lines[0].strip() != "u_nm":
-        raise CamtoolsError([f"{name}: line 1: no u_nm; begin with the column's name"])
+        raise CamtoolsError([f"{name}: line 1: no heading u_nm; begin the file with it"])
     samples = []
     for number, line in enumerate(lines[1:], start=2):
         if not line and number == len(lines):
@@ -54,7 +54,7 @@ def wave_of(data: bytes, name: str) -> npt.NDArray[np.int64]:
             text = f"{name}: line {number}: {line[:40]}: give a whole number of nm"
             raise CamtoolsError([text]) from error
     if not samples:
-        raise CamtoolsError([f"{name}: no samples; give one in each line behind u_nm"])
+        raise CamtoolsError([f"{name}: no samples; give one per line after u_nm"])
     return np.array(samples, np.int64)
 
 

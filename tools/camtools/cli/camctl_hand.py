@@ -50,7 +50,9 @@ def jog_axis(link: Link, arguments: argparse.Namespace, say: Say) -> None:
         raise CamtoolsError([f"jog {axis}: give either + or -, or --step MM"])
     if arguments.step is not None:
         if arguments.speed is not None or arguments.seconds is not None:
-            raise CamtoolsError([f"jog {axis}: a step has no --speed and no --seconds; leave them"])
+            raise CamtoolsError(
+                [f"jog {axis}: a step has no --speed and no --seconds; leave them out"]
+            )
         say(end_text(link, axis, _to_its_end(link, "step", axis, step=arguments.step), "jog"))
         return
     speed = usual_mm_per_s(link, axis) if arguments.speed is None else arguments.speed
@@ -85,7 +87,9 @@ def tool(link: Link, arguments: argparse.Namespace, say: Say) -> None:
         if offset is None:
             continue
         if not number:
-            raise CamtoolsError([f"tool: --{axis} {offset}: give a tool, 1 .. {N_TOOLS}"])
+            raise CamtoolsError(
+                [f"tool: --{axis} {offset}: give the number of a tool, 1 .. {N_TOOLS}"]
+            )
         set_tool_offset(link, number, axis, offset)
     if number is not None:
         set_tool(link, number)

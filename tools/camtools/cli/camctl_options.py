@@ -25,29 +25,31 @@ from camtools.link.trigger import GRAMMAR
 
 PLAIN = ("enable", "disable", "home", "manual", "start", "stop", "hold", "resume", "reset")
 QUICK = {
-    "speed": "spindle speed in r/min from the next start on; 0: the table's",
-    "feed": "feed in mm per turn from the next start on; 0: the table's",
-    "amplitude": "scale of U in %%, ramped",
-    "phase": "turns the oval on the part, in degrees, ramped",
+    "speed": "set the spindle speed in r/min for the next start (0: the table's)",
+    "feed": "set the feed in mm per turn for the next start (0: the table's)",
+    "amplitude": "scale the stroke of U, in %%; ramped",
+    "phase": "rotate the oval on the part, in degrees; ramped",
 }
 _WHAT = {
     "enable": "enable the drives and home",
-    "disable": "drives off",
-    "home": "find the index, anew when ready, and wait until ready; of an axis in manual: its home",
+    "disable": "switch the drives off",
+    "home": "find the spindle index and wait until ready; with an axis, in manual: home that axis",
     "manual": "enable the drives without the spindle, to move axes by hand",
-    "start": "cut a part: stays until it is cut, control-C stops it",
-    "hold": "rest Z on a whole turn while U goes on",
-    "resume": "end the hold",
-    "stop": "end the cut: disengage; in manual: brake",
-    "reset": "leave the fault state",
+    "start": "cut a part and wait for its end; control-C stops the cut",
+    "hold": "pause Z after a whole turn; U continues",
+    "resume": "continue after a hold",
+    "stop": "end the cut and retract; in manual: brake the axes",
+    "reset": "clear the faults",
 }
+_SECONDS = "duration (default: until control-C)"
+_SIGNALS = "signals to record; tools/docs/SCOPE.md lists them (default: %(default)s)"
 _EPILOG = """\
-The bus: --interface, --channel and --bitrate of python-can, for example
+Choose the CAN bus by options, for example
   tools/camctl --interface socketcan --channel can0 status
-or the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE. Without either it is that of the live
-lathe, where tools/live runs.
-Orders take command while they run, and give it back; reading and stop need none. Who has it is told
-by `who`; --take-over takes it from him.
+or by the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE. Without either, camctl uses the live
+lathe of tools/live.
+Each order takes command while it runs and then gives it back; reading and `stop` do not need it.
+`who` shows who has command; --take-over takes it from that sender.
 Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or bad input."""
 
 
@@ -59,71 +61,175 @@ def _count(text: str) -> int:
 
 
 def _add_record(one: argparse.ArgumentParser) -> None:
-    one.add_argument("file", type=Path)
-    one.add_argument("--seconds", type=positive, help="how long; default: until interrupted")
-    one.add_argument("--cut", action="store_true", help="until the cut that runs is over")
+    one.add_argument("file", type=Path, help="CSV file to write")
+    one.add_argument("--seconds", type=positive, help=_SECONDS)
+    one.add_argument("--cut", action="store_true", help="stop at the end of the cut in progress")
 
 
 def _add_pictures(one: argparse.ArgumentParser) -> None:
-    one.add_argument("--raw", action="store_true", help="the controller's whole numbers, no units")
-    one.add_argument("--plot", type=Path, metavar="PNG", help="draw signals over time")
-    one.add_argument("--over-angle", type=Path, metavar="PNG", help="draw turns over each other")
-    one.add_argument("--keep", action="store_true", help="leave it in the controller's memory")
+    one.add_argument(
+        "--raw",
+        action="store_true",
+        help="write the controller's integers instead of physical units",
+    )
+    one.add_argument(
+        "--plot", type=Path, metavar="PNG", help="plot the signals over time into this file"
+    )
+    one.add_argument(
+        "--over-angle",
+        type=Path,
+        metavar="PNG",
+        help="plot the signals over the spindle angle into this file",
+    )
+    one.add_argument(
+        "--keep", action="store_true", help="keep the recording in the controller's memory"
+    )
 
 
 def _add_scope(one: argparse.ArgumentParser) -> None:
-    one.add_argument("file", type=Path, help="ends in .csv or .parquet")
-    one.add_argument("--signals", default=",".join(DEFAULT_SIGNALS), help="A,B,..; see SCOPE.md")
-    one.add_argument("--trigger", default="now", help=GRAMMAR.replace("%", "%%"))
-    one.add_argument("--before", type=not_negative, default=0.0, help="seconds before the trigger")
-    one.add_argument("--seconds", type=positive, help="in all; default: until memory is full")
-    one.add_argument("--every", type=_count, help="only one tick of N", default=1)
-    one.add_argument("--from-state", choices=tuple(NUMBERS["state"]), help="while the state is so")
-    one.add_argument("--repeat", type=_count, default=1, help="recordings, into numbered files")
-    one.add_argument("--again", action="store_true", help="read the recording that is there")
+    one.add_argument("file", type=Path, help="file to write, .csv or .parquet")
+    one.add_argument(
+        "--signals", default=",".join(DEFAULT_SIGNALS), metavar="A,B,..", help=_SIGNALS
+    )
+    one.add_argument(
+        "--trigger", default="now", help=f"start of the recording: {GRAMMAR} (default: now)"
+    )
+    one.add_argument(
+        "--before",
+        type=not_negative,
+        default=0.0,
+        help="seconds kept before the trigger (default: 0)",
+    )
+    one.add_argument(
+        "--seconds", type=positive, help="length in all (default: until memory is full)"
+    )
+    one.add_argument(
+        "--every", type=_count, default=1, metavar="N", help="record one tick of N (default: 1)"
+    )
+    one.add_argument(
+        "--from-state",
+        choices=tuple(NUMBERS["state"]),
+        help="record only in this state (default: in any)",
+    )
+    one.add_argument(
+        "--repeat",
+        type=_count,
+        default=1,
+        metavar="N",
+        help="number of recordings, into numbered files (default: 1)",
+    )
+    one.add_argument("--again", action="store_true", help="read the recording already in memory")
     _add_pictures(one)
 
 
 def _add_blackbox(one: argparse.ArgumentParser) -> None:
-    one.add_argument("file", type=Path, nargs="?", help="ends in .csv or .parquet")
-    one.add_argument("--clear", action="store_true", help="drop the fault that it holds")
+    one.add_argument(
+        "file",
+        type=Path,
+        nargs="?",
+        help="file to write, .csv or .parquet (default: only show what is held)",
+    )
+    one.add_argument(
+        "--clear", action="store_true", help="discard the recorded fault and record again"
+    )
     _add_pictures(one)
 
 
 def _add_excite(one: argparse.ArgumentParser) -> None:
-    one.add_argument("wave", type=Path, help="CSV: u_nm, then nanometres, a line for each tick")
-    one.add_argument("file", type=Path, help="CSV of what was recorded")
-    one.add_argument("--periods", type=_count, default=5, help="of the wave in full; 5")
-    one.add_argument("--fade-ticks", type=_count, default=2000, help="rise and fall; 2000")
-    one.add_argument("--place-nm", type=whole, default=0, help="of U, about which it plays; 0")
-    one.add_argument("--signals", default=",".join(DEFAULT_SIGNALS), help="to be recorded")
+    one.add_argument(
+        "wave", type=Path, help="CSV with the heading u_nm, then one position in nm per tick"
+    )
+    one.add_argument("file", type=Path, help="CSV file to write")
+    one.add_argument(
+        "--periods",
+        type=_count,
+        default=5,
+        metavar="N",
+        help="periods at full amplitude (default: 5)",
+    )
+    one.add_argument(
+        "--fade-ticks",
+        type=_count,
+        default=2000,
+        metavar="N",
+        help="ticks of fading in and out (default: 2000)",
+    )
+    one.add_argument(
+        "--place-nm",
+        type=whole,
+        default=0,
+        metavar="NM",
+        help="mean position of U in nm (default: 0)",
+    )
+    one.add_argument(
+        "--signals", default=",".join(DEFAULT_SIGNALS), metavar="A,B,..", help=_SIGNALS
+    )
 
 
 def _add_hand(commands: argparse._SubParsersAction[Parser]) -> None:
-    one = commands.add_parser("jog", help="in manual: move an axis until control-C, or by a step")
-    one.add_argument("axis", choices=tuple(AXES))
-    one.add_argument("sense", nargs="?", choices=("+", "-"))
-    one.add_argument("--speed", type=positive, help="mm/s; default: 1, or what the axis may")
-    one.add_argument("--seconds", type=positive, help="how long; default: until interrupted")
-    one.add_argument("--step", type=finite, metavar="MM", help="by this, at the highest speed")
-    one = commands.add_parser("zero", help="say where the tool is; nothing moves")
-    one.add_argument("axis", choices=("x", "z"))
-    one.add_argument("--diameter", type=not_negative, metavar="MM", help="that the tip touches")
-    one.add_argument("--height", type=finite, metavar="MM", help="of the drawing")
-    one = commands.add_parser("tool", help="print the tools, choose one, set its offsets")
-    one.add_argument("number", nargs="?", type=whole, choices=range(N_TOOLS + 1), metavar="N")
-    one.add_argument("--x", type=finite, metavar="MM", help="tip farther from the axis by this")
-    one.add_argument("--z", type=finite, metavar="MM", help="tip at a greater height by this")
-    commands.add_parser("where", help="print where the axes are")
+    one = commands.add_parser("jog", help="in manual: move an axis until control-C, or by one step")
+    one.add_argument("axis", choices=tuple(AXES), help="axis to move")
+    one.add_argument(
+        "sense", nargs="?", choices=("+", "-"), help="direction; leave out with --step"
+    )
+    one.add_argument(
+        "--speed", type=positive, help="speed in mm/s (default: 1, or the axis limit if lower)"
+    )
+    one.add_argument("--seconds", type=positive, help=_SECONDS)
+    one.add_argument(
+        "--step",
+        type=finite,
+        metavar="MM",
+        help="signed distance in mm, moved at the highest jog speed",
+    )
+    one = commands.add_parser(
+        "zero", help="set the position of an axis to a known value; nothing moves"
+    )
+    one.add_argument("axis", choices=("x", "z"), help="axis to set")
+    one.add_argument(
+        "--diameter",
+        type=not_negative,
+        metavar="MM",
+        help="diameter that the tool tip touches, for x",
+    )
+    one.add_argument(
+        "--height",
+        type=finite,
+        metavar="MM",
+        help="height on the drawing that the tip touches, for z",
+    )
+    one = commands.add_parser("tool", help="print the tool offsets, select a tool, set its offsets")
+    one.add_argument(
+        "number",
+        nargs="?",
+        type=whole,
+        choices=range(N_TOOLS + 1),
+        metavar="N",
+        help=f"tool 1 .. {N_TOOLS}, 0 for none (default: print all)",
+    )
+    one.add_argument(
+        "--x",
+        type=finite,
+        metavar="MM",
+        help="X offset of the tip in mm, away from the spindle axis",
+    )
+    one.add_argument(
+        "--z", type=finite, metavar="MM", help="Z offset of the tip in mm, towards greater heights"
+    )
+    commands.add_parser("where", help="print the axis positions")
 
 
 def _add_params(one: argparse.ArgumentParser) -> None:
     actions = one.add_subparsers(dest="action", required=True, metavar="ACTION")
     for name, what in FILES.items():
         action = actions.add_parser(name, help=what)
-        action.add_argument("file", type=Path, help="TOML")
+        action.add_argument("file", type=Path, help="TOML file")
         if name == "load":
-            action.add_argument("--keep", action="store_true", help="the controller keeps them")
+            action.add_argument(
+                "--keep",
+                action="store_true",
+                help="also store them in the controller, for its next start",
+            )
     for name, (_, what) in MEMORY.items():
         actions.add_parser(name, help=what)
 
@@ -132,7 +238,7 @@ def make_parser() -> argparse.ArgumentParser:
     """Return the command line of camctl."""
     parser = Parser(
         prog="tools/camctl",
-        description="Command and watch a camturn controller over CAN.",
+        description="Command and monitor a camturn controller over CAN.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
@@ -143,39 +249,56 @@ def make_parser() -> argparse.ArgumentParser:
     for name in PLAIN:
         one = commands.add_parser(name, help=_WHAT[name])
         if name == "home":
-            one.add_argument("axis", nargs="?", choices=tuple(AXES))
+            one.add_argument("axis", nargs="?", choices=tuple(AXES), help="only this axis")
         if name == "start":
             one.add_argument("--wait", action="store_true", help=argparse.SUPPRESS)  # as without
     for name, what in QUICK.items():
         commands.add_parser(name, help=what).add_argument("value", type=finite)
     _add_hand(commands)
     add_cut(commands)
-    commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
+    commands.add_parser("get", help="print parameters").add_argument(
+        "names", nargs="+", help="parameters; `list` prints all"
+    )
     one = commands.add_parser("set", help="set a parameter")
-    one.add_argument("name")
-    one.add_argument("value", type=whole)
+    one.add_argument("name", help="parameter; `list` prints all")
+    one.add_argument("value", type=whole, help="whole number, in the unit of the name")
     one = commands.add_parser("list", help="print parameters with their ranges")
-    one.add_argument("pattern", nargs="?", default="*", help="with * and ?")
-    _add_params(commands.add_parser("params", help="all parameters: files, and what is kept"))
+    one.add_argument(
+        "pattern", nargs="?", default="*", help="only names that match, with * and ? (default: all)"
+    )
+    _add_params(commands.add_parser("params", help="save, load, compare or store all parameters"))
     add_rights(commands)
-    commands.add_parser("status", help="print the status once")
+    commands.add_parser("status", help="print the status")
     one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
-    one.add_argument("--seconds", type=positive, help="how long; default: until interrupted")
-    one.add_argument("--every", type=positive, help="seconds between two pictures")
-    _add_record(commands.add_parser("record", help="write the status into CSV"))
-    _add_scope(commands.add_parser("scope", help="record signals of ticks, write and draw them"))
-    _add_blackbox(commands.add_parser("blackbox", help="what was before the last fault"))
-    _add_excite(commands.add_parser("excite", help="in ready: U plays a wave and is recorded"))
-    one = commands.add_parser("learned", help="what was learned: print it, save it, bring it back")
-    one.add_argument("action", nargs="?", choices=("save", "load"))
-    one.add_argument("file", nargs="?", type=Path, help="TOML")
-    table = commands.add_parser("table", help="the table in use, download of another")
+    one.add_argument("--seconds", type=positive, help=_SECONDS)
+    one.add_argument(
+        "--every",
+        type=positive,
+        metavar="SECONDS",
+        help="time between updates (default: 0.1 on a terminal, else 1)",
+    )
+    _add_record(
+        commands.add_parser("record", help="record the status to a CSV file, one row every 10 ms")
+    )
+    _add_scope(
+        commands.add_parser("scope", help="record signals tick by tick, write and plot them")
+    )
+    _add_blackbox(
+        commands.add_parser(
+            "blackbox", help="show or read the recording from before the last fault"
+        )
+    )
+    _add_excite(commands.add_parser("excite", help="in ready: move U along a wave and record it"))
+    one = commands.add_parser("learned", help="print, save or load the learned correction")
+    one.add_argument("action", nargs="?", choices=("save", "load"), help="default: print")
+    one.add_argument("file", nargs="?", type=Path, help="TOML file, with save and load")
+    table = commands.add_parser("table", help="show the active table, or download another one")
     actions = table.add_subparsers(dest="table", required=True, metavar="ACTION")
-    actions.add_parser("info", help="name, size, CRC-32, generation")
-    one = actions.add_parser("next", help="download a table and take it into use, also in ready")
-    one.add_argument("file", type=Path)
-    one = actions.add_parser("download", help="bring a table beside the one in use, check it there")
-    one.add_argument("file", type=Path)
-    one.add_argument("--select", action="store_true", help="take it into use at once")
-    commands.add_parser("select", help="take the downloaded table into use")
+    actions.add_parser("info", help="print name, size, CRC-32 and generation of the active table")
+    one = actions.add_parser("next", help="download a table and activate it; also allowed in ready")
+    one.add_argument("file", type=Path, help="table, NAME.camtab")
+    one = actions.add_parser("download", help="download and check a table; the active one stays")
+    one.add_argument("file", type=Path, help="table, NAME.camtab")
+    one.add_argument("--select", action="store_true", help="activate it after the download")
+    commands.add_parser("select", help="activate the downloaded table")
     return parser

@@ -30,8 +30,8 @@ from camtools.link.parameters import (
 
 _MOST_BYTES = 1024 * 1024
 FILES = {
-    "save": "write all parameters into a TOML file",
-    "load": "bring those of a file into force, all or none",
+    "save": "save all parameters to a TOML file",
+    "load": "set the parameters of a file, all or none",
     "diff": "compare a file with the controller; status 1 where they differ",
 }
 Say = Callable[[str], None]
@@ -57,8 +57,8 @@ def _save(link: Link, path: Path, say: Say) -> None:
     if int(s["params_checksum"]) != checksum(values):
         raise Refused(
             f"{path}: not written: the checksum of the controller, "
-            f"{int(s['params_checksum']):08x}, is not that of its parameters, "
-            f"{checksum(values):08x}; is it of another version, or are parameters being set?"
+            f"{int(s['params_checksum']):08x}, does not match its parameters, "
+            f"{checksum(values):08x}; is its version different, or is somebody setting parameters?"
         )
     origin = f"version {s['params_version']:.0f}, checksum {checksum(values):08x}"
     write_all(path.parent, {path.name: text_of(values, origin).encode()})

@@ -44,26 +44,30 @@ def add_rights_options(parser: argparse.ArgumentParser) -> None:
         "--sender",
         type=_sender,
         metavar="N",
-        help="as whom, 1 .. 254; default: a number made of user and computer",
+        help=f"sender number, 1 .. {_MOST_SENDER} (default: made from user and computer name)",
     )
     parser.add_argument(
-        "--take-over", action="store_true", help="take command also from another, who is told"
+        "--take-over",
+        action="store_true",
+        help="take command even if somebody else has it; that sender is notified",
     )
     parser.add_argument(
         "--secret",
         type=Path,
         metavar="FILE",
-        help=f"unlocks what is locked; default: the file that {SECRET} names, if any",
+        help=f"file of the secret that unlocks the controller (default: ${SECRET}, if set)",
     )
 
 
 def add_rights(commands: argparse._SubParsersAction[Parser]) -> None:
     """Add the subcommands to the command line."""
-    commands.add_parser("who", help="who commands, whether it is unlocked and acknowledged")
     commands.add_parser(
-        "unlock", help="unlock by the secret, or wait for the key switch; until control-C or lock"
+        "who", help="show who has command, and whether the controller is unlocked and acknowledged"
     )
-    commands.add_parser("lock", help="end what unlock has begun")
+    commands.add_parser(
+        "unlock", help="unlock with the secret or the key switch, until control-C or `lock`"
+    )
+    commands.add_parser("lock", help="lock the controller again")
 
 
 @contextmanager
@@ -80,7 +84,7 @@ def commanding(link: Link, node: int, arguments: argparse.Namespace) -> Iterator
     try:
         yield
     except CommandHeld as held:
-        remedy = "wait until he gives it back, or take it over by --take-over"
+        remedy = "wait until it is given back, or use --take-over"
         raise Refused(f"{held}; {remedy}") from held
     finally:
         rights.release()
@@ -102,7 +106,9 @@ def _level(link: Link) -> str:
 def _await_key(link: Link, say: Say) -> None:
     """Take command, and wait until somebody turns the key for it."""
     if link.ask("get_challenge").result == "lock_none":  # which takes command, too
-        raise Refused("unlock: the port has neither a secret nor a key switch; name them there")
+        raise Refused(
+            "unlock: the port has neither a secret nor a key switch; add one to its settings"
+        )
     say(f"unlock: turn the key switch at the machine off and on, within {_KEY_S:.0f} s")
     end_s = time.monotonic() + _KEY_S
     while _level(link) == "locked":

@@ -134,7 +134,7 @@ def _record(link: Link, say: Say) -> bool:
     try:
         scope.wait(link, _PATIENCE_S)
     except Interrupted:
-        say("interrupted: what is there is read")
+        say("interrupted: reading what was recorded so far")
         return False
     finally:
         with contextlib.suppress(Refused):
@@ -176,7 +176,7 @@ def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
         link.rights.release()  # to write and draw takes longer than command lasts without a word
         if not recording.is_whole:
             raise Refused(
-                f"{path}: not written: {recording.n_lost} ticks were lost behind row "
+                f"{path}: not written: {recording.n_lost} ticks were lost after row "
                 f"{len(recording.rows)}; record fewer signals"
             )
         if is_whole and arguments.seconds and not (arguments.again or arguments.from_state):
@@ -200,9 +200,9 @@ def _tell(link: Link, say: Say) -> None:
     use = scope.USES[scope.get(link, "use")]
     if not _is_unread(link):
         texts = {
-            "box": "it records; no fault since it was read",
-            "user": "it waits: the memory holds a recording; camctl scope FILE --again reads it",
-            "nobody": "it is off: trace_on is 0, or the port has no memory for it",
+            "box": "recording; no fault since it was last read",
+            "user": "paused: the memory holds a recording; camctl scope FILE --again reads it",
+            "nobody": "off: trace_on is 0, or the port has no memory for it",
         }
         say(f"black box         {texts[use]}")
         return
@@ -213,7 +213,7 @@ def _tell(link: Link, say: Say) -> None:
     for name in names:
         say(f"                  {FAULT_TEXTS[name]}")
     seconds = (before * every / hz, (n - before) * every / hz)
-    say(f"                  {seconds[0]:.3f} s before it and {seconds[1]:.3f} s behind it")
+    say(f"                  {seconds[0]:.3f} s before it and {seconds[1]:.3f} s after it")
 
 
 def blackbox(link: Link, arguments: argparse.Namespace, say: Say) -> None:
@@ -223,7 +223,7 @@ def blackbox(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     _tell(link, say)
     if arguments.clear:
         scope.release(link)
-        say("black box         cleared; it records")
+        say("black box         cleared; recording")
         return
     if arguments.file is None:
         return

@@ -27,7 +27,6 @@ ROOT = Path(__file__).resolve().parents[3]
 PROGRAMMERS = ("openocd", "st-flash", "pyocd")
 _FIRMWARE_FILE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.bin"
 _EPILOG = """\
-Without --programmer the first of openocd, st-flash and pyocd that is installed is used.
 Exit status: 0 written, 1 the programmer failed, 2 wrong usage or bad input."""
 _TCL_SPECIAL = frozenset("{}\\")
 
@@ -141,7 +140,7 @@ def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
         return [[*words, f"0x{write.address:08X}", str(write.file)] for write in writes]
     for write in writes:
         if _TCL_SPECIAL & set(str(write.file)):
-            raise _refusal(write.file, "a name that openocd cannot take", "rename it")
+            raise _refusal(write.file, "openocd cannot handle this name", "rename it")
     words = ["openocd", "-f", "board/st_nucleo_h743zi.cfg"]
     for write in writes:
         words += ["-c", f"program {{{write.file}}} verify 0x{write.address:08X}"]
@@ -172,11 +171,15 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--firmware", action="store_true", help="build and write the firmware")
     parser.add_argument(
-        "--table", type=Path, metavar="TABLE.camtab", help="check and write a table"
+        "--table", type=Path, metavar="TABLE.camtab", help="check this table and write it"
     )
-    parser.add_argument("--programmer", choices=PROGRAMMERS, help="which program writes")
     parser.add_argument(
-        "--dry-run", action="store_true", help="check, print the command lines only"
+        "--programmer",
+        choices=PROGRAMMERS,
+        help="program that writes (default: the first one installed)",
+    )
+    parser.add_argument(
+        "--dry-run", action="store_true", help="check the files and only print the command lines"
     )
     arguments = parser.parse_args(argv)
     if not arguments.firmware and arguments.table is None:
@@ -205,7 +208,7 @@ def _run(arguments: argparse.Namespace) -> int:
         sys.stdout.flush()
         if not arguments.dry_run and (status := subprocess.run(line, check=False).returncode) != 0:
             sys.stderr.write(
-                f"flash: {programmer} ended with status {status}; nothing is certain\n"
+                f"flash: {programmer} ended with status {status}; the flash may be incomplete\n"
             )
             return 1
     return 0

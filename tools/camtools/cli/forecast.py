@@ -30,34 +30,81 @@ _RUNS = 256
 _MOST_RUNS = 1_000_000
 _MOST_SEED = 2**31 - 1
 _EPILOG = """\
-DIR/store holds every cut that is done: the same command goes on where it was interrupted, and one
-with more --runs adds to it. tools/docs/FORECAST.md is the manual.
-Exit status: 0 done, whatever the forecast says; 2 wrong usage or bad input; 128 + n on signal n."""
+DIR/store keeps every finished cut: the same command continues after an interruption, and one with
+more --runs adds to it. Manual: tools/docs/FORECAST.md.
+Exit status: 0 done, whatever the result; 2 wrong usage or bad input; 128 + n on signal n."""
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser(
         prog="tools/forecast",
-        description="Draw machines from what is not known of one, cut a part on each of them on "
-        "the host simulator, and tell how the form error is distributed and what matters most.",
+        description="Predict the form error of a part on a machine whose properties are\n"
+        "uncertain: vary them at random, cut the part on each simulated machine, and report the\n"
+        "distribution of the form error and the properties that matter most.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     add = parser.add_argument
-    add("part", type=Path, metavar="PART.toml")
-    add("--machine", metavar="M", help="name or file; default: a machine with the part's limits")
-    add("--vary", type=Path, metavar="V.toml", help="what is not known; default: the usual")
-    add("--runs", type=int, default=_RUNS, metavar="N", help=f"machines, default {_RUNS}")
-    add("--seed", type=int, default=1, metavar="S", help="of the draw, default 1")
-    add("--rpm", type=float, metavar="N", help="spindle speed, r/min; default: the part's")
-    add("--feed", type=float, metavar="MM", help="feed per turn, mm; default: the part's")
-    add("--turns", type=float, metavar="N", help="only the first turns; default: the whole part")
-    add("--tolerance-um", type=float, metavar="T", help="default: the part's")
-    add("--set", action="append", default=[], metavar="P=V", help="a parameter of the controller")
-    add("--workers", type=int, metavar="N", help="processes here; default: one for each core")
-    add("--scheduler", metavar="tcp://HOST:PORT", help="Dask cluster to cut on; default: here")
-    add("-o", "--output", type=Path, metavar="DIR", help="folder; default build/forecast/NAME")
+    add("part", type=Path, metavar="PART.toml", help="part file")
+    add(
+        "--machine",
+        metavar="M",
+        help="machine name or file (default: a machine with the part's limits)",
+    )
+    add(
+        "--vary",
+        type=Path,
+        metavar="V.toml",
+        help="file of the uncertain properties (default: camtools/forecast/vary.toml)",
+    )
+    add(
+        "--runs",
+        type=int,
+        default=_RUNS,
+        metavar="N",
+        help=f"number of machines (default: {_RUNS})",
+    )
+    add("--seed", type=int, default=1, metavar="S", help="seed of the random machines (default: 1)")
+    add("--rpm", type=float, metavar="N", help="spindle speed in r/min (default: the part's)")
+    add("--feed", type=float, metavar="MM", help="feed in mm per turn (default: the part's)")
+    add(
+        "--turns",
+        type=float,
+        metavar="N",
+        help="cut only the first N turns (default: the whole part)",
+    )
+    add(
+        "--tolerance-um",
+        type=float,
+        metavar="T",
+        help="accepted form error in um (default: the part's)",
+    )
+    add(
+        "--set",
+        action="append",
+        default=[],
+        metavar="P=V",
+        help="value of a controller parameter; repeatable",
+    )
+    add(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="parallel processes on this computer (default: one per core)",
+    )
+    add(
+        "--scheduler",
+        metavar="tcp://HOST:PORT",
+        help="Dask cluster that runs the cuts (default: this computer)",
+    )
+    add(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for the results (default: build/forecast/NAME)",
+    )
     return parser.parse_args(argv)
 
 
@@ -128,7 +175,7 @@ def _run(given: argparse.Namespace) -> int:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
     given = _arguments(argv)
-    kept = "what is done is kept: the same command goes on"
+    kept = "finished cuts are kept; repeat the command to continue"
     return run_command("forecast", lambda: _run(given), kept=kept)
 
 

@@ -69,37 +69,70 @@ def _periods(text: str) -> int:
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser(
         prog="tools/identify",
-        description="Excite U, measure its drive, and tell what the controller should be set to.",
+        description="Excite U, identify its drive, and report the matching controller parameters.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     parser.add_argument(
-        "part", nargs="?", type=Path, metavar="PART.toml", help="whose error counts"
+        "part", nargs="?", type=Path, metavar="PART.toml", help="part whose form error is predicted"
     )
     where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--machine", metavar="M", help="of the simulator: a name or a machine file")
-    where.add_argument("--bus", action="store_true", help="a controller over CAN, in state ready")
+    where.add_argument("--machine", metavar="M", help="simulated machine: a name or a machine file")
+    where.add_argument(
+        "--bus", action="store_true", help="real controller over CAN, in state ready"
+    )
     add_bus_options(parser)
     parser.add_argument(
-        "--secret", type=Path, metavar="FILE", help="unlocks the controller for --apply"
+        "--secret",
+        type=Path,
+        metavar="FILE",
+        help="file of the secret that unlocks the controller for --apply",
     )
-    parser.add_argument("--rpm", type=positive, help="of the part; default: its own")
-    parser.add_argument("--rms-um", type=positive, help="amplitude; default: 25, or 100 for 1 um")
-    parser.add_argument("--carrier-um", type=not_negative, help="amplitude at 20 Hz; 300")
-    parser.add_argument("--highest-hz", type=positive, default=700.0, help="highest line; 700")
+    parser.add_argument(
+        "--rpm", type=positive, metavar="N", help="spindle speed in r/min (default: the part's)"
+    )
+    parser.add_argument(
+        "--rms-um",
+        type=positive,
+        metavar="A",
+        help="rms amplitude in um (default: 25, or 100 for a coarse scale)",
+    )
+    parser.add_argument(
+        "--carrier-um",
+        type=not_negative,
+        metavar="A",
+        help="amplitude of the 20 Hz carrier in um (default: 300)",
+    )
+    parser.add_argument(
+        "--highest-hz",
+        type=positive,
+        default=700.0,
+        metavar="F",
+        help="highest frequency in Hz, at least 50 (default: 700)",
+    )
     parser.add_argument(
         "--form-error-um",
         type=positive,
         metavar="E",
-        help="a fit that leaves the part at most E is good, too",
-    )
-    parser.add_argument("--periods", type=_periods, default=5, help="of 0.2 s, one is dropped; 5")
-    parser.add_argument(
-        "--apply", action="store_true", help="set the parameters, if the fit is good"
+        help="also accept a fit that leaves a form error of at most E um",
     )
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="picture, numbers, machine"
+        "--periods",
+        type=_periods,
+        default=5,
+        metavar="N",
+        help="periods of 0.2 s, 3 .. 100; the first is discarded (default: 5)",
+    )
+    parser.add_argument(
+        "--apply", action="store_true", help="set the parameters if the fit is good"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for plot, results and machine file (default: none are written)",
     )
     arguments = parser.parse_args(argv)
     _check(parser, arguments)
@@ -109,16 +142,16 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 def _check(parser: Parser, arguments: argparse.Namespace) -> None:
     """End with a line when options do not go together."""
     if arguments.apply and arguments.machine is not None and arguments.output is None:
-        parser.error("--apply: the simulator's machine file goes into a folder: add -o DIR")
+        parser.error("--apply: needs a folder for the machine file: add -o DIR")
     if arguments.form_error_um is not None and arguments.part is None:
-        parser.error("--form-error-um: is that of a part: add PART.toml")
+        parser.error("--form-error-um: needs a part: add PART.toml")
     if arguments.rpm is not None and arguments.part is None:
-        parser.error("--rpm: is the speed of a part: add PART.toml")
+        parser.error("--rpm: needs a part: add PART.toml")
     if arguments.highest_hz < 50:
         parser.error(f"--highest-hz {arguments.highest_hz:g}: give at least 50")
     of_bus = [name for name in ("interface", "channel", "bitrate") if getattr(arguments, name)]
     if of_bus and not arguments.bus:
-        parser.error(f"--{of_bus[0]}: is of a bus: use --bus instead of --machine")
+        parser.error(f"--{of_bus[0]}: needs a bus: use --bus instead of --machine")
 
 
 class _Part:
@@ -220,7 +253,7 @@ def _status(one: _Found, arguments: argparse.Namespace, out: TextIO, applied: st
     if one.is_good and applied:
         out.write(f"applied: {applied}\n")
     if not one.is_good:
-        what = "nothing is applied" if arguments.apply else "the fit is not to be applied"
+        what = "nothing was applied" if arguments.apply else "the fit is not good enough to apply"
         first = one.found.problems(Limits())[0]
         sys.stderr.write(f"identify: {what}: {first}\n")
     return 0 if one.is_good else NOT_GOOD

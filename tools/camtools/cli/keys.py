@@ -19,20 +19,28 @@ FAILED = 1
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = Parser(prog="tools/keys", description="Make keys for signed tables, sign, verify.")
+    parser = Parser(prog="tools/keys", description="Make keys, sign tables, verify signatures.")
     commands = parser.add_subparsers(dest="command", required=True)
-    made = commands.add_parser("make", help="write NAME.pem, the private key, and NAME.pub")
-    made.add_argument("name", type=Path, metavar="NAME")
-    shown = commands.add_parser("show", help="print a public key for the settings of a port")
-    shown.add_argument("public", type=Path, metavar="NAME.pub")
-    shown.add_argument("--c", action="store_true", help="for board_config.h of the STM32H743")
-    shown.add_argument("--toml", action="store_true", help="for the Linux port")
-    signed = commands.add_parser("sign", help="put a signature behind a table, in its file")
-    signed.add_argument("private", type=Path, metavar="NAME.pem")
-    signed.add_argument("table", type=Path, metavar="TABLE.camtab")
-    verified = commands.add_parser("verify", help="say who signed a table; 1: none of these keys")
-    verified.add_argument("table", type=Path, metavar="TABLE.camtab")
-    verified.add_argument("public", type=Path, nargs="+", metavar="NAME.pub")
+    made = commands.add_parser("make", help="make a key pair: NAME.pem (private) and NAME.pub")
+    made.add_argument("name", type=Path, metavar="NAME", help="name of the files without ending")
+    shown = commands.add_parser(
+        "show", help="print a public key in the form that a controller needs"
+    )
+    shown.add_argument("public", type=Path, metavar="NAME.pub", help="public key")
+    shown.add_argument(
+        "--c", action="store_true", help="print it for board_config.h of the STM32H743"
+    )
+    shown.add_argument(
+        "--toml", action="store_true", help="print it for the settings file of the Linux port"
+    )
+    signed = commands.add_parser("sign", help="sign a table; its file changes")
+    signed.add_argument("private", type=Path, metavar="NAME.pem", help="private key")
+    signed.add_argument("table", type=Path, metavar="TABLE.camtab", help="table to sign")
+    verified = commands.add_parser(
+        "verify", help="check that one of these keys signed a table; exit status 1 if none did"
+    )
+    verified.add_argument("table", type=Path, metavar="TABLE.camtab", help="table to check")
+    verified.add_argument("public", type=Path, nargs="+", metavar="NAME.pub", help="public keys")
     return parser.parse_args(argv)
 
 
@@ -48,7 +56,9 @@ def _read(table: Path) -> bytes:
 def _make(name: Path) -> int:
     public_file = name.with_name(name.name + ".pub")
     if public_file.exists():
-        raise CamtoolsError([f"{public_file}: is there, and no key is overwritten; give another"])
+        raise CamtoolsError(
+            [f"{public_file}: exists, and no key is overwritten; give another name"]
+        )
     public = make_private(name.with_name(name.name + ".pem")).public_key().public_bytes_raw()
     write_all(name.parent, {public_file.name: f"{public.hex()}\n".encode()})
     print(f"key {key_id(public).hex()}: {name}.pem is private, {name}.pub is for the machines")

@@ -50,10 +50,10 @@ _START_S = 30.0
 _LOOK_S = 0.1
 _PEOPLE = ("waived", "present", "absent")
 _EPILOG = """\
-What follows -- goes to both processes, as it would go to `camsim run`: --set, --rpm, --seed, ...
-While it runs, a line that is typed happens to the lathe: estop, drive, bus, lost-counts:5 and the
-other kinds of camsim run --inject, and release, which takes back the first three. acknowledge:0.5
-presses the button at the machine for half a second, key:1 turns the key switch.
+Options after -- go to both processes as to `camsim run`: --set, --rpm, --seed, ...
+Type a line to cause a fault: estop, drive, bus, lost-counts:5 or another kind of camsim run
+--inject; `release` ends the first three. `acknowledge:0.5` presses the button at the machine for
+half a second, `key:1` turns the key switch.
 Exit status: 0 ended by control-C or SIGTERM, 1 both processes died, 2 wrong usage or bad input."""
 
 
@@ -74,28 +74,39 @@ def _name(text: str) -> str:
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/live",
-        usage="tools/live [PART.toml] [--machine M] [--speed-up F] [--operator WHO] [--name NAME] "
-        "[-i INTERFACE -c CHANNEL] [-- CAMSIM-OPTIONS]",
-        description="Run a controller on a simulated lathe until control-C; tools/camctl finds it.",
+        usage="tools/live [PART.toml] [--machine M] [--speed-up F] [--operator WHO] [--name NAME]\n"
+        "                  [-i INTERFACE -c CHANNEL] [-- CAMSIM-OPTIONS]",
+        description="Run a controller and a simulated lathe until control-C; tools/camctl and "
+        "tools/panel find them.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     parser.add_argument(
-        "part", type=Path, nargs="?", metavar="PART.toml", help="default: the Perkins 240 skirt"
+        "part", type=Path, nargs="?", metavar="PART.toml", help="part file (default: perkins240)"
     )
     machines = ", ".join(names())
-    parser.add_argument("--machine", metavar="M", help=f"a machine file, or one of {machines}")
     parser.add_argument(
-        "--speed-up", type=_speed_up, default=1.0, metavar="F", help="times faster than the clock"
+        "--machine",
+        metavar="M",
+        help=f"machine file, or one of {machines} (default: a machine with the part's limits)",
+    )
+    parser.add_argument(
+        "--speed-up",
+        type=_speed_up,
+        default=1.0,
+        metavar="F",
+        help=f"speed-up of the clock, {_LEAST_SPEED_UP:g} .. {_MOST_SPEED_UP:g} (default: 1)",
     )
     parser.add_argument(
         "--operator",
         choices=_PEOPLE,
-        help="at the machine: waived needs no button acknowledge; present presses it, and has "
-        "turned the key; absent does neither",
+        help="operator at the machine: present presses the acknowledge button and has turned the "
+        "key; absent does neither; waived: no acknowledgement is needed (default)",
     )
-    parser.add_argument("--name", type=_name, help="for camctl --live; default: the part's")
+    parser.add_argument(
+        "--name", type=_name, help="name of this lathe, for camctl --live (default: the part's)"
+    )
     add_interface_options(parser)
     return parser
 
@@ -175,7 +186,7 @@ class _Session:
             status = process.poll()
             if status is not None:
                 del self._alive[name]
-                after = f"; the {next(iter(self._alive))} goes on" if self._alive else ""
+                after = f"; the {next(iter(self._alive))} continues" if self._alive else ""
                 _say(f"the {name} (process {process.pid}) {died(status)}{after}")
 
     def _take(self, source: int) -> None:
@@ -206,7 +217,7 @@ def _tell(lathe: LiveLathe, arguments: argparse.Namespace, where: str) -> None:
     others = len(live_lathes()) > 1
     _say(f"talk to it: tools/camctl {f'--live {lathe.name} ' if others else ''}status")
     _say(f"other programs of python-can: {_environment(lathe.bus)}")
-    _say("type a fault (estop, drive, bus, lost-counts:5, ..) or release; control-C ends")
+    _say("type estop, drive, bus, lost-counts:5, .. for a fault, release to end it; control-C ends")
 
 
 def _end(pair: LivePair, bridge: Bridge) -> None:

@@ -50,29 +50,36 @@ class ProgramWishes(NamedTuple):
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
         prog="mkgcode",
-        description="Write an NC program (LinuxCNC) that turns a part.",
+        description="Write an NC program for LinuxCNC that turns a part.",
         allow_abbrev=False,
     )
     add = parser.add_argument
     add("part", type=Path, metavar="PART.toml", help="part file")
-    add("-o", "--output", type=Path, required=True, metavar="FILE", help="program, say part.ngc")
+    add(
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help="program to write, for example part.ngc",
+    )
     add(
         "--axes",
         choices=("xz", "cxzu", "cxz"),
-        help="xz: camturn carries U (default of pistons); cxzu: all axes point by point; cxz: X "
-        "follows the lift over C (cams), with B for a tool that swings",
+        help="axes in the program: xz, with U left to camturn (default for pistons); cxzu, all "
+        "axes point by point; cxz, X follows the lift over C, with B for a swinging tool (cams)",
     )
-    add("--from-mm", type=float, metavar="MM", help="height where it begins, default the part's")
-    add("--to-mm", type=float, metavar="MM", help="height where it ends, default the part's")
+    add("--from-mm", type=float, metavar="MM", help="lowest height in mm (default: the part's)")
+    add("--to-mm", type=float, metavar="MM", help="highest height in mm (default: the part's)")
     add(
         "--chord-um",
         type=float,
         default=DEFAULT_CHORD_UM,
         metavar="E",
-        help=f"largest distance of segments from the profile (xz), tolerance of G64 (both), "
-        f"default {DEFAULT_CHORD_UM}",
+        help=f"largest chord error of the segments (xz) and tolerance of G64, in um, "
+        f"{MIN_CHORD_UM:g} .. {MAX_CHORD_UM:g} (default: {DEFAULT_CHORD_UM})",
     )
-    add("--diameter", action="store_true", help="X is a diameter (G7), not a radius (G8)")
+    add("--diameter", action="store_true", help="program X as diameter, G7 (default: radius, G8)")
     return parser.parse_args(argv)
 
 

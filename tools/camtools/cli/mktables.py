@@ -26,20 +26,22 @@ MIN_POINTS, MAX_POINTS = 4, 100_000
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(prog="mktables", description="Make the cam table of a part.")
     parser.add_argument("part", type=Path, metavar="PART.toml", help="part file")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results"
+    )
     parser.add_argument(
         "--tolerance-nm",
         type=float,
         metavar="T",
-        help="largest error of u and x, default 1 (u of a refitted section 5, of a cam 10, of a "
-        "polygon 1, 3 or 10)",
+        help="largest error of u and x in nm (default: 1; u of a refitted section 5, of a cam 10, "
+        "of a polygon 1, 3 or 10)",
     )
     add_measured(parser)
-    parser.add_argument("--plot", action="store_true", help="draw PNG plots too")
+    parser.add_argument("--plot", action="store_true", help="also draw PNG plots")
     parser.add_argument(
         "--export",
         choices=FORMS,
-        help="write the table as text too: points with velocity and acceleration, or value alone",
+        help="also write the table as text: points with velocity and acceleration, or values only",
     )
     parser.add_argument(
         "--export-height",
@@ -47,16 +49,20 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         action="append",
         default=[],
         metavar="MM",
-        help="a file for this height; again for more of them; default: all slices in one file",
+        help="height to export in mm, into its own file; repeatable (default: all, in one file)",
     )
     parser.add_argument(
         "--export-points",
         type=int,
         metavar="N",
-        help=f"points per turn, {MIN_POINTS} .. {MAX_POINTS}; default: knots of xyva, 360 of text",
+        help=f"points per turn, {MIN_POINTS} .. {MAX_POINTS} (default: the knots for xyva, 360 for "
+        "text)",
     )
     parser.add_argument(
-        "--sign", type=Path, metavar="KEY.pem", help="sign the table by a private key of tools/keys"
+        "--sign",
+        type=Path,
+        metavar="KEY.pem",
+        help="sign the table with a private key of tools/keys",
     )
     return parser.parse_args(argv)
 
@@ -67,7 +73,7 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
     if arguments.export is None:
         if heights_mm or n_points is not None:
             option = "--export-height" if heights_mm else "--export-points"
-            problem = f"{option}: says nothing about the format"
+            problem = f"{option}: has no effect without --export"
             raise CamtoolsError([f"{problem}; add --export {' or --export '.join(FORMS)}"])
         return {}
     if n_points is not None and not MIN_POINTS <= n_points <= MAX_POINTS:

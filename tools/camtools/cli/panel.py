@@ -35,10 +35,10 @@ from camtools.panel.orders.controller_service import ControllerService
 
 _PORT = 8417
 _EPILOG = """\
-Who opens the page may look; who has the token may command. The address that is printed has the
-token behind its #, where no server and no log sees it. Without options for the bus it is that of
-the live lathe, where tools/live runs. While there is no controller the page says what to start.
-From another computer: ssh -L 8417:127.0.0.1:8417 THIS, then the address as printed.
+Everybody who opens the page can look; only those with the token can command. The printed address
+has the token after its #, which browsers send to no server. Without options for the bus, the panel
+uses the live lathe of tools/live. While there is no controller, the page says how to start one.
+From another computer: ssh -L 8417:127.0.0.1:8417 THIS-COMPUTER, then open the address as printed.
 Exit status: 0 ended by control-C or SIGTERM, 2 wrong usage or bad input."""
 
 
@@ -67,35 +67,45 @@ def _address(text: str) -> str:
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/panel",
-        description="Show a controller in the browser, and let one visitor command it.",
+        description="Show and command a controller in the browser; one visitor at a time commands.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     add_bus_options(parser)
-    parser.add_argument("--port", type=_port, default=_PORT, help=f"of TCP; {_PORT}; 0: a free one")
+    parser.add_argument(
+        "--port", type=_port, default=_PORT, help=f"TCP port, 0 for any free one (default: {_PORT})"
+    )
     parser.add_argument(
         "--listen",
         type=_address,
         default="127.0.0.1",
         metavar="ADDRESS",
-        help="other than 127.0.0.1, which only this computer reaches: nothing is encrypted",
+        help="IP address to serve; connections are not encrypted (default: 127.0.0.1, this "
+        "computer only)",
     )
     parser.add_argument(
-        "--token-file", type=Path, metavar="FILE", help="has the token; default: a new one"
+        "--token-file", type=Path, metavar="FILE", help="file with the token (default: a new token)"
     )
     parser.add_argument(
-        "--secret", type=Path, metavar="FILE", help="lets who commands unlock the controller"
+        "--secret",
+        type=Path,
+        metavar="FILE",
+        help="file of the secret with which the commanding visitor unlocks the controller",
     )
     parser.add_argument(
         "--log",
         type=Path,
         default=_KEPT / "commands.jsonl",
         metavar="FILE",
-        help="of commands; default: build/panel/commands.jsonl",
+        help="log of all commands (default: build/panel/commands.jsonl)",
     )
     parser.add_argument(
-        "--keep", type=Path, default=_KEPT, metavar="DIR", help="parts and runs; build/panel"
+        "--keep",
+        type=Path,
+        default=_KEPT,
+        metavar="DIR",
+        help="folder for parts and runs (default: build/panel)",
     )
     return parser
 
@@ -163,7 +173,7 @@ def _run(arguments: argparse.Namespace) -> int:
         own = arguments.keep / "parts", arguments.keep / "runs"
         app = application(AppContext(service, commander, log, TokenGuard(token), *own), hosts)
         if not ipaddress.ip_address(arguments.listen).is_loopback:
-            _say("warning: nothing is encrypted: who hears the network sees the token; see ssh -L")
+            _say("warning: not encrypted: anybody on the network can read the token; use ssh -L")
         _say(f"http://{hosts[0]}/#token={token}")
         _say("control-C ends")
         try:

@@ -21,12 +21,12 @@ PAGE = "papers.md"
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
         prog="tools/papers",
-        description="Make every figure and table of the papers anew, and the page that compares "
-        "them with what is printed.",
+        description="Reproduce every figure and table of the papers, and write a page that "
+        "compares them with the printed values.",
         allow_abbrev=False,
     )
     add = parser.add_argument
-    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
+    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
     return parser.parse_args(argv)
 
 

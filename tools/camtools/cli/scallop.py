@@ -26,15 +26,26 @@ _RPM = (1.0, 60_000.0)
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
         prog="tools/scallop",
-        description="Cut a part on the simulator along a ring-helix and along helices, with a tool "
-        "of a nose radius; compare surface and time with what theory says.",
+        description="Cut a part on the simulator along a ring-helix and along helices with a "
+        "round-nosed tool; compare surface and time with theory.",
         allow_abbrev=False,
     )
     add = parser.add_argument
-    add("part", type=Path, metavar="PART.toml", help="part file; process.path does not matter")
-    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
-    add("--nose-mm", type=float, default=0.8, metavar="R", help="tool's nose radius, default 0.8")
-    add("--rpm", type=float, metavar="N", help="speed, default the part's")
+    add("part", type=Path, metavar="PART.toml", help="part file; its process.path is ignored")
+    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    add(
+        "--nose-mm",
+        type=float,
+        default=0.8,
+        metavar="R",
+        help="nose radius of the tool in mm, 0.01 .. 100 (default: 0.8)",
+    )
+    add(
+        "--rpm",
+        type=float,
+        metavar="N",
+        help="spindle speed in r/min, 1 .. 60000 (default: the part's)",
+    )
     return parser.parse_args(argv)
 
 

@@ -112,7 +112,7 @@ def cut_all(
             error = future.exception()
             if error is not None:
                 problem = f"a worker failed: {type(error).__name__}: {error}"
-                raise CamtoolsError([f"{problem}; run it again: what is done is kept"])
+                raise CamtoolsError([f"{problem}; run it again; finished cuts are kept"])
             take(_checked(future.result()))
             future.release()
 

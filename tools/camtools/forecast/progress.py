@@ -36,7 +36,7 @@ class Progress:
         self._is_open = False
         self._told = n_done * _LINES // max(n_all, 1)
         if n_done:
-            stream.write(f"forecast: {n_done} of {n_all} cuts were done before\n")
+            stream.write(f"forecast: {n_done} of {n_all} cuts are already done\n")
 
     def add(self, n_cuts: int, n_failed: int) -> None:
         """Count cuts that have been made."""

@@ -98,6 +98,8 @@ def _read(path: Path) -> list[CutOutcome]:
         rows = pq.read_table(path, schema=SCHEMA).to_pylist()
     except (OSError, pa.ArrowException) as error:
         reason = str(error).splitlines()[0]
-        remedy = "remove it: its cuts are made again"
-        raise InputError(str(path), "", None, f"is no result of ours: {reason}", remedy) from error
+        remedy = "remove it; its cuts are repeated"
+        raise InputError(
+            str(path), "", None, f"not a result of tools/forecast: {reason}", remedy
+        ) from error
     return [CutOutcome(**row) for row in rows]

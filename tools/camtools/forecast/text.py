@@ -50,9 +50,7 @@ def forecast_text(plan: ForecastPlan, forecast: Forecast, place: str) -> str:
     shown = forecast.effects[:_SHOWN]
     rows += [("matters most" if one is shown[0] else "", _effect(one)) for one in shown]
     if not shown:
-        rows.append(
-            ("matters most", f"not told from fewer than {LEAST_FOR_RANKING} different cuts")
-        )
+        rows.append(("matters most", f"unknown with fewer than {LEAST_FOR_RANKING} different cuts"))
     if plan.left_out:
         rows.append(("not varied", f"{', '.join(plan.left_out)}: 0 on this machine"))
     rows.append(("results", f"{place}/forecast.json, forecast.png, runs.parquet"))

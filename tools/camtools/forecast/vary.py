@@ -60,7 +60,7 @@ class Spread(TomlTable):
         for name in ("low", "high", "mean", "sd", "median", "factor"):
             value = getattr(self, name)
             if value is None and name in wanted:
-                problem = f"is missing, which a {self.distribution} distribution wants"
+                problem = f"is missing; a {self.distribution} distribution needs it"
                 raise wrong("missing", problem, f"add {name}", field=name)
             if value is not None and name not in allowed:
                 problem = f"does not belong to a {self.distribution} distribution"
@@ -118,7 +118,7 @@ def _unknown(key: str, spread: Spread, machine: Mapping[str, Any], file: str) ->
     nominal = nominal_of(machine, key)
     if nominal is None:
         remedy = "give a number of host_sim/machines/default.toml"
-        raise InputError(file, key, None, "is no number of a machine", remedy)
+        raise InputError(file, key, None, "not a number of a machine file", remedy)
     is_share = spread.of == "nominal"
     if nominal == 0.0 and (is_share or (spread.distribution == "lognormal" and not spread.median)):
         remedy = 'give the numbers themselves with of = "unit"'
@@ -141,12 +141,12 @@ def _spreads(tree: Mapping[str, Any], file: str) -> dict[str, Spread]:
     spreads: dict[str, Spread] = {}
     for table, keys in tree.items():
         if not isinstance(keys, dict) or not keys:
-            problem = "is no table of a machine's keys"
+            problem = "not a table of a machine file"
             raise InputError(file, table, keys, problem, "write [TABLE.KEY], as [u.bandwidth_hz]")
         for name, content in keys.items():
             key = f"{table}.{name}"
             if not isinstance(content, dict):
-                problem = "is no table"
+                problem = "not a table"
                 raise InputError(file, key, content, problem, f"write [{key}] and its keys below")
             try:
                 spreads[key] = validated(Spread, content, file, {})

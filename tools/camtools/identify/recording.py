@@ -6,7 +6,7 @@
 >>> record_of(grid, np.array([0, 1, 3]), np.zeros(3), np.zeros(3), 10.0)
 Traceback (most recent call last):
     ...
-camtools.base.errors.CamtoolsError: record: 1 gap, the first behind tick 1; nothing is fitted, \
+camtools.base.errors.CamtoolsError: record: 1 gap, the first after tick 1; nothing is fitted, \
 excite again
 """
 
@@ -89,7 +89,7 @@ def record_of(
     if gaps.size:
         many = "gap" if gaps.size == 1 else "gaps"
         first = int(tick[gaps[0]])
-        problem = f"{gaps.size} {many}, the first behind tick {first}"
+        problem = f"{gaps.size} {many}, the first after tick {first}"
         raise CamtoolsError([f"record: {problem}; {_AGAIN}"])
     n_periods = tick.size // grid.n_ticks
     if n_periods < n_dropped + MIN_PERIODS:

@@ -95,14 +95,14 @@ def _table(found: Identified, believed: Believed) -> Iterator[str]:
 
 def _fit_lines(found: Identified, believed: Believed) -> Iterator[str]:
     plain, spectra = found.plain, found.spectra
-    lost = f", {spectra.n_lost} below the noise left out" if spectra.n_lost else ""
+    lost = f", {spectra.n_lost} below the noise omitted" if spectra.n_lost else ""
     yield (
         f"fit: {spectra.bins.size} lines {spectra.frequency_hz[0]:g} .. "
-        f"{spectra.frequency_hz[-1]:g} Hz{lost}; it leaves {100 * plain.misfit:.3g} % of them"
+        f"{spectra.frequency_hz[-1]:g} Hz{lost}; misfit {100 * plain.misfit:.3g} %"
     )
     yield (
-        "lead: dead time and half a tick of hold; a latency of the scale cannot be told from it, "
-        f"{believed.u_scale_latency_ns} ns of u_scale_latency_ns are taken off"
+        "lead: dead time and half a tick of hold; the latency of the scale cannot be separated "
+        f"from it, so u_scale_latency_ns = {believed.u_scale_latency_ns} ns is subtracted"
     )
     if found.with_mode is not None and found.has_mode:
         yield from _mode_lines(found)
@@ -143,12 +143,12 @@ def _part_lines(
         f"{name} at {motion.rpm:g} r/min: U moves at up to {motion.peak_speed_mm_s:.3g} mm/s and "
         f"{motion.peak_acceleration_m_s2:.3g} m/s2"
     )
-    yield f"form error by the constants, as believed now: {length_text(left.believed_um)}"
+    yield f"form error with the present constants: {length_text(left.believed_um)}"
     doubt = f"{length_text(left.doubt_um)} from {_SIGMAS:g} deviations"
-    yield f"form error by the constants, as identified: {length_text(left.chosen_um)}, {doubt}"
+    yield f"form error with the identified constants: {length_text(left.chosen_um)}, {doubt}"
     if found.has_friction:
         rubbing_um = friction_error_nm(motion, found.plain.values) * 1e-3
-        yield f"friction adds up to {length_text(rubbing_um)}, which only learning takes away"
+        yield f"friction adds up to {length_text(rubbing_um)}, which only learning removes"
 
 
 def chosen(found: Identified, limits: Limits, motion: ToolMotion | None) -> Floats:

@@ -7,7 +7,7 @@
 'virtual demo'
 >>> open_bus({"interface": "slcn"})
 Traceback (most recent call last):
-camtools.base.errors.CamtoolsError: interface slcn: python-can has no such; did you mean slcan?
+camtools.base.errors.CamtoolsError: interface slcn: unknown to python-can; did you mean slcan?
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ _ERRNO = {
     errno.EAFNOSUPPORT: "this kernel has no CAN; load can and can-raw, or use tools/live",
     errno.ENODEV: "no such network interface; ip link lists them",
     errno.ENETDOWN: "the network interface is down; bring it up by ip link set .. up",
-    errno.EPERM: "this user may not; see the rights of the device",
-    errno.EACCES: "this user may not; see the rights of the device",
+    errno.EPERM: "this user has no permission; check that of the device",
+    errno.EACCES: "this user has no permission; check that of the device",
 }
 
 
@@ -128,7 +128,7 @@ def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
     if interface not in BACKENDS and interface not in can.VALID_INTERFACES:
         near = difflib.get_close_matches(str(interface), can.VALID_INTERFACES, 1)
         known = f"did you mean {near[0]}?" if near else f"it has {', '.join(sorted(BACKENDS))}"
-        raise CamtoolsError([f"interface {interface}: python-can has no such; {known}"])
+        raise CamtoolsError([f"interface {interface}: unknown to python-can; {known}"])
     place = " ".join([str(interface), *(str(asked[n]) for n in ("channel", "port") if n in asked)])
     logging.getLogger("can").setLevel(logging.CRITICAL)  # drivers tell there what is told here
     try:

@@ -136,7 +136,7 @@ class Link:
         try:
             frame = self.bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
-            raise Refused(f"{self.where}: the bus is gone: {error}") from error
+            raise Refused(f"{self.where}: the connection to the bus is lost: {error}") from error
         if frame is None:
             return False
         if not (frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id):

@@ -72,7 +72,7 @@ def download_wave(
         what = f"{len(rounded)} samples, the controller holds {most}"
         raise Refused(f"wave: refused: {what}; give a shorter period")
     require(link, "wave", begin)
-    bring(link, data, "no wave is there, download again", progress)
+    bring(link, data, "the controller has no wave; download again", progress)
     require(link, "wave", link.ask("end_wave", crc=zlib.crc32(data)))
     return len(rounded)
 
@@ -144,5 +144,7 @@ def excite(
     release(link)  # the black box has its memory back
     if recording.end != "state_left":
         why = "the memory is full" if recording.end == "full" else "ticks were lost"
-        raise Refused(f"{link.where}: the recording is not whole, {why}; fewer signals or periods")
+        raise Refused(
+            f"{link.where}: the recording is incomplete, {why}; give fewer signals or periods"
+        )
     return recording

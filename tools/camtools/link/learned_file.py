@@ -63,7 +63,7 @@ def learned_values(data: bytes, name: str) -> list[int]:
     try:
         told = toml_tree(data.decode("utf-8"))
     except ValueError as error:
-        text = f"{name}: no learned values: {error}; save them by camctl learned save"
+        text = f"{name}: no learned values: {error}; give a file of camctl learned save"
         raise CamtoolsError([text]) from error
     values: list[int] = []
     for key, n in LAYOUT.items():
@@ -72,11 +72,13 @@ def learned_values(data: bytes, name: str) -> list[int]:
         if not isinstance(here, list) or len(here) != n or not all(map(_is_word, here)):
             what = f"{n} whole numbers" if n > 1 else "a whole number"
             raise CamtoolsError(
-                [f"{name}: {key}: not {what} of 32 bits; save them by camctl learned save"]
+                [f"{name}: {key}: not {what} of 32 bits; give a file of camctl learned save"]
             )
         values += here
     if extra := sorted(told.keys() - LAYOUT.keys() - {"part"}):
-        raise CamtoolsError([f"{name}: {extra[0]}: no such key; save by camctl learned save"])
+        raise CamtoolsError(
+            [f"{name}: {extra[0]}: unknown key; give a file of camctl learned save"]
+        )
     return values
 
 

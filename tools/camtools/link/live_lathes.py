@@ -58,7 +58,7 @@ def runtime_folder() -> Path:
         raise CamtoolsError([f"{folder}: {error.strerror}; set XDG_RUNTIME_DIR"]) from error
     is_private = facts.st_uid == os.getuid() and not facts.st_mode & 0o077
     if not stat.S_ISDIR(facts.st_mode) or not is_private:
-        problem = "is no folder of yours alone (mode 0700)"
+        problem = "not a folder that only you can access (mode 0700)"
         raise CamtoolsError([f"{folder}: {problem}; remove it, or set XDG_RUNTIME_DIR"])
     return folder
 
@@ -103,10 +103,10 @@ def only_lathe(name: str | None, folder: Path | None = None) -> LiveLathe | None
         named = next((lathe for lathe in found if lathe.name == name), None)
         if named is None:
             there = f"there is {names}" if found else "start tools/live"
-            raise CamtoolsError([f"--live {name}: no live lathe is called so; {there}"])
+            raise CamtoolsError([f"--live {name}: no such live lathe; {there}"])
         return named
     if len(found) > 1:
-        problem = f"{len(found)} live lathes: {names}"
+        problem = f"{len(found)} live lathes are running: {names}"
         raise CamtoolsError([f"{problem}; give --live NAME"])
     return found[0] if found else None
 
@@ -146,4 +146,4 @@ def _first_free(folder: Path, hidden: str, names: tuple[str, ...]) -> Path:
         with suppress(FileExistsError):
             os.link(hidden, folder / f"{name}.json")
             return folder / f"{name}.json"
-    raise CamtoolsError([f"{folder}: no name is free; give --name"])
+    raise CamtoolsError([f"{folder}: every name is taken; give --name"])

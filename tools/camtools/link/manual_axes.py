@@ -22,15 +22,15 @@ USUAL_MM_PER_S = 1.0
 _BEGIN_S, _PAGES_S = 1.0, 1.0
 _LONGEST_S = 3600.0
 END_TEXTS = {
-    "interrupted": "interrupted, the axis stands",
+    "interrupted": "interrupted; the axis has stopped",
     "stopped": "stopped by another command or a fault",
     "silent": "the controller heard nothing from here for 250 ms; is the bus too busy?",
     "limit": "at the limit of its travel",
     "no_switch": "no home switch within the travel of the search",
     "no_release": "the home switch stays active within the travel of the search",
-    "no_index": "no index behind the switch within the travel of the search",
-    "no_stroke": "its home is so far out that it would stand outside of its stroke; "
-    "set u_home_nm to what U is there",
+    "no_index": "no index after the switch within the travel of the search",
+    "no_stroke": "at this home, U would be outside its stroke; set u_home_nm to "
+    "the position of U there",
 }
 
 
@@ -59,7 +59,7 @@ def _check_state(link: Link) -> None:
         return
     link.wait(lambda: bool(status.faults), 0.1)
     faults = f": {', '.join(status.faults)}" if status.faults else ""
-    raise Refused(f"the state is {status.state} by now{faults}; see status")
+    raise Refused(f"manual has ended, the state is {status.state}{faults}; see status")
 
 
 @contextlib.contextmanager
@@ -105,8 +105,12 @@ def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
             if is_begun and (end := _quick_end(link)) != "runs":
                 return end
             if not is_begun and time.monotonic() - begun_s > _BEGIN_S:
-                raise Refused(f"{command.replace('_', ' ')} {axis}: the order was not begun")
-    raise Refused(f"{command.replace('_', ' ')} {axis}: not over after {_LONGEST_S:.0f} s")
+                raise Refused(
+                    f"{command.replace('_', ' ')} {axis}: the order did not start; try again"
+                )
+    raise Refused(
+        f"{command.replace('_', ' ')} {axis}: not finished after {_LONGEST_S:.0f} s; stop the axis"
+    )
 
 
 def _quick_end(link: Link) -> str:

@@ -46,9 +46,12 @@ _GROUPS = {
 }
 KEEP_S = 30.0  # flash may have to be erased
 MEMORY = {
-    "keep": ("save_parameters", "the controller keeps those in force over a restart"),
-    "revert": ("revert_parameters", "bring those back into force that it keeps"),
-    "defaults": ("restore_defaults", "bring its defaults into force; what it keeps stays"),
+    "keep": (
+        "save_parameters",
+        "store the current parameters in the controller, for its next start",
+    ),
+    "revert": ("revert_parameters", "restore the stored parameters"),
+    "defaults": ("restore_defaults", "restore the defaults; the stored parameters stay"),
 }
 # What the text that a controller keeps for itself has besides.
 _KEPT = ("version", "crc32")
@@ -120,7 +123,7 @@ def _flat(table: Mapping[str, object], where: str = "") -> list[tuple[str, str, 
 def problem_of(name: str, value: object) -> str:
     """Return what is wrong with a value, "" when nothing is."""
     if name not in INFOS:
-        return f"{name}: no such parameter; tools/camctl list tells them"
+        return f"{name}: no such parameter; tools/camctl list prints all"
     if not isinstance(value, int) or isinstance(value, bool):
         return f"{name} = {value}: give a whole number"
     info = INFOS[name]
@@ -147,7 +150,7 @@ def parse(data: bytes, name: str) -> dict[str, int]:
     for group, key, value in _flat(told):
         if key in _KEPT and not group:
             continue
-        problem = f"{key}: there twice; give it once" if key in values else problem_of(key, value)
+        problem = f"{key}: appears twice; give it once" if key in values else problem_of(key, value)
         problems += [f"{name}: {problem}"] if problem else []
         values[key] = value
     if problems or not values:

@@ -72,7 +72,7 @@ class Bridge:
         except BrokenPipeError:
             return  # the controller has ended
         except (can.CanError, OSError) as error:
-            self.problem = f"the bus is gone: {error}"
+            self.problem = f"the connection to the bus is lost: {error}"
 
     def _is_for_controller(self, frame: can.Message) -> bool:
         is_foreign = frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id

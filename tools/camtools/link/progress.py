@@ -62,12 +62,12 @@ def cut_progress(state: str, signals: Mapping[str, float]) -> CutProgress:
     if state not in (*IN_CUT, "ready"):
         return CutProgress(None, None, "no cut")
     if not signals.keys() >= {"has_end", "pass_speed"}:
-        return CutProgress(None, None, "the controller does not tell how far it is")
+        return CutProgress(None, None, "the controller does not report its progress")
     if not signals["has_end"]:
-        led = "Z is led by others: only a stop ends this cut"
+        led = "Z is moved by another controller: only a stop ends this cut"
         return CutProgress(None, None, led if signals["pass_speed"] else "no table")
     if not signals.keys() >= _NEEDED:
-        return CutProgress(None, None, "the controller does not tell how far it is")
+        return CutProgress(None, None, "the controller does not report its progress")
     left, whole, rpm = signals["turns_left"], signals["turns_whole"], signals["pass_speed"]
     fraction = min(max(1.0 - left / whole, 0.0), 1.0) if whole > 0 else None
     left_s = left / rpm * 60.0 if rpm > 0 else None
@@ -85,7 +85,7 @@ def _text(
     share = f"{math.floor(100 * fraction)} %" if fraction is not None else "?"
     left = f"{time} left"
     if state == "holding" or signals.get("is_held"):
-        left = f"held, {time} left when it goes on"
+        left = f"held, {time} left after resume"
     return f"{which + ': ' if which else ''}{share}, {left}"
 
 

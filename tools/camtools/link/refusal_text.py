@@ -15,12 +15,12 @@ from camtools.link.rights import sender_text
 
 REMEDIES = {
     "command": OLDER,
-    "state": "the order is enable, start, stop, disable, and reset behind a fault; by "
-    "hand manual, jog, home, disable",
+    "state": "use enable, start, stop, disable, and reset after a fault; to move axes "
+    "by hand: manual, jog, home, disable",
     "param_state": "only phase, amplitude, trim and the overrides change while cutting, most "
     "others in ready, all in off",
     "override_rings": "hold it instead, or set feed and speed before the cut",
-    "override_measured": "change the feed where it is made",
+    "override_measured": "change the feed at the machine that moves Z",
     "table_sense": "disable, then select",
     "param_tick": "observer_bandwidth_mHz is at most 80 x the tick rate in Hz, lead_ns 61 ticks",
     "estop": "release the emergency stop",
@@ -28,29 +28,29 @@ REMEDIES = {
     "released and faults reset; give the order again within 60 s",
     "acknowledge_none": "the port has no such button; wire one and name it in the port's settings, "
     "or waive it there",
-    "locked": "turn the key switch at the machine anew while somebody commands (camctl unlock), or "
-    "unlock by the secret (camctl unlock --secret FILE)",
-    "lock_none": "this port is never unlocked; its settings name a key switch or a secret",
-    "hard_limit": "the image was built with limits that nobody changes over the bus",
+    "locked": "turn the key switch at the machine off and on during camctl unlock, or unlock with "
+    "the secret (camctl unlock --secret FILE)",
+    "lock_none": "this port cannot be unlocked; add a key switch or a secret to its settings",
+    "hard_limit": "the firmware image fixes this limit; it cannot be changed over the bus",
     "drive": "see that all drives are ready",
     "no_table": "download a table and select it",
     "u_place": "move U into its stroke",
     "download_room": "make the table with a larger --tolerance-nm",
     "download_crc": "download again",
-    "download_store": "its memory failed, the old table stays in force; try again",
+    "download_store": "its memory failed and the old table stays active; try again",
     "busy": "try again",
     "cam_amplitude": "set the amplitude to 100 % or more",
-    "turns": "no speed helps: set a larger feed",
+    "turns": "set a larger feed; another speed does not help",
     "u_retract": "set u_retract_nm nearer to 0, or to its default, which fits every stroke",
-    "hand_axis": "u, x and z are there, and a z that is measured is moved by others",
-    "hand_moves": "wait until the axis stands, or stop it",
-    "home_none": "set u_home, x_home or z_home: 1 where it stands, 2 switch, 3 switch and index",
-    "not_homed": "in manual: home u, home x, home z, as far as they have a way of homing",
-    "travel": "see x_low_nm, x_high_nm, z_low_nm, z_high_nm, the datum and the tool",
+    "hand_axis": "give u, x or z; a measured z is moved by another controller",
+    "hand_moves": "wait until the axis has stopped, or stop it",
+    "home_none": "set u_home, x_home or z_home: 1 present position, 2 switch, 3 switch and index",
+    "not_homed": "in manual, home every axis that has a homing method: home u, home x, home z",
+    "travel": "check x_low_nm, x_high_nm, z_low_nm, z_high_nm, the datum and the tool",
     "params_stale": "another tool set a parameter meanwhile; try again",
-    "params_none": "params keep keeps those in force",
-    "params_damaged": "params keep keeps those in force instead",
-    "params_keep": "its memory failed or is read-only, what was kept before stays; its log tells",
+    "params_none": "`params keep` stores the current ones",
+    "params_damaged": "`params keep` stores the current ones instead",
+    "params_keep": "its memory failed or is read-only; what was kept before stays; see its log",
 }
 _STATE_S = 1.0
 
@@ -84,17 +84,17 @@ DEMANDS = {
         "U command with its feed-forward", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2
     ),
     "u_command_speed": Excess(
-        "speed of U's command", "mm/s", 1e-3, "", "what speed, acceleration and gains allow,"
+        "speed of U's command", "mm/s", 1e-3, "", "the limit from speed, acceleration and gains,"
     ),
     "u_command_acceleration": Excess(
-        "acceleration of U's command", "m/s2", 1e-3, "", "what acceleration and gains allow,"
+        "acceleration of U's command", "m/s2", 1e-3, "", "the limit from acceleration and gains,"
     ),
     "z_speed": Excess("Z speed", "mm/s", 1e-3, "z_speed_um_per_s", "z_speed"),
     "z_acceleration": Excess(
         "Z acceleration", "m/s2", 1e-3, "z_acceleration_mm_per_s2", "z_acceleration"
     ),
     "feed": Excess("feed", "mm", 1e-6, "", "the height of the part"),
-    "turns": Excess("feed of", "turns", 1, "", "what the controller counts,"),
+    "turns": Excess("feed of", "turns", 1, "", "what the controller can count,"),
     "tick_rate": Excess("spindle speed", "r/min", 1e-3, "", "what the tick can follow,"),
     "spindle_acceleration": Excess(
         *("spindle acceleration", "rad/s2", 1e-3),

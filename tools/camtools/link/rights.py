@@ -280,10 +280,10 @@ class Rights:
 
     def _lose(self, holder: int) -> None:
         self._end()
-        by = f"{sender_text(holder)} has taken it over; what ran goes on under it"
+        by = f"{sender_text(holder)} has taken it over; running motion continues"
         silent = (
-            "nothing was heard from here in time, or another has taken it and given it back; "
-            "nobody has it now, and a cut ends by that"
+            "the controller heard nothing from here in time, or somebody else took it and gave it "
+            "back; nobody has it now, so a running cut ends"
         )
         self.on_lost(f"{self._link.where}: command is lost: {by if holder else silent}", holder)
 
@@ -310,7 +310,9 @@ class Rights:
         """
         key = self.secret if secret is None else secret
         if key is None:
-            raise Refused("unlock: no secret; give --secret FILE, or turn the key switch anew")
+            raise Refused(
+                "unlock: no secret; give --secret FILE, or turn the key switch off and on"
+            )
         challenge = self._challenge()
         if challenge.result == "done":
             proof = proof_of(key, int(challenge.value))
@@ -321,8 +323,8 @@ class Rights:
 
 
 _UNLOCK_TEXTS = {
-    "unlock": "the secret is not the controller's; give the right file",
-    "locked": "the port has no secret; turn the key switch at the machine anew",
+    "unlock": "wrong secret; give the file with the controller's secret",
+    "locked": "the port has no secret; turn the key switch at the machine off and on",
     "lock_none": "the port has neither a secret nor a key switch; its settings name them",
     "command": "the controller knows no levels",
 }

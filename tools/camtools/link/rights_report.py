@@ -31,7 +31,7 @@ def commander_text(signals: Signals) -> str:
     """Return who commands."""
     sender = signals.get("commander")
     if sender is None:
-        return "the controller does not tell who commands"
+        return "the controller does not report who commands"
     return f"{sender_text(int(sender))} commands" if sender else "nobody commands"
 
 
@@ -41,9 +41,9 @@ def acknowledge_text(signals: Signals) -> str:
     texts = {
         "needed": f"needed: {PRESS[:1].lower()}{PRESS[1:]}, then enable",
         "given": f"acknowledged; enable within {left_s:.0f} s" if left_s else "acknowledged",
-        "none": "the port has no button for it, so the drives stay off; wire one, or waive it in "
+        "none": "the port has no such button, so the drives stay off; wire one, or waive it in "
         "the port's settings",
-        "waived": "not asked for by this port, whose builder has waived it",
+        "waived": "not required, waived by the builder of this port",
     }
     return texts.get(name_of(signals, "acknowledge"), "unknown")
 
@@ -59,7 +59,7 @@ def level_text(signals: Signals) -> str:
     if level == "locked":
         return (
             "locked: limits, constants and tables do not change; to unlock, turn the key switch "
-            "at the machine anew, or give the secret"
+            "at the machine off and on, or give the secret"
         )
     return "unknown"
 

@@ -53,7 +53,7 @@ _REMEDIES = {
     "scope_memory": "record fewer signals, fewer rows or every n-th tick",
     "scope_on": "stop the recording that runs",
     "scope_unread": "the last fault would be lost; camctl blackbox FILE reads it, --clear drops it",
-    "scope_before": "the rows before the trigger leave none behind it; record longer",
+    "scope_before": "the rows before the trigger leave none after it; record longer",
     "scope_trace": "set trace_on 1",
     "state": "the state must be ready: home first",
     "wave_none": "download a wave",
@@ -278,7 +278,7 @@ def _piece(link: Link, way: _Way, offset: int, n_words: int) -> bytes:
         data = b"".join(by_number[i] for i in sorted(by_number))[: 4 * n_words]
         if len(data) == 4 * n_words and zlib.crc32(data) == int(answer.value):
             return data
-        problem = f"{link.where}: the piece at word {offset} came damaged"
+        problem = f"{link.where}: the block at word {offset} arrived damaged"
     raise Refused(f"{problem}; the recording is kept, read it again")
 
 

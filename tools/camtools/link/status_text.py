@@ -26,8 +26,8 @@ _KEPT = {
     for name, text in {
         "none": "not kept: a restart uses the defaults",
         "same": "kept",
-        "changed": "not kept: a restart uses others; params keep keeps these",
-        "damaged": "not kept, what is kept is damaged: a restart uses the defaults",
+        "changed": "not kept: a restart uses other values; `params keep` keeps these",
+        "damaged": "not kept: the kept ones are damaged and a restart uses the defaults",
     }.items()
 }
 COLUMNS = (

@@ -40,7 +40,7 @@ def _number(text: str, what: str) -> float:
     try:
         value = float(text)
     except ValueError as error:
-        raise CamtoolsError([f"--trigger {what}: {text} is no number"]) from error
+        raise CamtoolsError([f"--trigger {what}: {text} is not a number"]) from error
     if not abs(value) < 2**31:  # not a number is not below, either
         raise CamtoolsError([f"--trigger {what}: {text}: give less than 2^31"])
     return value
@@ -59,7 +59,7 @@ def _faults(text: str, names: str) -> int:
     for name in names.split("+"):
         if name not in FAULTS:
             known = ", ".join(FAULTS)
-            raise CamtoolsError([f"--trigger {text}: {name} is no fault; give some of {known}"])
+            raise CamtoolsError([f"--trigger {text}: {name} is not a fault; give some of {known}"])
     return sum(1 << FAULTS.index(name) for name in set(names.split("+")))
 
 

@@ -111,7 +111,7 @@ def check_lobe_heel(lobes: list[ShaftLobe], tool: SwungTool, direction: int) -> 
         low, high = (middle, high) if is_clear else (low, middle)
     problem = (
         f"the heel of {tool.clearance_deg:g} degrees rubs on the hollow flank of "
-        f"cam.lobe.{found.lobe} at {found.angle_deg:.4g} degrees, which rises behind the edge by "
+        f"cam.lobe.{found.lobe} at {found.angle_deg:.4g} degrees, which rises after the edge by "
         f"{found.needed_deg:.2f} degrees within {tool.heel_mm:g} mm"
     )
     least_deg = ceil(found.needed_deg * 10 + 0.1) / 10

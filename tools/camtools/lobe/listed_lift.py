@@ -42,7 +42,7 @@ def parse_points(text: str, file: str) -> tuple[Floats, Floats]:
         if line.strip():
             rows.append(_row(file, number, line, rows))
     if len(rows) < MIN_POINTS or len(lines) > _MAX_ROWS + 1:
-        problem = f"has {len(lines) - 1} points, wants {MIN_POINTS} .. {_MAX_ROWS}"
+        problem = f"has {len(lines) - 1} points, must have {MIN_POINTS} .. {_MAX_ROWS}"
         raise InputError(file, "angle_deg", None, problem, "list one turn of the cam")
     angle_deg, lift_mm = np.array(rows).T
     return angle_deg, lift_mm

@@ -166,12 +166,14 @@ class Lobe(TomlTable):
         flanks = {"rise_deg": self.rise_deg, "fall_deg": self.fall_deg}
         given = [name for name, value in flanks.items() if value is not None]
         if self.half_angle_deg is not None and (given or self.dwell_deg is not None):
-            problem = "stands beside rise_deg, dwell_deg or fall_deg"
+            problem = "cannot be combined with rise_deg, dwell_deg or fall_deg"
             context = {"field": "half_angle_deg", "value": self.half_angle_deg}
             raise wrong("flanks", problem, "give either of them", **context)
         if len(given) == 1:
             [name] = flanks.keys() - given
-            raise wrong("fall", f"is missing beside {given[0]}", "add it", field=name, value=None)
+            raise wrong(
+                "fall", f"is missing, but {given[0]} needs it", "add it", field=name, value=None
+            )
         if given and sum(self.angles_deg) > 360 + SAME_DEG:
             problem = f"rise, dwell and fall take {sum(self.angles_deg):g} degrees"
             context = {"field": "rise_deg", "value": self.rise_deg}

@@ -48,54 +48,54 @@ _SPEED_TICKS = 10
 _TEXTS = {
     "fault": (
         "The fault",
-        "U must leave the work first, beyond the nose of the cam, and nothing may move towards the "
+        "U must leave the work first, beyond the nose of the cam, and no axis may move towards the "
         "axis after the dashed line. X follows more slowly; the spindle runs down by itself.",
     ),
     "profile": (
         "Error of the profile",
-        "What was left on the profile, measured along its normal: above 0 metal left, below 0 cut "
-        "too deep; the band holds all turns. An error that follows the slope of the lift is one of "
-        "angle or dead time, one that follows its curvature comes from U's feed-forward.",
+        "Error of the profile along its normal: above 0 metal left, below 0 cut too deep; the band "
+        "covers all turns. An error that follows the slope of the lift comes from the angle or "
+        "dead time, one that follows its curvature from U's feed-forward.",
     ),
     "cam": (
         "Cam and tool",
         "The profile with the tool or the wheel at some angles. The red lines are the normals at "
-        "the contacts; the numbers beside a tool are its swing, which is the pressure angle.",
+        "the contacts; the number at a tool is its swing, which equals the pressure angle.",
     ),
     "motion": (
         "Lift, pressure angle, curvature and speeds",
-        "Over one turn of the spindle as the table asks for it. Where the flank is flat the "
-        "contact runs far within a degree: there a constant surface speed needs a slow spindle.",
+        "One turn of the spindle as the table demands it. Where the flank is flat, the contact "
+        "moves far within a degree; there a constant surface speed needs a slow spindle.",
     ),
     "stroke": (
         "Motion of U over one turn",
-        "U as the table asks for it and as it was measured, in position and velocity; the peaks of "
-        "velocity and acceleration are what the machine limits above are compared with.",
+        "U as the table demands it and as measured, in position and velocity; the peaks of "
+        "velocity and acceleration are the required values in the table of machine limits above.",
     ),
     "speed": (
         "Surface speed",
-        "How fast the contact runs along the profile, from the spindle's measured speed. Where it "
-        "shall be constant it stays near that of the base circle, dashed, and is lower where the "
-        "spindle cannot slow down or speed up fast enough.",
+        "Speed of the contact along the profile, from the measured spindle speed. With a constant "
+        "surface speed it stays near that of the base circle (dashed) and is lower where the "
+        "spindle cannot accelerate or decelerate fast enough.",
     ),
     "rake": (
         "Effective rake",
-        "The angle of the tool's line from the normal of the profile, by which its ground rake "
-        "changes. With the swing it stays at 0; without it would be the pressure angle. Below is "
-        "what the swing's drive and the steps of its set-points leave, enlarged.",
+        "The angle between the tool and the normal of the profile, by which the ground rake "
+        "changes. With the swing it stays at 0; without, it would be the pressure angle. Bottom: "
+        "the remaining error of the swing drive and its set-points, enlarged.",
     ),
     "learning": CONVERGENCE_TEXT,
     "switches": SWITCHES_TEXT,
     "following": (
         "Following error of U",
-        "How far U was from where it should have been at that moment; the band holds every turn. "
-        "The shape of the lift's slope means a wrong dead time or k1, that of its curvature a "
-        "wrong k2.",
+        "Difference between the actual and the demanded position of U; the band covers every turn. "
+        "The shape of the lift's slope points to a wrong dead time or k1, that of its curvature "
+        "to a wrong k2.",
     ),
     "sequence": (
-        "How the cut begins, goes on and ends",
-        "X comes in from clear of the lobes while the lift grows from nothing, so that the nose is "
-        "never cut; disengaging is the reverse. Only the green stretch is judged.",
+        "Sequence of the cut",
+        "X approaches from clear of the lobes while the lift grows from zero, so that the nose is "
+        "never cut; disengaging is the reverse. Only the green stretch counts for the verdict.",
     ),
     "compare": COMPARE_TEXT,
 }
@@ -227,8 +227,8 @@ def _subject(outcome: LobeOutcome) -> Subject:
         is_oval=False,
         has_radius=False,
         left_out="long and short axis, ovality, phase, roundness of the section as it is: a lobe "
-        "is no oval, so each is told by the deviation along the normals of its profile, over the "
-        "direction of the roller; profiles along the axis: a lobe is gauged as one section",
+        "is no oval, so each is described by the deviation along the normals of its profile, over "
+        "the direction of the roller; profiles along the axis: a lobe is gauged as one section",
         names=tuple(
             f"lobe {i}, {lobe['z_first_mm']:g} .. {lobe['z_last_mm']:g} mm"
             for i, lobe in enumerate(outcome.summary["cam"]["lobes"])

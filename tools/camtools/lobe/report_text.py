@@ -65,8 +65,8 @@ def _speed_rows(found: Json) -> list[ReportRow]:
         f"{speed['base_circle']:.1f} mm/s: {share[0]:+.1f} % .. {share[2]:+.1f} %, mean "
         f"{share[1]:+.1f} %"
     )
-    plan = f"within {speed['off_plan_percent']:.2f} % at every place"
-    return [ReportRow("surface speed", text), ReportRow("of what the table plans", plan)]
+    plan = f"within {speed['off_plan_percent']:.2f} % everywhere"
+    return [ReportRow("surface speed", text), ReportRow("deviation from the table", plan)]
 
 
 def _rake_rows(found: Json) -> list[ReportRow]:
@@ -89,14 +89,14 @@ def _plunge_rows(outcome: LobeOutcome) -> list[ReportRow]:
     if plan is None:
         return []
     text = (
-        f"{process.infeed_um:g} um per turn off {process.stock_um:g} um, spark-out "
-        f"{plan.spark_turns} turns, {plan.stay_turns} turns a lobe, {plan.move_turns} to the next"
+        f"{process.infeed_um:g} um per turn until {process.stock_um:g} um are removed, spark-out "
+        f"{plan.spark_turns} turns, {plan.stay_turns} turns per lobe, {plan.move_turns} to the next"
     )
-    wear = f"{process.wheel_wear_um_per_lobe:g} um per lobe, followed by X"
+    wear = f"{process.wheel_wear_um_per_lobe:g} um per lobe, compensated by X"
     left = length_text(left_by_wear_um(made.part, made.lobes))
     return [
         ReportRow("plunge", text),
-        ReportRow("wear of the wheel", f"{wear}; leaves up to {left}"),
+        ReportRow("wear of the wheel", f"{wear}; error up to {left}"),
     ]
 
 

@@ -125,15 +125,15 @@ def emit_lobe_text(summary: Json) -> str:
     if "tool" in summary:
         tool = summary["tool"]
         lines.append(
-            f"  tool: clearance {tool['clearance_deg']:g} degrees over {tool['heel_mm']:g} mm; the "
-            f"lobes need {tool['needed_clearance_deg']:.2f}"
+            f"  tool: clearance angle {tool['clearance_deg']:g} degrees over {tool['heel_mm']:g} "
+            f"mm, required {tool['needed_clearance_deg']:.2f}"
         )
     if "plunge" in summary:
         lines += plunge_lines(summary["plunge"])
     lines += [_lobe_text(i, lobe) for i, lobe in enumerate(summary["lobes"])]
     lines.append(
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
-        f"decided by {feasible['decided_by']}"
+        f"limited by {feasible['decided_by']}"
     )
     return "\n".join(lines) + "\n"
 
@@ -142,8 +142,8 @@ def plunge_lines(found: Json) -> list[str]:
     """Return the plunge cut in words."""
     return [
         f"  plunge: {found['infeed_um']:g} um per turn over {found['infeed_turns']} turns and one "
-        f"that eases out, spark-out {found['spark_out_turns']}; a lobe takes "
-        f"{found['turns_per_lobe']} turns, Z's move to the next {found['move_turns']}",
+        f"at reduced infeed, spark-out {found['spark_out_turns']} turns; {found['turns_per_lobe']} "
+        f"turns per lobe, {found['move_turns']} turns to move Z to the next",
         f"  the shaft takes {found['turns']} turns, {found['grinding_s']:.1f} s; wheel "
         f"{found['wheel_width_mm']:g} mm wide, wear {found['wheel_wear_um_per_lobe']:g} um per "
         f"lobe leaves up to {found['left_by_wear_um']:.2g} um",
@@ -152,7 +152,7 @@ def plunge_lines(found: Json) -> list[str]:
 
 def _lobe_text(i: int, lobe: Json) -> str:
     hollow = lobe["hollow_radius_mm"]
-    flank = "convex all round" if hollow is None else f"hollow with {hollow:.2f} mm"
+    flank = "convex" if hollow is None else f"hollow flank of radius {hollow:.2f} mm"
     return (
         f"  lobe {i}, {lobe['z_mm'][0]:g} .. {lobe['z_mm'][1]:g} mm: pressure angle up to "
         f"{lobe['largest_pressure_angle_deg']:.3f} degrees, sharpest radius "

@@ -69,7 +69,7 @@ def check_request(request: Request) -> None:
     order = request.most_order
     if order is not None and not 1 <= order <= MAX_ORDER:
         problem = f"--keep-harmonics {order}: must be 1 .. {MAX_ORDER}"
-        raise CamtoolsError([f"{problem}; leave it out for 16 or what the angles tell"])
+        raise CamtoolsError([f"{problem}; leave it out for 16, or as many as the angles allow"])
 
 
 def _check_place(points: GaugedPoints, drawing: Drawing) -> None:
@@ -88,8 +88,8 @@ def _check_place(points: GaugedPoints, drawing: Drawing) -> None:
     off_um = (points.radius_mm - drawn_mm) * _UM_PER_MM - points.deviation_um
     if np.median(np.abs(off_um)) > MAX_OFF_RADIUS_UM:
         problem = (
-            f"radii are {float(np.median(off_um)):.4g} um off the drawing's in the median beside "
-            f"their deviation, at most {MAX_OFF_RADIUS_UM:g} um is allowed"
+            f"radii and deviations contradict each other by {float(np.median(off_um)):.4g} um in "
+            f"the median, at most {MAX_OFF_RADIUS_UM:g} um is allowed"
         )
         raise CamtoolsError([f"--measured: {problem}; give the surface of this part"])
 
@@ -100,14 +100,16 @@ def _check_size(told: Told, drawing: Drawing) -> None:
     mean_um = float(np.abs(whole.mean(whole.nodes_mm)).max()) * _UM_PER_MM
     if mean_um > MAX_MEAN_UM:
         problem = f"the mean of a height is {mean_um:.4g} um off, the limit is {MAX_MEAN_UM:g} um"
-        raise CamtoolsError([f"--measured: {problem}; set X or the tool anew, and cut again"])
+        raise CamtoolsError(
+            [f"--measured: {problem}; correct the zero of X or the tool offset, and cut again"]
+        )
     phi = 2 * np.pi * np.arange(_GRID) / _GRID
     waves_um = float(np.abs(whole.delta(phi, whole.nodes_mm[:, None])[0]).max()) * _UM_PER_MM
     limit_um = max(MIN_LIMIT_UM, LIMIT_SHARE * drawing.swing_mm * _UM_PER_MM)
     if waves_um > limit_um:
         problem = (
-            f"the waves reach {waves_um:.4g} um, the limit is {limit_um:.4g} um, a tenth of what U "
-            "moves and 10 um at least"
+            f"the waves reach {waves_um:.4g} um, the limit is {limit_um:.4g} um, a tenth of the "
+            "stroke of U and at least 10 um"
         )
         remedy = "give deviations from the drawing by its angle, not from a circle; else identify"
         raise CamtoolsError([f"--measured: {problem}; {remedy} the drive first"])
@@ -118,8 +120,8 @@ def _check_new(previous: Previous, surface: Path, own: int) -> None:
     rounds = previous.correction.rounds if previous.correction else ()
     for number, one in enumerate(rounds, start=1):
         if one.get("surface_crc32") == own:
-            problem = f"is in round {number} of {previous.path} already"
-            remedy = "gauge a part that this table has cut"
+            problem = f"was already used in round {number} of {previous.path}"
+            remedy = "measure a part that this table has cut"
             raise CamtoolsError([f"--measured {surface}: {problem}; {remedy}"])
 
 
@@ -139,7 +141,7 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     try:
         points = parse_points(data.decode("utf-8-sig"), str(request.surface))
     except UnicodeDecodeError as error:
-        problem = "is no UTF-8 text"
+        problem = "not UTF-8 text"
         raise InputError(str(request.surface), "", None, problem, "give a CSV file") from error
     try:
         _check_place(points, drawing)

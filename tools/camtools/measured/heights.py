@@ -113,8 +113,8 @@ def _too_few(
     needed = int(np.ceil(_OVER * (2 * order + 1)))
     option = "--measured" if asked is None else f"--keep-harmonics {asked}"
     problem = (
-        f"{n_good} of {len(groups)} heights have enough points all round, wants {MIN_HEIGHTS}; "
-        f"harmonics up to {order} need {needed} points and no gap above "
+        f"{n_good} of {len(groups)} heights have enough points all round, {MIN_HEIGHTS} are "
+        f"needed; harmonics up to {order} need {needed} points and no gap above "
         f"{360 * _GAP_WAVES / order:.3g} degrees, the best height has {best.size} and a gap of "
         f"{gap_deg:.3g} degrees"
     )

@@ -64,7 +64,7 @@ def _places(columns: Columns, file: str) -> list[_Place]:
     for what, units in kinds.items():
         place = _find(columns, units)
         if place is None:
-            problem = f"wants one column of the {what}: {', '.join(units)}"
+            problem = f"needs one column of the {what}: {', '.join(units)}"
             remedy = f'write a header as "{HEADER}", with , or ; or blanks between'
             raise InputError(file, "line 1", None, problem, remedy)
         places.append(place)

@@ -58,7 +58,7 @@ def _report(path: Path) -> Json:
     except (ValueError, AttributeError):
         is_report = False
     if not is_report:
-        problem = "is no NAME.json as mktables writes it"
+        problem = "not a NAME.json of mktables"
         raise CamtoolsError([f"--previous {path}: {problem}; give that of the table that cut it"])
     found: Json = report
     return found
@@ -80,8 +80,8 @@ def _check_summary(surface: Path, path: Path, crc32: int) -> None:
         return
     if other != crc32:
         problem = (
-            f"{_SUMMARY} beside it is of the table 0x{other:08x}, {path} of 0x{crc32:08x}: the "
-            "part was cut by another table"
+            f"{_SUMMARY} next to it names table 0x{other:08x}, but {path} is of table "
+            f"0x{crc32:08x}: another table cut the part"
         )
         raise CamtoolsError([f"--measured {surface}: {problem}; give its NAME.json by --previous"])
 
@@ -105,7 +105,7 @@ def find_previous(surface: Path, given: Path | None, name: str, design: Json) ->
     """
     path = given or surface.parent / f"{name}.json"
     if given is None and not path.is_file():
-        problem = f"no {name}.json beside it tells which table cut the part"
+        problem = f"no {name}.json next to it, so the table that cut the part is unknown"
         raise CamtoolsError([f"--measured {surface}: {problem}; give it by --previous NAME.json"])
     report = _report(path)
     own = report["part"].get("name")
@@ -114,8 +114,8 @@ def find_previous(surface: Path, given: Path | None, name: str, design: Json) ->
         raise CamtoolsError([f"--previous {path}: {problem}; give that of the table that cut it"])
     drawn = {key: value for key, value in report["design"].items() if key != "gauge_mm"}
     if not is_alike(drawn, design):
-        problem = "has another drawing than the part file: the surface was gauged by another one"
-        remedy = "gauge a part that is cut by the table of this part file"
+        problem = "not the drawing of the part file, so the surface belongs to another one"
+        remedy = "measure a part that the table of this part file has cut"
         raise CamtoolsError([f"--previous {path}: design: {problem}; {remedy}"])
     crc32 = _crc32(report["table_crc32"])
     _check_summary(surface, path, crc32)
@@ -128,5 +128,5 @@ def _correction(path: Path, report: Json) -> Correction | None:
     try:
         return correction_of(report["correction"])
     except (KeyError, TypeError, ValueError) as error:
-        problem = "correction: is not as mktables writes it"
+        problem = "correction: not as mktables writes it"
         raise CamtoolsError([f"--previous {path}: {problem}; make the table again"]) from error

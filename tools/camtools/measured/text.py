@@ -29,7 +29,7 @@ def _left_out(about: Json) -> str:
         places = ", ".join(f"{one:.4g}" for one in about["heights_alone_mm"])
         found.append(f"heights unlike both neighbours: {places} mm")
     if about["points_far_off"]:
-        found.append(f"{about['points_far_off']} points are far off the others")
+        found.append(f"{about['points_far_off']} points far from the others")
     return f"    left out: {'; '.join(found)}\n" if found else ""
 
 
@@ -43,9 +43,9 @@ def round_text(correction: Json) -> str:
         f"{about['heights']} heights, deviation {_pair(about['gauged_um'])}\n"
         + _left_out(about)
         + f"    noise of a point {about['noise_um']:.2g} um, of the correction "
-        f"{about['noise_corrected_um']:.2g} um; harmonics up to {about['most_order']} looked at\n"
-        + (lines or "    nothing stands above the noise, the table stays\n")
-        + f"    expected of the next part: {_pair(about['expected_um'])}\n"
+        f"{about['noise_corrected_um']:.2g} um; harmonics up to {about['most_order']} checked\n"
+        + (lines or "    nothing exceeds the noise; the table does not change\n")
+        + f"    expected for the next part: {_pair(about['expected_um'])}\n"
     )
 
 
@@ -69,4 +69,4 @@ def cautions(process: object, tool: object, report: Json) -> list[str]:
     old, new = report.get("tool", {}).get("nose_radius_mm"), getattr(tool, "nose_radius_mm", None)
     if old is not None and new is not None and old != new:
         found.append(f"tool.nose_radius_mm: {old:g} mm then, {new:g} now")
-    return [f"  caution: the gauged part was cut otherwise: {one}" for one in found]
+    return [f"  caution: the measured part was cut with other settings: {one}" for one in found]

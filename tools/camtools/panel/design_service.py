@@ -76,7 +76,9 @@ class DesignService:
     def keep_machine(self, name: str, data: bytes) -> None:
         """Keep a machine file of one's own."""
         if name in names():
-            raise CamtoolsError([f"{name}: is a machine of the simulator; give another name"])
+            raise CamtoolsError(
+                [f"{name}: the simulator has a machine of this name; give another name"]
+            )
         read_tree(data, f"{name}.toml")
         write_all(self.machines, {f"{name}.toml": data})
 
@@ -136,7 +138,7 @@ class DesignService:
         if name in self.own_machines():
             return self.machines / f"{name}.toml"
         known = ", ".join(self.machine_names())
-        raise CamtoolsError([f"machine {name[:40]!r}: there is none; choose one of {known}"])
+        raise CamtoolsError([f"machine {name[:40]!r}: no such machine; choose one of {known}"])
 
 
 def _checked(data: bytes, folder: Path) -> tuple[str, dict[str, bytes]]:

@@ -43,7 +43,7 @@ _POSITIVE = "#1b7a37"  # 5.4
 _HEAD = f'<link rel="stylesheet" href="{STATIC}/panel.css">'
 _BODY = f'<script src="{STATIC}/panel.js"></script>'
 _SHOW_S = 0.25
-_ENDS = "Nobody commands then: the cut ends, as by Stop."
+_ENDS = "Then nobody has command, and the cut ends as with STOP."
 _visitors: dict[str, Visitor] = {}  # by the identifier of their page, while it is there
 
 
@@ -126,7 +126,7 @@ class _CommandBar:
         self._token = (
             ui.input("token")
             .props("dense dark outlined label-color=white")
-            .props('aria-label="token, which the panel printed at its start"')
+            .props('aria-label="token, printed by tools/panel at its start"')
             .props("autocomplete=off spellcheck=false")
             .classes("panel-token")
             .on("keydown.enter", self._enter_token)
@@ -199,7 +199,7 @@ class _CommandBar:
 
 def _warning(holder: Visitor | None, other: int) -> str:
     who = sender_text(other) if other else str(holder)
-    return f"{who} commands now, and is told that you took over. What runs goes on."
+    return f"{who} has command now and will be notified. Running motion continues."
 
 
 def _who(commander: Commander, visitor: Visitor, other: int) -> str:

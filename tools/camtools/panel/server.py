@@ -33,7 +33,7 @@ _RECONNECT_S = 10.0
 
 async def _not_found(_request: Request, _error: Exception) -> PlainTextResponse:
     """Answer in a line; NiceGUI would make a page of it, which stays in memory for a minute."""
-    return PlainTextResponse("there is no such page; / is the operator's\n", HTTPStatus.NOT_FOUND)
+    return PlainTextResponse("no such page; / is the operator's page\n", HTTPStatus.NOT_FOUND)
 
 
 def application(context: AppContext, hosts: Collection[str]) -> AuthGate:

@@ -32,7 +32,7 @@ class FrameStop:
         self._context, self._visitor = context, visitor
         self._machine = ui.label().props("data-testid=machine")
         self._button = ui.button("STOP", on_click=self.stop, color=None).classes("panel-stop")
-        self._button.props('no-caps unelevated aria-label="STOP: ends what moves"')
+        self._button.props('no-caps unelevated aria-label="STOP: stops all motion"')
         self._button.props("data-testid=stop")
         ui.on("stop", self._stop_by_key)
 

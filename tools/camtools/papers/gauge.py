@@ -66,7 +66,7 @@ def cut_record(name: str, recipe: Recipe, program: Path) -> Record:
         simulator = Simulator(program, folder, f"{made.table.part_name}.camtab")
         words = ["--machine", "machine.toml", "--tolerance-um", "1000", "--surface", SURFACE]
         if simulator.run(words) != 0:
-            problem = f"{name}: the simulator did not cut it, its line above tells why"
+            problem = f"{name}: the simulator did not cut it; the line above says why"
             raise CamtoolsError([f"{problem}; run tools/run tools/parts/{PART}.toml"])
         surface = read_surface(folder / SURFACE)
     corner = made.geometry.corner

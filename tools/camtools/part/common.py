@@ -59,7 +59,7 @@ class MachineLimits(TomlTable):
         if is_half or (is_double and None not in pair):
             context = {"field": "spindle_torque_nm", "value": self.spindle_torque_nm}
             remedy = "give torque and inertia, or spindle_acceleration_rad_s2 alone"
-            raise wrong("spindle", "does not tell the spindle's acceleration", remedy, **context)
+            raise wrong("spindle", "does not give the spindle acceleration", remedy, **context)
         return self
 
     @property

@@ -83,7 +83,7 @@ def beside_the_part(value: str | None, info: ValidationInfo) -> str | None:
 
 
 def _refuse_outside(folder: Path, value: str) -> None:
-    remedy = "give the name of a file that lies beside the part, without .. and links"
+    remedy = "give the name of a file in the folder of the part, without .. or links"
     try:
         place = (folder / value).resolve()
         # A copy of the part elsewhere must find the file at the same place, and nothing else there.

@@ -48,7 +48,7 @@ def check_passes(passes: list[Pass], depth_mm: float) -> None:
             raise wrong("pass_order", problem, remedy)
     if passes[-1].allowance_um != 0:
         problem = f"the last one leaves {passes[-1].allowance_um:g} um"
-        raise wrong("pass_last", problem, "let the last pass leave allowance_um = 0")
+        raise wrong("pass_last", problem, "give the last pass allowance_um = 0")
 
 
 class FeedLaw(TomlTable):

@@ -32,28 +32,31 @@ def add_measured(parser: argparse.ArgumentParser) -> None:
         "--measured",
         type=Path,
         metavar="SURFACE.csv",
-        help="correct the table by the gauged surface of a part: that of camsim, or angle, height "
-        "and deviation (docs/MEASURED.md)",
+        help="correct the table by the measured surface of a part, from camsim or as angle, height "
+        "and deviation (tools/docs/MEASURED.md)",
     )
     parser.add_argument(
         "--previous",
         type=Path,
         metavar="NAME.json",
-        help="of the table that cut it; default: beside the surface",
+        help="summary of the table that cut that part (default: next to the surface)",
     )
     parser.add_argument(
         "--gain",
         type=float,
         metavar="G",
-        help=f"share of the deviation that is taken off, default {DEFAULT_GAIN}",
+        help=f"share of the deviation to correct (default: {DEFAULT_GAIN})",
     )
     parser.add_argument(
-        "--keep-harmonics", type=int, metavar="N", help="highest wave per turn, default 16"
+        "--keep-harmonics",
+        type=int,
+        metavar="N",
+        help="highest harmonic to correct, in waves per turn (default: 16)",
     )
     parser.add_argument(
         "--centred",
         action="store_true",
-        help="the instrument took mean and centre out: leave both alone",
+        help="do not correct mean and centre, which the instrument has removed",
     )
 
 
@@ -62,7 +65,9 @@ def request_of(arguments: argparse.Namespace) -> Request | None:
     if arguments.measured is None:
         for key, option in _NEEDS.items():
             if getattr(arguments, key) not in (None, False):
-                raise CamtoolsError([f"{option}: corrects nothing; add --measured SURFACE.csv"])
+                raise CamtoolsError(
+                    [f"{option}: has no effect without --measured; add --measured SURFACE.csv"]
+                )
         return None
     gain = DEFAULT_GAIN if arguments.gain is None else arguments.gain
     return Request(
@@ -96,7 +101,7 @@ def correction_for(
     found = next_round(request, name, kind.drawing(part))
     path = found.previous.path
     if output is not None and (output / f"{name}.json").resolve() == path.resolve():
-        problem = f"{name}.json there is that of the table that cut the gauged part"
+        problem = f"has the {name}.json of the table that cut the measured part"
         raise CamtoolsError([f"-o {output}: {problem}; give another folder for each round"])
     for line in cautions(part.process, getattr(part, "tool", None), found.previous.report):
         sys.stderr.write(f"{line.strip()}\n")

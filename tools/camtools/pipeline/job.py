@@ -40,9 +40,9 @@ _OURS = (
     "--help",
 )
 _EPILOG = """\
-What follows -- goes to `camsim run`, for example to see how a fault is met:
+Options after -- go to `camsim run`, for example an emergency stop after 5 s of cutting:
   tools/run -o build/run/estop -- --inject estop@5
-Exit status: 0 done, 1 the cut ended in a fault, out of tolerance or not gauged, 2 wrong usage
+Exit status: 0 done, 1 the cut ended in a fault, is out of tolerance or not gauged, 2 wrong usage
 or bad input."""
 
 
@@ -56,26 +56,29 @@ def _count(text: str) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/run",
-        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T] "
-        "[--measured SURFACE.csv ..] [--upr N] [--csv] [--keep N] [-o DIR] [-- CAMSIM-OPTIONS]",
-        description="Make the table of a part, cut it on the host simulator, write a report.",
+        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T]\n"
+        "                 [--measured SURFACE.csv ..] [--upr N] [--csv] [--keep N] [-o DIR]\n"
+        "                 [-- CAMSIM-OPTIONS]",
+        description="Make the table of a part, cut the part on the host simulator, write a report.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     parser.add_argument(
-        "part", type=Path, nargs="?", metavar="PART.toml", help="default: the Perkins 240 skirt"
+        "part", type=Path, nargs="?", metavar="PART.toml", help="part file (default: perkins240)"
     )
-    parser.add_argument("--rpm", metavar="N", help="spindle speed, r/min; default: the part's")
-    parser.add_argument("--feed", metavar="MM", help="feed per turn, mm; default: the part's")
+    parser.add_argument("--rpm", metavar="N", help="spindle speed in r/min (default: the part's)")
+    parser.add_argument("--feed", metavar="MM", help="feed in mm per turn (default: the part's)")
     parser.add_argument(
         "--machine",
         metavar="M",
-        help=f"a machine file, or one of {', '.join(names())}; default: a machine with the limits "
-        "of the part",
+        help=f"machine file, or one of {', '.join(names())} (default: a machine with the part's "
+        "limits)",
     )
     parser.add_argument(
-        "--tolerance-nm", metavar="T", help="error of the table, nm; default: as tools/mktables"
+        "--tolerance-nm",
+        metavar="T",
+        help="largest error of the table in nm (default: as tools/mktables)",
     )
     add_measured(parser)
     parser.add_argument(
@@ -83,20 +86,21 @@ def _parser() -> argparse.ArgumentParser:
         type=int,
         choices=UPR_CHOICES,
         default=DEFAULT_UPR,
-        help=f"cut-off of the Gaussian filter of the sheets, waves per turn; default {DEFAULT_UPR}",
+        help="cut-off of the Gaussian roundness filter in the measurement sheets, in waves per "
+        f"turn (default: {DEFAULT_UPR})",
     )
-    parser.add_argument("--csv", action="store_true", help="keep the trace as trace.csv, too")
+    parser.add_argument("--csv", action="store_true", help="also write the trace as trace.csv")
     parser.add_argument(
         "--keep",
         type=_count,
         metavar="N",
-        help="of the runs in build/run leave the N newest, this one included; default: all",
+        help="delete all but the N newest runs in build/run, this one included (default: keep all)",
     )
     parser.add_argument(
         "-o",
         "--output",
         metavar="DIR",
-        help="folder of the results; default build/run/NAME, of a corrected table NAME-roundN",
+        help="folder for the results (default: build/run/NAME, NAME-roundN for a corrected table)",
     )
     return parser
 
@@ -152,7 +156,7 @@ class RunJob:
         if arguments.output == "":
             raise CamtoolsError(["-o: an empty path; give a folder"])
         if arguments.keep is not None and arguments.output:
-            raise CamtoolsError(["--keep: is about build/run; leave out -o or --keep"])
+            raise CamtoolsError(["--keep: applies only to build/run; leave out -o or --keep"])
         self.keep: int | None = arguments.keep
         self.cutoff_upr: int = arguments.upr
         self.keeps_text: bool = arguments.csv
@@ -173,7 +177,7 @@ class RunJob:
         if feed_mm is None or (feed_mm <= _MAX_FEED_MM and is_feed_within(part, feed_mm)):
             return
         most_mm = min(part.height_mm, _MAX_FEED_MM)
-        why = "the height of the part" if most_mm < _MAX_FEED_MM else "what the firmware takes"
+        why = "the height of the part" if most_mm < _MAX_FEED_MM else "the limit of the firmware"
         problem = f"--feed {feed_mm:.9g}: must be at most {most_mm:.9g} mm, {why}"
         raise CamtoolsError([f"{problem}; give at most --feed {most_mm:.9g}"])
 

@@ -106,7 +106,7 @@ def _mismatch(job: RunJob, made: Made, folder: Path) -> Mismatch | None:
     try:
         return mismatch(table, text, words, made.kind.mean_rpm(made.table, job.rpm))
     except CamtoolsError as error:
-        say(f"what a drive of U costs that is {100 * SHARE:.0f} % worse cannot be told: {error}")
+        say(f"the effect of a U drive {100 * SHARE:.0f} % worse is not known: {error}")
         return None
 
 
@@ -159,11 +159,11 @@ def run(argv: Sequence[str]) -> int:
         stage.publish()
     rows, total_s = made.kind.rows(outcome), time.monotonic() - begin_s
     if off is not None:
-        rows.append(ReportRow(f"drive of U {100 * SHARE:.0f} % worse", off.text()))
+        rows.append(ReportRow(f"if U drive {100 * SHARE:.0f} % worse", off.text()))
     sys.stdout.write(page_text(outcome, rows, shown(folder), total_s, out))
     if job.output is None:
         for old in drop_all_but(RUNS, job.keep) if job.keep is not None else ():
             say(f"removed {shown(RUNS / old.name)}, {size_text(old.n_bytes)}")
-        hint = "" if job.keep is not None else "; --keep N leaves the N newest"
+        hint = "" if job.keep is not None else "; --keep N deletes all but the N newest"
         say(f"{shown(RUNS)} holds {kept_text(RUNS)}{hint}")
     return 0 if outcome.is_good and not out else 1

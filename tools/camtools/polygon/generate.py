@@ -105,7 +105,7 @@ def factors_of(part: PolygonPart, outer_mm: float) -> tuple[float, float]:
     section = part.polygon
     first, last = (1 + section.taper * (z - section.z_mm[0]) / outer_mm for z in part.heights_mm)
     if min(first, last) <= 0:
-        problem = f"polygon.taper = {section.taper:g}: comes to a point on the way of the tool"
+        problem = f"polygon.taper = {section.taper:g}: comes to a point within the path of the tool"
         raise CamtoolsError([f"{problem}; give less taper, or less run-in and run-out"])
     return first, last
 

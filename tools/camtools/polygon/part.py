@@ -95,7 +95,7 @@ class PolygonSection(TomlTable):
         given = _of_size(str(form), float(size))
         for key in given:
             if key in tree:
-                problem = f"stands beside size_mm = {size:g}, which says {given[key]:g}"
+                problem = f"contradicts size_mm = {size:g}, which means {given[key]:g}"
                 raise wrong("double", problem, "remove one of them", field=key, value=tree[key])
         return {**tree, **given}
 

@@ -32,25 +32,25 @@ _MOST_MARKS = 240
 _TEXTS = {
     "fault": (
         "The fault",
-        "U must leave the work first, within a few milliseconds, and the tool tip must never move "
+        "U must leave the work first, within a few milliseconds, and the tool tip must not move "
         "towards the axis (below 0) after the dashed line.",
     ),
     "section": (
         "The section",
-        "Left the drawing to scale between its two circles, with cut points of the middle height. "
-        "Right their error alone, enlarged as on a roundness instrument: away from the joints the "
-        "line should stay on the middle circle, and at the joints it shows the blends.",
+        "Left: the drawing to scale between its two circles, with cut points of the middle height. "
+        "Right: their error alone, enlarged as on a roundness instrument. Away from the joints the "
+        "line should stay on the middle circle; at the joints it shows the blends.",
     ),
     "blend": (
         "The hardest joint",
         "Where two curves of the outline meet, U would need an acceleration that jumps or is "
-        "infinite. The blend keeps it finite and costs the deviation above; the cut points must "
-        "lie on the blend, and none of them beyond the tolerance.",
+        "infinite. The blend keeps it finite at the cost of the deviation at the top; the cut "
+        "points must lie on the blend and within the tolerance.",
     ),
     "map": (
         "Error map",
         "The shaft unrolled: red is metal left standing, blue is cut too deep. Stripes at the "
-        "joints are the blends, which the drawing is judged with; anything else is the machine.",
+        "joints are the blends, which count as error; anything else comes from the machine.",
     ),
     "height": (
         "Error over height",
@@ -59,14 +59,14 @@ _TEXTS = {
     "motion": (
         "Motion of U over one turn",
         "The measured points must lie on the curve of the table in position and velocity; the "
-        "peaks are what the limits of the machine above are compared with.",
+        "peaks are the required values in the table of machine limits above.",
     ),
     "learning": CONVERGENCE_TEXT,
     "switches": SWITCHES_TEXT,
     "following": (
         "Following error of U",
-        "How far U was from where it should have been at that moment; the band holds every turn of "
-        "the cut.",
+        "Difference between the actual and the demanded position of U; the band covers every turn "
+        "of the cut.",
     ),
     "sequence": SEQUENCE_TEXT,
     "compare": COMPARE_TEXT,
@@ -144,8 +144,8 @@ def pictures_of(outcome: PolygonCut) -> list[Picture]:
 
 
 _LEFT_OUT = (
-    "long and short axis, ovality, phase and the roundness of the section as it is: a polygon is "
-    "no oval, so each section is told by its deviation from the drawing"
+    "long and short axis, ovality, phase and the roundness of the section itself, since a polygon "
+    "is no oval; each section is described by its deviation from the drawing"
 )
 
 

@@ -123,7 +123,7 @@ def cornered(
         raise GeometryError("polygon.corners_mm", problem, remedy)
     if (area <= 0).any():
         i = int(area.argmin())
-        problem = f"the axis, [0, 0], is not inside of the side behind {given[i].tolist()}"
+        problem = f"the axis, [0, 0], is outside of the side that follows {given[i].tolist()}"
         raise GeometryError("polygon.corners_mm", problem, "count the corners from the axis")
     _check_steepness(corners, given)
     return _rounded(corners, radii, _repeat_of(corners, radii))
@@ -137,8 +137,12 @@ def _check_steepness(corners: Floats, given: Floats) -> None:
     steep = np.arccos(np.minimum(1.0, distance / np.maximum(out, np.roll(out, -1))))
     i = int(steep.argmax())
     if steep[i] > _STEEPEST_RAD:
-        problem = f"the side behind {given[i].tolist()} rises {np.degrees(steep[i]):.3g} degrees"
-        remedy = f"let no side rise more than {np.degrees(_STEEPEST_RAD):g} off the circle there"
+        problem = (
+            f"the side that follows {given[i].tolist()} rises {np.degrees(steep[i]):.3g} degrees"
+        )
+        remedy = (
+            f"give sides that rise at most {np.degrees(_STEEPEST_RAD):g} degrees off the circle"
+        )
         raise GeometryError("polygon.corners_mm", problem, remedy)
 
 
@@ -194,5 +198,5 @@ def _check_room(length: Floats, taken: Floats, radii: Floats) -> None:
     left = length - taken - np.roll(taken, -1)
     i = int(left.argmin())
     if left[i] <= _SAME_MM:
-        problem = f"{radii[i]:g}: the arcs take all of the side of {length[i]:.6g} mm behind it"
+        problem = f"{radii[i]:g}: the arcs use up the whole following side of {length[i]:.6g} mm"
         raise GeometryError("polygon.corner_radius_mm", problem, "give smaller radii")

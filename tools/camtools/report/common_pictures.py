@@ -21,16 +21,16 @@ Drawers = Mapping[str, Callable[[], Figure]]
 """What draws each picture, by its key."""
 
 SEQUENCE_TEXT = (
-    "How the cut begins, goes on and ends",
-    "Homing finds the index with U out of the work; engaging brings X to depth and lets the swing "
-    "of U grow smoothly from nothing; disengaging is the reverse. There must be no jump in any "
-    "line, and only the green stretch is the part that is judged.",
+    "Sequence of the cut",
+    "Homing finds the index with U out of the work; engaging brings X to depth and increases the "
+    "stroke of U smoothly from zero; disengaging is the reverse. No line may jump; only the green "
+    "stretch counts for the verdict.",
 )
 COMPARE_TEXT = (
-    "What each part of the controller is worth",
-    "The same cut with parts of the controller switched off; mind the scale, which grows tenfold "
-    "from number to number. Dead-time lead plays the table ahead by the time the drive needs to "
-    "react, feed-forward adds the table's own velocity and acceleration so that U need not lag.",
+    "What each part of the controller contributes",
+    "The same cut with parts of the controller switched off; the scale is logarithmic. Dead-time "
+    "lead plays the table ahead by the reaction time of the drive; feed-forward adds the velocity "
+    "and acceleration of the table so that U does not lag.",
 )
 
 

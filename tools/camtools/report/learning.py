@@ -19,10 +19,10 @@ from camtools.plots.style import new_figure as _new_figure
 
 CONVERGENCE_TEXT = (
     "Error of each turn",
-    "Each point is a turn: in the rehearsal, where the tool is clear of the work, how far U's tip "
-    "swings beside the drawing; in the cut the turn's largest form error. What is learned shows as "
-    "a fall from left to right; a rise where the cut begins is what only the chip brings, its "
-    "force above all. The scale is logarithmic.",
+    "Each point is a turn. In the rehearsal, with the tool clear of the work, it shows the "
+    "deviation of U's tip from the drawing; in the cut, the largest form error of the turn. "
+    "Learning shows as a fall from left to right; a rise at the start of the cut comes from the "
+    "chip, mainly from its force. The scale is logarithmic.",
 )
 _MOST_MARKS = 150  # beyond, points of a line hide one another
 

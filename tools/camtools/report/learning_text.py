@@ -17,19 +17,19 @@ from camtools.base.quantities import length_text
 from camtools.report.text import ReportRow
 
 _OFF = {
-    "not_asked": "learn_harmonics is 0, which is the default unless U is measured and the machine "
-    "is believed otherwise than it is",
+    "not_asked": "learn_harmonics = 0; by default the simulator switches learning on only if U is "
+    "measured and the machine differs from what the controller assumes",
     "not_measured": "the port does not measure U, so there is no error to learn from",
-    "no_table": "no table is in use",
-    "modulated": "the table modulates the speed of the spindle",
-    "slow_turn": "a turn has more ticks than are gathered; turn faster",
-    "fast_turn": "a turn has too few ticks for one harmonic; turn slower",
+    "no_table": "no table is active",
+    "modulated": "the table modulates the spindle speed",
+    "slow_turn": "a turn has more ticks than learning can store; turn faster",
+    "fast_turn": "a turn has too few ticks for even one harmonic; turn more slowly",
 }
 _LIMITED = {
-    "lobes": "of a shaft with lobes only the drive's constants are learned",
-    "diverged": "the drive's constants did not converge, and the best that was found is in force",
+    "lobes": "for a shaft with lobes, only the drive constants are learned",
+    "diverged": "the drive constants did not converge; the best values found are used",
 }
-_NO_REHEARSAL = "on, but not one turn was steady enough; set rehearse_turns"
+_NO_REHEARSAL = "on, but no turn was steady enough to learn from; set rehearse_turns"
 
 
 def numbers_text(numbers: Sequence[int]) -> str:
@@ -48,21 +48,20 @@ def _on_text(found: Json) -> str:
     """Return what was learned, sentence by sentence."""
     at_first, at_last = length_text(found["begin_error_um"]), length_text(found["error_um"])
     texts = [
-        f"on, {found['turns']} turns used: error at the scale {at_first} rms at first, {at_last} "
-        "at last",
-        f"the drive's constants moved by {found['k1_ns']:+d} ns and {found['k2_us2']:+d} µs²",
-        f"a correction of {length_text(found['correction_um'])} in all is added to U",
+        f"on, {found['turns']} turns used: rms error at the scale {at_first} at first, {at_last} "
+        "at the end",
+        f"drive constants corrected by {found['k1_ns']:+d} ns and {found['k2_us2']:+d} µs²",
+        f"correction added to U: {length_text(found['correction_um'])} in total",
     ]
     if found["ripple_turns"]:
         ripple_urad = 2e-3 * np.pi * found["ripple_nturn"]
         texts.append(
-            f"the spindle's ripple of {ripple_urad:.0f} µrad was learned of "
-            f"{found['ripple_turns']} turns"
+            f"spindle ripple of {ripple_urad:.0f} µrad learned from {found['ripple_turns']} turns"
         )
     masked = [k for k in found["masked"] if k > 0]
     texts.append(f"harmonics masked: {numbers_text(masked)}" if masked else "no harmonic is masked")
     if 0 in found["masked"]:
-        texts.append("the mean of U is left as it is")
+        texts.append("the mean of U is not corrected")
     if found["reason"] in _LIMITED:
         texts.append(_LIMITED[found["reason"]])
     return "; ".join(texts)

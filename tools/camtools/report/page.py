@@ -43,11 +43,11 @@ def trace_text(outcome: AnyCut) -> str:
     """Return what the trace holds, in one sentence."""
     ticks = f"{outcome.trace.t_s.size:,}".replace(",", "\u2009")
     if outcome.is_trace_complete:
-        return f"trace.parquet holds every tick of the run, {ticks} of them."
+        return f"trace.parquet holds all {ticks} ticks of the run."
     last_s = float(outcome.trace.t_s[-1]) if outcome.trace.t_s.size else 0.0
     return (
-        "This cut is long, so trace.parquet, the pictures of U, following error and sequence, and "
-        f"the comparison hold the first {last_s:.1f} s only: {ticks} ticks of a run ended there."
+        "Because this cut is long, trace.parquet, the comparison and the pictures of U, following "
+        f"error and sequence cover a shortened run of {last_s:.1f} s ({ticks} ticks)."
     )
 
 
@@ -61,14 +61,14 @@ class Caption(NamedTuple):
 
 # What the simulator leaves out of a tool that turns sections.
 EDGE_IS_A_POINT = (
-    "In a section the edge is a point; feed marks are not modelled, and the tool bends only where "
-    "the machine file gives its stiffness."
+    "Within a section the cutting edge is a point; feed marks are not modelled, and the tool bends "
+    "only if the machine file gives its stiffness."
 )
 
 
 _MAP_TEXT = (
     "The surface unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
-    "worst point, grey was not cut."
+    "worst point, grey areas were not cut."
 )
 
 
@@ -132,13 +132,15 @@ def _board_charts(board: Board, shown: list[_Shown]) -> list[_Chart]:
     )
     deviations = f"Deviations from a cylinder are enlarged {board.space} times; drag to turn it. "
     space = deviations if board.space > 1 else "As drawn; drag to turn it. "
-    dotted = "Dotted: the tolerance, which may lie outside; zoom out to see it. "
-    kept = "Kept sections stay beside the chosen one. "
+    dotted = "Dotted: the tolerance; zoom out if it is not in view. "
+    kept = "Kept sections stay visible. "
     return [
         _Chart("error-map", "Error map", texts.get("error-map", _MAP_TEXT), board.sentence, True),
         _Chart("section", "Section", scale, f"The chosen section. {scale}{board.sentence}"),
-        _Chart("profile", "Profile", dotted, "Radius and error over the height at the angle."),
-        _Chart("unrolled", "Section unrolled", dotted + kept, "Error of the section.", True),
+        _Chart(
+            "profile", "Profile", dotted, "Radius and error over the height at the chosen angle."
+        ),
+        _Chart("unrolled", "Section unrolled", dotted + kept, "Error of the chosen section.", True),
         _Chart("space", "In space", space + texts.get("space", ""), board.sentence, True),
     ]
 

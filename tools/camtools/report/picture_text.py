@@ -27,7 +27,7 @@ def _variants_sentence(variants: list[dict[str, Any]]) -> str:
 def _learning_sentence(outcome: AnyCut) -> str:
     um = outcome.summary["error_per_turn_um"]
     first, last, least = (length_text(value) for value in (um[0], um[-1], min(um)))
-    return f"Error of each of {len(um)} turns: {first} first, {last} last, {least} least."
+    return f"Error of each of {len(um)} turns: first {first}, last {last}, smallest {least}."
 
 
 def surface_sentence(outcome: AnyCut) -> str:

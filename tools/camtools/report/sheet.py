@@ -238,9 +238,9 @@ def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
         ""
         if per_turn >= POINTS_PER_WAVE * upr
         else (
-            f"; fewer than {POINTS_PER_WAVE} for each of {upr} waves, so waves above "
+            f"; fewer than {POINTS_PER_WAVE} ticks per wave at {upr} UPR, so waves above "
             f"{per_turn / POINTS_PER_WAVE:.0f} per turn are smoothed and "
-            "no roundness is called good"
+            "no roundness is accepted as good"
         )
     )
     return [
@@ -249,7 +249,7 @@ def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
         ReportRow(
             "instrument",
             "simulated: a roundness instrument with a rotary table and a point stylus without "
-            "force or radius, its axis the drawing's; true surface, no noise of its own",
+            "force or radius, centred on the axis of the drawing; true surface, no noise",
         ),
         ReportRow(
             "filter",
@@ -260,8 +260,8 @@ def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
         ReportRow("references", "LS: least squares, MZ: minimum zone (ISO 12181-1, ISO 12780-1)"),
         ReportRow(
             "conformity",
-            "good: the number in full, before rounding, is at the tolerance or below; no guard "
-            "band, since the simulated instrument has no uncertainty; a dash: no tolerance stated",
+            "good: the unrounded value does not exceed the tolerance; no guard band, since the "
+            "simulated instrument has no uncertainty; a dash: no tolerance given",
         ),
     ]
 

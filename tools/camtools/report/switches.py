@@ -18,9 +18,9 @@ from camtools.plots.style import new_figure as _new_figure
 
 SWITCHES_TEXT = (
     "Position switches",
-    "Each bar is a window by the drawing's angle. The marks are where the thing behind the switch "
-    "acted, on the mean, by the true angle of the spindle and its dead time included; they must "
-    "lie on the ends of the bars, within the half tick that an output can be early or late.",
+    "Each bar is a window over the angle of the drawing. The marks show the mean true spindle "
+    "angle at which the switched device acted, including its dead time; they must lie at the "
+    "ends of the bars, within the half tick by which an output can be early or late.",
 )
 TURN_DEG = 360.0
 

@@ -14,7 +14,7 @@ from camtools.report.text import ReportRow
 def _error_text(name: str, error: Json | None, count: int) -> str:
     """Return how far from the end of its window a switch acts."""
     if error is None:
-        return f"never {name} by its angle"
+        return f"never switched {name} by angle"
     return f"{name} {count:.0f} times, {error['mean']:+.2f}° (at most {error['max']:+.2f}°)"
 
 
@@ -29,7 +29,7 @@ def _switch_text(one: Json) -> str:
         windows,
         _error_text("on", one["on_error_deg"], one["times_on"]),
         _error_text("off", one["off_error_deg"], one["times_off"]),
-        *([f"{other:.0f} changes by height, state or sense"] if other else []),
+        *([f"{other:.0f} changes by height, state or direction"] if other else []),
     ]
     return "; ".join(texts)
 

@@ -97,7 +97,7 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
     form = summary["form_error_um"]
     if outcome.has_fault:
         first = ", ".join(summary["first_faults"])
-        return Verdict("fault", f"fault: {first}", "The controller ended the cut by itself.")
+        return Verdict("fault", f"fault: {first}", "The controller stopped the cut.")
     if form["max"] is None:
         return Verdict(
             "poor", f"nothing cut ({summary['end']})", "No surface was cut to full depth."
@@ -109,10 +109,16 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
     if summary["end"] != "done":
         return Verdict("poor", f"incomplete: {summary['end']}", "The cut did not reach the end.")
     if not outcome.is_good:  # a lobe of a camshaft
-        return Verdict("poor", "not gauged", f"The {found}, but the gauge has not seen all of it.")
+        return Verdict(
+            "poor", "not gauged", f"{found.capitalize()}, but not every lobe was gauged."
+        )
     within = f"The {found} is within the {allowed}"
     if out:
-        return Verdict("poor", "out of tolerance", f"{within}, but the sheets have: {_named(out)}.")
+        return Verdict(
+            "poor",
+            "out of tolerance",
+            f"{within}, but the measurement sheets show out of tolerance: {_named(out)}.",
+        )
     return Verdict("good", "within tolerance", f"{within}.")
 
 
@@ -154,11 +160,11 @@ def page_text(
     """
     rows = [row for row in about if row.name != "computing time"]
     for margin in margins_of(outcome):
-        value = f"{margin.needed} of {margin.limit} ({margin.percent:.0f} %)"
-        rows.append(ReportRow(f"needs {margin.name}", value))
+        value = f"{margin.needed}, {margin.percent:.0f} % of the limit of {margin.limit}"
+        rows.append(ReportRow(f"required {margin.name}", value))
     cut_s = outcome.summary["wall_time_s"]
     rows.append(ReportRow("computing time", f"{total_s:.1f} s in all, {cut_s:.2f} s for the cut"))
-    rows.append(ReportRow("results", f"{place}/report.html and the files beside it"))
+    rows.append(ReportRow("results", f"{place}/report.html and the other files there"))
     if out:
         rows.insert(0, ReportRow("out of tolerance", _named(out)))
     width = max(len(row.name) for row in rows)
@@ -215,7 +221,7 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
     """Return what happened, when, and what the controller did, in the order of time."""
     fault, facts = outcome.summary["fault"], fault_facts()
     rows = [
-        ReportRow(name, f"{facts[name].cause}; seen within {facts[name].seen_within}")
+        ReportRow(name, f"{facts[name].cause}; detected within {facts[name].seen_within}")
         for name in outcome.summary["first_faults"]
         if name in facts
     ]
@@ -228,9 +234,9 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
         name for name in outcome.summary["faults"] if name not in outcome.summary["first_faults"]
     ]
     if later:
-        rows.append(ReportRow("came on top", ", ".join(later)))
+        rows.append(ReportRow("later faults", ", ".join(later)))
     rows += [
-        ReportRow("before the next try", facts[name].remedy)
+        ReportRow("remedy", facts[name].remedy)
         for name in outcome.summary["first_faults"]
         if name in facts
     ]
@@ -239,16 +245,16 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
 
 def _reaction(outcome: AnyCut) -> str:
     if "drive" in outcome.summary["first_faults"]:
-        return "A drive that is not ready cannot retract: its enable was dropped in the same tick."
+        return "A drive that is not ready cannot retract; it was disabled in the same tick."
     clear_s = clear_after_s(outcome)
     if clear_s is None:
         clear = ""
     elif clear_s > 0:
         clear = f" The tool was {_CLEAR_MM} mm clear after {clear_s * 1e3:.1f} ms."
     else:
-        clear = " The tool was out of the work already."
+        clear = " The tool was already out of the work."
     rest_ms = outcome.summary["fault"]["retract_s"] * 1e3
     return (
-        "In the same tick the controller took the axes over: U was commanded to retract, X to move "
-        f"off, Z to brake, the spindle to stop.{clear} Enable was dropped after {rest_ms:.1f} ms."
+        "In the same tick the controller commanded U to retract, X to move away, Z to brake and "
+        f"the spindle to stop.{clear} The drives were disabled after {rest_ms:.1f} ms."
     )

@@ -50,7 +50,7 @@ class Mismatch(NamedTuple):
         """
         without = "no result" if self.without_um is None else length_text(self.without_um)
         if not self.learns:
-            return f"form error {without}; nothing is learned"
+            return f"form error {without}; learning is off"
         learned = "no result" if self.with_um is None else length_text(self.with_um)
         return f"form error {without} without learning, {learned} with it"
 

@@ -56,7 +56,7 @@ def read_machine(text: str, name: str) -> Tree:
     try:
         return toml_tree(text)
     except ValueError as error:
-        raise InputError(name, "", None, f"is no TOML: {error}", "correct it") from error
+        raise InputError(name, "", None, f"not TOML: {error}", "correct it") from error
 
 
 def emit_machine(tree: Mapping[str, Any]) -> str:

@@ -151,7 +151,7 @@ def read_named(path: Path, names: tuple[str, ...]) -> Floats:
     missing = [name for name in names if name not in header]
     if missing:
         problem = f"has no column {missing[0]}"
-        raise InputError(path.name, "", None, problem, "build camsim afresh: tools/run does")
+        raise InputError(path.name, "", None, problem, "build camsim again, as tools/run does")
     if is_empty:
         return np.empty((len(names), 0))
     return _rows(path, [header.index(name) for name in names], header)

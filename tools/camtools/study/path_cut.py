@@ -99,7 +99,7 @@ def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
     ]
     status = simulator.run(words)
     if status != 0:
-        problem = f"{row.name}: camsim ended with status {status}, its line above tells why"
+        problem = f"{row.name}: camsim ended with status {status}; the line above says why"
         raise CamtoolsError([f"{problem}; change the part or give another --rpm"])
     summary: Json = read_summary(simulator.folder / "summary.json")
     done = summary["cut"]

@@ -74,7 +74,7 @@ def summary(study: Analysis) -> str:
     return (
         f"{study.name}: section at height {study.height_mm:g} mm, blank radius {cut.blank_mm:.4f} "
         f"mm, {np.degrees(cut.pattern_rad):g} degrees cut {cut.total_mm2:.6f} mm2\n"
-        f"  uniform turning: removal rate goes 1 : {rates.largest_to_least:.3f}, ripple "
+        f"  uniform turning: removal rate varies 1 : {rates.largest_to_least:.3f}, ripple "
         f"{100 * rates.ripple:.2f} % of its mean\n"
         f"  {_parts_line(study)}\n"
         f"  equal volume at mean {study.rpm:g} r/min: {speed['least_rpm']:.1f} .. "
@@ -90,13 +90,13 @@ def _parts_line(study: Analysis) -> str:
     n, allowed = study.parts.phi_rad.size, study.range
     bounds = f"{allowed.least} (volume of a part) .. {allowed.most} (controller's cycle)"
     if not study.is_even:
-        return f"the part is turned uniformly; equal volume would take {bounds} parts"
+        return f"the part is turned uniformly; equal volume would need {bounds} equal parts"
     if allowed.least > allowed.most:
         remedy = "turn more slowly, feed less, or allow --slice-volume-mm3"
-        return f"{n} equal parts: no number is possible, {bounds}; {remedy}"
+        return f"{n} equal parts: no number of parts is possible, {bounds}; {remedy}"
     if allowed.least <= n <= allowed.most:
-        return f"{n} equal parts are possible, as {bounds} are"
-    return f"{n} equal parts are not possible: {bounds} are; give --parts or process.parts"
+        return f"{n} equal parts are possible; the range is {bounds}"
+    return f"{n} equal parts are not possible; give {bounds} by --parts or process.parts"
 
 
 def is_papers_section(study: Analysis) -> bool:

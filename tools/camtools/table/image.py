@@ -294,7 +294,7 @@ def _channels_of(
             is_pattern = has_patterns and entry["kind"] not in OVER_HEIGHT
             channels.append(replace(_make_channel(image, entry), has_patterns=is_pattern))
     kinds = [channel.kind for channel in channels]
-    _demand(len(set(kinds)) == len(kinds), "kind: a channel is there twice")
+    _demand(len(set(kinds)) == len(kinds), "kind: a channel appears twice")
     _demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
     _demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
     has_speed = KIND_SPEED in kinds

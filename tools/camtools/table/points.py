@@ -112,7 +112,7 @@ def _header_of(line: str, file: str, number: int) -> list[_Column] | None:
     if ("v" in keys) != ("a" in keys):
         missing.append("a" if "v" in keys else "v")
     if missing or len(set(keys)) != len(keys):
-        what = f"no column of {missing[0].upper()}" if missing else "a column is there twice"
+        what = f"no column of {missing[0].upper()}" if missing else "a column appears twice"
         raise InputError(file, f"line {number}", None, what, _USE)
     return [column for column in columns if column is not None]
 
@@ -152,7 +152,7 @@ def parse_points(text: str, file: str) -> PointFile:
         if line.strip() and not line.lstrip().startswith(("#", "//", "(*"))
     ]
     if not lines or len(lines) > MAX_POINTS:
-        problem = f"has {len(lines)} lines, wants 4 .. {MAX_POINTS}"
+        problem = f"has {len(lines)} lines, must have 4 .. {MAX_POINTS}"
         raise InputError(file, "", None, problem, "give the points of one turn")
     first, line = lines[0]
     columns = _header_of(line, file, first)
@@ -203,7 +203,7 @@ def _turn(columns: Floats, numbers: Floats, file: str, has_motion: bool) -> Poin
         for key, row in zip("YVA", columns[1:], strict=True):
             if abs(row[-1] - row[0]) > SAME_MM:
                 problem = f"the turn is not closed: {key} ends at {row[-1]:g}, began at {row[0]:g}"
-                raise InputError(file, last, None, problem, "let the end be as the beginning")
+                raise InputError(file, last, None, problem, "make the last value equal the first")
         columns = columns[:, :-1]
     elif span > 360 - MIN_STEP_DEG:
         problem = f"the points span {span:.9g} degrees, a turn has 360"

@@ -83,7 +83,7 @@ def verify(data: bytes, public_keys: list[bytes]) -> str:
     magic, version, size, name = _FIELDS.unpack_from(block)
     is_known = (magic, version, size) == (SIGNATURE_MAGIC, VERSION, len(image))
     if not is_known or any(block[24:SIGNED_SIZE]) or len(block) != SIGNATURE_SIZE:
-        return "its signature has another format; sign it anew by tools/keys sign"
+        return "its signature has another format; sign it again with tools/keys sign"
     public = next((key for key in public_keys if key_id(key) == name), None)
     if public is None:
         return f"signed by key {name.hex()}, which is not among those given; give its public key"
@@ -105,7 +105,7 @@ def make_private(file: Path) -> Ed25519PrivateKey:
             stream.write(pem)
             os.fsync(stream.fileno())
     except FileExistsError:
-        problem = f"{file}: is there, and a key is never overwritten; give another name"
+        problem = f"{file}: exists, and a key is never overwritten; give another name"
         raise CamtoolsError([problem]) from None
     except OSError as error:
         raise CamtoolsError([f"{file}: {error.strerror}; give a place you can write"]) from error
@@ -123,15 +123,17 @@ def read_private(file: Path) -> Ed25519PrivateKey:
     try:
         with file.open("rb") as stream:
             if os.fstat(stream.fileno()).st_mode & _OTHERS:
-                problem = f"{file}: others than its owner can use this private key"
-                raise CamtoolsError([f"{problem}; chmod 600 it, and make a new key if they did"])
+                problem = f"{file}: other users can read this private key"
+                raise CamtoolsError(
+                    [f"{problem}; chmod 600 it, and make a new key if somebody did"]
+                )
             key = load_pem_private_key(stream.read(65536), None)
     except OSError as error:
         raise CamtoolsError([f"{file}: {error.strerror}; give a file of tools/keys make"]) from None
     except (ValueError, TypeError, UnsupportedAlgorithm):
         key = None
     if not isinstance(key, Ed25519PrivateKey):
-        problem = f"{file}: no private key of Ed25519 without a password"
+        problem = f"{file}: not an Ed25519 private key without a password"
         raise CamtoolsError([f"{problem}; give a file of tools/keys make"])
     return key
 
@@ -147,6 +149,6 @@ def read_public(file: Path) -> bytes:
     if len(key) != KEY_SIZE:
         raise CamtoolsError([f"{file}: no public key; give a .pub file of tools/keys make"])
     if is_weak(key):
-        problem = f"{file}: a weak key, for which anybody can make up signatures"
+        problem = f"{file}: a weak key, for which anybody can forge signatures"
         raise CamtoolsError([f"{problem}; give a .pub file of tools/keys make"])
     return key

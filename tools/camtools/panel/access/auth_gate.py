@@ -122,10 +122,10 @@ class AuthGate:
     def _refusal(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
         """Return status and reason, or nothing where all is well."""
         if headers.get("host", "").lower() not in self._hosts:
-            return 403, "this is not the host that you asked for"
+            return 403, "this panel is not served under that host name"
         origin = headers.get("origin")
         if origin is not None and origin.lower() not in self._origins:
-            return 403, "pages of other sites have nothing to do here"
+            return 403, "requests from other sites are refused"
         if scope["type"] == "websocket":
             is_ours = origin is not None and scope["path"].startswith(_SOCKET)
             return None if is_ours else (403, "only pages of this panel open a websocket")
@@ -136,20 +136,20 @@ class AuthGate:
     ) -> tuple[int, str] | None:
         path: str = scope["path"]
         if path.startswith(_SOCKET):
-            return 403, "only websockets lead there"
+            return 403, "this address is for websockets only"
         if scope["method"] == "POST":
             upload = _UPLOAD.fullmatch(path)
             if upload is None or origin is None or not self._may_upload(upload[1]):
-                return 403, "files are taken from open pages with the token only"
+                return 403, "files are accepted only from open pages with the token"
             length = headers.get("content-length", "")
             is_fair = _LENGTH.fullmatch(length) and int(length) <= MOST_UPLOAD_BYTES
             return None if is_fair else (413, f"at most {MOST_UPLOAD_BYTES} bytes")
         if scope["method"] not in ("GET", "HEAD"):
-            return 405, "this method does not exist here"
+            return 405, "this method is not supported"
         if headers.get("sec-fetch-site") in ("cross-site", "same-site"):
             is_link = headers.get("sec-fetch-dest") == "document"
             if headers.get("sec-fetch-mode") != "navigate" or not is_link:
-                return 403, "pages of other sites have nothing to do here"
+                return 403, "requests from other sites are refused"
         if not path.startswith("/_nicegui/") and self._is_full():
             return 503, "too many pages are open; close some"
         return None

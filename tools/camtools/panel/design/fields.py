@@ -260,7 +260,7 @@ def _number(text: str) -> float | int:
     try:
         found = float(text)
     except ValueError:
-        problem = f"{text[:40]!r} is no number; give digits with a point"
+        problem = f"{text[:40]!r} is not a number; give digits with a point"
         raise ValueError(problem) from None
     if found - found != 0:
         raise ValueError("give a finite number")

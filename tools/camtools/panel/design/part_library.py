@@ -92,7 +92,7 @@ class PartLibrary:
         """Write a part of one's own; a part of that name is replaced only where it shall be."""
         checked_name(name)
         if self.has(name) and not replaces:
-            raise CamtoolsError([f"{name}: there is such a part; give another name or replace it"])
+            raise CamtoolsError([f"{name}: this part exists; give another name or replace it"])
         data = text.encode("utf-8", "replace")
         if len(data) > MAX_FILE_BYTES:
             problem = f"{name}: {len(data)} bytes, a part file has at most {MAX_FILE_BYTES}"
@@ -105,9 +105,9 @@ class PartLibrary:
             remedy = "use letters, digits, _, - and ., and the ending .csv"
             raise CamtoolsError([f"name {name[:40]!r}: not usable; {remedy}"])
         if len(data) > _MAX_CSV_BYTES:
-            raise CamtoolsError([f"{name}: more than {_MAX_CSV_BYTES} bytes; thin it out"])
+            raise CamtoolsError([f"{name}: more than {_MAX_CSV_BYTES} bytes; give fewer points"])
         if (self._folder / name).exists() and not replaces:
-            raise CamtoolsError([f"{name}: there is such a file; give another name or replace it"])
+            raise CamtoolsError([f"{name}: this file exists; give another name or replace it"])
         self._write(name, data)
 
     def remove(self, name: str) -> None:

@@ -90,7 +90,7 @@ class Seat:
                 found.set_result(answer["text"])
             elif answer["stage"] in ("problems", "lost", "done"):
                 told = [one["text"] for one in answer.get("problems", [])]
-                found.set_exception(CamtoolsError(told or ["the change got lost; try it again"]))
+                found.set_exception(CamtoolsError(told or ["the change was lost; try again"]))
 
         request = {"do": "edit", "text": text, "path": path, "value": value}
         self._engine.submit(_Job(self, request, False, take))

@@ -34,11 +34,11 @@ _NAMES = {
 
 def verdict_words(told: dict[str, Any]) -> tuple[str, str]:
     """Return the verdict in a word, and the speed in a sentence."""
-    speed = f"at most {tenth_below(told['highest_rpm'])} r/min: {told['decided_by']} decides"
+    speed = f"at most {tenth_below(told['highest_rpm'])} r/min, limited by {told['decided_by']}"
     if told["highest_rpm"] <= 0:
-        speed = f"at no speed: {told['decided_by']} decides"
+        speed = f"at no speed, limited by {told['decided_by']}"
     word = "feasible" if told["is_feasible"] else "not feasible"
-    return word, f"{speed}; asked for {told['asked_rpm']:g} r/min"
+    return word, f"{speed}; required {told['asked_rpm']:g} r/min"
 
 
 def _digits(value: float) -> str:

@@ -17,7 +17,7 @@ from camtools.panel.views.availability import why_not
 _FEED_DETENTS = (0, 50, 80, 100, 120, 150)
 _SPINDLE_DETENTS = (50, 80, 90, 100, 110, 120)
 _UM_PER_MM = 1e3
-_CHANGED = "table, state or commander have changed since the question; look, and start again"
+_CHANGED = "table, state or commander have changed meanwhile; check, and start again"
 
 
 class CommandCard:
@@ -66,7 +66,7 @@ class CommandCard:
         if why:
             self._orders.refuse("start", why)
             return
-        text = f"The spindle turns and the axes move: {newest.table_name} is cut. Is the door shut?"
+        text = f"Spindle and axes will move to cut {newest.table_name}. Is the door shut?"
         asked = self._what_starts(newest)
         if not await confirmed("Start the cut?", text, "Start"):
             return

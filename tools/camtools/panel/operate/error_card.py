@@ -42,9 +42,9 @@ class ErrorCard:
                 self._charts = {kind: self._draw(kind) for kind in (UNROLLED, POLAR)}
             self._beyond = ui.label("").classes("op-note")
             ui.label(
-                "Dots: single ticks of the last 50 turns, the older the fainter. Solid line: their "
+                "Dots: single ticks of the last 50 turns, older ones fainter. Solid line: their "
                 "mean. Dashed lines: tolerance. "
-                "Angle in the sense of cutting, seen from the headstock: with M3 the drawing's."
+                "Angle in the direction of cutting, seen from the headstock; with M3 the drawing's."
             ).classes("op-notes")
 
     def _draw_statistics(self) -> None:
@@ -90,7 +90,7 @@ class ErrorCard:
         self._turns.show(plain(told.turns, 0))
         is_outside = told.max_um > self._limit_um
         is_beyond = self._limit_um > self._full_um
-        beyond = f"The tolerance of ±{self._limit_um:g} µm lies beyond the scale."
+        beyond = f"The tolerance of ±{self._limit_um:g} µm is outside the scale."
         self._outside.set_text("outside of the tolerance" if is_outside else "")
         self._beyond.set_text(beyond if is_beyond else "")
         changes = self._trail.changes(shown)

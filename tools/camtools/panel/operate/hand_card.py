@@ -40,7 +40,7 @@ class HandCard:
             self._draw_places()
             ui.label(
                 "Hold a jog button with the pointer, or with the space bar while it has the focus; "
-                "the axis brakes when you let go, leave the button or the page."
+                "the axis stops when you release it or leave the button or the page."
             ).classes("op-notes")
         ui.on("jog", self._jog)
 

@@ -8,15 +8,15 @@ from nicegui import ui
 from camtools.panel.dialogs import titled_dialog
 
 KEYS = {
-    "Esc": "STOP: ends what moves, in every place of the page",
-    "E": "Enable: drives on, and the index is searched",
-    "S": "Start, after a question",
-    "H": "Hold: Z rests on a whole turn",
+    "Esc": "STOP: stops all motion, anywhere on the page",
+    "E": "Enable: switches the drives on and finds the index",
+    "S": "Start, after a confirmation",
+    "H": "Hold: pauses Z after a whole turn",
     "R": "Resume",
-    "D": "Disable: drives off",
-    "T": "Reset behind a fault",
+    "D": "Disable: switches the drives off",
+    "T": "Reset after a fault",
     "M": "By hand",
-    "Space": "held on a jog button: the axis moves while it is held",
+    "Space": "on a jog button: the axis moves while the key is held",
     "?": "this list",
 }
 
@@ -32,11 +32,11 @@ class Help:
                         ui.label(key).classes("op-key-name")
                     with ui.element("dd"):
                         ui.label(meaning)
-            self.are_keys_on = ui.switch("Letters give orders", value=True)
+            self.are_keys_on = ui.switch("Letter keys give orders", value=True)
             self.are_keys_on.props("data-testid=keys-on")
             ui.label(
-                "STOP is not the emergency stop: that is the red button at the machine, which "
-                "works without this page."
+                "STOP is not the emergency stop, the red button at the machine that works without "
+                "this page."
             )
             close = ui.button("Close", on_click=self._dialog.close)
             close.props("no-caps outline autofocus data-testid=help-close")

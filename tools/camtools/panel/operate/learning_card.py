@@ -19,9 +19,7 @@ class LearningCard:
         with card("Learning", "learning", is_live=True):
             self._words = ui.label("").classes("op-note").props("data-testid=learning")
             self._chart = ui.echart(options()).classes("op-chart op-chart-small")
-            said = (
-                "Error of U in the harmonics that are learned, over the turns of which was learned"
-            )
+            said = "Error of U in the learned harmonics, over the turns used for learning"
             self._chart.props(f'role=img aria-label="{said}" data-testid=learning-chart')
 
     def show(self, snapshot: Snapshot, lessons: Lessons) -> None:

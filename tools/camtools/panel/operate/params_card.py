@@ -56,7 +56,7 @@ class ParamsCard:
             self._table.classes("op-params").props("dense flat data-testid=params")
             self._table.bind_filter_from(search, "value", lambda text: text or "")
             self._table.on("rowClick", self._edit)
-            ui.label("Choose a row to change its value.").classes("op-notes")
+            ui.label("Select a row to change its value.").classes("op-notes")
             self._draw_level()
             self._draw_file()
             self._draw_memory()
@@ -68,16 +68,16 @@ class ParamsCard:
             save.props("no-caps outline data-testid=params-save")
             one = ui.button("Load the chosen file", on_click=self._load)
             self._orders.guard(one.props("no-caps outline data-testid=params-load"), "params")
-            diff = ui.button("Compare with it", on_click=self._compare)
+            diff = ui.button("Compare with the chosen file", on_click=self._compare)
             diff.props("no-caps outline data-testid=params-diff")
         self._differs = ui.element("ul").classes("op-log").props("data-testid=params-differences")
         self._differs.set_visibility(False)
 
     def _draw_memory(self) -> None:
         with ui.element("div").classes("op-row"):
-            one = ui.button("Keep over a restart", on_click=self._keep)
+            one = ui.button("Keep for the next start", on_click=self._keep)
             self._orders.guard(one.props("no-caps outline data-testid=params-keep"), "keep")
-            one = ui.button("Revert to the kept ones", on_click=self._revert)
+            one = ui.button("Revert to the kept parameters", on_click=self._revert)
             self._orders.guard(one.props("no-caps outline data-testid=params-revert"), "revert")
             one = ui.button("Defaults", on_click=self._defaults)
             self._orders.guard(one.props("no-caps outline data-testid=params-defaults"), "defaults")
@@ -140,10 +140,12 @@ class ParamsCard:
 
     def _save(self) -> None:
         if self._read is None:
-            self._orders.refuse("save the parameters", "they are not read yet; wait a moment")
+            self._orders.refuse(
+                "save the parameters", "not read from the controller yet; wait a moment"
+            )
             return
         ui.download.content(self._read.text(), "parameters.toml")
-        self._orders.tell("save the parameters", Outcome(True, "the browser has the file"))
+        self._orders.tell("save the parameters", Outcome(True, "sent to the browser as a file"))
 
     def _take(self, text: bytes, name: str) -> None:
         self._text, self._name = text, name
@@ -152,7 +154,7 @@ class ParamsCard:
     def _compare(self) -> None:
         words = f"compare with {self._name}" if self._name else "compare"
         if self._read is None or not self._text:
-            why = "choose a file first" if not self._text else "they are not read yet"
+            why = "choose a file first" if not self._text else "not read from the controller yet"
             self._orders.refuse(words, why)
             return
         try:
@@ -172,7 +174,7 @@ class ParamsCard:
         if not self._text:
             self._orders.refuse("load parameters", "choose a file first")
             return
-        text = f"Those of {self._name} come into force at once, all or none."
+        text = f"The parameters of {self._name} take effect at once, all or none."
         if await confirmed("Load parameters?", text, "Load"):
             words = f"load {self._name}"
             await self._orders.give("params_load", words, text=self._text, name=self._name)
@@ -184,14 +186,16 @@ class ParamsCard:
         await self._orders.give("revert", "revert the parameters")
 
     async def _defaults(self) -> None:
-        text = "All parameters come to the defaults of the controller, those of the machine too."
+        text = (
+            "All parameters are set to the controller's defaults, including those of the machine."
+        )
         if await confirmed("Defaults?", text, "Defaults"):
             await self._orders.give("defaults", "defaults of all parameters")
 
     def show(self, read: ParameterSet | None) -> None:
         """Show the parameters when they were read anew."""
         if read is None:
-            self._state.set_text("The parameters are being read ..")
+            self._state.set_text("Reading the parameters ..")
         if read is None or read is self._read:
             return
         self._read = read

@@ -35,7 +35,7 @@ class StateBar:
 
     def _draw_stop(self) -> None:
         stop = ui.button(on_click=self.stop, color=None).classes("op-stop")
-        stop.props('no-caps unelevated aria-label="STOP: ends what moves. Key: Escape"')
+        stop.props('no-caps unelevated aria-label="STOP: stops all motion. Key: Escape"')
         stop.props("data-testid=stop aria-keyshortcuts=Escape").mark("stop")
         with stop:
             ui.label("STOP").classes("op-stop-word")

@@ -53,9 +53,9 @@ class TableCard:
                 one = ui.button("Download and use", on_click=self._next, color=None)
                 one.props("no-caps unelevated data-testid=table-next").classes("op-button op-do")
                 orders.guard(one, "table")
-                one = ui.button("Download beside", on_click=self._download)
+                one = ui.button("Download only", on_click=self._download)
                 orders.guard(one.props("no-caps outline data-testid=table-download"), "table")
-                one = ui.button("Use the downloaded one", on_click=self._select)
+                one = ui.button("Use downloaded table", on_click=self._select)
                 orders.guard(one.props("no-caps outline data-testid=table-select"), "table")
             self._bar = ui.linear_progress(0.0, show_value=False).classes("op-progress")
             self._bar.props('aria-label="Progress of the download" data-testid=table-progress')
@@ -73,7 +73,7 @@ class TableCard:
 
     def _take(self, image: bytes, name: str) -> None:
         if not image.startswith(_BEGIN):
-            self._orders.refuse(name, "not a table; make one by tools/mktables, or choose a part")
+            self._orders.refuse(name, "not a table; make one with tools/mktables, or choose a part")
             return
         self._image, self._name = image, name
         self._chosen.set_text(f"Chosen: {name}, {len(image)} bytes")
@@ -115,7 +115,7 @@ class TableCard:
         size = s.get("table_size", 0.0)
         crc = int(s.get("table_crc", 0.0))
         name = snapshot.table_name
-        now = f"In use: {name}, {size:.0f} bytes, CRC-32 {crc:08x}" if size else "No table in use."
+        now = f"Active: {name}, {size:.0f} bytes, CRC-32 {crc:08x}" if size else "No active table."
         self._now.set_text(now)
         self._work.set_text(snapshot.work)
         share = share_of(snapshot.work)

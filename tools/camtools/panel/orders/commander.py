@@ -68,7 +68,7 @@ class Commander:
             outcome = self._give(visitor)
             if outcome.is_done and loser is not None and loser is not visitor:
                 at = utc(self._since_s)
-                self._news[loser] = f"{visitor} took the command over at {at}"
+                self._news[loser] = f"{visitor} took over command at {at}"
                 outcome = Outcome(True, f"taken over from {loser}")
         return self._told("take_over", visitor, outcome)
 
@@ -94,7 +94,7 @@ class Commander:
             if self._holder is not visitor:
                 return
             self._holder = None
-        self._told("lose", visitor, Outcome(True, "the page is gone: nobody commands"))
+        self._told("lose", visitor, Outcome(True, "the page was closed: nobody commands"))
 
     def lose_on_bus(self, why: str, sender: int) -> None:
         """Take note that the panel has lost command over the controller; who commanded is told.

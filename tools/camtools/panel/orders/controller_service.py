@@ -124,7 +124,7 @@ class ControllerService:
     def page_lost(self, visitor: Visitor) -> None:
         """End what the visitor holds; to be called when the connection of his page is lost."""
         visitor.is_here = False
-        self._presses.drop("the page is gone", visitor)
+        self._presses.drop("the page was closed", visitor)
 
     def close(self) -> None:
         """End the thread and close the bus; what is held ends, too."""

@@ -109,7 +109,7 @@ def _download(link: Link, arguments: Arguments, say: Say) -> str:
     download(
         link, image, lambda stored, _s: say(f"download of {name}, {stored * 100 // len(image)} %")
     )
-    return f"{name} is downloaded and checked; select takes it into use"
+    return f"{name} is downloaded and checked; select activates it"
 
 
 def _table_next(link: Link, arguments: Arguments, say: Say) -> str:
@@ -171,7 +171,7 @@ def _lock(link: Link, _arguments: Arguments, _say: Say) -> str:
 
 def _take_over(link: Link, _arguments: Arguments, _say: Say) -> str:
     link.rights.take(over=True)
-    return "you command; who did before is told"
+    return "you have command; the previous commander was notified"
 
 
 _PLAIN = ("stop", "disable", "enable", "manual", "start", "hold", "resume", "reset")

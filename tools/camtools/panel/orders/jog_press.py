@@ -119,9 +119,9 @@ class Presses:
             raise CamtoolsError([f"jog: press {number} is over; press again"])
         self._last[visitor] = number
         if is_late:
-            raise CamtoolsError(["jog: the press was under way for too long; reload the page"])
+            raise CamtoolsError(["jog: the message took too long to arrive; reload the page"])
         if self._live is not None and self._live.is_alive():
-            raise CamtoolsError(["jog: another button is held; let it go"])
+            raise CamtoolsError(["jog: another button is held; release it first"])
         self._live = Press(visitor, number, self._clock)
         return self._live
 
@@ -139,7 +139,7 @@ class Presses:
     def end(self, visitor: Visitor, number: int) -> None:
         """End a press for good."""
         if press := self._mine(visitor, number):
-            press.end("let go")
+            press.end("released")
 
     def drop(self, why: str, visitor: Visitor | None = None) -> None:
         """End the press of a visitor, of any by default, for good."""

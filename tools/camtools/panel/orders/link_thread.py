@@ -47,7 +47,7 @@ PATIENCE_S = 2.0  # longest time that a job waits for its turn
 WATCHED_S = 2.0  # how long a page that asked for something is taken to look at it
 FOLLOW_S = 0.1
 PARAMETERS_AT_ONCE = 10
-NOT_HEARD = "no controller is heard; the emergency stop is at the machine"
+NOT_HEARD = "the controller does not answer; use the emergency stop at the machine"
 OpenLink = Callable[[], Link]
 
 
@@ -124,7 +124,7 @@ class LinkThread:
         """Return the newest status; never waits."""
         newest = self._snapshot
         if newest.is_connected and time.monotonic() - newest.at_s > SILENT_S + SHOW_S:
-            problem = f"{newest.where}: the controller is silent; check its power and the bus"
+            problem = f"{newest.where}: the controller does not answer; check its power and the bus"
             return replace(newest, is_connected=False, state="unknown", problem=problem)
         is_new = (newest.work, newest.has_command) == (self._work, self._has_command)
         own = {"work": self._work, "has_command": self._has_command}
@@ -217,7 +217,7 @@ class LinkThread:
                     self._look_after(link)
                     link.pump(LOOK_S)
             if time.monotonic() - link.status.at_s > GONE_S:
-                problem = "the controller is silent; check its power and the bus"
+                problem = "the controller does not answer; check its power and the bus"
                 raise Refused(f"{link.where}: {problem}")
 
     def _look(self) -> None:
@@ -238,11 +238,11 @@ class LinkThread:
 
     def _carry_out(self, link: Link, job: Job) -> None:
         late = time.monotonic() - job.given_s > PATIENCE_S
-        problem = "not done: its turn came too late; try again" if late else job.still_allowed()
+        problem = "not done: the order waited too long; try again" if late else job.still_allowed()
         if problem and not job.is_urgent:
             job.tell(False, problem)
             return
-        outcome = Outcome(False, "failed; the panel's terminal tells why")
+        outcome = Outcome(False, "failed; see the terminal of tools/panel")
         try:
             if job.is_urgent:
                 link.rights.may = May.TAKE_OVER  # who stops asks nobody
@@ -253,7 +253,7 @@ class LinkThread:
             outcome = Outcome(False, str(error))
         except _Overtaken:
             urgent = self._urgent[0].name if self._urgent else "the end of the panel"
-            outcome = Outcome(False, f"broken off by {urgent}")
+            outcome = Outcome(False, f"interrupted by {urgent}")
             raise
         finally:
             link.rights.may = May.NEVER

@@ -42,7 +42,7 @@ _NAME_EDITOR = """(async () => {
 _MAX_UPLOAD_BYTES = 20_000_000
 _MOST_PROBLEMS = 20
 _BAD_LINE = "is-bad-line"
-_REPLACED = "What is there now is gone then."
+_REPLACED = "This overwrites the present content."
 
 
 class DesignPage:
@@ -130,7 +130,7 @@ class DesignPage:
             .props('role="status"')
             .props("data-testid=problems")
         )
-        note = ui.label("you look: changes, saving and cutting need the token").classes("note")
+        note = ui.label("viewing only: changes, saving and cutting need the token").classes("note")
         note.bind_visibility_from(self._visitor, "has_token", backward=lambda has: not has)
 
     def _list_parts(self) -> None:
@@ -309,7 +309,7 @@ class DesignPage:
             self._list_parts()
             self._open(OWN, file.removesuffix(".toml"))
         else:
-            ui.notify(f"{file} is kept; a part names it by csv = {file!r}", type="positive")
+            ui.notify(f"{file} is saved; use it in a part with csv = {file!r}", type="positive")
             self._ask()
 
     async def _cut_this(self, options: RunOptions) -> str:

@@ -100,7 +100,7 @@ class CutView:
             one.props("dense outlined stack-label").classes("cut-field")
         self._learns = ui.switch("learning", value=True).props("data-testid=cut-learns")
         with self._learns:
-            ui.tooltip("off: the controller learns nothing, also where it measures U")
+            ui.tooltip("off: the controller does not learn, even if it measures U")
         with ui.row() as upload:
             file_button(
                 "Machine file",
@@ -185,7 +185,7 @@ class CutView:
         if share is None and whole_s:
             share = min(0.99, gone_s / whole_s)
         self._bar.value = share or 0.0
-        waits = f"; {len(queue.waiting)} wait" if queue.waiting else ""
+        waits = f"; {len(queue.waiting)} waiting" if queue.waiting else ""
         left = time_left_text(gone_s, whole_s)
         self._state.text = f"{queue.running.name}: {progress.text}; {left}{waits}"
 

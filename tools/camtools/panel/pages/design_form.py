@@ -53,19 +53,19 @@ class FormView:
         self._is_showing = False
         self._touched = ""
         with ui.row().classes("items-center full-width no-wrap dial"):
-            self._dial_name = ui.label("touch a number: it can be turned here")
+            self._dial_name = ui.label("select a number to adjust it here")
             ui.button(icon="remove", on_click=lambda: self._step(-1)).props(
                 'flat round dense aria-label="a step down"'
             ).props("data-testid=dial-down")
             self._dial = (
                 ui.slider(min=0, max=1, step=0.01, value=0, on_change=self._turned)
-                .props('aria-label="value of the field that was touched last"')
+                .props('aria-label="value of the last selected field"')
                 .props("data-testid=dial")
             )
             ui.button(icon="add", on_click=lambda: self._step(1)).props(
                 'flat round dense aria-label="a step up"'
             ).props("data-testid=dial-up")
-        self._all = ui.switch("all keys, also those that the text leaves out").props(
+        self._all = ui.switch("all keys, including those not in the text").props(
             'data-testid="form-all"'
         )
         self._all.on_value_change(lambda: self._build(force=True))
@@ -199,7 +199,7 @@ class FormView:
         found = self._number()
         if found is None:
             self._dial.disable()
-            self._dial_name.text = "touch a number: it can be turned here"
+            self._dial_name.text = "select a number to adjust it here"
             return
         field, value = found
         low, high = dial_of(field, value)

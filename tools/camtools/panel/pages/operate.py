@@ -57,7 +57,9 @@ class OperatePage:
         self._is_seen = True
         self._beat = False
         with ui.element("div").classes("op-page op-beat-a") as self._page:
-            self._lost = ui.label("The panel's server is silent: everything here is old.")
+            self._lost = ui.label(
+                "The server of the panel does not answer: all values here are old."
+            )
             self._lost.classes("op-lost").props("aria-hidden=true")
             self._orders = Orders(context, visitor)
             self._state = StateBar(self._orders)

@@ -31,7 +31,7 @@ _COLUMNS = (
     *(("settings", "settings"), ("status", "status"), ("verdict", "verdict")),
     *(("form", "form error / µm"), ("following", "following error / µm"), ("took", "time / s")),
 )
-_NOTHING = "No runs yet: open Design, choose a part and press Cut it; its run then stands here."
+_NOTHING = "No runs yet. Open Design, choose a part and press Cut it; the run then appears here."
 _NUMBERS = ("form", "following", "took")
 
 

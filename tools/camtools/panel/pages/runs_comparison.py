@@ -134,7 +134,7 @@ class ComparisonView:
         with ui.element("div").classes("compare-pair"):
             for i, (name, one) in enumerate(zip(self._names, self._curves, strict=True)):
                 if one is None:
-                    ui.label(f"{name}: nothing was gauged")
+                    ui.label(f"{name}: not gauged")
                 else:
                     _chart(charts.error_map(name, one, scale_um), f"error-map-{i}")
 
@@ -171,7 +171,7 @@ def _table(
 
 def _diff(title: str, lines: list[DiffLine], *, is_open: bool = True) -> ui.expansion:
     """Show lines that differ; their text is data."""
-    told = f"{title}: {len(lines)} lines" if lines else f"{title}: alike"
+    told = f"{title}: {len(lines)} lines" if lines else f"{title}: identical"
     box = ui.expansion(told, value=bool(lines) and is_open).classes("full-width")
     with box, ui.column().classes("q-gutter-none diff-lines"):
         for kind, text in lines:

@@ -74,7 +74,7 @@ def differing(one: str | None, other: str | None) -> list[DiffLine]:
     """Return the lines that differ between two texts, with their neighbours; nothing: alike."""
     if one is None or other is None:
         missing = "the first" if one is None else "the other"
-        return [] if one == other else [DiffLine("@", f"{missing} run does not keep it")]
+        return [] if one == other else [DiffLine("@", f"{missing} run does not have it")]
     lines = difflib.unified_diff(one.splitlines(), other.splitlines(), n=_DIFF_CONTEXT, lineterm="")
     found = []
     for line in list(lines)[2:]:

@@ -97,4 +97,4 @@ def _check(name: str, value: float | None, most: float, unit: str) -> None:
         return
     if not isfinite(value) or not 0 < value <= most:
         problem = f"{name} {value:g}: must be above 0 and at most {most:g}"
-        raise CamtoolsError([f"{problem}; give {unit}, or nothing for that of the part"])
+        raise CamtoolsError([f"{problem}; give {unit}, or leave it empty for the part's own"])

@@ -76,7 +76,7 @@ class RunQueue:
     def check_room(self) -> None:
         """Refuse another run where too many wait."""
         if len(self._waiting) >= MOST_WAITING:
-            raise CamtoolsError([f"{MOST_WAITING} runs wait already; stop one, or wait"])
+            raise CamtoolsError([f"{MOST_WAITING} runs are waiting already; stop one, or wait"])
 
     @property
     def waiting(self) -> list[str]:
@@ -88,7 +88,7 @@ class RunQueue:
         for one in self._waiting:
             if one[0].name == name:
                 self._waiting.remove(one)
-                self._store.note(one[0], {"status": STOPPED, "told": "stopped before it began"})
+                self._store.note(one[0], {"status": STOPPED, "told": "stopped before it started"})
                 self._on_change()
                 return
         if self.running is not None and self.running.name == name:
@@ -109,7 +109,7 @@ class RunQueue:
     async def close(self) -> None:
         """Stop everything."""
         for folder, _ in self._waiting:
-            self._store.note(folder, {"status": STOPPED, "told": "the panel ended"})
+            self._store.note(folder, {"status": STOPPED, "told": "the panel was closed"})
         self._waiting.clear()
         if self.running is not None:
             self._is_stopped = True

@@ -137,13 +137,13 @@ class RunStore:
                 found = _read(place, path)
                 if found is not None:
                     return found
-        raise CamtoolsError([f"run {key[:80]!r}: there is none; it may have been removed"])
+        raise CamtoolsError([f"run {key[:80]!r}: no such run; it may have been removed"])
 
     def remove(self, key: str) -> None:
         """Remove a run of the panel."""
         run = self.run(key)
         if run.place != OWN:
-            raise CamtoolsError([f"{run.name}: is of tools/run; remove it by tools/run --keep"])
+            raise CamtoolsError([f"{run.name}: made by tools/run; remove it with tools/run --keep"])
         if run.status in (WAITING, RUNNING):
             raise CamtoolsError([f"{run.name}: is {run.status}; stop it first"])
         self._n_changes += 1
@@ -167,7 +167,10 @@ class RunStore:
         """Mark runs as stopped that an earlier panel did not end."""
         for run in self.runs():
             if run.place == OWN and run.status in (WAITING, RUNNING):
-                self.note(run.folder, {"status": STOPPED, "told": "the panel ended before it did"})
+                self.note(
+                    run.folder,
+                    {"status": STOPPED, "told": "the panel was closed before the run ended"},
+                )
 
 
 def _about(folder: Path) -> Json:

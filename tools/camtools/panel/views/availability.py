@@ -44,9 +44,9 @@ RULES = {
     "enable": Rule(("off",), "only in off"),
     "disable": Rule(("homing", "ready", "manual"), "only in homing, ready and by hand"),
     "start": Rule(("ready",), "only in ready"),
-    "hold": Rule(("rehearsing", "engaging", "cutting"), "only while a part is cut"),
+    "hold": Rule(("rehearsing", "engaging", "cutting"), "only during a cut"),
     "resume": Rule(("rehearsing", "engaging", "cutting", "holding"), "only while the feed is held"),
-    "reset": Rule(("fault",), "only behind a fault"),
+    "reset": Rule(("fault",), "only after a fault"),
     "home": Rule(("off", "ready"), "only in off and ready"),
     "manual": Rule(("off",), "only in off"),
     "jog": Rule(("manual",), "only by hand; press By hand first"),
@@ -63,7 +63,7 @@ RULES = {
     "keep": Rule(("off",), "only in off"),
     "revert": Rule(_IDLE, "only in off and ready"),
     "defaults": Rule(_IDLE, "only in off and ready"),
-    "unlock": Rule(_AT_REST, "not while it works"),
+    "unlock": Rule(_AT_REST, "only while the machine is at rest"),
     "lock": Rule(_ANY, ""),
 }
 
@@ -80,11 +80,11 @@ def why_not(order: str, state: str, signals: Mapping[str, float]) -> str:
         return "only while the feed is held"
     is_unlocked = bool(signals.get("level", 0.0))
     if order == "unlock" and is_unlocked:
-        return "it is unlocked"
+        return "already unlocked"
     if order == "lock" and not is_unlocked:
-        return "it is locked"
+        return "already locked"
     if order == "reset" and not signals.get("is_retracted", 1.0):
-        return "the tool is on its way out of the work; wait a moment"
+        return "the tool is still leaving the work; wait a moment"
     return ""
 
 

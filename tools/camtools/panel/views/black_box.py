@@ -25,6 +25,6 @@ def box_text(signals: Mapping[str, float]) -> str:
         return ""
     names = ", ".join(faults_in(int(signals.get("recorder_faults", 0.0))))
     return (
-        f"The black box holds what was before the fault {names}, and waits through reset and "
-        "enable. To read it:"
+        f"The black box holds the recording from before the fault {names} and keeps it through "
+        "reset and enable. To read it:"
     )

@@ -97,9 +97,9 @@ def _is_reversed(s: Signals, p: Values) -> bool:
 _ESTOP = (_is("is_estop"), Missing("estop", "Release the emergency stop."))
 _DRIVES = (
     _lacks("is_drive_ready"),
-    Missing("drive", "Get the drives ready: power on, their own faults cleared."),
+    Missing("drive", "Get the drives ready: switch on their power and clear their own faults."),
 )
-_BUS = (_is("is_bus_lost"), Missing("bus", "Bring the silent node of the field bus back."))
+_BUS = (_is("is_bus_lost"), Missing("bus", "Reconnect the silent node of the field bus."))
 _BUTTON = (
     _says("acknowledge", "needed"),
     Missing(
@@ -111,12 +111,12 @@ _NO_BUTTON = (
     _says("acknowledge", "none"),
     Missing(
         "no_button",
-        "This controller has no button acknowledge, so its drives stay off: wire one, or waive it "
+        "This controller has no acknowledge button, so its drives stay off: wire one, or waive it "
         "in the port's settings.",
     ),
 )
-_TABLE = (_lacks("table_size"), Missing("table", "Load a table: below, under Table."))
-_U_PLACE = (_is_u_outside, Missing("u_place", "Move U back into its stroke, by hand."))
+_TABLE = (_lacks("table_size"), Missing("table", "Load a table in the Table box below."))
+_U_PLACE = (_is_u_outside, Missing("u_place", "Move U back into its stroke by hand."))
 _HOMES = tuple(
     (
         _lacks_home(axis),
@@ -124,33 +124,42 @@ _HOMES = tuple(
     )
     for axis in "uxz"
 )
-_TURN = (_has_stopped, Missing("turn", "Let the spindle turn: its drive must follow."))
-_SENSE = (_is_reversed, Missing("sense", "The spindle turns against the cut: change its sense."))
-_INDEX = (_lacks("is_synced"), Missing("index", "Wait for the spindle's index: none seen yet."))
+_TURN = (_has_stopped, Missing("turn", "The spindle does not turn: check its drive."))
+_SENSE = (
+    _is_reversed,
+    Missing("sense", "The spindle turns against the cutting direction: reverse it."),
+)
+_INDEX = (_lacks("is_synced"), Missing("index", "Wait for the spindle index: none seen yet."))
 _RETRACT = (_lacks("is_retracted"), Missing("retract", "Wait until the tool has left the work."))
 _HELD_BY_FEED = (
     lambda s, p: not s.get("is_held", 0.0) and s.get("override_of_feed", 100.0) < 1.0,
-    Missing("feed", "Raise the feed override: below 1 % Z stands."),
+    Missing("feed", "Raise the feed override: below 1 %, Z does not move."),
 )
 # A reset would be accepted while a cause is still there, and the next enable refused.
 _CAUSES = (_ESTOP, _DRIVES, _BUS)
 _ENABLES = (*_CAUSES, _TABLE, _U_PLACE, *_HOMES, _NO_BUTTON, _BUTTON)
 _STEPS: dict[str, tuple[tuple[tuple[Look, Missing], ...], str, str]] = {
-    "off": (_ENABLES, "enable", "Press Enable: drives on, and the index is searched."),
-    "homing": ((_TURN, _SENSE, _INDEX), "", "Wait: it will be ready in a moment."),
+    "off": (_ENABLES, "enable", "Press Enable to switch the drives on and find the spindle index."),
+    "homing": ((_TURN, _SENSE, _INDEX), "", "Wait: the machine will be ready in a moment."),
     "ready": ((_TABLE, *_HOMES), "start", "Press Start to cut the part."),
-    "rehearsing": ((), "", "It plays clear of the work, to learn; the cut follows by itself."),
-    "engaging": ((), "", "The tool enters the work; Stop takes it out."),
-    "cutting": ((), "", "It cuts. Hold rests Z, Stop takes the tool out."),
-    "holding": ((_HELD_BY_FEED,), "resume", "Press Resume to go on, or Stop."),
+    "rehearsing": (
+        (),
+        "",
+        "The tool moves clear of the work, to learn; the cut follows automatically.",
+    ),
+    "engaging": ((), "", "The tool enters the work; STOP retracts it."),
+    "cutting": ((), "", "Cutting. Hold pauses Z, STOP retracts the tool."),
+    "holding": ((_HELD_BY_FEED,), "resume", "Press Resume to continue, or STOP."),
     "disengaging": ((), "", "The tool leaves the work; wait until it is ready."),
     "fault": ((*_CAUSES, _RETRACT), "reset", "Press Reset when the cause is gone."),
-    "identifying": ((), "", "U is being measured; wait for its end, or press Stop."),
+    "identifying": ((), "", "U is being measured; wait for the end, or press STOP."),
     "manual": ((), "disable", "Move the axes; press Disable when you are done."),
 }
 _SILENT = (
-    Missing("connection", "Get the controller back: its power, the bus, its terminators."),
-    Missing("program", "Of a simulated lathe: start tools/live."),
+    Missing(
+        "connection", "Reconnect the controller: check its power, the bus and its terminators."
+    ),
+    Missing("program", "For a simulated lathe, start tools/live."),
 )
 
 
@@ -165,10 +174,10 @@ def way_on(state: str, signals: Signals, values: Values, *, is_connected: bool =
         parameters that are known; may be empty
     """
     if not is_connected:
-        return Way(_SILENT, "", "Then everything goes on by itself.")
+        return Way(_SILENT, "", "Then this page continues automatically.")
     if state not in _STEPS:
         first = Missing("status", "Wait for the controller's first status.")
-        return Way((first,), "", "Then it is shown here what is missing.")
+        return Way((first,), "", "Then this box shows what is missing.")
     steps, order, then = _STEPS[state]
     missing = tuple(item for is_so, item in steps if is_so(signals, values))
     if state == "holding" and missing:

@@ -25,26 +25,35 @@ class Look:
 LOOKS = {
     "off": Look("OFF", "off", "radio_button_unchecked", "The drives are off."),
     "homing": Look(
-        "HOMING", "moves", "my_location", "The drives are on; the spindle's index is searched."
+        "HOMING", "moves", "my_location", "The drives are on; searching for the spindle index."
     ),
-    "ready": Look("READY", "ready", "check_circle", "The drives are on and the angle is known."),
+    "ready": Look(
+        "READY", "ready", "check_circle", "The drives are on and the spindle angle is known."
+    ),
     "rehearsing": Look(
-        "REHEARSING", "moves", "replay", "The first height is played clear of the work, to learn."
+        "REHEARSING", "moves", "replay", "The tool moves clear of the work, to learn."
     ),
     "engaging": Look("ENGAGING", "cuts", "login", "The tool enters the work."),
     "cutting": Look("CUTTING", "cuts", "play_circle", "The part is being cut."),
-    "holding": Look("HOLDING", "held", "pause_circle", "Z stands and U goes on; the tool cuts."),
+    "holding": Look(
+        "HOLDING", "held", "pause_circle", "Z is paused and U continues; the tool is cutting."
+    ),
     "disengaging": Look("LEAVING", "cuts", "logout", "The tool leaves the work."),
     "fault": Look("FAULT", "fault", "report", "The tool has left the work, or is on its way."),
     "identifying": Look(
-        "MEASURING", "moves", "graphic_eq", "U plays a wave, to measure its drive."
+        "MEASURING", "moves", "graphic_eq", "U moves along a wave, to measure its drive."
     ),
-    "manual": Look("BY HAND", "hand", "pan_tool", "Axes are moved by hand; the spindle stands."),
+    "manual": Look(
+        "BY HAND", "hand", "pan_tool", "Axes are moved by hand; the spindle is stopped."
+    ),
 }
 SILENT = Look(
-    "NO CONNECTION", "silent", "link_off", "The controller is silent: all values here are old."
+    "NO CONNECTION",
+    "silent",
+    "link_off",
+    "The controller does not answer: all values here are old.",
 )
-UNKNOWN = Look("WAITING", "silent", "hourglass_empty", "The first status has not come yet.")
+UNKNOWN = Look("WAITING", "silent", "hourglass_empty", "No status received yet.")
 IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 
 

@@ -48,7 +48,7 @@ def _together(files: list[tuple[PointsAt, PointFile]]) -> PointFile:
     for at, file in files:
         name = Path(at.csv).name
         if file.z_mm is not None:
-            problem = "tells heights, and so does the part file"
+            problem = "gives heights, but the part file gives them too"
             raise InputError(name, "Z_mm", None, problem, "leave the column out, or give it as csv")
         sections.append(with_motion(file).sections[0])
     heights = np.array([at.z_mm for at, _ in files], dtype=np.float64)

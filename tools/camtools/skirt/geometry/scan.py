@@ -72,7 +72,9 @@ def joined(sections: Sections) -> Joined:
             break
         n *= 2
     if off_mm > _COARSE_MM:
-        problem = f"heights have angles of their own, and common ones miss by {off_mm * 1e3:.3g} um"
+        problem = (
+            f"the heights have different angles, and common ones deviate by {off_mm * 1e3:.3g} um"
+        )
         remedy = "measure all heights at the same angles"
         raise GeometryError("piston.section.csv", problem, remedy)
     return Joined(Scan(grid, sections.z_mm, np.stack([one(grid) for one in own])), off_mm)
@@ -142,7 +144,7 @@ def filtered(scan: Scan, harmonics: int) -> Scan:
     """
     n_points = scan.angle_deg.size
     if 2 * harmonics + 1 > n_points:
-        problem = f"{n_points} points per turn cannot tell {harmonics} waves apart"
+        problem = f"{n_points} points per turn are too few for {harmonics} waves"
         remedy = f"give at most {(n_points - 1) // 2}"
         raise GeometryError("piston.section.harmonics", problem, remedy)
     waves, *_ = np.linalg.lstsq(

@@ -108,7 +108,7 @@ def parse_sections(text: str, file: str) -> Sections:
         angle, z_mm, value_mm = _row(file, number, line, form)
         section = points.setdefault(z_mm, {})
         if angle in section:
-            raise _wrong(file, number, line, "this point is there already", "remove one of them")
+            raise _wrong(file, number, line, "this point appears twice", "remove one of them")
         section[angle] = value_mm
     for z_mm, section in points.items():
         _close(file, z_mm, section)
@@ -129,11 +129,13 @@ def _close(file: str, z_mm: float, section: dict[float, float]) -> None:
 def _sections(file: str, points: dict[float, dict[float, float]], form: _Format) -> Sections:
     if not points:
         remedy = "measure more points per turn"
-        raise InputError(file, "angle_deg", None, f"has 0 angles, wants {MIN_ANGLES}", remedy)
+        raise InputError(
+            file, "angle_deg", None, f"has 0 angles, needs at least {MIN_ANGLES}", remedy
+        )
     heights = sorted(points)
     for z_mm in heights:
         if len(points[z_mm]) < MIN_ANGLES:
-            problem = f"has {len(points[z_mm])} angles, wants at least {MIN_ANGLES}"
+            problem = f"has {len(points[z_mm])} angles, needs at least {MIN_ANGLES}"
             place = f"height {z_mm:g} mm"
             raise InputError(file, place, None, problem, "measure more points per turn")
     angles = tuple(np.array(sorted(points[z_mm])) for z_mm in heights)

@@ -52,7 +52,7 @@ class Piston(TomlTable):
             raise wrong("no_ovality", "is missing", f'add it: shape = "{section.shape}" needs it')
         if value is not None and is_measured:
             assert section is not None
-            problem = f'has no meaning for shape = "{section.shape}": the points tell it'
+            problem = f'has no meaning for shape = "{section.shape}": the points determine it'
             raise wrong("extra_ovality", problem, "remove [piston.ovality]")
         return value
 
@@ -114,7 +114,7 @@ class SkirtProcess(TomlTable):
         if not isinstance(value, dict) or not isinstance(feeds, list) or not feeds:
             return value
         if "feed_mm" in value:
-            problem = "has no meaning beside [process.feed_law], whose mean it is"
+            problem = "cannot be combined with [process.feed_law], which sets the mean feed"
             raise wrong("law_feed", problem, "remove one of the two", field="feed_mm")
         return {"feed_mm": feeds[0], **value}
 
@@ -122,7 +122,7 @@ class SkirtProcess(TomlTable):
     @classmethod
     def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:
         if value and info.data.get("mode") == "equal-volume":
-            problem = "go with a constant speed: the law of the speed is made for one depth"
+            problem = "need a constant spindle speed, because a speed law is made for one depth"
             remedy = 'set process.mode = "uniform", or give one depth_mm and no passes'
             raise wrong("pass_mode", problem, remedy)
         check_passes(value, info.data.get("depth_mm", 0.0))
@@ -132,7 +132,7 @@ class SkirtProcess(TomlTable):
     @classmethod
     def _check_law(cls, value: FeedLaw | None, info: ValidationInfo) -> FeedLaw | None:
         if value is not None and info.data.get("path", "helix") != "helix":
-            problem = "is for a helix: rings and steps stand at the feed's distance"
+            problem = "needs a helix: rings and steps have a fixed distance, the feed"
             raise wrong("law_path", problem, 'set process.path = "helix", or remove the law')
         return value
 
@@ -148,7 +148,7 @@ class SkirtProcess(TomlTable):
     @classmethod
     def _check_path(cls, value: str, info: ValidationInfo) -> str:
         if value == "ring-helix" and info.data.get("mode") == "equal-volume":
-            problem = "is for a constant spindle speed: Z's ramps are made for one"
+            problem = "needs a constant spindle speed, because the ramps of Z are made for one"
             raise wrong("path", problem, 'set process.mode = "uniform", or path = "helix"')
         return value
 

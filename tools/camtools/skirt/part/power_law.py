@@ -131,7 +131,7 @@ class PeakOvality(_Law):
     def _check_least(self) -> Self:
         least = min(self.ovality_mm)
         if least < 0:
-            problem = f"lets the ovality fall to {least:.6g} mm at an end"
+            problem = f"makes the ovality fall to {least:.6g} mm at an end"
             context = {"field": "fall_mm_per_mm", "value": self.fall_mm_per_mm}
             raise wrong("least", problem, "give less of it, or more peak_ovality_mm", **context)
         return self

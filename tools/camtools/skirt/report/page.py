@@ -26,34 +26,34 @@ from camtools.skirt.report.text import rows_of
 _TEXTS = {
     "fault": (
         "The fault",
-        "U must leave the work first, within a few milliseconds, and the tool tip must never move "
+        "U must leave the work first, within a few milliseconds, and the tool tip must not move "
         "towards the axis (below 0) after the dashed line. X follows more slowly, and the spindle "
         "runs down by itself.",
     ),
     "map": (
         "Error map of the skirt",
         "The skirt unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
-        "worst point, grey was not cut. Stripes at fixed angles point to U, its timing or the "
-        "spindle's speed; bands at fixed heights to X or to the engage; an even colour to tool "
+        "worst point, grey areas were not cut. Stripes at fixed angles point to U, its timing or "
+        "the spindle speed; bands at fixed heights to X or to engaging; an even colour to the tool "
         "setting.",
     ),
     "own": (
         "Error map of the controller alone",
-        "Where the table plays a refit or a filter of the drawing, this is how far the cut is from "
-        "that: what machine and controller add. The verdict is by the map above.",
+        "The table plays a refit or a filtered form of the drawing; this map compares the cut with "
+        "that, so it shows what machine and controller add. The verdict uses the map above.",
     ),
     "sections": (
         "Sections",
-        "Above, the cut points must lie on the drawn oval everywhere. Below, the error alone is "
-        "enlarged far more, as on a roundness instrument: the line should stay near the middle "
-        "circle, and a line turned against the axes tells of a wrong dead time.",
+        "Top: the cut points must lie on the drawn oval everywhere. Bottom: the error alone, "
+        "enlarged far more, as on a roundness instrument. The line should stay near the middle "
+        "circle; a pattern rotated against the axes points to a wrong dead time.",
     ),
     "corner": (
         "The corner",
-        "Where ellipse and circle of the drawing meet there is a corner that no axis can follow; "
-        "the spline in its place costs the deviation of the second picture and keeps U's "
-        "acceleration, below, finite. The cut must lie on the refit; how far that is off the "
-        "drawing counts in the form error.",
+        "Where ellipse and circle of the drawing meet, there is a corner that no axis can follow. "
+        "A spline replaces it: it keeps U's acceleration (bottom) finite and deviates from the "
+        "drawing as the second picture shows. The cut must lie on this refit; its deviation "
+        "counts in the form error.",
     ),
     "height": (
         "Error over height",
@@ -62,8 +62,8 @@ _TEXTS = {
     ),
     "skirt": (
         "The skirt in space",
-        "The gauged surface with its deviations from a cylinder enlarged: oval, barrel shape and, "
-        "where there is one, the corner can be seen; steps or waves would stand out.",
+        "The gauged surface with its deviations from a cylinder enlarged. It shows the oval, the "
+        "barrel shape and, if there is one, the corner; steps or waves would stand out.",
     ),
     "learning": CONVERGENCE_TEXT,
     "switches": SWITCHES_TEXT,
@@ -76,21 +76,21 @@ _TEXTS = {
     "even": (
         "Equal-volume turning",
         "The spindle slows down where the chip is deep, so that removal rate and power stay even; "
-        "dashed is the same part at constant speed. The force of the chip stays as it is, since "
-        "neither depth nor feed depend on the speed: the papers' claim of a constant force holds "
-        "only for their model, in which force is proportional to the removal rate.",
+        "dashed: the same part at constant speed. The chip force does not change, since neither "
+        "depth nor feed depend on the speed: the papers' claim of a constant force holds only for "
+        "their model, in which force is proportional to the removal rate.",
     ),
     "ripple": (
         "Ripple of the removal rate",
-        "Largest minus least rate of every turn, over the height, measured on the workpiece. Where "
-        "the spindle's acceleration allows it the rate is constant; where it does not, the table "
-        "holds the law of least ripple, which must lie below the papers' partial modulation.",
+        "Largest minus smallest rate of every turn, over the height, measured on the workpiece. If "
+        "the spindle's acceleration allows it, the rate is constant; otherwise the table holds "
+        "the law of least ripple, which must lie below the papers' partial modulation.",
     ),
     "following": (
         "Following error of U",
-        "How far U was from where it should have been at that moment; the band holds every turn of "
-        "the cut. The shape of the velocity curve means a wrong dead time or k1, that of the "
-        "acceleration curve a wrong k2; a thin band means that all turns are alike.",
+        "Difference between the actual and the demanded position of U; the band covers every turn "
+        "of the cut. The shape of the velocity curve points to a wrong dead time or k1, that of "
+        "the acceleration curve to a wrong k2; a thin band means that all turns are alike.",
     ),
     "sequence": SEQUENCE_TEXT,
     "compare": COMPARE_TEXT,

@@ -33,7 +33,7 @@ def emit_text(summary: Json) -> str:
         f"{motion['velocity_mm_s']:.3f} mm/s, {motion['acceleration_mm_s2']:.1f} mm/s2, "
         f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
-        f"decided by {feasible['decided_by']}\n"
+        f"limited by {feasible['decided_by']}\n"
         + _room_text(summary)
         + tool_text(summary["tool"])
         + segments_text(summary.get("segments", {}))
@@ -48,13 +48,13 @@ def emit_text(summary: Json) -> str:
 
 def tool_text(tool: Json) -> str:
     """Return the tool of a skirt's table and the clearance that its heel has left."""
-    nose = f"nose of {tool['nose_radius_mm']:g} mm" if tool["nose_radius_mm"] else "point"
+    nose = f"nose radius {tool['nose_radius_mm']:g} mm" if tool["nose_radius_mm"] else "pointed"
     worn = f", worn by {tool['wear_um']:g} um" if tool["wear_um"] else ""
     needed = tool["needed_clearance_deg"]
     place = f"{tool['heel_at_deg']:g} degrees, height {tool['heel_at_mm']:g} mm"
     return (
-        f"  tool: {nose}{worn}, clearance {tool['clearance_deg']:g} degrees; the sections need "
-        f"{needed:.2f}, at {place}\n"
+        f"  tool: {nose}{worn}, clearance angle {tool['clearance_deg']:g} degrees, required "
+        f"{needed:.2f} (at {place})\n"
     )
 
 
@@ -62,11 +62,10 @@ def _room_text(summary: Json) -> str:
     """Return where U swings, where the tool runs in and out, and the passes; nothing by default."""
     process, text = summary["process"], ""
     if process["u_zero"] == "mean":
-        text += f"  U swings about X, which is {process['u_zero_mm']:.6g} mm below the long axis\n"
+        below = f"{process['u_zero_mm']:.6g} mm below the long axis"
+        text += f"  U = 0 is the middle of its stroke, {below}\n"
     if process["run_in_mm"] or process["run_out_mm"]:
-        text += (
-            f"  runs in over {process['run_in_mm']:g} mm, out over {process['run_out_mm']:g} mm\n"
-        )
+        text += f"  run-in {process['run_in_mm']:g} mm, run-out {process['run_out_mm']:g} mm\n"
     for number, one in enumerate(process.get("passes", []), start=1):
         text += (
             f"  pass {number} of {len(process['passes'])}: {one['spindle_rpm']:g} r/min, feed "
@@ -74,9 +73,7 @@ def _room_text(summary: Json) -> str:
         )
     if process.get("feed_law") is not None:
         low, high = min(process["feed_law"]["feed_mm"]), max(process["feed_law"]["feed_mm"])
-        text += (
-            f"  feed {low:g} .. {high:g} mm over the height, {process['feed_mm']:.6g} mm in mean\n"
-        )
+        text += f"  feed {low:g} .. {high:g} mm over the height, mean {process['feed_mm']:.6g} mm\n"
     return text
 
 
@@ -105,8 +102,8 @@ def _profile_text(summary: Json) -> str:
     if error_nm <= summary["tolerance_nm"]:
         return ""
     return (
-        "  the profile has corners or steps of curvature, which x follows to "
-        f"{error_nm:.3g} nm at best\n"
+        "  the profile has corners or steps of curvature; x follows them within "
+        f"{error_nm:.3g} nm\n"
     )
 
 
@@ -118,8 +115,8 @@ def _scan_text(summary: Json) -> str:
     text = f"  the surface is within {scan['off_points_um']:.3f} um of all points\n"
     if scan["joined_um"] > 0:
         text += (
-            f"  heights were measured at angles of their own: {scan['joined_um']:.2g} um at most "
-            "from splines through their points\n"
+            f"  the heights have different angles; splines join them within "
+            f"{scan['joined_um']:.2g} um\n"
         )
     return text
 
@@ -130,7 +127,8 @@ def _sides_text(summary: Json) -> str:
         return ""
     sides = summary["sides"]
     place = sides["meet"].replace("-", " ")
-    return f"  the sides differ by {sides['step_um']:.3f} um at most where they meet, the {place}\n"
+    most = f"at most {sides['step_um']:.3f} um"
+    return f"  the two sides differ by {most} where they meet, at the {place}\n"
 
 
 def _refit_text(summary: Json) -> str:
@@ -143,11 +141,11 @@ def _refit_text(summary: Json) -> str:
         f"  corner at {refit['joint_deg']:g} degrees, height {refit['height_mm']:g} mm: slope "
         f"jumps by {refit['corner_mm_per_rad']:.4f} mm/rad, eccentricity "
         f"{refit['eccentricity_mm']:.6f} mm",
-        f"  the refit is {refit['deviation_um']:.2f} um off the drawing at most "
+        f"  the refit deviates from the drawing by at most {refit['deviation_um']:.2f} um "
         f"({refit['deviation_limit_um']:g} um allowed)",
-        f"  {recipe['spline']} refit, {recipe['ends']} ends; what deleting s1, s2 points costs, "
-        "* is this table:",
-        "   s1 s2  acceleration mm/s2   at deg  jerk mm/s3  behind corner  deviation um",
+        f"  {recipe['spline']} refit, {recipe['ends']} ends; effect of deleting s1 and s2 points, "
+        "* marks this table:",
+        "   s1 s2  acceleration mm/s2   at deg  jerk mm/s3   after corner  deviation um",
     ]
     chosen = recipe["s1"], recipe["s2"]
     lines += [_candidate_text(one, (one["s1"], one["s2"]) == chosen) for one in refit["candidates"]]

@@ -57,8 +57,8 @@ def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     return [
         ReportRow(
             "refit of the corner",
-            f"{recipe.spline}, ({recipe.s1}, {recipe.s2}) left out: at most "
-            f"{length_text(off.um)} off the drawing, {length_text(corner.off_limit_um)} allowed",
+            f"{recipe.spline}, ({recipe.s1}, {recipe.s2}) points left out: deviates from the "
+            f"drawing by at most {length_text(off.um)}, {length_text(corner.off_limit_um)} allowed",
         )
     ]
 
@@ -69,8 +69,8 @@ def _filter_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     if geometry.off_points_um is None or section.harmonics is None:
         return []
     waves = f"waves up to {section.harmonics} per turn are kept"
-    off = f"at most {length_text(geometry.off_points_um)} off the points"
-    return [ReportRow("filter of the points", f"{waves}: {off}")]
+    off = f"at most {length_text(geometry.off_points_um)} from the points"
+    return [ReportRow("filter of the points", f"{waves}; {off}")]
 
 
 def _correction_rows(outcome: SkirtOutcome) -> list[ReportRow]:
@@ -81,10 +81,11 @@ def _correction_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     about = correction.rounds[-1]
     left = about["expected_um"]
     text = (
-        f"round {len(correction.rounds)}, of {length_text(about['gauged_um']['max'])} at most; "
-        f"expected {length_text(left['max'])}, rms {length_text(left['rms'])}"
+        f"round {len(correction.rounds)}: measured at most "
+        f"{length_text(about['gauged_um']['max'])}; expected {length_text(left['max'])}, "
+        f"rms {length_text(left['rms'])}"
     )
-    return [ReportRow("correction by gauged parts", text)]
+    return [ReportRow("correction by measured parts", text)]
 
 
 def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
@@ -103,7 +104,7 @@ def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     ours, theirs = outcome.even.summary["removal"], outcome.even.uniform_summary["removal"]
     if "rate_ripple" not in ours or "rate_ripple" not in theirs:
         return [
-            ReportRow("ripple of the removal rate", "none: no whole turn at full feed was measured")
+            ReportRow("ripple of the removal rate", "unknown: no whole turn at full feed was cut")
         ]
     rate, plain = ours["rate_ripple"], theirs["rate_ripple"]
     chip, plain_chip = ours["chip_force_ripple"], theirs["chip_force_ripple"]
@@ -114,8 +115,8 @@ def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
             f"(uniform turning {100 * plain['mean']:.0f} %, {100 * plain['max']:.0f} %)",
         ),
         ReportRow(
-            "ripple of the chip's force",
-            f"mean {100 * chip['mean']:.0f} % (uniform turning {100 * plain_chip['mean']:.0f} %): "
+            "ripple of the chip force",
+            f"mean {100 * chip['mean']:.0f} % (uniform turning {100 * plain_chip['mean']:.0f} %); "
             "no speed law changes it",
         ),
         ReportRow(

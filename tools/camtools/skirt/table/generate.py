@@ -78,7 +78,7 @@ def make_table(
 def refuse_steps(part: SkirtPart) -> None:
     """Refuse a stepped path: a controller plays helices and ring-helices."""
     if part.process.path == "stepped":
-        problem = "is for analyse and mkgcode, a controller does not play it"
+        problem = "is only for analyse and mkgcode; a controller cannot play it"
         remedy = 'give --axes cxzu to mkgcode, or set path = "ring-helix" or "helix"'
         raise GeometryError("process.path", problem, remedy)
 

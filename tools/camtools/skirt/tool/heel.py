@@ -65,7 +65,7 @@ def check_heel(geometry: Geometry, tool: Tool, direction: int) -> Heel:
         return found
     problem = (
         f"the heel of {tool.clearance_deg:g} degrees rubs: at {found.angle_deg:g} degrees, height "
-        f"{found.z_mm:g} mm the work behind the edge rises by {found.needed_deg:.2f} degrees"
+        f"{found.z_mm:g} mm the work after the edge rises by {found.needed_deg:.2f} degrees"
     )
     least_deg = ceil(found.needed_deg * 10 + 0.1) / 10
     remedy = f"give a tool with at least {least_deg:.1f}, or a section that is less steep"
