@@ -173,7 +173,10 @@ def test_two_live_lathes_are_told_apart_by_name(capsys: pytest.CaptureFixture[st
     """Without a name camctl says which there are; each bus is its own."""
     with living(), living("--name", "other"):
         assert run("status")[0] == 2
-        assert "2 live lathes: other, perkins240; give --live NAME" in capsys.readouterr().err
+        assert (
+            "2 live lathes are running: other, perkins240; give --live NAME"
+            in capsys.readouterr().err
+        )
         do("--live", "other", "home")
         assert "state             off" in do("--live", "perkins240", "status")
         assert run("--live", "third", "status")[0] == 2

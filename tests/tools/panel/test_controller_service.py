@@ -277,7 +277,7 @@ def test_a_controller_that_falls_silent_is_seen_and_comes_back(
             until(lambda: seat.ask("home").is_done)
             bench.close()
             until(lambda: not seat.desk.snapshot().is_connected)
-            assert "silent" in seat.desk.snapshot().problem
+            assert "does not answer" in seat.desk.snapshot().problem
             assert seat.refused("start").startswith("not sent: ")
         seat.is_bus_there = False
         until(lambda: seat.desk.snapshot().problem == "no bus: start tools/live")

@@ -131,7 +131,7 @@ def test_bad_scans_are_refused(name: str, tmp_path: Path) -> None:
 def test_too_many_waves_are_refused(tmp_path: Path) -> None:
     """36 points tell 17 waves apart, not 18."""
     geometry_of(tmp_path, GOOD, "harmonics = 17")
-    with pytest.raises(CamtoolsError, match=r"harmonics: 36 points .* 18 waves .* at most 17"):
+    with pytest.raises(CamtoolsError, match=r"harmonics: 36 points .* 18 waves; .* at most 17"):
         geometry_of(tmp_path, GOOD, "harmonics = 18")
 
 
