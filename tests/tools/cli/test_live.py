@@ -151,7 +151,7 @@ def test_a_lathe_that_is_killed_is_a_fault_of_drives_and_bus() -> None:
     with living() as live:
         do("home")
         os.kill(the_lathe().facts["lathe_pid"], signal.SIGKILL)
-        live.wait_for("was ended by signal 9; the controller goes on")
+        live.wait_for("was ended by signal 9; the controller continues")
         until(lambda: "faults            drive, bus" in do("status"))
         assert run("reset")[0] == 1 or run("enable")[0] == 1, "the drives are still missing"
 

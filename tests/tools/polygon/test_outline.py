@@ -125,7 +125,7 @@ def test_impossible_outlines() -> None:
         cornered([[9, 1], [9, 5], [-6, 5], [-6, 1]], [1.0] * 4, 0.0)
     with pytest.raises(CamtoolsError, match=r"rises 8\d\.\d degrees"):
         cornered([[9, -0.5], [0, 5], [-6, 0], [0, -0.6]], [0.1] * 4, 0.0)
-    with pytest.raises(CamtoolsError, match="take all of the side"):
+    with pytest.raises(CamtoolsError, match="use up the whole following side"):
         cornered([[9, 0], [0, 5], [-6, 0], [0, -5]], [5.0] * 4, 0.0)
 
 

@@ -148,7 +148,7 @@ def test_scans_come_from_files_only(tmp_path: Path) -> None:
     ):
         with pytest.raises(CamtoolsError) as info:
             read_scan_text(path)
-        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, its "
-        assert info.value.lines == [f"{told}place seen from the part file"]
+        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, "
+        assert info.value.lines == [f"{told}with its path relative to the part file"]
     table.write_text(GOOD, encoding="utf-8-sig")
     assert joined(read_scan_text(table)).scan.z_mm.tolist() == [0, 60]
