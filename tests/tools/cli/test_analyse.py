@@ -129,7 +129,7 @@ def test_uniform_part_is_not_judged_by_equal_parts(perkins: SkirtPart) -> None:
     """Equal parts are judged only where they are turned or asked for; nothing is shouted."""
     for name in ("weichai3a", "16v240zj", "scan90", "double_ellipse", "perkins240_x30"):
         text = told_of(load_part(PERKINS.with_name(f"{name}.toml")), AnalysisWishes())
-        assert "the part is turned uniformly; equal volume would take" in text
+        assert "the part is turned uniformly; equal volume would need" in text
         assert not re.search(r"not possible|NOT", text)
     assert "30 equal parts are possible; the range is 28 (volume" in told_of(
         perkins, AnalysisWishes(parts=30)
@@ -138,9 +138,9 @@ def test_uniform_part_is_not_judged_by_equal_parts(perkins: SkirtPart) -> None:
     assert "30 equal parts are possible" in told_of(even, AnalysisWishes())
     asked = told_of(perkins, AnalysisWishes(parts=500))
     assert "500 equal parts are not possible; give 28 (volume of a part) .. 120" in asked
-    assert "give --parts or process.parts" in asked
+    assert "by --parts or process.parts" in asked
     none = told_of(even, AnalysisWishes(slice_volume_mm3=1e-6))
-    assert "30 equal parts: no number is possible" in none
+    assert "30 equal parts: no number of parts is possible" in none
 
 
 @pytest.mark.parametrize(

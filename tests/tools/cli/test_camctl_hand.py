@@ -76,7 +76,7 @@ def test_axes_are_homed(bench: Bench, refusal: Callable[[Bench, int, str], str])
         *(("u_home", 2), ("z_home", 1), ("z_home_nm", -7_000_000)),
     ):
         bench.do("set", name, str(value))
-    assert "not homed; in manual: home u" in refusal(bench, 1, "enable")
+    assert "not homed; in manual, home every axis" in refusal(bench, 1, "enable")
     bench.do("manual")
     assert "set x_low_nm" not in bench.do("home", "x")
     assert bench.do("home", "u").startswith("home u ")
@@ -123,14 +123,14 @@ def test_zero_and_tools_move_the_part(
     assert "diameter 79.012000 mm at U = 0, tool 2" in bench.do("status")
     assert "no tool is in use" in bench.do("tool", "0")
     assert "give --diameter" in refusal(bench, 2, "zero x --height 3")
-    assert "give a tool" in refusal(bench, 2, "tool --x 3")
+    assert "give the number of a tool" in refusal(bench, 2, "tool --x 3")
 
 
 def test_limits_of_speed_and_travel_are_told(
     bench: Bench, refusal: Callable[[Bench, int, str], str]
 ) -> None:
     """In millimetres, as the command; a jog to the limit stands there."""
-    assert "by hand manual" in refusal(bench, 1, "jog x + --speed 1")
+    assert "by hand: manual" in refusal(bench, 1, "jog x + --speed 1")
     bench.do("set", "z_low_nm", "-1000000")
     bench.do("set", "z_high_nm", "1000000")
     bench.do("manual")

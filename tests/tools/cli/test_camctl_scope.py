@@ -55,7 +55,7 @@ def test_bad_recordings_are_refused(bench: Bench, tmp_path: Path, refusal: Refus
     assert "u_set: no such signal" in refusal(bench, 2, f"scope {record} --signals u_set")
     assert "ends in .csv" in refusal(bench, 2, f"scope {tmp_path / 'record'}")
     assert "less than --seconds" in refusal(bench, 2, f"scope {record} --before 1 --seconds 1")
-    assert "leave none behind it" in refusal(bench, 1, f"scope {record} --before 60")
+    assert "leave none after it" in refusal(bench, 1, f"scope {record} --before 60")
     for trigger, why in (
         ("fast", "give one of now"),
         ("u_set>3", "u_set: no such signal"),

@@ -151,7 +151,7 @@ def test_a_lathe_that_is_killed_is_a_fault_of_drives_and_bus() -> None:
     with living() as live:
         do("home")
         os.kill(the_lathe().facts["lathe_pid"], signal.SIGKILL)
-        live.wait_for("was ended by signal 9; the controller goes on")
+        live.wait_for("was ended by signal 9; the controller continues")
         until(lambda: "faults            drive, bus" in do("status"))
         assert run("reset")[0] == 1 or run("enable")[0] == 1, "the drives are still missing"
 
@@ -173,7 +173,10 @@ def test_two_live_lathes_are_told_apart_by_name(capsys: pytest.CaptureFixture[st
     """Without a name camctl says which there are; each bus is its own."""
     with living(), living("--name", "other"):
         assert run("status")[0] == 2
-        assert "2 live lathes: other, perkins240; give --live NAME" in capsys.readouterr().err
+        assert (
+            "2 live lathes are running: other, perkins240; give --live NAME"
+            in capsys.readouterr().err
+        )
         do("--live", "other", "home")
         assert "state             off" in do("--live", "perkins240", "status")
         assert run("--live", "third", "status")[0] == 2

@@ -102,7 +102,7 @@ def test_of_two_live_lathes_one_must_be_named(
     with ExitStack() as stack:
         for name in ("one", "two"):
             stack.enter_context(announced(runtime, name, facts))
-        assert "2 live lathes: one, two; give --live NAME" in complaint(capsys, folder)
+        assert "2 live lathes are running: one, two; give --live NAME" in complaint(capsys, folder)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -245,7 +245,7 @@ def test_feed_too_small_is_refused(table_of: Callable[[str], Path], *, is_ring_h
     limits = MachineLimits()
     for feed_nm in (1, least_nm - 1):
         with pytest.raises(
-            RefusedError, match=r"controller's turns = .* no speed would do: a larger"
+            RefusedError, match=r"controller's turns = .* no speed helps: give a larger"
         ):
             check_table(replace(made, feed_nm=feed_nm, spindle_mrpm=1000), limits)
     check_table(replace(made, feed_nm=least_nm + 1, spindle_mrpm=1000), limits)

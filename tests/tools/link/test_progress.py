@@ -42,8 +42,8 @@ def test_a_hold_says_that_the_time_stands(more: dict[str, float]) -> None:
         ("fault", CUT, "no cut"),
         ("off", CUT, "no cut"),
         ("unknown", {}, "no cut"),
-        ("cutting", {}, "the controller does not tell"),
-        ("cutting", {"has_end": 1.0, "pass_speed": 500.0}, "the controller does not tell"),
+        ("cutting", {}, "the controller does not report"),
+        ("cutting", {"has_end": 1.0, "pass_speed": 500.0}, "the controller does not report"),
     ],
 )
 def test_what_is_not_known_is_not_guessed(state: str, signals: dict[str, float], text: str) -> None:

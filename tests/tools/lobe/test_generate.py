@@ -190,17 +190,21 @@ def test_modulated_table_keeps_the_machines_limits() -> None:
 
 
 WEAK = [
-    ("u_stroke_mm = 24", "u_stroke_mm = 10", "no speed would do: less lift"),
-    ("u_speed_mm_s = 400", "u_speed_mm_s = 40", "u_speed_mm_s decides"),
-    ("u_acceleration_mm_s2 = 20000", "u_acceleration_mm_s2 = 500", "u_acceleration_mm_s2 decides"),
-    ("swing_deg = 30", "swing_deg = 15", "no speed would do: less steep a lift"),
-    ("swing_speed_deg_s = 1000", "swing_speed_deg_s = 100", "swing_speed_deg_s decides"),
+    ("u_stroke_mm = 24", "u_stroke_mm = 10", "no speed helps: give less lift"),
+    ("u_speed_mm_s = 400", "u_speed_mm_s = 40", "limited by u_speed_mm_s"),
+    (
+        "u_acceleration_mm_s2 = 20000",
+        "u_acceleration_mm_s2 = 500",
+        "limited by u_acceleration_mm_s2",
+    ),
+    ("swing_deg = 30", "swing_deg = 15", "no speed helps: give a less steep lift"),
+    ("swing_speed_deg_s = 1000", "swing_speed_deg_s = 100", "limited by swing_speed_deg_s"),
     (
         "swing_acceleration_deg_s2 = 100000",
         "swing_acceleration_deg_s2 = 5000",
-        "swing_acceleration_deg_s2 decides",
+        "limited by swing_acceleration_deg_s2",
     ),
-    ("spindle_rpm = 300", "spindle_rpm = 50", "spindle_rpm decides"),
+    ("spindle_rpm = 300", "spindle_rpm = 50", "limited by spindle_rpm"),
 ]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The service before the firmware with an ideal machine: orders, rights, stop, parameters."""
+"""The desk before the firmware with an ideal machine: orders, rights, stop, parameters."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_part_is_cut_with_overrides(seat: Seat) -> None:
     seat.do("trim", measure="radius", mm=0)
 
 
-def test_rights_are_checked_by_the_service(seat: Seat) -> None:
+def test_rights_are_checked_by_the_desk(seat: Seat) -> None:
     """Without token nothing, with token stop and drives off, the rest for the commander alone."""
     assert "need the token" in seat.refused("enable", seat.guest)
     assert "need the token" in seat.refused("stop", seat.guest)
@@ -110,7 +110,7 @@ def test_everything_tried_is_in_the_log(seat: Seat) -> None:
 def test_what_is_wrong_is_one_line(
     seat: Seat, name: str, words: dict[str, object], why: str
 ) -> None:
-    """The service or the controller refuses, and nothing has changed."""
+    """The desk or the controller refuses, and nothing has changed."""
     text = seat.refused(name, **words)
     assert why in text and "\n" not in text
     assert seat.state == "off"
@@ -277,7 +277,7 @@ def test_a_controller_that_falls_silent_is_seen_and_comes_back(
             until(lambda: seat.ask("home").is_done)
             bench.close()
             until(lambda: not seat.service.snapshot().is_connected)
-            assert "silent" in seat.service.snapshot().problem
+            assert "does not answer" in seat.service.snapshot().problem
             assert seat.refused("start").startswith("not sent: ")
         seat.is_bus_there = False
         until(lambda: seat.service.snapshot().problem == "no bus: start tools/live")

@@ -121,11 +121,11 @@ def test_impossible_outlines() -> None:
         regular(6, 20.0, 10.0, 0.0)
     with pytest.raises(CamtoolsError, match="does not turn left"):
         cornered([[9, 0], [0, -5], [-6, 0], [0, 5]], [1.0] * 4, 0.0)
-    with pytest.raises(CamtoolsError, match="is not inside"):
+    with pytest.raises(CamtoolsError, match="is outside of the side"):
         cornered([[9, 1], [9, 5], [-6, 5], [-6, 1]], [1.0] * 4, 0.0)
     with pytest.raises(CamtoolsError, match=r"rises 8\d\.\d degrees"):
         cornered([[9, -0.5], [0, 5], [-6, 0], [0, -0.6]], [0.1] * 4, 0.0)
-    with pytest.raises(CamtoolsError, match="take all of the side"):
+    with pytest.raises(CamtoolsError, match="use up the whole following side"):
         cornered([[9, 0], [0, 5], [-6, 0], [0, -5]], [5.0] * 4, 0.0)
 
 

@@ -189,7 +189,7 @@ P3G = 'form = "p3g"\nz_mm = [0, 9]\n'
 WRONG = [
     (P3G + "size_mm = 26\n", "polygon.size_mm = 26: no nominal size of p3g; use one of 14, 16"),
     (P3G + "mean_diameter_mm = 25\n", "polygon.eccentricity_mm: is missing for form"),
-    (P3G + "size_mm = 25\neccentricity_mm = 1\n", "polygon.eccentricity_mm = 1: stands beside"),
+    (P3G + "size_mm = 25\neccentricity_mm = 1\n", "polygon.eccentricity_mm = 1: contradicts"),
     (P3G + "size_mm = 25\nsides = 3\n", "polygon.sides = 3: sides has no meaning"),
     ('form = "hexagon"\nz_mm = [0, 9]\n', "polygon.form = 'hexagon'"),
     (P3G.replace("[0, 9]", "[9, 0]") + "size_mm = 25\n", "polygon.z_mm"),

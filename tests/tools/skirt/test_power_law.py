@@ -87,7 +87,7 @@ def test_table_of_a_formula_keeps_its_tolerance(law: SkirtPart) -> None:
         (
             "fall_mm_per_mm = 0.00238",
             "fall_mm_per_mm = 1 # ",
-            r"fall_mm_per_mm = 1\.0: lets the oval",
+            r"fall_mm_per_mm = 1\.0: makes the oval",
         ),
         ("peak_diameter_mm = 92", "diameter_mm = 92", r"profile\.diameter_mm = 92: unknown key"),
     ],

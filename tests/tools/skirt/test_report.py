@@ -240,7 +240,7 @@ def test_tool_that_was_out_already_is_told_so(faulty: SkirtOutcome) -> None:
     """A fault far from the work claims no retract time."""
     trace = faulty.trace._replace(error_nm=np.full(faulty.trace.t_s.size, 2e6))
     outcome = SkirtOutcome(faulty.generated, faulty.summary, faulty.surface, trace)
-    assert "out of the work already" in dict(fault_story(outcome))["reaction"]
+    assert "already out of the work" in dict(fault_story(outcome))["reaction"]
 
 
 def test_drive_fault_claims_no_retract(faulty: SkirtOutcome) -> None:
@@ -330,7 +330,7 @@ def test_windowed_trace_is_said_so(good: SkirtOutcome) -> None:
     """The report tells when the trace holds the first turns only."""
     whole = trace_text(good)
     part = trace_text(SkirtOutcome(good.generated, good.summary, good.surface, good.trace, False))
-    assert "every tick" in whole
+    assert "holds all" in whole
     assert "first 0.5 s only" in part
 
 

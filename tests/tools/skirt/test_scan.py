@@ -131,7 +131,7 @@ def test_bad_scans_are_refused(name: str, tmp_path: Path) -> None:
 def test_too_many_waves_are_refused(tmp_path: Path) -> None:
     """36 points tell 17 waves apart, not 18."""
     geometry_of(tmp_path, GOOD, "harmonics = 17")
-    with pytest.raises(CamtoolsError, match=r"harmonics: 36 points .* 18 waves .* at most 17"):
+    with pytest.raises(CamtoolsError, match=r"harmonics: 36 points .* 18 waves; .* at most 17"):
         geometry_of(tmp_path, GOOD, "harmonics = 18")
 
 
@@ -148,7 +148,7 @@ def test_scans_come_from_files_only(tmp_path: Path) -> None:
     ):
         with pytest.raises(CamtoolsError) as info:
             read_scan_text(path)
-        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, its "
-        assert info.value.lines == [f"{told}place seen from the part file"]
+        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, "
+        assert info.value.lines == [f"{told}with its path relative to the part file"]
     table.write_text(GOOD, encoding="utf-8-sig")
     assert joined(read_scan_text(table)).scan.z_mm.tolist() == [0, 60]

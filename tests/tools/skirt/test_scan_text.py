@@ -168,7 +168,7 @@ def test_noise_at_angles_of_its_own_is_refused(tmp_path: Path) -> None:
         for z, deg, ums in zip((0, 24), angles, noise.tolist(), strict=True)
         for a, um in zip(deg.tolist(), ums, strict=True)
     ]
-    with pytest.raises(CamtoolsError, match="heights have angles of their own") as info:
+    with pytest.raises(CamtoolsError, match="heights have different angles") as info:
         text = "\n".join(["angle_deg,z_mm,reduction_um", *rows])
         geometry_of(tmp_path, text)
     assert "; measure all heights at the same angles" in info.value.lines[0]

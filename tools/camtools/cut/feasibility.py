@@ -215,7 +215,7 @@ def remedy_text(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> 
     if best.rpm < asked_rpm:
         speed = (
             f"with these limits process.spindle_rpm = {asked_rpm:g} may be at most "
-            f"{tenth_below(best.rpm)} r/min ({best.decides} decides)"
+            f"{tenth_below(best.rpm)} r/min (limited by {best.decides})"
         )
     if feed_mm is None:
         return speed
@@ -235,8 +235,8 @@ def check_feasible(peaks: Peaks, limits: MachineLimits, spindle_rpm: float) -> N
     remedy = remedy_text(highest_speed(peaks, limits), spindle_rpm, None)
     shape = "lift" if isinstance(limits, SwingLimits) else "ovality"
     at_any_speed = {
-        "u_stroke_mm": f"no speed would do: less {shape}, or a longer stroke",
-        "swing_deg": "no speed would do: less steep a lift",
+        "u_stroke_mm": f"no speed helps: give less {shape}, or a longer stroke",
+        "swing_deg": "no speed helps: give a less steep lift",
     }
     needed = needed_of(peaks, limits, omega_rad_s(spindle_rpm))
     lines = [

@@ -50,9 +50,9 @@ _NAMES = {
     "u_command_acceleration": _Named("u_acceleration_mm_s2", 1, "mm/s2"),
 }
 _AT_ANY_SPEED = {
-    "u_stroke": "no speed would do: less {}, or a longer stroke",
-    "swing_range": "no speed would do: less steep a lift",
-    "turns": "no speed would do: a larger feed_mm",
+    "u_stroke": "no speed helps: give less {}, or a longer stroke",
+    "swing_range": "no speed helps: give a less steep lift",
+    "turns": "no speed helps: give a larger feed_mm",
 }
 _SHOWN_WHERE_EXCEEDED = (
     "swing_axis",

@@ -6,7 +6,7 @@
 >>> cut_progress("cutting", signals)
 CutProgress(fraction=0.75, left_s=30.0, text='pass 2 of 3: 75 %, 0:30 left')
 >>> cut_progress("cutting", {"has_end": 0, "pass_speed": 500.0}).text
-'Z is led by others: only a stop ends this cut'
+'Z is moved by another controller: only a stop ends this cut'
 """
 
 from __future__ import annotations

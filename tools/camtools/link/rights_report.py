@@ -7,7 +7,7 @@
 'acknowledged; enable within 42 s'
 >>> level_text({"level": 0.0})
 'locked: limits, constants and tables do not change; to unlock, turn the key switch at the \
-machine anew, or give the secret'
+machine off and on, or give the secret'
 """
 
 from __future__ import annotations

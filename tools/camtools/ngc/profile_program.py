@@ -138,7 +138,7 @@ def _notes(job: ProgramJob, found: Segments) -> list[str]:
 def profile_program(job: ProgramJob) -> Iterator[bytes]:
     """Return the program in pieces."""
     if job.part.process.path != "helix":
-        problem = "with G33, a CNC cannot stop Z for some turns of its spindle"
+        problem = "a CNC cannot stop Z for some turns of its spindle with G33"
         raise GeometryError("process.path", problem, 'give --axes cxzu, or path = "helix"')
     ends = job.z_first_mm, job.z_last_mm
     found = segments(job.geometry, *ends, job.chord_mm, job.middle_mm)

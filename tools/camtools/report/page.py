@@ -47,7 +47,7 @@ def trace_text(outcome: AnyCut) -> str:
     last_s = float(outcome.trace.t_s[-1]) if outcome.trace.t_s.size else 0.0
     return (
         "Because this cut is long, trace.parquet, the comparison and the pictures of U, following "
-        f"error and sequence cover a shortened run of {last_s:.1f} s ({ticks} ticks)."
+        f"error and sequence cover the first {last_s:.1f} s only: {ticks} ticks of a shorter run."
     )
 
 

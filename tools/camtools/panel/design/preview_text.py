@@ -3,7 +3,7 @@
 
 >>> verdict_words({"is_feasible": True, "highest_rpm": 3000.0, "asked_rpm": 2500.0,
 ...                "decided_by": "spindle_rpm"})
-('feasible', 'at most 3000.0 r/min: spindle_rpm decides; asked for 2500 r/min')
+('feasible', 'at most 3000.0 r/min, limited by spindle_rpm; required 2500 r/min')
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@
 >>> commander.take_over(other).is_done, commander.holder is other
 (True, True)
 >>> commander.news(one)[:23]
-'v2 at 127.0.0.1 took th'
+'v2 at 127.0.0.1 took ov'
 """
 
 from __future__ import annotations

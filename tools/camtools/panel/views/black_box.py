@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether the black box of a fault waits, and how to read it.
 
->>> box_text({"recorder_use": 2.0, "recorder_phase": 3.0, "recorder_faults": 1.0})[:55]
-'The black box holds what was before the fault estop, an'
+>>> box_text({"recorder_use": 2.0, "recorder_phase": 3.0, "recorder_faults": 1.0})[:59]
+'The black box holds the recording from before the fault est'
 >>> box_text({})
 ''
 """
