@@ -18,29 +18,19 @@ typedef struct {
     bool (*take)(void *options, const char *text, common_error_t *e);
 } camsim_option_t;
 
-// clang-format off: one row each
-#define CAMSIM_SWITCH(name_, at_, help_)                                                           \
-    {                                                                                              \
-        .name = (name_), .help = (help_), .at = (at_)                                              \
-    }
-#define CAMSIM_TEXT(name_, argument_, at_, help_)                                                  \
-    {                                                                                              \
-        .name = (name_), .argument = (argument_), .help = (help_), .at = (at_)                     \
-    }
-#define CAMSIM_TAKEN(name_, argument_, take_, help_)                                               \
-    {                                                                                              \
-        .name = (name_), .argument = (argument_), .help = (help_), .take = (take_)                 \
-    }
-#define CAMSIM_NUMBER(name_, argument_, at_, min_, max_, unit_, help_)                             \
-    {                                                                                              \
-        .name = (name_), .argument = (argument_), .help = (help_), .at = (at_), .unit = (unit_),   \
-        .min = (min_), .max = (max_)                                                               \
-    }
-#define CAMSIM_WHOLE(name_, argument_, at_, min_, max_, help_)                                     \
-    {                                                                                              \
-        .name = (name_), .argument = (argument_), .help = (help_), .at = (at_),                    \
-        .unit = "a whole number", .min = (min_), .max = (max_), .is_whole = true                   \
-    }
+// A row of the table of each kind.
+// clang-format off
+#define CAMSIM_SWITCH(name_, at_, help_) {.name = (name_), .help = (help_), .at = (at_)}
+#define CAMSIM_TEXT(name_, argument_, at_, help_) \
+    {.name = (name_), .argument = (argument_), .help = (help_), .at = (at_)}
+#define CAMSIM_TAKEN(name_, argument_, take_, help_) \
+    {.name = (name_), .argument = (argument_), .help = (help_), .take = (take_)}
+#define CAMSIM_NUMBER(name_, argument_, at_, min_, max_, unit_, help_) \
+    {.name = (name_), .argument = (argument_), .help = (help_), .at = (at_), \
+     .unit = (unit_), .min = (min_), .max = (max_)}
+#define CAMSIM_WHOLE(name_, argument_, at_, min_, max_, help_) \
+    {.name = (name_), .argument = (argument_), .help = (help_), .at = (at_), \
+     .unit = "a whole number", .min = (min_), .max = (max_), .is_whole = true}
 // clang-format on
 
 /// A set of options, and the structure that they fill.

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exact figures of the documents: how each is measured, and the record that documents quote.
+"""Measure the figures of FIGURES.md, record them in figures.json and write the page.
 
 A case makes the table of a part, cuts it on the simulator and names some numbers of the table's
 report and of the cut's summary. Simulator and generator are deterministic, so a case gives the same
 numbers on every machine. The emulated cores write their counts themselves
-(BUILD/PRESET/tests/budget/figures.json); the benchmark of speed writes what depends on the machine.
-
-All of it is recorded in figures.json beside this file. A document quotes a figure as
-NUMBER<!--=KEY-->, which shows as the number alone; test_figures.py compares them all.
+(BUILD/PRESET/tests/budget/figures.json). figures.template is the text of the page, with
+{KEY:DECIMALS} in place of each figure.
 """
 
 from __future__ import annotations
@@ -19,6 +17,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -26,6 +25,8 @@ from typing import Any
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 RECORD = HERE / "figures.json"
+TEMPLATE = HERE / "figures.template"
+PAGE = HERE / "FIGURES.md"
 BUILD = Path(os.environ.get("CAMTURN_BUILD", ROOT / "build" / "host")).parent
 CORES = {"m7": "mcu-qemu", "m4": "mcu-qemu-m4"}
 CORE_FIGURES = (
@@ -39,6 +40,8 @@ CORE_FIGURES = (
 )
 
 Figures = dict[str, float]
+_PLACE = re.compile(r"\{([\w.]+):(\d)\}")
+_TABLES = TemporaryDirectory()
 
 
 @dataclass(frozen=True)
@@ -130,6 +133,14 @@ def _run(*command: str | Path, most: int = 0) -> None:
         raise SystemExit(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
 
 
+@cache
+def table_of(part: str) -> Path:
+    """Return the table of a part, which is made once."""
+    folder = Path(_TABLES.name) / part
+    _run(ROOT / "tools" / "mktables", ROOT / "tools/parts" / f"{part}.toml", "-o", folder)
+    return next(folder.glob("*.camtab"))
+
+
 def measure(case: Case) -> Figures:
     """Return the figures of a case, by key.
 
@@ -138,17 +149,14 @@ def measure(case: Case) -> Figures:
     SystemExit
         The table cannot be made, or the cut fails.
     """
-    with TemporaryDirectory() as name:
-        folder = Path(name)
-        summary = folder / "summary.json"
-        _run(ROOT / "tools" / "mktables", ROOT / "tools/parts" / f"{case.part}.toml", "-o", folder)
-        table = next(folder.glob("*.camtab"))
-        camsim = BUILD / "host" / "host_sim" / "camsim"
-        _run(camsim, "run", table, *case.arguments, "--summary", summary, most=1)
-        report = json.loads(table.with_suffix(".json").read_text())
-        record = json.loads(summary.read_text())
-        found = {k: _value(k, report, place) for k, place in case.table.items()}
-        found |= {k: _value(k, record, place) for k, place in case.cut.items()}
+    table = table_of(case.part)
+    summary = table.with_name("summary.json")
+    camsim = BUILD / "host" / "host_sim" / "camsim"
+    _run(camsim, "run", table, *case.arguments, "--summary", summary, most=1)
+    report = json.loads(table.with_suffix(".json").read_text())
+    record = json.loads(summary.read_text())
+    found = {k: _value(k, report, place) for k, place in case.table.items()}
+    found |= {k: _value(k, record, place) for k, place in case.cut.items()}
     return {f"{case.name}.{figure}": value for figure, value in found.items()}
 
 
@@ -165,7 +173,7 @@ def core_figures(core: str) -> Figures:
 
 
 def recorded() -> Figures:
-    """Return the record that documents quote."""
+    """Return the record."""
     figures: Figures = json.loads(RECORD.read_text())
     return figures
 
@@ -176,47 +184,33 @@ def keep(figures: Figures) -> None:
     RECORD.write_text(json.dumps(before | figures, indent=1, sort_keys=True) + "\n")
 
 
-# A number, spaces between groups of three digits allowed, and the key of its figure.
-_QUOTE = re.compile(r"(-?\d+(?: \d{3})*)(\.\d+)?<!--=([\w.]+)-->")
+def decimals(template: str) -> dict[str, int]:
+    """Return how many decimals a template prints of each figure.
 
-
-def quotes(text: str) -> list[tuple[str, str]]:
-    """Return what a document quotes: the number as it is printed, and its key.
-
-    >>> quotes("form error 0.093<!--=a.form_um--> um, 436 672<!--=a.bytes--> bytes")
-    [('0.093', 'a.form_um'), ('436 672', 'a.bytes')]
+    >>> decimals("form error {a.form_um:3} um, {a.bytes:0} bytes")
+    {'a.form_um': 3, 'a.bytes': 0}
     """
-    return [(whole + decimals, key) for whole, decimals, key in _QUOTE.findall(text)]
+    return {key: int(count) for key, count in _PLACE.findall(template)}
 
 
-def printed(like: str, value: float) -> str:
-    """Return a value as a document prints it: decimals and groups as in another number.
+def filled(template: str, figures: Figures) -> str:
+    """Return a template with its figures, in groups of three digits.
 
-    >>> printed("0.093", 0.08811), printed("436 672", 28512.0)
-    ('0.088', '28 512')
+    >>> filled("{a.form_um:3} um, {a.bytes:0} bytes", {"a.form_um": 0.08811, "a.bytes": 28512.0})
+    '0.088 um, 28 512 bytes'
     """
-    decimals = len(like.partition(".")[2])
-    return f"{value:,.{decimals}f}".replace(",", " " if " " in like or value < 1e4 else "")
+    return _PLACE.sub(lambda m: f"{figures[m[1]]:,.{m[2]}f}".replace(",", " "), template)
 
 
-def requoted(text: str, figures: Figures) -> str:
-    """Return a document with every figure as it is recorded."""
-
-    def one(match: re.Match[str]) -> str:
-        whole, decimals, key = match.groups(default="")
-        return f"{printed(whole + decimals, figures[key])}<!--={key}-->"
-
-    return _QUOTE.sub(one, text)
-
-
-def documents() -> list[Path]:
-    """Return every Markdown file of the repository."""
-    names = subprocess.check_output(("git", "ls-files", "*.md"), cwd=ROOT, text=True)
-    return [ROOT / name for name in names.split()]
+def page() -> str:
+    """Return FIGURES.md: the recorded figures, and the bytes of each part's table."""
+    sizes = json.loads((HERE / "table_bytes.json").read_text())
+    rows = "\n".join(f"| `{name}` | {sizes[name]:,} |".replace(",", " ") for name in sorted(sizes))
+    return filled(TEMPLATE.read_text(), recorded()).replace("{table_bytes}", rows)
 
 
 def main() -> int:
-    """Measure every case, take the cores' own counts, record it all, and mend the documents."""
+    """Measure every case, take the cores' own counts, record it all, and write FIGURES.md."""
     for case in CASES:
         figures = measure(case)
         for key, value in figures.items():
@@ -227,11 +221,7 @@ def main() -> int:
             keep(core_figures(core))
         except FileNotFoundError as error:
             print(f"not recorded: {error.filename} is not there; run ctest --preset {CORES[core]}")
-    figures = recorded()
-    for document in documents():
-        text = document.read_text()
-        if quotes(text):
-            document.write_text(requoted(text, figures))
+    PAGE.write_text(page())
     return 0
 
 

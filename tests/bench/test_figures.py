@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every figure that a document quotes is the recorded one, and the record is what is measured."""
+"""FIGURES.md has the recorded figures, and the record is what is measured."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import doctest
 
 import figures
 import pytest
-from figures import CASES, CORES, Case, core_figures, documents, measure, printed, quotes, recorded
+from figures import CASES, CORES, PAGE, TEMPLATE, Case, core_figures, decimals, measure, recorded
 
 
 def test_examples_are_true() -> None:
@@ -17,36 +17,19 @@ def test_examples_are_true() -> None:
     assert not result.failed
 
 
-def test_documents_quote_what_is_recorded() -> None:
-    """A number with a key is the record's, to the digits that are printed."""
-    known = recorded()
-    wrong = [
-        f"{document.name}: {key} is {printed(number, known[key])}, not {number}"
-        for document in documents()
-        for number, key in quotes(document.read_text())
-        if printed(number, known[key]) != number
-    ]
-    assert not wrong, f"{wrong}; tests/bench/figures.py mends the documents"
-
-
-def test_every_recorded_figure_is_quoted() -> None:
-    """Nothing is recorded that no document tells, and no document tells what is not recorded."""
-    quoted = {key for document in documents() for _, key in quotes(document.read_text())}
-    assert quoted == set(recorded())
+def test_the_page_has_what_is_recorded() -> None:
+    """Every figure of the record is on the page; figures.py writes it."""
+    assert set(decimals(TEMPLATE.read_text())) == set(recorded())
+    assert PAGE.read_text() == figures.page(), "run tests/bench/figures.py"
 
 
 def _assert_recorded(measured: dict[str, float]) -> None:
-    """Compare to half of the last digit that a document prints: processors differ beyond it."""
-    decimals = {
-        key: len(number.partition(".")[2])
-        for document in documents()
-        for number, key in quotes(document.read_text())
-    }
-    known = recorded()
+    """Compare to half of the last digit of the page: processors differ beyond it."""
+    known, shown = recorded(), decimals(TEMPLATE.read_text())
     changed = {
         key: f"{value}, recorded {known[key]}"
         for key, value in measured.items()
-        if abs(value - known[key]) > 0.5 * 10.0 ** -decimals[key]
+        if abs(value - known[key]) > 0.5 * 10.0 ** -shown[key]
     }
     assert not changed
 

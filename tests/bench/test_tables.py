@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables do not grow, the documents tell their bytes, and nothing needless is loaded for them."""
+"""Tables do not grow, and nothing needless is loaded for them."""
 
 from __future__ import annotations
 
 import doctest
 import os
-import re
 import subprocess
 import sys
 from functools import cache
@@ -85,18 +84,6 @@ def test_the_controller_takes_every_table(name: str, tmp_path: Path) -> None:
         check=False,
     )
     assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_the_manuals_have_the_recorded_bytes() -> None:
-    """The lists of examples of skirts and cams have them, in groups of three digits."""
-    text = "".join(
-        (ROOT / "tools" / "docs" / name).read_text() for name in ("PISTONS.md", "CAMS.md")
-    )
-    row = r"^\| `(\w[\w-]*)\.toml`[^|]*\|[^|]*\| ([\d ]*\d)(?:<[^>]*>)? \|"
-    rows = re.findall(row, text, re.MULTILINE)
-    assert len(rows) >= 10
-    told = {name: int(size.replace(" ", "")) for name, size in rows}
-    assert told == {name: recorded()[name] for name in told}
 
 
 def test_making_a_table_loads_what_it_needs(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from playwright.sync_api import Page, expect
 from accessible import grave_findings
 from gallery import Gallery
 from panel_session import PanelSession
-from windows import OpenWindow
+from windows import NO_3D, OpenWindow
 
 FEED_MM = 0.5  # coarse, so that a cut is short
 _SECTION = """element => getElement(Number(element.id.slice(1))).chart.getOption().series
@@ -64,6 +64,7 @@ def test_part_is_edited_cut_and_compared(
 ) -> None:
     """From a wrong value to two runs side by side."""
     page = open_window(viewport={"width": 1400, "height": 1180}).page
+    page.add_init_script(NO_3D)
     open_design(page, session)
     page.get_by_test_id("tab-form").click()
     chart = page.get_by_test_id("section-chart")

@@ -16,14 +16,10 @@ from accessible import grave_findings
 from camsim_cases import columns_of
 from camtools.base.quantities import Floats
 from gallery import FOLDER, Gallery
-from windows import PHONE, OpenWindow
+from windows import NO_3D, PHONE, OpenWindow
 
 A4_WIDTH_PX, A4_MARGIN_MM = 794, 15.0
 MOST_PAGES = 13  # a page for each of five sections and one for the profiles
-_NO_3D = """const original = HTMLCanvasElement.prototype.getContext;
-HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
-    return kind.startsWith("webgl") ? null : original.call(this, kind, ...more);
-};"""
 _DATA = "id => document.getElementById(id).data.map(one => ({x: one.x, y: one.y, name: one.name}))"
 
 
@@ -33,7 +29,7 @@ def open_report(page: Page, folder: Path, *, has_3d: bool = False) -> None:
     Without a graphics card the part in space takes seconds, so that most tests go without it.
     """
     if not has_3d:
-        page.add_init_script(_NO_3D)
+        page.add_init_script(NO_3D)
     page.goto((folder / "report.html").as_uri())
     expect(page.locator("#section-text")).to_contain_text("the error runs from")
     expect(page.locator("#profile .main-svg").first).to_be_visible()
@@ -118,7 +114,7 @@ def test_part_in_space_is_drawn(
     report_folder: Path, open_window: OpenWindow, gallery: Gallery
 ) -> None:
     """By WebGL, whose picture is not empty and turns under the pointer."""
-    page = open_window().page
+    page = open_window(viewport=PHONE).page  # few pixels: the processor draws them
     open_report(page, report_folder, has_3d=True)
     space = page.locator("#space")
     space.scroll_into_view_if_needed()

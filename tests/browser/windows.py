@@ -42,6 +42,11 @@ _SWITCHES = (
     "--disable-component-update",
     "--disable-sync",
 )
+# Without a graphics card a part in space takes seconds.
+NO_3D = """const original = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+    return kind.startsWith("webgl") ? null : original.call(this, kind, ...more);
+};"""
 DESK: ViewportSize = {"width": 1280, "height": 800}
 PHONE: ViewportSize = {"width": 390, "height": 844}
 

@@ -19,8 +19,6 @@ from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND, NAMES
 from camtools.link.watch import COLUMNS
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
-
 
 def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:
     """Home, cut, stop, off; the record shows the cut with U near its set-point."""

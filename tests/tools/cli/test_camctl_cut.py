@@ -6,11 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-
 from camctl_bench import Bench
-
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 
 
 def test_feed_is_overridden_held_and_goes_on(bench: Bench, tmp_path: Path) -> None:

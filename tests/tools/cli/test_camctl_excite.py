@@ -19,7 +19,6 @@ from camtools.link.controller import Link
 from camtools.link.learned import LAYOUT
 from camtools.link.messages import COMMAND, Refused
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0
 Refusal = Callable[[Bench, int, str], str]
 

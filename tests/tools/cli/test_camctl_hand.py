@@ -15,8 +15,6 @@ from camctl_bench import Bench
 from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
-
 
 def places(bench: Bench) -> dict[str, tuple[float, float, bool]]:
     """Return of each axis the machine's and the part's number, and whether it is homed."""

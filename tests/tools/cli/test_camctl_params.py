@@ -13,8 +13,6 @@ from camctl_bench import Bench
 from camtools.link.messages import NAMES
 from camtools.link.parameters import INFOS
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
-
 
 def test_parameters_are_those_of_the_dbc() -> None:
     """The header that names, ranges and meanings come from has all of them, in order."""

@@ -22,7 +22,6 @@ from camtools.link.rights import CommandHeld, CommandLost, May, proof_of, sender
 from camtools.link.shared_session import SharedSession
 from live_cases import LiveCase, live_case
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 Refusal = Callable[[Bench, int, str], str]
 SECRET = "of this machine alone"
 

@@ -20,7 +20,6 @@ from camtools.link.controller import BLOCK_ID, FD_PART_ID, PART_ID, Link
 from camtools.link.learned import N_VALUES
 from camtools.link.messages import ANSWER, COMMAND, Refused, command_bytes
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 Refusal = Callable[[Bench, int, str], str]
 
 

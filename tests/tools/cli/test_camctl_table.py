@@ -16,8 +16,6 @@ from camtools.cli.mktables import main as mktables
 from camtools.link.controller import BLOCK_ID
 from camtools.link.download import BLOCK_BYTES
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
-
 
 def named(table: bytes, name: str) -> bytes:
     """Return the table with another name and a checksum that fits: TABLE_FORMAT.md."""

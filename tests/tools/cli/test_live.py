@@ -104,7 +104,6 @@ def look_at_ticks(folder: Path) -> None:
     assert len(rows.read_text("ascii").splitlines()) > 50
 
 
-@pytest.mark.alone  # the controller keeps pace with the clock
 def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
     """From the download to a fault and its reset, all by camctl without an option.
 

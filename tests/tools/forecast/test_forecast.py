@@ -246,13 +246,13 @@ def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
 def test_interrupted_forecast_goes_on(tmp_path: Path) -> None:
     """Ctrl-C reaches all processes: status 130, one line, a whole store; then the rest is cut."""
     words = [str(PERKINS), "--runs", "400", "--workers", "2", "-o", str(tmp_path / "o")]
-    command = [sys.executable, "-m", "camtools.cli.forecast", *words, "--turns", "20"]
+    command = [sys.executable, "-m", "camtools.cli.forecast", *words, "--turns", "5"]
     store = tmp_path / "o" / "store"
     with subprocess.Popen(
         command, env=environment(), start_new_session=True, stderr=subprocess.PIPE, text=True
     ) as process:
         deadline = time.monotonic() + PATIENCE_S
-        while len(list(store.glob("*.parquet"))) < 3 and time.monotonic() < deadline:
+        while len(list(store.glob("*.parquet"))) < 1 and time.monotonic() < deadline:
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)
         told = process.communicate(timeout=PATIENCE_S)[1].splitlines()
@@ -260,7 +260,7 @@ def test_interrupted_forecast_goes_on(tmp_path: Path) -> None:
     assert told[-1] == "forecast: interrupted; what is done is kept: the same command goes on"
     assert all(line.startswith("forecast: ") for line in told), told
     n_kept = len(Store(store).found)
-    assert 24 <= n_kept < 400
+    assert 8 <= n_kept < 400
     assert list((tmp_path / "o").iterdir()) == [store]
     done = subprocess.run(
         [*command[:5], str(n_kept + 8), *command[6:]],

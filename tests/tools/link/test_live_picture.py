@@ -6,7 +6,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from background import PATIENCE_S
 from camtools.link import scope
@@ -15,7 +14,6 @@ from camtools.link.progress import cut_progress
 from camtools.link.strobe import Strobe
 from live_cases import LiveCase, live_case
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 SIGNALS = ("angle_q32", "state", "turn", "u_actual_nm", "u_due_q6")
 
 

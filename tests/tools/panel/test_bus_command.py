@@ -18,7 +18,6 @@ from camtools.panel.views.bus_commander import held_text, other_sender
 from camtools.panel.views.missing import way_on
 from desk_cases import Seat, until
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 PANEL = sender_of("panel")
 SECRET = "of this machine alone"
 

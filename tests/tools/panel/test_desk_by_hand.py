@@ -10,8 +10,6 @@ import pytest
 
 from desk_cases import Seat, until
 
-pytestmark = pytest.mark.alone  # an axis brakes when the computer is late
-
 
 async def hold(seat: Seat, press: int, seconds: float, visitor: object = None) -> None:
     """Send heartbeats for a time."""

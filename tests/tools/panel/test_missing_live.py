@@ -24,8 +24,6 @@ from camtools.link.parameters import get_all
 from camtools.link.refusal import ask_done
 from camtools.panel.views.missing import Way, way_on
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
-
 # What is missing does not depend on how fast axes search.
 PACES = {"{}_jog_um_per_s": 100_000, "{}_home_um_per_s": 100_000, "{}_home_slow_um_per_s": 20_000}
 QUICK = {name.format(axis): value for axis in "xz" for name, value in PACES.items()}

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.beside import beside
 from camtools.base.quantities import Floats, length_unit
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plots import draw_lobes
@@ -251,11 +252,11 @@ def _subject(outcome: LobeOutcome) -> Subject:
 def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
     """Return the page and its pictures, by file name."""
     pngs, motion = draw_lobes(outcome.generated), motion_of(outcome)
-    with drawing():
+    with drawing(), beside(lambda: sheet_pages(outcome, _subject(outcome))) as drawn_sheets:
         pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome).items()}
         if motion is not None:
             pngs["stroke"] = png_of(report_motion.draw_motion(motion))
-        sheets = sheet_pages(outcome, _subject(outcome))
+        sheets = drawn_sheets()
     tool = "a circle" if outcome.is_turned else "a whole cylinder"
     shown = [(Caption(key, *text), pngs[key]) for key, text in _TEXTS.items() if key in pngs]
     page = Page(

@@ -89,7 +89,7 @@ def chapter() -> Chapter:
             f"{np.degrees(ground.path.phi[i]):.6f} degrees, N_C {ground.n_c_rpm[i]:.6f} r/min; "
             f"{wheel.min():.4f} .. {wheel.max():.4f} r/min in all",
             "(7) exchanges wheel and roller; the caption and S have them right "
-            "([CAMS.md](CAMS.md#errors-of-the-printed-formulas))",
+            "([PAPERS.md](PAPERS.md#errors-of-the-printed-formulas))",
             "s4_grinding.csv` `s4_fig_3.png",
         ),
     )

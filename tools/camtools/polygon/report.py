@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.beside import beside
 from camtools.part.tolerances import Tolerances
 from camtools.plots.style import (
     RED,
@@ -179,11 +180,12 @@ _LEFT_OUT = (
 
 def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
     """Return the page and its pictures by file name."""
-    with drawing():
+    stated = Tolerances(**outcome.generated.part.tolerances.model_dump())
+    subject = Subject(False, True, _LEFT_OUT, tolerances=stated)
+    with drawing(), beside(lambda: sheet_pages(outcome, subject)) as drawn_sheets:
         pictures = [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
         shown = [(picture, png_of(picture.draw())) for picture in pictures]
-        stated = Tolerances(**outcome.generated.part.tolerances.model_dump())
-        sheets = sheet_pages(outcome, Subject(False, True, _LEFT_OUT, tolerances=stated))
+        sheets = drawn_sheets()
     page = Page(
         outcome.generated.part.part.source,
         polygon_rows(outcome),

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
+from camtools.base.beside import beside
 from camtools.plots.style import drawing, png_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
@@ -182,8 +183,8 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes], sheets: SheetPages | N
 
 def make_report(outcome: SkirtOutcome) -> dict[str, bytes]:
     """Return the page, its pictures and an overview picture, by file name."""
-    stated = outcome.generated.part.tolerances
-    with drawing():
+    subject = Subject(True, True, tolerances=outcome.generated.part.tolerances)
+    with drawing(), beside(lambda: sheet_pages(outcome, subject)) as drawn_sheets:
         pngs = {picture.key: png_of(picture.draw()) for picture in pictures_of(outcome)}
         files = {f"cut_{key}.png": png for key, png in pngs.items()}
         if outcome.surface.turn.size:
@@ -193,6 +194,6 @@ def make_report(outcome: SkirtOutcome) -> dict[str, bytes]:
                 outcome.surface, geometry, cut["feed_mm"], title
             )
             files["cut_overview.png"] = png_of(overview)
-        sheets = sheet_pages(outcome, Subject(True, True, tolerances=stated))
+        sheets = drawn_sheets()
     files |= sheets.files if sheets is not None else {}
     return files | {"report.html": render(outcome, pngs, sheets).encode("utf-8")}

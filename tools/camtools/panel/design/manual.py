@@ -14,9 +14,9 @@ from functools import cache
 
 from camtools.base.places import ROOT
 
-_TOOLS = ROOT / "tools"
-# The page of each kind. Pages of other kinds refer to that of pistons for common keys.
-_PAGES = {"cam": "docs/CAMS.md", "polygon": "docs/POLYGONS.md", "piston": "docs/PARTFILE.md"}
+_PAGE = ROOT / "tools" / "docs" / "PARTFILE.md"
+# The section of a kind; the other sections have the keys of pistons and those that all kinds share.
+_SECTIONS = {"cam": "Cams", "polygon": "Polygons"}
 _ROW = re.compile(r"^\| (\*\*\[|`)(.*)\|$", re.MULTILINE)
 _TABLE = re.compile(r"\[+([a-z_.]+)\]+")
 _KEY = re.compile(r"`([a-z_0-9]+)`")
@@ -31,15 +31,24 @@ def _plain(cell: str) -> str:
 
 
 @cache
-def _meanings(page: str) -> dict[tuple[str, ...], str]:
-    """Return the meaning of tables and keys of a page, by their names without numbers."""
+def _section(title: str) -> str:
+    """Return a section of the manual, or with "" what is in no kind's section."""
     try:
-        text = (_TOOLS / page).read_text(encoding="utf-8")
+        text = _PAGE.read_text(encoding="utf-8")
     except OSError:
-        return {}  # the form does without
+        return ""  # the form does without
+    sections = dict(one.partition("\n")[::2] for one in text.split("\n## "))
+    if title:
+        return sections.get(title, "")
+    return "\n".join(body for name, body in sections.items() if name not in _SECTIONS.values())
+
+
+@cache
+def _meanings(title: str) -> dict[tuple[str, ...], str]:
+    """Return the meaning of tables and keys of a section, by their names without numbers."""
     found: dict[tuple[str, ...], str] = {}
     tables: list[tuple[str, ...]] = []
-    for row in _ROW.finditer(text):
+    for row in _ROW.finditer(_section(title)):
         cells = [one.strip() for one in _CELL.split(row[0])[1:-1]]
         if len(cells) != 5:
             continue
@@ -57,7 +66,5 @@ def _meanings(page: str) -> dict[tuple[str, ...], str]:
 def meaning_of(kind: str, path: tuple[str | int, ...]) -> str:
     """Return what a key or a table means; "" if the manual does not say."""
     names = tuple(one for one in path if isinstance(one, str) and not one.isdigit())
-    for page in (_PAGES.get(kind, ""), _PAGES["piston"]):
-        if page and (found := _meanings(page).get(names)):
-            return found
-    return ""
+    own = _meanings(_SECTIONS[kind]) if kind in _SECTIONS else {}
+    return own.get(names) or _meanings("").get(names, "")

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The runner of all tests: what it counts, tells and stops. How steps are run is CTest's own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+TOOLS = Path(__file__).resolve().parents[3] / "tools"
+GOOD = '<testsuite tests="5" failures="0" errors="0" skipped="2"/>'
+ONE_FAILED = '<testsuite tests="5" failures="1" errors="0" skipped="0"/>'
+LEAVES = "sleep 600 >/dev/null 2>&1 & echo $! >left"
+
+
+def started(root: Path, **scripts: str) -> subprocess.Popen[str]:
+    """Start the runner on steps of its own, each a script; "needy" needs "fails"."""
+    folder = root / "tools" / "steps"
+    folder.mkdir(parents=True)
+    (root / "build").mkdir()
+    lines = ["cmake_minimum_required(VERSION 3.25)", "project(s NONE)", "enable_testing()"]
+    for name, script in scripts.items():
+        file = root / f"{name}.sh"
+        file.write_text(script)
+        lines += [f"add_test(NAME {name} COMMAND bash {file} WORKING_DIRECTORY {root})"]
+        more = "FIXTURES_REQUIRED f" if name == "needy" else ""
+        more = "FIXTURES_SETUP f" if name == "fails" else more
+        lines += [f"set_tests_properties({name} PROPERTIES LABELS test {more})"]
+    (folder / "CMakeLists.txt").write_text("\n".join(lines))
+    program = (
+        "import sys, pathlib, run_steps as r; r.ROOT = pathlib.Path(sys.argv[1]); "
+        "r.BUILD = r.ROOT / 'build'; r.REPORTS = r.BUILD / 'reports'; r.KILL_AFTER_S = 0.5; "
+        "sys.exit(r.main('test'))"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-c", program, str(root)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(TOOLS)},
+    )
+
+
+def is_running(pid: int) -> bool:
+    """Return whether a process is there and no zombie."""
+    try:
+        return bool(psutil.Process(pid).status() != psutil.STATUS_ZOMBIE)
+    except psutil.NoSuchProcess:
+        return False
+
+
+def pid_in(file: Path) -> int:
+    """Wait until a file has the number of a process; return it."""
+    until_s = time.monotonic() + 20.0
+    while not (file.exists() and file.read_text().strip()):
+        assert time.monotonic() < until_s
+        time.sleep(0.02)
+    return int(file.read_text())
+
+
+def test_tests_of_all_steps_are_counted(tmp_path: Path) -> None:
+    """Those in JUnit files, one for each other step; what a step hides counts."""
+    runner = started(
+        tmp_path,
+        gate="echo begun; echo 12 files are well",
+        good=f"echo '{GOOD}' >build/reports/good.xml",
+        bad=f"echo '{ONE_FAILED}' >build/reports/bad.xml; echo why; exit 1",
+        hides=f"echo '{ONE_FAILED}' >build/reports/hides.xml",
+        crashes=f"echo '{GOOD}' >build/reports/crashes.xml; exit 9",
+        fails="exit 3",
+        needy="true",
+    )
+    said, _ = runner.communicate(timeout=60)
+    assert runner.returncode == 1
+    assert said.splitlines()[-1] == "15 passed, 4 failed, 5 skipped"
+    assert {f"failed: {name}" for name in ("bad", "hides", "crashes", "fails")} <= set(
+        said.splitlines()
+    )
+    assert "not run: needy" in said and "\nwhy\n" in said
+    rows = (tmp_path / "build" / "reports" / "test.txt").read_text()
+    assert "12 files are well" in rows and "begun" not in rows
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signal_stops_all_steps(number: signal.Signals, tmp_path: Path) -> None:
+    """Exit status 128 + n, and no process is left, of a session of its own neither."""
+    script = "trap '' TERM; setsid sleep 600 & echo $! >far; sleep 600 & echo $! >near; wait; wait"
+    runner = started(tmp_path, hangs=script)
+    left = [pid_in(tmp_path / name) for name in ("far", "near")]
+    runner.send_signal(number)
+    said, _ = runner.communicate(timeout=20)
+    assert runner.returncode == 128 + number
+    assert said.splitlines()[-1] == f"{number.name}: stopping all steps"
+    assert not any(map(is_running, left))
+
+
+def test_child_that_a_step_leaves_behind_is_stopped(tmp_path: Path) -> None:
+    """The step's verdict is its own."""
+    runner = started(tmp_path, leaves=LEAVES)
+    said, _ = runner.communicate(timeout=20)
+    assert runner.returncode == 0, said
+    assert not is_running(pid_in(tmp_path / "left"))
