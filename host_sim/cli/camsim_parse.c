@@ -54,7 +54,8 @@ static bool take_option(const camsim_option_t *o, void *into, const char *text, 
 /// Name the word that argp does not take.
 static void refuse(const parse_t *p, const struct argp_state *state)
 {
-    const char *word = state->argv[state->next - 1];
+    const int last = state->next - 1; // short options are none of ours, so getopt stays before them
+    const char *word = state->argv[state->argv[last][0] == '-' ? last : state->next];
     const char *why = "unknown option";
     for (int i = 0; i < p->n; i++) {
         if (strncmp(word, "--", 2) == 0 && strcmp(word + 2, p->option[i]->name) == 0) {

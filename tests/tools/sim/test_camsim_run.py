@@ -115,6 +115,7 @@ def test_outputs_begin_with_the_promised_columns(table: Path, tmp_path: Path) ->
         (("--rpm", "fast"), "--rpm"),
         (("--rpm",), "--rpm: value missing"),
         (("--summary=",), "--summary: empty; give F.json"),
+        (("-xy",), "-xy: unknown option"),
         (("--progress=3",), "--progress=3: unknown option"),
         (("--feed", "0"), "--feed"),
         (("--feed", "-0.1"), "--feed"),
