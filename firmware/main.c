@@ -5,6 +5,7 @@
 #include "cam_machine_scope.h"
 #include "cam_can.h"
 #include "hal/hal.h"
+#include "hal/version.h"
 
 int main(void)
 {
@@ -13,6 +14,7 @@ int main(void)
     if (hal_init() != 0) {
         hal_halt("main: the port cannot be used");
     }
+    hal_text("camturn " CAMTURN_VERSION);
     cam_machine_init(&machine, &g_cam, hal_tick_hz(), hal_clock_hz());
     cam_machine_blackbox(&machine);
     cam_can_init(&remote, &machine); // selects the table; a bad one is reported, not fatal

@@ -1,29 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Prints the part of requirements.lock that some lists of packages need: locked.py LIST...
+r"""Prints the part of requirements.lock that some groups of packages need: locked.py GROUP...
 
->>> needed("a==1\n    # via -r one.in\nb==2\n    # via\n    #   a\nc==3\n    # via c\n", ["one"])
-'a==1\n    # via -r one.in\nb==2\n    # via\n    #   a\n'
+A group is "base", an extra of pyproject.toml, or the middle of a name requirements-GROUP.in.
+
+>>> project = {"dependencies": ["C~=1.0"], "optional-dependencies": {"one": ["a"]}}
+>>> needed("a==1\n    # via camturn\nb==2\n    # via\n    #   a\nc==3\n", project, ["one"])
+'a==1\n    # via camturn\nb==2\n    # via\n    #   a\n'
 """
 
 from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable
+import tomllib
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 
-def needed(lock: str, lists: Iterable[str]) -> str:
-    """Return the packages of the lists and, all the way down, those that they require.
+def needed(lock: str, project: Mapping[str, Any], groups: Iterable[str]) -> str:
+    """Return the packages of the groups and, all the way down, those that they require.
 
-    pip-compile notes under each package which lists and packages ask for it.
+    pip-compile notes under each package which packages and lists ask for it.
     """
     pinned = {text.split("==")[0]: text for text in re.split(r"^(?=\w)", lock, flags=re.M)[1:]}
     askers = {
-        name: set(re.findall(r"^    #(?: via)? +(\S.*)$", text, re.M))
+        name: {name, *re.findall(r"^    #(?: via)? +(\S.*)$", text, re.M)}
         for name, text in pinned.items()
     }
-    wanted = {f"-r {name}.in" for name in lists}
+    ours = {"base": project["dependencies"], **project["optional-dependencies"]}
+    wanted: set[str] = set()
+    for group in groups:
+        wanted.add(f"-r requirements-{group}.in")
+        wanted |= {re.split(r"[^\w-]", one)[0].lower() for one in ours.get(group, ())}
     found: set[str] = set()
     while more := {name for name in pinned if askers[name] & wanted} - found:
         found |= more
@@ -32,5 +41,8 @@ def needed(lock: str, lists: Iterable[str]) -> str:
 
 
 if __name__ == "__main__":
-    text = Path(__file__).with_name("requirements.lock").read_text(encoding="ascii")
-    sys.stdout.write(needed(text, sys.argv[1:]))
+    lock, project = (
+        Path(__file__).with_name(name).read_text(encoding="utf-8")
+        for name in ("requirements.lock", "pyproject.toml")
+    )
+    sys.stdout.write(needed(lock, tomllib.loads(project)["project"], sys.argv[1:]))

@@ -90,20 +90,20 @@ camturn_python() {
     return 1
 }
 
-# camturn_venv LIST...: build/venv with what tools/LIST.in needs; exports CAMTURN_PYTHON.
+# camturn_venv GROUP...: build/venv with the packages of tools/locked.py's groups; exports CAMTURN_PYTHON.
 # tools/requirements.lock names all of it, so pip need not look for more.
 camturn_venv() {
     export CAMTURN_PYTHON=$camturn_root/build/venv/bin/python
     (
         flock 9
-        # Twice: a list that changed starts over, without what an earlier list had put there.
-        for list in "$@" "$@"; do
-            camturn_venv_list "$list"
+        # Twice: a group that changed starts over, without what an earlier group had put there.
+        for group in "$@" "$@"; do
+            camturn_venv_group "$group"
         done
     ) 9>"$camturn_root/build/venv.lock"
 }
 
-camturn_venv_list() {
+camturn_venv_group() {
     local venv=$camturn_root/build/venv lock=$camturn_root/tools/requirements.lock
     local want stamp=$camturn_root/build/venv/$1.stamp unfinished=$camturn_root/build/venv/unfinished
 
@@ -125,12 +125,12 @@ camturn_venv_list() {
         touch "$unfinished"
         "$(camturn_python)" -m venv "$venv"
     fi
-    camturn_say "installing the Python packages of tools/$1.in"
+    camturn_say "installing the Python packages of the group $1"
     touch "$unfinished"
     "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" "$1" >"$venv/$1.txt"
     if ! "$CAMTURN_PYTHON" -m pip install -q --disable-pip-version-check --no-input \
         --require-hashes --no-deps --only-binary :all: -r "$venv/$1.txt" </dev/null >&2; then
-        camturn_say "pip could not install the packages of tools/$1.in; when the network is back, just start again"
+        camturn_say "pip could not install the packages of the group $1; when the network is back, just start again"
         exit 2
     fi
     printf '%s %s' "$(sha256sum <"$lock")" "$("$CAMTURN_PYTHON" -V)" >"$stamp"
@@ -162,7 +162,7 @@ camturn_cmake() {
     cmake --build --preset "$1" -j "$(nproc)" ${2:+--target "$2"}
 }
 
-# camturn_setup LIST...: what every command of ours needs, with the Python packages of the lists.
+# camturn_setup GROUP...: what every command of ours needs, with the Python packages of the groups.
 camturn_setup() {
     camturn_apt gcc libc6-dev cmake ninja-build git pkg-config xz-utils libcjson-dev libinih-dev
     camturn_venv "$@"

@@ -109,8 +109,8 @@ static bool open_can(common_error_t *e)
 
 static void end_if_asked(const lin_options_t *options)
 {
-    if (options->is_help) {
-        (void)fputs(lin_options_usage, stdout);
+    if (options->print != NULL) {
+        (void)fputs(options->print, stdout);
         exit(0);
     }
     if (options->is_check) {
@@ -125,7 +125,7 @@ static bool bring_up(common_error_t *e)
     lin_options_t options;
     port.config = lin_config_defaults();
     if (!lin_options_read(&options, e) ||
-        (!options.is_help && !lin_check_load(&port.config, options.config, e))) {
+        (options.print == NULL && !lin_check_load(&port.config, options.config, e))) {
         return false;
     }
     end_if_asked(&options);

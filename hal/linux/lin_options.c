@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_options.h"
-#include <fcntl.h>  // open
-#include <stdio.h>  // snprintf
-#include <stdlib.h> // getenv
-#include <string.h> // strcmp
-#include <unistd.h> // read
+#include "hal/version.h" // CAMTURN_VERSION
+#include <fcntl.h>       // open
+#include <stdio.h>       // snprintf
+#include <stdlib.h>      // getenv
+#include <string.h>      // strcmp
+#include <unistd.h>      // read
 
-const char lin_options_usage[] =
-    "usage: camturn-linux --config FILE [--check]\n"
+static const char usage[] =
+    "usage: camturn-linux --config FILE [--check] | --version\n"
     "\n"
     "The camturn controller with CAN drives and GPIO lines.\n"
     "\n"
@@ -42,13 +43,15 @@ bool lin_options_read(lin_options_t *o, common_error_t *e)
 {
     char words[2048];
     const size_t size = read_words(words, sizeof words);
-    *o = (lin_options_t){.is_help = false};
+    *o = (lin_options_t){.print = NULL};
     const char *end = words + size;
     for (const char *word = words + strlen(words) + 1u; word < end; word += strlen(word) + 1u) {
         if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
-            o->is_help = true;
+            o->print = usage;
         } else if (strcmp(word, "--check") == 0) {
             o->is_check = true;
+        } else if (strcmp(word, "--version") == 0) {
+            o->print = "camturn-linux " CAMTURN_VERSION "\n";
         } else if (strcmp(word, "--config") == 0) {
             word += strlen(word) + 1u;
             if (!take_path(o, word < end ? word : "", e)) {
@@ -66,7 +69,7 @@ bool lin_options_read(lin_options_t *o, common_error_t *e)
     if (o->config[0] == '\0' && path != NULL && !take_path(o, path, e)) {
         return false;
     }
-    return o->is_help || o->config[0] != '\0' ||
+    return o->print != NULL || o->config[0] != '\0' ||
            common_error(e, "no configuration; write --config FILE (hal/linux/camturn.toml is an "
                            "example)");
 }

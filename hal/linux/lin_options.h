@@ -8,14 +8,12 @@
 #include <stdbool.h>      // bool
 
 typedef struct {
-    char config[512]; ///< path from --config, else from CAMTURN_CONFIG
-    bool is_help;
-    bool is_check; ///< check the configuration and exit
+    char config[512];  ///< path from --config, else from CAMTURN_CONFIG
+    const char *print; ///< --help or --version: text to print before exiting, else NULL
+    bool is_check;     ///< check the configuration and exit
 } lin_options_t;
 
 /// @return false and *e: unknown option, or no configuration given
 bool lin_options_read(lin_options_t *o, common_error_t *e);
-
-extern const char lin_options_usage[];
 
 #endif

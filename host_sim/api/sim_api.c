@@ -4,7 +4,7 @@
 #include "camsim.h"          // camsim_options_read
 #include "sim_cut_summary.h" // sim_cut_summary
 #include "sim_map.h"         // sim_map_surface
-#include "sim_summary.h"     // SIM_VERSION
+#include "hal/version.h"     // CAMTURN_VERSION
 #include "sim_trace.h"       // sim_trace_drain
 #include <stdlib.h>          // calloc, free
 #include <string.h>          // strdup
@@ -59,7 +59,7 @@ void sim_api_close(sim_api_t *s)
 
 const char *sim_api_version(void)
 {
-    return SIM_VERSION;
+    return CAMTURN_VERSION;
 }
 
 const char *sim_api_error(const sim_api_t *s)

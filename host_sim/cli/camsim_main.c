@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
-#include "sim_summary.h" // SIM_VERSION
+#include "hal/version.h" // CAMTURN_VERSION
 #include <stdio.h>       // puts
 #include <string.h>      // strcmp
 
@@ -60,7 +60,7 @@ int main(int argc, char **argv)
         return after_print();
     }
     if (strcmp(command, "--version") == 0) {
-        (void)puts("camsim " SIM_VERSION);
+        (void)puts("camsim " CAMTURN_VERSION);
         return after_print();
     }
     common_error_t e;

@@ -30,7 +30,7 @@ from playwright.sync_api import CDPSession
 from camtools.base.command import Parser
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from panel_session import PanelSession, panel_session
 from windows import DESK, Window, chromium
 

@@ -16,8 +16,8 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from camtools.panel.design.engine import Engine
-from camtools.panel.design.shelf import EXAMPLES
+from camtools.panel.design.part_library import EXAMPLES
+from camtools.panel.design.preview_engine import Engine
 
 _LIMIT_S = 0.3
 _SHAPE = re.compile(

@@ -17,7 +17,7 @@ import pytest
 from bench_tables import ROOT, parts, recorded
 
 from camtools.pipeline.load import load
-from camtools.pipeline.make import make as make_table
+from camtools.pipeline.make_table import make as make_table
 from camtools.table.channel import KIND_U
 from camtools.table.evaluate import evaluate_grid
 from camtools.table.image import Table, pack

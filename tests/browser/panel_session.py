@@ -22,7 +22,7 @@ from typing import Any
 from background import PATIENCE_S, Background, background, python
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link, Status
-from camtools.link.live import LiveLathe, live_lathes
+from camtools.link.live_lathes import LiveLathe, live_lathes
 from camtools.link.rights import May
 
 _ENDS = {"fault": "reset", "homing": "disable", "ready": "disable", "manual": "disable"}

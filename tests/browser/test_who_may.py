@@ -15,7 +15,7 @@ from playwright.sync_api import Page, expect
 from camtools.link.controller import Link
 from camtools.link.download import download, select_table
 from camtools.pipeline.load import load
-from camtools.pipeline.make import make
+from camtools.pipeline.make_table import make
 from panel_session import PanelSession
 from part_cases import PERKINS
 from windows import OpenWindow

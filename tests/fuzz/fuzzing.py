@@ -66,7 +66,7 @@ TARGETS = (
         5,
         2000,
         (
-            "host_sim/session/sim_config.c",
+            "host_sim/setup/sim_config.c",
             "hal/linux/setup/lin_config.c",
             "host_sim/lathe/sim_inject.c",
             "host_sim/cli/camsim_options.c",

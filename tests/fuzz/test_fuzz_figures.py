@@ -12,7 +12,7 @@ HERE = Path(__file__).resolve().parent
 def test_recorded_campaign_ran_every_target_and_found_nothing() -> None:
     """Each target was executed, and the executions add up."""
     flat = json.loads((HERE / "figures.json").read_text("utf-8"))
-    targets = {path.stem.removeprefix("target_") for path in HERE.glob("target_*.c")}
+    targets = {path.stem.removeprefix("target_") for path in (HERE / "targets").glob("target_*.c")}
     assert targets == {key.removesuffix("_executions") for key in flat if "_executions" in key}
     assert flat["found"] == 0
     assert flat["executions"] == sum(flat[f"{name}_executions"] for name in targets)

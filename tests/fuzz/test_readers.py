@@ -18,15 +18,15 @@ from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
 from camtools.forecast.vary import read_vary
-from camtools.link.learned import learned_values
+from camtools.link.learned_file import learned_values
 from camtools.link.parameters import INFOS
 from camtools.link.parameters import parse as parse_parameters
-from camtools.lobe.listed import parse_points as parse_listed
+from camtools.lobe.listed_lift import parse_points as parse_listed
 from camtools.measured.points import parse_points as parse_measured
 from camtools.pipeline.load import parse as parse_part
 from camtools.sim.machine_file import read_machine
-from camtools.skirt.scan import parse_scan
-from camtools.skirt.scan_text import parse_sections
+from camtools.skirt.geometry.scan import parse_scan
+from camtools.skirt.geometry.scan_text import parse_sections
 from camtools.table.channel import ImageError
 from camtools.table.image import unpack
 from camtools.table.points import parse_points as parse_gauged

@@ -183,7 +183,7 @@ def test_image_of_something_else_is_refused(table_of: Callable[[str], Path]) -> 
     image = CAMSIM.parents[2] / "mcu-qemu" / "tests" / "image" / "image_main"
     done = camsim("run", table_of("perkins240"), "--target", "mps2-an500", "--target-image", image)
     message = only_error(done)
-    assert "qemu-system-arm: ended before the cut did: exit status 0: start: power on" in message
+    assert "qemu-system-arm: ended before the cut did: exit status 0: camturn " in message
 
 
 def started(

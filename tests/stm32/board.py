@@ -13,12 +13,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bus import UnmodelledError
 from emulator import Chip
-from fdcan import Frame
 from image import Image
-from spi_dac import Ad5754r
-from stepper import Stepper
+from models.bus import UnmodelledError
+from models.fdcan import Frame
+from models.spi_dac import Ad5754r
+from models.stepper import Stepper
 
 HSE_HZ = 8_000_000
 TABLE = 0x08100000

@@ -34,11 +34,11 @@ from unicorn import (
 from unicorn import arm_const as arm
 from unicorn.unicorn_py3.unicorn import uclib
 
-from bus import InsnClock, UnmodelledError
-from core import Exceptions, is_double_store
-from devices import GATES, Devices
-from flash_pwr import WORD_BYTES
 from image import Image
+from models.bus import InsnClock, UnmodelledError
+from models.core import Exceptions, is_double_store
+from models.devices import GATES, Devices
+from models.flash_pwr import WORD_BYTES
 
 HERE = Path(__file__).resolve().parent
 FLASH, FLASH_BYTES = 0x08000000, 0x200000

@@ -10,7 +10,7 @@ from pathlib import Path
 from cantools.database.can import Database
 
 from board import Board
-from fdcan import Frame
+from models.fdcan import Frame
 
 ROOT = Path(__file__).resolve().parents[2]
 DATABASE = Database()

@@ -8,11 +8,12 @@ from collections.abc import Callable
 import pytest
 
 from board import READY
-from core import HARD_FAULT
+from camtools.base.project_paths import VERSION
 from emulator import DTCM, DTCM_BYTES
-from gpio import OUTPUT
 from host import make_table
-from rcc import RESET_FLAGS
+from models.core import HARD_FAULT
+from models.gpio import OUTPUT
+from models.rcc import RESET_FLAGS
 from remote import ENABLE, KEY, PARAMS, RESET, SELECT, SET, START, TAKE, errors
 from session import Session
 
@@ -160,7 +161,7 @@ def test_reset_in_the_cut_is_safe_and_told(ready: Session, reason: str, text: st
     assert chip.read_memory(*data) == memory
     status = remote.started()
     assert (status.state, status.reset, status.faults) == ("off", reason, ())
-    assert remote.lines()[0] == f"start: {text}"
+    assert remote.lines()[:2] == [f"camturn {VERSION}", f"start: {text}"]
     assert board.ticks[-1].words == SAFE
     assert "enable 1" not in outputs_since(ready, at)
 
@@ -205,7 +206,7 @@ def test_watchdog_ends_a_hang(
     assert least_s < (chip.clock.now - at) / 480e6 < most_s
     assert [chip.gpio.level(name) for name in ("PE13", "PE15")] == [0, 0]
     assert remote.started().reset == "watchdog"
-    assert remote.lines()[0] == "start: watchdog reset"
+    assert remote.lines()[1] == "start: watchdog reset"
     assert board.ticks[-1].words == SAFE
 
 

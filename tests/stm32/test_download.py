@@ -9,9 +9,9 @@ import zlib
 import pytest
 
 from camtools.cli.flash import FIRST_PLACE
-from fdcan import Frame
-from flash_pwr import SECTOR_BYTES
 from host import make_table
+from models.fdcan import Frame
+from models.flash_pwr import SECTOR_BYTES
 from remote import BEGIN, COMMAND, ENABLE, SELECT, TO_CONTROLLER, errors
 from session import Session
 

@@ -7,15 +7,15 @@ import struct
 from collections import Counter, defaultdict
 
 import pytest
-from ramecc import MONITORS
 from unicorn import UC_HOOK_MEM_READ, UC_HOOK_MEM_WRITE, UC_MEM_WRITE, Uc
 from unicorn import arm_const as arm
 
 from board import TABLE
 from camtools.link.controller import Status
-from camtools.link.watch import report
-from core import is_double_store
+from camtools.link.status_text import report
 from emulator import FLASH, RAMS, Chip
+from models.core import is_double_store
+from models.ramecc import MONITORS
 from remote import DATABASE, DETAIL, START
 from session import Session
 

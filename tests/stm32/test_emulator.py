@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from bus import UnmodelledError
 from emulator import Chip
 from image import Image
 from image_build import build_image
-from rcc import RESET_FLAGS
+from models.bus import UnmodelledError
+from models.rcc import RESET_FLAGS
 
 
 def chip_of(name: str, folder: Path, *, hse_hz: int = 8_000_000) -> Chip:

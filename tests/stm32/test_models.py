@@ -4,18 +4,18 @@
 from __future__ import annotations
 
 import pytest
-from wwdg import Wwdg
 
-from bus import InsnClock, UnmodelledError
-from fdcan import Ccu, Fdcan, Frame, MessageRam
-from flash_pwr import Flash, Pwr, Syscfg
-from gpio import Gpio
-from iwdg import Iwdg
-from pulse_timer import PulseTimer
-from rcc import Rcc
-from spi_dac import Ad5754r
-from stepper import Stepper
-from timers import Timer
+from models.bus import InsnClock, UnmodelledError
+from models.fdcan import Ccu, Fdcan, Frame, MessageRam
+from models.flash_pwr import Flash, Pwr, Syscfg
+from models.gpio import Gpio
+from models.iwdg import Iwdg
+from models.pulse_timer import PulseTimer
+from models.rcc import Rcc
+from models.spi_dac import Ad5754r
+from models.stepper import Stepper
+from models.timers import Timer
+from models.wwdg import Wwdg
 
 RCR, CCR1, BDTR = 0x30, 0x34, 0x44
 CR1, SMCR, SR, CCMR1, CCMR2, CCER, CNT, PSC, ARR, EGR, CCR3, CCR4 = (

@@ -10,7 +10,7 @@ from __future__ import annotations
 import struct
 import zlib
 
-from flash_pwr import SECTOR_BYTES
+from models.flash_pwr import SECTOR_BYTES
 from remote import GET, PARAMS, REVERT, SAVE
 from session import Session
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from board import COUNTS_PER_TURN, INDEX_AT, TICK_CLOCKS
-from fdcan import Frame
 from host import CLOCK_HZ, make_table
+from models.fdcan import Frame
 from remote import COMMAND, ENABLE, GET, PARAMS, STATE, errors
 from session import Session
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import pytest
 
 from board import TABLE
-from flash_pwr import LOCK, RDPERR, RDSERR, SNECCERR, SYSTEM_MEMORY
 from host import IMAGE, make_table
 from image import Image
+from models.flash_pwr import LOCK, RDPERR, RDSERR, SNECCERR, SYSTEM_MEMORY
 from remote import BEGIN, ENABLE, errors
 from session import Session
 

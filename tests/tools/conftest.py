@@ -13,9 +13,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from camctl_bench import Bench
 from camtools.link.controller import Link
-from camtools.skirt.generate import GeneratedSkirt, generate
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.generate import GeneratedSkirt, generate
 from command_cases import command, end_commands, leave_empty
 from linuxcnc import Interpreter, NotHereError, interpreter
 from part_cases import PERKINS, Command, load_part

@@ -16,14 +16,14 @@ import checks
 WITHOUT = {
     "camtools.cli.camctl",
     "camtools.link.download",
-    "camtools.ngc.full",
-    "camtools.skirt.report_text",
+    "camtools.ngc.full_program",
+    "camtools.skirt.report.text",
     "checks.elf_isr",
 }
 # They draw in a page of a browser: tests/browser shows what they do. Their examples are true, too.
 DRAWING = (
     *("camtools.panel.operate.", "camtools.panel.pages."),
-    *("camtools.panel.frame", "camtools.panel.question"),
+    *("camtools.panel.page_frame", "camtools.panel.dialogs"),
 )
 
 

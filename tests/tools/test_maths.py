@@ -13,10 +13,10 @@ from camtools.base.quantities import Floats
 from camtools.lobe.contact import contact, follow
 from camtools.lobe.lift import Disc, LiftLaw, Poly345
 from camtools.lobe.speed import N_GRID, SpindleLimits, surface_speed
-from camtools.skirt.composite import Joint
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
-from camtools.skirt.sections import DoubleEllipse, Ellipse
+from camtools.skirt.geometry.composite import Joint
+from camtools.skirt.geometry.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
+from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse
+from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.table.quintics import segment_coefficients
 from part_cases import PERKINS, load_part
 

@@ -28,7 +28,6 @@ DESIGN = {
     "hal/include": (),
     "hal/common": (),
     "hal/host": ("hal/include",),
-    "hal/template": ("hal/include",),
     "hal/linux/setup": ("hal/include", "hal/common"),
     "hal/linux/bus": ("hal/linux/setup",),
     "hal/linux/tick": ("hal/include",),
@@ -57,16 +56,18 @@ DESIGN = {
     "host_sim/bus": ("host_sim/lathe",),
     "host_sim/target/pil": ("hal/include",),
     "host_sim/target": ("host_sim/lathe", "firmware/machine", "hal/host", "host_sim/target/pil"),
-    "host_sim/session": ("host_sim/gauge", "host_sim/target", "host_sim/bus"),
-    "host_sim/live": ("host_sim/session", "firmware/remote"),
+    "host_sim/setup": ("host_sim/lathe", "host_sim/part", "firmware/feasible"),
+    "host_sim/cut": ("host_sim/setup", "host_sim/gauge", "host_sim/target", "host_sim/bus"),
+    "host_sim/results": ("host_sim/cut",),
+    "host_sim/live": ("host_sim/results", "firmware/remote"),
     "host_sim/cli": ("host_sim/live",),
     "host_sim/api": ("host_sim/cli",),
     "host_sim/api/judge": ("firmware/machine",),
 }
 # Ports that the host does not build: nobody there sees their headers.
-FOREIGN = ("hal/linux", "hal/mps2", "hal/stm32h743")
-# Sources of the room above them, one for each kind of computer.
-PARTS = {"host_sim/bus/linux", "host_sim/bus/none"}
+FOREIGN = ("hal/linux", "hal/mps2", "hal/stm32h743", "hal/template")
+# Sources of the room above them.
+PARTS = {"host_sim/bus/linux", "host_sim/bus/none", "hal/stm32h743/memory"}
 WITHOUT_HEADERS = {"hal/template", "firmware"}
 WITHOUT_SOURCES = {"hal/include", "host_sim/target/pil"}  # in the build of the host
 

@@ -2,8 +2,8 @@
 
 From a drawing to the bytes that the firmware plays:
 
->>> from camtools.skirt.part import example_part
->>> from camtools.skirt.generate import generate
+>>> from camtools.skirt.part.part_file import example_part
+>>> from camtools.skirt.table.generate import generate
 >>> from camtools.table.image import pack, unpack
 >>> result = generate(example_part(), tolerance_nm=1.0)
 >>> unpack(pack(result.table)).part_name

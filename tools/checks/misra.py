@@ -110,15 +110,7 @@ def parse_findings(text: str) -> list[Finding]:
 
 
 def of_the_core(root: Path, sources: list[Path]) -> list[Path]:
-    """Return a source for each file that has lines of the core: itself, or one that includes it.
-
-    Parameters
-    ----------
-    root : Path
-        Of the tree.
-    sources : list of Path
-        The firmware's C files.
-    """
+    """Return a source for each file that has lines of the core: itself, or one that includes it."""
     files = [*sources, *sorted(root.glob(f"{SOURCES}/**/*.h"))]
     names = [path.name for path in files if any(m in path.read_text("utf-8") for m in CORE)]
     found = set()
@@ -133,11 +125,6 @@ def cppcheck(root: Path) -> list[Finding]:
 
     By itself cppcheck would read every file three times, since headers that nearly all include have
     a few lines for the core: those are read once.
-
-    Raises
-    ------
-    CamtoolsError
-        It is not installed, or breaks down.
     """
     sources = sorted(root.glob(f"{SOURCES}/**/*.c"))
     found = _findings(root, sources, [f"-U{name}" for name in CORE])
@@ -175,12 +162,8 @@ def judge(
 
     Parameters
     ----------
-    findings : iterable of Finding
-        Of all files.
     deviations : list of Deviation
         The first that covers a finding has it.
-    texts : mapping
-        Lines of every file.
     """
     left, covered = list[Finding](), Counter[str]()
     for finding in findings:

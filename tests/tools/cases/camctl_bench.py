@@ -22,7 +22,7 @@ from camtools.cli.camctl_cut import follow_cut
 from camtools.cli.camctl_rights import commanding
 from camtools.link.controller import Link
 from camtools.link.messages import COMMAND, Refused, command_bytes
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.rights import sender_of
 from camtools.link.shared_session import SharedSession
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from camsim_cases import BUILD
 from camtools.pipeline.load import load_for, parse_for
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 
 ROOT = Path(__file__).resolve().parents[3]
 PERKINS = ROOT / "tools" / "parts" / "perkins240.toml"

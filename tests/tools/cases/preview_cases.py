@@ -6,8 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from camtools.base.memory import Memory
-from camtools.panel.design.worker import answers_to
+from camtools.base.cache import Memory
+from camtools.panel.design.preview_worker import answers_to
 from part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from camtools.base.library import Prototypes
+from camtools.base.shared_library import Prototypes
 
 _WORDS = {
     "void": "None",

@@ -9,7 +9,7 @@ import numpy as np
 
 from camtools.base.quantities import Floats
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace, GaugedSurface
-from camtools.skirt.geometry import Geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry
 
 TICK_S = 50e-6
 TURNS_PER_TICK = 2500 / 60 * TICK_S

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from camtools.cli.analyse import main, skirt_products
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.section import AnalysisWishes, make_analysis
 from camtools.study.section_text import notes, summary
 from maths_tables import TABLE_1, TABLE_4

@@ -17,7 +17,7 @@ import pytest
 from camctl_bench import Bench
 from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND, NAMES
-from camtools.link.watch import COLUMNS
+from camtools.link.status_text import COLUMNS
 
 
 def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:

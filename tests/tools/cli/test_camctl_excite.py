@@ -16,7 +16,7 @@ import pytest
 from camctl_bench import Bench, columns, order
 from camtools.link import excitation, scope
 from camtools.link.controller import Link
-from camtools.link.learned import LAYOUT
+from camtools.link.learned_file import LAYOUT
 from camtools.link.messages import COMMAND, Refused
 
 N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0

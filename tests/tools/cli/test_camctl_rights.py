@@ -17,7 +17,7 @@ from camctl_bench import Bench, keeping, order
 from camtools.cli import camctl_rights
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS, Refused
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, CommandLost, May, proof_of, sender_of
 from camtools.link.shared_session import SharedSession
 from live_cases import LiveCase, live_case

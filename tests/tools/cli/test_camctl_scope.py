@@ -17,7 +17,7 @@ from camctl_bench import Bench, columns, order
 from camtools.cli.camctl_files import ABOUT
 from camtools.link import excitation, scope
 from camtools.link.controller import BLOCK_ID, FD_PART_ID, PART_ID, Link
-from camtools.link.learned import N_VALUES
+from camtools.link.learned_file import N_VALUES
 from camtools.link.messages import ANSWER, COMMAND, Refused, command_bytes
 
 Refusal = Callable[[Bench, int, str], str]

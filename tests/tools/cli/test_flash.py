@@ -15,7 +15,7 @@ import pytest
 
 from camsim_cases import camsim, only_error
 from camtools.cli.flash import FIRMWARE, FIRST_PLACE, LOG, TABLE
-from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
 from part_cases import ROOT, environment
 

@@ -21,7 +21,7 @@ import pytest
 from camctl_bench import Bench
 from camsim_cases import camsim
 from camtools.cli.identify import main
-from camtools.identify import connected
+from camtools.identify import can_drive
 from camtools.link import excitation
 from camtools.link.controller import Link
 from camtools.link.scope import Recording
@@ -236,7 +236,7 @@ def test_settings_reach_the_controller(
 ) -> None:
     """The drives go off, the parameters are set, and read back by camctl."""
     ready(bench)
-    monkeypatch.setattr(connected, "excite", excited_plant(Plant(friction_m_s2=5)))
+    monkeypatch.setattr(can_drive, "excite", excited_plant(Plant(friction_m_s2=5)))
     status, text = run(*bus_words(bench), "--periods", "3", "--apply", "-o", tmp_path)
     assert status == 0, text
     assert "applied: k1_ns, k2_us2, lead_ns; the drives are off" in text
@@ -252,7 +252,7 @@ def test_bad_fit_leaves_the_controller_alone(bench: Bench, monkeypatch: pytest.M
     ready(bench)
     before = bench.do("get", "k1_ns", "k2_us2", "lead_ns")
     plant = Plant(mode_hz=600, mode_share=0.2)
-    monkeypatch.setattr(connected, "excite", excited_plant(plant))
+    monkeypatch.setattr(can_drive, "excite", excited_plant(plant))
     assert run(*bus_words(bench), "--periods", "3", "--apply")[0] == 1
     assert bench.do("get", "k1_ns", "k2_us2", "lead_ns") == before
     assert "ready" in bench.do("status").splitlines()[0]

@@ -18,9 +18,9 @@ import pytest
 from background import PATIENCE_S, Background, background, python
 from camtools.cli.camctl import main as camctl
 from camtools.cli.live import main as live_main
-from camtools.link.live import LiveLathe, live_lathes, only_lathe
+from camtools.link.live_lathes import LiveLathe, live_lathes, only_lathe
 from camtools.pipeline.load import load
-from camtools.pipeline.make import make
+from camtools.pipeline.make_table import make
 from part_cases import ROOT
 
 PART = ROOT / "tools" / "parts" / "perkins240.toml"

@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.ngc.words import CLEARANCE_MM, ENGAGE_TURNS
-from camtools.skirt.blank import section_cut
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.turning import path_of
+from camtools.ngc.gcode_words import CLEARANCE_MM, ENGAGE_TURNS
+from camtools.skirt.geometry.blank import section_cut
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.tool.turning import path_of
 from command_cases import command, fresh_command
 from linuxcnc import AXES, Interpreter
 from maths_tables import TABLE_4

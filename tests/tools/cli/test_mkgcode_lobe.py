@@ -11,7 +11,7 @@ import pytest
 
 from camtools.base.quantities import Floats
 from camtools.cli.mkgcode import main
-from camtools.ngc.words import CLEARANCE_MM, ENGAGE_TURNS
+from camtools.ngc.gcode_words import CLEARANCE_MM, ENGAGE_TURNS
 from linuxcnc import AXES, Interpreter
 from lobe_tables import DISC, POLY345
 from ngc_cases import moves

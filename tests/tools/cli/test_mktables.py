@@ -18,11 +18,11 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
 from camtools.cli.mktables import main
-from camtools.pipeline.make import Made
-from camtools.skirt.generate import GeneratedSkirt
+from camtools.pipeline.make_table import Made
 from camtools.skirt.kind import KIND
-from camtools.skirt.plots import draw_all
-from camtools.table.csource import emit_header, emit_source, identifier
+from camtools.skirt.report.part_plots import draw_all
+from camtools.skirt.table.generate import GeneratedSkirt
+from camtools.table.c_source import emit_header, emit_source, identifier
 from command_cases import fresh_command
 from part_cases import PERKINS, ROOT, Command, environment, listing
 

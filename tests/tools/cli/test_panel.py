@@ -14,7 +14,7 @@ import pytest
 
 from background import background, python
 from camtools.cli.panel import main
-from camtools.link.live import announced
+from camtools.link.live_lathes import announced
 from raw_page import RawPage, get
 
 

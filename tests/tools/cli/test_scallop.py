@@ -17,7 +17,7 @@ from camsim_cases import CAMSIM, camsim, columns_of, only_error
 from camtools.cli.scallop import main
 from camtools.cut.path import ToolPath, ramp_of
 from camtools.part.common import MachineLimits
-from camtools.skirt.geometry import make_geometry
+from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.study.path import PathStudy
 from camtools.study.path_cut import PathCut, cut_paths, predicted_scallop_um, read_scallop
 from part_cases import ROOT, load_part

@@ -14,9 +14,9 @@ from camtools.base.quantities import omega_rad_s
 from camtools.cli.mktables import main as mktables
 from camtools.cut.feasibility import highest_speed, needed_of
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
-from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.lobe_machine import lobe_machine_text
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
-from camtools.skirt.generate import generate, peaks_of_table
+from camtools.skirt.table.generate import generate, peaks_of_table
 from lobe_cases import cam
 from part_cases import PERKINS, load_part
 

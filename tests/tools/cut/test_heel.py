@@ -12,10 +12,10 @@ from camtools.base.quantities import Floats
 from camtools.part.tool import Tool
 from camtools.polygon.generate import generate_polygon
 from camtools.polygon.part import example_polygon
-from camtools.skirt.generate import generate
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.heel import check_heel, steepest_heel
-from camtools.skirt.part import SkirtPart, example_part
+from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.part.part_file import SkirtPart, example_part
+from camtools.skirt.table.generate import generate
+from camtools.skirt.tool.heel import check_heel, steepest_heel
 from part_cases import ROOT, load_part
 
 PARTS = ROOT / "tools" / "parts"

@@ -21,7 +21,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.cut.verdict import RefusedError, check_table, judge_of, parameters_of
 from camtools.judge.binding import PROTOTYPES, Judge, library_path
 from camtools.lobe.generate import generate_lobes
-from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.lobe_machine import lobe_machine_text
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.pipeline.load import parse
 from camtools.sim.camsim import machine_text

@@ -16,10 +16,10 @@ from camtools.cut.path import (
     step_of,
 )
 from camtools.part.common import MachineLimits
-from camtools.skirt.generate import generate
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.turning import path_of
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.generate import generate
+from camtools.skirt.tool.turning import path_of
 from camtools.study.path import csv, make_study
 from camtools.table.image import pack, unpack
 from part_cases import PERKINS, ROOT, load_part, parse_part

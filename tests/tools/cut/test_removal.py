@@ -20,9 +20,9 @@ from camtools.cut.removal import (
     speed_peaks,
     steps_of,
 )
-from camtools.skirt.blank import section_cut
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import DoubleEllipse, Ellipse, Section
+from camtools.skirt.geometry.blank import section_cut
+from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Section
+from camtools.skirt.geometry.skirt_geometry import Geometry
 from maths_tables import MEAN_SPEEDS, SPINDLE_LIMITS, TABLE_1, TABLE_4
 
 

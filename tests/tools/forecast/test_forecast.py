@@ -19,11 +19,11 @@ import pytest
 from background import PATIENCE_S
 from camtools.base.errors import CamtoolsError
 from camtools.cli.forecast import main
-from camtools.forecast import compute
-from camtools.forecast.compute import cut_all
+from camtools.forecast import parallel_cuts
 from camtools.forecast.job import ForecastPlan, Question, plan_of
+from camtools.forecast.one_cut import CutOutcome, cut_batch
+from camtools.forecast.parallel_cuts import cut_all
 from camtools.forecast.store import Store
-from camtools.forecast.work import CutOutcome, cut_batch
 from camtools.sim.simulate import simulate
 from part_cases import PERKINS, environment
 
@@ -207,7 +207,7 @@ def test_scheduler_that_does_not_answer_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nobody listens, or the address is none: one line, nothing is written."""
-    monkeypatch.setattr(compute, "_CONNECT_S", 0.2)
+    monkeypatch.setattr(parallel_cuts, "_CONNECT_S", 0.2)
     for address in ("tcp://127.0.0.1:9", "nothing"):
         assert run(tmp_path / "o", "--runs", "1", "--scheduler", address) == 2
         line = capsys.readouterr().err

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from camtools.identify.believed import Believed
+from camtools.identify.configured_drive import Believed
 from camtools.identify.identified import Identified, Limits, identify
 from camtools.identify.multisine import Grid, multisine
 from camtools.identify.part_error import ToolMotion

@@ -14,7 +14,7 @@ import pytest
 from cantools.database.can import Database, Message
 
 from camtools.cli.can_source import generate, main
-from camtools.link.learned import LAYOUT
+from camtools.link.learned_file import LAYOUT
 
 ROOT = Path(__file__).resolve().parents[3]
 DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"

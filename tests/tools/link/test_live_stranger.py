@@ -13,9 +13,9 @@ import pytest
 from background import PATIENCE_S
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link
-from camtools.link.live import live_lathes
+from camtools.link.live_lathes import live_lathes
 from camtools.link.messages import NUMBERS, Refused, command_bytes
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.rights import May
 from live_cases import LiveCase, live_case
 

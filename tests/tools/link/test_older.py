@@ -11,7 +11,7 @@ import pytest
 from camtools.link import scope
 from camtools.link.controller import Link
 from camtools.link.messages import ANSWER, DATABASE, NUMBERS, Refused
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.strobe import Strobe
 
 DETAIL = DATABASE.get_message_by_name("Detail").frame_id

@@ -18,7 +18,7 @@ from camtools.lobe.motion import example_lobe, make_lobes
 from camtools.lobe.part import LobePart
 from camtools.lobe.speed import N_GRID, SpindleLimits, mean_of, surface_speed
 from camtools.pipeline.load import load
-from camtools.skirt.generate import generate
+from camtools.skirt.table.generate import generate
 from camtools.table.channel import KIND_SPEED, KIND_U
 from camtools.table.image import pack, unpack
 from command_cases import fresh_command

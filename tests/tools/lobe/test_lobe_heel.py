@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.lobe.check import all_round
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.heel import check_lobe_heel, nearest_heel, needed_clearance_deg
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.lobe.part import LobePart
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
+from camtools.lobe.undercut import all_round
 from camtools.part.tool import SwungTool
 
 

@@ -11,11 +11,11 @@ import pytest
 from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.lobe.channels import places_of
 from camtools.lobe.lift import Poly345, make_lift
-from camtools.lobe.listed import parse_points
+from camtools.lobe.listed_lift import parse_points
 from camtools.lobe.motion import make_lobes
 from camtools.lobe.part import MAX_LOBES, LobePart
 from camtools.pipeline.load import load, parse, parse_for
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 from part_cases import PERKINS, ROOT, parse_part
 
 PARTS = ROOT / "tools" / "parts"

@@ -20,7 +20,7 @@ from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.kind import KIND
 from camtools.lobe.plunge import left_by_wear_um
 from camtools.lobe.summary import make_lobe_summary
-from camtools.ngc.lobe import LobeJob, lobe_program
+from camtools.ngc.lobe_program import LobeJob, lobe_program
 from camtools.table.channel import ImageError
 from camtools.table.image import pack, unpack
 from camtools.table.quantise import with_bounds

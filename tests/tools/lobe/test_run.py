@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
-from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.lobe_machine import lobe_machine_text
 from camtools.lobe.motion import example_lobe
 from camtools.lobe.report import band, draw_rake, make_lobe_report, speed_of_contact
 from camtools.lobe.report_text import LobeOutcome, lobe_rows

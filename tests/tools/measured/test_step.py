@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from camtools.cut.correction import N_NODES, Complexes, Correction
-from camtools.measured.step import take
+from camtools.measured.correction_step import take
 
 ENDS = (0.0, 10.0)
 FLAT = np.ones(N_NODES, dtype=np.complex128)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A desk before a fresh controller."""
+"""A service before a fresh controller."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from camctl_bench import Bench
-from desk_cases import Seat
+from controller_cases import Seat
 
 
 @pytest.fixture(scope="module")
@@ -21,16 +21,16 @@ def shared_bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
 
 @pytest.fixture(scope="module")
 def shared_seat(shared_bench: Bench) -> Iterator[Seat]:
-    """Return a desk before it."""
+    """Return a service before it."""
     one = Seat(shared_bench.channel)
     one.connect()
     yield one
-    one.desk.close()
+    one.service.close()
 
 
 @pytest.fixture
 def seat(shared_seat: Seat) -> Seat:
-    """Return the desk with the boss in command and the controller off."""
+    """Return the service with the boss in command and the controller off."""
     seat = shared_seat
     seat.commander.take_over(seat.boss)
     for visitor in (seat.boss, seat.other, seat.guest):

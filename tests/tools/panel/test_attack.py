@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from camtools.panel.connections import MOST_CONNECTIONS
+from camtools.panel.access.connections import MOST_CONNECTIONS
 from panel_session import PanelSession, panel_session
 from raw_page import RawPage, get
 
@@ -158,7 +158,7 @@ def test_no_path_leads_out_of_its_folder(session: PanelSession, base: str) -> No
     """However it is written."""
     for up in _UP:
         for depth in (1, 4, 12):
-            for target in ("etc/passwd", "desk.py", "commands.jsonl"):
+            for target in ("etc/passwd", "server.py", "commands.jsonl"):
                 path = "/".join([base, *[up] * depth, target])
                 status, content = get(session.origin, path)
                 assert status in (400, 403, 404), path

@@ -12,11 +12,11 @@ import pytest
 from camctl_bench import Bench
 from camtools.link.controller import Link
 from camtools.link.messages import COMMAND
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.rights import sender_of, sender_text
 from camtools.panel.views.bus_commander import held_text, other_sender
 from camtools.panel.views.missing import way_on
-from desk_cases import Seat, until
+from controller_cases import Seat, until
 
 PANEL = sender_of("panel")
 SECRET = "of this machine alone"
@@ -35,9 +35,9 @@ def first(strict: Bench) -> Iterator[Seat]:
     """Return a panel whose boss commands."""
     one = Seat(strict.channel)
     one.connect()
-    until(lambda: one.desk.snapshot().has_command)
+    until(lambda: one.service.snapshot().has_command)
     yield one
-    one.desk.close()
+    one.service.close()
 
 
 @pytest.fixture
@@ -46,7 +46,7 @@ def second(strict: Bench, first: Seat) -> Iterator[Seat]:
     one = Seat(strict.channel)
     one.connect()
     yield one
-    one.desk.close()
+    one.service.close()
 
 
 @pytest.fixture
@@ -71,15 +71,15 @@ def to_cut(strict: Bench, seat: Seat) -> None:
 
 def test_two_panels_at_one_controller(strict: Bench, first: Seat, second: Seat) -> None:
     """The second sees who commands, may stop, and takes over; the first is told."""
-    until(lambda: other_sender(second.desk.snapshot()) == PANEL)
-    assert held_text(second.desk.snapshot()) == (
+    until(lambda: other_sender(second.service.snapshot()) == PANEL)
+    assert held_text(second.service.snapshot()) == (
         f"{sender_text(PANEL)} commands the controller; take over, top right"
     )
-    assert not second.desk.snapshot().has_command
+    assert not second.service.snapshot().has_command
     assert "commands; wait until he gives it back, or take over" in second.refused("enable")
     to_cut(strict, first)
-    assert asyncio.run(second.desk.take_over(second.boss)).is_done
-    assert second.desk.snapshot().has_command
+    assert asyncio.run(second.service.take_over(second.boss)).is_done
+    assert second.service.snapshot().has_command
     until(lambda: first.commander.holder is None)
     assert "has taken it over; what ran goes on under it" in first.commander.news(first.boss)
     assert "you do not command" in first.refused("hold")
@@ -91,18 +91,18 @@ def test_two_panels_at_one_controller(strict: Bench, first: Seat, second: Seat) 
 def test_a_panel_that_nobody_commands_leaves_command(first: Seat, stranger: Link) -> None:
     """Given back here it is free there; taken here it is taken there, where it is free."""
     first.commander.release(first.boss)
-    until(lambda: not first.desk.snapshot().has_command)
+    until(lambda: not first.service.snapshot().has_command)
     stranger.rights.take()
     first.commander.take(first.boss)
-    until(lambda: other_sender(first.desk.snapshot()) == 7)
+    until(lambda: other_sender(first.service.snapshot()) == 7)
     stranger.rights.release()
-    until(lambda: first.desk.snapshot().has_command)
+    until(lambda: first.service.snapshot().has_command)
 
 
 def test_stop_needs_no_command_on_the_bus(strict: Bench, first: Seat, stranger: Link) -> None:
     """Neither in the work of another, nor where it switches the drives off."""
     first.commander.release(first.boss)
-    until(lambda: not first.desk.snapshot().has_command)
+    until(lambda: not first.service.snapshot().has_command)
     strict.press()
     ask_done(stranger, "home")
     assert stranger.wait(lambda: stranger.status.state == "ready", 10)
@@ -122,19 +122,19 @@ def test_a_panel_that_dies_ends_the_cut(strict: Bench, first: Seat) -> None:
     strict.drop = lambda frame: False
     until(lambda: "nobody has it now" in first.commander.news(first.boss))
     assert first.commander.holder is first.boss
-    until(lambda: first.desk.snapshot().has_command)
-    assert first.desk.snapshot().faults == ()
+    until(lambda: first.service.snapshot().has_command)
+    assert first.service.snapshot().faults == ()
 
 
 def test_what_is_locked_is_told_with_the_remedy(strict: Bench, first: Seat) -> None:
     """Limits are locked without the key, what an operator sets is not; the secret unlocks."""
     strict.turn_key(False)
-    until(lambda: first.desk.snapshot().signals.get("level") == 0)
+    until(lambda: first.service.snapshot().signals.get("level") == 0)
     told = first.refused("set", name="u_stroke_nm", value=1_000_000)
     assert "refused: locked; turn the key switch at the machine anew" in told
     assert first.do("speed", rpm=900.0) == "speed = 900 r/min"
     assert "start it with --secret" in first.refused("unlock")
-    first.desk._secret = SECRET.encode()  # as --secret gives it
+    first.service._secret = SECRET.encode()  # as --secret gives it
     assert first.do("unlock").startswith("unlocked by the secret, for ")
     assert first.do("set", name="u_stroke_nm", value=1_000_000) == "u_stroke_nm = 1000000"
     assert first.do("lock").startswith("locked: limits, constants and tables do not change")
@@ -144,7 +144,7 @@ def test_the_button_is_asked_for_before_enable(strict: Bench, first: Seat) -> No
     """What to do says it and the refusal does, until somebody at the machine has pressed."""
 
     def missing() -> list[str]:
-        now = first.desk.snapshot()
+        now = first.service.snapshot()
         return [item.key for item in way_on(now.state, now.signals, {}).missing]
 
     until(lambda: missing() == ["acknowledge"])

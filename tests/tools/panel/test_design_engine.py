@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.design.engine import Engine, PreviewLimits, Seat
+from camtools.panel.design.preview_engine import Engine, PreviewLimits, Seat
 from preview_cases import PARTS, text_of
 
 LONG_S = 30.0  # until a test gives up

@@ -14,7 +14,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.panel.design.document import edited
 from camtools.panel.design.draft import Draft
 from camtools.panel.design.fields import FormField, form_of, typed
-from camtools.panel.design.places import line_of, lines_of, path_of
+from camtools.panel.design.key_lines import line_of, lines_of, path_of
 from camtools.panel.design.values import values_of
 from camtools.panel.pages.design_form import shown_text
 from camtools.pipeline.registry import kind_of

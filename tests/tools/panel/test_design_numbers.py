@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from camsim_cases import camsim
-from camtools.base.memory import Memory
+from camtools.base.cache import Memory
 from camtools.cut.feasibility import tenth_below
-from camtools.panel.design.compute import N_ANGLES, motion_of
+from camtools.panel.design.preview_values import N_ANGLES, motion_of
 from camtools.pipeline.exact import ExactTurn, SpeedRatio
 from camtools.pipeline.load import parse
-from camtools.pipeline.make import make
+from camtools.pipeline.make_table import make
 from camtools.sim.camsim import LEARNS_NOTHING
 from preview_cases import PARTS, answers, problems, stage, text_of
 

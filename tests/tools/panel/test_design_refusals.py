@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.design.shelf import EXAMPLE, OWN, Shelf
-from camtools.panel.workshop import files_named, is_confined_tree
+from camtools.panel.design.part_library import EXAMPLE, OWN, PartLibrary
+from camtools.panel.design_service import files_named, is_confined_tree
 from preview_cases import PARTS, answers, problems, text_of
 
 LEAVING = ("/etc/passwd", "../secret.csv", "sub/../../secret.csv", "link.csv", "dir/secret.csv")
@@ -111,37 +111,37 @@ def test_broken_toml_is_told_with_its_line() -> None:
 )
 def test_hostile_names_are_refused(name: str, tmp_path: Path) -> None:
     """Nothing is written or read under them, inside the folder or outside."""
-    shelf = Shelf(tmp_path / "parts")
+    library = PartLibrary(tmp_path / "parts")
     with pytest.raises(CamtoolsError, match="not usable"):
-        shelf.save(name, "x", replaces=True)
+        library.save(name, "x", replaces=True)
     with pytest.raises(CamtoolsError, match="not usable"):
-        shelf.read(OWN, name)
+        library.read(OWN, name)
     assert list(tmp_path.rglob("*")) == []
 
 
 def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     """A second part of a name needs a yes, and a link is never followed."""
-    shelf = Shelf(tmp_path / "parts")
-    shelf.save("a", "one", replaces=False)
+    library = PartLibrary(tmp_path / "parts")
+    library.save("a", "one", replaces=False)
     with pytest.raises(CamtoolsError, match="there is such a part"):
-        shelf.save("a", "two", replaces=False)
-    assert shelf.read(OWN, "a") == "one"
-    shelf.save("a", "two", replaces=True)
-    assert shelf.read(OWN, "a") == "two"
+        library.save("a", "two", replaces=False)
+    assert library.read(OWN, "a") == "one"
+    library.save("a", "two", replaces=True)
+    assert library.read(OWN, "a") == "two"
     (tmp_path / "target").write_text("mine")
     (tmp_path / "parts" / "b.toml").symlink_to(tmp_path / "target")
     with pytest.raises(CamtoolsError, match="link"):
-        shelf.save("b", "theirs", replaces=True)
+        library.save("b", "theirs", replaces=True)
     with pytest.raises(CamtoolsError, match="link"):
-        shelf.read(OWN, "b")
+        library.read(OWN, "b")
     assert (tmp_path / "target").read_text() == "mine"
-    assert shelf.own() == ["a"]
+    assert library.own() == ["a"]
 
 
 def test_examples_are_read_only(tmp_path: Path) -> None:
     """They are read where they lie, and saved among one's own."""
-    shelf = Shelf(tmp_path)
-    assert "perkins240" in shelf.examples()
-    assert shelf.read(EXAMPLE, "perkins240") == text_of("perkins240")
-    shelf.save("perkins240", "mine", replaces=False)
+    library = PartLibrary(tmp_path)
+    assert "perkins240" in library.examples()
+    assert library.read(EXAMPLE, "perkins240") == text_of("perkins240")
+    library.save("perkins240", "mine", replaces=False)
     assert text_of("perkins240") != "mine"

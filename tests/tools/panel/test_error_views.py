@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camtools.panel.views.axis_scale import Scale, step_above
 from camtools.panel.views.error_chart import POLAR, UNROLLED, change, whole
 from camtools.panel.views.error_trail import (
     BINS,
@@ -24,7 +25,6 @@ from camtools.panel.views.error_trail import (
     recent,
     statistics,
 )
-from camtools.panel.views.scale import Scale, step_above
 
 
 def samples(first_turn: int, turns: int, per_turn: int) -> Ticks:

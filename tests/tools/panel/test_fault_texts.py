@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
 from camtools.link.faults import FAULTS
 from camtools.link.messages import FAULT_TEXTS
 

@@ -13,13 +13,13 @@ from typing import Any
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.link import learned, parameters
+from camtools.link import learned_file, parameters
 from camtools.panel.design.document import edited
-from camtools.panel.design.places import lines_of
-from camtools.panel.few_traces import WITHIN_S, FewTraces
+from camtools.panel.design.key_lines import lines_of
+from camtools.panel.log_limit import WITHIN_S, LogLimit
 from camtools.panel.operate import command_card
 from camtools.panel.operate.command_card import CommandCard
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.orders.snapshot import Snapshot
 from camtools.part.file import read_tree
 from camtools.sim.machine_file import read_machine
 
@@ -38,7 +38,7 @@ READERS: dict[str, Callable[[str], object]] = {
     "part": lambda text: read_tree(text.encode(), "a.toml"),
     "machine": lambda text: read_machine(text, "a.toml"),
     "parameters": lambda text: parameters.parse(text.encode(), "a.toml"),
-    "learned": lambda text: learned.learned_values(text.encode(), "a.toml"),
+    "learned": lambda text: learned_file.learned_values(text.encode(), "a.toml"),
     "form": lambda text: edited(text, ("part", "name"), "a"),
 }
 
@@ -68,7 +68,7 @@ def test_lines_are_found_in_texts_that_are_none() -> None:
 def test_what_went_wrong_with_messages_is_told_ten_times_a_minute() -> None:
     """So that nobody who may do nothing can fill the terminal or the journal."""
     now_s = [0.0]
-    few = FewTraces(lambda: now_s[0])
+    few = LogLimit(lambda: now_s[0])
     records = [logging.makeLogRecord({"msg": "wrong"}) for _ in range(1000)]
     told = [record for record in records if few.filter(record)]
     assert len(told) == 10 and "left out" in told[-1].msg and told[0].msg == "wrong"
@@ -95,7 +95,7 @@ def test_an_old_question_starts_nothing_else(
     """While it was open another had the command, took another table into use, or a fault came."""
     told: list[str] = []
     commander = SimpleNamespace(holder="me", since_s=1.0)
-    desk = SimpleNamespace(snapshot=lambda: READY)
+    service = SimpleNamespace(snapshot=lambda: READY)
 
     async def give(name: str) -> None:
         told.append(name)
@@ -103,11 +103,11 @@ def test_an_old_question_starts_nothing_else(
     async def agreed(*_words: str) -> bool:
         commander.since_s = change.get("since_s", 1.0)
         shown = {name: value for name, value in change.items() if name != "since_s"}
-        desk.snapshot = lambda: replace(READY, **shown)
+        service.snapshot = lambda: replace(READY, **shown)
         return True
 
     monkeypatch.setattr(command_card, "confirmed", agreed)
-    context = SimpleNamespace(commander=commander, desk=desk)
+    context = SimpleNamespace(commander=commander, service=service)
     orders = SimpleNamespace(
         context=context,
         visitor="me",

@@ -9,10 +9,10 @@ import pytest
 from camctl_bench import Bench
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
-from camtools.panel.link_thread import Job, LinkThread
-from camtools.panel.snapshot import Snapshot
-from camtools.panel.visitor import Visitor
-from desk_cases import until
+from camtools.panel.access.visitor import Visitor
+from camtools.panel.orders.link_thread import Job, LinkThread
+from camtools.panel.orders.snapshot import Snapshot
+from controller_cases import until
 
 
 @pytest.mark.parametrize("is_urgent", [False, True])

@@ -10,7 +10,7 @@ import pytest
 from camtools.link.messages import NAMES
 from camtools.panel.views.availability import RULES, stop_order, why_not
 from camtools.panel.views.missing import way_on
-from camtools.panel.views.state_look import LOOKS, look
+from camtools.panel.views.state_style import LOOKS, look
 
 STATES = list(NAMES["state"].values())
 INPUTS = {

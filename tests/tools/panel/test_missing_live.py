@@ -17,11 +17,11 @@ import pytest
 from background import PATIENCE_S, Background, background, python
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link
-from camtools.link.hand import AXES, carry_out
-from camtools.link.live import live_lathes
+from camtools.link.live_lathes import live_lathes
+from camtools.link.manual_axes import AXES, carry_out
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.parameters import get_all
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.panel.views.missing import Way, way_on
 
 # What is missing does not depend on how fast axes search.

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from camtools.link.messages import DATABASE, NAMES
 from camtools.link.parameters import INFOS
 from camtools.panel.views import numbers
+from camtools.panel.views.busy_text import share_of
 from camtools.panel.views.convergence_chart import MOST_POINTS, points_of, words
 from camtools.panel.views.numbers import Field, clock, plain, signed
 from camtools.panel.views.parameter_rows import judged, rows, unit_of
-from camtools.panel.views.work import share_of
 
 FIELDS = [one for one in vars(numbers).values() if isinstance(one, Field)]
 DEFAULTS = {name: info.default for name, info in INFOS.items()}

@@ -15,13 +15,13 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel import command_log
-from camtools.panel.command_log import CommandLog
-from camtools.panel.commander import Commander
-from camtools.panel.order import Outcome
-from camtools.panel.press import LATE_S, SILENT_S, Presses
-from camtools.panel.token import MOST_TRIES, TRIES_S, TokenGuard, new_token
-from camtools.panel.visitor import Visitor
+from camtools.panel.access.token import MOST_TRIES, TRIES_S, TokenGuard, new_token
+from camtools.panel.access.visitor import Visitor
+from camtools.panel.orders import command_log
+from camtools.panel.orders.command_log import CommandLog
+from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.jog_press import LATE_S, SILENT_S, Presses
+from camtools.panel.orders.order import Outcome
 
 DONE = Outcome(True, "done")
 

@@ -23,7 +23,7 @@ from camtools.panel.runs.compare import (
 )
 from camtools.panel.runs.compare_charts import error_map, over_height, scale_of
 from camtools.panel.runs.options import RunOptions
-from camtools.panel.runs.queued import MOST_WAITING, RunQueue
+from camtools.panel.runs.run_queue import MOST_WAITING, RunQueue
 from camtools.panel.runs.store import DONE, FAILED, OWN, STOPPED, WAITING, RunStore
 from camtools.sim.machines import names
 

@@ -9,7 +9,7 @@ import polygon_cases as cases
 from camtools.base.errors import CamtoolsError
 from camtools.polygon.outline import Outline, measures_of
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
-from camtools.polygon.sizes import P3G, P4C
+from camtools.polygon.standard_sizes import P3G, P4C
 from part_cases import ROOT
 
 _SAME_MM = 1e-11

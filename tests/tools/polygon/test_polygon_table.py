@@ -15,7 +15,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.cli.mktables import main as mktables
 from camtools.cli.run import main as run
 from camtools.pipeline.load import load, parse
-from camtools.pipeline.make import make
+from camtools.pipeline.make_table import make
 from camtools.polygon.blend import bend_of, blended
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon
 from camtools.polygon.outline import measures_of

@@ -12,13 +12,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from camtools.base.origin import Origin
+from camtools.base.provenance import Origin
 from camtools.report.board import board_data, board_of
-from camtools.report.live import css_text, json_script, script_texts
+from camtools.report.page_scripts import css_text, json_script, script_texts
 from camtools.sim.results import CutTrace, GaugedSurface
-from camtools.skirt.generate import GeneratedSkirt
-from camtools.skirt.outcome import SkirtOutcome
-from camtools.skirt.report import render
+from camtools.skirt.report.outcome import SkirtOutcome
+from camtools.skirt.report.page import render
+from camtools.skirt.table.generate import GeneratedSkirt
 from page_cases import PageReader, map_of
 from report_cases import made_up_summary, made_up_surface, made_up_trace
 

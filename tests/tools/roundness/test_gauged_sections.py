@@ -18,9 +18,9 @@ from camtools.sim.camsim import Simulator
 from camtools.sim.results import PLACES, GaugedSections
 from camtools.sim.sections import read_sections
 from camtools.sim.trace_file import read_columns
-from camtools.skirt.generate import GeneratedSkirt
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.summary import make_summary
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.summary import table_files
 
 HEIGHTS_MM = (0.8, 2.4)

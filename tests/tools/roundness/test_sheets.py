@@ -30,7 +30,7 @@ from camtools.sim.results import (
     GaugedSections,
     GaugedSurface,
 )
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 from report_cases import made_up_summary
 
 A_MM, G_MM, PHASE_DEG = 46.0, 0.2, 12.0  # long half axis, ovality, direction of the long axis

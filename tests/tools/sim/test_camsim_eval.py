@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from camsim_cases import camsim, only_error
-from camtools.skirt.generate import GeneratedSkirt
-from camtools.skirt.geometry import Geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
 
 HEADER = "turn,z_mm"

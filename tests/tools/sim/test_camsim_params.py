@@ -9,7 +9,7 @@ import pytest
 
 from camsim_cases import camsim, only_error
 from camtools.link.messages import NUMBERS
-from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
 
 

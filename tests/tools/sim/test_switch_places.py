@@ -11,7 +11,7 @@ import pytest
 
 from camsim_cases import camsim
 from camtools.base.json_text import Json
-from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
 
 TICK_HZ = 20_000

@@ -18,7 +18,7 @@ from camtools.link.messages import NAMES
 from camtools.sim import trace_file
 from camtools.sim.results import STATES, read_swing, read_trace
 from camtools.sim.trace_file import TOLD_TWICE, column_names, pack_trace, read_columns
-from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
 
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camtools.skirt.composite import Joint, fold
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.sections import DoubleEllipse, Ellipse
+from camtools.skirt.geometry.composite import Joint, fold
+from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse
+from camtools.skirt.geometry.skirt_geometry import make_geometry
 from part_cases import ROOT, load_part
 
 JOINT_RAD = float(np.radians(48.0))

@@ -15,9 +15,9 @@ from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
 from camtools.cut.correction import Correction, correction_of, nodes_of
 from camtools.pipeline.load import Loaded, load
-from camtools.pipeline.make import make
+from camtools.pipeline.make_table import make
 from camtools.skirt.kind import KIND
-from camtools.skirt.part import SkirtPart, example_part
+from camtools.skirt.part.part_file import SkirtPart, example_part
 from part_cases import ROOT
 
 Floats = NDArray[np.float64]

@@ -18,13 +18,13 @@ from pydantic import ValidationError
 
 from camsim_cases import camsim, columns_of
 from camtools.base.errors import GeometryError
-from camtools.ngc.profile import segments
-from camtools.pipeline.make import Made
-from camtools.skirt.geometry import make_geometry
+from camtools.ngc.profile_program import segments
+from camtools.pipeline.make_table import Made
+from camtools.skirt.geometry.profile import profile_pieces, profile_spline
+from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
-from camtools.skirt.part import SkirtPart, example_part
-from camtools.skirt.part_profile import Profile
-from camtools.skirt.profile import profile_pieces, profile_spline
+from camtools.skirt.part.part_file import SkirtPart, example_part
+from camtools.skirt.part.profile_keys import Profile
 
 # the conical end of a drawing
 HEIGHTS = [0.0, 2, 10, 20, 30, 40, 50, 62]

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
-from camtools.skirt.generate import GeneratedSkirt, generate
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.search import DERIVATIVE_SHARE, UnreachableError
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.skirt.table.search import DERIVATIVE_SHARE, UnreachableError
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import pack, unpack

@@ -7,16 +7,12 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from camtools.base.errors import GeometryError
-from camtools.skirt.geometry import (
-    Geometry,
-    OvalSurface,
-    make_geometry,
-)
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.part_profile import Ovality, Profile
-from camtools.skirt.profile import ovality_spline, profile_spline
-from camtools.skirt.sections import DoubleEllipse, Ellipse, Section
-from camtools.skirt.turning import turning_at
+from camtools.skirt.geometry.profile import ovality_spline, profile_spline
+from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Section
+from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.part.profile_keys import Ovality, Profile
+from camtools.skirt.tool.turning import turning_at
 from part_cases import PERKINS, load_part
 
 HEIGHTS = [5.0, 15.0, 25.0, 35.0, 45.0, 56.0]

@@ -12,11 +12,11 @@ import pytest
 from camsim_cases import camsim, columns_of
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
-from camtools.pipeline.make import Made
-from camtools.skirt.generate import generate
-from camtools.skirt.geometry import make_geometry
+from camtools.pipeline.make_table import Made
+from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.generate import generate
 from part_cases import ROOT, load_part
 
 SCAN = ROOT / "tools" / "parts" / "scan90.toml"

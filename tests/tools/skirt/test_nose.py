@@ -14,11 +14,11 @@ from camtools.base.quantities import Floats
 from camtools.cli.mktables import main
 from camtools.part.tool import Tool
 from camtools.pipeline.run import run
-from camtools.skirt.generate import generate
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.nose import NoseGeometry, tip_geometry
-from camtools.skirt.part import SkirtPart, example_part
-from camtools.skirt.summary import make_summary
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart, example_part
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.table.generate import generate
+from camtools.skirt.tool.nose import NoseGeometry, tip_geometry
 from camtools.table.image import pack
 from camtools.table.summary import table_files
 from part_cases import ROOT, load_part

@@ -8,7 +8,7 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.part.common import DEFAULT_ALPHA_RAD_S2
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 from part_cases import PERKINS, ROOT, load_part, parse_part
 
 GOOD = PERKINS.read_text()

@@ -13,13 +13,13 @@ import pytest
 
 from camsim_cases import camsim, columns_of
 from camtools.base.quantities import omega_rad_s
-from camtools.cut.speedlaw import uniform
+from camtools.cut.speed_law import uniform
 from camtools.pipeline.load import load
-from camtools.pipeline.make import Made
+from camtools.pipeline.make_table import Made
 from camtools.sim.camsim import machine_text
-from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.kind import KIND
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.table.channel import KIND_U
 from camtools.table.image import pack
 from part_cases import ROOT, load_part, parse_part

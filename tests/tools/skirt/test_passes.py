@@ -12,9 +12,9 @@ from scipy.integrate import quad, solve_ivp
 
 from camtools.base.errors import CamtoolsError
 from camtools.part.passes import FeedLaw
-from camtools.skirt.feed_law import TOLERANCE_NM, height_at_mm, largest_share, way_channel
-from camtools.skirt.generate import generate
-from camtools.skirt.part import SkirtPart, example_part
+from camtools.skirt.part.part_file import SkirtPart, example_part
+from camtools.skirt.table.generate import generate
+from camtools.skirt.tool.feed_law import TOLERANCE_NM, height_at_mm, largest_share, way_channel
 from camtools.table.channel import ImageError
 from camtools.table.evaluate import evaluate_x
 from camtools.table.image import pack, unpack

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.skirt.generate import generate
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.power_law import LAW_ERROR_MM
+from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.part.power_law import LAW_ERROR_MM
+from camtools.skirt.table.generate import generate
 from part_cases import ROOT, load_part, parse_part
 
 LAW = ROOT / "tools" / "parts" / "perkins240_law.toml"

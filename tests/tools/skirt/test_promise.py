@@ -13,10 +13,10 @@ from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
 from camtools.sim.camsim import machine_text
 from camtools.sim.results import read_removal
-from camtools.skirt.generate import GeneratedSkirt, generate
-from camtools.skirt.report_even import ripple_by_turn
-from camtools.skirt.speed import motion_played
-from camtools.skirt.summary import make_summary
+from camtools.skirt.report.equal_volume_plots import ripple_by_turn
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.skirt.table.speed import motion_played
 from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
 from camtools.table.summary import table_files

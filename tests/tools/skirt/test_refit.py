@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camtools.base.errors import GeometryError
-from camtools.skirt.composite import Joint
-from camtools.skirt.refit import (
+from camtools.skirt.geometry.composite import Joint
+from camtools.skirt.geometry.refit import (
     CANDIDATES,
     Recipe,
     RefitCandidate,

@@ -13,8 +13,8 @@ import pytest
 from camtools.base.errors import InputError
 from camtools.plots.style import drawing, nice_floor, nice_limit, png_of
 from camtools.report import motion as report_motion
-from camtools.report.cells import map_rows
 from camtools.report.compare import draw_variants
+from camtools.report.map_cells import map_rows
 from camtools.report.page import trace_text
 from camtools.report.text import (
     clear_after_s,
@@ -35,12 +35,12 @@ from camtools.sim.results import (
     read_surface,
     read_trace,
 )
-from camtools.skirt import report_surface
-from camtools.skirt.generate import GeneratedSkirt
-from camtools.skirt.outcome import SkirtOutcome
-from camtools.skirt.report import make_report
-from camtools.skirt.report_motion import hardest_turn
-from camtools.skirt.report_text import rows_of
+from camtools.skirt.report import surface_plots
+from camtools.skirt.report.motion_plot import hardest_turn
+from camtools.skirt.report.outcome import SkirtOutcome
+from camtools.skirt.report.page import make_report
+from camtools.skirt.report.text import rows_of
+from camtools.skirt.table.generate import GeneratedSkirt
 from part_cases import ROOT
 from report_cases import (
     LAST_CUT,
@@ -135,29 +135,29 @@ def test_round_limits_enclose(value: float) -> None:
 def test_map_shows_the_worst_point_of_each_cell() -> None:
     """Of several points in a cell the largest magnitude wins, whatever the order."""
     surface = GaugedSurface(*np.array([[0.5, 0.5, 0.5], [1, 1, 1], [46, 46, 46], [0.1, -0.3, 0.2]]))
-    grid = report_surface.error_grid(surface, (0.0, 62.0), 64)
+    grid = surface_plots.error_grid(surface, (0.0, 62.0), 64)
     assert grid[1, 180] == -0.3
     assert np.isnan(grid).sum() == grid.size - 1
 
 
 def test_map_of_a_whole_cut_has_no_gaps(good: SkirtOutcome) -> None:
     """The simulator's cells and those of the map fit together."""
-    grid = report_surface.error_grid(good.surface, (0.0, 62.0), map_rows(62, 0.1))
+    grid = surface_plots.error_grid(good.surface, (0.0, 62.0), map_rows(62, 0.1))
     assert not np.isnan(grid).any()
 
 
 def test_section_is_that_of_the_height(good: SkirtOutcome) -> None:
     """A section holds the worst point of each direction within its band, by rising angle."""
-    near = report_surface.section_at(good.surface, 31.0, 0.4)
-    assert near.turn.size == report_surface.N_BINS
+    near = surface_plots.section_at(good.surface, 31.0, 0.4)
+    assert near.turn.size == surface_plots.N_BINS
     assert (np.diff(near.turn) > 0).all()
     assert np.abs(near.z_mm - 31).max() <= 0.4
-    assert report_surface.closed(near).turn[-1] == near.turn[0] + 1
+    assert surface_plots.closed(near).turn[-1] == near.turn[0] + 1
 
 
 def test_bands_by_height_enclose_the_error(good: SkirtOutcome) -> None:
     """Range and rms of four sine lobes are those of a sine."""
-    z_mm, least, most, rms = report_surface.bands_by_height(good.surface, (0.0, 62.0))
+    z_mm, least, most, rms = surface_plots.bands_by_height(good.surface, (0.0, 62.0))
     assert z_mm[0] == pytest.approx(0.25)
     assert most == pytest.approx(0.04, rel=1e-3)
     assert least == pytest.approx(-0.04, rel=1e-3)

@@ -10,15 +10,20 @@ import pytest
 from camtools.plots.style import drawing, png_of
 from camtools.report.text import margins_of
 from camtools.sim.results import CUTTING, CutTrace, GaugedSurface, Removal, read_removal
-from camtools.skirt.composite import fold
-from camtools.skirt.even import limited_turns, uniform_twin
-from camtools.skirt.generate import GeneratedSkirt, generate
-from camtools.skirt.outcome import Even, SkirtOutcome
-from camtools.skirt.report import make_report
-from camtools.skirt.report_corner import around_joint, draw_corner, lines_at
-from camtools.skirt.report_even import draw_even, draw_ripple, ripple_by_turn, turn_near
-from camtools.skirt.report_shape import draw_skirt, enlargement_of, radius_grid
-from camtools.skirt.report_text import rows_of
+from camtools.skirt.geometry.composite import fold
+from camtools.skirt.report.corner_plot import around_joint, draw_corner, lines_at
+from camtools.skirt.report.equal_volume import limited_turns, uniform_twin
+from camtools.skirt.report.equal_volume_plots import (
+    draw_even,
+    draw_ripple,
+    ripple_by_turn,
+    turn_near,
+)
+from camtools.skirt.report.outcome import Even, SkirtOutcome
+from camtools.skirt.report.page import make_report
+from camtools.skirt.report.shape_plot import draw_skirt, enlargement_of, radius_grid
+from camtools.skirt.report.text import rows_of
+from camtools.skirt.table.generate import GeneratedSkirt, generate
 from part_cases import ROOT, load_part
 from report_cases import made_up_summary, made_up_surface, made_up_trace
 

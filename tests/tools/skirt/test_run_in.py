@@ -8,11 +8,11 @@ import pytest
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import CamtoolsError, GeometryError
-from camtools.skirt.generate import generate
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import SkirtPart, example_part
-from camtools.skirt.run_in import continued, with_run
-from camtools.skirt.zero import middle_nm
+from camtools.skirt.geometry.run_in import continued, with_run
+from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.part.part_file import SkirtPart, example_part
+from camtools.skirt.table.generate import generate
+from camtools.skirt.tool.u_zero import middle_nm
 
 
 def part_with(**process: object) -> SkirtPart:

@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.scan import (
+from camtools.skirt.geometry.scan import (
     Scan,
     filtered,
     joined,
@@ -20,7 +19,8 @@ from camtools.skirt.scan import (
     parse_scan,
     scan_surface,
 )
-from camtools.skirt.scan_text import HEADER, MAX_POINTS, read_scan_text
+from camtools.skirt.geometry.scan_text import HEADER, MAX_POINTS, read_scan_text
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from part_cases import ROOT, load_part
 
 MEASURED = ROOT / "tools" / "parts" / "scan90.toml"

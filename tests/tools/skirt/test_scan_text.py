@@ -14,7 +14,7 @@ from camsim_cases import camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main as mktables
-from camtools.skirt.geometry import Geometry, make_geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from part_cases import load_part
 
 RADIUS_MM = 40.0

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camtools.skirt.sections import DoubleEllipse, Ellipse, Section, make_section
+from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Section, make_section
 
 A_MM = 46.0
 DEGREES = [0, 10, 15, 30, 45, 60, 75, 90]

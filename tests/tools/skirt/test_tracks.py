@@ -11,9 +11,9 @@ from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main as run
 from camtools.part.tool import Tool, check_tracks
 from camtools.pipeline.job import RunJob
-from camtools.skirt.generate import generate
-from camtools.skirt.part import example_part
-from camtools.skirt.report_tool import track_row
+from camtools.skirt.part.part_file import example_part
+from camtools.skirt.report.tool_text import track_row
+from camtools.skirt.table.generate import generate
 from part_cases import PERKINS, ROOT
 
 RINGS = """\

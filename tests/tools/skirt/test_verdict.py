@@ -17,14 +17,14 @@ import pytest
 from camsim_cases import camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.pipeline.make import Made
-from camtools.skirt.design import target_of
-from camtools.skirt.generate import generate
-from camtools.skirt.geometry import make_geometry
+from camtools.pipeline.make_table import Made
+from camtools.skirt.geometry.scan import joined
+from camtools.skirt.geometry.scan_text import read_scan_text
+from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.scan import joined
-from camtools.skirt.scan_text import read_scan_text
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.gauge_design import target_of
+from camtools.skirt.table.generate import generate
 from part_cases import ROOT, load_part
 
 WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"

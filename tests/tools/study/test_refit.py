@@ -8,7 +8,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from camtools.skirt.geometry import make_geometry
+from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.study.refit import (
     PAPER_JERK_MM_S3,
     Study,

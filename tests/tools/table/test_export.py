@@ -11,7 +11,7 @@ from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.cli.mktables import main as mktables
 from camtools.pipeline.load import load
-from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.table.channel import KIND_U
 from camtools.table.evaluate import evaluate_at
 from camtools.table.export import Export, export_files

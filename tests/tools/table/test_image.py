@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.channel import (
     KIND_U,
     KIND_X,

@@ -18,11 +18,6 @@ from collections.abc import Sequence
 class Columns:
     """How the lines of a file are written.
 
-    Parameters
-    ----------
-    header : str
-        First line.
-
     Attributes
     ----------
     separator : str or None

@@ -12,16 +12,31 @@ import signal
 import sys
 from collections.abc import Callable
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from camtools.base.errors import CamtoolsError, one_line
+from camtools.base.project_paths import VERSION, with_names
 
 BAD_INPUT = 2
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaint is one line that names the command."""
+    """A parser that knows --version, and whose complaint is one line that names the command."""
+
+    def __init__(self, prog: str, **rest: Any) -> None:  # noqa: ANN401 - those of argparse
+        super().__init__(prog=with_names(prog), **rest)
+        if " " not in prog:  # not a command of a command
+            version = f"{self.prog.removeprefix('tools/')} {VERSION}"
+            self.add_argument("--version", action="version", version=version)
+
+    def format_usage(self) -> str:
+        """Return the line of usage."""
+        return with_names(super().format_usage())
+
+    def format_help(self) -> str:
+        """Return the help."""
+        return with_names(super().format_help())
 
     def error(self, message: str) -> NoReturn:
         """End with status 2."""
@@ -65,7 +80,7 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
         return status
     except CamtoolsError as error:
         for line in error.lines:
-            sys.stderr.write(f"{name}: {line}\n")
+            sys.stderr.write(with_names(f"{name}: {line}\n"))
         return BAD_INPUT
     except BrokenPipeError:  # who read the output has enough, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,6 +1,6 @@
 """Command line of the analysis: areas, equal parts, speed law, forces, refit; motion of lobes.
 
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> sorted(skirt_products(example_part(), AnalysisWishes(), with_pictures=False)[1])[:3]
 ['analysis.json', 'axes_equal_volume.csv', 'axes_uniform.csv']
 """
@@ -8,7 +8,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
@@ -16,10 +15,11 @@ import numpy as np
 
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
+from camtools.base.json_text import emit_json
 from camtools.base.output import write_all
 from camtools.lobe.part import LobePart
 from camtools.pipeline.load import load_able
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.lobe import LobeWishes, lobe_figures, lobe_table, lobe_text, study_lobes
 from camtools.study.path import csv, make_study
 from camtools.study.refit import candidates_csv, comparison_csv, study
@@ -33,7 +33,7 @@ _DRAWN_DEG = 0.25  # step of the curves of a cam
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
-        prog="analyse",
+        prog="tools/analyse",
         description="Work out areas, equal parts, speed law and forces of one section of a piston, "
         "of a section with a corner also its refit; of a cam the motion of tool or wheel, speed, "
         "contact and curvature. A cam takes --step-deg and --rpm only.",
@@ -72,7 +72,7 @@ def _wishes(arguments: argparse.Namespace) -> AnalysisWishes:
 
 def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str, bytes]:
     texts = all_tables(found) | {"notes.md": notes(found)}
-    texts["analysis.json"] = json.dumps(figures(found), indent=1, sort_keys=True) + "\n"
+    texts["analysis.json"] = emit_json(figures(found))
     ends = found.geometry.z_first_mm, found.geometry.z_last_mm
     limits = found.part.machine.limits
     paths = make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
@@ -100,17 +100,11 @@ def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str,
 def lobe_products(
     part: LobePart, wishes: LobeWishes, *, with_pictures: bool = True
 ) -> tuple[str, dict[str, bytes]]:
-    """Return what is printed of a cam, and the content of every file by its name.
-
-    Raises
-    ------
-    CamtoolsError
-        A wish is out of range, or the part impossible.
-    """
+    """Return what is printed of a cam, and the content of every file by its name."""
     studies = study_lobes(part, wishes)
     figures = lobe_figures(part, studies)
     files = {f"lobe_{one.number}.csv": lobe_table(one).encode("utf-8") for one in studies}
-    files["analysis.json"] = (json.dumps(figures, indent=1, sort_keys=True) + "\n").encode()
+    files["analysis.json"] = emit_json(figures).encode()
     if with_pictures:
         from camtools.study.lobe_plots import draw_all as draw_lobes
 
@@ -133,13 +127,7 @@ def _lobe_wishes(arguments: argparse.Namespace) -> LobeWishes:
 def skirt_products(
     part: SkirtPart, wishes: AnalysisWishes, *, with_pictures: bool = True
 ) -> tuple[str, dict[str, bytes]]:
-    """Return what is printed of a skirt, and the content of every file by its name.
-
-    Raises
-    ------
-    CamtoolsError
-        A wish is out of range, or the part impossible.
-    """
+    """Return what is printed of a skirt, and the content of every file by its name."""
     found = make_analysis(part, wishes)
     files = _files(found, wishes.nose_mm, with_pictures=with_pictures)
     told = summary(found)

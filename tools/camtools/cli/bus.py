@@ -18,7 +18,7 @@ import can
 from camtools.base.errors import CamtoolsError
 from camtools.link.bus import configured, open_bus
 from camtools.link.controller import DBC_NODE
-from camtools.link.live import only_lathe
+from camtools.link.live_lathes import only_lathe
 
 _NAMED = ("interface", "channel", "bitrate")
 

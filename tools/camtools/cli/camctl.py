@@ -29,9 +29,9 @@ from camtools.cli.camctl_scope import blackbox, scope_ticks
 from camtools.link.controller import Link, Status
 from camtools.link.download import check_image, download, select_table
 from camtools.link.messages import NUMBERS, Answer, Refused
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.settings import set_quick
-from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_report
+from camtools.link.status_text import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1
 HOME_S = 60.0
@@ -50,15 +50,7 @@ class Control:
         self.out.flush()
 
     def ask(self, command: str, parameter: int = 0, **value: float) -> Answer:
-        """Send a command that must be accepted.
-
-        Raises
-        ------
-        Refused
-            It is not.
-        CamtoolsError
-            The value is outside the range of its signal.
-        """
+        """Send a command that must be accepted."""
         return ask_done(self.link, command, parameter, **value)
 
     def wait_state(self, wanted: Sequence[str], timeout_s: float) -> str:

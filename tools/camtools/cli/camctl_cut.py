@@ -19,7 +19,7 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link, Status
 from camtools.link.messages import Refused, value_text
 from camtools.link.progress import IN_CUT, cut_progress
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.settings import (
     MEASURES,
     OVERRIDES,
@@ -49,13 +49,7 @@ def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
 
 
 def _until_over(link: Link) -> None:
-    """Wait until a cut is over.
-
-    Raises
-    ------
-    Refused
-        It ends in a fault, command was lost, or the status stops.
-    """
+    """Wait until a cut is over."""
     status = link.status
     while status.state not in _OVER:
         # A process that was stopped for a while finds that its time is over, and looks again.

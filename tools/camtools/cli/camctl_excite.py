@@ -19,7 +19,7 @@ from camtools.base.output import write_all
 from camtools.cli.camctl_files import Say, names_of, write_raw
 from camtools.link import excitation
 from camtools.link.controller import Link
-from camtools.link.learned import (
+from camtools.link.learned_file import (
     get_learned,
     learned_text,
     learned_values,
@@ -38,13 +38,7 @@ def _read(path: Path) -> bytes:
 
 
 def wave_of(data: bytes, name: str) -> npt.NDArray[np.int64]:
-    """Return the samples of a wave file.
-
-    Raises
-    ------
-    CamtoolsError
-        It is none; the line says where.
-    """
+    """Return the samples of a wave file."""
     lines = data.decode("utf-8", "replace").split("\n")
     if lines[0].strip() != "u_nm":
         raise CamtoolsError([f"{name}: line 1: no u_nm; begin with the column's name"])

@@ -30,13 +30,7 @@ ABOUT = "camturn.recording"
 
 
 def names_of(text: str) -> list[str]:
-    """Return the signals of a list.
-
-    Raises
-    ------
-    CamtoolsError
-        One is none.
-    """
+    """Return the signals of a list."""
     names = text.split(",")
     scope.mask_of(names)
     return names

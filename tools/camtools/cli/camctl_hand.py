@@ -14,7 +14,7 @@ from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link
-from camtools.link.hand import (
+from camtools.link.manual_axes import (
     AXES,
     carry_out,
     end_text,
@@ -24,13 +24,7 @@ from camtools.link.hand import (
     rest,
     usual_mm_per_s,
 )
-from camtools.link.settings import (
-    N_TOOLS,
-    parameter,
-    set_tool,
-    set_tool_offset,
-    set_zero,
-)
+from camtools.link.settings import N_TOOLS, parameter, set_tool, set_tool_offset, set_zero
 
 Say = Callable[[str], None]
 

@@ -16,7 +16,7 @@ from camtools.cli.bus import add_bus_options
 from camtools.cli.camctl_cut import add_cut
 from camtools.cli.camctl_params import FILES
 from camtools.cli.camctl_rights import add_rights, add_rights_options
-from camtools.link.hand import AXES
+from camtools.link.manual_axes import AXES
 from camtools.link.messages import NUMBERS
 from camtools.link.parameters import MEMORY
 from camtools.link.scope import DEFAULT_SIGNALS

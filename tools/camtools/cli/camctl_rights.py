@@ -19,7 +19,7 @@ from pathlib import Path
 from camtools.base.command import Interrupted, Parser
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, May, secret_of, sender_of
 from camtools.link.rights_report import level_text, name_of, rights_report
 from camtools.link.shared_session import SharedSession
@@ -68,15 +68,7 @@ def add_rights(commands: argparse._SubParsersAction[Parser]) -> None:
 
 @contextmanager
 def commanding(link: Link, node: int, arguments: argparse.Namespace) -> Iterator[None]:
-    """Let the orders of a block take command where they need it, and give it back behind them.
-
-    Raises
-    ------
-    CamtoolsError
-        The secret cannot be read.
-    Refused
-        Another has command.
-    """
+    """Let the orders of a block take command where they need it, and give it back behind them."""
     rights, given = link.rights, arguments.secret or os.environ.get(SECRET)
     rights.sender = sender_of("camctl") if arguments.sender is None else arguments.sender
     rights.may = May.TAKE_OVER if arguments.take_over else May.IF_FREE

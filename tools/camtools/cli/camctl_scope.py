@@ -20,8 +20,8 @@ from camtools.link import scope
 from camtools.link.controller import Link
 from camtools.link.messages import FAULT_TEXTS, NUMBERS, Refused
 from camtools.link.signals import BITS, faults_in, physical, state_name
+from camtools.link.status_text import sparkline
 from camtools.link.trigger import arm, trigger_of
-from camtools.link.watch import sparkline
 
 _PATIENCE_S = 3600.0
 _BARS = 60
@@ -106,11 +106,6 @@ def _finish(
 # scope
 
 
-def _signals(arguments: argparse.Namespace) -> list[str]:
-    names = names_of(arguments.signals)
-    return names if not arguments.over_angle or _OF_ANGLE in names else [*names, _OF_ANGLE]
-
-
 def _configure(link: Link, arguments: argparse.Namespace) -> None:
     """Set what the recordings are to be."""
     tick_hz = scope.get(link, "tick_hz")
@@ -125,7 +120,9 @@ def _configure(link: Link, arguments: argparse.Namespace) -> None:
     if rows and before >= rows:
         text = f"--before {arguments.before:g}: give less than --seconds {arguments.seconds:g}"
         raise CamtoolsError([text])
-    scope.configure(link, _signals(arguments), arguments.every, rows)
+    names = names_of(arguments.signals)
+    signals = names if not arguments.over_angle or _OF_ANGLE in names else [*names, _OF_ANGLE]
+    scope.configure(link, signals, arguments.every, rows)
     arm(link, trigger, before)
     state = arguments.from_state
     scope.put(link, "from_state", -1 if state is None else NUMBERS["state"][state])
@@ -220,13 +217,7 @@ def _tell(link: Link, say: Say) -> None:
 
 
 def blackbox(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Tell what the black box holds, read it into a file, or clear it.
-
-    Raises
-    ------
-    Refused
-        There is no fault to be read.
-    """
+    """Tell what the black box holds, read it into a file, or clear it."""
     if arguments.file is not None:
         check_name(arguments.file)
     _tell(link, say)

@@ -38,8 +38,6 @@ def generate(dbc: str, name: str) -> tuple[str, str]:
 
     Parameters
     ----------
-    dbc : str
-        Text of a DBC file.
     name : str
         Stem of both files and prefix of every function.
 
@@ -47,11 +45,6 @@ def generate(dbc: str, name: str) -> tuple[str, str]:
     -------
     tuple of str
         NAME.h and NAME.c.
-
-    Raises
-    ------
-    CamtoolsError
-        The DBC is not one.
     """
     try:
         database = cantools.database.load_string(dbc, "dbc")

@@ -76,11 +76,6 @@ def _check_size(file: Path, size: int, region: Region) -> None:
 def check_firmware(file: Path) -> None:
     """Refuse what cannot be firmware for this board.
 
-    Parameters
-    ----------
-    file : Path
-        Raw image of its sectors.
-
     Raises
     ------
     CamtoolsError
@@ -97,11 +92,6 @@ def check_firmware(file: Path) -> None:
 
 def check_table(file: Path) -> None:
     """Refuse a table that the firmware would refuse, in its words.
-
-    Parameters
-    ----------
-    file : Path
-        Table image.
 
     Raises
     ------
@@ -139,22 +129,10 @@ def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
 def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
     """Return the command lines that write files and start the firmware.
 
-    Parameters
-    ----------
-    programmer : str
-        One of PROGRAMMERS.
-    writes : sequence of Write
-        In this order.
-
     Returns
     -------
     list of list of str
         Commands, each as its words, to be run one after the other.
-
-    Raises
-    ------
-    CamtoolsError
-        openocd cannot be given a name with braces or backslashes.
     """
     if programmer == "st-flash":
         return _st_flash(writes)

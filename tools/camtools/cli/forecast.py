@@ -17,14 +17,14 @@ from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import emit_json
 from camtools.base.output import write_all
-from camtools.base.places import ROOT
-from camtools.forecast.compute import cut_all
+from camtools.base.project_paths import RESULTS
 from camtools.forecast.job import Question, limits, plan_of
+from camtools.forecast.one_cut import CutOutcome
+from camtools.forecast.parallel_cuts import cut_all
 from camtools.forecast.progress import Progress
 from camtools.forecast.result import evaluate, forecast_summary, runs_parquet
 from camtools.forecast.store import Store
 from camtools.forecast.text import forecast_text
-from camtools.forecast.work import CutOutcome
 
 _RUNS = 256
 _MOST_RUNS = 1_000_000
@@ -62,13 +62,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def _positive(option: str, value: float | None) -> list[str]:
-    """Return an option of camsim, nothing when it is not given.
-
-    Raises
-    ------
-    CamtoolsError
-        Not a finite number above 0.
-    """
+    """Return an option of camsim, nothing when it is not given."""
     if value is None:
         return []
     if not (math.isfinite(value) and value > 0):
@@ -101,7 +95,7 @@ def _run(given: argparse.Namespace) -> int:
     question = _question(given)
     workers = None if given.workers is None else limits("--workers", given.workers, 1, 1024)
     plan = plan_of(question)
-    folder = given.output or ROOT / "build" / "forecast" / plan.made.table.part.part.name
+    folder = given.output or RESULTS / "forecast" / plan.made.table.part.part.name
     store = Store(folder / "store")
     texts = dict(zip(plan.keys, plan.texts, strict=True))
     missing = [text for key, text in texts.items() if key not in store.found]

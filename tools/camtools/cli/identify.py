@@ -18,23 +18,23 @@ from typing import NamedTuple, Protocol, TextIO
 from camtools.base.argument_types import not_negative, positive
 from camtools.base.command import Parser, run_command
 from camtools.base.output import write_all
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
 from camtools.cli.bus import add_bus_options, open_controller
-from camtools.identify.believed import Believed
 from camtools.identify.bode import bode_png
-from camtools.identify.connected import ConnectedU
+from camtools.identify.can_drive import ConnectedU
+from camtools.identify.configured_drive import Believed
+from camtools.identify.excitation_plan import Excitation, Wishes, plan
 from camtools.identify.identified import Identified, Limits, identify
 from camtools.identify.machine_file import with_keys
 from camtools.identify.part_error import ToolMotion, motion_of
-from camtools.identify.plan import Excitation, Wishes, plan
 from camtools.identify.recording import SettledRecord
 from camtools.identify.report import chosen, form_left, numbers, report
-from camtools.identify.simulated import CutShortError, SimulatedU
+from camtools.identify.simulated_drive import CutShortError, SimulatedU
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.link.rights import secret_of, sender_of
 from camtools.pipeline.load import load
-from camtools.pipeline.make import Made, make
+from camtools.pipeline.make_table import Made, make
 from camtools.report.text import plain
 from camtools.sim.machines import machine_bytes
 from camtools.table.image import pack

@@ -13,20 +13,13 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.table.signature import (
-    key_id,
-    make_private,
-    read_private,
-    read_public,
-    sign,
-    verify,
-)
+from camtools.table.signature import key_id, make_private, read_private, read_public, sign, verify
 
 FAILED = 1
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = Parser(prog="keys", description="Make keys for signed tables, sign, verify.")
+    parser = Parser(prog="tools/keys", description="Make keys for signed tables, sign, verify.")
     commands = parser.add_subparsers(dest="command", required=True)
     made = commands.add_parser("make", help="write NAME.pem, the private key, and NAME.pub")
     made.add_argument("name", type=Path, metavar="NAME")
@@ -74,27 +67,19 @@ def _show(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _sign(private: Path, table: Path) -> int:
-    key = read_private(private)
-    write_all(table.parent, {table.name: sign(_read(table), key)})
-    print(f"{table}: signed by key {key_id(key.public_key().public_bytes_raw()).hex()}")
-    return 0
-
-
-def _verify(table: Path, public_files: list[Path]) -> int:
-    problem = verify(_read(table), [read_public(file) for file in public_files])
-    print(f"{table}: {problem or 'signed by one of these keys'}")
-    return FAILED if problem else 0
-
-
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.command == "make":
         return _make(arguments.name)
     if arguments.command == "show":
         return _show(arguments)
     if arguments.command == "sign":
-        return _sign(arguments.private, arguments.table)
-    return _verify(arguments.table, arguments.public)
+        key, table = read_private(arguments.private), arguments.table
+        write_all(table.parent, {table.name: sign(_read(table), key)})
+        print(f"{table}: signed by key {key_id(key.public_key().public_bytes_raw()).hex()}")
+        return 0
+    problem = verify(_read(arguments.table), [read_public(file) for file in arguments.public])
+    print(f"{arguments.table}: {problem or 'signed by one of these keys'}")
+    return FAILED if problem else 0
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -27,16 +27,16 @@ import can
 
 from camtools.base.command import BAD_INPUT, Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT, with_names
 from camtools.base.quantities import NM_PER_MM
 from camtools.cli.bus import add_interface_options, bus_arguments
-from camtools.link.bridge import Bridge
 from camtools.link.bus import open_bus
 from camtools.link.controller import DBC_NODE
-from camtools.link.live import LiveLathe, announced, live_lathes, runtime_folder
+from camtools.link.live_lathes import LiveLathe, announced, live_lathes, runtime_folder
+from camtools.link.pipe_bridge import Bridge
 from camtools.pipeline.job import write_files
 from camtools.pipeline.load import load
-from camtools.pipeline.make import Made, make
+from camtools.pipeline.make_table import Made, make
 from camtools.sim.camsim import camsim_path
 from camtools.sim.live import LivePair, died, refuses, with_home_switches
 from camtools.sim.machines import machine_bytes, names
@@ -101,7 +101,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _say(text: str) -> None:
-    sys.stdout.write(f"live: {text}\n")
+    sys.stdout.write(with_names(f"live: {text}\n"))
     sys.stdout.flush()
 
 

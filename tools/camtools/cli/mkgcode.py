@@ -1,6 +1,6 @@
 """Command line that writes NC programs for existing machines.
 
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> job = make_job(example_part(), ProgramWishes("xz", None, None, 0.1, False))
 >>> b"".join(program(job, "xz")).splitlines()[-1]
 b'M2'
@@ -19,18 +19,18 @@ from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.output import write_all
 from camtools.lobe.part import LobePart
-from camtools.ngc.full import full_program
-from camtools.ngc.lobe import LobeJob, lobe_program
-from camtools.ngc.profile import profile_program
-from camtools.ngc.words import ProgramJob
+from camtools.ngc.full_program import full_program
+from camtools.ngc.gcode_words import ProgramJob
+from camtools.ngc.lobe_program import LobeJob, lobe_program
+from camtools.ngc.profile_program import profile_program
 from camtools.part.common import PartFile, check_feed
 from camtools.part.model import MIN_STEP_MM
 from camtools.pipeline.load import load_able
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.heel import check_heel
-from camtools.skirt.nose import tip_geometry
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.run_in import with_run
+from camtools.skirt.geometry.run_in import with_run
+from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.tool.heel import check_heel
+from camtools.skirt.tool.nose import tip_geometry
 
 MIN_CHORD_UM, MAX_CHORD_UM = 0.002, 1000.0
 DEFAULT_CHORD_UM = 0.1
@@ -159,11 +159,7 @@ def _run(arguments: argparse.Namespace) -> int:
         problem = f"--axes {axes}: not for a {part.part.kind}; give {' or '.join(able)}"
         raise CamtoolsError([f"{arguments.part}: {problem}"])
     wishes = ProgramWishes(
-        axes,
-        arguments.from_mm,
-        arguments.to_mm,
-        arguments.chord_um,
-        arguments.diameter,
+        axes, arguments.from_mm, arguments.to_mm, arguments.chord_um, arguments.diameter
     )
     try:
         pieces = _program(part, wishes)

@@ -13,9 +13,9 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.pipeline.correct import add_measured, correction_for
+from camtools.pipeline.correct_options import add_measured, correction_for
 from camtools.pipeline.load import load
-from camtools.pipeline.make import make
+from camtools.pipeline.make_table import make
 from camtools.table.export import FORMS, Export, export_files
 from camtools.table.header import check_tolerance
 from camtools.table.image import Table
@@ -62,13 +62,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
 
 
 def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
-    """Return the files of --export.
-
-    Raises
-    ------
-    CamtoolsError
-        Options without a format, or out of range.
-    """
+    """Return the files of --export."""
     heights_mm, n_points = tuple(arguments.export_height), arguments.export_points
     if arguments.export is None:
         if heights_mm or n_points is not None:
@@ -82,15 +76,6 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
     return export_files(table, Export(arguments.export, heights_mm, n_points))
 
 
-def _signed(files: dict[str, bytes], key_file: Path) -> dict[str, bytes]:
-    """Return the images of all tables among the files, with a signature behind each."""
-    # Only those who sign need the package cryptography.
-    from camtools.table.signature import read_private, sign
-
-    key = read_private(key_file)
-    return {name: sign(data, key) for name, data in files.items() if name.endswith(".camtab")}
-
-
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.tolerance_nm is not None:
         check_tolerance(arguments.tolerance_nm)
@@ -100,7 +85,11 @@ def _run(arguments: argparse.Namespace) -> int:
     exported = _exported(arguments, made.table.table)
     files = made.files(with_plots=arguments.plot) | exported
     if arguments.sign is not None:
-        files |= _signed(files, arguments.sign)
+        # Only those who sign need the package cryptography.
+        from camtools.table.signature import read_private, sign
+
+        key = read_private(arguments.sign)
+        files |= {name: sign(data, key) for name, data in files.items() if name.endswith(".camtab")}
     write_all(arguments.output, files)
     sys.stdout.write(made.text())
     return 0

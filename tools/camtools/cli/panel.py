@@ -20,18 +20,18 @@ from pathlib import Path
 from camtools.base.command import Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
-from camtools.base.places import ROOT
+from camtools.base.project_paths import RESULTS
 from camtools.cli.bus import add_bus_options, bus_arguments, open_controller
 from camtools.link.bus import configured
 from camtools.link.controller import Link
-from camtools.link.live import live_lathes, only_lathe
+from camtools.link.live_lathes import live_lathes, only_lathe
 from camtools.link.rights import secret_of
-from camtools.panel.command_log import CommandLog
-from camtools.panel.commander import Commander
+from camtools.panel.access.listening_socket import hosts_of, open_socket
+from camtools.panel.access.token import LEAST_CHARS, MOST_CHARS, TokenGuard, new_token
 from camtools.panel.context import AppContext
-from camtools.panel.desk import Desk
-from camtools.panel.listening import hosts_of, open_socket
-from camtools.panel.token import LEAST_CHARS, MOST_CHARS, TokenGuard, new_token
+from camtools.panel.orders.command_log import CommandLog
+from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.controller_service import ControllerService
 
 _PORT = 8417
 _EPILOG = """\
@@ -42,7 +42,7 @@ From another computer: ssh -L 8417:127.0.0.1:8417 THIS, then the address as prin
 Exit status: 0 ended by control-C or SIGTERM, 2 wrong usage or bad input."""
 
 
-_KEPT = ROOT / "build" / "panel"
+_KEPT = RESULTS / "panel"
 
 
 def _port(text: str) -> int:
@@ -128,13 +128,7 @@ def token_of(path: Path | None) -> str:
 
 
 def _check_bus(arguments: argparse.Namespace) -> None:
-    """Raise when the bus that is named cannot be opened; a live lathe may still come.
-
-    Raises
-    ------
-    CamtoolsError
-        As open_controller().
-    """
+    """Raise when the bus that is named cannot be opened; a live lathe may still come."""
     given = bus_arguments(arguments)
     if "interface" in configured(given) or (given and arguments.live is not None):
         open_controller(arguments)[0].shutdown()
@@ -163,11 +157,11 @@ def _run(arguments: argparse.Namespace) -> int:
         from camtools.panel.server import application, serve  # it takes a second
 
         commander = Commander(log)
-        desk = Desk(open_link, commander, log, secret)
-        stack.callback(desk.close)
+        service = ControllerService(open_link, commander, log, secret)
+        stack.callback(service.close)
         hosts = hosts_of(sock)
         own = arguments.keep / "parts", arguments.keep / "runs"
-        app = application(AppContext(desk, commander, log, TokenGuard(token), *own), hosts)
+        app = application(AppContext(service, commander, log, TokenGuard(token), *own), hosts)
         if not ipaddress.ip_address(arguments.listen).is_loopback:
             _say("warning: nothing is encrypted: who hears the network sees the token; see ssh -L")
         _say(f"http://{hosts[0]}/#token={token}")

@@ -20,7 +20,7 @@ PAGE = "papers.md"
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
-        prog="papers",
+        prog="tools/papers",
         description="Make every figure and table of the papers anew, and the page that compares "
         "them with what is printed.",
         allow_abbrev=False,

@@ -16,7 +16,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
 from camtools.pipeline.load import load_for
 from camtools.sim.camsim import camsim_path
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.path_cut import csv, cut_paths, text
 
 _NOSE_MM = (0.01, 100.0)
@@ -25,7 +25,7 @@ _RPM = (1.0, 60_000.0)
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
-        prog="scallop",
+        prog="tools/scallop",
         description="Cut a part on the simulator along a ring-helix and along helices, with a tool "
         "of a nose radius; compare surface and time with what theory says.",
         allow_abbrev=False,

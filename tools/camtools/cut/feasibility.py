@@ -18,7 +18,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
-from camtools.cut.gap import GapChange, Motion, in_gap
+from camtools.cut.lobe_gap import GapChange, Motion, in_gap
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.table.channel import Bounds, Channel
 from camtools.table.evaluate import PLACES, evaluate_grid
@@ -226,11 +226,6 @@ def check_feasible(peaks: Peaks, limits: MachineLimits, spindle_rpm: float) -> N
     """Refuse what a machine cannot follow without a table: the axes of an NC program.
 
     A table is judged by the controller's own rule, `camtools.cut.verdict`.
-
-    Parameters
-    ----------
-    spindle_rpm : float
-        Mean speed.
 
     Raises
     ------

@@ -82,8 +82,6 @@ def records_of(passes: Sequence[Pass], parts: Sequence[PassedPart]) -> tuple[Pas
 
     Parameters
     ----------
-    passes : sequence of Pass
-        As the part file has them.
     parts : sequence of PassedPart
         The part as each of them cuts it, see `parts_of_passes`.
     """
@@ -106,15 +104,8 @@ def judge_passes(
     ----------
     parts : sequence of PassedPart
         The part as each of its passes cuts it.
-    table : Table
-        The table of the last one.
     judge : callable
         Returns the highest speed of a part with the table at its own speed and feed, or refuses.
-
-    Raises
-    ------
-    CamtoolsError
-        A pass is infeasible; the lines name the first one.
     """
     for number, one in enumerate(parts, start=1):
         feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000

@@ -1,6 +1,6 @@
 """Metal removed from one section: area, equal parts, speed law, forces, MATHS.md (20) .. (29).
 
->>> from camtools.skirt.sections import Ellipse
+>>> from camtools.skirt.geometry.sections import Ellipse
 >>> papers = SectionCut(lambda phi: Ellipse().evaluate(phi, 46.0, 0.2), 46.0, 46.1)
 >>> f"{papers.total_mm2:.12f} mm2"
 '10.846348636519 mm2'
@@ -143,15 +143,7 @@ class PartsRange(NamedTuple):
 def parts_range(
     cut: SectionCut, feed_mm: float, rpm: float, volume_mm3: float, cycle_s: float
 ) -> PartsRange:
-    """Return the least and the most parts of a pattern, MATHS.md (23).
-
-    Parameters
-    ----------
-    volume_mm3 : float
-        Largest volume of a part.
-    cycle_s : float
-        Cycle of the controller [s].
-    """
+    """Return the least and the most parts of a pattern, MATHS.md (23)."""
     return PartsRange(
         ceil(cut.total_mm2 * feed_mm / volume_mm3 - 1e-9),
         floor(60 / rpm / (cut.n_patterns * cycle_s) + 1e-9),

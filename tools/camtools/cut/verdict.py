@@ -68,15 +68,7 @@ _NOT_OF_A_PART = ("x_speed", "x_acceleration", "tick_rate", "feed", "cam_amplitu
 
 
 class RefusedError(CamtoolsError):
-    """The machine cannot follow a table, which is known nevertheless.
-
-    Attributes
-    ----------
-    table : Table
-        What was judged.
-    best : HighestSpeed
-        What would do.
-    """
+    """The machine cannot follow a table, which is known nevertheless."""
 
     def __init__(self, lines: list[str], table: Table, best: HighestSpeed) -> None:
         super().__init__(lines)

@@ -13,12 +13,12 @@ from pathlib import Path
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
-from camtools.forecast.draw import draw
+from camtools.forecast.one_cut import TABLE, Task, build_of, folder_of
+from camtools.forecast.sampling import draw
 from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, read_vary
-from camtools.forecast.work import TABLE, Task, build_of, folder_of
 from camtools.part.file import read_part_file
 from camtools.pipeline.load import load
-from camtools.pipeline.make import Made, make
+from camtools.pipeline.make_table import Made, make
 from camtools.sim.binding import SimSession, library_path
 from camtools.sim.machine_file import (
     Machine,
@@ -34,13 +34,7 @@ _LINE = re.compile(rf"{_PROBE}: line \d+: (.*)")
 
 
 def limits(option: str, value: int, low: int, high: int) -> int:
-    """Return the number of an option.
-
-    Raises
-    ------
-    CamtoolsError
-        It is out of range.
-    """
+    """Return the number of an option."""
     if not low <= value <= high:
         raise CamtoolsError([f"{option} {value}: out of range; give {low} .. {high}"])
     return value
@@ -128,7 +122,11 @@ def plan_of(question: Question) -> ForecastPlan:
     machine = own if question.machine is None else find_machine(question.machine)
     tree = read_machine(machine.text, machine.name)
     unknowns, left_out = _unknowns(question.vary, tree)
-    task = _task(made, question.words)
+    files = made.files(with_plots=False)
+    name = made.table.part.part.name
+    table, design = files[f"{name}.camtab"], files[f"{name}.json"]
+    # The gauge judges by its own tolerance only whether a cut is good, which is done here.
+    task = Task(table, design, (*question.words, "--tolerance-um", "1e6"), build_of(library_path()))
     _check(task, machine, part.part.name)
     _check_ends(task, tree, unknowns, str(question.vary or DEFAULT_VARY.name))
     inputs = draw(unknowns, question.n_runs, seed=question.seed)
@@ -156,22 +154,8 @@ def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:
     return read_vary(data, str(vary), tree), []
 
 
-def _task(made: Made, words: Sequence[str]) -> Task:
-    files = made.files(with_plots=False)
-    name = made.table.part.part.name
-    table, design = files[f"{name}.camtab"], files[f"{name}.json"]
-    # The gauge judges by its own tolerance only whether a cut is good, which is done here.
-    return Task(table, design, (*words, "--tolerance-um", "1e6"), build_of(library_path()))
-
-
 def _begin(task: Task, machine: Machine) -> None:
-    """Begin a cut on a machine and end it at once.
-
-    Raises
-    ------
-    CamtoolsError
-        The simulator refuses.
-    """
+    """Begin a cut on a machine and end it at once."""
     table = folder_of(task.table, task.design) / TABLE
     with SimSession() as session:
         session.begin([str(table), *task.words], machine.text, machine.name, traced=False)
@@ -194,13 +178,7 @@ def _check(task: Task, machine: Machine, name: str) -> None:
 
 
 def _check_ends(task: Task, tree: Tree, unknowns: Sequence[Unknown], file: str) -> None:
-    """Refuse numbers that no machine file may have; what is only infeasible is cut and counted.
-
-    Raises
-    ------
-    CamtoolsError
-        An end of a distribution is out of the simulator's range.
-    """
+    """Refuse numbers that no machine file may have; what is only infeasible is cut and counted."""
     for one in unknowns:
         for end, value in (("low", one.low), ("high", one.high)):
             text = emit_machine(mistaken(tree, {one.key: value}))

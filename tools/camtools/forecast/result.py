@@ -18,16 +18,9 @@ from camtools.base.json_text import Json, emit_json
 from camtools.base.parquet import parquet_bytes
 from camtools.base.quantities import Floats
 from camtools.forecast.job import ForecastPlan, Question
-from camtools.forecast.statistics import (
-    Effect,
-    Quantile,
-    Share,
-    effects,
-    quantile,
-    share_within,
-)
+from camtools.forecast.one_cut import CutOutcome
+from camtools.forecast.statistics import Effect, Quantile, Share, effects, quantile, share_within
 from camtools.forecast.store import SCHEMA
-from camtools.forecast.work import CutOutcome
 
 PERCENTS = (50.0, 90.0, 95.0, 99.0)
 _NOTHING_UM = float("inf")  # a cut without a result is worse than any error
@@ -105,11 +98,7 @@ def forecast_summary(question: Question, plan: ForecastPlan, forecast: Forecast)
         "form_error_um": [_quantile(one) for one in forecast.quantiles],
         "ends": forecast.ends,
         "unknowns": [
-            {
-                "key": one.key,
-                "nominal": one.nominal,
-                "distribution": one.words,
-            }
+            {"key": one.key, "nominal": one.nominal, "distribution": one.words}
             for one in plan.unknowns
         ],
         "left_out": plan.left_out,

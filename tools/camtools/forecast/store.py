@@ -17,7 +17,6 @@ import uuid
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -25,7 +24,7 @@ import pyarrow.parquet as pq
 from camtools.base.errors import InputError
 from camtools.base.output import write_all
 from camtools.base.parquet import parquet_bytes
-from camtools.forecast.work import CutOutcome
+from camtools.forecast.one_cut import CutOutcome
 
 _FIELDS = {
     "key": pa.string(),
@@ -41,10 +40,6 @@ _FIELDS = {
     "wall_s": pa.float64(),
 }
 SCHEMA = pa.schema(list(_FIELDS.items()))
-
-
-def _columns(outcomes: Sequence[CutOutcome]) -> dict[str, list[Any]]:
-    return {name: [getattr(one, name) for one in outcomes] for name in _FIELDS}
 
 
 class Store:
@@ -77,7 +72,8 @@ class Store:
     def add(self, outcomes: Sequence[CutOutcome]) -> None:
         """Keep outcomes; they are on the disk on return."""
         name = f"{uuid.uuid4().hex}.parquet"
-        write_all(self.folder, {name: parquet_bytes(_columns(outcomes), SCHEMA, {})})
+        columns = {name: [getattr(one, name) for one in outcomes] for name in _FIELDS}
+        write_all(self.folder, {name: parquet_bytes(columns, SCHEMA, {})})
         self._paths.append(self.folder / name)
         self.found |= {outcome.key: outcome for outcome in outcomes}
 

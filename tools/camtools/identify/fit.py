@@ -201,13 +201,7 @@ def _between(spectra: Spectra, values: Floats, weight: Floats) -> Floats:
 
 
 def fit(spectra: Spectra) -> DriveFit:
-    """Return the constants of a drive from the lines of a record.
-
-    Raises
-    ------
-    CamtoolsError
-        Too few lines stand above their noise.
-    """
+    """Return the constants of a drive from the lines of a record."""
     if spectra.s.size < MIN_LINES:
         problem = (
             f"{spectra.s.size} of {spectra.s.size + spectra.n_lost} lines stand above the noise"

@@ -13,10 +13,10 @@ import numpy as np
 
 from camtools.base.quantities import Floats
 from camtools.identify.fit import FRICTION, K1, K2, LEAD, DriveFit, Gain, fit, moved_per_commanded
-from camtools.identify.mode import ModeFit, fit_mode
+from camtools.identify.friction import friction_of
 from camtools.identify.recording import SettledRecord
+from camtools.identify.resonance import ModeFit, fit_mode
 from camtools.identify.spectra import Spectra, spectra_of
-from camtools.identify.stick import friction_of
 
 _ROUNDS = 5  # friction played with the constants found so far
 _MODE_ROUNDS = 3
@@ -177,16 +177,6 @@ def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
 
     A scale that is coarse may belong to a drive that rounds its commands likewise; the record with
     rounded set-points is believed where it leaves less.
-
-    Parameters
-    ----------
-    with_mode : bool
-        look for a mode as well
-
-    Raises
-    ------
-    CamtoolsError
-        Too few lines stand above their noise.
     """
     spectra, plain = _plain_of(record)
     if record.is_coarse:

@@ -19,8 +19,8 @@ import numpy as np
 
 from camtools.base.quantities import Floats, omega_rad_s
 from camtools.identify.fit import K1, K2, LEAD, second_order, stacked
-from camtools.identify.mode import ModeFit
 from camtools.identify.multisine import Complexes
+from camtools.identify.resonance import ModeFit
 from camtools.identify.spectra import STICTION_NM_S
 from camtools.table.channel import KIND_U
 from camtools.table.evaluate import evaluate_grid
@@ -91,8 +91,6 @@ def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> 
     ----------
     believed : ndarray, shape (4,)
         constants of the feed-forward, as of `fit.DriveFit.values`
-    response : ndarray
-        of the drive at `motion.s`
     """
     s = motion.s
     error = (response / second_order(s, *believed[[K1, K2, LEAD]]) - 1) * motion.harmonics
@@ -107,8 +105,6 @@ def constants_for(motion: ToolMotion, response: Complexes, lead_s: float) -> Flo
     ----------
     response : ndarray
         of the drive at `motion.s`, of whatever order
-    lead_s : float
-        dead time that is taken
 
     Returns
     -------

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Floats, length_text
-from camtools.identify.believed import Believed
+from camtools.identify.configured_drive import Believed
 from camtools.identify.fit import FRICTION, K1, K2, LEAD
 from camtools.identify.identified import Identified, Limits
 from camtools.identify.part_error import (

@@ -115,8 +115,6 @@ def spectra_of(grid: Grid, u_nm: Floats, y_nm: Floats, quantum_nm: float) -> Spe
 
     Parameters
     ----------
-    grid : Grid
-        of the excitation
     u_nm, y_nm : ndarray, shape (n_periods, n_ticks)
         set-points written in a tick and positions measured in it; settled, so without the first
         periods

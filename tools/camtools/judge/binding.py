@@ -28,8 +28,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.library import Prototypes, loaded
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
+from camtools.base.shared_library import Prototypes, loaded
 
 
 class _Demand(Structure):
@@ -94,8 +94,6 @@ class Judge:
     ----------
     table : bytes or TablePeaks
         Its image, or what is known before there is one.
-    tick_hz : int
-        Rate of the tick.
     parameters : mapping
         Of the controller, by name; each is rounded and limited to its range.
 

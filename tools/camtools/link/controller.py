@@ -231,11 +231,6 @@ class Link:
         ----------
         echo : int, optional
             what the answer must have as its parameter; others are those of other senders
-
-        Raises
-        ------
-        Refused
-            None comes in time.
         """
         end_s = time.monotonic() + timeout_s
         while True:
@@ -260,8 +255,6 @@ class Link:
 
         Parameters
         ----------
-        command : str
-            name of the DBC's value table
         value : float
             at most one signal of the message Command, in its unit
 

@@ -16,7 +16,7 @@ import isotp
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import BLOCK_ID, FLOW_ID, Link
 from camtools.link.messages import Refused
-from camtools.link.refusal import require
+from camtools.link.refusal_text import require
 
 BLOCK_BYTES = 4096
 BEGIN_S = 60.0  # erasing flash: up to 4 s for each 128 KiB
@@ -27,13 +27,7 @@ _HEADER_BYTES = 128
 
 
 def send_block(link: Link, block: bytes) -> None:
-    """Send one message by ISO 15765-2.
-
-    Raises
-    ------
-    Refused
-        The controller gives no flow control, or wants none of it.
-    """
+    """Send one message by ISO 15765-2."""
     problems: list[Exception] = []
 
     def receive(timeout_s: float) -> isotp.CanMessage | None:
@@ -87,11 +81,6 @@ def bring(link: Link, data: bytes, remedy: str, progress: Callable[[int, float],
         what to do if that fails
     progress : callable
         called with [bytes] that are stored and [s] since the begin
-
-    Raises
-    ------
-    Refused
-        The controller refuses, or the bus loses too much.
     """
     start_s, at = time.monotonic(), 0
     while at < len(data):
@@ -111,19 +100,11 @@ def check_image(image: bytes, name: str) -> None:
         raise CamtoolsError([f"{name}: not a cam table; make one by tools/mktables"])
 
 
-def download(
-    link: Link,
-    image: bytes,
-    progress: Callable[[int, float], None],
-) -> None:
+def download(link: Link, image: bytes, progress: Callable[[int, float], None]) -> None:
     """Bring an image into the place that is not in use, and have it checked there.
 
     Parameters
     ----------
-    link : Link
-        to the controller
-    image : bytes
-        whole table image
     progress : callable
         called with [bytes] that are stored and [s] since the begin
 

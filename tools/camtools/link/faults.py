@@ -12,28 +12,18 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
+from camtools.base.project_paths import ROOT
 from camtools.link.messages import FAULT_TEXTS
 
-FAULTS_MD = Path(__file__).resolve().parents[3] / "firmware" / "FAULTS.md"
+FAULTS_MD = ROOT / "firmware" / "FAULTS.md"
 _ROW = re.compile(r"\| `(\w+)` \| ([^|]+) \| [^|]+ \| [^|]+ \| ([^|]+) \|")
 _LINK = re.compile(r"\[([^]]*)\]\([^)]*\)")
 
 
 @dataclass(frozen=True)
 class FaultText:
-    """A fault for people.
-
-    Attributes
-    ----------
-    name : str
-        of the fault, as the DBC has it
-    title : str
-        what it is, a few words
-    cause, remedy : str
-        sentences
-    """
+    """A fault for people."""
 
     name: str
     title: str

@@ -12,13 +12,13 @@ The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from cantools.database.can import Database, Message
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.project_paths import ROOT
 
-DBC = Path(__file__).resolve().parents[3] / "firmware" / "remote" / "can" / "camturn.dbc"
+DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"
 DATABASE = Database()
 DATABASE.add_dbc_file(DBC)
 COMMAND, ANSWER = (DATABASE.get_message_by_name(name) for name in ("Command", "Answer"))
@@ -97,13 +97,7 @@ class Answer:
 
 
 def _check_range(name: str, value: float) -> None:
-    """Refuse a value that has no place in the message Command.
-
-    Raises
-    ------
-    CamtoolsError
-        It is outside the range that the DBC gives its signal.
-    """
+    """Refuse a value that has no place in the message Command."""
     signal = COMMAND.get_signal_by_name(name)
     low, high = signal.minimum, signal.maximum
     assert low is not None and high is not None
@@ -123,11 +117,6 @@ def command_bytes(
         at most one signal of the message Command, in its unit
     sender, session : int
         who sends it, and the session in which he commands; 0, 0: nobody who commands
-
-    Raises
-    ------
-    CamtoolsError
-        The value is outside the range of its signal.
     """
     number = NUMBERS["command"][command]
     signals: dict[str, float] = {"command": number, "parameter": parameter}

@@ -16,15 +16,15 @@ import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.project_paths import ROOT
 from camtools.base.toml_text import toml_tree
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 
-_HEADER = Path(__file__).resolve().parents[3] / "firmware" / "param" / "cam_param.h"
+_HEADER = ROOT / "firmware" / "param" / "cam_param.h"
 _ROW = re.compile(r'X\((\w+),\s*(-?\d+),\s*(-?\d+),\s*(-?\d+),\s*"([^"]*)"')
 _HEAD = """\
 # Parameters of a camturn controller, {origin}.
@@ -64,15 +64,10 @@ class Info:
     what: str
 
 
-def _bodies(text: str) -> dict[str, str]:
-    """Return the lists of a header by the names of their macros."""
-    found = re.findall(r"#define (CAM_\w*PARAMS)\(X(?:, n)?\) \\\n((?:[^\n]*\\\n)*[^\n]*)", text)
-    return {name: body.replace("\\\n", "\n") for name, body in found}
-
-
 def infos_of(text: str) -> dict[str, Info]:
     """Return the parameters of the text of cam_param.h, in their order."""
-    bodies = _bodies(text)
+    found = re.findall(r"#define (CAM_\w*PARAMS)\(X(?:, n)?\) \\\n((?:[^\n]*\\\n)*[^\n]*)", text)
+    bodies = {name: body.replace("\\\n", "\n") for name, body in found}
     body = re.sub(
         r"(CAM_\w+)\(X, (\w+)\)",
         lambda call: bodies[call[1]].replace("##n##", call[2]).replace("##n", call[2]),
@@ -98,13 +93,7 @@ def checksum(values: Mapping[str, int]) -> int:
 
 
 def text_of(values: Mapping[str, int], origin: str) -> str:
-    """Return parameters as a TOML file, by groups, with ranges and meanings.
-
-    Parameters
-    ----------
-    origin : str
-        where they are from; a clause
-    """
+    """Return parameters as a TOML file, by groups, with ranges and meanings."""
     lines = [_HEAD.format(origin=origin)]
     for group in _GROUPS:
         names = [name for name in INFOS if name in values and group_of(name) == group]

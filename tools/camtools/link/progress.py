@@ -56,8 +56,6 @@ def cut_progress(state: str, signals: Mapping[str, float]) -> CutProgress:
 
     Parameters
     ----------
-    state : str
-        name of the controller's state
     signals : Mapping
         of the status; what is missing makes the answer unknown
     """

@@ -46,13 +46,7 @@ class CommandLost(Refused):
 
 
 class CommandHeld(Refused):
-    """Another has command.
-
-    Attributes
-    ----------
-    holder : int
-        his number
-    """
+    """Another has command."""
 
     def __init__(self, text: str, holder: int) -> None:
         super().__init__(text)
@@ -114,8 +108,6 @@ class Rights:
 
     Parameters
     ----------
-    link : Link
-        whose orders it stamps
     sender : int
         by which others know it, 1 .. 254
 

@@ -26,7 +26,7 @@ import numpy.typing as npt
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
 from camtools.link.messages import DATABASE, NOT_COMMANDER, NUMBERS, OLDER, Answer, Refused
-from camtools.link.refusal import REMEDIES, explain
+from camtools.link.refusal_text import REMEDIES, explain
 
 Ints = npt.NDArray[np.int64]
 
@@ -140,13 +140,7 @@ def mask_of(signals: Sequence[str]) -> int:
 
 
 def require(link: Link, what: str, answer: Answer) -> Answer:
-    """Return an answer that is done.
-
-    Raises
-    ------
-    Refused
-        It is not; the text says what the limit is, or what to do.
-    """
+    """Return an answer that is done."""
     if answer.result == "done":
         return answer
     if answer.result == NOT_COMMANDER:
@@ -244,11 +238,6 @@ class Reader:
         ----------
         progress : callable
             called with the bytes that are there and those in all
-
-        Raises
-        ------
-        Refused
-            There is none, it still runs, or the bus loses too much.
         """
         if phase(link) != "done":
             raise Refused(f"{link.where}: the recorder is {phase(link)}: no recording is complete")
@@ -323,13 +312,7 @@ def read(link: Link, progress: Callable[[int, int], None] | None = None) -> Reco
 
 
 def wait(link: Link, timeout_s: float) -> None:
-    """Wait until the recording has ended.
-
-    Raises
-    ------
-    Refused
-        It has not in time.
-    """
+    """Wait until the recording has ended."""
     end_s = time.monotonic() + timeout_s
     while phase(link) not in ("done", "idle"):
         if time.monotonic() > end_s:

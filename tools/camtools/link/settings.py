@@ -12,7 +12,7 @@ from __future__ import annotations
 from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS, value_text
-from camtools.link.refusal import ask_done
+from camtools.link.refusal_text import ask_done
 
 OVERRIDES = ("feed", "spindle")
 MEASURES = ("diameter", "radius")

@@ -21,7 +21,7 @@ import zlib
 from contextlib import suppress
 from pathlib import Path
 
-from camtools.link.live import runtime_folder, start_of
+from camtools.link.live_lathes import runtime_folder, start_of
 
 
 class SharedSession:

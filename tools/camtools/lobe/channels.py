@@ -104,26 +104,12 @@ def places_of(lobes: list[ShaftLobe], direction: int = 1) -> tuple[LobePlace, ..
     )
 
 
-def _knots(function: Function, lobes: list[ShaftLobe], log2_knots: int) -> Floats:
-    h = 2 * np.pi / (1 << log2_knots)
-    phi = h * np.arange(1 << log2_knots, dtype=np.float64)
-    triples = [function(lobe, phi) for lobe in lobes]
-    return np.stack([np.stack([y, h * y1, h**2 / 2 * y2], axis=-1) for y, y1, y2 in triples])
-
-
 def _off(function: Function, lobe: ShaftLobe, alone: Channel) -> float:
     """Return the largest difference in units of a channel of one lobe, on a dense grid."""
     n = alone.knots.shape[1]
     phi = ((np.arange(n)[:, None] + PLACES).ravel() / n) * 2 * np.pi
     got = evaluate_grid(alone, np.array([float(alone.z_first_nm)]), PLACES).value[0]
     return float(np.abs(got - function(lobe, phi)[0]).max())
-
-
-def _error(function: Function, lobes: list[ShaftLobe], channel: Channel) -> float:
-    """Return the largest error in units of the channel, which has one slice for each lobe."""
-    alone = (replace(channel, knots=channel.knots[[i, i]]) for i in range(len(lobes)))
-    largest = max(_off(function, *one) for one in zip(lobes, alone, strict=True))
-    return GRID_MARGIN * largest + ROUNDING_LSB * channel.lsb
 
 
 def _turned(channel: Channel) -> float:
@@ -137,10 +123,16 @@ def _measured(
     """Return a channel of one slice for each pattern, where the format holds it."""
     patterns = patterns_of(lobes)
     try:
-        channel = quantise(kind, _knots(function, patterns, log2_knots), 0, range_of(lobes))
+        h = 2 * np.pi / (1 << log2_knots)
+        phi = h * np.arange(1 << log2_knots, dtype=np.float64)
+        triples = [function(lobe, phi) for lobe in patterns]
+        knots = np.stack([np.stack([y, h * y1, h**2 / 2 * y2], axis=-1) for y, y1, y2 in triples])
+        channel = quantise(kind, knots, 0, range_of(lobes))
     except TooLargeError:
         return None
-    error = _error(function, patterns, channel)
+    alone = (replace(channel, knots=channel.knots[[i, i]]) for i in range(len(patterns)))
+    largest = max(_off(function, *one) for one in zip(patterns, alone, strict=True))
+    error = GRID_MARGIN * largest + ROUNDING_LSB * channel.lsb
     return MadeChannel(channel, error + (_turned(channel) if has_patterns(lobes) else 0.0))
 
 
@@ -252,13 +244,6 @@ def speed_channel(lobes: list[ShaftLobe], laws: list[Floats], mean_rad_s: float)
     ----------
     laws : list of ndarray, shape (N_GRID,)
         Speed of the spindle over the angle of each pattern [rad/s].
-    mean_rad_s : float
-        What the ratios refer to.
-
-    Raises
-    ------
-    GeometryError
-        Ratios beyond what a table holds.
     """
     low, high = (float(f(np.stack(laws))) / mean_rad_s for f in (np.min, np.max))
     if low < MIN_RATIO / RATIO_ONE or high > MAX_RATIO / RATIO_ONE:

@@ -21,14 +21,7 @@ import numpy as np
 from camtools.base.quantities import Floats
 from camtools.lobe.lift import Disc, LiftLaw
 
-__all__ = [
-    "Contact",
-    "Disc",
-    "Follower",
-    "contact",
-    "follow",
-    "solved_at",
-]
+__all__ = ["Contact", "Disc", "Follower", "contact", "follow", "solved_at"]
 
 _NEWTON_STEPS = 60
 _ANGLE_ERROR_RAD = 1e-13
@@ -161,7 +154,7 @@ def solved_at(
     touch_at : callable
         Contacts and path at directions of the lobe's own follower [rad].
     phi_rad : ndarray, shape (n,)
-        Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.check`).
+        Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.undercut`).
 
     Notes
     -----

@@ -11,7 +11,7 @@ from __future__ import annotations
 from camtools.base.json_text import Json
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, Risen, curve_of
-from camtools.lobe.rises import (
+from camtools.lobe.rise_laws import (
     Cycloidal,
     Harmonic,
     ModifiedSine,

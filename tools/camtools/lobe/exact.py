@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from camtools.base.quantities import Floats
+from camtools.lobe.cache_keys import lobes_of
 from camtools.lobe.channels import has_patterns, range_of
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
-from camtools.lobe.recalled import lobes_of
 from camtools.pipeline.exact import (
     Exact,
     ExactTurn,
@@ -32,13 +32,7 @@ _EDGE_MM = 1e-6  # a lobe begins and ends within it, for a line over the height
 
 
 class ExactLobes(Exact):
-    """Lobes on their shaft.
-
-    Parameters
-    ----------
-    lobes : list of ShaftLobe
-        Upwards.
-    """
+    """Lobes on their shaft."""
 
     def __init__(self, lobes: list[ShaftLobe]) -> None:
         self.heights_mm = lobes[0].z_mm[0], lobes[-1].z_mm[1]
@@ -98,11 +92,5 @@ class ExactLobes(Exact):
 
 
 def exact_lobes(part: LobePart) -> ExactLobes:
-    """Return the exact shape of a camshaft.
-
-    Raises
-    ------
-    CamtoolsError
-        The numbers make no lobes.
-    """
+    """Return the exact shape of a camshaft."""
     return ExactLobes(lobes_of(part))

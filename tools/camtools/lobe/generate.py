@@ -14,17 +14,12 @@ from math import ceil, pi
 
 import numpy as np
 
-from camtools.base.memory import recall
+from camtools.base.cache import recall
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
-from camtools.cut.feasibility import (
-    HighestSpeed,
-    Peaks,
-    given_of,
-    needed_of,
-    peaks_of,
-)
+from camtools.cut.feasibility import HighestSpeed, Peaks, given_of, needed_of, peaks_of
 from camtools.cut.verdict import check_table, needs_of_peaks
 from camtools.judge.binding import TablePeaks
+from camtools.lobe.cache_keys import channels_key, lobes_of
 from camtools.lobe.channels import (
     MadeChannel,
     centre_channel,
@@ -39,7 +34,6 @@ from camtools.lobe.heel import LobeHeel, check_lobe_heel
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
-from camtools.lobe.recalled import channels_key, lobes_of
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
 from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel
@@ -99,8 +93,6 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
 
     Parameters
     ----------
-    part : LobePart
-        A validated part.
     tolerance_nm : float, optional
         Largest error of the lift [nm], 10 by default; angles are within 1e-4 degrees.
 
@@ -141,8 +133,7 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
     peaks = peaks._replace(feed_mm=fed.feed_mm, change_mm=fed.change_mm)
     best = _judge(part, lobes, table, fed)
     return GeneratedLobes(
-        *(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel),
-        plunge,
+        *(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel), plunge
     )
 
 

@@ -20,8 +20,8 @@ import numpy.typing as npt
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
-from camtools.lobe.check import all_round
 from camtools.lobe.motion import ShaftLobe
+from camtools.lobe.undercut import all_round
 from camtools.part.tool import SwungTool
 
 _PLACES = 3600

@@ -12,7 +12,7 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM
 from camtools.lobe.exact import exact_lobes
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
-from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.lobe_machine import lobe_machine_text
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
@@ -57,13 +57,7 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
         return draw_lobes(made)
 
     def at_speed(self, part: LobePart, rpm: float | None) -> LobePart:
-        """Return the part for another speed on the base circle.
-
-        Raises
-        ------
-        CamtoolsError
-            Out of the range of a part file.
-        """
+        """Return the part for another speed on the base circle."""
         if rpm is None:
             return part
         if not MIN_RPM <= rpm <= MAX_RPM:

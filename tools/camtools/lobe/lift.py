@@ -17,14 +17,9 @@ from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
-from camtools.lobe.listed import points_of
-from camtools.lobe.part import (
-    RISES,
-    Camshaft,
-    Lobe,
-    is_turn,
-)
-from camtools.lobe.rises import (
+from camtools.lobe.listed_lift import points_of
+from camtools.lobe.part import RISES, Camshaft, Lobe, is_turn
+from camtools.lobe.rise_laws import (
     Cycloidal,
     Harmonic,
     ModifiedSine,
@@ -204,11 +199,6 @@ def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
     ----------
     field : str
         Dotted path of the lobe, for error messages.
-
-    Raises
-    ------
-    GeometryError
-        The points are no good.
     """
     if lobe.law in RISES:
         return _risen(lobe, field)

@@ -13,18 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camtools.base.quantities import Floats
-from camtools.lobe.check import (
-    Shape,
-    all_round,
-    check_follower,
-    check_wheel,
-    shape_of,
-    touch_of,
-)
 from camtools.lobe.contact import Contact, Follower, follow, solved_at
-from camtools.lobe.flat import follow_flat
+from camtools.lobe.flat_follower import follow_flat
 from camtools.lobe.lift import LiftLaw, make_lift
 from camtools.lobe.part import Camshaft, Lobe, LobePart, LobeProcess
+from camtools.lobe.undercut import Shape, all_round, check_follower, check_wheel, shape_of, touch_of
 from camtools.part.common import PartInfo
 
 

@@ -11,14 +11,7 @@ from itertools import pairwise
 from math import floor
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    Field,
-    StringConstraints,
-    Tag,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, StringConstraints, Tag, ValidationInfo, field_validator, model_validator
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.part.common import PartInfo, SwingLimits
@@ -70,10 +63,7 @@ Lifts = Annotated[
     LIST_OR_ONE,
 ]
 
-RISES = (
-    *("poly345", "cycloidal", "modified-sine", "modified-trapezoid", "harmonic"),
-    "polydyne",
-)
+RISES = (*("poly345", "cycloidal", "modified-sine", "modified-trapezoid", "harmonic"), "polydyne")
 _BELONGS_TO = {
     "lift_mm": (*RISES, "list"),
     **dict.fromkeys(("rise_deg", "dwell_deg", "fall_deg", "half_angle_deg"), RISES),

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats
 from camtools.lobe.channels import patterns_of
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe, profiles_of
+from camtools.plots.panels import stacked
 from camtools.plots.style import log_axis, nice_floor, nice_limit, png_of, stroke_of, titled_figure
 from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
@@ -143,17 +143,6 @@ def draw_positions(result: GeneratedLobes) -> bytes:
     return png_of(figure)
 
 
-def _panels(figure: Figure, names: list[str]) -> list[Axes]:
-    grid = figure.subplots(len(names), 1, sharex=True)
-    for axes, name in zip(grid, names, strict=True):
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
-    grid[-1].set_xlabel("spindle angle, degrees")
-    grid[-1].set_xticks(range(-180, 181, 30))
-    grid[-1].set_xlim(-180, 180)
-    return list(grid)
-
-
 def _omega(result: GeneratedLobes, phi: Floats, pattern: int) -> Floats:
     """Return the spindle's speed [r/min] as the table has it."""
     if result.speed is None:
@@ -178,7 +167,10 @@ def draw_motion(result: GeneratedLobes) -> bytes:
     )
     angle = "pressure" if what == "turned" else "contact"
     names = ["lift, mm", f"{angle} angle, °", "radius of\ncurvature, mm"]
-    panels = _panels(figure, [*names, "spindle, r/min", "surface speed,\nmm/s"])
+    panels = stacked(figure, [*names, "spindle, r/min", "surface speed,\nmm/s"])
+    panels[-1].set_xlabel("spindle angle, degrees")
+    panels[-1].set_xticks(range(-180, 181, 30))
+    panels[-1].set_xlim(-180, 180)
     degrees = np.linspace(-180, 180, _N_ANGLES)
     for pattern, lobe in enumerate(patterns_of(result.lobes)):
         phi = np.radians(degrees)
@@ -195,7 +187,6 @@ def draw_motion(result: GeneratedLobes) -> bytes:
         panels[-1].set_xlabel("angle from the zero of the law, degrees")
     log_axis(panels[2], "y", *_ends(panels[2]))
     panels[3].set_ylim(bottom=0)
-    figure.align_ylabels(panels)
     return png_of(figure)
 
 

@@ -18,8 +18,9 @@ from camtools.base.beside import beside
 from camtools.base.quantities import Floats, length_unit
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plots import draw_lobes
-from camtools.lobe.report_alive import live_of, motion_of
+from camtools.lobe.report_interactive import live_of, motion_of
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.plots.panels import stacked
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -32,14 +33,15 @@ from camtools.plots.style import (
     png_of,
     stroke_of,
 )
-from camtools.report import compare as report_compare
-from camtools.report import motion as report_motion
-from camtools.report.learning import CONVERGENCE_TEXT, convergence
+from camtools.report.charts import TurnOfU
+from camtools.report.common_pictures import COMPARE_TEXT, common_drawers
+from camtools.report.learning import CONVERGENCE_TEXT
+from camtools.report.motion import draw_motion
 from camtools.report.page import Caption, Page, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import sheet_pages
-from camtools.report.switches import SWITCHES_TEXT, switches
-from camtools.sim.results import CUTTING, FAULT, CutTrace
+from camtools.report.switches import SWITCHES_TEXT
+from camtools.sim.results import CUTTING, CutTrace
 
 _N_BINS = 720
 _SPEED_TICKS = 10
@@ -95,11 +97,7 @@ _TEXTS = {
         "X comes in from clear of the lobes while the lift grows from nothing, so that the nose is "
         "never cut; disengaging is the reverse. Only the green stretch is judged.",
     ),
-    "compare": (
-        "What each part of the controller is worth",
-        "The same cut with parts of the controller switched off; mind the scale, which grows "
-        "tenfold from number to number.",
-    ),
+    "compare": COMPARE_TEXT,
 }
 
 
@@ -190,7 +188,8 @@ def draw_speed(outcome: LobeOutcome) -> Figure:
 def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
     """Return the tool's line from the normal over the angle, with and without the swing."""
     figure, trace = new_figure(10, 5.4), outcome.trace
-    above, below = figure.subplots(2, 1, sharex=True)
+    names = "off the ground rake,\ndegrees", "the same with the\nswing, degrees"
+    above, below = stacked(figure, names)
     rows = trace.state == CUTTING
     lobe = outcome.generated.lobes[0]  # one is enough to see it
     rows &= _heights(lobe, trace.z_mm)
@@ -201,36 +200,24 @@ def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
     degrees, least, most = band(turn, -off_deg)
     above.plot(degrees, (least + most) / 2, color=BLUE, lw=1.6, label="with the swing")
     below.fill_between(degrees, least, most, color=BLUE, alpha=0.5, lw=0.8)
-    names = "off the ground rake,\ndegrees", "the same with the\nswing, degrees"
-    for axes, name in zip((above, below), names, strict=True):
+    for axes in (above, below):
         axes.axhline(0, color=GREY, lw=0.8)
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
     _over_the_angle(below, above, 1.22)
     return figure
 
 
-def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
-    """Return what the cut lets be drawn, in the order of the report."""
-    trace, form, swing_deg = outcome.trace, outcome.summary["form_error_um"], outcome.swing_deg
-    drawers: dict[str, Callable[[], Figure]] = {}
-    if (trace.state == FAULT).any():
-        retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
-        drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
+def _drawers(outcome: LobeOutcome, motion: TurnOfU | None) -> dict[str, Callable[[], Figure]]:
+    """Return what the cut lets be drawn, but for the pictures of its table."""
+    swing_deg = outcome.swing_deg
+    drawers = common_drawers(outcome, "spindle angle")
     if outcome.surface.turn.size:
         drawers["profile"] = lambda: draw_profile(outcome)
-    drawers |= convergence(outcome.summary)
-    drawers |= switches(outcome.summary)
-    if (trace.state == CUTTING).any():
+    if (outcome.trace.state == CUTTING).any():
         drawers["speed"] = lambda: draw_speed(outcome)
         if swing_deg is not None:
             drawers["rake"] = lambda: draw_rake(outcome, swing_deg)
-        drawers["following"] = lambda: report_motion.draw_following(trace, "spindle angle")
-    if trace.t_s.size > 1:
-        drawers["sequence"] = lambda: report_motion.draw_sequence(trace, outcome.overview)
-    if len(outcome.variants) > 1:
-        variants, tolerance_um = outcome.variants, form["tolerance"]
-        drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)
+    if motion is not None:
+        drawers["stroke"] = lambda: draw_motion(motion)
     return drawers
 
 
@@ -253,9 +240,7 @@ def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
     """Return the page and its pictures, by file name."""
     pngs, motion = draw_lobes(outcome.generated), motion_of(outcome)
     with drawing(), beside(lambda: sheet_pages(outcome, _subject(outcome))) as drawn_sheets:
-        pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome).items()}
-        if motion is not None:
-            pngs["stroke"] = png_of(report_motion.draw_motion(motion))
+        pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome, motion).items()}
         sheets = drawn_sheets()
     tool = "a circle" if outcome.is_turned else "a whole cylinder"
     shown = [(Caption(key, *text), pngs[key]) for key, text in _TEXTS.items() if key in pngs]

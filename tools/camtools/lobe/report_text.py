@@ -78,7 +78,7 @@ def _rake_rows(found: Json) -> list[ReportRow]:
     return [
         ReportRow(
             "effective rake", f"constant within {_degrees(largest)}; without the swing {bare}"
-        ),
+        )
     ]
 
 

@@ -44,8 +44,6 @@ def surface_speed(
     ----------
     ds_dphi : ndarray, shape (N_GRID,)
         Travel of the contact along the profile [mm/rad], above 0.
-    base_mm : float
-        Radius of the base circle.
     base_rad_s : float
         Speed of the spindle on the base circle.
     limits : SpindleLimits
@@ -83,16 +81,11 @@ def _bounded(omega_rad_s: Floats, top_rad_s: float, alpha_of: Callable[[Floats],
     omega = top_rad_s * np.arange(_COORDINATES) / _COORDINATES
     per_rad = omega / alpha_of(omega)
     angle = np.append(0.0, np.cumsum((per_rad[1:] + per_rad[:-1]) / 2)) * omega[1]
-    risen = _below(np.interp(omega_rad_s, omega, angle), 2 * np.pi / N_GRID)
+    # The largest cyclic function below the wanted angles that rises by no more than the turn does.
+    wanted = np.interp(omega_rad_s, omega, angle)
+    ramp = (2 * np.pi / N_GRID) * np.arange(2 * wanted.size)
+    risen = (np.minimum.accumulate(np.tile(wanted, 2) - ramp) + ramp)[wanted.size :]
     return np.asarray(np.interp(risen, angle, omega), dtype=np.float64)
-
-
-def _below(square: Floats, step: float) -> Floats:
-    """Return the largest cyclic function below another that rises by at most `step` per place."""
-    n = square.size
-    ramp = step * np.arange(2 * n)
-    lowest = np.minimum.accumulate(np.tile(square, 2) - ramp) + ramp
-    return np.asarray(lowest[n:], dtype=np.float64)
 
 
 def acceleration_of(omega_rad_s: Floats) -> Floats:

@@ -20,8 +20,8 @@ from camtools.base.quantities import Floats
 from camtools.cut.correction import Complexes, Correction, nodes_of
 from camtools.measured.heights import MIN_HEIGHTS, Heights, by_height
 from camtools.measured.points import GaugedPoints
-from camtools.measured.smooth import Smoothed, Smoother, off_neighbours, scatter, shares_kept
-from camtools.measured.waves import HeightWaves, fit_waves
+from camtools.measured.smoothing import Smoothed, Smoother, off_neighbours, scatter, shares_kept
+from camtools.measured.waves import fit_waves
 
 _PASSES = 3
 _END_SHARE, _GAP_SHARE = 0.2, 0.5  # of the part's height that may lie beyond, or between, heights
@@ -94,13 +94,7 @@ def _over_part(
 
 
 def check_heights(z_mm: Floats, ends_mm: tuple[float, float]) -> None:
-    """Refuse heights that leave too much of a part unknown.
-
-    Raises
-    ------
-    CamtoolsError
-        With the numbers and the limits.
-    """
+    """Refuse heights that leave too much of a part unknown."""
     height_mm = ends_mm[1] - ends_mm[0]
     steps = np.diff(np.concatenate([ends_mm[:1], z_mm, ends_mm[1:]]))
     part = f"the part's {ends_mm[0]:g} .. {ends_mm[1]:g} mm"
@@ -132,13 +126,6 @@ def _lone(z_mm: Floats, waves: Complexes) -> int | None:
     return worst + 1 if off[worst] > limit and near.max(initial=0.0) < limit / 2 else None
 
 
-def _fits(points: GaugedPoints, heights: Heights, off_um: Floats) -> list[HeightWaves]:
-    return [
-        fit_waves(points.turn[height.rows], off_um[height.rows], heights.most_order)
-        for height in heights.heights
-    ]
-
-
 def _smooth(z_mm: Floats, waves: Complexes, white: Floats) -> list[Smoothed]:
     """Return each order smoothed by its noise, the larger one of both estimates."""
     smoother, found = Smoother(z_mm), []
@@ -158,20 +145,6 @@ def tell(
 
     Each pass fits the waves of every height to what the smooth waves of the pass before leave of
     its points, so that heights which run through within a band do no harm.
-
-    Parameters
-    ----------
-    ends_mm : tuple of float
-        Of the part.
-    most_order : int, optional
-        See `by_height`.
-    first : int
-        First order that may be kept.
-
-    Raises
-    ------
-    CamtoolsError
-        Too few heights or angles.
     """
     heights = by_height(points, most_order)
     z_mm = np.array([height.z_mm for height in heights.heights])
@@ -180,7 +153,10 @@ def tell(
     off_um, base = points.deviation_um, np.zeros((heights.most_order + 1, z_mm.size), complex)
     alone_mm: list[float] = []
     for _ in range(_PASSES):
-        fits = _fits(points, heights, off_um)
+        fits = [
+            fit_waves(points.turn[height.rows], off_um[height.rows], heights.most_order)
+            for height in heights.heights
+        ]
         waves = base + np.array([fit.waves for fit in fits]).T
         while len(alone_mm) < _MOST_ALONE * z_mm.size:
             lone = _lone(z_mm[use], waves[:, use])

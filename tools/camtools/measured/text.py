@@ -58,8 +58,6 @@ def cautions(process: object, tool: object, report: Json) -> list[str]:
 
     Parameters
     ----------
-    process, tool : models
-        Of the part file.
     report : dict
         NAME.json of the table that cut the gauged part.
     """

@@ -10,11 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from camtools.base.places import ROOT
-from camtools.panel.command_log import CommandLog
-from camtools.panel.commander import Commander
-from camtools.panel.desk import Desk
-from camtools.panel.token import TokenGuard
+from camtools.base.project_paths import RESULTS
+from camtools.panel.access.token import TokenGuard
+from camtools.panel.orders.command_log import CommandLog
+from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.controller_service import ControllerService
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class AppContext:
 
     Attributes
     ----------
-    desk : Desk
-        owns the link; `desk.snapshot()`, `desk.strobe()`, `await desk.do(order, visitor)`
+    service : ControllerService
+        owns the link; `service.snapshot()`, `service.strobe()`, `await service.do(order, visitor)`
     commander : Commander
         who commands
     log : CommandLog
@@ -37,9 +37,9 @@ class AppContext:
         folder of the runs that are kept
     """
 
-    desk: Desk
+    service: ControllerService
     commander: Commander
     log: CommandLog
     guard: TokenGuard
-    parts: Path = ROOT / "build" / "panel" / "parts"
-    runs: Path = ROOT / "build" / "panel" / "runs"
+    parts: Path = RESULTS / "panel" / "parts"
+    runs: Path = RESULTS / "panel" / "runs"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server of the panel: NiceGUI behind the doorway, run by uvicorn on a socket that is open.
+"""The server of the panel: NiceGUI behind the gate, run by uvicorn on a socket that is open.
 
 >>> MOST_PAGES
 48
@@ -16,18 +16,18 @@ from fastapi import FastAPI, Request
 from fastapi.responses import PlainTextResponse
 from nicegui import Client, app, ui
 
-from camtools.panel.connections import MOST_HEADER_BYTES, BoundedProtocol
+from camtools.panel.access.auth_gate import AuthGate
+from camtools.panel.access.connections import MOST_HEADER_BYTES, BoundedProtocol
+from camtools.panel.access.nonce_template import use_nonces
+from camtools.panel.access.socket_events import MOST_MESSAGE_BYTES, guard_socket
 from camtools.panel.context import AppContext
-from camtools.panel.doorway import Doorway
-from camtools.panel.few_traces import keep_traces_few
-from camtools.panel.frame import STATIC, STATIC_FOLDER, may_upload
-from camtools.panel.nonce_template import use_nonces
+from camtools.panel.log_limit import keep_traces_few
+from camtools.panel.page_frame import STATIC, STATIC_FOLDER, may_upload
 from camtools.panel.pages import design, operate, runs
-from camtools.panel.socket_events import MOST_MESSAGE_BYTES, guard_socket
 
 MOST_PAGES = 48
 # A page that is away for longer begins anew, without its command. A jog does not wait for that: it
-# ends when its heartbeats do (press.py).
+# ends when its heartbeats do (jog_press.py).
 _RECONNECT_S = 10.0
 
 
@@ -36,7 +36,7 @@ async def _not_found(_request: Request, _error: Exception) -> PlainTextResponse:
     return PlainTextResponse("there is no such page; / is the operator's\n", HTTPStatus.NOT_FOUND)
 
 
-def application(context: AppContext, hosts: Collection[str]) -> Doorway:
+def application(context: AppContext, hosts: Collection[str]) -> AuthGate:
     """Return the whole application; once per process, since NiceGUI has one only."""
     outer = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_static_files(STATIC, STATIC_FOLDER, follow_symlink=False)
@@ -56,10 +56,10 @@ def application(context: AppContext, hosts: Collection[str]) -> Doorway:
     use_nonces()
     keep_traces_few()
     guard_socket([f"http://{host}" for host in hosts])
-    return Doorway(outer, hosts, may_upload, lambda: len(Client.instances) >= MOST_PAGES)
+    return AuthGate(outer, hosts, may_upload, lambda: len(Client.instances) >= MOST_PAGES)
 
 
-def serve(application: Doorway, sock: socket.socket) -> None:
+def serve(application: AuthGate, sock: socket.socket) -> None:
     """Serve until a signal ends it."""
     config = uvicorn.Config(
         application,

@@ -12,22 +12,23 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PPoly
 
+from camtools.base.csv_text import csv_text
 from camtools.base.quantities import Floats
 from camtools.papers import corner_plots as plots
-from camtools.papers.draw import png
 from camtools.papers.gauge import Record, cut_records
-from camtools.papers.rows import Chapter, Maker, Row, part_of, percent
-from camtools.skirt.composite import Joint
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.refit import Recipe, RefitCandidate, deviation_mm, ellipse_steps, judge, refit
-from camtools.study.refit import (
-    PAPER_JERK_MM_S3,
-    PAPER_PEAK_MM_S2,
-    RefitVariant,
-    Study,
-    study,
+from camtools.papers.rows import Chapter, Maker, Row, part_of, percent, png
+from camtools.skirt.geometry.composite import Joint
+from camtools.skirt.geometry.refit import (
+    Recipe,
+    RefitCandidate,
+    deviation_mm,
+    ellipse_steps,
+    judge,
+    refit,
 )
+from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.study.refit import PAPER_JERK_MM_S3, PAPER_PEAK_MM_S2, Study, study
 
 HEIGHT_MM, RPM = 40.0, 800.0
 CUBIC, QUINTIC = Recipe("cubic", 0, 0, "as-paper"), Recipe("quintic", 0, 0, "as-paper")
@@ -109,37 +110,44 @@ def jerk_of(s1: int, s2: int) -> tuple[float, float]:
 
 
 def _table_1_csv() -> bytes:
-    lines = ["s1,s2,jerk_mm_s3,paper_mm_s3,ratio,peak_acceleration_mm_s2,peak_deg,deviation_um"]
-    for one in theory().as_paper:
-        ours, printed = jerk_of(one.s1, one.s2)
-        lines.append(
-            f"{one.s1},{one.s2},{ours:.4g},{printed:.4g},{ours / printed:.3f},"
-            f"{one.acceleration_mm_s2:.0f},{one.peak_deg:.2f},{one.deviation_um:.3f}"
-        )
-    return ("\n".join(lines) + "\n").encode()
+    found = theory().as_paper
+    jerks = [jerk_of(one.s1, one.s2) for one in found]
+    return csv_text(
+        {
+            "s1": ([one.s1 for one in found], "d"),
+            "s2": ([one.s2 for one in found], "d"),
+            "jerk_mm_s3": ([ours for ours, _ in jerks], ".4g"),
+            "paper_mm_s3": ([printed for _, printed in jerks], ".4g"),
+            "ratio": ([ours / printed for ours, printed in jerks], ".3f"),
+            "peak_acceleration_mm_s2": ([one.acceleration_mm_s2 for one in found], ".0f"),
+            "peak_deg": ([one.peak_deg for one in found], ".2f"),
+            "deviation_um": ([one.deviation_um for one in found], ".3f"),
+        }
+    ).encode()
 
 
 def _table_2_csv() -> bytes:
-    lines = ["angle_deg,drawn_um,paper_drawn_um,refit_um,paper_measured_um,difference_um"]
-    columns = (TABLE_2_DEG, drawn_um(), TABLE_2_DRAWN_UM, measured_um(), TABLE_2_MEASURED_UM)
-    for deg, drawn, printed, ours, theirs in zip(*columns, strict=True):
-        lines.append(f"{deg:g},{drawn:.2f},{printed:g},{ours:.2f},{theirs:g},{ours - theirs:z.2f}")
-    return ("\n".join(lines) + "\n").encode()
+    return csv_text(
+        {
+            "angle_deg": (TABLE_2_DEG, "g"),
+            "drawn_um": (drawn_um(), ".2f"),
+            "paper_drawn_um": (TABLE_2_DRAWN_UM, "g"),
+            "refit_um": (measured_um(), ".2f"),
+            "paper_measured_um": (TABLE_2_MEASURED_UM, "g"),
+            "difference_um": (measured_um() - TABLE_2_MEASURED_UM, 2),
+        }
+    ).encode()
 
 
 def _records_csv() -> bytes:
     """Return how far the three records of Fig 8 are off the drawing: the spline and the cut."""
-    names = ("before", "by_hand", "after")
     deg, drawn = gauged()[0].deg, measured_joint().reduction(np.radians(gauged()[0].deg)).delta
-    columns = [deg, _UM_PER_MM * drawn]
-    for spline, cut in zip(records(), gauged(), strict=True):
-        columns += [_UM_PER_MM * (spline.curve(np.radians(deg)) - drawn), cut.off_um]
-    lines = [
-        "angle_deg,drawn_reduction_um,"
-        + ",".join(f"{name}_spline_um,{name}_cut_um" for name in names)
-    ]
-    lines += [",".join(f"{one:z.3f}" for one in row) for row in zip(*columns, strict=True)]
-    return ("\n".join(lines) + "\n").encode()
+    columns = {"angle_deg": (deg, 3), "drawn_reduction_um": (_UM_PER_MM * drawn, 3)}
+    names = ("before", "by_hand", "after")
+    for name, spline, cut in zip(names, records(), gauged(), strict=True):
+        off_um = _UM_PER_MM * (spline.curve(np.radians(deg)) - drawn)
+        columns |= {f"{name}_spline_um": (off_um, 3), f"{name}_cut_um": (cut.off_um, 3)}
+    return csv_text(columns).encode()
 
 
 def _files() -> dict[str, Maker]:
@@ -177,7 +185,7 @@ def _peak(mm_s2: float) -> str:
 
 
 def _motion_rows() -> list[Row]:
-    cubic, quintic, deleted, _ = (one.found for one in _variants())
+    cubic, quintic, deleted, _ = (one.found for one in theory().variants)
     e, arc = 1.96, theory().joint.arc()
     ratio = quintic.acceleration_mm_s2 / cubic.acceleration_mm_s2
     peak, rough = PAPER_PEAK_MM_S2["cubic"], PAPER_PEAK_MM_S2["quintic"]
@@ -220,10 +228,6 @@ def _motion_rows() -> list[Row]:
             "s2_fig_7.png",
         ),
     ]
-
-
-def _variants() -> tuple[RefitVariant, ...]:
-    return theory().variants
 
 
 def _table_1_row() -> Row:

@@ -1,6 +1,6 @@
 """Pictures of the refit paper: section, motion with jerk, the best deletions, records.
 
->>> from camtools.skirt.composite import Joint
+>>> from camtools.skirt.geometry.composite import Joint
 >>> len(draw_section(Joint(45.46, 0.38, 0.4, np.radians(48.0))).axes)
 2
 """
@@ -15,13 +15,14 @@ from matplotlib.figure import Figure
 from scipy.interpolate import PPoly
 
 from camtools.base.quantities import omega_rad_s
-from camtools.papers.draw import UM_PER_MM, around, panels, plane, side_by_side
 from camtools.papers.gauge import Record
+from camtools.plots.panels import around, plane, side_by_side, stacked
 from camtools.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, new_figure
-from camtools.skirt.composite import Joint
+from camtools.skirt.geometry.composite import Joint
 from camtools.study.refit import Study
 
 _COLOURS = (BLUE, ORANGE, PURPLE)
+_UM_PER_MM = 1000.0
 _N = 4001
 _POLAR_UM = 1500.0  # radius of the records
 _FIRST_DEG = 50.0  # from where the largest jerk is taken
@@ -60,7 +61,7 @@ def draw_section(joint: Joint) -> Figure:
     left.legend(frameon=False, loc="lower left")
     left.set_title(f"deviations from the long axis enlarged {times:.0f} times")
     plane(left)
-    right.plot(np.degrees(phi), drawn * UM_PER_MM, color=GREEN)
+    right.plot(np.degrees(phi), drawn * _UM_PER_MM, color=GREEN)
     right.axvline(float(np.degrees(corner)), color=GREY, ls=":")
     right.set_xlabel("angle from the long axis, degrees")
     right.set_ylabel("reduction of the radius, µm")
@@ -70,19 +71,19 @@ def draw_section(joint: Joint) -> Figure:
 def draw_motion(joint: Joint, traces: Sequence[Named], rpm: float) -> Figure:
     """Return displacement, velocity, acceleration and jerk of U over the first quadrant."""
     names = " and ".join(one.name for one in traces)
-    figure, axes = panels(4, f"first quadrant at {rpm:g} r/min: {names}", 9)
-    omega, phi = omega_rad_s(rpm), np.linspace(0, np.pi / 2, _N)
+    figure = new_figure(8, 9)
+    figure.suptitle(f"first quadrant at {rpm:g} r/min: {names}")
     units = ("displacement, mm", "velocity, mm/s", "acceleration, m/s²", "jerk, km/s³")
-    for n, (panel, unit) in enumerate(zip(axes, units, strict=True)):
+    axes = stacked(figure, units)
+    omega, phi = omega_rad_s(rpm), np.linspace(0, np.pi / 2, _N)
+    for n, panel in enumerate(axes):
         scale = omega**n / (1.0, 1.0, 1e3, 1e6)[n]
         for one, colour in zip(traces, _COLOURS, strict=False):
             panel.plot(np.degrees(phi), one.curve(phi, n) * scale, color=colour, label=one.name)
         panel.axvline(float(np.degrees(joint.joint_rad)), color=GREY, ls=":", lw=1)
-        panel.set_ylabel(unit)
     if len(traces) > 1:
         axes[0].legend(frameon=False)
     axes[-1].set_xlabel("angle from the long axis, degrees; dotted: the joint")
-    figure.align_ylabels(axes)
     return figure
 
 
@@ -118,7 +119,7 @@ def draw_records(joint: Joint, traces: Sequence[Named], cuts: Sequence[Record]) 
     figure.suptitle(f"{title}; green: drawing, grey: spline, blue: cut and gauged")
     phi = np.linspace(0, 2 * np.pi, 1441)
     quarter = np.abs(np.mod(phi + np.pi / 2, np.pi) - np.pi / 2)
-    drawn = joint.reduction(quarter).delta * UM_PER_MM
+    drawn = joint.reduction(quarter).delta * _UM_PER_MM
     for i, (one, cut) in enumerate(zip(traces, cuts, strict=True)):
         axes = figure.add_subplot(2, 3, i + 1)
         measured = np.interp(np.degrees(quarter), cut.deg, cut.reduction_um)
@@ -128,7 +129,7 @@ def draw_records(joint: Joint, traces: Sequence[Named], cuts: Sequence[Record]) 
         axes.set_title(one.name, fontsize=9)
         below = figure.add_subplot(2, 3, i + 4)
         part = phi <= np.pi / 2
-        off = one.curve(quarter[part]) * UM_PER_MM - drawn[part]
+        off = one.curve(quarter[part]) * _UM_PER_MM - drawn[part]
         below.plot(np.degrees(phi[part]), off, color=GREY, lw=2.5, alpha=0.5)
         below.plot(cut.deg, cut.off_um, color=BLUE, lw=1)
         below.set_xlabel("angle from the long axis, degrees")

@@ -18,11 +18,11 @@ from camtools.base.quantities import Floats
 from camtools.papers.rows import part_of
 from camtools.sim.camsim import SURFACE, Simulator, camsim_path, machine_text
 from camtools.sim.results import read_surface
-from camtools.skirt.generate import generate
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.part_section import Refit
-from camtools.skirt.refit import Recipe
-from camtools.skirt.summary import make_summary
+from camtools.skirt.geometry.refit import Recipe
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.part.section_keys import Refit
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.table.generate import generate
 from camtools.table.summary import table_files
 
 PART = "weichai3a_measured"
@@ -55,13 +55,7 @@ def with_recipe(part: SkirtPart, recipe: Recipe) -> SkirtPart:
 
 
 def cut_record(name: str, recipe: Recipe, program: Path) -> Record:
-    """Cut the measured skirt with a refit; return its record.
-
-    Raises
-    ------
-    CamtoolsError
-        No table can be made, or the cut did not come to its end.
-    """
+    """Cut the measured skirt with a refit; return its record."""
     part = with_recipe(part_of(PART, SkirtPart), recipe)
     made = generate(part)
     with tempfile.TemporaryDirectory(prefix="camturn-papers.") as place:

@@ -11,13 +11,13 @@ from functools import cache
 
 import numpy as np
 
+from camtools.base.csv_text import csv_text
 from camtools.base.quantities import Floats
 from camtools.cut.path import ToolPath
 from camtools.papers import helix_plots as plots
-from camtools.papers.draw import png
-from camtools.papers.rows import Chapter, Maker, Row, part_of, um
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
+from camtools.papers.rows import Chapter, Maker, Row, part_of, png, um
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 
 FEED_MM = 2.0  # distance of the sections of the point matrix
 FEW_MM = 10.0  # of the pictures in which single points are seen
@@ -93,27 +93,26 @@ def diameters_mm(z_mm: float) -> tuple[Floats, Floats]:
 
 
 def _matrix_csv() -> bytes:
-    lines = [",".join(_COLUMNS)]
-    for row in point_matrix():
-        cells = [f"{row[0]:.0f}", f"{row[1]:.0f}", *(f"{one:z.6f}" for one in row[2:])]
-        lines.append(",".join(cells))
-    return ("\n".join(lines) + "\n").encode()
+    columns = zip(_COLUMNS, point_matrix().T, (0, 0, *(len(_COLUMNS) - 2) * (6,)), strict=True)
+    return csv_text({name: (values, decimals) for name, values, decimals in columns}).encode()
 
 
 def _sections_csv() -> bytes:
-    lines = ["angle_deg," + ",".join(f"reduction_of_diameter_mm_at_{z:g}" for z in SECTIONS_MM)]
-    columns = [diameters_mm(z)[1] for z in SECTIONS_MM]
-    for deg in range(91):
-        lines.append(f"{deg}," + ",".join(f"{float(one[deg]):.6f}" for one in columns))
-    return ("\n".join(lines) + "\n").encode()
+    columns: dict[str, tuple[Floats, int]] = {"angle_deg": (np.arange(91.0), 0)}
+    for z in SECTIONS_MM:
+        columns[f"reduction_of_diameter_mm_at_{z:g}"] = (diameters_mm(z)[1], 6)
+    return csv_text(columns).encode()
 
 
 def _spline_csv() -> bytes:
-    lines = ["height_mm,long_axis_mm,ovality_mm"]
     z = np.arange(geometry().z_first_mm, geometry().z_last_mm + 0.5, 5.0)
-    values = zip(z, 2 * geometry().radius_mm(z), geometry().ovality_mm(z), strict=True)
-    lines += [f"{a:g},{b:.6f},{c:.6f}" for a, b, c in values]
-    return ("\n".join(lines) + "\n").encode()
+    return csv_text(
+        {
+            "height_mm": (z, "g"),
+            "long_axis_mm": (2 * geometry().radius_mm(z), 6),
+            "ovality_mm": (geometry().ovality_mm(z), 6),
+        }
+    ).encode()
 
 
 def _files() -> dict[str, Maker]:

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats
-from camtools.papers.draw import around, plane, points, side_by_side, space
+from camtools.plots.panels import around, plane, points, side_by_side, space
 from camtools.plots.style import BLUE, GREY, ORANGE, new_figure
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.part.part_file import SkirtPart
 
 _TURN, _IS_HELIX, _C, _Z, _RHO, _X, _Y = range(7)  # columns of the point matrix
 _FEW_TURNS = 3
@@ -34,7 +34,8 @@ def draw_splines(part: SkirtPart, geometry: Geometry) -> Figure:
     for (axes, height, value, colour), n, name in zip(
         drawn, (1, 2), ("long axis, mm", "ovality, mm"), strict=True
     ):
-        points(axes, height, value, name, colour)
+        points(axes, height, value, colour)
+        axes.set_ylabel(name)
         axes.set_title(f"Fig {n}: the drawing")
     panels[1, 0].plot(z, 2 * geometry.radius_mm(z), color=BLUE)
     panels[1, 0].set_title("Fig 4: spline of the profile")

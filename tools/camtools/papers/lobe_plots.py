@@ -13,20 +13,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.papers.draw import panels, plane
+from camtools.plots.panels import plane, stacked
 from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, new_figure
 from camtools.study.lobe import LobeStudy
 
 _UP = 1j  # the zero of the law points upwards
 _AROUND = np.exp(1j * np.linspace(0, 2 * np.pi, 721))
-
-
-def _outline(axes: Axes, study: LobeStudy) -> None:
-    touch, _ = study.lobe.contacts(np.linspace(-np.pi, np.pi, 1441) + study.lobe.phase_rad)
-    shape = touch.radius * np.exp(1j * touch.alpha) * _UP
-    axes.fill(shape.real, shape.imag, fc=PALE, ec=GREY, lw=1.5)
-    base = study.lobe.base_mm * _AROUND
-    axes.plot(base.real, base.imag, color=GREY, lw=0.7, ls=":")
 
 
 def _line(axes: Axes, start: complex, end: complex, colour: str, width: float = 1.0) -> None:
@@ -67,7 +59,11 @@ def _base_figure(study: LobeStudy, i: int, title: str) -> tuple[Figure, Axes, _P
     figure = new_figure(7.5, 7)
     figure.suptitle(title)
     axes, at = figure.add_subplot(), _Places(study, i)
-    _outline(axes, study)
+    touch, _ = study.lobe.contacts(np.linspace(-np.pi, np.pi, 1441) + study.lobe.phase_rad)
+    shape = touch.radius * np.exp(1j * touch.alpha) * _UP
+    axes.fill(shape.real, shape.imag, fc=PALE, ec=GREY, lw=1.5)
+    base = study.lobe.base_mm * _AROUND
+    axes.plot(base.real, base.imag, color=GREY, lw=0.7, ls=":")
     _circle(axes, at.roller, study.touch.roller, ORANGE)
     _line(axes, 0j, at.roller, BLUE)
     _mark(axes, 0j, "O", -1 - 1j)
@@ -94,17 +90,15 @@ def draw_turning(study: LobeStudy, i: int) -> Figure:
 
 def draw_swing(study: LobeStudy) -> Figure:
     """Return travel, its speed and the swing over the follower's direction."""
-    figure, (one, two, three) = panels(3, f"tool at {study.rpm:g} r/min", 7)
+    figure = new_figure(8, 7)
+    figure.suptitle(f"tool at {study.rpm:g} r/min")
+    one, two, three = stacked(figure, ("travel x, mm", "speed v, mm/s", "swing, degrees"))
     omega, deg = study.omega_rad_s, study.theta_deg
     one.plot(deg, study.touch.lift, color=BLUE)
     two.plot(deg, study.touch.p1 * omega, color=ORANGE)
     three.plot(deg, np.degrees(study.touch.gamma), color=RED)
-    names = ("travel x, mm", "speed v, mm/s", "swing, degrees")
-    for axes, name in zip((one, two, three), names, strict=True):
-        axes.set_ylabel(name)
     three.set_xticks(range(-180, 181, 30))
     three.set_xlabel("direction of the follower from the zero of the law, degrees")
-    figure.align_ylabels([one, two, three])
     return figure
 
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from camtools.lobe.part import LobePart
 from camtools.papers import lobe_plots as plots
-from camtools.papers.draw import png
-from camtools.papers.rows import Chapter, Maker, Row, part_of
+from camtools.papers.rows import Chapter, Maker, Row, part_of, png
 from camtools.study.lobe import LobeStudy, LobeWishes, lobe_table, study_lobe, study_lobes
 
 AT_DEG = -40.0  # direction of the follower in the figures

@@ -11,13 +11,13 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
+from camtools.base.csv_text import csv_text
 from camtools.cut.removal import PartsRange, SectionCut, parts_range
 from camtools.papers import removal_plots as plots
-from camtools.papers.draw import png
-from camtools.papers.rows import Chapter, Maker, Row, part_of, um
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.sections import DoubleEllipse
+from camtools.papers.rows import Chapter, Maker, Row, part_of, png, um
+from camtools.skirt.geometry.sections import DoubleEllipse
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study import section_tables
 from camtools.study.section import Analysis, AnalysisWishes, make_analysis
 
@@ -72,7 +72,7 @@ def _design_csv() -> bytes:
     heights = np.array(piston.profile.height_mm, dtype=np.float64)
     long_mm, oval_mm = 2 * geometry.radius_mm(heights), geometry.ovality_mm(heights)
     columns = {"height_mm": (heights, 3), "long_axis_mm": (long_mm, 3), "ovality_mm": (oval_mm, 6)}
-    return section_tables.table(columns).encode()
+    return csv_text(columns).encode()
 
 
 def _axes_csv() -> bytes:

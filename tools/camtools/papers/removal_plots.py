@@ -1,7 +1,7 @@
 """Pictures of the papers on equal removal.
 
->>> from camtools.skirt.geometry import make_geometry
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.geometry.skirt_geometry import make_geometry
+>>> from camtools.skirt.part.part_file import example_part
 >>> len(draw_skirts({"as drawn": make_geometry(example_part())}).axes)
 1
 """
@@ -10,17 +10,25 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from camtools.cut.removal import TURN_RAD
-from camtools.papers.draw import UM_PER_MM, around, panels, plane, points, side_by_side, space
+from camtools.plots.panels import around, plane, points, side_by_side, space, stacked
 from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, new_figure
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.section import Analysis
 
 _ENLARGED = 100.0  # chip of the quadrant
+_UM_PER_MM = 1000.0
+
+
+def _panels(title: str, height_in: float, *names: str) -> tuple[Figure, list[Axes]]:
+    figure = new_figure(8, height_in)
+    figure.suptitle(title)
+    return figure, stacked(figure, names)
 
 
 def draw_design(part: SkirtPart) -> Figure:
@@ -63,10 +71,11 @@ def draw_quadrant(study: Analysis) -> Figure:
 def draw_steps(study: Analysis) -> Figure:
     """Return depth, its change and area, step by step."""
     steps, deg = study.steps, np.degrees(study.steps.phi_rad)
-    figure, (one, two, three) = panels(3, "in equal steps of angle", 7.5)
-    points(one, deg, steps.depth_mm, "Fig 6: depth, mm")
-    points(two, deg[1:], steps.change_mm[1:] * UM_PER_MM, "Fig 7: change of depth, µm", ORANGE)
-    points(three, deg[1:], steps.area_mm2[1:], "Fig 8: area, mm²")
+    names = ("Fig 6: depth, mm", "Fig 7: change of depth, µm", "Fig 8: area, mm²")
+    figure, (one, two, three) = _panels("in equal steps of angle", 7.5, *names)
+    points(one, deg, steps.depth_mm)
+    points(two, deg[1:], steps.change_mm[1:] * _UM_PER_MM, ORANGE)
+    points(three, deg[1:], steps.area_mm2[1:])
     three.set_xlabel("angle from the long axis, degrees; a step ends at its point")
     return figure
 
@@ -93,13 +102,14 @@ def draw_parts(study: Analysis) -> Figure:
     """Return angle per part, angle turned, change of depth and depth of the equal parts."""
     parts = study.parts
     number = np.arange(1.0, parts.phi_rad.size + 1)
-    figure, axes = panels(4, "30 parts of equal area", 9)
-    points(axes[0], number, np.degrees(parts.width_rad), "Fig 10: angle\nof the part, degrees")
-    points(axes[1], number, np.degrees(parts.phi_rad), "Fig 11: angle\nturned, degrees")
-    points(axes[2], number, parts.change_mm * UM_PER_MM, "Fig 12: change\nof depth, µm", ORANGE)
-    points(axes[3], number, parts.depth_mm, "Fig 13: depth, mm")
+    angles = ("Fig 10: angle\nof the part, degrees", "Fig 11: angle\nturned, degrees")
+    depths = ("Fig 12: change\nof depth, µm", "Fig 13: depth, mm")
+    figure, axes = _panels("30 parts of equal area", 9, *angles, *depths)
+    points(axes[0], number, np.degrees(parts.width_rad))
+    points(axes[1], number, np.degrees(parts.phi_rad))
+    points(axes[2], number, parts.change_mm * _UM_PER_MM, ORANGE)
+    points(axes[3], number, parts.depth_mm)
     axes[3].set_xlabel("number of the part, counted from 1")
-    figure.align_ylabels(axes)
     return figure
 
 
@@ -124,7 +134,8 @@ def draw_skirts(skirts: dict[str, Geometry]) -> Figure:
 
 def draw_force(study: Analysis) -> Figure:
     """Return the force over a turn, uniform and equal volume, in both models."""
-    figure, (above, below) = panels(2, f"force over a turn, kc = {study.kc_n_mm2:g} N/mm²", 6)
+    title = f"force over a turn, kc = {study.kc_n_mm2:g} N/mm²"
+    figure, (above, below) = _panels(title, 6, "force, N", "force, N")
     deg = np.linspace(0, 360, 1441)
     phi = np.radians(deg)
     area, n = study.cut.area_rate_mm2(phi), study.parts.phi_rad.size
@@ -137,7 +148,6 @@ def draw_force(study: Analysis) -> Figure:
     below.set_title("section of the chip")
     for axes in (above, below):
         axes.set_ylim(bottom=0)
-        axes.set_ylabel("force, N")
         axes.legend(frameon=False, loc="lower right")
     below.set_xticks(range(0, 361, 45))
     below.set_xlabel("spindle angle from the long axis, degrees")

@@ -16,9 +16,12 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
-from camtools.base.places import ROOT
+from matplotlib.figure import Figure
+
+from camtools.base.project_paths import ROOT
 from camtools.part.common import PartFile
 from camtools.pipeline.load import load
+from camtools.plots.panels import pictures
 
 _HEAD = "| | what it shows | the paper | ours | difference, and why | file |\n" + 6 * "|---" + "|"
 PartT = TypeVar("PartT", bound=PartFile)
@@ -59,6 +62,11 @@ def page(chapters: Iterable[Chapter]) -> str:
         ]
         lines.append("")
     return "\n".join(lines)
+
+
+def png(draw: Callable[[], Figure]) -> Maker:
+    """Return what makes a picture as PNG."""
+    return lambda: pictures({"": draw})[""]
 
 
 def part_path(name: str) -> Path:

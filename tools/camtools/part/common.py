@@ -8,13 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Protocol, Self
 
-from pydantic import (
-    Field,
-    StringConstraints,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, StringConstraints, ValidationInfo, field_validator, model_validator
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
@@ -140,13 +134,7 @@ def is_feed_within(part: PartFile, feed_mm: float) -> bool:
 
 
 def check_feed(part: PartFile) -> None:
-    """Refuse a feed beyond the height of the part: the firmware would not cut its table.
-
-    Raises
-    ------
-    CamtoolsError
-        With the highest feed that would do.
-    """
+    """Refuse a feed beyond the height of the part: the firmware would not cut its table."""
     feed_mm = part.process.feed_mm
     if not is_feed_within(part, feed_mm):
         problem = f"must be at most {part.height_mm:.9g}, the height of the part"

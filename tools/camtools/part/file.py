@@ -9,9 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import (
-    ValidationError,
-)
+from pydantic import ValidationError
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.input_file import read_limited
@@ -30,13 +28,6 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
     ----------
     data : bytes
         Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
-
-    Raises
-    ------
-    InputError
-        Not UTF-8 or not TOML.
     """
     try:
         return toml_tree(data.decode("utf-8"))
@@ -72,13 +63,7 @@ def validated(
 
 
 def read_part_file(path: Path) -> bytes:
-    """Return the content of a part file.
-
-    Raises
-    ------
-    InputError
-        It cannot be read, is no file, or is too large.
-    """
+    """Return the content of a part file."""
     try:
         return read_limited(path, MAX_FILE_BYTES)
     except (OSError, ValueError) as error:

@@ -2,7 +2,7 @@
 """The exact shape of a part of any kind, and what U does along it, before a table is made.
 
 >>> from camtools.pipeline.registry import kinds
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> turn = kinds()[0].exact(example_part()).turn_at(20.0, 4)
 >>> [f"{mm:.3f}" for mm in turn.radius_mm]
 ['46.000', '45.900', '46.000', '45.900']

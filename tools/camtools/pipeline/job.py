@@ -14,17 +14,17 @@ from pathlib import Path
 
 from camtools.base.command import Parser
 from camtools.base.errors import CamtoolsError
-from camtools.base.origin import origin_of
 from camtools.base.output import cannot_write
-from camtools.base.places import ROOT
+from camtools.base.project_paths import RESULTS, ROOT
+from camtools.base.provenance import origin_of
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
-from camtools.pipeline.correct import add_measured, request_of
+from camtools.pipeline.correct_options import add_measured, request_of
 from camtools.roundness.waves import DEFAULT_UPR, UPR_CHOICES
 from camtools.sim.machines import machine_bytes, names
 from camtools.table.header import check_tolerance
 
-RUNS = ROOT / "build" / "run"
+RUNS = RESULTS / "run"
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _OURS = (
@@ -102,13 +102,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _positive(option: str, text: str | None, unit: str) -> float | None:
-    """Return the number of an option, None when it is not given.
-
-    Raises
-    ------
-    CamtoolsError
-        Not a finite number above 0.
-    """
+    """Return the number of an option, None when it is not given."""
     if text is None:
         return None
     try:
@@ -122,13 +116,7 @@ def _positive(option: str, text: str | None, unit: str) -> float | None:
 
 
 def _for_camsim(words: Sequence[str]) -> list[str]:
-    """Return the user's words for camsim, which works in another folder.
-
-    Raises
-    ------
-    CamtoolsError
-        An option that this command sets itself.
-    """
+    """Return the user's words for camsim, which works in another folder."""
     for word in words:
         if word.split("=")[0] in _OURS:
             raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
@@ -222,13 +210,7 @@ def say(text: str) -> None:
 
 
 def write_files(folder: Path, files: dict[str, bytes]) -> None:
-    """Write files into a folder.
-
-    Raises
-    ------
-    CamtoolsError
-        A file cannot be written.
-    """
+    """Write files into a folder."""
     try:
         for name, data in files.items():
             (folder / name).write_bytes(data)

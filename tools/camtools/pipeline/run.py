@@ -19,13 +19,13 @@ from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.output import staged
-from camtools.base.words import size_text
-from camtools.pipeline.correct import correction_for
+from camtools.base.readable import size_text
+from camtools.pipeline.correct_options import correction_for
 from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
-from camtools.pipeline.kept import drop_all_but, kept_text
+from camtools.pipeline.kept_runs import drop_all_but, kept_text
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
-from camtools.pipeline.make import Made, make
+from camtools.pipeline.make_table import Made, make
 from camtools.report.sheet_json import out_of_tolerance
 from camtools.report.sheet_page import SHEETS
 from camtools.report.text import ReportRow, page_text
@@ -43,14 +43,8 @@ from camtools.sim.camsim import (
     traced_turns,
 )
 from camtools.sim.cut_plan import plan_of
-from camtools.sim.mismatch import SHARE, Mismatch, mismatch
-from camtools.sim.results import (
-    AnyCut,
-    Measured,
-    read_summary,
-    read_surface,
-    read_trace,
-)
+from camtools.sim.drive_mismatch import SHARE, Mismatch, mismatch
+from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
 from camtools.sim.sections import read_sections
 
 
@@ -131,14 +125,6 @@ def complete_summary(made: Made, outcome: AnyCut, off: Mismatch | None, total_s:
     )
 
 
-def _tell_what_is_kept(job: RunJob) -> None:
-    """Remove what the user wants to keep no longer, and say what lies in build/run."""
-    for old in drop_all_but(RUNS, job.keep) if job.keep is not None else ():
-        say(f"removed {shown(RUNS / old.name)}, {size_text(old.n_bytes)}")
-    hint = "" if job.keep is not None else "; --keep N leaves the N newest"
-    say(f"{shown(RUNS)} holds {kept_text(RUNS)}{hint}")
-
-
 def run(argv: Sequence[str]) -> int:
     """Make, cut and report a part; return the exit status.
 
@@ -146,11 +132,6 @@ def run(argv: Sequence[str]) -> int:
     -------
     int
         0 done, 1 fault or out of tolerance, 2 camsim refused and said why.
-
-    Raises
-    ------
-    CamtoolsError
-        Wrong usage, or a part that cannot be made.
     """
     begin_s = time.monotonic()
     job = RunJob(argv)
@@ -159,10 +140,7 @@ def run(argv: Sequence[str]) -> int:
     correction = correction_for(job.options, loaded, job.output)
     say(f"making the table of {job.part_path.name}")
     made = make(
-        *(loaded, job.part_path),
-        rpm=job.rpm,
-        tolerance_nm=job.tolerance_nm,
-        correction=correction,
+        *(loaded, job.part_path), rpm=job.rpm, tolerance_nm=job.tolerance_nm, correction=correction
     )
     folder = job.folder(loaded.part.part.name, len(correction.rounds) if correction else 0)
     with staged(folder) as stage:
@@ -184,5 +162,8 @@ def run(argv: Sequence[str]) -> int:
         rows.append(ReportRow(f"drive of U {100 * SHARE:.0f} % worse", off.text()))
     sys.stdout.write(page_text(outcome, rows, shown(folder), total_s, out))
     if job.output is None:
-        _tell_what_is_kept(job)
+        for old in drop_all_but(RUNS, job.keep) if job.keep is not None else ():
+            say(f"removed {shown(RUNS / old.name)}, {size_text(old.n_bytes)}")
+        hint = "" if job.keep is not None else "; --keep N leaves the N newest"
+        say(f"{shown(RUNS)} holds {kept_text(RUNS)}{hint}")
     return 0 if outcome.is_good and not out else 1

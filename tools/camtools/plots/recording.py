@@ -120,11 +120,6 @@ def _draw_bits(axes: Axes, t_ms: Floats, values: Floats, names: Mapping[int, str
     axes.margins(x=0)
 
 
-def _states_axis(axes: Axes, states: Mapping[int, str]) -> None:
-    axes.set_yticks(sorted(states), [states[number] for number in sorted(states)])
-    axes.set_ylim(min(states) - 0.5, max(states) + 0.5)
-
-
 def _draw_over_time(axes: Axes, t_ms: Floats, columns: Columns, names: list[str]) -> None:
     is_number = not _unit_of(names[0])
     for name, colour in zip(names, _COLOURS * len(names), strict=False):
@@ -163,8 +158,6 @@ def time_picture(
         by names whose last word is the unit
     states : mapping
         names of the numbers in the column state
-    trigger : str
-        written at the trigger
     bits : mapping, optional
         names of the bits of columns that are sums of bits, by column
     """
@@ -180,7 +173,8 @@ def time_picture(
                 continue
             _draw_over_time(axes, t_s * 1e3, all_of, names)
             if names == ["state"] and states:
-                _states_axis(axes, states)
+                axes.set_yticks(sorted(states), [states[number] for number in sorted(states)])
+                axes.set_ylim(min(states) - 0.5, max(states) + 0.5)
         figure.align_ylabels(grid)
         if trigger:
             grid[0].set_title(trigger.replace("_", " "), color=RED, loc="right")

@@ -16,13 +16,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import (
-    FuncFormatter,
-    LogLocator,
-    NullFormatter,
-    NullLocator,
-    ScalarFormatter,
-)
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator, ScalarFormatter
 from PIL import Image
 
 # Okabe and Ito, "Color Universal Design" (2008): distinct for every kind of colour vision.
@@ -81,11 +75,6 @@ def plain_numbers(figure: Figure) -> None:
                 formatter.set_scientific(False)
 
 
-def _has_shades(figure: Figure) -> bool:
-    """Return whether a picture has areas of many colours: maps and surfaces in space."""
-    return any(axes.images or hasattr(axes, "zaxis") for axes in figure.axes)
-
-
 def _with_palette(image: Image.Image) -> Image.Image:
     """Return a picture of lines with 256 colours, its ground as it was: a third of the bytes."""
     few = image.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
@@ -104,7 +93,8 @@ def png_of(figure: Figure) -> bytes:
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     image = Image.fromarray(pixels).convert("RGB")
-    shown = image if _has_shades(figure) else _with_palette(image)
+    has_shades = any(axes.images or hasattr(axes, "zaxis") for axes in figure.axes)
+    shown = image if has_shades else _with_palette(image)
     shown.save(stream, "png", dpi=(figure.dpi, figure.dpi))
     return stream.getvalue()
 
@@ -131,15 +121,7 @@ def nice_floor(value: float) -> float:
 
 
 def log_axis(axes: Axes, name: str, low: float, high: float) -> None:
-    """Make an axis logarithmic, with 1, 2 and 5 written out, of many decades 1 alone.
-
-    Parameters
-    ----------
-    name : str
-        "x" or "y".
-    low, high : float
-        Its ends, above 0.
-    """
+    """Make an axis logarithmic, with 1, 2 and 5 written out, of many decades 1 alone."""
     axes.set(**{f"{name}scale": "log", f"{name}lim": (low, high)})
     axis = axes.xaxis if name == "x" else axes.yaxis
     subs = (1.0, 2.0, 5.0) if high / low < _MANY_DECADES[name] else (1.0,)

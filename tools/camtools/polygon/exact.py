@@ -18,10 +18,10 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.pipeline.exact import HeightCurve, ProfileOver
 from camtools.polygon.generate import shapes_of
 from camtools.polygon.part import PolygonPart
-from camtools.skirt.exact import ExactGeometry
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.nose import tip_geometry
-from camtools.skirt.zero import middle_nm
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.tool.exact_shape import ExactGeometry
+from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.u_zero import middle_nm
 
 
 class ExactPolygon(ExactGeometry):
@@ -39,21 +39,12 @@ class ExactPolygon(ExactGeometry):
         outer = self._drawn.radius_mm(z_mm)
         return ProfileOver(
             z_mm,
-            (
-                HeightCurve("outer circle", outer),
-                HeightCurve("inner circle", outer * self._least),
-            ),
+            (HeightCurve("outer circle", outer), HeightCurve("inner circle", outer * self._least)),
         )
 
 
 def exact_polygon(part: PolygonPart) -> ExactPolygon:
-    """Return the exact shape of a polygon.
-
-    Raises
-    ------
-    CamtoolsError
-        The numbers make no polygon.
-    """
+    """Return the exact shape of a polygon."""
     _, _, geometry, design = shapes_of(part)
     tip = tip_geometry(geometry, part.tool)
     middle_mm = middle_nm(tip, part.process.u_zero) / NM_PER_MM

@@ -16,8 +16,8 @@ from functools import partial
 import numpy as np
 from scipy.interpolate import PPoly
 
+from camtools.base.cache import recall
 from camtools.base.errors import CamtoolsError
-from camtools.base.memory import recall
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
@@ -27,14 +27,14 @@ from camtools.polygon.outline import Outline, extremes_of
 from camtools.polygon.part import PolygonPart, PolygonSection
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
 from camtools.polygon.surface import prism_of
-from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
-from camtools.skirt.channels import u_channel, x_channel
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.heel import Heel, check_heel
-from camtools.skirt.nose import tip_geometry
-from camtools.skirt.poly_surface import PolySurface
-from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
-from camtools.skirt.zero import middle_nm, moved, with_mean
+from camtools.skirt.geometry.poly_surface import PolySurface
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.table.accuracy import Accuracy, measure_u, measure_x
+from camtools.skirt.table.channels import u_channel, x_channel
+from camtools.skirt.table.search import DERIVATIVE_SHARE, slice_counts
+from camtools.skirt.tool.heel import Heel, check_heel
+from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.u_zero import middle_nm, moved, with_mean
 from camtools.table.channel import MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, Channel
 from camtools.table.header import MAX_PEAK_NM, table_of, u_bounds
 from camtools.table.image import Table
@@ -92,13 +92,7 @@ def growth_of(section: PolygonSection, drawing: Outline) -> float:
 
 
 def outline_of(section: PolygonSection) -> Outline:
-    """Return the section of the first height as the part file draws it.
-
-    Raises
-    ------
-    GeometryError
-        The numbers make no polygon.
-    """
+    """Return the section of the first height as the part file draws it."""
     phase, radii = float(np.radians(section.phase_deg)), section.corner_radius_mm or 0.0
     if section.form == "p3g":
         assert section.mean_diameter_mm is not None
@@ -121,13 +115,7 @@ def outline_of(section: PolygonSection) -> Outline:
 
 
 def factors_of(part: PolygonPart, outer_mm: float) -> tuple[float, float]:
-    """Return the size of the sections where the tool begins and ends, MATHS.md (118).
-
-    Raises
-    ------
-    CamtoolsError
-        Nothing is left of one of them.
-    """
+    """Return the size of the sections where the tool begins and ends, MATHS.md (118)."""
     section = part.polygon
     first, last = (1 + section.taper * (z - section.z_mm[0]) / outer_mm for z in part.heights_mm)
     if min(first, last) <= 0:
@@ -177,13 +165,7 @@ def _over_height(slope: float, first: float, heights_mm: tuple[float, float]) ->
 def choose_channel(
     geometry: Geometry, tolerance_nm: float, cut: Blended
 ) -> tuple[Channel, Accuracy]:
-    """Return the smallest u channel within a tolerance: over height a polygon is straight.
-
-    Raises
-    ------
-    CamtoolsError
-        No table follows the outline so closely.
-    """
+    """Return the smallest u channel within a tolerance: over height a polygon is straight."""
     n_slices = int(slice_counts(geometry)[0])
     z_nm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 3) * NM_PER_MM
     best: Accuracy | None = None
@@ -246,8 +228,6 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
 
     Parameters
     ----------
-    part : PolygonPart
-        A validated part.
     tolerance_nm : float, optional
         Largest error of u and of x anywhere [nm] against the blended outline; by default 1, or
         the 3 or 10 that a long stroke allows.

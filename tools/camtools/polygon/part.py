@@ -8,20 +8,14 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    Field,
-    Tag,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
 
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, no_truth, rising, wrong
 from camtools.part.passes import Pass, Passes, check_passes
 from camtools.part.tolerances import FormTolerances
 from camtools.part.tool import Tool
-from camtools.polygon.sizes import P3G, P4C
+from camtools.polygon.standard_sizes import P3G, P4C
 
 MAX_SIDES = 16
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
@@ -57,11 +51,7 @@ def _of_size(form: str, size_mm: float) -> dict[str, float]:
         mean, eccentricity = P3G[size_mm]
         return {"mean_diameter_mm": mean, "eccentricity_mm": eccentricity}
     outer, inner, eccentricity = P4C[size_mm]
-    return {
-        "outer_diameter_mm": outer,
-        "inner_diameter_mm": inner,
-        "eccentricity_mm": eccentricity,
-    }
+    return {"outer_diameter_mm": outer, "inner_diameter_mm": inner, "eccentricity_mm": eccentricity}
 
 
 class PolygonSection(TomlTable):

@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
+from camtools.base.quantities import NM_PER_MM, omega_rad_s
+from camtools.plots.panels import around, stacked
 from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, angle_axis, png_of, titled_figure
 from camtools.polygon.blend import Blend
 from camtools.polygon.generate import GeneratedPolygon
@@ -24,33 +25,24 @@ from camtools.polygon.summary import angles_of
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _WINDOW = 2.2  # half width of the picture of a blend over that of the blend
 _N_WINDOW = 801
-
-
-def _closed(phi: Floats, r: Floats) -> tuple[Floats, Floats]:
-    x, y = r * np.cos(phi), r * np.sin(phi)
-    return np.append(x, x[0]), np.append(y, y[0])
+BLEND_NAMES = ("off the drawing, µm\n(above 0: metal left)", "acceleration of U, m/s²")
 
 
 def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
     """Draw the first section to scale between its circles, joints marked."""
     measures, phi = measures_of(made.drawing), angles_of(made)
     turn = np.linspace(0, 2 * np.pi, 361)
-    circles = (
-        (
-            measures.inner_circle_mm,
-            f"inner circle, diameter {measures.inner_circle_mm:.6g} mm",
-            ":",
-        ),
-        (
-            measures.outer_circle_mm,
-            f"outer circle, diameter {measures.outer_circle_mm:.6g} mm",
-            "--",
-        ),
-    )
-    for diameter, label, style in circles:
-        x, y = diameter / 2 * np.cos(turn), diameter / 2 * np.sin(turn)
-        axes.plot(x, y, color=GREY, lw=0.9, ls=style, label=label)
-    x, y = _closed(phi, made.drawing.polar(phi).r)
+    circles = (("inner", measures.inner_circle_mm, ":"), ("outer", measures.outer_circle_mm, "--"))
+    for name, diameter, style in circles:
+        label = f"{name} circle, diameter {diameter:.6g} mm"
+        axes.plot(
+            *around(np.full(turn.size, diameter / 2), turn),
+            color=GREY,
+            lw=0.9,
+            ls=style,
+            label=label,
+        )
+    x, y = (np.append(one, one[0]) for one in around(made.drawing.polar(phi).r, phi))
     # As axes.fill, which looks for the limits of so many corners by itself: they are set below.
     axes.add_artist(Polygon(np.column_stack((x, y)), color=PALE, alpha=0.5, lw=0))
     axes.plot(x, y, color=BLUE, lw=1.8, label="drawing")
@@ -84,16 +76,13 @@ def draw_motion(made: GeneratedPolygon) -> Figure:
     rpm, z_mm = made.part.process.spindle_rpm, made.geometry.z_first_mm
     title = f"{made.part.part.name}: motion of U at {rpm:g} r/min"
     figure = titled_figure(8.5, 8.0, title)
-    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    panels = stacked(figure, ("U towards the axis, mm", "velocity, mm/s", "acceleration, m/s²"))
     phi, omega = angles_of(made), omega_rad_s(rpm)
     u = made.geometry.delta(phi, z_mm)
     from_zero_mm = u.delta - made.middle_nm / NM_PER_MM
     curves = (from_zero_mm, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
-    names = ("U towards the axis, mm", "velocity, mm/s", "acceleration, m/s²")
-    for axes, curve, name in zip(panels, curves, names, strict=True):
+    for axes, curve in zip(panels, curves, strict=True):
         axes.plot(np.degrees(phi), curve, color=BLUE, lw=1.4)
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
     limit = made.part.machine.limits.u_acceleration_mm_s2 / _MM_PER_M
     for sign in (1, -1):
         panels[2].axhline(sign * limit, color=RED, lw=1, ls="--")
@@ -117,16 +106,13 @@ def paint_blend(panels: list[Axes], made: GeneratedPolygon, blend: Blend) -> Non
     panels[0].plot(degrees, drawn.r * 0, color=BLUE, lw=1.6, label="drawing")
     off_um = (cut.r - drawn.r) * _UM_PER_MM
     panels[0].plot(degrees, off_um, color=ORANGE, lw=1.6, label="blend")
-    panels[0].set_ylabel("off the drawing, µm\n(above 0: metal left)")
     behind, before = phi > blend.joint_rad, phi < blend.joint_rad
     unit = -(omega**2) / _MM_PER_M
     for side in (before, behind):
         panels[1].plot(degrees[side], drawn.d2[side] * unit, color=BLUE, lw=1.6)
     panels[1].plot(degrees, cut.d2 * unit, color=ORANGE, lw=1.6)
-    panels[1].set_ylabel("acceleration of U, m/s²")
     for axes in panels:
         axes.axvline(float(np.degrees(blend.joint_rad)), color=GREY, lw=0.8, ls=":")
-        axes.grid(alpha=0.3)
         axes.ticklabel_format(useOffset=False)
     panels[1].set_xlabel("angle of the drawing, degrees; dotted: the joint")
     panels[1].set_xlim(float(degrees[0]), float(degrees[-1]))
@@ -135,7 +121,7 @@ def paint_blend(panels: list[Axes], made: GeneratedPolygon, blend: Blend) -> Non
 def draw_blend(made: GeneratedPolygon) -> Figure:
     """Return the hardest joint: deviation from the drawing and acceleration."""
     figure = titled_figure(8.5, 6.4, f"{made.part.part.name}: blend of a joint")
-    panels: list[Axes] = list(figure.subplots(2, 1, sharex=True))
+    panels = stacked(figure, BLEND_NAMES)
     paint_blend(panels, made, hardest_blend(made))
     panels[0].legend(frameon=False)
     return figure

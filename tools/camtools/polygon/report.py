@@ -6,34 +6,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.beside import beside
 from camtools.part.tolerances import Tolerances
-from camtools.plots.style import (
-    RED,
-    drawing,
-    new_figure,
-    nice_limit,
-    png_of,
-)
-from camtools.polygon.plots import hardest_blend, paint_blend, paint_section
-from camtools.polygon.report_alive import live_of, motion_of
+from camtools.plots.panels import stacked
+from camtools.plots.style import RED, drawing, new_figure, nice_limit, png_of
+from camtools.polygon.plots import BLEND_NAMES, hardest_blend, paint_blend, paint_section
+from camtools.polygon.report_interactive import ANGLE, live_of, motion_of
 from camtools.polygon.report_text import PolygonCut, name_of, polygon_rows
-from camtools.report import compare as report_compare
-from camtools.report import motion as report_motion
-from camtools.report.cells import map_rows
-from camtools.report.learning import CONVERGENCE_TEXT, convergence
+from camtools.report.common_pictures import COMPARE_TEXT, SEQUENCE_TEXT, common_drawers, in_order
+from camtools.report.learning import CONVERGENCE_TEXT
+from camtools.report.map_cells import map_rows
+from camtools.report.motion import draw_motion
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import sheet_pages
-from camtools.report.switches import SWITCHES_TEXT, switches
-from camtools.sim.results import CUTTING, FAULT, GaugedSurface
-from camtools.skirt import report_surface
+from camtools.report.switches import SWITCHES_TEXT
+from camtools.sim.results import GaugedSurface
+from camtools.skirt.report import surface_plots
 
 _MARKS = {"color": RED, "ls": "", "marker": "o", "ms": 3.0, "mfc": "none"}
 _MOST_MARKS = 240
@@ -76,16 +68,8 @@ _TEXTS = {
         "How far U was from where it should have been at that moment; the band holds every turn of "
         "the cut.",
     ),
-    "sequence": (
-        "How the cut begins, goes on and ends",
-        "Homing finds the index with U out of the work; engaging brings X to depth and lets the "
-        "swing of U grow smoothly from nothing; disengaging is the reverse.",
-    ),
-    "compare": (
-        "What each part of the controller is worth",
-        "The same cut with parts of the controller switched off; mind the scale, which grows "
-        "tenfold from number to number.",
-    ),
+    "sequence": SEQUENCE_TEXT,
+    "compare": COMPARE_TEXT,
 }
 
 
@@ -95,7 +79,7 @@ def _band(outcome: PolygonCut) -> tuple[GaugedSurface, float]:
     low, high = geometry.z_first_mm, geometry.z_last_mm
     middle = (low + high) / 2
     rows = map_rows(high - low, feed_mm)
-    return report_surface.section_at(outcome.surface, middle, 1.5 * (high - low) / rows), middle
+    return surface_plots.section_at(outcome.surface, middle, 1.5 * (high - low) / rows), middle
 
 
 def draw_cut_section(outcome: PolygonCut) -> Figure:
@@ -114,7 +98,7 @@ def draw_cut_section(outcome: PolygonCut) -> Figure:
     r = near.radius_mm / factor
     left.plot((r * np.cos(phi))[::step], (r * np.sin(phi))[::step], label="cut", **_MARKS)
     limit_um = nice_limit(float(np.abs(near.error_um).max(initial=0.0)))
-    report_surface.draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
+    surface_plots.draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
     figure.legend(loc="outside lower center", ncols=3, frameon=False)
     return figure
 
@@ -124,7 +108,7 @@ def draw_cut_blend(outcome: PolygonCut) -> Figure:
     made, surface = outcome.generated, outcome.surface
     blend = hardest_blend(made)
     figure = new_figure(10, 6.0)
-    panels: list[Axes] = list(figure.subplots(2, 1, sharex=True))
+    panels = stacked(figure, BLEND_NAMES)
     paint_blend(panels, made, blend)
     off = 2 * np.pi * surface.turn - blend.joint_rad
     off = np.mod(off + np.pi, 2 * np.pi) - np.pi
@@ -144,32 +128,19 @@ def _named(figure: Figure) -> Figure:
     return figure
 
 
-def _drawers(outcome: PolygonCut) -> dict[str, Callable[[], Figure]]:
-    """Return what can be drawn of a cut, in the order of the report."""
-    geometry, surface, trace = outcome.generated.geometry, outcome.surface, outcome.trace
+def pictures_of(outcome: PolygonCut) -> list[Picture]:
+    """Return the pictures of a cut, not drawn yet."""
+    geometry, surface = outcome.generated.geometry, outcome.surface
     feed_mm = outcome.summary["cut"]["feed_mm"]
-    drawers: dict[str, Callable[[], Figure]] = {}
-    if (trace.state == FAULT).any():
-        retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
-        drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
+    drawers = common_drawers(outcome, ANGLE)
+    drawers["motion"] = lambda: draw_motion(motion_of(outcome))
     if surface.turn.size:
         drawers["section"] = lambda: draw_cut_section(outcome)
         if outcome.generated.blended.blends:
             drawers["blend"] = lambda: draw_cut_blend(outcome)
-        drawers["map"] = lambda: _named(report_surface.draw_map(surface, geometry, feed_mm))
-        drawers["height"] = lambda: _named(report_surface.draw_height(surface, geometry))
-    drawers["motion"] = lambda: report_motion.draw_motion(motion_of(outcome))
-    drawers |= convergence(outcome.summary)
-    drawers |= switches(outcome.summary)
-    if (trace.state == CUTTING).any():
-        drawers["following"] = lambda: _named(report_motion.draw_following(trace))
-    if trace.t_s.size > 1:
-        drawers["sequence"] = lambda: report_motion.draw_sequence(trace, outcome.overview)
-    if len(outcome.variants) > 1:
-        tolerance_um = outcome.summary["form_error_um"]["tolerance"]
-        variants = outcome.variants
-        drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)
-    return drawers
+        drawers["map"] = lambda: _named(surface_plots.draw_map(surface, geometry, feed_mm))
+        drawers["height"] = lambda: _named(surface_plots.draw_height(surface, geometry))
+    return in_order(_TEXTS, drawers)
 
 
 _LEFT_OUT = (
@@ -183,8 +154,7 @@ def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
     stated = Tolerances(**outcome.generated.part.tolerances.model_dump())
     subject = Subject(False, True, _LEFT_OUT, tolerances=stated)
     with drawing(), beside(lambda: sheet_pages(outcome, subject)) as drawn_sheets:
-        pictures = [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
-        shown = [(picture, png_of(picture.draw())) for picture in pictures]
+        shown = [(picture, png_of(picture.draw())) for picture in pictures_of(outcome)]
         sheets = drawn_sheets()
     page = Page(
         outcome.generated.part.part.source,

@@ -15,8 +15,8 @@ from camtools.report.learning_text import learning_rows
 from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
-from camtools.skirt.report_text import pass_rows
-from camtools.skirt.report_tool import tool_row, track_row
+from camtools.skirt.report.text import pass_rows
+from camtools.skirt.report.tool_text import tool_row, track_row
 
 PolygonCut = Cut[GeneratedPolygon]
 

@@ -25,13 +25,7 @@ _STEEPEST_RAD = float(np.radians(80.0))
 
 
 def p3g(mean_diameter_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
-    """Return the outline of DIN 32711, a corner at the phase; MATHS.md (115).
-
-    Raises
-    ------
-    GeometryError
-        So eccentric that the sides would be hollow.
-    """
+    """Return the outline of DIN 32711, a corner at the phase; MATHS.md (115)."""
     middle = phase_rad + np.pi / _SIDES_P3G
     flank = Flank(mean_diameter_mm / 2, eccentricity_mm, _SIDES_P3G, middle)
     if not flank.is_convex:
@@ -65,13 +59,7 @@ def _no_crossing(radius_mm: float) -> GeometryError:
 
 
 def p4c(outer_mm: float, inner_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
-    """Return the outline of DIN 32712, a corner's arc at the phase; MATHS.md (116).
-
-    Raises
-    ------
-    GeometryError
-        The circle does not cut the flanks.
-    """
+    """Return the outline of DIN 32712, a corner's arc at the phase; MATHS.md (116)."""
     if inner_mm >= outer_mm:
         problem = f"{inner_mm:g} is not below outer_diameter_mm, {outer_mm:g}"
         raise GeometryError("polygon.inner_diameter_mm", problem, "give the inner circle")
@@ -176,7 +164,11 @@ def _rounded(corners: Floats, radii: Floats, repeat: int) -> Outline:
     along = side / length[:, None]
     normal = np.stack([along[:, 1], -along[:, 0]], axis=-1)
     distance = (corners * normal).sum(axis=1)
-    taken = radii * np.tan(_half_turns(along))  # of both sides of a corner
+    # Half of the angle by which the outline turns at each corner [rad].
+    before = np.roll(along, 1, axis=0)
+    cross = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0]
+    dot = (before * along).sum(axis=1)
+    taken = radii * np.tan(np.arctan2(cross, dot) / 2)  # of both sides of a corner
     _check_room(length, taken, radii)
     starts: list[float] = []
     curves: list[Curve] = []
@@ -192,14 +184,6 @@ def _rounded(corners: Floats, radii: Floats, repeat: int) -> Outline:
         curves.append(line)
     rising = np.unwrap(starts)
     return Outline(tuple(float(one) for one in rising), tuple(curves), repeat)
-
-
-def _half_turns(along: Floats) -> Floats:
-    """Return half of the angle by which the outline turns at each corner [rad]."""
-    before = np.roll(along, 1, axis=0)
-    cross = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0]
-    dot = (before * along).sum(axis=1)
-    return np.asarray(np.arctan2(cross, dot) / 2, dtype=np.float64)
 
 
 def _angle(point: Floats) -> float:

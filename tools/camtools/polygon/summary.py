@@ -16,9 +16,9 @@ from camtools.cut.feasibility import given_of, needed_of
 from camtools.polygon.blend import widest_rad
 from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.outline import Outline, OutlineJoint, all_around, is_smooth, measures_of
-from camtools.skirt.poly_surface import PolySurface
-from camtools.skirt.summary import error_of, jumps_of, motion_at, passes_of, tool_of
-from camtools.skirt.summary_text import emit_text
+from camtools.skirt.geometry.poly_surface import PolySurface
+from camtools.skirt.report.summary import error_of, jumps_of, motion_at, passes_of, tool_of
+from camtools.skirt.report.summary_text import emit_text
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
 
@@ -99,11 +99,7 @@ def make_polygon_summary(made: GeneratedPolygon) -> Json:
     own = {
         "part": {"name": table.part_name, "kind": "polygon", "source": made.part.part.source},
         "process": process.model_dump()
-        | {
-            "u_zero_mm": made.middle_nm / NM_PER_MM,
-            "passes": passes_of(table),
-            "feed_law": None,
-        },
+        | {"u_zero_mm": made.middle_nm / NM_PER_MM, "passes": passes_of(table), "feed_law": None},
         "tool": tool_of(made.part.tool, made.heel),
         "polygon": _about(made),
         "channels": {"u": describe_channel(u), "x": describe_channel(x)},

@@ -19,7 +19,7 @@ from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.polygon.curves import Curve
 from camtools.polygon.outline import TURN_RAD, Outline
-from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface
+from camtools.skirt.geometry.poly_surface import N_ANGLE, N_HEIGHT, PolySurface
 from camtools.table.channel import MAX_LOG2_REPEAT
 from camtools.table.quintics import segment_coefficients
 

@@ -180,10 +180,7 @@ def following_chart(by_angle: Floats) -> Json:
     ]
     data[1]["fillcolor"] = "rgba(230,159,0,0.3)"
     data[2]["line"] = {"color": BLUE, "dash": "dash"}
-    axes = {
-        "xaxis": _angle_axis("spindle angle"),
-        "yaxis": _axis(f"following error of U, {unit}"),
-    }
+    axes = {"xaxis": _angle_axis("spindle angle"), "yaxis": _axis(f"following error of U, {unit}")}
     return {"data": data, "layout": layout(height=360, **axes)}
 
 

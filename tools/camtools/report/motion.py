@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from camtools.base.quantities import Floats, length_unit
+from camtools.plots.panels import stacked
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -89,15 +90,12 @@ def draw_following(trace: CutTrace, angle: str = FROM_LONG_AXIS) -> Figure:
 
 def draw_motion(motion: TurnOfU) -> Figure:
     """Return U and what follows from it over one turn, a panel each."""
-    n = len(motion.curves)
-    figure = new_figure(10, 0.6 + 2.0 * n)
-    panels: list[Axes] = list(figure.subplots(n, 1, sharex=True))
+    figure = new_figure(10, 0.6 + 2.0 * len(motion.curves))
+    panels = stacked(figure, [curve.name for curve in motion.curves])
     for axes, curve in zip(panels, motion.curves, strict=True):
         axes.plot(motion.degrees, curve.wanted, color=BLUE, lw=1.6, label=motion.wanted_name)
         if curve.measured is not None and motion.measured_degrees is not None:
             axes.plot(motion.measured_degrees, curve.measured, label="measured on U", **_MARKS)
-        axes.set_ylabel(curve.name)
-        axes.grid(alpha=0.3)
     panels[0].set_title(motion.title)
     panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
     angle_axis(panels[-1])
@@ -215,17 +213,15 @@ def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
     """
     view = _FaultView(trace, retract_s)
     figure = new_figure(10, 6.6)
-    panels = list(figure.subplots(4, 1, sharex=True))
+    names = (*_AXES[:0:-1], "tool tip off\nthe drawing, mm", "spindle, r/min")
+    panels = stacked(figure, names)
     part, ms = view.trace, view.ms
     panels[0].plot(ms, part.u_act_nm / 1e3, color=RED, lw=1.4)
     panels[1].plot(ms, part.x_nm / _NM_PER_MM, color=BLUE, lw=1.4)
     panels[2].plot(ms, part.error_nm / _NM_PER_MM, color=GREEN, lw=1.4)
     panels[3].plot(ms, part.speed_rpm, color=PURPLE, lw=1.4)
-    names = (*_AXES[:0:-1], "tool tip off\nthe drawing, mm", "spindle, r/min")
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
+    for axes in panels:
         axes.axvline(0, color=GREY, lw=1.2, ls="--")
-        axes.grid(alpha=0.3)
     panels[0].set_title("dashed line: the tick in which the controller saw the fault")
     panels[-1].set_xlabel("time from the fault, ms")
     panels[-1].set_xlim(ms[0], ms[-1])

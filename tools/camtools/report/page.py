@@ -16,17 +16,10 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from camtools.report.board import Board
-from camtools.report.live import Live, css_text, scripts_of, twin_of
-from camtools.report.sentences import sentences_of
+from camtools.report.page_scripts import Live, css_text, scripts_of, twin_of
+from camtools.report.picture_text import sentences_of
 from camtools.report.sheet_page import SheetPages
-from camtools.report.text import (
-    ReportRow,
-    Verdict,
-    fault_story,
-    margins_of,
-    origin_rows,
-    verdict_of,
-)
+from camtools.report.text import ReportRow, fault_story, margins_of, origin_rows, verdict_of
 from camtools.sim.results import AnyCut
 
 _TEMPLATE = "page.html.j2"
@@ -162,20 +155,15 @@ def _environment() -> Environment:
     return environment
 
 
-def _running(outcome: AnyCut, verdict: Verdict) -> tuple[Markup, Markup]:
-    """Return what the head of each printed page says left and right, as strings of CSS."""
-    date = outcome.origin.date if outcome.origin else ""
-    left = f"{outcome.name}: {verdict.title}"
-    return Markup(css_text(left)), Markup(css_text(date))
-
-
 def render_page(outcome: AnyCut, page: Page) -> str:
     """Return the HTML page of a part of any kind; the clock of the computer is not in it."""
     sentences = sentences_of(outcome) | (page.live.sentences if page.live else {})
     shown, live = _shown(page, sentences), page.live
     board = live.board if live else None
     verdict = verdict_of(outcome, page.sheets.out if page.sheets else ())
-    running_title, running_date = _running(outcome, verdict)
+    date = outcome.origin.date if outcome.origin else ""
+    left = f"{outcome.name}: {verdict.title}"
+    running_title, running_date = Markup(css_text(left)), Markup(css_text(date))
     return (
         _environment()
         .get_template(_TEMPLATE)

@@ -37,11 +37,7 @@ def _roundness(one: Roundness, zone_mm: float) -> Json:
 
 def _waves(waves: list[RoundWave]) -> list[Json]:
     return [
-        {
-            "order": one.order,
-            "amplitude_um": one.amplitude * _UM_PER_MM,
-            "phase_deg": one.phase_deg,
-        }
+        {"order": one.order, "amplitude_um": one.amplitude * _UM_PER_MM, "phase_deg": one.phase_deg}
         for one in waves
     ]
 

@@ -58,16 +58,12 @@ class SheetPages(NamedTuple):
     out: list[str]  # what is out of tolerance
 
 
-def _in_um(value_mm: float) -> str:
-    return f"{value_mm * _UM_PER_MM:.4f} µm"
-
-
 def _row(one: Feature) -> Row:
     """Return a line of a table: deviations of millimetres in micrometres."""
     unit = "" if one.unit == "°" else f" {one.unit}"
     deviation = shown_number(one.deviation, one.unit)
     if one.unit == "mm" and one.deviation is not None:
-        deviation = _in_um(one.deviation)
+        deviation = f"{one.deviation * _UM_PER_MM:.4f} µm"
     elif deviation:
         deviation += f"{unit}" if unit else "°"
     tolerance = ""

@@ -11,14 +11,6 @@ from camtools.base.json_text import Json
 from camtools.report.text import ReportRow
 
 
-def _windows_text(one: Json) -> str:
-    """Return where a switch is on, by the drawing's angle."""
-    per_turn = one["windows_per_turn"]
-    times = f", {per_turn:.0f} times per turn" if per_turn > 1 else ""
-    dead = f", dead time {one['dead_time_us']:g} µs" if one["dead_time_us"] else ""
-    return f"{one['on_deg']:g}° .. {one['off_deg']:g}°{times}{dead}"
-
-
 def _error_text(name: str, error: Json | None, count: int) -> str:
     """Return how far from the end of its window a switch acts."""
     if error is None:
@@ -29,8 +21,12 @@ def _error_text(name: str, error: Json | None, count: int) -> str:
 def _switch_text(one: Json) -> str:
     """Return all of one switch."""
     other = one["other_on"] + one["other_off"]
+    per_turn = one["windows_per_turn"]
+    times = f", {per_turn:.0f} times per turn" if per_turn > 1 else ""
+    dead = f", dead time {one['dead_time_us']:g} µs" if one["dead_time_us"] else ""
+    windows = f"{one['on_deg']:g}° .. {one['off_deg']:g}°{times}{dead}"
     texts = [
-        _windows_text(one),
+        windows,
         _error_text("on", one["on_error_deg"], one["times_on"]),
         _error_text("off", one["off_error_deg"], one["times_off"]),
         *([f"{other:.0f} changes by height, state or sense"] if other else []),
@@ -44,7 +40,7 @@ def switch_rows(summary: Json) -> list[ReportRow]:
     Parameters
     ----------
     summary : Json
-        Of camsim; its `switches` are those of host_sim/session/sim_switch_summary.h.
+        Of camsim; its `switches` are those of host_sim/results/sim_switch_summary.h.
     """
     return [
         ReportRow(f"position switch {one['output']:.0f}", _switch_text(one))

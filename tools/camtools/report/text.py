@@ -17,10 +17,11 @@ import numpy as np
 
 from camtools.base.errors import InputError
 from camtools.base.json_text import Json
+from camtools.base.project_paths import ROOT
 from camtools.base.quantities import length_text
 from camtools.sim.results import FAULT, AnyCut
 
-_FAULTS = Path(__file__).resolve().parents[3] / "firmware" / "FAULTS.md"
+_FAULTS = ROOT / "firmware" / "FAULTS.md"
 _FAULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
 _MOST_NAMES = 3
 _CLEAR_MM = 0.2  # the tool counts as out of the work: twice the usual depth of cut
@@ -180,13 +181,7 @@ def origin_rows(outcome: AnyCut) -> list[ReportRow]:
 
 
 def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
-    """Return the table of faults of the firmware's manual.
-
-    Raises
-    ------
-    InputError
-        The manual cannot be read.
-    """
+    """Return the table of faults of the firmware's manual."""
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
@@ -224,7 +219,11 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
         for name in outcome.summary["first_faults"]
         if name in facts
     ]
-    rows += [ReportRow("when", _when(fault)), ReportRow("reaction", _reaction(outcome))]
+    since = fault.get("time_of_cutting_s")
+    cutting = "" if since is None else f" ({since:.3f} s into the cut)"
+    place = f"height {fault['z_mm']:.3f} mm, angle {360 * fault['turn']:.1f}°"
+    when = f"{fault['time_s']:.4f} s after the start{cutting}, {fault['state']}, {place}"
+    rows += [ReportRow("when", when), ReportRow("reaction", _reaction(outcome))]
     later = [
         name for name in outcome.summary["faults"] if name not in outcome.summary["first_faults"]
     ]
@@ -236,13 +235,6 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
         if name in facts
     ]
     return rows
-
-
-def _when(fault: Json) -> str:
-    since = fault.get("time_of_cutting_s")
-    cutting = "" if since is None else f" ({since:.3f} s into the cut)"
-    place = f"height {fault['z_mm']:.3f} mm, angle {360 * fault['turn']:.1f}°"
-    return f"{fault['time_s']:.4f} s after the start{cutting}, {fault['state']}, {place}"
 
 
 def _reaction(outcome: AnyCut) -> str:

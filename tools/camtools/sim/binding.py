@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.library import Prototypes, loaded
+from camtools.base.shared_library import Prototypes, loaded
 from camtools.sim.camsim import camsim_path
 
 Rows = npt.NDArray[Any]  # structured: a field of float64 for each column
@@ -32,10 +32,7 @@ PROTOTYPES: Prototypes = {
     "sim_api_close": (None, [c_void_p]),
     "sim_api_version": (c_char_p, []),
     "sim_api_error": (c_char_p, [c_void_p]),
-    "sim_api_begin": (
-        c_bool,
-        [c_void_p, WORDS, c_int, c_char_p, c_size_t, c_char_p, c_bool],
-    ),
+    "sim_api_begin": (c_bool, [c_void_p, WORDS, c_int, c_char_p, c_size_t, c_char_p, c_bool]),
     "sim_api_run": (c_bool, [c_void_p, c_uint64]),
     "sim_api_progress": (c_double, [c_void_p]),
     "sim_api_finish": (c_int, [c_void_p, c_double]),
@@ -114,15 +111,8 @@ class SimSession:
             Of `camsim run`, the table included, without outputs.
         machine : str or None
             Text of a machine file; None: that of --machine, or the default machine.
-        name : str
-            Of that text, for messages.
         traced : bool
             Keep every tick, or one of --trace-every.
-
-        Raises
-        ------
-        CamtoolsError
-            The simulator refuses; its line says why.
         """
         coded = [os.fsencode(word) for word in words]
         array = (c_char_p * len(coded))(*coded)
@@ -146,13 +136,7 @@ class SimSession:
         return str(self._library.sim_api_error(self._session).decode("utf-8", "replace"))
 
     def finish(self, wall_s: float) -> RawResult:
-        """Return what the cut left, in memory of Python's own; the cut is ended.
-
-        Raises
-        ------
-        CamtoolsError
-            Not enough memory, or a controller on a target is lost.
-        """
+        """Return what the cut left, in memory of Python's own; the cut is ended."""
         library, session = self._library, self._session
         status = int(library.sim_api_finish(session, wall_s))
         summary = library.sim_api_summary(session).decode("ascii")

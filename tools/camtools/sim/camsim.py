@@ -17,7 +17,7 @@ from typing import BinaryIO
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.output import cannot_write
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
 from camtools.part.common import MachineLimits
 from camtools.sim.results import CutVariant, read_summary
 
@@ -142,13 +142,7 @@ class Simulator:
         return [str(self.program), "run", self.table, *words]
 
     def run(self, words: Sequence[str], *, is_quiet: bool = False) -> int:
-        """Cut; return camsim's exit status. Its messages go to our standard error.
-
-        Raises
-        ------
-        CamtoolsError
-            It cannot be started, or a signal ended it.
-        """
+        """Cut; return camsim's exit status. Its messages go to our standard error."""
         with self._begun(words, is_quiet=is_quiet) as process:
             return self._ended(process)
 
@@ -159,8 +153,6 @@ class Simulator:
 
         Parameters
         ----------
-        trace : str
-            Name of the file.
         keeps_text : bool
             The text of camsim is kept beside it, with the suffix .csv.
         """
@@ -245,8 +237,6 @@ def cut(
 
     Parameters
     ----------
-    words : list of str
-        Options of camsim.
     window_turns : float or None
         The trace is of a second run that ends after so many turns; None: of the cut itself.
     every : int

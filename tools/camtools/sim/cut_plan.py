@@ -14,7 +14,7 @@ import subprocess
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from camtools.base.words import duration_text
+from camtools.base.readable import duration_text
 from camtools.sim.camsim import Simulator
 from camtools.sim.results import read_summary
 

@@ -37,8 +37,6 @@ def with_home_switches(text: str, z_last_mm: float) -> str:
 
     Parameters
     ----------
-    text : str
-        of a machine without switches
     z_last_mm : float
         height of the drawing up to which Z feeds
     """
@@ -56,13 +54,7 @@ def with_home_switches(text: str, z_last_mm: float) -> str:
 
 
 def refuses(program: Path, folder: Path, words: Sequence[str]) -> bool:
-    """Return whether camsim refuses table and options; it has said why, once and not twice.
-
-    Raises
-    ------
-    CamtoolsError
-        It cannot be started.
-    """
+    """Return whether camsim refuses table and options; it has said why, once and not twice."""
     command = [str(program), "params", *words]
     try:
         done = subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=False)
@@ -90,15 +82,6 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 class LivePair:
     """The two processes, joined by a pair of sockets; both end when this object is closed.
-
-    Parameters
-    ----------
-    program : Path
-        camsim
-    folder : Path
-        where they work
-    words : list of str
-        table and options of both
 
     Attributes
     ----------

@@ -60,13 +60,7 @@ def find_machine(word: str | Path) -> Machine:
 
 
 def read_machine(text: str, name: str) -> Tree:
-    """Return the tree of a machine's text; whether its keys are known, only the simulator tells.
-
-    Raises
-    ------
-    InputError
-        It is no TOML.
-    """
+    """Return the tree of a machine's text; whether its keys are known, only the simulator tells."""
     try:
         return toml_tree(text)
     except ValueError as error:
@@ -131,11 +125,6 @@ def mistaken(tree: Tree, truth: Mapping[str, float]) -> Tree:
 
     The controller goes on believing the numbers that it has: those of `[believed]`, else those that
     were the truth before.
-
-    Parameters
-    ----------
-    truth : mapping
-        True numbers by table and key.
     """
     changed = copy.deepcopy(tree)
     for key, value in truth.items():

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from camtools.base.errors import InputError
 from camtools.base.json_text import Json
-from camtools.base.origin import Origin
+from camtools.base.provenance import Origin
 from camtools.base.quantities import Floats
 from camtools.roundness.waves import DEFAULT_UPR
 from camtools.table.header import MadeTable

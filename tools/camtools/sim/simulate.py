@@ -45,7 +45,7 @@ class Result:
         Worst sample of each gauged cell: fields turn (drawing's angle, 0 .. 1), z_mm, radius_mm,
         error_nm (above 0: metal left standing), and control_nm where the table plays a refit.
     trace : ndarray, shape (n,)
-        Tick by tick, fields as in `host_sim/session/sim_trace.h`; `state` is the number of the
+        Tick by tick, fields as in `host_sim/results/sim_trace.h`; `state` is the number of the
         controller's state in `firmware/base/cam_state.h`, masks are numbers. Empty if none was
         asked for.
     summary_text : str
@@ -79,13 +79,6 @@ def _machine(machine: str | Path | Machine | Mapping[str, Any] | None) -> Machin
     return Machine("machine", emit_machine(machine))
 
 
-def _words(rpm: float | None, feed: float | None, turns: float | None) -> list[str]:
-    given = {"--rpm": rpm, "--feed": feed, "--turns-limit": turns}
-    return [
-        word for key, value in given.items() if value is not None for word in (key, f"{value!r}")
-    ]
-
-
 def simulate(
     table: str | Path,
     machine: str | Path | Machine | Mapping[str, Any] | None = None,
@@ -116,8 +109,6 @@ def simulate(
         (`feed_ramp_turns`) are gauged, too.
     set : mapping, optional
         Parameters of the controller, by their names in `firmware/param/cam_param.h`.
-    seed : int
-        Of all noise.
     trace : bool
         Keep every tick: 300 bytes each.
     options : list of str
@@ -135,7 +126,11 @@ def simulate(
     settings = [
         word for name, value in (set or {}).items() for word in ("--set", f"{name}={value}")
     ]
-    words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
+    given = {"--rpm": rpm, "--feed": feed, "--turns-limit": turns}
+    asked = [
+        word for key, value in given.items() if value is not None for word in (key, f"{value!r}")
+    ]
+    words = [str(table), *asked, "--seed", str(seed), *settings, *options]
     begin_s = time.monotonic()
     with _ONE_AT_A_TIME, SimSession() as session:
         name, text = (chosen.name, chosen.text) if chosen else ("", None)

@@ -98,22 +98,6 @@ def _field(name: str, cell: str) -> pa.Field:
     return pa.field(name, kind, metadata=metadata)
 
 
-def _schema(header: bytes, first: bytes) -> pa.Schema:
-    """Return the columns that are kept, by their names and a line.
-
-    Without a line all are whole numbers.
-    """
-    names = header.decode("ascii").strip().split(",")
-    cells = first.decode("ascii").strip().split(",") if first else ["0"] * len(names)
-    fields = [_field(name, cell) for name, cell in zip(names, cells, strict=True)]
-    return pa.schema([f for f in fields if TOLD_TWICE.get(f.name, ("",))[0] not in names])
-
-
-def _encodings(schema: pa.Schema) -> dict[str, str]:
-    words = {pa.int64(): "DELTA_BINARY_PACKED", pa.float64(): "BYTE_STREAM_SPLIT"}
-    return {field.name: words[field.type] for field in schema if field.type in words}
-
-
 def _packed(table: pa.Table, schema: pa.Schema) -> pa.Table:
     """Return rows with their fractions on the grid."""
     columns = []
@@ -152,13 +136,6 @@ def pack_trace(stream: BinaryIO, path: Path) -> int:
 
     Of an empty stream, as camsim leaves it when it refuses a cut, no file is made.
 
-    Parameters
-    ----------
-    stream : binary file
-        Read to its end.
-    path : Path
-        Of the Parquet file.
-
     Raises
     ------
     OSError
@@ -167,15 +144,21 @@ def pack_trace(stream: BinaryIO, path: Path) -> int:
     header, first = stream.readline(), stream.readline()
     if not header:
         return 0
-    schema = _schema(header, first)
+    names = header.decode("ascii").strip().split(",")
+    # Without a line all are whole numbers.
+    cells = first.decode("ascii").strip().split(",") if first else ["0"] * len(names)
+    fields = [_field(name, cell) for name, cell in zip(names, cells, strict=True)]
+    schema = pa.schema([f for f in fields if TOLD_TWICE.get(f.name, ("",))[0] not in names])
     n_rows = 0
+    words = {pa.int64(): "DELTA_BINARY_PACKED", pa.float64(): "BYTE_STREAM_SPLIT"}
+    encodings = {field.name: words[field.type] for field in schema if field.type in words}
     with pq.ParquetWriter(
         path,
         schema,
         compression="zstd",
         compression_level=_LEVEL,
         use_dictionary=[f.name for f in schema if pa.types.is_dictionary(f.type)],
-        column_encoding=_encodings(schema),
+        column_encoding=encodings,
         write_statistics=False,
     ) as writer:
         if first:

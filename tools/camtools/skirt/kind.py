@@ -17,17 +17,17 @@ from camtools.pipeline.kind import Kind, Rig
 from camtools.report.text import ReportRow
 from camtools.sim.camsim import SURFACE, machine_text
 from camtools.sim.results import Measured, read_control
-from camtools.skirt.control_heights import margin_mm, spread
-from camtools.skirt.design import drawing_of
-from camtools.skirt.even import compare_removal
-from camtools.skirt.exact import exact_skirt
-from camtools.skirt.generate import GeneratedSkirt, generate
-from camtools.skirt.geometry import make_geometry
-from camtools.skirt.outcome import SkirtOutcome
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.report_text import rows_of
-from camtools.skirt.summary import make_summary
-from camtools.skirt.summary_text import emit_text
+from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.part.control_heights import margin_mm, spread
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.report.equal_volume import compare_removal
+from camtools.skirt.report.outcome import SkirtOutcome
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.report.summary_text import emit_text
+from camtools.skirt.report.text import rows_of
+from camtools.skirt.table.gauge_design import drawing_of
+from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.skirt.tool.exact_shape import exact_skirt
 
 
 class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
@@ -74,7 +74,8 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def plots(self, made: GeneratedSkirt) -> dict[str, bytes]:
         """See `Kind.plots`."""
-        from camtools.skirt.plots import draw_all  # matplotlib loads longer than all the rest
+        # matplotlib loads longer than all the rest
+        from camtools.skirt.report.part_plots import draw_all
 
         return draw_all(made)
 
@@ -127,7 +128,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def report(self, outcome: SkirtOutcome) -> dict[str, bytes]:
         """See `Kind.report`."""
-        from camtools.skirt.report import make_report  # matplotlib, see above
+        from camtools.skirt.report.page import make_report  # matplotlib, see above
 
         return make_report(outcome)
 

@@ -14,12 +14,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from camtools.base.csv_text import csv_text
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
-from camtools.study.section_tables import table
 
 _STEPS_DEG = (0.01, 45.0)
 _FLAT_MM = 1e6  # radii beyond it are written as this one
@@ -84,13 +84,7 @@ def study_lobe(
 
 
 def study_lobes(part: LobePart, wishes: LobeWishes) -> list[LobeStudy]:
-    """Return all lobes of a camshaft.
-
-    Raises
-    ------
-    CamtoolsError
-        A wish is out of range, or a lobe is impossible.
-    """
+    """Return all lobes of a camshaft."""
     _check(wishes)
     rpm = part.process.spindle_rpm if wishes.rpm is None else wishes.rpm
     n = round(360 / wishes.step_deg)
@@ -102,7 +96,7 @@ def study_lobes(part: LobePart, wishes: LobeWishes) -> list[LobeStudy]:
 def lobe_table(study: LobeStudy) -> str:
     """Return one lobe as CSV: angles from the zero of its law, in the drawing's sense."""
     omega, touch, path = study.omega_rad_s, study.touch, study.path
-    columns = {
+    columns: dict[str, tuple[Floats, int]] = {
         "theta_deg": (study.theta_deg, 6),
         "lift_mm": (touch.lift, 9),
         "contact_radius_mm": (touch.radius, 9),
@@ -128,11 +122,7 @@ def lobe_table(study: LobeStudy) -> str:
             "ds_dphi_mm_rad": (path.ds_dphi, 6),
             "n_c_rpm": (study.n_c_rpm, 6),
         }
-    return table(columns)
-
-
-def _finite(value: float) -> float | None:
-    return value if isfinite(value) else None
+    return csv_text(columns)
 
 
 def lobe_figures(part: LobePart, studies: list[LobeStudy]) -> dict[str, Any]:
@@ -147,7 +137,9 @@ def lobe_figures(part: LobePart, studies: list[LobeStudy]) -> dict[str, Any]:
             "phase_deg": float(np.degrees(study.lobe.phase_rad)),
             "largest_lift_mm": float(all_round.touch.lift.max()),
             "least_convex_radius_mm": shape.least_radius_mm,
-            "hollow_radius_mm": _finite(shape.hollow_radius_mm),
+            "hollow_radius_mm": shape.hollow_radius_mm
+            if isfinite(shape.hollow_radius_mm)
+            else None,
             "largest_pressure_angle_deg": shape.largest_swing_deg,
             "largest_speed_mm_s": float(np.abs(path.d1).max()) * omega,
             "largest_acceleration_mm_s2": float(np.abs(path.d2).max()) * omega**2,

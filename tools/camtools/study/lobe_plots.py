@@ -9,11 +9,11 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats
-from camtools.plots.style import drawing, new_figure, png_of
+from camtools.plots.panels import legend_below, pictures, stacked
+from camtools.plots.style import new_figure
 from camtools.study.lobe import LobeStudy
 
 _SHOWN_MM = 1000.0  # radii of curvature up to this one are drawn
@@ -23,32 +23,22 @@ Curves = dict[str, Floats]
 """What is drawn, by the name of its axis."""
 
 
-def _panels(title: str, names: list[str]) -> tuple[Figure, list[Axes]]:
-    figure = new_figure(9, 1 + 1.9 * len(names))
-    figure.suptitle(title)
-    panels: list[Axes] = list(figure.subplots(len(names), 1, sharex=True))
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
-    panels[-1].set_xticks(range(-180, 181, 30))
-    figure.align_ylabels(panels)
-    return figure, panels
-
-
 def _name(study: LobeStudy) -> str:
     return f"lobe {study.number}, {study.lobe.z_mm[0]:g} .. {study.lobe.z_mm[1]:g} mm"
 
 
 def _draw(title: str, below: str, curves: list[tuple[str, Floats, Curves]]) -> Figure:
-    figure, panels = _panels(title, list(curves[0][2]))
+    names = list(curves[0][2])
+    figure = new_figure(9, 1 + 1.9 * len(names))
+    figure.suptitle(title)
+    panels = stacked(figure, names)
     for name, degrees, values in curves:
         for axes, one in zip(panels, values.values(), strict=True):
             axes.plot(degrees, one, lw=1.3, label=name)
+    panels[-1].set_xticks(range(-180, 181, 30))
     panels[-1].set_xlabel(below)
-    handles, labels = panels[0].get_legend_handles_labels()
-    if len(curves) == 1:
-        return figure
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    if len(curves) > 1:
+        legend_below(figure, panels[0], 3)
     return figure
 
 
@@ -98,8 +88,9 @@ def draw_contact(name: str, studies: list[LobeStudy]) -> Figure:
 
 def draw_all(name: str, studies: list[LobeStudy]) -> dict[str, bytes]:
     """Return all pictures as PNG by topic."""
-    with drawing():
-        return {
-            "lobe_motion": png_of(draw_motion(name, studies)),
-            "lobe_contact": png_of(draw_contact(name, studies)),
+    return pictures(
+        {
+            "lobe_motion": lambda: draw_motion(name, studies),
+            "lobe_contact": lambda: draw_contact(name, studies),
         }
+    )

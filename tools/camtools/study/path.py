@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.csv_text import csv_text
 from camtools.base.quantities import Floats
 from camtools.cut.path import ToolPath, highest_rpm, highest_step_rpm, ramp_of, step_of
 from camtools.part.common import MachineLimits
@@ -70,8 +71,6 @@ def make_study(
         Section distance and lead of the ring-helix, at most the height range.
     rpm : float
         Wanted speed; the ring-helix is turned more slowly where Z cannot follow [r/min].
-    nose_mm : float
-        Radius of the tool's nose.
     """
     ring_rpm = min(rpm, highest_rpm(feed_mm, limits) * (1 - 1e-9))
     ramp = ramp_of(feed_mm, ring_rpm, limits)
@@ -99,18 +98,22 @@ def csv(study: PathStudy, slope: float) -> str:
     slope : float
         Largest slope of the profile, |da/dz|: times a step it is the edge that the step leaves.
     """
-    head = (
-        "path,feed_mm,turns,rpm,time_s,z_ramp_turns,z_speed_mm_s,z_acceleration_mm_s2,"
-        "scallop_max_um,scallop_mean_um,step_turns,edge_um"
+    rows = (*study.rows, study.stepped)
+    paths = [one.path for one in rows]
+    edges = [slope * one.feed_mm * _UM_PER_MM if one.kind == "stepped" else 0.0 for one in paths]
+    return csv_text(
+        {
+            "path": ([f'"{one.name}"' for one in rows], ""),
+            "feed_mm": ([one.feed_mm for one in paths], 6),
+            "turns": ([one.turns for one in paths], 3),
+            "rpm": ([one.rpm for one in rows], 3),
+            "time_s": ([one.time_s for one in rows], 3),
+            "z_ramp_turns": ([one.ramp * (one.step or 1.0) for one in paths], 6),
+            "z_speed_mm_s": ([one.z_speed_mm_s for one in rows], 4),
+            "z_acceleration_mm_s2": ([one.z_acceleration_mm_s2 for one in rows], 2),
+            "scallop_max_um": ([one.scallop_um.max() for one in rows], 4),
+            "scallop_mean_um": ([one.scallop_um.mean() for one in rows], 4),
+            "step_turns": ([one.step for one in paths], 6),
+            "edge_um": (edges, 4),
+        }
     )
-    lines = []
-    for one in (*study.rows, study.stepped):
-        path, edge_um = one.path, slope * one.path.feed_mm * _UM_PER_MM
-        ramp = path.ramp * (path.step or 1.0)
-        lines.append(
-            f'"{one.name}",{path.feed_mm:.6f},{path.turns:.3f},{one.rpm:.3f},{one.time_s:.3f},'
-            f"{ramp:.6f},{one.z_speed_mm_s:.4f},{one.z_acceleration_mm_s2:.2f},"
-            f"{one.scallop_um.max():.4f},{one.scallop_um.mean():.4f},"
-            f"{path.step:.6f},{edge_um if path.kind == 'stepped' else 0:.4f}"
-        )
-    return "\n".join([head, *lines]) + "\n"

@@ -14,14 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from pyarrow import csv as csv_file
 
+from camtools.base.csv_text import csv_text
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
 from camtools.sim.camsim import Simulator, machine_text
 from camtools.sim.results import read_summary
-from camtools.skirt.generate import GeneratedSkirt, generate
-from camtools.skirt.part import SkirtPart
-from camtools.skirt.summary import make_summary
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.study.path import N_ANGLES, N_HEIGHTS, PathRow, PathStudy, make_study
 from camtools.table.summary import table_files
 
@@ -89,13 +90,7 @@ def _write_tables(generated: GeneratedSkirt, folder: Path) -> dict[str, Path]:
 
 
 def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
-    """Cut along one path.
-
-    Raises
-    ------
-    CamtoolsError
-        The cut did not come to its end; camsim has said why.
-    """
+    """Cut along one path."""
     low, high = float(study.z_mm[0]), float(study.z_mm[-1])
     words = [
         *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
@@ -120,10 +115,6 @@ def cut_paths(
 
     Parameters
     ----------
-    nose_mm : float
-        Radius of the tool's nose.
-    program : Path
-        camsim.
     folder : Path
         Empty; tables and results of the simulator go there.
 
@@ -154,19 +145,23 @@ def predicted_scallop_um(row: PathRow) -> Floats:
 
 def csv(cuts: Sequence[PathCut]) -> str:
     """Return both figures of every path as CSV."""
-    lines = [
-        "path,feed_mm,rpm,turns,turns_measured,time_s,time_measured_s,scallop_max_um,"
-        "scallop_max_measured_um,scallop_mean_um,scallop_mean_measured_um,form_error_um"
-    ]
-    for one in cuts:
-        row = one.row
-        numbers = (
-            *(row.path.feed_mm, row.rpm, row.path.turns, one.turns, row.time_s, one.time_s),
-            *(predicted_scallop_um(row).max(), one.scallop_um.max()),
-            *(row.scallop_um.mean(), one.mean_um, one.form_error_um),
-        )
-        lines.append(f'"{row.name}",' + ",".join(f"{number:.4f}" for number in numbers))
-    return "\n".join(lines) + "\n"
+    rows = [one.row for one in cuts]
+    return csv_text(
+        {
+            "path": ([f'"{one.name}"' for one in rows], ""),
+            "feed_mm": ([one.path.feed_mm for one in rows], 4),
+            "rpm": ([one.rpm for one in rows], 4),
+            "turns": ([one.path.turns for one in rows], 4),
+            "turns_measured": ([one.turns for one in cuts], 4),
+            "time_s": ([one.time_s for one in rows], 4),
+            "time_measured_s": ([one.time_s for one in cuts], 4),
+            "scallop_max_um": ([predicted_scallop_um(one).max() for one in rows], 4),
+            "scallop_max_measured_um": ([one.scallop_um.max() for one in cuts], 4),
+            "scallop_mean_um": ([one.scallop_um.mean() for one in rows], 4),
+            "scallop_mean_measured_um": ([one.mean_um for one in cuts], 4),
+            "form_error_um": ([one.form_error_um for one in cuts], 4),
+        }
+    )
 
 
 def text(cuts: Sequence[PathCut]) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import Floats
 from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, drawing, new_figure, png_of
 from camtools.study.path import PathStudy
 from camtools.study.path_cut import PathCut, predicted_scallop_um
@@ -21,17 +20,14 @@ from camtools.study.path_plots import paint_map
 _COLOURS = (BLUE, ORANGE, GREY)
 
 
-def _around(values: Floats) -> Floats:
-    return np.append(values, values[:1])
-
-
 def _draw_heights(axes: Axes, cuts: Sequence[PathCut]) -> None:
     """Draw peak to valley over the angle: lines measured, dashes worked out."""
     for one, colour in zip(cuts, _COLOURS, strict=True):
         deg = np.linspace(0, 360, one.scallop_um.size + 1)
         name = f"{one.row.name}, {one.row.path.feed_mm:g} mm"
-        axes.plot(deg, _around(one.scallop_um), color=colour, label=name)
-        axes.plot(deg, _around(predicted_scallop_um(one.row)), color=colour, ls="--", lw=1)
+        axes.plot(deg, np.append(one.scallop_um, one.scallop_um[0]), color=colour, label=name)
+        predicted_um = predicted_scallop_um(one.row)
+        axes.plot(deg, np.append(predicted_um, predicted_um[0]), color=colour, ls="--", lw=1)
     angle_axis(axes)
     axes.set_ylim(bottom=0)
     axes.set_ylabel("peak to valley, µm")

@@ -15,7 +15,8 @@ from matplotlib.image import AxesImage
 
 from camtools.base.quantities import Floats
 from camtools.cut.path import ToolPath
-from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, drawing, new_figure, png_of
+from camtools.plots.panels import legend_below, pictures
+from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, new_figure
 from camtools.study.path import PathStudy
 
 _POINTS = 361
@@ -56,8 +57,7 @@ def draw_unrolled(name: str, study: PathStudy) -> Figure:
     as_printed = straight.height_mm(first + _DEG / 360)
     panels[0].plot(_DEG, as_printed, color=GREY, ls="--", lw=1, label="as printed, without ramps")
     panels[0].set_ylabel("skirt height, mm")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    legend_below(figure, panels[0], 3)
     return figure
 
 
@@ -95,8 +95,9 @@ def draw_scallop(name: str, study: PathStudy) -> Figure:
 
 def draw_all(name: str, study: PathStudy) -> dict[str, bytes]:
     """Return all pictures by topic."""
-    with drawing():
-        return {
-            "path_unrolled": png_of(draw_unrolled(name, study)),
-            "path_scallop": png_of(draw_scallop(name, study)),
+    return pictures(
+        {
+            "path_unrolled": lambda: draw_unrolled(name, study),
+            "path_scallop": lambda: draw_scallop(name, study),
         }
+    )

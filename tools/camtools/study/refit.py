@@ -9,15 +9,15 @@ what does not, and why: MATHS.md (14) .. (17).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from textwrap import fill
 from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.composite import Joint
-from camtools.skirt.corner import Corner
-from camtools.skirt.refit import Recipe, RefitCandidate, judge, judge_all
+from camtools.base.csv_text import csv_text
+from camtools.skirt.geometry.composite import Joint
+from camtools.skirt.geometry.corner import Corner
+from camtools.skirt.geometry.refit import Recipe, RefitCandidate, judge, judge_all
 
 # The paper's Table 1, largest jerk, rows s2 = 0 .. 3, columns s1 = 0 .. 3.
 PAPER_JERK_MM_S3 = (
@@ -85,56 +85,44 @@ def study(corner: Corner, height_mm: float, spindle_rpm: float) -> Study:
     return Study(joint, height_mm, spindle_rpm, is_papers, variants, *found)
 
 
-def _row(cells: Sequence[object]) -> str:
-    return ",".join("" if cell is None else f"{cell}" for cell in cells) + "\n"
-
-
 def comparison_csv(found: Study) -> str:
     """Return the three splines of the paper and the production variant as CSV."""
-    text = (
-        "variant,peak_acceleration_mm_s2,peak_deg,undershoot_mm_s2,largest_jerk_mm_s3,"
-        "deviation_um,paper_peak_acceleration_mm_s2,ratio_to_paper\n"
+    printed = [one.paper_mm_s2 for one in found.variants]
+    ours = [one.found for one in found.variants]
+    ratios = [a.acceleration_mm_s2 / b if b else None for a, b in zip(ours, printed, strict=True)]
+    return csv_text(
+        {
+            "variant": ([f'"{one.name}"' for one in found.variants], ""),
+            "peak_acceleration_mm_s2": ([one.acceleration_mm_s2 for one in ours], ".1f"),
+            "peak_deg": ([one.peak_deg for one in ours], ".2f"),
+            "undershoot_mm_s2": ([one.undershoot_mm_s2 for one in ours], ".1f"),
+            "largest_jerk_mm_s3": ([one.jerk_mm_s3 for one in ours], ".4e"),
+            "deviation_um": ([one.deviation_um for one in ours], ".2f"),
+            "paper_peak_acceleration_mm_s2": (printed, ".3g"),
+            "ratio_to_paper": (ratios, ".3f"),
+        }
     )
-    for one in found.variants:
-        is_told = one.paper_mm_s2 is not None
-        ratio = f"{one.found.acceleration_mm_s2 / one.paper_mm_s2:.3f}" if one.paper_mm_s2 else None
-        text += _row(
-            [
-                f'"{one.name}"',
-                f"{one.found.acceleration_mm_s2:.1f}",
-                f"{one.found.peak_deg:.2f}",
-                f"{one.found.undershoot_mm_s2:.1f}",
-                f"{one.found.jerk_mm_s3:.4e}",
-                f"{one.found.deviation_um:.2f}",
-                f"{one.paper_mm_s2:.3g}" if is_told else None,
-                ratio,
-            ]
-        )
-    return text
 
 
 def candidates_csv(found: Study) -> str:
     """Return all 16 deletions, both constructions, beside the paper's Table 1."""
-    text = (
-        "s1,s2,paper_construction_peak_mm_s2,peak_deg,jerk_behind_corner_mm_s3,deviation_um,"
-        "paper_jerk_mm_s3,ratio_to_paper,mirror_peak_mm_s2,mirror_deviation_um\n"
+    ours, mirrored = found.as_paper, found.mirror
+    printed = [one if found.is_papers else None for one in PAPER_JERK_MM_S3]
+    ratios = [a.tail_jerk_mm_s3 / b if b else None for a, b in zip(ours, printed, strict=True)]
+    return csv_text(
+        {
+            "s1": ([one.s1 for one in ours], "d"),
+            "s2": ([one.s2 for one in ours], "d"),
+            "paper_construction_peak_mm_s2": ([one.acceleration_mm_s2 for one in ours], ".0f"),
+            "peak_deg": ([one.peak_deg for one in ours], ".2f"),
+            "jerk_behind_corner_mm_s3": ([one.tail_jerk_mm_s3 for one in ours], ".3e"),
+            "deviation_um": ([one.deviation_um for one in ours], ".2f"),
+            "paper_jerk_mm_s3": (printed, ".3g"),
+            "ratio_to_paper": (ratios, ".2f"),
+            "mirror_peak_mm_s2": ([one.acceleration_mm_s2 for one in mirrored], ".0f"),
+            "mirror_deviation_um": ([one.deviation_um for one in mirrored], ".2f"),
+        }
     )
-    for one, mirrored, printed in zip(found.as_paper, found.mirror, PAPER_JERK_MM_S3, strict=True):
-        text += _row(
-            [
-                one.s1,
-                one.s2,
-                f"{one.acceleration_mm_s2:.0f}",
-                f"{one.peak_deg:.2f}",
-                f"{one.tail_jerk_mm_s3:.3e}",
-                f"{one.deviation_um:.2f}",
-                f"{printed:.3g}" if found.is_papers else None,
-                f"{one.tail_jerk_mm_s3 / printed:.2f}" if found.is_papers else None,
-                f"{mirrored.acceleration_mm_s2:.0f}",
-                f"{mirrored.deviation_um:.2f}",
-            ]
-        )
-    return text
 
 
 def notes(found: Study) -> str:

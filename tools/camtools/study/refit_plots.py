@@ -10,22 +10,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.quantities import omega_rad_s
-from camtools.plots.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    RED,
-    drawing,
-    new_figure,
-    png_of,
-)
-from camtools.skirt.refit import PAPER_JERK_LIMIT_MM_S3, ellipse_steps, refit
+from camtools.plots.panels import pictures, stacked
+from camtools.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, new_figure
+from camtools.skirt.geometry.refit import PAPER_JERK_LIMIT_MM_S3, ellipse_steps, refit
 from camtools.study.refit import PAPER_JERK_MM_S3, Study
 
 _COLOURS = (BLUE, ORANGE, RED, PURPLE)
@@ -40,7 +30,8 @@ def draw_motion(found: Study) -> Figure:
     deg = joint_deg + np.linspace(-_ROOM_DEG, _ROOM_DEG, _N_ANGLES)
     phi = np.radians(deg)
     figure = new_figure(9, 11)
-    panels: list[Axes] = list(figure.subplots(4, 1, sharex=True))
+    names = ["deeper than\nthe drawing, µm", "U velocity, mm/s", "U acceleration, m/s²"]
+    panels = stacked(figure, [*names, "U jerk, km/s³"])
     drawn = joint.reduction(phi)
     panels[1].plot(deg, drawn.d1 * omega, color=GREEN, ls="--", lw=1.2, label="drawing")
     for one, colour in zip(found.variants, _COLOURS, strict=True):
@@ -50,24 +41,20 @@ def draw_motion(found: Study) -> Figure:
         panels[1].plot(deg, curve(phi, 1) * omega, **style)
         panels[2].plot(deg, curve(phi, 2) * omega**2 / _MM_PER_M, **style)
         panels[3].plot(deg, curve(phi, 3) * omega**3 / _MM_PER_KM, **style)
-    names = ["deeper than\nthe drawing, µm", "U velocity, mm/s", "U acceleration, m/s²"]
-    names.append("U jerk, km/s³")
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
+    for axes in panels:
         axes.axvline(joint_deg, color=GREY, lw=1, ls=":")
     panels[0].set_title(f"height {found.height_mm:g} mm, {found.spindle_rpm:g} r/min")
     panels[1].legend(frameon=False, fontsize=9)
     panels[-1].set_xlabel("angle from the long axis, degrees; dotted: the joint")
     panels[-1].set_xlim(deg[0], deg[-1])
-    figure.align_ylabels(panels)
     return figure
 
 
 def draw_deletions(found: Study) -> Figure:
     """Return jerk behind the corner, peak acceleration and deviation of all 16 deletions."""
     figure = new_figure(10, 8.4)
-    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    names = ("largest jerk behind\nthe corner, mm/s³", "peak acceleration,\nm/s²", "deviation, µm")
+    panels = stacked(figure, names)
     x = np.arange(len(found.as_paper))
     jerks = [one.tail_jerk_mm_s3 for one in found.as_paper]
     panels[0].bar(x - 0.2, jerks, color=BLUE, width=0.38, label="ours")
@@ -85,20 +72,18 @@ def draw_deletions(found: Study) -> Figure:
         off = [one.deviation_um for one in found_here]
         panels[2].bar(x + shift, off, color=colour, width=0.38)
     panels[1].legend(frameon=False)
-    names = ("largest jerk behind\nthe corner, mm/s³", "peak acceleration,\nm/s²", "deviation, µm")
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3, axis="y")
+    for axes in panels:
+        axes.grid(visible=False, axis="x")
     panels[-1].set_xticks(x, [f"{one.s1}, {one.s2}" for one in found.as_paper])
     panels[-1].set_xlabel("points left out on the ellipse's side, on the circle's side")
-    figure.align_ylabels(panels)
     return figure
 
 
 def draw_all(found: Study) -> dict[str, bytes]:
     """Return all pictures as PNG by topic."""
-    with drawing():
-        return {
-            "refit_motion": png_of(draw_motion(found)),
-            "refit_deletions": png_of(draw_deletions(found)),
+    return pictures(
+        {
+            "refit_motion": lambda: draw_motion(found),
+            "refit_deletions": lambda: draw_deletions(found),
         }
+    )

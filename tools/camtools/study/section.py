@@ -1,6 +1,6 @@
 """What is worked out about one section of a part: the numbers behind tables and pictures.
 
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> study = make_analysis(example_part(), AnalysisWishes())
 >>> study.height_mm, study.steps.area_mm2.size
 (20.0, 31)
@@ -31,9 +31,9 @@ from camtools.cut.removal import (
     speed_peaks,
     steps_of,
 )
-from camtools.skirt.blank import section_cut
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.geometry.blank import section_cut
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
 
 N_HARMONICS = 12
 MAX_PARTS, MAX_TURNS = 1000, 100
@@ -141,6 +141,9 @@ def make_analysis(part: SkirtPart, wishes: AnalysisWishes) -> Analysis:
     rpm = part.process.spindle_rpm if wishes.rpm is None else wishes.rpm
     feed, steps = part.process.feed_mm, steps_of(cut, np.radians(wishes.step_deg))
     volume, cycle_s = wishes.slice_volume_mm3, wishes.cycle_us * 1e-6
+    samples = 4096
+    u_mm = cut.delta(TURN_RAD * np.arange(samples) / samples).delta
+    waves = np.real(np.fft.rfft(u_mm)[: N_HARMONICS + 1]) / samples
     return Analysis(
         name=part.part.name,
         part=part,
@@ -159,12 +162,7 @@ def make_analysis(part: SkirtPart, wishes: AnalysisWishes) -> Analysis:
         peaks=speed_peaks(cut),
         rates=rates_of(cut, steps, feed, rpm, wishes.kc_n_mm2),
         waves_mm=harmonics_mm(cut, N_HARMONICS),
-        uniform_waves_mm=_uniform_waves(cut),
+        uniform_waves_mm=np.asarray(
+            waves * np.where(np.arange(N_HARMONICS + 1) > 0, 2, 1), dtype=np.float64
+        ),
     )
-
-
-def _uniform_waves(cut: SectionCut) -> Floats:
-    samples = 4096
-    u_mm = cut.delta(TURN_RAD * np.arange(samples) / samples).delta
-    waves = np.real(np.fft.rfft(u_mm)[: N_HARMONICS + 1]) / samples
-    return np.asarray(waves * np.where(np.arange(N_HARMONICS + 1) > 0, 2, 1), dtype=np.float64)

@@ -1,12 +1,14 @@
 """Pictures of the analysis of one section.
 
 >>> from camtools.study.section import AnalysisWishes, make_analysis
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> sorted(draw_all(make_analysis(example_part(), AnalysisWishes())))[:2]
 ['area', 'forces']
 """
 
 from __future__ import annotations
+
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,30 +16,19 @@ from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats
 from camtools.cut.removal import TURN_RAD, motion_at
-from camtools.plots.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    PALE,
-    RED,
-    angle_axis,
-    drawing,
-    new_figure,
-    png_of,
-)
+from camtools.plots.panels import legend_below, pictures, stacked
+from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, angle_axis, new_figure
 from camtools.study.section import Analysis
 
 _TURN_DEG = np.linspace(0, 360, 1441)
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 
 
-def _panels(n: int, height_in: float, title: str) -> tuple[Figure, list[Axes]]:
-    figure = new_figure(9, height_in)
-    figure.suptitle(title)
-    panels = figure.subplots(n, 1, sharex=True)
-    for axes in panels:
-        axes.grid(alpha=0.3)
-    return figure, list(panels)
+def _panels(study: Analysis, title: str, *names: str) -> tuple[Figure, list[Axes]]:
+    """Return panels below each other under what is drawn of the section."""
+    figure = new_figure(9, 8)
+    figure.suptitle(_title(study, title))
+    return figure, stacked(figure, names)
 
 
 def _title(study: Analysis, what: str) -> str:
@@ -46,16 +37,14 @@ def _title(study: Analysis, what: str) -> str:
 
 def draw_area(study: Analysis) -> Figure:
     """Return depth, change of depth and area in equal steps of angle."""
-    figure, panels = _panels(3, 8, _title(study, "what is cut in equal steps of angle"))
+    names = ("depth of cut, µm", "change of depth\nper step, µm", "area per step, mm²")
+    figure, panels = _panels(study, "what is cut in equal steps of angle", *names)
     steps, deg = study.steps, np.degrees(study.steps.phi_rad)
     width = 0.8 * (deg[1] - deg[0])
     panels[0].plot(deg, steps.depth_mm * _UM_PER_MM, color=BLUE, marker="o", ms=3)
     middle = (deg[1:] + deg[:-1]) / 2
     panels[1].bar(middle, steps.change_mm[1:] * _UM_PER_MM, width=width, color=ORANGE)
     panels[2].bar(middle, steps.area_mm2[1:], width=width, color=BLUE)
-    names = ("depth of cut, µm", "change of depth\nper step, µm", "area per step, mm²")
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
     panels[-1].set_xlabel("angle from the long axis, degrees")
     return figure
 
@@ -107,24 +96,17 @@ def _section(axes: Axes, study: Analysis) -> None:
 def draw_speed(study: Analysis) -> Figure:
     """Return speed, acceleration and removal rate over a turn, uniform and equal-volume."""
     title = f"spindle at constant removal rate, mean {study.rpm:g} r/min"
-    figure, panels = _panels(3, 8, _title(study, title))
+    names = ("spindle speed, r/min", "acceleration, rad/s²", "removal rate, mm³/s")
+    figure, panels = _panels(study, title, *names)
     phi, omega = np.radians(_TURN_DEG), TURN_RAD * study.rpm / 60
     ratio, product, _, _ = motion_at(study.cut, phi)
     rate = study.feed_mm * study.cut.area_rate_mm2(phi) * omega
     _both(panels[0], np.full(phi.size, study.rpm), ratio * study.rpm)
     _both(panels[1], np.zeros(phi.size), product * omega**2)
     _both(panels[2], rate, rate * ratio)
-    names = ("spindle speed, r/min", "acceleration, rad/s²", "removal rate, mm³/s")
-    for axes, name in zip(panels, names, strict=True):
-        axes.set_ylabel(name)
-    _legend(figure, panels[0])
+    legend_below(figure, panels[0], 2)
     angle_axis(panels[-1])
     return figure
-
-
-def _legend(figure: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
 
 
 def _both(axes: Axes, uniform: Floats, even: Floats) -> None:
@@ -135,7 +117,8 @@ def _both(axes: Axes, uniform: Floats, even: Floats) -> None:
 def draw_motion(study: Analysis) -> Figure:
     """Return U, its speed and acceleration over time, uniform and equal-volume."""
     title = f"U over one turn in time, mean {study.rpm:g} r/min"
-    figure, panels = _panels(3, 8, _title(study, title))
+    names = ("U, µm", "speed of U, mm/s", "acceleration of U, m/s²")
+    figure, panels = _panels(study, title, *names)
     phi, omega = np.radians(_TURN_DEG), TURN_RAD * study.rpm / 60
     u = study.cut.delta(phi)
     ratio, _, speed, motion = motion_at(study.cut, phi)
@@ -147,12 +130,10 @@ def draw_motion(study: Analysis) -> Figure:
         (u.d1 * omega, speed * omega),
         (u.d2 * omega**2 / _MM_PER_M, motion * omega**2 / _MM_PER_M),
     )
-    names = ("U, µm", "speed of U, mm/s", "acceleration of U, m/s²")
-    for axes, (uniform, even), name in zip(panels, curves, names, strict=True):
+    for axes, (uniform, even) in zip(panels, curves, strict=True):
         axes.plot(uniform_ms, uniform, color=GREY, ls="--", label="uniform")
         axes.plot(even_ms, even, color=BLUE, label="equal volume")
-        axes.set_ylabel(name)
-    _legend(figure, panels[0])
+    legend_below(figure, panels[0], 2)
     panels[-1].set_xlabel("time from the long axis, ms")
     return figure
 
@@ -160,7 +141,7 @@ def draw_motion(study: Analysis) -> Figure:
 def draw_forces(study: Analysis) -> Figure:
     """Return the force over a turn in both models, and the power."""
     title = f"forces, kc = {study.kc_n_mm2:g} N/mm²"
-    figure, panels = _panels(3, 8, _title(study, title))
+    figure, panels = _panels(study, title, "force, N", "force, N", "power, W")
     phi, omega = np.radians(_TURN_DEG), TURN_RAD * study.rpm / 60
     ratio = study.cut.speed_ratio(phi)
     area = study.cut.area_rate_mm2(phi)
@@ -176,9 +157,8 @@ def draw_forces(study: Analysis) -> Figure:
     panels[0].set_title("the papers' model: proportional to the area cut in one slice of time")
     panels[1].set_title("physical model: section of the chip, whatever the speed")
     panels[1].legend(frameon=False, loc="lower right")
-    _legend(figure, panels[0])
-    for axes, name in zip(panels, ("force, N", "force, N", "power, W"), strict=True):
-        axes.set_ylabel(name)
+    legend_below(figure, panels[0], 2)
+    for axes in panels:
         axes.set_ylim(bottom=0)
     angle_axis(panels[-1])
     return figure
@@ -212,5 +192,4 @@ def draw_all(study: Analysis) -> dict[str, bytes]:
         "forces": draw_forces,
         "harmonics": draw_harmonics,
     }
-    with drawing():
-        return {topic: png_of(draw(study)) for topic, draw in drawers.items()}
+    return pictures({topic: partial(draw, study) for topic, draw in drawers.items()})

@@ -1,35 +1,23 @@
-r"""Tables of the analysis of one section, as CSV text.
+"""Tables of the analysis of one section, as CSV text.
 
->>> table({"a_mm": (np.array([0.5]), 3), "b": (np.array([2.0]), 0)})
-'a_mm,b\n0.500,2\n'
+>>> from camtools.skirt.part.part_file import example_part
+>>> from camtools.study.section import AnalysisWishes, make_analysis
+>>> depth_and_area(make_analysis(example_part(), AnalysisWishes())).splitlines()[1]
+'0.000000,0.100000000,0.000000000,0.000000000'
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
+from camtools.base.csv_text import csv_text
 from camtools.base.quantities import Floats
 from camtools.cut.removal import TURN_RAD, equal_volume_angles, mean_rpm_for, motion_at
-from camtools.skirt.blank import axes_at
+from camtools.skirt.geometry.blank import axes_at
 from camtools.study.section import Analysis
 
 _MEAN_RPM = (300.0, 800.0, 1500.0, 2500.0)
 _ALPHA_RAD_S2 = (100.0, 500.0, 1000.0, 5000.0)
-
-Columns = Mapping[str, tuple[Floats, int]]
-"""Values and decimals by the name of the column."""
-
-
-def table(columns: Columns) -> str:
-    """Return columns of equal length as CSV with fixed decimals; no minus zero."""
-    rows = [",".join(columns)]
-    decimals = [n for _, n in columns.values()]
-    for row in zip(*(values for values, _ in columns.values()), strict=True):
-        cells = [f"{float(one):z.{n}f}" for one, n in zip(row, decimals, strict=True)]
-        rows.append(",".join(cells))
-    return "\n".join(rows) + "\n"
 
 
 def _count(n: int) -> Floats:
@@ -39,7 +27,7 @@ def _count(n: int) -> Floats:
 def depth_and_area(study: Analysis) -> str:
     """Return Table 1: depth, its change and area in equal steps of angle."""
     steps = study.steps
-    return table(
+    return csv_text(
         {
             "angle_deg": (np.degrees(steps.phi_rad), 6),
             "depth_mm": (steps.depth_mm, 9),
@@ -52,7 +40,7 @@ def depth_and_area(study: Analysis) -> str:
 def equal_parts(study: Analysis) -> str:
     """Return Table 4: the parts of equal area."""
     parts = study.parts
-    return table(
+    return csv_text(
         {
             "part": (_count(parts.phi_rad.size), 0),
             "angle_deg": (np.degrees(parts.phi_rad), 6),
@@ -78,7 +66,7 @@ def axes_equal_volume(study: Analysis) -> str:
 def _axes(study: Analysis, angles: Floats) -> str:
     t_s = study.turns * 60 / study.rpm * np.arange(angles.size) / (angles.size - 1)
     axes = axes_at(study.geometry, study.height_mm, study.feed_mm, angles, t_s)
-    return table(
+    return csv_text(
         {
             "t_s": (axes.t_s, 9),
             "c_deg": (np.degrees(axes.c_rad), 6),
@@ -95,7 +83,7 @@ def speed_law(study: Analysis) -> str:
     ratio, product, speed, motion = motion_at(study.cut, phi)
     omega = TURN_RAD * study.rpm / 60
     rate = study.feed_mm * study.cut.area_rate_mm2(phi) * omega
-    return table(
+    return csv_text(
         {
             "angle_deg": (np.degrees(phi), 1),
             "speed_ratio": (ratio, 9),
@@ -115,7 +103,7 @@ def forces(study: Analysis) -> str:
     n = parts.phi_rad.size
     angle = study.cut.pattern_rad * _count(n) / n
     area = np.diff(study.cut.area_mm2(np.append(0.0, angle)))
-    return table(
+    return csv_text(
         {
             "part": (_count(n), 0),
             "uniform_angle_deg": (np.degrees(angle), 6),
@@ -130,7 +118,7 @@ def forces(study: Analysis) -> str:
 
 def harmonics(study: Analysis) -> str:
     """Return the cosine amplitudes of U in uniform and equal-volume turning."""
-    return table(
+    return csv_text(
         {
             "per_turn": (np.arange(study.waves_mm.size, dtype=np.float64), 0),
             "uniform_mm": (study.uniform_waves_mm, 6),
@@ -143,7 +131,7 @@ def mean_speeds(study: Analysis) -> str:
     """Return what constant removal needs at several mean speeds."""
     rpm, peaks = np.array([*_MEAN_RPM, study.rpm]), study.peaks
     omega, n = TURN_RAD * rpm / 60, study.parts.phi_rad.size
-    return table(
+    return csv_text(
         {
             "mean_rpm": (rpm, 2),
             "largest_rpm": (rpm * peaks.ratio_max, 2),
@@ -161,7 +149,7 @@ def mean_speed_limits(study: Analysis) -> str:
     """Return the highest mean speed for several spindle accelerations."""
     alpha = np.array([*_ALPHA_RAD_S2, study.alpha_rad_s2])
     rpm = np.array([mean_rpm_for(study.peaks, float(one)) for one in alpha])
-    return table(
+    return csv_text(
         {
             "spindle_acceleration_rad_s2": (alpha, 1),
             "highest_mean_rpm": (rpm, 3),

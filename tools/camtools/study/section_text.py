@@ -1,7 +1,7 @@
 """What the analysis of a section comes to, as JSON values and in words.
 
 >>> from camtools.study.section import AnalysisWishes, make_analysis
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.part.part_file import example_part
 >>> parts = figures(make_analysis(example_part(), AnalysisWishes()))["parts"]
 >>> parts["largest_depth_change_in_part"]
 9

@@ -164,10 +164,7 @@ def check_way(way: Channel, demand: Demand, *, has_stations: bool) -> None:
     plain = ((way.z_last_nm - way.z_first_nm) << way.frac_bits) / (way.n_slices - 1)
     least = plain + float(np.min([*inner, middle]))
     most_slow = LEAST_STANDING if has_stations else LEAST_FEED
-    demand(
-        least >= most_slow * plain,
-        "way: Z turns back or nearly stands",
-    )
+    demand(least >= most_slow * plain, "way: Z turns back or nearly stands")
 
 
 def check_knots(channel: Channel, demand: Demand) -> None:

@@ -36,8 +36,6 @@ def in_sense(channel: Channel, direction: int) -> Channel:
 
     Parameters
     ----------
-    channel : Channel
-        Of any kind.
     direction : int
         `process.direction`: 1 (M3) changes nothing, -1 (M4) mirrors.
     """

@@ -18,12 +18,7 @@ KIND_PASSES = 8
 MAX_PASSES = 16
 MAX_ALLOWANCE_NM = 10_000_000
 _RECORD = np.dtype(
-    [
-        ("allowance_nm", "<i4"),
-        ("feed_nm", "<u4"),
-        ("spindle_mrpm", "<u4"),
-        ("reserved", "<u4"),
-    ]
+    [("allowance_nm", "<i4"), ("feed_nm", "<u4"), ("spindle_mrpm", "<u4"), ("reserved", "<u4")]
 )
 
 

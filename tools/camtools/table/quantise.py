@@ -43,13 +43,6 @@ def _integers(
     return Channel(kind, knots, log2_repeat, frac_bits, *range_nm, value_offset, 0, 0, 0, 0)
 
 
-def _start_bits(kind: int, exact: Floats) -> int:
-    """Return frac_bits from the size of the numbers, at most one too many."""
-    coarse = _integers(kind, exact / 2**16, 0, (0, 1), 8)
-    size = max(1, _largest_sum(coarse)) * 2.0**8
-    return min(MAX_FRAC_BITS, floor(log2(SUM_LIMIT / size)) + 1)
-
-
 def _largest_sum(channel: Channel) -> int:
     """Return the largest sum of both senses: a table must not depend on M3 or M4."""
     senses = (in_sense(channel, direction) for direction in (1, -1))
@@ -61,12 +54,8 @@ def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, in
 
     Parameters
     ----------
-    kind : int
-        Of the channel.
     exact : ndarray, shape (n_slices, n_knots, 3)
         Triples (value, h value', h^2 value'' / 2) in the unit of the channel.
-    log2_repeat : int
-        Of the channel.
     range_nm : (int, int)
         Height of the first and of the last slice.
 
@@ -75,7 +64,10 @@ def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, in
     TooLargeError
         Even whole nanometres are too fine.
     """
-    for frac_bits in range(_start_bits(kind, exact), -1, -1):
+    # Begin with frac_bits from the size of the numbers, at most one too many.
+    coarse = _integers(kind, exact / 2**16, 0, (0, 1), 8)
+    size = max(1, _largest_sum(coarse)) * 2.0**8
+    for frac_bits in range(min(MAX_FRAC_BITS, floor(log2(SUM_LIMIT / size)) + 1), -1, -1):
         try:
             channel = _integers(kind, exact, log2_repeat, range_nm, frac_bits)
         except TooLargeError:

@@ -27,12 +27,7 @@ from cryptography.hazmat.primitives.serialization import (
 
 from camtools.base.errors import CamtoolsError
 from camtools.table.channel import ImageError
-from camtools.table.image import (
-    SIGNATURE_MAGIC,
-    SIGNATURE_SIZE,
-    unpack,
-    without_signature,
-)
+from camtools.table.image import SIGNATURE_MAGIC, SIGNATURE_SIZE, unpack, without_signature
 
 VERSION, ID_SIZE, KEY_SIZE, SIGNED_SIZE = 1, 8, 32, 64
 _FIELDS = struct.Struct("<8sII8s40x")
@@ -63,13 +58,7 @@ def is_weak(public: bytes) -> bool:
 
 
 def image_of(data: bytes) -> bytes:
-    """Return the image of a table file, checked, without its signature.
-
-    Raises
-    ------
-    CamtoolsError
-        It is no table.
-    """
+    """Return the image of a table file, checked, without its signature."""
     try:
         unpack(data)
     except ImageError as error:
@@ -107,13 +96,7 @@ def verify(data: bytes, public_keys: list[bytes]) -> str:
 
 
 def make_private(file: Path) -> Ed25519PrivateKey:
-    """Make a private key and write it to a new file that only its owner can read.
-
-    Raises
-    ------
-    CamtoolsError
-        The file is there, or cannot be written.
-    """
+    """Make a private key and write it to a new file that only its owner can read."""
     key = Ed25519PrivateKey.generate()
     pem = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
     try:
@@ -154,13 +137,7 @@ def read_private(file: Path) -> Ed25519PrivateKey:
 
 
 def read_public(file: Path) -> bytes:
-    """Return the public key of a file that holds its 64 hexadecimal digits.
-
-    Raises
-    ------
-    CamtoolsError
-        It holds something else.
-    """
+    """Return the public key of a file that holds its 64 hexadecimal digits."""
     try:
         key = bytes.fromhex(file.read_text("ascii").strip())
     except OSError as error:

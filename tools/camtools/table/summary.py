@@ -1,7 +1,7 @@
 """What the summary of every table holds, and the files that every table has.
 
->>> from camtools.skirt.generate import generate
->>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.table.generate import generate
+>>> from camtools.skirt.part.part_file import example_part
 >>> about_image(generate(example_part()).table, 1.0)["table_bytes"]
 3456
 """
@@ -12,8 +12,8 @@ import numpy as np
 
 from camtools.base.json_text import Json, emit_json
 from camtools.base.quantities import NM_PER_MM
+from camtools.table.c_source import emit_header, emit_source
 from camtools.table.channel import OVER_HEIGHT, Channel
-from camtools.table.csource import emit_header, emit_source
 from camtools.table.evaluate import knot_interval
 from camtools.table.image import Table, crc32_of, pack
 

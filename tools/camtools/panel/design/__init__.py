@@ -1,1 +1,1 @@
-"""The design page without its page: preview in processes of its own, form, text, shelf of parts."""
+"""Behind the design page: preview in processes of its own, form, text, library of parts."""

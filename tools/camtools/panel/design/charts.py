@@ -88,8 +88,6 @@ def section(curves: Options, magnification: float | None) -> Options:
 
     Parameters
     ----------
-    curves : dict
-        As `compute.curves_of`.
     magnification : float or None
         None: as many times as shows them well.
     """

@@ -16,7 +16,7 @@ from tomlkit.exceptions import TOMLKitError
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.toml_text import toml_tree
-from camtools.panel.design.places import Path
+from camtools.panel.design.key_lines import Path
 
 Value = float | str | list[Any] | None
 
@@ -38,7 +38,8 @@ def edited(text: str, path: Path, value: Value) -> str:
     """
     before = _tree(text)
     wanted = _with(before, path, value)
-    if before == wanted and _is_same(before, wanted, path):
+    # Is it of the same type too? 1 and 1.0 and true are equal in Python.
+    if before == wanted and repr(_at(before, path)) == repr(_at(wanted, path)):
         return text
     try:
         document = tomlkit.parse(text)
@@ -51,11 +52,6 @@ def edited(text: str, path: Path, value: Value) -> str:
     if _tree(changed) != wanted:
         raise _by_hand(path)
     return changed
-
-
-def _is_same(before: dict[str, Any], wanted: dict[str, Any], path: Path) -> bool:
-    """Return whether a field is of the same type too: 1 and 1.0 and true are equal in Python."""
-    return repr(_at(before, path)) == repr(_at(wanted, path))
 
 
 def _at(tree: Any, path: Path) -> Any:  # noqa: ANN401 (values of TOML)

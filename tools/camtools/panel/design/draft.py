@@ -14,13 +14,7 @@ _MOST_STEPS = 200
 
 
 class Draft:
-    """A text with its history.
-
-    Parameters
-    ----------
-    text : str
-        To begin with.
-    """
+    """A text with its history."""
 
     def __init__(self, text: str) -> None:
         self.text = text

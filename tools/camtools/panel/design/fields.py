@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The form of a part file, made from the model of its kind: tables, fields, ranges, meanings.
 
->>> from camtools.skirt.part import SkirtPart
+>>> from camtools.skirt.part.part_file import SkirtPart
 >>> tables = form_of("piston", SkirtPart, {"process.spindle_rpm": 2500})
 >>> [process] = [one for one in tables if one.title == "process"]
 >>> rpm = process.fields[0]
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from camtools.panel.design.manual import meaning_of
+from camtools.panel.design.key_meanings import meaning_of
 from camtools.part.model import TomlTable
 
 Step = str | int
@@ -86,13 +86,7 @@ class FormField:
 
 @dataclass(frozen=True)
 class FormTable:
-    """One table of the file.
-
-    Attributes
-    ----------
-    is_there : bool
-        The text has it.
-    """
+    """One table of the file."""
 
     path: tuple[Step, ...]
     fields: tuple[FormField, ...]
@@ -230,10 +224,6 @@ def form_of(kind: str, model: type[TomlTable], values: dict[str, Any]) -> tuple[
 
     Parameters
     ----------
-    kind : str
-        Name of the kind.
-    model : type
-        Of its part files.
     values : dict
         By dotted names, see `values.values_of`.
     """

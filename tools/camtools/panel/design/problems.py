@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from camtools.panel.design.places import line_of, lines_of, path_of
+from camtools.panel.design.key_lines import line_of, lines_of, path_of
 
 _FIELD = re.compile(r"([a-z_][a-z0-9_]*(?:\.(?:[a-z_][a-z0-9_]*|\d+))+)\b")
 _AT_LINE = re.compile(r"at line (\d+)")
@@ -31,8 +31,6 @@ def problems_of(lines: list[str], text: str, file: str = "") -> list[Problem]:
 
     Parameters
     ----------
-    lines : list of str
-        As `CamtoolsError.lines`.
     file : str
         Name that the messages begin with; it is left out.
     """

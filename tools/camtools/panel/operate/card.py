@@ -15,8 +15,6 @@ def card(title: str, name: str, *, is_live: bool = False) -> Iterator[ui.element
 
     Parameters
     ----------
-    title : str
-        heading
     name : str
         of its place in the grid of operate.css, and of its mark
     is_live : bool

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
+from camtools.panel.dialogs import confirmed
 from camtools.panel.operate.card import card
-from camtools.panel.operate.orders import Orders, Press
-from camtools.panel.question import confirmed
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.operate.order_buttons import Orders, Press
+from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.views.availability import why_not
 
 _FEED_DETENTS = (0, 50, 80, 100, 120, 150)
@@ -21,13 +21,7 @@ _CHANGED = "table, state or commander have changed since the question; look, and
 
 
 class CommandCard:
-    """Buttons of the sequence; their orders are those of the keyboard, too.
-
-    Attributes
-    ----------
-    on_keys : callable
-        shows the keys
-    """
+    """Buttons of the sequence; their orders are those of the keyboard, too."""
 
     def __init__(self, orders: Orders) -> None:
         self._orders = orders
@@ -67,7 +61,7 @@ class CommandCard:
 
     async def start(self) -> None:
         """Cut a part, after a question; nothing starts unasked, however new the state is."""
-        newest = self._orders.context.desk.snapshot()
+        newest = self._orders.context.service.snapshot()
         why = self._orders.why_no_rights or why_not("start", newest.state, newest.signals)
         if why:
             self._orders.refuse("start", why)
@@ -76,7 +70,7 @@ class CommandCard:
         asked = self._what_starts(newest)
         if not await confirmed("Start the cut?", text, "Start"):
             return
-        if self._what_starts(self._orders.context.desk.snapshot()) != asked:
+        if self._what_starts(self._orders.context.service.snapshot()) != asked:
             self._orders.refuse("start", _CHANGED)
             return
         await self._orders.give("start")

@@ -13,10 +13,10 @@ from nicegui import ui
 
 from camtools.link import strobe
 from camtools.panel.operate.card import Figure, card
+from camtools.panel.views.axis_scale import Scale
 from camtools.panel.views.error_chart import POLAR, UNROLLED, change, whole
 from camtools.panel.views.error_trail import Ticks, Trail, mean_by_angle, recent, statistics
 from camtools.panel.views.numbers import plain
-from camtools.panel.views.scale import Scale
 
 _LEAST_UM, _LIMIT_UM, _MOST_UM = 0.02, 2.0, 1000.0
 _TAKEN_S = 5.0  # longest time for which a page is waited for that does not say it has an update

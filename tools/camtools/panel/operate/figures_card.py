@@ -6,7 +6,7 @@ from __future__ import annotations
 from nicegui import ui
 
 from camtools.panel.operate.card import Figure, card
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.views import numbers
 from camtools.panel.views.numbers import Field
 

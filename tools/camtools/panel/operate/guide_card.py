@@ -7,10 +7,10 @@ from nicegui import ui
 
 from camtools.link.faults import FAULTS
 from camtools.panel.operate.card import card
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.views.black_box import READ_IT, box_text
 from camtools.panel.views.missing import Way
-from camtools.panel.views.state_look import look
+from camtools.panel.views.state_style import look
 
 
 class GuideCard:

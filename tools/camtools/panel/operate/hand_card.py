@@ -2,7 +2,7 @@
 """Axes by hand: jog while a button is held, steps, homes, zero, tool.
 
 A held button is watched by jog.js in the browser, which tells begin, hold ten times a second, and
-end; the desk lets a press die that was silent, whatever comes late.
+end; the service lets a press die that was silent, whatever comes late.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from nicegui import ui
 from nicegui.events import GenericEventArguments
 
 from camtools.panel.operate.card import card
-from camtools.panel.operate.orders import Orders
-from camtools.panel.order import Order
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.operate.order_buttons import Orders
+from camtools.panel.orders.order import Order
+from camtools.panel.orders.snapshot import Snapshot
 
 _JOG = ("jog_begin", "jog_hold", "jog_end")
 _AXES = {"u": ("in", "out"), "x": ("out", "in"), "z": ("up", "down")}
@@ -92,7 +92,7 @@ class HandCard:
         press = {"press": told["press"]}
         sent = {"sent_ms": float(sent_ms)} if name != "jog_end" else {}
         if name != "jog_begin":
-            await self._orders.context.desk.do(Order(name, press | sent), self._orders.visitor)
+            await self._orders.context.service.do(Order(name, press | sent), self._orders.visitor)
             return
         if where[:1] not in _AXES or where[1:] not in ("+", "-"):
             return

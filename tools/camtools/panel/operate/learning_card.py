@@ -7,7 +7,7 @@ from nicegui import ui
 
 from camtools.link.convergence import Lessons
 from camtools.panel.operate.card import card
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.views.convergence_chart import options, points_of, words
 
 

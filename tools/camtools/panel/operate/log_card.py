@@ -8,8 +8,8 @@ from typing import Any
 
 from nicegui import ui
 
-from camtools.panel.command_log import CommandLog
 from camtools.panel.operate.card import card
+from camtools.panel.orders.command_log import CommandLog
 
 _SHOWN = 30
 

@@ -11,12 +11,12 @@ from nicegui.events import GenericEventArguments
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.rights_report import level_text
+from camtools.panel.dialogs import cancel_button, confirmed, titled_dialog
 from camtools.panel.operate.card import card
 from camtools.panel.operate.file_button import file_button
-from camtools.panel.operate.orders import Orders
-from camtools.panel.order import Outcome
-from camtools.panel.parameter_set import ParameterSet
-from camtools.panel.question import cancel_button, confirmed, titled_dialog
+from camtools.panel.operate.order_buttons import Orders
+from camtools.panel.orders.order import Outcome
+from camtools.panel.orders.parameter_set import ParameterSet
 from camtools.panel.views.parameter_rows import judged, rows
 
 _MOST_BYTES = 1 << 20

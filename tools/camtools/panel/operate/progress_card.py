@@ -9,7 +9,7 @@ from nicegui import ui
 
 from camtools.link.progress import cut_progress, tick_load
 from camtools.panel.operate.card import Figure, card
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.views import numbers
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from nicegui import ui
 
-from camtools.panel.operate.orders import Orders
-from camtools.panel.question import withdraw
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.dialogs import withdraw
+from camtools.panel.operate.order_buttons import Orders
+from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.views.availability import stop_order
 from camtools.panel.views.missing import Way
-from camtools.panel.views.state_look import look
+from camtools.panel.views.state_style import look
 
 
 class StateBar:

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from nicegui import ui
 
-from camtools.base.places import ROOT
+from camtools.base.project_paths import ROOT
 from camtools.panel.operate.card import card
 from camtools.panel.operate.file_button import file_button
-from camtools.panel.operate.orders import Orders
-from camtools.panel.order import Outcome
-from camtools.panel.snapshot import Snapshot
-from camtools.panel.views.work import share_of
+from camtools.panel.operate.order_buttons import Orders
+from camtools.panel.orders.order import Outcome
+from camtools.panel.orders.snapshot import Snapshot
+from camtools.panel.views.busy_text import share_of
 
 _PARTS = ROOT / "tools" / "parts"
 _MOST_BYTES = 16 << 20

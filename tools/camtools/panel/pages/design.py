@@ -15,20 +15,20 @@ from typing import Any
 from nicegui import background_tasks, events, ui
 
 from camtools.base.errors import CamtoolsError
+from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
 from camtools.panel.design.draft import Draft
 from camtools.panel.design.fields import FormField
-from camtools.panel.design.shelf import EXAMPLE, OWN
-from camtools.panel.frame import framed
+from camtools.panel.design.part_library import EXAMPLE, OWN
+from camtools.panel.design_service import DesignService, design_service_of
+from camtools.panel.dialogs import confirmed
 from camtools.panel.operate.file_button import file_button
+from camtools.panel.page_frame import framed
 from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
 from camtools.panel.pages.reports import add_reports
-from camtools.panel.question import confirmed
 from camtools.panel.runs.options import RunOptions
-from camtools.panel.visitor import Visitor
-from camtools.panel.workshop import Workshop, workshop_of
 
 STYLE = '<link rel="stylesheet" href="/panel/design.css">'
 _FIRST = "perkins240"
@@ -46,24 +46,16 @@ _REPLACED = "What is there now is gone then."
 
 
 class DesignPage:
-    """What one visitor works on.
+    """What one visitor works on."""
 
-    Parameters
-    ----------
-    workshop : Workshop
-        Of the panel.
-    visitor : Visitor
-        Of this page.
-    """
-
-    def __init__(self, workshop: Workshop, visitor: Visitor) -> None:
-        self._workshop, self._visitor = workshop, visitor
+    def __init__(self, designs: DesignService, visitor: Visitor) -> None:
+        self._designs, self._visitor = designs, visitor
         self._source = EXAMPLE
         self._draft = Draft("")
         self._height_mm: float | None = None
         self._changes = asyncio.Lock()
         self._is_showing = False
-        self._seat = workshop.engine.seat(self._take)
+        self._seat = designs.engine.seat(self._take)
         self._body = ui.column().classes("full-width")
         with self._body:
             self._fill()
@@ -78,7 +70,7 @@ class DesignPage:
             with ui.column().classes("design-right"):
                 self._preview = PreviewView(self._height_chosen)
         with ui.card().classes("full-width"):
-            self._cut = CutView(self._workshop, self._visitor, self._cut_this)
+            self._cut = CutView(self._designs, self._visitor, self._cut_this)
 
     def close(self) -> None:
         """Give the seat at the engine back."""
@@ -142,8 +134,8 @@ class DesignPage:
         note.bind_visibility_from(self._visitor, "has_token", backward=lambda has: not has)
 
     def _list_parts(self) -> None:
-        shelf, source = self._workshop.shelf, str(self._sources.value)
-        names = shelf.examples() if source == EXAMPLE else shelf.own()
+        library, source = self._designs.library, str(self._sources.value)
+        names = library.examples() if source == EXAMPLE else library.own()
         self._is_showing = True
         keeps = self._parts.value if self._parts.value in names else None
         self._parts.set_options(names, value=keeps)
@@ -154,9 +146,9 @@ class DesignPage:
             self._open(str(self._sources.value), str(self._parts.value))
 
     def _open(self, source: str, name: str) -> None:
-        """Show a part of the shelf."""
+        """Show a part of the library."""
         try:
-            text = self._workshop.shelf.read(source, name)
+            text = self._designs.library.read(source, name)
         except CamtoolsError as error:
             ui.notify(str(error), type="negative")
             return
@@ -179,7 +171,7 @@ class DesignPage:
         self._ask()
 
     def _ask(self) -> None:
-        folder = str(self._workshop.shelf.folder(self._source))
+        folder = str(self._designs.library.folder(self._source))
         self._seat.preview(self._draft.text, folder, self._height_mm)
 
     def _typed(self, event: events.ValueChangeEventArguments[str]) -> None:
@@ -189,7 +181,7 @@ class DesignPage:
         self._ask()
 
     def _refused(self, what: str) -> bool:
-        problem = self._workshop.may(self._visitor, what)
+        problem = self._designs.may(self._visitor, what)
         if problem:
             ui.notify(problem, type="negative")
         return bool(problem)
@@ -250,17 +242,17 @@ class DesignPage:
         """Save the text under a name; a part that is there is replaced when that is confirmed."""
         if self._refused("save"):
             return
-        shelf, name = self._workshop.shelf, str(self._name.value or "").strip()
+        library, name = self._designs.library, str(self._name.value or "").strip()
         try:
-            replaces = shelf.has(name)
+            replaces = library.has(name)
             if replaces and not await confirmed(f"Replace the part {name}?", _REPLACED, "Replace"):
                 return
             self._check_files()
-            shelf.save(name, self._draft.text, replaces=replaces)
+            library.save(name, self._draft.text, replaces=replaces)
         except CamtoolsError as error:
             ui.notify(str(error), type="negative")
             return
-        self._workshop.note(self._visitor, "save", {"name": name}, "saved")
+        self._designs.note(self._visitor, "save", {"name": name}, "saved")
         self._source = OWN
         self._is_showing = True
         self._sources.value = OWN
@@ -275,7 +267,7 @@ class DesignPage:
     def _check_files(self) -> None:
         """Bring the files along that an example names, so that the copy finds them too."""
         if self._source == EXAMPLE:
-            self._workshop.bring_files(self._draft.text)
+            self._designs.bring_files(self._draft.text)
 
     def _download(self) -> None:
         name = str(self._name.value or "part")
@@ -291,27 +283,27 @@ class DesignPage:
             await self._keep(data, file)
 
     async def _keep(self, data: bytes, file: str) -> None:
-        shelf = self._workshop.shelf
+        library = self._designs.library
         try:
             if file.endswith(".csv"):
-                is_there = (shelf.folder(OWN) / file).exists()
+                is_there = (library.folder(OWN) / file).exists()
                 if is_there and not await confirmed(
                     f"Replace the file {file[:60]}?", _REPLACED, "Replace"
                 ):
                     return
-                shelf.save_csv(file, data, replaces=is_there)
+                library.save_csv(file, data, replaces=is_there)
             else:
                 name = file.removesuffix(".toml")
-                is_there = shelf.has(name)
+                is_there = library.has(name)
                 if is_there and not await confirmed(
                     f"Replace the part {name}?", _REPLACED, "Replace"
                 ):
                     return
-                shelf.save(name, data.decode("utf-8"), replaces=is_there)
+                library.save(name, data.decode("utf-8"), replaces=is_there)
         except (CamtoolsError, UnicodeDecodeError) as error:
             ui.notify(str(error), type="negative")
             return
-        self._workshop.note(self._visitor, "upload", {"file": file}, "kept")
+        self._designs.note(self._visitor, "upload", {"file": file}, "kept")
         if not file.endswith(".csv"):
             self._sources.value = OWN
             self._list_parts()
@@ -321,17 +313,17 @@ class DesignPage:
             self._ask()
 
     async def _cut_this(self, options: RunOptions) -> str:
-        return await self._workshop.cut(self._draft.text, self._source, options)
+        return await self._designs.cut(self._draft.text, self._source, options)
 
 
 def add(context: AppContext) -> None:
     """Register the page."""
-    workshop = workshop_of(context)
-    add_reports(workshop)
+    designs = design_service_of(context)
+    add_reports(designs)
 
     @ui.page("/design", title="camturn: design")
     def design() -> None:
         with framed(context, "/design") as visitor:
             ui.add_head_html(STYLE)
-            page = DesignPage(workshop, visitor)
+            page = DesignPage(designs, visitor)
         ui.context.client.on_delete(page.close)

@@ -16,13 +16,13 @@ from collections.abc import Awaitable, Callable
 from nicegui import ui
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.words import duration_text
-from camtools.panel.design.shelf import checked_name
+from camtools.base.readable import duration_text
+from camtools.panel.access.visitor import Visitor
+from camtools.panel.design.part_library import checked_name
+from camtools.panel.design_service import DesignService
 from camtools.panel.operate.file_button import file_button
 from camtools.panel.runs.options import OF_THE_PART, RunOptions
 from camtools.panel.runs.store import DONE, OWN, RUNNING, WAITING, Run
-from camtools.panel.visitor import Visitor
-from camtools.panel.workshop import Workshop
 
 _SHOW_S = 0.25
 _MAX_MACHINE_BYTES = 100_000
@@ -46,21 +46,14 @@ class CutView:
 
     Parameters
     ----------
-    workshop : Workshop
-        Of the panel.
-    visitor : Visitor
-        Who asks.
     cut : callable
         Starts a run with options; returns its name, or raises CamtoolsError.
     """
 
     def __init__(
-        self,
-        workshop: Workshop,
-        visitor: Visitor,
-        cut: Callable[[RunOptions], Awaitable[str]],
+        self, designs: DesignService, visitor: Visitor, cut: Callable[[RunOptions], Awaitable[str]]
     ) -> None:
-        self._workshop, self._visitor, self._cut = workshop, visitor, cut
+        self._designs, self._visitor, self._cut = designs, visitor, cut
         self._mine = ""
         self._shown_report = ""
         with ui.row().classes("items-center q-gutter-sm"):
@@ -119,22 +112,22 @@ class CutView:
         upload.bind_visibility_from(self._visitor, "has_token")
 
     def _machines(self) -> dict[str, str]:
-        names = self._workshop.machine_names()
+        names = self._designs.machine_names()
         return {OF_THE_PART: "limits of the part"} | {name: name for name in names}
 
     def _take_machine(self, data: bytes, file: str) -> None:
         """Keep a machine file of one's own."""
-        if problem := self._workshop.may(self._visitor, "machine upload"):
+        if problem := self._designs.may(self._visitor, "machine upload"):
             ui.notify(problem, type="negative")
             return
         try:
             name = checked_name(file.removesuffix(".toml"))
-            self._workshop.keep_machine(name, data)
+            self._designs.keep_machine(name, data)
         except CamtoolsError as error:
             ui.notify(str(error), type="negative")
             return
         self._machine.set_options(self._machines(), value=name)
-        self._workshop.note(self._visitor, "machine upload", {"name": name}, "kept")
+        self._designs.note(self._visitor, "machine upload", {"name": name}, "kept")
 
     def _options(self) -> RunOptions:
         rpm, feed = self._rpm.value, self._feed.value
@@ -147,7 +140,7 @@ class CutView:
         )
 
     async def _start(self) -> None:
-        if problem := self._workshop.may(self._visitor, "cut"):
+        if problem := self._designs.may(self._visitor, "cut"):
             ui.notify(problem, type="negative")
             return
         try:
@@ -157,23 +150,23 @@ class CutView:
             for line in error.lines[:5]:
                 ui.notify(line, type="negative", timeout=10_000)
             return
-        self._workshop.note(self._visitor, "cut", options.told() | {"run": self._mine}, "queued")
+        self._designs.note(self._visitor, "cut", options.told() | {"run": self._mine}, "queued")
         self.show()
 
     def _stop_run(self) -> None:
-        if problem := self._workshop.may(self._visitor, "stop a run"):
+        if problem := self._designs.may(self._visitor, "stop a run"):
             ui.notify(problem, type="negative")
             return
-        queue = self._workshop.queue
+        queue = self._designs.queue
         running = queue.running.name if queue.running else ""
         name = self._mine if self._mine in (running, *queue.waiting) else running
         if name:
             queue.stop(name)
-            self._workshop.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
+            self._designs.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
 
     def show(self) -> None:
         """Bring progress and report up to date."""
-        queue = self._workshop.queue
+        queue = self._designs.queue
         self._stop.set_visibility(queue.running is not None)
         if queue.running is not None:
             self._show_progress()
@@ -182,10 +175,10 @@ class CutView:
         self._show_end()
 
     def _show_progress(self) -> None:
-        queue = self._workshop.queue
+        queue = self._designs.queue
         assert queue.running is not None
         progress, gone_s = queue.progress, time.time() - queue.begun_s
-        whole_s = self._workshop.last_took_s(queue.running)
+        whole_s = self._designs.last_took_s(queue.running)
         if progress.left_s is not None:
             whole_s = gone_s + progress.left_s
         share = progress.share
@@ -200,7 +193,7 @@ class CutView:
         if not self._mine or self._mine == self._shown_report:
             return
         try:
-            run = self._workshop.store.run(f"{OWN}/{self._mine}")
+            run = self._designs.store.run(f"{OWN}/{self._mine}")
         except CamtoolsError as error:
             self._state.text = str(error)
             self._shown_report = self._mine

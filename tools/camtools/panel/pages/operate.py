@@ -27,23 +27,23 @@ from __future__ import annotations
 from nicegui import ui
 from nicegui.events import GenericEventArguments, KeyEventArguments
 
+from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
-from camtools.panel.frame import STATIC, framed
 from camtools.panel.operate.command_card import AdjustCard, CommandCard
 from camtools.panel.operate.error_card import ErrorCard
 from camtools.panel.operate.figures_card import FiguresCard
 from camtools.panel.operate.guide_card import GuideCard
 from camtools.panel.operate.hand_card import HandCard
-from camtools.panel.operate.help import Help
+from camtools.panel.operate.keyboard_help import Help
 from camtools.panel.operate.learning_card import LearningCard
 from camtools.panel.operate.log_card import LogCard
-from camtools.panel.operate.orders import Orders
+from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.operate.params_card import ParamsCard
 from camtools.panel.operate.progress_card import ProgressCard
 from camtools.panel.operate.state_bar import StateBar
 from camtools.panel.operate.table_card import TableCard
+from camtools.panel.page_frame import STATIC, framed
 from camtools.panel.views.missing import way_on
-from camtools.panel.visitor import Visitor
 
 FAST_S, SLOW_S = 0.08, 0.5  # between two updates of numbers and charts, and of the rest
 UNSEEN_S = 2.0  # of a page whose tab is hidden
@@ -117,8 +117,8 @@ class OperatePage:
         self._error.forget()
 
     async def _show_fast(self) -> None:
-        snapshot = self._context.desk.snapshot()
-        read = self._context.desk.parameters()
+        snapshot = self._context.service.snapshot()
+        read = self._context.service.parameters()
         values = read.values if read is not None else {}
         way = way_on(snapshot.state, snapshot.signals, values, is_connected=snapshot.is_connected)
         self._state.show(snapshot, way)
@@ -128,18 +128,18 @@ class OperatePage:
             return
         self._figures.show(snapshot)
         self._progress.show(snapshot)
-        await self._error.show(self._context.desk.strobe())
+        await self._error.show(self._context.service.strobe())
 
     def _show_slow(self) -> None:
-        snapshot = self._context.desk.snapshot()
+        snapshot = self._context.service.snapshot()
         # A page that gets no beat turns grey by its style sheet (operate.css).
         self._beat = not self._beat
         lost = "" if snapshot.is_connected else " op-silent"
         self._page.classes(replace=f"op-page op-beat-{'a' if self._beat else 'b'}{lost}")
         for one in (self._adjust, self._hand, self._table):
             one.show(snapshot)
-        self._learning.show(snapshot, self._context.desk.lessons())
-        self._params.show(self._context.desk.parameters())
+        self._learning.show(snapshot, self._context.service.lessons())
+        self._params.show(self._context.service.parameters())
         self._params.show_level(snapshot.signals)
         self._log.show()
 

@@ -15,14 +15,14 @@ from typing import Any
 from nicegui import ui
 
 from camtools.base.errors import CamtoolsError
+from camtools.panel.access.visitor import Visitor
 from camtools.panel.context import AppContext
-from camtools.panel.frame import framed
+from camtools.panel.design_service import DesignService, design_service_of
+from camtools.panel.dialogs import confirmed
+from camtools.panel.page_frame import framed
 from camtools.panel.pages.design import STYLE
 from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
-from camtools.panel.question import confirmed
 from camtools.panel.runs.store import Run
-from camtools.panel.visitor import Visitor
-from camtools.panel.workshop import Workshop, workshop_of
 
 _BOX = '<q-checkbox dense v-model="props.selected" {name} />'
 _SHOW_S = 0.5
@@ -55,18 +55,10 @@ def row_of(run: Run) -> dict[str, Any]:
 
 
 class RunsPage:
-    """What one visitor looks at.
+    """What one visitor looks at."""
 
-    Parameters
-    ----------
-    workshop : Workshop
-        Of the panel.
-    visitor : Visitor
-        Of this page.
-    """
-
-    def __init__(self, workshop: Workshop, visitor: Visitor) -> None:
-        self._workshop, self._visitor = workshop, visitor
+    def __init__(self, designs: DesignService, visitor: Visitor) -> None:
+        self._designs, self._visitor = designs, visitor
         self._version: tuple[int, int] | None = None
         columns = [
             {"name": key, "field": key, "label": label, "sortable": True}
@@ -101,14 +93,14 @@ class RunsPage:
         self._show()
 
     def _show(self) -> None:
-        queue = self._workshop.queue
+        queue = self._designs.queue
         running = queue.running
         self._state.text = "" if running is None else f"{running.name}: {queue.progress.text}"
-        version = self._workshop.store.version()
+        version = self._designs.store.version()
         if version == self._version:
             return
         self._version = version
-        rows = [row_of(run) for run in self._workshop.store.runs()]
+        rows = [row_of(run) for run in self._designs.store.runs()]
         keys = {row["key"] for row in rows}
         self._table.rows = rows
         self._table.selected = [row for row in self._table.selected if row["key"] in keys]
@@ -120,7 +112,7 @@ class RunsPage:
     async def _compare(self) -> None:
         """Show the runs that are picked beside each other, the oldest first."""
         try:
-            runs = [self._workshop.store.run(key) for key in self._picked()]
+            runs = [self._designs.store.run(key) for key in self._picked()]
         except CamtoolsError as error:
             ui.notify(str(error), type="negative")
             return
@@ -138,19 +130,19 @@ class RunsPage:
             view.show()
 
     def _stop(self) -> None:
-        if problem := self._workshop.may(self._visitor, "stop a run"):
+        if problem := self._designs.may(self._visitor, "stop a run"):
             ui.notify(problem, type="negative")
             return
-        queue = self._workshop.queue
+        queue = self._designs.queue
         running = [] if queue.running is None else [queue.running.name]
         picked = [key.removeprefix("own/") for key in self._picked()]
         names = [name for name in picked if name in (*running, *queue.waiting)] or running
         for name in names:
             queue.stop(name)
-            self._workshop.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
+            self._designs.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
 
     async def _remove(self) -> None:
-        if problem := self._workshop.may(self._visitor, "remove runs"):
+        if problem := self._designs.may(self._visitor, "remove runs"):
             ui.notify(problem, type="negative")
             return
         keys = self._picked()
@@ -162,8 +154,8 @@ class RunsPage:
             return
         for key in keys:
             try:
-                self._workshop.store.remove(key)
-                self._workshop.note(self._visitor, "remove runs", {"run": key}, "removed")
+                self._designs.store.remove(key)
+                self._designs.note(self._visitor, "remove runs", {"run": key}, "removed")
             except CamtoolsError as error:
                 ui.notify(str(error), type="negative")
         self._table.selected = []
@@ -171,10 +163,10 @@ class RunsPage:
 
 def add(context: AppContext) -> None:
     """Register the page."""
-    workshop = workshop_of(context)
+    designs = design_service_of(context)
 
     @ui.page("/runs", title="camturn: runs")
     def runs() -> None:
         with framed(context, "/runs") as visitor:
             ui.add_head_html(STYLE)
-            RunsPage(workshop, visitor)
+            RunsPage(designs, visitor)

@@ -161,13 +161,7 @@ class ErrorCurves(NamedTuple):
 
 
 def cells_of(surface: GaugedSurface, heights_mm: tuple[float, float]) -> Floats:
-    """Return the form error of largest magnitude in each cell of a map, NaN where nothing is.
-
-    Parameters
-    ----------
-    heights_mm : tuple of float
-        Ends of the map.
-    """
+    """Return the form error of largest magnitude in each cell of a map, NaN where nothing is."""
     low, high = heights_mm
     row = np.floor((surface.z_mm - low) / max(high - low, 1e-9) * N_HEIGHTS).astype(np.int64)
     column = np.floor(np.mod(surface.turn, 1.0) * N_ANGLES).astype(np.int64)
@@ -194,11 +188,8 @@ def error_curves(folder: Path, heights_mm: tuple[float, float] | None = None) ->
     worst = np.where(np.isfinite(worst), worst, np.nan)
     middles = ends[0] + (ends[1] - ends[0]) * (np.arange(N_HEIGHTS) + 0.5) / N_HEIGHTS
     mean, spread = following_over_angle(folder)
-    return ErrorCurves(middles, worst, cells, _angles(), mean, spread)
-
-
-def _angles() -> Floats:
-    return (np.arange(N_ANGLES, dtype=np.float64) + 0.5) * (_DEG / N_ANGLES)
+    angles = (np.arange(N_ANGLES, dtype=np.float64) + 0.5) * (_DEG / N_ANGLES)
+    return ErrorCurves(middles, worst, cells, angles, mean, spread)
 
 
 def following_over_angle(folder: Path) -> tuple[Floats | None, Floats | None]:

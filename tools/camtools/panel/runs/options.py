@@ -45,13 +45,7 @@ class RunOptions:
     seed: int = 1
 
     def checked(self) -> RunOptions:
-        """Return the options, or refuse what no cut can be done with.
-
-        Raises
-        ------
-        CamtoolsError
-            With the range.
-        """
+        """Return the options, or refuse what no cut can be done with."""
         _check("speed", self.rpm, _MAX_RPM, "r/min")
         _check("feed", self.feed_mm, _MAX_FEED_MM, "mm per turn")
         if not 0 <= self.seed <= _MAX_SEED:
@@ -63,8 +57,6 @@ class RunOptions:
 
         Parameters
         ----------
-        part : str
-            Name of the part file.
         machine : str, optional
             Path that the machine is given by, instead of its name.
         """

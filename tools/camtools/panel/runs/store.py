@@ -81,15 +81,7 @@ class Run:
 
 
 class RunStore:
-    """The folders of runs.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the panel's runs.
-    others : Path
-        Of those of tools/run.
-    """
+    """The folders of runs."""
 
     def __init__(self, folder: Path, others: Path) -> None:
         self._folders = {OWN: folder, OTHER: others}
@@ -152,13 +144,7 @@ class RunStore:
         return sorted(found, key=lambda run: (-run.at_s, run.name))
 
     def run(self, key: str) -> Run:
-        """Return a run by its key.
-
-        Raises
-        ------
-        CamtoolsError
-            There is none.
-        """
+        """Return a run by its key."""
         place, _, name = key.partition("/")
         folder = self._folders.get(place)
         if folder is not None and _NAME.match(name):
@@ -170,13 +156,7 @@ class RunStore:
         raise CamtoolsError([f"run {key[:80]!r}: there is none; it may have been removed"])
 
     def remove(self, key: str) -> None:
-        """Remove a run of the panel.
-
-        Raises
-        ------
-        CamtoolsError
-            It is going on, or it is one of tools/run.
-        """
+        """Remove a run of the panel."""
         run = self.run(key)
         if run.place != OWN:
             raise CamtoolsError([f"{run.name}: is of tools/run; remove it by tools/run --keep"])
@@ -214,11 +194,6 @@ def _about(folder: Path) -> Json:
     return found if isinstance(found, dict) else {}
 
 
-def _stamp(path: Path) -> tuple[int, int]:
-    state = path.stat()
-    return state.st_mtime_ns, state.st_size
-
-
 @lru_cache(maxsize=256)
 def _summary(path: Path, _stamped: tuple[int, int]) -> Json:
     found: Json = json.loads(path.read_bytes())
@@ -229,7 +204,8 @@ def summary_of(folder: Path) -> Json | None:
     """Return the summary of a cut, nothing where there is none."""
     path = folder / SUMMARY
     try:
-        stamp = _stamp(path)
+        state = path.stat()
+        stamp = state.st_mtime_ns, state.st_size
         if stamp[1] > _MOST_SUMMARY_BYTES:
             return None
         return _summary(path, stamp)

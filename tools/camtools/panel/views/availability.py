@@ -34,14 +34,7 @@ _STOPS = {
 
 @dataclass(frozen=True)
 class Rule:
-    """When an order is accepted.
-
-    Attributes
-    ----------
-    states : tuple of str
-    otherwise : str
-        why not, for the other states
-    """
+    """When an order is accepted."""
 
     states: tuple[str, ...]
     otherwise: str

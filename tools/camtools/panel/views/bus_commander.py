@@ -2,7 +2,7 @@
 """Who commands the controller, as far as that is not this panel: one sender of the bus at most.
 
 >>> from dataclasses import replace
->>> from camtools.panel.snapshot import SILENT
+>>> from camtools.panel.orders.snapshot import SILENT
 >>> other = replace(SILENT, is_connected=True, signals={"commander": 0.0})
 >>> other_sender(other), other_sender(replace(other, signals={"commander": 300.0}))
 (0, 300)
@@ -13,7 +13,7 @@
 from __future__ import annotations
 
 from camtools.link.rights import sender_text
-from camtools.panel.snapshot import Snapshot
+from camtools.panel.orders.snapshot import Snapshot
 
 
 def other_sender(snapshot: Snapshot) -> int:

@@ -33,13 +33,9 @@ def opacity(age: int) -> float:
     return round(max(0.06, 0.85 * 0.72**age), 3)
 
 
-def _pair(kind: str, angle: float | None, error: float | None) -> list[float | None]:
-    """Return a point in the order of the coordinate system: on a polar one the radius is first."""
-    return [error, angle] if kind == POLAR else [angle, error]
-
-
 def _placed(kind: str, points: Points | Means) -> list[list[float | None]]:
-    return [_pair(kind, angle, error) for angle, error in points]
+    # In the order of the coordinate system: on a polar one the radius is first.
+    return [[error, angle] if kind == POLAR else [angle, error] for angle, error in points]
 
 
 def _slot(kind: str, slot: int) -> Option:
@@ -131,17 +127,7 @@ def _limits(kind: str, limit_um: float, full_um: float) -> list[Option]:
 
 
 def whole(kind: str, full_um: float, limit_um: float) -> Option:
-    """Return the options of an empty chart.
-
-    Parameters
-    ----------
-    kind : str
-        UNROLLED or POLAR
-    full_um : float
-        scale, to both sides
-    limit_um : float
-        tolerance, to both sides
-    """
+    """Return the options of an empty chart."""
     limits = [
         _line(kind, name, _LIMIT, 1.5, "dashed") | data
         for name, data in zip(_LIMITS, _limits(kind, limit_um, full_um), strict=True)

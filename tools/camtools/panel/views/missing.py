@@ -177,14 +177,10 @@ def way_on(state: str, signals: Signals, values: Values, *, is_connected: bool =
 
     Parameters
     ----------
-    state : str
-        name of the DBC's value table
     signals : Mapping
         of the status, by their names in the DBC, in their units
     values : Mapping
         parameters that are known; may be empty
-    is_connected : bool
-        whether the status comes
     """
     if not is_connected:
         return Way(_SILENT, "", "Then everything goes on by itself.")

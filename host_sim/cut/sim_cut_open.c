@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_cut.h"
+#include "sim_cut_pass.h" // sim_cut_plan_pass
+#include "cam_feed.h"     // cam_feed_least_nm
+#include "sim_lobe_cut.h" // sim_lobe_cut_begin
+#include "sim_params.h"   // sim_params_apply
+#include "sim_slow.h"     // sim_slow_check
+#include "sim_units.h"    // SIM_NM_PER_MM
+#include <math.h>         // floor
+#include <stdio.h>        // snprintf
+#include <string.h>       // memset
+
+static void wish(sim_wishes_t *w, cam_param_id_t id, double value)
+{
+    w->value[id] = (int32_t)(value + 0.5);
+    w->is_given[id] = true;
+}
+
+sim_wishes_t sim_cut_wishes(const sim_cut_options_t *o)
+{
+    sim_wishes_t w = o->session.config.controller;
+    for (int id = 0; id < cam_n_params; id++) {
+        if (o->wishes.is_given[id]) {
+            wish(&w, (cam_param_id_t)id, 0.0);
+            w.value[id] = o->wishes.value[id];
+        }
+    }
+    if (o->rpm > 0.0) {
+        wish(&w, cam_param_spindle_mrpm, o->rpm * 1e3);
+    }
+    if (o->feed_mm > 0.0) {
+        wish(&w, cam_param_feed_nm, o->feed_mm * SIM_NM_PER_MM);
+    }
+    if (o->is_without_feed_forward) {
+        wish(&w, cam_param_k1_ns, 0.0);
+        wish(&w, cam_param_k2_us2, 0.0);
+    }
+    if (o->is_without_lead) {
+        wish(&w, cam_param_lead_ns, 0.0);
+    }
+    wish(&w, cam_param_trace_on, o->is_traced ? 1.0 : 0.0);
+    return w;
+}
+
+/// Refuse rings closer than cam_feed_least_nm: the firmware would cut them at that distance, and
+/// the number of turns would differ from the plan.
+static bool check_rings(const sim_cut_t *cut, common_error_t *e)
+{
+    const double feed_nm = sim_cut_feed_mm(cut) * SIM_NM_PER_MM;
+    if (!sim_cut_has_rings(cut) || feed_nm > cam_feed_least_nm - 0.5) {
+        return true;
+    }
+    const bool is_given = cut->options.feed_mm > 0.0;
+    char field[40];
+    (void)snprintf(field, sizeof field, is_given ? "--feed %.12g" : "feed_nm = %.0f",
+                   is_given ? cut->options.feed_mm : feed_nm);
+    const double least_mm = cam_feed_least_nm / SIM_NM_PER_MM;
+    return common_error(e,
+                        "%s: rings of a ring-helix are at least %.6f mm apart; give at least "
+                        "--feed %.6f, or a table with path = \"helix\"",
+                        field, least_mm, least_mm);
+}
+
+/// Set a parameter that differs. A tick applies the change before the next one.
+static cam_err_t set_param(void *controller, cam_param_id_t id, int32_t value)
+{
+    sim_cut_t *cut = controller;
+    if (sim_firmware_param(&cut->firmware, id) == value) {
+        return cam_ok;
+    }
+    const cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
+    sim_cut_idle(cut);
+    return err;
+}
+
+static const char *unit_of(cam_err_t err, double *per_unit)
+{
+    *per_unit = 1.0;
+    switch (err) {
+    case cam_err_spindle_speed:
+    case cam_err_spindle_set_point:
+        *per_unit = 1e-3;
+        return "r/min";
+    case cam_err_u_speed:
+    case cam_err_u_command_speed:
+    case cam_err_z_speed:
+    case cam_err_x_speed:
+        *per_unit = 1e-3;
+        return "mm/s";
+    case cam_err_spindle_loop:
+        *per_unit = 1e-3;
+        return "rad/s of bandwidth";
+    case cam_err_spindle_acceleration:
+        *per_unit = 1e-3;
+        return "rad/s2";
+    case cam_err_u_stroke:
+    case cam_err_u_retract:
+    case cam_err_u_command:
+        *per_unit = 1e-6;
+        return "mm";
+    case cam_err_u_acceleration:
+    case cam_err_u_command_acceleration:
+    case cam_err_z_acceleration:
+    case cam_err_x_acceleration:
+        return "mm/s2";
+    case cam_err_swing_axis:
+        return "swing axis";
+    case cam_err_swing_range:
+        *per_unit = 1e-3;
+        return "degrees";
+    case cam_err_swing_speed:
+        *per_unit = 1e-3;
+        return "degrees/s";
+    case cam_err_swing_acceleration:
+        return "degrees/s2";
+    default:
+        return "";
+    }
+}
+
+/// Format the remedy: a lower speed or a smaller feed.
+static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
+{
+    const cam_feasibility_t *f = &cut->feasibility;
+    char feed[40] = "";
+    if (f->largest_feed_nm > 0u) {
+        (void)snprintf(feed, sizeof feed, "--feed %.12g", f->largest_feed_nm * 1e-6);
+    }
+    const bool is_speed = // reached by the lathe, and not counted as stopped
+        f->highest_mrpm > 0u &&
+        sim_slow_is_turning(&cut->session.table, &cut->params, f->highest_mrpm * 1e-3);
+    if (is_speed) {
+        (void)snprintf(to, size, "give at most --rpm %.3f%s%s", f->highest_mrpm * 1e-3,
+                       feed[0] != '\0' ? " or " : "", feed);
+    } else if (feed[0] != '\0') {
+        (void)snprintf(to, size, "give at most %s", feed);
+    } else {
+        (void)snprintf(to, size, "no speed helps: use another machine or part");
+    }
+}
+
+/// Refuse an infeasible speed, with demand, limit and remedy. @return false
+static bool infeasible(const sim_cut_t *cut, common_error_t *e)
+{
+    const cam_feasibility_t *f = &cut->feasibility;
+    double scale;
+    const char *unit = unit_of(f->err, &scale);
+    const double u_retract_nm = cut->params.u_retract_nm;
+    char remedy[80];
+    put_remedy(cut, remedy, sizeof remedy);
+    if (f->err == cam_err_feed) {
+        return common_error(e, "--feed %.12g: infeasible: %s; give at most --feed %.12g",
+                            (double)f->needed * 1e-6, cam_err_text(f->err),
+                            (double)f->limit * 1e-6);
+    }
+    if (f->err == cam_err_turns) {
+        return common_error(e, "--feed %.12g: infeasible: %s: %lld, limit %lld; give a larger feed",
+                            sim_cut_feed_mm(cut), cam_err_text(f->err), (long long)f->needed,
+                            (long long)f->limit);
+    }
+    if (f->err == cam_err_u_retract) { // only if set: the default fits every stroke
+        const double most_nm = (double)f->limit - ((double)f->needed + u_retract_nm);
+        return common_error(e,
+                            "--set u_retract_nm=%.0f: infeasible: %s: needs %.12g mm, limit %.12g "
+                            "mm; give at least %.0f, or leave it out: the default goes as far as "
+                            "the stroke allows",
+                            u_retract_nm, cam_err_text(f->err), (double)f->needed * scale,
+                            (double)f->limit * scale, most_nm > 0.0 ? -most_nm : 0.0);
+    }
+    if (f->err == cam_err_cam_amplitude) {
+        return common_error(e, "--set amplitude_ppm=%lld: infeasible: %s; give at least %lld",
+                            (long long)f->limit, cam_err_text(f->err), (long long)f->needed);
+    }
+    char pass[24] = "";
+    if (f->pass > 0u) {
+        (void)snprintf(pass, sizeof pass, "pass %u: ", (unsigned)f->pass);
+    }
+    return common_error(e, "%s--rpm %.12g: infeasible: %s: needs %.12g %s, limit %.12g %s; %s",
+                        pass, f->speed_mrpm * 1e-3, cam_err_text(f->err), (double)f->needed * scale,
+                        unit, (double)f->limit * scale, unit, remedy);
+}
+
+static bool check_injects(const sim_session_t *s, size_t size, common_error_t *e)
+{
+    for (uint32_t i = 0; i < s->options.n_injects; i++) {
+        const sim_inject_t *what = &s->options.inject[i];
+        if (what->kind == sim_inject_table_flip && what->value >= (double)size) {
+            return common_error(
+                e, "--inject table-flip: byte %.0f is outside the table; give 0 .. %zu",
+                what->value, size - 1u);
+        }
+    }
+    return true;
+}
+
+/// Feeds in the default window of the map.
+enum { scallop_feeds = 4 };
+
+/// Place the window of the surface between tracks. The default window starts at a whole number of
+/// feeds, that is with a ring of a ring-helix.
+static bool place_scallop(sim_cut_t *cut, common_error_t *e)
+{
+    const sim_cut_options_t *o = &cut->options;
+    const double low_mm = cut->session.design.z_first_mm;
+    const double high_mm = cut->session.design.z_last_mm;
+    const double feed_mm = sim_cut_feed_mm(cut);
+    const double feeds = (high_mm - low_mm) / feed_mm;
+    const double first = floor(0.5 * (feeds - scallop_feeds) + 0.5);
+    double from_mm = low_mm + feed_mm * (first > 0.0 ? first : 0.0);
+    double to_mm = from_mm + scallop_feeds * feed_mm;
+    if (o->has_window) {
+        from_mm = o->window_first_mm;
+        to_mm = o->window_last_mm;
+    }
+    if (from_mm < low_mm || from_mm > high_mm || (o->has_window && to_mm > high_mm)) {
+        return common_error(
+            e, "--scallop-mm %.12g:%.12g: beyond the part; give heights %.12g .. %.12g", from_mm,
+            to_mm, low_mm, high_mm);
+    }
+    sim_scallop_init(&cut->session.scallop, o->nose_mm, from_mm, to_mm < high_mm ? to_mm : high_mm,
+                     cut->session.work.blank_mm);
+    return true;
+}
+
+/// Place the sections. Default heights are one, three, five, seven and nine tenths of the part, or
+/// the middle of each of the first lobes.
+static bool place_sections(sim_cut_t *cut, common_error_t *e)
+{
+    enum { usual = 5 };
+    const sim_cut_options_t *o = &cut->options;
+    const sim_design_t *d = &cut->session.design;
+    const int n_lobes =
+        d->lobes.n_lobes < sim_sections_most ? (int)d->lobes.n_lobes : (int)sim_sections_most;
+    const bool has_lobes = d->shape == sim_shape_lobes;
+    const int n = o->n_sections > 0 ? o->n_sections : has_lobes ? n_lobes : usual;
+    double z_mm[sim_sections_most];
+    for (int i = 0; i < n; i++) {
+        const sim_lobe_t *lobe = &d->lobes.lobe[i];
+        z_mm[i] = o->n_sections > 0 ? o->section_mm[i]
+                  : has_lobes       ? 0.5 * (lobe->z_first_mm + lobe->z_last_mm)
+                              : d->z_first_mm + (i + 0.5) / n * (d->z_last_mm - d->z_first_mm);
+        if (z_mm[i] < d->z_first_mm || z_mm[i] > d->z_last_mm) {
+            return common_error(e,
+                                "--sections-mm %.12g: beyond the part; give heights %.12g .. %.12g",
+                                z_mm[i], d->z_first_mm, d->z_last_mm);
+        }
+    }
+    sim_sections_init(&cut->session.sections, z_mm, o->has_sections ? n : 0, d->z_first_mm,
+                      d->z_last_mm);
+    return true;
+}
+
+void sim_cut_place_scallop(sim_cut_t *cut)
+{
+    common_error_t ignored; // the window was inside the part before
+    (void)place_scallop(cut, &ignored);
+}
+
+/// @return whether U can be learned: its port then measures
+static bool measures_u(const sim_config_t *config)
+{
+    return config->has_belief || sim_lathe_is_rough(&config->lathe);
+}
+
+/// Mount the blank, connect the lathe to the port, and prepare the gauges.
+static bool place(sim_cut_t *cut, common_error_t *e)
+{
+    sim_session_t *s = &cut->session;
+    double x_nm;
+    double z_nm;
+    sim_session_place(s, &x_nm, &z_nm);
+    sim_port_init(&cut->port, &s->options.config.lathe, x_nm, z_nm, s->options.seed);
+    sim_port_measure_u(measures_u(&s->options.config));
+    if (s->design.shape == sim_shape_lobes) {
+        sim_lobe_cut_begin(s, cut->options.tip_mm);
+    }
+    return place_scallop(cut, e) && place_sections(cut, e);
+}
+
+/// Open the firmware and set parameters and table; each change takes effect in the next tick.
+static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, common_error_t *e)
+{
+    const double tick_hz = cut->session.options.config.lathe.tick_hz;
+    if (!sim_firmware_open(&cut->firmware, cut->options.target, cut->options.target_image, e) ||
+        !sim_params_apply(&cut->params, (uint32_t)tick_hz, set_param, cut, e)) {
+        return false;
+    }
+    cam_err_t err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
+    sim_cut_idle(cut);
+    if (err == cam_err_busy) { // retry after a tick, as for parameters
+        err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
+        sim_cut_idle(cut);
+    }
+    if (err != cam_ok) {
+        return common_error(e, "%s: refused: %s; make it again with tools/mktables", name,
+                            cam_err_text(err));
+    }
+    cut->feasibility = sim_firmware_feasibility(&cut->firmware);
+    if (cut->feasibility.err != cam_ok) {
+        return infeasible(cut, e);
+    }
+    return sim_slow_check(&cut->session.table, &cut->params, &cut->feasibility, e);
+}
+
+/// @return a parameter of position switch i, by the id of the first switch
+static double switch_param(const cam_params_t *params, uint32_t i, cam_param_id_t of_first)
+{
+    const uint32_t n =
+        (uint32_t)cam_param_switch_2_per_turn - (uint32_t)cam_param_switch_1_per_turn;
+    return cam_param_get(params, (cam_param_id_t)((uint32_t)of_first + i * n));
+}
+
+/// The windows of the parameters, sim_switches_n of them; those not in use are 0.
+static void switch_windows(const cam_params_t *params, sim_switch_window_t *to)
+{
+    static const double deg_per_turn = 360.0;
+    for (uint32_t i = 0; i < sim_switches_n; i++) {
+        to[i] = (sim_switch_window_t){
+            .per_turn = switch_param(params, i, cam_param_switch_1_per_turn),
+            .on_turn = switch_param(params, i, cam_param_switch_1_on_udeg) * 1e-6 / deg_per_turn,
+            .off_turn = switch_param(params, i, cam_param_switch_1_off_udeg) * 1e-6 / deg_per_turn,
+            .dead_time_s = switch_param(params, i, cam_param_switch_1_dead_time_ns) * 1e-9,
+        };
+    }
+}
+
+/// Derive times and slices from the firmware's speed.
+static void plan(sim_cut_t *cut)
+{
+    sim_session_t *s = &cut->session;
+    sim_cut_plan_pass(cut);
+    // Twice the planned time, and a minute for spin-up and homing.
+    cut->max_s = s->options.max_s > 0.0 ? s->options.max_s : 2.0 * sim_cut_planned_s(cut) + 60.0;
+    sim_switch_window_t windows[sim_switches_n];
+    switch_windows(&cut->params, windows);
+    sim_switches_init(&cut->switches, windows);
+    sim_turns_init(&cut->turns, cut->params.engage_turns, cut->params.rehearse_turns,
+                   cut->params.disengage_turns);
+    s->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;
+    cut->until_poll = sim_cut_poll_ticks;
+    cut->state = cam_state_off;
+}
+
+/// Prepare the first pass: rings and window of the tracks depend on its feed.
+static bool prepare_pass(sim_cut_t *cut, common_error_t *e)
+{
+    sim_cut_first_pass(cut);
+    return check_rings(cut, e) && place(cut, e);
+}
+
+static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *name,
+                    common_error_t *e)
+{
+    sim_session_t *s = &cut->session;
+    const sim_wishes_t wishes = sim_cut_wishes(&cut->options);
+    return sim_session_open(s, &cut->options.session, image, size, name, e) &&
+           check_injects(s, size, e) && sim_session_load_design(s, e) &&
+           sim_lobe_cut_check(s, cut->options.tip_mm, name, e) &&
+           sim_controller_params(&cut->params, sim_config_believed(&s->options.config),
+                                 measures_u(&s->options.config), &wishes, e) &&
+           prepare_pass(cut, e) && set_up_firmware(cut, size, name, e);
+}
+
+bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
+                  const char *name, common_error_t *e)
+{
+    memset(cut, 0, sizeof *cut);
+    cut->options = *options;
+    cut->fault_s = -1.0;
+    if (!prepare(cut, image, size, name, e)) {
+        (void)sim_firmware_is_lost(&cut->firmware, e); // then the lost target is the reason
+        sim_cut_close(cut);
+        return false;
+    }
+    plan(cut);
+    return true;
+}

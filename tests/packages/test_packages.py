@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""camturn as others get it: a Python package, a library, a base for a port, a Debian package."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tomllib
+import venv
+from pathlib import Path
+
+import pytest
+
+from camsim_cases import BUILD, ROOT
+from camtools.base.project_paths import VERSION
+
+LIMIT_S = 600
+HERE = Path(__file__).parent
+UML = ROOT / "tools" / "uml"
+TEMPLATE = ROOT / "hal" / "template"
+LINUX = ROOT / "build" / "linux"
+SCRIPTS = tomllib.loads((ROOT / "tools" / "pyproject.toml").read_text())["project"]["scripts"]
+OURS = re.compile(r"^(PYTHON|CAMTURN_|PIP_)")
+BUILT = "no camturn-linux; build it: cmake --workflow --preset linux"
+
+
+def run(*words: str | Path, cwd: Path = ROOT, status: int = 0) -> str:
+    """Run a command without what points to the clone; return its output."""
+    done = subprocess.run(
+        [str(word) for word in words],
+        cwd=cwd,
+        env={name: text for name, text in os.environ.items() if not OURS.match(name)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert done.returncode == status, done.stdout
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Install the Python package in an environment of its own; return the folder of its commands.
+
+    What it depends on is taken from this environment, so nothing is fetched.
+    """
+    folder = tmp_path_factory.mktemp("installed")
+    venv.create(folder, symlinks=True)
+    (site,) = folder.glob("lib/python*/site-packages")
+    here = sysconfig.get_path("purelib")
+    (site / "dependencies.pth").write_text(f"import site; site.addsitedir({here!r})\n")
+    pip = (sys.executable, "-m", "pip", "--python", folder / "bin" / "python", "-q", "install")
+    run(*pip, "--no-deps", "--no-build-isolation", "--no-index", ROOT / "tools")
+    return folder / "bin"
+
+
+def test_each_command_is_installed(scripts: Path, tmp_path: Path) -> None:
+    """Its script is there, and the module that this starts."""
+    loads = f"""for name in {[name.removeprefix("camturn-") for name in SCRIPTS]}:
+        assert import_module("camtools.cli." + name).main"""
+    run(scripts / "python", "-c", f"from importlib import import_module\n{loads}", cwd=tmp_path)
+    assert {path.name for path in scripts.iterdir()} >= {*SCRIPTS}
+
+
+def test_part_is_cut_without_a_clone(scripts: Path, tmp_path: Path) -> None:
+    """Generator and simulator come from the package, results go to the working folder."""
+    assert run(scripts / "mktables", "--version", cwd=tmp_path) == f"mktables {VERSION}\n"
+    assert run(scripts / "camturn-run", "--version", cwd=tmp_path) == f"camturn-run {VERSION}\n"
+    part = tmp_path / "mine.toml"
+    text = (ROOT / "tools" / "parts" / "hexagon.toml").read_text()
+    part.write_text(text.replace('name = "hexagon"', 'name = "mine"'))
+    run(scripts / "mktables", part, "-o", "tables", cwd=tmp_path)
+    assert (tmp_path / "tables" / "mine.camtab").exists()
+    said = run(scripts / "camturn-run", part, cwd=tmp_path)
+    assert "mine: within tolerance" in said
+    report = tmp_path / "build" / "run" / "mine" / "report.html"
+    assert f"camturn-run {part}" in report.read_text(encoding="utf-8")
+
+
+def test_help_names_the_installed_commands(scripts: Path, tmp_path: Path) -> None:
+    """No help and no complaint speaks of the scripts of a clone."""
+    assert run(scripts / "camctl", "--help", cwd=tmp_path).startswith("usage: camctl ")
+    assert "  camturn-run -o " in run(scripts / "camturn-run", "--help", cwd=tmp_path)
+    said = run(scripts / "camturn-run", "--rpm", cwd=tmp_path, status=2)
+    assert said.endswith("; see camturn-run --help\n")
+
+
+def test_missing_extra_is_named(scripts: Path, tmp_path: Path) -> None:
+    """A command whose packages are not installed tells how to get them."""
+    (tmp_path / "nicegui.py").write_text("raise ModuleNotFoundError(name='nicegui')\n")
+    python = (scripts / "python", "-c")
+    script = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); sys.argv[0] = 'camturn-panel'"
+    start = f"{script}; from camtools.cli.installed import main; sys.exit(main())"
+    said = run(*python, start, cwd=tmp_path, status=2)
+    assert said == "camturn-panel: needs the Python package nicegui; pip install 'camturn[panel]'\n"
+
+
+def test_c_program_finds_the_library(tmp_path: Path) -> None:
+    """An installed libcamsim is found, compiled against and run."""
+    run("cmake", "--install", BUILD, "--prefix", tmp_path / "installed")
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.25)\nproject(mine LANGUAGES C)\n"
+        f"find_package(camturn {VERSION} EXACT REQUIRED)\n"
+        "add_executable(mine mine.c)\n"
+        "target_link_libraries(mine PRIVATE camturn::camsim)\n"
+    )
+    (tmp_path / "mine.c").write_text(
+        '#include "sim_api.h"\n#include <stdio.h>\n'
+        "int main(void) { return puts(sim_api_version()) < 0; }\n"
+    )
+    run("cmake", "-B", "build", "-D", "CMAKE_PREFIX_PATH=installed", cwd=tmp_path)
+    run("cmake", "--build", "build", cwd=tmp_path)
+    assert run(tmp_path / "build" / "mine") == f"{VERSION}\n"
+    assert run(tmp_path / "installed" / "bin" / "camsim", "--version") == f"camsim {VERSION}\n"
+
+
+def test_port_outside_this_tree(tmp_path: Path) -> None:
+    """A folder anywhere is a port: hal/template has every function that the firmware calls."""
+    shutil.copytree(TEMPLATE, tmp_path / "my port")
+    words = ("-S", ROOT, "-B", "build", "-G", "Ninja", "-D", "CAM_HAL_DIR=my port")
+    run("cmake", *words, cwd=tmp_path)
+    run("cmake", "--build", "build", cwd=tmp_path)
+    assert (tmp_path / "build" / "hal" / "own" / "firmware").exists()
+
+
+def test_port_in_a_project_of_its_own(tmp_path: Path) -> None:
+    """The project of hal/PORTING.md builds the firmware, and no test of ours becomes its own."""
+    shutil.copytree(TEMPLATE, tmp_path / "port")
+    page = (ROOT / "hal" / "PORTING.md").read_text(encoding="utf-8")
+    project = re.findall(r"^```cmake\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[0]
+    (tmp_path / "CMakeLists.txt").write_text(
+        re.sub(r"GIT_REPOSITORY .*\)", f'SOURCE_DIR "{ROOT}")', project) + "enable_testing()\n"
+    )
+    run("cmake", "-B", "build", "-G", "Ninja", cwd=tmp_path)
+    run("cmake", "--build", "build", cwd=tmp_path)
+    assert list(tmp_path.glob("build/_deps/camturn-build/hal/own/firmware"))
+    assert "No tests were found" in run("ctest", "--test-dir", "build", cwd=tmp_path)
+
+
+@pytest.mark.skipif(not (LINUX / "build.ninja").exists(), reason=BUILT)
+def test_debian_package_comes_runs_and_goes(tmp_path: Path) -> None:
+    """It is installed in the test kernel, whose changes are lost, and started like the service."""
+    built = subprocess.run([UML, "build"], capture_output=True, text=True, check=False)
+    if built.returncode != 0 and not os.environ.get("CI"):
+        pytest.skip(f"no kernel: {built.stderr.strip()}")
+    run("cpack", "-B", tmp_path, cwd=LINUX)
+    (package,) = tmp_path.glob("*.deb")
+    assert package.name.startswith(f"camturn_{VERSION}_")
+    script = ("sh", HERE / "debian.sh", package, tmp_path)
+    try:
+        run(UML, "run", "-v", "-t", "120", "-o", tmp_path, *script)
+    except AssertionError as error:
+        pytest.fail(f"{error}\n{(tmp_path / 'log').read_text()}")
+    said = (tmp_path / "said").read_text()
+    assert f"camturn {VERSION}\n" in said
+    assert "bus: listening for another controller" in said
+    assert (tmp_path / "removed").read_text() == "/etc/camturn.toml\nparameters.toml\n"
+    assert (tmp_path / "purged").read_text() == ""

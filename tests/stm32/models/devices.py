@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The peripherals of the chip, at their addresses and wired to each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from models.bus import Bus, Device, InsnClock
+from models.core import NMI, Dwt, Nvic
+from models.fdcan import Ccu, Fdcan, MessageRam
+from models.flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
+from models.gpio import Gpio
+from models.iwdg import Iwdg
+from models.pulse_timer import PulseTimer
+from models.ramecc import Ramecc
+from models.rcc import Rcc
+from models.spi_dac import Dac1, Spi
+from models.timers import Timer
+from models.usart import Usart
+from models.wwdg import Wwdg
+
+IRQ_TIM4, IRQ_ECC = 30, 145
+REVISION_V = 0x2003
+GATES: dict[str, tuple[str, int]] = {
+    "tim2": ("apb1lenr", 0),
+    "tim3": ("apb1lenr", 1),
+    "tim4": ("apb1lenr", 2),
+    "tim5": ("apb1lenr", 3),
+    "spi3": ("apb1lenr", 15),
+    "usart3": ("apb1lenr", 18),
+    "dac1": ("apb1lenr", 29),
+    "fdcan1": ("apb1henr", 8),
+    "fdcan message ram": ("apb1henr", 8),
+    "fdcan ccu": ("apb1henr", 8),
+    "tim1": ("apb2enr", 0),
+    **{f"tim{i}": ("apb2enr", i + 1) for i in (16, 17)},
+    "wwdg1": ("apb3enr", 6),
+    "syscfg": ("apb4enr", 1),
+    **{f"gpio{chr(ord('a') + i)}": ("ahb4enr", i) for i in range(11)},
+}
+
+
+class Devices:
+    """All of them, by name.
+
+    Attributes
+    ----------
+    on_request : callable
+        told the reason when a device asks for a reset
+    timed : list of Device
+        those that have something to do at a time of their own
+    """
+
+    def __init__(self, clock: InsnClock, hse_hz: int) -> None:
+        self.on_request: Callable[[str], None] = lambda reason: None
+        self.clock, self.bus = clock, Bus()
+        self.rcc = Rcc(clock, hse_hz)
+        self.syscfg, self.flash = Syscfg(clock), Flash(clock)
+        self.pwr = Pwr(clock, self.syscfg)
+        self.dbgmcu, self.ramecc = Dbgmcu(clock, REVISION_V), Ramecc(clock)
+        self.gpio = Gpio(clock)
+        bases = {2: 0x40000000, 3: 0x40000400, 4: 0x40000800, 5: 0x40000C00}
+        self.tim = {
+            i: Timer(clock, self.rcc, f"tim{i}", base, bits=32 if i in (2, 5) else 16)
+            for i, base in bases.items()
+        }
+        self.tim[1] = Timer(clock, self.rcc, "tim1", 0x40010000, advanced=True)
+        bases = {16: 0x40014400, 17: 0x40014800}
+        self.pulses = {i: PulseTimer(clock, self.rcc, f"tim{i}", bases[i]) for i in bases}
+        self.spi3 = Spi(clock, self.rcc, "spi3", 0x40003C00)
+        self.dac1 = Dac1(clock)
+        self.can_ram = MessageRam(clock)
+        self.ccu = Ccu(clock)
+        self.fdcan1 = Fdcan(clock, self.rcc, self.can_ram, self.ccu)
+        self.usart3 = Usart(clock, self.rcc)
+        self.iwdg1 = Iwdg(clock, self.rcc, lambda: self.on_request("watchdog"))
+        self.wwdg1 = Wwdg(clock, self.rcc, lambda: self.on_request("window"))
+        self.nvic, self.dwt = Nvic(clock), Dwt(clock)
+        self._wire()
+        self._place()
+
+    def _wire(self) -> None:
+        self.nvic.lines[IRQ_TIM4] = self.tim[4].irq
+        self.nvic.lines[IRQ_ECC] = self.ramecc.irq
+        self.nvic.on_reset_request = lambda: self.on_request("software")
+        self.rcc.on_css = lambda: self.nvic.pending.add(NMI)
+        self.rcc.check_supply = self._check_supply
+        self.flash.invites = self.nvic.mpu.invites
+        self.tim[4].on_trigger = lambda: self.dac1.trigger(Dac1.TIM4_TRGO)
+
+    def _check_supply(self, core_hz: int, axi_hz: int) -> None:
+        self.pwr.check(core_hz)
+        self.flash.check(axi_hz, self.pwr.scale())
+
+    def _place(self) -> None:
+        """Give every device its addresses."""
+        devices: list[Device] = [self.rcc, self.syscfg, self.flash, self.pwr, self.dbgmcu]
+        devices += [self.ramecc, self.spi3, self.dac1]
+        devices += [
+            self.can_ram,
+            self.ccu,
+            self.fdcan1,
+            self.usart3,
+            self.iwdg1,
+            self.wwdg1,
+            self.nvic,
+            self.dwt,
+        ]
+        devices += [*self.tim.values(), *self.pulses.values(), *self.gpio.ports.values()]
+        for device in devices:
+            self.bus.add(device)
+        self.timed = [d for d in devices if type(d).next_event is not Device.next_event]

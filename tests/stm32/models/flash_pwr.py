@@ -1,0 +1,397 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Flash interface, supply and system configuration (RM0433, sections 4, 6 and 12).
+
+Flash: erase and programming of the sectors that hold no code, quicker than the device (2 ms and
+20 us). What a cut-off operation leaves is half done, and flash words at its edge are torn: a load
+from them is an error on the bus. What the core reads ahead by itself is modelled as far as it does
+harm here: in the system memory it sets error flags, in the bank at work it would wait for the end
+of the operation. The supply is the LDO; its scale follows the request after a time. What a
+frequency needs of wait states and voltage is checked whenever a frequency comes into force.
+
+Sources beyond the manual: read ahead of system memory, Zephyr issue 60449 and pull request 60765,
+hubris 1905; a store that overtakes PG, embassy 1014 and 2539, stm32h7xx-hal 383; torn words, Zephyr
+33140 and 34374, PX4 27642; keys for an open bank, and ODEN read back, as in ST's HAL.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+
+from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+
+SETTLE_CYCLES = 3000
+# Voltage scale -> (highest AXI clock [MHz], wait states, programming delay WRHIGHFREQ), from the
+# table "FLASH recommended number of wait states and programming delay".
+WAIT_STATES = {
+    0: ((70, 0, 0), (140, 1, 1), (185, 2, 1), (210, 2, 2), (225, 3, 2), (240, 4, 2)),
+    1: ((70, 0, 0), (140, 1, 1), (185, 2, 1), (210, 2, 2), (225, 3, 2)),
+    2: ((55, 0, 0), (110, 1, 1), (165, 2, 1), (225, 3, 2)),
+    3: ((45, 0, 0), (90, 1, 1), (135, 2, 1), (180, 3, 2), (225, 4, 2)),
+}
+CORE_MHZ = {0: 480, 1: 400, 2: 300, 3: 200}
+SCALE = {3: 1, 2: 2, 1: 3}  # of the code of VOS
+
+
+FLASH = 0x08000000
+BANK_BYTES, SECTOR_BYTES, WORD_BYTES = 1 << 20, 1 << 17, 32
+CODE_SECTORS = 2  # at the start of bank 1
+KEYS = (0x45670123, 0xCDEF89AB)
+LOCK, PG, SER, START = 1 << 0, 1 << 1, 1 << 2, 1 << 7
+QW = 1 << 2
+PGSERR, RDPERR, RDSERR, SNECCERR, DBECCERR = 1 << 18, 1 << 23, 1 << 24, 1 << 25, 1 << 26
+FLAGS = 0x07EF0000  # all that FLASH_CCR clears
+SYSTEM_MEMORY = 0x1FF00000
+GHOST_IN = 8  # one of so many operations is met by a read ahead of system memory
+ERASE_CYCLES, PROGRAM_CYCLES = 960_000, 9_600
+ERASED = b"\xff"
+
+
+class Flash(Device):
+    """Access control, and two banks that erase sectors and program flash words.
+
+    Attributes
+    ----------
+    load, save : callable
+        how a debugger reads and writes flash
+    left : int or None
+        operations until the supply falls, in the middle of the last
+    on_cut : callable
+        the supply falls
+    invites : callable
+        whether the core may read ahead at an address
+    torn : set of int
+        addresses of flash words that cannot be read
+    on_torn : callable
+        told when that set has changed
+    noise : int
+        error flags that every operation sets, though it succeeds
+    """
+
+    def __init__(self, clock: InsnClock) -> None:
+        super().__init__("flash", 0x52002000, clock)
+        self.load: Callable[[int, int], bytes] = lambda address, size: b""
+        self.save: Callable[[int, bytes], None] = lambda address, content: None
+        self.left: int | None = None
+        self.on_cut: Callable[[], None] = lambda: None
+        self.invites: Callable[[int], bool] = lambda address: False
+        self.torn: set[int] = set()
+        self.on_torn: Callable[[], None] = lambda: None
+        self.noise = 0
+        self._ghost = random.Random(60449)
+        self._flags = [0, 0]
+        self._pg_at = [0, 0]
+        self._keys: list[list[int]] = [[], []]
+        self._busy_until = [0, 0]
+        self.define(
+            {
+                0x00: Reg("acr", 0x37, 0x3F),
+                0x1C: Reg("optsr_cur", 0x0316AAF0, 0),  # read-out protection: level 0
+                0x38: Reg("wpsn_cur1", 0xFF, 0),  # no sector is write-protected
+            }
+        )
+        for bank in (0, 1):
+            at = 0x100 * bank
+            self.define(
+                {
+                    at + 0x04: Reg(f"keyr{bank}", write=self._write_key(bank)),
+                    at + 0x0C: Reg(f"cr{bank}", LOCK | 3 << 4, write=self._write_cr(bank)),
+                    at + 0x10: Reg(f"sr{bank}", 0, 0, read=self._read_sr(bank)),
+                    at + 0x14: Reg(f"ccr{bank}", 0, FLAGS, write=self._write_ccr(bank)),
+                    at + 0x60: Reg(f"ecc_fa{bank}", 0, 0),  # flash word of the bank
+                }
+            )
+
+    def reset(self) -> None:
+        """Lock both banks."""
+        super().reset()
+        self._keys, self._busy_until, self._flags = [[], []], [0, 0], [0, 0]
+
+    def _read_sr(self, bank: int) -> Callable[[], int]:
+        def read() -> int:
+            self.clock.skip_to(self._busy_until[bank])
+            return (QW if self.clock.now < self._busy_until[bank] else 0) | self._flags[bank]
+
+        return read
+
+    def _write_ccr(self, bank: int) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            self._flags[bank] &= ~new
+
+        return write
+
+    def _require_quiet(self, bank: int) -> None:
+        """Raise when the core may read ahead in a bank that is to work: it would wait for it."""
+        start = FLASH + bank * BANK_BYTES
+        for address in range(start, start + BANK_BYTES, SECTOR_BYTES):
+            if self.invites(address):
+                raise UnmodelledError(f"flash: bank {bank + 1} works, reads ahead at 0x{address:x}")
+
+    def _read_ahead(self, bank: int) -> None:
+        """Set the flags that an operation of a bank finds set."""
+        self._flags[bank] |= self.noise
+        if self.invites(SYSTEM_MEMORY) and self._ghost.randrange(GHOST_IN) == 0:
+            self._flags = [flags | RDPERR | RDSERR for flags in self._flags]
+
+    def _require_idle(self, bank: int) -> None:
+        if self.clock.now < self._busy_until[bank]:
+            raise UnmodelledError(f"flash: bank {bank + 1} is busy")
+
+    def _write_key(self, bank: int) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            if not self.v[f"cr{bank}"] & LOCK:
+                raise UnmodelledError(f"flash: keys for bank {bank + 1}, which is not locked")
+            self._keys[bank].append(new)
+            if tuple(self._keys[bank]) == KEYS:
+                self.v[f"cr{bank}"] &= ~LOCK
+            elif self._keys[bank] != [KEYS[0]]:
+                raise UnmodelledError("flash: wrong key, locked until a reset")
+
+        return write
+
+    def _write_cr(self, bank: int) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            if old & LOCK:
+                raise UnmodelledError(f"flash.cr{bank} is locked")
+            self._require_idle(bank)
+            if new & ~(LOCK | PG | SER | 3 << 4 | START | 7 << 8):
+                raise UnmodelledError(f"flash.cr{bank} 0x{new:x}")
+            if new & LOCK:
+                self._keys[bank] = []
+            self.v[f"cr{bank}"] = new & ~START
+            self._pg_at[bank] = self.clock.now
+            if new & (PG | START):
+                self._require_quiet(bank)
+            if new & START:
+                self._erase(bank, new)
+
+        return write
+
+    def _is_cut(self) -> bool:
+        if self.left is None:
+            return False
+        self.left -= 1
+        if self.left > 0:
+            return False
+        self.left = None
+        self.on_cut()
+        return True
+
+    def _erase(self, bank: int, control: int) -> None:
+        sector = control >> 8 & 7
+        if not control & SER or control & PG or bank * 8 + sector < CODE_SECTORS:
+            raise UnmodelledError(f"flash: erase with cr{bank} 0x{control:x}")
+        self._read_ahead(bank)
+        address = FLASH + bank * BANK_BYTES + sector * SECTOR_BYTES
+        if self._is_cut():
+            self.save(address, ERASED * (SECTOR_BYTES // 2))
+            self.tear({address, address + SECTOR_BYTES // 2})
+        else:
+            self.save(address, ERASED * SECTOR_BYTES)
+        self._busy_until[bank] = self.clock.now + ERASE_CYCLES
+
+    def store(self, address: int, size: int) -> None:
+        """Let the image store a word into flash, the last of a flash word programs it."""
+        bank, at = divmod(address - FLASH, BANK_BYTES)
+        is_code = bank == 0 and at < CODE_SECTORS * SECTOR_BYTES
+        if self.v[f"cr{bank}"] & (LOCK | PG | SER) != PG or is_code:
+            raise UnmodelledError(f"flash: store to 0x{address:08x}")
+        self._require_idle(bank)
+        if self.clock.barrier_at <= self._pg_at[bank]:
+            self._flags[bank] |= PGSERR  # the store is quicker than the bit
+        word, left = address - address % WORD_BYTES, WORD_BYTES - address % WORD_BYTES
+        if size != 4 or self.load(address, left) != ERASED * left:
+            raise UnmodelledError(f"flash: 0x{address:08x} is not erased, or out of order")
+        if left == 4:
+            self._read_ahead(bank)
+            if self._is_cut():
+                self.save(word + 8, ERASED * 20)
+                self.tear({word})
+            self._busy_until[bank] = self.clock.now + PROGRAM_CYCLES
+
+    def tear(self, words: set[int]) -> None:
+        """Make flash words unreadable, until they are erased or written by a debugger."""
+        self.torn |= words
+        self.on_torn()
+
+    def heal(self, address: int, size: int) -> None:
+        """Make what was written anew readable."""
+        left = {word for word in self.torn if not address <= word < address + size}
+        if left != self.torn:
+            self.torn = left
+            self.on_torn()
+
+    def load_torn(self, address: int) -> None:
+        """Note that a load found a word beyond correction."""
+        self._note_ecc(address, DBECCERR)
+
+    def load_flipped(self, address: int) -> None:
+        """Note that a load found a word with one wrong bit, which was corrected."""
+        self._note_ecc(address, SNECCERR)
+
+    def _note_ecc(self, address: int, flag: int) -> None:
+        bank, at = divmod(address - FLASH, BANK_BYTES)
+        self._flags[bank] |= flag
+        self.v[f"ecc_fa{bank}"] = at // WORD_BYTES
+
+    def next_event(self) -> int:
+        """Return when an operation ends."""
+        return min((at for at in self._busy_until if at > self.clock.now), default=NEVER)
+
+    def check(self, axi_hz: int, scale: int) -> None:
+        """Raise when flash cannot be read at this clock."""
+        latency, delay = self.v["acr"] & 15, self.v["acr"] >> 4 & 3
+        for mhz, wait_states, needed in WAIT_STATES[scale]:
+            if axi_hz <= mhz * 10**6:
+                if latency < wait_states or delay < needed:
+                    raise UnmodelledError(f"flash.acr 0x{self.v['acr']:x} at {axi_hz} Hz")
+                return
+        raise UnmodelledError(f"AXI at {axi_hz} Hz with voltage scale {scale}")
+
+
+class Syscfg(Device):
+    """The boost for 480 MHz (ODEN) and nothing else.
+
+    Attributes
+    ----------
+    is_on_its_way : bool
+        a store to PWRCR that has not been read back may not have arrived
+    on_boost : callable
+        told when ODEN has changed
+    """
+
+    def __init__(self, clock: InsnClock) -> None:
+        super().__init__("syscfg", 0x58000400, clock)
+        self.is_on_its_way = False
+        self.on_boost: Callable[[], None] = lambda: None
+        self.define({0x2C: Reg("pwrcr", 0, 1, write=self._write_pwrcr, read=self._read_pwrcr)})
+
+    def _write_pwrcr(self, old: int, new: int) -> None:
+        self.v["pwrcr"] = new
+        if old != new:
+            self.is_on_its_way = True
+            self.on_boost()
+
+    def _read_pwrcr(self) -> int:
+        self.is_on_its_way = False
+        return self.v["pwrcr"]
+
+
+class Dbgmcu(Device):
+    """Identity of the chip (RM0433, section 60): revision V; and what stops with the core."""
+
+    def __init__(self, clock: InsnClock, revision: int) -> None:
+        super().__init__("dbgmcu", 0x5C001000, clock)
+        self.define(
+            {
+                0x00: Reg("idc", revision << 16 | 0x450, 0),
+                0x34: Reg("apb3fz1", 0, 1 << 6),
+                0x54: Reg("apb4fz1", 0, 1 << 18),
+            }
+        )
+
+
+class Pwr(Device):
+    """Power control: LDO, voltage scaling, brown-out detector's interrupt not used.
+
+    Attributes
+    ----------
+    on_ready : callable
+        told when the voltage is valid for the first time since power-on: RAM may be written
+    """
+
+    def __init__(self, clock: InsnClock, syscfg: Syscfg) -> None:
+        super().__init__("pwr", 0x58024800, clock)
+        self.syscfg = syscfg
+        self.on_ready: Callable[[], None] = lambda: None
+        syscfg.on_boost = self._unsettle
+        self._settled_at = NEVER
+        self._is_locked = False  # CR3 was written since power-on
+        self.define(
+            {
+                0x00: Reg("cr1", 0xF000C000, 0x0007C3FF),
+                0x04: Reg("csr1", 0x4000, 0, read=self._read_csr1),
+                0x0C: Reg("cr3", 0x00000006, 0x7, write=self._write_cr3),
+                0x18: Reg(
+                    "d3cr",
+                    0x4000,
+                    0xC000,
+                    1 << 13,
+                    write=self._write_d3cr,
+                    read=self._read_d3cr,
+                ),
+            }
+        )
+
+    def reset(self) -> None:
+        """Take the values behind a system reset; CR3 is kept until the power goes."""
+        cr3 = self.v["cr3"]
+        super().reset()
+        self._settled_at = NEVER
+        if self._is_locked:
+            self.v |= {"cr3": cr3, "csr1": 1 << 13 | 0x4000}
+
+    def power_cycle(self) -> None:
+        """Forget the supply configuration, which can be written once after each power-on."""
+        self._is_locked = False
+        self.reset()
+
+    def scale(self) -> int:
+        """Return the voltage scale in force, 0 (boosted) .. 3."""
+        if not self.v["csr1"] >> 13 & 1:
+            return 3
+        scale = SCALE[self.v["csr1"] >> 14 & 3]
+        is_boosted = self.syscfg.v["pwrcr"] & 1 and self._settled_at == NEVER
+        return 0 if scale == 1 and is_boosted else scale
+
+    def check(self, core_hz: int) -> None:
+        """Raise when the core is too fast for the voltage."""
+        if core_hz > CORE_MHZ[self.scale()] * 10**6:
+            raise UnmodelledError(f"pwr: core at {core_hz} Hz with voltage scale {self.scale()}")
+
+    def _write_cr3(self, old: int, new: int) -> None:
+        if self._is_locked and (old ^ new) & 7:
+            raise UnmodelledError("pwr.cr3: written a second time since power-on")
+        if new & 3 != 2:
+            raise UnmodelledError("pwr.cr3: supply other than the LDO")
+        self._is_locked = True
+        self.v["cr3"] = new
+        self._settled_at = min(self._settled_at, self.clock.now + SETTLE_CYCLES)
+
+    def _write_d3cr(self, old: int, new: int) -> None:
+        if not new >> 14 & 3:
+            raise UnmodelledError("pwr.d3cr: reserved value of VOS")
+        if not self.v["csr1"] & 1 << 13:
+            raise UnmodelledError("pwr.d3cr: VOS changed before the voltage is valid")
+        self.v["d3cr"] = new
+        self._unsettle()
+
+    def _unsettle(self) -> None:
+        self._settled_at = self.clock.now + SETTLE_CYCLES
+
+    def _skip(self) -> None:
+        if self._settled_at != NEVER:
+            self.clock.skip_to(self._settled_at)
+
+    def _read_csr1(self) -> int:
+        self._skip()
+        return self.v["csr1"]
+
+    def _read_d3cr(self) -> int:
+        if self.syscfg.is_on_its_way:
+            raise UnmodelledError("pwr.d3cr: VOSRDY read before ODEN has arrived: read it back")
+        self._skip()
+        is_ready = self._settled_at == NEVER and self.v["csr1"] & 1 << 13
+        return self.v["d3cr"] | (1 << 13 if is_ready else 0)
+
+    def next_event(self) -> int:
+        """Return when the voltage has settled."""
+        return self._settled_at
+
+    def advance(self) -> None:
+        """Let the voltage settle."""
+        if self.clock.now >= self._settled_at:
+            self._settled_at = NEVER
+            if not self.v["csr1"] & 1 << 13:
+                self.on_ready()
+            self.v["csr1"] = 1 << 13 | (self.v["d3cr"] & 0xC000)

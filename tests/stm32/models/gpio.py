@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""GPIO ports (RM0433, section 11): modes, alternate functions, levels at the pins.
+
+A pin that nobody drives follows its pull resistor, the board's before the chip's; `levels` is what
+a meter at the pin would read. Pins are named like "PE13". Open drain is not modelled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from models.bus import WORD, Device, InsnClock, Reg, UnmodelledError
+
+INPUT, OUTPUT, ALTERNATE, ANALOGUE = 0, 1, 2, 3
+RESET = {
+    "A": {"moder": 0xABFFFFFF, "ospeedr": 0x0C000000, "pupdr": 0x64000000},
+    "B": {"moder": 0xFFFFFEBF, "ospeedr": 0x000000C0, "pupdr": 0x00000100},
+}
+
+
+class GpioPort(Device):
+    """One port of 16 pins.
+
+    Attributes
+    ----------
+    outside : dict
+        pin number -> level that the board drives, for inputs
+    board_pull : dict
+        pin number -> level of a resistor on the board
+    alternate : dict
+        pin number -> level that the peripheral of its alternate function drives
+    on_change : callable
+        told pin number and level when the level of a pin changes
+    """
+
+    def __init__(self, clock: InsnClock, letter: str) -> None:
+        i = ord(letter) - ord("A")
+        super().__init__(f"gpio{letter.lower()}", 0x58020000 + 0x400 * i, clock)
+        reset = RESET.get(letter, {"moder": WORD})
+        self.outside: dict[int, int] = {}
+        self.board_pull: dict[int, int] = {}
+        self.alternate: dict[int, int] = {}
+        self.on_change: Callable[[int, int], None] = lambda pin, level: None
+        halves = (2, 4)
+        self.define(
+            {
+                0x00: Reg("moder", reset["moder"], write=self._store("moder")),
+                0x04: Reg("otyper", 0, 0),
+                0x08: Reg("ospeedr", reset.get("ospeedr", 0)),
+                0x0C: Reg("pupdr", reset.get("pupdr", 0), write=self._store("pupdr")),
+                0x10: Reg("idr", 0, 0, read=self._read_idr, sizes=halves),
+                0x14: Reg("odr", 0, 0xFFFF, write=self._store("odr"), sizes=halves),
+                0x18: Reg("bsrr", 0, write=self._write_bsrr, sizes=halves, is_quiet=True),
+                0x20: Reg("afrl", 0, write=self._store("afrl")),
+                0x24: Reg("afrh", 0, write=self._store("afrh")),
+            }
+        )
+        self._levels = [self.level(pin) for pin in range(16)]
+
+    def reset(self) -> None:
+        """Let go of all pins."""
+        super().reset()
+        self.alternate.clear()
+        self._tell()
+
+    def mode(self, pin: int) -> int:
+        """Return the two bits of MODER."""
+        return self.v["moder"] >> 2 * pin & 3
+
+    def function(self, pin: int) -> int | None:
+        """Return the number of the alternate function, None when the pin has another mode."""
+        word = self.v["afrl"] if pin < 8 else self.v["afrh"]
+        return word >> 4 * (pin % 8) & 15 if self.mode(pin) == ALTERNATE else None
+
+    def level(self, pin: int) -> int:
+        """Return the level at the pin; an undriven one without any resistor reads 0."""
+        if self.mode(pin) == OUTPUT:
+            return self.v["odr"] >> pin & 1
+        if self.mode(pin) == ALTERNATE and pin in self.alternate:
+            return self.alternate[pin]
+        pull = int(self.v["pupdr"] >> 2 * pin & 3 == 1)
+        return self.outside.get(pin, self.board_pull.get(pin, pull))
+
+    def drive(self, pin: int, level: int) -> None:
+        """Let the board drive a pin."""
+        self.outside[pin] = level
+        self._tell_pin(pin)
+
+    def drive_alternate(self, pin: int, level: int) -> None:
+        """Let the peripheral behind a pin drive it."""
+        self.alternate[pin] = level
+        self._tell_pin(pin)
+
+    def _tell(self) -> None:
+        for pin in range(16):
+            self._tell_pin(pin)
+
+    def _tell_pin(self, pin: int) -> None:
+        level = self.level(pin)
+        if level != self._levels[pin]:
+            self._levels[pin] = level
+            self.on_change(pin, level)
+
+    def _store(self, name: str) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            self.v[name] = new
+            self._tell()
+
+        return write
+
+    def _write_bsrr(self, old: int, new: int) -> None:
+        odr = (self.v["odr"] & ~(new >> 16)) | (new & 0xFFFF)
+        if odr != self.v["odr"]:
+            self.v["odr"] = odr
+            self._tell()
+
+    def _read_idr(self) -> int:
+        bits = (self.level(pin) << pin for pin in range(16) if self.mode(pin) != ANALOGUE)
+        return sum(bits)
+
+
+class Gpio:
+    """All ports, and pins by name."""
+
+    def __init__(self, clock: InsnClock) -> None:
+        self.ports = {letter: GpioPort(clock, letter) for letter in "ABCDEFGHIJK"}
+
+    def pin(self, name: str) -> tuple[GpioPort, int]:
+        """Return port and number of a pin like "PE13"."""
+        return self.ports[name[1]], int(name[2:])
+
+    def level(self, name: str) -> int:
+        """Return the level at a pin."""
+        port, pin = self.pin(name)
+        return port.level(pin)
+
+    def drive(self, name: str, level: int) -> None:
+        """Let the board drive a pin."""
+        port, pin = self.pin(name)
+        port.drive(pin, level)
+
+    def has_function(self, name: str, function: int) -> bool:
+        """Return whether a pin is switched to an alternate function."""
+        port, pin = self.pin(name)
+        return port.function(pin) == function
+
+    def require(self, name: str, function: int) -> None:
+        """Raise unless a pin is switched to an alternate function."""
+        if not self.has_function(name, function):
+            raise UnmodelledError(f"{name} is not switched to its alternate function {function}")

@@ -1,0 +1,344 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reset and clock control (RM0433, section 8): oscillators, PLL1, dividers, gates, reset flags.
+
+Oscillators and PLL1 are ready a fixed time after they are switched on. What the manual forbids is
+an error: a PLL changed while it runs, a switch to a clock that is not ready, frequencies beyond the
+supply's range. PLL2, PLL3, the low-power gates and the peripheral resets are not modelled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+
+HSI_HZ = 64_000_000
+CSI_HZ = 4_000_000
+LSI_HZ = 32_000
+READY_CYCLES = 5000
+
+HSION, HSIRDY, HSIDIV, HSIDIVF, HSEON, HSERDY, HSEBYP, CSSON, PLL1ON, PLL1RDY = (
+    1 << 0,
+    1 << 2,
+    3 << 3,
+    1 << 5,
+    1 << 16,
+    1 << 17,
+    1 << 18,
+    1 << 19,
+    1 << 24,
+    1 << 25,
+)
+CR_RESET = HSION | HSIRDY | HSIDIVF
+HSECSSF = 1 << 10
+RMVF = 1 << 16
+
+# Reset flags in RCC_RSR by the reason of a reset (table "Reset source identification").
+CPU, D1, D2, BOR, PIN, POR, SFT, IWDG1, WWDG1 = (
+    1 << bit for bit in (17, 19, 20, 21, 22, 23, 24, 26, 28)
+)
+RESET_FLAGS = {
+    "power_on": CPU | D1 | D2 | BOR | PIN | POR,
+    "pin": CPU | PIN,
+    "brown_out": CPU | PIN | BOR,
+    "software": CPU | PIN | SFT,
+    "watchdog": CPU | PIN | IWDG1,
+    "window": CPU | PIN | WWDG1,
+}
+
+SW_HSI, SW_CSI, SW_HSE, SW_PLL1 = 0, 1, 2, 3
+GATES = {
+    "ahb4enr": 0xE0,
+    "apb3enr": 0xE4,
+    "apb1lenr": 0xE8,
+    "apb1henr": 0xEC,
+    "apb2enr": 0xF0,
+    "apb4enr": 0xF4,
+}
+
+
+def ahb_divisor(code: int) -> int:
+    """Return the divisor of a 4-bit HPRE or D1CPRE field."""
+    return 1 if code < 8 else (2, 4, 8, 16, 64, 128, 256, 512)[code - 8]
+
+
+def apb_divisor(code: int) -> int:
+    """Return the divisor of a 3-bit APB prescaler field."""
+    return 1 if code < 4 else 2 << (code - 4)
+
+
+class Rcc(Device):
+    """RCC; every other model asks it for its clock.
+
+    Attributes
+    ----------
+    hse_hz : int
+        frequency at the pin OSC_IN; 0: dead
+    before_change : list of callable
+        told before a frequency changes, so that counters count up to now at the old one
+    on_css : callable
+        told when the clock security system has found the HSE dead: the NMI
+    check_supply : callable
+        given the frequencies of core and AXI in Hz before they come into force; raises
+    """
+
+    def __init__(self, clock: InsnClock, hse_hz: int) -> None:
+        super().__init__("rcc", 0x58024400, clock)
+        self.hse_hz = hse_hz
+        self.before_change: list[Callable[[], None]] = []
+        self.on_css: Callable[[], None] = lambda: None
+        self.check_supply: Callable[[int, int], None] = lambda core_hz, axi_hz: None
+        self._ready_at = NEVER
+        self._core_hz = self._timer_hz = self._apb3_hz = 0  # 0: to be computed
+        self.define(
+            {
+                0x00: Reg("cr", CR_RESET, 0x010D0019, write=self._write_cr, read=self._read_cr),
+                0x10: Reg("cfgr", 0, 0x00008007, write=self._write_cfgr),
+                0x18: Reg("d1cfgr", 0, 0x0F7F, write=self._write_divisor("d1cfgr")),
+                0x1C: Reg("d2cfgr", 0, 0x0770, write=self._write_divisor("d2cfgr")),
+                0x20: Reg("d3cfgr", 0, 0x0070, write=self._write_divisor("d3cfgr")),
+                0x28: Reg("pllckselr", 0x02020200, 0x03F3F3F3, write=self._write_pll("pllckselr")),
+                0x2C: Reg("pllcfgr", 0x01FF0000, 0x01FF0FFF, write=self._write_pll("pllcfgr")),
+                0x30: Reg("pll1divr", 0x01010280, 0x7F7FFFFF, write=self._write_pll("pll1divr")),
+                0x34: Reg("pll1fracr", 0, 0xFFF8, write=self._write_pll("pll1fracr")),
+                0x4C: Reg("d1ccipr", 0, 0),
+                0x50: Reg("d2ccip1r", 0, 0x30007000),
+                0x54: Reg("d2ccip2r", 0, 0x00000007),
+                0x58: Reg("d3ccipr", 0, 0),
+                0x60: Reg("cier", 0, 0),
+                0x64: Reg("cifr", 0, 0),
+                0x68: Reg("cicr", 0, 0x7FF, write=self._write_cicr),
+                0x74: Reg("csr", 0, 1, write=self._write_csr),
+                0xA0: Reg("gcr", 0, 1),
+                0xD0: Reg("rsr", 0, RMVF, write=self._write_rsr),
+            }
+            | {offset: Reg(name) for name, offset in GATES.items()}
+        )
+
+    def restart(self, reason: str) -> None:
+        """Reset everything but the flags of earlier resets, and add those of this one."""
+        flags = self.v["rsr"] if reason != "power_on" else 0
+        self.reset()
+        self._ready_at = NEVER
+        self._forget()
+        self.v["rsr"] = flags | RESET_FLAGS[reason]
+
+    def write(self, offset: int, size: int, value: int) -> None:
+        """Do what a store does; any of them may change a frequency."""
+        self._forget()
+        super().write(offset, size, value)
+        self._forget()
+
+    def is_on(self, gate: tuple[str, int]) -> bool:
+        """Return whether a peripheral has its clock; gate: enable register and bit."""
+        return bool(self.v[gate[0]] >> gate[1] & 1)
+
+    # Frequencies
+
+    def _hsi_hz(self) -> int:
+        return HSI_HZ >> (self.v["cr"] >> 3 & 3)
+
+    def _source_hz(self, code: int) -> int:
+        return (self._hsi_hz(), CSI_HZ, self.hse_hz, 0)[code]
+
+    def _vco_hz(self) -> int:
+        divider = self.v["pllckselr"] >> 4 & 63
+        if divider == 0:
+            return 0
+        reference_hz = self._source_hz(self.v["pllckselr"] & 3) // divider
+        return reference_hz * ((self.v["pll1divr"] & 0x1FF) + 1)
+
+    def pll1_hz(self, output: str) -> int:
+        """Return the frequency of an output of PLL1, "p", "q" or "r"; 0 when it is off."""
+        i = "pqr".index(output)
+        is_running = self.v["cr"] & PLL1RDY and self.v["pllcfgr"] >> (16 + i) & 1
+        divider = (self.v["pll1divr"] >> (9, 16, 24)[i] & 0x7F) + 1
+        return self._vco_hz() // divider if is_running else 0
+
+    def system_hz(self, sws: int | None = None) -> int:
+        """Return the frequency of sys_ck, as selected or with another code of SW."""
+        code = self.v["cfgr"] >> 3 & 7 if sws is None else sws
+        return self.pll1_hz("p") if code == SW_PLL1 else self._source_hz(code)
+
+    def core_hz(self) -> int:
+        """Return the frequency of the core."""
+        if self._core_hz == 0:
+            self._core_hz = self.system_hz() // ahb_divisor(self.v["d1cfgr"] >> 8 & 15)
+        return self._core_hz
+
+    def ahb_hz(self) -> int:
+        """Return the frequency of AXI and all AHB."""
+        return self.core_hz() // ahb_divisor(self.v["d1cfgr"] & 15)
+
+    def apb1_hz(self) -> int:
+        """Return the frequency of APB1."""
+        return self.ahb_hz() // apb_divisor(self.v["d2cfgr"] >> 4 & 7)
+
+    def apb3_hz(self) -> int:
+        """Return the frequency of APB3."""
+        if self._apb3_hz == 0:
+            self._apb3_hz = self.ahb_hz() // apb_divisor(self.v["d1cfgr"] >> 4 & 7)
+        return self._apb3_hz
+
+    def timer_hz(self) -> int:
+        """Return the frequency of the timers on APB1 and APB2, which must be equal here."""
+        if self._timer_hz == 0:
+            codes = {self.v["d2cfgr"] >> 4 & 7, self.v["d2cfgr"] >> 8 & 7}
+            if len(codes) > 1 or self.v["cfgr"] >> 15 & 1:
+                raise UnmodelledError("rcc: APB1 and APB2 with different prescalers, or TIMPRE")
+            divisor = apb_divisor(codes.pop())
+            self._timer_hz = self.ahb_hz() // divisor * (1 if divisor == 1 else 2)
+        return self._timer_hz
+
+    def _forget(self) -> None:
+        self._core_hz = self._timer_hz = self._apb3_hz = 0
+
+    def spi3_hz(self) -> int:
+        """Return the kernel clock of SPI1..3."""
+        if self.v["d2ccip1r"] >> 12 & 7:
+            raise UnmodelledError("rcc: SPI123SEL other than PLL1Q")
+        return self.pll1_hz("q")
+
+    def fdcan_hz(self) -> int:
+        """Return the kernel clock of the FDCANs."""
+        code = self.v["d2ccip1r"] >> 28 & 3
+        if code > 1:
+            raise UnmodelledError("rcc: FDCANSEL other than HSE and PLL1Q")
+        return self.pll1_hz("q") if code else self.hse_hz
+
+    def usart3_hz(self) -> int:
+        """Return the kernel clock of USART3."""
+        code = self.v["d2ccip2r"] & 7
+        if code not in (0, 3):
+            raise UnmodelledError("rcc: USART234578SEL other than APB1 and HSI")
+        return self._hsi_hz() if code else self.apb1_hz()
+
+    # Registers
+
+    def _change(self) -> None:
+        for tell in self.before_change:
+            tell()
+
+    def _check(self) -> None:
+        self._forget()
+        if self.system_hz() == 0:
+            raise UnmodelledError("rcc: the system clock stands still")
+        if max(self.apb1_hz(), self.ahb_hz() // apb_divisor(self.v["d2cfgr"] >> 8 & 7)) > 120e6:
+            raise UnmodelledError("rcc: APB1 or APB2 above 120 MHz")
+        self.check_supply(self.core_hz(), self.ahb_hz())
+
+    def _write_cr(self, old: int, new: int) -> None:
+        if old & CSSON and not new & CSSON:
+            new |= CSSON  # set by software only
+        if old & HSEON and (old ^ new) & HSEBYP:
+            raise UnmodelledError("rcc.cr: HSEBYP changed while the HSE is on")
+        if (old ^ new) & HSIDIV and self.v["cfgr"] >> 3 & 7 == SW_HSI:
+            self._change()
+        for on, ready in ((HSION, HSIRDY), (HSEON, HSERDY), (PLL1ON, PLL1RDY)):
+            if not new & on:
+                new &= ~ready
+        self.v["cr"] = new
+        self._check()
+        if self._awaited():
+            self._ready_at = self.clock.now + READY_CYCLES
+
+    def _read_cr(self) -> int:
+        if self._ready_at != NEVER:
+            self.clock.skip_to(self._ready_at)
+        return self.v["cr"]
+
+    def _awaited(self) -> int:
+        cr = self.v["cr"]
+        bits = HSIRDY if cr & HSION and not cr & HSIRDY else 0
+        if cr & HSEON and not cr & HSERDY and self.hse_hz:
+            bits |= HSERDY
+        if cr & PLL1ON and not cr & PLL1RDY and self._vco_hz():
+            bits |= PLL1RDY
+        return bits
+
+    def next_event(self) -> int:
+        """Return when the next oscillator is ready."""
+        return self._ready_at
+
+    def advance(self) -> None:
+        """Report oscillators ready."""
+        if self.clock.now < self._ready_at:
+            return
+        self._ready_at = NEVER
+        self._forget()
+        if self._awaited() & PLL1RDY:
+            self._check_pll()
+        self.v["cr"] |= self._awaited()
+        if self.v["cr"] & CSSON and self.v["cr"] & HSEON and not self.hse_hz:
+            self._lose_hse()
+
+    def _check_pll(self) -> None:
+        source = self.v["pllckselr"] & 3
+        reference_hz = self._source_hz(source) // (self.v["pllckselr"] >> 4 & 63)
+        low, high = ((1, 2), (2, 4), (4, 8), (8, 16))[self.v["pllcfgr"] >> 2 & 3]
+        if not low * 10**6 <= reference_hz <= high * 10**6:
+            raise UnmodelledError(f"rcc: PLL1RGE does not fit a reference of {reference_hz} Hz")
+        wide = not self.v["pllcfgr"] >> 1 & 1
+        low, high = (192, 960) if wide else (150, 420)
+        if not low * 10**6 <= self._vco_hz() <= high * 10**6:
+            raise UnmodelledError(f"rcc: PLL1's VCO at {self._vco_hz()} Hz")
+        p_code = self.v["pll1divr"] >> 9 & 0x7F
+        if p_code and not p_code & 1:
+            raise UnmodelledError("rcc: DIVP1 odd")
+
+    def _write_pll(self, name: str) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            if self.v["cr"] & PLL1ON and old != new:
+                raise UnmodelledError(f"rcc.{name} changed while PLL1 is on")
+            self.v[name] = new
+
+        return write
+
+    def _write_cfgr(self, old: int, new: int) -> None:
+        code = new & 7
+        ready = {SW_HSI: HSIRDY, SW_HSE: HSERDY, SW_PLL1: PLL1RDY}.get(code)
+        if ready is None or not self.v["cr"] & ready:
+            raise UnmodelledError(f"rcc.cfgr: switch to clock {code}, which is not ready")
+        self._change()
+        self.v["cfgr"] = (new & ~0x38) | code << 3
+        self._check()
+
+    def _write_divisor(self, name: str) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            self._change()
+            self.v[name] = new
+            self._check()
+
+        return write
+
+    def _write_cicr(self, old: int, new: int) -> None:
+        self.v["cifr"] &= ~new
+
+    def _write_csr(self, old: int, new: int) -> None:
+        self.v["csr"] = 3 if new & 1 else 0
+
+    def _write_rsr(self, old: int, new: int) -> None:
+        if new & RMVF:
+            self.v["rsr"] = 0
+
+    # The board
+
+    def fail_hse(self) -> None:
+        """Let the HSE stop; with the security system on, take the HSI and raise the NMI."""
+        self._change()
+        was_on = self.v["cr"] & HSERDY
+        self.hse_hz = 0
+        if self.v["cr"] & CSSON and was_on:
+            self._lose_hse()
+        else:
+            raise UnmodelledError("rcc: the HSE died and nobody watches it")
+
+    def _lose_hse(self) -> None:
+        self.v["cr"] &= ~(HSEON | HSERDY)
+        if self.v["pllckselr"] & 3 == 2:
+            self.v["cr"] &= ~(PLL1ON | PLL1RDY)
+        self.v["cfgr"] &= ~0x3F  # HSI
+        self.v["cifr"] |= HSECSSF
+        self._forget()
+        self.on_css()
+        self.clock.wake()

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""USART3's transmitter (RM0433, section 48): 8N1, a data register or a FIFO of 16 bytes."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+from models.rcc import Rcc
+
+UE, RE, TE, FIFOEN = 1 << 0, 1 << 2, 1 << 3, 1 << 29
+FIFO_BYTES = 16
+TC, TXE, TEACK, REACK, TXFE = 1 << 6, 1 << 7, 1 << 21, 1 << 22, 1 << 23
+
+
+class Usart(Device):
+    """Collects what is sent.
+
+    Attributes
+    ----------
+    sent : bytearray
+        bytes whose stop bit has passed
+    """
+
+    def __init__(self, clock: InsnClock, rcc: Rcc) -> None:
+        super().__init__("usart3", 0x40004800, clock)
+        self.rcc = rcc
+        self.sent = bytearray()
+        self._waiting: deque[int] = deque()
+        self._shifting: int | None = None
+        self._done_at = NEVER
+        self.define(
+            {
+                0x00: Reg("cr1", 0, UE | RE | TE | FIFOEN),
+                0x04: Reg("cr2", 0, 0),
+                0x08: Reg("cr3", 0, 0),
+                0x0C: Reg("brr", 0, 0xFFFF),
+                0x1C: Reg("isr", 0xC0, 0, read=self._read_isr),
+                0x20: Reg("icr", 0, 0x00123BFF, write=lambda old, new: None),
+                0x24: Reg("rdr", 0, 0),
+                0x28: Reg("tdr", 0, 0xFF, write=self._write_tdr, sizes=(1, 2, 4)),
+                0x2C: Reg("presc", 0, 0),
+            }
+        )
+
+    def reset(self) -> None:
+        """Drop what is on its way."""
+        super().reset()
+        self._waiting.clear()
+        self._shifting = None
+        self._done_at = NEVER
+
+    def baud(self) -> float:
+        """Return bits per second."""
+        return self.rcc.usart3_hz() / self.v["brr"]
+
+    def lines(self) -> list[str]:
+        """Return what was sent, in lines."""
+        return self.sent.decode("ascii").splitlines()
+
+    def _read_isr(self) -> int:
+        cr1 = self.v["cr1"]
+        if len(self._waiting) >= self._room():
+            self.clock.skip_to(self._done_at)
+        isr = TXE if len(self._waiting) < self._room() else 0
+        isr |= TC if not self._waiting and self._shifting is None else 0
+        isr |= TXFE if cr1 & FIFOEN and not self._waiting else 0
+        return isr | (TEACK if cr1 & TE else 0) | (REACK if cr1 & RE else 0)
+
+    def _write_tdr(self, old: int, new: int) -> None:
+        if self.v["cr1"] & (UE | TE) != UE | TE:
+            raise UnmodelledError("usart3.tdr written while the transmitter is off")
+        if len(self._waiting) >= self._room():
+            raise UnmodelledError("usart3.tdr written while it is full: a byte is lost")
+        self._waiting.append(new)
+        self._start()
+
+    def _room(self) -> int:
+        return FIFO_BYTES if self.v["cr1"] & FIFOEN else 1
+
+    def _start(self) -> None:
+        if self._shifting is None and self._waiting:
+            self._shifting = self._waiting.popleft()
+            cycles = 10 * self.v["brr"] * self.rcc.core_hz() // self.rcc.usart3_hz()
+            self._done_at = self.clock.now + cycles
+
+    def next_event(self) -> int:
+        """Return when the byte on the line ends."""
+        return self._done_at
+
+    def advance(self) -> None:
+        """End the byte on the line, begin the next one."""
+        if self.clock.now >= self._done_at:
+            assert self._shifting is not None
+            self.sent.append(self._shifting)
+            self._shifting, self._done_at = None, NEVER
+            self._start()

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A service of the panel with visitors, over a bus within this process."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from typing import Any
+
+import can
+
+from camtools.base.errors import CamtoolsError
+from camtools.link.controller import Link
+from camtools.panel.access.visitor import Visitor
+from camtools.panel.orders.command_log import CommandLog
+from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.controller_service import ControllerService
+from camtools.panel.orders.order import Order, Outcome
+
+PATIENCE_S = 30.0
+
+
+def until(is_true: Callable[[], bool], what: str = "") -> None:
+    """Wait for what must come, however slow the computer is."""
+    end_s = time.monotonic() + PATIENCE_S
+    while not is_true():
+        assert time.monotonic() < end_s, what
+        time.sleep(0.01)
+
+
+class Seat:
+    """A service, one visitor who commands, one with the token and one without.
+
+    Attributes
+    ----------
+    service, commander, log
+        of the panel
+    boss, other, guest : Visitor
+    is_bus_there : bool
+        whether the bus can be opened
+    """
+
+    def __init__(self, channel: str) -> None:
+        self.channel, self.is_bus_there = channel, True
+        self.log = CommandLog(None)
+        self.commander = Commander(self.log)
+        self.boss = Visitor("boss", "127.0.0.1", has_token=True)
+        self.other = Visitor("other", "127.0.0.1", has_token=True)
+        self.guest = Visitor("guest", "127.0.0.1")
+        self.commander.take(self.boss)
+        self.service = ControllerService(self._open, self.commander, self.log)
+
+    def _open(self) -> Link:
+        if not self.is_bus_there:
+            raise CamtoolsError(["no bus: start tools/live"])
+        return Link(can.Bus(interface="virtual", channel=self.channel), "the bench")
+
+    def connect(self) -> None:
+        """Wait for the status."""
+        until(lambda: self.service.snapshot().is_connected, self.service.snapshot().problem)
+
+    @property
+    def state(self) -> str:
+        """State of the controller."""
+        return self.service.snapshot().state
+
+    def wait_for(self, *states: str) -> None:
+        """Wait for one of some states."""
+        until(lambda: self.state in states, f"{self.state}, not {states}")
+
+    async def order(self, name: str, visitor: Visitor | None = None, /, **words: Any) -> Outcome:  # noqa: ANN401
+        """Give an order, of the boss by default."""
+        return await self.service.do(Order(name, words), visitor or self.boss)
+
+    def ask(self, name: str, visitor: Visitor | None = None, /, **words: Any) -> Outcome:  # noqa: ANN401
+        """Give an order and wait for its outcome."""
+        return asyncio.run(self.order(name, visitor, **words))
+
+    def do(self, name: str, /, **words: Any) -> str:  # noqa: ANN401
+        """Give an order of the boss that must be accepted; return its text."""
+        outcome = self.ask(name, **words)
+        assert outcome.is_done, outcome.text
+        return outcome.text
+
+    def refused(self, name: str, visitor: Visitor | None = None, /, **words: Any) -> str:  # noqa: ANN401
+        """Give an order that must be refused; return why."""
+        outcome = self.ask(name, visitor, **words)
+        assert not outcome.is_done, outcome.text
+        return outcome.text
+
+    def place(self, axis: str = "x") -> float:
+        """Return where an axis is, by a status that is yet to come."""
+        name = {"u": "u_actual"}.get(axis, axis)
+        seen_s = time.monotonic()
+        until(lambda: self.service.snapshot().at_s > seen_s + 0.35)  # its page comes all 0.25 s
+        return self.service.snapshot().signals[name]

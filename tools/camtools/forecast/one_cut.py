@@ -1,0 +1,161 @@
+"""One cut of a forecast, wherever it is made: in this process, another one, or on another computer.
+
+A worker gets bytes, not paths: it keeps the table in a folder of its own, which ends with it.
+
+>>> CutOutcome("", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2).is_gauged
+True
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import shutil
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from camtools.base.errors import CamtoolsError
+from camtools.sim.binding import library_path
+from camtools.sim.machine_file import Machine
+from camtools.sim.simulate import Result, simulate
+
+TABLE, DESIGN = "part.camtab", "part.json"
+
+
+class Task(NamedTuple):
+    """What all cuts of a forecast have in common.
+
+    Attributes
+    ----------
+    table, design : bytes
+        Content of the table and of its report.
+    words : tuple of str
+        Options of camsim.
+    build : str
+        Digest of the simulator that all cuts are to be made by.
+    """
+
+    table: bytes
+    design: bytes
+    words: tuple[str, ...]
+    build: str
+
+    def key(self, machine: str) -> str:
+        """Return what a cut depends on, as one digest."""
+        parts = (self.table, self.design, "\0".join(self.words).encode(), self.build.encode())
+        digest = hashlib.sha256()
+        for part in (*parts, machine.encode()):
+            digest.update(len(part).to_bytes(8, "little"))
+            digest.update(part)
+        return digest.hexdigest()
+
+
+class CutOutcome(NamedTuple):
+    """What one cut came to.
+
+    Attributes
+    ----------
+    key : str
+        Digest of all that it depends on.
+    end : str
+        done, stopped, fault, timeout, refused: as in the summary; "refused" also where the
+        simulator refused the machine or the speed.
+    status : int
+        Exit status of camsim.
+    faults : str
+        Names of the first faults, separated by blanks.
+    message : str
+        Why it is not good.
+    form_max_um, form_rms_um, roundness_um, following_max_um : float
+        NaN where nothing was gauged.
+    ticks : int
+        That the cut took.
+    wall_s : float
+        Computing time.
+    """
+
+    key: str
+    end: str
+    status: int
+    faults: str
+    message: str
+    form_max_um: float
+    form_rms_um: float
+    roundness_um: float
+    following_max_um: float
+    ticks: int
+    wall_s: float
+
+    @property
+    def is_gauged(self) -> bool:
+        """Return whether the cut came to its end and was gauged."""
+        return self.end in ("done", "stopped") and self.form_max_um == self.form_max_um
+
+
+@cache
+def build_of(path: Path) -> str:
+    """Return the digest of a simulator's library."""
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    except OSError as error:
+        raise CamtoolsError(
+            [f"{path}: cannot be read: {error.strerror}; start tools/run, which builds it"]
+        ) from error
+
+
+@cache
+def folder_of(table: bytes, design: bytes) -> Path:
+    """Return a folder of this process with a table and its report."""
+    folder = Path(tempfile.mkdtemp(prefix="camturn-forecast."))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    (folder / TABLE).write_bytes(table)
+    (folder / DESIGN).write_bytes(design)
+    return folder
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+def _outcome(key: str, result: Result) -> CutOutcome:
+    summary = result.summary
+    form, following = summary["form_error_um"], summary["following_error_um"]
+    return CutOutcome(
+        key,
+        summary["end"],
+        result.status,
+        " ".join(summary.get("first_faults", [])),
+        result.message,
+        _number(form["max"]),
+        _number(form["rms"]),
+        _number(form["roundness"]),
+        _number(following["max"]),
+        int(summary["ticks"]),
+        float(summary["wall_time_s"]),
+    )
+
+
+def cut_one(task: Task, machine: str) -> CutOutcome:
+    """Cut on one machine; what the simulator refuses is an outcome, too."""
+    key, nan = task.key(machine), float("nan")
+    table = folder_of(task.table, task.design) / TABLE
+    try:
+        result = simulate(table, Machine("machine", machine), options=task.words)
+    except CamtoolsError as error:
+        return CutOutcome(key, "refused", 2, "", str(error), nan, nan, nan, nan, 0, 0.0)
+    return _outcome(key, result)
+
+
+def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome] | str:
+    """Cut on some machines, one after the other; return why it cannot be done here, if so."""
+    try:
+        here = build_of(library_path())
+    except CamtoolsError as error:
+        return str(error)
+    if here != task.build:
+        problem = f"a worker has another simulator ({here}, not {task.build})"
+        return f"{problem}; build the same version on every computer"
+    return [cut_one(task, machine) for machine in machines]

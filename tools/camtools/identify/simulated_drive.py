@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+r"""U of the simulator: its parameters, and an excitation that is played and recorded there.
+
+>>> parameters_of("name,value\ntick_hz,20000\nk1_ns,742723\n")
+{'tick_hz': 20000, 'k1_ns': 742723}
+"""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from camtools.base.errors import CamtoolsError
+from camtools.identify.configured_drive import Believed
+from camtools.identify.excitation_plan import Excitation
+from camtools.identify.recording import SettledRecord, record_of
+from camtools.sim.camsim import camsim_path
+
+_WAVE, _RECORD, _TABLE, _MACHINE = "wave.csv", "record.csv", "part.camtab", "machine.toml"
+
+
+class CutShortError(Exception):
+    """The excitation did not come to its end; the text is one line for people."""
+
+
+def parameters_of(text: str) -> dict[str, int]:
+    """Return the tick rate and the parameters that `camsim params` prints, the plan left out."""
+    rows = (line.split(",") for line in text.splitlines()[1:])
+    return {name: int(value) for name, value in rows if not name.startswith("planned_")}
+
+
+class SimulatedU:
+    """U of a machine of the simulator.
+
+    Parameters
+    ----------
+    folder : Path
+        for files in between; it exists
+    machine : bytes
+        of the machine file
+    name : str
+        by which the user knows the machine file
+    image : bytes
+        of a table that is made for the machine
+    options : sequence of str
+        of `camsim identify`, beside those of the excitation
+    """
+
+    def __init__(
+        self, folder: Path, machine: bytes, name: str, image: bytes, options: Sequence[str] = ()
+    ) -> None:
+        self._options = options
+        self._folder, self._name = folder, name
+        (folder / _MACHINE).write_bytes(machine)
+        (folder / _TABLE).write_bytes(image)
+
+    def _camsim(self, command: str, words: Sequence[str]) -> str:
+        """Run a command of camsim; return what it printed."""
+        program = camsim_path()
+        line = [str(program), command, _TABLE, "--machine", _MACHINE, *words]
+        try:
+            done = subprocess.run(
+                line, cwd=self._folder, capture_output=True, text=True, check=False
+            )
+        except OSError as error:
+            problem = f"{program}: cannot be started: {error.strerror}"
+            raise CamtoolsError([f"{problem}; start tools/identify, which builds it"]) from error
+        said = done.stderr.strip().removeprefix("camsim: ").replace(_MACHINE, self._name)
+        if done.returncode == 1:
+            raise CutShortError(said or "the excitation was cut short")
+        if done.returncode != 0:
+            raise CamtoolsError((said or f"camsim ended with {done.returncode}").splitlines())
+        return done.stdout
+
+    def believed(self) -> Believed:
+        """Return what the simulated controller is configured with.
+
+        Raises
+        ------
+        CamtoolsError
+            The machine file is wrong, or the part cannot be cut on the machine.
+        """
+        parameters = parameters_of(self._camsim("params", []))
+        return Believed.of(parameters["tick_hz"], parameters)
+
+    def excited(self, excitation: Excitation, believed: Believed) -> SettledRecord:
+        """Let U play an excitation; return what was recorded.
+
+        Raises
+        ------
+        CamtoolsError
+            The controller refuses.
+        CutShortError
+            It began and did not end.
+        """
+        wave = excitation.wave
+        text = "\n".join(["u_nm", *(str(sample) for sample in wave.u_nm.tolist())])
+        (self._folder / _WAVE).write_text(f"{text}\n", "ascii")
+        words = {
+            "--wave": _WAVE,
+            "--record": _RECORD,
+            "--periods": excitation.n_periods,
+            "--fade-ticks": excitation.fade_ticks,
+            "--place-nm": excitation.place_nm,
+            "--signals": "u_command_nm,u_actual_nm",
+        }
+        given = [f"{name}={value}" for name, value in words.items()]
+        self._camsim("identify", [*given, *self._options])
+        rows = np.loadtxt(self._folder / _RECORD, delimiter=",", skiprows=1, usecols=(0, 2, 3))
+        rows = rows[-excitation.n_periods * wave.grid.n_ticks :]
+        tick, u_nm, y_nm = rows.T
+        return record_of(wave.grid, np.asarray(tick, np.int64), u_nm, y_nm, believed.u_scale_nm)

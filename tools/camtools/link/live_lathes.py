@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Live lathes of this user: each announces itself in a file, by which others find it.
+
+The file lies in a folder that nobody else can read. It tells the process that made it by its number
+and by the time of its start, so that one which was left behind is known, and removed.
+
+>>> import tempfile
+>>> folder = Path(tempfile.mkdtemp())
+>>> with announced(folder, "demo", {"bus": {"interface": "virtual"}, "node": 64}) as lathe:
+...     [one.name for one in live_lathes(folder)], lathe.bus
+(['demo'], {'interface': 'virtual'})
+>>> live_lathes(folder)
+[]
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from camtools.base.errors import CamtoolsError
+
+_START_FIELD = 19  # of /proc/PID/stat, behind the name in brackets: when it was started
+
+
+@dataclass(frozen=True)
+class LiveLathe:
+    """What a live lathe announces.
+
+    Attributes
+    ----------
+    name : str
+        by which camctl --live finds it
+    bus : dict
+        arguments of can.Bus
+    node : int
+        of the controller
+    facts : dict
+        all that was announced: `pid` and `start` of the process, and what else it told
+    """
+
+    name: str
+    bus: dict[str, Any]
+    node: int
+    facts: dict[str, Any]
+
+
+def runtime_folder() -> Path:
+    """Return the folder of the announcements, made when it is missing."""
+    given = os.environ.get("XDG_RUNTIME_DIR")
+    own = Path(tempfile.gettempdir()) / f"camturn-{os.getuid()}"
+    folder = Path(given) / "camturn" if given and Path(given).is_dir() else own
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        facts = folder.lstat()
+    except OSError as error:
+        raise CamtoolsError([f"{folder}: {error.strerror}; set XDG_RUNTIME_DIR"]) from error
+    is_private = facts.st_uid == os.getuid() and not facts.st_mode & 0o077
+    if not stat.S_ISDIR(facts.st_mode) or not is_private:
+        problem = "is no folder of yours alone (mode 0700)"
+        raise CamtoolsError([f"{folder}: {problem}; remove it, or set XDG_RUNTIME_DIR"])
+    return folder
+
+
+def start_of(pid: int) -> str:
+    """Return when a process was started, in the kernel's time; nothing when there is none."""
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text("utf-8")
+    except OSError:
+        return ""
+    return text.rpartition(")")[2].split()[_START_FIELD]
+
+
+def _read(path: Path) -> LiveLathe | None:
+    """Return an announcement whose process lives; one that is stale is removed."""
+    try:
+        facts = json.loads(path.read_text("utf-8"))
+        is_alive = start_of(int(facts["pid"])) == facts["start"]
+        lathe = LiveLathe(path.stem, dict(facts["bus"]), int(facts["node"]), facts)
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError):
+        is_alive, lathe = False, None
+    if not is_alive:
+        with suppress(OSError):
+            path.unlink()
+        return None
+    return lathe
+
+
+def live_lathes(folder: Path | None = None) -> list[LiveLathe]:
+    """Return the live lathes of this user, by their names."""
+    paths = sorted((folder or runtime_folder()).glob("*.json"))
+    return [lathe for lathe in map(_read, paths) if lathe is not None]
+
+
+def only_lathe(name: str | None, folder: Path | None = None) -> LiveLathe | None:
+    """Return the live lathe of a name, or the only one there is."""
+    found = live_lathes(folder)
+    names = ", ".join(lathe.name for lathe in found)
+    if name is not None:
+        named = next((lathe for lathe in found if lathe.name == name), None)
+        if named is None:
+            there = f"there is {names}" if found else "start tools/live"
+            raise CamtoolsError([f"--live {name}: no live lathe is called so; {there}"])
+        return named
+    if len(found) > 1:
+        problem = f"{len(found)} live lathes: {names}"
+        raise CamtoolsError([f"{problem}; give --live NAME"])
+    return found[0] if found else None
+
+
+@contextmanager
+def announced(folder: Path, name: str, facts: Mapping[str, Any]) -> Iterator[LiveLathe]:
+    """Announce a live lathe of this process, by a free name that begins like the given one.
+
+    Parameters
+    ----------
+    facts : Mapping
+        `bus`, arguments of can.Bus; `node`, number of the controller; whatever else is to be told
+    """
+    whole = dict(facts) | {"pid": os.getpid(), "start": start_of(os.getpid())}
+    taken = {lathe.name for lathe in live_lathes(folder)}
+    names = (name, *(f"{name}-{i}" for i in range(2, len(taken) + 3)))
+    path = None
+    try:
+        handle, hidden = tempfile.mkstemp(prefix=".live.", dir=folder)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as stream:
+                stream.write(json.dumps(whole, indent=1) + "\n")
+            path = _first_free(folder, hidden, names)
+        finally:
+            Path(hidden).unlink()
+        yield LiveLathe(path.stem, dict(whole["bus"]), int(whole["node"]), whole)
+    except OSError as error:
+        raise CamtoolsError([f"{folder}: {error.strerror}; set XDG_RUNTIME_DIR"]) from error
+    finally:
+        if path is not None:
+            path.unlink(missing_ok=True)
+
+
+def _first_free(folder: Path, hidden: str, names: tuple[str, ...]) -> Path:
+    """Give a file the first of some names that nobody has."""
+    for name in names:
+        with suppress(FileExistsError):
+            os.link(hidden, folder / f"{name}.json")
+            return folder / f"{name}.json"
+    raise CamtoolsError([f"{folder}: no name is free; give --name"])

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Axes of a controller by hand: an order, the signs of life that it needs, and what came of it.
+
+>>> AXES["x"], END_TEXTS["no_switch"]
+(1, 'no home switch within the travel of the search')
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator
+
+from camtools.link.controller import Link
+from camtools.link.messages import NAMES, Refused
+from camtools.link.refusal_text import ask_done
+from camtools.link.settings import parameter
+
+AXES = {"u": 0, "x": 1, "z": 2}
+REPEAT_S = 0.1  # an order holds for 250 ms
+USUAL_MM_PER_S = 1.0
+_BEGIN_S, _PAGES_S = 1.0, 1.0
+_LONGEST_S = 3600.0
+END_TEXTS = {
+    "interrupted": "interrupted, the axis stands",
+    "stopped": "stopped by another command or a fault",
+    "silent": "the controller heard nothing from here for 250 ms; is the bus too busy?",
+    "limit": "at the limit of its travel",
+    "no_switch": "no home switch within the travel of the search",
+    "no_release": "the home switch stays active within the travel of the search",
+    "no_index": "no index behind the switch within the travel of the search",
+    "no_stroke": "its home is so far out that it would stand outside of its stroke; "
+    "set u_home_nm to what U is there",
+}
+
+
+def place_mm(link: Link, axis: str) -> float:
+    """Return where an axis is, in the machine's numbers."""
+    return ask_done(link, "get_place", AXES[axis]).value
+
+
+def usual_mm_per_s(link: Link, axis: str) -> float:
+    """Return how fast an axis jogs where nobody says it: 1 mm/s, or what it may."""
+    return min(USUAL_MM_PER_S, parameter(link, f"{axis}_jog_um_per_s") / 1000)
+
+
+def end_text(link: Link, axis: str, end: str, what: str) -> str:
+    """Return the line of an order that is over."""
+    here = f"{axis} {place_mm(link, axis):.6f} mm"
+    if end in ("done", "limit"):
+        return here + (f", {END_TEXTS[end]}" if end == "limit" else "")
+    raise Refused(f"{what} {axis}: {END_TEXTS.get(end, end)}; {here}")
+
+
+def _check_state(link: Link) -> None:
+    """Raise when the state manual was left."""
+    status = link.status
+    if status.state in ("manual", "unknown"):
+        return
+    link.wait(lambda: bool(status.faults), 0.1)
+    faults = f": {', '.join(status.faults)}" if status.faults else ""
+    raise Refused(f"the state is {status.state} by now{faults}; see status")
+
+
+@contextlib.contextmanager
+def _braked(link: Link) -> Iterator[None]:
+    """Brake what moves, however the block ends."""
+    try:
+        yield
+    except BaseException:
+        with contextlib.suppress(Refused):
+            link.ask("stop")
+        raise
+
+
+def _orders(link: Link) -> float:
+    """Return the number of orders that were begun, as a page tells that is yet to come."""
+    link.status.signals.pop("hand_orders", None)
+    if not link.wait(lambda: "hand_orders" in link.status.signals, _PAGES_S):
+        link.listen()
+    return link.status.signals["hand_orders"]
+
+
+def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
+    """Give an order that ends by itself, keep it alive, and return what came of it.
+
+    Parameters
+    ----------
+    command : str
+        step or home_axis
+    axis : str
+        u, x or z
+    """
+    before = _orders(link)
+    with _braked(link):
+        ask_done(link, command, AXES[axis], **value)
+        begun_s = time.monotonic()
+        is_begun, due_s = False, begun_s + REPEAT_S
+        while time.monotonic() - begun_s < _LONGEST_S:
+            link.wait(lambda: False, min(REPEAT_S, max(0.0, due_s - time.monotonic())))
+            ask_done(link, "keep_alive")
+            due_s = time.monotonic() + REPEAT_S
+            _check_state(link)
+            is_begun = is_begun or link.status.signals.get("hand_orders", before) != before
+            if is_begun and (end := _quick_end(link)) != "runs":
+                return end
+            if not is_begun and time.monotonic() - begun_s > _BEGIN_S:
+                raise Refused(f"{command.replace('_', ' ')} {axis}: the order was not begun")
+    raise Refused(f"{command.replace('_', ' ')} {axis}: not over after {_LONGEST_S:.0f} s")
+
+
+def _quick_end(link: Link) -> str:
+    """Return what the order came to as far as the pages since the last call tell."""
+    end = link.status.signals.pop("hand_end", None)
+    return "runs" if end is None else NAMES["hand_end"].get(int(end), "unknown")
+
+
+def for_seconds(seconds: float | None) -> Callable[[], bool]:
+    """Return what tells whether a time from now on has not passed; None: an hour."""
+    end_s = time.monotonic() + (_LONGEST_S if seconds is None else seconds)
+    return lambda: time.monotonic() < end_s
+
+
+def jog(link: Link, axis: str, mm_per_s: float, goes_on: Callable[[], bool]) -> str:
+    """Move an axis by repeating the order, until that is wanted no more or it stands at its limit.
+
+    Parameters
+    ----------
+    goes_on : callable
+        whether to move on; asked before each order, and with each frame of the status
+
+    Returns
+    -------
+    str
+        "done" when it was wanted no more, "limit" at the end of the travel; the axis is at rest
+    """
+    link.status.signals.pop("hand_end", None)
+    end = "done"
+    with _braked(link):
+        while goes_on() and end == "done":
+            ask_done(link, "jog", AXES[axis], jog_speed=mm_per_s)
+            link.wait(lambda: not goes_on(), REPEAT_S)
+            _check_state(link)
+            end = "limit" if _quick_end(link) == "limit" else "done"
+    rest(link, axis)
+    return end
+
+
+def rest(link: Link, axis: str) -> None:
+    """Brake an axis and wait until it stands."""
+    ask_done(link, "jog", AXES[axis], jog_speed=0.0)
+    link.wait(lambda: False, 0.05)
+    last = None
+    for _ in range(1000):
+        here = place_mm(link, axis)
+        if here == last:
+            return
+        last = here
+        link.wait(lambda: False, 0.02)

@@ -1,0 +1,113 @@
+r"""The points of a listed lift: in the part file, in a file of ours, or in one of another system.
+
+>>> angle_deg, lift_mm = parse_points(
+...     "angle_deg,lift_mm\n" + "".join(f"{45 * i},{i % 4}\n" for i in range(8)), "a.csv"
+... )
+>>> lift_mm.tolist()
+[0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0]
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from camtools.base.errors import GeometryError, InputError, numbers_shown
+from camtools.base.input_file import read_text
+from camtools.base.quantities import Floats
+from camtools.lobe.part import MAX_LIFT_MM, MIN_POINTS, MIN_STEP_DEG, Lobe, fits_turn, is_step
+from camtools.part.file import MAX_FILE_BYTES
+from camtools.part.model import SAME_MM
+from camtools.table.points import PointedTurn
+from camtools.table.points import parse_points as foreign_points
+
+CSV_HEADER = "angle_deg,lift_mm"
+_MAX_ROWS = 10_000
+
+
+def parse_points(text: str, file: str) -> tuple[Floats, Floats]:
+    """Return angles [degrees] and lifts [mm] of a CSV text.
+
+    Raises
+    ------
+    InputError
+        With the line: wrong header, no two numbers, angles that do not rise, lifts out of range.
+    """
+    lines = text.splitlines()
+    if not lines or lines[0].strip() != CSV_HEADER:
+        raise InputError(file, "line 1", None, "wrong header", f'write "{CSV_HEADER}"')
+    rows: list[tuple[float, float]] = []
+    for number, line in enumerate(lines[1 : _MAX_ROWS + 1], start=2):
+        if line.strip():
+            rows.append(_row(file, number, line, rows))
+    if len(rows) < MIN_POINTS or len(lines) > _MAX_ROWS + 1:
+        problem = f"has {len(lines) - 1} points, wants {MIN_POINTS} .. {_MAX_ROWS}"
+        raise InputError(file, "angle_deg", None, problem, "list one turn of the cam")
+    angle_deg, lift_mm = np.array(rows).T
+    return angle_deg, lift_mm
+
+
+def _row(
+    file: str, number: int, line: str, before: list[tuple[float, float]]
+) -> tuple[float, float]:
+    """Return a row that follows the ones before."""
+    place = f"line {number}"
+    try:
+        angle, lift_mm = (float(cell) for cell in line.split(","))
+    except ValueError as error:
+        problem = "not two numbers"
+        shown = numbers_shown(line)
+        raise InputError(file, place, shown, problem, f"write {CSV_HEADER}") from error
+    if not (-360 <= angle <= 720 and 0 <= lift_mm <= MAX_LIFT_MM):
+        problem = f"angle not -360 .. 720 or lift not 0 .. {MAX_LIFT_MM:g}"
+        raise InputError(file, place, line, problem, "give degrees and mm above the base circle")
+    if before and not (is_step(angle - before[-1][0]) and fits_turn(angle - before[0][0])):
+        problem = f"angles must rise by at least {MIN_STEP_DEG} degrees within one turn"
+        raise InputError(file, place, line, problem, "sort the points")
+    return angle, lift_mm
+
+
+def _points_of_file(text: str, file: str) -> PointedTurn:
+    """Return the points of a text: with our own header, or of another system.
+
+    Raises
+    ------
+    InputError
+        See `parse_points` here and in camtools.table.points; several heights, or no lifts.
+    """
+    if text.lstrip()[: len(CSV_HEADER)] == CSV_HEADER:
+        angle_deg, lift_mm = parse_points(text, file)
+        return PointedTurn(angle_deg, lift_mm, *np.zeros((2, 0)))
+    found = foreign_points(text, file)
+    turn = found.sections[0]
+    if len(found.sections) > 1:
+        problem = f"has {len(found.sections)} heights"
+        raise InputError(file, "Z_mm", None, problem, "give the points of one lobe")
+    low, high = float(turn.y_mm.min()), float(turn.y_mm.max())
+    if low < -SAME_MM or high > MAX_LIFT_MM:
+        problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {MAX_LIFT_MM:g}"
+        raise InputError(file, "Y_mm", None, problem, "give mm above the base circle")
+    return turn if found.has_motion else turn._replace(v=turn.v[:0], a=turn.a[:0])
+
+
+def points_of(lobe: Lobe, field: str) -> PointedTurn:
+    """Return the points of a listed lobe, from the part file or from its file.
+
+    Without velocity and acceleration those columns are empty.
+
+    Parameters
+    ----------
+    field : str
+        Dotted path of the lobe, for error messages.
+    """
+    if lobe.csv is None:
+        assert lobe.angle_deg is not None
+        listed = np.asarray(lobe.angle_deg, dtype=float), np.asarray(lobe.lift_mm, dtype=float)
+        return PointedTurn(*listed, *np.zeros((2, 0)))
+    path = Path(lobe.csv)
+    try:
+        return _points_of_file(read_text(path, MAX_FILE_BYTES), path.name)
+    except InputError as error:
+        problem, _, remedy = error.lines[0].rpartition("; ")
+        raise GeometryError(f"{field}.csv", problem, remedy) from error

@@ -1,0 +1,159 @@
+"""One round of cutting, gauging and correcting: from a surface to the correction of a table.
+
+>>> Request(Path("surface.csv")).gain
+0.7
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+from zlib import crc32
+
+import numpy as np
+
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.cut.correction import MAX_ORDER, Correction, Drawing
+from camtools.measured.correction_step import take
+from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
+from camtools.measured.previous_table import Previous, find_previous, read_given
+from camtools.measured.round_summary import account_of
+from camtools.measured.surface import Told, tell
+
+DEFAULT_GAIN = 0.7
+MIN_GAIN, MAX_GAIN = 0.05, 1.0
+MAX_MEAN_UM = 100.0
+MIN_LIMIT_UM, LIMIT_SHARE = 10.0, 0.1  # of the waves: of the section's reduction
+MAX_OFF_RADIUS_UM = 20.0
+_BEYOND = 0.01  # of the part's height
+_GRID = 720
+_UM_PER_MM = 1000.0
+
+
+class Request(NamedTuple):
+    """What the command line asks for.
+
+    Attributes
+    ----------
+    surface : Path
+        The gauged surface.
+    previous : Path or None
+        NAME.json of the table that cut it; None: the one beside the surface.
+    gain : float
+        Share that is taken off of what this part alone shows, see `step.take`.
+    most_order : int or None
+        Highest harmonic that is kept; None: 16, or what the angles tell.
+    is_centred : bool
+        The instrument took mean and centre out: harmonics 0 and 1 are left alone.
+    """
+
+    surface: Path
+    previous: Path | None = None
+    gain: float = DEFAULT_GAIN
+    most_order: int | None = None
+    is_centred: bool = False
+
+
+class Round(NamedTuple):
+    """The correction of the next table, with what it is made of in `rounds`."""
+
+    correction: Correction
+    previous: Previous
+
+
+def check_request(request: Request) -> None:
+    """Refuse options that are out of range."""
+    if not MIN_GAIN <= request.gain <= MAX_GAIN:
+        problem = f"--gain {request.gain:g}: must be {MIN_GAIN:g} .. {MAX_GAIN:g}"
+        raise CamtoolsError([f"{problem}; leave it out for {DEFAULT_GAIN:g}"])
+    order = request.most_order
+    if order is not None and not 1 <= order <= MAX_ORDER:
+        problem = f"--keep-harmonics {order}: must be 1 .. {MAX_ORDER}"
+        raise CamtoolsError([f"{problem}; leave it out for 16 or what the angles tell"])
+
+
+def _check_place(points: GaugedPoints, drawing: Drawing) -> None:
+    """Refuse points that lie beyond the part, or on another radius."""
+    first_mm, last_mm = drawing.ends_mm
+    slack_mm = _BEYOND * (last_mm - first_mm)
+    off_mm = np.maximum(first_mm - points.z_mm, points.z_mm - last_mm)
+    worst = int(np.argmax(off_mm))
+    if off_mm[worst] > slack_mm:
+        part = f"the part's {first_mm:g} .. {last_mm:g} mm"
+        problem = f"height {points.z_mm[worst]:.6g} mm is beyond {part}"
+        raise CamtoolsError([f"--measured: {problem}; give heights of the drawing, and this part"])
+    if points.radius_mm is None:
+        return
+    drawn_mm = drawing.radius_mm(points.turn, np.clip(points.z_mm, first_mm, last_mm))
+    off_um = (points.radius_mm - drawn_mm) * _UM_PER_MM - points.deviation_um
+    if np.median(np.abs(off_um)) > MAX_OFF_RADIUS_UM:
+        problem = (
+            f"radii are {float(np.median(off_um)):.4g} um off the drawing's in the median beside "
+            f"their deviation, at most {MAX_OFF_RADIUS_UM:g} um is allowed"
+        )
+        raise CamtoolsError([f"--measured: {problem}; give the surface of this part"])
+
+
+def _check_size(told: Told, drawing: Drawing) -> None:
+    """Refuse errors that no machine makes which cuts this part."""
+    whole = told.correction(drawing.ends_mm, 1.0)
+    mean_um = float(np.abs(whole.mean(whole.nodes_mm)).max()) * _UM_PER_MM
+    if mean_um > MAX_MEAN_UM:
+        problem = f"the mean of a height is {mean_um:.4g} um off, the limit is {MAX_MEAN_UM:g} um"
+        raise CamtoolsError([f"--measured: {problem}; set X or the tool anew, and cut again"])
+    phi = 2 * np.pi * np.arange(_GRID) / _GRID
+    waves_um = float(np.abs(whole.delta(phi, whole.nodes_mm[:, None])[0]).max()) * _UM_PER_MM
+    limit_um = max(MIN_LIMIT_UM, LIMIT_SHARE * drawing.swing_mm * _UM_PER_MM)
+    if waves_um > limit_um:
+        problem = (
+            f"the waves reach {waves_um:.4g} um, the limit is {limit_um:.4g} um, a tenth of what U "
+            "moves and 10 um at least"
+        )
+        remedy = "give deviations from the drawing by its angle, not from a circle; else identify"
+        raise CamtoolsError([f"--measured: {problem}; {remedy} the drive first"])
+
+
+def _check_new(previous: Previous, surface: Path, own: int) -> None:
+    """Refuse a surface that was corrected already."""
+    rounds = previous.correction.rounds if previous.correction else ()
+    for number, one in enumerate(rounds, start=1):
+        if one.get("surface_crc32") == own:
+            problem = f"is in round {number} of {previous.path} already"
+            remedy = "gauge a part that this table has cut"
+            raise CamtoolsError([f"--measured {surface}: {problem}; {remedy}"])
+
+
+def next_round(request: Request, name: str, drawing: Drawing) -> Round:
+    """Return the correction of the next table.
+
+    Raises
+    ------
+    CamtoolsError
+        Not a surface of this part, too little of it, too large errors.
+    """
+    check_request(request)
+    data = read_given(request.surface, "--measured", MAX_BYTES)
+    previous = find_previous(request.surface, request.previous, name, drawing.document)
+    own = crc32(data)
+    _check_new(previous, request.surface, own)
+    try:
+        points = parse_points(data.decode("utf-8-sig"), str(request.surface))
+    except UnicodeDecodeError as error:
+        problem = "is no UTF-8 text"
+        raise InputError(str(request.surface), "", None, problem, "give a CSV file") from error
+    try:
+        _check_place(points, drawing)
+        first = 2 if request.is_centred else 0
+        told = tell(points, drawing.ends_mm, request.most_order, first)
+        _check_size(told, drawing)
+    except CamtoolsError as error:
+        lines = [
+            line.replace("--measured: ", f"--measured {request.surface}: ", 1)
+            for line in error.lines
+        ]
+        raise CamtoolsError(lines) from error
+    before = previous.correction or Correction(drawing.ends_mm, {})
+    step = take(told.correction(drawing.ends_mm, 1.0), before.left_mm, request.gain)
+    about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
+    about |= account_of(points, told, step)
+    return Round(before.plus(step.taken, about, step.left_mm), previous)

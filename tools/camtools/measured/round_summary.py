@@ -1,0 +1,63 @@
+"""What a round of correcting came to, for NAME.json.
+
+>>> pair_of(np.array([3.0, -4.0]))
+{'max': 4.0, 'rms': 3.535534}
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.measured.correction_step import RoundStep
+from camtools.measured.points import GaugedPoints
+from camtools.measured.surface import KeptWave, Told, taken_um
+
+_DIGITS = 6
+_UM_PER_MM = 1000.0
+
+
+def _rounded(value: float) -> float:
+    return round(float(value), _DIGITS)
+
+
+def pair_of(values_um: Floats) -> Json:
+    """Return the largest magnitude and the rms of deviations [um]."""
+    return {
+        "max": _rounded(np.abs(values_um).max(initial=0.0)),
+        "rms": _rounded(np.sqrt(np.mean(values_um**2))),
+    }
+
+
+def _wave(told: Told, one: KeptWave, step: RoundStep) -> Json:
+    """Return what is said of a wave that is kept."""
+    heights_mm = told.z_mm[np.abs(one.kept) > 0]
+    return {
+        "order": one.order,
+        "gauged_um": _rounded(np.abs(one.smooth.values).max()),
+        "noise_um": _rounded(np.sqrt(np.mean(one.smooth.errors**2))),
+        "from_mm": _rounded(heights_mm[0]),
+        "to_mm": _rounded(heights_mm[-1]),
+        "left_um": _rounded(_UM_PER_MM * np.abs(step.left_mm[one.order]).max()),
+    }
+
+
+def account_of(points: GaugedPoints, told: Told, step: RoundStep) -> Json:
+    """Return what a surface told and what is expected of the next part."""
+    kept = [one for one in told.waves if one.is_kept]
+    noise2 = sum(float(np.mean(one.smooth.errors**2)) / (2 if one.order else 1) for one in kept)
+    left_um = points.deviation_um - taken_um(step.taken, points)
+    return {
+        "points": int(points.turn.size),
+        "heights": int(told.z_mm.size),
+        "heights_left_out": told.heights.n_left_out,
+        "heights_alone_mm": told.alone_mm,
+        "points_far_off": told.n_far,
+        "most_order": told.heights.most_order,
+        "noise_um": _rounded(told.sigma_um),
+        "noise_corrected_um": _rounded(np.sqrt(noise2)),
+        "gauged_um": pair_of(points.deviation_um),
+        "expected_um": pair_of(left_um),
+        "waves": [_wave(told, one, step) for one in kept],
+    }

@@ -1,0 +1,1 @@
+"""Who may see the panel and command it: token, connections, requests, pages."""

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The library of parts: the examples of the project, and a folder of one's own.
+
+Names are checked, files are replaced only when that was said, and all of a file is written or none.
+
+>>> import tempfile
+>>> library = PartLibrary(Path(tempfile.mkdtemp()))
+>>> library.save("my-part", "[part]", replaces=False)
+>>> library.own(), library.read(OWN, "my-part")
+(['my-part'], '[part]')
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.input_file import read_limited
+from camtools.base.output import write_all
+from camtools.base.project_paths import ROOT
+from camtools.part.file import MAX_FILE_BYTES
+
+EXAMPLES = ROOT / "tools" / "parts"
+EXAMPLE, OWN = "example", "own"
+MOST_PARTS = 1000
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,30}\Z")
+_CSV_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,60}\.csv\Z")
+_MAX_CSV_BYTES = 20_000_000
+
+
+def checked_name(name: str) -> str:
+    """Return a name that is good for a file."""
+    if not _NAME.match(name):
+        shown = name if len(name) <= 40 else name[:37] + "..."
+        problem = f"name {shown!r}: not usable"
+        remedy = "use 1 to 31 letters, digits, _ and -, a letter or digit first"
+        raise CamtoolsError([f"{problem}; {remedy}"])
+    return name
+
+
+class PartLibrary:
+    """Part files.
+
+    Parameters
+    ----------
+    folder : Path
+        Of one's own parts; made when something is saved.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def folder(self, source: str) -> Path:
+        """Return the folder in which the files lie that a part of this source names."""
+        return EXAMPLES if source == EXAMPLE else self._folder
+
+    def examples(self) -> list[str]:
+        """Return the names of the project's examples."""
+        return sorted(path.stem for path in EXAMPLES.glob("*.toml"))
+
+    def own(self) -> list[str]:
+        """Return the names of one's own parts."""
+        return sorted(
+            path.stem
+            for path in self._folder.glob("*.toml")
+            if _NAME.match(path.stem) and not path.is_symlink()
+        )
+
+    def has(self, name: str) -> bool:
+        """Return whether there is a part of one's own of that name."""
+        return (self._folder / f"{checked_name(name)}.toml").exists()
+
+    def read(self, source: str, name: str) -> str:
+        """Return the text of a part.
+
+        Raises
+        ------
+        CamtoolsError
+            There is no such part, it is a link, too large, or no UTF-8.
+        """
+        path = self.folder(source) / f"{checked_name(name)}.toml"
+        try:
+            if path.is_symlink():
+                raise OSError(0, "is a link")
+            return read_limited(path, MAX_FILE_BYTES).decode("utf-8")
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or "not UTF-8 text"
+            raise CamtoolsError([f"{name}: cannot be read: {reason}; choose another"]) from error
+
+    def save(self, name: str, text: str, *, replaces: bool) -> None:
+        """Write a part of one's own; a part of that name is replaced only where it shall be."""
+        checked_name(name)
+        if self.has(name) and not replaces:
+            raise CamtoolsError([f"{name}: there is such a part; give another name or replace it"])
+        data = text.encode("utf-8", "replace")
+        if len(data) > MAX_FILE_BYTES:
+            problem = f"{name}: {len(data)} bytes, a part file has at most {MAX_FILE_BYTES}"
+            raise CamtoolsError([f"{problem}; put long lists into a CSV file"])
+        self._write(f"{name}.toml", data)
+
+    def save_csv(self, name: str, data: bytes, *, replaces: bool) -> None:
+        """Write a CSV file that parts of one's own may name; errors as `save`."""
+        if not _CSV_NAME.match(name):
+            remedy = "use letters, digits, _, - and ., and the ending .csv"
+            raise CamtoolsError([f"name {name[:40]!r}: not usable; {remedy}"])
+        if len(data) > _MAX_CSV_BYTES:
+            raise CamtoolsError([f"{name}: more than {_MAX_CSV_BYTES} bytes; thin it out"])
+        if (self._folder / name).exists() and not replaces:
+            raise CamtoolsError([f"{name}: there is such a file; give another name or replace it"])
+        self._write(name, data)
+
+    def remove(self, name: str) -> None:
+        """Remove a part of one's own."""
+        try:
+            (self._folder / f"{checked_name(name)}.toml").unlink()
+        except OSError as error:
+            raise CamtoolsError([f"{name}: cannot be removed: {error.strerror}"]) from error
+
+    def _write(self, name: str, data: bytes) -> None:
+        if len(list(self._folder.glob("*"))) >= MOST_PARTS:
+            raise CamtoolsError([f"the library has {MOST_PARTS} files; remove some"])
+        if (self._folder / name).is_symlink():
+            raise CamtoolsError([f"{name}: is a link; give another name"])
+        write_all(self._folder, {name: data})

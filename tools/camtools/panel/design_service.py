@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the pages of design and runs share: previews, the library of parts, the runs.
+
+>>> DesignService.__name__
+'DesignService'
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from functools import cache
+from pathlib import Path
+
+from nicegui import app
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.output import write_all
+from camtools.panel.access.visitor import Visitor
+from camtools.panel.context import AppContext
+from camtools.panel.design.part_library import EXAMPLE, PartLibrary
+from camtools.panel.design.part_library import OWN as OWN_PARTS
+from camtools.panel.design.preview_engine import Engine
+from camtools.panel.orders.order import Outcome
+from camtools.panel.runs.options import RunOptions
+from camtools.panel.runs.run_queue import RunQueue
+from camtools.panel.runs.store import DONE, OWN, RunStore
+from camtools.part.file import read_tree
+from camtools.pipeline.job import RUNS
+from camtools.pipeline.load import parse
+from camtools.sim.machines import machine_path, names
+
+_MAX_FILE_BYTES = 20_000_000
+
+
+class DesignService:
+    """Previews, parts and runs of one panel."""
+
+    def __init__(self, context: AppContext) -> None:
+        self.engine = Engine()
+        self.library = PartLibrary(context.parts)
+        self.machines = context.parts.parent / "machines"
+        self.store = RunStore(context.runs, RUNS)
+        self.queue = RunQueue(self.store)
+        self._log = context.log
+
+    def start(self) -> None:
+        """Mark what an earlier panel left; the first page that asks starts the previews."""
+        self.store.end_lost()
+
+    async def close(self) -> None:
+        """End all processes."""
+        await self.queue.close()
+        await self.engine.close()
+
+    def may(self, visitor: Visitor, what: str) -> str:
+        """Return why a visitor may not change or cut anything, "" where he may; it is logged."""
+        if visitor.has_token:
+            return ""
+        problem = f"{what} needs the token"
+        self._log.add_refused(visitor, what, Outcome(False, problem))
+        return problem
+
+    def note(self, visitor: Visitor, what: str, arguments: dict[str, object], told: str) -> None:
+        """Log what a visitor did."""
+        self._log.add(visitor, what, arguments, Outcome(True, told))
+
+    def machine_names(self) -> list[str]:
+        """Return the machines of the simulator, and those of one's own."""
+        return [*names(), *self.own_machines()]
+
+    def own_machines(self) -> list[str]:
+        """Return the names of the machine files of one's own."""
+        return sorted(path.stem for path in self.machines.glob("*.toml") if not path.is_symlink())
+
+    def keep_machine(self, name: str, data: bytes) -> None:
+        """Keep a machine file of one's own."""
+        if name in names():
+            raise CamtoolsError([f"{name}: is a machine of the simulator; give another name"])
+        read_tree(data, f"{name}.toml")
+        write_all(self.machines, {f"{name}.toml": data})
+
+    def bring_files(self, text: str) -> None:
+        """Put the files that the text of an example names beside one's own parts, unless there."""
+        folder = self.library.folder(EXAMPLE)
+        try:
+            tree = read_tree(text.encode("utf-8", "replace"), "part.toml")
+            found = files_named(tree, folder) if is_confined_tree(tree, folder) else {}
+        except CamtoolsError:
+            return  # the text is no part yet, which is shown beside it
+        for name, data in found.items():
+            if not (self.library.folder(OWN_PARTS) / name).exists():
+                self.library.save_csv(name, data, replaces=False)
+
+    def last_took_s(self, folder: Path) -> float | None:
+        """Return how long the last run of the same part on the same machine took [s]."""
+        try:
+            this = self.store.run(f"{OWN}/{folder.name}")
+        except CamtoolsError:
+            return None
+        alike = (
+            run.took_s
+            for run in self.store.runs()
+            if run.status == DONE and run.part == this.part
+            if run.options.machine == this.options.machine
+            if run.options.rpm == this.options.rpm and run.options.feed_mm == this.options.feed_mm
+        )
+        return next(alike, None)
+
+    async def cut(self, text: str, source: str, options: RunOptions) -> str:
+        """Let a part be cut; return the name of the run.
+
+        Raises
+        ------
+        CamtoolsError
+            The part or an option is no good, or too many runs wait.
+        """
+        options = options.checked()
+        self.queue.check_room()
+        folder = self.library.folder(source)
+        data = text.encode("utf-8", "replace")
+        machine = self._machine(options.machine)
+        name, files = await asyncio.to_thread(_checked, data, folder)
+        self.queue.check_room()
+        if machine is not None and options.machine not in names():
+            files["machine.toml"] = machine.read_bytes()
+        place = self.store.new(name, text, options, at_s=time.time(), files=files)
+        self.queue.add(place, options, "machine.toml" if "machine.toml" in files else None)
+        return place.name
+
+    def _machine(self, name: str) -> Path | None:
+        if not name:
+            return None
+        if name in names():
+            return machine_path(name)
+        if name in self.own_machines():
+            return self.machines / f"{name}.toml"
+        known = ", ".join(self.machine_names())
+        raise CamtoolsError([f"machine {name[:40]!r}: there is none; choose one of {known}"])
+
+
+def _checked(data: bytes, folder: Path) -> tuple[str, dict[str, bytes]]:
+    """Return the name of a part and the files that it names."""
+    name: str = parse(data, "part.toml", folder, is_confined=True).part.part.name
+    return name, files_named(read_tree(data, "part.toml"), folder)
+
+
+def is_confined_tree(tree: object, folder: Path) -> bool:
+    """Return whether all files that a part names lie in a folder, by whatever links."""
+    if isinstance(tree, dict):
+        for key, value in tree.items():
+            if key == "csv" and isinstance(value, str):
+                try:
+                    place = (folder / value).resolve()
+                except (OSError, ValueError, RuntimeError):
+                    return False
+                is_plain = not Path(value).is_absolute() and ".." not in Path(value).parts
+                if not is_plain or not place.is_relative_to(folder.resolve()):
+                    return False
+            elif not is_confined_tree(value, folder):
+                return False
+    elif isinstance(tree, list):
+        return all(is_confined_tree(one, folder) for one in tree)
+    return True
+
+
+def files_named(tree: object, folder: Path) -> dict[str, bytes]:
+    """Return the files that a part names, by their place seen from it; it was checked before."""
+    found: dict[str, bytes] = {}
+    if isinstance(tree, dict):
+        for key, value in tree.items():
+            if key == "csv" and isinstance(value, str):
+                try:
+                    with (folder / value).open("rb") as stream:
+                        found[value] = stream.read(_MAX_FILE_BYTES)
+                except (OSError, ValueError) as error:
+                    reason = getattr(error, "strerror", None) or str(error)
+                    raise CamtoolsError([f"csv = {value!r}: cannot be read: {reason}"]) from error
+            else:
+                found |= files_named(value, folder)
+    elif isinstance(tree, list):
+        for one in tree:
+            found |= files_named(one, folder)
+    return found
+
+
+@cache
+def design_service_of(context: AppContext) -> DesignService:
+    """Return the design service of a panel, which begins and ends with it."""
+    designs = DesignService(context)
+    app.on_startup(designs.start)
+    app.on_shutdown(designs.close)
+    return designs

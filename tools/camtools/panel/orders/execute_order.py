@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How each order is carried out, in the link's thread.
+
+>>> sorted(set(ACTIONS) ^ set(RULES))
+['jog_end', 'jog_hold', 'take_over']
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from camtools.base.errors import one_line
+from camtools.link.controller import Link
+from camtools.link.download import check_image, download, select_table
+from camtools.link.manual_axes import carry_out, end_text, jog
+from camtools.link.messages import NUMBERS, Refused
+from camtools.link.parameters import change_kept, parse, set_all
+from camtools.link.refusal_text import ask_done
+from camtools.link.rights_report import level_text
+from camtools.link.settings import (
+    set_override,
+    set_parts,
+    set_quick,
+    set_tool,
+    set_tool_offset,
+    set_trim,
+    set_zero,
+)
+from camtools.link.status_text import table_report
+from camtools.panel.orders.jog_press import Press
+from camtools.panel.orders.order_rules import RULES, check_parameter
+
+_PAGES_S = 1.0  # within which every page of the status comes
+_SETTLE_S = 0.05  # the state of before is in the status until the next tick's
+_MOST_NAME = 60
+Arguments = Mapping[str, Any]
+Say = Callable[[str], None]
+Action = Callable[[Link, Arguments, Say], str]
+
+
+def _plain(name: str) -> Action:
+    def action(link: Link, _arguments: Arguments, _say: Say) -> str:
+        ask_done(link, name)
+        link.wait(lambda: False, _SETTLE_S)
+        return f"{name}: {link.status.state}"
+
+    return action
+
+
+def _home(link: Link, arguments: Arguments, say: Say) -> str:
+    if "axis" not in arguments:
+        return _plain("home")(link, arguments, say)
+    axis: str = arguments["axis"]
+    say(f"home {axis}")
+    return f"home {end_text(link, axis, carry_out(link, 'home_axis', axis), 'home')}"
+
+
+def _step(link: Link, arguments: Arguments, say: Say) -> str:
+    axis: str = arguments["axis"]
+    say(f"step {axis}")
+    return end_text(link, axis, carry_out(link, "step", axis, step=arguments["mm"]), "step")
+
+
+def _jog(link: Link, arguments: Arguments, say: Say) -> str:
+    axis: str = arguments["axis"]
+    press: Press = arguments["press"]
+    say(f"jog {axis}")
+    try:
+        end = jog(link, axis, arguments["mm_per_s"], press.is_alive)
+    finally:
+        press.end("the jog is over")
+    return f"{end_text(link, axis, end, 'jog')}; {press.ending}"
+
+
+def _zero(link: Link, arguments: Arguments, _say: Say) -> str:
+    return set_zero(link, arguments["axis"], arguments["mm"])
+
+
+def _tool(link: Link, arguments: Arguments, _say: Say) -> str:
+    return set_tool(link, arguments["number"])
+
+
+def _tool_offset(link: Link, arguments: Arguments, _say: Say) -> str:
+    return set_tool_offset(link, arguments["number"], arguments["axis"], arguments["mm"])
+
+
+def _override(what: str) -> Action:
+    return lambda link, arguments, _say: set_override(link, what, arguments["percent"])
+
+
+def _quick(name: str, argument: str) -> Action:
+    return lambda link, arguments, _say: set_quick(link, name, arguments[argument])
+
+
+def _trim(link: Link, arguments: Arguments, _say: Say) -> str:
+    return set_trim(link, arguments["measure"], arguments["mm"])
+
+
+def _parts(link: Link, arguments: Arguments, _say: Say) -> str:
+    return set_parts(link, arguments["number"])
+
+
+def _download(link: Link, arguments: Arguments, say: Say) -> str:
+    image: bytes = arguments["image"]
+    name = one_line(arguments["name"])[:_MOST_NAME]
+    check_image(image, name)
+    say(f"download of {name}, 0 %")
+    download(
+        link, image, lambda stored, _s: say(f"download of {name}, {stored * 100 // len(image)} %")
+    )
+    return f"{name} is downloaded and checked; select takes it into use"
+
+
+def _table_next(link: Link, arguments: Arguments, say: Say) -> str:
+    _download(link, arguments, say)
+    return _select(link, arguments, say)
+
+
+def _select(link: Link, _arguments: Arguments, say: Say) -> str:
+    say("select")
+    select_table(link)
+    return "; ".join(" ".join(line.split()) for line in table_report(link.status))
+
+
+def _set(link: Link, arguments: Arguments, _say: Say) -> str:
+    name, value = arguments["name"], arguments["value"]
+    check_parameter(name, value)
+    answer = ask_done(link, "set_parameter", NUMBERS["parameter"][name], value=value)
+    return f"{name} = {answer.value:.0f}"
+
+
+def _params_load(link: Link, arguments: Arguments, say: Say) -> str:
+    name = one_line(arguments["name"])[:_MOST_NAME]
+    values = parse(arguments["text"], name)
+    say(f"parameters of {name}")
+    changes = set_all(link, values)
+    told = ", ".join(f"{key} {old} -> {new}" for key, (old, new) in list(changes.items())[:8])
+    more = f" and {len(changes) - 8} more" if len(changes) > 8 else ""
+    head = f"{name}: {len(changes)} of {len(values)} parameters changed"
+    return f"{head}: {told}{more}" if changes else head
+
+
+def _memory(action: str) -> Action:
+    def carry(link: Link, _arguments: Arguments, say: Say) -> str:
+        say(action)
+        return change_kept(link, action)
+
+    return carry
+
+
+def _level(link: Link) -> str:
+    """Return the level as the status tells it from now on."""
+    link.status.signals.pop("level", None)
+    link.wait(lambda: "level" in link.status.signals, _PAGES_S)
+    return level_text(link.status.signals)
+
+
+def _unlock(link: Link, arguments: Arguments, _say: Say) -> str:
+    secret: bytes | None = arguments["secret"]
+    if secret is None:
+        raise Refused("the panel has no secret; turn the key switch, or start it with --secret")
+    link.rights.unlock(secret)
+    return _level(link)
+
+
+def _lock(link: Link, _arguments: Arguments, _say: Say) -> str:
+    ask_done(link, "lock")
+    return _level(link)
+
+
+def _take_over(link: Link, _arguments: Arguments, _say: Say) -> str:
+    link.rights.take(over=True)
+    return "you command; who did before is told"
+
+
+_PLAIN = ("stop", "disable", "enable", "manual", "start", "hold", "resume", "reset")
+ACTIONS: Mapping[str, Action] = {
+    **{name: _plain(name) for name in _PLAIN},
+    **{what: _override(what) for what in ("feed", "spindle")},
+    **{action: _memory(action) for action in ("keep", "revert", "defaults")},
+    "home": _home,
+    "jog_begin": _jog,
+    "step": _step,
+    "zero": _zero,
+    "tool": _tool,
+    "tool_offset": _tool_offset,
+    "trim": _trim,
+    "parts": _parts,
+    "amplitude": _quick("amplitude", "percent"),
+    "phase": _quick("phase", "deg"),
+    "speed": _quick("speed", "rpm"),
+    "feed_per_turn": _quick("feed", "mm"),
+    "download": _download,
+    "table_next": _table_next,
+    "select": _select,
+    "set": _set,
+    "params_load": _params_load,
+    "unlock": _unlock,
+    "lock": _lock,
+    "take_over": _take_over,  # of the service alone: no page orders it by its name
+}
+assert set(ACTIONS) - {"take_over"} == set(RULES) - {"jog_hold", "jog_end"}

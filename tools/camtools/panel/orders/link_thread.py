@@ -1,0 +1,338 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The thread that owns the link: it keeps the status fresh and does one job after the other.
+
+An urgent job breaks off the one that runs, wherever it waits for a frame, and those that wait are
+dropped.
+While no controller is heard the bus is closed and opened again, once a second.
+
+>>> job = Job("start", {}, Visitor("v1", "127.0.0.1"))
+>>> job.tell(False, "busy")
+>>> job.tell(True, "start: engaging")
+>>> job.told.result()
+Outcome(is_done=False, text='busy')
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from camtools.base.errors import CamtoolsError
+from camtools.link.controller import SILENT_S, Link, Status
+from camtools.link.convergence import Convergence, Lessons
+from camtools.link.messages import NUMBERS, Refused
+from camtools.link.parameters import INFOS
+from camtools.link.refusal_text import ask_done
+from camtools.link.rights import CommandHeld, May, sender_of
+from camtools.link.strobe import Samples, Strobe
+from camtools.panel.access.visitor import Visitor
+from camtools.panel.orders.execute_order import ACTIONS
+from camtools.panel.orders.order import Outcome
+from camtools.panel.orders.parameter_set import ParameterSet, parameter_set
+from camtools.panel.orders.snapshot import NO_SAMPLES, SILENT, Snapshot, snapshot_of
+
+LOOK_S = 0.02  # longest wait before the next job is looked for
+SHOW_S = 0.05  # between two snapshots
+GONE_S = 2.0  # without status: the bus is opened anew
+AGAIN_S = 1.0
+TAKE_S = 0.5  # between two tries to take command that another has
+PATIENCE_S = 2.0  # longest time that a job waits for its turn
+WATCHED_S = 2.0  # how long a page that asked for something is taken to look at it
+FOLLOW_S = 0.1
+PARAMETERS_AT_ONCE = 10
+NOT_HEARD = "no controller is heard; the emergency stop is at the machine"
+OpenLink = Callable[[], Link]
+
+
+class _Overtaken(Exception):  # noqa: N818 - no error: an urgent job ends what runs
+    """An urgent job waits."""
+
+
+@dataclass(eq=False)
+class Job:
+    """An order with checked arguments, on its way through the thread.
+
+    Attributes
+    ----------
+    is_urgent : bool
+        whether it overtakes
+    still_allowed : callable
+        called when its turn comes: why it may not be done any more, "" when it may
+    told : Future
+        gets the outcome
+    """
+
+    name: str
+    arguments: Mapping[str, Any]
+    visitor: Visitor
+    is_urgent: bool = False
+    still_allowed: Callable[[], str] = lambda: ""
+    told: Future[Outcome] = field(default_factory=Future)
+    given_s: float = field(default_factory=time.monotonic)
+
+    def tell(self, is_done: bool, text: str) -> None:
+        """Say what came of it, once."""
+        if not self.told.done():
+            self.told.set_result(Outcome(is_done, text))
+
+
+class LinkThread:
+    """Owner of the link.
+
+    Parameters
+    ----------
+    open_link : callable
+        returns a Link with an open bus, or raises CamtoolsError
+    wants_command : callable
+        whether somebody at the panel commands; while that is so, the thread takes command over the
+        controller when nobody has it, and keeps it by its heartbeats
+    on_lost : callable
+        told why command over the controller was lost, and who has it now; 0: nobody
+    """
+
+    def __init__(
+        self,
+        open_link: OpenLink,
+        wants_command: Callable[[], bool] = lambda: False,
+        on_lost: Callable[[str, int], None] = lambda text, holder: None,
+    ) -> None:
+        self._open_link = open_link
+        self._wants_command, self._on_lost = wants_command, on_lost
+        self._has_command, self._take_again_s = False, 0.0
+        self._snapshot, self._work = SILENT, ""
+        self._jobs: deque[Job] = deque()
+        self._urgent: deque[Job] = deque()
+        self._is_breaking = False
+        self._shown_s = 0.0
+        self._strobe: Strobe | None = None
+        self._convergence = Convergence()
+        self._strobe_again_s = 0.0
+        self._strobe_asked_s = self._parameters_asked_s = -1e9
+        self._followed_s = 0.0
+        self._parameters: ParameterSet | None = None
+        self._partial: dict[str, int] = {}
+        self._is_over = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="link", daemon=True)
+        self._thread.start()
+
+    # From any thread
+
+    def snapshot(self) -> Snapshot:
+        """Return the newest status; never waits."""
+        newest = self._snapshot
+        if newest.is_connected and time.monotonic() - newest.at_s > SILENT_S + SHOW_S:
+            problem = f"{newest.where}: the controller is silent; check its power and the bus"
+            return replace(newest, is_connected=False, state="unknown", problem=problem)
+        is_new = (newest.work, newest.has_command) == (self._work, self._has_command)
+        own = {"work": self._work, "has_command": self._has_command}
+        return newest if is_new else replace(newest, **own)  # type: ignore[arg-type]
+
+    def samples(self) -> Samples:
+        """Return samples of the last turns; the controller sends them while this is called."""
+        self._strobe_asked_s = time.monotonic()
+        strobe = self._strobe
+        return strobe.samples() if strobe is not None else NO_SAMPLES
+
+    def lessons(self) -> Lessons:
+        """Return how the error fell while the controller learned, as far as the status told."""
+        return self._convergence.lessons()
+
+    def parameters(self) -> ParameterSet | None:
+        """Return all parameters; while this is called they are read, anew when one changes."""
+        self._parameters_asked_s = time.monotonic()
+        return self._parameters
+
+    def give(self, job: Job) -> None:
+        """Hand a job over; its future is told, whatever happens."""
+        if not self.snapshot().is_connected:
+            job.tell(False, f"not sent: {self.snapshot().problem}; {NOT_HEARD}")
+        elif job.is_urgent:
+            self._urgent.append(job)
+        elif self._work:
+            job.tell(False, f"busy with {self._work}; wait, or stop it")
+        else:
+            self._jobs.append(job)
+
+    def close(self) -> None:
+        """End the thread and close the bus."""
+        self._is_over.set()
+        self._thread.join()
+
+    # In the thread
+
+    def _run(self) -> None:
+        while not self._is_over.is_set():
+            try:
+                link = self._open_link()
+            except CamtoolsError as error:
+                self._snapshot = replace(SILENT, problem=str(error))
+            else:
+                try:
+                    self._serve(link)
+                except Exception as error:  # whatever it is: stop must be possible again at once
+                    self._snapshot = replace(SILENT, where=link.where, problem=str(error))
+                    if not isinstance(error, Refused | CamtoolsError | OSError):
+                        traceback.print_exc()
+                finally:
+                    self._end(link)
+            self._is_over.wait(AGAIN_S)
+
+    def _end(self, link: Link) -> None:
+        self._give_back(link)
+        self._work, self._parameters, self._strobe = "", None, None
+        self._partial.clear()
+        link.on_wait = lambda: None
+        self._drop_all()
+        with suppress(Exception):  # a driver of strangers raises what it likes
+            link.bus.shutdown()
+
+    def _drop_all(self) -> None:
+        for waiting in (self._urgent, self._jobs):
+            while waiting:
+                waiting.popleft().tell(False, f"not sent: {NOT_HEARD}")
+
+    def _serve(self, link: Link) -> None:
+        """Work until the controller is silent, or the panel ends."""
+        self._drop_all()  # given to the last connection in the moment in which it broke
+        link.on_row, link.on_wait = (lambda status: self._show(link, status)), self._look
+        self._begin_rights(link)
+        with suppress(_Overtaken):
+            link.listen()
+        self._strobe_again_s = 0.0
+        while not self._is_over.is_set():
+            self._is_breaking = bool(self._urgent)
+            with suppress(_Overtaken):
+                if self._urgent:
+                    while self._urgent:  # what waited behind them is dropped
+                        urgent = self._urgent.popleft()
+                        while self._jobs:
+                            self._jobs.popleft().tell(False, f"not done: {urgent.name} came first")
+                        self._carry_out(link, urgent)
+                elif self._jobs:
+                    self._carry_out(link, self._jobs.popleft())
+                else:
+                    self._look_after(link)
+                    link.pump(LOOK_S)
+            if time.monotonic() - link.status.at_s > GONE_S:
+                problem = "the controller is silent; check its power and the bus"
+                raise Refused(f"{link.where}: {problem}")
+
+    def _look(self) -> None:
+        """End what runs when an urgent job waits, or the panel ends."""
+        if (self._urgent or self._is_over.is_set()) and not self._is_breaking:
+            self._is_breaking = True  # once: what brakes on its way out gets through
+            raise _Overtaken
+
+    def _show(self, link: Link, status: Status) -> None:
+        now_s = time.monotonic()
+        if self._strobe is not None and now_s - self._strobe_asked_s < WATCHED_S:
+            self._strobe.renew()
+        if now_s - self._shown_s >= SHOW_S:
+            self._shown_s = now_s
+            own = {"has_command": self._has_command}
+            self._snapshot = snapshot_of(status, link.where, self._work, **own)
+            self._convergence.add(status.signals)
+
+    def _carry_out(self, link: Link, job: Job) -> None:
+        late = time.monotonic() - job.given_s > PATIENCE_S
+        problem = "not done: its turn came too late; try again" if late else job.still_allowed()
+        if problem and not job.is_urgent:
+            job.tell(False, problem)
+            return
+        outcome = Outcome(False, "failed; the panel's terminal tells why")
+        try:
+            if job.is_urgent:
+                link.rights.may = May.TAKE_OVER  # who stops asks nobody
+            else:
+                self._look_after_command(link)
+            outcome = Outcome(True, ACTIONS[job.name](link, job.arguments, self._say))
+        except (Refused, CamtoolsError) as error:
+            outcome = Outcome(False, str(error))
+        except _Overtaken:
+            urgent = self._urgent[0].name if self._urgent else "the end of the panel"
+            outcome = Outcome(False, f"broken off by {urgent}")
+            raise
+        finally:
+            link.rights.may = May.NEVER
+            self._say("")
+            job.tell(outcome.is_done, outcome.text)
+
+    def _say(self, work: str) -> None:
+        self._work = work
+
+    def _begin_rights(self, link: Link) -> None:
+        """Command is taken where somebody at the panel wants it, and by nothing else."""
+        rights = link.rights
+        rights.may, rights.sender = May.NEVER, sender_of("panel")
+
+        def has_changed() -> None:
+            self._has_command = rights.session != 0
+
+        rights.on_change, rights.on_lost = has_changed, self._on_lost
+        self._take_again_s = 0.0
+
+    def _look_after_command(self, link: Link) -> None:
+        """Take command for who commands at the panel, and give it back when nobody does."""
+        now_s, wants = time.monotonic(), self._wants_command()
+        if self._has_command and not wants:
+            link.rights.release()
+        elif wants and not self._has_command and now_s >= self._take_again_s:
+            self._take_again_s = now_s + TAKE_S
+            with suppress(CommandHeld):
+                link.rights.take()
+
+    def _give_back(self, link: Link) -> None:
+        """Give command back at the end of a connection, as far as that is heard."""
+        link.rights.on_lost = lambda text, holder: None
+        if time.monotonic() - link.status.at_s < SILENT_S:
+            link.on_wait = lambda: None
+            with suppress(Exception):  # the bus may be gone
+                link.rights.release()
+        self._has_command = False
+
+    def _look_after(self, link: Link) -> None:
+        """Do what pages that look want to see, a little at a time."""
+        now_s = time.monotonic()
+        with suppress(Refused):
+            self._look_after_command(link)
+        self._look_after_strobe(link, now_s)
+        if now_s - self._parameters_asked_s < WATCHED_S:
+            with suppress(Refused):
+                self._read_parameters(link)
+
+    def _look_after_strobe(self, link: Link, now_s: float) -> None:
+        is_wanted = now_s - self._strobe_asked_s < WATCHED_S and now_s > self._strobe_again_s
+        if is_wanted and now_s - self._followed_s > FOLLOW_S:
+            self._followed_s = now_s
+            try:
+                if self._strobe is None:
+                    self._strobe = Strobe(link)
+                self._strobe.follow()
+            except Refused:  # a controller without them, or one that has no time for them
+                self._strobe_again_s = now_s + GONE_S
+        elif not is_wanted and self._strobe is not None:
+            strobe, self._strobe = self._strobe, None
+            with suppress(Refused):
+                strobe.end()
+
+    def _read_parameters(self, link: Link) -> None:
+        known = self._parameters
+        signals = link.status.signals
+        if known is not None and known.checksum == int(signals["params_checksum"]):
+            if known.is_of(signals):
+                return
+            self._parameters = parameter_set(known.values, link.status)
+            return
+        for name in [name for name in INFOS if name not in self._partial][:PARAMETERS_AT_ONCE]:
+            number = NUMBERS["parameter"][name]
+            self._partial[name] = int(ask_done(link, "get_parameter", number).value)
+        if len(self._partial) == len(INFOS):
+            self._parameters = parameter_set(self._partial, link.status) or self._parameters
+            self._partial.clear()

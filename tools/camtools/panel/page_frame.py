@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The frame of every page: navigation, token, who commands, theme, and the page's visitor.
+
+A page is a function that NiceGUI calls for each browser that asks; `framed()` makes its frame:
+
+    @ui.page("/runs")
+    def runs() -> None:
+        with framed(context, "/runs") as visitor:
+            ui.label(...)
+
+Classes: those of Quasar (row, column, q-pa-md, full-width, ..) and of static/panel.css; Tailwind is
+off, since it watches every change of the page in the browser. The policy of the pages lets no
+script run that stands in the page itself: what a page adds lies as a file in static/ (ui.add_css
+would be such a script). All text of strangers goes through ui.label or props, never through ui.html
+or ui.markdown.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from nicegui import Client, events, ui
+
+from camtools.link.rights import sender_text
+from camtools.panel.access.visitor import Visitor, new_visitor
+from camtools.panel.context import AppContext
+from camtools.panel.dialogs import confirmed
+from camtools.panel.orders.commander import Commander
+from camtools.panel.orders.order import Outcome
+from camtools.panel.page_cleanup import forget_routes
+from camtools.panel.stop_button import FrameStop
+from camtools.panel.views.bus_commander import other_sender
+from camtools.panel.views.state_style import IN_WORK
+
+OPERATE = "/"
+PAGES = {OPERATE: "Operate", "/design": "Design", "/runs": "Runs"}
+STATIC, STATIC_FOLDER = "/panel", Path(__file__).parent / "static"
+_PRIMARY = "#1a5a96"  # white on it has a contrast of 7, where 4.5 is needed (WCAG 2.2, 1.4.3)
+_POSITIVE = "#1b7a37"  # 5.4
+_HEAD = f'<link rel="stylesheet" href="{STATIC}/panel.css">'
+_BODY = f'<script src="{STATIC}/panel.js"></script>'
+_SHOW_S = 0.25
+_ENDS = "Nobody commands then: the cut ends, as by Stop."
+_visitors: dict[str, Visitor] = {}  # by the identifier of their page, while it is there
+
+
+def may_upload(client_id: str) -> bool:
+    """Return whether the page with an identifier has shown the token."""
+    visitor = _visitors.get(client_id)
+    return visitor is not None and visitor.has_token
+
+
+def _admit(context: AppContext, client: Client) -> Visitor:
+    """Return the visitor of a page, who is known until the page goes."""
+    visitor = new_visitor(client.ip)
+    _visitors[client.id] = visitor
+
+    def on_connect() -> None:
+        context.service.page_connected(visitor)
+        client.run_javascript("panelHello()")
+
+    def on_disconnect() -> None:
+        if not client.has_socket_connection:  # a new one may stand before the old one is given up
+            context.service.page_lost(visitor)
+
+    def on_delete() -> None:
+        _visitors.pop(client.id, None)
+        context.service.page_lost(visitor)
+        context.commander.lose(visitor)
+        forget_routes()
+
+    client.on_connect(on_connect)
+    client.on_disconnect(on_disconnect)
+    client.on_delete(on_delete)
+    return visitor
+
+
+@contextmanager
+def framed(context: AppContext, path: str) -> Iterator[Visitor]:
+    """Make the frame of a page; what is made within the block is its content.
+
+    Yields
+    ------
+    Visitor
+        of this page, for service.do() and the commander
+    """
+    visitor = _admit(context, ui.context.client)
+    ui.colors(primary=_PRIMARY, positive=_POSITIVE)
+    ui.add_head_html(_HEAD)
+    ui.add_body_html(_BODY)
+    with ui.header().classes("row items-center q-gutter-md"):
+        for target, name in PAGES.items():
+            ui.link(name, target).classes("text-white" + (" text-bold" if target == path else ""))
+        ui.space()
+        _CommandBar(context, visitor)
+        if path != OPERATE:  # that page has a larger one, beside the state
+            stop = FrameStop(context, visitor)
+            ui.timer(_SHOW_S, stop.show)
+        _theme_button()
+    with ui.column().classes("full-width q-pa-md"):
+        yield visitor
+
+
+def _theme_button() -> None:
+    """Draw a button that goes from the system's colours to dark, light and back."""
+    mode, order = ui.dark_mode(None), {None: True, True: False, False: None}
+    names = {None: "as the system", True: "dark", False: "light"}
+
+    def press() -> None:
+        mode.set_value(order[mode.value])
+        button.props(f'aria-label="Colours: {names[mode.value]}"')
+
+    button = ui.button(icon="contrast", on_click=press).props("flat color=white data-testid=theme")
+    button.props(f'aria-label="Colours: {names[None]}"')
+
+
+class _CommandBar:
+    """Who commands, and how to: the token's field, take, take over, give back."""
+
+    def __init__(self, context: AppContext, visitor: Visitor) -> None:
+        self._context, self._visitor = context, visitor
+        self._who = ui.label().props('role="status"').mark("commander")
+        self._token = (
+            ui.input("token")
+            .props("dense dark outlined label-color=white")
+            .props('aria-label="token, which the panel printed at its start"')
+            .props("autocomplete=off spellcheck=false")
+            .classes("panel-token")
+            .on("keydown.enter", self._enter_token)
+            .mark("token")
+        )
+        self._take = ui.button("Take command", on_click=self._on_take).props("color=white outline")
+        self._news = ""
+        ui.on("panel_hello", self._on_hello)
+        ui.timer(_SHOW_S, self.show)
+        self.show()
+
+    def show(self) -> None:
+        """Bring the bar up to date."""
+        commander, visitor = self._context.commander, self._visitor
+        holder, other = commander.holder, other_sender(self._context.service.snapshot())
+        self._who.text = _who(commander, visitor, other)
+        self._token.set_visibility(not visitor.has_token)
+        self._take.set_visibility(visitor.has_token)
+        is_free = holder is None and not other
+        is_mine = holder is visitor and not other
+        mine = "Give command back" if is_mine else "Take over"
+        self._take.text = "Take command" if is_free else mine
+        news = commander.news(visitor)
+        if news and news != self._news:
+            ui.notify(news, type="warning", timeout=0, close_button="Close")
+        self._news = news
+
+    def _on_hello(self, event: events.GenericEventArguments) -> None:
+        """Take the token and the clock of a page that has connected."""
+        told = event.args if isinstance(event.args, dict) else {}
+        sent_ms = told.get("sent_ms")
+        if isinstance(sent_ms, int | float):
+            self._context.service.page_clock(self._visitor, float(sent_ms))
+        if told.get("token") and not self._visitor.has_token:
+            self._try(told["token"])
+
+    def _enter_token(self) -> None:
+        text = str(self._token.value or "").strip()
+        self._token.value = ""
+        if text and self._try(text):
+            key = json.dumps(text)
+            ui.run_javascript(f'sessionStorage.setItem("camturn.token", {key})')
+
+    def _try(self, token: object) -> bool:
+        problem = self._context.guard.shown(self._visitor, token)
+        if problem:
+            self._context.log.add_refused(self._visitor, "token", Outcome(False, problem))
+            ui.run_javascript('sessionStorage.removeItem("camturn.token")')
+            ui.notify(problem, type="negative")
+        self.show()
+        return not problem
+
+    async def _on_take(self) -> None:
+        commander, visitor, service = self._context.commander, self._visitor, self._context.service
+        newest = service.snapshot()
+        holder, other = commander.holder, other_sender(newest)
+        if holder is visitor and not other:
+            if newest.state in IN_WORK and not await confirmed("Give back?", _ENDS, "Give back"):
+                return
+            outcome = commander.release(visitor)
+        elif holder is None and not other:
+            outcome = commander.take(visitor)
+        elif await confirmed("Take the command over?", _warning(holder, other), "Take over"):
+            outcome = await service.take_over(visitor)
+        else:
+            return
+        ui.notify(outcome.text, type="positive" if outcome.is_done else "negative")
+        self.show()
+
+
+def _warning(holder: Visitor | None, other: int) -> str:
+    who = sender_text(other) if other else str(holder)
+    return f"{who} commands now, and is told that you took over. What runs goes on."
+
+
+def _who(commander: Commander, visitor: Visitor, other: int) -> str:
+    if other:
+        return f"{sender_text(other)} commands the controller"
+    holder = commander.holder
+    if holder is visitor:
+        return "you command"
+    return f"{holder} commands" if holder is not None else "nobody commands"

@@ -1,0 +1,106 @@
+"""What it costs when the constants of U's drive are not what the controller believes.
+
+>>> worse({"u": {"delay_us": 100}})["u.delay_us"]
+105.0
+>>> sorted(worse({"u": {"kind": "force"}}))
+['u.amplifier_hz', 'u.delay_us', 'u.mass_kg']
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import length_text
+from camtools.sim.machine_file import Machine, emit_machine, mistaken, nominal_of, read_machine
+from camtools.sim.simulate import Result, simulate
+
+SHARE = 0.05
+# Each is off to the side that makes U later than believed, so that the errors add up.
+_SENSES = {
+    "position": {"u.bandwidth_hz": -1, "u.damping": 1, "u.delay_us": 1},
+    "force": {"u.mass_kg": 1, "u.amplifier_hz": -1, "u.delay_us": 1},
+}
+_NO_LEARNING = ("rehearse_turns", "learn_harmonics", "ripple_turns")
+_MOST_TICKS = 300_000  # of a cut: a third of a second
+_TICK_HZ = 20_000
+
+
+class Mismatch(NamedTuple):
+    """Form errors of a cut on a machine whose drive differs from what is believed.
+
+    Attributes
+    ----------
+    without_um, with_um : float or None
+        Largest form error without learning and with it [um]; none where the cut ended otherwise.
+    learns : bool
+        The controller learns on this machine.
+    turns : float
+        Turns that were cut.
+    """
+
+    without_um: float | None
+    with_um: float | None
+    learns: bool
+    turns: float
+
+    def text(self) -> str:
+        """Return it in one line.
+
+        >>> Mismatch(2.8, 0.12, True, 622.0).text()
+        'form error 2.8 µm without learning, 120 nm with it'
+        """
+        without = "no result" if self.without_um is None else length_text(self.without_um)
+        if not self.learns:
+            return f"form error {without}; nothing is learned"
+        learned = "no result" if self.with_um is None else length_text(self.with_um)
+        return f"form error {without} without learning, {learned} with it"
+
+    def facts(self) -> Json:
+        """Return it as data."""
+        return {"share": SHARE} | self._asdict()
+
+
+def worse(tree: Mapping[str, Any]) -> dict[str, float]:
+    """Return the true constants of a drive that is worse than believed by 5 %."""
+    kind = str(tree.get("u", {}).get("kind", "position"))
+    found = {}
+    for key, sense in _SENSES[kind if kind in _SENSES else "position"].items():
+        nominal = nominal_of(tree, key)
+        if nominal is not None:
+            found[key] = nominal * (1 + sense * SHARE)
+    return found
+
+
+def _error_um(result: Result) -> float | None:
+    ended = result.summary["end"] in ("done", "stopped")
+    return result.form_error_um if ended else None
+
+
+def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) -> Mismatch:
+    """Return what 5 % cost.
+
+    Parameters
+    ----------
+    speed_rpm : float
+        Mean speed; a cut of more than 300 000 ticks ends after so many.
+
+    Raises
+    ------
+    CamtoolsError
+        The simulator refuses such a machine, or its file is no TOML.
+    """
+    turns = max(_MOST_TICKS / _TICK_HZ * speed_rpm / 60, 1.0)
+    tree = read_machine(machine, "machine file")
+    chosen = Machine("machine file", emit_machine(mistaken(tree, worse(tree))))
+    learned = simulate(table, chosen, turns=turns, options=words)
+    parameters = learned.summary["parameters"]
+    off = [name for name in _NO_LEARNING if name in parameters]
+    learns = any(parameters[name] for name in off)
+    # Later words overrule earlier ones.
+    plain = [word for name in off for word in ("--set", f"{name}=0")]
+    without = simulate(table, chosen, turns=turns, options=[*words, *plain]) if learns else learned
+    cut_turns = float(without.summary["cut"]["turns"])
+    return Mismatch(_error_um(without), _error_um(learned), learns, cut_turns)

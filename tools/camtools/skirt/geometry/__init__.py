@@ -1,0 +1,1 @@
+"""The exact shape of a skirt: sections, surfaces, measured points, refitted corners."""

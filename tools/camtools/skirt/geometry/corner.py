@@ -1,0 +1,308 @@
+"""The corner of a large-bore skirt over its height, MATHS.md (13): where it is, how it is refitted.
+
+>>> _from_joint(np.radians([0.0, 24.0, 48.0, 69.0, 90.0]), np.radians(48.0)).round(9).tolist()
+[0.0, 0.5, 1.0, 1.5, 2.0]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.skirt.geometry.composite import QUARTER_RAD, Joint
+from camtools.skirt.geometry.poly_surface import TURN_RAD, PolySurface, angle_pieces, over_height
+from camtools.skirt.geometry.profile import (
+    Allowance,
+    check_overshoot,
+    constant_spline,
+    in_um,
+    magnified,
+    polygon_or_spline,
+)
+from camtools.skirt.geometry.refit import (
+    Recipe,
+    RefitCandidate,
+    best_of,
+    deviation_mm,
+    ellipse_steps,
+    jerk_limit_of,
+    judge_all,
+    kept_sites,
+    refit,
+    sites_rad,
+)
+from camtools.skirt.geometry.sections import Section, make_section
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.part.power_law import PeakOvality
+from camtools.skirt.part.profile_keys import Ovality
+from camtools.skirt.part.section_keys import Refit
+
+MAX_STEP_MM = 0.001
+REFIT_SHARE = 0.75  # of the accepted form error, unless the part says how far a refit may be off
+_UM_PER_MM = 1000.0
+_MAX_JUDGED, _MAX_CHECKED = 16, 100  # heights, for all candidates and for the one chosen
+_JOINT = Allowance("joint_deg over height", 1.0, "degrees", 0.1, None)
+
+
+class RefitDeviation(NamedTuple):
+    """Where a refit is farthest off the drawing."""
+
+    um: float
+    z_mm: float
+    deg: float  # from the long axis
+
+
+@dataclass(frozen=True, eq=False)
+class Corner:
+    """A composite section over height, before and after its refit.
+
+    Attributes
+    ----------
+    radius, ovality, trim, joint_deg : PPoly
+        Over height [mm, mm, mm, degrees].
+    law : Section
+        The oval's.
+    recipe : Recipe or None
+        None: the corner is left as drawn.
+    worst_mm : float
+        Height of the sharpest corner, for which the candidates are judged.
+    candidates : tuple of RefitCandidate
+        All deletions the paper tries, at the part's speed; empty without a refit. Accelerations
+        and jerks are those at `worst_mm`, deviations the largest of all heights.
+    off : RefitDeviation or None
+        How far the refit is off the drawing.
+    off_limit_um : float
+        How far it may be.
+    """
+
+    radius: PPoly
+    ovality: PPoly
+    trim: PPoly
+    joint_deg: PPoly
+    law: Section
+    recipe: Recipe | None = None
+    worst_mm: float = 0.0
+    candidates: tuple[RefitCandidate, ...] = ()
+    off: RefitDeviation | None = None
+    off_limit_um: float = np.inf
+    log2_repeat: int = 1
+
+    def joint(self, z_mm: FloatsLike) -> Joint:
+        """Return what decides the section at heights; numbers for a number."""
+        a, g, h = self.radius(z_mm), self.ovality(z_mm), self.trim(z_mm)
+        return Joint(a, g, h, np.radians(self.joint_deg(z_mm)), self.law)
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return the reduction as drawn, corner included; shapes as broadcast."""
+        return self.joint(np.asarray(z_mm, dtype=np.float64)).reduction(phi_rad)
+
+    @property
+    def n_ellipse(self) -> int:
+        """Return the degree steps from the long axis to the joint."""
+        return ellipse_steps(float(np.radians(self.joint_deg(self.worst_mm))))
+
+    def surface(self, breaks_mm: Floats) -> PolySurface:
+        """Return the refitted skirt; breaks_mm are the heights where a spline may kink."""
+        assert self.recipe is not None
+        breaks_rad = self._breaks_rad(self.worst_mm)
+        joint_rad = float(np.radians(self.joint_deg(self.worst_mm)))
+
+        def pieces(z_mm: float) -> Floats:
+            assert self.recipe is not None
+            curve = refit(self.joint(z_mm), self.recipe, self.n_ellipse)
+            return angle_pieces(curve, self._breaks_rad(z_mm))
+
+        heights, coefficients = over_height(pieces, breaks_mm)
+        turns = PPoly(np.radians(self.joint_deg.c) / TURN_RAD, self.joint_deg.x)
+        return PolySurface(_from_joint(breaks_rad, joint_rad), heights, coefficients, turns)
+
+    def _breaks_rad(self, z_mm: float) -> Floats:
+        """Return all breaks of the refit at a height, the joint among them."""
+        assert self.recipe is not None
+        joint_rad = float(np.radians(self.joint_deg(z_mm)))
+        if self.recipe.ends == "mirror":
+            sites = sites_rad(joint_rad, self.n_ellipse)[kept_sites(self.recipe, self.n_ellipse)]
+        else:
+            sites = refit(self.joint(z_mm), self.recipe, self.n_ellipse).x
+        apart = np.unique(np.concatenate([sites, [0.0, QUARTER_RAD]]))
+        off = np.abs(apart - joint_rad) > 1e-9
+        return np.asarray(np.unique(np.append(apart[off], joint_rad)), dtype=np.float64)
+
+
+def _from_joint(phi_rad: Floats, joint_rad: float) -> Floats:
+    """Return angles counted 0 .. 1 to the joint and 1 .. 2 to the short axis."""
+    beyond = 1 + (phi_rad - joint_rad) / (QUARTER_RAD - joint_rad)
+    return np.where(phi_rad < joint_rad, phi_rad / joint_rad, beyond)
+
+
+def _over_ovality(value: list[float] | float, ovality: Ovality | PeakOvality) -> PPoly:
+    """Return a number, or a list over the ovality's heights, as cubics; a polygon of segments."""
+    if isinstance(value, list):
+        kind = "linear" if ovality.interpolation == "segments" else ovality.interpolation
+        return polygon_or_spline(ovality.height_mm, np.array(value), kind)
+    return constant_spline(value, ovality.height_mm[0], ovality.height_mm[-1])
+
+
+def _check_lists(trim: PPoly, joint_deg: PPoly, drawn: Ovality | PeakOvality) -> None:
+    """Refuse lists whose curves leave their points: they are interpolated as the ovality is."""
+    if isinstance(drawn, PeakOvality):
+        return  # lists are polygons then
+    heights_mm = np.asarray(drawn.height_mm, dtype=np.float64)
+    allowed = in_um(drawn.overshoot_um, "trim_mm over height")
+    check_overshoot("piston.ovality.interpolation", trim, allowed, heights_mm)
+    check_overshoot("piston.ovality.interpolation", joint_deg, _JOINT, heights_mm)
+
+
+def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floats) -> Corner:
+    """Return the corner of a part of shape "ellipse-arc".
+
+    Parameters
+    ----------
+    heights_mm : ndarray
+        Dense heights at which the shape is checked, both ends among them.
+
+    Raises
+    ------
+    GeometryError
+        No circle reaches from the joint to the short axis, or a given eccentricity does not fit.
+    """
+    section, drawn = part.piston.section, part.piston.ovality
+    assert drawn is not None
+    assert section.trim_mm is not None
+    assert section.joint_deg is not None
+    factor = part.magnify.factor if part.magnify else 1.0
+    trim = _over_ovality(section.trim_mm, drawn)
+    corner = Corner(
+        radius,
+        ovality,
+        magnified(trim, factor, 0.0),
+        _over_ovality(section.joint_deg, drawn),
+        make_section(section.base or "cosine", np.asarray(section.beta, dtype=np.float64)),
+    )
+    _check_lists(trim, corner.joint_deg, drawn)
+    _check_room(corner, heights_mm)
+    if section.eccentricity_mm is not None and factor == 1:
+        _check_eccentricity(corner, section.eccentricity_mm, drawn)
+    return _with_recipe(corner, part, heights_mm)
+
+
+def largest_deviation(corner: Corner, recipe: Recipe, heights_mm: Floats) -> RefitDeviation:
+    """Return where a refit is farthest off the drawing, of all angles and the heights given."""
+    worst = RefitDeviation(0.0, 0.0, 0.0)
+    n_ellipse = ellipse_steps(float(np.radians(corner.joint_deg(corner.worst_mm))))
+    for z_mm in heights_mm:
+        joint = corner.joint(float(z_mm))
+        phi, off_mm = deviation_mm(joint, refit(joint, recipe, n_ellipse))
+        i = int(np.argmax(np.abs(off_mm)))
+        off_um = float(np.abs(off_mm[i])) * _UM_PER_MM
+        if off_um > worst.um:
+            worst = RefitDeviation(off_um, float(z_mm), float(np.degrees(phi[i])))
+    return worst
+
+
+def _judged(corner: Corner, wish: Refit, spindle_rpm: float) -> list[RefitCandidate]:
+    """Return all candidates: motion at the sharpest height, deviation the largest of all."""
+    breaks = np.union1d(corner.radius.x, corner.ovality.x)
+    breaks = breaks[(breaks >= corner.radius.x[0]) & (breaks <= corner.radius.x[-1])]
+    step = max(1, breaks.size // _MAX_JUDGED)  # arcs of the profile are many short pieces
+    breaks = np.append(breaks[:-1:step], breaks[-1])
+    heights_mm = np.unique(np.concatenate([breaks, (breaks[1:] + breaks[:-1]) / 2]))
+    found = []
+    joint = corner.joint(corner.worst_mm)
+    for one in judge_all(joint, wish.spline, wish.ends, spindle_rpm):
+        recipe = Recipe(wish.spline, one.s1, one.s2, wish.ends)
+        off = largest_deviation(corner, recipe, heights_mm)
+        if off.um > one.deviation_um:
+            one = one._replace(deviation_um=off.um, deviation_deg=off.deg)
+        found.append(one)
+    return found
+
+
+def _with_recipe(corner: Corner, part: SkirtPart, heights_mm: Floats) -> Corner:
+    """Return the corner with its refit, if it has one."""
+    wish, rpm = part.piston.section.refit, part.process.spindle_rpm
+    corner = replace(
+        corner, worst_mm=float(heights_mm[int(np.argmax(corner.joint(heights_mm).corner_mm_rad()))])
+    )
+    if wish is None:
+        return corner
+    if wish.ends == "as-paper" and np.ptp(corner.joint_deg(corner.joint_deg.x)) > 0:
+        problem = 'ends = "as-paper" is defined for one joint angle only'
+        raise GeometryError("piston.section.refit.ends", problem, 'use "mirror"')
+    limit_um = wish.deviation_um or REFIT_SHARE * part.process.form_error_um
+    found = _judged(corner, wish, rpm)
+    if wish.delete == "optimise":
+        best = best_of(found, jerk_limit_of(wish.ends, wish.jerk_limit_mm_s3), limit_um)
+        s1, s2 = best.s1, best.s2
+    else:
+        s1, s2 = wish.delete
+    recipe = Recipe(wish.spline, s1, s2, wish.ends)
+    off = largest_deviation(corner, recipe, heights_mm[:: max(1, heights_mm.size // _MAX_CHECKED)])
+    told = max((one.deviation_um for one in found if (one.s1, one.s2) == (s1, s2)), default=0.0)
+    off = off._replace(um=max(off.um, told))
+    return replace(corner, recipe=recipe, candidates=tuple(found), off=off, off_limit_um=limit_um)
+
+
+def refuse_deviation(corner: Corner, refit_of_part: Refit) -> None:
+    """Refuse a refit that is farther off the drawing than the part allows, with the numbers."""
+    off, recipe = corner.off, corner.recipe
+    if off is None or recipe is None or off.um <= corner.off_limit_um:
+        return
+    given = "deviation_um" if refit_of_part.deviation_um else "three quarters of form_error_um"
+    least = min(corner.candidates, key=lambda one: one.deviation_um)
+    of_least = (
+        f"[{least.s1}, {least.s2}], {least.deviation_um:.2f} um at "
+        f"{least.acceleration_mm_s2:.6g} mm/s2"
+    )
+    allowed = f"{given} allows {corner.off_limit_um:g} um"
+    if refit_of_part.delete == "optimise":
+        problem = (
+            f"no deletion stays that near to the drawing: {allowed}, the nearest is {of_least}"
+        )
+    else:
+        problem = (
+            f"deleting [{recipe.s1}, {recipe.s2}] is {off.um:.2f} um off the drawing at height "
+            f"{off.z_mm:.4g} mm, {off.deg:.1f} degrees; {allowed}, the nearest deletion is "
+            f"{of_least}"
+        )
+    remedy = "allow more (deviation_um, and process.form_error_um above it), or trim less"
+    raise GeometryError("piston.section.refit.deviation_um", problem, remedy)
+
+
+def _check_room(corner: Corner, heights_mm: Floats) -> None:
+    joint = corner.joint(heights_mm)
+    room, arc = joint.room_mm(), joint.arc()
+    worst = int(np.argmin(room))
+    if room[worst] <= 0:
+        problem = f"no circle reaches from the joint to the short axis at {heights_mm[worst]:.6g}"
+        remedy = "trim less, or put the joint nearer to the short axis"
+        raise GeometryError("piston.section.trim_mm", problem + " mm of height", remedy)
+    least = int(np.argmin(arc.eccentricity_mm))
+    if arc.eccentricity_mm[least] <= 0:
+        problem = f"the circle would bulge beyond the piston at height {heights_mm[least]:.6g} mm"
+        raise GeometryError("piston.section.trim_mm", problem, "trim more")
+
+
+def _check_eccentricity(
+    corner: Corner, given: list[float] | float, drawn: Ovality | PeakOvality
+) -> None:
+    """Demand that a given eccentricity is that of the circle, to 1 um of contour at the joint."""
+    heights = np.array(drawn.height_mm)
+    inside = (heights >= corner.radius.x[0]) & (heights <= corner.radius.x[-1])
+    joint = corner.joint(heights)
+    right, step = joint.arc().eccentricity_mm, joint.step_mm(np.asarray(given))
+    off = np.where(inside, np.abs(step), 0.0)
+    worst = int(np.argmax(off))
+    if off[worst] > MAX_STEP_MM:
+        here = np.broadcast_to(np.asarray(given), heights.shape)[worst]
+        problem = (
+            f"{here:g} mm leaves a step of {step[worst] * _UM_PER_MM:.3f} um at the joint at "
+            f"height {heights[worst]:g} mm"
+        )
+        remedy = f"the consistent value there is {right[worst]:.6f} mm; give it, or remove the key"
+        raise GeometryError("piston.section.eccentricity_mm", problem, remedy)

@@ -1,0 +1,146 @@
+"""The skirt continued beyond its ends: the tool runs in and out through the air, MATHS.md (102).
+
+>>> from camtools.skirt.geometry.skirt_geometry import make_geometry
+>>> from camtools.skirt.part.part_file import example_part
+>>> air = with_run(make_geometry(example_part()), 3.0, 2.0)
+>>> air.z_first_mm, air.z_last_mm, air.gauge_mm
+(-3.0, 64.0, (0.0, 62.0))
+>>> float(air.radius_mm(-3.0, 2))
+0.0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.skirt.geometry.corrected import CorrectedSurface
+from camtools.skirt.geometry.sides import heights_of
+from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, SkirtSurface
+
+_PLACES = 65  # of a run, where it is looked at
+
+
+@dataclass(frozen=True, eq=False)
+class HeldSurface:
+    """A surface that stays beyond two heights as it is there."""
+
+    inner: SkirtSurface
+    first_mm: float
+    last_mm: float
+
+    @property
+    def log2_repeat(self) -> int:
+        """See `SkirtSurface`."""
+        return self.inner.log2_repeat
+
+    def heights_mm(self) -> Floats:
+        """Return the heights at which a curve of the surface has a break, rising."""
+        return heights_of(self.inner)
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """See `SkirtSurface`."""
+        return self.inner.delta(phi_rad, np.clip(z_mm, self.first_mm, self.last_mm))
+
+
+def _fading(spline: PPoly, end_mm: float, run_mm: float) -> Floats:
+    """Return the run's cubic from its lower end on: tangent, its curvature fades to 0.
+
+    At a distance d beyond the end, a + a' d + a'' (d^2 / 2 - |d|^3 / (6 run)).
+    """
+    value, slope, bend = (float(spline(end_mm, nu=n)) for n in range(3))
+    run = abs(run_mm)
+    d = np.poly1d([1.0, min(run_mm, 0.0)])  # from the end, over the height above the lower end
+    sign = 1.0 if run_mm > 0 else -1.0
+    found = value + slope * d + bend * (d**2 / 2 - sign * d**3 / (6 * run))
+    return np.pad(found.coeffs, (4 - len(found.coeffs), 0))
+
+
+def _is_above_zero(piece: Floats, run_mm: float) -> bool:
+    return bool(np.polyval(piece, np.linspace(0, abs(run_mm), _PLACES)).min() >= 0)
+
+
+def continued(
+    spline: PPoly,
+    ends_mm: tuple[float, float],
+    runs_mm: Sequence[float],
+    *,
+    is_ovality: bool = False,
+) -> PPoly:
+    """Return a curve over height, continued beyond its ends.
+
+    Tangentially, with a curvature that fades; an ovality that would fall below 0 stays.
+    """
+    inside = (spline.x > ends_mm[0]) & (spline.x < ends_mm[1])
+    x = np.concatenate([ends_mm[:1], spline.x[inside], ends_mm[1:]])
+    columns = [_piece_at(spline, low) for low in x[:-1]]
+    for end_mm, run_mm in zip(ends_mm, (-runs_mm[0], runs_mm[1]), strict=True):
+        if run_mm == 0:
+            continue
+        piece = _fading(spline, end_mm, run_mm)
+        if is_ovality and not _is_above_zero(piece, run_mm):
+            piece = np.array([0.0, 0.0, 0.0, float(spline(end_mm))])
+        x = np.append(x, end_mm + run_mm) if run_mm > 0 else np.append(end_mm + run_mm, x)
+        columns = [*columns, piece] if run_mm > 0 else [piece, *columns]
+    order = max(len(column) for column in columns)
+    c = np.array([np.pad(column, (order - len(column), 0)) for column in columns]).T
+    return PPoly(c, x)
+
+
+def _piece_at(spline: PPoly, low_mm: float) -> Floats:
+    """Return the polynomial of the piece above a height, in the distance from that height."""
+    i = int(np.clip(np.searchsorted(spline.x, low_mm, side="right") - 1, 0, spline.x.size - 2))
+    moved = np.poly1d(spline.c[:, i])(np.poly1d([1.0, low_mm - spline.x[i]]))
+    n = spline.c.shape[0]
+    return np.pad(np.atleast_1d(moved.coeffs), (n - len(np.atleast_1d(moved.coeffs)), 0))
+
+
+def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometry:
+    """Return the geometry that the tool follows, run-in and run-out included.
+
+    Parameters
+    ----------
+    run_in_mm, run_out_mm : float
+        How far the tool begins below the skirt and ends above it [mm]; 0 leaves the end.
+    """
+    if run_in_mm == 0 and run_out_mm == 0:
+        return geometry
+    if isinstance(geometry.surface, CorrectedSurface):  # which keeps to its own ends
+        own = geometry.surface
+        found = with_run(replace(geometry, surface=own.inner), run_in_mm, run_out_mm)
+        return replace(found, surface=replace(own, inner=found.surface))
+    ends, runs = (geometry.z_first_mm, geometry.z_last_mm), (run_in_mm, run_out_mm)
+    radius = continued(geometry.radius, ends, runs)
+    ovality = continued(geometry.ovality, ends, runs, is_ovality=True)
+    surface: SkirtSurface = HeldSurface(geometry.surface, *ends)
+    if isinstance(geometry.surface, OvalSurface):
+        surface = replace(geometry.surface, radius=radius, ovality=ovality)
+    found = replace(
+        geometry,
+        radius=radius,
+        ovality=ovality,
+        surface=surface,
+        z_first_mm=ends[0] - run_in_mm,
+        z_last_mm=ends[1] + run_out_mm,
+        gauge_mm=ends,
+    )
+    _check_runs(found, ends, runs)
+    return found
+
+
+def _check_runs(air: Geometry, ends_mm: tuple[float, float], runs_mm: tuple[float, float]) -> None:
+    for key, end_mm, run_mm in zip(
+        ("run_in_mm", "run_out_mm"), ends_mm, (-runs_mm[0], runs_mm[1]), strict=True
+    ):
+        z_mm = np.linspace(end_mm, end_mm + run_mm, _PLACES)
+        short_mm = air.radius_mm(z_mm) - np.maximum(air.ovality_mm(z_mm), air.deepest_mm(end_mm))
+        thinnest = int(np.argmin(short_mm))
+        if short_mm[thinnest] <= 0:
+            at = f"{short_mm[thinnest]:.6g} mm at height {z_mm[thinnest]:.6g} mm"
+            problem = f"the continued half axis is {at}"
+            raise GeometryError(f"process.{key}", problem, "give a shorter one")

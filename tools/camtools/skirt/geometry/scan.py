@@ -1,0 +1,203 @@
+r"""Measured sections: a CSV table of angle, height and radius reduction, "scan and replay".
+
+>>> rows = "".join(f"{angle},0,{angle % 180}\n" for angle in range(0, 360, 15))
+>>> parse_scan("angle_deg,z_mm,reduction_um\n" + rows, "scan.csv").reduction_mm.shape
+(1, 24)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import PPoly, make_interp_spline
+
+from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats
+from camtools.skirt.geometry.poly_surface import PolySurface
+from camtools.skirt.geometry.profile import constant_spline, polygon_or_spline
+from camtools.skirt.geometry.scan_text import MAX_REDUCTION_MM, MIN_ANGLES, Sections, parse_sections
+from camtools.skirt.geometry.section_surface import surface_through
+
+_MIN_SPLINE_HEIGHTS = 4
+_FILTERED_PER_HARMONIC = 8
+MAX_SAMPLES = 5760  # of a section that is sampled anew: every sixteenth of a degree
+_FINE_MM, _COARSE_MM = 1e-6, 1e-3
+
+
+class Scan(NamedTuple):
+    """Sections at the same angles at every height."""
+
+    angle_deg: Floats  # (n,) rising, 0 .. 360
+    z_mm: Floats  # (m,) rising
+    reduction_mm: Floats  # (m, n)
+
+
+def parse_scan(text: str, file: str) -> Scan:
+    """Return the sections of a CSV text at common angles, see `parse_sections` and `joined`."""
+    return joined(parse_sections(text, file)).scan
+
+
+class Joined(NamedTuple):
+    """Sections at common angles, and what that cost."""
+
+    scan: Scan
+    off_mm: float  # largest distance from the spline of a section through its own points
+
+
+def joined(sections: Sections) -> Joined:
+    """Return sections at the same angles at every height, MATHS.md (79).
+
+    Sections that were measured at the same angles stay as they are. Otherwise a spline goes through
+    the points of each, and all are sampled at equal distances, so finely that the surface through
+    the samples keeps within a nanometre of them where that is possible.
+    """
+    first = sections.angles_deg[0]
+    if all(np.array_equal(one, first) for one in sections.angles_deg):
+        return Joined(Scan(first, sections.z_mm, np.array(sections.values_mm)), 0.0)
+    pairs = list(zip(sections.angles_deg, sections.values_mm, strict=True))
+    own = [Periodic(angle, values) for angle, values in pairs]
+    n = max(angle.size for angle in sections.angles_deg)
+    while True:
+        grid = 360 * np.arange(n) / n
+        sampled = [Periodic(grid, one(grid)) for one in own]
+        between = 360 * (np.arange(4 * n) + 0.5) / (4 * n)
+        places = [np.concatenate([between, angle]) for angle, _ in pairs]
+        off_mm = max(
+            float(np.abs(a(at) - b(at)).max())
+            for a, b, at in zip(own, sampled, places, strict=True)
+        )
+        if off_mm <= _FINE_MM or 2 * n > MAX_SAMPLES:
+            break
+        n *= 2
+    if off_mm > _COARSE_MM:
+        problem = f"heights have angles of their own, and common ones miss by {off_mm * 1e3:.3g} um"
+        remedy = "measure all heights at the same angles"
+        raise GeometryError("piston.section.csv", problem, remedy)
+    return Joined(Scan(grid, sections.z_mm, np.stack([one(grid) for one in own])), off_mm)
+
+
+class Periodic:
+    """The periodic quintic spline through a section."""
+
+    def __init__(self, angle_deg: Floats, values: Floats) -> None:
+        turn = np.append(angle_deg, angle_deg[0] + 360) / 360
+        closed = np.append(values, values[0])
+        self._first = float(turn[0])
+        self._spline = make_interp_spline(turn, closed, k=5, bc_type="periodic")
+
+    def __call__(self, angle_deg: Floats) -> Floats:
+        """Return the section at angles [deg]."""
+        at = self._first + np.mod(angle_deg / 360 - self._first, 1.0)
+        return np.asarray(self._spline(at), dtype=np.float64)
+
+
+def reductions(sections: Sections, radius_mm: Callable[[Floats], Floats]) -> Sections:
+    """Return sections as reductions of the profile's radius, however they were measured.
+
+    Raises
+    ------
+    GeometryError
+        Radii are far from the profile's: they are diameters, or no radii at all.
+    """
+    if not sections.is_radius:
+        return sections
+    a_mm = radius_mm(sections.z_mm)
+    values = tuple(a - one for a, one in zip(a_mm, sections.values_mm, strict=True))
+    for z_mm, a, one in zip(sections.z_mm, a_mm, values, strict=True):
+        worst = float(one[np.argmax(np.abs(one))])
+        if abs(worst) > MAX_REDUCTION_MM:
+            problem = f"height {z_mm:g} mm: a radius of {a - worst:g} mm, the profile has {a:g} mm"
+            remedy = "give radii in mm, or name the column reduction_um or reduction_mm"
+            raise GeometryError("piston.section.csv", problem, remedy)
+    return sections._replace(values_mm=values, is_radius=False)
+
+
+def filtered_sections(sections: Sections, harmonics: int) -> Scan:
+    """Return `filtered` of sections that may have angles of their own, which need no joining."""
+    rows = [
+        filtered(Scan(angle, np.zeros(1), values[None]), harmonics)
+        for angle, values in zip(sections.angles_deg, sections.values_mm, strict=True)
+    ]
+    return Scan(
+        rows[0].angle_deg, sections.z_mm, np.concatenate([row.reduction_mm for row in rows])
+    )
+
+
+def off_points_mm(surface: PolySurface, sections: Sections, factor: float) -> float:
+    """Return how far a surface is from the points of the sections, magnified by a factor."""
+    worst = 0.0
+    for z_mm, angle, values in zip(*sections[:3], strict=True):
+        found = surface.delta(np.radians(angle), float(z_mm)).delta
+        worst = max(worst, float(np.abs(found - factor * values).max()))
+    return worst
+
+
+def filtered(scan: Scan, harmonics: int) -> Scan:
+    """Return the sections with harmonics 0 .. n of the turn only, on a uniform grid of angles.
+
+    The waves are fitted to the points by least squares, as a roundness instrument's filter does,
+    MATHS.md (18).
+    """
+    n_points = scan.angle_deg.size
+    if 2 * harmonics + 1 > n_points:
+        problem = f"{n_points} points per turn cannot tell {harmonics} waves apart"
+        remedy = f"give at most {(n_points - 1) // 2}"
+        raise GeometryError("piston.section.harmonics", problem, remedy)
+    waves, *_ = np.linalg.lstsq(
+        _basis(np.radians(scan.angle_deg), harmonics), scan.reduction_mm.T, rcond=None
+    )
+    n = max(MIN_ANGLES, _FILTERED_PER_HARMONIC * harmonics)
+    grid = 360 * np.arange(n) / n
+    return Scan(grid, scan.z_mm, (_basis(np.radians(grid), harmonics) @ waves).T)
+
+
+def waves_of(sections: Sections, scan: Scan, harmonics: int) -> Scan:
+    """Return measured sections with so many waves kept: the points are filtered, not samples.
+
+    Parameters
+    ----------
+    scan : Scan
+        The same sections at common angles.
+    """
+    if all(np.array_equal(one, scan.angle_deg) for one in sections.angles_deg):
+        return filtered(scan, harmonics)
+    return filtered_sections(sections, harmonics)
+
+
+def _basis(phi: Floats, harmonics: int) -> Floats:
+    n = np.arange(1, harmonics + 1)
+    angles = phi[:, None] * n
+    return np.hstack([np.ones((phi.size, 1)), np.cos(angles), np.sin(angles)])
+
+
+def joined_by(scan: Scan, interpolation: str | None) -> str:
+    """Return how heights are joined: up to three linearly, more by a spline, unless told."""
+    return interpolation or ("spline" if scan.z_mm.size >= _MIN_SPLINE_HEIGHTS else "linear")
+
+
+def scan_surface(scan: Scan, factor: float = 1.0, interpolation: str | None = None) -> PolySurface:
+    """Return the surface through all points: periodic quintic over angle, smooth over height.
+
+    One height serves all.
+    """
+    kind = joined_by(scan, interpolation)
+    return surface_through(scan.angle_deg / 360, scan.z_mm, factor * scan.reduction_mm, kind)
+
+
+def ovality_of(scan: Scan) -> PPoly:
+    """Return the largest minus the least diameter over height [mm]."""
+    n = scan.angle_deg.size
+    opposite = np.interp(
+        np.mod(scan.angle_deg + 180, 360),
+        np.append(scan.angle_deg, scan.angle_deg[0] + 360),
+        np.arange(n + 1),
+    )
+    low, weight = opposite.astype(np.int64) % n, opposite % 1
+    facing = (1 - weight) * scan.reduction_mm[:, low]
+    facing = facing + weight * scan.reduction_mm[:, (low + 1) % n]
+    oval = np.ptp(scan.reduction_mm + facing, axis=1)
+    if scan.z_mm.size == 1:
+        return constant_spline(float(oval[0]), float(scan.z_mm[0]) - 1, float(scan.z_mm[0]) + 1)
+    return polygon_or_spline(scan.z_mm, oval, "linear")

@@ -1,0 +1,217 @@
+"""Ovals that differ from side to side, whose parameters change with height, that are turned.
+
+>>> import numpy as np
+>>> from camtools.skirt.geometry.profile import constant_spline
+>>> a, g, none = (constant_spline(value, 0.0, 60.0) for value in (46.0, 0.2, 0.0))
+>>> side = OvalSide("cosine", a, g, none, none, none)
+>>> [f"{mm:.3f}" for mm in side.delta(np.radians([0.0, 90.0]), 30.0).delta]
+['0.000', '0.100']
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.skirt.geometry.sections import make_section
+
+_MIDDLE_RAD = {"short-axis": np.pi, "long-axis": 1.5 * np.pi}  # of the antithrust side
+
+
+class AnySurface(Protocol):
+    """What can be turned: see `geometry.SkirtSurface`."""
+
+    @property
+    def log2_repeat(self) -> int:
+        """The pattern repeats 2^log2_repeat times per turn, exactly."""
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives at fixed height."""
+
+
+@runtime_checkable
+class _WithHeights(Protocol):
+    """A surface with curves over height of its own."""
+
+    def heights_mm(self) -> Floats:
+        """Return the heights at which one of them has a break, rising."""
+
+
+def heights_of(surface: object) -> Floats:
+    """Return the heights at which a curve of a surface itself has a break, rising."""
+    return surface.heights_mm() if isinstance(surface, _WithHeights) else np.empty(0)
+
+
+def _document(curve: PPoly) -> dict[str, Any]:
+    return {"breaks_mm": curve.x.tolist(), "coefficients": curve.c.T.tolist()}
+
+
+@dataclass(frozen=True, eq=False)
+class OvalSide:
+    """The law of one side, all round, MATHS.md (76).
+
+    Attributes
+    ----------
+    shape : str
+        Of `make_section`.
+    radius : PPoly
+        Long half axis of the part [mm] over height [mm].
+    ovality, drop : PPoly
+        Diametral ovality of this side, and how far its half axis lies below the part's [mm].
+    parameter : PPoly
+        beta or the exponent of the law.
+    phase : PPoly
+        How far its long axis is turned [rad].
+    """
+
+    shape: str
+    radius: PPoly
+    ovality: PPoly
+    drop: PPoly
+    parameter: PPoly
+    phase: PPoly
+    log2_repeat: int = 1
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives; see `Geometry.delta`."""
+        z = np.asarray(z_mm, dtype=np.float64)
+        drop = self.drop(z)
+        law = make_section(self.shape, self.parameter(z))
+        phi = np.asarray(phi_rad) - self.phase(z)
+        found = law.evaluate(phi, self.radius(z) - drop, self.ovality(z))
+        return found._replace(delta=np.asarray(found.delta + drop, dtype=np.float64))
+
+    def heights_mm(self) -> Floats:
+        """Return the heights at which a curve of this side has a break."""
+        curves = (self.ovality, self.drop, self.parameter, self.phase)
+        return np.unique(np.concatenate([curve.x for curve in curves]))
+
+    def document(self) -> dict[str, Any]:
+        """Return what a gauge needs as JSON values (layout: host_sim/part/sim_sides.h)."""
+        return {
+            "law": self.shape,
+            "ovality_mm": _document(self.ovality),
+            "drop_mm": _document(self.drop),
+            "parameter": _document(self.parameter),
+            "phase_rad": _document(self.phase),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class SidesSurface:
+    """One side, or two that are blended where they meet, MATHS.md (77).
+
+    Attributes
+    ----------
+    thrust : OvalSide
+        The side that the main tables describe.
+    antithrust : OvalSide or None
+        The other one.
+    meet : str
+        "short-axis" or "long-axis": where they meet.
+    blend_rad : float
+        Width of each of the two zones in which one side becomes the other.
+    """
+
+    thrust: OvalSide
+    antithrust: OvalSide | None = None
+    meet: str = "short-axis"
+    blend_rad: float = float(np.radians(30.0))
+
+    @property
+    def log2_repeat(self) -> int:
+        """Return 1 where both halves are the same, else 0."""
+        return 1 if self.antithrust is None else 0
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives; see `Geometry.delta`."""
+        one = self.thrust.delta(phi_rad, z_mm)
+        if self.antithrust is None:
+            return one
+        other = self.antithrust.delta(phi_rad, z_mm)
+        w = share_of(phi_rad, _MIDDLE_RAD[self.meet], self.blend_rad)
+        d = [np.asarray(b - a) for a, b in zip(one, other, strict=True)]
+        return SectionValues(
+            one.delta + w.delta * d[0],
+            one.d1 + w.d1 * d[0] + w.delta * d[1],
+            one.d2 + w.d2 * d[0] + 2 * w.d1 * d[1] + w.delta * d[2],
+            one.d3 + w.d3 * d[0] + 3 * w.d2 * d[1] + 3 * w.d1 * d[2] + w.delta * d[3],
+        )
+
+    def heights_mm(self) -> Floats:
+        """Return the heights at which a curve of the sides has a break."""
+        first = self.thrust.heights_mm()
+        return first if self.antithrust is None else np.union1d(first, self.antithrust.heights_mm())
+
+    def step_mm(self, z_mm: Floats) -> float:
+        """Return by how much the sides differ at most in the middle of the zones [mm]."""
+        if self.antithrust is None:
+            return 0.0
+        middle = _MIDDLE_RAD[self.meet]
+        phi = np.array([middle - np.pi / 2, middle + np.pi / 2])
+        one = self.thrust.delta(phi, z_mm[:, None]).delta
+        return float(np.abs(self.antithrust.delta(phi, z_mm[:, None]).delta - one).max())
+
+    def document(self) -> dict[str, Any]:
+        """Return what a gauge needs as JSON values (layout: host_sim/part/sim_sides.h)."""
+        sides = [one.document() for one in (self.thrust, self.antithrust) if one is not None]
+        where = {"middle_rad": _MIDDLE_RAD[self.meet], "blend_rad": self.blend_rad}
+        return {"sides": sides} | where
+
+
+def share_of(phi_rad: FloatsLike, middle_rad: float, blend_rad: float) -> SectionValues:
+    """Return the share of the side about an angle, and its derivatives by the angle.
+
+    It is 1 within a quarter turn of the middle, less half the blend, 0 as far from the opposite,
+    and rises between by a smooth step with three continuous derivatives.
+    """
+    off = np.mod(np.asarray(phi_rad) - middle_rad + np.pi, 2 * np.pi) - np.pi
+    slope = -np.sign(off) / blend_rad
+    s = np.clip((np.pi / 2 - np.abs(off)) / blend_rad + 0.5, 0.0, 1.0)
+    return SectionValues(
+        np.asarray(s**4 * (35 - 84 * s + 70 * s**2 - 20 * s**3)),
+        np.asarray(140 * s**3 * (1 - s) ** 3 * slope),
+        np.asarray(420 * s**2 * (1 - s) ** 2 * (1 - 2 * s) * slope**2),
+        np.asarray(840 * s * (1 - s) * (1 - 5 * s + 5 * s**2) * slope**3),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class TurnedSurface:
+    """A surface whose sections are turned by an angle that changes with height, MATHS.md (78).
+
+    Attributes
+    ----------
+    surface : AnySurface
+        As drawn before it is turned.
+    phase : PPoly
+        Angle [rad] over height [mm]; the section turns counter-clockwise with it.
+    """
+
+    surface: AnySurface
+    phase: PPoly
+
+    @property
+    def log2_repeat(self) -> int:
+        """Return that of the surface: turning repeats no more and no less."""
+        return self.surface.log2_repeat
+
+    def heights_mm(self) -> Floats:
+        """Return the heights at which a curve of the surface has a break."""
+        return np.union1d(self.phase.x, heights_of(self.surface))
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives; see `Geometry.delta`."""
+        phase = np.asarray(self.phase(np.asarray(z_mm, dtype=np.float64)))
+        if phase.size and np.ptp(phase) == 0:
+            phase = phase.ravel()[0]  # a surface is faster where all heights share their angles
+        return self.surface.delta(np.asarray(phi_rad) - phase, z_mm)
+
+
+def as_drawn(surface: AnySurface) -> AnySurface:
+    """Return the surface before it is turned."""
+    return surface.surface if isinstance(surface, TurnedSurface) else surface

@@ -1,0 +1,326 @@
+"""Exact geometry of a piston skirt, in double.
+
+>>> from camtools.skirt.part.part_file import example_part
+>>> geometry = make_geometry(example_part())
+>>> [f"{mm:.9f}" for mm in geometry.radius_mm([5.0, 35.0])]
+['45.983096898', '45.983079419']
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.cut.correction import Correction
+from camtools.skirt.geometry.corner import Corner, make_corner
+from camtools.skirt.geometry.measured import check_scan, measured_sections
+from camtools.skirt.geometry.points import ovality_of_points, point_surface, read_sections
+from camtools.skirt.geometry.profile import (
+    check_ovality,
+    check_profile,
+    magnified,
+    ovality_spline,
+    profile_spline,
+)
+from camtools.skirt.geometry.scan import (
+    Scan,
+    joined,
+    off_points_mm,
+    ovality_of,
+    scan_surface,
+    waves_of,
+)
+from camtools.skirt.geometry.scan_text import Sections
+from camtools.skirt.geometry.sections import Section, make_section
+from camtools.skirt.geometry.sides import TurnedSurface, heights_of
+from camtools.skirt.geometry.sides_from_part import is_plain, sides_of, turn_of
+from camtools.skirt.part.part_file import Piston, SkirtPart
+
+_CHECKS_PER_PIECE = 64
+_UM_PER_MM = 1000.0
+_ALL_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
+
+
+class SkirtSurface(Protocol):
+    """The reduction of the radius over the whole skirt."""
+
+    @property
+    def log2_repeat(self) -> int:
+        """The pattern repeats 2^log2_repeat times per turn, exactly."""
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives at fixed height; see `Geometry.delta`."""
+
+
+@dataclass(frozen=True, eq=False)
+class OvalSurface:
+    """One law for all heights; only half axis and ovality change."""
+
+    law: Section
+    radius: PPoly
+    ovality: PPoly
+
+    @property
+    def log2_repeat(self) -> int:
+        """See `SkirtSurface`."""
+        return self.law.log2_repeat
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """See `SkirtSurface`."""
+        return self.law.evaluate(phi_rad, self.radius(z_mm), self.ovality(z_mm))
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """The part's exact surface: tool tip radius = radius_mm(z) - delta(phi, z).
+
+    Attributes
+    ----------
+    radius, ovality : scipy.interpolate.PPoly
+        Long half axis a(z) and diametral ovality G(z) [mm] over height [mm], magnified already.
+        Of a measured part the ovality is the largest minus the least diameter.
+    surface : SkirtSurface
+        Reduction of the radius; of a refitted part that of the refit.
+    z_first_mm, z_last_mm : float
+        Height range, that of the profile.
+    corner : Corner or None
+        Of shape "ellipse-arc": the section as drawn, and its refit.
+    off_points_um : float or None
+        Of shape "table": how far the surface is from the measured points, 0 without a filter.
+    gauge_mm : tuple of float or None
+        Ends of the skirt [mm], where the height range contains a run-in or run-out.
+    drawn : SkirtSurface or None
+        What the drawing says where `surface` deliberately differs: the corner without its refit,
+        the measured points without their filter, the drawing without its correction.
+    drawn_radius : PPoly or None
+        The drawing's long half axis, where a correction changes it.
+    correction : Correction or None
+        By a gauged part; in `radius` and `surface` already.
+    joined_um : float
+        Of shape "table": how far sections at common angles are from splines through the points of
+        each height, where the heights were measured at angles of their own.
+    measured : tuple of Sections and Scan, or None
+        Of shape "table": the points, and the same at common angles.
+    """
+
+    radius: PPoly
+    ovality: PPoly
+    surface: SkirtSurface
+    z_first_mm: float
+    z_last_mm: float
+    corner: Corner | None = None
+    off_points_um: float | None = None
+    gauge_mm: tuple[float, float] | None = None
+    drawn: SkirtSurface | None = None
+    joined_um: float = 0.0
+    measured: tuple[Sections, Scan] | None = None
+    drawn_radius: PPoly | None = None
+    correction: Correction | None = None
+
+    @property
+    def skirt_mm(self) -> tuple[float, float]:
+        """Return the ends of the skirt [mm], without run-in and run-out."""
+        return self.gauge_mm or (self.z_first_mm, self.z_last_mm)
+
+    @property
+    def drawing(self) -> SkirtSurface:
+        """Return the reduction by which a part is judged."""
+        return self.surface if self.drawn is None else self.drawn
+
+    @property
+    def played_name(self) -> str:
+        """Return what the table plays, in a word."""
+        if self.drawn is None:
+            return "drawing"
+        if self.correction is not None:
+            return "corrected drawing"
+        return "refit" if self.corner is not None else "filtered points"
+
+    def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:
+        """Return a(z), a'(z) or a''(z) [mm, mm/mm, mm/mm^2] with the shape of z_mm."""
+        return np.asarray(self.radius(z_mm, nu=derivative), dtype=np.float64)
+
+    def ovality_mm(self, z_mm: FloatsLike | Sequence[float]) -> Floats:
+        """Return G(z) [mm] with the shape of z_mm."""
+        return np.asarray(self.ovality(z_mm), dtype=np.float64)
+
+    def oval_words(self, z_mm: float) -> str:
+        """Return the ovality of a section, and with its trim where it has one, for pictures."""
+        g_um = float(self.ovality_mm(z_mm)) * _UM_PER_MM
+        if self.corner is None:
+            return f"ovality {g_um:.0f} µm (diameter)"
+        with_trim_um = g_um + 2 * float(self.corner.trim(z_mm)) * _UM_PER_MM
+        return f"ovality {g_um:.0f} µm (diameter), with trim {with_trim_um:.0f} µm"
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives at fixed height [mm, mm/rad^n].
+
+        Parameters
+        ----------
+        phi_rad, z_mm : float or ndarray
+            Angle from the long axis [rad] and height [mm]; broadcast against each other.
+        """
+        return self.surface.delta(phi_rad, z_mm)
+
+    def deepest_mm(self, z_mm: float) -> float:
+        """Return the largest reduction of a section [mm], to the step of half a degree."""
+        return float(self.delta(_ALL_AROUND_RAD, z_mm).delta.max())
+
+    def breaks_mm(self) -> Floats:
+        """Return the heights where a piece of the shape ends, rising, both ends included."""
+        heights = np.union1d(self.radius.x, self.ovality.x)
+        heights = np.union1d(heights, heights_of(self.surface))
+        inside = (heights > self.z_first_mm) & (heights < self.z_last_mm)
+        return np.concatenate(([self.z_first_mm], heights[inside], [self.z_last_mm]))
+
+
+def make_geometry(part: SkirtPart) -> Geometry:
+    """Return the exact geometry of a part.
+
+    Raises
+    ------
+    CamtoolsError
+        A spline overshoots into ovality below 0 or half axes not above 0; the corner of a
+        composite section is impossible; the file of a measured section is no good.
+    """
+    piston = part.piston
+    factor = part.magnify.factor if part.magnify else 1.0
+    of_profile = part.magnify.profile_factor if part.magnify else 1.0
+    largest_mm = max(piston.profile.diameter_mm) / 2
+    drawn = profile_spline(piston.profile)
+    check_profile(piston.profile, drawn)
+    radius = magnified(drawn, of_profile, largest_mm)
+    ends = float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
+    if piston.section.shape == "table":
+        geometry = _measured(part, radius, factor)
+    elif piston.section.shape == "points":
+        geometry = _pointed(part, radius, factor)
+    else:
+        assert piston.ovality is not None
+        curve = ovality_spline(piston.ovality)
+        oval = magnified(curve, factor, 0.0)
+        geometry = Geometry(radius, oval, _oval(piston, radius, oval, (factor, of_profile)), *ends)
+        _check_ovality(geometry, factor)
+        check_ovality(piston.ovality, curve)
+    if piston.section.shape == "ellipse-arc":
+        geometry = _with_corner(part, geometry)
+    geometry = _turned(geometry, piston)
+    z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE // 16)
+    deepest_mm = np.array([geometry.deepest_mm(float(z)) for z in z_mm])
+    _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
+    return geometry
+
+
+def _oval(piston: Piston, radius: PPoly, oval: PPoly, factors: tuple[float, float]) -> SkirtSurface:
+    """Return the surface of ovals; of a composite section that of its oval as an ellipse."""
+    if not is_plain(piston):
+        return sides_of(piston, radius, oval, factors)
+    shape, beta = piston.section.shape, np.asarray(piston.section.beta, dtype=np.float64)
+    law = make_section("ellipse" if shape == "ellipse-arc" else shape, beta)
+    return OvalSurface(law, radius, oval)
+
+
+def _turned(geometry: Geometry, piston: Piston) -> Geometry:
+    """Return the geometry with its sections turned, where the part says so."""
+    phase = turn_of(piston)
+    if phase is None:
+        return geometry
+    drawn = geometry.drawn and TurnedSurface(geometry.drawn, phase)
+    return replace(geometry, surface=TurnedSurface(geometry.surface, phase), drawn=drawn)
+
+
+def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
+    """Return the geometry of a measured part, filtered if asked for."""
+    section, heights = part.piston.section, part.piston.profile.height_mm
+    ends = float(heights[0]), float(heights[-1])
+    sections = measured_sections(section, ends, radius)
+    scan, joined_mm = joined(sections)
+    check_scan(scan, section)
+    drawn = scan_surface(scan, factor, section.interpolation)
+    off_um = _UM_PER_MM * off_points_mm(drawn, sections, factor)
+    geometry = Geometry(
+        radius,
+        magnified(ovality_of(scan), factor, 0.0),
+        drawn,
+        *ends,
+        off_points_um=off_um,
+        joined_um=_UM_PER_MM * factor * joined_mm,
+        measured=(sections, scan),
+    )
+    if section.harmonics is None:
+        return geometry
+    return keeping(geometry, section.harmonics, factor, section.interpolation)
+
+
+def keeping(
+    geometry: Geometry, harmonics: int, factor: float, interpolation: str | None
+) -> Geometry:
+    """Return a measured part's geometry with so many waves per turn kept, all points its drawing.
+
+    Raises
+    ------
+    GeometryError
+        More waves than the points resolve.
+    """
+    assert geometry.measured is not None
+    sections, scan = geometry.measured
+    surface = scan_surface(waves_of(sections, scan, harmonics), factor, interpolation)
+    off_um = _UM_PER_MM * off_points_mm(surface, sections, factor)
+    drawn = geometry.drawn or geometry.surface
+    return replace(geometry, surface=surface, drawn=drawn, off_points_um=off_um)
+
+
+def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
+    """Return the geometry of sections that are given by points with their derivatives."""
+    heights = part.piston.profile.height_mm
+    ends = float(heights[0]), float(heights[-1])
+    file = read_sections(part.piston.section)
+    z_mm = file.z_mm
+    if z_mm is not None and z_mm.size > 1 and (z_mm[0] > ends[0] or z_mm[-1] < ends[1]):
+        problem = f"heights {z_mm[0]:g} .. {z_mm[-1]:g} mm do not cover the profile's"
+        remedy = f"give points for {ends[0]:g} .. {ends[1]:g} mm, or one height that serves all"
+        raise GeometryError("piston.section.csv", problem, remedy)
+    surface = point_surface(file, factor)
+    return Geometry(radius, ovality_of_points(file, surface), surface, *ends)
+
+
+def _with_corner(part: SkirtPart, geometry: Geometry) -> Geometry:
+    heights_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE)
+    corner = make_corner(part, geometry.radius, geometry.ovality, heights_mm)
+    ends = geometry.z_first_mm, geometry.z_last_mm
+    oval = geometry.radius, geometry.ovality
+    if corner.recipe is None:
+        return Geometry(*oval, corner, *ends, corner)
+    return Geometry(*oval, corner.surface(geometry.breaks_mm()), *ends, corner, drawn=corner)
+
+
+def dense_heights_mm(geometry: Geometry, per_piece: int) -> Floats:
+    """Return heights inside every polynomial piece and at all its ends, rising."""
+    breaks = geometry.breaks_mm()
+    inside = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(per_piece) / per_piece
+    return np.append(inside.ravel(), breaks[-1])
+
+
+def _check_ovality(geometry: Geometry, factor: float) -> None:
+    z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE)
+    g_mm = geometry.ovality_mm(z_mm)
+    lowest = int(np.argmin(g_mm))
+    if g_mm[lowest] < 0:
+        problem = f"the spline falls to {g_mm[lowest]:.6g} mm at height {z_mm[lowest]:.6g} mm"
+        raise GeometryError("piston.ovality.interpolation", problem, 'use "linear" or more points')
+    _check_half_axis(z_mm, geometry.radius_mm(z_mm) - g_mm / 2, factor)
+
+
+def _check_half_axis(z_mm: Floats, half_axis_mm: Floats, factor: float) -> None:
+    thinnest = int(np.argmin(half_axis_mm))
+    if half_axis_mm[thinnest] <= 0:
+        field = "magnify.factor" if factor > 1 else "piston.profile.spline"
+        at = f"at height {z_mm[thinnest]:.6g} mm"
+        problem = f"the short half axis becomes {half_axis_mm[thinnest]:.6g} mm {at}"
+        raise GeometryError(field, problem, "magnify less, or give points without such a step")

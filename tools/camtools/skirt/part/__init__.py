@@ -1,0 +1,1 @@
+"""The part file of a skirt: its keys and the curves that they describe."""

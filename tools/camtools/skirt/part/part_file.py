@@ -1,0 +1,226 @@
+"""The part file: what a TOML file may say, with units, ranges and defaults.
+
+>>> part = example_part()
+>>> part.part.name, part.process.spindle_rpm, part.machine.limits.u_stroke_mm
+('example', 2500.0, 1.2)
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
+
+from camtools.part.common import MachineLimits, PartInfo
+from camtools.part.model import TomlTable, no_truth, wrong
+from camtools.part.passes import FeedLaw, Pass, Passes, check_passes
+from camtools.part.tolerances import Tolerances
+from camtools.part.tool import Tool
+from camtools.skirt.part.antithrust_keys import Antithrust, check_sides
+from camtools.skirt.part.power_law import LAW_OR_POINTS, PeakOvality, PowerProfile
+from camtools.skirt.part.profile_keys import Ovality, Profile
+from camtools.skirt.part.section_keys import GIVEN_BY_POINTS, SectionShape
+
+RunMm = Annotated[float, Field(ge=0, le=200)]
+
+
+class Piston(TomlTable):
+    """[piston]: the skirt."""
+
+    profile: Annotated[
+        Annotated[PowerProfile, Tag("(law)")] | Annotated[Profile, Tag("(points)")], LAW_OR_POINTS
+    ]
+    section: SectionShape = Field(default_factory=SectionShape)
+    ovality: Annotated[
+        Annotated[
+            Annotated[PeakOvality, Tag("(law)")] | Annotated[Ovality, Tag("(points)")],
+            LAW_OR_POINTS,
+        ]
+        | None,
+        Field(validate_default=True),
+    ] = None
+    antithrust: Antithrust | None = None
+
+    @field_validator("ovality")
+    @classmethod
+    def _check_ovality(
+        cls, value: Ovality | PeakOvality | None, info: ValidationInfo
+    ) -> Ovality | PeakOvality | None:
+        section = info.data.get("section")
+        is_measured = section is not None and section.shape in GIVEN_BY_POINTS
+        if value is None and section is not None and not is_measured:
+            raise wrong("no_ovality", "is missing", f'add it: shape = "{section.shape}" needs it')
+        if value is not None and is_measured:
+            assert section is not None
+            problem = f'has no meaning for shape = "{section.shape}": the points tell it'
+            raise wrong("extra_ovality", problem, "remove [piston.ovality]")
+        return value
+
+    @model_validator(mode="after")
+    def _check_together(self) -> Self:
+        ends_mm = self.profile.height_mm[0], self.profile.height_mm[-1]
+        if self.antithrust is not None:
+            check_sides(self.antithrust, self.section.shape, ends_mm)
+        if self.ovality is None:
+            return self
+        first, last = self.profile.height_mm[0], self.profile.height_mm[-1]
+        heights_mm = self.ovality.height_mm
+        if heights_mm[0] > first or heights_mm[-1] < last:
+            problem = f"must cover the profile's heights {first} .. {last} mm"
+            context = {"field": "ovality.height_mm", "value": heights_mm}
+            raise wrong("cover", problem, "add points of ovality at the ends", **context)
+        smallest = min(self.profile.diameter_mm)
+        if max(self.ovality.ovality_mm) >= smallest:
+            problem = f"must be smaller than the smallest diameter, {smallest} mm"
+            context = {"field": "ovality.ovality_mm", "value": self.ovality.ovality_mm}
+            raise wrong("ovality", problem, "give long minus short axis in mm", **context)
+        self._check_lists(len(heights_mm))
+        return self
+
+    def _check_lists(self, n: int) -> None:
+        """Demand that a list of the section has an entry for each height of the ovality."""
+        for key in ("trim_mm", "joint_deg", "eccentricity_mm", "beta", "exponent", "phase_deg"):
+            value = getattr(self.section, key)
+            if isinstance(value, list) and len(value) != n:
+                problem = f"has {len(value)} entries, ovality.height_mm has {n}"
+                context = {"field": f"section.{key}", "value": value}
+                raise wrong("length", problem, "give one number, or one for each height", **context)
+
+
+class SkirtProcess(TomlTable):
+    """[process]: how the part is cut."""
+
+    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
+    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)]
+    depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
+    direction: Literal[1, -1] = 1
+    mode: Literal["uniform", "equal-volume"] = "uniform"
+    ripple_percent: Annotated[float, Field(gt=0, le=100)] | None = None
+    parts: Annotated[int, Field(ge=2, le=1000)] = 30
+    path: Literal["helix", "ring-helix", "stepped"] = "helix"
+    form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
+    u_zero: Literal["long-axis", "mean"] = "long-axis"
+    run_in_mm: RunMm = 0.0
+    run_out_mm: RunMm = 0.0
+    passes: Passes = []  # noqa: RUF012 (pydantic copies it)
+    feed_law: FeedLaw | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_feed_law(cls, value: object) -> object:
+        """Let the law stand for the feed: `SkirtPart` works out its mean over the heights."""
+        law = value.get("feed_law") if isinstance(value, dict) else None
+        feeds = law.get("feed_mm") if isinstance(law, dict) else None
+        if not isinstance(value, dict) or not isinstance(feeds, list) or not feeds:
+            return value
+        if "feed_mm" in value:
+            problem = "has no meaning beside [process.feed_law], whose mean it is"
+            raise wrong("law_feed", problem, "remove one of the two", field="feed_mm")
+        return {"feed_mm": feeds[0], **value}
+
+    @field_validator("passes")
+    @classmethod
+    def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:
+        if value and info.data.get("mode") == "equal-volume":
+            problem = "go with a constant speed: the law of the speed is made for one depth"
+            remedy = 'set process.mode = "uniform", or give one depth_mm and no passes'
+            raise wrong("pass_mode", problem, remedy)
+        check_passes(value, info.data.get("depth_mm", 0.0))
+        return value
+
+    @field_validator("feed_law")
+    @classmethod
+    def _check_law(cls, value: FeedLaw | None, info: ValidationInfo) -> FeedLaw | None:
+        if value is not None and info.data.get("path", "helix") != "helix":
+            problem = "is for a helix: rings and steps stand at the feed's distance"
+            raise wrong("law_path", problem, 'set process.path = "helix", or remove the law')
+        return value
+
+    @field_validator("mode")
+    @classmethod
+    def _check_mode(cls, value: str, info: ValidationInfo) -> str:
+        if value == "equal-volume" and info.data.get("depth_mm") == 0:
+            problem = "needs a cutting depth: without it the spindle would have to run infinitely"
+            raise wrong("mode", f"{problem} fast at the long axis", "set process.depth_mm above 0")
+        return value
+
+    @field_validator("path")
+    @classmethod
+    def _check_path(cls, value: str, info: ValidationInfo) -> str:
+        if value == "ring-helix" and info.data.get("mode") == "equal-volume":
+            problem = "is for a constant spindle speed: Z's ramps are made for one"
+            raise wrong("path", problem, 'set process.mode = "uniform", or path = "helix"')
+        return value
+
+    _check_direction = field_validator("direction", mode="before")(no_truth)
+
+
+class SkirtMachine(TomlTable):
+    """[machine]: the machine for which the table is made."""
+
+    limits: MachineLimits = Field(default_factory=MachineLimits)
+
+
+class Magnify(TomlTable):
+    """[magnify]: the papers' demonstration in both their readings, MATHS.md (7)."""
+
+    factor: Annotated[float, Field(ge=1, le=1000)]
+    of: Literal["all", "ovality"] = "all"
+
+    @property
+    def profile_factor(self) -> float:
+        """Return how many times the profile's deviation from its largest diameter is enlarged."""
+        return self.factor if self.of == "all" else 1.0
+
+    @property
+    def words(self) -> str:
+        """Return what is enlarged, for titles."""
+        return f"{'deviations' if self.of == 'all' else 'ovality'} enlarged {self.factor:g} times"
+
+
+class SkirtPart(TomlTable):
+    """The whole part file."""
+
+    part: PartInfo
+    piston: Piston
+    process: SkirtProcess
+    machine: SkirtMachine = Field(default_factory=SkirtMachine)
+    tool: Tool = Field(default_factory=Tool)
+    magnify: Magnify | None = None
+    tolerances: Tolerances = Field(default_factory=Tolerances)
+
+    @model_validator(mode="after")
+    def _take_mean_feed(self) -> Self:
+        """Make process.feed_mm the mean of a law over all that is fed."""
+        process, law = self.process, self.process.feed_law
+        if law is not None:
+            heights_mm = self.piston.profile.height_mm
+            ends = heights_mm[0] - process.run_in_mm, heights_mm[-1] + process.run_out_mm
+            mean = process.model_copy(update={"feed_mm": law.mean_mm(*ends)})
+            object.__setattr__(self, "process", mean)  # the model is frozen, and this is its making
+        return self
+
+    @property
+    def height_mm(self) -> float:
+        """Return the height over which the tool is fed [mm], run-in and run-out included."""
+        heights_mm = self.piston.profile.height_mm
+        return heights_mm[-1] - heights_mm[0] + self.process.run_in_mm + self.process.run_out_mm
+
+
+def example_part() -> SkirtPart:
+    """Return the Perkins-240-like skirt of MATHS.md (6), invented numbers, for examples."""
+    return SkirtPart.model_validate(
+        {
+            "part": {"name": "example", "kind": "piston", "source": "MATHS.md (6), invented"},
+            "piston": {
+                "profile": {
+                    "height_mm": [0, 10, 20, 30, 40, 50, 62],
+                    "diameter_mm": [91.940, 91.985, 92.0, 91.985, 91.940, 91.866, 91.737],
+                    "spline": "clamped",
+                    "end_slopes": [0.0029818594, -0.0062619048],
+                },
+                "ovality": {"height_mm": [0, 20, 62], "ovality_mm": [0.15, 0.20, 0.30]},
+            },
+            "process": {"spindle_rpm": 2500, "feed_mm": 0.1},
+        }
+    )

@@ -1,0 +1,202 @@
+"""[piston.profile] and [piston.ovality] of a part file: what varies over the height.
+
+>>> barrel = {"to_mm": 60, "diameter_mm": 91.7, "kind": "arc", "radius_mm": 6000}
+>>> cone = {"to_mm": 2, "diameter_mm": 91.95}
+>>> start = {"interpolation": "segments", "height_mm": [0], "diameter_mm": [91]}
+>>> Profile.model_validate(start | {"segment": [cone, barrel]}).diameter_mm
+[91.0, 91.95, 91.7]
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from camtools.part.model import HeightMm, TomlTable, as_long, rising, wrong
+from camtools.skirt.part.segments import DrawnSegment, Piece, SegmentError, join
+
+MAX_POINTS = 1000
+DiameterMm = Annotated[float, Field(ge=1, le=4000)]
+OvalityMm = Annotated[float, Field(ge=0, le=4000)]
+SlopeMmPerMm = Annotated[float, Field(ge=-100, le=100)]
+OvershootUm = Annotated[float, Field(ge=0, le=1e6)]
+RadiusMm = Annotated[float, Field(ge=-1e6, le=1e6)]
+Drawn = Literal["linear", "pchip", "akima", "spline", "segments"]
+_LONG = Field(max_length=MAX_POINTS)
+
+
+class Segment(TomlTable):
+    """A line or an arc up to a height; subclasses have the value there."""
+
+    to_mm: HeightMm
+    kind: Literal["line", "arc"] = "line"
+    radius_mm: RadiusMm | None = None
+    tangent: bool = False
+
+    @property
+    def end(self) -> float | None:
+        """Return the value at its end, if it is given."""
+        raise NotImplementedError
+
+    def check(self, key: str, *, is_first: bool) -> None:
+        """Refuse what leaves the segment open, or says it twice."""
+        if is_first and self.tangent:
+            raise wrong("tangent", "has no segment before it", "leave out tangent of the first")
+        if self.kind == "line" and self.radius_mm is not None:
+            raise wrong("radius", "a line has no radius_mm", 'remove it, or set kind = "arc"')
+        if self.kind == "arc" and not self.radius_mm and not self.tangent:
+            problem = "an arc needs radius_mm (not 0), or tangent = true and its end"
+            raise wrong("radius", problem, "add one of them")
+        is_open = not self.tangent or (self.kind == "arc" and not self.radius_mm)
+        if is_open and self.end is None:
+            raise wrong("end", f"needs {key}, which does not follow", f"add {key}")
+
+
+class ProfileSegment(Segment):
+    """[[piston.profile.segment]]: a line or an arc of the profile."""
+
+    diameter_mm: DiameterMm | None = None
+
+    @property
+    def end(self) -> float | None:
+        """See `Segment.end`."""
+        return self.diameter_mm
+
+
+class OvalitySegment(Segment):
+    """[[piston.ovality.segment]]: a line or an arc in the plane of height and ovality."""
+
+    ovality_mm: OvalityMm | None = None
+
+    @property
+    def end(self) -> float | None:
+        """See `Segment.end`."""
+        return self.ovality_mm
+
+
+def _checked_heights(value: list[float], info: ValidationInfo) -> list[float]:
+    """Return heights that rise; with segments the first may be the only one."""
+    if info.data.get("interpolation") == "segments" and len(value) == 1:
+        return value
+    if len(value) < 2:
+        raise wrong("short", "has too few entries", "give at least 2 entries")
+    return rising(value)
+
+
+def joined(
+    start_mm: float, value: float, segments: list[ProfileSegment] | list[OvalitySegment], scale: int
+) -> tuple[Piece, ...]:
+    """Return segments with all their numbers; values are divided by scale."""
+    steps = tuple(
+        DrawnSegment(
+            one.to_mm,
+            None if one.end is None else one.end / scale,
+            one.kind,
+            one.radius_mm,
+            one.tangent,
+        )
+        for one in segments
+    )
+    return join(start_mm, value / scale, steps)
+
+
+def _points(
+    heights: list[float],
+    values: list[float],
+    segments: list[ProfileSegment] | list[OvalitySegment],
+    key: str,
+    scale: int,
+) -> tuple[list[float], list[float]]:
+    """Return the points at which segments begin and end: those of the drawing and derived ones."""
+    rising([heights[0], *(one.to_mm for one in segments)])
+    for i, one in enumerate(segments):
+        one.check(key, is_first=i == 0)
+    try:
+        pieces = joined(heights[0], values[0], segments, scale)
+    except SegmentError as error:
+        context = {"field": f"segment.{error.index}.{error.key}", "value": None}
+        raise wrong("segment", error.problem, error.remedy, **context) from error
+    return (
+        [heights[0], *(one.to_mm for one in segments)],
+        [values[0], *(scale * one.value_mm for one in pieces)],
+    )
+
+
+def _completed(curve: Profile | Ovality, key: str, scale: int) -> dict[str, list[float]]:
+    """Return the points of a curve over the height with the ends of its segments, if it has any."""
+    if (curve.interpolation == "segments") != (len(curve.segment) > 0):
+        problem = 'interpolation = "segments" and the tables "segment" belong together'
+        context = {"field": "interpolation", "value": curve.interpolation}
+        raise wrong("segments", problem, "give both or neither", **context)
+    if not curve.segment:
+        return {}
+    z_mm, values = _points(curve.height_mm, getattr(curve, key), curve.segment, key, scale)
+    return {"height_mm": z_mm, key: values}
+
+
+class Profile(TomlTable):
+    """[piston.profile]: long-axis diameter over skirt height."""
+
+    interpolation: Drawn = "spline"
+    height_mm: Annotated[list[HeightMm], _LONG]
+    diameter_mm: Annotated[list[DiameterMm], _LONG]
+    spline: Literal["clamped", "not-a-knot", "natural"] = "not-a-knot"
+    end_slopes: Annotated[list[SlopeMmPerMm], Field(min_length=2, max_length=2)] | None = Field(
+        None, validate_default=True
+    )
+    overshoot_um: OvershootUm = 1.0
+    segment: Annotated[list[ProfileSegment], Field(max_length=MAX_POINTS)] = Field(
+        default_factory=list
+    )
+
+    _check_height = field_validator("height_mm")(_checked_heights)
+    _check_length = field_validator("diameter_mm")(as_long)
+
+    @field_validator("spline")
+    @classmethod
+    def _check_spline(cls, value: str, info: ValidationInfo) -> str:
+        kind = info.data.get("interpolation")
+        if kind is not None and kind != "spline" and value != "not-a-knot":
+            problem = f'has no meaning for interpolation = "{kind}"'
+            raise wrong("foreign", problem, 'remove it, or set interpolation = "spline"')
+        return value
+
+    @field_validator("end_slopes")
+    @classmethod
+    def _check_slopes(cls, value: list[float] | None, info: ValidationInfo) -> list[float] | None:
+        spline = info.data.get("spline")
+        if spline == "clamped" and value is None:
+            remedy = 'give [lower, upper] slope of the radius in mm/mm, or spline = "not-a-knot"'
+            raise wrong("slopes_missing", "a clamped spline needs end slopes", remedy)
+        if spline is not None and spline != "clamped" and value is not None:
+            problem = f'end slopes have no meaning for spline = "{spline}"'
+            raise wrong("slopes_extra", problem, 'remove them, or set spline = "clamped"')
+        return value
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        """Add the ends of the segments to the points."""
+        added = _completed(self, "diameter_mm", 2)
+        return self.model_copy(update=added) if added else self
+
+
+class Ovality(TomlTable):
+    """[piston.ovality]: diametral ovality G = 2a - 2b over height."""
+
+    interpolation: Drawn = "linear"
+    height_mm: Annotated[list[HeightMm], _LONG]
+    ovality_mm: Annotated[list[OvalityMm], _LONG]
+    overshoot_um: OvershootUm = 1.0
+    segment: Annotated[list[OvalitySegment], Field(max_length=MAX_POINTS)] = Field(
+        default_factory=list
+    )
+
+    _check_height = field_validator("height_mm")(_checked_heights)
+    _check_length = field_validator("ovality_mm")(as_long)
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        """Add the ends of the segments to the points."""
+        added = _completed(self, "ovality_mm", 1)
+        return self.model_copy(update=added) if added else self

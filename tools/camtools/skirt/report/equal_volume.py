@@ -1,0 +1,65 @@
+"""Equal-volume turning on the simulator, beside uniform turning of the same part.
+
+>>> limited_turns(620.0), limited_turns(62_000.0)
+([], ['--turns-limit', '2000'])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from camtools.base.json_text import Json
+from camtools.pipeline.kind import Rig
+from camtools.sim.camsim import Simulator
+from camtools.sim.results import read_removal, read_summary
+from camtools.skirt.report.outcome import Even
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.table.summary import table_files
+
+REMOVAL, REMOVAL_UNIFORM = "removal.csv", "removal_uniform.csv"
+_TWIN, _TWIN_SUMMARY = "uniform", "uniform.json"
+_MAX_TURNS = 2000  # 120 rows each
+
+
+def limited_turns(turns: float) -> list[str]:
+    """Return camsim's words that keep the table of slices small."""
+    return [] if turns <= _MAX_TURNS else ["--turns-limit", str(_MAX_TURNS)]
+
+
+def uniform_twin(generated: GeneratedSkirt) -> GeneratedSkirt:
+    """Return the table of the same part at a constant spindle speed."""
+    part = generated.part
+    process = part.process.model_copy(update={"mode": "uniform"})
+    return generate(part.model_copy(update={"process": process}))
+
+
+def _measure(simulator: Simulator, words: Sequence[str], removal: str, summary: str) -> Json:
+    simulator.run([*words, "--removal", removal, "--summary", summary], is_quiet=True)
+    return read_summary(simulator.folder / summary)
+
+
+def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
+    """Return removal rate and forces beside those of uniform turning; none of uniform parts.
+
+    Leaves removal.csv and removal_uniform.csv in the simulator's folder.
+    """
+    if generated.speed is None:
+        return None
+    simulator = rig.simulator
+    folder = simulator.folder / _TWIN
+    folder.mkdir()
+    twin_table = uniform_twin(generated)
+    for name, data in table_files(twin_table.table, make_summary(twin_table)).items():
+        (folder / name).write_bytes(data)
+    words = [*rig.words, *limited_turns(rig.turns)]
+    even = _measure(simulator, words, REMOVAL, f"{_TWIN}/even.json")
+    twin = replace(simulator, table=f"{_TWIN}/{simulator.table}")
+    uniform = _measure(twin, words, REMOVAL_UNIFORM, f"{_TWIN}/{_TWIN_SUMMARY}")
+    return Even(
+        even,
+        uniform,
+        read_removal(simulator.folder / REMOVAL),
+        read_removal(simulator.folder / REMOVAL_UNIFORM),
+    )

@@ -1,0 +1,150 @@
+"""Pictures of a part: sections, motion of U, profile and ovality, as PNG bytes.
+
+>>> from camtools.skirt.table.generate import generate
+>>> from camtools.skirt.part.part_file import example_part
+>>> draw_profile(generate(example_part()))[1:4]
+b'PNG'
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.projections.polar import PolarAxes
+
+from camtools.base.quantities import Floats
+from camtools.plots.panels import legend_below, stacked
+from camtools.plots.style import angle_axis, png_of, titled_figure
+from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
+from camtools.skirt.table.generate import GeneratedSkirt
+from camtools.skirt.table.speed import motion_played
+
+_N_ANGLES = 1441
+_N_SECTIONS = 4
+_UM_PER_MM = 1000.0
+_MM_PER_M = 1000.0
+
+
+def _title(result: GeneratedSkirt, what: str) -> str:
+    magnify = result.part.magnify
+    enlarged = f", {magnify.words}" if magnify else ""
+    return f"{result.part.part.name}: {what}{enlarged}"
+
+
+def _heights_mm(geometry: Geometry) -> Floats:
+    return np.linspace(geometry.z_first_mm, geometry.z_last_mm, _N_SECTIONS)
+
+
+def _colour(i: int) -> tuple[float, float, float, float]:
+    red, green, blue, alpha = colormaps["viridis"](0.9 * i / (_N_SECTIONS - 1))
+    return float(red), float(green), float(blue), float(alpha)
+
+
+def draw_section(result: GeneratedSkirt) -> bytes:
+    """Return a polar picture of sections: radius reduction, hugely magnified."""
+    geometry = result.geometry
+    of = "" if geometry.drawn is None else f" of the {geometry.played_name}"
+    figure = titled_figure(7.5, 7.5, _title(result, f"radius reduction{of} in µm"))
+    axes = figure.add_subplot(projection="polar")
+    assert isinstance(axes, PolarAxes)
+    phi = 2 * np.pi * np.linspace(0, 1, _N_ANGLES)
+    deepest_um = 0.0
+    for i, z_mm in enumerate(_heights_mm(geometry)):
+        u_um = geometry.delta(phi, float(z_mm)).delta * _UM_PER_MM
+        deepest_um = max(deepest_um, float(u_um.max()))
+        label = f"height {z_mm:.1f} mm, {geometry.oval_words(float(z_mm))}"
+        axes.plot(phi, -u_um, color=_colour(i), label=label, clip_on=False)
+    _polar_scale(axes, max(deepest_um, 1.0))
+    figure.legend(loc="outside lower center", ncols=2, frameon=False)
+    return png_of(figure)
+
+
+def _polar_scale(axes: PolarAxes, deepest_um: float) -> None:
+    """Put 0 on the outer circle; the centre three times as deep as U goes."""
+    axes.set_rlim(-3 * deepest_um, 0)
+    ticks = [deepest_um / 2, deepest_um]
+    axes.set_rgrids([-tick for tick in ticks], [f"{tick:.4g}" for tick in ticks], angle=184)
+    angles = list(range(0, 360, 30))
+    names = {0: "0°\nlong axis", 90: "90° short axis"}
+    axes.set_thetagrids(angles, [names.get(angle, f"{angle}°") for angle in angles])
+    axes.tick_params(axis="x", pad=14)
+
+
+def _motion_curves(panels: list[Axes], result: GeneratedSkirt, z_mm: float, i: int) -> None:
+    turns = np.linspace(0, 1, _N_ANGLES)
+    law = result.speed.channel if result.speed is not None else None
+    rpm = result.part.process.spindle_rpm
+    u_mm, velocity, acceleration = motion_played(result.geometry, rpm, z_mm, turns, law)
+    curves = (u_mm * _UM_PER_MM, velocity, acceleration / _MM_PER_M)
+    for axes, values in zip(panels, curves, strict=True):
+        axes.plot(360 * turns, values, color=_colour(i), label=f"height {z_mm:.1f} mm")
+
+
+def draw_motion(result: GeneratedSkirt) -> bytes:
+    """Return U, its velocity and acceleration over one turn at the part's speed."""
+    speed_rpm = result.part.process.spindle_rpm
+    figure = titled_figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
+    panels = stacked(figure, ("U towards the axis, µm", "velocity, mm/s", "acceleration, m/s²"))
+    for i, z_mm in enumerate(_heights_mm(result.geometry)):
+        _motion_curves(panels, result, float(z_mm), i)
+    angle_axis(panels[-1])
+    legend_below(figure, panels[0], _N_SECTIONS)
+    return png_of(figure)
+
+
+def _against_height(
+    axes: Axes, z_mm: Floats, curve: Floats, points: tuple[Floats, Floats], name: str
+) -> None:
+    """Draw a curve over height, and the points of the drawing as heights and values."""
+    axes.plot(curve, z_mm, color=_colour(1), label=name)
+    inside = (points[0] >= z_mm[0]) & (points[0] <= z_mm[-1])
+    axes.plot(
+        points[1][inside], points[0][inside], "o", color=_colour(1), label="points of the drawing"
+    )
+    axes.grid(alpha=0.3)
+    axes.tick_params(axis="x", rotation=30)
+
+
+def _profile_points(result: GeneratedSkirt) -> tuple[Floats, Floats]:
+    """Return heights and diameters of the drawing's points, as enlarged as the part is."""
+    z_mm = np.asarray(result.part.piston.profile.height_mm, dtype=np.float64)
+    return z_mm, 2 * result.geometry.radius_mm(z_mm)
+
+
+def _ovality_points(result: GeneratedSkirt) -> tuple[Floats, Floats]:
+    """Return heights and ovalities of the drawing's points, of a measured part its heights."""
+    drawn = result.part.piston.ovality
+    heights = result.geometry.ovality.x if drawn is None else drawn.height_mm
+    z_mm = np.asarray(heights, dtype=np.float64)
+    return z_mm, result.geometry.ovality_mm(z_mm)
+
+
+def draw_profile(result: GeneratedSkirt) -> bytes:
+    """Return long-axis diameter and ovality over height, with the points of the drawing."""
+    geometry = result.geometry
+    figure = titled_figure(8.5, 6.0, _title(result, "profile and ovality"))
+    left, right = figure.subplots(1, 2, sharey=True)
+    z_mm = dense_heights_mm(geometry, 32)
+    _against_height(left, z_mm, 2 * geometry.radius_mm(z_mm), _profile_points(result), "diameter")
+    g_mm = geometry.ovality_mm(z_mm)
+    name = "ovality" if geometry.corner is None else "ovality without trim"
+    _against_height(right, z_mm, g_mm, _ovality_points(result), name)
+    if geometry.corner is not None:
+        trimmed_mm = g_mm + 2 * geometry.corner.trim(z_mm)
+        right.plot(trimmed_mm, z_mm, color=_colour(2), ls="--", label="ovality with trim")
+    right.legend(frameon=False)
+    left.legend(frameon=False)
+    left.set_ylabel("skirt height, mm")
+    left.set_xlabel("long-axis diameter, mm")
+    right.set_xlabel("ovality (long minus short axis), mm")
+    return png_of(figure)
+
+
+def draw_all(result: GeneratedSkirt) -> dict[str, bytes]:
+    """Return all pictures by topic."""
+    return {
+        "section": draw_section(result),
+        "motion": draw_motion(result),
+        "profile": draw_profile(result),
+    }

@@ -1,0 +1,1 @@
+"""The table of a skirt: channels, their accuracy, the smallest that suffices."""

@@ -1,0 +1,232 @@
+"""From a part to its table, checked against the exact geometry and the machine's limits.
+
+>>> from camtools.skirt.part.part_file import example_part
+>>> result = generate(example_part(), tolerance_nm=1.0)
+>>> result.accuracy_u.value_nm < 1.0, result.accuracy_x.value_nm < 1.0
+(True, True)
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+
+from camtools.base.cache import recall
+from camtools.base.errors import CamtoolsError, GeometryError
+from camtools.base.quantities import NM_PER_MM
+from camtools.cut.correction import Correction
+from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, highest_speed, peaks_of
+from camtools.cut.passes import checked_passes, judge_passes, records_of
+from camtools.cut.verdict import check_table
+from camtools.skirt.geometry.cache_keys import geometry_of, law_key, way_key
+from camtools.skirt.geometry.corner import refuse_deviation
+from camtools.skirt.geometry.corrected import corrected
+from camtools.skirt.geometry.run_in import with_run
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.accuracy import Accuracy
+from camtools.skirt.table.long_scan import refuse_scan
+from camtools.skirt.table.search import UnreachableError, choose_u, choose_x
+from camtools.skirt.table.speed import SpeedTable, make_speed
+from camtools.skirt.tool.feed_law import largest_share, way_channel
+from camtools.skirt.tool.heel import Heel, check_heel
+from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.turning import path_of
+from camtools.skirt.tool.u_zero import middle_nm, moved, with_mean
+from camtools.table.channel import Channel
+from camtools.table.header import table_of, u_bounds
+from camtools.table.image import Table
+from camtools.table.modulation import moving_bounds
+from camtools.table.quantise import with_bounds
+
+DEFAULT_TOLERANCE_NM = 1.0
+REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
+CORRECTED_NM = (3.0, 10.0, 30.0, 100.0, 300.0)  # the first that a correction allows
+CORNER_SHARE = 0.5  # of the form error that a profile with corners may cost
+NM_PER_UM = 1000.0
+
+
+@dataclass(frozen=True, eq=False)
+class GeneratedSkirt:
+    """A table and everything that is known about it."""
+
+    part: SkirtPart
+    geometry: Geometry
+    tolerance_nm: float
+    table: Table
+    accuracy_u: Accuracy
+    accuracy_x: Accuracy
+    highest_speed: HighestSpeed
+    heel: Heel
+    speed: SpeedTable | None = None
+    middle_nm: int = 0  # of the reduction, carried by X
+
+
+def make_table(
+    part: SkirtPart, u: Channel, x: Channel, error_nm: float, speed: SpeedTable | None = None
+) -> Table:
+    """Return the table of a part with its channels, bounds filled in."""
+    bounds = u_bounds(u, error_nm)
+    channels: tuple[Channel, ...] = (with_bounds(u), with_bounds(x))
+    if speed is not None:
+        bounds, channels = moving_bounds(bounds, speed.peaks), (*channels, speed.channel)
+    table = table_of(part, part.process.spindle_rpm, bounds, channels)
+    return replace(table, is_ring_helix=part.process.path == "ring-helix")
+
+
+def refuse_steps(part: SkirtPart) -> None:
+    """Refuse a stepped path: a controller plays helices and ring-helices."""
+    if part.process.path == "stepped":
+        problem = "is for analyse and mkgcode, a controller does not play it"
+        remedy = 'give --axes cxzu to mkgcode, or set path = "ring-helix" or "helix"'
+        raise GeometryError("process.path", problem, remedy)
+
+
+def refuse_corner(geometry: Geometry) -> None:
+    """Refuse a composite section whose corner has no refit: no axis can follow it."""
+    corner = geometry.corner
+    if corner is None or corner.recipe is not None:
+        return
+    jump = float(corner.joint(corner.worst_mm).corner_mm_rad())
+    angle_deg = float(corner.joint_deg(corner.worst_mm))
+    problem = (
+        f"is missing: the slope jumps by {jump:.4g} mm/rad at {angle_deg:g} degrees (height "
+        f"{corner.worst_mm:.4g} mm), so U would need infinite acceleration"
+    )
+    raise GeometryError("piston.section.refit", problem, "add the table [piston.section.refit]")
+
+
+def default_tolerance_nm(geometry: Geometry) -> float:
+    """Return the tolerance of u that applies when none is asked for [nm]."""
+    return DEFAULT_TOLERANCE_NM if geometry.corner is None else REFIT_TOLERANCE_NM
+
+
+def _u_of(
+    part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float
+) -> tuple[Channel, Accuracy]:
+    """Return the u channel for the way of the tip; of a long scan with a remedy when none fits."""
+    runs = part.process.run_in_mm, part.process.run_out_mm
+
+    def followed(one: Geometry) -> Geometry:
+        return tip_geometry(with_run(one, *runs), part.tool)
+
+    sieve = with_run(geometry, *runs) if part.tool.is_round else None
+    try:
+        return choose_u(tip, tolerance_nm, sieve)
+    except UnreachableError as error:
+        refuse_scan(part, geometry, followed, tolerance_nm, error)
+        raise
+
+
+def _within(
+    part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float | None
+) -> tuple[float, tuple[Channel, Accuracy]]:
+    """Return the tolerance of u with its channel; of a correction the least one that it allows."""
+    default_nm = tolerance_nm or default_tolerance_nm(geometry)
+    if tolerance_nm is None and geometry.correction is not None:
+        for wider_nm in CORRECTED_NM[:-1]:
+            if wider_nm >= default_nm:
+                with suppress(UnreachableError):
+                    return wider_nm, _u_of(part, geometry, tip, wider_nm)
+        default_nm = CORRECTED_NM[-1]
+    return default_nm, _u_of(part, geometry, tip, default_nm)
+
+
+def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
+    """Return the exact geometry of a part, or refuse what Z or U cannot follow at any speed."""
+    refuse_steps(part)
+    geometry = geometry_of(part)
+    low_mm, high_mm = geometry.skirt_mm
+    for one in passes:
+        path_of(one, low_mm - part.process.run_in_mm, high_mm + part.process.run_out_mm)
+    refuse_corner(geometry)
+    if geometry.corner is not None and part.piston.section.refit is not None:
+        refuse_deviation(geometry.corner, part.piston.section.refit)
+    return geometry
+
+
+def generate(
+    part: SkirtPart, tolerance_nm: float | None = None, correction: Correction | None = None
+) -> GeneratedSkirt:
+    """Return the smallest table of a part that keeps the tolerance.
+
+    Parameters
+    ----------
+    tolerance_nm : float, optional
+        Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
+        by default 1 nm, for u of a refitted composite section 5 nm, of a corrected drawing the
+        first of 3, 10, 30, 100 and 300 nm that can be reached, and for x of a profile with
+        corners what can be reached, at most half of the accepted form error.
+    correction : Correction, optional
+        By a gauged part: the table plays the drawing less this reduction.
+
+    Raises
+    ------
+    CamtoolsError
+        The shape is impossible, the tolerance is out of reach, or the machine is too weak.
+    """
+    passes = checked_passes(part, part.tool, tolerance_nm)
+    geometry = _geometry_of(part, passes)
+    if correction is not None:
+        geometry = corrected(geometry, correction)
+    process = part.process
+    heel = check_heel(geometry, part.tool, process.direction)
+    air = with_run(geometry, process.run_in_mm, process.run_out_mm)
+    tip = tip_geometry(air, part.tool)
+    most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE
+    key = way_key(part, tolerance_nm), correction
+    tolerance_u_nm, (u, accuracy_u) = recall(
+        ("skirt u", key), lambda: _within(part, geometry, tip, tolerance_nm)
+    )
+    x, accuracy_x = recall(
+        ("skirt x", key), lambda: choose_x(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
+    )
+    middle = middle_nm(tip, process.u_zero)
+    u, x = moved(u, middle), moved(x, middle)
+    error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
+    speed = None
+    if process.mode != "uniform":
+        uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
+        law = "skirt law", law_key(part, tolerance_nm), correction
+        speed = recall(law, lambda: make_speed(part, air, u, uniform.rpm))
+    table = with_passes(make_table(passes[-1], u, x, error_nm, speed), part, passes)
+    best = judge_passes(passes, table, partial(_judge, geometry))
+    return GeneratedSkirt(
+        part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, heel, speed, middle
+    )
+
+
+def with_passes(table: Table, part: SkirtPart, passes: list[SkirtPart]) -> Table:
+    """Return a table with the records of its passes and the way of its feed."""
+    law = part.process.feed_law
+    if law is not None:
+        ends = table.z_first_nm, table.z_last_nm
+        way = recall(("skirt way", law.model_dump_json(), ends), lambda: way_channel(law, ends))
+        table = replace(table, channels=(*table.channels, way))
+    return replace(table, passes=records_of(part.process.passes, passes))
+
+
+def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
+    """Return what the axes need of the table of a skirt."""
+    ratio = speed.peaks.ratio if speed else 1.0
+    feed_mm = table.feed_nm / NM_PER_MM * largest_share(table.way)
+    drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
+    return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio), feed_mm=feed_mm)
+
+
+def _judge(geometry: Geometry, part: SkirtPart, table: Table) -> HighestSpeed:
+    """Return the highest speed, or refuse; of a corner with what another refit would need."""
+    try:
+        return check_table(table, part.machine.limits)
+    except CamtoolsError as error:
+        lines = with_mean(error.lines, part.process.u_zero, table.bounds)
+        if geometry.corner is None or not any("u_acceleration" in line for line in lines):
+            raise CamtoolsError(lines) from error
+        best = min(geometry.corner.candidates, key=lambda one: one.acceleration_mm_s2)
+        hint = (
+            "piston.section.refit.delete: the corner decides; of all deletions "
+            f"[{best.s1}, {best.s2}] needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this "
+            "speed; trim less or turn slower"
+        )
+        raise CamtoolsError([*lines, hint]) from error

@@ -1,0 +1,1 @@
+"""The tool on a skirt: its nose and flank, and how the axes move."""

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The exact shape of a skirt and the motion of U along it.
+
+>>> from camtools.skirt.part.part_file import example_part
+>>> shape = exact_skirt(example_part())
+>>> shape.heights_mm, [curve.name for curve in shape.profile().curves]
+((0.0, 62.0), ['long axis', 'short axis'])
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camtools.base.quantities import NM_PER_MM
+from camtools.pipeline.exact import Exact, ExactTurn, HeightCurve, ProfileOver, even_angles
+from camtools.skirt.geometry.cache_keys import geometry_of
+from camtools.skirt.geometry.run_in import with_run
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.tool.nose import tip_geometry
+from camtools.skirt.tool.u_zero import middle_nm
+
+_HEIGHTS = 201
+
+
+class ExactGeometry(Exact):
+    """A shape that is told by reductions of a radius.
+
+    Parameters
+    ----------
+    tip : Geometry
+        What the tip of the tool follows.
+    middle_mm : float
+        Reduction that X takes over from U.
+    """
+
+    def __init__(self, drawn: Geometry, tip: Geometry, middle_mm: float) -> None:
+        self.heights_mm = drawn.skirt_mm
+        self._drawn, self._tip, self._middle_mm = drawn, tip, middle_mm
+
+    def turn_at(self, z_mm: float, n: int) -> ExactTurn:
+        """See `Exact.turn_at`."""
+        phi = even_angles(n)
+        nominal = float(self._drawn.radius_mm(z_mm))
+        drawn, u = self._drawn.drawing.delta(phi, z_mm), self._tip.delta(phi, z_mm)
+        played = (u.delta - self._middle_mm, u.d1, u.d2, u.d3)
+        return ExactTurn(phi, nominal - drawn.delta, nominal, *played)
+
+    def profile(self) -> ProfileOver:
+        """See `Exact.profile`."""
+        z_mm = np.linspace(*self.heights_mm, _HEIGHTS)
+        radius = self._drawn.radius_mm(z_mm)
+        reduction = self._drawn.drawing.delta(even_angles(4), z_mm[:, None]).delta
+        at = [radius - reduction[:, k] for k in range(4)]
+        pairs = (("long axis", at[0], at[2]), ("short axis", at[1], at[3]))
+        curves: list[HeightCurve] = []
+        for name, one, other in pairs:
+            if np.allclose(one, other, rtol=0, atol=1e-6):
+                curves.append(HeightCurve(name, one))
+            else:
+                degrees = (0, 180) if name == "long axis" else (90, 270)
+                curves += [
+                    HeightCurve(f"{name}, {degree}°", values)
+                    for degree, values in zip(degrees, (one, other), strict=True)
+                ]
+        return ProfileOver(z_mm, tuple(curves))
+
+
+def exact_skirt(part: SkirtPart) -> ExactGeometry:
+    """Return the exact shape of a skirt.
+
+    Raises
+    ------
+    CamtoolsError
+        The numbers make no skirt, or the tool's nose does not fit into it.
+    """
+    geometry, process = geometry_of(part), part.process
+    tip = tip_geometry(with_run(geometry, process.run_in_mm, process.run_out_mm), part.tool)
+    return ExactGeometry(geometry, tip, middle_nm(tip, process.u_zero) / NM_PER_MM)

@@ -1,0 +1,264 @@
+"""What the tip of a tool with a round nose must follow, so that the nose leaves the drawing.
+
+The nose is a circle in the plane of the axis and the edge, as the edge of a round insert whose
+rake face lies at centre height. At every angle and height the tip stands where the circle just
+touches the surface: the envelope of the surface moved by the circle, MATHS.md (107). Beyond its
+ends the surface goes on as its tangent, so that the tip passes them without a kink.
+
+>>> from camtools.skirt.geometry.skirt_geometry import make_geometry
+>>> from camtools.skirt.part.part_file import example_part
+>>> drawing = make_geometry(example_part())
+>>> tip = tip_geometry(drawing, Tool(nose_radius_mm=0.8))
+>>> f"{1e6 * (tip.radius_mm(56.0) - drawing.radius_mm(56.0)):.3f} nm"
+'11.586 nm'
+>>> tip_geometry(drawing, Tool()) is drawing
+True
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+
+import numpy as np
+
+from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats, FloatsLike, Ints, SectionValues
+from camtools.part.tool import MIN_NOSE_MM, Tool
+from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
+from camtools.skirt.tool.nose_contact import ACROSS_MM, NoseContact, Rays, find_contact
+
+LEFT_MM = 1e-4  # what a nose may leave in a crease
+_ANGLES = 72
+_CHECKS_PER_PIECE = 32
+_CREASE_RAD = 1e-9  # differences of slopes below this are rounding
+_APART_MM = 0.01  # edges of the arc at a kink that count as two breaks
+_WIDER = 1.05
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """The surface to be left as the contact takes it; flat: its long half axis at all angles."""
+
+    work: Geometry
+    is_flat: bool = False
+
+    def values(self, phi: Floats, z: Floats) -> Floats:
+        """See `nose_contact.Surface.values`; heights within the drawing."""
+        radius_mm = self.work.radius_mm(z)
+        if self.is_flat:
+            zero = np.zeros(z.shape)
+            return np.stack([radius_mm, zero, zero, zero])
+        u = self.work.delta(phi, z)
+        return np.stack([radius_mm - u.delta, -u.d1, -u.d2, -u.d3])
+
+
+@dataclass(frozen=True, eq=False)
+class _Continued:
+    """A surface that goes on beyond its ends as its tangents there."""
+
+    inside: Rays
+
+    def values(self, phi: Floats, z: Floats) -> Floats:
+        """See `nose_contact.Surface.values`."""
+        breaks = self.inside.breaks_mm
+        within = np.clip(z, breaks[0], breaks[-1])
+        found = self.inside.surface.values(phi, within)
+        out = np.flatnonzero(z != within)
+        if out.size:
+            slopes = self.inside.along(phi[out], within[out]).first
+            beyond = z - within
+            found[:, out] += slopes * beyond[out]
+        return found
+
+
+def _rays(drawing: Geometry, nose_mm: float, *, is_flat: bool = False) -> Rays:
+    """Return the surface that a nose may touch, a radius of it beyond both ends."""
+    breaks = drawing.breaks_mm()
+    beyond = np.concatenate(([breaks[0] - nose_mm], breaks, [breaks[-1] + nose_mm]))
+    return Rays(_Continued(Rays(_Drawn(drawing, is_flat), breaks)), beyond)
+
+
+@dataclass(frozen=True, eq=False)
+class NoseGeometry(Geometry):
+    """The tip's surface: radius_mm(z) - delta(phi, z) is where the tip of the nose stands.
+
+    Attributes
+    ----------
+    work : Geometry
+        The surface that the nose leaves; what else this class has by its base is the drawing's.
+    nose_mm : float
+        Radius of the nose.
+    """
+
+    work: Geometry = field(kw_only=True)
+    nose_mm: float = field(kw_only=True)
+
+    def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:
+        """Return the tip's radius at the long axis, or its derivatives by the height."""
+        z = np.asarray(z_mm, dtype=np.float64)
+        flat, zero = z.ravel(), np.zeros(z.size)
+        rays = _rays(self.work, self.nose_mm, is_flat=True)
+        touch = self._touch(rays, zero, flat)
+        root = np.sqrt(self.nose_mm**2 - touch.off_mm**2)
+        if derivative == 0:
+            found = rays.surface.values(zero, touch.z_mm)[0] + touch.above_mm(self.nose_mm)
+        elif derivative == 1:
+            found = touch.off_mm / root
+        else:
+            bend, circle = rays.along(zero, touch.z_mm).second[0], self.nose_mm**2 / root**3
+            found = np.where(touch.is_free > 0, bend * circle / (circle - bend), -circle)
+        return np.asarray(found.reshape(z.shape), dtype=np.float64)
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """See `Geometry.delta`; the jerk alone leaves out the third derivative by the height."""
+        phi, z = np.asarray(phi_rad, dtype=np.float64), np.asarray(z_mm, dtype=np.float64)
+        shape = np.broadcast_shapes(phi.shape, z.shape)
+        flat_phi, flat_z = (np.broadcast_to(one, shape).ravel() for one in (phi, z))
+        touch = self._touch(self._rays, flat_phi, flat_z)
+        r, r1, r2, r3 = self._rays.surface.values(flat_phi, touch.z_mm)
+        along = self._rays.along(flat_phi, touch.z_mm)
+        root = np.sqrt(self.nose_mm**2 - touch.off_mm**2)
+        stiffness = self.nose_mm**2 / root**3 - along.second[0]
+        travel = touch.is_free * along.first[1] / stiffness  # dz/dphi of the contact
+        circle3 = -3 * touch.off_mm * self.nose_mm**2 / root**5
+        tip2 = r2 + along.first[1] * travel
+        tip3 = r3 + 3 * (along.first[2] + along.second[1] * travel) * travel + circle3 * travel**3
+        long_mm = np.broadcast_to(self.radius_mm(z), shape).ravel()
+        u = (long_mm - r - touch.above_mm(self.nose_mm), -r1, -tip2, -tip3)
+        return SectionValues(*(one.reshape(shape) for one in u))
+
+    def breaks_mm(self) -> Floats:
+        """Return heights of the nose at which its contact passes a break of the shape."""
+        inner = self.work.breaks_mm()[1:-1]
+        slopes = np.stack([self._slopes(inner, below=True), self._slopes(inner)])
+        edges = inner[:, None] - self.nose_mm * np.sin(np.arctan(slopes))
+        widest = np.abs(edges[1] - edges[0]).argmax(axis=1)
+        first, second = np.take_along_axis(edges, widest[None, :, None], axis=2)[:, :, 0]
+        wide = np.abs(second - first) > _APART_MM
+        heights = np.unique(np.concatenate([first, second[wide]]))
+        inside = (heights > self.z_first_mm) & (heights < self.z_last_mm)
+        return np.concatenate(([self.z_first_mm], heights[inside], [self.z_last_mm]))
+
+    @cached_property
+    def _rays(self) -> Rays:
+        return _rays(self.work, self.nose_mm)
+
+    def _slopes(self, z: Floats, *, below: bool = False) -> Floats:
+        """Return the slopes along the height all round, shape (n, angles)."""
+        return slopes_at(self._rays, z, below=below)
+
+    @cached_property
+    def _creases_mm(self) -> Floats:
+        """Heights at which the surface has a crease: between two of them a contact is the only."""
+        inner = self.work.breaks_mm()[1:-1]
+        bends = self._slopes(inner) - self._slopes(inner, below=True)
+        return np.asarray(inner[bends.max(axis=1, initial=0.0) > _CREASE_RAD])
+
+    @cached_property
+    def _reach_mm(self) -> float:
+        """How far a contact lies from the middle of the nose, at most."""
+        heights = dense_heights_mm(self.work, _CHECKS_PER_PIECE)
+        steepest = max(
+            float(np.abs(self._slopes(heights, below=below)).max()) for below in (False, True)
+        )
+        return self.nose_mm * min(1.0, _WIDER * float(np.sin(np.arctan(steepest))))
+
+    def _touch(self, rays: Rays, phi: Floats, centre_mm: Floats) -> NoseContact:
+        """Return the deepest contact; beside a crease the deeper one of both its sides."""
+        ends = float(rays.breaks_mm[0]), float(rays.breaks_mm[-1])
+        best = find_contact(rays, phi, centre_mm, self.nose_mm, *ends)
+        creases = np.concatenate(([ends[0]], self._creases_mm, [ends[1]]))
+        for i in range(1, creases.size - 1):
+            near = np.flatnonzero(np.abs(centre_mm - creases[i]) <= self._reach_mm)
+            if near.size == 0:
+                continue
+            sides = (creases[i - 1], creases[i] - ACROSS_MM), (creases[i], creases[i + 1])
+            for low, high in sides:
+                side = find_contact(rays, phi[near], centre_mm[near], self.nose_mm, low, high)
+                best = self._deeper(rays, phi, best, side, near)
+        return best
+
+    def _deeper(
+        self, rays: Rays, phi: Floats, best: NoseContact, side: NoseContact, near: Ints
+    ) -> NoseContact:
+        """Return the contacts at which the tip stands further out."""
+        kept = NoseContact(*(one[near] for one in best))
+        mine, others = (
+            rays.surface.values(phi[near], one.z_mm)[0] + one.above_mm(self.nose_mm)
+            for one in (kept, side)
+        )
+        is_deeper = others > mine
+        for whole, one in zip(best, side, strict=True):
+            whole[near[is_deeper]] = one[is_deeper]
+        return best
+
+
+def slopes_at(rays: Rays, z: Floats, *, below: bool = False) -> Floats:
+    """Return dR/dz at heights all round, shape (n, angles); below: of the piece that ends there."""
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+    at = np.nextafter(z, -np.inf) if below else z
+    grid_phi, grid_z = (one.ravel() for one in np.broadcast_arrays(phi, at[:, None]))
+    slopes = rays.along(grid_phi, grid_z).first[0]
+    return np.asarray(slopes.reshape(z.size, _ANGLES), dtype=np.float64)
+
+
+def tip_geometry(drawing: Geometry, tool: Tool) -> Geometry:
+    """Return what the tip must follow; of a tool with a point the drawing itself.
+
+    Raises
+    ------
+    GeometryError
+        A hollow of the surface along the height is too narrow for the nose.
+    """
+    if not tool.is_round:
+        return drawing
+    own = {one.name: getattr(drawing, one.name) for one in fields(Geometry)}
+    check_nose(drawing, tool.nose_radius_mm)
+    return NoseGeometry(**own, work=drawing, nose_mm=tool.nose_radius_mm)
+
+
+def check_nose(drawing: Geometry, nose_mm: float) -> None:
+    """Refuse a nose that does not fit into a hollow or a crease, MATHS.md (108)."""
+    rays = Rays(_Drawn(drawing), drawing.breaks_mm())
+    places = [_narrowest_hollow(rays, drawing), _sharpest_crease(rays, drawing)]
+    largest_mm, angle_deg, z_mm, what = min(places, key=lambda one: one[0])
+    if nose_mm < largest_mm:
+        return
+    problem = f"{nose_mm:g} mm does not fit into the {what} at {angle_deg:g} degrees, height "
+    fits_mm = np.floor(largest_mm * 0.999 * 1000) / 1000
+    remedy = f"give at most {fits_mm:g} mm, or a profile without it"
+    if fits_mm < MIN_NOSE_MM:
+        remedy = "give a profile or an ovality without it"
+    raise GeometryError("tool.nose_radius_mm", f"{problem}{z_mm:.6g} mm", remedy)
+
+
+_Place = tuple[float, float, float, str]
+
+
+def _narrowest_hollow(rays: Rays, drawing: Geometry) -> _Place:
+    """Return the least radius of a hollow along the height, and where it is."""
+    z = dense_heights_mm(drawing, _CHECKS_PER_PIECE)
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+    grid_phi, grid_z = (one.ravel() for one in np.broadcast_arrays(phi, z[:, None]))
+    along = rays.along(grid_phi, grid_z)
+    curvature = along.second[0] / (1 + along.first[0] ** 2) ** 1.5
+    worst = int(curvature.argmax())
+    radius_mm = 1 / float(curvature[worst]) if curvature[worst] > 0 else float("inf")
+    angle_deg = float(np.degrees(grid_phi[worst]))
+    return radius_mm, angle_deg, float(grid_z[worst]), f"hollow of {radius_mm:.4g} mm"
+
+
+def _sharpest_crease(rays: Rays, drawing: Geometry) -> _Place:
+    """Return the largest radius that leaves no more than LEFT_MM in a crease, and where it is."""
+    inner = drawing.breaks_mm()[1:-1]
+    below, above = (np.arctan(slopes_at(rays, inner, below=one)) for one in (True, False))
+    bend = above - below
+    if not bend.size or bend.max() <= _CREASE_RAD:
+        return float("inf"), 0.0, 0.0, "crease"
+    i, k = np.unravel_index(int(bend.argmax()), bend.shape)
+    half = float(bend[i, k]) / 2
+    radius_mm = LEFT_MM * float(np.cos(half)) / (2 * float(np.sin(half / 2)) ** 2)
+    what = f"crease of {np.degrees(2 * half):.4g} degrees"
+    return radius_mm, float(k) * 360 / _ANGLES, float(inner[i]), what
