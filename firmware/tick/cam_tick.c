@@ -86,8 +86,8 @@ static void plan_by_state(cam_t *c, const cam_config_t *cfg, const cam_tick_reco
     }
 }
 
-/// Run the plan. Its faults take effect in the next tick. Not inlined, so that tools/elfcheck
-/// bounds its path and its stack apart from the tick.
+/// Run the plan. Its faults take effect in the next tick. Not inlined, so that a tick without it
+/// does not save its registers.
 static __attribute__((noinline)) void plan_isr(cam_t *c, const cam_config_t *cfg,
                                                const cam_tick_record_t *r)
 {

@@ -14,6 +14,7 @@
 #ifndef CAMSIM_H
 #define CAMSIM_H
 
+#include "camsim_parse.h" // camsim_set_t
 #include "common_error.h" // common_error_t
 #include "sim_cut.h"      // sim_cut_options_t, sim_cut_t
 #include "sim_file.h"     // sim_file_t
@@ -57,6 +58,7 @@ typedef struct {
     char target_image[4096];             ///< default path; unused when the user gives an image
     bool is_progress_shown;
     bool is_help;
+    double slice_us, seed; ///< as given; cut holds them, too
     sim_cut_options_t cut;
 } camsim_options_t;
 
@@ -64,6 +66,10 @@ typedef struct {
 /// @param argv  argv[0] is the command
 /// @return false and *e when something is wrong
 bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e);
+
+/// Read these, and own options of another command.
+bool camsim_options_read_with(camsim_options_t *o, camsim_set_t own, int argc, char **argv,
+                              common_error_t *e);
 
 /// Print the help of `run`.
 void camsim_options_help(void);

@@ -1,29 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): strtok_r
 #include "camsim.h"
-#include "common_number.h" // common_number_parse
-#include "sim_identify.h"  // sim_identify_run
-#include <stdio.h>         // printf, puts
-#include <stdlib.h>        // calloc, free, strtol
-#include <string.h>        // strcmp
-
-static const char help[] =
-    "camsim identify TABLE --wave F.csv --record F.csv [options]\n"
-    "\n"
-    "enables the controller, waits until it is ready, plays a wave on U and records it\n"
-    "  --wave F.csv          a period: first line u_nm, then a whole number of nanometres per "
-    "tick\n"
-    "  --record F.csv        tick,t_s and the signals, from the move to the centre until the\n"
-    "                        amplitude falls\n"
-    "  --periods N           periods at full amplitude (default: 5)\n"
-    "  --fade-ticks N        ticks of rise and of fall of the amplitude (default: 2000)\n"
-    "  --place-nm N          position of U about which it plays (default: 0)\n"
-    "  --signals A,B,..      of cam_scope.h (default: u_set_q6,u_command_nm,u_actual_nm)\n"
-    "  --alive-s S           stop keep-alive messages after S, so that the controller aborts\n"
-    "\n"
-    "as in camsim run: --machine --set --rpm --seed --inject KIND@tSECONDS[:VALUE]\n"
-    "\n"
-    "Exit status: 0 done, 1 cut short (nothing is written), 2 wrong usage or bad input.";
+#include "sim_identify.h" // sim_identify_run
+#include <stdio.h>        // printf
+#include <stdlib.h>       // calloc, free, strtol
+#include <string.h>       // strcmp
 
 enum { max_wave_bytes = 16 * 1024 * 1024 };
 
@@ -31,74 +12,35 @@ typedef struct {
     camsim_options_t common;
     sim_identify_options_t identify;
     const char *wave_path, *record_path, *signals;
+    double n_periods, fade_ticks, place_nm; ///< as given; identify holds them, too
 } identify_options_t;
 
 // Options
 
-static bool take_whole(const char *name, const char *text, double min, double max, double *value,
-                       common_error_t *e)
-{
-    const bool is_good = common_number_parse(text, value) && *value >= min && *value <= max &&
-                         *value == (double)(int64_t)*value;
-    return is_good ||
-           common_error(e, "--%s %.60s: give a whole number %.0f .. %.0f", name, text, min, max);
-}
+#define AT(member) offsetof(identify_options_t, member)
 
-static bool take_value(identify_options_t *o, const char *name, const char *text, common_error_t *e)
-{
-    double value = 0.0;
-    if (strcmp(name, "periods") == 0) {
-        const bool is_good = take_whole(name, text, 1.0, 65535.0, &value, e);
-        o->identify.n_periods = is_good ? (uint32_t)value : 0u;
-        return is_good;
-    }
-    if (strcmp(name, "fade-ticks") == 0) {
-        const bool is_good = take_whole(name, text, 16.0, 65535.0, &value, e);
-        o->identify.fade_ticks = is_good ? (uint32_t)value : 0u;
-        return is_good;
-    }
-    if (strcmp(name, "place-nm") == 0) {
-        const bool is_good = take_whole(name, text, -15e6, 15e6, &value, e);
-        o->identify.place_nm = is_good ? (int32_t)value : 0;
-        return is_good;
-    }
-    if (strcmp(name, "alive-s") == 0) {
-        return (common_number_parse(text, &o->identify.alive_s) && o->identify.alive_s > 0.0) ||
-               common_error(e, "--alive-s %.60s: give more than 0 seconds", text);
-    }
-    const char **path = strcmp(name, "wave") == 0     ? &o->wave_path
-                        : strcmp(name, "record") == 0 ? &o->record_path
-                                                      : &o->signals;
-    *path = text;
-    return text[0] != '\0' || common_error(e, "--%s: empty; give a value", name);
-}
+static const camsim_option_t own[] = {
+    CAMSIM_TEXT("wave", "F.csv", AT(wave_path),
+                "a period: first line u_nm, then a whole number of nanometres per tick"),
+    CAMSIM_TEXT("record", "F.csv", AT(record_path),
+                "tick,t_s and the signals, from the move to the centre until the amplitude falls"),
+    CAMSIM_WHOLE("periods", "N", AT(n_periods), 1.0, 65535.0,
+                 "periods at full amplitude (default: 5)"),
+    CAMSIM_WHOLE("fade-ticks", "N", AT(fade_ticks), 16.0, 65535.0,
+                 "ticks of rise and of fall of the amplitude (default: 2000)"),
+    CAMSIM_WHOLE("place-nm", "N", AT(place_nm), -15e6, 15e6,
+                 "position of U about which it plays (default: 0)"),
+    CAMSIM_TEXT("signals", "A,B,..", AT(signals),
+                "of cam_scope.h (default: u_set_q6,u_command_nm,u_actual_nm)"),
+    CAMSIM_NUMBER("alive-s", "S", AT(identify.alive_s), 1e-6, 1e9, "seconds",
+                  "stop keep-alive messages after S, so that the controller aborts"),
+};
 
-/// Parse an option of this command with its value; the others are options of a run.
-/// @return words used; 0: an option of a run; below 0 and *e: wrong usage
-static int take_own(identify_options_t *o, int n_left, char **words, common_error_t *e)
-{
-    static const char *const own[] = {"wave",     "record",  "periods", "fade-ticks",
-                                      "place-nm", "signals", "alive-s"};
-    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++) {
-        const size_t length = strlen(own[i]);
-        if (strncmp(words[0], "--", 2) != 0 || strncmp(words[0] + 2, own[i], length) != 0) {
-            continue;
-        }
-        const char *rest = words[0] + 2 + length;
-        if (rest[0] == '=') {
-            return take_value(o, own[i], rest + 1, e) ? 1 : -1;
-        }
-        if (rest[0] == '\0') {
-            if (n_left < 2) {
-                (void)common_error(e, "identify: --%s: value missing; see camsim identify --help",
-                                   own[i]);
-                return -1;
-            }
-            return take_value(o, own[i], words[1], e) ? 2 : -1;
-        }
-    }
-    return 0;
-}
+static const char help[] =
+    "Enables the controller, waits until it is ready, plays a wave on U and records it.\v"
+    "As in camsim run: --machine --set --rpm --seed --inject KIND@tSECONDS[:VALUE]\n"
+    "\n"
+    "Exit status: 0 done, 1 cut short (nothing is written), 2 wrong usage or bad input.";
 
 /// @return bits of the named signals, 0 and *e when one is unknown
 static uint32_t signals_of(const char *names, common_error_t *e)
@@ -143,31 +85,20 @@ static bool check(identify_options_t *o, common_error_t *e)
                             o->common.cut.target);
     }
     o->common.cut.is_traced = true;
+    o->identify.n_periods = (uint32_t)o->n_periods;
+    o->identify.fade_ticks = (uint32_t)o->fade_ticks;
+    o->identify.place_nm = (int32_t)o->place_nm;
     o->identify.signals = signals_of(o->signals, e);
     return o->identify.signals != 0u;
 }
 
 static bool read_options(identify_options_t *o, int argc, char **argv, common_error_t *e)
 {
-    o->identify = (sim_identify_options_t){.n_periods = 5, .fade_ticks = 2000};
+    const camsim_set_t set = {own, sizeof own / sizeof own[0], o};
+    o->n_periods = 5.0;
+    o->fade_ticks = 2000.0;
     o->signals = "u_set_q6,u_command_nm,u_actual_nm";
-    char **rest = calloc((size_t)argc + 1u, sizeof *rest);
-    if (rest == NULL) {
-        return common_error(e, "identify: not enough memory; free some");
-    }
-    int n_rest = 0;
-    bool is_good = true;
-    for (int i = 0; i < argc && is_good;) {
-        const int n = i > 0 ? take_own(o, argc - i, argv + i, e) : 0;
-        is_good = n >= 0;
-        if (n == 0) {
-            rest[n_rest++] = argv[i++];
-        }
-        i += n > 0 ? n : 0;
-    }
-    is_good = is_good && camsim_options_read(&o->common, n_rest, rest, e) && check(o, e);
-    free(rest);
-    return is_good;
+    return camsim_options_read_with(&o->common, set, argc, argv, e) && check(o, e);
 }
 
 // The wave
@@ -314,7 +245,8 @@ int camsim_identify(int argc, char **argv)
         return camsim_complain(&e);
     }
     if (o.common.is_help) {
-        (void)puts(help);
+        const camsim_set_t set = {own, sizeof own / sizeof own[0], NULL};
+        camsim_help("camsim identify", "TABLE --wave F.csv --record F.csv", help, set);
         return camsim_done;
     }
     int32_t *wave_nm = read_wave(o.wave_path, &o.identify.n, &e);

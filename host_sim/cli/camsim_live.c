@@ -1,49 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
-#include "common_number.h" // common_number_parse
-#include "sim_file.h"      // sim_file_read
-#include "sim_live.h"      // sim_live_open
-#include <limits.h>        // INT_MAX
-#include <signal.h>        // signal
-#include <stdio.h>         // puts
-#include <stdlib.h>        // calloc, free
-#include <string.h>        // strcmp
-
-static const char help[] =
-    "camsim live TABLE --role ROLE --wire FD [options]     one process of tools/live\n"
-    "\n"
-    "  --role ROLE           controller: CAN frames on stdin and stdout; lathe: faults on stdin\n"
-    "  --wire FD             socket (SOCK_SEQPACKET) to the other process\n"
-    "  --speed-up F          times faster than the clock, 0.01 .. 100 (default: 1)\n"
-    "  --operator WHO        at the machine: present (presses acknowledge when needed and turns\n"
-    "                        the key for each commander), absent (neither), waived (no button "
-    "needed)\n"
-    "                        (default: waived)\n"
-    "  --secret FILE         secret that unlocks limits and tables, 16 .. 64 bytes\n"
-    "                        (default: none)\n"
-    "\n"
-    "as in camsim run: --machine --set --rpm --feed --design --seed --inject "
-    "KIND@tSECONDS[:VALUE]\n"
-    "lathe only: acknowledge:SECONDS (presses the button)  key:1  key:0 (turns the "
-    "key)\n"
-    "\n"
-    "It ends when stdin does. Exit status: 0 done, 2 wrong usage or bad input.";
+#include "sim_file.h" // sim_file_read
+#include "sim_live.h" // sim_live_open
+#include <limits.h>   // INT_MAX
+#include <signal.h>   // signal
+#include <string.h>   // strcmp
 
 typedef struct {
     camsim_options_t common;
     sim_live_options_t live;
     const char *role;
+    double wire; ///< as given; live holds it, too
 } options_t;
 
-static bool take_number(double *value, const char *option, const char *text, double min, double max,
-                        common_error_t *e)
-{
-    return (common_number_parse(text, value) && *value >= min && *value <= max) ||
-           common_error(e, "%s %.60s: give a number %.12g .. %.12g", option, text, min, max);
-}
+#define AT(member) offsetof(options_t, member)
 
-static bool take_people(options_t *o, const char *text, common_error_t *e)
+static bool take_people(void *options, const char *text, common_error_t *e)
 {
+    options_t *o = options;
     static const char *const words[] = {
         [sim_live_waived] = "waived", [sim_live_present] = "present", [sim_live_absent] = "absent"};
     for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
@@ -56,8 +30,9 @@ static bool take_people(options_t *o, const char *text, common_error_t *e)
 }
 
 /// Read the secret, without line ends after it.
-static bool take_secret(options_t *o, const char *path, common_error_t *e)
+static bool take_secret(void *options, const char *path, common_error_t *e)
 {
+    options_t *o = options;
     sim_file_t file;
     if (!sim_file_read(&file, path, 1024, e)) {
         return false;
@@ -75,37 +50,27 @@ static bool take_secret(options_t *o, const char *path, common_error_t *e)
     return is_good || common_error(e, "--secret %.80s: %zu bytes; give 16 .. 64", path, n);
 }
 
-/// Parse an option of this command with its value; the others are options of a run.
-/// @return words used; 0: an option of a run; below 0 and *e: wrong usage
-static int take_own(options_t *o, int n_left, char **words, common_error_t *e)
-{
-    double fd = 0.0;
-    const bool is_role = strcmp(words[0], "--role") == 0;
-    const bool is_wire = strcmp(words[0], "--wire") == 0;
-    const bool is_people = strcmp(words[0], "--operator") == 0;
-    const bool is_secret = strcmp(words[0], "--secret") == 0;
-    if (!is_role && !is_wire && !is_people && !is_secret && strcmp(words[0], "--speed-up") != 0) {
-        return 0;
-    }
-    if (n_left < 2) {
-        (void)common_error(e, "live: %s: value missing; see camsim live --help", words[0]);
-        return -1;
-    }
-    if (is_role) {
-        o->role = words[1];
-    } else if (is_secret) {
-        return take_secret(o, words[1], e) ? 2 : -1;
-    } else if (is_people) {
-        return take_people(o, words[1], e) ? 2 : -1;
-    } else if (!is_wire) {
-        return take_number(&o->live.speed_up, words[0], words[1], 0.01, 100.0, e) ? 2 : -1;
-    } else if (!take_number(&fd, words[0], words[1], 0.0, INT_MAX, e)) {
-        return -1;
-    } else {
-        o->live.wire = (int)fd;
-    }
-    return 2;
-}
+static const camsim_option_t own[] = {
+    CAMSIM_TEXT("role", "ROLE", AT(role),
+                "controller: CAN frames on stdin and stdout; lathe: faults on stdin"),
+    CAMSIM_WHOLE("wire", "FD", AT(wire), 0.0, INT_MAX,
+                 "socket (SOCK_SEQPACKET) to the other process"),
+    CAMSIM_NUMBER("speed-up", "F", AT(live.speed_up), 0.01, 100.0, "a pure number",
+                  "times faster than the clock, 0.01 .. 100 (default: 1)"),
+    CAMSIM_TAKEN("operator", "WHO", take_people,
+                 "at the machine: present (presses acknowledge when needed and turns the key for "
+                 "each commander), absent (neither), waived (no button needed) (default: waived)"),
+    CAMSIM_TAKEN("secret", "FILE", take_secret,
+                 "secret that unlocks limits and tables, 16 .. 64 bytes (default: none)"),
+};
+
+static const char help[] =
+    "One process of tools/live.\v"
+    "As in camsim run: --machine --set --rpm --feed --design --seed\n"
+    "--inject KIND@tSECONDS[:VALUE]; lathe only: acknowledge:SECONDS (presses the\n"
+    "button)  key:1  key:0 (turns the key)\n"
+    "\n"
+    "It ends when stdin does. Exit status: 0 done, 2 wrong usage or bad input.";
 
 static bool check(options_t *o, common_error_t *e)
 {
@@ -126,9 +91,10 @@ static bool check(options_t *o, common_error_t *e)
         return common_error(e, "--role %.40s: give lathe or controller",
                             o->role != NULL ? o->role : "(none)");
     }
-    if (o->live.wire < 0) {
+    if (o->wire < 0.0) {
         return common_error(e, "live: no --wire; let tools/live start both processes");
     }
+    o->live.wire = (int)o->wire;
     o->common.cut.is_traced = true; // the recorder needs it
     o->live.cut = o->common.cut;
     return true;
@@ -136,23 +102,10 @@ static bool check(options_t *o, common_error_t *e)
 
 static bool read_options(options_t *o, int argc, char **argv, common_error_t *e)
 {
-    o->live = (sim_live_options_t){.wire = -1, .speed_up = 1.0};
-    char **rest = calloc((size_t)argc + 1u, sizeof *rest);
-    if (rest == NULL) {
-        return common_error(e, "live: not enough memory; free some");
-    }
-    int n_rest = 0;
-    int taken = 1;
-    for (int i = 0; i < argc && taken >= 0; i += taken > 0 ? taken : 1) {
-        taken = i > 0 ? take_own(o, argc - i, argv + i, e) : 0;
-        if (taken == 0) {
-            rest[n_rest++] = argv[i];
-        }
-    }
-    const bool is_good =
-        taken >= 0 && camsim_options_read(&o->common, n_rest, rest, e) && check(o, e);
-    free(rest);
-    return is_good;
+    const camsim_set_t set = {own, sizeof own / sizeof own[0], o};
+    o->live.speed_up = 1.0;
+    o->wire = -1.0;
+    return camsim_options_read_with(&o->common, set, argc, argv, e) && check(o, e);
 }
 
 /// Both processes read the table; each then runs its half.
@@ -187,7 +140,8 @@ int camsim_live(int argc, char **argv)
         return camsim_complain(&e);
     }
     if (o.common.is_help) {
-        (void)puts(help);
+        const camsim_set_t set = {own, sizeof own / sizeof own[0], NULL};
+        camsim_help("camsim live", "TABLE --role ROLE --wire FD", help, set);
         return camsim_done;
     }
     (void)signal(SIGPIPE, SIG_IGN); // failed writes show that the reader has gone

@@ -38,29 +38,22 @@ static int after_print(void)
     return camsim_done;
 }
 
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+} commands[] = {
+    {"eval", camsim_eval},     {"verify", camsim_verify},     {"run", camsim_run},
+    {"bus", camsim_bus},       {"identify", camsim_identify}, {"live", camsim_live},
+    {"params", camsim_params},
+};
+
 int main(int argc, char **argv)
 {
     const char *command = argc > 1 ? argv[1] : "";
-    if (strcmp(command, "verify") == 0) {
-        return camsim_verify(argc - 1, argv + 1);
-    }
-    if (strcmp(command, "eval") == 0) {
-        return camsim_eval(argc - 1, argv + 1);
-    }
-    if (strcmp(command, "run") == 0) {
-        return camsim_run(argc - 1, argv + 1);
-    }
-    if (strcmp(command, "bus") == 0) {
-        return camsim_bus(argc - 1, argv + 1);
-    }
-    if (strcmp(command, "identify") == 0) {
-        return camsim_identify(argc - 1, argv + 1);
-    }
-    if (strcmp(command, "live") == 0) {
-        return camsim_live(argc - 1, argv + 1);
-    }
-    if (strcmp(command, "params") == 0) {
-        return camsim_params(argc - 1, argv + 1);
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        if (strcmp(command, commands[i].name) == 0) {
+            return commands[i].run(argc - 1, argv + 1);
+        }
     }
     if (strcmp(command, "--help") == 0 || strcmp(command, "-h") == 0) {
         (void)puts(help);

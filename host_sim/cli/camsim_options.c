@@ -1,98 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _GNU_SOURCE // NOLINT(bugprone-reserved-identifier): getopt_long
 #include "camsim.h"
 #include "common_number.h" // common_number_parse
 #include "sim_target.h"    // sim_target_find
-#include <getopt.h>        // getopt_long
 #include <stdio.h>         // fprintf
 #include <string.h>        // strrchr
 #include <unistd.h>        // access
 
-enum {
-    opt_rpm = 256,
-    opt_feed,
-    opt_machine,
-    opt_set,
-    opt_design,
-    opt_tolerance,
-    opt_trace,
-    opt_every,
-    opt_surface,
-    opt_summary,
-    opt_removal,
-    opt_slice,
-    opt_kc,
-    opt_kc_exponent,
-    opt_nose,
-    opt_scallop,
-    opt_window,
-    opt_sections,
-    opt_heights,
-    opt_tip,
-    opt_no_feed_forward,
-    opt_no_lead,
-    opt_seed,
-    opt_turns,
-    opt_max_seconds,
-    opt_progress,
-    opt_target,
-    opt_target_image,
-    opt_inject,
-    opt_help,
-};
-
-static const struct option options[] = {
-    {"rpm", required_argument, NULL, opt_rpm},
-    {"feed", required_argument, NULL, opt_feed},
-    {"machine", required_argument, NULL, opt_machine},
-    {"set", required_argument, NULL, opt_set},
-    {"design", required_argument, NULL, opt_design},
-    {"tolerance-um", required_argument, NULL, opt_tolerance},
-    {"trace", required_argument, NULL, opt_trace},
-    {"trace-every", required_argument, NULL, opt_every},
-    {"surface", required_argument, NULL, opt_surface},
-    {"summary", required_argument, NULL, opt_summary},
-    {"removal", required_argument, NULL, opt_removal},
-    {"slice-us", required_argument, NULL, opt_slice},
-    {"kc-n-mm2", required_argument, NULL, opt_kc},
-    {"kc-exponent", required_argument, NULL, opt_kc_exponent},
-    {"nose-mm", required_argument, NULL, opt_nose},
-    {"scallop", required_argument, NULL, opt_scallop},
-    {"scallop-mm", required_argument, NULL, opt_window},
-    {"sections", required_argument, NULL, opt_sections},
-    {"sections-mm", required_argument, NULL, opt_heights},
-    {"tool-tip-mm", required_argument, NULL, opt_tip},
-    {"no-feed-forward", no_argument, NULL, opt_no_feed_forward},
-    {"no-lead", no_argument, NULL, opt_no_lead},
-    {"seed", required_argument, NULL, opt_seed},
-    {"turns-limit", required_argument, NULL, opt_turns},
-    {"max-seconds", required_argument, NULL, opt_max_seconds},
-    {"progress", no_argument, NULL, opt_progress},
-    {"target", required_argument, NULL, opt_target},
-    {"target-image", required_argument, NULL, opt_target_image},
-    {"inject", required_argument, NULL, opt_inject},
-    {"help", no_argument, NULL, opt_help},
-    {NULL, 0, NULL, 0},
-};
-
-/// Parse a number of an option, within its range, ends included.
-static bool take_number(double *value, const char *option, const char *text, double min, double max,
-                        const char *unit, common_error_t *e)
-{
-    if (!common_number_parse(text, value)) {
-        return common_error(e, "--%s %.60s: not a finite number; give %s, %.12g .. %.12g", option,
-                            text, unit, min, max);
-    }
-    if (*value < min || *value > max) {
-        return common_error(e, "--%s %.60s: out of range; give %s, %.12g .. %.12g", option, text,
-                            unit, min, max);
-    }
-    return true;
-}
+#define AT(member) offsetof(camsim_options_t, member)
 
 /// Parse two rising heights; a later check compares them with the part.
-static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t *e)
+static bool take_window(void *options, const char *text, common_error_t *e)
 {
+    sim_cut_options_t *cut = &((camsim_options_t *)options)->cut;
     char first[40];
     const char *colon = strchr(text, ':');
     const bool is_split = colon != NULL && (size_t)(colon - text) < sizeof first;
@@ -108,8 +27,9 @@ static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t
 }
 
 /// Parse rising heights of sections; a later check compares them with the part.
-static bool take_heights(sim_cut_options_t *cut, const char *text, common_error_t *e)
+static bool take_heights(void *options, const char *text, common_error_t *e)
 {
+    sim_cut_options_t *cut = &((camsim_options_t *)options)->cut;
     const char *rest = text;
     cut->n_sections = 0;
     while (rest != NULL && cut->n_sections < sim_sections_most) {
@@ -134,8 +54,9 @@ static bool take_heights(sim_cut_options_t *cut, const char *text, common_error_
                         text, sim_sections_most);
 }
 
-static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
+static bool take_set(void *options, const char *text, common_error_t *e)
 {
+    camsim_options_t *o = options;
     char name[80];
     double value;
     const char *equals = strchr(text, '=');
@@ -149,8 +70,9 @@ static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
     return sim_wishes_add(&o->cut.wishes, name, value, "--set", e);
 }
 
-static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e)
+static bool take_inject(void *options, const char *text, common_error_t *e)
 {
+    camsim_options_t *o = options;
     sim_session_options_t *session = &o->cut.session;
     if (session->n_injects == sim_session_max_injects) {
         return common_error(e, "--inject %.60s: one too many; give at most %d", text,
@@ -162,125 +84,86 @@ static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e
     return sim_inject_parse(&session->inject[session->n_injects++], text, place, e);
 }
 
-static bool take_switch(camsim_options_t *o, int option)
-{
-    switch (option) {
-    case opt_no_feed_forward:
-        o->cut.is_without_feed_forward = true;
-        return true;
-    case opt_no_lead:
-        o->cut.is_without_lead = true;
-        return true;
-    case opt_progress:
-        o->is_progress_shown = true;
-        return true;
-    case opt_help:
-        o->is_help = true;
-        return true;
-    default:
-        return false;
-    }
-}
+static const camsim_option_t options[] = {
+    CAMSIM_NUMBER("rpm", "N", AT(cut.rpm), 0.001, 60000.0, "r/min",
+                  "spindle speed, r/min (default: the table's)"),
+    CAMSIM_NUMBER("feed", "MM", AT(cut.feed_mm), 0.000001, 10.0, "mm per turn",
+                  "feed per turn (default: the table's)"),
+    CAMSIM_TEXT("machine", "M.toml", AT(machine_path),
+                "machine file (default: built in, see host_sim/machines/default.toml)"),
+    CAMSIM_TAKEN("set", "PARAM=VALUE", take_set,
+                 "a parameter of the firmware, by its name in cam_param.h; repeatable"),
+    CAMSIM_TEXT("design", "F.json", AT(cut.session.design_path),
+                "exact geometry for the gauge (default: NAME.json next to TABLE)"),
+    CAMSIM_NUMBER("tolerance-um", "T", AT(cut.session.tolerance_um), 0.0, 1e6, "um",
+                  "largest form error accepted (default: 5)"),
+    CAMSIM_TEXT("trace", "F.csv", AT(out_path[camsim_trace]),
+                "every tick: inputs, set-points, outputs, truth"),
+    CAMSIM_NUMBER("trace-every", "N", AT(cut.trace_every), 1.0, 1e9, "ticks",
+                  "only one tick of N in the trace"),
+    CAMSIM_TEXT("surface", "F.csv", AT(out_path[camsim_surface]),
+                "turn,z_mm,radius_mm,error_nm of the worst sample of each cell, and control_nm "
+                "where the table plays a refit or a filter"),
+    CAMSIM_TEXT("summary", "F.json", AT(out_path[camsim_summary]), "results"),
+    CAMSIM_TEXT("removal", "F.csv", AT(out_path[camsim_removal]),
+                "metal removed, power and forces of every time slice"),
+    CAMSIM_NUMBER("slice-us", "T", AT(slice_us), 1.0, 1e9, "microseconds",
+                  "length of those slices (default: a 120th of the mean turn)"),
+    CAMSIM_NUMBER("kc-n-mm2", "K", AT(cut.kc_n_mm2), 0.001, 1e6, "N/mm2",
+                  "specific cutting force (default: 700)"),
+    CAMSIM_NUMBER("kc-exponent", "M", AT(cut.kc_exponent), 0.0, 0.9, "a pure number",
+                  "its size effect: K h^-M at a chip h mm thick, then K is kc1.1; a nose "
+                  "(--nose-mm) cuts thinner chips (default: 0, none)"),
+    CAMSIM_NUMBER("nose-mm", "R", AT(cut.nose_mm), 0.01, 100.0, "mm",
+                  "radius of the tool's nose, for the gauge (default: that of the machine file, "
+                  "else of the part file); also makes the surface between tracks"),
+    CAMSIM_TEXT("scallop", "F.csv", AT(out_path[camsim_scallop]),
+                "turn,z_mm,proud_um of that surface; with --nose-mm"),
+    CAMSIM_TAKEN("scallop-mm", "FROM:TO", take_window,
+                 "its heights (default: four feeds in the middle)"),
+    CAMSIM_TEXT("sections", "F.csv", AT(out_path[camsim_sections]),
+                "section,turn,z_mm,radius_mm,deviation_nm at 3600 angles of each section, and of "
+                "lines along the height at 0, 90, 180, 270 degrees (section 0)"),
+    CAMSIM_TAKEN("sections-mm", "A,B,..", take_heights,
+                 "their heights, at most 16 (default: five, or in the middle of lobes)"),
+    CAMSIM_NUMBER("tool-tip-mm", "R", AT(cut.tip_mm), 0.05, 1000.0, "mm",
+                  "radius of the tip that turns a cam (default: 0.4)"),
+    CAMSIM_SWITCH("no-feed-forward", AT(cut.is_without_feed_forward), "k1 = k2 = 0"),
+    CAMSIM_SWITCH("no-lead", AT(cut.is_without_lead), "no dead-time compensation"),
+    CAMSIM_WHOLE("seed", "N", AT(seed), 0.0, 9007199254740992.0,
+                 "seed of the encoder's noise (default: 1)"),
+    CAMSIM_NUMBER("turns-limit", "N", AT(cut.max_turns), 0.001, 1e9, "turns",
+                  "operator's stop after N turns of cutting"),
+    CAMSIM_NUMBER("max-seconds", "S", AT(cut.session.max_s), 0.001, 1e7, "seconds",
+                  "give up after S of machine time (default: twice the plan and a minute)"),
+    CAMSIM_SWITCH("progress", AT(is_progress_shown), "show progress on standard error"),
+    CAMSIM_TEXT("target", "T", AT(cut.target),
+                "the firmware runs on an emulated board: mps2-an500 (Cortex-M7) or mps2-an386 "
+                "(Cortex-M4), one exchange per tick"),
+    CAMSIM_TEXT("target-image", "F.elf", AT(cut.target_image),
+                "image for it (default: that of preset mcu-qemu or mcu-qemu-m4)"),
+    CAMSIM_TAKEN("inject", "KIND@SECONDS[:VALUE]", take_inject,
+                 "a fault or what an operator does; below"),
+    CAMSIM_SWITCH("help", AT(is_help), "show this help"),
+};
 
-static const char **path_of(camsim_options_t *o, int option)
-{
-    switch (option) {
-    case opt_machine:
-        return &o->machine_path;
-    case opt_trace:
-        return &o->out_path[camsim_trace];
-    case opt_surface:
-        return &o->out_path[camsim_surface];
-    case opt_summary:
-        return &o->out_path[camsim_summary];
-    case opt_removal:
-        return &o->out_path[camsim_removal];
-    case opt_scallop:
-        return &o->out_path[camsim_scallop];
-    case opt_sections:
-        return &o->out_path[camsim_sections];
-    case opt_design:
-        return &o->cut.session.design_path;
-    case opt_target:
-        return &o->cut.target;
-    case opt_target_image:
-        return &o->cut.target_image;
-    default:
-        return NULL;
-    }
-}
+static const char help[] =
+    "A whole cut in virtual time.\v"
+    "--inject is repeatable; seconds of cutting, or KIND@tSECONDS since the start:\n"
+    "  estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck\n"
+    "  index-dead  late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop\n"
+    "  z-offset:MM  u-block  swing-block  table-flip:BYTE  stop\n"
+    "  clock-drift:PPM  tick-jitter:PERCENT  tick-burst:PERCENT  tick-twice:PERCENT\n"
+    "  hold  resume  feed-override:PERCENT  spindle-override:PERCENT  trim:UM,\n"
+    "  as an operator\n"
+    "\n"
+    "Exit status: 0 done, 1 fault, time-out, out of tolerance or not gauged, 2 wrong usage or bad "
+    "input.";
 
-static bool take_value(camsim_options_t *o, int option, const char *text, common_error_t *e)
+void camsim_options_help(void)
 {
-    sim_cut_options_t *cut = &o->cut;
-    sim_session_options_t *session = &cut->session;
-    double value;
-    switch (option) {
-    case opt_rpm:
-        return take_number(&cut->rpm, "rpm", text, 0.001, 60000.0, "r/min", e);
-    case opt_feed:
-        return take_number(&cut->feed_mm, "feed", text, 0.000001, 10.0, "mm per turn", e);
-    case opt_tolerance:
-        return take_number(&session->tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
-    case opt_every:
-        return take_number(&cut->trace_every, "trace-every", text, 1.0, 1e9, "ticks", e);
-    case opt_turns:
-        return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
-    case opt_slice:
-        if (!take_number(&value, "slice-us", text, 1.0, 1e9, "microseconds", e)) {
-            return false;
-        }
-        cut->slice_s = value * 1e-6;
-        return true;
-    case opt_kc:
-        return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
-    case opt_kc_exponent:
-        return take_number(&cut->kc_exponent, "kc-exponent", text, 0.0, 0.9, "a pure number", e);
-    case opt_nose:
-        if (!take_number(&cut->nose_mm, "nose-mm", text, 0.01, 100.0, "mm", e)) {
-            return false;
-        }
-        session->nose_mm = cut->nose_mm;
-        return true;
-    case opt_window:
-        return take_window(cut, text, e);
-    case opt_heights:
-        return take_heights(cut, text, e);
-    case opt_tip:
-        return take_number(&cut->tip_mm, "tool-tip-mm", text, 0.05, 1000.0, "mm", e);
-    case opt_max_seconds:
-        return take_number(&session->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
-    case opt_seed:
-        if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
-            return false;
-        }
-        session->seed = (uint64_t)value;
-        return (double)session->seed == value ||
-               common_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992",
-                            text);
-    case opt_set:
-        return take_set(o, text, e);
-    default: // opt_inject
-        return take_inject(o, text, e);
-    }
-}
-
-static bool take_option(camsim_options_t *o, int option, char **argv, common_error_t *e)
-{
-    if (option == '?' || option == ':') {
-        return common_error(e, "%s: %.60s: unknown option or value missing; see camsim %s --help",
-                            o->command, argv[optind - 1], o->command);
-    }
-    if (take_switch(o, option)) {
-        return true;
-    }
-    const char **path = path_of(o, option);
-    if (path == NULL) {
-        return take_value(o, option, optarg, e);
-    }
-    *path = optarg;
-    return optarg[0] != '\0' || common_error(e, "%s: %.60s: an empty path; give a file name",
-                                             o->command, argv[optind - 1]);
+    const camsim_set_t set = {options, sizeof options / sizeof options[0], NULL};
+    camsim_help("camsim run", "TABLE", help, set);
 }
 
 /// Find NAME.json next to NAME.camtab.
@@ -348,30 +231,9 @@ void camsim_warn_of_design(const camsim_options_t *o)
     }
 }
 
-bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e)
+/// Check what the options say together.
+static bool check(camsim_options_t *o, common_error_t *e)
 {
-    memset(o, 0, sizeof *o);
-    o->command = argv[0];
-    o->cut.session.tolerance_um = 5.0;
-    o->cut.kc_n_mm2 = 700.0;
-    o->cut.session.config = sim_config_defaults();
-    o->cut.session.seed = 1;
-    opterr = 0;
-    optind = 0; // restart: this process may have parsed options before
-    int option;
-    while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
-        if (!take_option(o, option, argv, e)) {
-            return false;
-        }
-        if (o->is_help) {
-            return true;
-        }
-    }
-    if (optind + 1 != argc) {
-        return common_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
-                            argc - optind, o->command);
-    }
-    o->table_path = argv[optind];
     o->cut.is_traced = o->out_path[camsim_trace] != NULL;
     if (o->machine_path != NULL && !sim_config_load(&o->cut.session.config, o->machine_path, e)) {
         return false;
@@ -387,4 +249,37 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_erro
         return common_error(e, "--sections-mm: no file for them; give --sections F.csv, too");
     }
     return check_outputs(o, e);
+}
+
+bool camsim_options_read_with(camsim_options_t *o, camsim_set_t own, int argc, char **argv,
+                              common_error_t *e)
+{
+    memset(o, 0, sizeof *o);
+    o->command = argv[0];
+    o->cut.session.tolerance_um = 5.0;
+    o->cut.kc_n_mm2 = 700.0;
+    o->cut.session.config = sim_config_defaults();
+    o->seed = 1.0;
+    const camsim_set_t sets[] = {own, {options, sizeof options / sizeof options[0], o}};
+    camsim_rest_t rest = {.n_arguments = 0};
+    if (!camsim_parse(sets, sizeof sets / sizeof sets[0], argc, argv, &o->is_help, &rest, e)) {
+        return false;
+    }
+    if (o->is_help) {
+        return true;
+    }
+    if (rest.n_arguments != 1) {
+        return common_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
+                            rest.n_arguments, o->command);
+    }
+    o->table_path = rest.argument;
+    o->cut.slice_s = o->slice_us * 1e-6;
+    o->cut.session.nose_mm = o->cut.nose_mm;
+    o->cut.session.seed = (uint64_t)o->seed;
+    return check(o, e);
+}
+
+bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e)
+{
+    return camsim_options_read_with(o, (camsim_set_t){.n = 0}, argc, argv, e);
 }

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
 #include "sim_cut_pass.h" // sim_cut_planned_s
-#include <stdio.h>        // printf, puts
+#include <stdio.h>        // printf
 
 static const char help[] =
-    "camsim params TABLE [options]\n"
-    "\n"
-    "prints the controller's configuration as lines of name,value: tick_hz, then the length of "
-    "the\n"
-    "cut (planned_turns of cutting and planned_s of machine time, passes, rehearsal, engaging "
-    "and\n"
-    "disengaging included), then the parameters of firmware/param/cam_param.h\n"
-    "\n"
-    "as in camsim run: --machine --set --rpm --feed\n"
+    "Prints the controller's configuration as lines of name,value: tick_hz, then the length of the "
+    "cut (planned_turns of cutting and planned_s of machine time, passes, rehearsal, engaging and "
+    "disengaging included), then the parameters of firmware/param/cam_param.h.\v"
+    "As in camsim run: --machine --set --rpm --feed\n"
     "\n"
     "Exit status: 0 done, 2 wrong usage or bad input.";
 
@@ -51,7 +46,7 @@ int camsim_params(int argc, char **argv)
         return camsim_complain(&e);
     }
     if (o.is_help) {
-        (void)puts(help);
+        camsim_help("camsim params", "TABLE", help, (camsim_set_t){.n = 0});
         return camsim_done;
     }
     sim_file_t file;

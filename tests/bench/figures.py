@@ -36,8 +36,6 @@ CORE_FIGURES = (
     "mean",
     "mean_uniform",
     "mean_modulated",
-    "tick_path",
-    "plan_path",
     "stack_bytes",
 )
 

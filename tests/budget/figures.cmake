@@ -1,28 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # Writes what a run has measured as JSON: instructions of a tick without and with the plan, their
-# mean in the cut, the longest paths of both through the code, bytes of stack.
+# mean in the cut, bytes of stack.
 # Prints the change of each against tests/bench/figures.json.
-# usage: cmake -D MEASURED=test_budget.txt -D PATHS=interrupt.txt -D OUTPUT=figures.json
+# usage: cmake -D MEASURED=test_budget.txt -D STACK=interrupt.txt -D OUTPUT=figures.json
 #              -D RECORDED=tests/bench/figures.json -D CORE=m7 -P figures.cmake
 cmake_minimum_required(VERSION 3.25)
 
-# The one number that a pattern finds in a file.
-function(find_number file pattern variable)
-    file(STRINGS ${file} lines REGEX "${pattern}")
-    list(LENGTH lines n)
-    if(NOT n EQUAL 1)
-        message(FATAL_ERROR "${file}: ${n} lines \"${pattern}\"")
-    endif()
-    string(REGEX MATCH "${pattern}" matched "${lines}")
-    set(${variable} ${CMAKE_MATCH_1} PARENT_SCOPE)
-endfunction()
+file(STRINGS ${STACK} stack REGEX "^isr-stack [0-9]+ bytes")
+if(NOT stack MATCHES "^isr-stack ([0-9]+) bytes")
+    message(FATAL_ERROR "${STACK}: no line \"isr-stack N bytes\"")
+endif()
+string(JSON json SET "{}" stack_bytes ${CMAKE_MATCH_1})
 
-find_number(${PATHS} "^isr-bound ([0-9]+) instructions" plan_path)
-find_number(${PATHS} "^isr-stack ([0-9]+) bytes" stack_bytes)
-find_number(${PATHS} "^plan_isr[.a-z0-9]* +([0-9]+) +[0-9]+ +[0-9]+" plan)
-math(EXPR tick_path "${plan_path} - ${plan}") # every longer path of the tick calls the plan
-
-set(json "{}")
 file(STRINGS ${MEASURED} figures REGEX "^figure [a-z_]+ [0-9]+")
 foreach(figure IN LISTS figures)
     string(REGEX MATCH "^figure ([a-z_]+) ([0-9]+)" matched "${figure}")
@@ -33,9 +22,6 @@ foreach(name tick_cut_max tick_max plan_tick_max mean)
     if(missing)
         message(FATAL_ERROR "${MEASURED}: no figure ${name}")
     endif()
-endforeach()
-foreach(name tick_path plan_path stack_bytes)
-    string(JSON json SET "${json}" ${name} "${${name}}")
 endforeach()
 
 set(states "{}")
@@ -54,7 +40,7 @@ message("${json}")
 
 # What changed against the record, for the reviewer.
 file(READ ${RECORDED} recorded)
-foreach(name tick_cut_max tick_max plan_tick_max mean stack_bytes tick_path plan_path)
+foreach(name tick_cut_max tick_max plan_tick_max mean stack_bytes)
     string(JSON now GET "${json}" ${name})
     string(JSON before ERROR_VARIABLE missing GET "${recorded}" "${CORE}.${name}")
     if(missing)

@@ -353,7 +353,6 @@ static void test_enough_ticks_were_measured(void)
     printf("figure tick_cut_max %lu\n", (unsigned long)most_in_cut);
     printf("figure tick_max %lu\n", (unsigned long)most);
     printf("figure plan_tick_max %lu\n", (unsigned long)most_with_plan);
-    printf("budget-max %lu\n", (unsigned long)most_with_plan); // tools/elfcheck compares its bound
 }
 
 int main(void)

@@ -2,7 +2,6 @@
 // Our evaluation beside plain C of others: the same surface, inputs, compiler and core. Prints a
 // table in Markdown; only ours is held to limits.
 #include "budget_count.h"
-#include "budget_trace.h"
 #include "compare_surface.h"
 #include "compare_table.h"
 #include "fixture_random.h"
@@ -49,8 +48,7 @@ typedef struct {
 } way_t;
 
 typedef struct {
-    uint32_t min, max, sum;  ///< [instructions]
-    const sample_t *longest; ///< one that takes max
+    uint32_t min, max, sum; ///< [instructions]
     double error_nm;
     double error2_nm; ///< [nm/rad2] of the second derivative
 } figures_t;
@@ -146,7 +144,6 @@ static figures_t measure(const way_t *way, const compare_table_t *t)
         double u[3];
         way->read(t, &value, u);
         f.min = n < f.min ? n : f.min;
-        f.longest = n > f.max ? &samples[i] : f.longest;
         f.max = n > f.max ? n : f.max;
         f.sum += n;
         f.error_nm = fmax(f.error_nm, fabs(u[0] - samples[i].u[0]));
@@ -173,14 +170,6 @@ static figures_t row(const way_t *way, const compare_table_t *t, const char *why
     return f;
 }
 
-/// The longest evaluation once more, for checks.cycles.
-static void show(const way_t *way, const compare_table_t *t, const figures_t *f)
-{
-    compare_value_t value;
-    budget_trace(way->name, f->max, (budget_traced_fn *)way->eval);
-    way->eval(t, f->longest->theta_q32, f->longest->z_nm, &value);
-}
-
 void setUp(void) {}
 
 void tearDown(void)
@@ -192,7 +181,6 @@ static void test_ours_is_exact_and_its_counts_repeat(void)
 {
     const compare_table_t t = compare_table_ours();
     ours = row(&way_ours, &t, "as mktables makes it");
-    show(&way_ours, &t, &ours);
     const figures_t again = measure(&way_ours, &t);
     TEST_ASSERT_DOUBLE_WITHIN(OUR_ERROR_NM, 0.0, ours.error_nm);
     TEST_ASSERT_EQUAL_UINT32(ours.min, again.min);
@@ -217,8 +205,7 @@ static void test_linear(void)
     (void)row(&way_linear, &t, "our bytes");
     const double h = sqrt(8.0 * ours.error_nm / compare_largest_oval_nm);
     t = compare_table_linear((uint32_t)ceil(TWO_PI / 2.0 / h));
-    const figures_t f = row(&way_linear, &t, "our error");
-    show(&way_linear, &t, &f);
+    (void)row(&way_linear, &t, "our error");
 }
 
 static void test_spline(void)
@@ -228,15 +215,13 @@ static void test_spline(void)
     (void)row(&way_spline, &t, "our bytes");
     const double h = sqrt(sqrt(384.0 * ours.error_nm / (4.0 * compare_largest_oval_nm)));
     t = compare_table_spline((uint32_t)ceil(TWO_PI / 2.0 / h));
-    const figures_t f = row(&way_spline, &t, "our error");
-    show(&way_spline, &t, &f);
+    (void)row(&way_spline, &t, "our error");
 }
 
 static void test_quintic(void)
 {
     const compare_table_t t = compare_table_quintic(1u << compare_log2_knots);
-    const figures_t f = row(&way_quintic, &t, "our knots");
-    show(&way_quintic, &t, &f);
+    (void)row(&way_quintic, &t, "our knots");
 }
 
 int main(void)

@@ -70,6 +70,7 @@ TARGETS = (
             "hal/linux/setup/lin_config.c",
             "host_sim/lathe/sim_inject.c",
             "host_sim/cli/camsim_options.c",
+            "host_sim/cli/camsim_parse.c",
         ),
     ),
     Target(

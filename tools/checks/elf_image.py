@@ -20,7 +20,6 @@ import subprocess
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,7 +32,9 @@ _LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
 _TARGET = re.compile(r"^([0-9a-f]+) <")
 _COLD = re.compile(r"\.cold(\.\d+)?$")
 _DATA_BYTES = {".byte": 1, ".short": 2, ".word": 4}
-_FRAME = re.compile(r"^(.*):(\d+|\?)(?: \(discriminator \d+\))?$")
+_PLACE = re.compile(r"^(.*):(\d+|\?)(?: \(discriminator \d+\))?$")
+_FRAME_START = re.compile(r"FDE .*pc=([0-9a-f]+)\.\.")
+_FRAME_LINE = re.compile(r"^[0-9a-f]{8} (\w+)\+(\d+)\s")
 
 
 @dataclass(frozen=True)
@@ -77,12 +78,6 @@ class Function:
     def at(self) -> dict[int, ImageInstruction]:
         """Instructions by address."""
         return {one.address: one for one in self.instructions}
-
-    @cached_property
-    def following(self) -> dict[int, int]:
-        """Address of the line after each line that is an instruction."""
-        lines = sorted([*self.at, *self.data])
-        return {line: after for line, after in pairwise(lines) if line in self.at}
 
 
 Code = dict[int, Function]
@@ -191,6 +186,24 @@ class Image:
         text = self.ask("addr2line", "-a", "-f", "-i", "-e", str(self.path), given=given)
         return _parse_places(text.splitlines())
 
+    def frames(self) -> dict[int, int | None]:
+        """Return the deepest stack by the compiler's call frames, by address of the code.
+
+        None: its size is not constant, since it is relative to another register than sp.
+        """
+        deepest: dict[int, int | None] = {}
+        start = -1
+        text = self.ask("readelf", "--debug-dump=frames-interp", str(self.path))
+        for line in text.splitlines():
+            if found := _FRAME_START.search(line):
+                start = int(found[1], 16)
+                deepest.setdefault(start, 0)
+            elif (row := _FRAME_LINE.match(line)) and start in deepest:
+                most = deepest[start]
+                is_known = row[1] == "r13" and most is not None
+                deepest[start] = max(most or 0, int(row[2])) if is_known else None
+        return deepest
+
 
 def _parse_places(lines: Iterable[str]) -> dict[int, list[Place]]:
     places: dict[int, list[Place]] = {}
@@ -202,7 +215,7 @@ def _parse_places(lines: Iterable[str]) -> dict[int, list[Place]]:
         elif not name:
             name = line
         else:
-            frame = _FRAME.match(line)
+            frame = _PLACE.match(line)
             if frame and frame[1] != "??":
                 number = 0 if frame[2] == "?" else int(frame[2])
                 places[address].append(Place(name, frame[1], number))

@@ -1,75 +1,72 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Everything that an interrupt can reach in an image: longest path, stack, what is forbidden."""
+"""Everything that an interrupt can reach in an image: its stack, and what is forbidden."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from checks.elf_flow import Flow, make_flow
-from checks.elf_image import Function, Image, Place
-from checks.elf_longest import IrreducibleError, Loop, longest
-from checks.elf_loops import Bounds, head_runs, places_of
+from camtools.base.errors import InputError
+from checks.elf_flow import Flow, loops, make_flow
+from checks.elf_image import Function, Image
 from checks.elf_rules import forbidden_instruction, forbidden_name
-from checks.elf_stack import deepest_frames, depths
 
 # What the core stacks on entry (ARMv7-M manual, B1.5.6 and B1.5.7).
 FRAME_BYTES = 8 * 4  # r0-r3, r12, lr, pc, xPSR
 FLOAT_FRAME_BYTES = 26 * 4  # and s0-s15, FPSCR, a reserved word, if the interrupted code uses them
 ALIGNMENT_BYTES = 4  # the frame begins on eight bytes
+_PUSH = re.compile(r"v?push .*|v?stmdb sp!.*|subw? sp, .*|.*\[sp, #-\d+\]!")
+
+Bounds = Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class FunctionCost:
-    """What one call of a function may take, callees included.
-
-    Attributes
-    ----------
-    own_stack_bytes : int
-        Without its callees.
-    """
+class FunctionStack:
+    """Bytes that a call of a function may take, with its callees and without."""
 
     name: str
-    instructions: int
     stack_bytes: int
-    own_stack_bytes: int
-
-
-@dataclass(frozen=True)
-class LoopReport:
-    """A loop that is reached, and how often its head runs."""
-
-    function: str
-    head: int
-    places: list[Place]
-    head_runs: int
-
-    def __str__(self) -> str:
-        where = ", ".join(dict.fromkeys(str(place) for place in self.places))
-        return f"{self.function} {self.head:x}: head runs {self.head_runs} times, {where}"
+    own_bytes: int
 
 
 @dataclass
 class IsrReport:
     """What was found; `functions` stands in the order of callees before callers."""
 
-    root: str
     entry_bytes: int
-    functions: list[FunctionCost] = field(default_factory=list)
-    loops: list[LoopReport] = field(default_factory=list)
+    functions: list[FunctionStack] = field(default_factory=list)
+    loops: list[str] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
-    n_frames_compared: int = 0
     bounds_used: set[str] = field(default_factory=set)
-
-    @property
-    def instructions(self) -> int:
-        """Most instructions from the root's entry to its return."""
-        return self.functions[-1].instructions
 
     @property
     def stack_bytes(self) -> int:
         """Deepest stack, interrupt entry included."""
         return self.functions[-1].stack_bytes + self.entry_bytes
+
+
+def load_bounds(path: Path) -> Bounds:
+    """Return the reason why the loops of a source function end, by function.
+
+    Raises
+    ------
+    InputError
+        The file is not readable or no such table.
+    """
+    remedy = 'give FUNCTION = "why its loops end" below [loops]'
+    try:
+        bounds = tomllib.loads(path.read_text("utf-8"))["loops"]
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError) as error:
+        raise InputError(str(path), "", None, f"no table of loops: {error}", remedy) from error
+    if not isinstance(bounds, dict):
+        raise InputError(str(path), "loops", bounds, "is no table", remedy)
+    for name, why in bounds.items():
+        if not isinstance(why, str) or not why.strip():
+            raise InputError(str(path), name, why, "is no reason", remedy)
+    return bounds
 
 
 @dataclass
@@ -79,87 +76,69 @@ class _Walk:
     image: Image
     bounds: Bounds
     report: IsrReport
-    costs: dict[int, FunctionCost] = field(default_factory=dict)
+    frames: Mapping[int, int | None]
+    stacks: dict[int, int] = field(default_factory=dict)
     chain: list[Function] = field(default_factory=list)
 
     def visit(self, function: Function) -> None:
-        """Add the cost of a function and of all that it calls."""
-        if name := forbidden_name(function.name):
-            self.report.problems.append(f"{self._chain_to(function)}: {name}")
+        """Add the stack of a function and of all that it calls."""
+        if why := forbidden_name(function.name):
+            self._complain(function, why)
         flow = make_flow(self.image.code, function)
         self.chain.append(function)
-        for target in sorted(set(flow.calls.values())):
+        for target in sorted(flow.calls):
             callee = self.image.code[target]
             if callee in self.chain:
-                self.report.problems.append(f"{self._chain_to(callee)}: recursion")
-            elif target not in self.costs:
+                self._complain(callee, "recursion")
+            elif target not in self.stacks:
                 self.visit(callee)
         self.chain.pop()
-        for address in sorted(flow.successors):
-            one = flow.function.at[address]
+        for one in function.instructions:
             if why := forbidden_instruction(one):
-                self.report.problems.append(f"{self._chain_to(flow.function)}: {one}: {why}")
-        self.costs[function.address] = cost = self._cost(flow)
-        self.report.functions.append(cost)
+                self._complain(function, f"{one}: {why}")
+        self._check_loops(flow)
         self.report.problems += flow.problems
+        own = self._own_bytes(function)
+        deepest = own + max((self.stacks.get(target, 0) for target in flow.calls), default=0)
+        self.stacks[function.address] = deepest
+        self.report.functions.append(FunctionStack(function.name, deepest, own))
 
-    def _chain_to(self, function: Function) -> str:
-        return " -> ".join(one.name for one in [*self.chain, function])
+    def _complain(self, function: Function, problem: str) -> None:
+        chain = " -> ".join(one.name for one in [*self.chain, function])
+        self.report.problems.append(f"{chain}: {problem}")
 
-    def _cost(self, flow: Flow) -> FunctionCost:
-        taken = depths(flow)
-        stack, own, cost = 0, max(taken.values()), {}
-        for address in flow.successors:
-            called = self.costs.get(flow.calls.get(address, -1))
-            cost[address] = 1 + (called.instructions if called else 0)
-            stack = max(stack, taken[address] + (called.stack_bytes if called else 0))
-        return FunctionCost(flow.function.name, self._longest(flow, cost), stack, own)
+    def _own_bytes(self, function: Function) -> int:
+        found = [self.frames[at] for at in function.at if at in self.frames]
+        known = [n_bytes for n_bytes in found if n_bytes is not None]
+        pushes = any(_PUSH.match(f"{one.base} {one.operands}") for one in function.instructions)
+        if not found:
+            self._complain(function, "no call frames; build with -g")
+        elif len(known) < len(found) or (pushes and not any(known)):
+            self._complain(function, "the call frames do not show how deep its stack is")
+        return max(known, default=0)
 
-    def _longest(self, flow: Flow, cost: dict[int, int]) -> int:
-        def rounds(loop: Loop) -> int:
-            return self._rounds(flow, loop)
-
-        try:
-            return longest(flow.successors, flow.function.address, flow.ends, cost, rounds)
-        except IrreducibleError as error:
-            self.report.problems.append(f"{flow.function.name}: {error}")
-            return sum(cost.values())
-
-    def _rounds(self, flow: Flow, loop: Loop) -> int:
-        places = places_of(self.image, loop)
-        self.report.bounds_used |= {place.function for place in places} & self.bounds.keys()
-        runs = head_runs(flow, loop, places, self.bounds)
-        found = LoopReport(flow.function.name, loop.head, places, runs or 1)
-        if runs is None:
-            where = (
-                ", ".join(dict.fromkeys(str(place) for place in places)) or "no debug information"
-            )
-            problem = f"loop at {loop.head:x} has no bound: {where}"
-            self.report.problems.append(f"{self._chain_to(flow.function)}: {problem}")
-        else:
-            self.report.loops.append(found)
-        return found.head_runs
+    def _check_loops(self, flow: Flow) -> None:
+        for latch, head in loops(flow):
+            stacks = self.image.places([latch, head]).values()
+            places = [stack[0] for stack in stacks if stack]
+            # What the compiler makes of a function for some callers has a name after a full stop.
+            names = {place.function.partition(".")[0] for place in places} & self.bounds.keys()
+            where = ", ".join(dict.fromkeys(map(str, places))) or "no debug information"
+            self.report.bounds_used |= names
+            if names:
+                self.report.loops.append(f"{where}: {self.bounds[min(names)]}")
+            else:
+                self._complain(flow.function, f"loop at {head:x} has no bound: {where}")
 
 
 def _check_sources(walk: _Walk, sources: Iterable[str]) -> None:
     """Complain of functions from elsewhere than the folders of our sources."""
     folders = tuple(f"{folder.rstrip('/')}/" for folder in sources)
-    names = {address: walk.image.code[address].name for address in walk.costs}
+    names = {address: walk.image.code[address].name for address in walk.stacks}
     for address, stack in walk.image.places(sorted(names)).items():
         file = stack[-1].file if stack else "a library without debug information"
         if not any(file.startswith(folder) or f"/{folder}" in file for folder in folders):
             walk.report.problems.append(f"{names[address]}: from {file}, not of our sources")
-
-
-def _compare_frames(walk: _Walk) -> None:
-    frames = deepest_frames(walk.image)
-    for address, cost in walk.costs.items():
-        if address not in frames:
-            continue
-        walk.report.n_frames_compared += 1
-        if frames[address] != cost.own_stack_bytes:
-            problem = f"{cost.own_stack_bytes} bytes of stack, call frames say {frames[address]}"
-            walk.report.problems.append(f"{cost.name}: {problem}")
 
 
 def examine(
@@ -170,7 +149,7 @@ def examine(
     Parameters
     ----------
     image : Image
-        Linked; with debug information if bounds, sources or call frames are to be seen.
+        Linked, with debug information.
     root : str
         Symbol of the interrupt.
     bounds : Bounds
@@ -185,10 +164,9 @@ def examine(
     CamtoolsError
         There is no such root, or the binary utilities fail.
     """
-    report = IsrReport(root, ALIGNMENT_BYTES + (FLOAT_FRAME_BYTES if has_float else FRAME_BYTES))
-    walk = _Walk(image, bounds, report)
+    report = IsrReport(ALIGNMENT_BYTES + (FLOAT_FRAME_BYTES if has_float else FRAME_BYTES))
+    walk = _Walk(image, bounds, report, image.frames())
     walk.visit(image.function(root))
     if sources := tuple(sources):
         _check_sources(walk, sources)
-    _compare_frames(walk)
     return report

@@ -5,14 +5,12 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
 from checks.elf_image import Image
 from checks.elf_isr import IsrReport, examine
-from checks.elf_loops import Bound
 
 GCC = "arm-none-eabi-gcc"
 HARD_FLOAT = ("-mfpu=fpv5-d16", "-mfloat-abi=hard")
@@ -44,9 +42,9 @@ LOOP = assembled(
 )
 
 
-def examined(image: Image, rounds: Mapping[str, int] | None = None) -> IsrReport:
-    """Return what the interrupt root() can reach, its loops by number of rounds."""
-    bounds = {name: Bound(n, "the test says so") for name, n in (rounds or {}).items()}
+def examined(image: Image, *bounded: str) -> IsrReport:
+    """Return what the interrupt root() can reach; the loops of these functions have a bound."""
+    bounds = dict.fromkeys(bounded, "the test says so")
     return examine(image, "root", bounds, has_float=False)
 
 

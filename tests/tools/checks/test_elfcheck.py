@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import InputError
-from checks.elf_loops import parse_bounds
+from checks.elf_isr import load_bounds
 from checks.elf_sizes import Size, compare, emit_sizes, measure, parse_sizes
 from checks.elfcheck import main
 from elf_cases import LOOP, link, needs_gcc
@@ -20,11 +20,10 @@ SIZED = """
 """
 
 
-def loops_file(folder: Path, rounds: int) -> Path:
-    """Write a table of one bound."""
+def loops_file(folder: Path, text: str = 'root = "counts r0 down"') -> Path:
+    """Write a table of loops."""
     path = folder / "loops.toml"
-    text = f'[[loop]]\nfunction = "root"\nrounds = {rounds}\nwhy = "counts r0 down"\n'
-    path.write_text(text, "utf-8")
+    path.write_text(f"[loops]\n{text}\n", "utf-8")
     return path
 
 
@@ -34,79 +33,52 @@ def isr(folder: Path, *words: str) -> int:
 
 
 @needs_gcc
-def test_bound_is_compared_with_the_measured_maximum(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The bound of 12 instructions holds for 12, not for 13."""
-    link(tmp_path, LOOP)
-    loops = str(loops_file(tmp_path, 5))
-    measured = tmp_path / "out.txt"
-    for most, status in ((12, 0), (13, 1)):
-        measured.write_text(f"other\nbudget-max {most}\n", "utf-8")
-        assert isr(tmp_path, "--loops", loops, "--measured", str(measured)) == status
-    told = capsys.readouterr().out
-    assert "isr-bound 12 instructions" in told
-    assert "FAILED: the bound 12 lies below the measured 13" in told
-
-
-@needs_gcc
-def test_limit_of_the_stack(tmp_path: Path) -> None:
+def test_limit_of_the_stack(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """36 bytes of entry and none besides."""
     link(tmp_path, LOOP)
-    words = ("--loops", str(loops_file(tmp_path, 5)), "--stack-limit")
+    words = ("--loops", str(loops_file(tmp_path)), "--stack-limit")
     assert isr(tmp_path, *words, "36") == 0
     assert isr(tmp_path, *words, "35") == 1
     assert isr(tmp_path, "--frame", "float", *words, "107") == 1
+    out, err = capsys.readouterr()
+    assert "isr-stack 36 bytes, 36 of them for the interrupt's entry without floating point" in out
+    assert err.splitlines()[0] == "FAILED: 36 bytes of stack, limit 35"
 
 
 @needs_gcc
-def test_problems_fail(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A loop that nobody bounded."""
+def test_bounds_from_several_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A loop that nobody bounded fails; a bound without a loop may be needed on another core."""
     link(tmp_path, LOOP)
-    assert isr(tmp_path) == 1
-    assert "FAILED: root: loop at" in capsys.readouterr().out
-
-
-@needs_gcc
-def test_bound_without_loop_is_noted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """It may be needed on another core, so it is no failure."""
-    link(tmp_path, "void root(void) {}")
-    assert isr(tmp_path, "--loops", str(loops_file(tmp_path, 5))) == 0
-    assert "note: no loop of root is reached" in capsys.readouterr().out
+    (tmp_path / "port").mkdir()
+    port = loops_file(tmp_path / "port", 'other = "the port\'s"')
+    assert isr(tmp_path, "--loops", str(port)) == 1
+    assert isr(tmp_path, "--loops", str(port), "--loops", str(loops_file(tmp_path))) == 0
+    out, err = capsys.readouterr()
+    assert err.startswith("FAILED: root: loop at")
+    assert "note: no loop of other is reached" in out
+    assert "loop: root (tiny.c:1): counts r0 down" in out
 
 
 @needs_gcc
 def test_bad_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A missing symbol, a missing image, an output without the measured line: status 2."""
+    """A missing symbol, image or table of loops: status 2."""
     link(tmp_path, LOOP)
-    empty = tmp_path / "empty.txt"
-    empty.write_text("", "utf-8")
     assert main(["isr", str(tmp_path / "tiny.elf"), "--root", "nobody"]) == 2
     assert main(["isr", str(tmp_path / "missing.elf")]) == 2
-    assert isr(tmp_path, "--measured", str(empty)) == 2
+    assert isr(tmp_path, "--loops", str(tmp_path / "missing.toml")) == 2
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 3
     assert all(line.startswith("elfcheck: ") for line in told)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "[[loop]]\nfunction = 'f'\nrounds = 0\nwhy = 'x'",
-        "[[loop]]\nfunction = 'f'\nrounds = true\nwhy = 'x'",
-        "[[loop]]\nfunction = 'f'\nrounds = 3\nwhy = ' '",
-        "[[loop]]\nfunction = 'f'\nrounds = 3",
-        "[[loop]]\nfunction = 'f'\nrounds = 3\nwhy = 'x'\nmore = 1",
-        "[[loop]]\nfunction = 'f'\nrounds = 3\nwhy = 'x'\n" * 2,
-        "loop = 3",
-        "loop = [3]",
-        "[[loop]",
-    ],
-)
-def test_bad_bounds_are_refused(text: str) -> None:
-    """Each bound has a function, a number and a reason, once."""
+@pytest.mark.parametrize("text", ["f = 3", "f = ' '", "f = 'x'\nf = 'y'", "f", "[more]\nf = 3"])
+def test_bad_bounds_are_refused(tmp_path: Path, text: str) -> None:
+    """Each bound has a function and a reason."""
+    path = loops_file(tmp_path, text)
+    if text.startswith("[more]"):
+        path.write_text(text, "utf-8")
     with pytest.raises(InputError):
-        parse_bounds("loops.toml", text)
+        load_bounds(path)
 
 
 @needs_gcc

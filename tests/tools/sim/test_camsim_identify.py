@@ -159,8 +159,8 @@ def test_bad_wave_is_named(table: Path, tmp_path: Path, text: str, why: str) -> 
 @pytest.mark.parametrize(
     ("more", "why"),
     [
-        (["--periods", "0"], "--periods 0: give a whole number"),
-        (["--fade-ticks", "15"], "--fade-ticks 15: give a whole number 16 .. 65535"),
+        (["--periods", "0"], "--periods 0: out of range; give a whole number"),
+        (["--fade-ticks", "15"], "--fade-ticks 15: out of range; give a whole number, 16 .. 65535"),
         (["--place-nm", "1.5"], "--place-nm 1.5"),
         (["--signals", "state,nonsense"], "--signals nonsense: no such signal"),
         (["--signals", ""], "empty"),
