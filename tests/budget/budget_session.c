@@ -54,7 +54,7 @@ bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_pa
     if (is_modulated) {
         is_set = is_set && set(rig, cam_param_spindle_acceleration_mrad_per_s2, 2000000000) &&
                  set(rig, cam_param_spindle_mrpm, 2000000);
-        rig->ramp_rpm = 50.0;
+        rig->lathe.ramp_rpm = 50.0;
     }
     return is_set;
 }
@@ -228,8 +228,8 @@ bool budget_session_hand(fixture_rig_t *rig, void (*isr)(void))
     const fixture_part_t part = fixture_part_short();
     cam_machine_t *m = &rig->machine;
     bool is_good = budget_session_open(rig, isr, &part, false);
-    rig->home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 50000};
-    rig->home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 100000, .pitch_nm = 100000};
+    rig->lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 50000};
+    rig->lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 100000, .pitch_nm = 100000};
     is_good = is_good && set(rig, cam_param_u_home, 2) && set(rig, cam_param_x_home, 3) &&
               set(rig, cam_param_z_home, 1) && cam_machine_manual(m) == cam_ok;
     fixture_rig_ticks(rig, 20);

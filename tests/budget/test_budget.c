@@ -140,7 +140,7 @@ static void test_other_sense_and_wrapping_counter(void)
     part.direction = -1;
     fixture_rig_init(&rig, &part, tick_hz);
     rig.isr = counted;
-    fixture_encoder_init(&rig.encoder, 10000, 1, 60000u, 1234);
+    fixture_encoder_init(&rig.lathe.encoder, 10000, 1, 60000u, 1234);
     set(cam_param_following_limit_nm, 10000000);
     fixture_rig_ticks(&rig, 10); // a plan forgets the index of the other encoder
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));

@@ -51,7 +51,7 @@ static bool begin(const fixture_part_t *part)
     rig.isr = counted;
     bool is_set = set(cam_param_following_limit_nm, 10000000);
     if (part->speed != NULL) {
-        rig.ramp_rpm = 50.0;
+        rig.lathe.ramp_rpm = 50.0;
         is_set = is_set && set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000) &&
                  set(cam_param_spindle_mrpm, 2000000);
     }

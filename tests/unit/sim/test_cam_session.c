@@ -295,7 +295,7 @@ static void play_session(void)
     last.home_nm = 0;
     hal_host.in.axis_nm[hal_axis_x] = 47 * mm; // near the part, so that sessions come to cut it
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        f.rig.home[i] = (fixture_home_t){.side = any(0, 1) != 0 ? 1 : -1,
+        f.rig.lathe.home[i] = (ideal_home_t){.side = any(0, 1) != 0 ? 1 : -1,
                                          .edge_nm = (int32_t)any(-300000, 300000),
                                          .pitch_nm = 200000};
     }

@@ -305,7 +305,7 @@ static void test_following_error_has_the_room_of_the_wave(void)
     go_on(400, true);
     const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
     TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm + 20000, cfg->guard.following_nm);
-    rig.u_error_nm = cfg->guard.following_nm + 2000;
+    rig.lathe.error_nm[hal_axis_u] = cfg->guard.following_nm + 2000;
     go_on(3, true);
     TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(following_error), fixture_rig_status(&rig).faults);
 }
@@ -325,7 +325,7 @@ static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
     TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, UINT32_MAX, fade).err);
     TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 6001, 16).err);
     hal_host.in.axis_nm[hal_axis_x] = 0; // seen by the next tick
-    rig.is_z_held = true;
+    rig.lathe.is_held[hal_axis_z] = true;
     m->core->motion.axis[hal_axis_x].pos_q10 = 0;
     fixture_rig_ticks(&rig, 2);
     const cam_verdict_t v = cam_machine_excite(m, 1, fade);

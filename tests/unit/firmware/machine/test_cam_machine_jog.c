@@ -295,14 +295,14 @@ static void test_session_by_hand_replays_bit_for_bit(void)
     memset(&rig, 0, sizeof rig);
     rig.log = calloc(capacity, sizeof *rig.log);
     TEST_ASSERT_NOT_NULL(rig.log);
-    rig.ramp_rpm = 1.25;
+    rig.lathe.ramp_rpm = 1.25;
     rig.log_capacity = capacity;
-    rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 50000};
-    rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 60 * mm, .pitch_nm = mm};
+    rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 50000};
+    rig.lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 60 * mm, .pitch_nm = mm};
     hal_host_reset(20000);
     hal_host.in.axis_nm[hal_axis_x] = 59900000;
     cam_machine_init(machine(), &g_cam, 20000, hal_clock_hz());
-    fixture_encoder_init(&rig.encoder, machine()->params.counts_per_turn, 1, 1000u, 1234);
+    fixture_encoder_init(&rig.lathe.encoder, machine()->params.counts_per_turn, 1, 1000u, 1234);
     configs[0] = *g_cam.config.offered;
     TEST_ASSERT_EQUAL_UINT32(1, configs[0].generation);
     configs[1] = configs[0];

@@ -115,7 +115,7 @@ static void test_measured_z_is_read_from_its_datum_on(void)
     set(cam_param_z_is_measured, 1);
     set(cam_param_z_datum_nm, -100 * mm);
     hal_host.in.axis_nm[hal_axis_z] = 100 * mm;
-    rig.is_z_held = true;
+    rig.lathe.is_held[hal_axis_z] = true;
     bring(cam_state_cutting);
     for (int i = 0; i < 4000; i++) {
         hal_host.in.axis_nm[hal_axis_z] += 50;

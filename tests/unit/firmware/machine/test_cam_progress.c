@@ -255,7 +255,7 @@ static void test_the_other_sense_and_a_stopped_z_are_told(void)
     fixture_rig_init(&rig, &part, 20000);
     TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
     set(cam_param_z_is_measured, 1);
-    rig.is_z_held = true;
+    rig.lathe.is_held[hal_axis_z] = true;
     start();
     until(cam_state_cutting);
     steps(20);

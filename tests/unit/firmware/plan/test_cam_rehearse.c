@@ -143,12 +143,12 @@ static void test_a_fault_retracts_as_in_the_cut(void)
         if (what == 0) {
             hal_host_fault_estop(true);
         } else if (what == 1) {
-            rig.u_error_nm = 20000000;
+            rig.lathe.error_nm[hal_axis_u] = 20000000;
         } else if (what == 2) {
             hal_host_fault_counts(2000);
         } else {
-            rig.is_spindle_held = true;
-            rig.rpm = 0.0;
+            rig.lathe.is_spindle_held = true;
+            rig.lathe.rpm = 0.0;
         }
         TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_fault, 60000));
         uint32_t n = 0;
@@ -158,8 +158,8 @@ static void test_a_fault_retracts_as_in_the_cut(void)
         }
         TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
         hal_host_fault_estop(false);
-        rig.u_error_nm = 0;
-        rig.is_spindle_held = false;
+        rig.lathe.error_nm[hal_axis_u] = 0;
+        rig.lathe.is_spindle_held = false;
     }
 }
 

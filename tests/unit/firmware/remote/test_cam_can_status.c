@@ -259,7 +259,7 @@ static void test_status_tells_late_ticks(void)
 static void test_status_tells_u(void)
 {
     to_cutting();
-    f.rig.u_error_nm = 4321;
+    f.rig.lathe.error_nm[hal_axis_u] = 4321;
     fixture_can_loop(&f, 1000);
     const cam_status_t status = fixture_rig_status(&f.rig);
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, status.state);

@@ -84,7 +84,7 @@ static void go_on(uint32_t n)
 
 static void test_frames_are_the_records_of_their_ticks(void)
 {
-    f.rig.u_error_nm = -4321;
+    f.rig.lathe.error_nm[hal_axis_u] = -4321;
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
     f.rig.n_log = 0;
     begin(47);

@@ -87,7 +87,7 @@ static void test_every_fault_is_told_once_and_again_after_a_reset(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
     fixture_can_loop(&f, 1);
     const uint32_t n_lines = hal_host.n_lines;
-    f.rig.u_error_nm = 200000;
+    f.rig.lathe.error_nm[hal_axis_u] = 200000;
     hal_host_fault_estop(true);
     fixture_can_loop(&f, 4000);
     TEST_ASSERT_EQUAL_UINT32(n_lines + 3u, hal_host.n_lines); // one a poll, lowest bit first
@@ -99,7 +99,7 @@ static void test_every_fault_is_told_once_and_again_after_a_reset(void)
     TEST_ASSERT_EQUAL_STRING("fault drive: a drive is not ready", fixture_can_line(0));
     hal_host_fault_drive(false);
     hal_host_fault_estop(false);
-    f.rig.u_error_nm = 0;
+    f.rig.lathe.error_nm[hal_axis_u] = 0;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&f.rig.machine));
     fixture_can_loop(&f, 3);
     TEST_ASSERT_EQUAL_STRING("state off", fixture_can_line(0));

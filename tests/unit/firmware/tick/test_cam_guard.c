@@ -116,8 +116,8 @@ static void test_guard_index_missing_is_a_fault_within_an_eighth_turn_more(void)
 static void test_guard_reverse_and_stop_in_the_cut_are_faults(void)
 {
     bring(cam_state_cutting);
-    rig.is_spindle_held = true;
-    for (; rig.rpm > -20.0; rig.rpm -= 1.0) { // 0.13 s from 2500 r/min
+    rig.lathe.is_spindle_held = true;
+    for (; rig.lathe.rpm > -20.0; rig.lathe.rpm -= 1.0) { // 0.13 s from 2500 r/min
         if (fixture_rig_state() == cam_state_fault) {
             break;
         }
@@ -127,11 +127,11 @@ static void test_guard_reverse_and_stop_in_the_cut_are_faults(void)
     TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(reverse), fixture_rig_status(&rig).first_fault);
     setUp();
     bring(cam_state_cutting);
-    rig.is_spindle_held = true;
-    for (; rig.rpm > 0.0; rig.rpm -= 2.5) {
+    rig.lathe.is_spindle_held = true;
+    for (; rig.lathe.rpm > 0.0; rig.lathe.rpm -= 2.5) {
         fixture_rig_tick(&rig);
     }
-    rig.rpm = 0.0;
+    rig.lathe.rpm = 0.0;
     expect_within(cam_fault_spindle_stopped, 2000 + 400);
 }
 
@@ -139,11 +139,11 @@ static void test_guard_reverse_and_stop_in_the_cut_are_faults(void)
 static void test_guard_time_of_standing_counts_in_the_work_only(void)
 {
     bring(cam_state_ready);
-    rig.is_spindle_held = true;
-    for (; rig.rpm > 0.0; rig.rpm -= 2.5) {
+    rig.lathe.is_spindle_held = true;
+    for (; rig.lathe.rpm > 0.0; rig.lathe.rpm -= 2.5) {
         fixture_rig_tick(&rig);
     }
-    rig.rpm = 0.0;
+    rig.lathe.rpm = 0.0;
     expect_none(4000);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     fixture_rig_ticks(&rig, 1980);
@@ -154,8 +154,8 @@ static void test_guard_time_of_standing_counts_in_the_work_only(void)
 static void test_guard_homing_without_rotation_gives_up(void)
 {
     bring(cam_state_homing);
-    rig.is_spindle_held = true;
-    rig.rpm = 0.0;
+    rig.lathe.is_spindle_held = true;
+    rig.lathe.rpm = 0.0;
     fixture_rig_ticks(&rig, 199000);
     TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_state());
     expect_within(cam_fault_spindle_stopped, 2000);
@@ -164,12 +164,12 @@ static void test_guard_homing_without_rotation_gives_up(void)
 static void test_guard_overspeed_is_a_fault_above_one_percent(void)
 {
     bring(cam_state_cutting);
-    rig.is_spindle_held = true;
-    for (; rig.rpm < 3020.0; rig.rpm += 1.0) {
+    rig.lathe.is_spindle_held = true;
+    for (; rig.lathe.rpm < 3020.0; rig.lathe.rpm += 1.0) {
         fixture_rig_tick(&rig);
     }
     expect_none(200); // highest 3000 and one percent
-    for (; rig.rpm < 3040.0; rig.rpm += 1.0) {
+    for (; rig.lathe.rpm < 3040.0; rig.lathe.rpm += 1.0) {
         fixture_rig_tick(&rig);
     }
     expect_within(cam_fault_overspeed, 200);
@@ -178,9 +178,9 @@ static void test_guard_overspeed_is_a_fault_above_one_percent(void)
 static void test_guard_following_error_is_a_fault_beyond_its_limit(void)
 {
     bring(cam_state_ready);
-    rig.u_error_nm = 99990;
+    rig.lathe.error_nm[hal_axis_u] = 99990;
     expect_none(10);
-    rig.u_error_nm = -100010;
+    rig.lathe.error_nm[hal_axis_u] = -100010;
     fixture_rig_tick(&rig);
     TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(following_error), fixture_rig_status(&rig).first_fault);
     TEST_ASSERT_INT32_WITHIN(20, -100010, fixture_rig_status(&rig).following_nm);
@@ -189,12 +189,12 @@ static void test_guard_following_error_is_a_fault_beyond_its_limit(void)
 static void test_guard_z_off_its_place_is_a_fault_while_in_work(void)
 {
     bring(cam_state_cutting);
-    rig.is_z_held = true;
+    rig.lathe.is_held[hal_axis_z] = true;
     hal_host.in.axis_nm[hal_axis_z] += 150000;
     expect_within(cam_fault_z_range, plan_ticks + 1);
     setUp();
     bring(cam_state_ready);
-    rig.is_z_held = true;
+    rig.lathe.is_held[hal_axis_z] = true;
     hal_host.in.axis_nm[hal_axis_z] += 150000000;
     expect_none(10);
 }

@@ -207,7 +207,7 @@ static void test_reaction_while_retracting_takes_no_other_fault_on(void)
     fixture_rig_tick(&rig);
     hal_host_fault_late(300);
     hal_host_fault_counts(900);
-    rig.u_error_nm = 900000;
+    rig.lathe.error_nm[hal_axis_u] = 900000;
     fixture_rig_ticks(&rig, 5000);
     const cam_status_t status = fixture_rig_status(&rig);
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), status.faults);
@@ -221,7 +221,7 @@ static void test_reaction_to_several_faults_of_one_tick_tells_all(void)
     hal_host_fault_estop(true);
     hal_host_fault_drive(true);
     hal_host_fault_counts(-400);
-    rig.u_error_nm = 400000;
+    rig.lathe.error_nm[hal_axis_u] = 400000;
     fixture_rig_tick(&rig);
     const uint32_t all = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(encoder_jump) |
                          CAM_FAULT_BIT(following_error);

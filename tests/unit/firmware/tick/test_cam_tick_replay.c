@@ -18,14 +18,14 @@ void setUp(void)
 {
     memset(&rig, 0, sizeof rig);
     memset(configs, 0, sizeof configs);
-    rig.ramp_rpm = 2500.0 * 10.0 / tick_hz;
+    rig.lathe.ramp_rpm = 2500.0 * 10.0 / tick_hz;
     rig.log = calloc(log_capacity, sizeof *rig.log);
     TEST_ASSERT_NOT_NULL(rig.log);
     rig.log_capacity = log_capacity;
     hal_host_reset(tick_hz);
     hal_host.in.axis_nm[hal_axis_x] = 46500000; // not far from the work
     cam_machine_init(&rig.machine, &g_cam, tick_hz, hal_clock_hz());
-    fixture_encoder_init(&rig.encoder, rig.machine.params.counts_per_turn, 1, 1000u, 1234);
+    fixture_encoder_init(&rig.lathe.encoder, rig.machine.params.counts_per_turn, 1, 1000u, 1234);
     at_start = *g_cam.config.offered;
     configs[at_start.generation] = at_start;
 }
@@ -190,7 +190,7 @@ static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
 {
     fixture_part_t part = fixture_part_modulated();
     part.spindle_mrpm = 2000000;
-    rig.ramp_rpm = 50.0;
+    rig.lathe.ramp_rpm = 50.0;
     fixture_rig_ticks(&rig, 3);
     set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
     set(cam_param_spindle_lag_us, 100);
