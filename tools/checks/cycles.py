@@ -267,41 +267,15 @@ def _load(cycles: Span, machine: Processor) -> str:
     return f"{low:.1f} .. {high:.1f}"
 
 
-def evaluation_table(
-    machine: Processor, traces: Sequence[InstructionTrace], listing: Mapping[int, Step]
-) -> str:
-    """Return instructions and cycles of single evaluations as a table in Markdown."""
-    lines = [f"| evaluation, {machine.name} | instructions | cycles |\n", "|---|---|---|\n"]
-    for trace in traces:
-        core = _core_cycles([listing[a] for a in trace.addresses], machine)
-        lines.append(f"| {trace.name} | {len(trace.addresses)} | {core} |\n")
-    return "".join(lines)
-
-
-@dataclass(frozen=True)
-class _Stepped:
-    """An image of a preset, and what was seen of it."""
-
-    symbols: Mapping[str, tuple[int, int]]
-    listing: Mapping[int, Step]
-    traces: Sequence[InstructionTrace]
-
-
-def _step(build: Path, machine: Processor, name: str) -> _Stepped:
-    image = build / machine.preset / "tests" / "budget" / name
+def report(build: Path, machine: Processor) -> str:
+    """Step through the image of a preset; return the table of ticks."""
+    image = build / machine.preset / "tests" / "budget" / "trace_tick"
     symbols = parse_symbols(run_tool(["arm-none-eabi-nm", "-S", image]))
     listing = parse_listing(run_tool(["arm-none-eabi-objdump", "-d", image]))
-    return _Stepped(symbols, listing, trace_calls(image, machine.board, symbols))
-
-
-def report(build: Path, machine: Processor) -> str:
-    """Step through the images of a preset; return the tables of ticks and of evaluations."""
+    traces = trace_calls(image, machine.board, symbols)
     allowed = allowances(HAL_HEADER.read_text(encoding="utf-8"))
-    seen = _step(build, machine, "trace_tick")
-    ticks = [estimate(t, seen.listing, seen.symbols, machine, allowed) for t in seen.traces]
-    evaluations = _step(build, machine, "test_compare")
-    text = evaluation_table(machine, evaluations.traces, evaluations.listing)
-    return f"{table(machine, ticks)}\n{text}\n"
+    ticks = [estimate(trace, listing, symbols, machine, allowed) for trace in traces]
+    return f"{table(machine, ticks)}\n"
 
 
 def _parser() -> argparse.ArgumentParser:

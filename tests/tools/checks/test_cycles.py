@@ -16,7 +16,6 @@ from checks.cycles import (
     Span,
     allowances,
     estimate,
-    evaluation_table,
     fetch_cycles,
     load_percent,
     table,
@@ -184,16 +183,6 @@ def test_estimate_needs_a_visible_port() -> None:
     """With the port inlined nothing could be said of it."""
     with pytest.raises(CamtoolsError, match="link-time"):
         estimate(InstructionTrace("s", 1, (0x106,)), parse_listing(LISTING), {}, STM32H743, {})
-
-
-@needs_mca
-def test_evaluation_is_the_core_alone() -> None:
-    """Neither port nor interrupt is charged to a function."""
-    text = evaluation_table(STM32G474, [InstructionTrace("ours", 11, PATH)], parse_listing(LISTING))
-    assert text.splitlines()[0] == "| evaluation, STM32G474 | instructions | cycles |"
-    line = text.splitlines()[2]
-    assert line.startswith("| ours | 11 | ")
-    assert line.endswith(f".. {table_cycles(executed())} |")
 
 
 @needs_mca
