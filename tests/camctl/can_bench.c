@@ -100,8 +100,7 @@ static void demand(const char *secret)
 /// As fixture_can_start(), but nobody has command.
 static void start(void)
 {
-    cam_machine_init(&f.rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
-    cam_can_init(&f.can, &f.rig.machine);
+    fixture_can_boot(&f);
     people = (sim_operator_t){.is_key_on = true, .turns_key = true};
     f.rig.is_silent = true;
     fixture_rig_tick(&f.rig);
