@@ -7,27 +7,7 @@ static const cam_state_t enabled[] = {cam_state_homing, cam_state_ready, cam_sta
                                       cam_state_cutting, cam_state_disengaging};
 enum { n_enabled = sizeof enabled / sizeof enabled[0], patience = 20000 };
 
-/// Controller, machine and rig at a moment of the cut, from which several tests start without
-/// cutting up to it again.
-static struct {
-    cam_t controller;
-    hal_host_t port;
-    fixture_rig_t rig;
-} moment;
-
-static void keep_moment(void)
-{
-    moment.controller = g_cam;
-    moment.port = hal_host;
-    moment.rig = rig;
-}
-
-static void return_to_moment(void)
-{
-    g_cam = moment.controller;
-    hal_host = moment.port;
-    rig = moment.rig;
-}
+static bench_t moment; ///< of the cut, from which several tests start
 
 static bool is_enabled(void)
 {
@@ -134,10 +114,10 @@ static void test_reaction_from_any_speed_of_u_retracts_within_limits(void)
     bring(cam_state_cutting);
     fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 15) { // a whole period of the oval
-        keep_moment();
+        keep(&moment);
         motion_t m = start_observing();
         expect_retract(&m);
-        return_to_moment();
+        go_back(&moment);
         fixture_rig_ticks(&rig, 15);
         TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
     }
@@ -306,13 +286,13 @@ static void test_late_tick_of_80_percent_anywhere_in_the_section_is_that_fault_a
     bring(cam_state_cutting);
     fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 24) {
-        keep_moment();
+        keep(&moment);
         hal_host_fault_late(80);
         fixture_rig_tick(&rig);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), fixture_rig_status(&rig).first_fault);
         fixture_rig_ticks(&rig, 3);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), fixture_rig_status(&rig).faults);
-        return_to_moment();
+        go_back(&moment);
         fixture_rig_ticks(&rig, 24);
         TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
     }

@@ -269,39 +269,25 @@ static double stop_at(double turns)
     return end;
 }
 
-static void test_stop_before_the_feed_disengages_at_the_next_turn_without_feed(void)
+/// Before the feed there is none. One that rises goes on to rise, a steady one falls from the next
+/// turn on, and one that falls is left alone.
+static void test_stop_disengages_at_a_whole_turn(void)
 {
-    static const double turns[] = {-9.7, -5.2, -3.001, -0.2};
-    static const double ends[] = {-9.0, -5.0, -3.0, 0.0};
-    for (int i = 0; i < 4; i++) {
-        const double end = stop_at(turns[i]);
-        TEST_ASSERT_TRUE(end == ends[i] || end == ends[i] + 1.0); // read ahead into the next turn
-        TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10);
+    static const struct {
+        double at, end; ///< [turn]
+        int32_t z_nm;
+    } cases[] = {
+        {-9.7, -9.0, 0},      {-5.2, -5.0, 0},       {-3.001, -3.0, 0},     {-0.2, 0.0, 0},
+        {0.3, 4.0, 200000},   {1.5, 4.0, 200000},    {2.5, 5.0, 300000},    {5.5, 8.0, 600000},
+        {5.99, 9.0, 700000}, // axes were commanded into turn 6 before
+        {9.5, 12.0, 1000000}, {10.3, 12.0, 1000000}, {11.9, 12.0, 1000000},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const double end = stop_at(cases[i].at);
+        const bool is_ahead = cases[i].at < 0.0 && end == cases[i].end + 1.0; // into the next turn
+        TEST_ASSERT_TRUE(end == cases[i].end || is_ahead);
+        TEST_ASSERT_EQUAL_INT64((int64_t)cases[i].z_nm * 1024, f.axis[hal_axis_z].pos_q10);
     }
-}
-
-static void test_stop_in_the_rising_feed_lets_it_rise_and_fall(void)
-{
-    TEST_ASSERT_EQUAL_DOUBLE(4.0, stop_at(0.3));
-    TEST_ASSERT_EQUAL_INT64(200000 * 1024, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_EQUAL_DOUBLE(4.0, stop_at(1.5));
-    TEST_ASSERT_EQUAL_DOUBLE(5.0, stop_at(2.5));
-}
-
-static void test_stop_in_the_steady_feed_falls_from_the_next_turn_on(void)
-{
-    TEST_ASSERT_EQUAL_DOUBLE(8.0, stop_at(5.5));
-    TEST_ASSERT_EQUAL_INT64(600000 * 1024, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_EQUAL_DOUBLE(9.0, stop_at(5.99)); // axes were commanded into turn 6 before
-    TEST_ASSERT_EQUAL_INT64(700000 * 1024, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(9.5));
-}
-
-static void test_stop_in_the_falling_feed_changes_nothing(void)
-{
-    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(10.3));
-    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(11.9));
-    TEST_ASSERT_EQUAL_INT64(1000000 * 1024, f.axis[hal_axis_z].pos_q10);
 }
 
 static void test_stop_twice_does_not_lengthen_the_feed(void)
@@ -337,18 +323,4 @@ static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
     expect_smooth_until(cam_state_disengaging);
     TEST_ASSERT_EQUAL_INT64(21 * CAM_TURN_Q32, f.plan.disengage_at_q32 - f.plan.feed_at_q32);
     expect_smooth_until(cam_state_ready);
-}
-
-static void test_off_follows_the_axes(void)
-{
-    f.is_axes_held = true;
-    for (int32_t i = -5; i < 5; i++) {
-        f.in.actual_nm[hal_axis_u] = i * 30000000;
-        f.in.actual_nm[hal_axis_z] = -i * 200000000;
-        fixture_play_tick(&f);
-        TEST_ASSERT_EQUAL_INT64((int64_t)i * 30000000 * 1024, f.axis[hal_axis_u].pos_q10);
-        TEST_ASSERT_EQUAL_INT64((int64_t)i * -200000000 * 1024, f.axis[hal_axis_z].pos_q10);
-        TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_u].vel_q10);
-        TEST_ASSERT_EQUAL_INT32(0, f.want.spindle_mrpm);
-    }
 }

@@ -40,12 +40,25 @@ static void tick(told_t *t)
     t->step_nm = step_nm;
 }
 
-/// Two ticks tell the step of now.
+/// Three ticks tell the step of now and its change.
 static told_t begin(void)
 {
     told_t t = {.at_nm = hal_host.out.axis[hal_axis_u].pos_nm};
     tick(&t);
+    tick(&t);
     t.most_step_nm = t.most_change_nm = 0;
+    return t;
+}
+
+/// Press the emergency stop: it must be the only fault. @return U's command of n ticks
+static told_t retract(int n)
+{
+    told_t t = begin();
+    hal_host_fault_estop(true);
+    for (int i = 0; i < n; i++) {
+        tick(&t);
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
     return t;
 }
 
@@ -59,12 +72,7 @@ static void test_command_through_faults_at_any_angle_keeps_the_speed_of_u(void)
     for (uint32_t at = 0; at < 240; at += 16) {
         go_back(&bench);
         fixture_rig_ticks(&rig, at);
-        told_t t = begin();
-        hal_host_fault_estop(true);
-        for (int i = 0; i < 200; i++) {
-            tick(&t);
-        }
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+        const told_t t = retract(200);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(20000, t.most_step_nm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->command.change_nm, t.most_change_nm);
         TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
@@ -84,15 +92,7 @@ static void test_command_through_faults_at_any_angle_keeps_the_acceleration_of_u
     for (uint32_t at = 0; at < 120; at++) {
         go_back(&bench);
         fixture_rig_ticks(&rig, at);
-        told_t t = begin();
-        tick(&t);
-        t.most_change_nm = 0;
-        hal_host_fault_estop(true);
-        for (int i = 0; i < 200; i++) {
-            tick(&t);
-        }
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(850, t.most_change_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(850, retract(200).most_change_nm);
     }
 }
 
@@ -118,12 +118,7 @@ static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract(voi
         set(cam_param_following_limit_nm, 10000000);
         TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
         fixture_rig_ticks(&rig, 37u * (uint32_t)k);
-        t = begin();
-        hal_host_fault_estop(true);
-        for (int i = 0; i < 100; i++) {
-            tick(&t);
-        }
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+        t = retract(100);
         TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(50000, t.most_step_nm);
     }
@@ -143,13 +138,7 @@ static void test_command_of_the_retract_keeps_the_speed_of_u_in_a_short_window(v
         set(cam_param_following_limit_nm, 10000000);
         bring(cam_state_cutting);
         fixture_rig_ticks(&rig, 37u * at);
-        told_t t = begin();
-        hal_host_fault_estop(true);
-        for (int k = 0; k < 200; k++) {
-            tick(&t);
-        }
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(150000, t.most_step_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(150000, retract(200).most_step_nm);
     }
 }
 
