@@ -236,24 +236,6 @@ static void test_latch_holds_until_reset_after_the_retract(void)
     TEST_ASSERT_EQUAL_UINT32(1, status.fault_count[cam_fault_estop]);
 }
 
-static void test_latch_reset_with_the_cause_still_there_refuses_enable(void)
-{
-    bring(cam_state_cutting);
-    hal_host_fault_estop(true);
-    fixture_rig_ticks(&rig, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
-    fixture_rig_ticks(&rig, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
-    TEST_ASSERT_EQUAL_INT(cam_err_estop, cam_machine_enable(&rig.machine));
-    hal_host_fault_estop(false);
-    hal_host_fault_drive(true);
-    fixture_rig_ticks(&rig, 2);
-    TEST_ASSERT_EQUAL_INT(cam_err_drive, cam_machine_enable(&rig.machine));
-    hal_host_fault_drive(false);
-    fixture_rig_ticks(&rig, 2);
-    bring(cam_state_cutting); // homes anew and cuts
-}
-
 static void test_counters_rise_with_every_fault(void)
 {
     for (uint32_t n = 1; n <= 3; n++) {

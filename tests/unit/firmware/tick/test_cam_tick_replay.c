@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // From power-on: every record of a session with changes of parameters and table replays to the bit.
-#include "cam_machine.h"
+#include "cam_machine_jog.h"
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <stdlib.h>
 #include <string.h>
 
-enum { log_capacity = 60000, max_configs = 32, tick_hz = 20000 };
+enum { log_capacity = 60000, max_configs = 64, tick_hz = 20000 };
 
 static fixture_rig_t rig;
 static cam_config_t configs[max_configs]; ///< by generation
@@ -211,6 +211,45 @@ static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
     TEST_ASSERT_INT32_WITHIN(60000, 1350000, least);
     TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_ready, 20000));
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    expect_replay();
+}
+
+/// With homes, a datum and a cut.
+static void test_session_by_hand_replays_bit_for_bit(void)
+{
+    enum { mm = 1000000, manual, home_x, home_u, jog, off, enable, start };
+    cam_machine_t *m = &rig.machine;
+    rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 50000};
+    rig.lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 60 * mm, .pitch_nm = mm};
+    hal_host.in.axis_nm[hal_axis_x] = 59900000;
+    fixture_rig_tick(&rig); // takes the configuration of the start
+    set(cam_param_u_home, 2);
+    set(cam_param_x_home, 3);
+    set(cam_param_x_home_nm, 60 * mm);
+    set(cam_param_x_home_slow_um_per_s, 10000);
+    set(cam_param_lead_ns, 50000);
+    set(cam_param_z_datum_nm, mm);
+    const fixture_part_t part = fixture_part_short();
+    select_table(&part);
+    for (uint32_t step = manual; step <= start; step++) {
+        const hal_axis_t axis = step == home_x ? hal_axis_x : hal_axis_u;
+        TEST_ASSERT_EQUAL_INT(cam_ok, step == manual   ? cam_machine_manual(m)
+                                      : step == jog    ? cam_machine_jog(m, hal_axis_z, -3000).err
+                                      : step == off    ? cam_machine_disable(m)
+                                      : step == enable ? cam_machine_enable(m)
+                                      : step == start  ? cam_machine_start(m)
+                                                       : cam_machine_home_axis(m, axis));
+        for (uint32_t i = 1; i <= 5000u; i++) {
+            keep_config();
+            fixture_rig_tick(&rig);
+            if (i % 1000u == 0u) {
+                cam_machine_keep_alive(m);
+            }
+            cam_machine_jog_poll(m);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, rig.last.want.state);
+    TEST_ASSERT_EQUAL_HEX32(3u, fixture_rig_status(&rig).jog.homed); // U and X
     expect_replay();
 }
 

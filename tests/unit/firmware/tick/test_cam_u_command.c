@@ -10,11 +10,6 @@ static cam_config_t *in_force(void)
     return &g_cam.config.half[g_cam.config.offered == &g_cam.config.half[0] ? 0 : 1];
 }
 
-static void set(cam_param_id_t id, int32_t value)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
-}
-
 /// The drive of the default machine of host_sim: 300 Hz, 0.7.
 static void with_feed_forward(void)
 {
