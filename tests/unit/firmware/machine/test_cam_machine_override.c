@@ -25,7 +25,7 @@ static void test_rate_that_is_due_goes_with_any_configuration(void)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
     rig.machine.is_rate_due = true;
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 1000));
+    set(cam_param_phase_udeg, 1000);
     TEST_ASSERT_FALSE(rig.machine.is_rate_due);
 }
 
@@ -122,7 +122,7 @@ static void test_a_ring_helix_has_its_own_feed_or_none(void)
     TEST_ASSERT_EQUAL_INT( // Z would exceed its acceleration by the square of that
         cam_err_override_rings,
         cam_machine_set_param(&rig.machine, cam_param_spindle_override_ppm, 1100000));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_override_ppm, 900000));
+    set(cam_param_spindle_override_ppm, 900000);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
     until(cam_state_holding);
 }

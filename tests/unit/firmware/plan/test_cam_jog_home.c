@@ -6,9 +6,9 @@ static void set_home(hal_axis_t axis, int32_t method, int32_t sense, int32_t pla
 {
     static const cam_param_id_t first[] = {cam_param_u_home, cam_param_x_home, cam_param_z_home};
     const cam_param_id_t id = first[axis];
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, method));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, (cam_param_id_t)(id + 1), sense));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, (cam_param_id_t)(id + 4), place_nm));
+    set(id, method);
+    set((cam_param_id_t)(id + 1), sense);
+    set((cam_param_id_t)(id + 4), place_nm);
 }
 
 static void home(hal_axis_t axis)
@@ -69,20 +69,6 @@ static void test_home_here_needs_no_motion(void)
     TEST_ASSERT_EQUAL_INT32(-50 * mm, cam_machine_position_nm(&rig.machine, hal_axis_z));
 }
 
-/// The number of U changes by a single nanometre, too, and the port is told nothing of it.
-static void test_home_of_u_changes_its_number_by_a_nanometre(void)
-{
-    for (int32_t by_nm = -1; by_nm <= 1; by_nm++) {
-        setUp();
-        hal_host.in.axis_nm[hal_axis_u] = 5000;
-        set_home(hal_axis_u, 1, 1, 5000 + by_nm);
-        to_manual();
-        home(hal_axis_u);
-        TEST_ASSERT_EQUAL_INT32(5000 + by_nm, fixture_rig_status(&rig).u_actual_nm);
-        TEST_ASSERT_EQUAL_INT32(5000, port_nm(hal_axis_u));
-    }
-}
-
 /// Set-points of the port go on evenly while the controller's numbers of U change twice.
 static void test_home_of_u_changes_its_number_and_moves_nothing_by_that(void)
 {
@@ -130,7 +116,7 @@ static void test_cut_with_a_homed_u_is_offset_by_its_home(void)
 static void test_home_that_is_not_found_ends_after_its_travel_and_is_none(void)
 {
     set_home(hal_axis_x, 2, 1, 0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_home_travel_nm, 2 * mm));
+    set(cam_param_x_home_travel_nm, 2 * mm);
     set_home(hal_axis_u, 2, -1, 0);
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
@@ -168,7 +154,7 @@ static void test_home_without_an_index_ends_and_is_none(void)
 {
     rig.lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 100000};
     set_home(hal_axis_x, 3, 1, 0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_home_travel_nm, 200000));
+    set(cam_param_x_home_travel_nm, 200000);
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
     TEST_ASSERT_EQUAL_INT(cam_jog_no_index, until_rest());
@@ -210,27 +196,4 @@ static void test_home_of_u_beyond_its_stroke_is_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_u));
     TEST_ASSERT_EQUAL_INT(cam_jog_no_stroke, until_rest());
     TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed | fixture_rig_status(&rig).faults);
-}
-
-static void test_homing_without_a_sign_of_life_stops(void)
-{
-    set_home(hal_axis_x, 2, 1, 0);
-    to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
-    fixture_rig_ticks(&rig, patience_ticks + 1000u);
-    TEST_ASSERT_EQUAL_INT(cam_jog_silent, jog_state().end);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_x].vel_q10);
-}
-
-static void test_homes_are_forgotten_when_the_drives_lose_power(void)
-{
-    set_home(hal_axis_x, 1, 1, 0);
-    to_manual();
-    home(hal_axis_x);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_EQUAL_HEX32(1u << hal_axis_x, jog_state().homed); // disabled they are still powered
-    hal_host_fault_drive(true);
-    fixture_rig_ticks(&rig, 8);
-    TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed);
 }

@@ -3,17 +3,8 @@
 #include "cam_angle.h"
 #include "cam_feasible.h"
 #include "fixture_newer.h"
-#include "fixture_play.h"
-#include "unity.h"
+#include "play_bench.h"
 #include <math.h>
-
-static fixture_play_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-}
 
 static void plain_profile(double z_nm, double x[3])
 {
@@ -21,12 +12,6 @@ static void plain_profile(double z_nm, double x[3])
     x[0] = 46e6;
     x[1] = 0.0;
     x[2] = 0.0;
-}
-
-static void engage(void)
-{
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
 }
 
 /// Ticks after which every axis has reached what was planned for a spindle that stands.
@@ -166,12 +151,7 @@ static void test_feed_ramp_of_a_measured_z_limits_no_speed(void)
 static void start_with_measured_z(void)
 {
     fixture_play_init(&f, &part);
-    f.params.z_is_measured = 1;
-    fixture_play_configure(&f);
-    f.is_axes_held = true;
-    f.in.actual_nm[hal_axis_u] = -400000;
-    f.in.actual_nm[hal_axis_x] = 46500000;
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    cut_at(0);
 }
 
 /// The offset moves X as a whole, in the approach as in the cut.
@@ -241,13 +221,7 @@ static void test_a_measured_z_has_no_way(void)
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
             TEST_ASSERT_NOT_NULL(f.table.way.knots);
         }
-        f.params.z_is_measured = 1;
-        fixture_play_configure(&f);
-        f.is_axes_held = true;
-        f.in.actual_nm[hal_axis_u] = -400000;
-        f.in.actual_nm[hal_axis_x] = 46500000;
-        f.in.actual_nm[hal_axis_z] = 500000;
-        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+        cut_at(500000);
         fixture_play_ticks(&f, rounds);
         TEST_ASSERT_EQUAL_INT64(INT64_C(500000) * 1024, f.axis[hal_axis_z].pos_q10);
         height_q32[i] = f.motion.height_q32;

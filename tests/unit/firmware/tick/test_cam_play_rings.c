@@ -195,13 +195,8 @@ static void test_hold_rests_before_a_ring_and_goes_on_from_it(void)
 static void test_measured_z_knows_no_path(void)
 {
     fixture_play_init(&f, &part);
-    f.params.z_is_measured = 1;
-    fixture_play_configure(&f);
+    fixture_play_measure_z(&f, 123457);
     TEST_ASSERT_FALSE(f.config.play.rings.is_on);
-    f.is_axes_held = true;
-    f.in.actual_nm[hal_axis_u] = -400000;
-    f.in.actual_nm[hal_axis_x] = 46500000;
-    f.in.actual_nm[hal_axis_z] = 123457;
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
     fixture_play_ticks(&f, 20000); // only stop ends the cut
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);

@@ -1,23 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // States and requests: what is carried out when, and that no course of a cut makes an axis jump.
 #include "cam_angle.h"
-#include "fixture_play.h"
-#include "unity.h"
+#include "play_bench.h"
 #include <math.h>
-
-static fixture_play_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_play_init(&f, &part);
-}
-
-static void bring(cam_state_t state)
-{
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, state));
-}
 
 static double step_nm(hal_axis_t axis)
 {
@@ -53,12 +38,6 @@ static void turn_to(double turns)
     while (f.angle.pos_q32 < goal_q32) {
         fixture_play_tick(&f);
     }
-}
-
-static void engage(void)
-{
-    bring(cam_state_engaging);
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
 }
 
 static void test_enable_without_table_is_ignored(void)

@@ -112,26 +112,3 @@ static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
         }
     }
 }
-
-static void see_late(bool is_late)
-{
-    hal_host_fault_late(is_late ? 90 : 0);
-}
-
-/// The tick that is to enable is the one that sees the fault: the enable output does not rise.
-static void test_tick_that_sees_a_fault_does_not_enable(void)
-{
-    static void (*const sees[])(bool) = {hal_host_fault_estop, hal_host_fault_drive,
-                                         hal_host_fault_bus, see_late};
-    for (uint32_t i = 0; i < sizeof sees / sizeof sees[0]; i++) {
-        fixture_rig_init(&rig, &part, 20000);
-        fixture_rig_ticks(&rig, 100);
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
-        sees[i](true);
-        for (uint32_t n = 0; n < 20u; n++) {
-            fixture_rig_tick(&rig);
-            TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.want.state);
-            TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs & hal_out_enable);
-        }
-    }
-}
