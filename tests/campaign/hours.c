@@ -249,8 +249,10 @@ static void by_hand(void)
     pass_ms(10);
     for (uint32_t i = any(6); i > 0u && fuzz_rig_state() == cam_state_manual; i--) {
         (void)cam_machine_jog(m, (hal_axis_t)any(hal_n_axes), (int32_t)any(2000) - 1000);
+        fuzz_rig.judge.n_alone = 0;
         for (uint32_t k = any(8); k > 0u; k--) {
             cam_machine_keep_alive(m);
+            fuzz_rig.judge.n_alone = 0;
             pass_ms(20);
         }
     }

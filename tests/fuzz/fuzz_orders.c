@@ -104,6 +104,7 @@ void fuzz_disturb(uint8_t what, uint16_t code)
 void fuzz_command(uint8_t what, int32_t value)
 {
     cam_machine_t *m = &fuzz_rig.machine;
+    fuzz_rig.judge.n_alone = 0;
     const hal_axis_t axis = (hal_axis_t)(what / 16u % hal_n_axes);
     switch (what % 16u) {
     case 0:
@@ -177,6 +178,7 @@ static void carry_out(fuzz_order_t order, void (*other)(fuzz_order_t))
         break;
     case fuzz_order_alive:
         cam_machine_keep_alive(&fuzz_rig.machine);
+        fuzz_rig.judge.n_alone = 0;
         fuzz_let_pass(order.code % 200u + 1u);
         break;
     default:

@@ -91,6 +91,8 @@ void fuzz_rig_tick(void)
     ideal_machine_move(&fuzz_rig.lathe);
     hal_host_tick();
     trace();
+    fuzz_rig.judge.x_shift_nm =
+        cam_offsets_shift_nm(&fuzz_rig.machine.offsets, &fuzz_rig.machine.params, hal_axis_x);
     fuzz_judge_tick(&fuzz_rig.judge, &fuzz_rig.machine.params, fuzz_rig.machine.version,
                     fuzz_rig_record());
 }

@@ -180,6 +180,8 @@ static void start(uint8_t how, bool has_button)
                                   .part = how / 16u % fuzz_rig_n_parts,
                                   .has_button = has_button,
                                   .state = states[how / 4u % 4u]});
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_x_high_nm, 50000000));
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_x_low_nm, 45900000));
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
