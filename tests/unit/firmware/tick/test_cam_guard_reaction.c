@@ -123,32 +123,6 @@ static void test_reaction_from_any_speed_of_u_retracts_within_limits(void)
     }
 }
 
-static void test_reaction_at_full_speed_is_tried_inwards_and_outwards(void)
-{
-    double fastest = 0.0;
-    double slowest = 0.0;
-    bring(cam_state_cutting);
-    fixture_rig_ticks(&rig, 2399);
-    motion_t m = start_observing();
-    for (uint32_t ticks = 0; ticks < 240; ticks++) {
-        tick_within_limits(&m);
-        fastest = m.step[hal_axis_u] > fastest ? m.step[hal_axis_u] : fastest;
-        slowest = m.step[hal_axis_u] < slowest ? m.step[hal_axis_u] : slowest;
-    }
-    for (int sense = -1; sense <= 1; sense += 2) {
-        setUp();
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 2399);
-        m = start_observing();
-        const double wanted = 0.98 * (sense > 0 ? fastest : slowest);
-        while (m.step[hal_axis_u] * sense < wanted * sense) {
-            tick_within_limits(&m);
-        }
-        TEST_ASSERT_TRUE(fabs(m.step[hal_axis_u]) > 1000.0);
-        expect_retract(&m);
-    }
-}
-
 static void test_reaction_to_a_lost_drive_drops_enable_at_once(void)
 {
     for (uint32_t i = 0; i < n_enabled; i++) {

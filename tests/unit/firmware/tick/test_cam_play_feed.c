@@ -14,20 +14,6 @@ static void plain_profile(double z_nm, double x[3])
     x[2] = 0.0;
 }
 
-/// Ticks after which every axis has reached what was planned for a spindle that stands.
-enum { rounds = 4 * FIXTURE_PLAN_TICKS };
-
-/// @return [nm] Z wanted when the spindle is `turns` behind the start of the feed
-static double z_at(double turns)
-{
-    const int32_t speed_q32 = f.angle.speed_q32;
-    f.angle.pos_q32 = f.plan.feed_at_q32 + llround(turns * 4294967296.0);
-    f.angle.speed_q32 = 0;
-    fixture_play_ticks(&f, rounds);
-    f.angle.speed_q32 = speed_q32;
-    return (double)f.axis[hal_axis_z].pos_q10 / 1024.0;
-}
-
 /// @return [turn] fed: ramps of r turns, `fed` turns in all
 static double eased(double turns, double r, double fed)
 {
@@ -131,21 +117,6 @@ static void test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges(void
     f.params.z_acceleration_mm_per_s2 = 1740;
     const cam_feasibility_t ok = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
     TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
-}
-
-/// A measured Z sets no limit, whatever the ramp is.
-static void test_feed_ramp_of_a_measured_z_limits_no_speed(void)
-{
-    fixture_play_init(&f, &part);
-    f.params.z_is_measured = 1;
-    const uint32_t highest = cam_feasible(&f.table, &f.params, 1, FIXTURE_PLAY_HZ).highest_mrpm;
-    for (int32_t turns = 1; turns <= 100; turns++) {
-        f.params.feed_ramp_turns = turns;
-        f.params.feed_nm = 1 + (turns * 7919) % 10000000;
-        const cam_feasibility_t ok = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
-        TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
-        TEST_ASSERT_EQUAL_UINT32(highest, ok.highest_mrpm);
-    }
 }
 
 static void start_with_measured_z(void)

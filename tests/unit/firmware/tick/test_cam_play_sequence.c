@@ -67,18 +67,6 @@ static void test_homing_needs_index_and_rotation_in_the_sense_of_cutting(void)
     TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
 }
 
-static void test_homing_waits_for_the_tool_to_be_out(void)
-{
-    fixture_play_tick(&f);
-    fixture_play_do(&f, cam_request_enable);
-    while (f.want.state == cam_state_homing) {
-        fixture_play_tick(&f);
-    }
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
-    TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
-    TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_u].vel_q10);
-}
-
 /// Every request in every state: what it leads to in the very next tick.
 static void test_requests_out_of_order_are_ignored(void)
 {
@@ -192,24 +180,6 @@ static void test_start_approaches_zero_clearance_and_first_height(void)
     TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10);
     TEST_ASSERT_DOUBLE_WITHIN(0.01, fixture_play_x_nm(&f, 0.0) + 1e6,
                               (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
-}
-
-/// While Z only passes its place X stands: it nears the work when Z rests there.
-static void test_x_waits_until_z_rests(void)
-{
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_ready));
-    fixture_play_do(&f, cam_request_start);
-    cam_axis_motion_t *x = &f.motion.axis[hal_axis_x];
-    cam_axis_motion_t *z = &f.motion.axis[hal_axis_z];
-    const int64_t place_q10 = (int64_t)f.config.play.z_first_nm * 1024;
-    for (int32_t vel_q10 = -4096; vel_q10 <= 4096; vel_q10 += 2048) {
-        *x = (cam_axis_motion_t){.pos_q10 = f.config.play.x_clear_q10};
-        *z = (cam_axis_motion_t){.pos_q10 = place_q10 - vel_q10, .vel_q10 = vel_q10};
-        f.until_plan = 1;
-        fixture_play_tick(&f);
-        TEST_ASSERT_EQUAL_INT(cam_state_engaging, f.want.state);
-        TEST_ASSERT_EQUAL(vel_q10 == 0, x->vel_q10 != 0);
-    }
 }
 
 static void test_stop_while_approaching_goes_back_to_ready(void)

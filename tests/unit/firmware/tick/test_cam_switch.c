@@ -53,12 +53,6 @@ static double behind(double turn, double place)
     return turn - place - floor(turn - place);
 }
 
-static void test_build_without_windows_has_no_outputs(void)
-{
-    configure(1);
-    TEST_ASSERT_EQUAL_UINT32(0, config.n);
-}
-
 /// Random windows, senses, speeds and dead times: wherever the spindle is, the output is what the
 /// drawing's angle at the instant of the effect says, but within some millionths of a turn of an
 /// edge.
@@ -232,12 +226,4 @@ static void test_step_prepares_outputs_in_use_only(void)
         TEST_ASSERT_EQUAL_HEX32(1, at(0.25));
         TEST_ASSERT_EQUAL_UINT32(0, switches.next);
     }
-}
-
-static void test_build_limits_the_hysteresis_to_a_quarter_of_the_window(void)
-{
-    set(4, 0.0, 4.0);
-    params.switch_1_hysteresis_udeg = 5000000;
-    configure(1);
-    TEST_ASSERT_UINT32_WITHIN(8, (uint32_t)(TURN / 360.0), config.each[0].hysteresis_q32);
 }

@@ -253,24 +253,6 @@ static void test_session_by_hand_replays_bit_for_bit(void)
     expect_replay();
 }
 
-static void test_session_with_other_senses_does_not_replay_alike(void)
-{
-    prepare();
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_homing));
-    fixture_rig_ticks(&rig, 1500);
-    memset(&replayed, 0, sizeof replayed);
-    bool is_alike = true;
-    for (uint32_t i = 0; i < rig.n_log; i++) {
-        replayed.config.half[0] = configs[rig.log[i].config];
-        replayed.config.half[0].play.table = &replayed.config.half[0].table;
-        cam_tick_record_t done = {.in = rig.log[i].in};
-        done.in.encoder.counts += i / 200u % 2u; // one count more, now and then
-        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);
-        is_alike = is_alike && done.angle.speed_q32 == rig.log[i].angle.speed_q32;
-    }
-    TEST_ASSERT_FALSE(is_alike);
-}
-
 static void test_trace_switched_off_and_on_has_a_gap_and_goes_on(void)
 {
     prepare();
