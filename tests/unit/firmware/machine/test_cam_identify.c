@@ -287,16 +287,6 @@ static void test_following_error_has_the_room_of_the_larger_side(void)
     }
 }
 
-static void test_following_error_beyond_the_room_of_the_wave_is_a_fault(void)
-{
-    begin();
-    go_on(400, true);
-    const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
-    rig.lathe.error_nm[hal_axis_u] = cfg->guard.following_nm + 2000;
-    go_on(3, true);
-    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(following_error), fixture_rig_status(&rig).faults);
-}
-
 static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
 {
     cam_machine_t *m = &rig.machine;

@@ -187,29 +187,6 @@ static void test_reaction_to_several_faults_of_one_tick_tells_all(void)
     }
 }
 
-static void test_latch_holds_until_reset_after_the_retract(void)
-{
-    bring(cam_state_cutting);
-    hal_host_fault_estop(true);
-    fixture_rig_tick(&rig);
-    hal_host_fault_estop(false);
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_reset(&rig.machine)); // still retracting
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_enable(&rig.machine));
-    fixture_rig_ticks(&rig, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_state());
-    TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
-    fixture_rig_tick(&rig);
-    const cam_status_t status = fixture_rig_status(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, status.state);
-    TEST_ASSERT_EQUAL_HEX32(0, status.faults);
-    TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop),
-                            status.first_fault); // the cause is still reported
-    TEST_ASSERT_EQUAL_UINT32(1, status.fault_count[cam_fault_estop]);
-}
-
 static void test_counters_rise_with_every_fault(void)
 {
     for (uint32_t n = 1; n <= 3; n++) {

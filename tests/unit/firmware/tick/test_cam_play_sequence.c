@@ -40,13 +40,6 @@ static void turn_to(double turns)
     }
 }
 
-static void test_enable_without_table_is_ignored(void)
-{
-    f.config.play.table = NULL;
-    fixture_play_do(&f, cam_request_enable);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, f.want.state);
-}
-
 static void test_homing_needs_index_and_rotation_in_the_sense_of_cutting(void)
 {
     static const struct {
