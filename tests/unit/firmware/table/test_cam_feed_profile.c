@@ -187,16 +187,6 @@ static void test_limits_of_z_hold_with_the_way(void)
     TEST_ASSERT_NOT_EQUAL_INT(cam_err_z_acceleration, why.err);
 }
 
-static void test_way_that_turns_back_is_refused(void)
-{
-    share = 0.97;
-    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
-    share = 0.99;
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
-    share = 1.2;
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
-}
-
 static void test_way_begins_and_ends_with_the_table(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
