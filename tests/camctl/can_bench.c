@@ -116,7 +116,8 @@ int main(int n_words, char **words)
     start();
     cam_machine_blackbox(&f.rig.machine);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
-    f.rig.lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 61000000, .pitch_nm = 500000};
+    f.rig.lathe.home[hal_axis_x] =
+        (ideal_home_t){.side = 1, .edge_nm = 61000000, .pitch_nm = 500000};
     f.rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 100000};
     (void)fixture_rig_set(&f.rig, cam_param_lead_ns, 1000000000 / tick_hz);
     sim_pace_t pace;
