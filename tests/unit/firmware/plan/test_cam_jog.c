@@ -97,6 +97,19 @@ static void test_step_ends_where_it_was_ordered_to(void)
     }
 }
 
+/// An order that comes too late finds no home.
+static void test_order_that_is_already_too_old_is_not_begun(void)
+{
+    set(cam_param_x_home, 1);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
+    cam_config_t *config = (cam_config_t *)(uintptr_t)g_cam.config.offered;
+    config->play.jog.order.until = fixture_rig_status(&rig).tick - 1u;
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_jog_silent, jog_state().end);
+    TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed);
+}
+
 /// Jogs, reversals, stops and steps of all axes at random, with limits of travel: speed and
 /// acceleration stay within the axis's gentle limits, travel within its limits, and no fault comes.
 static void test_random_orders_stay_within_speed_acceleration_and_travel(void)

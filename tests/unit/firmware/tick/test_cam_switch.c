@@ -44,7 +44,9 @@ void setUp(void)
 static uint32_t at(double turn)
 {
     record.angle.pos_q32 = (int64_t)floor(turn * TURN);
-    return cam_switches_step_isr(&switches, &config, &record) / hal_out_switch_1;
+    const uint32_t outputs = cam_switches_step_isr(&switches, &config, &record);
+    TEST_ASSERT_EQUAL_HEX32(0, outputs % hal_out_switch_1);
+    return outputs / hal_out_switch_1;
 }
 
 /// @return [turn] distance of an angle behind a place, 0 .. 1
