@@ -40,8 +40,6 @@ camturn_has() {
     libc6-dev) gcc -E -x c - <<<'#include <stdio.h>' ;;
     gcc-arm-none-eabi) command -v arm-none-eabi-gcc ;;
     libnewlib-arm-none-eabi) arm-none-eabi-gcc -E -x c - <<<'#include <stdio.h>' ;;
-    llvm-19) command -v llvm-cov-19 ;;
-    libclang-rt-19-dev) test -e /usr/lib/llvm-19/lib/clang/19/lib/linux/libclang_rt.profile-"$(uname -m)".a ;;
     frama-c-base) command -v frama-c ;;
     libclang-rt-14-dev) clang -fsanitize=fuzzer -x c -o /dev/null - <<<'int LLVMFuzzerTestOneInput(void) { return 0; }' ;;
     libcjson-dev) pkg-config --exists libcjson ;;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "budget_session.h"
-#include "budget_strike.h"
 #include "cam_machine_jog.h"      // cam_machine_jog
 #include "cam_machine_identify.h" // cam_machine_excite
 #include "cam_machine.h"          // cam_machine_hold
@@ -45,24 +44,22 @@ static bool set(fixture_rig_t *rig, cam_param_id_t id, int32_t value)
     return fixture_rig_set(rig, id, value) == cam_ok;
 }
 
-bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
-                         bool is_modulated)
+bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part)
 {
     fixture_rig_init(rig, part, tick_hz);
     rig->isr = isr;
     bool is_set = set(rig, cam_param_following_limit_nm, 10000000);
-    if (is_modulated) {
+    if (part->speed != NULL) {
         is_set = is_set && set(rig, cam_param_spindle_acceleration_mrad_per_s2, 2000000000) &&
                  set(rig, cam_param_spindle_mrpm, 2000000);
-        rig->ramp_rpm = 50.0;
+        rig->lathe.ramp_rpm = 50.0;
     }
     return is_set;
 }
 
 bool budget_session_swung(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part)
 {
-    return budget_session_open(rig, isr, part, part->speed != NULL) &&
-           set(rig, cam_param_spindle_mrpm, 2000000) &&
+    return budget_session_open(rig, isr, part) && set(rig, cam_param_spindle_mrpm, 2000000) &&
            set(rig, cam_param_swing_speed_mdeg_per_s, 100000000) &&
            set(rig, cam_param_swing_acceleration_deg_per_s2, 100000000) &&
            set(rig, cam_param_swing_following_limit_mdeg, 90000) &&
@@ -110,19 +107,29 @@ bool budget_session_shaft(fixture_rig_t *rig, void (*isr)(void))
     return is_open && select_anew(rig);
 }
 
-bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
-                        bool is_modulated)
+bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part)
 {
-    return budget_session_open(rig, isr, part, is_modulated) &&
-           fixture_rig_bring(rig, cam_state_cutting) &&
+    return budget_session_open(rig, isr, part) && fixture_rig_bring(rig, cam_state_cutting) &&
            fixture_rig_until(rig, cam_state_ready, patience) < patience &&
            rig->last.want.faults == 0u;
+}
+
+bool budget_session_uniform(fixture_rig_t *rig, void (*isr)(void))
+{
+    const fixture_part_t part = fixture_part_short();
+    return budget_session_cut(rig, isr, &part);
+}
+
+bool budget_session_modulated(fixture_rig_t *rig, void (*isr)(void))
+{
+    const fixture_part_t part = fixture_part_modulated();
+    return budget_session_cut(rig, isr, &part);
 }
 
 bool budget_session_rehearse(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_short();
-    return budget_session_open(rig, isr, &part, false) &&
+    return budget_session_open(rig, isr, &part) &&
            fixture_rig_set(rig, cam_param_rehearse_turns, 5) == cam_ok &&
            fixture_rig_bring(rig, cam_state_ready) && cam_machine_start(&rig->machine) == cam_ok &&
            fixture_rig_until(rig, cam_state_rehearsing, 10) < 10u &&
@@ -135,7 +142,7 @@ bool budget_session_switches(fixture_rig_t *rig, void (*isr)(void))
     static const int32_t value[] = {
         [0] = 2, [2] = 90000000, [3] = 1000000, [4] = 5000000, [6] = 1000000000, [7] = 0};
     const fixture_part_t part = fixture_part_short();
-    bool is_good = budget_session_open(rig, isr, &part, false);
+    bool is_good = budget_session_open(rig, isr, &part);
     for (int32_t i = 0; i < 8 * cam_n_switches; i++) {
         is_good = is_good && set(rig, (cam_param_id_t)((int32_t)cam_param_switch_1_per_turn + i),
                                  value[i % 8]);
@@ -149,7 +156,7 @@ bool budget_session_hold(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_short();
     bool is_done =
-        budget_session_open(rig, isr, &part, false) && fixture_rig_bring(rig, cam_state_cutting);
+        budget_session_open(rig, isr, &part) && fixture_rig_bring(rig, cam_state_cutting);
     fixture_rig_ticks(rig, 100);
     is_done = is_done && cam_machine_hold(&rig->machine) == cam_ok &&
               fixture_rig_until(rig, cam_state_holding, 60000) < 60000u;
@@ -158,15 +165,42 @@ bool budget_session_hold(fixture_rig_t *rig, void (*isr)(void))
            fixture_rig_until(rig, cam_state_ready, 100000) < 100000u;
 }
 
+enum { n_strikes = 6 };
+
+/// The faults that the host port can cause, by number. `bus` is judged with `drive` by the same
+/// instructions.
+static void strike(int fault)
+{
+    switch (fault) {
+    case 0:
+        hal_host_fault_estop(true);
+        break;
+    case 1:
+        hal_host_fault_drive(true);
+        break;
+    case 2:
+        hal_host_fault_counts(500);
+        break;
+    case 3:
+        hal_host_fault_encoder_stuck(true);
+        break;
+    case 4:
+        hal_host_fault_index_dead(true);
+        break;
+    default:
+        hal_host_fault_late(300);
+        break;
+    }
+}
+
 bool budget_session_faults(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_modulated();
     bool is_done = true;
-    for (int fault = 0; fault < budget_n_strikes && is_done; fault++) {
-        is_done =
-            budget_session_open(rig, isr, &part, true) && fixture_rig_bring(rig, cam_state_cutting);
+    for (int fault = 0; fault < n_strikes && is_done; fault++) {
+        is_done = budget_session_open(rig, isr, &part) && fixture_rig_bring(rig, cam_state_cutting);
         fixture_rig_ticks(rig, 100);
-        budget_strike(fault);
+        strike(fault);
         is_done = is_done && fixture_rig_until(rig, cam_state_fault, 20000) < 20000u;
         fixture_rig_ticks(rig, 2000);
     }
@@ -191,7 +225,7 @@ bool budget_session_identify(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_short();
     cam_machine_t *m = &rig->machine;
-    const bool is_open = budget_session_open(rig, isr, &part, false);
+    const bool is_open = budget_session_open(rig, isr, &part);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
     fixture_rig_tick(rig);
     if (!is_open || !fixture_rig_bring(rig, cam_state_ready) || !load_wave(m) ||
@@ -227,9 +261,9 @@ bool budget_session_hand(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_short();
     cam_machine_t *m = &rig->machine;
-    bool is_good = budget_session_open(rig, isr, &part, false);
-    rig->home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 50000};
-    rig->home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 100000, .pitch_nm = 100000};
+    bool is_good = budget_session_open(rig, isr, &part);
+    rig->lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 50000};
+    rig->lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 100000, .pitch_nm = 100000};
     is_good = is_good && set(rig, cam_param_u_home, 2) && set(rig, cam_param_x_home, 3) &&
               set(rig, cam_param_z_home, 1) && cam_machine_manual(m) == cam_ok;
     fixture_rig_ticks(rig, 20);

@@ -26,11 +26,9 @@ void budget_spread_print(const char *session, const char *what,
                          const budget_spread_t ticks[cam_n_states]);
 
 /// Set a machine up for a part, off.
-/// @param isr           called instead of cam_isr()
-/// @param is_modulated  the part has a speed channel
+/// @param isr  called instead of cam_isr()
 /// @return true when all parameters were taken
-bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
-                         bool is_modulated);
+bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part);
 
 /// The same with a part that swings the tool, at 2000 r/min, with all of the swing's parameters.
 bool budget_session_swung(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part);
@@ -42,8 +40,11 @@ bool budget_session_way(fixture_rig_t *rig, void (*isr)(void));
 bool budget_session_shaft(fixture_rig_t *rig, void (*isr)(void));
 
 /// From off through the cut to ready. @return true when it ended without a fault
-bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
-                        bool is_modulated);
+bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part);
+
+/// The short skirt, and the one with a speed channel.
+bool budget_session_uniform(fixture_rig_t *rig, void (*isr)(void));
+bool budget_session_modulated(fixture_rig_t *rig, void (*isr)(void));
 
 /// From off through a rehearsal and the cut behind it to ready. @return true when it ended so
 bool budget_session_rehearse(fixture_rig_t *rig, void (*isr)(void));

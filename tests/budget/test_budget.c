@@ -33,8 +33,6 @@ void setUp(void)
     per_reading = budget_instructions(from, budget_count());
 }
 
-void tearDown(void) {}
-
 /// The interrupt by its address, so that it stays a function of its own.
 static void (*volatile const interrupt)(void) = cam_isr;
 
@@ -69,9 +67,9 @@ static void set(cam_param_id_t id, int32_t value)
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
 }
 
-static void whole_cut(const fixture_part_t *part, bool is_modulated)
+static void whole_cut(const fixture_part_t *part)
 {
-    TEST_ASSERT_TRUE(budget_session_cut(&rig, counted, part, is_modulated));
+    TEST_ASSERT_TRUE(budget_session_cut(&rig, counted, part));
 }
 
 static void expect_budget(const char *session)
@@ -104,7 +102,7 @@ static uint32_t mean_in_cut(void)
 static void test_uniform_cut(void)
 {
     const fixture_part_t part = fixture_part_short();
-    whole_cut(&part, false);
+    whole_cut(&part);
     expect_budget("uniform");
     expect_even();
     printf("figure mean_uniform %lu\n", (unsigned long)mean_in_cut());
@@ -115,8 +113,8 @@ static void test_ring_helix_cut(void)
 {
     fixture_part_t part = fixture_part_short();
     part.is_ring_helix = true;
-    whole_cut(&part, false);
-    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, false));
+    whole_cut(&part);
+    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part));
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     fixture_rig_ticks(&rig, 700);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
@@ -127,7 +125,7 @@ static void test_ring_helix_cut(void)
 static void test_modulated_cut(void)
 {
     const fixture_part_t part = fixture_part_modulated();
-    whole_cut(&part, true);
+    whole_cut(&part);
     expect_budget("modulated");
     expect_even();
     printf("figure mean_modulated %lu\n", (unsigned long)mean_in_cut());
@@ -140,7 +138,7 @@ static void test_other_sense_and_wrapping_counter(void)
     part.direction = -1;
     fixture_rig_init(&rig, &part, tick_hz);
     rig.isr = counted;
-    fixture_encoder_init(&rig.encoder, 10000, 1, 60000u, 1234);
+    fixture_encoder_init(&rig.lathe.encoder, 10000, 1, 60000u, 1234);
     set(cam_param_following_limit_nm, 10000000);
     fixture_rig_ticks(&rig, 10); // a plan forgets the index of the other encoder
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
@@ -152,22 +150,15 @@ static void test_other_sense_and_wrapping_counter(void)
 static void test_size_of_the_table_costs_nothing(void)
 {
     const fixture_part_t small = fixture_part_smallest();
-    whole_cut(&small, false);
+    whole_cut(&small);
     expect_budget("4 knots");
     const uint32_t few = ticks[cam_state_cutting].max;
     setUp();
     fixture_part_t part = fixture_part_short();
     part.log2_knots = 9;
-    whole_cut(&part, false);
+    whole_cut(&part);
     expect_budget("512 knots");
     TEST_ASSERT_UINT32_WITHIN(few / 10u, few, ticks[cam_state_cutting].max);
-}
-
-/// Every fault that the port can cause, with the retract behind it.
-static void test_faults_in_the_cut(void)
-{
-    TEST_ASSERT_TRUE(budget_session_faults(&rig, counted));
-    expect_budget("faults");
 }
 
 static void open_swung(void)
@@ -180,14 +171,14 @@ static void open_swung(void)
 static void open_modulated(void)
 {
     const fixture_part_t part = fixture_part_modulated();
-    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, true));
+    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part));
 }
 
 static void open_rings(void)
 {
     fixture_part_t part = fixture_part_short();
     part.is_ring_helix = true;
-    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, false));
+    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part));
 }
 
 static void open_measured(void)
@@ -196,41 +187,28 @@ static void open_measured(void)
     set(cam_param_z_is_measured, 1);
 }
 
-static void test_four_axes_with_every_edge_and_fault_in_every_state(void)
-{
-    TEST_ASSERT_TRUE(budget_force_states(&rig, open_swung));
-    expect_budget("forced 4");
-}
-
-static void test_three_axes_with_every_edge_and_fault_in_every_state(void)
-{
-    TEST_ASSERT_TRUE(budget_force_states(&rig, open_modulated));
-    expect_budget("forced 3");
-}
-
-/// Along a ring-helix, in a ring, on a ramp and between two.
-static void test_ring_helix_with_every_edge_and_fault_in_every_state(void)
-{
-    TEST_ASSERT_TRUE(budget_force_states(&rig, open_rings));
-    expect_budget("rings");
-}
-
 static void open_way(void)
 {
     TEST_ASSERT_TRUE(budget_session_way(&rig, counted));
 }
 
-static void test_way_with_every_edge_and_fault_in_every_state(void)
+static void test_every_edge_and_fault_in_every_state(void)
 {
-    TEST_ASSERT_TRUE(budget_force_states(&rig, open_way));
-    expect_budget("forced way");
-}
-
-/// Z led by others: it is read in every plan, and X approaches over it.
-static void test_measured_z_with_every_edge_and_fault_in_every_state(void)
-{
-    TEST_ASSERT_TRUE(budget_force_states(&rig, open_measured));
-    expect_budget("measured");
+    static const struct {
+        const char *name;
+        void (*open)(void);
+    } sessions[] = {
+        {"forced 4", open_swung},
+        {"forced 3", open_modulated},
+        {"rings", open_rings}, ///< along a ring-helix, in a ring, on a ramp and between two
+        {"forced way", open_way},
+        {"measured", open_measured}, ///< Z is read in every plan, and X approaches over it
+    };
+    for (uint32_t i = 0; i < sizeof sessions / sizeof sessions[0]; i++) {
+        setUp();
+        TEST_ASSERT_TRUE_MESSAGE(budget_force_states(&rig, sessions[i].open), sessions[i].name);
+        expect_budget(sessions[i].name);
+    }
 }
 
 /// A shaft from lobe to lobe, with everything that a table can hold.
@@ -266,34 +244,27 @@ static void test_way(void)
     expect_budget("way");
 }
 
-/// U plays a wave by time; what is cut is not measured here.
-static void test_excitation(void)
+static void test_other_sessions(void)
 {
-    TEST_ASSERT_TRUE(budget_session_identify(&rig, counted));
-    TEST_ASSERT_GREATER_THAN_UINT32(1000, ticks[cam_state_identifying].n);
-    expect_budget("identify");
-}
-
-/// Jogs and homing of all axes: the plan in which U gets other numbers is the longest.
-static void test_by_hand(void)
-{
-    TEST_ASSERT_TRUE(budget_session_hand(&rig, counted));
-    TEST_ASSERT_GREATER_THAN_UINT32(1000, ticks[cam_state_manual].n);
-    expect_budget("hand");
-}
-
-static void test_hold(void)
-{
-    TEST_ASSERT_TRUE(budget_session_hold(&rig, counted));
-    TEST_ASSERT_GREATER_THAN_UINT32(500, ticks[cam_state_holding].n);
-    expect_budget("hold");
-}
-
-static void test_rehearsal(void)
-{
-    TEST_ASSERT_TRUE(budget_session_rehearse(&rig, counted));
-    TEST_ASSERT_GREATER_THAN_UINT32(1000, ticks[cam_state_rehearsing].n);
-    expect_budget("rehearse");
+    static const struct {
+        const char *name;
+        bool (*play)(fixture_rig_t *rig, void (*isr)(void));
+        cam_state_t state;    ///< in which it must be
+        uint32_t least_ticks; ///< ... for so many without a plan
+    } sessions[] = {
+        {"faults", budget_session_faults, cam_state_fault, 1000},
+        {"identify", budget_session_identify, cam_state_identifying, 1000},
+        {"hand", budget_session_hand, cam_state_manual, 1000},
+        {"hold", budget_session_hold, cam_state_holding, 500},
+        {"rehearse", budget_session_rehearse, cam_state_rehearsing, 1000},
+        {"switches", budget_session_switches, cam_state_cutting, 1000},
+    };
+    for (uint32_t i = 0; i < sizeof sessions / sizeof sessions[0]; i++) {
+        setUp();
+        TEST_ASSERT_TRUE_MESSAGE(sessions[i].play(&rig, counted), sessions[i].name);
+        TEST_ASSERT_GREATER_THAN_UINT32(sessions[i].least_ticks, ticks[sessions[i].state].n);
+        expect_budget(sessions[i].name);
+    }
 }
 
 /// A cam: the swing alone and with the speed ratio, in the work and on its return to 0.
@@ -324,7 +295,7 @@ static void test_random_parameters(void)
     fixture_random_t random = {.state = 11};
     for (int i = 0; i < 4; i++) {
         const fixture_part_t part = fixture_part_short();
-        TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, false));
+        TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part));
         set(cam_param_lead_ns, (int32_t)fixture_random_range(&random, 0, 2000000));
         set(cam_param_xz_lag_ns, (int32_t)fixture_random_range(&random, 0, 5000000));
         set(cam_param_k1_ns, (int32_t)fixture_random_range(&random, 0, 1000000));
@@ -340,12 +311,6 @@ static void test_random_parameters(void)
     expect_budget("random");
 }
 
-static void test_position_switches(void)
-{
-    TEST_ASSERT_TRUE(budget_session_switches(&rig, counted));
-    expect_budget("switches");
-}
-
 static void test_enough_ticks_were_measured(void)
 {
     TEST_ASSERT_GREATER_THAN_UINT32(least_ticks, n_measured);
@@ -353,31 +318,4 @@ static void test_enough_ticks_were_measured(void)
     printf("figure tick_cut_max %lu\n", (unsigned long)most_in_cut);
     printf("figure tick_max %lu\n", (unsigned long)most);
     printf("figure plan_tick_max %lu\n", (unsigned long)most_with_plan);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_uniform_cut);
-    RUN_TEST(test_modulated_cut);
-    RUN_TEST(test_ring_helix_cut);
-    RUN_TEST(test_other_sense_and_wrapping_counter);
-    RUN_TEST(test_size_of_the_table_costs_nothing);
-    RUN_TEST(test_faults_in_the_cut);
-    RUN_TEST(test_four_axes_with_every_edge_and_fault_in_every_state);
-    RUN_TEST(test_three_axes_with_every_edge_and_fault_in_every_state);
-    RUN_TEST(test_ring_helix_with_every_edge_and_fault_in_every_state);
-    RUN_TEST(test_way_with_every_edge_and_fault_in_every_state);
-    RUN_TEST(test_measured_z_with_every_edge_and_fault_in_every_state);
-    RUN_TEST(test_excitation);
-    RUN_TEST(test_by_hand);
-    RUN_TEST(test_hold);
-    RUN_TEST(test_rehearsal);
-    RUN_TEST(test_swung_cuts);
-    RUN_TEST(test_shaft);
-    RUN_TEST(test_way);
-    RUN_TEST(test_random_parameters);
-    RUN_TEST(test_position_switches);
-    RUN_TEST(test_enough_ticks_were_measured);
-    return UNITY_END();
 }

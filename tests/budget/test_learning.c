@@ -31,10 +31,6 @@ static const cam_ilc_setup_t setup = {
     .eccentricity = {.re = 4096},
 };
 
-void setUp(void) {}
-
-void tearDown(void) {}
-
 static int32_t wave(uint32_t k, uint32_t at_q32)
 {
     return cam_cos_q24(k * (at_q32 >> 24)) >> 4;
@@ -103,11 +99,4 @@ static void test_pieces_and_turns_fit_their_budgets(void)
     TEST_ASSERT_GREATER_THAN_UINT32(10, ilc.n_turns);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_learn_piece, most_piece);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_learn_turn, most_turn);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_pieces_and_turns_fit_their_budgets);
-    return UNITY_END();
 }

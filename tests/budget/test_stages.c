@@ -26,12 +26,11 @@ static fixture_rig_t rig;
 static session_t session;
 static uint32_t n_ticks[cam_n_states]; ///< of all sessions
 
-void setUp(void)
+/// Called by Unity before the tests.
+void suiteSetUp(void)
 {
-    memset(&session, 0, sizeof session);
+    printf("a mark takes %lu instructions\n", (unsigned long)stages_calibrate());
 }
-
-void tearDown(void) {}
 
 /// The interrupt by its address, so that it stays a function of its own.
 static void (*volatile const interrupt)(void) = cam_isr;
@@ -77,48 +76,22 @@ static void expect_sums(const char *name)
                                              "stages and whole tick");
 }
 
-static void test_uniform_cut(void)
+static void test_sum_of_the_stages_is_the_tick_in_each_session(void)
 {
-    const fixture_part_t part = fixture_part_short();
-    TEST_ASSERT_TRUE(budget_session_cut(&rig, counted, &part, false));
-    expect_sums("uniform");
-}
-
-static void test_modulated_cut(void)
-{
-    const fixture_part_t part = fixture_part_modulated();
-    TEST_ASSERT_TRUE(budget_session_cut(&rig, counted, &part, true));
-    expect_sums("modulated");
-}
-
-static void test_faults_in_the_cut(void)
-{
-    TEST_ASSERT_TRUE(budget_session_faults(&rig, counted));
-    expect_sums("faults");
-}
-
-static void test_excitation(void)
-{
-    TEST_ASSERT_TRUE(budget_session_identify(&rig, counted));
-    expect_sums("identify");
-}
-
-static void test_rehearsal(void)
-{
-    TEST_ASSERT_TRUE(budget_session_rehearse(&rig, counted));
-    expect_sums("rehearse");
-}
-
-static void test_hold(void)
-{
-    TEST_ASSERT_TRUE(budget_session_hold(&rig, counted));
-    expect_sums("hold");
-}
-
-static void test_by_hand(void)
-{
-    TEST_ASSERT_TRUE(budget_session_hand(&rig, counted));
-    expect_sums("hand");
+    static const struct {
+        const char *name;
+        bool (*play)(fixture_rig_t *rig, void (*isr)(void));
+    } sessions[] = {
+        {"uniform", budget_session_uniform},   {"modulated", budget_session_modulated},
+        {"faults", budget_session_faults},     {"identify", budget_session_identify},
+        {"rehearse", budget_session_rehearse}, {"hold", budget_session_hold},
+        {"hand", budget_session_hand},
+    };
+    for (uint32_t i = 0; i < sizeof sessions / sizeof sessions[0]; i++) {
+        memset(&session, 0, sizeof session);
+        TEST_ASSERT_TRUE_MESSAGE(sessions[i].play(&rig, counted), sessions[i].name);
+        expect_sums(sessions[i].name);
+    }
 }
 
 static void test_enough_ticks_in_all_states(void)
@@ -130,19 +103,4 @@ static void test_enough_ticks_in_all_states(void)
         sum += n_ticks[state];
     }
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(least_ticks, sum);
-}
-
-int main(void)
-{
-    printf("a mark takes %lu instructions\n", (unsigned long)stages_calibrate());
-    UNITY_BEGIN();
-    RUN_TEST(test_uniform_cut);
-    RUN_TEST(test_modulated_cut);
-    RUN_TEST(test_faults_in_the_cut);
-    RUN_TEST(test_excitation);
-    RUN_TEST(test_rehearsal);
-    RUN_TEST(test_hold);
-    RUN_TEST(test_by_hand);
-    RUN_TEST(test_enough_ticks_in_all_states);
-    return UNITY_END();
 }

@@ -100,8 +100,7 @@ static void demand(const char *secret)
 /// As fixture_can_start(), but nobody has command.
 static void start(void)
 {
-    cam_machine_init(&f.rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
-    cam_can_init(&f.can, &f.rig.machine);
+    fixture_can_boot(&f);
     people = (sim_operator_t){.is_key_on = true, .turns_key = true};
     f.rig.is_silent = true;
     fixture_rig_tick(&f.rig);
@@ -117,8 +116,9 @@ int main(int n_words, char **words)
     start();
     cam_machine_blackbox(&f.rig.machine);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
-    f.rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 61000000, .pitch_nm = 500000};
-    f.rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 100000};
+    f.rig.lathe.home[hal_axis_x] =
+        (ideal_home_t){.side = 1, .edge_nm = 61000000, .pitch_nm = 500000};
+    f.rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 100000};
     (void)fixture_rig_set(&f.rig, cam_param_lead_ns, 1000000000 / tick_hz);
     sim_pace_t pace;
     sim_pace_init(&pace, tick_hz, 1.0);

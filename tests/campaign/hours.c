@@ -98,7 +98,6 @@ static bool wait_for(cam_state_t state)
 static void strike(void)
 {
     const uint32_t what = any(n_bad_luck);
-    const int64_t hz = fuzz_rig.judge.tick_hz;
     sum.n_injected[what]++;
     switch (what) {
     case 0:
@@ -125,22 +124,22 @@ static void strike(void)
         hal_host_fault_index_dead(true);
         break;
     case 7:
-        fuzz_rig.is_held[hal_axis_u] = true;
+        fuzz_rig.lathe.is_held[hal_axis_u] = true;
         break;
     case 8:
-        fuzz_rig.error_nm[any(hal_n_axes)] = (int32_t)any(2000000) - 1000000;
+        fuzz_rig.lathe.error_nm[any(hal_n_axes)] = (int32_t)any(2000000) - 1000000;
         break;
     case 9:
-        fuzz_rig.is_spindle_held = true;
+        fuzz_rig.lathe.is_spindle_held = true;
         break;
     case 10:
-        fuzz_rig.is_spindle_held = true;
+        fuzz_rig.lathe.is_spindle_held = true;
         fuzz_rig.judge.is_angle_doubtful = true;
-        fuzz_rig.speed_q32 = ((int64_t)any(8000) - 4000) * INT64_C(4294967296) / 60 / hz;
+        fuzz_rig.lathe.rpm = (double)any(8000) - 4000.0;
         break;
     default:
-        fuzz_rig.is_swing_held = true;
-        fuzz_rig.is_held[hal_axis_x] = true;
+        fuzz_rig.lathe.is_swing_held = true;
+        fuzz_rig.lathe.is_held[hal_axis_x] = true;
         break;
     }
 }
@@ -152,10 +151,10 @@ static void mend(void)
     hal_host_fault_bus(false);
     hal_host_fault_encoder_stuck(false);
     hal_host_fault_index_dead(false);
-    memset(fuzz_rig.is_held, 0, sizeof fuzz_rig.is_held);
-    memset(fuzz_rig.error_nm, 0, sizeof fuzz_rig.error_nm);
-    fuzz_rig.is_spindle_held = false;
-    fuzz_rig.is_swing_held = false;
+    memset(fuzz_rig.lathe.is_held, 0, sizeof fuzz_rig.lathe.is_held);
+    memset(fuzz_rig.lathe.error_nm, 0, sizeof fuzz_rig.lathe.error_nm);
+    fuzz_rig.lathe.is_spindle_held = false;
+    fuzz_rig.lathe.is_swing_held = false;
 }
 
 /// An operator finds out what is wrong, has it mended and resets.
@@ -250,8 +249,10 @@ static void by_hand(void)
     pass_ms(10);
     for (uint32_t i = any(6); i > 0u && fuzz_rig_state() == cam_state_manual; i--) {
         (void)cam_machine_jog(m, (hal_axis_t)any(hal_n_axes), (int32_t)any(2000) - 1000);
+        fuzz_rig.judge.n_alone = 0;
         for (uint32_t k = any(8); k > 0u; k--) {
             cam_machine_keep_alive(m);
+            fuzz_rig.judge.n_alone = 0;
             pass_ms(20);
         }
     }
@@ -313,7 +314,7 @@ static void session(uint32_t hz, uint32_t part, uint64_t seed)
     fuzz_rig_start(
         (fuzz_start_t){.tick_hz = hz, .part = part, .has_button = true, .state = cam_state_off});
     if (part != 1u) { // what the default machine's spindle can do
-        fuzz_rig.ramp_q32 = INT64_C(4000) * 4294967296 / 60 / hz / hz;
+        fuzz_rig.lathe.ramp_rpm = 4000.0 / hz;
     }
     const uint64_t parts_before = sum.n_parts;
     n_left = (uint64_t)hz * session_s;

@@ -274,6 +274,32 @@ static void judge_jerk_of_u(const fuzz_judge_t *j, uint32_t faults, int64_t jerk
         "U jerks by %lld nm of %g in %s", (long long)jerk_nm, most_nm, cam_state_name(j->state));
 }
 
+/// @return [ticks] in which an axis that is led by hand comes to rest: with a quarter of its
+/// acceleration, behind the patience of a jog
+static double rest_ticks(const fuzz_judge_t *j, uint32_t axis)
+{
+    const fuzz_limits_t *l = &j->limits;
+    const double brake = 4.0 * l->speed_nm[axis] / l->acceleration_nm[axis];
+    return j->tick_hz / 4.0 + 1.25 * brake + (l->window[axis] + 4.0) * j->plan_ticks;
+}
+
+/// By hand an axis moves only while its master lives; in the work X stays within its travel.
+static void judge_way(const fuzz_judge_t *j, const cam_tick_record_t *r, uint32_t axis,
+                      int64_t step_nm)
+{
+    const bool is_alone = j->state == cam_state_manual && j->n_alone > rest_ticks(j, axis);
+    FUZZ_EXPECT(!is_alone || step_nm == 0, "axis %u moves by %lld nm without a master",
+                (unsigned)axis, (long long)step_nm);
+    if (axis == (uint32_t)hal_axis_x && is_geared(r->want.state) && !j->is_wild) {
+        const double x_nm = (double)hal_host.out.axis[axis].pos_nm + j->x_shift_nm;
+        const bool goes_out = x_nm < j->limits.x_low_nm - rounding_nm
+                                  ? step_nm < 0
+                                  : x_nm > j->limits.x_high_nm + rounding_nm && step_nm > 0;
+        FUZZ_EXPECT(!goes_out, "X leaves its travel at %.0f nm in %s", x_nm,
+                    cam_state_name(r->want.state));
+    }
+}
+
 static void judge_axes(fuzz_judge_t *j, const cam_tick_record_t *r)
 {
     const bool is_enabled = (hal_host.out.outputs & hal_out_enable) != 0u;
@@ -289,6 +315,9 @@ static void judge_axes(fuzz_judge_t *j, const cam_tick_record_t *r)
             FUZZ_EXPECT((double)size_of(step_nm) <= most_step_nm(j, i),
                         "axis %u steps by %lld nm of %g in %s", (unsigned)i, (long long)step_nm,
                         most_step_nm(j, i), cam_state_name(r->want.state));
+        }
+        if (j->n_moved > 0u && !is_led) {
+            judge_way(j, r, i, step_nm);
         }
         // An X over a measured Z follows what is measured.
         const bool is_over_led = i != (uint32_t)hal_axis_u && j->is_z_led;
@@ -346,5 +375,6 @@ void fuzz_judge_tick(fuzz_judge_t *j, const cam_params_t *p, uint32_t version,
     j->faults = r->want.faults;
     judge_axes(j, r);
     j->request = r->in.request;
+    j->n_alone++;
     j->n_visits[r->want.state] += before != r->want.state ? 1u : 0u;
 }

@@ -34,6 +34,8 @@ typedef struct {
                             ///< until the next off
     bool is_taken_out;      ///< ready, behind a stop in the approach: U retracts out of its motion
     bool is_z_led;          ///< Z is measured and not led by this controller
+    uint32_t n_alone;       ///< [ticks] since the last sign of life, by the target
+    int32_t x_shift_nm;     ///< [nm] by the rig: X's number less that of the port
     uint32_t n_moved;       ///< [ticks] since the enable
     uint32_t n_fault;       ///< [ticks] in state fault
     uint32_t patience;      ///< [ticks] within which the retract has to end

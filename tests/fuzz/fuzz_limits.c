@@ -82,6 +82,7 @@ fuzz_limits_t fuzz_limits(const cam_params_t *p, uint32_t tick_hz, uint32_t plan
     fuzz_limits_t l = {
         .stroke_nm = p->u_stroke_nm / 2,
         .clearance_nm = p->x_clearance_nm,
+        .x_low_nm = p->x_low_nm < p->x_high_nm ? p->x_low_nm : -nowhere_nm,
         .x_high_nm = p->x_low_nm < p->x_high_nm ? p->x_high_nm : nowhere_nm,
         .spindle_mrpm = p->spindle_limit_mrpm,
         .swing_q32 = p->swing_range_mdeg * INT64_C(4294967296) / 360000,
@@ -110,6 +111,7 @@ void fuzz_limits_widen(fuzz_limits_t *l, const fuzz_limits_t *now)
         l->window[i] = fuzz_less(l->window[i], now->window[i]);
         l->way_nm[i] = fuzz_more(l->way_nm[i], now->way_nm[i]);
     }
+    l->x_low_nm = fuzz_less(l->x_low_nm, now->x_low_nm);
     l->x_high_nm = fuzz_more(l->x_high_nm, now->x_high_nm);
     l->told_step_nm = fuzz_more(l->told_step_nm, now->told_step_nm);
     l->told_change_nm = fuzz_more(l->told_change_nm, now->told_change_nm);

@@ -19,7 +19,7 @@ typedef struct {
     double brake_nm[hal_n_axes]; ///< [nm per tick^2] no more gently than this it does
     double window[hal_n_axes];   ///< [ticks of U, plans of X and Z] in which the acceleration turns
     double way_nm[hal_n_axes];   ///< [nm] of X and Z with a turn of the spindle
-    double x_high_nm;            ///< [nm] end of X's travel
+    double x_low_nm, x_high_nm;  ///< [nm] ends of X's travel
     double told_step_nm;     ///< [nm per tick] the command of U, which its feed-forward moves on
     double told_change_nm;   ///< [nm per tick^2] ...
     double gain_rounding_nm; ///< [nm] that the feed-forward makes of rounding; 0: there is none

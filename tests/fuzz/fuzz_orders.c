@@ -61,12 +61,12 @@ void fuzz_disturb(uint8_t what, uint16_t code)
         hal_host_fault_index_dead(value < 0);
         break;
     case 7:
-        fuzz_rig.is_spindle_held = value < 0;
+        fuzz_rig.lathe.is_spindle_held = value < 0;
         break;
     case fuzz_disturb_speed:
-        fuzz_rig.is_spindle_held = true;
+        fuzz_rig.lathe.is_spindle_held = true;
         fuzz_rig.judge.is_angle_doubtful = true;
-        fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
+        fuzz_rig.lathe.rpm = value * (2500.0 / 1092.0);
         break;
     case 9:
         hal_host.in.encoder.n_index += (uint32_t)(int32_t)value & 0xFFu;
@@ -93,10 +93,10 @@ void fuzz_disturb(uint8_t what, uint16_t code)
         hal_host_fault_bus(false);
         hal_host_fault_encoder_stuck(false);
         hal_host_fault_index_dead(false);
-        fuzz_rig.is_spindle_held = false;
-        memset(fuzz_rig.is_held, 0, sizeof fuzz_rig.is_held);
-        memset(fuzz_rig.error_nm, 0, sizeof fuzz_rig.error_nm);
-        fuzz_rig.is_swing_held = false;
+        fuzz_rig.lathe.is_spindle_held = false;
+        memset(fuzz_rig.lathe.is_held, 0, sizeof fuzz_rig.lathe.is_held);
+        memset(fuzz_rig.lathe.error_nm, 0, sizeof fuzz_rig.lathe.error_nm);
+        fuzz_rig.lathe.is_swing_held = false;
         break;
     }
 }
@@ -104,6 +104,7 @@ void fuzz_disturb(uint8_t what, uint16_t code)
 void fuzz_command(uint8_t what, int32_t value)
 {
     cam_machine_t *m = &fuzz_rig.machine;
+    fuzz_rig.judge.n_alone = 0;
     const hal_axis_t axis = (hal_axis_t)(what / 16u % hal_n_axes);
     switch (what % 16u) {
     case 0:
@@ -177,6 +178,7 @@ static void carry_out(fuzz_order_t order, void (*other)(fuzz_order_t))
         break;
     case fuzz_order_alive:
         cam_machine_keep_alive(&fuzz_rig.machine);
+        fuzz_rig.judge.n_alone = 0;
         fuzz_let_pass(order.code % 200u + 1u);
         break;
     default:

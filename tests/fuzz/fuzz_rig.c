@@ -10,7 +10,7 @@
 #include <string.h>          // memcpy, memset
 
 enum { skirt, modulated, camshaft };
-enum { n_rates = fuzz_rig_n_rates, n_states = 4, mm = 1000000, counts_per_turn = 10000 };
+enum { n_rates = fuzz_rig_n_rates, n_states = 4, mm = 1000000 };
 
 fuzz_rig_t fuzz_rig;
 
@@ -61,91 +61,9 @@ cam_state_t fuzz_rig_state(void)
     return fuzz_rig.judge.state;
 }
 
-/// The spindle follows its set-point on a ramp. An index edge lies on every whole turn.
-static void turn_spindle(void)
+void fuzz_rig_encoder(int32_t counts_per_turn)
 {
-    const int64_t told =
-        hal_host.out.spindle_mrpm * INT64_C(4294967296) / 60000 / (int64_t)hal_host.tick_hz;
-    const int64_t left = told - fuzz_rig.speed_q32;
-    const int64_t most = fuzz_rig.ramp_q32;
-    if (!fuzz_rig.is_spindle_held) {
-        fuzz_rig.speed_q32 += left > most ? most : left < -most ? -most : left;
-    }
-    const int64_t period = (int64_t)(hal_host_clock_hz / hal_host.tick_hz);
-    const int64_t late = hal_host.late_clocks;
-    const int64_t before = fuzz_rig.pos_q32;
-    fuzz_rig.pos_q32 += fuzz_rig.speed_q32 + fuzz_rig.speed_q32 * late / period;
-    hal_encoder_t *e = &hal_host.in.encoder;
-    const int64_t turn = fuzz_rig.pos_q32 >> 32;
-    const uint64_t part = (uint64_t)(uint32_t)fuzz_rig.pos_q32 * (uint64_t)fuzz_rig.counts_per_turn;
-    const uint32_t first = 1234u + (uint32_t)turn * (uint32_t)fuzz_rig.counts_per_turn;
-    e->counts = first + (uint32_t)(part >> 32);
-    if (turn != before >> 32) {
-        e->n_index++;
-        e->index_counts = turn > before >> 32 ? first : first + (uint32_t)fuzz_rig.counts_per_turn;
-    }
-}
-
-static void set_input(uint32_t bit, bool is_set)
-{
-    hal_host.in.inputs = is_set ? hal_host.in.inputs | bit : hal_host.in.inputs & ~bit;
-}
-
-static int32_t pitches(int32_t at_nm, int32_t pitch_nm)
-{
-    return at_nm >= 0 ? at_nm / pitch_nm : -1 - (-1 - at_nm) / pitch_nm;
-}
-
-static void feel_home(uint32_t i, int32_t from_nm)
-{
-    fuzz_home_t *h = &fuzz_rig.home[i];
-    const int32_t now_nm = hal_host.in.axis_nm[i];
-    const int64_t beyond_nm = h->side * ((int64_t)now_nm - h->edge_nm);
-    const bool is_passed =
-        h->pitch_nm != 0 && pitches(from_nm, h->pitch_nm) != pitches(now_nm, h->pitch_nm);
-    h->n_seen = is_passed ? fuzz_rig.judge.plan_ticks : h->n_seen - (h->n_seen > 0u ? 1u : 0u);
-    set_input((uint32_t)hal_in_home_u << i, h->side != 0 && beyond_nm >= 0);
-    set_input((uint32_t)hal_in_index_u << i, h->n_seen > 0u);
-}
-
-/// @return [nm] by which an axis is told more than its place, because its drive lags: the drives
-/// are those that the parameters tell of, MATHS.md (56) and (189)
-static int32_t ahead_nm(uint32_t i)
-{
-    const cam_params_t *p = &fuzz_rig.machine.params;
-    const hal_setpoint_t *out = &hal_host.out.axis[i];
-    const double tick_us = 1e6 / (double)hal_host.tick_hz;
-    const bool is_u = i == (uint32_t)hal_axis_u;
-    const double lag_us = (is_u ? p->k1_ns : p->xz_lag_ns) / 1e3;
-    const double hold_us2 = tick_us * tick_us / 48.0;
-    const double k2_us2 = is_u && p->k2_us2 > hold_us2 ? p->k2_us2 - hold_us2
-                          : is_u                       ? p->k2_us2
-                                                       : 0;
-    const double ahead_q10 =
-        lag_us / tick_us * out->vel_q10 + k2_us2 / tick_us / tick_us * out->acc_q10;
-    return (int32_t)(ahead_q10 > 1e12 ? 1e9 : ahead_q10 < -1e12 ? -1e9 : ahead_q10 / 1024.0);
-}
-
-/// Axes with power are one tick later where they were told to be, less what they lag.
-static void move_axes(void)
-{
-    const bool has_power = (hal_host.out.outputs & hal_out_enable) != 0u;
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        const int32_t from_nm = hal_host.in.axis_nm[i];
-        if (has_power && !fuzz_rig.is_held[i]) {
-            hal_host.in.axis_nm[i] =
-                (int32_t)((uint32_t)hal_host.out.axis[i].pos_nm - (uint32_t)ahead_nm(i) +
-                          (uint32_t)fuzz_rig.error_nm[i]);
-        }
-        feel_home(i, from_nm);
-    }
-    const hal_swing_t *set = &hal_host.out.swing;
-    const bool is_new = fuzz_rig.n_swing != hal_host.out.n_swing;
-    const int32_t from_q32 = is_new ? set->pos_q32 : hal_host.in.swing_q32;
-    fuzz_rig.n_swing = hal_host.out.n_swing;
-    if (has_power && !fuzz_rig.is_swing_held) {
-        hal_host.in.swing_q32 = (int32_t)((uint32_t)from_q32 + (uint32_t)set->vel_q32);
-    }
+    fixture_encoder_init(&fuzz_rig.lathe.encoder, counts_per_turn, 1, 1234u, 0);
 }
 
 bool fuzz_rig_is_traced(void)
@@ -170,10 +88,11 @@ static void trace(void)
 
 void fuzz_rig_tick(void)
 {
-    turn_spindle();
-    move_axes();
+    ideal_machine_move(&fuzz_rig.lathe);
     hal_host_tick();
     trace();
+    fuzz_rig.judge.x_shift_nm =
+        cam_offsets_shift_nm(&fuzz_rig.machine.offsets, &fuzz_rig.machine.params, hal_axis_x);
     fuzz_judge_tick(&fuzz_rig.judge, &fuzz_rig.machine.params, fuzz_rig.machine.version,
                     fuzz_rig_record());
 }
@@ -205,9 +124,10 @@ static void begin(uint32_t rate, uint32_t part, bool has_button)
     size_t size;
     const void *image = fuzz_rig_image(part, &size);
     hal_host.slow.table = (hal_image_t){.bytes = image, .size = (uint32_t)size};
-    fuzz_rig.counts_per_turn = counts_per_turn;
-    fuzz_rig.ramp_q32 = INT64_C(25000) * 4294967296 / 60 / hz / hz; // 25 000 r/min a second
     cam_machine_init(&fuzz_rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    ideal_machine_init(&fuzz_rig.lathe, fuzz_rig.machine.params.counts_per_turn);
+    fuzz_rig_encoder(fuzz_rig.machine.params.counts_per_turn);
+    fuzz_rig.lathe.lags_as = &fuzz_rig.machine.params;
     cam_can_init(&fuzz_rig.can, &fuzz_rig.machine);
     FUZZ_EXPECT(fuzz_rig.machine.has_table, "start: no table");
     fuzz_judge_begin(&fuzz_rig.judge, hz, cam_table_rise_nm(&fuzz_rig.machine.table));

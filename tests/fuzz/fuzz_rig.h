@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// fuzz_rig: the controller with an ideal machine around hal/host, in whole numbers, so that a tick
-/// costs little. A start of the rig is made once and then copied back before every input.
+/// fuzz_rig: the controller on the ideal machine. A start of the rig is made once and then copied
+/// back before every input.
 #ifndef FUZZ_RIG_H
 #define FUZZ_RIG_H
 
-#include "cam_can.h"     // cam_can_t
-#include "cam_machine.h" // cam_machine_t
-#include "fuzz_judge.h"  // fuzz_judge_t
-#include <stdbool.h>     // bool
-#include <stdint.h>      // int32_t, int64_t
+#include "cam_can.h"       // cam_can_t
+#include "cam_machine.h"   // cam_machine_t
+#include "fuzz_judge.h"    // fuzz_judge_t
+#include "ideal_machine.h" // ideal_machine_t
+#include <stdbool.h>       // bool
+#include <stdint.h>        // uint32_t
 
 /// What a rig begins with.
 typedef struct {
@@ -21,28 +22,11 @@ typedef struct {
 enum { fuzz_rig_n_parts = 3 }; ///< the short skirt, the modulated skirt, the camshaft
 enum { fuzz_rig_n_rates = 8 }; ///< from 500 Hz to 100 kHz
 
-/// What an axis has to be homed by.
-typedef struct {
-    int32_t side;     ///< +1: the switch is active from its edge upwards, -1: downwards, 0: none
-    int32_t edge_nm;  ///< [nm]
-    int32_t pitch_nm; ///< [nm] from index to index; 0: none
-    uint32_t n_seen;  ///< [ticks] for which the last index is still shown
-} fuzz_home_t;
-
 typedef struct {
     cam_machine_t machine;
     cam_can_t can;
-    int64_t pos_q32;              ///< [turn / 2^32] spindle, of the encoder's counts
-    int64_t speed_q32;            ///< [turn / 2^32 per tick]
-    int64_t ramp_q32;             ///< largest change of it per tick
-    int32_t counts_per_turn;      ///< of the encoder
-    bool is_spindle_held;         ///< the speed stays as the target sets it
-    bool is_held[hal_n_axes];     ///< the measured axis stays where it is
-    int32_t error_nm[hal_n_axes]; ///< [nm] added to what is measured
-    bool is_swing_held;           ///< ... of the swing
-    uint32_t n_swing;             ///< set-points of the swing that have been followed
-    fuzz_home_t home[hal_n_axes]; ///< switches and indices
-    fuzz_judge_t judge;           ///< asked after every tick
+    ideal_machine_t lathe; ///< its drives lag as the parameters state
+    fuzz_judge_t judge;    ///< asked after every tick
 } fuzz_rig_t;
 
 extern fuzz_rig_t fuzz_rig;
@@ -55,6 +39,10 @@ static inline void fuzz_try(cam_err_t err)
 
 /// @return [Hz] a tick rate
 uint32_t fuzz_rig_hz(uint32_t rate);
+
+/// Another encoder, before the spindle turns. It stands at its index, so that the next edge comes
+/// after a whole turn, with the spindle at speed.
+void fuzz_rig_encoder(int32_t counts_per_turn);
 
 /// Bring the rig to a start, from a copy when it was there before.
 void fuzz_rig_start(fuzz_start_t start);

@@ -147,6 +147,7 @@ static void carry_out(fuzz_bytes_t *b)
     happen(what);
     if (is_judged(&f)) {
         (void)hal_host_can_receive(&f);
+        fuzz_rig.judge.n_alone = 0;
         expect_ignored(&f);
     }
     let_pass(pause % (kind >= 240u ? 300u : (uint32_t)gap_ticks) + 1u);

@@ -39,7 +39,7 @@ static void disturb(fuzz_bytes_t *b)
         fuzz_disturb(fuzz_disturb_speed, (uint16_t)value);
         break;
     case 2:
-        fuzz_rig.is_spindle_held = false;
+        fuzz_rig.lathe.is_spindle_held = false;
         break;
     case 3:
         hal_host_fault_late((uint32_t)(uint16_t)value % 200u);

@@ -36,8 +36,8 @@ static void draw_spindle(uint8_t share)
     const int32_t least_spindle = mrpm > least_mrpm ? (int32_t)mrpm : least_mrpm;
     fuzz_try(cam_machine_set_param(m, cam_param_spindle_mrpm, least_spindle));
     fuzz_rig_tick();
-    const double alpha_turn = m->params.spindle_acceleration_mrad_per_s2 / 6283.185307;
-    fuzz_rig.ramp_q32 = (int64_t)(alpha_turn * 4294967296.0 / hal_host.tick_hz / hal_host.tick_hz);
+    const double alpha_rpm = m->params.spindle_acceleration_mrad_per_s2 * 60.0 / 6283.185307;
+    fuzz_rig.lathe.ramp_rpm = alpha_rpm / hal_host.tick_hz;
 }
 
 static void set_up(fuzz_bytes_t *b)
@@ -51,7 +51,7 @@ static void set_up(fuzz_bytes_t *b)
     const uint8_t share = fuzz_u8(b);
     (void)fuzz_u8(b);
     // What a coarse encoder makes of the set-points is a fault of the encoder.
-    fuzz_rig.counts_per_turn = 1 << 24;
+    fuzz_rig_encoder(1 << 24);
     fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_counts_per_turn, 1 << 24));
     fuzz_rig_tick();
     fuzz_draw_all(b);
@@ -84,6 +84,7 @@ static void jog_on(hal_axis_t axis, int32_t um_per_s, uint32_t n)
     cam_machine_t *m = &fuzz_rig.machine;
     for (uint32_t i = 0; i < n && fuzz_orders_has_time(); i++) {
         (void)cam_machine_jog(m, axis, um_per_s);
+        fuzz_rig.judge.n_alone = 0;
         fuzz_let_pass(fuzz_rig.judge.tick_hz / 10u);
         if (cam_machine_status(m).jog.end == cam_jog_limit) {
             return;

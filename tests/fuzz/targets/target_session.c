@@ -128,18 +128,18 @@ static void sense(uint8_t what, int16_t value)
     const uint32_t axis = what % hal_n_axes;
     switch (what / hal_n_axes % 4u) {
     case 0:
-        fuzz_rig.is_held[axis] = value < 0;
+        fuzz_rig.lathe.is_held[axis] = value < 0;
         break;
     case 1:
-        fuzz_rig.error_nm[axis] = value * 16;
+        fuzz_rig.lathe.error_nm[axis] = value * 16;
         break;
     case 2:
-        fuzz_rig.home[axis].side = value > 0 ? 1 : -1;
-        fuzz_rig.home[axis].edge_nm = hal_host.in.axis_nm[axis] / 1000 * 1000 + value * 64;
-        fuzz_rig.home[axis].pitch_nm = (what & 0x80u) != 0u ? 200000 : 0;
+        fuzz_rig.lathe.home[axis].side = value > 0 ? 1 : -1;
+        fuzz_rig.lathe.home[axis].edge_nm = hal_host.in.axis_nm[axis] / 1000 * 1000 + value * 64;
+        fuzz_rig.lathe.home[axis].pitch_nm = (what & 0x80u) != 0u ? 200000 : 0;
         break;
     default:
-        fuzz_rig.is_swing_held = value < 0;
+        fuzz_rig.lathe.is_swing_held = value < 0;
         break;
     }
 }
@@ -180,6 +180,8 @@ static void start(uint8_t how, bool has_button)
                                   .part = how / 16u % fuzz_rig_n_parts,
                                   .has_button = has_button,
                                   .state = states[how / 4u % 4u]});
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_x_high_nm, 50000000));
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_x_low_nm, 45900000));
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

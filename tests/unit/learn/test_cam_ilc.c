@@ -66,23 +66,6 @@ static void test_another_speed_freezes_the_correction(void)
     TEST_ASSERT_UINT32_WITHIN(3000, 2800000, status().speed_mrpm);
 }
 
-static void test_all_values_are_read_and_set_again(void)
-{
-    static int32_t kept[cam_ilc_n_values];
-    learn_plant_turns(&p, cam_state_rehearsing, 40);
-    for (uint32_t i = 0; i < cam_ilc_n_values; i++) {
-        kept[i] = cam_ilc_get(&p.ilc, i);
-    }
-    setUp();
-    for (uint32_t i = 0; i < cam_ilc_n_values; i++) {
-        TEST_ASSERT_TRUE(cam_ilc_set(&p.ilc, i, kept[i]));
-        TEST_ASSERT_EQUAL_INT32(kept[i], cam_ilc_get(&p.ilc, i));
-    }
-    learn_plant_turns(&p, cam_state_ready, 1);
-    learn_plant_turns(&p, cam_state_rehearsing, 3);
-    TEST_ASSERT_TRUE(p.rms_um < 0.1);
-}
-
 static void test_a_fault_in_the_probe_leaves_no_probe(void)
 {
     while (status().phase != cam_ilc_probing || p.ilc.n_steps < 2u) {
@@ -116,24 +99,6 @@ static void test_a_fault_brings_the_best_back(void)
     TEST_ASSERT_BITS_HIGH(cam_ilc_blend_drive | cam_ilc_blend_correction, t.blending);
 }
 
-static void test_nothing_is_learned_where_nothing_is_asked(void)
-{
-    p.setup.reason = cam_ilc_not_measured;
-    learn_plant_turns(&p, cam_state_rehearsing, 12);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_off, status().phase);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_not_measured, status().reason);
-    TEST_ASSERT_EQUAL_INT32(0, p.learned.k1_q16);
-}
-
-static void test_lobes_teach_the_drive_alone(void)
-{
-    p.setup.reason = cam_ilc_lobes;
-    learn_plant_turns(&p, cam_state_rehearsing, 40);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_drive, status().phase);
-    TEST_ASSERT_EQUAL_UINT32(0, status().correction_nm);
-    TEST_ASSERT_NOT_EQUAL(0, p.learned.k1_q16);
-}
-
 /// The motion is in a harmonic that is not learned, so nobody would see what constants do to it.
 static void test_harmonics_without_the_motion_do_not_tell_the_drive(void)
 {
@@ -165,77 +130,22 @@ static void test_a_shape_that_grows_from_nothing_is_learned_in_the_cut(void)
     TEST_ASSERT_EQUAL_INT32(cam_ilc_all, status().reason);
 }
 
-static void slow_ticks(double rpm)
-{
-    learn_case_t what = p.what;
-    what.tick_hz = 1000;
-    what.rpm = rpm;
-    what.polls_per_tick_q4 = 160;
-    what.truth.friction_mm_s2 = 0.0;
-    learn_plant_init(&p, &what);
-}
-
 /// 30 ticks per turn leave three of four bins empty; the oval's two harmonics are learned all the
 /// same.
 static void test_a_turn_of_few_ticks_teaches_the_oval(void)
 {
-    slow_ticks(2000.0);
+    learn_case_t what = p.what;
+    what.tick_hz = 1000;
+    what.rpm = 2000.0;
+    what.polls_per_tick_q4 = 160;
+    what.truth.friction_mm_s2 = 0.0;
+    learn_plant_init(&p, &what);
     learn_plant_turns(&p, cam_state_rehearsing, 3);
     const double before_um = p.rms_um;
     learn_plant_turns(&p, cam_state_rehearsing, 60);
     TEST_ASSERT_TRUE(before_um > 10.0);
     TEST_ASSERT_TRUE(p.rms_um < before_um / 10.0);
     TEST_ASSERT_EQUAL_INT32(cam_ilc_all, status().reason);
-}
-
-static void test_a_turn_of_too_few_ticks_teaches_nothing(void)
-{
-    slow_ticks(4000.0);
-    learn_plant_turns(&p, cam_state_rehearsing, 10);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_fast_turn, status().reason);
-    TEST_ASSERT_EQUAL_INT32(0, p.ilc.k1_q16);
-}
-
-/// A turn that is too slow for the gathering teaches nothing and says so.
-static void test_a_turn_that_is_too_slow_teaches_nothing(void)
-{
-    p.what.rpm = 60.0; // 2^18 of 2^32 per tick are 73 r/min
-    learn_plant_turns(&p, cam_state_rehearsing, 4);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_slow_turn, status().reason);
-    TEST_ASSERT_EQUAL_INT32(0, p.ilc.k1_q16);
-}
-
-/// A cut that comes back to the speed of its rehearsal learns again.
-static void test_the_speed_of_the_rehearsal_ends_the_freeze(void)
-{
-    learn_plant_turns(&p, cam_state_rehearsing, 40);
-    p.what.rpm = 2800.0;
-    learn_plant_turns(&p, cam_state_cutting, 9);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_frozen, status().phase);
-    p.what.rpm = 3000.0;
-    learn_plant_turns(&p, cam_state_cutting, 6);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_cutting, status().phase);
-    TEST_ASSERT_TRUE(p.rms_um < 0.1);
-}
-
-/// The operator turns the shape by a quarter: harmonic 2 of the correction turns by a half, 4 by a
-/// whole turn. Less than a 4096th of a turn is left alone.
-static void test_the_correction_turns_with_the_shape(void)
-{
-    learn_plant_turns(&p, cam_state_rehearsing, 40);
-    p.setup.reason = cam_ilc_not_asked; // what is in force stays
-    const cam_complex_t two = p.ilc.correction.c_q6[2];
-    const cam_complex_t four = p.ilc.correction.c_q6[4];
-    TEST_ASSERT_GREATER_THAN_UINT32(64, cam_complex_size(two));
-    p.phase_q32 = (1 << 20) - 1;
-    learn_plant_turns(&p, cam_state_rehearsing, 3);
-    TEST_ASSERT_EQUAL_INT32(two.re, p.ilc.correction.c_q6[2].re);
-    p.phase_q32 = 1 << 30;
-    learn_plant_turns(&p, cam_state_rehearsing, 3);
-    TEST_ASSERT_INT32_WITHIN(2, -two.re, p.ilc.correction.c_q6[2].re);
-    TEST_ASSERT_INT32_WITHIN(2, -two.im, p.ilc.correction.c_q6[2].im);
-    TEST_ASSERT_INT32_WITHIN(2, four.re, p.ilc.correction.c_q6[4].re);
-    TEST_ASSERT_INT32_WITHIN(2, four.im, p.ilc.correction.c_q6[4].im);
 }
 
 /// A spindle that turns evenly has no ripple, and a mean of four turns says so; an eccentricity
@@ -269,31 +179,6 @@ static void test_what_is_forgotten_is_walked_away_from(void)
         TEST_ASSERT_EQUAL_HEX8(i == 0 ? 0 : cam_ilc_blend_drive | cam_ilc_blend_correction,
                                p.ilc.blending);
         TEST_ASSERT_EQUAL_INT32(0, p.ilc.speed_q32 | p.ilc.k1_q16 | p.ilc.k2_q16);
-    }
-}
-
-/// A step of the command is 1000 nm in a rehearsal and 50 in the cut; out of the work it is whole.
-static void test_steps_are_those_of_the_state(void)
-{
-    static const struct {
-        cam_state_t state;
-        int most_nm;
-    } cases[] = {{cam_state_rehearsing, 1000}, {cam_state_cutting, 50},
-                 {cam_state_holding, 50},      {cam_state_engaging, 50},
-                 {cam_state_disengaging, 50},  {cam_state_ready, 5000}};
-    const cam_ilc_setup_t setup = {.reason = cam_ilc_all};
-    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        static cam_learned_t in;
-        in = (cam_learned_t){0};
-        cam_ilc_t t;
-        cam_ilc_init(&t);
-        t.state = (uint8_t)cases[i].state;
-        t.blending = cam_ilc_blend_correction;
-        t.correction.c_q6[0].re = 64 * 5000;
-        cam_ilc_blend(&t, &setup, 0, &in);
-        TEST_ASSERT_EQUAL_INT(cases[i].most_nm, in.c[7]);
-        TEST_ASSERT_EQUAL(cases[i].state != cam_state_ready,
-                          (t.blending & cam_ilc_blend_correction) != 0);
     }
 }
 

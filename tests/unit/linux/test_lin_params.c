@@ -1,57 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's kept parameters: their file, and a disk or a folder that does not take it.
 #include "lin_params.h"
-#include "unity.h"
-#include <errno.h>       // EIO
-#include <stdio.h>       // fopen
-#include <stdlib.h>      // mkdtemp
-#include <string.h>      // strstr
-#include <sys/stat.h>    // mkdir
-#include <sys/syscall.h> // SYS_fsync
-#include <unistd.h>      // unlink, syscall
+#include "lin_disk_bench.h"
 
-static common_error_t error;
-static char folder[] = "/tmp/test_lin_params.XXXXXX";
-static char path[100], fresh[110];
-static int n_good_syncs;
 static bool is_read_only;
-
-void suiteSetUp(void)
-{
-    if (mkdtemp(folder) == NULL) {
-        abort();
-    }
-    (void)snprintf(path, sizeof path, "%s/parameters.toml", folder);
-    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
-}
-
-int suiteTearDown(int n_failures)
-{
-    (void)unlink(path);
-    (void)rmdir(folder);
-    return n_failures;
-}
 
 void setUp(void)
 {
-    n_good_syncs = INT32_MAX;
+    disk_begin();
     is_read_only = false;
-    (void)unlink(path);
-    (void)unlink(fresh);
     lin_params_open(path, &error);
 }
 
-/// Stands in front of the library's function: a disk that confirms a number of times.
-int fsync(int fd)
-{
-    if (n_good_syncs-- <= 0) {
-        errno = EIO;
-        return -1;
-    }
-    return (int)syscall(SYS_fsync, fd);
-}
-
-/// Likewise: root may write everywhere, a service may not.
+/// In front of the library's as well: root may write everywhere, a service may not.
 int access(const char *name, int mode)
 {
     if (is_read_only && (mode & W_OK) != 0) {
@@ -91,10 +52,7 @@ static void test_keep_is_found_by_the_next_start(void)
 static void test_keep_cut_off_leaves_the_old_ones(void)
 {
     keep_first();
-    FILE *file = fopen(fresh, "w"); // the supply fell while it was written
-    TEST_ASSERT_NOT_NULL(file);
-    (void)fputs("sec", file);
-    (void)fclose(file);
+    put_file(fresh, "sec"); // the supply fell while it was written
     lin_params_open(path, &error);
     expect_kept("first");
     n_good_syncs = 0;

@@ -1,59 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's table: its file, the next one beside it, and a disk that fails at each step.
 #include "lin_table.h"
-#include "unity.h"
-#include <errno.h>       // EIO
-#include <stdio.h>       // fopen
-#include <stdlib.h>      // mkdtemp
-#include <string.h>      // strstr
-#include <sys/stat.h>    // mkdir
-#include <sys/syscall.h> // SYS_fsync
-#include <unistd.h>      // unlink, syscall
-
-static common_error_t error;
-static char folder[] = "/tmp/test_lin_table.XXXXXX";
-static char path[100], fresh[110];
-static int n_good_syncs;
-
-void suiteSetUp(void)
-{
-    if (mkdtemp(folder) == NULL) {
-        abort();
-    }
-    (void)snprintf(path, sizeof path, "%s/table", folder);
-    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
-}
+#include "lin_disk_bench.h"
 
 void setUp(void)
 {
-    n_good_syncs = INT32_MAX;
-    (void)unlink(path);
-    (void)unlink(fresh);
-}
-
-int suiteTearDown(int n_failures)
-{
-    setUp();
-    (void)rmdir(folder);
-    return n_failures;
-}
-
-/// Stands in front of the library's function: a disk that confirms a number of times.
-int fsync(int fd)
-{
-    if (n_good_syncs-- <= 0) {
-        errno = EIO;
-        return -1;
-    }
-    return (int)syscall(SYS_fsync, fd);
-}
-
-static void put_file(const char *at, const char *text)
-{
-    FILE *file = fopen(at, "w");
-    TEST_ASSERT_NOT_NULL(file);
-    (void)fputs(text, file);
-    (void)fclose(file);
+    disk_begin();
 }
 
 static void expect_file(const char *text)

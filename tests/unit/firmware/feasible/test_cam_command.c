@@ -29,13 +29,18 @@ static void load(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
 }
 
+static cam_cut_t cut_at(uint32_t mrpm)
+{
+    return (cam_cut_t){.t = &table,
+                       .p = &params,
+                       .tick_hz = 20000,
+                       .mean_mrpm = mrpm,
+                       .peak_mrpm = cam_feasible_peak_mrpm(&table, mrpm)};
+}
+
 static uint64_t found_nm(uint32_t mrpm)
 {
-    const cam_cut_t cut = {.t = &table,
-                           .p = &params,
-                           .tick_hz = 20000,
-                           .mean_mrpm = mrpm,
-                           .peak_mrpm = cam_feasible_peak_mrpm(&table, mrpm)};
+    const cam_cut_t cut = cut_at(mrpm);
     return cam_command_stroke_demand(&cut).needed;
 }
 
@@ -164,15 +169,6 @@ static void test_third_derivative_is_bounded(void)
     load();
     TEST_ASSERT_TRUE(table.u3_peak_nm_per_rad3 >= third_nm());
     TEST_ASSERT_TRUE(table.u3_peak_nm_per_rad3 <= 1.15 * third_nm());
-}
-
-static cam_cut_t cut_at(uint32_t mrpm)
-{
-    return (cam_cut_t){.t = &table,
-                       .p = &params,
-                       .tick_hz = 20000,
-                       .mean_mrpm = mrpm,
-                       .peak_mrpm = cam_feasible_peak_mrpm(&table, mrpm)};
 }
 
 /// Needed are the peaks, allowed the limits with the jerk of a motion by time: 2 a over a window

@@ -31,9 +31,13 @@ static void test_constants_are_led_in_steps_of_the_command(void)
     static const struct {
         cam_state_t state;
         double most_nm;
-    } cases[] = {{cam_state_rehearsing, 1000.0}, {cam_state_engaging, 50.0},
-                 {cam_state_cutting, 50.0},      {cam_state_holding, 50.0},
-                 {cam_state_ready, 0.0},         {cam_state_off, 0.0}};
+    } cases[] = {{cam_state_rehearsing, 1000.0},
+                 {cam_state_engaging, 50.0},
+                 {cam_state_cutting, 50.0},
+                 {cam_state_holding, 50.0},
+                 {cam_state_disengaging, 50.0},
+                 {cam_state_ready, 0.0},
+                 {cam_state_off, 0.0}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         for (int32_t sign = -1; sign <= 1; sign += 2) {
             setUp();

@@ -22,6 +22,7 @@ static void test_downloads_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave_nm));
     TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 4, bytes, 4));
     TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, bytes, 3));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, bytes, 0));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 0, bytes, 400));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 0, bytes, 400)); // its answer was lost
     TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, bytes + 4, 400));

@@ -39,39 +39,24 @@ static void test_commands_out_of_order_are_refused_and_change_nothing(void)
     }
 }
 
-static void test_requests_that_reach_the_interrupt_out_of_order_are_ignored(void)
-{
-    static const cam_request_t wrong[] = {cam_request_none,    cam_request_start,
-                                          cam_request_stop,    cam_request_reset,
-                                          cam_request_disable, (cam_request_t)77};
-    for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        g_cam.request = (i + 1u) << 8 | (uint32_t)wrong[i];
-        fixture_rig_tick(&rig);
-        TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
-        TEST_ASSERT_EQUAL_UINT32(i + 1u, fixture_rig_status(&rig).request);
-    }
-    setUp();
-    to_fault();
-    static const cam_request_t no_way[] = {cam_request_enable, cam_request_disable,
-                                           cam_request_start, cam_request_stop, cam_request_reset};
-    for (uint32_t i = 0; i < 5u; i++) { // reset as well, since the retract has not ended
-        g_cam.request = (i + 100u) << 8 | (uint32_t)no_way[i];
-        fixture_rig_tick(&rig);
-        TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_state());
-    }
-}
-
 static void test_fault_is_left_by_reset_after_the_retract_only(void)
 {
     to_fault();
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_reset(&rig.machine));
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_enable(&rig.machine));
+    hal_host_fault_estop(false); // the latch holds all the same
     fixture_rig_ticks(&rig, 2000);
     TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
+    TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
+    hal_host_fault_estop(true);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
     fixture_rig_ticks(&rig, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
-    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    const cam_status_t status = fixture_rig_status(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, status.state);
+    TEST_ASSERT_EQUAL_HEX32(0, status.faults);
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), status.first_fault); // the cause is still told
+    TEST_ASSERT_EQUAL_UINT32(1, status.fault_count[cam_fault_estop]);
+    TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
     TEST_ASSERT_EQUAL_INT(cam_err_estop, cam_machine_enable(&rig.machine));
     hal_host_fault_estop(false);
     hal_host_fault_drive(true);
@@ -105,14 +90,6 @@ static void test_enable_is_refused_while_u_stands_outside_its_stroke(void)
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
         fixture_rig_tick(&rig);
     }
-}
-
-static void test_command_before_the_last_was_taken_is_busy(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_enable(&rig.machine));
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
 }
 
 static void test_request_serial_wraps_without_losing_a_command(void)

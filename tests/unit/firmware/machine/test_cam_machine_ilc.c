@@ -123,8 +123,8 @@ static uint32_t generations(uint32_t n_polls)
 /// configuration for each step that changes something, and none when it is reached.
 static void test_only_what_changes_is_handed_over(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_learn_harmonics, 0));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_ripple_turns, 0));
+    set(cam_param_learn_harmonics, 0);
+    set(cam_param_ripple_turns, 0);
     bring(cam_state_ready);
     (void)generations(400);
     TEST_ASSERT_EQUAL_HEX8(0, rig.machine.ilc.blending);
@@ -142,8 +142,8 @@ static void test_only_what_changes_is_handed_over(void)
 /// A correction of U and a ripple of the spindle alone are handed over, too, without the constants.
 static void test_a_correction_and_a_ripple_are_handed_over(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_learn_harmonics, 8));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_ripple_turns, 4));
+    set(cam_param_learn_harmonics, 8);
+    set(cam_param_ripple_turns, 4);
     bring(cam_state_ready);
     (void)generations(400);
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_speed, 1 << 20));
@@ -168,10 +168,8 @@ static void test_each_reason_to_work_suffices(void)
     } cases[] = {
         {0, 0, 0, false}, {4, 0, 0, true}, {0, 4, 0, true}, {0, 0, cam_ilc_blend_drive, true}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        TEST_ASSERT_EQUAL_INT(cam_ok,
-                              fixture_rig_set(&rig, cam_param_learn_harmonics, cases[i].harmonics));
-        TEST_ASSERT_EQUAL_INT(cam_ok,
-                              fixture_rig_set(&rig, cam_param_ripple_turns, cases[i].turns));
+        set(cam_param_learn_harmonics, cases[i].harmonics);
+        set(cam_param_ripple_turns, cases[i].turns);
         rig.machine.ilc.blending = cases[i].blending;
         rig.machine.ilc.state = cam_state_off;
         cam_machine_ilc_poll(&rig.machine, cam_state_ready);
@@ -217,7 +215,7 @@ static void test_why_nothing_is_learned_is_told(void)
 /// A ripple alone, of the spindle and none of U, is something new, too.
 static void test_what_the_encoder_measures_alone_is_handed_over(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_ripple_turns, 4));
+    set(cam_param_ripple_turns, 4);
     bring(cam_state_ready);
     (void)generations(400);
     TEST_ASSERT_EQUAL_UINT32(0, generations(10));
@@ -250,8 +248,8 @@ static uint32_t floor_of(int32_t scale_nm)
     enum { n_ticks = 1000, plan_ticks = 8, n_turns = 12 };
     setUp();
     hal_host.slow.measures_u = true;
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_learn_harmonics, 4));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_u_scale_nm, scale_nm));
+    set(cam_param_learn_harmonics, 4);
+    set(cam_param_u_scale_nm, scale_nm);
     cam_turn_bins_t *g = &rig.machine.core->bins;
     cam_tick_record_t record = {.config = rig.machine.generation,
                                 .in.actual_nm = {-300},

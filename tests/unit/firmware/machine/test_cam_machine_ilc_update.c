@@ -10,11 +10,6 @@ enum { n_ticks = 400, set_nm = 100000, error_nm = 1000 };
 
 static uint32_t turn; ///< number of the last one
 
-static void set(cam_param_id_t id, int32_t value)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
-}
-
 /// Start anew with a drive of which nothing is known.
 static void begin(void)
 {

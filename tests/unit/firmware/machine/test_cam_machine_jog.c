@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands of the state manual: their order, limits and refusals; replay of a session by hand.
+// Commands of the state manual: their order, limits and refusals.
 #include "cam_demand.h"        // cam_demand_clearance_nm
 #include "cam_machine_inner.h" // cam_machine_request
 #include "jog_bench.h"
-#include <string.h>
 
 static void test_commands_by_hand_are_refused_in_every_other_state(void)
 {
@@ -43,27 +42,33 @@ static void test_commands_of_other_states_are_refused_by_hand(void)
     }
 }
 
-/// Gains and limits of U wait until it rests; nothing is cut, so a slow U is accepted.
+/// U is judged in every tick, so its gains and limits wait until it rests; nothing is cut, so a
+/// slow U is accepted.
 static void test_gains_and_limits_of_a_jogged_u_wait_until_it_rests(void)
 {
-    static const cam_param_id_t ids[] = {cam_param_k1_ns,
-                                         cam_param_k2_us2,
-                                         cam_param_u_stroke_nm,
-                                         cam_param_u_speed_um_per_s,
-                                         cam_param_u_acceleration_mm_per_s2,
-                                         cam_param_u_jerk_m_per_s3};
+    static const struct {
+        cam_param_id_t id;
+        int32_t value;
+    } changes[] = {{cam_param_u_stroke_nm, 1100000},
+                   {cam_param_u_speed_um_per_s, 5000},
+                   {cam_param_u_acceleration_mm_per_s2, 1000},
+                   {cam_param_u_jerk_m_per_s3, 1000000},
+                   {cam_param_k1_ns, 1},
+                   {cam_param_k2_us2, 1}};
+    enum { n_changes = sizeof changes / sizeof changes[0] };
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_u, 1000).err);
     fixture_rig_ticks(&rig, 100);
-    for (uint32_t i = 0; i < sizeof ids / sizeof ids[0]; i++) {
-        const int32_t old = cam_param_get(&machine()->params, ids[i]);
-        TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(machine(), ids[i], old + 1));
+    for (uint32_t i = 0; i < n_changes; i++) {
+        TEST_ASSERT_EQUAL_INT(cam_err_busy,
+                              cam_machine_set_param(machine(), changes[i].id, changes[i].value));
     }
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
     (void)until_rest();
-    set(cam_param_k2_us2, 1);
-    set(cam_param_k2_us2, 0);
-    set(cam_param_u_speed_um_per_s, 5000);
+    for (uint32_t i = 0; i < n_changes; i++) {
+        set(changes[i].id, changes[i].value);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT(cam_err_u_speed, cam_machine_check_speed(machine(), 0));
 }
 
@@ -280,92 +285,4 @@ static void test_travel_holds_where_the_place_is_known(void)
     (void)until_rest();
     set(cam_param_x_home, 0);
     TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_step(machine(), hal_axis_x, 4 * mm).err);
-}
-
-/// A session by hand, with homes, a datum, a fault and a cut, replays from its records and
-/// configurations to the bit.
-static void test_session_by_hand_replays_bit_for_bit(void)
-{
-    enum { capacity = 60000, max_configs = 64 };
-    static cam_config_t configs[max_configs];
-    static cam_t replayed;
-    memset(configs, 0, sizeof configs);
-    memset(&replayed, 0, sizeof replayed);
-    const fixture_part_t short_part = fixture_part_short();
-    memset(&rig, 0, sizeof rig);
-    rig.log = calloc(capacity, sizeof *rig.log);
-    TEST_ASSERT_NOT_NULL(rig.log);
-    rig.ramp_rpm = 1.25;
-    rig.log_capacity = capacity;
-    rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 50000};
-    rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 60 * mm, .pitch_nm = mm};
-    hal_host_reset(20000);
-    hal_host.in.axis_nm[hal_axis_x] = 59900000;
-    cam_machine_init(machine(), &g_cam, 20000, hal_clock_hz());
-    fixture_encoder_init(&rig.encoder, machine()->params.counts_per_turn, 1, 1000u, 1234);
-    configs[0] = *g_cam.config.offered;
-    TEST_ASSERT_EQUAL_UINT32(1, configs[0].generation);
-    configs[1] = configs[0];
-    fixture_rig_ticks(&rig, 2);
-    fixture_image_make(&rig.image, &short_part);
-    static const struct {
-        cam_param_id_t id;
-        int32_t value;
-    } sets[] = {{cam_param_u_home, 2},          {cam_param_x_home, 3},
-                {cam_param_x_home_nm, 60 * mm}, {cam_param_x_home_slow_um_per_s, 10000},
-                {cam_param_lead_ns, 50000},     {cam_param_z_datum_nm, mm}};
-    enum { n_sets = sizeof sets / sizeof sets[0] };
-    enum { table = n_sets, manual, home_x, home_u, jog, off, enable, start, n_steps };
-    for (uint32_t step = 0; step < n_steps; step++) {
-        cam_err_t err = cam_ok;
-        if (step < n_sets) {
-            err = cam_machine_set_param(machine(), sets[step].id, sets[step].value);
-        } else if (step == table) {
-            err = cam_machine_select_table(machine(), rig.image.bytes, rig.image.size);
-        } else if (step == manual) {
-            err = cam_machine_manual(machine());
-        } else if (step == home_x || step == home_u) {
-            err = cam_machine_home_axis(machine(), step == home_x ? hal_axis_x : hal_axis_u);
-        } else if (step == jog) {
-            err = cam_machine_jog(machine(), hal_axis_z, -3000).err;
-        } else if (step == off) {
-            err = cam_machine_disable(machine());
-        } else {
-            err = step == enable ? cam_machine_enable(machine()) : cam_machine_start(machine());
-        }
-        TEST_ASSERT_EQUAL_INT(cam_ok, err);
-        const uint32_t n_ticks = step <= table ? 1u : step == start ? 6000u : 5000u;
-        for (uint32_t i = 0; i < n_ticks; i++) {
-            const cam_config_t *now = g_cam.config.offered;
-            TEST_ASSERT_LESS_THAN_UINT32(max_configs, now->generation);
-            configs[now->generation] = *now;
-            fixture_rig_tick(&rig);
-            if (i % 1000u == 999u) {
-                cam_machine_keep_alive(machine());
-            }
-            cam_machine_jog_poll(machine());
-        }
-    }
-    TEST_ASSERT_EQUAL_INT(cam_state_engaging, rig.last.want.state);
-    TEST_ASSERT_EQUAL_HEX32(3u, fixture_rig_status(&rig).jog.homed); // U and X
-    TEST_ASSERT_LESS_THAN_UINT32(capacity, rig.n_log);
-    uint32_t generation = 0;
-    cam_config_t *half = &replayed.config.half[0];
-    for (uint32_t i = 0; i < rig.n_log; i++) {
-        const cam_tick_record_t *r = &rig.log[i];
-        if (r->config != generation) {
-            *half = configs[r->config];
-            half->play.table = half->play.table != NULL ? &half->table : NULL;
-            generation = r->config;
-        }
-        cam_tick_record_t done = {.tick = r->tick, .in = r->in};
-        cam_tick_steps_isr(&replayed, half, &done);
-        TEST_ASSERT_EQUAL_MEMORY(r->out, done.out, sizeof done.out);
-        TEST_ASSERT_EQUAL_INT32(r->want.u_set_q6, done.want.u_set_q6);
-        TEST_ASSERT_EQUAL_INT32(r->want.u_due_q6, done.want.u_due_q6);
-        TEST_ASSERT_EQUAL_INT32(r->want.z_nm, done.want.z_nm);
-        TEST_ASSERT_EQUAL_HEX32(r->want.faults, done.want.faults);
-        TEST_ASSERT_EQUAL_INT(r->want.state, done.want.state);
-    }
-    free(rig.log);
 }

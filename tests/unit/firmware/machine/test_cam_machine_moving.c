@@ -36,29 +36,6 @@ static void test_x_and_z_brake_to_a_lower_limit(void)
     }
 }
 
-/// U is judged in every tick, and would be beyond a lower limit in the next one.
-static void test_limits_of_u_change_while_u_stands(void)
-{
-    static const struct {
-        cam_param_id_t id;
-        int32_t value;
-    } limits[] = {{cam_param_u_stroke_nm, 1100000},
-                  {cam_param_u_speed_um_per_s, 1000},
-                  {cam_param_u_acceleration_mm_per_s2, 1000},
-                  {cam_param_u_jerk_m_per_s3, 1000000}};
-    jog(hal_axis_u, 1000);
-    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
-        TEST_ASSERT_EQUAL_INT(cam_err_busy,
-                              cam_machine_set_param(machine(), limits[i].id, limits[i].value));
-    }
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
-    (void)until_rest();
-    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
-        set(limits[i].id, limits[i].value);
-    }
-    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
-}
-
 /// The stroke ends no nearer than where U stands; in off it may, and enabling is refused then.
 static void test_stroke_keeps_where_u_stands(void)
 {

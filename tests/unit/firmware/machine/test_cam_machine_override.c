@@ -1,22 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hold, overrides and trim as commands: states, refusals, what is kept and what is forgotten.
 #include "cam_machine.h"
-#include "fixture_rig.h"
-#include "unity.h"
-
-static fixture_rig_t rig;
-
-void setUp(void)
-{
-    const fixture_part_t part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
-}
-
-static void until(cam_state_t state)
-{
-    (void)fixture_rig_wait(&rig, state, 200000);
-    TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
-}
+#include "rig_bench.h"
 
 /// While the feed is held the axes follow the table as in the cut: nothing is switched off.
 static void test_disable_and_a_start_do_not_fit_a_hold(void)
@@ -40,7 +25,7 @@ static void test_rate_that_is_due_goes_with_any_configuration(void)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
     rig.machine.is_rate_due = true;
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 1000));
+    set(cam_param_phase_udeg, 1000);
     TEST_ASSERT_FALSE(rig.machine.is_rate_due);
 }
 
@@ -129,7 +114,6 @@ static void test_an_infeasible_override_is_refused_with_numbers(void)
 
 static void test_a_ring_helix_has_its_own_feed_or_none(void)
 {
-    fixture_part_t part = fixture_part_short();
     part.is_ring_helix = true;
     fixture_rig_init(&rig, &part, 20000);
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
@@ -138,7 +122,7 @@ static void test_a_ring_helix_has_its_own_feed_or_none(void)
     TEST_ASSERT_EQUAL_INT( // Z would exceed its acceleration by the square of that
         cam_err_override_rings,
         cam_machine_set_param(&rig.machine, cam_param_spindle_override_ppm, 1100000));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_override_ppm, 900000));
+    set(cam_param_spindle_override_ppm, 900000);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
     until(cam_state_holding);
 }

@@ -93,20 +93,6 @@ static void test_feed_forward_changes_in_ready_while_u_rests(void)
     TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
 }
 
-/// In manual U may be jogged, and its feed-forward then stays as it is.
-static void test_feed_forward_stays_while_u_is_jogged(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(machine()));
-    fixture_rig_ticks(&f.rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_u, 1000).err);
-    fixture_rig_ticks(&f.rig, 200);
-    TEST_ASSERT_FALSE(fixture_rig_status(&f.rig).is_u_at_rest);
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(machine(), cam_param_k1_ns, 400000));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
-    fixture_rig_ticks(&f.rig, 400);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_k1_ns, 400000));
-}
-
 static void expect_kept(cam_kept_t kept)
 {
     TEST_ASSERT_EQUAL_INT(kept, cam_machine_params_kept(machine()));

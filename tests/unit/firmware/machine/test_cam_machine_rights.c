@@ -2,21 +2,7 @@
 // What is demanded of the button in plans, and that a loss of command forgets what was to come.
 #include "cam_machine.h"
 #include "cam_machine_inner.h"
-#include "fixture_rig.h"
-#include "unity.h"
-
-static fixture_rig_t rig;
-
-static void begin(uint32_t tick_hz)
-{
-    const fixture_part_t part = fixture_part_short();
-    fixture_rig_init(&rig, &part, tick_hz);
-}
-
-void setUp(void)
-{
-    begin(20000);
-}
+#include "rig_bench.h"
 
 /// 20 ms, 50 ms, 2 s and a minute, rounded up to plans of 400 us or of a tick.
 static void test_times_of_the_button_are_plans(void)
@@ -24,7 +10,7 @@ static void test_times_of_the_button_are_plans(void)
     static const uint32_t cases[][5] = {
         {20000, 50, 125, 5000, 150000}, {1000, 20, 50, 2000, 60000}, {500, 10, 25, 1000, 30000}};
     for (uint32_t i = 0; i < 3u; i++) {
-        begin(cases[i][0]);
+        fixture_rig_init(&rig, &part, cases[i][0]);
         const cam_acknowledge_config_t cfg = cam_machine_acknowledge_config(&rig.machine);
         TEST_ASSERT_EQUAL_UINT32(cases[i][1], cfg.settle_plans);
         TEST_ASSERT_EQUAL_UINT32(cases[i][2], cfg.least_plans);
@@ -75,18 +61,5 @@ static void test_a_loss_forgets_the_enable_that_waits(void)
     const cam_status_t status = fixture_rig_status(&rig);
     cam_machine_rights_poll(m, &status);
     TEST_ASSERT_FALSE(m->homes_again);
-    TEST_ASSERT_FALSE(m->is_stop_due);
-}
-
-static void test_a_stop_waits_for_the_request_before_it(void)
-{
-    cam_machine_t *m = &rig.machine;
-    m->is_stop_due = true;
-    m->n_requests++; // the interrupt has not taken it
-    const cam_status_t status = fixture_rig_status(&rig);
-    cam_machine_rights_poll(m, &status);
-    TEST_ASSERT_TRUE(m->is_stop_due);
-    m->n_requests--;
-    cam_machine_rights_poll(m, &status);
     TEST_ASSERT_FALSE(m->is_stop_due);
 }

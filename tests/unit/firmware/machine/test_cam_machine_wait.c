@@ -19,12 +19,6 @@ static void poll_for(uint32_t n)
     }
 }
 
-static void until(cam_state_t state)
-{
-    (void)fixture_rig_wait(&rig, state, 400000);
-    TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
-}
-
 /// A rate that the interrupt does not know yet, and a spindle that is still too fast, each hold the
 /// start back; so does nothing else once they are gone.
 static void test_start_waits_for_the_rate_and_for_the_spindle(void)
@@ -350,16 +344,4 @@ static void test_without_a_table_there_is_nothing_to_judge(void)
     TEST_ASSERT_EQUAL_UINT32(generation + 1u, m->generation);
     TEST_ASSERT_EQUAL_UINT32(250, cam_machine_feasibility(m, 250).speed_mrpm);
     TEST_ASSERT_EQUAL_UINT32(m->params.spindle_mrpm, cam_machine_feasibility(m, 0).speed_mrpm);
-}
-
-/// A wave that others download takes pieces of whole words only, and of some.
-static void test_a_piece_of_a_wave_has_whole_words(void)
-{
-    static const uint8_t words[8] = {0};
-    cam_machine_t *m = &rig.machine;
-    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, words, 4));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, 4096));
-    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, words, 0));
-    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, words, 3));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 0, words, 8));
 }

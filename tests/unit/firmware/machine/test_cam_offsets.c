@@ -13,8 +13,6 @@ static void home_here(hal_axis_t axis)
     fixture_rig_ticks(&rig, 20);
 }
 
-/// The tool touches a diameter: from now on X of the part is half of it plus U, whatever the port
-/// counts, no set-point of the port moves, and a cut goes to where the part is.
 /// Each axis has the parameters of its own name.
 static void test_each_axis_has_its_parameters(void)
 {
@@ -48,6 +46,8 @@ static void test_each_axis_has_its_parameters(void)
     TEST_ASSERT_EQUAL_INT32(p.z_datum_nm, z.datum_nm);
 }
 
+/// The tool touches a diameter: from now on X of the part is half of it plus U, whatever the port
+/// counts, no set-point of the port moves, and a cut goes to where the part is.
 static void test_zero_moves_the_part_not_the_axes(void)
 {
     for (int32_t i = 0; i < 3; i++) {
@@ -115,7 +115,7 @@ static void test_measured_z_is_read_from_its_datum_on(void)
     set(cam_param_z_is_measured, 1);
     set(cam_param_z_datum_nm, -100 * mm);
     hal_host.in.axis_nm[hal_axis_z] = 100 * mm;
-    rig.is_z_held = true;
+    rig.lathe.is_held[hal_axis_z] = true;
     bring(cam_state_cutting);
     for (int i = 0; i < 4000; i++) {
         hal_host.in.axis_nm[hal_axis_z] += 50;
@@ -203,27 +203,20 @@ static void test_home_that_is_not_in_force_yet_is_busy(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
 }
 
+/// Swapped by mistake, the limits do not switch the travel off.
 static void test_part_beyond_the_travel_is_refused_before_motion(void)
 {
-    set(cam_param_z_low_nm, -10 * mm);
-    set(cam_param_z_high_nm, 10 * mm);
-    set(cam_param_z_datum_nm, -9500000); // the part, 1 mm long, would end at 10.5 mm
-    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
-    set(cam_param_z_datum_nm, -8 * mm);
-    bring(cam_state_ready);
-    set(cam_param_z_datum_nm, 10500000);
-    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_start(machine()));
-}
-
-/// Swapped by mistake, they do not switch the travel off.
-static void test_limits_of_the_travel_hold_in_either_order(void)
-{
-    set(cam_param_z_low_nm, 10 * mm);
-    set(cam_param_z_high_nm, -10 * mm);
-    set(cam_param_z_datum_nm, -9500000);
-    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
-    set(cam_param_z_datum_nm, -8 * mm);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
+    for (int32_t sense = -1; sense <= 1; sense += 2) {
+        setUp();
+        set(cam_param_z_low_nm, sense * 10 * mm);
+        set(cam_param_z_high_nm, -sense * 10 * mm);
+        set(cam_param_z_datum_nm, -9500000); // the part, 1 mm long, would end at 10.5 mm
+        TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
+        set(cam_param_z_datum_nm, -8 * mm);
+        bring(cam_state_ready);
+        set(cam_param_z_datum_nm, 10500000);
+        TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_start(machine()));
+    }
 }
 
 /// A measured Z, which others lead, needs no home of its own.

@@ -1,16 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns of a pass that are left, against those that the spindle then really makes.
 #include "cam_machine.h"
-#include "fixture_rig.h"
-#include "unity.h"
-
-static fixture_rig_t rig;
-
-void setUp(void)
-{
-    const fixture_part_t part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
-}
+#include "rig_bench.h"
 
 /// @return [turn / 1000] rounded down
 static int32_t turns(int64_t turns_q32)
@@ -35,22 +26,17 @@ static void step(void)
     cam_machine_poll(&rig.machine);
 }
 
+static void steps(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        step();
+    }
+}
+
 /// As long as nothing happens the main loop is slower than the ticks.
 static void wait(void)
 {
     fixture_rig_ticks(&rig, 7);
-    step();
-}
-
-static void until(cam_state_t state)
-{
-    (void)fixture_rig_wait(&rig, state, 400000);
-    TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
-}
-
-static void set(cam_param_id_t id, int32_t value)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&rig.machine, id, value));
     step();
 }
 
@@ -159,17 +145,13 @@ static void test_a_stop_brings_the_end_near(void)
     until(cam_state_cutting);
     const int32_t before = turns(now().left_q32);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
-    step();
-    for (int i = 0; i < 20; i++) {
-        step();
-    }
+    steps(21);
     TEST_ASSERT_LESS_THAN_INT32(before - 1000, turns(now().left_q32));
     expect_true_end();
 }
 
 static void test_rings_end_where_they_are_told(void)
 {
-    fixture_part_t part = fixture_part_short();
     part.is_ring_helix = true;
     fixture_rig_init(&rig, &part, 20000);
     start();
@@ -184,25 +166,21 @@ static void test_a_measured_z_has_no_end_before_its_stop(void)
     TEST_ASSERT_EQUAL_INT64(0, now().left_q32);
 }
 
+/// A table that the interrupt has not taken yet does not count.
 static void test_the_speed_is_that_of_the_pass_with_its_override(void)
 {
     TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
     set(cam_param_spindle_override_ppm, 800000);
     TEST_ASSERT_UINT32_WITHIN(1, 2000000, now().mrpm);
-}
-
-static void test_without_a_table_nothing_is_told(void)
-{
     rig.machine.has_table = false;
     TEST_ASSERT_FALSE(now().has_end);
     TEST_ASSERT_EQUAL_UINT32(0, now().mrpm);
-}
-
-static void steps(uint32_t n)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        step();
-    }
+    cam_machine_init(&rig.machine, &g_cam, 20000, 200000000);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    TEST_ASSERT_EQUAL_UINT32(0, now().mrpm);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
 }
 
 /// What is stopped is not resumed: the end of a hold is near, and told.
@@ -250,12 +228,11 @@ static void test_a_stopped_rehearsal_is_followed_by_nothing(void)
 /// A measured Z has an end once it is stopped, and a spindle of the other sense the same speed.
 static void test_the_other_sense_and_a_stopped_z_are_told(void)
 {
-    fixture_part_t part = fixture_part_short();
     part.direction = -1;
     fixture_rig_init(&rig, &part, 20000);
     TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
     set(cam_param_z_is_measured, 1);
-    rig.is_z_held = true;
+    rig.lathe.is_held[hal_axis_z] = true;
     start();
     until(cam_state_cutting);
     steps(20);
@@ -263,15 +240,4 @@ static void test_the_other_sense_and_a_stopped_z_are_told(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
     until(cam_state_disengaging);
     expect_true_end();
-}
-
-/// A table that the interrupt has not taken yet is not told of.
-static void test_a_table_is_told_from_the_next_tick_on(void)
-{
-    cam_machine_init(&rig.machine, &g_cam, 20000, 200000000);
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
-    TEST_ASSERT_EQUAL_UINT32(0, now().mrpm);
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
 }

@@ -294,35 +294,7 @@ static void test_random_changes_always_end_at_the_last_height(void)
     }
 }
 
-/// A ring-helix rests where a ring begins, and every ring and helix is as long as without the hold.
-static void test_ring_helix_is_held_at_a_ring(void)
-{
-    part.is_ring_helix = true;
-    fixture_play_init(&f, &part);
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    fixture_play_ticks(&f, 7 * ticks_per_turn + 100);
-    hold(true);
-    for (int i = 0; i < 5 * ticks_per_turn && f.want.state != cam_state_holding; i++) {
-        fixture_play_tick(&f);
-    }
-    TEST_ASSERT_EQUAL_INT(cam_state_holding, f.want.state);
-    TEST_ASSERT_EQUAL_INT64(8 * CAM_TURN_Q32, f.plan.feed_motion.end_q32 - f.plan.feed_at_q32);
-    const int64_t z_q10 = f.axis[hal_axis_z].pos_q10;
-    fixture_play_ticks(&f, 5 * ticks_per_turn);
-    TEST_ASSERT_EQUAL_INT64(z_q10, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_EQUAL_INT64((part.z_first_nm + 4 * (int64_t)feed_nm) * 1024, z_q10);
-    hold(false);
-    fixture_play_ticks(&f, FIXTURE_PLAN_TICKS + 1);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
-    TEST_ASSERT_EQUAL_UINT32(0, cam_angle_of_pos(f.plan.feed_motion.from_q32));
-    for (int i = 0; i < 200 * ticks_per_turn && f.want.state != cam_state_ready; i++) {
-        fixture_play_tick(&f);
-    }
-    TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
-}
-
-/// What is asked again changes nothing, and a ring-helix knows no other rate but rest.
-static void test_what_is_asked_again_or_of_rings_changes_no_rate(void)
+static void test_what_is_asked_again_changes_no_rate(void)
 {
     begin();
     until(cam_state_cutting);
@@ -330,14 +302,6 @@ static void test_what_is_asked_again_or_of_rings_changes_no_rate(void)
     cam_feed_motion_request_isr(&f.plan.feed_motion, &f.config.play, f.angle.pos_q32,
                                 f.angle.pos_q32);
     TEST_ASSERT_EQUAL_MEMORY(&before, &f.plan.feed_motion, sizeof before);
-    part.is_ring_helix = true;
-    fixture_play_init(&f, &part);
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    const int64_t end_q32 = f.plan.feed_motion.end_q32;
-    f.config.play.feed_rate_q30 /= 2; // no parameter leads to it
-    fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
-    TEST_ASSERT_EQUAL_INT32(f.config.play.feed_rate_q30, f.plan.feed_motion.requested_q30);
-    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.feed_motion.end_q32);
 }
 
 /// However little of the part is left where the feed came to rest, it is fed to the end.

@@ -6,9 +6,9 @@ static void set_home(hal_axis_t axis, int32_t method, int32_t sense, int32_t pla
 {
     static const cam_param_id_t first[] = {cam_param_u_home, cam_param_x_home, cam_param_z_home};
     const cam_param_id_t id = first[axis];
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, method));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, (cam_param_id_t)(id + 1), sense));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, (cam_param_id_t)(id + 4), place_nm));
+    set(id, method);
+    set((cam_param_id_t)(id + 1), sense);
+    set((cam_param_id_t)(id + 4), place_nm);
 }
 
 static void home(hal_axis_t axis)
@@ -29,7 +29,7 @@ static void test_home_by_switch_finds_its_edge_from_anywhere(void)
         const int32_t sense = i % 2u == 0u ? 1 : -1;
         const hal_axis_t axis = i % 4u < 2u ? hal_axis_x : hal_axis_z;
         const int32_t edge_nm = 100000 + (int32_t)i * 77;
-        rig.home[axis] = (fixture_home_t){.side = sense, .edge_nm = edge_nm};
+        rig.lathe.home[axis] = (ideal_home_t){.side = sense, .edge_nm = edge_nm};
         hal_host.in.axis_nm[axis] = sense * starts_nm[i / 4u];
         set_home(axis, 2, sense, 321 * mm);
         fixture_rig_ticks(&rig, i);
@@ -47,8 +47,8 @@ static void test_home_by_index_is_that_of_the_index(void)
 {
     for (int32_t edge_nm = 100000; edge_nm < 4 * mm; edge_nm += 650000) {
         setUp();
-        rig.home[hal_axis_x] =
-            (fixture_home_t){.side = 1, .edge_nm = 10 * mm + edge_nm, .pitch_nm = 5 * mm};
+        rig.lathe.home[hal_axis_x] =
+            (ideal_home_t){.side = 1, .edge_nm = 10 * mm + edge_nm, .pitch_nm = 5 * mm};
         hal_host.in.axis_nm[hal_axis_x] = 9 * mm;
         set_home(hal_axis_x, 3, 1, 0);
         fixture_rig_ticks(&rig, (uint32_t)edge_nm % 8u);
@@ -69,27 +69,13 @@ static void test_home_here_needs_no_motion(void)
     TEST_ASSERT_EQUAL_INT32(-50 * mm, cam_machine_position_nm(&rig.machine, hal_axis_z));
 }
 
-/// The number of U changes by a single nanometre, too, and the port is told nothing of it.
-static void test_home_of_u_changes_its_number_by_a_nanometre(void)
-{
-    for (int32_t by_nm = -1; by_nm <= 1; by_nm++) {
-        setUp();
-        hal_host.in.axis_nm[hal_axis_u] = 5000;
-        set_home(hal_axis_u, 1, 1, 5000 + by_nm);
-        to_manual();
-        home(hal_axis_u);
-        TEST_ASSERT_EQUAL_INT32(5000 + by_nm, fixture_rig_status(&rig).u_actual_nm);
-        TEST_ASSERT_EQUAL_INT32(5000, port_nm(hal_axis_u));
-    }
-}
-
 /// Set-points of the port go on evenly while the controller's numbers of U change twice.
 static void test_home_of_u_changes_its_number_and_moves_nothing_by_that(void)
 {
     static const int32_t edges_nm[] = {300000, -150000, 650000};
     for (uint32_t i = 0; i < 3u; i++) {
         setUp();
-        rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = edges_nm[i]};
+        rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = edges_nm[i]};
         set_home(hal_axis_u, 2, 1, 200000);
         to_manual();
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_u));
@@ -114,7 +100,7 @@ static void test_home_of_u_changes_its_number_and_moves_nothing_by_that(void)
 /// A U that was homed is cut with like one whose zero was right from the start.
 static void test_cut_with_a_homed_u_is_offset_by_its_home(void)
 {
-    rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 350000};
+    rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 350000};
     set_home(hal_axis_u, 2, 1, 100000);
     to_manual();
     home(hal_axis_u);
@@ -130,13 +116,13 @@ static void test_cut_with_a_homed_u_is_offset_by_its_home(void)
 static void test_home_that_is_not_found_ends_after_its_travel_and_is_none(void)
 {
     set_home(hal_axis_x, 2, 1, 0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_home_travel_nm, 2 * mm));
+    set(cam_param_x_home_travel_nm, 2 * mm);
     set_home(hal_axis_u, 2, -1, 0);
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
     TEST_ASSERT_EQUAL_INT(cam_jog_no_switch, until_rest());
     TEST_ASSERT_EQUAL_INT32(2 * mm, port_nm(hal_axis_x));
-    rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = -100 * mm}; // stuck
+    rig.lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = -100 * mm}; // stuck
     fixture_rig_ticks(&rig, 20);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
     TEST_ASSERT_EQUAL_INT(cam_jog_no_release, until_rest());
@@ -149,26 +135,26 @@ static void test_home_that_is_not_found_ends_after_its_travel_and_is_none(void)
 /// The switch is left only by moving back from it.
 static void test_home_switch_that_bounces_is_not_left_yet(void)
 {
-    const fixture_home_t home = {.side = 1, .edge_nm = 100000};
-    rig.home[hal_axis_x] = home;
+    const ideal_home_t home = {.side = 1, .edge_nm = 100000};
+    rig.lathe.home[hal_axis_x] = home;
     set_home(hal_axis_x, 2, 1, 0);
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
     for (uint32_t i = 0; i < 4000u && jog_state().phase != cam_jog_release; i++) {
         fixture_rig_tick(&rig);
     }
-    rig.home[hal_axis_x].edge_nm = 100 * mm;
+    rig.lathe.home[hal_axis_x].edge_nm = 100 * mm;
     fixture_rig_ticks(&rig, 20);
     TEST_ASSERT_EQUAL_INT(cam_jog_release, jog_state().phase);
-    rig.home[hal_axis_x] = home;
+    rig.lathe.home[hal_axis_x] = home;
     TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
 }
 
 static void test_home_without_an_index_ends_and_is_none(void)
 {
-    rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 100000};
+    rig.lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 100000};
     set_home(hal_axis_x, 3, 1, 0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_home_travel_nm, 200000));
+    set(cam_param_x_home_travel_nm, 200000);
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
     TEST_ASSERT_EQUAL_INT(cam_jog_no_index, until_rest());
@@ -204,33 +190,10 @@ static void test_home_of_u_from_far_away_is_refused(void)
 /// The number at the switch would put U outside of its stroke where it stands.
 static void test_home_of_u_beyond_its_stroke_is_refused(void)
 {
-    rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 100000};
+    rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 100000};
     set_home(hal_axis_u, 2, 1, 700000);
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_u));
     TEST_ASSERT_EQUAL_INT(cam_jog_no_stroke, until_rest());
     TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed | fixture_rig_status(&rig).faults);
-}
-
-static void test_homing_without_a_sign_of_life_stops(void)
-{
-    set_home(hal_axis_x, 2, 1, 0);
-    to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
-    fixture_rig_ticks(&rig, patience_ticks + 1000u);
-    TEST_ASSERT_EQUAL_INT(cam_jog_silent, jog_state().end);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_x].vel_q10);
-}
-
-static void test_homes_are_forgotten_when_the_drives_lose_power(void)
-{
-    set_home(hal_axis_x, 1, 1, 0);
-    to_manual();
-    home(hal_axis_x);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_EQUAL_HEX32(1u << hal_axis_x, jog_state().homed); // disabled they are still powered
-    hal_host_fault_drive(true);
-    fixture_rig_ticks(&rig, 8);
-    TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed);
 }

@@ -2,31 +2,15 @@
 // The plan: its period, its increments, which arrive exactly, X behind a real drive, the speed of
 // the spindle, ports with slow ticks.
 #include "cam_angle.h"
-#include "fixture_play.h"
-#include "unity.h"
+#include "play_bench.h"
 #include <math.h>
 
 #define PI 3.14159265358979323846
-
-static fixture_play_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_play_init(&f, &part);
-}
 
 /// @return whether the last tick had a plan
 static bool is_planned(void)
 {
     return f.until_plan == f.config.play.plan_ticks;
-}
-
-static void engage(void)
-{
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
 }
 
 static void test_plan_comes_every_400_us_or_in_every_tick(void)
@@ -208,13 +192,7 @@ static void test_spindle_that_turns_back_while_disengaging_leaves_the_state(void
 /// next plan's heights are read.
 static void test_measured_z_is_extrapolated_to_the_next_plan(void)
 {
-    f.params.z_is_measured = 1;
-    fixture_play_configure(&f);
-    f.is_axes_held = true;
-    f.in.actual_nm[hal_axis_u] = -400000;
-    f.in.actual_nm[hal_axis_x] = 46500000;
-    f.in.actual_nm[hal_axis_z] = 437000;
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    cut_at(437000);
     for (int32_t step_nm = -5; step_nm <= 5; step_nm += 5) {
         for (int i = 0; i < 5 * FIXTURE_PLAN_TICKS; i++) {
             f.in.actual_nm[hal_axis_z] += step_nm;

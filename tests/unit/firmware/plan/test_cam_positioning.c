@@ -123,6 +123,12 @@ static void test_one_of_x_and_z_moves_at_a_time(void)
     TEST_ASSERT_FALSE(cam_positioning_isr(&h.cfg, &h.r, &h.m));
     TEST_ASSERT_EQUAL_INT32(0, h.m.axis[hal_axis_z].vel_q10);
     TEST_ASSERT_LESS_THAN_INT32(0, h.m.axis[hal_axis_x].vel_q10);
+    for (int32_t vel_q10 = -2048; vel_q10 <= 2048; vel_q10 += 4096) { // Z only passes it
+        h = approaching();
+        h.m.axis[hal_axis_z].vel_q10 = vel_q10;
+        TEST_ASSERT_FALSE(cam_positioning_isr(&h.cfg, &h.r, &h.m));
+        TEST_ASSERT_EQUAL_INT32(0, h.m.axis[hal_axis_x].vel_q10);
+    }
     h = approaching(); // at the place where the cut begins an X that is not off the work may stay
     h.m.axis[hal_axis_x].pos_q10 = 0;
     TEST_ASSERT_TRUE(cam_positioning_isr(&h.cfg, &h.r, &h.m));

@@ -3,27 +3,17 @@
 // with a fault, out of the work. The correction that was learned is in the command alone.
 #include "cam_demand.h"
 #include "cam_machine_inner.h" // cam_machine_offer_copy
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
-#include <string.h>
+#include "rig_bench.h"
 
-static fixture_rig_t rig;
-static fixture_part_t part;
 static int64_t least_x_nm; ///< of the set-points of X while U was not at rest
 static int32_t most_u_q6, least_u_q6;
 static int32_t first_z_nm, last_z_nm;
 
-void setUp(void)
-{
-    part = fixture_part_short();
-}
-
 static void begin(int32_t turns)
 {
     fixture_rig_init(&rig, &part, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_rehearse_turns, turns));
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    set(cam_param_rehearse_turns, turns);
+    bring(cam_state_ready);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     fixture_rig_ticks(&rig, 2);
     least_x_nm = INT64_MAX;
@@ -58,6 +48,14 @@ static int64_t away_nm(void)
            cam_demand_half_stroke_nm(&m->table, &m->params);
 }
 
+/// Up to a part of the lift, in ticks.
+static void play_up_to(int32_t scale_q30)
+{
+    while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < scale_q30) {
+        fixture_rig_tick(&rig);
+    }
+}
+
 static void test_u_plays_in_full_while_x_is_clear_by_half_the_stroke(void)
 {
     static const int32_t clearances_nm[] = {1000000, 0};
@@ -68,8 +66,7 @@ static void test_u_plays_in_full_while_x_is_clear_by_half_the_stroke(void)
         fixture_rig_ticks(&rig, 2);
         TEST_ASSERT_EQUAL_INT(cam_state_ready, rig.last.want.state);
         cam_machine_poll(&rig.machine);
-        TEST_ASSERT_EQUAL_INT(cam_ok,
-                              fixture_rig_set(&rig, cam_param_x_clearance_nm, clearances_nm[i]));
+        set(cam_param_x_clearance_nm, clearances_nm[i]);
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
         fixture_rig_ticks(&rig, 2);
         first_z_nm = rig.machine.table.z_first_nm;
@@ -102,9 +99,7 @@ static void test_u_rests_between_rehearsal_and_cut(void)
 static void test_stop_ends_a_rehearsal_in_ready(void)
 {
     begin(1000);
-    while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < 1 << 29) {
-        fixture_rig_tick(&rig);
-    }
+    play_up_to(1 << 29);
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_start(&rig.machine));
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_disable(&rig.machine));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
@@ -117,11 +112,9 @@ static void test_stop_ends_a_rehearsal_in_ready(void)
 static void test_an_override_in_a_rehearsal_is_for_the_cut(void)
 {
     begin(3);
-    while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < 1 << 29) {
-        fixture_rig_tick(&rig);
-    }
+    play_up_to(1 << 29);
     const int64_t end_q32 = g_cam.plan.disengage_at_q32;
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_feed_override_ppm, 900000));
+    set(cam_param_feed_override_ppm, 900000);
     fixture_rig_ticks(&rig, 20);
     TEST_ASSERT_EQUAL_INT64(end_q32, g_cam.plan.disengage_at_q32);
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, rehearse(20000));
@@ -136,19 +129,17 @@ static void test_a_fault_retracts_as_in_the_cut(void)
                             cam_guard_armed(cam_state_rehearsing));
     for (int what = 0; what < 4; what++) {
         begin(1000);
-        while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < 1 << 29) {
-            fixture_rig_tick(&rig);
-        }
+        play_up_to(1 << 29);
         const int32_t x_nm = rig.last.out[hal_axis_x].pos_nm;
         if (what == 0) {
             hal_host_fault_estop(true);
         } else if (what == 1) {
-            rig.u_error_nm = 20000000;
+            rig.lathe.error_nm[hal_axis_u] = 20000000;
         } else if (what == 2) {
             hal_host_fault_counts(2000);
         } else {
-            rig.is_spindle_held = true;
-            rig.rpm = 0.0;
+            rig.lathe.is_spindle_held = true;
+            rig.lathe.rpm = 0.0;
         }
         TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_fault, 60000));
         uint32_t n = 0;
@@ -158,8 +149,8 @@ static void test_a_fault_retracts_as_in_the_cut(void)
         }
         TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
         hal_host_fault_estop(false);
-        rig.u_error_nm = 0;
-        rig.is_spindle_held = false;
+        rig.lathe.error_nm[hal_axis_u] = 0;
+        rig.lathe.is_spindle_held = false;
     }
 }
 
@@ -175,9 +166,7 @@ static void test_a_modulated_table_is_not_rehearsed(void)
 static void test_what_was_learned_is_in_the_command(void)
 {
     begin(1000);
-    while (!g_cam.motion.is_playing || g_cam.motion.scale_q30 < 1 << 30) {
-        fixture_rig_tick(&rig);
-    }
+    play_up_to(1 << 30);
     cam_config_t *copy = cam_config_copy(&rig.machine.core->config);
     TEST_ASSERT_NOT_NULL(copy);
     for (int i = 0; i <= cam_learned_points; i++) {

@@ -122,11 +122,7 @@ static void test_a_measured_z_finds_the_lobe(void)
     const fixture_shaft_t shaft = fixture_shaft_three();
     fixture_shaft_make(&f.image, &shaft);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
-    f.params.z_is_measured = 1;
-    fixture_play_configure(&f);
-    f.is_axes_held = true;
-    f.in.actual_nm[hal_axis_u] = -400000;
-    f.in.actual_nm[hal_axis_x] = 46500000;
+    fixture_play_measure_z(&f, 0);
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
     TEST_ASSERT_EQUAL_UINT32(0, f.plan.shaft.i_lobe);
     while (f.in.actual_nm[hal_axis_z] < 800000) {

@@ -65,18 +65,6 @@ static void test_build_times_and_gains_are_ticks(void)
     }
 }
 
-static void test_build_limits_are_per_tick(void)
-{
-    build(20000);
-    const cam_motion_limits_t *u = &config.guard.u;
-    expect_share(20000.0 * 1024.0, u->speed_q10);
-    expect_share(625.0 * 1024.0, u->acceleration_q10);
-    expect_share(5000.0 * 1024.0, config.play.approach[hal_axis_u].speed_q10);
-    TEST_ASSERT_EQUAL_INT32(600000 * 64, config.guard.u_range_q6);
-    TEST_ASSERT_EQUAL_UINT32(15000, config.spindle.late_clocks);
-    TEST_ASSERT_EQUAL_UINT32(2000, config.guard.stopped_ticks);
-}
-
 static void test_build_limits_too_fast_for_a_slow_tick_are_lowered(void)
 {
     params.u_speed_um_per_s = 10000000;

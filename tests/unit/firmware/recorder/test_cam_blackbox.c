@@ -65,16 +65,22 @@ static int32_t word(uint32_t row, uint32_t column)
     return value;
 }
 
-static void test_half_a_second_before_a_fault_is_there(void)
+/// The box is that of the fault in a tick.
+static void expect_box(uint32_t tick)
 {
-    const uint32_t tick = fail();
     const cam_scope_t *s = scope();
+    TEST_ASSERT_TRUE(cam_blackbox_is_unread(s));
     TEST_ASSERT_EQUAL_UINT32(tick, s->ring.trigger_tick);
     TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), s->ring.faults);
     TEST_ASSERT_EQUAL_UINT32(n_before, s->ring.n_before);
     TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, s->ring.n_rows);
-    TEST_ASSERT_EQUAL_UINT32(n_signals, s->n_signals);
     TEST_ASSERT_EQUAL_UINT32(tick - n_before, s->ring.first_tick);
+}
+
+static void test_half_a_second_before_a_fault_is_there(void)
+{
+    expect_box(fail());
+    TEST_ASSERT_EQUAL_UINT32(n_signals, scope()->n_signals);
     TEST_ASSERT_EQUAL_INT32(cam_state_ready, word(n_before - 1, 0));
     TEST_ASSERT_EQUAL_INT32(cam_state_fault, word(n_before, 0));
     TEST_ASSERT_EQUAL_INT32(0, word(n_before - 1, 7));
@@ -92,43 +98,30 @@ static void test_a_later_fault_does_not_take_its_place(void)
     hal_host.in.inputs &= ~(uint32_t)hal_in_drive_ready;
     go_on(1000);
     TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
-    TEST_ASSERT_EQUAL_UINT32(tick, scope()->ring.trigger_tick);
-    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->ring.faults);
+    expect_box(tick);
 }
 
-static void test_a_box_is_handed_over_once(void)
-{
-    (void)fail();
-    hal_host.slow.n_kept = 0;
-    go_on(50);
-    TEST_ASSERT_EQUAL_UINT32(0, hal_host.slow.n_kept);
-}
-
+/// Neither a command nor time does, and it is handed over once.
 static void test_nothing_takes_an_unread_box_but_a_release(void)
 {
     cam_machine_t *m = &rig.machine;
-    (void)fail();
+    const uint32_t tick = fail();
     TEST_ASSERT_EQUAL_INT(cam_err_scope_unread, cam_machine_scope_start(m));
     TEST_ASSERT_EQUAL_INT(cam_err_scope_unread, cam_machine_wave_begin(m, 4000));
     cam_machine_scope_stop(m);
-    TEST_ASSERT_TRUE(cam_blackbox_is_unread(scope()));
     TEST_ASSERT_EQUAL_UINT32(14 + (n_before + n_behind) * n_signals, hal_host.slow.n_kept);
+    hal_host.slow.n_kept = 0;
+    scope()->last_tick -= (uint32_t)tick_hz * (cam_scope_patience_s + 1u);
+    go_on(50);
+    TEST_ASSERT_EQUAL_UINT32(0, hal_host.slow.n_kept);
+    expect_box(tick);
+    hal_host.slow.n_kept = 1;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_release(m));
     TEST_ASSERT_EQUAL_UINT32(0, hal_host.slow.n_kept);
     go_on(50);
     TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
     TEST_ASSERT_EQUAL_INT(cam_scope_armed, scope()->phase); // the fault that is latched is not new
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(m));
-}
-
-/// However long nobody reads it.
-static void test_an_unread_box_waits(void)
-{
-    (void)fail();
-    scope()->last_tick -= (uint32_t)tick_hz * (cam_scope_patience_s + 1u);
-    go_on(50);
-    TEST_ASSERT_TRUE(cam_blackbox_is_unread(scope()));
-    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, scope()->ring.n_rows);
 }
 
 static void test_a_restart_finds_the_box_again(void)
@@ -141,12 +134,7 @@ static void test_a_restart_finds_the_box_again(void)
     cam_machine_init(&rig.machine, &g_cam, tick_hz, hal_clock_hz());
     cam_machine_blackbox(&rig.machine);
     go_on(100);
-    TEST_ASSERT_TRUE(cam_blackbox_is_unread(scope()));
-    TEST_ASSERT_EQUAL_UINT32(tick, scope()->ring.trigger_tick);
-    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->ring.faults);
-    TEST_ASSERT_EQUAL_UINT32(n_before, scope()->ring.n_before);
-    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, scope()->ring.n_rows);
-    TEST_ASSERT_EQUAL_UINT32(tick - n_before, scope()->ring.first_tick);
+    expect_box(tick);
     for (uint32_t i = 0; i < (n_before + n_behind) * n_signals; i++) {
         TEST_ASSERT_EQUAL_INT32(words[i], word(i / n_signals, i % n_signals));
     }
@@ -181,32 +169,27 @@ static void test_a_damaged_head_is_passed_over(void)
     TEST_ASSERT_FALSE(cam_blackbox_restore(scope(), n_kept)); // of another rate
 }
 
+/// Record five rows by command, and let ten minutes pass, less `left` ticks, without anybody who
+/// reads them.
+static void record_and_wait(uint32_t left)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_set(scope(), cam_scope_field_rows, 5));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_on, cam_machine_wave_begin(&rig.machine, 4000));
+    go_on(20);
+    TEST_ASSERT_EQUAL_INT(cam_scope_done, scope()->phase);
+    scope()->last_tick = rig.last.tick - tick_hz * (uint32_t)cam_scope_patience_s - 1u + left;
+}
+
 static void test_a_recording_has_precedence_until_it_is_released_or_forgotten(void)
 {
-    cam_machine_t *m = &rig.machine;
     go_on(10);
     TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_set(scope(), cam_scope_field_rows, 5));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(m));
-    TEST_ASSERT_EQUAL_INT(cam_err_scope_on, cam_machine_wave_begin(m, 4000));
-    go_on(20);
-    TEST_ASSERT_EQUAL_INT(cam_scope_user, scope()->use);
-    TEST_ASSERT_EQUAL_INT(cam_scope_done, scope()->phase);
-    scope()->last_tick = rig.last.tick - tick_hz * (uint32_t)cam_scope_patience_s + 10u;
+    record_and_wait(11);
     go_on(5);
     TEST_ASSERT_EQUAL_INT(cam_scope_user, scope()->use);
     go_on(20);
     TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
-}
-
-/// Record five rows by command and let ten minutes pass without anybody who reads them.
-static void record_and_wait(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_set(scope(), cam_scope_field_rows, 5));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(&rig.machine));
-    go_on(20);
-    TEST_ASSERT_EQUAL_INT(cam_scope_done, scope()->phase);
-    scope()->last_tick = rig.last.tick - tick_hz * (uint32_t)cam_scope_patience_s - 1u;
 }
 
 /// Who records may stop it; the box is not theirs to stop.
@@ -227,7 +210,7 @@ static void test_a_recording_is_stopped_by_command(void)
 static void test_who_is_at_work_keeps_the_recording(void)
 {
     cam_machine_t *m = &rig.machine;
-    record_and_wait();
+    record_and_wait(0);
     m->identify.phase = cam_identify_runs;
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_scope_start(m));
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_release(m));

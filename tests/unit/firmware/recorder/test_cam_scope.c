@@ -54,27 +54,6 @@ static void start(uint32_t tick)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, tick));
 }
 
-/// A recording begins with nothing of the one before it.
-static void test_a_recording_begins_empty(void)
-{
-    start(100);
-    for (uint32_t tick = 100; tick < 110u; tick++) {
-        take(tick);
-    }
-    cam_scope_stop(&scope);
-    scope.ring.faults = 0x55u;
-    scope.ring.n_lost = 3;
-    const uint32_t number = scope.number;
-    start(5000);
-    TEST_ASSERT_EQUAL_HEX32(0, scope.ring.faults);
-    TEST_ASSERT_EQUAL_UINT32(0, scope.ring.n_lost);
-    TEST_ASSERT_EQUAL_UINT32(0, scope.ring.n_rows);
-    TEST_ASSERT_EQUAL_UINT32(number + 1u, scope.number);
-    TEST_ASSERT_EQUAL_UINT32(5000, scope.start_tick);
-    TEST_ASSERT_EQUAL_INT(cam_scope_armed, scope.phase);
-    TEST_ASSERT_EQUAL_INT(cam_scope_open, scope.end);
-}
-
 static void test_rows_hold_the_chosen_signals_in_the_order_of_the_list(void)
 {
     set(cam_scope_field_signals, 1 << cam_scope_tick | 1 << cam_scope_u_actual_nm);

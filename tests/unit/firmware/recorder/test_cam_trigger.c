@@ -66,15 +66,6 @@ static void test_angle_fires_once_per_turn_in_its_sense_alone(void)
     }
 }
 
-static void test_state_fires_when_it_is_entered(void)
-{
-    const cam_trigger_t t = {.kind = cam_trigger_state, .level = 4};
-    TEST_ASSERT_TRUE(fires(t, 3, 4));
-    TEST_ASSERT_FALSE(fires(t, 4, 4));
-    TEST_ASSERT_FALSE(fires(t, 4, 5));
-    TEST_ASSERT_FALSE(fires(t, 3, 5));
-}
-
 /// From whichever state, and not while it lasts.
 static void test_state_fires_from_any_other_state(void)
 {

@@ -45,35 +45,6 @@ static void test_a_part_is_cut_by_commands(void)
     loop_until(cam_state_off);
 }
 
-static void test_a_fault_is_left_by_reset(void)
-{
-    to_ready();
-    hal_host_fault_estop(true);
-    loop_until(cam_state_fault);
-    expect_answer(&f, cam_err_state, 0, enable, 0, 0);
-    fixture_can_loop(&f, 4000);
-    expect_answer(&f, cam_ok, 0, reset, 0, 0);
-    loop_until(cam_state_off);
-    expect_answer(&f, cam_err_estop, 0, enable, 0, 0);
-    hal_host_fault_estop(false);
-    hal_host_fault_drive(true);
-    fixture_rig_tick(&f.rig);
-    expect_answer(&f, cam_err_drive, 0, enable, 0, 0);
-}
-
-static void test_commands_out_of_order_are_refused(void)
-{
-    for (uint8_t command = disable; command <= reset; command++) {
-        expect_answer(&f, cam_err_state, 0, command, 0, 0);
-    }
-    to_ready();
-    expect_answer(&f, cam_err_state, 0, enable, 0, 0);
-    expect_answer(&f, cam_ok, 0, start, 0, 0);
-    expect_answer(&f, cam_err_state, 0, start, 0, 0);
-    expect_answer(&f, cam_err_state, 0, table_anew, 0, 0);
-    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
-}
-
 static void test_a_command_before_the_last_was_taken_is_busy(void)
 {
     fixture_can_receive(0x640, 8, enable, 0, 0);

@@ -18,13 +18,9 @@ void setUp(void)
 
 static void expect_download_works(void)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_download(&d);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+    expect_select(&d, cam_ok, "other skirt");
 }
 
 static void test_a_table_comes_over_the_bus(void)
@@ -48,12 +44,9 @@ static void test_the_places_take_turns(void)
     TEST_ASSERT_TRUE(first != hal_table_staged().bytes);
     expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("third skirt", d.can.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0)
-                                        .result); // once more: the same table is checked anew
+    expect_end(&d, cam_ok);
+    expect_select(&d, cam_ok, "third skirt");
+    expect_select(&d, cam_ok, "third skirt"); // the same table is checked anew
 }
 
 static void test_interrupted_at_every_block(void)
@@ -66,9 +59,7 @@ static void test_interrupted_at_every_block(void)
         TEST_ASSERT_EQUAL_INT32(cam_err_download_short, answer.result);
         TEST_ASSERT_EQUAL_INT32(n * fixture_block_bytes, answer.value);
         expect_old_in_force(&d); // which restarts the controller
-        TEST_ASSERT_EQUAL_INT32(
-            cam_err_download_order,
-            fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+        expect_end(&d, cam_err_download_order);
         expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
                      fixture_download_bytes(&d, n), 0);
     }
@@ -89,8 +80,7 @@ static void test_interrupted_within_every_block(void)
         expect_blocks(&d, i, i + 1u); // sent again
         TEST_ASSERT_TRUE(hal_host.slow.n_sent > n_sent);
     }
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_end(&d, cam_ok);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
 }
 
@@ -110,8 +100,7 @@ static void test_a_break_is_answered_with_where_to_go_on(void)
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order, answer.result);
     TEST_ASSERT_EQUAL_INT32(2 * fixture_block_bytes, answer.value);
     expect_blocks(&d, 2, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_end(&d, cam_ok);
 }
 
 static void test_a_new_begin_forgets_what_came(void)
@@ -120,8 +109,7 @@ static void test_a_new_begin_forgets_what_came(void)
         expect_begin(&d);
         expect_blocks(&d, 0, n);
     }
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_end(&d, cam_ok);
     expect_begin(&d); // a complete download is lost as well
     expect_old_in_force(&d);
 }
@@ -134,8 +122,7 @@ static void test_repeated_blocks_are_accepted_once(void)
     expect_block(&d, cam_ok, 0, fixture_block_bytes, 3 * fixture_block_bytes);
     expect_blocks(&d, 3, fixture_download_blocks(&d));
     expect_block(&d, cam_ok, 0, fixture_block_bytes, (uint32_t)d.other.size);
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_end(&d, cam_ok);
     expect_block(&d, cam_err_download_order, 0, fixture_block_bytes, (uint32_t)d.other.size);
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
 }
@@ -149,8 +136,7 @@ static void test_a_block_repeated_with_other_content_is_refused(void)
                  2 * fixture_block_bytes);
     d.other.bytes[fixture_block_bytes + 9] ^= 1u;
     expect_blocks(&d, 2, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_end(&d, cam_ok);
 }
 
 static void test_blocks_out_of_order_are_refused(void)
@@ -166,8 +152,7 @@ static void test_blocks_out_of_order_are_refused(void)
                  fixture_block_bytes); // not a multiple of hal_table_grain
     expect_block(&d, cam_err_download_order, 0, 0, fixture_block_bytes);
     expect_blocks(&d, 1, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_end(&d, cam_ok);
 }
 
 static void test_answers_and_flow_control_wait_for_room(void)

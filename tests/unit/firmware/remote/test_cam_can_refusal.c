@@ -96,20 +96,14 @@ static void test_memory_that_fails_leaves_the_old_table(void)
         expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
                      fixture_download_bytes(&d, n), n * fixture_block_bytes);
     }
-    expect_begin(&d);
-    expect_blocks(&d, 0, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_download(&d);
     hal_host.slow.n_store = 0;
     for (int i = 0; i < 2; i++) { // select never takes the old table instead
-        TEST_ASSERT_EQUAL_INT32(cam_err_download_store,
-                                fixture_download_send(&d, fixture_select, 0).result);
-        TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+        expect_select(&d, cam_err_download_store, "short skirt");
     }
     TEST_ASSERT_EQUAL_PTR(d.can.rig.image.bytes, hal_table_image().bytes);
     hal_host.slow.n_store = UINT32_MAX;
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+    expect_select(&d, cam_ok, "other skirt");
 }
 
 /// The next part: its table comes while the machine is ready, and the next start cuts it.
@@ -120,11 +114,9 @@ static void test_a_download_goes_on_in_ready_and_is_selected_there(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
     fixture_can_loop(&d.can, 2);
     expect_blocks(&d, 2, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_end(&d, cam_ok);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+    expect_select(&d, cam_ok, "other skirt");
     fixture_can_loop(&d.can, 2);
     TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&d.can.rig.machine));
@@ -133,37 +125,27 @@ static void test_a_download_goes_on_in_ready_and_is_selected_there(void)
 /// What the running spindle cannot cut is refused before the place in use changes.
 static void test_an_infeasible_table_is_refused_in_ready_and_stays_downloaded(void)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_download(&d);
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
     d.can.rig.machine.params.feed_override_ppm = 1500000;
     d.can.rig.machine.params.z_is_measured = 1; // both together are refused
-    TEST_ASSERT_EQUAL_INT32(cam_err_override_measured,
-                            fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    expect_select(&d, cam_err_override_measured, "short skirt");
     TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
     d.can.rig.machine.params.feed_override_ppm = 1000000;
     d.can.rig.machine.params.z_is_measured = 0;
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+    expect_select(&d, cam_ok, "other skirt");
 }
 
 static void test_the_cut_refuses_everything(void)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_download(&d);
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&d.can.rig, cam_param_lead_ns, 50000));
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_cutting));
     TEST_ASSERT_EQUAL_INT32(
         cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
     expect_block(&d, cam_err_state, 0, fixture_block_bytes, (uint32_t)d.other.size);
-    TEST_ASSERT_EQUAL_INT32(
-        cam_err_state, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-    TEST_ASSERT_EQUAL_INT32(cam_err_state, fixture_download_send(&d, fixture_select, 0).result);
+    expect_end(&d, cam_err_state);
+    expect_select(&d, cam_err_state, "short skirt");
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
 }
 
@@ -179,13 +161,9 @@ static void test_a_command_on_its_way_makes_it_wait(void)
 
 static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(void)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    expect_download(&d);
     ((uint8_t *)(uintptr_t)hal_table_staged().bytes)[2000] ^= 1u; // the memory loses a bit
-    TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    expect_select(&d, cam_err_image_crc, "short skirt");
     TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
     expect_begin(&d);
 }
@@ -196,12 +174,11 @@ static void test_the_place_of_the_table_that_the_machine_holds_is_not_emptied(vo
 {
     hal_host.slow.table.bytes = d.other.bytes;
     d.other.bytes[0] ^= 1u;
-    TEST_ASSERT_EQUAL_INT32(cam_err_image_magic,
-                            fixture_download_send(&d, fixture_select, 0).result);
+    expect_select(&d, cam_err_image_magic, "short skirt");
     TEST_ASSERT_EQUAL_INT32(
         cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
     d.other.bytes[0] ^= 1u;
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
+    expect_select(&d, cam_ok, "other skirt");
     fixture_can_loop(&d.can, 2);
     expect_begin(&d);
 }

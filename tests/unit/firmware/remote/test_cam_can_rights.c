@@ -22,7 +22,7 @@ static hal_can_frame_t page(void)
 static bool exists(uint8_t command)
 {
     static const uint8_t gaps[] = {38, 39, 47, 48, 49};
-    return memchr(gaps, command, sizeof gaps) == NULL;
+    return command <= last_command && memchr(gaps, command, sizeof gaps) == NULL;
 }
 
 static bool is_for_all(uint8_t command)
@@ -37,17 +37,19 @@ static void test_of_another_sender_only_reading_and_stop_are_obeyed(void)
         uint8_t sender, session;
     } strangers[] = {{0, 0}, {other, 0}, {other, session}, {me, 0}, {me, (uint8_t)(session + 1u)}};
     for (uint32_t i = 0; i < sizeof strangers / sizeof strangers[0]; i++) {
-        for (uint8_t command = 1; command <= last_command; command++) {
+        for (uint32_t k = 1; k <= UINT8_MAX; k++) {
+            const uint8_t command = (uint8_t)k;
+            if (command == take) {
+                continue;
+            }
+            const fixture_answer_t answer =
+                by(strangers[i].sender, strangers[i].session, command, 1);
+            TEST_ASSERT_EQUAL_UINT32(command, answer.command);
+            TEST_ASSERT_EQUAL(is_for_all(command), answer.result != cam_err_not_commander);
             if (!is_for_all(command)) {
-                const fixture_answer_t answer =
-                    by(strangers[i].sender, strangers[i].session, command, 1);
-                TEST_ASSERT_EQUAL_UINT32(command, answer.command);
-                TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, answer.result);
                 TEST_ASSERT_EQUAL_INT32(exists(command) ? me : 0, answer.value);
             }
         }
-        TEST_ASSERT_EQUAL_INT32(cam_ok,
-                                by(strangers[i].sender, strangers[i].session, get, 0).result);
     }
     TEST_ASSERT_EQUAL_UINT32(0, hal_host.out.outputs & hal_out_enable);
     TEST_ASSERT_EQUAL_UINT32(session, f.rig.machine.rights.session);
@@ -264,20 +266,11 @@ static void test_lines_tell_who_commands_and_who_was_refused(void)
     fixture_can_loop(&f, 1);
     TEST_ASSERT_EQUAL_STRING("command: taken by 9 over from 1", fixture_can_line(1));
     TEST_ASSERT_EQUAL_STRING("level: locked", fixture_can_line(0)); // the key is still on
-    (void)by(me, session, enable, 0);
+    for (uint32_t i = 0; i < 1000u; i++) {                          // a babbler tells one line
+        (void)by(me, session, enable, 0);
+    }
     TEST_ASSERT_EQUAL_STRING("refused: command 1 of 1: the sender does not have command: "
                              "take_command first",
                              fixture_can_line(0));
-    const uint32_t n_lines = hal_host.n_lines;
-    for (uint32_t i = 0; i < 1000u; i++) { // a babbler does not fill the log
-        (void)by(me, session, enable, 0);
-    }
-    TEST_ASSERT_EQUAL_UINT32(n_lines, hal_host.n_lines);
-    f.rig.is_silent = true;
-    fixture_can_loop(&f, 20100);
-    TEST_ASSERT_EQUAL_STRING("command: lost, nothing was heard of 9", fixture_can_line(0));
-    fixture_can_take(&f);
-    (void)by(me, f.rig.machine.rights.session, release, 0);
-    fixture_can_loop(&f, 1);
-    TEST_ASSERT_EQUAL_STRING("command: given up by 1", fixture_can_line(1));
+    TEST_ASSERT_EQUAL_STRING("level: locked", fixture_can_line(1));
 }

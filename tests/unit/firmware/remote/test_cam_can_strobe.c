@@ -5,7 +5,7 @@
 #include "unity.h"
 #include <string.h> // memset
 
-enum { set_parameter = 6, set_scope = 19, start_scope = 21, read_scope = 23, strobe = 59 };
+enum { set_scope = 19, start_scope = 21, read_scope = 23, strobe = 59 };
 
 enum {
     tick_hz = 20000,
@@ -84,7 +84,7 @@ static void go_on(uint32_t n)
 
 static void test_frames_are_the_records_of_their_ticks(void)
 {
-    f.rig.u_error_nm = -4321;
+    f.rig.lathe.error_nm[hal_axis_u] = -4321;
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
     f.rig.n_log = 0;
     begin(47);
@@ -158,12 +158,6 @@ static void test_a_distance_out_of_range_is_answered_with_the_range(void)
     TEST_ASSERT_EQUAL_INT32(tick_hz, a.value);
     go_on(200);
     TEST_ASSERT_EQUAL_UINT32(0, n_sent);
-}
-
-static void test_without_a_trace_it_is_refused(void)
-{
-    (void)fixture_can_command(&f, set_parameter, cam_param_trace_on, 0);
-    TEST_ASSERT_EQUAL_INT32(cam_err_scope_trace, ask(40).result);
 }
 
 static void test_it_ends_two_seconds_after_the_last_renewal(void)

@@ -96,15 +96,6 @@ static void test_erased_place(void)
     expect_start_without_table(cam_err_image_magic);
 }
 
-static void test_other_version_and_byte_order(void)
-{
-    fixture_image_put(&f.rig.image, fixture_at_version, 2);
-    fixture_image_seal(&f.rig.image);
-    expect_start_without_table(cam_err_image_version);
-    fixture_image_put(&f.rig.image, fixture_at_order, 0x04030201u);
-    expect_start_without_table(cam_err_image_order);
-}
-
 static void test_writing_that_stopped_is_refused_wherever_it_stopped(void)
 {
     static uint8_t good[8192];
@@ -150,12 +141,6 @@ static void test_size_in_the_header_that_cannot_be(void)
     }
     fixture_image_put(&f.rig.image, fixture_at_image_size, (uint32_t)f.rig.image.size - 32u);
     expect_start_without_table(cam_err_image_crc);
-}
-
-static void test_misaligned_place(void)
-{
-    hal_host.slow.table.bytes = f.rig.image.bytes + 1;
-    expect_start_without_table(cam_err_image_address);
 }
 
 static void test_select_takes_a_table_written_after_the_start(void)

@@ -3,60 +3,9 @@
 #include "can_bench.h"
 #include "hal_host.h"
 #include "unity.h"
-#include <math.h>   // floor
+
 #include <stdio.h>  // snprintf
 #include <string.h> // strlen, memset
-
-static void expect_start(const char *line, hal_reset_t reset, const char *why)
-{
-    hal_host.slow.start = (hal_start_t){.reset = reset, .why = why};
-    fixture_can_start(&f);
-    TEST_ASSERT_EQUAL_STRING(line, fixture_can_line(2));
-}
-
-static void test_start_is_told_with_its_reason(void)
-{
-    expect_start("start: power on", hal_reset_power_on, NULL);
-    expect_start("start: reset pin", hal_reset_pin, "");
-    expect_start("start: software reset", hal_reset_software, "");
-    expect_start("start: halt: main: it broke", hal_reset_halt, "main: it broke");
-    expect_start("start: watchdog reset", hal_reset_watchdog, "");
-    expect_start("start: watchdog reset: it broke before", hal_reset_watchdog, "it broke before");
-    expect_start("start: brown-out reset", hal_reset_brown_out, "");
-    expect_start("start: unknown reset", (hal_reset_t)6, "");
-    expect_start("start: unknown reset", (hal_reset_t)0x1234567, "");
-    fixture_can_loop(&f, 300);
-    const hal_can_frame_t frame = fixture_can_sent(0x1C0);
-    TEST_ASSERT_EQUAL_UINT8(0x67, frame.data[1]);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_i16(&frame, 2));
-}
-
-/// What the board's scales resolve, and what of form that costs, stand below the table's line.
-static void test_start_tells_the_scales_and_their_form_error(void)
-{
-    hal_axis_scale_t *scale = hal_host.slow.scale;
-    scale[hal_axis_u] = (hal_axis_scale_t){.command_pm = 30517, .measured_pm = 100000};
-    scale[hal_axis_x] = (hal_axis_scale_t){.command_pm = 50000, .most_um_per_s = 200000};
-    scale[hal_axis_z] = (hal_axis_scale_t){.command_pm = 10000};
-    f.rig.machine.has_table = false;
-    fixture_can_start(&f);
-    TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_can_line(2));
-    TEST_ASSERT_EQUAL_STRING(
-        "scales: U 30.5 nm, read to 100.0 nm; X 50.0 nm up to 200000 um/s; Z 10.0 nm",
-        fixture_can_line(1));
-    char expected[128];
-    const double count_nm = f.rig.machine.table.u1_peak_nm_per_rad * 6.283185 / 10000.0;
-    (void)snprintf(expected, sizeof expected,
-                   "form error by the steps of the outputs: 0.040 um; a count of the encoder is "
-                   "%.1f nm of U",
-                   floor(10.0 * count_nm) / 10.0);
-    TEST_ASSERT_EQUAL_STRING(expected, fixture_can_line(0));
-    scale[hal_axis_u].command_pm = 0; // the port does not know it
-    scale[hal_axis_x].command_pm = 6103515;
-    fixture_can_start(&f);
-    TEST_ASSERT_EQUAL_STRING("scales: X 6103.5 nm up to 200000 um/s; Z 10.0 nm",
-                             fixture_can_line(1));
-}
 
 static void test_a_long_line_is_cut_off(void)
 {
@@ -87,7 +36,7 @@ static void test_every_fault_is_told_once_and_again_after_a_reset(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
     fixture_can_loop(&f, 1);
     const uint32_t n_lines = hal_host.n_lines;
-    f.rig.u_error_nm = 200000;
+    f.rig.lathe.error_nm[hal_axis_u] = 200000;
     hal_host_fault_estop(true);
     fixture_can_loop(&f, 4000);
     TEST_ASSERT_EQUAL_UINT32(n_lines + 3u, hal_host.n_lines); // one a poll, lowest bit first
@@ -99,7 +48,7 @@ static void test_every_fault_is_told_once_and_again_after_a_reset(void)
     TEST_ASSERT_EQUAL_STRING("fault drive: a drive is not ready", fixture_can_line(0));
     hal_host_fault_drive(false);
     hal_host_fault_estop(false);
-    f.rig.u_error_nm = 0;
+    f.rig.lathe.error_nm[hal_axis_u] = 0;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&f.rig.machine));
     fixture_can_loop(&f, 3);
     TEST_ASSERT_EQUAL_STRING("state off", fixture_can_line(0));

@@ -57,6 +57,9 @@ static void test_start_is_told_with_its_reason(void)
     const hal_start_t halted = {.reset = hal_reset_halt, .why = "two plays"};
     cam_log_text_start(&halted);
     TEST_ASSERT_EQUAL_STRING("start: halt: two plays", line());
+    const hal_start_t bitten = {.reset = hal_reset_watchdog, .why = "it broke before"};
+    cam_log_text_start(&bitten);
+    TEST_ASSERT_EQUAL_STRING("start: watchdog reset: it broke before", line());
     const hal_start_t other = {.reset = (hal_reset_t)6, .why = ""};
     cam_log_text_start(&other);
     TEST_ASSERT_EQUAL_STRING("start: unknown reset", line());

@@ -79,6 +79,17 @@ static void test_late_ticks_are_told_beside_the_rate(void)
     expect(0x89ABCDEFu, 2, 32, 32);
 }
 
+/// Page 1 counts passes from 1; a table without any is 0 of 0.
+static void test_pass_is_told(void)
+{
+    static const cam_pass_t two[2] = {{1000, 100000, 1000000, 0}, {0, 100000, 1000000, 0}};
+    expect(0, 1, 16, 16);
+    m->table.passes = two;
+    m->table.n_passes = 2;
+    m->pass = 1;
+    expect(2u << 8 | 2u, 1, 16, 16);
+}
+
 static void test_following_error_is_bounded_by_its_bits(void)
 {
     static const int32_t cases[][2] = {{8388607, 8388607},    {8388608, 8388607},

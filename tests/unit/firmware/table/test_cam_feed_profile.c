@@ -111,19 +111,6 @@ static void test_a_way_is_bounded_at_its_first_and_last_knot(void)
     }
 }
 
-/// A feed that falls to exactly a fiftieth of its mean is accepted, one LSB less is refused.
-static void test_the_smallest_feed_is_a_fiftieth_of_the_mean(void)
-{
-    enum { n = 9, plain = 1000000 * 16 / (n - 1), deepest = plain * 98 / 100 };
-    for (int32_t more = 0; more < 2; more++) {
-        cam_knot_t knots[n] = {{.v = -deepest - more, .a = 2 * (deepest + more)}};
-        cam_table_t table = {
-            .way = {.knots = knots, .n_slices = n, .span_nm = 1000000, .frac_bits = 4}};
-        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
-                              cam_feed_profile_check(&table));
-    }
-}
-
 /// With stations Z may end anywhere above its begin that an axis reaches; the offset counts.
 static void test_end_of_a_way_with_stations_is_where_an_axis_reaches(void)
 {
@@ -200,16 +187,6 @@ static void test_limits_of_z_hold_with_the_way(void)
     TEST_ASSERT_NOT_EQUAL_INT(cam_err_z_acceleration, why.err);
 }
 
-static void test_way_that_turns_back_is_refused(void)
-{
-    share = 0.97;
-    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
-    share = 0.99;
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
-    share = 1.2;
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
-}
-
 static void test_way_begins_and_ends_with_the_table(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
@@ -231,10 +208,21 @@ static void test_way_begins_and_ends_with_the_table(void)
                           cam_table_check(f.image.bytes, f.image.size, &f.table));
 }
 
-static void test_rings_have_no_way(void)
+static void test_rings_and_shafts_have_no_way_and_a_skirt_has_one(void)
 {
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    fixture_newer_way(&f.image, sine, n_knots, 4);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
     part.is_ring_helix = true;
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
+    const fixture_shaft_t shaft = fixture_shaft_three();
+    fixture_shaft_make(&f.image, &shaft);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+    part.z_first_nm = 0;
+    fixture_newer_way(&f.image, sine, n_knots, 4);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
 }
 
 /// 2^24 nm and 2^8 LSB fill a word exactly, so the end of this way is 0 only to 32 bits.
@@ -245,25 +233,6 @@ static void test_offset_counts_in_the_ends_of_a_way(void)
     fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_frac_bits), 8u);
     fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_value_offset), 1u << 24);
     fixture_image_seal(&f.image);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          cam_table_check(f.image.bytes, f.image.size, &f.table));
-}
-
-static void test_shafts_of_lobes_have_no_way(void)
-{
-    const fixture_shaft_t shaft = fixture_shaft_three();
-    fixture_shaft_make(&f.image, &shaft);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
-    part.z_first_nm = 0;
-    fixture_newer_way(&f.image, sine, n_knots, 4);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          cam_table_check(f.image.bytes, f.image.size, &f.table));
-}
-
-static void test_a_second_way_is_refused(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
-    fixture_newer_way(&f.image, sine, n_knots, 4);
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
                           cam_table_check(f.image.bytes, f.image.size, &f.table));
 }

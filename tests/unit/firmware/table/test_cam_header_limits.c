@@ -2,7 +2,7 @@
 // A table with a speed channel: what is accepted, and every promise that is not kept.
 #include "cam_peaks.h"
 #include "fixture_image.h"
-#include "fixture_random.h" // fixture_rarer
+
 #include "unity.h"
 #include <math.h>
 
@@ -89,33 +89,6 @@ static void test_second_speed_channel_is_refused(void)
     TEST_ASSERT_NOT_EQUAL_INT(cam_ok, check());
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
                           with_word(fixture_image_in(fixture_x, fixture_in_kind), 3u));
-}
-
-static void test_layout_and_knots_of_speed_are_checked_as_those_of_u(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          with_word(fixture_image_in(fixture_speed, fixture_in_log2_knots), 1u));
-    TEST_ASSERT_EQUAL_INT(cam_err_image_layout,
-                          with_word(fixture_image_in(fixture_speed, fixture_in_size), 12u));
-    TEST_ASSERT_EQUAL_INT(cam_err_image_height,
-                          with_word(fixture_image_in(fixture_speed, fixture_in_reciprocal), 7u));
-    fixture_image_make(&image, &part);
-    fixture_image_knots(&image, fixture_speed)[5].v = 1 << 24;
-    fixture_image_remeasure(&image, fixture_speed);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_knots, check());
-    fixture_image_make(&image, &part);
-    fixture_image_knots(&image, fixture_speed)[0].p += 5;
-    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, check());
-}
-
-static void test_every_flipped_bit_is_refused(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, check());
-    for (size_t bit = 0; bit < image.size * 8u; bit += fixture_rarer) {
-        image.bytes[bit / 8u] ^= (uint8_t)(1u << (bit % 8u));
-        TEST_ASSERT_NOT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
-        image.bytes[bit / 8u] ^= (uint8_t)(1u << (bit % 8u));
-    }
 }
 
 static void test_absurd_curvature_is_refused_without_overflow(void)

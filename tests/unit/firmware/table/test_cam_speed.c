@@ -114,13 +114,3 @@ static void test_extremes_saturate_without_overflow(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, cam_speed_alpha_q40(&cfg, high_q28 - low_q28));
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, cam_speed_alpha_q40(&cfg, low_q28 - high_q28));
 }
-
-static void test_config_carries_mean_speed_lag_and_sense(void)
-{
-    const cam_speed_config_t *c = &config.play.speed;
-    TEST_ASSERT_EQUAL_INT32(200000, c->mean_mrpm);
-    TEST_ASSERT_EQUAL_INT32(1, c->sense);
-    const double plans = 0.025 * tick_hz / config.play.plan_ticks;
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4, plans, ldexp(c->lag_q16, -16));
-    TEST_ASSERT_DOUBLE_WITHIN(2e-10, 200.0 / 60.0 / tick_hz, ldexp(c->mean_q32, -32));
-}

@@ -117,55 +117,45 @@ static void test_feed_forward_beyond_a_word_is_refused(void)
     }
 }
 
-/// In off nothing is a motion: U is told where it stands, in its stroke.
+/// In off nothing is a motion: U is told where it stands, in its stroke, and the speeds of the last
+/// plan are forgotten, even in an off that is shorter than a plan.
 static void test_off_follows_u_without_a_step(void)
 {
-    motion.is_playing = false;
-    motion.state = cam_state_off;
     static const int32_t places_nm[][2] = {
         {-70000, -70000}, {70000, 70000}, {5000000, 100000}, {-5000000, -100000}};
+    command.vel_q10[hal_axis_x] = command.vel_q10[hal_axis_z] = 1000;
+    motion.is_playing = false;
+    motion.state = cam_state_off;
     for (size_t i = 0; i < 4u; i++) {
         TEST_ASSERT_TRUE(commands(places_nm[i][0], false));
         expect_told(places_nm[i][1], 0);
     }
+    TEST_ASSERT_EQUAL_INT32(0, command.vel_q10[hal_axis_x]);
+    TEST_ASSERT_EQUAL_INT32(0, command.vel_q10[hal_axis_z]);
 }
 
 /// The command goes on with its last step, whatever the set-point of the retract is.
 static void test_tick_of_a_fault_goes_on_and_the_difference_fades(void)
 {
-    told(10000, 300);
-    motion.is_playing = false;
-    motion.c_q6 = 12345; // of the cut that has ended
-    motion.state = cam_state_fault;
-    TEST_ASSERT_TRUE(commands(10140, true));
-    expect_told(10300, 300);
-    TEST_ASSERT_EQUAL_INT32(160 * 64, command.fading_q6);
-    cfg.change_nm = 400;
-    int32_t last_q6 = command.fading_q6;
-    for (int i = 0; i < 120; i++) {
-        TEST_ASSERT_TRUE(commands(10140, false));
-        const int32_t due_q6 = last_q6 > 0 ? last_q6 - last_q6 / 16 - 1 : 0;
-        TEST_ASSERT_EQUAL_INT32(due_q6, command.fading_q6);
-        TEST_ASSERT_EQUAL_INT32((10140 * 64 + due_q6 + 32) >> 6, command.u.nm);
-        last_q6 = due_q6;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        told(sign * 10000, sign * 300);
+        motion.is_playing = false;
+        motion.c_q6 = 12345; // of the cut that has ended
+        motion.state = cam_state_fault;
+        TEST_ASSERT_TRUE(commands(sign * 10140, true));
+        expect_told(sign * 10300, sign * 300);
+        TEST_ASSERT_EQUAL_INT32(sign * 160 * 64, command.fading_q6);
+        cfg.change_nm = 400;
+        int32_t last_q6 = 160 * 64;
+        for (int i = 0; i < 120; i++) {
+            TEST_ASSERT_TRUE(commands(sign * 10140, false));
+            last_q6 = last_q6 > 0 ? last_q6 - last_q6 / 16 - 1 : 0;
+            TEST_ASSERT_EQUAL_INT32(sign * last_q6, command.fading_q6);
+            TEST_ASSERT_EQUAL_INT32((sign * (10140 * 64 + last_q6) + 32) >> 6, command.u.nm);
+        }
+        expect_told(sign * 10140, 0);
     }
-    expect_told(10140, 0);
-}
-
-static void test_difference_of_the_other_sign_fades_alike(void)
-{
-    told(10000, -300);
-    motion.is_playing = false;
-    motion.state = cam_state_fault;
-    cfg.change_nm = 400;
-    TEST_ASSERT_TRUE(commands(9860, true));
-    TEST_ASSERT_EQUAL_INT32(-160 * 64, command.fading_q6);
-    TEST_ASSERT_TRUE(commands(9860, false));
-    TEST_ASSERT_EQUAL_INT32(-150 * 64 + 1, command.fading_q6);
-    for (int i = 0; i < 120; i++) {
-        TEST_ASSERT_TRUE(commands(9860, false));
-    }
-    expect_told(9860, 0);
 }
 
 /// Behind a new fault U is told where its last step leads, as far as step and stroke allow.
@@ -189,46 +179,34 @@ static void test_new_fault_tells_the_last_step_within_the_limits(void)
 }
 
 /// In state fault the nearest place to what was wanted is told: by the change of step, the step and
-/// the stroke, of which the stroke comes last.
+/// the stroke, of which the stroke comes last. Beyond it U goes no farther, and back by steps.
 static void test_refused_command_is_followed_as_far_as_the_limits_allow(void)
 {
     static const int32_t cases[][5] = {
         // place, step, wanted -> place, step
-        {0, 0, 5000, 50, 50},           {0, 0, -5000, -50, -50},
-        {0, 990, 5000, 1000, 1000},     {0, -990, -5000, -1000, -1000},
-        {99980, 0, 200000, 100000, 20}, {-99980, 0, -200000, -100000, -20}};
+        {0, 0, 5000, 50, 50},
+        {0, 0, -5000, -50, -50},
+        {0, 990, 5000, 1000, 1000},
+        {0, -990, -5000, -1000, -1000},
+        {99980, 0, 200000, 100000, 20},
+        {-99980, 0, -200000, -100000, -20},
+        {300000, 0, 0, 299950, -50},
+        {-300000, 0, 0, -299950, 50},
+        {300000, 0, 400000, 300000, 0},
+        {-300000, 0, -400000, -300000, 0},
+        {100100, -990, 0, 99100, -1000},
+        {-100100, 990, 0, -99100, 1000},
+        {300000, -1000, -300000, 299000, -1000},
+    };
     motion.state = cam_state_fault;
     motion.is_playing = false;
-    for (size_t i = 0; i < 6u; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         told(cases[i][0], cases[i][1]);
         command.fading_q6 = 0;
         TEST_ASSERT_FALSE(commands(cases[i][2], false));
         cam_axis_command_nearest_isr(&command, &cfg, &r, &motion);
         expect_told(cases[i][3], cases[i][4]);
         TEST_ASSERT_EQUAL_INT32((cases[i][3] - cases[i][2]) * 64, command.fading_q6);
-    }
-}
-
-/// Beyond the stroke U goes no farther, and back by steps.
-static void test_refused_command_beyond_the_stroke_is_no_leap(void)
-{
-    static const int32_t cases[][5] = {// place, step, wanted -> place, step
-                                       {300000, 0, 0, 299950, -50},
-                                       {-300000, 0, 0, -299950, 50},
-                                       {300000, 0, 400000, 300000, 0},
-                                       {-300000, 0, -400000, -300000, 0},
-                                       {100100, -990, 0, 99100, -1000},
-                                       {-100100, 990, 0, -99100, 1000},
-                                       {300000, -1000, -300000, 299000, -1000}};
-    motion.state = cam_state_fault;
-    motion.is_playing = false;
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        told(cases[i][0], cases[i][1]);
-        command.fading_q6 = 0;
-        r.want.u_set_q6 = cases[i][2] * 64;
-        command.is_fault = true;
-        cam_axis_command_nearest_isr(&command, &cfg, &r, &motion);
-        expect_told(cases[i][3], cases[i][4]);
     }
 }
 
@@ -309,17 +287,6 @@ static void test_axes_are_written_in_the_numbers_of_the_port(void)
     TEST_ASSERT_EQUAL_INT32(7, r.out[hal_axis_x].vel_q10);
     TEST_ASSERT_EQUAL_INT32(8, r.out[hal_axis_x].acc_q10);
     TEST_ASSERT_EQUAL_INT32(1, r.out[hal_axis_z].pos_nm);
-}
-
-/// In off the speeds of the last plan are forgotten, even in an off that is shorter than a plan.
-static void test_off_forgets_the_speeds_of_the_last_plan(void)
-{
-    command.vel_q10[hal_axis_x] = command.vel_q10[hal_axis_z] = 1000;
-    motion.state = cam_state_off;
-    motion.is_playing = false;
-    TEST_ASSERT_TRUE(commands(0, false));
-    TEST_ASSERT_EQUAL_INT32(0, command.vel_q10[hal_axis_x]);
-    TEST_ASSERT_EQUAL_INT32(0, command.vel_q10[hal_axis_z]);
 }
 
 /// The amount of the least number is no number: it counts as the largest one.

@@ -7,27 +7,7 @@ static const cam_state_t enabled[] = {cam_state_homing, cam_state_ready, cam_sta
                                       cam_state_cutting, cam_state_disengaging};
 enum { n_enabled = sizeof enabled / sizeof enabled[0], patience = 20000 };
 
-/// Controller, machine and rig at a moment of the cut, from which several tests start without
-/// cutting up to it again.
-static struct {
-    cam_t controller;
-    hal_host_t port;
-    fixture_rig_t rig;
-} moment;
-
-static void keep_moment(void)
-{
-    moment.controller = g_cam;
-    moment.port = hal_host;
-    moment.rig = rig;
-}
-
-static void return_to_moment(void)
-{
-    g_cam = moment.controller;
-    hal_host = moment.port;
-    rig = moment.rig;
-}
+static bench_t moment; ///< of the cut, from which several tests start
 
 static bool is_enabled(void)
 {
@@ -134,38 +114,12 @@ static void test_reaction_from_any_speed_of_u_retracts_within_limits(void)
     bring(cam_state_cutting);
     fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 15) { // a whole period of the oval
-        keep_moment();
+        keep(&moment);
         motion_t m = start_observing();
         expect_retract(&m);
-        return_to_moment();
+        go_back(&moment);
         fixture_rig_ticks(&rig, 15);
         TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
-    }
-}
-
-static void test_reaction_at_full_speed_is_tried_inwards_and_outwards(void)
-{
-    double fastest = 0.0;
-    double slowest = 0.0;
-    bring(cam_state_cutting);
-    fixture_rig_ticks(&rig, 2399);
-    motion_t m = start_observing();
-    for (uint32_t ticks = 0; ticks < 240; ticks++) {
-        tick_within_limits(&m);
-        fastest = m.step[hal_axis_u] > fastest ? m.step[hal_axis_u] : fastest;
-        slowest = m.step[hal_axis_u] < slowest ? m.step[hal_axis_u] : slowest;
-    }
-    for (int sense = -1; sense <= 1; sense += 2) {
-        setUp();
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 2399);
-        m = start_observing();
-        const double wanted = 0.98 * (sense > 0 ? fastest : slowest);
-        while (m.step[hal_axis_u] * sense < wanted * sense) {
-            tick_within_limits(&m);
-        }
-        TEST_ASSERT_TRUE(fabs(m.step[hal_axis_u]) > 1000.0);
-        expect_retract(&m);
     }
 }
 
@@ -207,7 +161,7 @@ static void test_reaction_while_retracting_takes_no_other_fault_on(void)
     fixture_rig_tick(&rig);
     hal_host_fault_late(300);
     hal_host_fault_counts(900);
-    rig.u_error_nm = 900000;
+    rig.lathe.error_nm[hal_axis_u] = 900000;
     fixture_rig_ticks(&rig, 5000);
     const cam_status_t status = fixture_rig_status(&rig);
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), status.faults);
@@ -221,7 +175,7 @@ static void test_reaction_to_several_faults_of_one_tick_tells_all(void)
     hal_host_fault_estop(true);
     hal_host_fault_drive(true);
     hal_host_fault_counts(-400);
-    rig.u_error_nm = 400000;
+    rig.lathe.error_nm[hal_axis_u] = 400000;
     fixture_rig_tick(&rig);
     const uint32_t all = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(encoder_jump) |
                          CAM_FAULT_BIT(following_error);
@@ -231,47 +185,6 @@ static void test_reaction_to_several_faults_of_one_tick_tells_all(void)
     for (uint32_t i = 0; i < cam_n_faults; i++) {
         TEST_ASSERT_EQUAL_UINT32((status.faults >> i) & 1u, status.fault_count[i]);
     }
-}
-
-static void test_latch_holds_until_reset_after_the_retract(void)
-{
-    bring(cam_state_cutting);
-    hal_host_fault_estop(true);
-    fixture_rig_tick(&rig);
-    hal_host_fault_estop(false);
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_reset(&rig.machine)); // still retracting
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_enable(&rig.machine));
-    fixture_rig_ticks(&rig, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_state());
-    TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
-    fixture_rig_tick(&rig);
-    const cam_status_t status = fixture_rig_status(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, status.state);
-    TEST_ASSERT_EQUAL_HEX32(0, status.faults);
-    TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop),
-                            status.first_fault); // the cause is still reported
-    TEST_ASSERT_EQUAL_UINT32(1, status.fault_count[cam_fault_estop]);
-}
-
-static void test_latch_reset_with_the_cause_still_there_refuses_enable(void)
-{
-    bring(cam_state_cutting);
-    hal_host_fault_estop(true);
-    fixture_rig_ticks(&rig, 20000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
-    fixture_rig_ticks(&rig, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
-    TEST_ASSERT_EQUAL_INT(cam_err_estop, cam_machine_enable(&rig.machine));
-    hal_host_fault_estop(false);
-    hal_host_fault_drive(true);
-    fixture_rig_ticks(&rig, 2);
-    TEST_ASSERT_EQUAL_INT(cam_err_drive, cam_machine_enable(&rig.machine));
-    hal_host_fault_drive(false);
-    fixture_rig_ticks(&rig, 2);
-    bring(cam_state_cutting); // homes anew and cuts
 }
 
 static void test_counters_rise_with_every_fault(void)
@@ -306,13 +219,13 @@ static void test_late_tick_of_80_percent_anywhere_in_the_section_is_that_fault_a
     bring(cam_state_cutting);
     fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 24) {
-        keep_moment();
+        keep(&moment);
         hal_host_fault_late(80);
         fixture_rig_tick(&rig);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), fixture_rig_status(&rig).first_fault);
         fixture_rig_ticks(&rig, 3);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), fixture_rig_status(&rig).faults);
-        return_to_moment();
+        go_back(&moment);
         fixture_rig_ticks(&rig, 24);
         TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
     }

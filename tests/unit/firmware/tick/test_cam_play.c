@@ -2,19 +2,9 @@
 // Values of the set-points against doubles, with an exact spindle.
 #include "cam_angle.h"
 #include "cam_plan.h"
-#include "fixture_play.h"
-#include "unity.h"
+#include "play_bench.h"
 #include <math.h>
 #include <stdlib.h>
-
-static fixture_play_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_play_init(&f, &part);
-}
 
 static double nm(const cam_axis_motion_t *axes, hal_axis_t axis)
 {
@@ -22,15 +12,9 @@ static double nm(const cam_axis_motion_t *axes, hal_axis_t axis)
 }
 
 /// Cut at a measured Z that stands, so that angle and time are the only variables.
-static void cut_at(int32_t z_nm)
+static void cut_long_at(int32_t z_nm)
 {
-    f.params.z_is_measured = 1;
-    fixture_play_configure(&f);
-    f.is_axes_held = true;
-    f.in.actual_nm[hal_axis_u] = -400000;
-    f.in.actual_nm[hal_axis_x] = 46500000;
-    f.in.actual_nm[hal_axis_z] = z_nm;
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    cut_at(z_nm);
     fixture_play_ticks(&f, 70); // the instant that is read ahead lies behind the engagement as well
 }
 
@@ -42,7 +26,7 @@ static void test_u_with_lead_is_read_at_the_angle_to_come(void)
         f.params.lead_ns = lead_ns[i];
         f.params.phase_udeg = 30000000;
         f.params.amplitude_ppm = 750000;
-        cut_at(437000);
+        cut_long_at(437000);
         for (int k = 0; k < 1000; k++) {
             fixture_play_tick(&f);
             const double ahead = f.angle.speed_q32 * (lead_ns[i] / 50000.0);
@@ -56,7 +40,7 @@ static void test_u_with_lead_is_read_at_the_angle_to_come(void)
 static void test_u_while_the_speed_differs_is_read_at_that_speed(void)
 {
     f.params.lead_ns = 100000;
-    cut_at(100000);
+    cut_long_at(100000);
     for (int32_t speed = 500000; speed < 10000000; speed += 497251) {
         f.angle.speed_q32 = speed;
         fixture_play_tick(&f);
@@ -164,7 +148,7 @@ static void test_envelope_while_engaging_and_disengaging_is_the_smooth_step(void
 static void test_phase_changed_in_the_cut_is_ramped_the_short_way(void)
 {
     f.params.phase_udeg = 170000000;
-    cut_at(0);
+    cut_long_at(0);
     f.params.phase_udeg = -170000000; // 20 degrees onwards at 100 degrees per second: 0.2 s
     f.params.phase_rate_udeg_per_s = 100000000;
     fixture_play_configure(&f);
@@ -183,7 +167,7 @@ static void test_phase_changed_in_the_cut_is_ramped_the_short_way(void)
 static void test_amplitude_changed_in_the_cut_is_ramped(void)
 {
     static const int32_t goal_ppm[] = {0, 1250000, 1000000};
-    cut_at(0);
+    cut_long_at(0);
     for (int i = 0; i < 3; i++) {
         const int32_t from_ppm = f.params.amplitude_ppm;
         f.params.amplitude_ppm = goal_ppm[i];
@@ -207,7 +191,7 @@ static void test_amplitude_changed_in_the_cut_is_ramped(void)
 
 static void test_velocity_and_acceleration_of_u_are_those_of_the_setpoints(void)
 {
-    cut_at(500000);
+    cut_long_at(500000);
     double a_nm = nm(f.before, hal_axis_u);
     double b_nm = nm(f.axis, hal_axis_u);
     for (int i = 0; i < 2000; i++) {
@@ -229,7 +213,7 @@ static void test_due_is_the_setpoint_of_lead_ago(void)
     for (int i = 0; i < 5; i++) {
         setUp();
         f.params.lead_ns = lead_ns[i];
-        cut_at(0);
+        cut_long_at(0);
         const double lead = lead_ns[i] / 50000.0;
         const int whole = (int)lead;
         for (int k = 0; k < 2000; k++) {

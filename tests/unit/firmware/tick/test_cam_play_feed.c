@@ -3,17 +3,8 @@
 #include "cam_angle.h"
 #include "cam_feasible.h"
 #include "fixture_newer.h"
-#include "fixture_play.h"
-#include "unity.h"
+#include "play_bench.h"
 #include <math.h>
-
-static fixture_play_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-}
 
 static void plain_profile(double z_nm, double x[3])
 {
@@ -21,26 +12,6 @@ static void plain_profile(double z_nm, double x[3])
     x[0] = 46e6;
     x[1] = 0.0;
     x[2] = 0.0;
-}
-
-static void engage(void)
-{
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
-}
-
-/// Ticks after which every axis has reached what was planned for a spindle that stands.
-enum { rounds = 4 * FIXTURE_PLAN_TICKS };
-
-/// @return [nm] Z wanted when the spindle is `turns` behind the start of the feed
-static double z_at(double turns)
-{
-    const int32_t speed_q32 = f.angle.speed_q32;
-    f.angle.pos_q32 = f.plan.feed_at_q32 + llround(turns * 4294967296.0);
-    f.angle.speed_q32 = 0;
-    fixture_play_ticks(&f, rounds);
-    f.angle.speed_q32 = speed_q32;
-    return (double)f.axis[hal_axis_z].pos_q10 / 1024.0;
 }
 
 /// @return [turn] fed: ramps of r turns, `fed` turns in all
@@ -148,30 +119,10 @@ static void test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges(void
     TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
 }
 
-/// A measured Z sets no limit, whatever the ramp is.
-static void test_feed_ramp_of_a_measured_z_limits_no_speed(void)
-{
-    fixture_play_init(&f, &part);
-    f.params.z_is_measured = 1;
-    const uint32_t highest = cam_feasible(&f.table, &f.params, 1, FIXTURE_PLAY_HZ).highest_mrpm;
-    for (int32_t turns = 1; turns <= 100; turns++) {
-        f.params.feed_ramp_turns = turns;
-        f.params.feed_nm = 1 + (turns * 7919) % 10000000;
-        const cam_feasibility_t ok = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
-        TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
-        TEST_ASSERT_EQUAL_UINT32(highest, ok.highest_mrpm);
-    }
-}
-
 static void start_with_measured_z(void)
 {
     fixture_play_init(&f, &part);
-    f.params.z_is_measured = 1;
-    fixture_play_configure(&f);
-    f.is_axes_held = true;
-    f.in.actual_nm[hal_axis_u] = -400000;
-    f.in.actual_nm[hal_axis_x] = 46500000;
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    cut_at(0);
 }
 
 /// The offset moves X as a whole, in the approach as in the cut.
@@ -241,13 +192,7 @@ static void test_a_measured_z_has_no_way(void)
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
             TEST_ASSERT_NOT_NULL(f.table.way.knots);
         }
-        f.params.z_is_measured = 1;
-        fixture_play_configure(&f);
-        f.is_axes_held = true;
-        f.in.actual_nm[hal_axis_u] = -400000;
-        f.in.actual_nm[hal_axis_x] = 46500000;
-        f.in.actual_nm[hal_axis_z] = 500000;
-        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+        cut_at(500000);
         fixture_play_ticks(&f, rounds);
         TEST_ASSERT_EQUAL_INT64(INT64_C(500000) * 1024, f.axis[hal_axis_z].pos_q10);
         height_q32[i] = f.motion.height_q32;

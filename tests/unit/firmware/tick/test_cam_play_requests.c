@@ -1,17 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the interrupt makes of requests while the axes follow the table, and of inputs while it is
 // off.
-#include "fixture_play.h"
-#include "unity.h"
-
-static fixture_play_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_play_init(&f, &part);
-}
+#include "play_bench.h"
 
 /// In the cut the background check of the table raises its fault in the tick that sees the request,
 /// once.

@@ -1,27 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Z along a ring-helix: the whole path against exact values, its ends, stop, and a measured Z.
 #include "cam_angle.h"
-#include "fixture_play.h"
-#include "unity.h"
+#include "play_bench.h"
 #include <math.h>
 
-static fixture_play_t f;
-static fixture_part_t part;
 static const double turn_q32 = 4294967296.0;
 
 /// 2500 r/min at 0.1 mm and 2000 mm/s2: the ramp is 0.0960 turns.
-void setUp(void)
+static void begin(void)
 {
-    part = fixture_part_short();
     part.is_ring_helix = true;
-}
-
-static void engage(void)
-{
     fixture_play_init(&f, &part);
     TEST_ASSERT_TRUE(f.config.play.rings.is_on);
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    engage();
 }
 
 /// @return [turn] since the path began
@@ -49,7 +40,7 @@ static double exact_nm(double turns)
 /// 2000 mm/s2 * (0.4 ms)^2 / 8 = 40 nm, and two roundings.
 static void test_whole_path_in_ticks_is_within_a_plan_of_the_exact_one(void)
 {
-    engage();
+    begin();
     double worst_nm = 0.0;
     while (f.want.state != cam_state_ready) {
         fixture_play_tick(&f);
@@ -62,23 +53,9 @@ static void test_whole_path_in_ticks_is_within_a_plan_of_the_exact_one(void)
     TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
 }
 
-/// Ticks after which every axis has reached what was planned for a spindle that stands.
-enum { rounds = 4 * FIXTURE_PLAN_TICKS };
-
-/// @return [nm] Z wanted when the spindle stands at `turns`
-static double z_at(double turns)
-{
-    const int32_t speed_q32 = f.angle.speed_q32;
-    f.angle.pos_q32 = f.plan.feed_at_q32 + (int64_t)floor(turns * turn_q32 + 0.5);
-    f.angle.speed_q32 = 0;
-    fixture_play_ticks(&f, rounds);
-    f.angle.speed_q32 = speed_q32;
-    return (double)f.axis[hal_axis_z].pos_q10 / 1024.0;
-}
-
 static void check_places(int64_t turns)
 {
-    engage();
+    begin();
     TEST_ASSERT_EQUAL_INT64(turns * CAM_TURN_Q32, f.plan.disengage_at_q32 - f.plan.feed_at_q32);
     for (double at = -0.5; at < (double)turns; at += 0.00713) {
         TEST_ASSERT_DOUBLE_WITHIN(0.6, exact_nm(at), z_at(at));
@@ -97,35 +74,10 @@ static void test_every_place_is_exact_to_a_nanometre(void)
     check_places(3);
 }
 
-/// First and last ring are whole turns at full depth, in which Z does not move.
-static void test_first_and_last_ring_are_whole(void)
-{
-    engage();
-    int32_t n_first = 0;
-    int32_t n_last = 0;
-    while (f.want.state != cam_state_disengaging) {
-        fixture_play_tick(&f);
-        const bool is_full = f.motion.scale_q30 >= (1 << 30) - 1024;
-        const int64_t z_q10 = f.axis[hal_axis_z].pos_q10;
-        const double turns = turns_of(f.angle.pos_q32);
-        // An increment that ends behind the ring began up to one plan before its end.
-        const double plan = FIXTURE_PLAN_TICKS / 480.0;
-        if (turns > plan && turns < 1.0 - plan) {
-            TEST_ASSERT_TRUE(is_full && z_q10 == (int64_t)part.z_first_nm * 1024);
-            n_first++;
-        } else if (turns > 20.0 + plan && turns < 21.0 - plan) {
-            TEST_ASSERT_TRUE(is_full && z_q10 == (int64_t)part.z_last_nm * 1024);
-            n_last++;
-        }
-    }
-    TEST_ASSERT_INT32_WITHIN(2, 480 - 2 * FIXTURE_PLAN_TICKS, n_first);
-    TEST_ASSERT_INT32_WITHIN(2, 480 - 2 * FIXTURE_PLAN_TICKS, n_last);
-}
-
 /// @return [turn] length of the path after a stop at `turns`
 static double stopped_at(double turns)
 {
-    engage();
+    begin();
     while (turns_of(f.angle.pos_q32) < turns) {
         fixture_play_tick(&f);
     }
@@ -164,7 +116,7 @@ static void test_stop_before_the_first_ring_leaves_z_where_it_is(void)
 /// end.
 static void test_hold_rests_before_a_ring_and_goes_on_from_it(void)
 {
-    engage();
+    begin();
     const int32_t rate_q30 = f.config.play.feed_rate_q30;
     while (turns_of(f.angle.pos_q32) < 6.3) {
         fixture_play_tick(&f);
@@ -194,15 +146,10 @@ static void test_hold_rests_before_a_ring_and_goes_on_from_it(void)
 /// Only a geared Z follows the path; a measured Z is led by others.
 static void test_measured_z_knows_no_path(void)
 {
+    part.is_ring_helix = true;
     fixture_play_init(&f, &part);
-    f.params.z_is_measured = 1;
-    fixture_play_configure(&f);
+    cut_at(123457);
     TEST_ASSERT_FALSE(f.config.play.rings.is_on);
-    f.is_axes_held = true;
-    f.in.actual_nm[hal_axis_u] = -400000;
-    f.in.actual_nm[hal_axis_x] = 46500000;
-    f.in.actual_nm[hal_axis_z] = 123457;
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
     fixture_play_ticks(&f, 20000); // only stop ends the cut
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
     TEST_ASSERT_EQUAL_INT32(123457, f.want.z_nm);
@@ -214,6 +161,7 @@ static void test_measured_z_knows_no_path(void)
 /// The ramps of the path are made anew for another speed and feed.
 static void test_ramps_fit_the_speed_in_force(void)
 {
+    part.is_ring_helix = true;
     fixture_play_init(&f, &part);
     const uint32_t at_2500 = f.config.play.rings.ramp_q32;
     f.params.spindle_mrpm = 1000000;

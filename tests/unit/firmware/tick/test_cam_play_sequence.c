@@ -1,23 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // States and requests: what is carried out when, and that no course of a cut makes an axis jump.
 #include "cam_angle.h"
-#include "fixture_play.h"
-#include "unity.h"
+#include "play_bench.h"
 #include <math.h>
-
-static fixture_play_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_play_init(&f, &part);
-}
-
-static void bring(cam_state_t state)
-{
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, state));
-}
 
 static double step_nm(hal_axis_t axis)
 {
@@ -55,19 +40,6 @@ static void turn_to(double turns)
     }
 }
 
-static void engage(void)
-{
-    bring(cam_state_engaging);
-    TEST_ASSERT_TRUE(fixture_play_approach(&f));
-}
-
-static void test_enable_without_table_is_ignored(void)
-{
-    f.config.play.table = NULL;
-    fixture_play_do(&f, cam_request_enable);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, f.want.state);
-}
-
 static void test_homing_needs_index_and_rotation_in_the_sense_of_cutting(void)
 {
     static const struct {
@@ -86,18 +58,6 @@ static void test_homing_needs_index_and_rotation_in_the_sense_of_cutting(void)
         TEST_ASSERT_EQUAL_INT32(2500000, f.want.spindle_mrpm);
     }
     TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
-}
-
-static void test_homing_waits_for_the_tool_to_be_out(void)
-{
-    fixture_play_tick(&f);
-    fixture_play_do(&f, cam_request_enable);
-    while (f.want.state == cam_state_homing) {
-        fixture_play_tick(&f);
-    }
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
-    TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
-    TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_u].vel_q10);
 }
 
 /// Every request in every state: what it leads to in the very next tick.
@@ -215,24 +175,6 @@ static void test_start_approaches_zero_clearance_and_first_height(void)
                               (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
 }
 
-/// While Z only passes its place X stands: it nears the work when Z rests there.
-static void test_x_waits_until_z_rests(void)
-{
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_ready));
-    fixture_play_do(&f, cam_request_start);
-    cam_axis_motion_t *x = &f.motion.axis[hal_axis_x];
-    cam_axis_motion_t *z = &f.motion.axis[hal_axis_z];
-    const int64_t place_q10 = (int64_t)f.config.play.z_first_nm * 1024;
-    for (int32_t vel_q10 = -4096; vel_q10 <= 4096; vel_q10 += 2048) {
-        *x = (cam_axis_motion_t){.pos_q10 = f.config.play.x_clear_q10};
-        *z = (cam_axis_motion_t){.pos_q10 = place_q10 - vel_q10, .vel_q10 = vel_q10};
-        f.until_plan = 1;
-        fixture_play_tick(&f);
-        TEST_ASSERT_EQUAL_INT(cam_state_engaging, f.want.state);
-        TEST_ASSERT_EQUAL(vel_q10 == 0, x->vel_q10 != 0);
-    }
-}
-
 static void test_stop_while_approaching_goes_back_to_ready(void)
 {
     bring(cam_state_ready);
@@ -269,39 +211,25 @@ static double stop_at(double turns)
     return end;
 }
 
-static void test_stop_before_the_feed_disengages_at_the_next_turn_without_feed(void)
+/// Before the feed there is none. One that rises goes on to rise, a steady one falls from the next
+/// turn on, and one that falls is left alone.
+static void test_stop_disengages_at_a_whole_turn(void)
 {
-    static const double turns[] = {-9.7, -5.2, -3.001, -0.2};
-    static const double ends[] = {-9.0, -5.0, -3.0, 0.0};
-    for (int i = 0; i < 4; i++) {
-        const double end = stop_at(turns[i]);
-        TEST_ASSERT_TRUE(end == ends[i] || end == ends[i] + 1.0); // read ahead into the next turn
-        TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10);
+    static const struct {
+        double at, end; ///< [turn]
+        int32_t z_nm;
+    } cases[] = {
+        {-9.7, -9.0, 0},      {-5.2, -5.0, 0},       {-3.001, -3.0, 0},     {-0.2, 0.0, 0},
+        {0.3, 4.0, 200000},   {1.5, 4.0, 200000},    {2.5, 5.0, 300000},    {5.5, 8.0, 600000},
+        {5.99, 9.0, 700000}, // axes were commanded into turn 6 before
+        {9.5, 12.0, 1000000}, {10.3, 12.0, 1000000}, {11.9, 12.0, 1000000},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const double end = stop_at(cases[i].at);
+        const bool is_ahead = cases[i].at < 0.0 && end == cases[i].end + 1.0; // into the next turn
+        TEST_ASSERT_TRUE(end == cases[i].end || is_ahead);
+        TEST_ASSERT_EQUAL_INT64((int64_t)cases[i].z_nm * 1024, f.axis[hal_axis_z].pos_q10);
     }
-}
-
-static void test_stop_in_the_rising_feed_lets_it_rise_and_fall(void)
-{
-    TEST_ASSERT_EQUAL_DOUBLE(4.0, stop_at(0.3));
-    TEST_ASSERT_EQUAL_INT64(200000 * 1024, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_EQUAL_DOUBLE(4.0, stop_at(1.5));
-    TEST_ASSERT_EQUAL_DOUBLE(5.0, stop_at(2.5));
-}
-
-static void test_stop_in_the_steady_feed_falls_from_the_next_turn_on(void)
-{
-    TEST_ASSERT_EQUAL_DOUBLE(8.0, stop_at(5.5));
-    TEST_ASSERT_EQUAL_INT64(600000 * 1024, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_EQUAL_DOUBLE(9.0, stop_at(5.99)); // axes were commanded into turn 6 before
-    TEST_ASSERT_EQUAL_INT64(700000 * 1024, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(9.5));
-}
-
-static void test_stop_in_the_falling_feed_changes_nothing(void)
-{
-    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(10.3));
-    TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(11.9));
-    TEST_ASSERT_EQUAL_INT64(1000000 * 1024, f.axis[hal_axis_z].pos_q10);
 }
 
 static void test_stop_twice_does_not_lengthen_the_feed(void)
@@ -337,18 +265,4 @@ static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
     expect_smooth_until(cam_state_disengaging);
     TEST_ASSERT_EQUAL_INT64(21 * CAM_TURN_Q32, f.plan.disengage_at_q32 - f.plan.feed_at_q32);
     expect_smooth_until(cam_state_ready);
-}
-
-static void test_off_follows_the_axes(void)
-{
-    f.is_axes_held = true;
-    for (int32_t i = -5; i < 5; i++) {
-        f.in.actual_nm[hal_axis_u] = i * 30000000;
-        f.in.actual_nm[hal_axis_z] = -i * 200000000;
-        fixture_play_tick(&f);
-        TEST_ASSERT_EQUAL_INT64((int64_t)i * 30000000 * 1024, f.axis[hal_axis_u].pos_q10);
-        TEST_ASSERT_EQUAL_INT64((int64_t)i * -200000000 * 1024, f.axis[hal_axis_z].pos_q10);
-        TEST_ASSERT_EQUAL_INT32(0, f.axis[hal_axis_u].vel_q10);
-        TEST_ASSERT_EQUAL_INT32(0, f.want.spindle_mrpm);
-    }
 }

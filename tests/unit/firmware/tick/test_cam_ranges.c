@@ -266,16 +266,17 @@ static void disturb(void)
         hal_host_fault_counts((int32_t)fixture_random_range(&source, -3000, 3000));
         break;
     case 4:
-        rig.u_error_nm = is_on ? (int32_t)fixture_random_range(&source, INT32_MIN, INT32_MAX) : 0;
+        rig.lathe.error_nm[hal_axis_u] =
+            is_on ? (int32_t)fixture_random_range(&source, INT32_MIN, INT32_MAX) : 0;
         break;
     case 5:
-        rig.home[hal_axis_u].side = is_on ? -1 : 1;
+        rig.lathe.home[hal_axis_u].side = is_on ? -1 : 1;
         break;
     case 6:
-        rig.is_z_held = is_on;
+        rig.lathe.is_held[hal_axis_z] = is_on;
         break;
     default:
-        rig.is_swing_held = is_on;
+        rig.lathe.is_swing_held = is_on;
         break;
     }
 }
@@ -320,7 +321,7 @@ static void run_session(const fixture_part_t *part, uint32_t tick_hz, int n_step
         } else {
             hal_host_fault_estop(false);
             hal_host_fault_drive(false);
-            rig.u_error_nm = 0;
+            rig.lathe.error_nm[hal_axis_u] = 0;
         }
         pass((uint32_t)fixture_random_range(&source, 1, 120));
         walk_configuration();

@@ -44,19 +44,15 @@ void setUp(void)
 static uint32_t at(double turn)
 {
     record.angle.pos_q32 = (int64_t)floor(turn * TURN);
-    return cam_switches_step_isr(&switches, &config, &record) / hal_out_switch_1;
+    const uint32_t outputs = cam_switches_step_isr(&switches, &config, &record);
+    TEST_ASSERT_EQUAL_HEX32(0, outputs % hal_out_switch_1);
+    return outputs / hal_out_switch_1;
 }
 
 /// @return [turn] distance of an angle behind a place, 0 .. 1
 static double behind(double turn, double place)
 {
     return turn - place - floor(turn - place);
-}
-
-static void test_build_without_windows_has_no_outputs(void)
-{
-    configure(1);
-    TEST_ASSERT_EQUAL_UINT32(0, config.n);
 }
 
 /// Random windows, senses, speeds and dead times: wherever the spindle is, the output is what the
@@ -232,12 +228,4 @@ static void test_step_prepares_outputs_in_use_only(void)
         TEST_ASSERT_EQUAL_HEX32(1, at(0.25));
         TEST_ASSERT_EQUAL_UINT32(0, switches.next);
     }
-}
-
-static void test_build_limits_the_hysteresis_to_a_quarter_of_the_window(void)
-{
-    set(4, 0.0, 4.0);
-    params.switch_1_hysteresis_udeg = 5000000;
-    configure(1);
-    TEST_ASSERT_UINT32_WITHIN(8, (uint32_t)(TURN / 360.0), config.each[0].hysteresis_q32);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole cut tick by tick: what is written, what is published, and that it replays bit for bit.
+// A whole cut tick by tick: what is written.
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -12,7 +12,6 @@ enum { log_capacity = 60000 };
 static fixture_rig_t rig;
 static fixture_part_t part;
 static cam_tick_record_t *records;
-static cam_t replayed;
 
 void setUp(void)
 {
@@ -38,16 +37,6 @@ static void cut_whole(void)
     TEST_ASSERT_LESS_THAN_UINT32(log_capacity, rig.n_log);
 }
 
-static void test_tick_writes_outputs_and_what_it_records(void)
-{
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_UINT32(0, hal_host.out.outputs);
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    TEST_ASSERT_EQUAL_UINT32(hal_out_enable | hal_out_in_cut, hal_host.out.outputs);
-    TEST_ASSERT_EQUAL_INT32(2500000, hal_host.out.spindle_mrpm);
-    TEST_ASSERT_EQUAL_MEMORY(&rig.last.out, &hal_host.out.axis, sizeof rig.last.out);
-}
-
 /// In off U may stand anywhere, and is told the end of its stroke that is nearer.
 static void test_tick_off_tells_u_beyond_its_stroke_the_nearer_end(void)
 {
@@ -60,33 +49,6 @@ static void test_tick_off_tells_u_beyond_its_stroke_the_nearer_end(void)
         fixture_rig_tick(&rig);
         TEST_ASSERT_EQUAL_INT32(-600000, hal_host.out.axis[hal_axis_u].pos_nm);
     }
-}
-
-static void test_tick_status_tells_what_the_record_tells(void)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    fixture_rig_ticks(&rig, 7);
-    const cam_status_t status = fixture_rig_status(&rig);
-    TEST_ASSERT_EQUAL_UINT32(rig.last.tick, status.tick);
-    TEST_ASSERT_EQUAL_UINT32(rig.last.config, status.config);
-    TEST_ASSERT_EQUAL_INT64(rig.last.angle.pos_q32, status.pos_q32);
-    TEST_ASSERT_EQUAL_INT32(rig.last.angle.speed_q32, status.speed_q32);
-    TEST_ASSERT_EQUAL_INT32(rig.last.want.z_nm, status.z_nm);
-    TEST_ASSERT_EQUAL_INT32(rig.last.want.u_set_q6, status.u_set_q6);
-    TEST_ASSERT_EQUAL_INT32(rig.last.in.actual_nm[hal_axis_u], status.u_actual_nm);
-    TEST_ASSERT_EQUAL_INT(rig.last.want.state, status.state);
-    TEST_ASSERT_TRUE(status.is_synced);
-    TEST_ASSERT_FALSE(status.is_retracted);
-    TEST_ASSERT_EQUAL_UINT32(10000, status.max_period);
-}
-
-static void test_tick_without_trace_records_nothing(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_trace_on, 0));
-    const uint32_t n = rig.n_log;
-    fixture_rig_ticks(&rig, 600);
-    TEST_ASSERT_EQUAL_UINT32(n, rig.n_log);
-    TEST_ASSERT_EQUAL_UINT32(0, g_cam.trace.n_dropped);
 }
 
 static double step_nm(uint32_t i, hal_axis_t axis)
@@ -134,26 +96,6 @@ static void test_tick_cut_visits_every_height_at_full_amplitude(void)
                               n_cutting); // 10 turns of feed, 2 of ramps
 }
 
-/// Velocity and acceleration that drives may use are those of the set-points.
-static void test_tick_velocity_and_acceleration_match_the_setpoints(void)
-{
-    cut_whole();
-    for (uint32_t i = 1; i + 1u < rig.n_log; i++) {
-        if (records[i - 1u].want.state != cam_state_cutting ||
-            records[i + 1u].want.state != cam_state_cutting) {
-            continue;
-        }
-        const double set = records[i].want.u_set_q6 / 64.0;
-        const double before = records[i - 1u].want.u_set_q6 / 64.0;
-        const double after = records[i + 1u].want.u_set_q6 / 64.0;
-        const double vel_nm = (after - before) / 2.0; // per tick
-        const double acc_nm = after - 2.0 * set + before;
-        TEST_ASSERT_DOUBLE_WITHIN(20.0, vel_nm, records[i].out[hal_axis_u].vel_q10 / 1024.0);
-        // differences of the set-points carry the noise of the encoder
-        TEST_ASSERT_DOUBLE_WITHIN(15.0, acc_nm, records[i].out[hal_axis_u].acc_q10 / 1024.0);
-    }
-}
-
 static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_k1_ns, 742723));
@@ -167,88 +109,6 @@ static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
                                   742723e-9 * 20000.0 * u->vel_q10 / 1024.0 +
                                   (281448e-12 * 4e8 - 1.0 / 48.0) * u->acc_q10 / 1024.0;
             TEST_ASSERT_DOUBLE_WITHIN(0.6, wanted, u->pos_nm);
-        }
-    }
-}
-
-/// The trace holds all that a tick senses: a fresh controller given the same gives the same.
-static void expect_replay(void)
-{
-    memset(&replayed, 0, sizeof replayed);
-    replayed.config.half[0] = *g_cam.config.offered;
-    replayed.config.half[0].play.table = &replayed.config.half[0].table;
-    uint32_t start = 0; // the last configuration is in force from here on
-    while (records[start].config != replayed.config.half[0].generation) {
-        start++;
-    }
-    TEST_ASSERT_TRUE(records[start].want.state <= cam_state_homing); // the spindle stands still
-    const uint32_t n = (uint32_t)replayed.config.half[0].play.plan_ticks;
-    replayed.until_plan = (int32_t)(n - (records[start].tick + n - 1u) % n); // tick 0 has a plan
-    for (uint32_t i = start; i < rig.n_log; i++) {
-        cam_tick_record_t done = {.tick = records[i].tick, .in = records[i].in};
-        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);
-        TEST_ASSERT_EQUAL_INT(records[i].want.state, done.want.state);
-        TEST_ASSERT_EQUAL_INT64(records[i].angle.pos_q32, done.angle.pos_q32);
-        TEST_ASSERT_EQUAL_INT32(records[i].angle.speed_q32, done.angle.speed_q32);
-        TEST_ASSERT_EQUAL_INT32(records[i].want.u_set_q6, done.want.u_set_q6);
-        TEST_ASSERT_EQUAL_INT32(records[i].want.u_due_q6, done.want.u_due_q6);
-        TEST_ASSERT_EQUAL_INT32(records[i].want.z_nm, done.want.z_nm);
-        TEST_ASSERT_EQUAL_MEMORY(records[i].out, done.out, sizeof done.out);
-        TEST_ASSERT_EQUAL_INT32(records[i].want.spindle_mrpm, done.want.spindle_mrpm);
-        TEST_ASSERT_EQUAL_HEX32(records[i].want.outputs, done.want.outputs);
-        TEST_ASSERT_EQUAL_HEX32(records[i].want.faults, done.want.faults);
-    }
-}
-
-static void test_tick_steps_recorded_cut_replays_bit_for_bit(void)
-{
-    cut_whole();
-    expect_replay();
-}
-
-static void test_tick_steps_recorded_fault_replays_bit_for_bit(void)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    fixture_rig_ticks(&rig, 1000);
-    hal_host_fault_counts(200);
-    fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
-    expect_replay();
-}
-
-static void see_estop(void)
-{
-    hal_host_fault_estop(true);
-}
-
-static void see_drive(void)
-{
-    hal_host_fault_drive(true);
-}
-
-static void see_bus(void)
-{
-    hal_host_fault_bus(true);
-}
-
-static void see_late(void)
-{
-    hal_host_fault_late(90);
-}
-
-/// The tick that is to enable is the one that sees the fault: the enable output does not rise.
-static void test_tick_that_sees_a_fault_does_not_enable(void)
-{
-    static void (*const sees[])(void) = {see_estop, see_drive, see_bus, see_late};
-    for (uint32_t i = 0; i < sizeof sees / sizeof sees[0]; i++) {
-        fixture_rig_init(&rig, &part, 20000);
-        fixture_rig_ticks(&rig, 100);
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
-        sees[i]();
-        for (uint32_t n = 0; n < 20u; n++) {
-            fixture_rig_tick(&rig);
-            TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.want.state);
-            TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs & hal_out_enable);
         }
     }
 }

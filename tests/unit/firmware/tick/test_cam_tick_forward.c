@@ -73,37 +73,3 @@ static void test_command_in_the_cut_is_the_control_law(void)
     }
     TEST_ASSERT_TRUE(largest_nm > 20000.0); // the feed-forward is large enough to be judged
 }
-
-static void test_command_of_x_and_z_is_their_setpoint(void)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    for (int i = 0; i < 3000; i++) {
-        fixture_rig_tick(&rig);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.motion.axis[hal_axis_z].pos_q10 / 1024,
-                                 hal_host.out.axis[hal_axis_z].pos_nm);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.motion.axis[hal_axis_x].pos_q10 / 1024,
-                                 hal_host.out.axis[hal_axis_x].pos_nm);
-    }
-}
-
-/// At rest in ready nothing is added: command and set-point agree.
-static void test_command_at_rest_is_the_place_itself(void)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
-    fixture_rig_ticks(&rig, 100);
-    TEST_ASSERT_EQUAL_INT32(-500000, hal_host.out.axis[hal_axis_u].pos_nm);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].vel_q10);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].acc_q10);
-}
-
-/// Due is the set-point of two and a half ticks ago.
-static void test_due_in_the_record_is_the_setpoint_of_lead_ago(void)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    rig.n_log = 0;
-    fixture_rig_ticks(&rig, 2000);
-    for (uint32_t i = 3; i < rig.n_log; i++) {
-        const double due = (records[i - 2].want.u_set_q6 + records[i - 3].want.u_set_q6) / 128.0;
-        TEST_ASSERT_DOUBLE_WITHIN(0.05, due, records[i].want.u_due_q6 / 64.0);
-    }
-}

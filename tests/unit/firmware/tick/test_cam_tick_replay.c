@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // From power-on: every record of a session with changes of parameters and table replays to the bit.
-#include "cam_machine.h"
+#include "cam_machine_jog.h"
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <stdlib.h>
 #include <string.h>
 
-enum { log_capacity = 60000, max_configs = 32, tick_hz = 20000 };
+enum { log_capacity = 60000, max_configs = 64, tick_hz = 20000 };
 
 static fixture_rig_t rig;
 static cam_config_t configs[max_configs]; ///< by generation
@@ -18,14 +18,14 @@ void setUp(void)
 {
     memset(&rig, 0, sizeof rig);
     memset(configs, 0, sizeof configs);
-    rig.ramp_rpm = 2500.0 * 10.0 / tick_hz;
+    rig.lathe.ramp_rpm = 2500.0 * 10.0 / tick_hz;
     rig.log = calloc(log_capacity, sizeof *rig.log);
     TEST_ASSERT_NOT_NULL(rig.log);
     rig.log_capacity = log_capacity;
     hal_host_reset(tick_hz);
     hal_host.in.axis_nm[hal_axis_x] = 46500000; // not far from the work
     cam_machine_init(&rig.machine, &g_cam, tick_hz, hal_clock_hz());
-    fixture_encoder_init(&rig.encoder, rig.machine.params.counts_per_turn, 1, 1000u, 1234);
+    fixture_encoder_init(&rig.lathe.encoder, rig.machine.params.counts_per_turn, 1, 1000u, 1234);
     at_start = *g_cam.config.offered;
     configs[at_start.generation] = at_start;
 }
@@ -190,7 +190,7 @@ static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
 {
     fixture_part_t part = fixture_part_modulated();
     part.spindle_mrpm = 2000000;
-    rig.ramp_rpm = 50.0;
+    rig.lathe.ramp_rpm = 50.0;
     fixture_rig_ticks(&rig, 3);
     set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
     set(cam_param_spindle_lag_us, 100);
@@ -214,22 +214,43 @@ static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
     expect_replay();
 }
 
-static void test_session_with_other_senses_does_not_replay_alike(void)
+/// With homes, a datum and a cut.
+static void test_session_by_hand_replays_bit_for_bit(void)
 {
-    prepare();
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_homing));
-    fixture_rig_ticks(&rig, 1500);
-    memset(&replayed, 0, sizeof replayed);
-    bool is_alike = true;
-    for (uint32_t i = 0; i < rig.n_log; i++) {
-        replayed.config.half[0] = configs[rig.log[i].config];
-        replayed.config.half[0].play.table = &replayed.config.half[0].table;
-        cam_tick_record_t done = {.in = rig.log[i].in};
-        done.in.encoder.counts += i / 200u % 2u; // one count more, now and then
-        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);
-        is_alike = is_alike && done.angle.speed_q32 == rig.log[i].angle.speed_q32;
+    enum { mm = 1000000, manual, home_x, home_u, jog, off, enable, start };
+    cam_machine_t *m = &rig.machine;
+    rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 50000};
+    rig.lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 60 * mm, .pitch_nm = mm};
+    hal_host.in.axis_nm[hal_axis_x] = 59900000;
+    fixture_rig_tick(&rig); // takes the configuration of the start
+    set(cam_param_u_home, 2);
+    set(cam_param_x_home, 3);
+    set(cam_param_x_home_nm, 60 * mm);
+    set(cam_param_x_home_slow_um_per_s, 10000);
+    set(cam_param_lead_ns, 50000);
+    set(cam_param_z_datum_nm, mm);
+    const fixture_part_t part = fixture_part_short();
+    select_table(&part);
+    for (uint32_t step = manual; step <= start; step++) {
+        const hal_axis_t axis = step == home_x ? hal_axis_x : hal_axis_u;
+        TEST_ASSERT_EQUAL_INT(cam_ok, step == manual   ? cam_machine_manual(m)
+                                      : step == jog    ? cam_machine_jog(m, hal_axis_z, -3000).err
+                                      : step == off    ? cam_machine_disable(m)
+                                      : step == enable ? cam_machine_enable(m)
+                                      : step == start  ? cam_machine_start(m)
+                                                       : cam_machine_home_axis(m, axis));
+        for (uint32_t i = 1; i <= 5000u; i++) {
+            keep_config();
+            fixture_rig_tick(&rig);
+            if (i % 1000u == 0u) {
+                cam_machine_keep_alive(m);
+            }
+            cam_machine_jog_poll(m);
+        }
     }
-    TEST_ASSERT_FALSE(is_alike);
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, rig.last.want.state);
+    TEST_ASSERT_EQUAL_HEX32(3u, fixture_rig_status(&rig).jog.homed); // U and X
+    expect_replay();
 }
 
 static void test_trace_switched_off_and_on_has_a_gap_and_goes_on(void)

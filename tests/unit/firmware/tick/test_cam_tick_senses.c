@@ -299,7 +299,7 @@ static void begin(const case_t *c)
     set(cam_param_swing_acceleration_deg_per_s2, 10000000);
     set(cam_param_z_is_measured, c->is_z_measured ? 1 : 0);
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        f.rig.home[i] = (fixture_home_t){.side = 1, .edge_nm = 300000, .pitch_nm = 200000};
+        f.rig.lathe.home[i] = (ideal_home_t){.side = 1, .edge_nm = 300000, .pitch_nm = 200000};
     }
     set(cam_param_u_home, 3);
     set(cam_param_x_home, 2);

@@ -10,11 +10,6 @@ static cam_config_t *in_force(void)
     return &g_cam.config.half[g_cam.config.offered == &g_cam.config.half[0] ? 0 : 1];
 }
 
-static void set(cam_param_id_t id, int32_t value)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
-}
-
 /// The drive of the default machine of host_sim: 300 Hz, 0.7.
 static void with_feed_forward(void)
 {
@@ -40,12 +35,25 @@ static void tick(told_t *t)
     t->step_nm = step_nm;
 }
 
-/// Two ticks tell the step of now.
+/// Three ticks tell the step of now and its change.
 static told_t begin(void)
 {
     told_t t = {.at_nm = hal_host.out.axis[hal_axis_u].pos_nm};
     tick(&t);
+    tick(&t);
     t.most_step_nm = t.most_change_nm = 0;
+    return t;
+}
+
+/// Press the emergency stop: it must be the only fault. @return U's command of n ticks
+static told_t retract(int n)
+{
+    told_t t = begin();
+    hal_host_fault_estop(true);
+    for (int i = 0; i < n; i++) {
+        tick(&t);
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
     return t;
 }
 
@@ -59,12 +67,7 @@ static void test_command_through_faults_at_any_angle_keeps_the_speed_of_u(void)
     for (uint32_t at = 0; at < 240; at += 16) {
         go_back(&bench);
         fixture_rig_ticks(&rig, at);
-        told_t t = begin();
-        hal_host_fault_estop(true);
-        for (int i = 0; i < 200; i++) {
-            tick(&t);
-        }
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+        const told_t t = retract(200);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(20000, t.most_step_nm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->command.change_nm, t.most_change_nm);
         TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
@@ -84,25 +87,22 @@ static void test_command_through_faults_at_any_angle_keeps_the_acceleration_of_u
     for (uint32_t at = 0; at < 120; at++) {
         go_back(&bench);
         fixture_rig_ticks(&rig, at);
-        told_t t = begin();
-        tick(&t);
-        t.most_change_nm = 0;
-        hal_host_fault_estop(true);
-        for (int i = 0; i < 200; i++) {
-            tick(&t);
-        }
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(850, t.most_change_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(850, retract(200).most_change_nm);
     }
 }
 
-/// At 1 kHz the acceleration of a tick is five times the speed of a tick.
-static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract(void)
+static void begin_slowly(void)
 {
     fixture_rig_init(&rig, &part, 1000);
     set(cam_param_u_speed_um_per_s, 50000);
     set(cam_param_spindle_mrpm, 100000);
     set(cam_param_following_limit_nm, 10000000);
+}
+
+/// At 1 kHz the acceleration of a tick is five times the speed of a tick.
+static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract(void)
+{
+    begin_slowly();
     told_t t = begin();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
     for (int i = 0; i < 200; i++) {
@@ -111,19 +111,11 @@ static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract(voi
     TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
     TEST_ASSERT_LESS_OR_EQUAL_INT32(12501, t.most_step_nm); // a quarter
     TEST_ASSERT_GREATER_THAN_INT32(12000, t.most_step_nm);
-    for (int k = 0; k < 40; k++) {
-        fixture_rig_init(&rig, &part, 1000);
-        set(cam_param_u_speed_um_per_s, 50000);
-        set(cam_param_spindle_mrpm, 100000);
-        set(cam_param_following_limit_nm, 10000000);
-        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-        fixture_rig_ticks(&rig, 37u * (uint32_t)k);
-        t = begin();
-        hal_host_fault_estop(true);
-        for (int i = 0; i < 100; i++) {
-            tick(&t);
-        }
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+    for (uint32_t k = 0; k < 40u; k++) {
+        begin_slowly();
+        bring(cam_state_cutting);
+        fixture_rig_ticks(&rig, 37u * k);
+        t = retract(100);
         TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(50000, t.most_step_nm);
     }
@@ -143,13 +135,7 @@ static void test_command_of_the_retract_keeps_the_speed_of_u_in_a_short_window(v
         set(cam_param_following_limit_nm, 10000000);
         bring(cam_state_cutting);
         fixture_rig_ticks(&rig, 37u * at);
-        told_t t = begin();
-        hal_host_fault_estop(true);
-        for (int k = 0; k < 200; k++) {
-            tick(&t);
-        }
-        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(150000, t.most_step_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(150000, retract(200).most_step_nm);
     }
 }
 
@@ -252,20 +238,6 @@ static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
         TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
         TEST_ASSERT_EQUAL_INT32(0, t.step_nm);
     }
-}
-
-static void test_command_beyond_the_stroke_is_a_fault_and_not_clipped(void)
-{
-    with_feed_forward();
-    bring(cam_state_cutting);
-    fixture_rig_ticks(&rig, 2400);
-    in_force()->command.range_nm = 60000; // the short skirt is 0.1 mm deep
-    for (int i = 0; i < 300 && rig.last.want.state != cam_state_fault; i++) {
-        TEST_ASSERT_INT32_WITHIN(60000, 0, hal_host.out.axis[hal_axis_u].pos_nm);
-        fixture_rig_tick(&rig);
-    }
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(command), fixture_rig_status(&rig).first_fault);
-    TEST_ASSERT_INT32_WITHIN(60000, 0, hal_host.out.axis[hal_axis_u].pos_nm);
 }
 
 /// A plan that would tell X or Z too much is not carried out: the axis goes on as before.

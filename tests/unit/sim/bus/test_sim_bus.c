@@ -203,15 +203,6 @@ static void test_missing_encoder_frames_are_missing(void)
     TEST_ASSERT_NOT_NULL(said(0x181));
 }
 
-static void test_what_only_a_run_can_do_is_refused(void)
-{
-    sim_inject_t what;
-    common_error_t e;
-    TEST_ASSERT_FALSE(sim_inject_parse(&what, "late-tick@0:100", sim_inject_on_bus, &e));
-    TEST_ASSERT_FALSE(sim_inject_parse(&what, "node-dead@0:1", sim_inject_in_run, &e));
-    TEST_ASSERT_FALSE(sim_inject_parse(&what, "node-fault@0:1", sim_inject_on_bus, &e));
-}
-
 static void test_status_of_the_controller_is_remembered(void)
 {
     const sim_frame_t status = {.id = 0x1C0, .n = 8, .data = {3, 0, 0, 0, 0x10}};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fixture_image.h"
-#include "hal_host.h" // hal_host
 #include "sim_cut.h"
 #include "unity.h"
 #include <string.h> // memset, strstr
@@ -43,14 +42,6 @@ static void inject(const char *text)
                              error.text);
 }
 
-static void test_matched_machine_cuts_within_a_micrometre(void)
-{
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_DOUBLE_WITHIN(0.05, 12.0, cut.session.cut_turns); // a round
-    TEST_ASSERT_TRUE(cut.session.work.n > 4000u);
-    TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
-}
-
 /// Whatever the operator does to feed and spindle, the form is that of the cut left alone.
 static void test_override_hold_and_resume_leave_the_form_as_it_is(void)
 {
@@ -78,47 +69,6 @@ static void test_trim_is_on_the_radius_while_it_cuts(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 3.0, cut.session.work.max_um);
 }
 
-static void test_without_feed_forward_and_lead_it_is_off_by_tens_of_micrometres(void)
-{
-    options.is_without_feed_forward = true;
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.session.work.max_um > 15.0 && cut.session.work.max_um < 45.0);
-    sim_cut_close(&cut);
-    options.is_without_feed_forward = false;
-    options.is_without_lead = true;
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    // 100 us at 262 rad/s on a slope of up to 0.15 mm/rad: 3.9 um
-    TEST_ASSERT_TRUE(cut.session.work.max_um > 2.5 && cut.session.work.max_um < 5.0);
-}
-
-static void test_same_seed_repeats_bit_for_bit(void)
-{
-    options.session.config.lathe.encoder.jitter_counts = 0.3;
-    (void)run();
-    const double first_um = cut.session.work.sum_um2;
-    const uint64_t n_ticks = cut.n_ticks;
-    sim_cut_close(&cut);
-    (void)run();
-    TEST_ASSERT_TRUE(first_um == cut.session.work.sum_um2 && n_ticks == cut.n_ticks);
-    sim_cut_close(&cut);
-    options.session.seed = 2;
-    (void)run();
-    TEST_ASSERT_TRUE(first_um != cut.session.work.sum_um2);
-}
-
-static void test_reversed_encoder_and_direction_cut_the_same_part(void)
-{
-    for (int i = 1; i < 4; i++) {
-        fixture_part_t part = fixture_part_short();
-        part.direction = (i & 1) != 0 ? -1 : 1;
-        fixture_image_make(&image, &part);
-        options.session.config.lathe.encoder.sign = (i & 2) != 0 ? -1.0 : 1.0;
-        TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-        TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
-        sim_cut_close(&cut);
-    }
-}
-
 static void test_phase_turns_the_oval_on_the_part(void)
 {
     TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "phase_udeg", 30e6, "test", &error));
@@ -134,51 +84,11 @@ static void test_measured_z_is_led_by_the_feed(void)
     TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
 }
 
-static void test_estop_ends_in_a_fault_with_the_tool_out(void)
-{
-    inject("estop@0.1");
-    TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), sim_cut_status(&cut).faults);
-    TEST_ASSERT_DOUBLE_WITHIN(100e-6, 0.1, cut.fault_s - cut.session.cut_at_s);
-    TEST_ASSERT_TRUE(cut.session.radius_mm > cut.session.work.blank_mm);
-    TEST_ASSERT_TRUE(cut.session.work.gouge_um < 1.0);
-}
-
-static void test_flipped_table_byte_is_found(void)
-{
-    inject("table-flip@0:1000");
-    TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), sim_cut_status(&cut).first_fault);
-}
-
 static void test_flip_outside_the_table_is_refused(void)
 {
     inject("table-flip@0:99999999");
     TEST_ASSERT_FALSE(open_cut());
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "outside the table"), error.text);
-}
-
-static void test_stop_ends_the_cut_early(void)
-{
-    options.max_turns = 3.0;
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.is_stopped &&
-                     cut.session.cut_turns < 7.0); // next whole turn, falling ramp
-}
-
-static void test_cut_that_is_stopped_before_it_begins_is_not_gauged(void)
-{
-    inject("stop@t1");
-    options.rpm = 60.0;
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.is_stopped && cut.session.work.n == 0u);
-    TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
-    sim_cut_close(&cut);
-    options.session.n_injects = 0;
-    options.rpm = 0.0;
-    options.max_turns = 3.0;
-    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
 }
 
 static void test_whole_camshaft_has_a_whole_turn_of_every_lobe(void)
@@ -218,15 +128,6 @@ static void test_time_is_enough_for_engaging_and_disengaging(void)
     TEST_ASSERT_TRUE(cut.port.time_s > 2.0 * 12.0 + 60.0);
 }
 
-static void test_infeasible_speed_is_refused_with_numbers(void)
-{
-    options.rpm = 5000.0;
-    TEST_ASSERT_FALSE(open_cut());
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "--rpm 5000"), error.text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "limit 3000"), error.text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "at most --rpm"), error.text);
-}
-
 static void test_speed_that_counts_as_stopped_is_no_remedy(void)
 {
     options.session.config.lathe.spindle_limit_rpm = 900.0;
@@ -235,20 +136,4 @@ static void test_speed_that_counts_as_stopped_is_no_remedy(void)
     TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "stopped_mrpm", 900001, "test", &error));
     TEST_ASSERT_FALSE(open_cut());
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; no speed helps"), error.text);
-}
-
-static void test_damaged_table_is_refused(void)
-{
-    image.bytes[300] ^= 4u;
-    TEST_ASSERT_FALSE(open_cut());
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "short.camtab: table refused"), error.text);
-}
-
-static void test_late_tick_lets_the_machine_live_longer(void)
-{
-    inject("late-tick@0.1:80");
-    TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
-    TEST_ASSERT_TRUE((sim_cut_status(&cut).first_fault & CAM_FAULT_BIT(late_tick)) != 0u);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40e-6,
-                              cut.port.time_s - (double)hal_host.n_ticks * cut.port.lathe.step_s);
 }

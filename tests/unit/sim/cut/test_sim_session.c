@@ -84,11 +84,3 @@ static void test_injections_are_due_once_by_the_clock_or_by_the_cut(void)
     TEST_ASSERT_NULL(sim_session_next_inject(&session, 9.0));
     TEST_ASSERT_EQUAL_UINT32(0, session.n_waiting);
 }
-
-static void test_refused_table_is_named(void)
-{
-    image.bytes[image.size / 2u] ^= 1u;
-    TEST_ASSERT_FALSE(
-        sim_session_open(&session, &options, image.bytes, image.size, "short.camtab", &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "short.camtab: table refused: "));
-}

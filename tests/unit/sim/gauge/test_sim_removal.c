@@ -54,11 +54,17 @@ static void test_volume_of_a_ring_is_exact(void)
                               removal.removed_mm3);
 }
 
-static void test_force_of_a_chip_is_that_of_its_section(void)
+/// Turn a cylinder at the feed, judged from the second turn on.
+static void turn_cylinder(int n)
 {
-    for (int i = 0; i <= 12000; i++) {
+    for (int i = 0; i <= n; i++) {
         (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * i / 6000.0, 46.0, i > 6000);
     }
+}
+
+static void test_force_of_a_chip_is_that_of_its_section(void)
+{
+    turn_cylinder(12000);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 700.0 * 0.1 * 0.1, sim_spread_mean(&removal.chip_force));
 }
 
@@ -77,32 +83,22 @@ static void test_z_that_repeats_each_turn_does_not_ripple(void)
 }
 
 /// F = kc1.1 b h^(1 - mc): b = 0.1 mm, h = 0.1 mm, 700 N/mm2 and mc = 0.25 give 12.448 N, and the
-/// power is as much larger than that of a constant 700 N/mm2 as the force.
+/// power is as much larger than that of a constant 700 N/mm2 as the force. A nose of 0.8 mm cuts
+/// 0.1 mm deep along an arc of 0.8 acos(0.875) = 0.404288 mm, so that the chip is 0.0247349 mm
+/// thick on average: 700 0.0247349^-0.25 0.01 = 17.6511 N.
 static void test_thin_chips_take_more_force_per_area(void)
 {
-    sim_removal_config_t config = papers;
-    config.size_exponent = 0.25;
-    sim_removal_init(&removal, &config);
-    for (int i = 0; i <= 18000; i++) {
-        (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * i / 6000.0, 46.0, i > 6000);
+    static const double cases[][2] = {{0.0, 12.448}, {0.8, 17.6511}}; // nose [mm], force [N]
+    for (int i = 0; i < 2; i++) {
+        sim_removal_config_t config = papers;
+        config.size_exponent = 0.25;
+        config.nose_mm = cases[i][0];
+        sim_removal_init(&removal, &config);
+        turn_cylinder(18000);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, cases[i][1], sim_spread_mean(&removal.chip_force));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, cases[i][1] / 7.0 * 0.7 * sim_spread_mean(&removal.rate),
+                                  sim_spread_mean(&removal.power));
     }
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 12.448, sim_spread_mean(&removal.chip_force));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 12.448 / 7.0 * 0.7 * sim_spread_mean(&removal.rate),
-                              sim_spread_mean(&removal.power));
-}
-
-/// A nose of 0.8 mm cuts 0.1 mm deep along an arc of 0.8 acos(0.875) = 0.404288 mm, so that the
-/// chip is 0.0247349 mm thick on average: 700 0.0247349^-0.25 0.01 = 17.6511 N.
-static void test_nose_cuts_thinner_chips(void)
-{
-    sim_removal_config_t config = papers;
-    config.size_exponent = 0.25;
-    config.nose_mm = 0.8;
-    sim_removal_init(&removal, &config);
-    for (int i = 0; i <= 18000; i++) {
-        (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * i / 6000.0, 46.0, i > 6000);
-    }
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 17.6511, sim_spread_mean(&removal.chip_force));
 }
 
 /// MATHS.md (29): over 3 degree intervals ripple 0.664244; the chip's section goes 1 : 2.

@@ -51,16 +51,13 @@ static void expect_sections(void)
     }
 }
 
-static void test_section_of_a_helix_is_the_surface(void)
+static void test_section_of_a_helix_is_the_surface_in_both_senses(void)
 {
-    cut_helix(0.0, 40.0, 1);
-    expect_sections();
-}
-
-static void test_section_of_a_helix_cut_in_the_other_sense(void)
-{
-    cut_helix(0.0, 40.0, -1);
-    expect_sections();
+    for (int sense = -1; sense <= 1; sense += 2) {
+        setUp();
+        cut_helix(0.0, 40.0, sense);
+        expect_sections();
+    }
 }
 
 static void test_lines_follow_the_height_at_four_angles(void)
