@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from checks.elf_longest import IrreducibleError, Loop, components, longest
-from elf_cases import LOOP, assembled, examined, link, needs_gcc, only_problem
+from tests.tools.cases.elf_cases import LOOP, assembled, examined, link, needs_gcc, only_problem
 
 pytestmark = needs_gcc
 
