@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from camtools.cli.mktables import main as mktables
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
 

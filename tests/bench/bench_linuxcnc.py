@@ -20,9 +20,9 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import expm
 from scipy.signal import lfilter, ss2tf
 
-from camsim_cases import camsim
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main as mktables
+from tests.tools.cases.camsim_cases import camsim
 
 SPEEDS_RPM = (100, 300, 500, 1000, 2000, 2500, 3000)
 RATES_HZ = (1000, 5000, 10000)

@@ -31,8 +31,8 @@ from camtools.base.command import Parser
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.link.refusal_text import ask_done
-from panel_session import PanelSession, panel_session
-from windows import DESK, Window, chromium
+from tests.browser.panel_session import PanelSession, panel_session
+from tests.browser.windows import DESK, Window, chromium
 
 MOST_GROWTH_MB = 50.0
 MINUTE_S = 60.0

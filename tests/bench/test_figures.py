@@ -5,9 +5,20 @@ from __future__ import annotations
 
 import doctest
 
-import figures
 import pytest
-from figures import CASES, CORES, PAGE, TEMPLATE, Case, core_figures, decimals, measure, recorded
+
+from tests.bench import figures
+from tests.bench.figures import (
+    CASES,
+    CORES,
+    PAGE,
+    TEMPLATE,
+    Case,
+    core_figures,
+    decimals,
+    measure,
+    recorded,
+)
 
 
 def test_examples_are_true() -> None:

@@ -7,8 +7,19 @@ import doctest
 from pathlib import Path
 
 import pytest
-import resolution
-from resolution import DEFAULT, EXACT, PORTS, ROWS, Row, Shape, bound_um, cut_row_um, cut_um
+
+from tests.bench import resolution
+from tests.bench.resolution import (
+    DEFAULT,
+    EXACT,
+    PORTS,
+    ROWS,
+    Row,
+    Shape,
+    bound_um,
+    cut_row_um,
+    cut_um,
+)
 
 Lines = list[list[str]]
 

@@ -11,16 +11,16 @@ from functools import cache
 from math import inf
 from pathlib import Path
 
-import bench_tables
 import numpy as np
 import pytest
-from bench_tables import ROOT, parts, recorded
 
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make as make_table
 from camtools.table.channel import KIND_U
 from camtools.table.evaluate import evaluate_grid
 from camtools.table.image import Table, pack
+from tests.bench import bench_tables
+from tests.bench.bench_tables import ROOT, parts, recorded
 
 CAMSIM = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "host_sim" / "camsim"
 LONG = ("16v240zj", "perkins240_equal_volume", "perkins240_papers_speed", "twist80")

@@ -19,10 +19,10 @@ from playwright.sync_api import Page
 
 from camtools.cli.run import main as run
 from camtools.link.bus import open_bus
-from gallery import FOLDER, Gallery
-from overheard import Overheard
-from panel_session import PanelSession, panel_session
-from windows import Chromium, OpenWindow, Window, chromium
+from tests.browser.gallery import FOLDER, Gallery
+from tests.browser.overheard import Overheard
+from tests.browser.panel_session import PanelSession, panel_session
+from tests.browser.windows import Chromium, OpenWindow, Window, chromium
 
 # No cut ends by itself while a slow computer looks at it: 3000 turns, 75 s of the lathe's time.
 LONG_CUT = ("--", "--set", "feed_nm=20000")

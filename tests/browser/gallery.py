@@ -14,7 +14,7 @@ from pathlib import Path
 
 from playwright.sync_api import Page
 
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 FOLDER = ROOT / "build" / "reports" / "browser"
 _PAGE = """\

@@ -15,9 +15,9 @@ from typing import Any
 
 import can
 
-from background import PATIENCE_S
 from camtools.link.controller import Link, Status
 from camtools.link.messages import COMMAND, DATABASE, NUMBERS
+from tests.tools.cases.background import PATIENCE_S
 
 Point = tuple[float, float]
 _JOG = NUMBERS["command"]["jog"]

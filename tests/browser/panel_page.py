@@ -8,8 +8,8 @@ import re
 from playwright.sync_api import Locator, Page, expect
 
 from camtools.link.controller import Status
-from overheard import Overheard
-from panel_session import PanelSession
+from tests.browser.overheard import Overheard
+from tests.browser.panel_session import PanelSession
 
 _POINTS = """element => getElement(Number(element.id.slice(1))).chart.getOption().series
     .filter(series => series.id.startsWith("turns-")).flatMap(series => series.data)"""

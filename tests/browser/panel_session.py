@@ -19,11 +19,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from background import PATIENCE_S, Background, background, python
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link, Status
 from camtools.link.live_lathes import LiveLathe, live_lathes
 from camtools.link.rights import May
+from tests.tools.cases.background import PATIENCE_S, Background, background, python
 
 _ENDS = {"fault": "reset", "homing": "disable", "ready": "disable", "manual": "disable"}
 _CALM_S = 0.1

@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from accessible import grave_findings
-from gallery import Gallery
-from panel_session import PanelSession
-from windows import NO_3D, OpenWindow
+from tests.browser.accessible import grave_findings
+from tests.browser.gallery import Gallery
+from tests.browser.panel_session import PanelSession
+from tests.browser.windows import NO_3D, OpenWindow
 
 FEED_MM = 0.5  # coarse, so that a cut is short
 _SECTION = """element => getElement(Number(element.id.slice(1))).chart.getOption().series

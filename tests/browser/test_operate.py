@@ -6,12 +6,12 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from accessible import grave_findings
-from gallery import Gallery
-from overheard import Overheard
-from panel_page import command, expect_state, give, look, order, points, take_command
-from panel_session import PanelSession
-from windows import PHONE, OpenWindow
+from tests.browser.accessible import grave_findings
+from tests.browser.gallery import Gallery
+from tests.browser.overheard import Overheard
+from tests.browser.panel_page import command, expect_state, give, look, order, points, take_command
+from tests.browser.panel_session import PanelSession
+from tests.browser.windows import PHONE, OpenWindow
 
 JOG_TIMEOUT_ROWS = 25  # 250 ms of the controller's own time: a status comes every 10 ms
 ROUND_ROWS = 24  # the phase of a jog and the place of X come in turn with other pages

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from overheard import Overheard
-from panel_session import PanelSession
-from windows import OpenWindow
+from tests.browser.overheard import Overheard
+from tests.browser.panel_session import PanelSession
+from tests.browser.windows import OpenWindow
 
 # Every way that a page has to reach another server; what it learns is a line each.
 ATTACK = """async ([origin, host, hasFrames]) => {

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import pytest
 
-from accessible import grave_findings
-from gallery import Gallery
-from panel_session import PanelSession
-from windows import DESK, PHONE, OpenWindow
+from tests.browser.accessible import grave_findings
+from tests.browser.gallery import Gallery
+from tests.browser.panel_session import PanelSession
+from tests.browser.windows import DESK, PHONE, OpenWindow
 
 PAGES = {"operate": "/", "design": "/design", "runs": "/runs"}
 

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from accessible import grave_findings
-from camsim_cases import columns_of
 from camtools.base.quantities import Floats
-from gallery import FOLDER, Gallery
-from windows import NO_3D, PHONE, OpenWindow
+from tests.browser.accessible import grave_findings
+from tests.browser.gallery import FOLDER, Gallery
+from tests.browser.windows import NO_3D, PHONE, OpenWindow
+from tests.tools.cases.camsim_cases import columns_of
 
 A4_WIDTH_PX, A4_MARGIN_MM = 794, 15.0
 MOST_PAGES = 13  # a page for each of five sections and one for the profiles

@@ -6,8 +6,8 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import expect
 
-from panel_session import PanelSession
-from windows import OpenWindow
+from tests.browser.panel_session import PanelSession
+from tests.browser.windows import OpenWindow
 
 
 @pytest.mark.parametrize("path", ["/design", "/runs"])

@@ -16,9 +16,9 @@ from camtools.link.controller import Link
 from camtools.link.download import download, select_table
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
-from panel_session import PanelSession
-from part_cases import PERKINS
-from windows import OpenWindow
+from tests.browser.panel_session import PanelSession
+from tests.browser.windows import OpenWindow
+from tests.tools.cases.part_cases import PERKINS
 
 GONE_MS = 30_000  # a page is gone when its connection does not come back
 HOSTILE = "<img src=x onerror=hacked=1>"

@@ -28,7 +28,7 @@ from playwright.sync_api import (
     sync_playwright,
 )
 
-from loopback_trap import Trap
+from tests.browser.loopback_trap import Trap
 
 PATIENCE_MS = 120_000.0  # for a condition, on a computer that does much else
 expect.set_options(timeout=PATIENCE_MS)

@@ -12,9 +12,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from reactions import CASES, Reaction, react
-
 from camtools.cli.mktables import main as mktables
+from tests.campaign.reactions import CASES, Reaction, react
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = ROOT / "tests" / "campaign"

@@ -6,8 +6,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from campaign_run import HOURS, figures_page, key_of
-from reactions import CASES, Reaction
+from tests.campaign.campaign_run import HOURS, figures_page, key_of
+from tests.campaign.reactions import CASES, Reaction
 
 HERE = Path(__file__).resolve().parent
 FLAT = json.loads((HERE / "figures.json").read_text("utf-8"))

@@ -17,7 +17,7 @@ import pytest
 from cantools.database.can import Database
 from cantools.database.can.c_source import camel_to_snake_case
 
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 N_EACH = 400
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host")

@@ -30,7 +30,7 @@ from camtools.skirt.geometry.scan_text import parse_sections
 from camtools.table.channel import ImageError
 from camtools.table.image import unpack
 from camtools.table.points import parse_points as parse_gauged
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 Reader = Callable[[bytes], object]
 MACHINES = ROOT / "host_sim" / "machines"

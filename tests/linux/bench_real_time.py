@@ -10,9 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kernel import Result
+from tests.linux.kernel import Result
 
-pytest_plugins = ["linux_fixtures"]
+pytest_plugins = ["tests.linux.linux_fixtures"]
 
 
 def test_ticks_in_real_time(play: Callable[..., Result]) -> None:

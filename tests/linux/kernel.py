@@ -19,7 +19,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from camsim_cases import ROOT, camsim
+from tests.tools.cases.camsim_cases import ROOT, camsim
 
 HERE = Path(__file__).parent
 UML = ROOT / "tools" / "uml"
@@ -134,7 +134,7 @@ class Kernel:
         """
         out = Path(setup["out"])
         (out / "setup.json").write_text(json.dumps(setup))
-        words = [sys.executable, str(HERE / "scenarios.py"), scenario, str(out / "setup.json")]
+        words = [sys.executable, "-m", "tests.linux.scenarios", scenario, str(out / "setup.json")]
         process = self.start(out, *words, is_virtual=is_virtual)
         message = wait_said(process, PLAY_LIMIT_S)
         return Result(process.returncode, message, out)

@@ -12,9 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import CAMSIM
-from inside import SECRET
-from kernel import (
+from tests.linux.inside import SECRET
+from tests.linux.kernel import (
     CONTROLLER,
     END_S,
     FEED_MM,
@@ -27,6 +26,7 @@ from kernel import (
     Result,
     find_kernel,
 )
+from tests.tools.cases.camsim_cases import CAMSIM
 
 BUSY = -25  # cam_err_busy
 LINES = ("estop", "ready", "index", "enable", "fault", "in_cut")

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from port_nodes import (
+from tests.linux.port_nodes import (
     CAN,
     CHIP,
     ENABLED,

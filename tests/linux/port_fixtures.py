@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from port_cases import ESTOP_LINE, PROGRAMS, READY_LINE, Setup, Start, config_text
-from port_nodes import INDEX_LINE, Controller, Nodes, pull
+from tests.linux.port_cases import ESTOP_LINE, PROGRAMS, READY_LINE, Setup, Start, config_text
+from tests.linux.port_nodes import INDEX_LINE, Controller, Nodes, pull
 
 
 @pytest.fixture(scope="module", params=PROGRAMS, ids=lambda path: path.parts[-4])

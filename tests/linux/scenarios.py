@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from inside import BLOCK_BYTES, ENABLE, RESET, START, Bus, Line, Session, main
+from tests.linux.inside import BLOCK_BYTES, ENABLE, RESET, START, Bus, Line, Session, main
 
 POLL_S = 20e-6
 TICK_NS = 1_000_000

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from kernel import Kernel
+from tests.linux.kernel import Kernel
 
-pytest_plugins = ["linux_fixtures"]
+pytest_plugins = ["tests.linux.linux_fixtures"]
 
 
 def test_kernel_runs_a_command(kernel: Kernel, tmp_path: Path) -> None:

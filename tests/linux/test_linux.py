@@ -16,10 +16,10 @@ import pytest
 from cantools.database.can import Database
 from numpy.typing import NDArray
 
-from camsim_cases import first_difference
-from kernel import HERE, InProcess, Kernel, PortTests, Result
+from tests.linux.kernel import HERE, InProcess, Kernel, PortTests, Result
+from tests.tools.cases.camsim_cases import first_difference
 
-pytest_plugins = ["linux_fixtures"]
+pytest_plugins = ["tests.linux.linux_fixtures"]
 
 Play = Callable[..., Result]
 

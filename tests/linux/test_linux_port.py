@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from port_cases import (
+from tests.linux.port_cases import (
     CUT_LINE,
     ENABLE,
     ENABLE_LINE,
@@ -28,7 +28,7 @@ from port_cases import (
     needs_kernel,
     parameter,
 )
-from port_nodes import (
+from tests.linux.port_nodes import (
     CAN,
     DISABLED,
     ENABLED,
@@ -47,7 +47,7 @@ from port_nodes import (
     wait_until,
 )  # fmt: skip
 
-pytest_plugins = ["port_fixtures"]
+pytest_plugins = ["tests.linux.port_fixtures"]
 pytestmark = needs_kernel
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from port_cases import (
+from tests.linux.port_cases import (
     ENABLE,
     ENABLE_LINE,
     ESTOP_LINE,
@@ -29,7 +29,7 @@ from port_cases import (
     enable,
     needs_kernel,
 )
-from port_nodes import (
+from tests.linux.port_nodes import (
     CAN,
     CHIP,
     ENABLED,
@@ -46,7 +46,7 @@ from port_nodes import (
     wait_until,
 )  # fmt: skip
 
-pytest_plugins = ["port_fixtures"]
+pytest_plugins = ["tests.linux.port_fixtures"]
 pytestmark = needs_kernel
 
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-import kernel
-from camsim_cases import ROOT
-from kernel import UML, BrokenKernelError, NoKernelError
+from tests.linux import kernel
+from tests.linux.kernel import UML, BrokenKernelError, NoKernelError
+from tests.tools.cases.camsim_cases import ROOT
 
 FakeKernel = Callable[[str], None]
 BROKEN = 134

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from halbox import Halbox, build, halbox
-from linuxcnc import NotHereError, tools
-from part_cases import ROOT
+from tests.linuxcnc.halbox import Halbox, build, halbox
+from tests.tools.cases.linuxcnc import NotHereError, tools
+from tests.tools.cases.part_cases import ROOT
 
 HERE = Path(__file__).parent
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from camsim_cases import camsim
-from halbox import Halbox
+from tests.linuxcnc.halbox import Halbox
+from tests.tools.cases.camsim_cases import camsim
 
 Whole = NDArray[np.int64]
 FROM_REPLAY = "spindle-rawcounts spindle-counts enable start estop-ok drive-ready u-fb x-fb z-fb"

@@ -11,10 +11,10 @@ import pytest
 
 from camtools.cli import keys
 from camtools.table.signature import read_private, sign
-from halbox import Halbox
-from replays import COMMANDED, Cut, Whole, cut, replay
+from tests.linuxcnc.halbox import Halbox
+from tests.linuxcnc.replays import COMMANDED, Cut, Whole, cut, replay
 
-pytest_plugins = ["halrun_fixtures"]
+pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
 TableOf = Callable[[str], Path]
 LOAD = "loadrt camturn table={} tick_hz=1000\n"

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from halbox import Halbox
-from part_cases import ROOT
+from tests.linuxcnc.halbox import Halbox
+from tests.tools.cases.part_cases import ROOT
 
-pytest_plugins = ["halrun_fixtures"]
+pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
 SIM = ROOT / "hal" / "linuxcnc" / "sim"
 PROGRAMS = ("linuxcncsvr", "io", "milltask")

@@ -9,7 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-from journal import Judged
+from tests.mutation.journal import Judged
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent

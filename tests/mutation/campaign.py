@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from threading import Lock
 
-from account import (
+from tests.mutation.account import (
     LEAST_PERCENT,
     MOST_DEAF_PERCENT,
     ROOT,
@@ -27,10 +27,10 @@ from account import (
     why,
     write,
 )
-from journal import Journal, Judged, Killers, digest_compiled, digest_of
-from mutants import Mutant, drawn, sources
-from pristine import Pristine
-from workshop import Workshop
+from tests.mutation.journal import Journal, Judged, Killers, digest_compiled, digest_of
+from tests.mutation.mutants import Mutant, drawn, sources
+from tests.mutation.pristine import Pristine
+from tests.mutation.workshop import Workshop
 
 _N_DEAF = 40  # mutants of the counter-check
 _N_QUICK = 75

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:  # it needs universalmutator, which who only reads figures has not
-    from mutants import Mutant
+    from tests.mutation.mutants import Mutant
 
 # What a verdict depends on; the compiler's depends on the first alone.
 _COMPILED = (

@@ -16,8 +16,9 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
-from asserted import asserted, unseen
 from universalmutator import mutator
+
+from tests.mutation.asserted import asserted, unseen
 
 _RULES = ["universal.rules", "c_like.rules", "c.rules"]
 _LEFT_OUT = [

@@ -7,10 +7,18 @@ import json
 from pathlib import Path
 
 import pytest
-from account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, figures_of, reasons
-from asserted import asserted, unseen
-from journal import Journal, Judged
-from pristine import judging_tests
+
+from tests.mutation.account import (
+    HERE,
+    LEAST_PERCENT,
+    MOST_DEAF_PERCENT,
+    Reason,
+    figures_of,
+    reasons,
+)
+from tests.mutation.asserted import asserted, unseen
+from tests.mutation.journal import Journal, Judged
+from tests.mutation.pristine import judging_tests
 
 RECORDED = json.loads((HERE / "figures.json").read_text(encoding="utf-8"))
 

@@ -8,9 +8,9 @@ from itertools import product
 from pathlib import Path
 from typing import Literal
 
-from journal import Killers
-from mutants import Mutant
-from pristine import (
+from tests.mutation.journal import Killers
+from tests.mutation.mutants import Mutant
+from tests.mutation.pristine import (
     BUILD_LIMIT_S,
     CAMSIM,
     TEST_LIMIT_S,

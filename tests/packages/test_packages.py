@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import BUILD, ROOT
 from camtools.base.project_paths import VERSION
+from tests.tools.cases.camsim_cases import BUILD, ROOT
 
 LIMIT_S = 600
 HERE = Path(__file__).parent

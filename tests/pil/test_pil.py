@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from camsim_cases import CAMSIM, ROOT, camsim, first_difference, only_error
+from tests.tools.cases.camsim_cases import CAMSIM, ROOT, camsim, first_difference, only_error
 
 BOARDS = {"mps2-an500": "mcu-qemu", "mps2-an386": "mcu-qemu-m4"}
 LEAST_TICKS_PER_S = 10_000

@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 from pyarrow import csv
 
-from camsim_cases import ROOT, camsim
+from tests.tools.cases.camsim_cases import ROOT, camsim
 
 HERE = Path(__file__).parent
 HOST_SIM = str(ROOT / "host_sim")

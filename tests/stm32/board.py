@@ -13,12 +13,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from emulator import Chip
-from image import Image
-from models.bus import UnmodelledError
-from models.fdcan import Frame
-from models.spi_dac import Ad5754r
-from models.stepper import Stepper
+from tests.stm32.emulator import Chip
+from tests.stm32.image import Image
+from tests.stm32.models.bus import UnmodelledError
+from tests.stm32.models.fdcan import Frame
+from tests.stm32.models.spi_dac import Ad5754r
+from tests.stm32.models.stepper import Stepper
 
 HSE_HZ = 8_000_000
 TABLE = 0x08100000

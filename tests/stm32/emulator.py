@@ -34,11 +34,11 @@ from unicorn import (
 from unicorn import arm_const as arm
 from unicorn.unicorn_py3.unicorn import uclib
 
-from image import Image
-from models.bus import InsnClock, UnmodelledError
-from models.core import Exceptions, is_double_store
-from models.devices import GATES, Devices
-from models.flash_pwr import WORD_BYTES
+from tests.stm32.image import Image
+from tests.stm32.models.bus import InsnClock, UnmodelledError
+from tests.stm32.models.core import Exceptions, is_double_store
+from tests.stm32.models.devices import GATES, Devices
+from tests.stm32.models.flash_pwr import WORD_BYTES
 
 HERE = Path(__file__).resolve().parent
 FLASH, FLASH_BYTES = 0x08000000, 0x200000

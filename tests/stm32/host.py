@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from board import FULL, STEP_PM
-from tick_trace import Record
+from tests.stm32.board import FULL, STEP_PM
+from tests.stm32.tick_trace import Record
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / os.environ.get("CAMTURN_BUILD", "build/host")

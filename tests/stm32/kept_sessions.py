@@ -18,8 +18,8 @@ from pathlib import Path
 import pytest
 from _pytest.runner import runtestprotocol
 
-from host import make_table
-from session import Session
+from tests.stm32.host import make_table
+from tests.stm32.session import Session
 
 
 def _new() -> Session:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from cantools.database.can import Database
 
-from board import Board
-from models.fdcan import Frame
+from tests.stm32.board import Board
+from tests.stm32.models.fdcan import Frame
 
 ROOT = Path(__file__).resolve().parents[2]
 DATABASE = Database()

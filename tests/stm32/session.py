@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from board import Board
-from host import IMAGE
-from image import Image
-from remote import ENABLE, PARAMS, Remote
-from tick_trace import Record, Trace
+from tests.stm32.board import Board
+from tests.stm32.host import IMAGE
+from tests.stm32.image import Image
+from tests.stm32.remote import ENABLE, PARAMS, Remote
+from tests.stm32.tick_trace import Record, Trace
 
 # An ideal machine: one tick of dead time, quick axes, a way into the work that X can take. It has
 # nothing to be learned; what the slow side learns is no input of the replay.

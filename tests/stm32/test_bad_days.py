@@ -7,15 +7,15 @@ from collections.abc import Callable
 
 import pytest
 
-from board import READY
 from camtools.base.project_paths import VERSION
-from emulator import DTCM, DTCM_BYTES
-from host import make_table
-from models.core import HARD_FAULT
-from models.gpio import OUTPUT
-from models.rcc import RESET_FLAGS
-from remote import ENABLE, KEY, PARAMS, RESET, SELECT, SET, START, TAKE, errors
-from session import Session
+from tests.stm32.board import READY
+from tests.stm32.emulator import DTCM, DTCM_BYTES
+from tests.stm32.host import make_table
+from tests.stm32.models.core import HARD_FAULT
+from tests.stm32.models.gpio import OUTPUT
+from tests.stm32.models.rcc import RESET_FLAGS
+from tests.stm32.remote import ENABLE, KEY, PARAMS, RESET, SELECT, SET, START, TAKE, errors
+from tests.stm32.session import Session
 
 ERR = errors()
 TIM5_CNT = 0x40000C24

@@ -7,11 +7,19 @@ from itertools import pairwise
 
 import pytest
 
-from board import COUNTS_PER_TURN, INDEX_AT, Outputs
-from host import MOST_UM_PER_S, internal_word, make_table, positions, replay, steps, words
-from remote import DISABLE, START
-from session import Session
-from tick_trace import Record
+from tests.stm32.board import COUNTS_PER_TURN, INDEX_AT, Outputs
+from tests.stm32.host import (
+    MOST_UM_PER_S,
+    internal_word,
+    make_table,
+    positions,
+    replay,
+    steps,
+    words,
+)
+from tests.stm32.remote import DISABLE, START
+from tests.stm32.session import Session
+from tests.stm32.tick_trace import Record
 
 TICK_CYCLES = 24_000
 STEP_CYCLES = 14_400  # 30 us

@@ -9,11 +9,11 @@ import zlib
 import pytest
 
 from camtools.cli.flash import FIRST_PLACE
-from host import make_table
-from models.fdcan import Frame
-from models.flash_pwr import SECTOR_BYTES
-from remote import BEGIN, COMMAND, ENABLE, SELECT, TO_CONTROLLER, errors
-from session import Session
+from tests.stm32.host import make_table
+from tests.stm32.models.fdcan import Frame
+from tests.stm32.models.flash_pwr import SECTOR_BYTES
+from tests.stm32.remote import BEGIN, COMMAND, ENABLE, SELECT, TO_CONTROLLER, errors
+from tests.stm32.session import Session
 
 OTHER, LOG, TABLE = 0x08040000, 0x080E0000, 0x08100000
 MAGIC, RECORD_BYTES = 0x4C424154, 32

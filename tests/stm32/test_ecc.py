@@ -10,14 +10,14 @@ import pytest
 from unicorn import UC_HOOK_MEM_READ, UC_HOOK_MEM_WRITE, UC_MEM_WRITE, Uc
 from unicorn import arm_const as arm
 
-from board import TABLE
 from camtools.link.controller import Status
 from camtools.link.status_text import report
-from emulator import FLASH, RAMS, Chip
-from models.core import is_double_store
-from models.ramecc import MONITORS
-from remote import DATABASE, DETAIL, START
-from session import Session
+from tests.stm32.board import TABLE
+from tests.stm32.emulator import FLASH, RAMS, Chip
+from tests.stm32.models.core import is_double_store
+from tests.stm32.models.ramecc import MONITORS
+from tests.stm32.remote import DATABASE, DETAIL, START
+from tests.stm32.session import Session
 
 KEEP = range(0x2001FF00, 0x20020000)
 BOOT = range(FLASH, FLASH + 0x400)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from emulator import Chip
-from image import Image
-from image_build import build_image
-from models.bus import UnmodelledError
-from models.rcc import RESET_FLAGS
+from tests.stm32.emulator import Chip
+from tests.stm32.image import Image
+from tests.stm32.image_build import build_image
+from tests.stm32.models.bus import UnmodelledError
+from tests.stm32.models.rcc import RESET_FLAGS
 
 
 def chip_of(name: str, folder: Path, *, hse_hz: int = 8_000_000) -> Chip:

@@ -5,17 +5,17 @@ from __future__ import annotations
 
 import pytest
 
-from models.bus import InsnClock, UnmodelledError
-from models.fdcan import Ccu, Fdcan, Frame, MessageRam
-from models.flash_pwr import Flash, Pwr, Syscfg
-from models.gpio import Gpio
-from models.iwdg import Iwdg
-from models.pulse_timer import PulseTimer
-from models.rcc import Rcc
-from models.spi_dac import Ad5754r
-from models.stepper import Stepper
-from models.timers import Timer
-from models.wwdg import Wwdg
+from tests.stm32.models.bus import InsnClock, UnmodelledError
+from tests.stm32.models.fdcan import Ccu, Fdcan, Frame, MessageRam
+from tests.stm32.models.flash_pwr import Flash, Pwr, Syscfg
+from tests.stm32.models.gpio import Gpio
+from tests.stm32.models.iwdg import Iwdg
+from tests.stm32.models.pulse_timer import PulseTimer
+from tests.stm32.models.rcc import Rcc
+from tests.stm32.models.spi_dac import Ad5754r
+from tests.stm32.models.stepper import Stepper
+from tests.stm32.models.timers import Timer
+from tests.stm32.models.wwdg import Wwdg
 
 RCR, CCR1, BDTR = 0x30, 0x34, 0x44
 CR1, SMCR, SR, CCMR1, CCMR2, CCER, CNT, PSC, ARR, EGR, CCR3, CCR4 = (

@@ -10,9 +10,9 @@ from __future__ import annotations
 import struct
 import zlib
 
-from models.flash_pwr import SECTOR_BYTES
-from remote import GET, PARAMS, REVERT, SAVE
-from session import Session
+from tests.stm32.models.flash_pwr import SECTOR_BYTES
+from tests.stm32.remote import GET, PARAMS, REVERT, SAVE
+from tests.stm32.session import Session
 
 LOG, WORD = 0x081C0000, 32
 MAGIC = 0x4D524150

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from board import COUNTS_PER_TURN, INDEX_AT, TICK_CLOCKS
-from host import CLOCK_HZ, make_table
-from models.fdcan import Frame
-from remote import COMMAND, ENABLE, GET, PARAMS, STATE, errors
-from session import Session
+from tests.stm32.board import COUNTS_PER_TURN, INDEX_AT, TICK_CLOCKS
+from tests.stm32.host import CLOCK_HZ, make_table
+from tests.stm32.models.fdcan import Frame
+from tests.stm32.remote import COMMAND, ENABLE, GET, PARAMS, STATE, errors
+from tests.stm32.session import Session
 
 ERR = errors()
 DRIVE_READY = 1 << 1

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import pytest
 
-from board import TABLE
-from host import IMAGE, make_table
-from image import Image
-from models.flash_pwr import LOCK, RDPERR, RDSERR, SNECCERR, SYSTEM_MEMORY
-from remote import BEGIN, ENABLE, errors
-from session import Session
+from tests.stm32.board import TABLE
+from tests.stm32.host import IMAGE, make_table
+from tests.stm32.image import Image
+from tests.stm32.models.flash_pwr import LOCK, RDPERR, RDSERR, SNECCERR, SYSTEM_MEMORY
+from tests.stm32.remote import BEGIN, ENABLE, errors
+from tests.stm32.session import Session
 
 ERR = errors()
 MIDDLE = 2048  # of the internal DAC: U = 0

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from elftools.elf.elffile import ELFFile
 
-from emulator import Chip
+from tests.stm32.emulator import Chip
 
 ROOT = Path(__file__).resolve().parents[2]
 PLACES = ("ring", "n_written", "n_dropped", "capacity", "size")

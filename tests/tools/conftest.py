@@ -11,14 +11,14 @@ import pytest
 from hypothesis import settings
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from camctl_bench import Bench
 from camtools.link.controller import Link
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt, generate
-from command_cases import command, end_commands, leave_empty
-from linuxcnc import Interpreter, NotHereError, interpreter
-from part_cases import PERKINS, Command, load_part
+from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.command_cases import command, end_commands, leave_empty
+from tests.tools.cases.linuxcnc import Interpreter, NotHereError, interpreter
+from tests.tools.cases.part_cases import PERKINS, Command, load_part
 
 # The same examples every time, however busy the machine is: what fails once fails again.
 settings.register_profile("repeatable", derandomize=True, deadline=None)

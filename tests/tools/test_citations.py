@@ -11,7 +11,7 @@ from urllib.parse import unquote
 
 import pytest
 
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 MATHS = "tools/docs/MATHS.md"
 OWN = "tests/tools/test_citations.py"

@@ -18,7 +18,7 @@ from camtools.skirt.geometry.refit import CANDIDATES, Recipe, judge, kept_sites,
 from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.table.quintics import segment_coefficients
-from part_cases import PERKINS, load_part
+from tests.tools.cases.part_cases import PERKINS, load_part
 
 A_MM, G_MM = 46.0, 0.2
 JOINT_RAD = float(np.radians(48.0))

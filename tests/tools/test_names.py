@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections import Counter
 
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 
 def test_no_two_classes_have_one_name() -> None:

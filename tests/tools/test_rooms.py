@@ -19,7 +19,7 @@ from pathlib import Path
 
 import pytest
 
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
 

@@ -14,8 +14,8 @@ from collections.abc import Callable
 from unicorn import Uc
 from unicorn import arm_const as arm
 
-from models.bus import WORD, Device, InsnClock, Reg, UnmodelledError
-from models.mpu import Mpu
+from tests.stm32.models.bus import WORD, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.mpu import Mpu
 
 NMI, HARD_FAULT, BUS_FAULT, SYSTICK = 2, 3, 5, 15
 FIRST_IRQ = 16

@@ -5,19 +5,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.bus import Bus, Device, InsnClock
-from models.core import NMI, Dwt, Nvic
-from models.fdcan import Ccu, Fdcan, MessageRam
-from models.flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
-from models.gpio import Gpio
-from models.iwdg import Iwdg
-from models.pulse_timer import PulseTimer
-from models.ramecc import Ramecc
-from models.rcc import Rcc
-from models.spi_dac import Dac1, Spi
-from models.timers import Timer
-from models.usart import Usart
-from models.wwdg import Wwdg
+from tests.stm32.models.bus import Bus, Device, InsnClock
+from tests.stm32.models.core import NMI, Dwt, Nvic
+from tests.stm32.models.fdcan import Ccu, Fdcan, MessageRam
+from tests.stm32.models.flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
+from tests.stm32.models.gpio import Gpio
+from tests.stm32.models.iwdg import Iwdg
+from tests.stm32.models.pulse_timer import PulseTimer
+from tests.stm32.models.ramecc import Ramecc
+from tests.stm32.models.rcc import Rcc
+from tests.stm32.models.spi_dac import Dac1, Spi
+from tests.stm32.models.timers import Timer
+from tests.stm32.models.usart import Usart
+from tests.stm32.models.wwdg import Wwdg
 
 IRQ_TIM4, IRQ_ECC = 30, 145
 REVISION_V = 0x2003

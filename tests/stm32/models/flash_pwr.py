@@ -18,7 +18,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 
-from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 
 SETTLE_CYCLES = 3000
 # Voltage scale -> (highest AXI clock [MHz], wait states, programming delay WRHIGHFREQ), from the

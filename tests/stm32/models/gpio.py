@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.bus import WORD, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.bus import WORD, Device, InsnClock, Reg, UnmodelledError
 
 INPUT, OUTPUT, ALTERNATE, ANALOGUE = 0, 1, 2, 3
 RESET = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
-from models.rcc import LSI_HZ, Rcc
+from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.rcc import LSI_HZ, Rcc
 
 KEY_START, KEY_RELOAD, KEY_ACCESS = 0xCCCC, 0xAAAA, 0x5555
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from models.bus import Reg, UnmodelledError
+from tests.stm32.models.bus import Reg, UnmodelledError
 
 N_REGIONS = 16
 VALID = 1 << 4

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
-from models.rcc import Rcc
+from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.rcc import Rcc
 
 CEN, UDIS, URS, OPM = 1 << 0, 1 << 1, 1 << 2, 1 << 3
 UIF, UG, CC1E, CC1P, MOE = 1, 1, 1, 2, 1 << 15

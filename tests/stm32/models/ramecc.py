@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.bus import Device, InsnClock, Reg
+from tests.stm32.models.bus import Device, InsnClock, Reg
 
 SEIE, DEIE, ELEN = 1 << 2, 1 << 3, 1 << 5
 SEDCF, DEDF = 1 << 0, 1 << 1

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 
 HSI_HZ = 64_000_000
 CSI_HZ = 4_000_000

@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 
-from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
-from models.rcc import Rcc
+from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.rcc import Rcc
 
 SPE, MASRX, CSTART, CSUSP, SSI = 1 << 0, 1 << 8, 1 << 9, 1 << 10, 1 << 12
 CR1_BITS = SPE | MASRX | CSTART | CSUSP | SSI

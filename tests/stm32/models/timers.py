@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.bus import NEVER, WORD, Device, InsnClock, Reg, UnmodelledError
-from models.rcc import Rcc
+from tests.stm32.models.bus import NEVER, WORD, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.rcc import Rcc
 
 CEN, UDIS, URS, DIR, ARPE = 1 << 0, 1 << 1, 1 << 2, 1 << 4, 1 << 7
 UIF = 1 << 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections import deque
 
-from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
-from models.rcc import Rcc
+from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.rcc import Rcc
 
 UE, RE, TE, FIFOEN = 1 << 0, 1 << 2, 1 << 3, 1 << 29
 FIFO_BYTES = 16

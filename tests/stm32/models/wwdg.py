@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
-from models.rcc import Rcc
+from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
+from tests.stm32.models.rcc import Rcc
 
 WDGA, LOWEST, STEP_CLOCKS = 1 << 7, 0x40, 4096
 

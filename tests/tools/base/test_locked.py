@@ -7,10 +7,10 @@ import re
 import tomllib
 
 import pytest
-from locked import needed
 from packaging.requirements import Requirement
 
-from part_cases import ROOT
+from locked import needed
+from tests.tools.cases.part_cases import ROOT
 
 TOOLS = ROOT / "tools"
 LOCK = (TOOLS / "requirements.lock").read_text(encoding="ascii")

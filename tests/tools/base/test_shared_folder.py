@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing, staged, write_all
-from part_cases import environment
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.part_cases import environment
 
 NOBODY = 65534
 KILLED = """

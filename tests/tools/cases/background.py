@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from part_cases import environment
+from tests.tools.cases.part_cases import environment
 
 PATIENCE_S = 150.0
 

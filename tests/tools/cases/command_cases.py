@@ -23,7 +23,7 @@ from typing import IO, Any, NoReturn
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from part_cases import environment
+from tests.tools.cases.part_cases import ROOT, environment
 
 IMPORTED = (
     *(f"camtools.cli.{name}" for name in ("run", "mktables", "mkgcode")),
@@ -103,10 +103,10 @@ def leave_empty(canvas: FigureCanvasAgg) -> None:
 
 @cache
 def _server() -> subprocess.Popen[str]:
-    here, pipe = str(Path(__file__).parent), subprocess.PIPE
+    pipe = subprocess.PIPE
     env = environment()
-    env["PYTHONPATH"] += os.pathsep + here
-    words = [sys.executable, "-m", Path(__file__).stem]
+    env["PYTHONPATH"] += f"{os.pathsep}{ROOT}"
+    words = [sys.executable, "-m", "tests.tools.cases.command_cases"]
     return subprocess.Popen(words, env=env, stdin=pipe, stdout=pipe, text=True)
 
 

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from camtools.base.quantities import Floats
-from linuxcnc_reader import REFUSED
-from part_cases import ROOT
+from tests.tools.cases.linuxcnc_reader import REFUSED
+from tests.tools.cases.part_cases import ROOT
 
 FOLDER = ROOT / "build" / "linuxcnc"
 PACKAGES = (

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from background import PATIENCE_S, Background, background, python
 from camtools.link.bus import open_bus
 from camtools.link.controller import PERIOD_S, Link
 from camtools.link.live_lathes import live_lathes
 from camtools.link.messages import NUMBERS
 from camtools.link.refusal_text import ask_done
+from tests.tools.cases.background import PATIENCE_S, Background, background, python
 
 
 class LiveCase:

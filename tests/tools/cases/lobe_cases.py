@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from camsim_cases import camsim
 from camtools.base.quantities import Floats
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.part import LobePart
 from camtools.pipeline.load import parse
 from camtools.table.image import pack
+from tests.tools.cases.camsim_cases import camsim
 
 NM = 1e-6  # mm
 

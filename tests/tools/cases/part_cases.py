@@ -7,9 +7,9 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
-from camsim_cases import BUILD
 from camtools.pipeline.load import load_for, parse_for
 from camtools.skirt.part.part_file import SkirtPart
+from tests.tools.cases.camsim_cases import BUILD
 
 ROOT = Path(__file__).resolve().parents[3]
 PERKINS = ROOT / "tools" / "parts" / "perkins240.toml"

@@ -8,7 +8,7 @@ from typing import Any
 
 from camtools.base.cache import Memory
 from camtools.panel.design.preview_worker import answers_to
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
 

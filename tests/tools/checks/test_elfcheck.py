@@ -11,7 +11,7 @@ from camtools.base.errors import InputError
 from checks.elf_isr import load_bounds
 from checks.elf_sizes import Size, compare, emit_sizes, measure, parse_sizes
 from checks.elfcheck import main
-from elf_cases import LOOP, link, needs_gcc
+from tests.tools.cases.elf_cases import LOOP, link, needs_gcc
 
 SIZED = """
     static const int squares[16] = {1, 4, 9, 16, 25, 36, 49, 64, 81, 100, 121, 144, 169, 196, 225};

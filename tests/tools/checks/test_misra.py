@@ -18,7 +18,7 @@ from checks.misra import (
     parse_deviations,
     parse_findings,
 )
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 TABLE = """
 | | rule | category | scope | words | reason |

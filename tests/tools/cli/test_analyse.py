@@ -19,8 +19,8 @@ from camtools.cli.analyse import main, skirt_products
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.section import AnalysisWishes, make_analysis
 from camtools.study.section_text import notes, summary
-from maths_tables import TABLE_1, TABLE_4
-from part_cases import PERKINS, ROOT, environment, load_part
+from tests.tools.cases.maths_tables import TABLE_1, TABLE_4
+from tests.tools.cases.part_cases import PERKINS, ROOT, environment, load_part
 
 WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
 

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from camctl_bench import Bench
 from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND, NAMES
 from camtools.link.status_text import COLUMNS
+from tests.tools.cases.camctl_bench import Bench
 
 
 def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:

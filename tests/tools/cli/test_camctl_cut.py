@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from camctl_bench import Bench
+from tests.tools.cases.camctl_bench import Bench
 
 
 def test_feed_is_overridden_held_and_goes_on(bench: Bench, tmp_path: Path) -> None:

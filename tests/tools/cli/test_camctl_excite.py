@@ -13,11 +13,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from camctl_bench import Bench, columns, order
 from camtools.link import excitation, scope
 from camtools.link.controller import Link
 from camtools.link.learned_file import LAYOUT
 from camtools.link.messages import COMMAND, Refused
+from tests.tools.cases.camctl_bench import Bench, columns, order
 
 N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0
 Refusal = Callable[[Bench, int, str], str]

@@ -11,9 +11,9 @@ from collections.abc import Callable
 
 import pytest
 
-from camctl_bench import Bench
 from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND
+from tests.tools.cases.camctl_bench import Bench
 
 
 def places(bench: Bench) -> dict[str, tuple[float, float, bool]]:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from camctl_bench import Bench
 from camtools.link.messages import NAMES
 from camtools.link.parameters import INFOS
+from tests.tools.cases.camctl_bench import Bench
 
 
 def test_parameters_are_those_of_the_dbc() -> None:

@@ -12,15 +12,15 @@ from pathlib import Path
 import can
 import pytest
 
-from background import PATIENCE_S, background, python
-from camctl_bench import Bench, keeping, order
 from camtools.cli import camctl_rights
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import CommandHeld, CommandLost, May, proof_of, sender_of
 from camtools.link.shared_session import SharedSession
-from live_cases import LiveCase, live_case
+from tests.tools.cases.background import PATIENCE_S, background, python
+from tests.tools.cases.camctl_bench import Bench, keeping, order
+from tests.tools.cases.live_cases import LiveCase, live_case
 
 Refusal = Callable[[Bench, int, str], str]
 SECRET = "of this machine alone"

@@ -13,12 +13,12 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from camctl_bench import Bench, columns, order
 from camtools.cli.camctl_files import ABOUT
 from camtools.link import excitation, scope
 from camtools.link.controller import BLOCK_ID, FD_PART_ID, PART_ID, Link
 from camtools.link.learned_file import N_VALUES
 from camtools.link.messages import ANSWER, COMMAND, Refused, command_bytes
+from tests.tools.cases.camctl_bench import Bench, columns, order
 
 Refusal = Callable[[Bench, int, str], str]
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import can
 import pytest
 
-from camctl_bench import ROOT, Bench
 from camtools.cli.mktables import main as mktables
 from camtools.link.controller import BLOCK_ID
 from camtools.link.download import BLOCK_BYTES
+from tests.tools.cases.camctl_bench import ROOT, Bench
 
 
 def named(table: bytes, name: str) -> bytes:

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import camsim, only_error
 from camtools.cli.flash import FIRMWARE, FIRST_PLACE, LOG, TABLE
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
-from part_cases import ROOT, environment
+from tests.tools.cases.camsim_cases import camsim, only_error
+from tests.tools.cases.part_cases import ROOT, environment
 
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
 PROGRAMMERS = ("openocd", "st-flash", "pyocd")

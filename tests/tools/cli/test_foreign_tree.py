@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import ROOT
+from tests.tools.cases.camsim_cases import ROOT
 
 NOBODY = 65534
 pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="another user's tree needs root")

@@ -18,15 +18,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camctl_bench import Bench
-from camsim_cases import camsim
 from camtools.cli.identify import main
 from camtools.identify import can_drive
 from camtools.link import excitation
 from camtools.link.controller import Link
 from camtools.link.scope import Recording
-from drive_plant import Plant, faded, played
-from part_cases import PERKINS, environment
+from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.drive_plant import Plant, faded, played
+from tests.tools.cases.part_cases import PERKINS, environment
 
 MACHINE = """\
 [u]

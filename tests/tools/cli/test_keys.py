@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import CAMSIM, ROOT
 from camtools.cli import keys, mktables
 from camtools.table.signature import image_of, read_private, verify
+from tests.tools.cases.camsim_cases import CAMSIM, ROOT
 
 
 @pytest.fixture(scope="module")

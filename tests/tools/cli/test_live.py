@@ -15,13 +15,13 @@ from pathlib import Path
 
 import pytest
 
-from background import PATIENCE_S, Background, background, python
 from camtools.cli.camctl import main as camctl
 from camtools.cli.live import main as live_main
 from camtools.link.live_lathes import LiveLathe, live_lathes, only_lathe
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
-from part_cases import ROOT
+from tests.tools.cases.background import PATIENCE_S, Background, background, python
+from tests.tools.cases.part_cases import ROOT
 
 PART = ROOT / "tools" / "parts" / "perkins240.toml"
 

@@ -20,11 +20,11 @@ from camtools.ngc.gcode_words import CLEARANCE_MM, ENGAGE_TURNS
 from camtools.skirt.geometry.blank import section_cut
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.tool.turning import path_of
-from command_cases import command, fresh_command
-from linuxcnc import AXES, Interpreter
-from maths_tables import TABLE_4
-from ngc_cases import moves
-from part_cases import PERKINS, ROOT, environment, load_part
+from tests.tools.cases.command_cases import command, fresh_command
+from tests.tools.cases.linuxcnc import AXES, Interpreter
+from tests.tools.cases.maths_tables import TABLE_4
+from tests.tools.cases.ngc_cases import moves
+from tests.tools.cases.part_cases import PERKINS, ROOT, environment, load_part
 
 MKGCODE = "camtools.cli.mkgcode"
 EVEN = PERKINS.with_name("perkins240_equal_volume.toml")

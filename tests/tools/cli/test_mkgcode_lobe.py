@@ -12,10 +12,10 @@ import pytest
 from camtools.base.quantities import Floats
 from camtools.cli.mkgcode import main
 from camtools.ngc.gcode_words import CLEARANCE_MM, ENGAGE_TURNS
-from linuxcnc import AXES, Interpreter
-from lobe_tables import DISC, POLY345
-from ngc_cases import moves
-from part_cases import ROOT
+from tests.tools.cases.linuxcnc import AXES, Interpreter
+from tests.tools.cases.lobe_tables import DISC, POLY345
+from tests.tools.cases.ngc_cases import moves
+from tests.tools.cases.part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
 

@@ -23,8 +23,8 @@ from camtools.skirt.kind import KIND
 from camtools.skirt.report.part_plots import draw_all
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.c_source import emit_header, emit_source, identifier
-from command_cases import fresh_command
-from part_cases import PERKINS, ROOT, Command, environment, listing
+from tests.tools.cases.command_cases import fresh_command
+from tests.tools.cases.part_cases import PERKINS, ROOT, Command, environment, listing
 
 STRICT_C = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror"]
 NAMES = ["perkins240.camtab", "perkins240.json", "perkins240_table.c", "perkins240_table.h"]

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gauged_cases import ENDS, Floats, error_um, traces
 from numpy.typing import NDArray
 
 from camtools.cli.mktables import main
 from camtools.cli.run import main as run_part
 from camtools.pipeline.job import RunJob
-from part_cases import PERKINS
+from tests.tools.cases.gauged_cases import ENDS, Floats, error_um, traces
+from tests.tools.cases.part_cases import PERKINS
 
 HEADER = "angle_deg,height_mm,deviation_um"
 

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from background import background, python
 from camtools.cli.panel import main
 from camtools.link.live_lathes import announced
-from raw_page import RawPage, get
+from tests.tools.cases.background import background, python
+from tests.tools.cases.raw_page import RawPage, get
 
 
 @pytest.fixture(autouse=True)

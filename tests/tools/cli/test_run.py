@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from camsim_cases import BUILD, CAMSIM
 from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main
 from camtools.part.common import MachineLimits
@@ -23,8 +22,9 @@ from camtools.pipeline.job import RunJob, without_faults
 from camtools.pipeline.load import load
 from camtools.sim.camsim import machine_text, traced_turns, variant_of
 from camtools.sim.results import read_surface, read_trace
-from page_cases import PageReader, map_of
-from part_cases import PERKINS, ROOT, Command, listing
+from tests.tools.cases.camsim_cases import BUILD, CAMSIM
+from tests.tools.cases.page_cases import PageReader, map_of
+from tests.tools.cases.part_cases import PERKINS, ROOT, Command, listing
 
 built = pytest.mark.skipif(not CAMSIM.exists(), reason="camsim is not built")
 

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import CAMSIM
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import staged
-from part_cases import Command, environment, listing
+from tests.tools.cases.camsim_cases import CAMSIM
+from tests.tools.cases.part_cases import Command, environment, listing
 
 built = pytest.mark.skipif(not CAMSIM.exists(), reason="camsim is not built")
 

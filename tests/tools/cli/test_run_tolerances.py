@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from camtools.cli.run import main
-from part_cases import PERKINS
+from tests.tools.cases.part_cases import PERKINS
 
 
 @pytest.mark.parametrize(("roundness_um", "status"), [(0.001, 1), (1.0, 0)])

@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from camsim_cases import CAMSIM, camsim, columns_of, only_error
 from camtools.cli.scallop import main
 from camtools.cut.path import ToolPath, ramp_of
 from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.study.path import PathStudy
 from camtools.study.path_cut import PathCut, cut_paths, predicted_scallop_um, read_scallop
-from part_cases import ROOT, load_part
+from tests.tools.cases.camsim_cases import CAMSIM, camsim, columns_of, only_error
+from tests.tools.cases.part_cases import ROOT, load_part
 
 PART = ROOT / "tools" / "parts" / "perkins240_ring_helix.toml"
 NOSE_MM = 0.8

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
 from camtools.cli.mktables import main as mktables
@@ -17,8 +16,9 @@ from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.lobe_machine import lobe_machine_text
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.skirt.table.generate import generate, peaks_of_table
-from lobe_cases import cam
-from part_cases import PERKINS, load_part
+from tests.tools.cases.camsim_cases import ROOT, camsim
+from tests.tools.cases.lobe_cases import cam
+from tests.tools.cases.part_cases import PERKINS, load_part
 
 SHAFT = (ROOT / "tools" / "parts" / "camshaft.toml").read_text()
 NARROW = SHAFT.replace("[5, 8]", "[3.2, 6.2]").replace("[10, 13]", "[6.4, 9.4]")

@@ -16,7 +16,7 @@ from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.part.part_file import SkirtPart, example_part
 from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.heel import check_heel, steepest_heel
-from part_cases import ROOT, load_part
+from tests.tools.cases.part_cases import ROOT, load_part
 
 PARTS = ROOT / "tools" / "parts"
 ANGLES_DEG = np.arange(0, 360, 0.5)

@@ -16,7 +16,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.cut.verdict import RefusedError, check_table, judge_of, parameters_of
 from camtools.judge.binding import PROTOTYPES, Judge, library_path
@@ -27,8 +26,9 @@ from camtools.pipeline.load import parse
 from camtools.sim.camsim import machine_text
 from camtools.table.header import image_limits
 from camtools.table.image import Table, pack, unpack
-from lobe_cases import cam
-from prototypes import declared_in, named
+from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
+from tests.tools.cases.lobe_cases import cam
+from tests.tools.cases.prototypes import declared_in, named
 
 HEADER = ROOT / "host_sim" / "api" / "judge" / "judge_api.h"
 SKIRT = {"u_speed_mm_s": 80.0, "u_acceleration_mm_s2": 4e4, "z_speed_mm_s": 50.0}

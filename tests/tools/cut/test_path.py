@@ -22,7 +22,7 @@ from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.turning import path_of
 from camtools.study.path import csv, make_study
 from camtools.table.image import pack, unpack
-from part_cases import PERKINS, ROOT, load_part, parse_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part
 
 # turns since the start, height of the ring-helix (0.2 mm), height of a plain helix (0.1 mm)
 GOLDEN = """\

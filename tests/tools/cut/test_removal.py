@@ -23,7 +23,7 @@ from camtools.cut.removal import (
 from camtools.skirt.geometry.blank import section_cut
 from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Section
 from camtools.skirt.geometry.skirt_geometry import Geometry
-from maths_tables import MEAN_SPEEDS, SPINDLE_LIMITS, TABLE_1, TABLE_4
+from tests.tools.cases.maths_tables import MEAN_SPEEDS, SPINDLE_LIMITS, TABLE_1, TABLE_4
 
 
 def papers(law: Section) -> SectionCut:

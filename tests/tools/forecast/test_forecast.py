@@ -16,7 +16,6 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from background import PATIENCE_S
 from camtools.base.errors import CamtoolsError
 from camtools.cli.forecast import main
 from camtools.forecast import parallel_cuts
@@ -25,7 +24,8 @@ from camtools.forecast.one_cut import CutOutcome, cut_batch
 from camtools.forecast.parallel_cuts import cut_all
 from camtools.forecast.store import Store
 from camtools.sim.simulate import simulate
-from part_cases import PERKINS, environment
+from tests.tools.cases.background import PATIENCE_S
+from tests.tools.cases.part_cases import PERKINS, environment
 
 CUT = ("--turns", "2", "--workers", "1")
 LEARNING = ("rehearse_turns", "learn_harmonics", "ripple_turns")

@@ -11,7 +11,7 @@ from camtools.identify.fit import FRICTION, K1, K2
 from camtools.identify.identified import identify
 from camtools.identify.multisine import Grid, multisine
 from camtools.identify.recording import record_of
-from drive_plant import Plant, faded, played
+from tests.tools.cases.drive_plant import Plant, faded, played
 
 
 def test_measured_response_is_that_of_the_drive_without_friction() -> None:

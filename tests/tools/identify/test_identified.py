@@ -12,7 +12,7 @@ from camtools.identify.fit import K1, K2, LEAD
 from camtools.identify.identified import Identified, Limits, identify
 from camtools.identify.multisine import Grid, multisine
 from camtools.identify.recording import record_of
-from drive_plant import Plant, faded, played
+from tests.tools.cases.drive_plant import Plant, faded, played
 
 N_PERIODS = 5
 GRID = Grid.of(20_000.0)

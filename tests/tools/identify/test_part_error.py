@@ -15,7 +15,7 @@ from camtools.identify.part_error import (
     motion_of,
 )
 from camtools.skirt.table.generate import GeneratedSkirt
-from drive_plant import Plant, played
+from tests.tools.cases.drive_plant import Plant, played
 
 OVAL = ToolMotion(500_000 * np.cos(4 * np.pi * np.arange(256) / 256), 3000.0)  # 1 mm, 100 Hz
 W = 2 * np.pi * 100.0

@@ -13,7 +13,7 @@ from camtools.identify.multisine import Grid, multisine
 from camtools.identify.part_error import ToolMotion
 from camtools.identify.recording import record_of
 from camtools.identify.report import report
-from drive_plant import Plant, faded, played
+from tests.tools.cases.drive_plant import Plant, faded, played
 
 BELIEVED = Believed(10_000.0, 800_000, 300_000, 120_000, 4000, 10, 1_200_000, 400_000, 250_000)
 MOTION = ToolMotion(500_000 * np.cos(4 * np.pi * np.arange(256) / 256), 3000.0)

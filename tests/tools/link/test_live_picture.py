@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from background import PATIENCE_S
 from camtools.link import scope
 from camtools.link.convergence import Convergence
 from camtools.link.progress import cut_progress
 from camtools.link.strobe import Strobe
-from live_cases import LiveCase, live_case
+from tests.tools.cases.background import PATIENCE_S
+from tests.tools.cases.live_cases import LiveCase, live_case
 
 SIGNALS = ("angle_q32", "state", "turn", "u_actual_nm", "u_due_q6")
 

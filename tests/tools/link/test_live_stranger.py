@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from background import PATIENCE_S
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link
 from camtools.link.live_lathes import live_lathes
 from camtools.link.messages import NUMBERS, Refused, command_bytes
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import May
-from live_cases import LiveCase, live_case
+from tests.tools.cases.background import PATIENCE_S
+from tests.tools.cases.live_cases import LiveCase, live_case
 
 STROKE = NUMBERS["parameter"]["u_stroke_nm"]
 COMMAND_ID = 0x640

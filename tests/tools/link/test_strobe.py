@@ -12,11 +12,11 @@ import can
 import numpy as np
 import pytest
 
-from camctl_bench import Bench
 from camtools.link import scope
 from camtools.link.controller import Link
 from camtools.link.messages import DATABASE, Refused
 from camtools.link.strobe import Samples, Strobe, best_every
+from tests.tools.cases.camctl_bench import Bench
 
 MESSAGE = DATABASE.get_message_by_name("Strobe")
 TICK_HZ = 20000

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim, columns_of, only_error
 from camtools.cli.mktables import main as mktables
 from camtools.lobe.contact import contact
 from camtools.lobe.lift import Poly345
+from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of, only_error
 
 MACHINE = ROOT / "host_sim" / "machines" / "cam.toml"
 SHORT = ("--feed", "2", "--set", "engage_turns=1", "--set", "disengage_turns=1")

@@ -15,8 +15,8 @@ from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.table.channel import MAX_CHANNEL_BYTES
 from camtools.table.image import pack
-from lobe_cases import NM, cam, evaluate
-from part_cases import ROOT
+from tests.tools.cases.lobe_cases import NM, cam, evaluate
+from tests.tools.cases.part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
 TEXT = (PARTS / "cam-345.toml").read_text()

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim, only_error
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.lobe.contact import contact, follow
@@ -21,10 +20,11 @@ from camtools.pipeline.load import load
 from camtools.skirt.table.generate import generate
 from camtools.table.channel import KIND_SPEED, KIND_U
 from camtools.table.image import pack, unpack
-from command_cases import fresh_command
-from lobe_cases import NM, cam, evaluate
-from lobe_tables import DISC, POLY345, POLY345_WHEEL
-from part_cases import PERKINS, ROOT, Command, load_part
+from tests.tools.cases.camsim_cases import camsim, only_error
+from tests.tools.cases.command_cases import fresh_command
+from tests.tools.cases.lobe_cases import NM, cam, evaluate
+from tests.tools.cases.lobe_tables import DISC, POLY345, POLY345_WHEEL
+from tests.tools.cases.part_cases import PERKINS, ROOT, Command, load_part
 
 PARTS = ROOT / "tools" / "parts"
 TEXT = (PARTS / "cam-345.toml").read_text()

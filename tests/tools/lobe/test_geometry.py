@@ -11,7 +11,7 @@ from camtools.base.quantities import Floats
 from camtools.lobe.contact import Contact, Follower, contact, follow, solved_at
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, periodic_spline
 from camtools.lobe.undercut import all_round, check_roller, check_wheel, shape_of
-from lobe_tables import DISC, POLY345, POLY345_WHEEL
+from tests.tools.cases.lobe_tables import DISC, POLY345, POLY345_WHEEL
 
 BASE_MM, ROLLER_MM, WHEEL_MM, N0_RPM = 20.0, 10.0, 200.0, 60.0
 DISC_LAW = Disc(35.0, 5.0)

@@ -16,7 +16,7 @@ from camtools.lobe.motion import make_lobes
 from camtools.lobe.part import MAX_LOBES, LobePart
 from camtools.pipeline.load import load, parse, parse_for
 from camtools.skirt.part.part_file import SkirtPart
-from part_cases import PERKINS, ROOT, parse_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, parse_part
 
 PARTS = ROOT / "tools" / "parts"
 GOOD = (PARTS / "cam-345.toml").read_text()

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.lobe.design import design_of_lobes
@@ -24,7 +23,8 @@ from camtools.ngc.lobe_program import LobeJob, lobe_program
 from camtools.table.channel import ImageError
 from camtools.table.image import pack, unpack
 from camtools.table.quantise import with_bounds
-from lobe_cases import cam, evaluate
+from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
+from tests.tools.cases.lobe_cases import cam, evaluate
 
 TEXT = (ROOT / "tools" / "parts" / "camshaft-plunge.toml").read_text()
 # two narrow lobes at a high speed, so that a cut is short

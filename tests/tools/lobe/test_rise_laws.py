@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main as mktables
@@ -23,8 +22,9 @@ from camtools.lobe.rise_laws import (
     Quintic,
     RiseLaw,
 )
-from lobe_cases import NM, cam, evaluate
-from part_cases import ROOT
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.lobe_cases import NM, cam, evaluate
+from tests.tools.cases.part_cases import ROOT
 
 GROUND = (ROOT / "tools" / "parts" / "cam-345-ground.toml").read_text()
 GROUND = GROUND.replace('"constant-surface"', '"uniform"')

@@ -18,8 +18,8 @@ from camtools.lobe.report import band, draw_rake, make_lobe_report, speed_of_con
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.report.text import page_text
 from camtools.sim.results import STATES, CutTrace, GaugedSurface
-from part_cases import ROOT, Command
-from report_cases import without_scripts
+from tests.tools.cases.part_cases import ROOT, Command
+from tests.tools.cases.report_cases import without_scripts
 
 PARTS = ROOT / "tools" / "parts"
 SHORT = ("--feed", "4", "--", "--set", "engage_turns=1", "--set", "disengage_turns=1")

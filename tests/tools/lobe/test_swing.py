@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from camsim_cases import ROOT, camsim, columns_of, only_error
+from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of, only_error
 
 MACHINE = ROOT / "host_sim" / "machines" / "cam.toml"
 TICK_S = 50e-6

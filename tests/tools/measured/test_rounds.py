@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gauged_cases import amplitudes_um
 
-from camsim_cases import camsim
 from camtools.cli.mktables import main
 from camtools.measured.points import GaugedPoints, parse_points
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.gauged_cases import amplitudes_um
 
 PART = """\
 [part]

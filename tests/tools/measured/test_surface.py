@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from gauged_cases import ENDS, error_um, gauged, helix, traces
 from numpy.typing import NDArray
 
 from camtools.base.errors import CamtoolsError
 from camtools.measured.points import GaugedPoints
 from camtools.measured.surface import tell
+from tests.tools.cases.gauged_cases import ENDS, error_um, gauged, helix, traces
 
 Floats = NDArray[np.float64]
 GRID = traces(np.linspace(*ENDS, 125), 180)

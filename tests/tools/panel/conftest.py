@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from camctl_bench import Bench
-from controller_cases import Seat
+from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.controller_cases import Seat
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from camtools.panel.access.connections import MOST_CONNECTIONS
-from panel_session import PanelSession, panel_session
-from raw_page import RawPage, get
+from tests.browser.panel_session import PanelSession, panel_session
+from tests.tools.cases.raw_page import RawPage, get
 
 SLOWLY = ("--speed-up", "0.2")  # the lathe rests meanwhile: what it takes is left to the attacks
 

@@ -9,14 +9,14 @@ from collections.abc import Iterator
 import can
 import pytest
 
-from camctl_bench import Bench
 from camtools.link.controller import Link
 from camtools.link.messages import COMMAND
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import sender_of, sender_text
 from camtools.panel.views.bus_commander import held_text, other_sender
 from camtools.panel.views.missing import way_on
-from controller_cases import Seat, until
+from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.controller_cases import Seat, until
 
 PANEL = sender_of("panel")
 SECRET = "of this machine alone"

@@ -11,12 +11,12 @@ import zlib
 import can
 import pytest
 
-from camctl_bench import Bench
 from camtools.link.controller import Link
 from camtools.link.messages import COMMAND, Answer, Refused
 from camtools.link.parameters import INFOS
 from camtools.link.refusal_text import ask_done
-from controller_cases import Seat, until
+from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.controller_cases import Seat, until
 
 
 def last(seat: Seat) -> tuple[str, str, bool]:
@@ -252,7 +252,7 @@ def bench_table() -> bytes:
     """Return a table with another name: TABLE_FORMAT.md."""
     from camtools.pipeline.load import load
     from camtools.pipeline.make_table import make
-    from part_cases import PERKINS
+    from tests.tools.cases.part_cases import PERKINS
 
     image = make(load(PERKINS), PERKINS).files(with_plots=False)["perkins240.camtab"]
     body = bytearray(image)

@@ -12,7 +12,7 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.panel.design.preview_engine import Engine, PreviewLimits, Seat
-from preview_cases import PARTS, text_of
+from tests.tools.cases.preview_cases import PARTS, text_of
 
 LONG_S = 30.0  # until a test gives up
 Answer = dict[str, Any]

@@ -18,7 +18,7 @@ from camtools.panel.design.key_lines import line_of, lines_of, path_of
 from camtools.panel.design.values import values_of
 from camtools.panel.pages.design_form import shown_text
 from camtools.pipeline.registry import kind_of
-from preview_cases import PARTS, text_of
+from tests.tools.cases.preview_cases import PARTS, text_of
 
 NAMES = sorted(path.stem for path in PARTS.glob("*.toml"))
 

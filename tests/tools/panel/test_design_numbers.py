@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
 from camtools.base.cache import Memory
 from camtools.cut.feasibility import tenth_below
 from camtools.panel.design.preview_values import N_ANGLES, motion_of
@@ -20,7 +19,8 @@ from camtools.pipeline.exact import ExactTurn, SpeedRatio
 from camtools.pipeline.load import parse
 from camtools.pipeline.make_table import make
 from camtools.sim.camsim import LEARNS_NOTHING
-from preview_cases import PARTS, answers, problems, stage, text_of
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.preview_cases import PARTS, answers, problems, stage, text_of
 
 KINDS = ("perkins240", "camshaft", "p4c-35", "thrust90", "cam-345")
 Tables = Callable[[str], Path]

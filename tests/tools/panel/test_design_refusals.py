@@ -10,7 +10,7 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.panel.design.part_library import EXAMPLE, OWN, PartLibrary
 from camtools.panel.design_service import files_named, is_confined_tree
-from preview_cases import PARTS, answers, problems, text_of
+from tests.tools.cases.preview_cases import PARTS, answers, problems, text_of
 
 LEAVING = ("/etc/passwd", "../secret.csv", "sub/../../secret.csv", "link.csv", "dir/secret.csv")
 # They lead back into the folder, but not from the folder of a run, to which the part is copied.

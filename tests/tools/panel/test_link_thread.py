@@ -6,13 +6,13 @@ from __future__ import annotations
 import can
 import pytest
 
-from camctl_bench import Bench
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import Link
 from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders.link_thread import Job, LinkThread
 from camtools.panel.orders.snapshot import Snapshot
-from controller_cases import until
+from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.controller_cases import until
 
 
 @pytest.mark.parametrize("is_urgent", [False, True])

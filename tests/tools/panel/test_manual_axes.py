@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from controller_cases import Seat, until
+from tests.tools.cases.controller_cases import Seat, until
 
 
 async def hold(seat: Seat, press: int, seconds: float, visitor: object = None) -> None:

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import pytest
 
-from background import PATIENCE_S, Background, background, python
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link
 from camtools.link.live_lathes import live_lathes
@@ -23,6 +22,7 @@ from camtools.link.messages import NUMBERS, Refused
 from camtools.link.parameters import get_all
 from camtools.link.refusal_text import ask_done
 from camtools.panel.views.missing import Way, way_on
+from tests.tools.cases.background import PATIENCE_S, Background, background, python
 
 # What is missing does not depend on how fast axes search.
 PACES = {"{}_jog_um_per_s": 100_000, "{}_home_um_per_s": 100_000, "{}_home_slow_um_per_s": 20_000}

@@ -15,8 +15,8 @@ import pytest
 from camtools.cli.papers import chapters, main
 from camtools.papers import corner, helix, removal
 from camtools.papers.rows import Chapter, page
-from maths_tables import TABLE_1, TABLE_4
-from part_cases import ROOT
+from tests.tools.cases.maths_tables import TABLE_1, TABLE_4
+from tests.tools.cases.part_cases import ROOT
 
 PAGE = ROOT / "tools" / "docs" / "PAPERS.md"
 

@@ -7,7 +7,7 @@ import sys
 import tomllib
 from pathlib import Path
 
-from part_cases import ROOT, environment
+from tests.tools.cases.part_cases import ROOT, environment
 
 TOOLS = ROOT / "tools"
 LINT = "from importlinter.cli import lint_imports_command; lint_imports_command()"

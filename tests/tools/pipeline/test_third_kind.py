@@ -17,7 +17,7 @@ from camtools.cli.run import main as run
 from camtools.pipeline.load import parse
 from camtools.pipeline.registry import kinds
 from camtools.table.image import unpack
-from part_cases import PERKINS, ROOT
+from tests.tools.cases.part_cases import PERKINS, ROOT
 
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
 built = pytest.mark.skipif(not (BUILD / "host_sim" / "camsim").exists(), reason="not built")

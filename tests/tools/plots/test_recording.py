@@ -10,7 +10,7 @@ import pytest
 
 from camtools.link.signals import INPUTS, OUTPUTS
 from camtools.plots.recording import angle_picture, set_spans, time_picture, turns_of
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 N = 400
 ANGLE = np.linspace(100.0, 100.0 + 5 * 360.0, N) % 360

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import polygon_cases as cases
 from camtools.base.errors import CamtoolsError
 from camtools.polygon.outline import Outline, measures_of
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
 from camtools.polygon.standard_sizes import P3G, P4C
-from part_cases import ROOT
+from tests.tools.cases import polygon_cases as cases
+from tests.tools.cases.part_cases import ROOT
 
 _SAME_MM = 1e-11
 PHI = np.linspace(-1.0, 7.5, 701)

@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import polygon_cases as cases
-from camsim_cases import camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.cli.mktables import main as mktables
 from camtools.cli.run import main as run
@@ -23,7 +21,9 @@ from camtools.polygon.part import PolygonPart
 from camtools.polygon.plots import draw_motion
 from camtools.polygon.shapes import p3g
 from camtools.table.image import pack
-from part_cases import ROOT
+from tests.tools.cases import polygon_cases as cases
+from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
 NAMES = ("p3g-25", "p4c-35", "hexagon")

@@ -15,7 +15,7 @@ from camtools.report import motion
 from camtools.report.learning import convergence, draw_convergence
 from camtools.report.learning_text import learning_rows, numbers_text
 from camtools.sim.results import STATES, CutTrace
-from report_cases import made_up_summary
+from tests.tools.cases.report_cases import made_up_summary
 
 LEARNED: dict[str, Any] = {
     "is_on": True,

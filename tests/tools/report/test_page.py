@@ -19,8 +19,8 @@ from camtools.sim.results import CutTrace, GaugedSurface
 from camtools.skirt.report.outcome import SkirtOutcome
 from camtools.skirt.report.page import render
 from camtools.skirt.table.generate import GeneratedSkirt
-from page_cases import PageReader, map_of
-from report_cases import made_up_summary, made_up_surface, made_up_trace
+from tests.tools.cases.page_cases import PageReader, map_of
+from tests.tools.cases.report_cases import made_up_summary, made_up_surface, made_up_trace
 
 PIXEL = b"\x89PNG\r\n\x1a\n"
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'`${x} & \u2028 é"

@@ -11,7 +11,7 @@ import pytest
 from camtools.plots.style import drawing, png_of
 from camtools.report.switches import draw_switches, switches
 from camtools.report.switches_text import switch_rows
-from report_cases import made_up_summary
+from tests.tools.cases.report_cases import made_up_summary
 
 ONE: dict[str, Any] = {
     "output": 3,

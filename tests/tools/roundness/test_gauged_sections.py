@@ -11,7 +11,6 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares, linprog
 
-from camsim_cases import CAMSIM, camsim, only_error
 from camtools.base.quantities import Floats
 from camtools.roundness.section import section_of
 from camtools.sim.camsim import Simulator
@@ -22,6 +21,7 @@ from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.summary import table_files
+from tests.tools.cases.camsim_cases import CAMSIM, camsim, only_error
 
 HEIGHTS_MM = (0.8, 2.4)
 TURNS = 32

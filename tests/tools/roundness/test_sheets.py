@@ -31,7 +31,7 @@ from camtools.sim.results import (
     GaugedSurface,
 )
 from camtools.skirt.part.part_file import SkirtPart
-from report_cases import made_up_summary
+from tests.tools.cases.report_cases import made_up_summary
 
 A_MM, G_MM, PHASE_DEG = 46.0, 0.2, 12.0  # long half axis, ovality, direction of the long axis
 MEAN_MM, C_MM, C_RAD = 3e-3, 1e-3, 0.9  # too large by 6 um of diameter, off centre by 1 um

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim
 from camtools.cli.mktables import main as mktables
+from tests.tools.cases.camsim_cases import ROOT, camsim
 
 RANGES: dict[str, dict[str, tuple[float, float]]] = {
     "u": {

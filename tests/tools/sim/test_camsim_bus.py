@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import camsim, only_error
+from tests.tools.cases.camsim_cases import camsim, only_error
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from camsim_cases import camsim, only_error
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
+from tests.tools.cases.camsim_cases import camsim, only_error
 
 HEADER = "turn,z_mm"
 COLUMNS = "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped"

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from camsim_cases import camsim, first_difference, only_error
 from camtools.cli.mktables import main as mktables
-from part_cases import PERKINS
+from tests.tools.cases.camsim_cases import camsim, first_difference, only_error
+from tests.tools.cases.part_cases import PERKINS
 
 N, PERIODS, FADE, PLACE_NM = 2000, 3, 1000, -200_000
 Rows = dict[str, npt.NDArray[np.float64]]

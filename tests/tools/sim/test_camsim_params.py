@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import camsim, only_error
 from camtools.link.messages import NUMBERS
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
+from tests.tools.cases.camsim_cases import camsim, only_error
 
 
 @pytest.fixture

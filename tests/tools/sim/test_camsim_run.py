@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from camsim_cases import CAMSIM, camsim, first_difference, only_error
 from camtools.cli.mktables import main as mktables
-from part_cases import PERKINS
+from tests.tools.cases.camsim_cases import CAMSIM, camsim, first_difference, only_error
+from tests.tools.cases.part_cases import PERKINS
 
 CUT = ("--rpm", "2500", "--feed", "1")
 

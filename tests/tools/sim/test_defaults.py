@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim, columns_of, only_error
 from camtools.cli.mktables import main as mktables
-from part_cases import PERKINS
+from tests.tools.cases.camsim_cases import camsim, columns_of, only_error
+from tests.tools.cases.part_cases import PERKINS
 
 OVAL = """\
 [part]

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
 from camtools.cli.mktables import main as mktables
+from tests.tools.cases.camsim_cases import camsim
 
 PARTS = Path(__file__).parents[3] / "tests" / "learn" / "parts"
 SWING_UM, OMEGA = 500.0, 2 * np.pi * 100.0  # 1 mm of tool motion twice per turn of 3000 r/min

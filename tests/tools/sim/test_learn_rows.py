@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import pytest
 
-from camsim_cases import ROOT, camsim
 from camtools.cli.mktables import main as mktables
+from tests.tools.cases.camsim_cases import ROOT, camsim
 
 LEARN = ROOT / "tests" / "learn"
 PARTS = {

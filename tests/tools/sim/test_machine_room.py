@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
 from camtools.cli.mktables import main as mktables
 from camtools.part.passes import FeedLaw
+from tests.tools.cases.camsim_cases import camsim
 
 MACHINES = Path(__file__).parents[3] / "host_sim" / "machines"
 PART = """

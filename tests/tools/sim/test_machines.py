@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main
 from camtools.pipeline.job import RunJob
 from camtools.sim.machines import MACHINES, machine_bytes, machine_path, names
+from tests.tools.cases.camsim_cases import camsim
 
 LEARN = Path(__file__).parents[2] / "learn" / "machines"
 

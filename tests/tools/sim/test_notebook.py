@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from camsim_cases import ROOT
-from notebook_cases import code_cells, kept, printed
+from tests.tools.cases.camsim_cases import ROOT
+from tests.tools.cases.notebook_cases import code_cells, kept, printed
 
 NOTEBOOK = ROOT / "tools" / "docs" / "SIMULATE.ipynb"
 NUMBER = re.compile(r"-?\d+\.\d+")

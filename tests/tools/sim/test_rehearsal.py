@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import ROOT, camsim, columns_of
 from camtools.cli.mktables import main as mktables
+from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
 
 # Part, words for camsim, and what the blank is thicker than the largest radius that is cut.
 CASES: dict[str, tuple[str, tuple[str, ...], float]] = {

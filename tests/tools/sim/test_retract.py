@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim
+from tests.tools.cases.camsim_cases import ROOT, camsim
 
 STEP_LIMIT_NM = 20_000  # 400 mm/s at 20 kHz
 RETRACT_NM = -500_000

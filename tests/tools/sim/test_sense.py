@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim, columns_of
 from camtools.base.quantities import Floats
 from camtools.cli.mkgcode import main as mkgcode
 from camtools.cli.mktables import main as mktables
 from camtools.table.image import pack, unpack
 from camtools.table.mirror import in_sense
+from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
 
 SENSES = (1, -1)
 RADIUS_MM, LAST_MM = 45.0, 12.0

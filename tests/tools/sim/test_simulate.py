@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import ROOT, camsim
 from camtools.base.errors import CamtoolsError
 from camtools.sim.binding import PROTOTYPES, Rows, SimSession, library_path
 from camtools.sim.machine_file import Machine
 from camtools.sim.results import STATES
 from camtools.sim.simulate import Result, simulate
-from prototypes import declared_in, named
+from tests.tools.cases.camsim_cases import ROOT, camsim
+from tests.tools.cases.prototypes import declared_in, named
 
 HEADER = ROOT / "host_sim" / "api" / "sim_api.h"
 ROUGH = ROOT / "host_sim" / "machines" / "rough.toml"

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from camsim_cases import camsim, columns_of
 from camtools.cli.mktables import main as mktables
+from tests.tools.cases.camsim_cases import camsim, columns_of
 
 PARTS = Path(__file__).parents[3] / "tests" / "learn" / "parts"
 TICK_S, DELAY_S = 50e-6, 75e-6

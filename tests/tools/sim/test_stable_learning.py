@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from camsim_cases import ROOT
+from tests.tools.cases.camsim_cases import ROOT
 
 Complexes = NDArray[np.complex128]
 GAINS = (0.1, 0.15, 0.3, 0.5, 0.6)

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from camsim_cases import camsim
 from camtools.base.json_text import Json
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
+from tests.tools.cases.camsim_cases import camsim
 
 TICK_HZ = 20_000
 RPM = 2470.0  # no whole number of ticks per turn

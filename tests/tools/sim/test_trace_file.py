@@ -13,13 +13,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from camsim_cases import camsim
 from camtools.link.messages import NAMES
 from camtools.sim import trace_file
 from camtools.sim.results import STATES, read_swing, read_trace
 from camtools.sim.trace_file import TOLD_TWICE, column_names, pack_trace, read_columns
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
+from tests.tools.cases.camsim_cases import camsim
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from camtools.skirt.geometry.composite import Joint, fold
 from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse
 from camtools.skirt.geometry.skirt_geometry import make_geometry
-from part_cases import ROOT, load_part
+from tests.tools.cases.part_cases import ROOT, load_part
 
 JOINT_RAD = float(np.radians(48.0))
 DIAMETER_MM = 90.929096914

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
 from camtools.cut.correction import Correction, correction_of, nodes_of
 from camtools.pipeline.load import Loaded, load
 from camtools.pipeline.make_table import make
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart, example_part
-from part_cases import ROOT
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.part_cases import ROOT
 
 Floats = NDArray[np.float64]
 ENDS = (0.0, 62.0)

@@ -16,7 +16,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from camsim_cases import camsim, columns_of
 from camtools.base.errors import GeometryError
 from camtools.ngc.profile_program import segments
 from camtools.pipeline.make_table import Made
@@ -25,6 +24,7 @@ from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart, example_part
 from camtools.skirt.part.profile_keys import Profile
+from tests.tools.cases.camsim_cases import camsim, columns_of
 
 # the conical end of a drawing
 HEIGHTS = [0.0, 2, 10, 20, 30, 40, 50, 62]

@@ -15,7 +15,7 @@ from camtools.skirt.table.search import DERIVATIVE_SHARE, UnreachableError
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import pack, unpack
-from part_cases import PERKINS, load_part
+from tests.tools.cases.part_cases import PERKINS, load_part
 
 
 def random_points(result: GeneratedSkirt, n: int = 4000) -> tuple[np.ndarray, np.ndarray]:

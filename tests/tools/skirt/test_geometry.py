@@ -13,7 +13,7 @@ from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, make_g
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.part.profile_keys import Ovality, Profile
 from camtools.skirt.tool.turning import turning_at
-from part_cases import PERKINS, load_part
+from tests.tools.cases.part_cases import PERKINS, load_part
 
 HEIGHTS = [5.0, 15.0, 25.0, 35.0, 45.0, 56.0]
 MOMENTS = (

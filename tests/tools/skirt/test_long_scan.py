@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim, columns_of
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.pipeline.make_table import Made
@@ -17,7 +16,8 @@ from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate
-from part_cases import ROOT, load_part
+from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.part_cases import ROOT, load_part
 
 SCAN = ROOT / "tools" / "parts" / "scan90.toml"
 

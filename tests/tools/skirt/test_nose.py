@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main
@@ -21,7 +20,8 @@ from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.nose import NoseGeometry, tip_geometry
 from camtools.table.image import pack
 from camtools.table.summary import table_files
-from part_cases import ROOT, load_part
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.part_cases import ROOT, load_part
 
 PARTS = ROOT / "tools" / "parts"
 NM = 1e6

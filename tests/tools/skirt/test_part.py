@@ -12,7 +12,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.part.file import MAX_FILE_BYTES
 from camtools.part.model import rising
 from camtools.skirt.part.part_file import SkirtPart
-from part_cases import PERKINS, load_part, parse_part
+from tests.tools.cases.part_cases import PERKINS, load_part, parse_part
 
 GOOD = PERKINS.read_text()
 

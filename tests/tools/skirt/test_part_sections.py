@@ -9,7 +9,7 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.part.common import DEFAULT_ALPHA_RAD_S2
 from camtools.skirt.part.part_file import SkirtPart
-from part_cases import PERKINS, ROOT, load_part, parse_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part
 
 GOOD = PERKINS.read_text()
 ARC = 'shape = "ellipse-arc"\ntrim_mm = 0.3\njoint_deg = 50\n'

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import camsim, columns_of
 from camtools.base.quantities import omega_rad_s
 from camtools.cut.speed_law import uniform
 from camtools.pipeline.load import load
@@ -22,7 +21,8 @@ from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt, generate
 from camtools.table.channel import KIND_U
 from camtools.table.image import pack
-from part_cases import ROOT, load_part, parse_part
+from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.part_cases import ROOT, load_part, parse_part
 
 ALL_PARTS = sorted((ROOT / "tools" / "parts").glob("*.toml"))
 PARTS = [

@@ -13,7 +13,7 @@ from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.skirt.geometry.poly_surface import PolySurface, angle_pieces, over_height
 from camtools.skirt.geometry.refit import refit
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
-from part_cases import ROOT, load_part, parse_part
+from tests.tools.cases.part_cases import ROOT, load_part, parse_part
 
 LARGE_BORE = ROOT / "tools" / "parts" / "16v240zj.toml"
 SECTION = """shape = "ellipse-arc"

@@ -13,7 +13,7 @@ from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.part.power_law import LAW_ERROR_MM
 from camtools.skirt.table.generate import generate
-from part_cases import ROOT, load_part, parse_part
+from tests.tools.cases.part_cases import ROOT, load_part, parse_part
 
 LAW = ROOT / "tools" / "parts" / "perkins240_law.toml"
 

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
 from camtools.sim.camsim import machine_text
 from camtools.sim.results import read_removal
@@ -20,7 +19,8 @@ from camtools.skirt.table.speed import motion_played
 from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
 from camtools.table.summary import table_files
-from part_cases import ROOT, parse_part
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.part_cases import ROOT, parse_part
 
 PARTS = ROOT / "tools" / "parts"
 EVEN = (PARTS / "perkins240_equal_volume.toml").read_text()

@@ -41,8 +41,8 @@ from camtools.skirt.report.outcome import SkirtOutcome
 from camtools.skirt.report.page import make_report
 from camtools.skirt.report.text import rows_of
 from camtools.skirt.table.generate import GeneratedSkirt
-from part_cases import ROOT
-from report_cases import (
+from tests.tools.cases.part_cases import ROOT
+from tests.tools.cases.report_cases import (
     LAST_CUT,
     TICK_S,
     TURNS_PER_TICK,

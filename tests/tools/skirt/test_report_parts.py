@@ -24,8 +24,8 @@ from camtools.skirt.report.page import make_report
 from camtools.skirt.report.shape_plot import draw_skirt, enlargement_of, radius_grid
 from camtools.skirt.report.text import rows_of
 from camtools.skirt.table.generate import GeneratedSkirt, generate
-from part_cases import ROOT, load_part
-from report_cases import made_up_summary, made_up_surface, made_up_trace
+from tests.tools.cases.part_cases import ROOT, load_part
+from tests.tools.cases.report_cases import made_up_summary, made_up_surface, made_up_trace
 
 PARTS = ROOT / "tools" / "parts"
 

@@ -21,7 +21,7 @@ from camtools.skirt.geometry.scan import (
 )
 from camtools.skirt.geometry.scan_text import HEADER, MAX_POINTS, read_scan_text
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
-from part_cases import ROOT, load_part
+from tests.tools.cases.part_cases import ROOT, load_part
 
 MEASURED = ROOT / "tools" / "parts" / "scan90.toml"
 ANGLES = range(0, 360, 10)

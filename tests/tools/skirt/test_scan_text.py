@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main as mktables
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
-from part_cases import load_part
+from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.part_cases import load_part
 
 RADIUS_MM = 40.0
 HEIGHTS_MM = (0.0, 8.0, 16.0, 24.0)

@@ -17,13 +17,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from camsim_cases import ROOT, camsim, columns_of, only_error
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main as mktables
 from camtools.skirt.geometry.sections import SMOOTH_DEG, PowerOval
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
-from part_cases import load_part, parse_part
+from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of, only_error
+from tests.tools.cases.part_cases import load_part, parse_part
 
 THRUST = ROOT / "tools" / "parts" / "thrust90.toml"
 TWIST = ROOT / "tools" / "parts" / "twist80.toml"

@@ -14,7 +14,7 @@ from camtools.pipeline.job import RunJob
 from camtools.skirt.part.part_file import example_part
 from camtools.skirt.report.tool_text import track_row
 from camtools.skirt.table.generate import generate
-from part_cases import PERKINS, ROOT
+from tests.tools.cases.part_cases import PERKINS, ROOT
 
 RINGS = """\
 path = "ring-helix"

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camsim_cases import camsim, columns_of
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.pipeline.make_table import Made
@@ -25,7 +24,8 @@ from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.gauge_design import target_of
 from camtools.skirt.table.generate import generate
-from part_cases import ROOT, load_part
+from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.part_cases import ROOT, load_part
 
 WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
 SCAN = ROOT / "tools" / "parts" / "scan90.toml"

@@ -15,8 +15,8 @@ from camtools.cli.analyse import lobe_products, main
 from camtools.lobe.part import LobePart
 from camtools.pipeline.load import load, parse
 from camtools.study.lobe import LobeWishes
-from lobe_tables import DISC, POLY345, POLY345_WHEEL
-from part_cases import ROOT
+from tests.tools.cases.lobe_tables import DISC, POLY345, POLY345_WHEEL
+from tests.tools.cases.part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
 

@@ -18,7 +18,7 @@ from camtools.study.refit import (
     study,
 )
 from camtools.study.refit_plots import draw_all
-from part_cases import ROOT, load_part
+from tests.tools.cases.part_cases import ROOT, load_part
 
 
 def of(part: str, height_mm: float, spindle_rpm: float) -> Study:

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.cli.mktables import main as mktables
 from camtools.pipeline.load import load
@@ -17,7 +16,8 @@ from camtools.table.evaluate import evaluate_at
 from camtools.table.export import Export, export_files
 from camtools.table.image import pack
 from camtools.table.points import parse_points, quintics_of
-from part_cases import PERKINS, ROOT
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.part_cases import PERKINS, ROOT
 
 PARTS = ROOT / "tools" / "parts"
 NM_PER_MM = 1e6

@@ -28,7 +28,7 @@ from camtools.table.channel import (
 from camtools.table.image import Table, pack, unpack
 from camtools.table.quintics import segment_coefficients
 from camtools.table.records import ENTRY, HEADER
-from part_cases import ROOT
+from tests.tools.cases.part_cases import ROOT
 
 
 def small_table(seed: int = 1, n_slices: int = 3, log2_knots: int = 2) -> Table:
