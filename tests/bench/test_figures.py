@@ -3,18 +3,9 @@
 
 from __future__ import annotations
 
-import doctest
-
 import figures
 import pytest
 from figures import CASES, CORES, PAGE, TEMPLATE, Case, core_figures, decimals, measure, recorded
-
-
-def test_examples_are_true() -> None:
-    """What the examples of the module show is what it does."""
-    result = doctest.testmod(figures)
-    assert result.attempted
-    assert not result.failed
 
 
 def test_the_page_has_what_is_recorded() -> None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import doctest
 import os
 import subprocess
 import sys
@@ -11,7 +10,6 @@ from functools import cache
 from math import inf
 from pathlib import Path
 
-import bench_tables
 import numpy as np
 import pytest
 from bench_tables import ROOT, parts, recorded
@@ -25,13 +23,6 @@ from camtools.table.image import Table, pack
 CAMSIM = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "host_sim" / "camsim"
 LONG = ("16v240zj", "perkins240_equal_volume", "perkins240_papers_speed", "twist80")
 NAMES = [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in sorted(parts())]
-
-
-def test_examples_are_true() -> None:
-    """What the examples of the module show is what it does."""
-    result = doctest.testmod(bench_tables)
-    assert result.attempted
-    assert not result.failed
 
 
 def test_every_part_is_recorded() -> None:
