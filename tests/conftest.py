@@ -11,7 +11,7 @@ import pytest
 from camtools.cli.mktables import main as mktables
 from tests.tools.cases.part_cases import ROOT
 
-PARTS = ROOT / "tools" / "parts"
+FOLDERS = (ROOT / "tools" / "parts", ROOT / "tests" / "learn" / "parts")
 
 
 @pytest.fixture(scope="session")
@@ -22,7 +22,8 @@ def table_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def make(part: str) -> Path:
         path = folder / f"{part}.camtab"
         if not path.exists():
-            assert mktables([str(PARTS / f"{part}.toml"), "-o", str(folder)]) == 0
+            [source] = [file for one in FOLDERS if (file := one / f"{part}.toml").exists()]
+            assert mktables([str(source), "-o", str(folder)]) == 0
         return path
 
     return make

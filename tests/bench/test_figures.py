@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import doctest
-
 import pytest
 
 from tests.bench import figures
@@ -19,13 +17,6 @@ from tests.bench.figures import (
     measure,
     recorded,
 )
-
-
-def test_examples_are_true() -> None:
-    """What the examples of the module show is what it does."""
-    result = doctest.testmod(figures)
-    assert result.attempted
-    assert not result.failed
 
 
 def test_the_page_has_what_is_recorded() -> None:

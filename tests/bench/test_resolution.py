@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import doctest
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,6 @@ from tests.bench.resolution import (
     EXACT,
     PORTS,
     ROWS,
-    Row,
     Shape,
     bound_um,
     cut_row_um,
@@ -48,25 +46,6 @@ def recorded(name: str) -> Lines:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 
-def row_of(what: str, begin: str) -> Row:
-    """Return a row of the first table."""
-    return next(row for row in ROWS if row.what == what and row.value.startswith(begin))
-
-
-def test_examples_are_true() -> None:
-    """What the examples of the module show is what it does."""
-    result = doctest.testmod(resolution)
-    assert result.attempted
-    assert not result.failed
-
-
-def test_shape_is_that_of_the_drawing(shape: Shape) -> None:
-    """An ellipse of 0.3 mm: u is 0.075 mm (1 - cos 2 a), so u' is 150 um and u'' 300 um."""
-    assert shape.u1_um_per_rad == pytest.approx(150, rel=0.01)
-    assert shape.u2_um_per_rad2 == pytest.approx(300, rel=0.01)
-    assert 0.001 < shape.slope < 0.05
-
-
 def test_the_first_table_is_recorded(table: Path, shape: Shape) -> None:
     """Every row is what camsim and its equation give: `tests/bench/resolution --record`."""
     found = []
@@ -85,12 +64,6 @@ def test_bounds_hold(exact_um: float) -> None:
         if what in {"step of X", "delay not in lead_ns", "tick"}:
             share = 0.6 if what == "tick" else 0.8
             assert float(found) >= share * float(bound), (what, value)
-
-
-def test_steps_of_x_alone_cost_three_micrometres(table: Path) -> None:
-    """Half of 6.1 um, whatever equation is believed; steps of 50 nm cost a hundredth of that."""
-    assert 3.0 < cut_row_um(table, row_of("step of X", "6103.5")) < 3.1
-    assert cut_row_um(table, row_of("step of X", "50 ")) < 0.031
 
 
 @pytest.mark.parametrize(("port", "rpm"), [(0, 2500), (1, 1000), (4, 2500)])

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import doctest
 import os
 import subprocess
 import sys
@@ -19,19 +18,11 @@ from camtools.pipeline.make_table import make as make_table
 from camtools.table.channel import KIND_U
 from camtools.table.evaluate import evaluate_grid
 from camtools.table.image import Table, pack
-from tests.bench import bench_tables
 from tests.bench.bench_tables import ROOT, parts, recorded
 
 CAMSIM = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "host_sim" / "camsim"
 LONG = ("16v240zj", "perkins240_equal_volume", "perkins240_papers_speed", "twist80")
 NAMES = [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in sorted(parts())]
-
-
-def test_examples_are_true() -> None:
-    """What the examples of the module show is what it does."""
-    result = doctest.testmod(bench_tables)
-    assert result.attempted
-    assert not result.failed
 
 
 def test_every_part_is_recorded() -> None:

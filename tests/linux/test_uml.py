@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.linux import kernel
-from tests.linux.kernel import UML, BrokenKernelError, NoKernelError
+from tests.linux.kernel import UML
 from tests.tools.cases.camsim_cases import ROOT
 
 FakeKernel = Callable[[str], None]
@@ -98,19 +97,6 @@ def test_kernel_that_panics_has_the_last_word(
     assert done.stderr.splitlines()[-1] == said
 
 
-def test_file_that_is_no_kernel_is_said_to_be_none(fake_kernel: FakeKernel) -> None:
-    """A program that ends well without the command's status, and a file of another format."""
-    fake_kernel(script("exit 0"))
-    done = uml("run", "true")
-    assert done.returncode == BROKEN
-    assert done.stderr.endswith("broke down (exit status 0): it said nothing\n")
-    fake_kernel("\x7fELF, but no more than that\n")
-    done = uml("run", "true")
-    assert done.returncode == BROKEN
-    assert "broke down (exit status 12" in done.stderr
-    assert "it said nothing" not in done.stderr
-
-
 def test_status_of_the_command_counts_more_than_the_kernels_end(fake_kernel: FakeKernel) -> None:
     """A panic when the kernel is switched off does not hide what the command said."""
     fake_kernel(script('echo 7 >"$UML_FOLDER/status"', panics()))
@@ -123,31 +109,6 @@ def test_kernel_that_hangs_is_ended(fake_kernel: FakeKernel) -> None:
     done = uml("run", "-t", "1", "true")
     assert done.returncode == 124
     assert done.stderr == "camturn: tools/uml: not done after 1 s; give more by -t\n"
-
-
-def test_tests_tell_the_kernels_last_words(
-    fake_kernel: FakeKernel, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """At the trial boot, and of a kernel that breaks down in a scenario."""
-    fake_kernel(script(panics()))
-    monkeypatch.setattr(kernel, "is_direct_possible", lambda: False)
-    with pytest.raises(BrokenKernelError, match="does not boot") as broken:
-        kernel.find_kernel()
-    assert str(broken.value).rstrip().endswith(CAUSE + DEATH)
-    own = kernel.Kernel(is_own=True)
-    result = own.play("whole_cut", {"out": str(tmp_path)}, is_virtual=True)
-    assert result.status == BROKEN
-    assert CAUSE + DEATH in result.report()
-
-
-def test_kernel_that_no_package_brings_is_missing(
-    programs: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The tests of the port are skipped then; the message tells the remedy."""
-    say_version(programs, "(none)")
-    monkeypatch.setattr(kernel, "is_direct_possible", lambda: False)
-    with pytest.raises(NoKernelError, match="run apt-get update"):
-        kernel.find_kernel()
 
 
 def test_version_configuration_and_each_patch_decide_which_kernel(

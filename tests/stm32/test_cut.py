@@ -159,28 +159,6 @@ def test_steps_keep_the_times_of_a_drive(cut: Session) -> None:
         assert stepper.shortest.hold > 240
 
 
-def test_words_move(cut: Session) -> None:
-    """The comparison above is about something: every channel goes its way through its words."""
-    columns = list(zip(*(seen.words for seen in cut.board.ticks), strict=True))
-    u, x, z, spindle = (len(set(column)) for column in columns)
-    assert u > 2000
-    assert x > 100
-    assert z > 60  # 1 mm of 1000
-    assert spindle >= 2
-
-
-def test_other_senses_give_other_words(cut: Session) -> None:
-    """The host would not agree if the encoder had counted once too often in the cut."""
-    first = next(i for i, (_, seen) in enumerate(ticks_of(cut)) if seen.in_cut) + 200
-    spoilt = [dict(record) for record in cut.records[: first + 300]]
-    for record in spoilt[first:]:
-        record["counts"] += 1
-    host = replay(spoilt, cut.changes, n_before=1)
-    seen = [outputs.words for _, outputs in ticks_of(cut)]
-    assert [words(done) for done in host[:first]] == seen[:first]
-    assert [words(done) for done in host[first:]] != seen[first : len(host)]
-
-
 def test_all_outputs_step_30_us_behind_the_tick(cut: Session) -> None:
     """Four frames per tick, all in before /LDAC falls, always at the same time."""
     events, starts = cut.board.events, cut.board.tick_at

@@ -6,7 +6,6 @@ from __future__ import annotations
 import re
 import subprocess
 from functools import cache
-from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
@@ -82,18 +81,6 @@ def test_cited_equations_exist() -> None:
     }
     assert stray == {}
     assert cited(texts()[MATHS], WITHIN) <= known
-
-
-def test_citations_tell_a_number() -> None:
-    """Outside of documents MATHS.md is cited by numbers of equations."""
-    bare = [
-        f"{name}: {line.strip()}"
-        for name, text in texts().items()
-        if not name.endswith((".md", OWN.rpartition("/")[2]))
-        for line in re.sub(CITATION, "", text).splitlines()
-        if "MATHS.md" in line
-    ]
-    assert bare == []
 
 
 def test_equations_are_needed() -> None:
@@ -186,12 +173,3 @@ def test_maths_renders() -> None:
         assert not re.search(r"\\[\\{},;!*_]", formula), formula
     glued = re.search(r"\w\x02|\x02\w", INLINE.sub("\x02", outside))
     assert glued is None, outside[glued.start() - 40 : glued.end() + 40]
-
-
-def test_patterns_see_what_is_wrong() -> None:
-    """A number that is not there, a missing document and a run over comment lines are found."""
-    assert cited("/// Source: MATHS.md (61) .. (63),\n/// (42).") == {42, 61, 62, 63}
-    assert cited("MATHS.md (7)") == {7}
-    assert DOCUMENT.findall("see notes/absent.md and x.md.") == ["notes/absent.md", "x.md"]
-    assert LINK.findall("[a](b.md#c) ![d](e.png)") == ["b.md#c", "e.png"]
-    assert not Path(ROOT / "absent.md").exists()

@@ -161,15 +161,6 @@ def test_room_sees_the_rooms_below_it_and_no_others(room: str, tmp_path: Path) -
         assert [one for one, is_good in zip(found, is_built, strict=True) if not is_good] == []
 
 
-def test_wrong_arrow_would_be_found(tmp_path: Path) -> None:
-    """The compiler refuses a header of a room above, because it finds no such file."""
-    header = "cam_machine.h"
-    assert not found_by("firmware/table", [header], tmp_path)
-    assert not compiles("firmware/table", header, tmp_path)
-    assert found_by("firmware/remote", [header], tmp_path) == {header}
-    assert compiles("firmware/remote", header, tmp_path)
-
-
 def test_no_include_climbs_out_of_its_room() -> None:
     """A path with ".." would go round the include paths, so no file of ours has one."""
     folders = ("firmware", "hal", "host_sim", "tests")

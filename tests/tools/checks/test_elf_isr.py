@@ -10,7 +10,15 @@ import pytest
 
 from checks.elf_isr import examine
 from checks.elf_rules import forbidden_name
-from elf_cases import HARD_FLOAT, LOOP, assembled, examined, link, needs_gcc, only_problem
+from tests.tools.cases.elf_cases import (
+    HARD_FLOAT,
+    LOOP,
+    assembled,
+    examined,
+    link,
+    needs_gcc,
+    only_problem,
+)
 
 LIBRARY_NAMES = [
     "__aeabi_ldivmod", "__aeabi_uldivmod", "__aeabi_idiv", "__aeabi_idivmod", "__aeabi_uidiv",

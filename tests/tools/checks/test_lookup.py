@@ -3,10 +3,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import pytest
-
 from camtools.link.messages import DATABASE
 from camtools.link.parameters import INFOS
 from checks import lookup
@@ -26,18 +22,3 @@ def test_no_parameter_and_no_message_is_missing() -> None:
     assert parameters.count("| `switch_N_") == 8
     assert {m.name for m in DATABASE.messages if f"\n## {m.name}, 0x" not in messages} == set()
     assert "| -21 | `param_range` |" in messages
-
-
-def test_page_that_differs_is_named_and_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The check fails on it; --write mends it."""
-    pages = lookup.pages()
-    for name in pages:
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text("old", "utf-8")
-    monkeypatch.setattr(lookup, "ROOT", tmp_path)
-    monkeypatch.setattr(lookup, "pages", lambda: pages)
-    assert lookup.main([]) == 2
-    assert "firmware/PARAMETERS.md: differs from its source" in capsys.readouterr().err
-    assert lookup.main(["--write"]) == lookup.main([]) == 0

@@ -8,15 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from camtools.base.errors import InputError
 from checks.misra import (
     Finding,
     check,
     cppcheck,
     judge,
-    of_the_core,
     parse_deviations,
-    parse_findings,
 )
 from tests.tools.cases.part_cases import ROOT
 
@@ -54,27 +51,6 @@ def test_scope_of_a_deviation(finding: tuple[str, int, str], number: str | None)
     assert list(covered) == ([number] if number else [])
 
 
-@pytest.mark.parametrize(
-    "row",
-    [
-        "| D2 | 10.1 | required | `*` |  | the first is D1 |",
-        "| D1 | 10.1 | mandatory | `*` |  | nothing deviates from those |",
-        "| D1 | 10.1 | required | everywhere |  | no scope |",
-        "| D1 | 10.1 | required | `*` |  |",
-    ],
-)
-def test_bad_rows_are_refused(row: str) -> None:
-    """A row is understood wholly or not at all."""
-    with pytest.raises(InputError):
-        parse_deviations("MISRA.md", row)
-
-
-def test_findings_are_counted_once() -> None:
-    """A header is found in every file that includes it."""
-    text = "firmware/a.h|3|misra-c2012-10.1\nfirmware/a.h|3|misra-c2012-10.1\na.c|1|uninitvar\n"
-    assert parse_findings(text) == [("a.c", 1, "uninitvar"), ("firmware/a.h", 3, "10.1")]
-
-
 @pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
 def test_gate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A breach fails, its deviation passes, a deviation without a breach fails."""
@@ -91,24 +67,6 @@ def test_gate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source.write_text("int f(int a);\nint f(int a)\n{\n    return a + 1;\n}\n", "utf-8")
     assert check(tmp_path) == 1
     assert "D1 covers nothing any more" in capsys.readouterr().out
-
-
-def test_lines_of_the_core_are_read_in_one_source(tmp_path: Path) -> None:
-    """A header with such lines is read where it is included first, a source by itself."""
-    folder = tmp_path / "firmware"
-    folder.mkdir()
-    lines = "#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP\n#endif\n"
-    texts = {
-        "a.c": "",
-        "b.c": '#include "f.h"\n',
-        "c.c": '#include "f.h"\n',
-        "d.c": lines,
-        "f.h": lines,
-    }
-    for name, text in texts.items():
-        (folder / name).write_text(text, "utf-8")
-    found = of_the_core(tmp_path, sorted(folder.glob("*.c")))
-    assert [path.name for path in found] == ["b.c", "d.c"]
 
 
 @pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")

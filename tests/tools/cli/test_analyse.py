@@ -104,12 +104,6 @@ def test_corner_is_studied_too() -> None:
     assert len(rows(found["refit_candidates.csv"])) == 16
 
 
-def test_same_input_same_bytes(perkins: SkirtPart, files: dict[str, bytes]) -> None:
-    """Everything again is the same."""
-    again = skirt_products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False)
-    assert again[1] == files
-
-
 @pytest.mark.slow
 def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command writes tables and pictures and tells the essentials."""

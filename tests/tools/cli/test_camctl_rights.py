@@ -16,7 +16,7 @@ from camtools.cli import camctl_rights
 from camtools.link.controller import Link
 from camtools.link.messages import NUMBERS, Refused
 from camtools.link.refusal_text import ask_done
-from camtools.link.rights import CommandHeld, CommandLost, May, proof_of, sender_of
+from camtools.link.rights import CommandHeld, CommandLost, May, sender_of
 from camtools.link.shared_session import SharedSession
 from tests.tools.cases.background import PATIENCE_S, background, python
 from tests.tools.cases.camctl_bench import Bench, keeping, order
@@ -226,12 +226,6 @@ def test_a_port_without_a_secret_says_so(bench: Bench, secret: Path, refusal: Re
     assert "the port has no secret; turn the key switch" in refusal(
         bench, 1, f"--secret {secret} unlock"
     )
-
-
-def test_a_proof_is_that_of_the_firmware() -> None:
-    """The first four bytes of the keyed BLAKE2b, of 64 bytes, over the challenge."""
-    assert proof_of(b"0123456789abcdef", 1) != proof_of(b"0123456789abcdef", 2)
-    assert 0 <= proof_of(b"0123456789abcdef", 2**32 - 1) < 2**32
 
 
 def test_enable_waits_for_the_button(strict: Bench, refusal: Refusal) -> None:

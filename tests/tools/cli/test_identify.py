@@ -78,18 +78,16 @@ def test_constants_are_found_and_applied(machine: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_form_error_is_that_of_a_cut(tmp_path: Path) -> None:
+def test_form_error_is_that_of_a_cut(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """What is expected with the believed constants is what the simulator gauges."""
     machine = tmp_path / "m.toml"
     machine.write_text(MACHINE.format(more="").replace("friction_m_per_s2 = 5", ""), "ascii")
     text = run("--machine", machine, PERKINS, "-o", tmp_path)[1]
     assert " um" in text and text.isascii()  # for every terminal
     expected = json.loads((tmp_path / "m_identified.json").read_text())["form_error_um"]["believed"]
-    made = [sys.executable, "-m", "camtools.cli.mktables", str(PERKINS), "-o", str(tmp_path)]
-    subprocess.run(made, env=environment(), check=True, capture_output=True)
-    table, summary = tmp_path / "perkins240.camtab", tmp_path / "s.json"
+    summary = tmp_path / "s.json"
     words = ["--set", "learn_harmonics=0", "--set", "rehearse_turns=0"]
-    camsim("run", table, "--machine", machine, "--summary", summary, *words)
+    camsim("run", table_of("perkins240"), "--machine", machine, "--summary", summary, *words)
     gauged = json.loads(summary.read_text())["form_error_um"]["max"]
     assert expected == pytest.approx(gauged, rel=0.03)
 
@@ -246,18 +244,6 @@ def test_settings_reach_the_controller(
     assert (tmp_path / "node64_bode.png").exists()
 
 
-@pytest.mark.slow
-def test_bad_fit_leaves_the_controller_alone(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Parameters and state are as they were."""
-    ready(bench)
-    before = bench.do("get", "k1_ns", "k2_us2", "lead_ns")
-    plant = Plant(mode_hz=600, mode_share=0.2)
-    monkeypatch.setattr(can_drive, "excite", excited_plant(plant))
-    assert run(*bus_words(bench), "--periods", "3", "--apply")[0] == 1
-    assert bench.do("get", "k1_ns", "k2_us2", "lead_ns") == before
-    assert "ready" in bench.do("status").splitlines()[0]
-
-
 def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
     """Off: told with the order of things."""
     assert run(*bus_words(bench))[0] == 1
@@ -269,8 +255,10 @@ def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -
 def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
     """U of the bench does at once what it is told: excited and recorded, but no drive to be set."""
     ready(bench)
+    before = bench.do("get", "k1_ns", "k2_us2", "lead_ns")
     status, text = run(*bus_words(bench), "--apply", "--periods", "3")
     assert status == 1
+    assert bench.do("get", "k1_ns", "k2_us2", "lead_ns") == before
     assert "excited: 25 um rms" in text
     assert "nothing was applied: no drive of second order" in capsys.readouterr().err
     assert "ready" in bench.do("status").splitlines()[0]

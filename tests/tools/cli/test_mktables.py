@@ -232,8 +232,7 @@ def test_symbolic_links_stay(tmp_path: Path, target: str) -> None:
     assert (there / "pipe").is_fifo()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
+def test_interrupted_run_leaves_nothing(tmp_path: Path) -> None:
     """A signal while writing removes temporaries and the new folder; the status tells it."""
     script = (
         "import sys, os, time, camtools.cli.mktables as m, camtools.base.output as o\n"
@@ -248,9 +247,9 @@ def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) 
         assert run.stdout is not None
         assert run.stdout.readline() == "writing\n"
         assert any(name.endswith(".tmp") for name in listing(tmp_path / "out"))
-        run.send_signal(number)
+        run.send_signal(signal.SIGINT)
         _, err = run.communicate(timeout=20)
-    assert run.returncode == 128 + number
+    assert run.returncode == 128 + signal.SIGINT
     assert err == "mktables: interrupted; nothing was written\n"
     assert listing(tmp_path) == []
 
@@ -305,18 +304,3 @@ def test_script_runs_from_anywhere(tmp_path: Path) -> None:
     )
     assert run.returncode == 0, run.stderr
     assert listing(folder / "my out") == NAMES
-
-
-def test_tables_are_made_without_the_libraries_of_pictures() -> None:
-    """No kind of part loads matplotlib before a picture is drawn: it takes longer than a table."""
-    script = "import sys; import camtools.pipeline.registry as r; r.kinds(); print(*sys.modules)"
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    loaded = done.stdout.split()
-    assert "camtools.skirt.kind" in loaded and "camtools.lobe.kind" in loaded
-    assert not [name for name in loaded if name.startswith(("matplotlib", "jinja2"))]

@@ -105,8 +105,7 @@ def test_of_two_live_lathes_one_must_be_named(
         assert "2 live lathes are running: one, two; give --live NAME" in complaint(capsys, folder)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_its_end_leaves_nothing_behind(folder: Path, number: int) -> None:
+def test_its_end_leaves_nothing_behind(folder: Path) -> None:
     """Without a controller it serves, says what to start, and ends at once with a page open."""
     token = folder / "token"
     token.write_text("sixteen-letters-or-more\n", "ascii")
@@ -119,7 +118,7 @@ def test_its_end_leaves_nothing_behind(folder: Path, number: int) -> None:
         page = RawPage(origin)
         with page.connected() as own:
             own.hear_until("start tools/live")
-            assert panel.end(number) == 0, panel.text()
+            assert panel.end(signal.SIGTERM) == 0, panel.text()
         assert "Traceback" not in panel.text()
     assert [path.name for path in log.parent.iterdir()] == ["a.jsonl"]
     with pytest.raises(OSError, match="refused"):

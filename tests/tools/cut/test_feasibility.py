@@ -105,16 +105,16 @@ def test_highest_speed_meets_its_limit() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("text", [NARROW, TURNED, SURFACE], ids=["uniform", "turned", "surface"])
-def test_feed_too_fast_for_the_gaps_is_refused(text: str) -> None:
+def test_feed_too_fast_for_the_gaps_is_refused() -> None:
     """With needed, limit, and a speed and a feed each of which is accepted; 1 % more is not."""
-    line = refusal(with_feed(text, 0.9))
+    line = refusal(with_feed(SURFACE, 0.9))
     assert line.startswith("machine.limits.u_acceleration_mm_s2 = ")
     assert told(line, "the part needs") > told(line, "u_acceleration_mm_s2 =")
     rpm, feed_mm = told(line, "may be at most"), told(line, "process.feed_mm at most")
-    made(with_feed(text, feed_mm))
-    assert "process.feed_mm at most" in refusal(with_feed(text, round(feed_mm * 1.01, 4)))
-    slower = re.sub(r"spindle_rpm = \d+\n", f"spindle_rpm = {rpm}\n", with_feed(text, 0.9), count=1)
+    made(with_feed(SURFACE, feed_mm))
+    assert "process.feed_mm at most" in refusal(with_feed(SURFACE, round(feed_mm * 1.01, 4)))
+    fast = with_feed(SURFACE, 0.9)
+    slower = re.sub(r"spindle_rpm = \d+\n", f"spindle_rpm = {rpm}\n", fast, count=1)
     best = made(slower).highest_speed
     assert best.rpm == pytest.approx(rpm, rel=0.02)
     assert best.decides == "u_acceleration_mm_s2"
@@ -150,8 +150,7 @@ spindle_rpm = 60
 )
 
 
-@pytest.mark.parametrize("phase_deg", [0, 20, 90, 180])
-@pytest.mark.parametrize("rpm", [30, 60, 120])
+@pytest.mark.parametrize(("phase_deg", "rpm"), [(0, 60), (20, 120), (90, 30), (180, 60)])
 def test_laws_of_neighbours_are_made_for_each_alone(phase_deg: int, rpm: int) -> None:
     """Between two lobes the ratio goes to 1: their phases are no matter to the spindle's limit."""
     text = PAIR.replace("phase_deg = 180", f"phase_deg = {phase_deg}")

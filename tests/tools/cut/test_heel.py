@@ -87,7 +87,7 @@ SECTIONS = {
 
 
 @pytest.mark.parametrize("name", sorted(SECTIONS))
-@pytest.mark.parametrize("heel_mm", [0.5, 5.0, 12.0])
+@pytest.mark.parametrize("heel_mm", [0.5, 12.0])
 @pytest.mark.parametrize("direction", [1, -1])
 def test_needed_clearance_against_brute_force(
     name: str, heel_mm: float, direction: int, tmp_path: Path

@@ -45,7 +45,7 @@ DRAWN = (
     *("u_speed_mm_s", "u_acceleration_mm_s2", "z_speed_mm_s", "z_acceleration_mm_s2"),
     *("spindle_rpm", "swing_speed_deg_s", "swing_acceleration_deg_s2"),
 )
-N_MACHINES = 4
+N_MACHINES = 3
 EVERY, XZ_ROWS = 16, 10  # ticks of a row of the trace, rows of a step: the noise is small in it
 NOISE, REACHED = 0.01, 0.95  # of a limit: the angle is known to a count
 FIELDS = {

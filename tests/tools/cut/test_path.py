@@ -22,7 +22,7 @@ from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.turning import path_of
 from camtools.study.path import csv, make_study
 from camtools.table.image import pack, unpack
-from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part
+from tests.tools.cases.part_cases import PERKINS, load_part, parse_part
 
 # turns since the start, height of the ring-helix (0.2 mm), height of a plain helix (0.1 mm)
 GOLDEN = """\
@@ -252,15 +252,6 @@ def test_largest_feed_is_the_edge(rpm: float, speed_mm_s: float, acceleration_mm
 def test_ramp_is_at_least_a_256th_of_a_turn() -> None:
     """As the firmware's: slowly turned parts have room for it."""
     assert ramp_of(0.1, 10, MachineLimits()) == LEAST_RAMP == 1 / 256
-
-
-def test_limits_of_z_are_documented() -> None:
-    """Keys and defaults stand in the manual of part files."""
-    text = (ROOT / "tools" / "docs" / "PARTFILE.md").read_text()
-    limits = MachineLimits()
-    assert f"| `z_speed_mm_s` | mm/s | 0.1 .. 10000 | {limits.z_speed_mm_s:g} |" in text
-    assert f"mm/s2 | 10 .. 1e6 | {limits.z_acceleration_mm_s2:g} |" in text
-    assert '| `path` | | `"helix"`, `"ring-helix"`, `"stepped"` | `"helix"` |' in text
 
 
 def test_stepped_path_keeps_the_section_during_a_turn() -> None:

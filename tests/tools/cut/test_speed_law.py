@@ -146,13 +146,6 @@ def test_neighbouring_heights_have_neighbouring_laws() -> None:
     assert float(np.abs(laws[1] - laws[0]).max()) < 0.01
 
 
-def test_same_input_same_law() -> None:
-    """Twice the same, to the bit."""
-    phi = grid_rad(PAPERS)
-    first, second = (optimise(PAPERS, LATHE, 300 * RPM).ratio(phi) for _ in range(2))
-    np.testing.assert_array_equal(first, second)
-
-
 def test_uniform_speed_beyond_a_limit_is_refused_with_numbers() -> None:
     """Nothing can be modulated when the plain cut is too fast already."""
     slow_u = SpeedLimits(500.0, 3000 * RPM, 1.0, 250_000.0)

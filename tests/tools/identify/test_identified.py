@@ -85,7 +85,7 @@ def test_other_tick_rates(tick_hz: float) -> None:
     """The grid adapts."""
     grid = Grid.of(tick_hz)
     plant = Plant(friction_m_s2=5)
-    (found,) = identified([plant], 25_000.0, grid)
+    (found,) = identified([plant], 25_000.0, grid, with_mode=False)
     k1, k2, lead_s = errors(found, plant, grid)
     assert abs(k1) < 0.01 and abs(k2) < 0.01 and abs(lead_s) < 2e-6
     assert found.problems(Limits()) == []
@@ -132,7 +132,7 @@ def test_standard_deviations_are_honest() -> None:
 @pytest.mark.slow
 def test_scale_that_is_wrong_is_noticed() -> None:
     """A drive that moves 3 % more than commanded has a gear or a scale that is wrong."""
-    (found,) = identified([Plant(gain=1.03)], 25_000.0)
+    (found,) = identified([Plant(gain=1.03)], 25_000.0, with_mode=False)
     assert found.gain.share == pytest.approx(1.03, abs=2e-3)
     assert any("U moves 1.03" in problem for problem in found.problems(Limits()))
     worse = replace(found.plain, misfit=1.5, covariance=1e-8 * np.eye(4))  # 100 us

@@ -61,9 +61,3 @@ def test_wave_keeps_to_the_quantum_of_the_scale() -> None:
     """A drive that rounds its commands plays what the fit knows."""
     wave = multisine(Grid.of(20_000.0), 50_000.0, 300_000.0, quantum_nm=1000.0)
     assert np.all(wave.u_nm % 1000 == 0)
-
-
-def test_same_arguments_give_the_same_wave() -> None:
-    """No chance in it."""
-    first, second = (multisine(Grid.of(20_000.0), 25_000.0, 1e5) for _ in range(2))
-    assert np.array_equal(first.u_nm, second.u_nm)

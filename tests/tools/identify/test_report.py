@@ -47,15 +47,3 @@ def test_settings_are_the_drive() -> None:
         "lead: dead time and half a tick of hold; the latency of the scale cannot be separated"
         in text
     )
-
-
-def test_biased_fit_has_no_settings() -> None:
-    """A mode is told with the bias; nothing is there to be pasted."""
-    lines = report(
-        found(Plant(mode_hz=800, mode_share=0.1)), BELIEVED, Limits(), MOTION, "oval", is_good=False
-    )
-    text = "\n".join(lines)
-    assert "camctl set" not in text
-    assert "mode: 80" in text
-    assert "the fit is biased by it: k1" in text
-    assert "not to be applied: a mode biases k2 by -" in text

@@ -44,8 +44,6 @@ def shaft(text: str, places: list[tuple[float, float]], n_profiles: int = 2) -> 
 
 SHAFTS = [
     (pitched(8, 14, 31), 2),
-    (pitched(12, 12, 6), 1),
-    (pitched(16, 14, 20), 2),
     (pitched(64, 10, 5), 2),
     ([(0, 3), (3.2, 6.2)], 2),
     (pitched(1, 700, 0), 1),

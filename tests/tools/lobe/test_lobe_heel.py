@@ -41,8 +41,7 @@ def rubs(lobe: ShaftLobe, clearance_deg: float, heel_mm: float, direction: int) 
     return False
 
 
-@pytest.mark.parametrize("heel_mm", [1.0, 5.0])
-@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize(("heel_mm", "direction"), [(1.0, 1), (5.0, -1)])
 def test_needed_clearance_against_brute_force(heel_mm: float, direction: int) -> None:
     """A tenth of a degree more clears the hollow flank, a tenth less lies in it."""
     [lobe] = make_lobes(hollow_part())

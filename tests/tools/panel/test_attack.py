@@ -231,7 +231,9 @@ def test_pages_that_never_connect_are_bounded(session: PanelSession) -> None:
     """Their number ends, the memory that they take with it; those that are open go on."""
     page = RawPage(session.origin)
     with page.connected() as own:
-        statuses = [get(session.origin, "/runs")[0] for _ in range(60)]
-        assert statuses[-1] == 503 and set(statuses) == {200, 503}
+        statuses = [200]
+        while statuses[-1] == 200 and len(statuses) < 60:
+            statuses.append(get(session.origin, "/runs")[0])
+        assert statuses[-1] == 503
         own.say("panel_hello", hello(page, session.token))
         own.hear_until("Take command")

@@ -156,7 +156,10 @@ def test_memory_is_limited_and_nothing_is_written() -> None:
             await page.until(lambda one: one["stage"] in ("problems", "lost"))
             await asyncio.sleep(0)
         page.ask(text_of("perkins240"))
-        await page.until(lambda one: one["stage"] == "table")
+        await page.done()
+        limits = Path(f"/proc/{(await idle(engine)).pid}/limits").read_text()
+        [line] = [one for one in limits.splitlines() if one.startswith("Max file size")]
+        assert line.split()[3:5] == ["0", "0"]
 
     acted(PreviewLimits(workers=1, memory_mb=1024), act)
 
@@ -172,20 +175,5 @@ def test_edits_are_done_one_after_the_other() -> None:
         assert found == [text.replace("0.1", str(n)) for n in range(5)]
         with pytest.raises(CamtoolsError, match="change it in the text"):
             await page.seat.edit("a = 1\n", ["a", "b"], 1)
-
-    acted(PreviewLimits(workers=1), act)
-
-
-def test_a_process_can_write_no_file(tmp_path: Path) -> None:
-    """Its limit of the size of files is 0."""
-
-    async def act(engine: Engine) -> None:
-        page = Page(engine)
-        page.ask(text_of("perkins240"))
-        await page.done()
-        number = (await idle(engine)).pid
-        limits = Path(f"/proc/{number}/limits").read_text()
-        [line] = [one for one in limits.splitlines() if one.startswith("Max file size")]
-        assert line.split()[3:5] == ["0", "0"]
 
     acted(PreviewLimits(workers=1), act)

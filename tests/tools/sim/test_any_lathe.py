@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.cli.mktables import main as mktables
-from tests.tools.cases.camsim_cases import ROOT, camsim
+from tests.tools.cases.camsim_cases import camsim
 
 RANGES: dict[str, dict[str, tuple[float, float]]] = {
     "u": {
@@ -74,16 +73,14 @@ def numbers(value: object) -> list[float]:
 
 
 @pytest.mark.slow
-def test_any_machine_is_cut_on_or_refused(tmp_path: Path) -> None:
+def test_any_machine_is_cut_on_or_refused(table: Path, tmp_path: Path) -> None:
     """No crash, no number that is none, one line where the machine is refused."""
-    part = ROOT / "tools" / "parts" / "perkins240.toml"
-    assert mktables([str(part), "-o", str(tmp_path)]) == 0
     rng, ends = np.random.default_rng(15), []
     for _ in range(30):
         path, summary = tmp_path / "m.toml", tmp_path / "s.json"
         path.write_text(machine(rng))
         words: list[str | Path] = ["--machine", path, "--summary", summary, "--turns-limit", "3"]
-        done = camsim("run", tmp_path / "perkins240.camtab", *words, "--max-seconds", "4")
+        done = camsim("run", table, *words, "--max-seconds", "4")
         ends.append(done.returncode)
         assert done.returncode in (0, 1, 2), path.read_text()
         assert len(done.stderr.splitlines()) <= 1, done.stderr

@@ -10,21 +10,11 @@ import pytest
 from numpy.typing import NDArray
 
 from camtools.skirt.geometry.skirt_geometry import Geometry
-from camtools.skirt.table.generate import GeneratedSkirt
-from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import camsim, only_error
 
 HEADER = "turn,z_mm"
 COLUMNS = "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped"
 NM_PER_MM = 1e6
-
-
-@pytest.fixture(scope="session")
-def table(generated: GeneratedSkirt, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Write the Perkins table at 1 nm."""
-    path = tmp_path_factory.mktemp("eval") / "perkins240.camtab"
-    path.write_bytes(pack(generated.table))
-    return path
 
 
 def evaluate(

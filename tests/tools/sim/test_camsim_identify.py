@@ -9,20 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from camtools.cli.mktables import main as mktables
-from tests.tools.cases.camsim_cases import camsim, first_difference, only_error
-from tests.tools.cases.part_cases import PERKINS
+from tests.tools.cases.camsim_cases import camsim, only_error
 
 N, PERIODS, FADE, PLACE_NM = 2000, 3, 1000, -200_000
 Rows = dict[str, npt.NDArray[np.float64]]
-
-
-@pytest.fixture(scope="session")
-def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Make the Perkins table."""
-    folder = tmp_path_factory.mktemp("identify")
-    assert mktables([str(PERKINS), "-o", str(folder)]) == 0
-    return folder / "perkins240.camtab"
 
 
 def tones(*lines: tuple[int, float]) -> npt.NDArray[np.int64]:
@@ -78,18 +68,6 @@ def test_the_drive_answers_as_its_machine_file_says(table: Path, tmp_path: Path)
     delay_s = 75e-6 + 0.5 / 20_000
     hold = np.sinc(500.0 / 20_000)
     assert y / u == pytest.approx(drive * hold * np.exp(-1j * omega * delay_s), abs=2e-3)
-
-
-def test_same_input_gives_the_same_bytes(table: Path, tmp_path: Path) -> None:
-    """Twice the same record, all signals."""
-    wave = wave_file(tmp_path, tones((4, 30_000.0)))
-    signals = "state,counts,x_actual_nm,u_actual_nm,speed_q32"
-    paths = [tmp_path / name for name in ("a.csv", "b.csv")]
-    for path in paths:
-        assert camsim(*words(table, wave, path, "--signals", signals)).returncode == 0
-    assert first_difference(*paths) == ""
-    first = paths[0].read_text().splitlines()[0]
-    assert first == "tick,t_s,state,u_actual_nm,speed_q32,counts,x_actual_nm"
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ import pytest
 
 from camtools.cli.mktables import main as mktables
 from tests.tools.cases.camsim_cases import camsim, columns_of, only_error
-from tests.tools.cases.part_cases import PERKINS
 
 OVAL = """\
 [part]
@@ -51,14 +50,6 @@ def oval(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "oval.toml").write_text(OVAL)
     assert mktables([str(folder / "oval.toml"), "-o", str(folder)]) == 0
     return folder / "oval.camtab"
-
-
-@pytest.fixture(scope="session")
-def perkins(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Make the table of the skirt whose ovality begins with half of its largest."""
-    folder = tmp_path_factory.mktemp("perkins")
-    assert mktables([str(PERKINS), "-o", str(folder)]) == 0
-    return folder / "perkins240.camtab"
 
 
 def machine(folder: Path, tick_hz: int, counts: int, more: str = "") -> Path:
@@ -122,11 +113,11 @@ def blocked_s(table: Path, rpm: int, at_s: float, folder: Path) -> tuple[float, 
 
 @pytest.mark.parametrize("at_s", [0.1, 0.1025, 0.105, 0.1075])
 def test_blocked_u_is_seen_within_a_tenth_of_the_ovality_and_the_first_turn(
-    oval: Path, perkins: Path, tmp_path: Path, at_s: float
+    oval: Path, table: Path, tmp_path: Path, at_s: float
 ) -> None:
     """Wherever U stands: on an oval, and where the ovality is half of the part's largest."""
-    for table in (oval, perkins):
-        late_s, off_um = blocked_s(table, 2400, at_s, tmp_path)
+    for one in (oval, table):
+        late_s, off_um = blocked_s(one, 2400, at_s, tmp_path)
         assert 0 <= late_s <= 60 / 2400
         assert off_um <= 0.1 * OVALITY_UM + 3.0  # and what U would have moved in its tick
 

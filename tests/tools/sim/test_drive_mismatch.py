@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,12 +11,6 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
 from camtools.sim.drive_mismatch import mismatch
-
-
-@pytest.fixture(scope="module")
-def table(table_of: Callable[[str], Path]) -> Path:
-    """Make the table of the Perkins 240 skirt."""
-    return table_of("perkins240")
 
 
 def lag(hz: float, damping: float, delay_s: float, omega: float) -> complex:

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camtools.cli.mktables import main as mktables
 from tests.tools.cases.camsim_cases import camsim
 
 PARTS = Path(__file__).parents[3] / "tests" / "learn" / "parts"
@@ -23,24 +22,16 @@ BASE: dict[str, dict[str, float | str]] = {
 }
 
 
-@pytest.fixture(scope="module")
-def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Make the table of the oval."""
-    folder = tmp_path_factory.mktemp("as_it_is")
-    assert mktables([str(PARTS / "oval30.toml"), "-o", str(folder)]) == 0
-    return folder / "oval30.camtab"
-
-
-def cut(table: Path, **sections: dict[str, float | str]) -> dict[str, Any]:
+def cut(oval30: Path, **sections: dict[str, float | str]) -> dict[str, Any]:
     """Return the summary of the first turns of a cut on the base machine with some keys."""
     lines = []
     for name in {**BASE, **sections}:
         keys = {**BASE.get(name, {}), **sections.get(name, {})}
         lines += [f"[{name.replace('_', '.')}]", *(f"{key} = {keys[key]}" for key in keys)]
-    machine, summary = table.with_name("m.toml"), table.with_name("s.json")
+    machine, summary = oval30.with_name("m.toml"), oval30.with_name("s.json")
     machine.write_text("\n".join(lines) + "\n")
     words: list[str | Path] = ["--machine", machine, "--summary", summary, "--tolerance-um", "999"]
-    done = camsim("run", table, *words, "--turns-limit", "12")
+    done = camsim("run", oval30, *words, "--turns-limit", "12")
     assert done.returncode == 0, done.stderr
     loaded: dict[str, Any] = json.loads(summary.read_text())
     return loaded
@@ -51,10 +42,10 @@ def form_um(summary: dict[str, Any]) -> float:
     return float(summary["form_error_um"]["max"])
 
 
-def test_belief_sets_the_parameters_and_truth_the_motion(table: Path) -> None:
+def test_belief_sets_the_parameters_and_truth_the_motion(oval30: Path) -> None:
     """The error is that of feed-forward by the wrong inverse: 500 um times |1 - G / G^|."""
     believed: dict[str, float | str] = {"bandwidth_hz": 270, "damping": 0.77, "delay_us": 67.5}
-    summary = cut(table, believed_u=believed)
+    summary = cut(oval30, believed_u=believed)
     w = 2 * np.pi * 270.0
     parameters = summary["parameters"]
     assert parameters["k1_ns"] == pytest.approx(2 * 0.77 / w * 1e9, abs=1)
@@ -67,32 +58,32 @@ def test_belief_sets_the_parameters_and_truth_the_motion(table: Path) -> None:
     assert form_um(summary) == pytest.approx(wanted_um, rel=0.03)
 
 
-def test_without_effects_the_cut_is_good(table: Path) -> None:
+def test_without_effects_the_cut_is_good(oval30: Path) -> None:
     """What the other tests see comes from the effects."""
-    assert form_um(cut(table)) < 0.1
+    assert form_um(cut(oval30)) < 0.1
 
 
-def test_run_out_is_gauged(table: Path) -> None:
+def test_run_out_is_gauged(oval30: Path) -> None:
     """The amplitudes add up where the spindle has both."""
-    summary = cut(table, spindle={"runout_um": 3, "runout_2_um": 2})
+    summary = cut(oval30, spindle={"runout_um": 3, "runout_2_um": 2})
     assert form_um(summary) == pytest.approx(5, abs=0.1)
 
 
-def test_mode_between_scale_and_tip_is_gauged_and_not_measured(table: Path) -> None:
+def test_mode_between_scale_and_tip_is_gauged_and_not_measured(oval30: Path) -> None:
     """The tip moves by a r^2 / (1 - r^2) of the swing besides, which the scale does not see."""
-    summary = cut(table, u={"mode_hz": 1500, "mode_damping": 0.01})
+    summary = cut(oval30, u={"mode_hz": 1500, "mode_damping": 0.01})
     square = (100 / 1500) ** 2
     assert form_um(summary) == pytest.approx(SWING_UM * square / (1 - square), rel=0.05)
     assert summary["following_error_um"]["max"] < 0.1
 
 
-def test_mode_on_the_scale_is_measured(table: Path) -> None:
+def test_mode_on_the_scale_is_measured(oval30: Path) -> None:
     """Then the controller knows of it."""
-    summary = cut(table, u={"mode_hz": 1500, "mode_damping": 0.01, "mode_on_scale": 1})
+    summary = cut(oval30, u={"mode_hz": 1500, "mode_damping": 0.01, "mode_on_scale": 1})
     assert summary["following_error_um"]["max"] == pytest.approx(form_um(summary), rel=0.05)
 
 
-def test_tool_bends_under_the_chip(table: Path) -> None:
+def test_tool_bends_under_the_chip(oval30: Path) -> None:
     """1.1 mm deep at the short axis, 0.1 mm per turn: 23.1 N of 700 N/mm2 and 0.3, 1.155 um.
 
     U is held by a mass too large to be pushed.
@@ -102,13 +93,13 @@ def test_tool_bends_under_the_chip(table: Path) -> None:
         "radial_share": 0.3,
         "tool_stiffness_n_per_um": 20,
     }
-    summary = cut(table, u={"mass_kg": 1000}, cut=cutting)
+    summary = cut(oval30, u={"mass_kg": 1000}, cut=cutting)
     assert form_um(summary) == pytest.approx(1.155, abs=0.1)
 
 
-def test_chip_pushes_u(table: Path) -> None:
+def test_chip_pushes_u(oval30: Path) -> None:
     """The mean force of 12.6 N on 1.5 kg moves a loop of 300 Hz by 2.4 um, the swing of it more."""
-    summary = cut(table, cut={"kc_n_per_mm2": 700, "radial_share": 0.3})
+    summary = cut(oval30, cut={"kc_n_per_mm2": 700, "radial_share": 0.3})
     w = 2 * np.pi * 300.0
     response = 1 / abs(w**2 - OMEGA**2 + 2j * 0.7 * w * OMEGA)
     wanted_um = (12.6 / w**2 + 10.5 * response) / 1.5 * 1e6
@@ -116,21 +107,21 @@ def test_chip_pushes_u(table: Path) -> None:
 
 
 def test_latency_of_the_scale_is_seen_as_an_error_and_its_parameter_takes_it_away(
-    table: Path,
+    oval30: Path,
 ) -> None:
     """10 us at 314 mm/s are 3.1 um of following error, none of form."""
     blind: dict[str, float | str] = {"scale_latency_us": 10}
-    told = cut(table, u=blind)
+    told = cut(oval30, u=blind)
     assert told["parameters"]["u_scale_latency_ns"] == 10000
     assert form_um(told) < 0.1
     assert told["following_error_um"]["max"] < 0.1
-    untold = cut(table, u=blind, believed_u={"scale_latency_us": 0})
+    untold = cut(oval30, u=blind, believed_u={"scale_latency_us": 0})
     assert form_um(untold) < 0.1
     assert untold["following_error_um"]["max"] == pytest.approx(3.14, rel=0.05)
 
 
-def test_force_drive_is_worth_what_the_controller_is_told(table: Path) -> None:
+def test_force_drive_is_worth_what_the_controller_is_told(oval30: Path) -> None:
     """Feed-forward by its fitted constants leaves half a percent; by a wrong mass far more."""
     force: dict[str, float | str] = {"kind": '"force"', "bandwidth_hz": 180}
-    assert form_um(cut(table, u=force)) < 0.006 * SWING_UM
-    assert form_um(cut(table, u=force, believed_u={"mass_kg": 1.8})) > 0.02 * SWING_UM
+    assert form_um(cut(oval30, u=force)) < 0.006 * SWING_UM
+    assert form_um(cut(oval30, u=force, believed_u={"mass_kg": 1.8})) > 0.02 * SWING_UM

@@ -5,20 +5,16 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
-from camtools.cli.mktables import main as mktables
 from tests.tools.cases.camsim_cases import ROOT, camsim
 
 LEARN = ROOT / "tests" / "learn"
-PARTS = {
-    "oval30": LEARN / "parts" / "oval30.toml",
-    "oval_doubles": LEARN / "parts" / "oval_doubles.toml",
-    "perkins240": ROOT / "tools" / "parts" / "perkins240.toml",
-}
+PARTS = {"oval30", "oval_doubles", "perkins240"}
 
 
 class Row(NamedTuple):
@@ -43,28 +39,21 @@ def rows() -> list[Row]:
     return found
 
 
-@pytest.fixture(scope="module")
-def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Make the tables of all parts."""
-    folder = tmp_path_factory.mktemp("learn")
-    for part in PARTS.values():
-        assert mktables([str(part), "-o", str(folder)]) == 0
-    return folder
-
-
 def test_every_machine_has_its_row() -> None:
     """The folder and the table have the same machines; bends is for the gauged part."""
     files = {path.stem for path in (LEARN / "machines").glob("*.toml")}
     assert files == {row.machine for row in rows()} | {"bends"}
-    assert {row.part for row in rows()} == set(PARTS)
+    assert {row.part for row in rows()} == PARTS
 
 
 @pytest.mark.parametrize("row", rows(), ids=lambda row: row.machine)
-def test_what_is_learned_keeps_the_form_error(tables: Path, tmp_path: Path, row: Row) -> None:
+def test_what_is_learned_keeps_the_form_error(
+    table_of: Callable[[str], Path], tmp_path: Path, row: Row
+) -> None:
     """The whole cut is gauged, also while the force of the chip rises and falls."""
     machine, summary = LEARN / "machines" / f"{row.machine}.toml", tmp_path / "s.json"
     words: list[str | Path] = ["--machine", machine, "--rpm", row.rpm, "--summary", summary]
-    done = camsim("run", tables / f"{row.part}.camtab", *words, "--tolerance-um", str(row.most_um))
+    done = camsim("run", table_of(row.part), *words, "--tolerance-um", str(row.most_um))
     error = json.loads(summary.read_text())["form_error_um"]
     assert done.returncode == 0, (error, done.stderr)
     assert error["max"] <= row.most_um

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -58,19 +57,6 @@ def test_machine_that_cannot_be_read_is_refused(
     monkeypatch.setattr(Path, "read_bytes", refuse)
     with pytest.raises(CamtoolsError, match="cannot be read: Permission denied; give a readable"):
         machine_bytes(str(path))
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_real_machine_is_run_by_name(tmp_path: Path) -> None:
-    """The results hold the machine that was named, and most of what it does wrong is learned."""
-    part = LEARN.parent / "parts" / "oval30.toml"
-    words = [str(part), "--machine", "real", "-o", str(tmp_path / "out")]
-    assert main([*words, "--", "--tolerance-um", "2"]) == 0
-    assert (tmp_path / "out" / "oval30_machine.toml").read_bytes() == machine_bytes("real")
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["machine"] == "real"
-    assert summary["form_error_um"]["max"] < 2
 
 
 @pytest.mark.parametrize(

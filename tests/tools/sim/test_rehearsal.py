@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from camtools.cli.mktables import main as mktables
 from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
 
 # Part, words for camsim, and what the blank is thicker than the largest radius that is cut.
@@ -20,22 +20,15 @@ CASES: dict[str, tuple[str, tuple[str, ...], float]] = {
 }
 
 
-@pytest.fixture(scope="module")
-def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Make the tables of all parts."""
-    folder = tmp_path_factory.mktemp("rehearsal")
-    for part in {part for part, _, _ in CASES.values()}:
-        assert mktables([str(ROOT / "tools" / "parts" / f"{part}.toml"), "-o", str(folder)]) == 0
-    return folder
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
-def test_the_tip_stays_off_the_blank(tables: Path, tmp_path: Path, case: str) -> None:
+def test_the_tip_stays_off_the_blank(
+    table_of: Callable[[str], Path], tmp_path: Path, case: str
+) -> None:
     """While U plays, the tip stays outside of the largest radius that is cut and its stock."""
     part, words, stock_mm = CASES[case]
     trace, summary = tmp_path / "t.csv", tmp_path / "s.json"
-    files: list[str | Path] = ["run", tables / f"{part}.camtab", *words]
+    files: list[str | Path] = ["run", table_of(part), *words]
     done = camsim(
         *(*files, "--set", "rehearse_turns=3"),
         *("--turns-limit", "3", "--trace", trace, "--summary", summary),

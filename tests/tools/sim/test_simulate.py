@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,12 +23,6 @@ ROUGH = ROOT / "host_sim" / "machines" / "rough.toml"
 CUT = ("--rpm", "2500", "--turns-limit", "3")
 # What the clock of this computer shows, in every summary.
 CLOCK = re.compile(r'^\t"(wall_time_s|ticks_per_s)":.*$', re.MULTILINE)
-
-
-@pytest.fixture(scope="module")
-def table(table_of: Callable[[str], Path]) -> Path:
-    """Make the table of the Perkins 240 skirt."""
-    return table_of("perkins240")
 
 
 def files_of(folder: Path, table: Path, *words: str) -> tuple[Path, Path, Path]:
@@ -127,12 +120,6 @@ def test_refusals_are_those_of_the_program(
     assert told in str(refusal.value)
     assert len(str(refusal.value).splitlines()) == 1
     assert simulate(table, rpm=2500, turns=1).status == 0
-
-
-def test_machine_that_is_not_there_is_refused(table: Path) -> None:
-    """The line lists the machines that there are."""
-    with pytest.raises(CamtoolsError, match=r"--machine nowhere: .*one of .*piezo"):
-        simulate(table, "nowhere")
 
 
 def test_second_session_is_refused_until_the_first_ends(table: Path) -> None:

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from camtools.cli.mktables import main as mktables
 from tests.tools.cases.camsim_cases import camsim, columns_of
 
 PARTS = Path(__file__).parents[3] / "tests" / "learn" / "parts"
@@ -72,17 +71,9 @@ def piece(
     return pos, vel
 
 
-@pytest.fixture(scope="module")
-def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Make the table of an oval with 1 mm of tool motion."""
-    folder = tmp_path_factory.mktemp("slide")
-    assert mktables([str(PARTS / "oval30.toml"), "-o", str(folder)]) == 0
-    return folder / "oval30.camtab"
-
-
 @pytest.mark.parametrize("friction", [5.0, 20.0])
 def test_slide_with_friction_moves_as_the_closed_form(
-    table: Path, tmp_path: Path, friction: float
+    oval30: Path, tmp_path: Path, friction: float
 ) -> None:
     """Every tick agrees within the header's bound and the rounding of the trace."""
     machine, trace = tmp_path / "m.toml", tmp_path / "t.csv"
@@ -97,7 +88,7 @@ def test_slide_with_friction_moves_as_the_closed_form(
         "--tolerance-um",
         "999",
     ]
-    assert camsim("run", table, *words).returncode == 0
+    assert camsim("run", oval30, *words).returncode == 0
     columns = columns_of(trace)
     enabled = columns["out_outputs"] & 1
     command = np.round(columns["out_u_nm"] / 10) * 10

@@ -132,17 +132,11 @@ BAD = [
 
 @pytest.mark.parametrize(("text", "field", "remedy"), BAD)
 def test_bad_field_is_named_first(text: str, field: str, remedy: str) -> None:
-    """The first line names file, dotted field and remedy."""
-    first = lines_of(text)[0]
-    assert first.startswith(f"p.toml: {field}")
-    assert remedy in first.split("; ", 1)[1]
-
-
-@pytest.mark.parametrize("text", [bad[0] for bad in BAD])
-def test_every_message_is_one_short_line(text: str) -> None:
-    """No message contains a line break or a character that a terminal cannot show."""
-    for line in lines_of(text):
-        assert re.fullmatch(r"[\x20-\x7e]{10,300}", line)
+    """The first line names file, dotted field and remedy; every terminal can show each."""
+    lines = lines_of(text)
+    assert lines[0].startswith(f"p.toml: {field}")
+    assert remedy in lines[0].split("; ", 1)[1]
+    assert all(re.fullmatch(r"[\x20-\x7e]{10,300}", line) for line in lines)
 
 
 def test_all_errors_are_reported() -> None:

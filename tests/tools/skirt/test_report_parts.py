@@ -36,12 +36,6 @@ def weichai() -> GeneratedSkirt:
     return generate(load_part(PARTS / "weichai3a.toml"))
 
 
-@pytest.fixture(scope="module")
-def modulated() -> GeneratedSkirt:
-    """Make the table of a part with a modulated spindle."""
-    return generate(load_part(PARTS / "perkins240_equal_volume.toml"))
-
-
 def made_up_removal(ripple: float) -> Removal:
     """Return slices of 62 turns, 120 each, with a rate that goes twice per turn."""
     turn = np.arange(62 * 120) / 120 + 1 / 240
@@ -155,6 +149,7 @@ def made_up_outcome(modulated: GeneratedSkirt, even: Even) -> SkirtOutcome:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt) -> None:
     """Two pictures, the rows of ripple and force, the spindle's margin."""
     outcome = made_up_outcome(modulated, made_up_even(0.04, 0.66))

@@ -44,7 +44,7 @@ def test_rings_in_passes_claim_no_force(tmp_path: Path, capsys: pytest.CaptureFi
     text = PERKINS.read_text().replace("[machine.limits]", RINGS)
     part = tmp_path / "rings.toml"
     part.write_text(text.replace("spindle_rpm = 2500", "spindle_rpm = 500"))
-    words = [str(part), "--feed", "2", "--tolerance-nm", "3", "-o", str(tmp_path / "out")]
+    words = [str(part), "--feed", "4", "--tolerance-nm", "3", "-o", str(tmp_path / "out")]
     assert run(words) == 0
     lines = capsys.readouterr().out.splitlines()
     passes = [line for line in lines if line.lstrip().startswith("pass ")]

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests of skirts share."""
+
+from __future__ import annotations
+
+import pytest
+
+from camtools.skirt.table.generate import GeneratedSkirt, generate
+from tests.tools.cases.part_cases import ROOT, load_part
+
+
+@pytest.fixture(scope="session")
+def modulated() -> GeneratedSkirt:
+    """Make the table of the part that is turned with an even removal rate."""
+    return generate(load_part(ROOT / "tools" / "parts" / "perkins240_equal_volume.toml"))
