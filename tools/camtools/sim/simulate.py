@@ -79,6 +79,13 @@ def _machine(machine: str | Path | Machine | Mapping[str, Any] | None) -> Machin
     return Machine("machine", emit_machine(machine))
 
 
+def _words(rpm: float | None, feed: float | None, turns: float | None) -> list[str]:
+    given = {"--rpm": rpm, "--feed": feed, "--turns-limit": turns}
+    return [
+        word for key, value in given.items() if value is not None for word in (key, f"{value!r}")
+    ]
+
+
 def simulate(
     table: str | Path,
     machine: str | Path | Machine | Mapping[str, Any] | None = None,
@@ -126,11 +133,7 @@ def simulate(
     settings = [
         word for name, value in (set or {}).items() for word in ("--set", f"{name}={value}")
     ]
-    given = {"--rpm": rpm, "--feed": feed, "--turns-limit": turns}
-    asked = [
-        word for key, value in given.items() if value is not None for word in (key, f"{value!r}")
-    ]
-    words = [str(table), *asked, "--seed", str(seed), *settings, *options]
+    words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
     begin_s = time.monotonic()
     with _ONE_AT_A_TIME, SimSession() as session:
         name, text = (chosen.name, chosen.text) if chosen else ("", None)
