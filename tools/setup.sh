@@ -44,6 +44,7 @@ camturn_has() {
     libclang-rt-14-dev) clang -fsanitize=fuzzer -x c -o /dev/null - <<<'int LLVMFuzzerTestOneInput(void) { return 0; }' ;;
     libcjson-dev) pkg-config --exists libcjson ;;
     libinih-dev) pkg-config --exists inih ;;
+    dpkg-dev) command -v dpkg-shlibdeps ;;
     libgpiod-dev) pkg-config --exists libgpiod ;;
     gpiod) command -v gpioset ;;
     python3-venv) "$(camturn_python)" -c 'import ensurepip, venv' ;;
