@@ -263,7 +263,7 @@ def test_script_runs_from_anywhere_and_gives_the_same(run: Command, tmp_path: Pa
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "  results               my out/report.html" in done.stdout
+    assert " my out/report.html and the other files there\n" in done.stdout
     assert run(*words, "again", draws=False, **day).returncode == 0
     for name in (name for name in RESULTS if not name.endswith(".png")):
         one, two = tmp_path / "my out" / name, tmp_path / "again" / name
