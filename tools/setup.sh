@@ -9,6 +9,9 @@ camturn_root=$(cd -P "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd
 # many there are would show in last digits.
 export OPENBLAS_NUM_THREADS=1
 
+# cmake unpacks archives by wrong names in a path with an umlaut, when the locale is C.
+export LC_ALL=C.UTF-8
+
 camturn_say() { printf 'camturn: %s\n' "$*" >&2; }
 
 # A tree of somebody else, or one in which another user has built before, cannot be built in.
