@@ -37,6 +37,7 @@ void setUp(void)
 static void write_secret(const char *text, mode_t mode)
 {
     (void)snprintf(config.secret_file, sizeof config.secret_file, "%s/secret", folder);
+    (void)unlink(config.secret_file); // one that may only be read would stay
     FILE *file = fopen(config.secret_file, "w");
     TEST_ASSERT_NOT_NULL(file);
     TEST_ASSERT_TRUE(fputs(text, file) >= 0);
