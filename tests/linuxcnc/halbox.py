@@ -15,7 +15,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -142,7 +142,9 @@ def _remove(folder: Path) -> None:
 def halbox(root: Path, modules: list[Path]) -> Iterator[Halbox]:
     """Make a folder with HAL and modules in it; nothing of it is left afterwards."""
     folder = Path(tempfile.mkdtemp(prefix="camturn-hal-"))
-    with LOCK.open("a") as lock:
+    with suppress(FileExistsError):  # of another user, who need not let this one write
+        LOCK.touch(0o644, exist_ok=False)
+    with LOCK.open() as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         box = Halbox(folder)
         try:
