@@ -44,6 +44,7 @@ class Interpreter:
         lib = self.root / "usr" / "lib"
         return {
             "PATH": os.environ["PATH"],
+            "HOME": str(FOLDER),  # its table of tools lies there, else in a place for all users
             "LD_LIBRARY_PATH": f"{lib}:{lib / 'x86_64-linux-gnu'}",
             "PYTHONPATH": str(lib / "python3" / "dist-packages"),
         }
