@@ -60,7 +60,8 @@ def port_tests(
     folder = tmp_path_factory.mktemp("port")
     report = folder / "port.xml"
     words = ("-m", "pytest", "-p", "no:cacheprovider", "-c", "tools/pyproject.toml", "-q")
-    what = (*PORT_FILES, f"--junitxml={report}")
+    # Not where those of a user outside may lie, whom root inside cannot pass over.
+    what = (*PORT_FILES, f"--junitxml={report}", "--basetemp=/run/port-tests")
     process = kernel.start(folder, sys.executable, *words, *what, limit_s=PORT_LIMIT_S)
     yield PortTests(process, report, PORT_LIMIT_S)
     process.terminate()

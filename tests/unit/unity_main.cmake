@@ -7,11 +7,15 @@ foreach(line IN LISTS lines)
     string(REGEX REPLACE "^static void (.*)\\(void\\)$" "\\1" test "${line}")
     string(APPEND calls "    UnityDefaultTestRun(${test}, \"${test}\", 0);\n")
 endforeach()
+# By its place in the project, so that the program has the same bytes wherever that lies.
+cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH tests)
+cmake_path(GET tests PARENT_PATH root)
+cmake_path(RELATIVE_PATH SOURCE BASE_DIRECTORY ${root} OUTPUT_VARIABLE name)
 file(WRITE ${MAIN} "#include \"${SOURCE}\"
 
 int main(void)
 {
-    UnityBegin(\"${SOURCE}\");
+    UnityBegin(\"${name}\");
     suiteSetUp();
 ${calls}    return suiteTearDown(UnityEnd());
 }
