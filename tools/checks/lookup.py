@@ -9,20 +9,17 @@ r"""Make the look-up pages of parameters and CAN messages of their sources, or c
 
 from __future__ import annotations
 
-import argparse
 import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 
 from cantools.database.can import Message, Signal
 
-from camtools.base.command import Parser, run_command
-from camtools.base.errors import CamtoolsError
+from camtools.base.project_paths import ROOT
 from camtools.link.messages import DATABASE, NAMES
 from camtools.link.parameters import INFOS, Info, group_of
+from checks.page_command import page_command
 
-ROOT = Path(__file__).resolve().parents[2]
 _NOTE = "`build/venv/bin/python -m checks.lookup --write` (in tools/) generates the page.\n"
 _PARAMETERS = f"""# Parameters of the controller
 
@@ -133,21 +130,9 @@ def pages() -> dict[str, str]:
     }
 
 
-def _act(options: argparse.Namespace) -> int:
-    for name, text in pages().items():
-        if options.write:
-            (ROOT / name).write_text(text, "utf-8")
-        if (ROOT / name).read_text("utf-8") != text:
-            raise CamtoolsError([f"{name}: differs from its source; use --write"])
-    return 0
-
-
 def main(words: list[str] | None = None) -> int:
     """Compare both pages with their sources, or write them anew."""
-    parser = Parser(prog="checks.lookup", description=__doc__)
-    parser.add_argument("--write", action="store_true", help="write both pages")
-    options = parser.parse_args(words)
-    return run_command("lookup", lambda: _act(options))
+    return page_command("lookup", __doc__, ROOT, pages, words)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
 import sys
@@ -15,11 +14,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import write_all
+from camtools.base.project_paths import ROOT
+from checks.page_command import page_command
 
-ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "firmware" / "safety.toml"
 _ALL = "*"
 _STATES = ROOT / "firmware" / "base" / "cam_state.h"
@@ -170,26 +168,17 @@ def pages(case: dict[str, Any]) -> dict[str, str]:
     return {"SAFETY.md": page(case), "THREATS.md": threats_page(case)}
 
 
-def _act(options: argparse.Namespace) -> int:
+def _checked_pages() -> dict[str, str]:
     case = read_case()
     found = problems(case)
     if found:
         raise CamtoolsError([f"{SOURCE.name}: {one}" for one in found])
-    folder, texts = SOURCE.parent, pages(case)
-    if options.write:
-        write_all(folder, {name: text.encode("utf-8") for name, text in texts.items()})
-    stale = [n for n, t in texts.items() if (folder / n).read_text(encoding="utf-8") != t]
-    if stale:
-        raise CamtoolsError([f"{stale[0]}: is not what {SOURCE.name} gives; use --write"])
-    return 0
+    return pages(case)
 
 
 def main(words: list[str] | None = None) -> int:
     """Check SAFETY.md and THREATS.md, or write them anew."""
-    parser = Parser(prog="checks.safety", description=__doc__)
-    parser.add_argument("--write", action="store_true", help="write both pages")
-    options = parser.parse_args(words)
-    return run_command("safety", lambda: _act(options))
+    return page_command("safety", __doc__, SOURCE.parent, _checked_pages, words)
 
 
 if __name__ == "__main__":

@@ -19,9 +19,9 @@ from pathlib import Path
 
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
+from camtools.base.project_paths import ROOT
 
 FAILED = 1
-ROOT = Path(__file__).resolve().parents[2]
 MONOCYPHER = ROOT / "build" / "_monocypher"
 VENV = ROOT / "build" / "venv"
 

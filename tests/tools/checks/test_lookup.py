@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from camtools.base.project_paths import ROOT
 from camtools.link.messages import DATABASE
 from camtools.link.parameters import INFOS
 from checks import lookup
@@ -11,7 +12,7 @@ from checks import lookup
 def test_pages_are_what_the_sources_give() -> None:
     """After a change of parameters or messages the pages are written anew."""
     for name, text in lookup.pages().items():
-        assert (lookup.ROOT / name).read_text("utf-8") == text, f"{name}: checks.lookup --write"
+        assert (ROOT / name).read_text("utf-8") == text, f"{name}: checks.lookup --write"
 
 
 def test_no_parameter_and_no_message_is_missing() -> None:

@@ -22,8 +22,8 @@ from pathlib import Path
 
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
+from camtools.base.project_paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[3]
 PROGRAMMERS = ("openocd", "st-flash", "pyocd")
 _FIRMWARE_FILE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.bin"
 _EPILOG = """\
