@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lets CTest run the steps of tools/steps: run_steps.py LABEL [STEP...].
 
-CTest says which step begins or has ended and what a failed one printed. Behind that stand the
-slowest steps, the processor time of all, and the tests of all steps: those that a step counted in
-a JUnit file, and one for each other step. build/reports/LABEL.txt tells the same with the last line
-that each step printed. When this program is stopped, no process of a step goes on.
+CTest reports which step begins or has ended, and what a failed one printed. Then this program
+prints the slowest steps, the processor time of all, and how many tests passed: those that a step
+counted in a JUnit file, and one for each other step. build/reports/LABEL.txt has that too, with the
+last line that each step printed. When this program is stopped, it ends the processes of all steps.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ import psutil
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 REPORTS = BUILD / "reports"
+N_CORES = min(len(os.sched_getaffinity(0)), 8)
 N_SLOWEST = 12
 KILL_AFTER_S = 10.0  # between SIGTERM and SIGKILL
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h: orphans become children of this process
@@ -104,12 +105,12 @@ def run_ctest(label: str, names: list[str]) -> int:
     place, log = BUILD / "steps", BUILD / "steps.log"
     with log.open("w") as said:
         configure = ("cmake", "-S", ROOT / "tools" / "steps", "-B", place, "--fresh")
-        subprocess.run(configure, stdout=said, stderr=said, check=True)
+        env = os.environ | {"CAMTURN_CORES": str(N_CORES)}
+        subprocess.run(configure, env=env, stdout=said, stderr=said, check=True)
     shutil.rmtree(REPORTS, ignore_errors=True)
     REPORTS.mkdir()
     chosen = ("-R", f"^({'|'.join(map(re.escape, names))})$") if names else ()
-    cores = str(len(os.sched_getaffinity(0)))
-    words = ("ctest", "--test-dir", place, "-L", f"^{label}$", "-j", cores, *chosen)
+    words = ("ctest", "--test-dir", place, "-L", f"^{label}$", "-j", str(N_CORES), *chosen)
     whole = ("--output-on-failure", "--test-output-size-passed", "1000000")
     outputs = ("--no-tests=error", "--output-junit", REPORTS / "steps.xml")
     return subprocess.run((*words, *whole, *outputs), check=False).returncode

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The runner of all tests: what it counts, tells and stops. How steps are run is CTest's own."""
+"""The runner of all tests: what it counts, reports and stops; CTest itself runs the steps."""
 
 from __future__ import annotations
 
