@@ -275,7 +275,7 @@ static void judge_jerk_of_u(const fuzz_judge_t *j, uint32_t faults, int64_t jerk
 }
 
 /// @return [ticks] in which an axis that is led by hand comes to rest: with a quarter of its
-/// acceleration, behind the patience of a jog
+/// acceleration, after the time that a jog waits
 static double rest_ticks(const fuzz_judge_t *j, uint32_t axis)
 {
     const fuzz_limits_t *l = &j->limits;

@@ -16,7 +16,7 @@ pytest_plugins = ["tests.linux.linux_fixtures"]
 
 
 def test_ticks_in_real_time(play: Callable[..., Result]) -> None:
-    """A thousand a second for ten seconds; lateness is told, not judged: the host may be busy."""
+    """A thousand a second for ten seconds; lateness is printed, not judged: others use the host."""
     result = play("real_time", is_virtual=False)
     late_us = np.array(result.seen["late_ns"]) / 1000
     assert result.seen["controller_status"] == 0 and len(late_us) > 1000

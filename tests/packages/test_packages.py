@@ -92,7 +92,7 @@ def test_help_names_the_installed_commands(scripts: Path, tmp_path: Path) -> Non
 
 
 def test_missing_extra_is_named(scripts: Path, tmp_path: Path) -> None:
-    """A command whose packages are not installed tells how to get them."""
+    """A command whose packages are not installed names the remedy."""
     (tmp_path / "nicegui.py").write_text("raise ModuleNotFoundError(name='nicegui')\n")
     python = (scripts / "python", "-c")
     script = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); sys.argv[0] = 'camturn-panel'"

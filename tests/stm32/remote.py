@@ -202,7 +202,7 @@ class Remote:
         self.do(SELECT)
 
     def table_name(self) -> str:
-        """Return the name of the table in use, as the status tells it from now on."""
+        """Return the name of the table in use, as the status reports it from now on."""
         self.frames(DETAIL).clear()
         names = [f"table_name_{i}" for i in range(6)]
         detail = DATABASE.get_message_by_name("Detail")

@@ -56,7 +56,7 @@ def test_own_names_are_not(name: str) -> None:
     ],
 )
 def test_forbidden_code_is_found(tmp_path: Path, source: str, reason: str) -> None:
-    """Each is told with the chain of calls that leads there."""
+    """Each is reported with the chain of calls that leads there."""
     report = examined(link(tmp_path, source, "-mfloat-abi=soft"))
     found = [problem for problem in report.problems if reason in problem]
     assert found

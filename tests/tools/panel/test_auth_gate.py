@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What passes the gate and what does not; behind it everything would be taken."""
+"""What passes the gate and what does not; after it every request is served."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ def _rename(finished: Mapping[Path, Path]) -> None:
     """Give every finished file its name, or none of them."""
     targets = {path: _target(name) for path, name in finished.items()}
     for path, target in targets.items():
-        # Of folders: in stacked file systems a file tells another device than its folder.
+        # Of folders: in stacked file systems a file has another device number than its folder.
         if path.parent.stat().st_dev != target.parent.stat().st_dev:
             raise OSError(errno.EXDEV, f"{os.strerror(errno.EXDEV)}: {target.name}")
         with path.open("rb") as stream:

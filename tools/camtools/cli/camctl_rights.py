@@ -72,7 +72,7 @@ def add_rights(commands: argparse._SubParsersAction[Parser]) -> None:
 
 @contextmanager
 def commanding(link: Link, node: int, arguments: argparse.Namespace) -> Iterator[None]:
-    """Let the orders of a block take command where they need it, and give it back behind them."""
+    """Let the orders of a block take command where they need it, and give it back after them."""
     rights, given = link.rights, arguments.secret or os.environ.get(SECRET)
     rights.sender = sender_of("camctl") if arguments.sender is None else arguments.sender
     rights.may = May.TAKE_OVER if arguments.take_over else May.IF_FREE

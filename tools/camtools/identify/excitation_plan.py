@@ -40,7 +40,7 @@ class Excitation:
     wave: Wave
     place_nm: int  # of U about which it is played: as far out of the work as the stroke allows
     n_periods: int  # at full amplitude
-    fade_ticks: int  # in which it rises before, and falls behind
+    fade_ticks: int  # over which it rises before the periods, and falls after them
 
 
 def _refused(option: str, value_um: float, what: str, found: str, remedy: str) -> CamtoolsError:

@@ -57,7 +57,7 @@ _STATE_S = 1.0
 
 @dataclass(frozen=True)
 class Excess:
-    """What a cut demands too much of, and how that is told."""
+    """What a cut demands too much of, and how that is shown."""
 
     what: str  # of what
     unit: str  # for people

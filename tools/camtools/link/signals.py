@@ -30,7 +30,7 @@ _S_PER_MIN = 60.0
 
 @dataclass(frozen=True)
 class Unit:
-    """How a signal is told."""
+    """How a signal is shown."""
 
     name: str  # of the column; the last word is the unit
     factor: float  # that unit per unit of the controller
@@ -38,7 +38,7 @@ class Unit:
 
 
 def unit_of(signal: str, tick_hz: int) -> Unit:
-    """Return how a signal of that tick rate is told; what has no unit stays as it is."""
+    """Return how a signal of that tick rate is shown; what has no unit stays as it is."""
     factors = {
         "_nm": ("_um", 1e-3),
         "_q6": ("_um", 1e-3 / 64),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server of the panel: NiceGUI behind the gate, run by uvicorn on a socket that is open.
+"""The server of the panel: NiceGUI, protected by the gate, run by uvicorn on a socket that is open.
 
 >>> MOST_PAGES
 48

@@ -52,7 +52,7 @@ def find_machine(word: str | Path) -> Machine:
 
 
 def read_machine(text: str, name: str) -> Tree:
-    """Return the tree of a machine's text; whether its keys are known, only the simulator tells."""
+    """Return the tree of a machine's text; only the simulator knows which keys exist."""
     try:
         return toml_tree(text)
     except ValueError as error:

@@ -54,7 +54,8 @@ static void test_fault_is_left_by_reset_after_the_retract_only(void)
     const cam_status_t status = fixture_rig_status(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, status.state);
     TEST_ASSERT_EQUAL_HEX32(0, status.faults);
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), status.first_fault); // the cause is still told
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop),
+                            status.first_fault); // the cause is still reported
     TEST_ASSERT_EQUAL_UINT32(1, status.fault_count[cam_fault_estop]);
     TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
     TEST_ASSERT_EQUAL_INT(cam_err_estop, cam_machine_enable(&rig.machine));

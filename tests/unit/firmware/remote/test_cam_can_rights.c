@@ -266,7 +266,7 @@ static void test_lines_tell_who_commands_and_who_was_refused(void)
     fixture_can_loop(&f, 1);
     TEST_ASSERT_EQUAL_STRING("command: taken by 9 over from 1", fixture_can_line(1));
     TEST_ASSERT_EQUAL_STRING("level: locked", fixture_can_line(0)); // the key is still on
-    for (uint32_t i = 0; i < 1000u; i++) {                          // a babbler tells one line
+    for (uint32_t i = 0; i < 1000u; i++) {                          // a babbler gives one line
         (void)by(me, session, enable, 0);
     }
     TEST_ASSERT_EQUAL_STRING("refused: command 1 of 1: the sender does not have command: "

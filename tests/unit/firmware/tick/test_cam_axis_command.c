@@ -117,8 +117,8 @@ static void test_feed_forward_beyond_a_word_is_refused(void)
     }
 }
 
-/// In off nothing is a motion: U is told where it stands, in its stroke, and the speeds of the last
-/// plan are forgotten, even in an off that is shorter than a plan.
+/// In off nothing is a motion: the set-point of U is where it stands, in its stroke, and the speeds
+/// of the last plan are forgotten, even in an off that is shorter than a plan.
 static void test_off_follows_u_without_a_step(void)
 {
     static const int32_t places_nm[][2] = {

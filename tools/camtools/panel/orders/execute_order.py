@@ -150,7 +150,7 @@ def _memory(action: str) -> Action:
 
 
 def _level(link: Link) -> str:
-    """Return the level as the status tells it from now on."""
+    """Return the level as the status reports it from now on."""
     link.status.signals.pop("level", None)
     link.wait(lambda: "level" in link.status.signals, _PAGES_S)
     return level_text(link.status.signals)

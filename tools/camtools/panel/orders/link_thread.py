@@ -206,7 +206,7 @@ class LinkThread:
             self._is_breaking = bool(self._urgent)
             with suppress(_Overtaken):
                 if self._urgent:
-                    while self._urgent:  # what waited behind them is dropped
+                    while self._urgent:  # what waited after them is dropped
                         urgent = self._urgent.popleft()
                         while self._jobs:
                             self._jobs.popleft().tell(False, f"not done: {urgent.name} came first")

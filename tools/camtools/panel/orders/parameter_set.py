@@ -23,9 +23,9 @@ class ParameterSet:
     """Values in force; link.parameters.INFOS has their ranges and meanings."""
 
     values: Mapping[str, int]  # by name, in the controller's order
-    version: int  # that the controller tells
+    version: int  # that the controller reports
     kept: str  # whether the controller keeps them over a restart, in words
-    checksum: int = field(init=False)  # of the values, as the status tells it
+    checksum: int = field(init=False)  # of the values, as the status reports it
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "checksum", checksum(self.values))

@@ -22,7 +22,7 @@ class RunProgress:
     """How far a run is."""
 
     text: str = "starting"  # what is done
-    share: float | None = None  # of the cut, 0 .. 1, where it is told
+    share: float | None = None  # of the cut, 0 .. 1, where it is known
     left_s: float | None = None  # of the cut [s]
     last: str = ""  # the last line that was no progress: why it failed, where it does
 
