@@ -2,7 +2,7 @@
 /// cam_hard: limits of parameters that a port's builder fixes when its image is built.
 ///
 /// CMake's CAM_HARD_LIMITS names a header with a list of X(id, name, least, most); id is passed on
-/// (example: tests/unit/firmware/param/hard_limits.h). No source, be it the bus, a file or the parameter
+/// (example: tests/unit/firmware/param/hard_limits.h). No source, be it the bus, a file or the
 /// store, can set a listed parameter outside its range, and its default is clamped to it. The
 /// ranges of cam_param.h hold as well. following_limit_nm = 0 derives the limit from the part, so a
 /// list that bounds it must begin above 0. Context: build time.

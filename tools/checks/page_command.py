@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands of generated pages share: compare with the source, or write."""
+"""What the commands of generated pages share: compare with the source, or write.
+
+>>> import tempfile
+>>> with tempfile.TemporaryDirectory() as name:
+...     page_command("demo", None, Path(name), lambda: {"a.md": "text"}, ["--write"])
+0
+"""
 
 from __future__ import annotations
 
