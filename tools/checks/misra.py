@@ -125,6 +125,11 @@ def cppcheck(root: Path) -> list[Finding]:
 
     By itself cppcheck would read every file three times, since headers that nearly all include have
     a few lines for the core: those are read once.
+
+    Raises
+    ------
+    CamtoolsError
+        It is not installed, or breaks down.
     """
     sources = sorted(root.glob(f"{SOURCES}/**/*.c"))
     found = _findings(root, sources, [f"-U{name}" for name in CORE])

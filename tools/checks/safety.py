@@ -47,7 +47,13 @@ def named_function(text: str, name: str) -> bool:
 
 
 def read_case(path: Path = SOURCE) -> dict[str, Any]:
-    """Return the safety case."""
+    """Return the safety case.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be read.
+    """
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, tomllib.TOMLDecodeError) as error:
@@ -64,7 +70,13 @@ def _missing_test(place: str) -> str | None:
 
 
 def figure(place: str) -> str:
-    """Return a figure with its unit."""
+    """Return a figure with its unit.
+
+    Raises
+    ------
+    CamtoolsError
+        Nobody recorded it.
+    """
     file, _, rest = place.partition(":")
     key, _, unit = rest.partition(" ")
     try:

@@ -40,10 +40,7 @@ def one_line(text: str) -> str:
 
 
 class CamtoolsError(Exception):
-    """Base of all errors that are the input's fault; `lines` holds one message per line.
-
-    Whatever reads input may raise it; a docstring says so where a caller must know more.
-    """
+    """Base of all errors that are the input's fault; `lines` holds one message per line."""
 
     def __init__(self, lines: list[str]) -> None:
         self.lines = [one_line(line) for line in lines]

@@ -30,7 +30,13 @@ class Origin(NamedTuple):
 
 
 def date_text() -> str:
-    """Return now, or the time of SOURCE_DATE_EPOCH, to the minute."""
+    """Return now, or the time of SOURCE_DATE_EPOCH, to the minute.
+
+    Raises
+    ------
+    CamtoolsError
+        The variable is no number of seconds.
+    """
     given = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         when = datetime.now(UTC) if given is None else datetime.fromtimestamp(int(given), UTC)

@@ -27,6 +27,11 @@ def loaded(path: Path, prototypes: Prototypes, builder: str) -> ctypes.CDLL:
     ----------
     builder : str
         Program that builds the library, for the message.
+
+    Raises
+    ------
+    CamtoolsError
+        The library is missing or lacks a function.
     """
     try:
         library = ctypes.CDLL(str(path))

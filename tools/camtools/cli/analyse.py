@@ -149,7 +149,13 @@ def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str,
 def lobe_products(
     part: LobePart, wishes: LobeWishes, *, with_pictures: bool = True
 ) -> tuple[str, dict[str, bytes]]:
-    """Return what is printed of a cam, and the content of every file by its name."""
+    """Return what is printed of a cam, and the content of every file by its name.
+
+    Raises
+    ------
+    CamtoolsError
+        A wish is out of range, or the part impossible.
+    """
     studies = study_lobes(part, wishes)
     figures = lobe_figures(part, studies)
     files = {f"lobe_{one.number}.csv": lobe_table(one).encode("utf-8") for one in studies}
@@ -176,7 +182,13 @@ def _lobe_wishes(arguments: argparse.Namespace) -> LobeWishes:
 def skirt_products(
     part: SkirtPart, wishes: AnalysisWishes, *, with_pictures: bool = True
 ) -> tuple[str, dict[str, bytes]]:
-    """Return what is printed of a skirt, and the content of every file by its name."""
+    """Return what is printed of a skirt, and the content of every file by its name.
+
+    Raises
+    ------
+    CamtoolsError
+        A wish is out of range, or the part impossible.
+    """
     found = make_analysis(part, wishes)
     files = _files(found, wishes.nose_mm, with_pictures=with_pictures)
     told = summary(found)

@@ -50,7 +50,15 @@ class Control:
         self.out.flush()
 
     def ask(self, command: str, parameter: int = 0, **value: float) -> Answer:
-        """Send a command that must be accepted."""
+        """Send a command that must be accepted.
+
+        Raises
+        ------
+        Refused
+            It is not.
+        CamtoolsError
+            The value is outside the range of its signal.
+        """
         return ask_done(self.link, command, parameter, **value)
 
     def wait_state(self, wanted: Sequence[str], timeout_s: float) -> str:

@@ -70,7 +70,13 @@ def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
 
 
 def _until_over(link: Link) -> None:
-    """Wait until a cut is over."""
+    """Wait until a cut is over.
+
+    Raises
+    ------
+    Refused
+        It ends in a fault, command was lost, or the status stops.
+    """
     status = link.status
     while status.state not in _OVER:
         # A process that was stopped for a while finds that its time is over, and looks again.

@@ -38,7 +38,13 @@ def _read(path: Path) -> bytes:
 
 
 def wave_of(data: bytes, name: str) -> npt.NDArray[np.int64]:
-    """Return the samples of a wave file."""
+    """Return the samples of a wave file.
+
+    Raises
+    ------
+    CamtoolsError
+        It is none; the line says where.
+    """
     lines = data.decode("utf-8", "replace").split("\n")
     if lines[0].strip() != "u_nm":
         raise CamtoolsError([f"{name}: line 1: no heading u_nm; begin the file with it"])

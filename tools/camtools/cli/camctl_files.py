@@ -30,7 +30,13 @@ ABOUT = "camturn.recording"
 
 
 def names_of(text: str) -> list[str]:
-    """Return the signals of a list."""
+    """Return the signals of a list.
+
+    Raises
+    ------
+    CamtoolsError
+        One is none.
+    """
     names = text.split(",")
     scope.mask_of(names)
     return names

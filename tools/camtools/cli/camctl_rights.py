@@ -72,7 +72,15 @@ def add_rights(commands: argparse._SubParsersAction[Parser]) -> None:
 
 @contextmanager
 def commanding(link: Link, node: int, arguments: argparse.Namespace) -> Iterator[None]:
-    """Let the orders of a block take command where they need it, and give it back after them."""
+    """Let the orders of a block take command where they need it, and give it back after them.
+
+    Raises
+    ------
+    CamtoolsError
+        The secret cannot be read.
+    Refused
+        Another has command.
+    """
     rights, given = link.rights, arguments.secret or os.environ.get(SECRET)
     rights.sender = sender_of("camctl") if arguments.sender is None else arguments.sender
     rights.may = May.TAKE_OVER if arguments.take_over else May.IF_FREE

@@ -217,7 +217,13 @@ def _tell(link: Link, say: Say) -> None:
 
 
 def blackbox(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Tell what the black box holds, read it into a file, or clear it."""
+    """Tell what the black box holds, read it into a file, or clear it.
+
+    Raises
+    ------
+    Refused
+        There is no fault to be read.
+    """
     if arguments.file is not None:
         check_name(arguments.file)
     _tell(link, say)

@@ -45,6 +45,11 @@ def generate(dbc: str, name: str) -> tuple[str, str]:
     -------
     tuple of str
         NAME.h and NAME.c.
+
+    Raises
+    ------
+    CamtoolsError
+        The DBC is not one.
     """
     try:
         database = cantools.database.load_string(dbc, "dbc")

@@ -132,6 +132,11 @@ def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
     -------
     list of list of str
         Commands, each as its words, to be run one after the other.
+
+    Raises
+    ------
+    CamtoolsError
+        openocd cannot be given a name with braces or backslashes.
     """
     if programmer == "st-flash":
         return _st_flash(writes)

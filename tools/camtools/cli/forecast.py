@@ -109,7 +109,13 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def _positive(option: str, value: float | None) -> list[str]:
-    """Return an option of camsim, nothing when it is not given."""
+    """Return an option of camsim, nothing when it is not given.
+
+    Raises
+    ------
+    CamtoolsError
+        Not a finite number above 0.
+    """
     if value is None:
         return []
     if not (math.isfinite(value) and value > 0):

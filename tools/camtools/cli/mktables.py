@@ -68,7 +68,13 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
 
 
 def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
-    """Return the files of --export."""
+    """Return the files of --export.
+
+    Raises
+    ------
+    CamtoolsError
+        Options without a format, or out of range.
+    """
     heights_mm, n_points = tuple(arguments.export_height), arguments.export_points
     if arguments.export is None:
         if heights_mm or n_points is not None:

@@ -138,7 +138,13 @@ def token_of(path: Path | None) -> str:
 
 
 def _check_bus(arguments: argparse.Namespace) -> None:
-    """Raise when the bus that is named cannot be opened; a live lathe may still come."""
+    """Raise when the bus that is named cannot be opened; a live lathe may still come.
+
+    Raises
+    ------
+    CamtoolsError
+        As open_controller().
+    """
     given = bus_arguments(arguments)
     if "interface" in configured(given) or (given and arguments.live is not None):
         open_controller(arguments)[0].shutdown()

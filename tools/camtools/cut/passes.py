@@ -106,6 +106,11 @@ def judge_passes(
         The part as each of its passes cuts it.
     judge : callable
         Returns the highest speed of a part with the table at its own speed and feed, or refuses.
+
+    Raises
+    ------
+    CamtoolsError
+        A pass is infeasible; the lines name the first one.
     """
     for number, one in enumerate(parts, start=1):
         feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000

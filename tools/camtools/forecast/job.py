@@ -34,7 +34,13 @@ _LINE = re.compile(rf"{_PROBE}: line \d+: (.*)")
 
 
 def limits(option: str, value: int, low: int, high: int) -> int:
-    """Return the number of an option."""
+    """Return the number of an option.
+
+    Raises
+    ------
+    CamtoolsError
+        It is out of range.
+    """
     if not low <= value <= high:
         raise CamtoolsError([f"{option} {value}: out of range; give {low} .. {high}"])
     return value
@@ -127,7 +133,13 @@ def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:
 
 
 def _begin(task: Task, machine: Machine) -> None:
-    """Begin a cut on a machine and end it at once."""
+    """Begin a cut on a machine and end it at once.
+
+    Raises
+    ------
+    CamtoolsError
+        The simulator refuses.
+    """
     table = folder_of(task.table, task.design) / TABLE
     with SimSession() as session:
         session.begin([str(table), *task.words], machine.text, machine.name, traced=False)
@@ -150,7 +162,13 @@ def _check(task: Task, machine: Machine, name: str) -> None:
 
 
 def _check_ends(task: Task, tree: Tree, unknowns: Sequence[Unknown], file: str) -> None:
-    """Refuse numbers that no machine file may have; what is only infeasible is cut and counted."""
+    """Refuse numbers that no machine file may have; what is only infeasible is cut and counted.
+
+    Raises
+    ------
+    CamtoolsError
+        An end of a distribution is out of the simulator's range.
+    """
     for one in unknowns:
         for end, value in (("low", one.low), ("high", one.high)):
             text = emit_machine(mistaken(tree, {one.key: value}))

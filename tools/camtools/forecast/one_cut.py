@@ -75,7 +75,13 @@ class CutOutcome(NamedTuple):
 
 @cache
 def build_of(path: Path) -> str:
-    """Return the digest of a simulator's library."""
+    """Return the digest of a simulator's library.
+
+    Raises
+    ------
+    CamtoolsError
+        It is not there.
+    """
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     except OSError as error:

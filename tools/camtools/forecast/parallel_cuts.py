@@ -53,7 +53,13 @@ def _local(n_workers: int, folder: str) -> LocalCluster:
 
 @contextmanager
 def _client(scheduler: str | None, n_workers: int) -> Iterator[Client]:
-    """Connect to a cluster, or start one on this computer, which ends with it."""
+    """Connect to a cluster, or start one on this computer, which ends with it.
+
+    Raises
+    ------
+    CamtoolsError
+        The scheduler does not answer, or has no worker.
+    """
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with ExitStack() as stack:
         stack.enter_context(dask.config.set({"logging.distributed": "critical"}))
@@ -118,7 +124,13 @@ def cut_all(
 
 
 def _checked(answer: list[CutOutcome] | str) -> list[CutOutcome]:
-    """Return the outcomes of a batch."""
+    """Return the outcomes of a batch.
+
+    Raises
+    ------
+    CamtoolsError
+        The worker could not cut at all.
+    """
     if isinstance(answer, str):
         raise CamtoolsError([answer])
     return answer

@@ -167,6 +167,11 @@ def read_vary(data: bytes, file: str, machine: Mapping[str, Any]) -> list[Unknow
     ----------
     machine : mapping
         Tree of the machine file, for the nominal values.
+
+    Raises
+    ------
+    CamtoolsError
+        Not TOML, unknown keys, or a distribution that cannot be.
     """
     spreads = _spreads(read_tree(data, file), file)
     return [_unknown(key, spread, machine, file) for key, spread in spreads.items()]

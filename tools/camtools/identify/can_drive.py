@@ -46,7 +46,13 @@ class ConnectedU:
         return int(answer.value)
 
     def believed(self) -> Believed:
-        """Return what the controller is configured with."""
+        """Return what the controller is configured with.
+
+        Raises
+        ------
+        Refused
+            There is none, or its state is not ready.
+        """
         status = self.link.listen()
         if status.state != "ready":
             raise Refused(f"{self.link.where}: {not_ready(status.state)}")

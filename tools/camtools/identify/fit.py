@@ -195,7 +195,13 @@ def _between(spectra: Spectra, values: Floats, weight: Floats) -> Floats:
 
 
 def fit(spectra: Spectra) -> DriveFit:
-    """Return the constants of a drive from the lines of a record."""
+    """Return the constants of a drive from the lines of a record.
+
+    Raises
+    ------
+    CamtoolsError
+        Too few lines stand above their noise.
+    """
     if spectra.s.size < MIN_LINES:
         problem = (
             f"{spectra.s.size} of {spectra.s.size + spectra.n_lost} lines stand above the noise"

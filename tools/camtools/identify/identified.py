@@ -165,6 +165,16 @@ def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
 
     A scale that is coarse may belong to a drive that rounds its commands likewise; the record with
     rounded set-points is believed where it leaves less.
+
+    Parameters
+    ----------
+    with_mode : bool
+        look for a mode as well
+
+    Raises
+    ------
+    CamtoolsError
+        Too few lines stand above their noise.
     """
     spectra, plain = _plain_of(record)
     if record.is_coarse:

@@ -120,6 +120,11 @@ def open_bus(given: Mapping[str, Any]) -> tuple[can.BusABC, str]:
     ----------
     given : Mapping
         arguments of can.Bus; what is missing comes from the environment or python-can's file
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be opened.
     """
     asked = configured(given)
     interface = asked.get("interface")

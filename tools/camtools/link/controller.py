@@ -231,6 +231,11 @@ class Link:
         ----------
         echo : int, optional
             what the answer must have as its parameter; others are those of other senders
+
+        Raises
+        ------
+        Refused
+            None comes in time.
         """
         end_s = time.monotonic() + timeout_s
         while True:

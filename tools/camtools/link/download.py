@@ -27,7 +27,13 @@ _HEADER_BYTES = 128
 
 
 def send_block(link: Link, block: bytes) -> None:
-    """Send one message by ISO 15765-2."""
+    """Send one message by ISO 15765-2.
+
+    Raises
+    ------
+    Refused
+        The controller gives no flow control, or wants none of it.
+    """
     problems: list[Exception] = []
 
     def receive(timeout_s: float) -> isotp.CanMessage | None:
@@ -81,6 +87,11 @@ def bring(link: Link, data: bytes, remedy: str, progress: Callable[[int, float],
         what to do if that fails
     progress : callable
         called with [bytes] that are stored and [s] since the begin
+
+    Raises
+    ------
+    Refused
+        The controller refuses, or the bus loses too much.
     """
     start_s, at = time.monotonic(), 0
     while at < len(data):

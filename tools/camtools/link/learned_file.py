@@ -105,7 +105,13 @@ def get_learned(link: Link) -> list[int]:
 
 
 def set_learned(link: Link, values: Sequence[int]) -> None:
-    """Bring learned values back; when one is refused, those of before come back."""
+    """Bring learned values back; when one is refused, those of before come back.
+
+    Raises
+    ------
+    Refused
+        One is refused, or the bus is lost.
+    """
     before = get_learned(link)
     for index, value in enumerate(values):
         answer = link.ask("set_learned", parameter=index, value=value)

@@ -47,7 +47,13 @@ class LiveLathe:
 
 
 def runtime_folder() -> Path:
-    """Return the folder of the announcements, made when it is missing."""
+    """Return the folder of the announcements, made when it is missing.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be made, or others may write there.
+    """
     given = os.environ.get("XDG_RUNTIME_DIR")
     own = Path(tempfile.gettempdir()) / f"camturn-{os.getuid()}"
     folder = Path(given) / "camturn" if given and Path(given).is_dir() else own
@@ -96,7 +102,13 @@ def live_lathes(folder: Path | None = None) -> list[LiveLathe]:
 
 
 def only_lathe(name: str | None, folder: Path | None = None) -> LiveLathe | None:
-    """Return the live lathe of a name, or the only one there is."""
+    """Return the live lathe of a name, or the only one there is.
+
+    Raises
+    ------
+    CamtoolsError
+        None has the name, or there are several and no name.
+    """
     found = live_lathes(folder)
     names = ", ".join(lathe.name for lathe in found)
     if name is not None:
@@ -119,6 +131,11 @@ def announced(folder: Path, name: str, facts: Mapping[str, Any]) -> Iterator[Liv
     ----------
     facts : Mapping
         `bus`, arguments of can.Bus; `node`, number of the controller; whatever else is to be told
+
+    Raises
+    ------
+    CamtoolsError
+        The folder cannot be written.
     """
     whole = dict(facts) | {"pid": os.getpid(), "start": start_of(os.getpid())}
     taken = {lathe.name for lathe in live_lathes(folder)}

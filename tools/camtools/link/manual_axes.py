@@ -45,7 +45,13 @@ def usual_mm_per_s(link: Link, axis: str) -> float:
 
 
 def end_text(link: Link, axis: str, end: str, what: str) -> str:
-    """Return the line of an order that is over."""
+    """Return the line of an order that is over.
+
+    Raises
+    ------
+    Refused
+        It did not succeed.
+    """
     here = f"{axis} {place_mm(link, axis):.6f} mm"
     if end in ("done", "limit"):
         return here + (f", {END_TEXTS[end]}" if end == "limit" else "")
@@ -90,6 +96,11 @@ def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
         step or home_axis
     axis : str
         u, x or z
+
+    Raises
+    ------
+    Refused
+        The controller refused it, or left the state manual.
     """
     before = _orders(link)
     with _braked(link):
@@ -137,6 +148,11 @@ def jog(link: Link, axis: str, mm_per_s: float, goes_on: Callable[[], bool]) -> 
     -------
     str
         "done" when it was wanted no more, "limit" at the end of the travel; the axis is at rest
+
+    Raises
+    ------
+    Refused
+        The controller refused it, or left the state manual.
     """
     link.status.signals.pop("hand_end", None)
     end = "done"

@@ -91,7 +91,13 @@ class Answer:
 
 
 def _check_range(name: str, value: float) -> None:
-    """Refuse a value that has no place in the message Command."""
+    """Refuse a value that has no place in the message Command.
+
+    Raises
+    ------
+    CamtoolsError
+        It is outside the range that the DBC gives its signal.
+    """
     signal = COMMAND.get_signal_by_name(name)
     low, high = signal.minimum, signal.maximum
     assert low is not None and high is not None
@@ -111,6 +117,11 @@ def command_bytes(
         at most one signal of the message Command, in its unit
     sender, session : int
         who sends it, and the session in which he commands; 0, 0: nobody who commands
+
+    Raises
+    ------
+    CamtoolsError
+        The value is outside the range of its signal.
     """
     number = NUMBERS["command"][command]
     signals: dict[str, float] = {"command": number, "parameter": parameter}

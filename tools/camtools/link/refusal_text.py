@@ -229,6 +229,11 @@ def require(link: Link, answer: Answer, values: str = "") -> Answer:
     ----------
     values : str
         told behind the command, where it was refused
+
+    Raises
+    ------
+    Refused
+        It is refused; the text tells why, with the numbers.
     """
     if answer.result != "done":
         raise Refused(f"{answer.command.replace('_', ' ')}{values}: {explain(link, answer)}")

@@ -116,7 +116,13 @@ def mask_of(signals: Sequence[str]) -> int:
 
 
 def require(link: Link, what: str, answer: Answer) -> Answer:
-    """Return an answer that is done."""
+    """Return an answer that is done.
+
+    Raises
+    ------
+    Refused
+        It is not; the text says what the limit is, or what to do.
+    """
     if answer.result == "done":
         return answer
     if answer.result == NOT_COMMANDER:
@@ -214,6 +220,11 @@ class Reader:
         ----------
         progress : callable
             called with the bytes that are there and those in all
+
+        Raises
+        ------
+        Refused
+            There is none, it still runs, or the bus loses too much.
         """
         if phase(link) != "done":
             raise Refused(f"{link.where}: the recorder is {phase(link)}: no recording is complete")
@@ -288,7 +299,13 @@ def read(link: Link, progress: Callable[[int, int], None] | None = None) -> Reco
 
 
 def wait(link: Link, timeout_s: float) -> None:
-    """Wait until the recording has ended."""
+    """Wait until the recording has ended.
+
+    Raises
+    ------
+    Refused
+        It has not in time.
+    """
     end_s = time.monotonic() + timeout_s
     while phase(link) not in ("done", "idle"):
         if time.monotonic() > end_s:

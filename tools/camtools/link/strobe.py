@@ -115,6 +115,11 @@ class Strobe:
 
         To be called now and then (10 Hz will do), and renews as well; what is there is kept as long
         as the period fits.
+
+        Raises
+        ------
+        Refused
+            As begin(); no status comes.
         """
         signals = self._link.status.signals
         if not {"tick_rate", "speed"} <= signals.keys():
@@ -142,6 +147,11 @@ class Strobe:
         """Ask again when it is due, without waiting for an answer; to be called at 2 Hz or more.
 
         Every sample that comes does it as well, so that long reads and downloads do not end it.
+
+        Raises
+        ------
+        Refused
+            The bus is gone.
         """
         tick_hz = self._link.status.signals.get("tick_rate", 0.0)
         is_old = (self._number - self._asked_at) * self.every > RENEW_S * tick_hz > 0

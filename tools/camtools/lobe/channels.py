@@ -244,6 +244,13 @@ def speed_channel(lobes: list[ShaftLobe], laws: list[Floats], mean_rad_s: float)
     ----------
     laws : list of ndarray, shape (N_GRID,)
         Speed of the spindle over the angle of each pattern [rad/s].
+    mean_rad_s : float
+        What the ratios refer to.
+
+    Raises
+    ------
+    GeometryError
+        Ratios beyond what a table holds.
     """
     low, high = (float(f(np.stack(laws))) / mean_rad_s for f in (np.min, np.max))
     if low < MIN_RATIO / RATIO_ONE or high > MAX_RATIO / RATIO_ONE:

@@ -92,5 +92,11 @@ class ExactLobes(Exact):
 
 
 def exact_lobes(part: LobePart) -> ExactLobes:
-    """Return the exact shape of a camshaft."""
+    """Return the exact shape of a camshaft.
+
+    Raises
+    ------
+    CamtoolsError
+        The numbers make no lobes.
+    """
     return ExactLobes(lobes_of(part))

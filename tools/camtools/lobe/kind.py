@@ -57,7 +57,13 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
         return draw_lobes(made)
 
     def at_speed(self, part: LobePart, rpm: float | None) -> LobePart:
-        """Return the part for another speed on the base circle."""
+        """Return the part for another speed on the base circle.
+
+        Raises
+        ------
+        CamtoolsError
+            Out of the range of a part file.
+        """
         if rpm is None:
             return part
         if not MIN_RPM <= rpm <= MAX_RPM:

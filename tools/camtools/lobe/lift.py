@@ -175,6 +175,11 @@ def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
     ----------
     field : str
         Dotted path of the lobe, for error messages.
+
+    Raises
+    ------
+    GeometryError
+        The points are no good.
     """
     if lobe.law in RISES:
         return _risen(lobe, field)

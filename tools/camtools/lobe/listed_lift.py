@@ -100,6 +100,11 @@ def points_of(lobe: Lobe, field: str) -> PointedTurn:
     ----------
     field : str
         Dotted path of the lobe, for error messages.
+
+    Raises
+    ------
+    GeometryError
+        The file is no good.
     """
     if lobe.csv is None:
         assert lobe.angle_deg is not None

@@ -118,7 +118,13 @@ def middles_nm(lobes: list[ShaftLobe]) -> list[int]:
 
 
 def check_width(part: LobePart) -> None:
-    """Refuse a wheel that does not cover a lobe, or touches the next one."""
+    """Refuse a wheel that does not cover a lobe, or touches the next one.
+
+    Raises
+    ------
+    GeometryError
+        With lobe, width, and what would do.
+    """
     width = part.cam.wheel_width_mm
     assert width is not None
     places, field = [lobe.z_mm for lobe in part.cam.lobe], f"cam.wheel_width_mm = {width:g}"

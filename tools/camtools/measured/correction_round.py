@@ -62,7 +62,13 @@ class Round(NamedTuple):
 
 
 def check_request(request: Request) -> None:
-    """Refuse options that are out of range."""
+    """Refuse options that are out of range.
+
+    Raises
+    ------
+    CamtoolsError
+        With the range.
+    """
     if not MIN_GAIN <= request.gain <= MAX_GAIN:
         problem = f"--gain {request.gain:g}: must be {MIN_GAIN:g} .. {MAX_GAIN:g}"
         raise CamtoolsError([f"{problem}; leave it out for {DEFAULT_GAIN:g}"])

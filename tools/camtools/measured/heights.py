@@ -90,6 +90,11 @@ def by_height(points: GaugedPoints, most_order: int | None = None) -> Heights:
     ----------
     most_order : int, optional
         Highest order of waves that is wanted; by default 16, or less where there are few angles.
+
+    Raises
+    ------
+    CamtoolsError
+        Too few heights have enough points all round.
     """
     groups = _traces(points.z_mm)
     order = most_order or DEFAULT_ORDER

@@ -42,7 +42,13 @@ def is_alike(one: object, other: object) -> bool:
 
 
 def read_given(path: Path, option: str, most_bytes: int = _MAX_BYTES) -> bytes:
-    """Return the content of a file that an option names."""
+    """Return the content of a file that an option names.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be read.
+    """
     try:
         return read_limited(path, most_bytes)
     except (OSError, ValueError) as error:  # a path with a NUL is a ValueError

@@ -84,7 +84,13 @@ def _over_part(
 
 
 def check_heights(z_mm: Floats, ends_mm: tuple[float, float]) -> None:
-    """Refuse heights that leave too much of a part unknown."""
+    """Refuse heights that leave too much of a part unknown.
+
+    Raises
+    ------
+    CamtoolsError
+        With the numbers and the limits.
+    """
     height_mm = ends_mm[1] - ends_mm[0]
     steps = np.diff(np.concatenate([ends_mm[:1], z_mm, ends_mm[1:]]))
     part = f"the part's {ends_mm[0]:g} .. {ends_mm[1]:g} mm"
@@ -135,6 +141,20 @@ def tell(
 
     Each pass fits the waves of every height to what the smooth waves of the pass before leave of
     its points, so that heights which run through within a band do no harm.
+
+    Parameters
+    ----------
+    ends_mm : tuple of float
+        Of the part.
+    most_order : int, optional
+        See `by_height`.
+    first : int
+        First order that may be kept.
+
+    Raises
+    ------
+    CamtoolsError
+        Too few heights or angles.
     """
     heights = by_height(points, most_order)
     z_mm = np.array([height.z_mm for height in heights.heights])

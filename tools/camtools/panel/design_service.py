@@ -74,7 +74,13 @@ class DesignService:
         return sorted(path.stem for path in self.machines.glob("*.toml") if not path.is_symlink())
 
     def keep_machine(self, name: str, data: bytes) -> None:
-        """Keep a machine file of one's own."""
+        """Keep a machine file of one's own.
+
+        Raises
+        ------
+        CamtoolsError
+            It is no TOML, or has the name of one of the simulator's.
+        """
         if name in names():
             raise CamtoolsError(
                 [f"{name}: the simulator has a machine of this name; give another name"]
@@ -167,7 +173,13 @@ def is_confined_tree(tree: object, folder: Path) -> bool:
 
 
 def files_named(tree: object, folder: Path) -> dict[str, bytes]:
-    """Return the files that a part names, by their place seen from it; it was checked before."""
+    """Return the files that a part names, by their place seen from it; it was checked before.
+
+    Raises
+    ------
+    CamtoolsError
+        One cannot be read.
+    """
     found: dict[str, bytes] = {}
     if isinstance(tree, dict):
         for key, value in tree.items():

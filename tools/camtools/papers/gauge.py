@@ -55,7 +55,13 @@ def with_recipe(part: SkirtPart, recipe: Recipe) -> SkirtPart:
 
 
 def cut_record(name: str, recipe: Recipe, program: Path) -> Record:
-    """Cut the measured skirt with a refit; return its record."""
+    """Cut the measured skirt with a refit; return its record.
+
+    Raises
+    ------
+    CamtoolsError
+        No table can be made, or the cut did not come to its end.
+    """
     part = with_recipe(part_of(PART, SkirtPart), recipe)
     made = generate(part)
     with tempfile.TemporaryDirectory(prefix="camturn-papers.") as place:

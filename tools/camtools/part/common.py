@@ -134,7 +134,13 @@ def is_feed_within(part: PartFile, feed_mm: float) -> bool:
 
 
 def check_feed(part: PartFile) -> None:
-    """Refuse a feed beyond the height of the part: the firmware would not cut its table."""
+    """Refuse a feed beyond the height of the part: the firmware would not cut its table.
+
+    Raises
+    ------
+    CamtoolsError
+        With the highest feed that would do.
+    """
     feed_mm = part.process.feed_mm
     if not is_feed_within(part, feed_mm):
         problem = f"must be at most {part.height_mm:.9g}, the height of the part"

@@ -28,6 +28,13 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
     ----------
     data : bytes
         Whole content of the file, UTF-8.
+    file : str
+        Name for error messages.
+
+    Raises
+    ------
+    InputError
+        Not UTF-8 or not TOML.
     """
     try:
         return toml_tree(data.decode("utf-8"))
@@ -63,7 +70,13 @@ def validated(
 
 
 def read_part_file(path: Path) -> bytes:
-    """Return the content of a part file."""
+    """Return the content of a part file.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, is no file, or is too large.
+    """
     try:
         return read_limited(path, MAX_FILE_BYTES)
     except (OSError, ValueError) as error:

@@ -56,6 +56,11 @@ def check_tracks(tool: Tool, feed_mm: float) -> None:
     ----------
     feed_mm : float
         Distance of neighbouring tracks [mm].
+
+    Raises
+    ------
+    CamtoolsError
+        With the feed below which the tracks meet.
     """
     widest_mm = 2 * tool.nose_radius_mm
     if tool.is_round and feed_mm >= widest_mm:

@@ -61,7 +61,13 @@ def add_measured(parser: argparse.ArgumentParser) -> None:
 
 
 def request_of(arguments: argparse.Namespace) -> Request | None:
-    """Return what the options ask for, nothing without --measured."""
+    """Return what the options ask for, nothing without --measured.
+
+    Raises
+    ------
+    CamtoolsError
+        An option that says how to correct, without the surface.
+    """
     if arguments.measured is None:
         for key, option in _NEEDS.items():
             if getattr(arguments, key) not in (None, False):

@@ -106,7 +106,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _positive(option: str, text: str | None, unit: str) -> float | None:
-    """Return the number of an option, None when it is not given."""
+    """Return the number of an option, None when it is not given.
+
+    Raises
+    ------
+    CamtoolsError
+        Not a finite number above 0.
+    """
     if text is None:
         return None
     try:
@@ -120,7 +126,13 @@ def _positive(option: str, text: str | None, unit: str) -> float | None:
 
 
 def _for_camsim(words: Sequence[str]) -> list[str]:
-    """Return the user's words for camsim, which works in another folder."""
+    """Return the user's words for camsim, which works in another folder.
+
+    Raises
+    ------
+    CamtoolsError
+        An option that this command sets itself.
+    """
     for word in words:
         if word.split("=")[0] in _OURS:
             raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
@@ -214,7 +226,13 @@ def say(text: str) -> None:
 
 
 def write_files(folder: Path, files: dict[str, bytes]) -> None:
-    """Write files into a folder."""
+    """Write files into a folder.
+
+    Raises
+    ------
+    CamtoolsError
+        A file cannot be written.
+    """
     try:
         for name, data in files.items():
             (folder / name).write_bytes(data)

@@ -54,6 +54,11 @@ def parse_for(
         Name of the command, as in `Kind.commands`.
     model : type
         Of the parts that the command works on.
+
+    Raises
+    ------
+    CamtoolsError
+        The command has no use for this kind, or see `parse`.
     """
     part = parse_able(command, data, file, folder)
     if not isinstance(part, model):

@@ -47,7 +47,13 @@ def make(
     rpm: float | None = None,
     correction: Correction | None = None,
 ) -> Made:
-    """Return the table of a part, made for another speed where the kind's tables depend on it."""
+    """Return the table of a part, made for another speed where the kind's tables depend on it.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be made; the file's name is in every line.
+    """
     kind, part = loaded
     try:
         part = kind.at_speed(part, rpm)

@@ -132,6 +132,11 @@ def run(argv: Sequence[str]) -> int:
     -------
     int
         0 done, 1 fault or out of tolerance, 2 camsim refused and said why.
+
+    Raises
+    ------
+    CamtoolsError
+        Wrong usage, or a part that cannot be made.
     """
     begin_s = time.monotonic()
     job = RunJob(argv)

@@ -44,7 +44,13 @@ class ExactPolygon(ExactGeometry):
 
 
 def exact_polygon(part: PolygonPart) -> ExactPolygon:
-    """Return the exact shape of a polygon."""
+    """Return the exact shape of a polygon.
+
+    Raises
+    ------
+    CamtoolsError
+        The numbers make no polygon.
+    """
     _, _, geometry, design = shapes_of(part)
     tip = tip_geometry(geometry, part.tool)
     middle_mm = middle_nm(tip, part.process.u_zero) / NM_PER_MM

@@ -78,7 +78,13 @@ def growth_of(section: PolygonSection, drawing: Outline) -> float:
 
 
 def outline_of(section: PolygonSection) -> Outline:
-    """Return the section of the first height as the part file draws it."""
+    """Return the section of the first height as the part file draws it.
+
+    Raises
+    ------
+    GeometryError
+        The numbers make no polygon.
+    """
     phase, radii = float(np.radians(section.phase_deg)), section.corner_radius_mm or 0.0
     if section.form == "p3g":
         assert section.mean_diameter_mm is not None
@@ -101,7 +107,13 @@ def outline_of(section: PolygonSection) -> Outline:
 
 
 def factors_of(part: PolygonPart, outer_mm: float) -> tuple[float, float]:
-    """Return the size of the sections where the tool begins and ends, MATHS.md (118)."""
+    """Return the size of the sections where the tool begins and ends, MATHS.md (118).
+
+    Raises
+    ------
+    CamtoolsError
+        Nothing is left of one of them.
+    """
     section = part.polygon
     first, last = (1 + section.taper * (z - section.z_mm[0]) / outer_mm for z in part.heights_mm)
     if min(first, last) <= 0:
@@ -151,7 +163,13 @@ def _over_height(slope: float, first: float, heights_mm: tuple[float, float]) ->
 def choose_channel(
     geometry: Geometry, tolerance_nm: float, cut: Blended
 ) -> tuple[Channel, Accuracy]:
-    """Return the smallest u channel within a tolerance: over height a polygon is straight."""
+    """Return the smallest u channel within a tolerance: over height a polygon is straight.
+
+    Raises
+    ------
+    CamtoolsError
+        No table follows the outline so closely.
+    """
     n_slices = int(slice_counts(geometry)[0])
     z_nm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 3) * NM_PER_MM
     best: Accuracy | None = None

@@ -25,7 +25,13 @@ _STEEPEST_RAD = float(np.radians(80.0))
 
 
 def p3g(mean_diameter_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
-    """Return the outline of DIN 32711, a corner at the phase; MATHS.md (115)."""
+    """Return the outline of DIN 32711, a corner at the phase; MATHS.md (115).
+
+    Raises
+    ------
+    GeometryError
+        So eccentric that the sides would be hollow.
+    """
     middle = phase_rad + np.pi / _SIDES_P3G
     flank = Flank(mean_diameter_mm / 2, eccentricity_mm, _SIDES_P3G, middle)
     if not flank.is_convex:
@@ -59,7 +65,13 @@ def _no_crossing(radius_mm: float) -> GeometryError:
 
 
 def p4c(outer_mm: float, inner_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
-    """Return the outline of DIN 32712, a corner's arc at the phase; MATHS.md (116)."""
+    """Return the outline of DIN 32712, a corner's arc at the phase; MATHS.md (116).
+
+    Raises
+    ------
+    GeometryError
+        The circle does not cut the flanks.
+    """
     if inner_mm >= outer_mm:
         problem = f"{inner_mm:g} is not below outer_diameter_mm, {outer_mm:g}"
         raise GeometryError("polygon.inner_diameter_mm", problem, "give the inner circle")

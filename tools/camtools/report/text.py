@@ -187,7 +187,13 @@ def origin_rows(outcome: AnyCut) -> list[ReportRow]:
 
 
 def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
-    """Return the table of faults of the firmware's manual."""
+    """Return the table of faults of the firmware's manual.
+
+    Raises
+    ------
+    InputError
+        The manual cannot be read.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:

@@ -101,6 +101,11 @@ class SimSession:
             Text of a machine file; None: that of --machine, or the default machine.
         traced : bool
             Keep every tick, or one of --trace-every.
+
+        Raises
+        ------
+        CamtoolsError
+            The simulator refuses; its line says why.
         """
         coded = [os.fsencode(word) for word in words]
         array = (c_char_p * len(coded))(*coded)
@@ -124,7 +129,13 @@ class SimSession:
         return str(self._library.sim_api_error(self._session).decode("utf-8", "replace"))
 
     def finish(self, wall_s: float) -> RawResult:
-        """Return what the cut left, in memory of Python's own; the cut is ended."""
+        """Return what the cut left, in memory of Python's own; the cut is ended.
+
+        Raises
+        ------
+        CamtoolsError
+            Not enough memory, or a controller on a target is lost.
+        """
         library, session = self._library, self._session
         status = int(library.sim_api_finish(session, wall_s))
         summary = library.sim_api_summary(session).decode("ascii")

@@ -132,7 +132,13 @@ class Simulator:
         return [str(self.program), "run", self.table, *words]
 
     def run(self, words: Sequence[str], *, is_quiet: bool = False) -> int:
-        """Cut; return camsim's exit status. Its messages go to our standard error."""
+        """Cut; return camsim's exit status. Its messages go to our standard error.
+
+        Raises
+        ------
+        CamtoolsError
+            It cannot be started, or a signal ended it.
+        """
         with self._begun(words, is_quiet=is_quiet) as process:
             return self._ended(process)
 

@@ -54,7 +54,13 @@ def with_home_switches(text: str, z_last_mm: float) -> str:
 
 
 def refuses(program: Path, folder: Path, words: Sequence[str]) -> bool:
-    """Return whether camsim refuses table and options; it has said why, once and not twice."""
+    """Return whether camsim refuses table and options; it has said why, once and not twice.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be started.
+    """
     command = [str(program), "params", *words]
     try:
         done = subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=False)

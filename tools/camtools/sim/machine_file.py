@@ -52,7 +52,13 @@ def find_machine(word: str | Path) -> Machine:
 
 
 def read_machine(text: str, name: str) -> Tree:
-    """Return the tree of a machine's text; only the simulator knows which keys exist."""
+    """Return the tree of a machine's text; only the simulator knows which keys exist.
+
+    Raises
+    ------
+    InputError
+        It is no TOML.
+    """
     try:
         return toml_tree(text)
     except ValueError as error:

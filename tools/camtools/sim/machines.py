@@ -28,6 +28,11 @@ def machine_path(word: str) -> Path:
     ----------
     word : str
         The name of a file of host_sim/machines without its suffix, or the path of any file.
+
+    Raises
+    ------
+    CamtoolsError
+        There is neither a machine of that name nor such a file.
     """
     if word in names():
         return MACHINES / f"{word}.toml"
@@ -39,7 +44,13 @@ def machine_path(word: str) -> Path:
 
 
 def machine_bytes(word: str) -> bytes:
-    """Return what the file of a machine holds, for `machine_path`'s word."""
+    """Return what the file of a machine holds, for `machine_path`'s word.
+
+    Raises
+    ------
+    CamtoolsError
+        There is no such machine, or its file cannot be read.
+    """
     path = machine_path(word)
     try:
         return path.read_bytes()

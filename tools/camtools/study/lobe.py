@@ -84,7 +84,13 @@ def study_lobe(
 
 
 def study_lobes(part: LobePart, wishes: LobeWishes) -> list[LobeStudy]:
-    """Return all lobes of a camshaft."""
+    """Return all lobes of a camshaft.
+
+    Raises
+    ------
+    CamtoolsError
+        A wish is out of range, or a lobe is impossible.
+    """
     _check(wishes)
     rpm = part.process.spindle_rpm if wishes.rpm is None else wishes.rpm
     n = round(360 / wishes.step_deg)

@@ -90,7 +90,13 @@ def _write_tables(generated: GeneratedSkirt, folder: Path) -> dict[str, Path]:
 
 
 def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
-    """Cut along one path."""
+    """Cut along one path.
+
+    Raises
+    ------
+    CamtoolsError
+        The cut did not come to its end; camsim has said why.
+    """
     low, high = float(study.z_mm[0]), float(study.z_mm[-1])
     words = [
         *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),

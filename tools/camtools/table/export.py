@@ -89,7 +89,13 @@ def quantity_of(table: Table, channel: Channel) -> _Quantity:
 
 
 def _at_height(table: Table, drawn: Channel, z_mm: float) -> tuple[Floats, float]:
-    """Return the knots that are played at a height, and by how many turns they come later."""
+    """Return the knots that are played at a height, and by how many turns they come later.
+
+    Raises
+    ------
+    CamtoolsError
+        Between two lobes, where no profile is played whole.
+    """
     z_nm = z_mm * NM_PER_MM
     if not drawn.has_patterns:
         i_slice, weight = locate(drawn, np.array([z_nm]))
@@ -192,7 +198,13 @@ def _over_height(table: Table, form: str) -> str:
 
 
 def check_heights(table: Table, heights_mm: Sequence[float]) -> None:
-    """Refuse a height that the table does not cover."""
+    """Refuse a height that the table does not cover.
+
+    Raises
+    ------
+    CamtoolsError
+        With the heights of the table.
+    """
     low, high = table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM
     for z_mm in heights_mm:
         if not low <= z_mm <= high:
@@ -201,7 +213,13 @@ def check_heights(table: Table, heights_mm: Sequence[float]) -> None:
 
 
 def export_files(table: Table, export: Export) -> dict[str, bytes]:
-    """Return the files of an export by their names."""
+    """Return the files of an export by their names.
+
+    Raises
+    ------
+    CamtoolsError
+        A height outside of the table.
+    """
     check_heights(table, export.heights_mm)
     start, form = table.part_name, export.form
     files = {f"{start}_x_{form}.csv": _over_height(table, form)}

@@ -67,7 +67,13 @@ def _units(value: float, per_unit: int) -> int:
 
 
 def check_bounds(bounds: Bounds) -> None:
-    """Refuse bounds of u that the header of an image does not hold, TABLE_FORMAT.md."""
+    """Refuse bounds of u that the header of an image does not hold, TABLE_FORMAT.md.
+
+    Raises
+    ------
+    CamtoolsError
+        With what is needed and what a table holds.
+    """
     reach_nm = max(bounds.u_max_nm, -bounds.u_min_nm)
     lines = [
         f"u: {what} comes to {found / NM_PER_MM:.6g} {unit}, a table holds {most / NM_PER_MM:.6g}; "
@@ -94,6 +100,11 @@ def table_of(
         Mean speed [r/min].
     channels : tuple of Channel
         Over the drawing's angle; u comes first.
+
+    Raises
+    ------
+    CamtoolsError
+        See `check_bounds`.
     """
     check_bounds(bounds)
     process, u = part.process, channels[0]

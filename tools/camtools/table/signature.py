@@ -58,7 +58,13 @@ def is_weak(public: bytes) -> bool:
 
 
 def image_of(data: bytes) -> bytes:
-    """Return the image of a table file, checked, without its signature."""
+    """Return the image of a table file, checked, without its signature.
+
+    Raises
+    ------
+    CamtoolsError
+        It is no table.
+    """
     try:
         unpack(data)
     except ImageError as error:
@@ -96,7 +102,13 @@ def verify(data: bytes, public_keys: list[bytes]) -> str:
 
 
 def make_private(file: Path) -> Ed25519PrivateKey:
-    """Make a private key and write it to a new file that only its owner can read."""
+    """Make a private key and write it to a new file that only its owner can read.
+
+    Raises
+    ------
+    CamtoolsError
+        The file is there, or cannot be written.
+    """
     key = Ed25519PrivateKey.generate()
     pem = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
     try:
@@ -139,7 +151,13 @@ def read_private(file: Path) -> Ed25519PrivateKey:
 
 
 def read_public(file: Path) -> bytes:
-    """Return the public key of a file that holds its 64 hexadecimal digits."""
+    """Return the public key of a file that holds its 64 hexadecimal digits.
+
+    Raises
+    ------
+    CamtoolsError
+        It holds something else.
+    """
     try:
         key = bytes.fromhex(file.read_text("ascii").strip())
     except OSError as error:

@@ -30,7 +30,13 @@ _MAX_CSV_BYTES = 20_000_000
 
 
 def checked_name(name: str) -> str:
-    """Return a name that is good for a file."""
+    """Return a name that is good for a file.
+
+    Raises
+    ------
+    CamtoolsError
+        It is none.
+    """
     if not _NAME.match(name):
         shown = name if len(name) <= 40 else name[:37] + "..."
         problem = f"name {shown!r}: not usable"

@@ -41,7 +41,13 @@ class ParameterSet:
         return text_of(self.values, origin)
 
     def differences(self, data: bytes, name: str) -> dict[str, tuple[int, int]]:
-        """Return the values in a file and here, where they differ."""
+        """Return the values in a file and here, where they differ.
+
+        Raises
+        ------
+        CamtoolsError
+            The file has no parameters, or wrong ones.
+        """
         there = parse(data, name)
         return {key: (v, self.values[key]) for key, v in there.items() if v != self.values[key]}
 

@@ -45,7 +45,13 @@ class RunOptions:
     seed: int = 1
 
     def checked(self) -> RunOptions:
-        """Return the options, or refuse what no cut can be done with."""
+        """Return the options, or refuse what no cut can be done with.
+
+        Raises
+        ------
+        CamtoolsError
+            With the range.
+        """
         _check("speed", self.rpm, _MAX_RPM, "r/min")
         _check("feed", self.feed_mm, _MAX_FEED_MM, "mm per turn")
         if not 0 <= self.seed <= _MAX_SEED:

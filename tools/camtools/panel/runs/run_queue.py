@@ -66,6 +66,11 @@ class RunQueue:
         ----------
         machine : str, optional
             Path of the machine file, where it is one of one's own.
+
+        Raises
+        ------
+        CamtoolsError
+            Too many wait.
         """
         self.check_room()
         self._waiting.append((folder, options.words(PART, machine)))

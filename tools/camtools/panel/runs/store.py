@@ -128,7 +128,13 @@ class RunStore:
         return sorted(found, key=lambda run: (-run.at_s, run.name))
 
     def run(self, key: str) -> Run:
-        """Return a run by its key."""
+        """Return a run by its key.
+
+        Raises
+        ------
+        CamtoolsError
+            There is none.
+        """
         place, _, name = key.partition("/")
         folder = self._folders.get(place)
         if folder is not None and _NAME.match(name):
@@ -140,7 +146,13 @@ class RunStore:
         raise CamtoolsError([f"run {key[:80]!r}: no such run; it may have been removed"])
 
     def remove(self, key: str) -> None:
-        """Remove a run of the panel."""
+        """Remove a run of the panel.
+
+        Raises
+        ------
+        CamtoolsError
+            It is going on, or it is one of tools/run.
+        """
         run = self.run(key)
         if run.place != OWN:
             raise CamtoolsError([f"{run.name}: made by tools/run; remove it with tools/run --keep"])

@@ -239,7 +239,13 @@ def _with_recipe(corner: Corner, part: SkirtPart, heights_mm: Floats) -> Corner:
 
 
 def refuse_deviation(corner: Corner, refit_of_part: Refit) -> None:
-    """Refuse a refit that is farther off the drawing than the part allows, with the numbers."""
+    """Refuse a refit that is farther off the drawing than the part allows, with the numbers.
+
+    Raises
+    ------
+    GeometryError
+        With the least deviation there is, and what it costs.
+    """
     off, recipe = corner.off, corner.recipe
     if off is None or recipe is None or off.um <= corner.off_limit_um:
         return

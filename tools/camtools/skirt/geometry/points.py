@@ -32,7 +32,13 @@ _MOST_BEYOND_UM = 1.0  # a curve beyond the points at both ends of a gap
 
 
 def read_sections(section: SectionShape) -> PointFile:
-    """Return the points of [piston.section], of one file or of a file for each height."""
+    """Return the points of [piston.section], of one file or of a file for each height.
+
+    Raises
+    ------
+    CamtoolsError
+        A file is no good, or the files do not belong together.
+    """
     try:
         if section.csv is not None:
             return with_motion(read_points(Path(section.csv)))

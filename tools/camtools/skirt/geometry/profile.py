@@ -87,6 +87,11 @@ def check_overshoot(field: str, curve: PPoly, allowed: Allowance, points_mm: Flo
     ----------
     field : str
         Dotted path of the key "interpolation".
+
+    Raises
+    ------
+    GeometryError
+        With place, size and remedy.
     """
     worst = overshoot(curve, points_mm)
     beyond = worst.beyond * allowed.scale

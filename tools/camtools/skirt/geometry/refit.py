@@ -175,6 +175,11 @@ def best_of(
     """Return the candidate of least peak acceleration within both limits, MATHS.md (16), (74).
 
     Where none is near enough to the drawing it is the nearest one, which the generator refuses.
+
+    Raises
+    ------
+    GeometryError
+        No candidate keeps the limit of the jerk.
     """
     within = [one for one in candidates if one.tail_jerk_mm_s3 <= jerk_limit_mm_s3]
     if not within:

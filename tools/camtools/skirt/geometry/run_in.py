@@ -107,6 +107,11 @@ def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometr
     ----------
     run_in_mm, run_out_mm : float
         How far the tool begins below the skirt and ends above it [mm]; 0 leaves the end.
+
+    Raises
+    ------
+    GeometryError
+        The continued half axis falls to 0.
     """
     if run_in_mm == 0 and run_out_mm == 0:
         return geometry

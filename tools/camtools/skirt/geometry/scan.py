@@ -52,6 +52,11 @@ def joined(sections: Sections) -> Joined:
     Sections that were measured at the same angles stay as they are. Otherwise a spline goes through
     the points of each, and all are sampled at equal distances, so finely that the surface through
     the samples keeps within a nanometre of them where that is possible.
+
+    Raises
+    ------
+    GeometryError
+        Not even the most samples keep within a micrometre.
     """
     first = sections.angles_deg[0]
     if all(np.array_equal(one, first) for one in sections.angles_deg):
@@ -141,6 +146,11 @@ def filtered(scan: Scan, harmonics: int) -> Scan:
 
     The waves are fitted to the points by least squares, as a roundness instrument's filter does,
     MATHS.md (18).
+
+    Raises
+    ------
+    GeometryError
+        More waves than the points resolve.
     """
     n_points = scan.angle_deg.size
     if 2 * harmonics + 1 > n_points:
@@ -162,6 +172,11 @@ def waves_of(sections: Sections, scan: Scan, harmonics: int) -> Scan:
     ----------
     scan : Scan
         The same sections at common angles.
+
+    Raises
+    ------
+    GeometryError
+        See `filtered`.
     """
     if all(np.array_equal(one, scan.angle_deg) for one in sections.angles_deg):
         return filtered(scan, harmonics)

@@ -87,7 +87,13 @@ def _checked_heights(value: list[float], info: ValidationInfo) -> list[float]:
 def joined(
     start_mm: float, value: float, segments: list[ProfileSegment] | list[OvalitySegment], scale: int
 ) -> tuple[Piece, ...]:
-    """Return segments with all their numbers; values are divided by scale."""
+    """Return segments with all their numbers; values are divided by scale.
+
+    Raises
+    ------
+    SegmentError
+        See `join`.
+    """
     steps = tuple(
         DrawnSegment(
             one.to_mm,

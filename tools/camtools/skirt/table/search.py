@@ -162,6 +162,11 @@ def choose_u(
     ----------
     sieve : Geometry, optional
         Nearly the same and evaluated more quickly: the sizes that it needs are measured first.
+
+    Raises
+    ------
+    UnreachableError
+        With the best error that was found.
     """
     if sieve is not None and sieve is not geometry:
         found = _measured(geometry, sieve, tolerance_nm, _MAX_SIEVED)
@@ -199,6 +204,11 @@ def choose_x(
     No quintic with knots at equal distances follows a corner of the drawing, or a step of its
     curvature, within any tolerance. Where the best channel misses the tolerance, the smallest one
     that comes near the best is taken instead, as long as its error is at most most_nm.
+
+    Raises
+    ------
+    UnreachableError
+        With the best error that was found.
     """
     found: list[tuple[Channel, Accuracy]] = []
     for n_knots in slice_counts(geometry):

@@ -133,7 +133,13 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
 
 
 def check_ripple(speed: SpeedTable, part: SkirtPart) -> None:
-    """Refuse a part whose removal rate will ripple by more than its file accepts."""
+    """Refuse a part whose removal rate will ripple by more than its file accepts.
+
+    Raises
+    ------
+    CamtoolsError
+        With the highest mean speed at which it is kept.
+    """
     most, worst = part.process.ripple_percent, float(speed.played.max())
     if most is None or 100 * worst <= most:
         return

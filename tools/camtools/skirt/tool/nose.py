@@ -220,7 +220,13 @@ def tip_geometry(drawing: Geometry, tool: Tool) -> Geometry:
 
 
 def check_nose(drawing: Geometry, nose_mm: float) -> None:
-    """Refuse a nose that does not fit into a hollow or a crease, MATHS.md (108)."""
+    """Refuse a nose that does not fit into a hollow or a crease, MATHS.md (108).
+
+    Raises
+    ------
+    GeometryError
+        With the place and the largest radius that does.
+    """
     rays = Rays(_Drawn(drawing), drawing.breaks_mm())
     places = [_narrowest_hollow(rays, drawing), _sharpest_crease(rays, drawing)]
     largest_mm, angle_deg, z_mm, what = min(places, key=lambda one: one[0])

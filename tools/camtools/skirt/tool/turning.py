@@ -68,6 +68,11 @@ def path_of(
     ----------
     speed_ratio : float
         Highest speed of a modulated spindle over its mean; a step is made for that speed.
+
+    Raises
+    ------
+    CamtoolsError
+        See `ramp_of`, `step_of`.
     """
     process, limits = part.process, part.machine.limits
     ends = z_first_mm, z_last_mm
