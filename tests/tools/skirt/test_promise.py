@@ -104,6 +104,8 @@ def test_ripple_beyond_the_accepted_is_refused_with_a_speed_that_keeps_it() -> N
     rpm = float(found[1])
     assert 400 < rpm < 600
     made(text.replace("spindle_rpm = 600 ", f"spindle_rpm = {rpm} "))
+    with pytest.raises(CamtoolsError):
+        made(text.replace("spindle_rpm = 600 ", f"spindle_rpm = {1.03 * rpm:.1f} "))
 
 
 @pytest.mark.slow
