@@ -3,7 +3,7 @@
 
 >>> import tempfile
 >>> with tempfile.TemporaryDirectory() as name:
-...     page_command("demo", None, Path(name), lambda: {"a.md": "text"}, ["--write"])
+...     page_command("demo", None, Path(name), lambda: {"a.txt": "text"}, ["--write"])
 0
 """
 
