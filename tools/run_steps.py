@@ -10,6 +10,7 @@ last line that each step printed. When this program is stopped, it ends the proc
 from __future__ import annotations
 
 import ctypes
+import json
 import os
 import re
 import resource
@@ -29,6 +30,7 @@ BUILD = ROOT / "build"
 REPORTS = BUILD / "reports"
 N_CORES = min(len(os.sched_getaffinity(0)), 8)
 N_SLOWEST = 12
+UNKNOWN = 2  # exit status; CTest itself has 8 for failed steps
 KILL_AFTER_S = 10.0  # between SIGTERM and SIGKILL
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h: orphans become children of this process
 END_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -100,20 +102,37 @@ def results(steps: Path) -> list[str]:
     return lines
 
 
+def unknown_step(ctest: tuple[str | Path, ...], names: list[str]) -> str:
+    """Return an error that names a step which there is not, or nothing."""
+    listed = subprocess.check_output((*ctest, "--show-only=json-v1"), text=True)
+    known = [one["name"] for one in json.loads(listed)["tests"]]
+    missing = [name for name in names if name not in known]
+    return f"no step {missing[0]!r}; there are: {', '.join(known)}" if missing else ""
+
+
 def run_ctest(label: str, names: list[str]) -> int:
-    """Run the steps of a label, or some of them with what they need; return CTest's status."""
+    """Run the steps of a label, or some of them with what they need.
+
+    Returns
+    -------
+    int
+        CTest's status; 2 when a step is unknown, and then nothing is run
+    """
     place, log = BUILD / "steps", BUILD / "steps.log"
     with log.open("w") as said:
         configure = ("cmake", "-S", ROOT / "tools" / "steps", "-B", place, "--fresh")
         env = os.environ | {"CAMTURN_CORES": str(N_CORES)}
         subprocess.run(configure, env=env, stdout=said, stderr=said, check=True)
+    ctest: tuple[str | Path, ...] = ("ctest", "--test-dir", place, "-L", f"^{label}$")
+    if error := unknown_step(ctest, names):
+        print(f"tools/{'verify' if label == 'verify' else 'test'}: {error}", file=sys.stderr)
+        return UNKNOWN
     shutil.rmtree(REPORTS, ignore_errors=True)
     REPORTS.mkdir()
     chosen = ("-R", f"^({'|'.join(map(re.escape, names))})$") if names else ()
-    words = ("ctest", "--test-dir", place, "-L", f"^{label}$", "-j", str(N_CORES), *chosen)
     whole = ("--output-on-failure", "--test-output-size-passed", "1000000")
-    outputs = ("--no-tests=error", "--output-junit", REPORTS / "steps.xml")
-    return subprocess.run((*words, *whole, *outputs), check=False).returncode
+    outputs = ("-j", str(N_CORES), "--output-junit", REPORTS / "steps.xml")
+    return subprocess.run((*ctest, *chosen, *whole, *outputs), check=False).returncode
 
 
 def main(label: str, *names: str) -> int:
@@ -132,7 +151,7 @@ def main(label: str, *names: str) -> int:
     status = run_ctest(label, list(names))
     end_descendants()
     steps = REPORTS / "steps.xml"
-    if not steps.exists():
+    if status == UNKNOWN or not steps.exists():
         return status or 1
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     lines, n_failed = summary(steps, REPORTS)

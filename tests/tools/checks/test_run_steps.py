@@ -17,7 +17,7 @@ GOOD = '<testsuite tests="5" failures="0" errors="0" skipped="2"/>'
 ONE_FAILED = '<testsuite tests="5" failures="1" errors="0" skipped="0"/>'
 
 
-def started(root: Path, **scripts: str) -> subprocess.Popen[str]:
+def started(root: Path, *words: str, **scripts: str) -> subprocess.Popen[str]:
     """Start the runner on steps of its own, each a script; "needy" needs "fails"."""
     folder = root / "tools" / "steps"
     folder.mkdir(parents=True)
@@ -34,10 +34,10 @@ def started(root: Path, **scripts: str) -> subprocess.Popen[str]:
     program = (
         "import sys, pathlib, run_steps as r; r.ROOT = pathlib.Path(sys.argv[1]); "
         "r.BUILD = r.ROOT / 'build'; r.REPORTS = r.BUILD / 'reports'; r.KILL_AFTER_S = 0.5; "
-        "sys.exit(r.main('test'))"
+        "sys.exit(r.main('test', *sys.argv[2:]))"
     )
     return subprocess.Popen(
-        [sys.executable, "-c", program, str(root)],
+        [sys.executable, "-c", program, str(root), *words],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -83,6 +83,31 @@ def test_tests_of_all_steps_are_counted(tmp_path: Path) -> None:
     assert "not run: needy" in said and "\nwhy\n" in said
     rows = (tmp_path / "build" / "reports" / "test.txt").read_text()
     assert "12 files are well" in rows and "begun" not in rows
+
+
+def test_one_step_is_run_with_what_it_needs(tmp_path: Path) -> None:
+    """And no other."""
+    runner = started(tmp_path, "needy", fails="true", needy="true", other="touch other")
+    said, _ = runner.communicate(timeout=20)
+    assert runner.returncode == 0 and said.splitlines()[-1] == "2 passed, 0 failed"
+    assert not (tmp_path / "other").exists()
+
+
+def test_unknown_step_is_refused_with_those_that_there_are(tmp_path: Path) -> None:
+    """Nothing is run."""
+    runner = started(tmp_path, "good", "bod", good="touch good", bad="true")
+    said, _ = runner.communicate(timeout=20)
+    assert runner.returncode == 2
+    assert said == "tools/test: no step 'bod'; there are: good, bad\n"
+    assert not (tmp_path / "good").exists()
+
+
+def test_child_that_a_step_leaves_behind_is_stopped(tmp_path: Path) -> None:
+    """The step's verdict is its own."""
+    runner = started(tmp_path, leaves="sleep 600 >/dev/null 2>&1 & echo $! >left")
+    said, _ = runner.communicate(timeout=20)
+    assert runner.returncode == 0, said
+    assert not is_running(pid_in(tmp_path / "left"))
 
 
 def test_signal_stops_all_steps(tmp_path: Path) -> None:
