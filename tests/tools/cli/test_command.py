@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from io import StringIO
 from typing import NoReturn
@@ -41,6 +42,25 @@ def _reads() -> int:
 def test_a_signal_within_numpy_is_a_signal(capsys: pytest.CaptureFixture[str]) -> None:
     """One line and 128 + 15, no trace back."""
     assert run_command("demo", _reads) == 128 + signal.SIGTERM
+    assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
+
+
+class _Finalised:
+    """Python swallows whatever is raised while it removes one."""
+
+    def __del__(self) -> None:
+        signal.raise_signal(signal.SIGINT)
+
+
+def _removes_one() -> int:
+    _Finalised()
+    time.sleep(5.0)
+    return 0
+
+
+def test_a_signal_within_a_finaliser_is_a_signal(capsys: pytest.CaptureFixture[str]) -> None:
+    """It comes again, a moment later."""
+    assert run_command("demo", _removes_one) == 128 + signal.SIGINT
     assert capsys.readouterr().err == "demo: interrupted; nothing was written\n"
 
 

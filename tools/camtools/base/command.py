@@ -10,7 +10,9 @@ import argparse
 import os
 import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn
 
@@ -48,6 +50,25 @@ class Interrupted(BaseException):
     """A signal demands the end; unwinding removes what is unfinished."""
 
 
+@contextmanager
+def _no_signal_is_lost() -> Iterator[None]:
+    """Send a signal again that came in a finaliser, which swallows every exception."""
+    hook = sys.unraisablehook
+
+    def send_again(unraisable: Any) -> None:  # noqa: ANN401 - UnraisableHookArgs has no name
+        if isinstance(unraisable.exc_value, Interrupted):
+            number = unraisable.exc_value.args[0]
+            threading.Timer(0.01, os.kill, [os.getpid(), number]).start()
+        else:
+            hook(unraisable)
+
+    sys.unraisablehook = send_again
+    try:
+        yield
+    finally:
+        sys.unraisablehook = hook
+
+
 def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing was written") -> int:
     """Carry a command out; return its exit status.
 
@@ -75,7 +96,8 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
     for number in _SIGNALS:
         signal.signal(number, interrupt)
     try:
-        status = action()
+        with _no_signal_is_lost():
+            status = action()
         sys.stdout.flush()
         return status
     except CamtoolsError as error:
