@@ -21,8 +21,7 @@ from camtools.table.image import Table, pack
 from tests.bench.bench_tables import ROOT, parts, recorded
 
 CAMSIM = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "host_sim" / "camsim"
-LONG = ("16v240zj", "perkins240_equal_volume", "perkins240_papers_speed", "twist80")
-NAMES = [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in sorted(parts())]
+NAMES = sorted(parts())
 
 
 def test_every_part_is_recorded() -> None:

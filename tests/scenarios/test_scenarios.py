@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run every scenario of this folder and judge it; README.md tells what a scenario says."""
+"""Run every scenario of cases/ and judge it; README.md tells what a scenario says."""
 
 from __future__ import annotations
 
@@ -17,10 +17,9 @@ from pyarrow import csv
 
 from tests.tools.cases.camsim_cases import ROOT, camsim
 
-HERE = Path(__file__).parent
+CASES = Path(__file__).parent / "cases"
 HOST_SIM = str(ROOT / "host_sim")
-SCENARIOS = sorted(HERE.glob("*.toml"))
-SLOW = {"homing_backwards", "modulated_spindle_weak", "ring_helix"}  # seconds each
+SCENARIOS = sorted(CASES.glob("*.toml"))
 TICK_S = 50e-6
 ENABLE, FAULT_LAMP, IN_CUT = 1, 2, 4
 # Limits of U as camsim sets them for the default machine, with the 1/16 that the guard allows for
@@ -63,7 +62,7 @@ def run(table: Path, scenario: dict[str, Any], folder: Path) -> Outcome:
         table = damaged(table, scenario["flip_table_byte"], folder)
     trace, summary = folder / "trace.csv", folder / "summary.json"
     arguments = [
-        word.replace("{machines}", str(HERE / "machines")).replace("{host_sim}", HOST_SIM)
+        word.replace("{machines}", str(CASES / "machines")).replace("{host_sim}", HOST_SIM)
         for word in scenario["arguments"]
     ]
     outputs: list[str | Path] = ["--trace", trace, "--summary", summary]
@@ -130,13 +129,7 @@ def states_of(trace: Columns) -> list[str]:
     return [str(states[0]), *(str(state) for state in states[changes])]
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem in SLOW))
-        for path in SCENARIOS
-    ],
-)
+@pytest.mark.parametrize("path", [pytest.param(path, id=path.stem) for path in SCENARIOS])
 def test_scenario(path: Path, table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """The scenario happens as its prose tells."""
     scenario = tomllib.loads(path.read_text())

@@ -104,7 +104,6 @@ def test_corner_is_studied_too() -> None:
     assert len(rows(found["refit_candidates.csv"])) == 16
 
 
-@pytest.mark.slow
 def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command writes tables and pictures and tells the essentials."""
     assert main([str(PERKINS), "-o", str(tmp_path / "out")]) == 0

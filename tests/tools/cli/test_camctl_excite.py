@@ -126,7 +126,6 @@ def test_a_fault_ends_it(bench: Bench, link: Link) -> None:
     assert "state             fault" in bench.do("status")
 
 
-@pytest.mark.slow
 def test_a_lost_tool_ends_it(bench: Bench, link: Link) -> None:
     """Without signs of life U comes to rest within half a second and the fade."""
     bench.do("home")

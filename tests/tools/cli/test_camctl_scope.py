@@ -195,7 +195,6 @@ def test_lost_and_damaged_messages_are_asked_for_again(bench: Bench, link: Link)
     assert n_parts > 600 * 8 / 7 + 100
 
 
-@pytest.mark.slow
 def test_a_reader_goes_on_where_the_bus_was_lost(bench: Bench, link: Link) -> None:
     """The bus dies in the middle: what is there stays, another link brings the rest."""
     sound = record_some(link)
@@ -235,7 +234,6 @@ def test_a_command_ends_a_piece(bench: Bench, link: Link) -> None:
         assert answer.result == "scope_range"
 
 
-@pytest.mark.slow
 def test_a_wave_is_brought_over_a_bad_bus(bench: Bench, link: Link) -> None:
     """Lost blocks are repeated; a wrong order, room and checksum are refused."""
     lose(bench, 1500, {BLOCK_ID})

@@ -74,7 +74,6 @@ def test_neighbours_on_one_bus_do_not_hear_one_another(bench: Bench, other: Path
         before.close()
 
 
-@pytest.mark.slow
 def test_lost_frames_are_repeated(bench: Bench, other: Path) -> None:
     """A first frame and two in the middle of blocks get lost: the download goes on."""
     seen = 0

@@ -77,7 +77,6 @@ def test_constants_are_found_and_applied(machine: Path, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "lathe_identified.txt").read_text() in text
 
 
-@pytest.mark.slow
 def test_form_error_is_that_of_a_cut(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """What is expected with the believed constants is what the simulator gauges."""
     machine = tmp_path / "m.toml"
@@ -105,7 +104,6 @@ def test_biased_fit_is_not_applied(tmp_path: Path, capsys: pytest.CaptureFixture
     assert not list((tmp_path / "out").glob("*.toml"))
 
 
-@pytest.mark.slow
 def test_part_may_decide(tmp_path: Path) -> None:
     """Beyond the limits, but good enough: those that suit the part are set."""
     machine = tmp_path / "rings.toml"
@@ -178,7 +176,6 @@ def test_part_that_the_machine_cannot_cut_is_refused(
         assert says in lines[0]
 
 
-@pytest.mark.slow
 def test_interrupt_leaves_nothing(machine: Path, tmp_path: Path) -> None:
     """Ctrl-C: 128 + 2, no folder, no file."""
     words = ["--machine", str(machine), "-o", str(tmp_path / "out"), "--apply", "--periods", "40"]
@@ -228,7 +225,6 @@ def excited_plant(plant: Plant) -> Callable[..., Recording]:
     return excite
 
 
-@pytest.mark.slow
 def test_settings_reach_the_controller(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -251,7 +247,6 @@ def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -
     assert "the state is off, U is excited in ready only; enable and home" in said
 
 
-@pytest.mark.slow
 def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
     """U of the bench does at once what it is told: excited and recorded, but no drive to be set."""
     ready(bench)
@@ -264,7 +259,6 @@ def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str
     assert "ready" in bench.do("status").splitlines()[0]
 
 
-@pytest.mark.slow
 def test_interrupt_over_the_bus_brings_u_to_rest(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

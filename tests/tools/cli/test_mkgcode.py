@@ -96,7 +96,6 @@ def test_profile_program_engages_and_retracts(tmp_path: Path) -> None:
     assert program[-1] == "M2"
 
 
-@pytest.mark.slow
 def test_opposite_rotation_and_diameters(tmp_path: Path) -> None:
     """Direction -1 turns by M4 and falling C; G7 doubles X and nothing else."""
     part = changed(tmp_path, PERKINS, direction="-1")
@@ -184,7 +183,6 @@ def test_papers_table_of_equal_parts(tmp_path: Path) -> None:
     np.testing.assert_allclose(c[:30], printed, atol=1e-5)
 
 
-@pytest.mark.slow
 def test_profile_program_by_linuxcnc(tmp_path: Path, linuxcnc: Interpreter) -> None:
     """LinuxCNC's interpreter accepts the X/Z program and goes where our reading goes."""
     program = made(tmp_path, PERKINS)
@@ -214,7 +212,6 @@ def test_full_program_by_linuxcnc(
     assert np.abs(at["X"][cut] - u - geometry.radius_mm(z) + delta).max() < 3e-6
 
 
-@pytest.mark.slow
 def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     """A program is the same from run to run."""
     first = made(tmp_path, PERKINS, "--axes", "cxzu").read_bytes()
@@ -251,7 +248,6 @@ def test_full_disk_leaves_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.slow
 def test_memory_does_not_grow_with_the_program(tmp_path: Path) -> None:
     """Ten times the blocks take at most 5 MB more."""
     peaks_kb = []

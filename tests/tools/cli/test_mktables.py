@@ -38,7 +38,6 @@ def test_all_files_are_written(mktables: Command, tmp_path: Path) -> None:
     assert run.stdout.startswith("perkins240: table of 3456 bytes\n")
 
 
-@pytest.mark.slow
 def test_two_runs_give_the_same_bytes(mktables: Command, tmp_path: Path) -> None:
     """Every file, plots too, is the same from run to run and from folder to folder."""
     assert mktables(PERKINS, "-o", tmp_path / "one", "--plot").returncode == 0

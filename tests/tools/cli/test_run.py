@@ -137,7 +137,6 @@ def without_clock(name: str, content: bytes) -> object:
     return content
 
 
-@pytest.mark.slow
 @built
 def test_fault_gives_a_report_and_status_1(run: Command, tmp_path: Path) -> None:
     """An emergency stop in the cut is told by camsim's line, by the table and by the report."""
@@ -149,7 +148,6 @@ def test_fault_gives_a_report_and_status_1(run: Command, tmp_path: Path) -> None
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["faults"] == ["estop"]
 
 
-@pytest.mark.slow
 @built
 def test_out_of_tolerance_is_status_1(run: Command, tmp_path: Path) -> None:
     """A cut that is too far off is reported all the same."""
@@ -261,7 +259,6 @@ def test_comparison_tells_a_cut_that_ended_early() -> None:
     assert variant_of("x", {"end": "fault", "form_error_um": nothing}) is None
 
 
-@pytest.mark.slow
 @built
 def test_script_runs_from_anywhere_and_gives_the_same(run: Command, tmp_path: Path) -> None:
     """tools/run works through a symbolic link, from another folder, with spaces.
@@ -294,7 +291,6 @@ def test_script_runs_from_anywhere_and_gives_the_same(run: Command, tmp_path: Pa
         assert is_same, name
 
 
-@pytest.mark.slow
 def test_machine_that_is_believed_wrong_learns_and_the_report_shows_it(
     run: Command, tmp_path: Path
 ) -> None:

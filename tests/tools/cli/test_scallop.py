@@ -122,7 +122,6 @@ def scallop_error_um(one: PathCut, z_error: float) -> float:
     return float(half_mm / NOSE_MM * (z_error + 0.5) + 2 * one.form_error_um)
 
 
-@pytest.mark.slow
 def test_scallops_are_the_predicted_ones(measured: Measured) -> None:
     """At every angle, within what Z's error, the form error and the map's spacing come to."""
     _, (ring, half, same) = measured
@@ -204,7 +203,6 @@ def test_bad_options_are_refused(
     assert not Path("x.csv").exists()
 
 
-@pytest.mark.slow
 def test_command_writes_table_and_picture(
     short: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -104,7 +104,6 @@ def test_highest_speed_meets_its_limit() -> None:
     assert best.rpm < highest_speed(peaks._replace(feed_mm=0.001), limits).rpm
 
 
-@pytest.mark.slow
 def test_feed_too_fast_for_the_gaps_is_refused() -> None:
     """With needed, limit, and a speed and a feed each of which is accepted; 1 % more is not."""
     line = refusal(with_feed(SURFACE, 0.9))
@@ -159,7 +158,6 @@ def test_laws_of_neighbours_are_made_for_each_alone(phase_deg: int, rpm: int) ->
     assert 40 < together <= 60
 
 
-@pytest.mark.slow
 def test_highest_surface_speed_of_a_shaft_is_accepted() -> None:
     """Also where U decides; a tenth more is not."""
     weak = PAIR.replace("u_acceleration_mm_s2 = 20000", "u_acceleration_mm_s2 = 1200")
@@ -211,7 +209,6 @@ def test_skirts_are_judged_alike() -> None:
     assert slower.decides == "u_acceleration_mm_s2"
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("text", [NARROW, TURNED], ids=["ground", "turned"])
 def test_firmware_and_tool_judge_alike(text: str, tmp_path: Path) -> None:
     """Largest feed within 2 %, told before motion; the cut at it has no fault."""

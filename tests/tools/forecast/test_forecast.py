@@ -216,7 +216,6 @@ def test_scheduler_that_does_not_answer_is_refused(
     assert not (tmp_path / "o").exists()
 
 
-@pytest.mark.slow
 def test_scheduler_without_a_worker_is_refused() -> None:
     """The line tells how to start one."""
     from distributed import LocalCluster
@@ -228,7 +227,6 @@ def test_scheduler_without_a_worker_is_refused() -> None:
             cut_all(asked.task, asked.texts, lambda _: None, scheduler=address)
 
 
-@pytest.mark.slow
 def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
     """Outcomes of a scheduler's workers, of several threads each, are those of this process."""
     asked = plan(24)
@@ -242,7 +240,6 @@ def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
         assert by_key[one.key]._replace(wall_s=0) == one._replace(wall_s=0)
 
 
-@pytest.mark.slow
 def test_interrupted_forecast_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Ctrl-C reaches all processes: status 130, one line, a whole store; then the rest is cut."""
     words = [str(PERKINS), "--runs", "400", "--workers", "2", "-o", str(tmp_path / "o")]

@@ -50,7 +50,6 @@ DRIVES = [
 ]
 
 
-@pytest.mark.slow
 def test_constants_are_within_a_percent() -> None:
     """1 % of k1 and k2, 2 us of lead, friction up to 20 m/s2, scales up to 1 um."""
     plants = [
@@ -79,7 +78,6 @@ def test_default_machine_with_friction() -> None:
     assert found.gain.share == pytest.approx(1, abs=1e-3)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("tick_hz", [10_000.0, 40_000.0])
 def test_other_tick_rates(tick_hz: float) -> None:
     """The grid adapts."""
@@ -91,7 +89,6 @@ def test_other_tick_rates(tick_hz: float) -> None:
     assert found.problems(Limits()) == []
 
 
-@pytest.mark.slow
 def test_mode_is_said_to_bias_the_fit_and_by_how_much() -> None:
     """The bias told is the true one; the drive beside its mode is found."""
     plants = [
@@ -111,7 +108,6 @@ def test_mode_is_said_to_bias_the_fit_and_by_how_much() -> None:
         assert found.bias[LEAD] == pytest.approx(lead_s, abs=3e-6)
 
 
-@pytest.mark.slow
 def test_standard_deviations_are_honest() -> None:
     """Over many records of noise, errors are as large as is said: chi squared of each constant."""
     plant = Plant(quantum_nm=10.0)
@@ -129,7 +125,6 @@ def test_standard_deviations_are_honest() -> None:
     assert np.all(chi > 0.5) and np.all(chi < 1.8), chi
 
 
-@pytest.mark.slow
 def test_scale_that_is_wrong_is_noticed() -> None:
     """A drive that moves 3 % more than commanded has a gear or a scale that is wrong."""
     (found,) = identified([Plant(gain=1.03)], 25_000.0, with_mode=False)

@@ -53,7 +53,6 @@ def found_on(u: SimulatedU) -> Identified:
     return identify(u.excited(plan(believed, Wishes()), believed))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "other",
     [
@@ -86,7 +85,6 @@ def test_constants_are_found(
     assert found.problems(Limits()) == []
 
 
-@pytest.mark.slow
 def test_mode_is_told(tmp_path: Path, generated: GeneratedSkirt) -> None:
     """A mode that the scale sees: its frequency, and the true bias of the fit."""
     more = "mode_hz = 800\nmode_damping = 0.03\nmode_share = 0.1\nmode_on_scale = 1"

@@ -112,7 +112,6 @@ def test_surface_file_holds_the_profile(table_of: Callable[[str], Path], tmp_pat
     assert np.abs(error_nm).max() < 150
 
 
-@pytest.mark.slow
 def test_each_lobe_is_gauged_by_itself(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Three lobes of two laws in one go; the change-over touches none of them."""
     words = ("--feed", "0.2", "--set", "engage_turns=1", "--set", "disengage_turns=1")
@@ -127,7 +126,6 @@ def test_each_lobe_is_gauged_by_itself(table_of: Callable[[str], Path], tmp_path
     assert summary["cut"]["gouge_um"] <= 0.05
 
 
-@pytest.mark.slow
 def test_eight_lobes_of_two_profiles(tmp_path: Path) -> None:
     """Every lobe at its own angle, with M4; nothing is cut below the base circle between."""
     text = (ROOT / "tools" / "parts" / "camshaft8.toml").read_text()
@@ -144,7 +142,6 @@ def test_eight_lobes_of_two_profiles(tmp_path: Path) -> None:
     assert summary["is_good"]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("feed_mm", ["0.2", "2"])
 def test_shaft_is_cut_at_a_measured_height(
     feed_mm: str, table_of: Callable[[str], Path], tmp_path: Path
@@ -156,7 +153,6 @@ def test_shaft_is_cut_at_a_measured_height(
     assert summary["cut"]["gouge_um"] <= 0.05
 
 
-@pytest.mark.slow
 def test_lobe_that_was_not_cut_all_round_is_not_good(
     table_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
@@ -310,7 +306,6 @@ def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
     assert line.startswith("camsim: --feed 10: infeasible:") and "at most --feed 5" in line
 
 
-@pytest.mark.slow
 def test_speed_that_counts_as_stopped_is_not_recommended(tmp_path: Path) -> None:
     """Of the two remedies only the feed is left, and works; where less counts, the speed, too."""
     text = (ROOT / "tools" / "parts" / "camshaft.toml").read_text()
@@ -334,7 +329,6 @@ def test_speed_that_counts_as_stopped_is_not_recommended(tmp_path: Path) -> None
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.slow
 def test_spindle_that_counts_as_stopped_is_refused_before_motion(tmp_path: Path) -> None:
     """A slow cam ground at constant surface speed: what the line tells instead is cut."""
     text = (ROOT / "tools" / "parts" / "cam-345-ground.toml").read_text()

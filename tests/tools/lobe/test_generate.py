@@ -237,7 +237,6 @@ def test_weak_machine_is_told_the_speed_that_would_do(
         assert slower.highest_speed.rpm == pytest.approx(float(rpm), rel=0.02)
 
 
-@pytest.mark.slow
 def test_what_cannot_be_made_is_refused(mktables: Command, tmp_path: Path) -> None:
     """Undercut lobes, hollow flanks for the wheel, tolerances out of reach: status 2, one line."""
     cases = {

@@ -203,7 +203,6 @@ def test_curvature_under_a_flat_face_is_checked() -> None:
     assert lobe.shape.least_radius_mm == pytest.approx(least_mm, abs=1e-4)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("text", [TURNED, GROUND], ids=["turned", "ground"])
 def test_flat_faced_lobe_is_cut_to_its_drawing(text: str, tmp_path: Path) -> None:
     """The simulator's own envelope of the face."""

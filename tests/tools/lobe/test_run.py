@@ -28,7 +28,6 @@ PICTURES = (
 )
 
 
-@pytest.mark.slow
 def test_disc_is_ground_and_reported(run: Command, tmp_path: Path) -> None:
     """All results appear, the profile is good, the page holds every picture and no link."""
     done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT)
@@ -51,7 +50,6 @@ def test_disc_is_ground_and_reported(run: Command, tmp_path: Path) -> None:
     assert "base circle 125.7 mm/s" in done.stdout and "µ" not in done.stdout
 
 
-@pytest.mark.slow
 def test_rpm_is_the_speed_on_the_base_circle(run: Command, tmp_path: Path) -> None:
     """The law of a constant surface speed is made anew for it; the table carries it."""
     done = run(PARTS / "cam-disc.toml", "--rpm", "30", "-o", "out", *SHORT, draws=False)
@@ -60,7 +58,6 @@ def test_rpm_is_the_speed_on_the_base_circle(run: Command, tmp_path: Path) -> No
     assert cam["surface_speed_mm_s"]["base_circle"] == pytest.approx(np.pi * 20, rel=1e-5)
 
 
-@pytest.mark.slow
 def test_turned_cam_is_reported_with_its_rake(run: Command, tmp_path: Path) -> None:
     """The swing is measured: its picture and its row are there; another test draws it."""
     done = run(PARTS / "cam-345.toml", "-o", "out", *SHORT, draws=False)
@@ -72,7 +69,6 @@ def test_turned_cam_is_reported_with_its_rake(run: Command, tmp_path: Path) -> N
     assert "effective rake" in done.stdout
 
 
-@pytest.mark.slow
 def test_fault_is_told_and_drawn(run: Command, tmp_path: Path) -> None:
     """An emergency stop ends the cut with status 1 and a page that explains it."""
     done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT, "--inject", "estop@1")

@@ -131,7 +131,6 @@ def test_emergency_stop_brings_the_swing_back(cam: Path, tmp_path: Path, at_s: s
     assert off_mm == pytest.approx(1.25 * LIFT_MM + 1, abs=1e-3)
 
 
-@pytest.mark.slow
 def test_stop_of_the_operator_ends_at_rest(cam: Path, tmp_path: Path) -> None:
     """By the envelope, as any cut."""
     trace = cut(cam, tmp_path, "--inject", "stop@0.3")

@@ -83,7 +83,6 @@ class Rounds:
         return float(summary[key]["max"])
 
 
-@pytest.mark.slow
 def test_two_rounds_take_the_error_away(tmp_path: Path) -> None:
     """Two rounds leave a twentieth of 2 um; the controller's own error stays as it was."""
     rounds = Rounds(tmp_path, direction=-1)
@@ -100,7 +99,6 @@ def test_two_rounds_take_the_error_away(tmp_path: Path) -> None:
     assert rounds.summary_um(2, "control_error_um") == pytest.approx(first, rel=0.05)
 
 
-@pytest.mark.slow
 def test_expectation_comes_true(tmp_path: Path) -> None:
     """The next part's error is what the report of the round expects, to 10 %."""
     rounds = Rounds(tmp_path)
@@ -115,7 +113,6 @@ def test_expectation_comes_true(tmp_path: Path) -> None:
     assert summary["form_error_um"]["max"] < 0.15
 
 
-@pytest.mark.slow
 def test_instrument_with_noise_does_not_make_it_worse(tmp_path: Path) -> None:
     """A good machine's part by an instrument with 0.2 um of noise: corrected by next to nothing."""
     rounds = Rounds(tmp_path, machine='[machine]\nname = "good"\n[encoder]\ncounts_per_turn=65536')
@@ -147,7 +144,6 @@ tool_stiffness_n_per_um = 20
 """
 
 
-@pytest.mark.slow
 def test_bending_tool_and_mode_behind_the_scale(tmp_path: Path) -> None:
     """From micrometres to 0.1 um in two rounds, but for the entry into the metal.
 

@@ -125,7 +125,6 @@ def test_points_of_the_helix_are_those_of_the_sections() -> None:
         assert helix.diameters_mm(z_mm)[1][70] / 2 == pytest.approx(joint, abs=1e-8)
 
 
-@pytest.mark.slow
 def test_records_are_cut_as_calculated() -> None:
     """Each of the three records, cut on the simulator, is its spline within 0.1 um everywhere."""
     for record, largest in zip(corner.gauged(), (0.44, 1.38, 2.96), strict=True):
@@ -135,7 +134,6 @@ def test_records_are_cut_as_calculated() -> None:
         assert row["after_cut_um"] == pytest.approx(row["after_spline_um"], abs=0.1)
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_command_makes_every_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tables and pictures of all rows, and the page."""

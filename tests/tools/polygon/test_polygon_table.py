@@ -105,7 +105,6 @@ def test_firmware_plays_the_drawing(made: GeneratedPolygon, tmp_path: Path) -> N
     assert np.abs(off_um).max() <= made.blended.deviation_um + 1.2e-3
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("name", "feed_mm"), [("p3g-25", "2"), ("p4c-35", "0.2"), ("hexagon", "2")]
@@ -126,7 +125,6 @@ def test_cut_surface_is_the_drawing(name: str, feed_mm: str, tmp_path: Path) -> 
     assert "inner circle" in page and "WITHIN TOLERANCE" in page
 
 
-@pytest.mark.slow
 def test_verdict_is_against_the_drawing(tmp_path: Path) -> None:
     """A blend beyond the tolerance makes a bad part, however well the controller plays it."""
     text = (PARTS / "p4c-35.toml").read_text()
@@ -161,7 +159,6 @@ def test_taper_makes_all_sections_alike() -> None:
     assert made.deviation_um <= 2.0 * (1 + 1e-6) < 1.05 * made.blended.deviation_um * last[0]
 
 
-@pytest.mark.slow
 def test_too_sharp_names_the_blend_that_would_do(tmp_path: Path) -> None:
     """With the advised blend the part is accepted; with a little less it is not."""
     lines = 'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\nblend_um = {}\n'
@@ -223,7 +220,6 @@ def test_blends_of_repeated_sides_are_alike() -> None:
     assert blended(made.drawing, 2.0).outline.repeat == 6
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("direction", [1, -1])
 def test_both_senses_cut_the_drawing(direction: int, tmp_path: Path) -> None:
     """Four sides without symmetry, turned with M3 and with M4, are those of the drawing."""
@@ -248,7 +244,6 @@ def test_area_and_inch_sizes() -> None:
     assert measures.inner_circle_mm == pytest.approx(1.170 * 25.4, abs=1e-9)
 
 
-@pytest.mark.slow
 def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
     """U needs half of the travel, the tool enters and leaves through the air, the part is good."""
     text = (PARTS / "p3g-25.toml").read_text()
@@ -295,7 +290,6 @@ def test_what_no_table_holds(lines: str, message: str) -> None:
         generate_polygon(part_of(lines, STRONG))
 
 
-@pytest.mark.slow
 def test_advised_blend_makes_a_table(tmp_path: Path) -> None:
     """What the refusal of P4C 35 advises is taken, and the firmware takes the table."""
     lines = 'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\nblend_um = {}\n'
@@ -308,7 +302,6 @@ def test_advised_blend_makes_a_table(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.slow
 def test_passes(tmp_path: Path) -> None:
     """Roughing and finishing of a hexagon in one run; the last pass is the drawing."""
     text = (PARTS / "hexagon.toml").read_text().replace("[0, 15]", "[0, 3]")

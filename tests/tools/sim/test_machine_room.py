@@ -127,7 +127,6 @@ def test_both_zeros_give_the_same_surface(mean: Path, tmp_path: Path) -> None:
     assert mean.stat().st_size == long.stat().st_size
 
 
-@pytest.mark.slow
 def test_tool_is_never_in_the_part_whatever_fails_when(mean: Path, machine: Path) -> None:
     """Emergency stops all over the approach, engaging, the cut, disengaging.
 
@@ -259,7 +258,6 @@ def test_overruled_feed_and_speed_hold_for_all_passes(tmp_path: Path, machine: P
     assert "pass 1: --rpm 3500: infeasible" in done.stderr
 
 
-@pytest.mark.slow
 def test_feed_follows_its_law_over_the_height(tmp_path: Path, machine: Path) -> None:
     """Z per turn in the trace is the feed at that height, within what the law changes in a turn."""
     law = "[process.feed_law]\nheight_mm = [0, 10, 30]\nfeed_mm = [0.2, 0.6, 0.3]"

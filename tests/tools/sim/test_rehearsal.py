@@ -20,7 +20,6 @@ CASES: dict[str, tuple[str, tuple[str, ...], float]] = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_the_tip_stays_off_the_blank(
     table_of: Callable[[str], Path], tmp_path: Path, case: str

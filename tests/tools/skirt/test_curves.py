@@ -90,7 +90,6 @@ def test_a_spline_of_ovality_is_refused_likewise() -> None:
     )
 
 
-@pytest.mark.slow
 def test_a_conical_end_is_cut_within_its_points(tmp_path: Path) -> None:
     """With pchip the cut lies between the diameters of the two points around it, to 0.1 um."""
     z_mm, radius_mm, summary = cut_radii(part_of(drawn(interpolation="pchip")), tmp_path)
@@ -237,7 +236,6 @@ def test_bulging_tangent_arc_wants_its_radius() -> None:
     make_geometry(part_of(START | {"segment": [line, stated]}))
 
 
-@pytest.mark.slow
 def test_cone_and_barrel_are_cut_on_their_circle(tmp_path: Path) -> None:
     """Away from the corner the cut lies on the drawing's line and circle to 0.2 um."""
     z_mm, radius_mm, summary = cut_radii(part_of(START | {"segment": [CONE, BARREL]}), tmp_path)

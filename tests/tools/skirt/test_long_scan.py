@@ -44,7 +44,6 @@ def scan_part(
     return SkirtPart.model_validate(tree)
 
 
-@pytest.mark.slow
 def test_remedy_of_a_long_scan_makes_the_table(tmp_path: Path) -> None:
     """The number of waves that the message names is taken, and the cut is the true section."""
     heights = [0.0, 15, 30, 45, 60]

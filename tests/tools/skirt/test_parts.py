@@ -64,7 +64,6 @@ def test_part_is_cut_within_its_stated_form_error(path: Path, tmp_path: Path) ->
     assert summary["cut"]["turns"] == pytest.approx(summary["cut"]["planned_turns"], abs=0.1)
 
 
-@pytest.mark.slow
 def test_equal_volume_evens_the_removal_rate(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """Rate and power become even on the workpiece, the chip force does not; no form is lost."""
     text = EQUAL_VOLUME.read_text().replace('mode = "equal-volume"', 'mode = "uniform"')

@@ -61,7 +61,6 @@ def measure(result: GeneratedSkirt, folder: Path) -> tuple[float, float]:
     return float(off.min()), float(off.max())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rpm", "alpha", "bandwidth"),
     [
@@ -80,7 +79,6 @@ def test_ripple_is_promised_within_a_point(
     assert high < 0.2  # it is promised with the worst phase of the spindle's own ripple
 
 
-@pytest.mark.slow
 def test_papers_own_speed_is_played_within_a_percent(tmp_path: Path) -> None:
     """Mean 1667 r/min, 2500 at the long axis of their section."""
     result = made(PAPERS)
@@ -91,7 +89,6 @@ def test_papers_own_speed_is_played_within_a_percent(tmp_path: Path) -> None:
     assert high < 0.2
 
 
-@pytest.mark.slow
 def test_ripple_beyond_the_accepted_is_refused_with_a_speed_that_keeps_it() -> None:
     """What the loop of a lathe cannot follow is told with a speed at which it can."""
     text = variant(600, 5132).replace("parts = 30", "parts = 30\nripple_percent = 1")
@@ -108,7 +105,6 @@ def test_ripple_beyond_the_accepted_is_refused_with_a_speed_that_keeps_it() -> N
         made(text.replace("spindle_rpm = 600 ", f"spindle_rpm = {1.03 * rpm:.1f} "))
 
 
-@pytest.mark.slow
 def test_motion_is_drawn_at_the_speed_that_is_played(modulated: GeneratedSkirt) -> None:
     """Velocity and acceleration are differences of U over the time that the law takes."""
     result, height_mm, rpm = modulated, 30.0, 230.0

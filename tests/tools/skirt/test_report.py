@@ -207,7 +207,6 @@ def test_good_report_has_every_picture(good_files: dict[str, bytes]) -> None:
     assert "Invented" not in page
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_faulty_report_tells_what_happened(faulty: SkirtOutcome) -> None:
     """A fault gets its picture and its story: what, when, reaction, remedy."""

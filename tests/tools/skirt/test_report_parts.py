@@ -87,7 +87,6 @@ def on_the_refit(generated: GeneratedSkirt) -> tuple[GaugedSurface, CutTrace]:
     return surface, made_up_trace(geometry)
 
 
-@pytest.mark.slow
 def test_part_with_a_corner_gets_its_picture(weichai: GeneratedSkirt) -> None:
     """The report of such a part shows the corner; the picture differs when the cut does."""
     surface, trace = on_the_refit(weichai)
@@ -148,7 +147,6 @@ def made_up_outcome(modulated: GeneratedSkirt, even: Even) -> SkirtOutcome:
     return SkirtOutcome(modulated, summary, surface, trace, even=even)
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt) -> None:
     """Two pictures, the rows of ripple and force, the spindle's margin."""

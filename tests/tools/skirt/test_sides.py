@@ -103,7 +103,7 @@ def test_geometry_is_the_formula(name: str) -> None:
 
 
 @pytest.mark.parametrize("direction", ["1", "-1"])
-@pytest.mark.parametrize("name", ["thrust90", pytest.param("twist80", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["thrust90", "twist80"])
 def test_cut_part_is_the_formula(tmp_path: Path, name: str, direction: str) -> None:
     """Table, cut and the gauge's own design agree with the formula, with M3 and with M4."""
     path, formula, last_mm = FORMULAS[name]

@@ -37,7 +37,6 @@ def test_ridges_are_told() -> None:
     assert track_row(with_nose, Tool()).value == told
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_rings_in_passes_claim_no_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The forces of rings are not measured, so none is told; the table may be less accurate."""

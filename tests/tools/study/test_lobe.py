@@ -121,7 +121,6 @@ def test_figures_and_words() -> None:
     ]
 
 
-@pytest.mark.slow
 def test_command_writes_tables_and_pictures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
