@@ -114,7 +114,7 @@ def test_part_in_space_is_drawn(
     report_folder: Path, open_window: OpenWindow, gallery: Gallery
 ) -> None:
     """By WebGL, whose picture is not empty and turns under the pointer."""
-    page = open_window(viewport={"width": 320, "height": 320}).page  # the processor draws each pixel
+    page = open_window(viewport={"width": 320, "height": 320}).page  # the processor draws it all
     open_report(page, report_folder, has_3d=True)
     space = page.locator("#space")
     space.scroll_into_view_if_needed()

@@ -274,13 +274,14 @@ static void judge_jerk_of_u(const fuzz_judge_t *j, uint32_t faults, int64_t jerk
         "U jerks by %lld nm of %g in %s", (long long)jerk_nm, most_nm, cam_state_name(j->state));
 }
 
-/// @return [ticks] in which an axis that is led by hand comes to rest: with a quarter of its
-/// acceleration, after the time that a jog waits
+/// @return [ticks] in which an axis that is led by hand comes to rest: with a quarter of the
+/// smallest acceleration and the longest window that held meanwhile, after the time that a jog
+/// waits
 static double rest_ticks(const fuzz_judge_t *j, uint32_t axis)
 {
     const fuzz_limits_t *l = &j->limits;
-    const double brake = 4.0 * l->speed_nm[axis] / l->acceleration_nm[axis];
-    return j->tick_hz / 4.0 + 1.25 * brake + (l->window[axis] + 4.0) * j->plan_ticks;
+    const double brake = 4.0 * l->speed_nm[axis] / l->brake_nm[axis];
+    return j->tick_hz / 4.0 + 1.25 * brake + (l->longest[axis] + 4.0) * j->plan_ticks;
 }
 
 /// By hand an axis moves only while its master lives; in the work X stays within its travel.

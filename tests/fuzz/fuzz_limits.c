@@ -92,6 +92,7 @@ fuzz_limits_t fuzz_limits(const cam_params_t *p, uint32_t tick_hz, uint32_t plan
         l.speed_nm[i] = speed_um_per_s[i] * 1e3 / hz;
         l.acceleration_nm[i] = acceleration_mm_per_s2[i] * 1e6 / hz / hz;
         l.window[i] = window_steps(turn_s(p, i, 1.0 / hz), step / hz);
+        l.longest[i] = l.window[i];
         l.way_nm[i] = way_nm(p, i);
         l.leave_nm[i] = l.speed_nm[i];
         // A window carries no more than what fits a word.
@@ -109,6 +110,7 @@ void fuzz_limits_widen(fuzz_limits_t *l, const fuzz_limits_t *now)
         l->leave_nm[i] = fuzz_less(l->leave_nm[i], now->leave_nm[i]);
         l->brake_nm[i] = fuzz_less(l->brake_nm[i], now->brake_nm[i]);
         l->window[i] = fuzz_less(l->window[i], now->window[i]);
+        l->longest[i] = fuzz_more(l->longest[i], now->longest[i]);
         l->way_nm[i] = fuzz_more(l->way_nm[i], now->way_nm[i]);
     }
     l->x_low_nm = fuzz_less(l->x_low_nm, now->x_low_nm);

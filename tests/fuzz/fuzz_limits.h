@@ -18,6 +18,7 @@ typedef struct {
     double leave_nm[hal_n_axes]; ///< [nm per tick] no slower than this an axis leaves the work
     double brake_nm[hal_n_axes]; ///< [nm per tick^2] no more gently than this it does
     double window[hal_n_axes];   ///< [ticks of U, plans of X and Z] in which the acceleration turns
+    double longest[hal_n_axes];  ///< [ticks, plans] window, the longest that held meanwhile
     double way_nm[hal_n_axes];   ///< [nm] of X and Z with a turn of the spindle
     double x_low_nm, x_high_nm;  ///< [nm] ends of X's travel
     double told_step_nm;     ///< [nm per tick] the command of U, which its feed-forward moves on

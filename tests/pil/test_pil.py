@@ -21,7 +21,6 @@ import pytest
 from tests.tools.cases.camsim_cases import CAMSIM, ROOT, camsim, first_difference, only_error
 
 BOARDS = {"mps2-an500": "mcu-qemu", "mps2-an386": "mcu-qemu-m4"}
-LEAST_TICKS_PER_S = 10_000
 CAM_LATHE = ROOT / "host_sim" / "machines" / "cam.toml"
 FAST_ENDS = ("--set", "engage_turns=1", "--set", "disengage_turns=1")
 # Part, exit status and options: engage to disengage, a modulated spindle, a stopped ring-helix,
@@ -104,11 +103,11 @@ def cut(table_of: Callable[[str], Path], case: str, folder: Path, *words: str) -
     (folder / "message").write_text(done.stderr)
 
 
-def summary_of(folder: Path) -> tuple[dict[str, Any], float]:
-    """Return what a summary says of the cut, and its ticks per second."""
-    summary = json.loads((folder / "summary.json").read_text())
-    del summary["wall_time_s"]
-    return summary, summary.pop("ticks_per_s")
+def summary_of(folder: Path) -> dict[str, Any]:
+    """Return what a summary says of the cut, whatever the clock of this computer says."""
+    summary: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    del summary["wall_time_s"], summary["ticks_per_s"]
+    return summary
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -126,9 +125,7 @@ def test_target_does_what_the_host_does(
     assert (tmp_path / "trace.csv").read_bytes().count(b",cutting,") > 1000
     assert first_difference(tmp_path / "trace.csv", host / "trace.csv") == ""
     assert (tmp_path / "message").read_text() == (host / "message").read_text()
-    summary, ticks_per_s = summary_of(tmp_path)
-    assert summary == summary_of(host)[0]
-    assert ticks_per_s >= LEAST_TICKS_PER_S
+    assert summary_of(tmp_path) == summary_of(host)
 
 
 def test_set_point_differs_where_a_parameter_differs(
@@ -136,7 +133,7 @@ def test_set_point_differs_where_a_parameter_differs(
 ) -> None:
     """A microsecond of lead more on the target shows in the trace: the comparison can fail."""
     name = "lead_ns"
-    summary, _ = summary_of(on_host("whole"))
+    summary = summary_of(on_host("whole"))
     more = summary["parameters"][name] + 1000
     cut(table_of, "whole", tmp_path, "--target", "mps2-an500", "--set", f"{name}={more}")
     assert first_difference(tmp_path / "trace.csv", on_host("whole") / "trace.csv") != ""
