@@ -81,12 +81,12 @@ bool sim_json_cubics(sim_cubics_t *p, const cJSON *parent, const char *where, co
     if (!sim_json_breaks(cJSON_GetObjectItemCaseSensitive(item, "breaks_mm"), &p->break_mm,
                          &p->n)) {
         return common_error(
-            e, "%s: %s.%s.breaks_mm: wants rising finite numbers, 2 or more; " SIM_JSON_REMEDY,
+            e, "%s: %s.%s.breaks_mm: must be rising finite numbers, 2 or more; " SIM_JSON_REMEDY,
             path, where, name);
     }
     if (!read_pieces(p, cJSON_GetObjectItemCaseSensitive(item, "coefficients"))) {
         return common_error(
-            e, "%s: %s.%s.coefficients: wants %zu lists of 4 finite numbers; " SIM_JSON_REMEDY,
+            e, "%s: %s.%s.coefficients: must be %zu lists of 4 finite numbers; " SIM_JSON_REMEDY,
             path, where, name, p->n);
     }
     return true;

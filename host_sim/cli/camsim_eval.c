@@ -233,8 +233,8 @@ int camsim_eval(int argc, char **argv)
         return puts(help) >= 0 && fflush(stdout) == 0 ? camsim_done : camsim_wrong;
     }
     if (argc != 2 || argv[1][0] == '-') {
-        (void)common_error(
-            &e, "eval: wants one TABLE and points on standard input; camsim eval --help");
+        (void)common_error(&e,
+                           "eval: give one TABLE and points on standard input; camsim eval --help");
         return camsim_complain(&e);
     }
     return eval(argv[1], &e) ? camsim_done : camsim_complain(&e);

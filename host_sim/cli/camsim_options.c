@@ -62,8 +62,8 @@ static bool take_set(void *options, const char *text, common_error_t *e)
     const char *equals = strchr(text, '=');
     if (equals == NULL || (size_t)(equals - text) >= sizeof name ||
         !common_number_parse(equals + 1, &value)) {
-        return common_error(
-            e, "--set %.80s: wants PARAM=VALUE with a whole number; see cam_param.h", text);
+        return common_error(e, "--set %.80s: give PARAM=VALUE with a whole number; see cam_param.h",
+                            text);
     }
     memcpy(name, text, (size_t)(equals - text));
     name[equals - text] = '\0';
@@ -269,7 +269,7 @@ bool camsim_options_read_with(camsim_options_t *o, camsim_set_t own, int argc, c
         return true;
     }
     if (rest.n_arguments != 1) {
-        return common_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
+        return common_error(e, "%s: give one TABLE, not %d; see camsim %s --help", o->command,
                             rest.n_arguments, o->command);
     }
     o->table_path = rest.argument;

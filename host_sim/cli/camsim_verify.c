@@ -53,7 +53,7 @@ int camsim_verify(int argc, char **argv)
         return puts(help) >= 0 && fflush(stdout) == 0 ? camsim_done : camsim_wrong;
     }
     if (argc < 2 || argv[1][0] == '-') {
-        (void)common_error(&e, "verify: wants a TABLE and public keys; camsim verify --help");
+        (void)common_error(&e, "verify: give a TABLE and public keys; camsim verify --help");
         return camsim_complain(&e);
     }
     for (int i = 2; i < argc; i++) {

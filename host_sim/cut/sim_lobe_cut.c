@@ -17,7 +17,7 @@ bool sim_lobe_cut_check(const sim_session_t *s, double tip_mm, const char *name,
         return common_error(e, "%s: turned or ground, table and design disagree; " REMEDY, name);
     }
     if (tip_mm > 0.0 && s->table.is_swung && !has_lobes) {
-        return common_error(e, "--tool-tip-mm %.12g: wants the design of %s; " REMEDY, tip_mm,
+        return common_error(e, "--tool-tip-mm %.12g: needs the design of %s; " REMEDY, tip_mm,
                             name);
     }
     if (tip_mm > 0.0 && !is_turned) {

@@ -70,7 +70,7 @@ static bool parse_value(sim_inject_t *inject, const char *value, const char *tex
         inject->value > k->max ||
         (k->is_whole && inject->value != (double)(int64_t)inject->value)) {
         return common_error(e,
-                            "--inject %.60s: %s wants %s, %.12g .. %.12g; write %s@SECONDS:VALUE",
+                            "--inject %.60s: %s takes %s, %.12g .. %.12g; write %s@SECONDS:VALUE",
                             text, k->name, k->value, k->min, k->max, k->name);
     }
     return true;

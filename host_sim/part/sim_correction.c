@@ -14,7 +14,7 @@ static bool read_wave(sim_wave_t *w, const cJSON *wave, const char *where, const
     const cJSON *order = cJSON_GetObjectItemCaseSensitive(wave, "order");
     if (!sim_json_number(order, &w->order) || w->order < 1.0 ||
         w->order > sim_correction_max_order || w->order != floor(w->order)) {
-        return common_error(e, "%s: %s.order: wants a whole number of 1 .. %d; " REMEDY, path,
+        return common_error(e, "%s: %s.order: must be a whole number of 1 .. %d; " REMEDY, path,
                             where, (int)sim_correction_max_order);
     }
     return sim_json_cubics(&w->cos_mm, wave, where, "cos_mm", path, e) &&
@@ -30,8 +30,8 @@ bool sim_correction_read(sim_correction_t *c, const cJSON *design, const char *n
     }
     const int n = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : -1;
     if (n < 0 || n > sim_correction_max_order) {
-        return common_error(e, "%s: %s.correction: wants a list of at most %d waves; " REMEDY, path,
-                            name, (int)sim_correction_max_order);
+        return common_error(e, "%s: %s.correction: must be a list of at most %d waves; " REMEDY,
+                            path, name, (int)sim_correction_max_order);
     }
     c->wave = calloc((size_t)n + 1u, sizeof *c->wave);
     if (c->wave == NULL) {

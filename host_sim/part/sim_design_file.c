@@ -40,7 +40,7 @@ static bool read_name(sim_shape_t *shape, const source_t *from, const char *key,
         }
     }
     return common_error(
-        from->e, "%s: %s.%s = \"%.40s\": wants ellipse, cosine, double-ellipse%s; " REMEDY,
+        from->e, "%s: %s.%s = \"%.40s\": must be ellipse, cosine, double-ellipse%s; " REMEDY,
         from->path, from->name, key, text, n > 3 ? ", surface, ellipse-arc or sides" : "");
 }
 
@@ -48,7 +48,7 @@ static bool read_beta(sim_design_t *d, const source_t *from)
 {
     const cJSON *beta = cJSON_GetObjectItemCaseSensitive(from->tree, "beta");
     return sim_json_number(beta, &d->beta) ||
-           common_error(from->e, "%s: %s.beta: wants a finite number; " REMEDY, from->path,
+           common_error(from->e, "%s: %s.beta: must be a finite number; " REMEDY, from->path,
                         from->name);
 }
 
@@ -127,7 +127,7 @@ static bool read_gauge(sim_design_t *d, const cJSON *design, const char *path, c
     d->is_run_out_of = d->z_last_mm < last_mm - ROUNDING_MM;
     return is_good ||
            common_error(e,
-                        "%s: design.gauge_mm: wants two rising heights inside the table's, "
+                        "%s: design.gauge_mm: must be two rising heights inside the table's, "
                         "%.12g .. %.12g mm; " REMEDY,
                         path, first_mm, last_mm);
 }
@@ -138,7 +138,8 @@ static bool read_tool(sim_design_t *d, const cJSON *root, const char *path, comm
     const cJSON *tool = cJSON_GetObjectItemCaseSensitive(root, "tool");
     const cJSON *nose = cJSON_GetObjectItemCaseSensitive(tool, "nose_radius_mm");
     return nose == NULL || (sim_json_number(nose, &d->nose_mm) && d->nose_mm >= 0.0) ||
-           common_error(e, "%s: tool.nose_radius_mm: wants a number of at least 0; " REMEDY, path);
+           common_error(e, "%s: tool.nose_radius_mm: must be a number of at least 0; " REMEDY,
+                        path);
 }
 
 static bool read_design(sim_design_t *d, const cJSON *root, const char *path, common_error_t *e)

@@ -86,7 +86,7 @@ static bool read_radius(double *value, const cJSON *design, const char *name, co
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(design, name);
     return (sim_json_number(item, value) && *value >= 1e-3 && *value <= 1e5) ||
-           common_error(e, "%s: design.%s: wants a number from 0.001 to 100000; " REMEDY, path,
+           common_error(e, "%s: design.%s: must be a number from 0.001 to 100000; " REMEDY, path,
                         name);
 }
 
@@ -97,7 +97,7 @@ static bool read_word(bool *is_second, const cJSON *design, const char *name,
     const char *text = cJSON_IsString(item) ? item->valuestring : "?";
     *is_second = strcmp(text, word[1]) == 0;
     return *is_second || strcmp(text, word[0]) == 0 ||
-           common_error(e, "%s: design.%s = \"%.40s\": wants %s or %s; " REMEDY, path, name, text,
+           common_error(e, "%s: design.%s = \"%.40s\": must be %s or %s; " REMEDY, path, name, text,
                         word[0], word[1]);
 }
 
@@ -114,11 +114,12 @@ static bool read_lobe(sim_lobe_design_t *d, const cJSON *item, const char *path,
                              sim_json_number(cJSON_GetArrayItem(z, 1), &lobe->z_last_mm);
     if (!are_numbers || lobe->z_first_mm <= above_mm || lobe->z_last_mm <= lobe->z_first_mm) {
         return common_error(
-            e, "%s: %s.z_mm: wants two rising numbers above the lobe before; " REMEDY, path, where);
+            e, "%s: %s.z_mm: must be two rising numbers above the lobe before; " REMEDY, path,
+            where);
     }
     const cJSON *phase = cJSON_GetObjectItemCaseSensitive(item, "phase_rad");
     if (!sim_json_number(phase, &lobe->phase_rad)) {
-        return common_error(e, "%s: %s.phase_rad: wants a finite number; " REMEDY, path, where);
+        return common_error(e, "%s: %s.phase_rad: must be a finite number; " REMEDY, path, where);
     }
     d->n_lobes++; // from here on sim_lobe_design_free() frees the lobe
     if (!sim_lobe_lift_read(&lobe->lift, item, where, path, e)) {
@@ -134,7 +135,7 @@ static bool read_lobes(sim_lobe_design_t *d, const cJSON *design, const char *pa
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(design, "lobes");
     const int n = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : 0;
     if (n < 1 || n > sim_lobe_design_max) {
-        return common_error(e, "%s: design.lobes: wants a list of 1 .. %d lobes; " REMEDY, path,
+        return common_error(e, "%s: design.lobes: must be a list of 1 .. %d lobes; " REMEDY, path,
                             sim_lobe_design_max);
     }
     const cJSON *item;

@@ -141,7 +141,7 @@ static bool read_number(double *value, const cJSON *lobe, const char *where, con
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(lobe, name);
     return (sim_json_number(item, value) && *value >= least && *value <= 1e6) ||
-           common_error(e, "%s: %s.%s: wants a number from %g to 1e6; " REMEDY, path, where, name,
+           common_error(e, "%s: %s.%s: must be a number from %g to 1e6; " REMEDY, path, where, name,
                         least);
 }
 

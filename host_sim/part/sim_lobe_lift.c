@@ -79,7 +79,7 @@ static bool read_number(double *value, const cJSON *lobe, const char *where, con
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(lobe, name);
     return (sim_json_number(item, value) && *value > 0.0) ||
-           common_error(e, "%s: %s.%s: wants a number above 0; " REMEDY, path, where, name);
+           common_error(e, "%s: %s.%s: must be a number above 0; " REMEDY, path, where, name);
 }
 
 static bool read_pieces(sim_lobe_lift_t *lift, const cJSON *lobe, const char *where,
@@ -91,13 +91,13 @@ static bool read_pieces(sim_lobe_lift_t *lift, const cJSON *lobe, const char *wh
     double *values = NULL;
     if (!sim_json_breaks(breaks, &lift->break_rad, &lift->n) ||
         sim_abs(lift->break_rad[lift->n] - lift->break_rad[0] - SIM_TWO_PI) > 1e-9) {
-        return common_error(e, "%s: %s.breaks_rad: wants rising numbers over one turn; " REMEDY,
+        return common_error(e, "%s: %s.breaks_rad: must be rising numbers over one turn; " REMEDY,
                             path, where);
     }
     const bool is_list = sim_json_numbers(list, &values, &n_values);
     lift->c = (double(*)[sim_lobe_lift_terms])(void *)values;
     return (is_list && n_values == lift->n * sim_lobe_lift_terms) ||
-           common_error(e, "%s: %s.coefficients: wants %zu finite numbers; " REMEDY, path, where,
+           common_error(e, "%s: %s.coefficients: must be %zu finite numbers; " REMEDY, path, where,
                         lift->n * sim_lobe_lift_terms);
 }
 
@@ -129,7 +129,8 @@ bool sim_lobe_lift_read(sim_lobe_lift_t *lift, const cJSON *lobe, const char *wh
         lift->law = sim_lobe_lift_pieces;
         return read_pieces(lift, lobe, where, path, e);
     }
-    return common_error(e, "%s: %s.law = \"%.40s\": wants poly345, disc, flanks or pieces; " REMEDY,
+    return common_error(e,
+                        "%s: %s.law = \"%.40s\": must be poly345, disc, flanks or pieces; " REMEDY,
                         path, where, law);
 }
 

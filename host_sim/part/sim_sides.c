@@ -84,8 +84,8 @@ static bool read_law(sim_law_t *law, const cJSON *side, const char *where, const
         }
     }
     return common_error(
-        e, "%s: %s.law = \"%.40s\": wants ellipse, cosine, double-ellipse or power; " REMEDY, path,
-        where, text);
+        e, "%s: %s.law = \"%.40s\": must be ellipse, cosine, double-ellipse or power; " REMEDY,
+        path, where, text);
 }
 
 static bool read_side(sim_side_t *s, const cJSON *side, const char *where, const char *path,
@@ -104,7 +104,7 @@ bool sim_sides_read(sim_sides_t *s, const cJSON *design, const char *name, const
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(design, "sides");
     const int n = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : 0;
     if (n < 1 || n > 2) {
-        return common_error(e, "%s: %s.sides: wants a list of one or two sides; " REMEDY, path,
+        return common_error(e, "%s: %s.sides: must be a list of one or two sides; " REMEDY, path,
                             name);
     }
     const cJSON *middle = cJSON_GetObjectItemCaseSensitive(design, "middle_rad");
@@ -112,7 +112,7 @@ bool sim_sides_read(sim_sides_t *s, const cJSON *design, const char *name, const
     if (!sim_json_number(middle, &s->middle_rad) || !sim_json_number(blend, &s->blend_rad) ||
         s->blend_rad <= 0.0) {
         return common_error(
-            e, "%s: %s.middle_rad, blend_rad: wants numbers, blend_rad above 0; " REMEDY, path,
+            e, "%s: %s.middle_rad, blend_rad: must be numbers, blend_rad above 0; " REMEDY, path,
             name);
     }
     bool is_good = true;

@@ -56,7 +56,7 @@ static bool read_angle(sim_surface_t *s, const cJSON *surface, const place_t *at
     s->has_joint = strcmp(text, "joint") == 0;
     if (!s->has_joint && strcmp(text, "turn") != 0) {
         return common_error(at->e,
-                            "%s: %s.angle = \"%.40s\": wants turn or joint; " SIM_JSON_REMEDY,
+                            "%s: %s.angle = \"%.40s\": must be turn or joint; " SIM_JSON_REMEDY,
                             at->path, at->where, text);
     }
     return !s->has_joint ||
@@ -87,13 +87,13 @@ static bool read_breaks(sim_surface_t *s, const cJSON *surface, const place_t *a
     if (!sim_json_breaks(cJSON_GetObjectItemCaseSensitive(surface, "breaks"), &s->breaks, &s->n) ||
         s->breaks[0] != 0.0 || s->breaks[s->n] != last) {
         return common_error(at->e,
-                            "%s: %s.breaks: wants rising numbers from 0 to %g; " SIM_JSON_REMEDY,
+                            "%s: %s.breaks: must be rising numbers from 0 to %g; " SIM_JSON_REMEDY,
                             at->path, at->where, last);
     }
     return sim_json_breaks(cJSON_GetObjectItemCaseSensitive(surface, "breaks_mm"), &s->break_mm,
                            &s->m) ||
            common_error(at->e,
-                        "%s: %s.breaks_mm: wants rising finite numbers, 2 or "
+                        "%s: %s.breaks_mm: must be rising finite numbers, 2 or "
                         "more; " SIM_JSON_REMEDY,
                         at->path, at->where);
 }
@@ -106,7 +106,7 @@ static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const plac
     const bool is_list = sim_json_numbers(list, &values, &n);
     s->c = (double(*)[sim_surface_n_angle][sim_surface_n_height])(void *)values;
     return (is_list && n == s->m * s->n * n_in_piece) ||
-           common_error(at->e, "%s: %s.coefficients: wants %zu finite numbers; " SIM_JSON_REMEDY,
+           common_error(at->e, "%s: %s.coefficients: must be %zu finite numbers; " SIM_JSON_REMEDY,
                         at->path, at->where, s->m * s->n * n_in_piece);
 }
 
@@ -167,7 +167,7 @@ static bool read_knots(double **values, const sim_surface_t *s, const cJSON *sur
         return true;
     }
     return (sim_json_numbers(list, values, &n) && n == wanted) ||
-           common_error(at->e, "%s: %s.%s: wants %zu finite numbers; " SIM_JSON_REMEDY, at->path,
+           common_error(at->e, "%s: %s.%s: must be %zu finite numbers; " SIM_JSON_REMEDY, at->path,
                         at->where, name, wanted);
 }
 

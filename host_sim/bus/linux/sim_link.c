@@ -90,8 +90,8 @@ static bool open_line(int *file, int chip, const char *chip_name, const char *li
                    number, what);
     *file = open(path, flags | O_CLOEXEC);
     return *file >= 0 ||
-           common_error(e, "%s: cannot be opened: %s; --gpiochip wants a chip of gpio-sim", path,
-                        strerror(errno));
+           common_error(e, "%s: cannot be opened: %s; --gpiochip must name a chip of gpio-sim",
+                        path, strerror(errno));
 }
 
 static bool open_lines(sim_link_t *l, const char *chip_name, common_error_t *e)

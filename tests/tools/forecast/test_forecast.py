@@ -137,7 +137,7 @@ def test_cuts_that_fail_are_counted(tmp_path: Path, capsys: pytest.CaptureFixtur
         (["--tolerance-um", "0"], "forecast: --tolerance-um 0.0: must be a finite number"),
         (["--machine", "nowhere"], "forecast: --machine nowhere: no such machine"),
         (["--vary", "/nowhere.toml"], "forecast: /nowhere.toml: cannot be read: No such file"),
-        (["--set", "k1_ns"], "forecast: --set k1_ns: wants PARAM=VALUE"),
+        (["--set", "k1_ns"], "forecast: --set k1_ns: give PARAM=VALUE"),
         (["--rpm", "9000"], "forecast: --rpm 9000: infeasible"),
     ],
 )

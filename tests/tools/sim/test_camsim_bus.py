@@ -41,7 +41,7 @@ def test_wrong_words_are_refused(
 
 def test_missing_table_is_refused() -> None:
     """The message names the command and its help."""
-    assert "bus: wants one TABLE" in only_error(camsim("bus", "--can", "vcan0"))
+    assert "bus: give one TABLE" in only_error(camsim("bus", "--can", "vcan0"))
 
 
 def test_help_lists_the_options() -> None:

@@ -133,7 +133,7 @@ def test_gauge_refuses_a_correction_that_is_none(tmp_path: Path) -> None:
     path.write_text(json.dumps(report))
     done = camsim("run", folder / "example.camtab")
     assert done.returncode == 2
-    assert "target.correction[1].order: wants a whole number of 1 .. 64" in done.stderr
+    assert "target.correction[1].order: must be a whole number of 1 .. 64" in done.stderr
 
 
 def test_other_kinds_refuse(tmp_path: Path) -> None:

@@ -220,17 +220,17 @@ BROKEN = {
     "law": (
         '"law": "double-ellipse"',
         '"law": "oval"',
-        'design.sides.0.law = "oval": wants ellipse',
+        'design.sides.0.law = "oval": must be ellipse',
     ),
     "sides": (
         '"sides": [',
         '"sides": 1, "others": [',
-        "design.sides: wants a list of one or two sides",
+        "design.sides: must be a list of one or two sides",
     ),
     "blend": (
         '"blend_rad": 0.5',
         '"blend_rad": -0.5',
-        "design.middle_rad, blend_rad: wants numbers",
+        "design.middle_rad, blend_rad: must be numbers",
     ),
     "drop": ('"drop_mm"', '"fall_mm"', "design.sides.0.drop_mm"),
 }

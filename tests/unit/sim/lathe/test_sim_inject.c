@@ -64,11 +64,11 @@ static void test_parse_refuses_what_is_wrong(void)
     refused("estop@nan", "no time");
     refused("estop@tt1", "no time");
     refused("estop@1:2", "takes no value");
-    refused("lost-counts@1", "wants counts");
-    refused("lost-counts@1:", "wants counts");
-    refused("lost-counts@1:1.5", "wants counts");
-    refused("spindle-speed@1:inf", "wants r/min");
-    refused("late-tick@1:0", "wants percent");
+    refused("lost-counts@1", "takes counts");
+    refused("lost-counts@1:", "takes counts");
+    refused("lost-counts@1:1.5", "takes counts");
+    refused("spindle-speed@1:inf", "takes r/min");
+    refused("late-tick@1:0", "takes percent");
 }
 
 static void test_apply_reaches_the_port(void)

@@ -141,7 +141,7 @@ static void test_bad_designs_are_refused_by_field(void)
         {"{" HEAD
          ", \"lobes\": [" LOBE("\"law\": \"pieces\", \"breaks_rad\": [0, 6.283185307179586], "
                                "\"coefficients\": [1]") "]}",
-         "coefficients: wants 6"},
+         "coefficients: must be 6"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         setUp();

@@ -178,21 +178,21 @@ static void test_malformed_surfaces_are_refused_by_field(void)
                  "\"coefficients\": [[0, 0, 0, 0.25]]}",
                  "[0, 1, 2]", 2, "[0, 1]", 1),
             "0.25 is outside");
-    refused(make(by_turn, "[0, 2]", 1, "[0, 1]", 1), "breaks: wants rising numbers from 0 to 1");
-    refused(make(by_turn, "[0, 0.5, 0.5, 1]", 3, "[0, 1]", 1), "breaks: wants");
+    refused(make(by_turn, "[0, 2]", 1, "[0, 1]", 1), "breaks: must be rising numbers from 0 to 1");
+    refused(make(by_turn, "[0, 0.5, 0.5, 1]", 3, "[0, 1]", 1), "breaks: must be");
     refused(make(by_turn, "[0, 1]", 1, "[1]", 1), "breaks_mm");
     refused(make(by_turn, "[0, 1]", 1, "[0, \"a\"]", 1), "breaks_mm");
-    refused(make(by_turn, "[0, 1]", 1, "[0, 1, 2]", 1), "coefficients: wants 96 finite numbers");
+    refused(make(by_turn, "[0, 1]", 1, "[0, 1, 2]", 1), "coefficients: must be 96 finite numbers");
     refused("{\"angle\": \"turn\", \"breaks\": [0, 1], \"breaks_mm\": [0, 1],"
             "\"coefficients\": [1, null]}",
-            "coefficients: wants 48");
+            "coefficients: must be 48");
 }
 
 static void test_sections_without_a_number_are_refused(void)
 {
     refused("{\"angle\": \"turn\", \"breaks\": [0, 1], \"breaks_mm\": [0, 1], \"knots\": [1, 2]}",
-            "design.surface.knots: wants 6");
+            "design.surface.knots: must be 6");
     refused("{\"angle\": \"turn\", \"breaks\": [0, 1], \"breaks_mm\": [0, 1], "
             "\"knots\": [1, 0, 0, 1, 0, 0], \"slopes\": [0]}",
-            "design.surface.slopes: wants 6");
+            "design.surface.slopes: must be 6");
 }
