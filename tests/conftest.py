@@ -39,23 +39,25 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--quick", type=float, metavar="S", help="only tests that last took S or less")
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what took longer."""
-    longest_s = config.getoption("--quick")
-    if longest_s is None:
-        return
-    took_s = config.cache.get(_TIMES, {}) if config.cache else {}
-    left_out = [item for item in items if took_s.get(item.nodeid, 0.0) > longest_s]
-    items[:] = [item for item in items if item not in left_out]
-    config.hook.pytest_deselected(items=left_out)
-
-
-class _Clock:
+class _Times:
     """Remembers how long tests take, the set-up of what they share included."""
 
-    def __init__(self, config: pytest.Config) -> None:
-        self._config = config
+    def __init__(self, config: pytest.Config, cache: pytest.Cache) -> None:
+        self._longest_s: float | None = config.getoption("--quick")
+        self._cache = cache
+        self._known_s: dict[str, float] = cache.get(_TIMES, {})
         self._took_s: dict[str, float] = defaultdict(float)
+        self._hears_all = not hasattr(config, "workerinput")
+
+    def pytest_collection_modifyitems(
+        self, config: pytest.Config, items: list[pytest.Item]
+    ) -> None:
+        """Leave out what took longer."""
+        if self._longest_s is not None:
+            longest_s = self._longest_s
+            left_out = [one for one in items if self._known_s.get(one.nodeid, 0.0) > longest_s]
+            items[:] = [one for one in items if self._known_s.get(one.nodeid, 0.0) <= longest_s]
+            config.hook.pytest_deselected(items=left_out)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Add a phase of a test."""
@@ -63,14 +65,13 @@ class _Clock:
 
     def pytest_sessionfinish(self) -> None:
         """Keep times of all tests, or with --quick of those that have none yet."""
-        assert self._config.cache
-        known = self._config.cache.get(_TIMES, {})
-        is_quick = self._config.getoption("--quick") is not None
-        merged = self._took_s | known if is_quick else known | self._took_s
-        self._config.cache.set(_TIMES, merged)
+        if self._hears_all and self._longest_s is None:
+            self._cache.set(_TIMES, self._known_s | self._took_s)
+        elif self._hears_all:
+            self._cache.set(_TIMES, self._took_s | self._known_s)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Time the tests in the process that hears of all."""
-    if not hasattr(config, "workerinput") and config.cache:
-        config.pluginmanager.register(_Clock(config))
+    """Time the tests, unless pytest runs without its cache."""
+    if config.pluginmanager.hasplugin("cacheprovider") and config.cache:
+        config.pluginmanager.register(_Times(config, config.cache))
