@@ -114,6 +114,7 @@ typedef struct {
     int32_t k2_most_q16;
     int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: the due time is f between two ticks
     bool is_u_moving;           ///< U moves: while not cutting its constants stay
+    int32_t angle_step_q23;     ///< [turn / 2^23] largest step of an angle that U can follow, >= 1
     cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
 } cam_ilc_setup_t;
 
@@ -187,7 +188,7 @@ bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8);
 
 /// Blend one step from the values in force to the learned values. A step moves each point of the
 /// correction, and the command through the constants, by at most 1000 nm (50 nm in the cut), and
-/// each angle by at most 100 urad (10 urad in the cut).
+/// each angle by at most 100 urad (10 urad in the cut) and by what U can follow.
 /// @param at_q8  [turn / 256] position of the spindle
 /// @param in     changed in place
 void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, cam_learned_t *in);

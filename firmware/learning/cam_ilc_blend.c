@@ -92,7 +92,9 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
         t->blend_from_q8 = at_q8 + step_q8;
     }
     if (is_due && !is_correction_next && (t->blending & cam_ilc_blend_ripple) != 0u) {
-        const int32_t most = step_of((cam_state_t)t->state, rehearsal_angle_step, cut_angle_step);
+        const int32_t usual = step_of((cam_state_t)t->state, rehearsal_angle_step, cut_angle_step);
+        const int32_t most =
+            usual < any_step ? cam_clamp_i32(usual, 1, setup->angle_step_q23) : any_step;
         done |= slew_angles(t, setup, in, most) ? cam_ilc_blend_ripple : 0u;
         t->blend_from_q8 = at_q8 + 2u * step_q8;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning: its setup from parameters and table, and the hand-over to the interrupt.
 #include "cam_angle.h"         // CAM_TURN_Q32
+#include "cam_feasible.h"      // cam_feasible_demands
 #include "cam_gains.h"         // cam_gains_bound
 #include "cam_machine_inner.h" // cam_machine_newest_config
 #include "hal/hal.h"           // hal_measures_u
@@ -134,6 +135,40 @@ static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
     return is;
 }
 
+/// @param mrpm  [r/min / 1000]
+/// @return [mm/s2] acceleration of U that the guard allows and the cut does not need
+static uint64_t spare_acceleration(const cam_machine_t *m, uint32_t mrpm)
+{
+    cam_demands_t axes;
+    (void)cam_feasible_demands(&m->table, &m->params, mrpm, m->tick_hz, &axes);
+    uint64_t spare = 0;
+    for (uint32_t i = 0; i < (uint32_t)cam_n_demands; i++) {
+        const cam_demand_t *u = &axes.of[i];
+        if (u->err == cam_err_u_acceleration) {
+            const uint64_t limit = (uint64_t)u->limit;
+            spare = limit / 16u + (limit > u->needed ? limit - u->needed : 0u);
+        }
+    }
+    return spare;
+}
+
+/// A step of the learned angle moves U's set-point by as much as the slope makes of it, in one
+/// tick. It may take half of the spare acceleration.
+/// @return [turn / 2^23] that step, at least 1
+static int32_t angle_step_q23(const cam_machine_t *m)
+{
+    const uint64_t hz = m->tick_hz;
+    const uint64_t turning_mrpm = (uint64_t)m->ilc.turn_speed_q32 * hz * 60000u >> 32;
+    const uint64_t mrpm = turning_mrpm > 0u ? turning_mrpm : m->limit_mrpm;
+    const uint64_t spare = spare_acceleration(m, (uint32_t)mrpm); // [mm/s2]
+    const uint64_t slope_nm =
+        cam_cut_scaled_up(m->table.u1_peak_nm_per_rad, (uint64_t)m->params.amplitude_ppm, 1000000) +
+        1u;
+    // a radian is 2^23 / 2 pi units, of which the factor is half
+    const uint64_t step = spare * 667544u / hz * 1000000u / hz / slope_nm;
+    return step < INT16_MAX ? (int32_t)step + 1 : INT16_MAX;
+}
+
 void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state)
 {
     const cam_params_t *p = &m->params;
@@ -148,6 +183,7 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state)
     const bool is_blending = cam_ilc_is_blending(&m->ilc, at_q8);
     cam_config_t *copy = is_blending ? cam_config_copy(&m->core->config) : NULL;
     if (copy != NULL) {
+        setup.angle_step_q23 = m->has_table ? angle_step_q23(m) : INT16_MAX;
         cam_ilc_blend(&m->ilc, &setup, at_q8, &copy->learned);
         if (!is_same(&copy->learned, &cam_machine_newest_config(m)->learned)) {
             cam_machine_offer_copy(m);

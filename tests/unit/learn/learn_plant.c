@@ -28,6 +28,7 @@ static void set_up(learn_plant_t *p)
     const double due = lead_ticks(p) + b->latency_us * 1e-6 * hz;
     const double part = due - floor(due);
     p->setup = (cam_ilc_setup_t){
+        .angle_step_q23 = INT16_MAX,
         .reason = cam_ilc_all,
         .n_harmonics = 16,
         .gain_q16 = 32768,

@@ -28,7 +28,7 @@ from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
 from camtools.report.sheet_json import out_of_tolerance
 from camtools.report.sheet_page import SHEETS
-from camtools.report.text import ReportRow, page_text
+from camtools.report.text import ReportRow, page_text, remedies
 from camtools.sim.camsim import (
     OVERVIEW,
     SECTIONS,
@@ -165,6 +165,7 @@ def run(argv: Sequence[str]) -> int:
     rows, total_s = made.kind.rows(outcome), time.monotonic() - begin_s
     if off is not None:
         rows.append(ReportRow(f"if U drive {100 * SHARE:.0f} % worse", off.text()))
+        rows += remedies(off.faults)
     sys.stdout.write(page_text(outcome, rows, shown(folder), total_s, out))
     if job.output is None:
         for old in drop_all_but(RUNS, job.keep) if job.keep is not None else ():

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -241,12 +241,13 @@ def fault_story(outcome: AnyCut) -> list[ReportRow]:
     ]
     if later:
         rows.append(ReportRow("later faults", ", ".join(later)))
-    rows += [
-        ReportRow("remedy", facts[name].remedy)
-        for name in outcome.summary["first_faults"]
-        if name in facts
-    ]
-    return rows
+    return rows + remedies(outcome.summary["first_faults"])
+
+
+def remedies(faults: Iterable[str]) -> list[ReportRow]:
+    """Return a row for each fault that the manual knows."""
+    facts = fault_facts()
+    return [ReportRow("remedy", facts[name].remedy) for name in faults if name in facts]
 
 
 def _reaction(outcome: AnyCut) -> str:

@@ -34,20 +34,26 @@ class Mismatch(NamedTuple):
     Attributes
     ----------
     without_um, with_um : float or None
-        Largest form error without learning and with it [um]; none where the cut ended otherwise.
+        Largest form error without learning and with it [um]; none where a fault ended the cut.
     """
 
     without_um: float | None
     with_um: float | None
     learns: bool  # the controller learns on this machine
     turns: float  # turns that were cut
+    faults: tuple[str, ...] = ()  # that ended one of the cuts
 
     def text(self) -> str:
         """Return it in one line.
 
         >>> Mismatch(2.8, 0.12, True, 622.0).text()
         'form error 2.8 µm without learning, 120 nm with it'
+        >>> Mismatch(2.8, None, True, 622.0, ("setpoint_speed",)).text()
+        'form error 2.8 µm without learning, no result with it: fault setpoint_speed'
         """
+        return self._errors() + (f": fault {', '.join(self.faults)}" if self.faults else "")
+
+    def _errors(self) -> str:
         without = "no result" if self.without_um is None else length_text(self.without_um)
         if not self.learns:
             return f"form error {without}; learning is off"
@@ -99,4 +105,7 @@ def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) 
     plain = [word for name in off for word in ("--set", f"{name}=0")]
     without = simulate(table, chosen, turns=turns, options=[*words, *plain]) if learns else learned
     cut_turns = float(without.summary["cut"]["turns"])
-    return Mismatch(_error_um(without), _error_um(learned), learns, cut_turns)
+    faults = dict.fromkeys(
+        name for cut in (without, learned) for name in cut.summary.get("first_faults", ())
+    )
+    return Mismatch(_error_um(without), _error_um(learned), learns, cut_turns, tuple(faults))

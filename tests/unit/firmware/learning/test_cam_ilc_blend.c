@@ -13,7 +13,8 @@ static cam_learned_t in;
 void setUp(void)
 {
     cam_ilc_init(&t);
-    s = (cam_ilc_setup_t){.reason = cam_ilc_all, .n_harmonics = 4, .ripple_turns = 4};
+    s = (cam_ilc_setup_t){
+        .reason = cam_ilc_all, .n_harmonics = 4, .ripple_turns = 4, .angle_step_q23 = INT16_MAX};
     in = (cam_learned_t){0};
     t.state = cam_state_rehearsing;
     t.blend_from_q8 = usual_q8;
@@ -137,6 +138,26 @@ static void test_ripple_is_led_by_points(void)
         TEST_ASSERT_INT16_WITHIN(1, cases[i].most < 400 ? cases[i].most : 400, in.d[0]);
         TEST_ASSERT_EQUAL_HEX8(i < 2 ? cam_ilc_blend_ripple : 0, t.blending);
         TEST_ASSERT_EQUAL_UINT32(usual_q8 + 20u, t.blend_from_q8);
+    }
+}
+
+/// On a steep shape a step moves U far: in the work no step is larger than U can follow.
+static void test_ripple_steps_no_farther_than_u_can_follow(void)
+{
+    static const struct {
+        cam_state_t state;
+        int16_t most;
+    } cases[] = {{cam_state_rehearsing, 7}, {cam_state_cutting, 7}, {cam_state_ready, 600}};
+    for (int i = 0; i < 3; i++) {
+        setUp();
+        s.angle_step_q23 = 7;
+        t.state = (uint8_t)cases[i].state;
+        t.blending = cam_ilc_blend_ripple;
+        t.ripple.n_mean = 4;
+        t.ripple.mean[0].re = 600;
+        walk(usual_q8);
+        TEST_ASSERT_INT16_WITHIN(1, cases[i].most, in.d[0]);
+        TEST_ASSERT_INT16_WITHIN(1, cases[i].most, in.dm[0]);
     }
 }
 
