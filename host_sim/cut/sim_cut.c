@@ -57,11 +57,15 @@ uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut)
     return i;
 }
 
-bool sim_cut_is_gauged(const sim_cut_t *cut)
+bool sim_cut_is_whole(const sim_cut_t *cut)
 {
     // A cut with measured Z also ends with a stop, which is not an early end.
-    const bool is_whole = !cut->is_stopped || cut->session.cut_turns >= sim_cut_planned_turns(cut);
-    const bool has_lobes = cut->session.design.shape == sim_shape_lobes && is_whole;
+    return !cut->is_stopped || cut->session.cut_turns >= sim_cut_planned_turns(cut);
+}
+
+bool sim_cut_is_gauged(const sim_cut_t *cut)
+{
+    const bool has_lobes = cut->session.design.shape == sim_shape_lobes && sim_cut_is_whole(cut);
     return cut->session.work.n > 0u &&
            (!has_lobes || sim_cut_lobe_without_turn(cut) == cut->session.design.lobes.n_lobes);
 }

@@ -133,6 +133,9 @@ bool sim_cut_has_rings(const sim_cut_t *cut);
 /// @return [turn] planned length of the state cutting
 double sim_cut_planned_turns(const sim_cut_t *cut);
 
+/// @return false when the operator, or the limit of turns, ended the cut before its end
+bool sim_cut_is_whole(const sim_cut_t *cut);
+
 /// Check whether the surface was gauged; otherwise it is not known to be good.
 /// @return false when nothing was cut to full depth, or a complete part has a lobe that was not
 ///         gauged all round; if the operator ends a cut early, the part that was cut counts
@@ -143,7 +146,8 @@ bool sim_cut_is_gauged(const sim_cut_t *cut);
 /// @return first lobe with fewer samples; the number of lobes when there is none
 uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut);
 
-/// @return true when the cut ended well, was gauged completely, and is within the tolerance
+/// @return true when what was to be cut ended well, was gauged completely, and is within the
+///         tolerance; the part is good only if it is whole, too
 bool sim_cut_is_good(const sim_cut_t *cut);
 
 /// @return [r/min] mean speed of the spindle

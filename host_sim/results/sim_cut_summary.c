@@ -206,7 +206,7 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
     cJSON *root = cJSON_CreateObject();
     add_what(root, cut, table_path);
     sim_summary_text(root, "end", sim_cut_end_name(cut));
-    (void)cJSON_AddBoolToObject(root, "is_good", sim_cut_is_good(cut));
+    (void)cJSON_AddBoolToObject(root, "is_good", sim_cut_is_good(cut) && sim_cut_is_whole(cut));
     sim_summary_text(root, "state", cam_state_name(cut->firmware.state));
     add_faults(root, cut);
     sim_summary_errors(root, &cut->session);

@@ -158,6 +158,17 @@ def test_out_of_tolerance_is_status_1(run: Command, tmp_path: Path) -> None:
 
 
 @built
+def test_incomplete_part_is_status_1(run: Command, tmp_path: Path) -> None:
+    """What was cut is within tolerance, but a part is good only when all of it was cut."""
+    done = run("--feed", "2", "-o", "out", "--", "--turns-limit", "10", draws=False)
+    assert done.returncode == 1
+    assert done.stdout.startswith("perkins240: incomplete: stopped\n")
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_good"] is False
+    report = (tmp_path / "out" / "report.html").read_text()
+    assert re.search(r"1\d of \d\d turns were cut\. So far the largest form error", report)
+
+
+@built
 @pytest.mark.parametrize(
     ("words", "named"),
     [

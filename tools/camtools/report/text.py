@@ -107,7 +107,13 @@ def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
     if form["max"] > form["tolerance"]:
         return Verdict("poor", "out of tolerance", f"The {found} is above the {allowed}.")
     if summary["end"] != "done":
-        return Verdict("poor", f"incomplete: {summary['end']}", "The cut did not reach the end.")
+        cut = summary["cut"]
+        turns = f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns"
+        return Verdict(
+            "poor",
+            f"incomplete: {summary['end']}",
+            f"{turns} were cut. So far the {found} is good.",
+        )
     if not outcome.is_good:  # a lobe of a camshaft
         return Verdict(
             "poor", "not gauged", f"{found.capitalize()}, but not every lobe was gauged."
