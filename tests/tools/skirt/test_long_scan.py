@@ -70,7 +70,7 @@ def test_remedy_of_a_long_scan_makes_the_table(tmp_path: Path) -> None:
 
 def test_long_scan_of_one_height_is_read_and_gauged(tmp_path: Path) -> None:
     """Of 3600 points the wanted waves are kept; the gauge holds all points, in less than a MB."""
-    part = scan_part(tmp_path, 3600, [0.0], 0.05, harmonics=15)
+    part = scan_part(tmp_path, 3600, [0.0], 0.05, harmonics=15, single_height=True)
     result = generate(part)
     for file, data in Made(KIND, result).files(with_plots=False).items():
         (tmp_path / file).write_bytes(data)
@@ -85,7 +85,7 @@ def test_a_jump_between_heights_is_refused(tmp_path: Path) -> None:
     rows = ["angle_deg,z_mm,reduction_um"]
     for z, um in ((0, 0.0), (15, 0.0), (20, 60.0), (40, 60.0), (60, 60.0)):
         rows += [f"{deg},{z},{um}" for deg in range(0, 360, 15)]
-    (tmp_path / "jump.csv").write_text("\n".join(rows))
+    (tmp_path / "jump.csv").write_text("\n".join(rows) + "\n")
     tree = load_part(SCAN).model_dump()
     tree["piston"]["section"] = {"shape": "table", "csv": str(tmp_path / "jump.csv")}
     with pytest.raises(GeometryError, match=r"the section at 0 degrees goes .* um beyond both"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camtools.base.errors import CamtoolsError
+from camtools.base.errors import CamtoolsError, GeometryError
+from camtools.cli.mktables import main as mktables
 from camtools.skirt.geometry.scan import (
     Scan,
     filtered,
@@ -25,6 +27,7 @@ from tests.tools.cases.part_cases import ROOT, load_part
 
 MEASURED = ROOT / "tools" / "parts" / "scan90.toml"
 ANGLES = range(0, 360, 10)
+SINGLE = "single_height = true"
 
 
 def csv_of(heights: tuple[float, ...] = (0.0,), first: str = HEADER) -> str:
@@ -69,12 +72,49 @@ def test_smooth_sections_come_back_between_their_points(
 
 def test_heights_are_joined_linearly_or_smoothly(tmp_path: Path) -> None:
     """One height serves all, two are joined linearly, five by a spline that meets each."""
-    one = geometry_of(tmp_path, csv_of((30.0,)))
+    one = geometry_of(tmp_path, csv_of((30.0,)), SINGLE)
     np.testing.assert_array_equal(one.delta(1.0, 0.0).delta, one.delta(1.0, 60.0).delta)
     two = geometry_of(tmp_path, csv_of((0.0, 60.0)))
     middle = two.delta(0.5, np.array([0.0, 30.0, 60.0])).delta
     assert middle[1] == pytest.approx((middle[0] + middle[2]) / 2, abs=1e-14)
     assert middle[2] - middle[0] == pytest.approx(0.06, abs=1e-12)
+
+
+def test_one_height_must_be_asked_for(tmp_path: Path) -> None:
+    """A file that was cut short has one height, too; what it lacks is not made up in silence."""
+    with pytest.raises(GeometryError, match=r"has one height only, 30 mm; .*single_height = true"):
+        geometry_of(tmp_path, csv_of((30.0,)))
+    with pytest.raises(GeometryError, match="is true, but the file has 2 heights"):
+        geometry_of(tmp_path, csv_of((0.0, 60.0)), SINGLE)
+
+
+def test_file_that_stops_within_a_line_is_refused(tmp_path: Path) -> None:
+    """1.2 may be the begin of 1.25: the line has no end."""
+    scan = csv_of((0.0, 60.0))
+    with pytest.raises(CamtoolsError, match=r"line 73 = '350,60.*may have been cut short"):
+        geometry_of(tmp_path, scan[:-2])
+    with pytest.raises(CamtoolsError, match="may have been cut short"):
+        geometry_of(tmp_path, scan[:-1])
+
+
+def test_what_the_scan_covers_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Heights, points, and the widest gap that the curve bridges."""
+    scan = csv_of((0.0, 60.0))
+    rows = [
+        line for line in scan.splitlines() if line[:3] not in ("310", "320", "330", "340", "350")
+    ]
+    for text, told in (
+        (scan, "the scan has 72 points at 2 heights, 0 .. 60 mm, without a gap in the angle"),
+        (
+            "\n".join(rows) + "\n",
+            "the scan has 62 points at 2 heights, 0 .. 60 mm; bridged gaps in the angle: 2, at "
+            "most 0 um beyond their ends, the widest from 300 to 0 degrees at 0 mm",
+        ),
+    ):
+        geometry_of(tmp_path, text, "overshoot_um = 50")
+        assert mktables([str(tmp_path / "part.toml"), "-o", str(tmp_path)]) == 0
+        shown = capsys.readouterr().out
+        assert told in re.sub(r"at most [\d.]+ um beyond", "at most 0 um beyond", shown)
 
 
 def test_filter_keeps_waves_and_removes_noise(tmp_path: Path) -> None:
@@ -85,9 +125,9 @@ def test_filter_keeps_waves_and_removes_noise(tmp_path: Path) -> None:
     gone = scan_surface(filtered(scan, 2)).delta(np.radians(scan.angle_deg), 0.0).delta
     oval_um = 50 * (1 - np.cos(np.radians(2 * scan.angle_deg)))
     np.testing.assert_allclose(gone * 1000, oval_um, atol=1e-2)
-    geometry = geometry_of(tmp_path, csv_of(), "harmonics = 2")
+    geometry = geometry_of(tmp_path, csv_of(), f"harmonics = 2\n{SINGLE}")
     assert geometry.off_points_um == pytest.approx(5.0, abs=0.1)
-    assert geometry_of(tmp_path, csv_of()).off_points_um == pytest.approx(0, abs=1e-9)
+    assert geometry_of(tmp_path, csv_of(), SINGLE).off_points_um == pytest.approx(0, abs=1e-9)
 
 
 def test_ovality_is_a_difference_of_diameters() -> None:

@@ -106,7 +106,7 @@ def test_every_format_gives_the_same_section(tmp_path: Path, name: str) -> None:
 def test_radii_are_taken_off_the_profile(tmp_path: Path) -> None:
     """radius_mm is what a measuring machine gives: the reduction is the profile's radius less."""
     rows = [f"{a} {z} {RADIUS_MM - mm:.12f}" for a, z, mm in rows_of(every_5_deg)]
-    geometry = geometry_of(tmp_path, "\n".join(["angle_deg z_mm radius_mm", *rows]))
+    geometry = geometry_of(tmp_path, "\n".join(["angle_deg z_mm radius_mm", *rows, ""]))
     deg = np.arange(0.0, 360, 5)
     got = geometry.radius_mm(8.0) - geometry.delta(np.radians(deg), 8.0).delta
     np.testing.assert_allclose(got, RADIUS_MM - reduction_mm(deg, np.array(8.0)), atol=1e-11)
@@ -169,7 +169,7 @@ def test_noise_at_angles_of_its_own_is_refused(tmp_path: Path) -> None:
         for a, um in zip(deg.tolist(), ums, strict=True)
     ]
     with pytest.raises(CamtoolsError, match="heights have different angles") as info:
-        text = "\n".join(["angle_deg,z_mm,reduction_um", *rows])
+        text = "\n".join(["angle_deg,z_mm,reduction_um", *rows, ""])
         geometry_of(tmp_path, text)
     assert "; measure all heights at the same angles" in info.value.lines[0]
 

@@ -275,13 +275,13 @@ def test_wrong_files(lines: list[str], place: str, problem: str) -> None:
 
 def test_wrong_sections(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The part file's key and the file's line are named; nothing is written."""
-    (tmp_path / "a.csv").write_text("\n".join([*GOOD[:3], GOOD[2], *GOOD[3:]]))
-    (tmp_path / "b.csv").write_text("\n".join(["X_deg;Y_mm", *GOOD]))
-    (tmp_path / "long.csv").write_text("\n".join(f"{45 * i} {40 + i % 8}" for i in range(9)))
+    (tmp_path / "a.csv").write_text("\n".join([*GOOD[:3], GOOD[2], *GOOD[3:], ""]))
+    (tmp_path / "b.csv").write_text("\n".join(["X_deg;Y_mm", *GOOD, ""]))
+    (tmp_path / "long.csv").write_text("".join(f"{45 * i} {40 + i % 8}\n" for i in range(9)))
     half = [
         f"{i} {0.1 * np.sin(np.radians(i)):.6f}" for i in (*range(0, 81, 10), *range(250, 361, 10))
     ]
-    (tmp_path / "half.csv").write_text("\n".join(half))
+    (tmp_path / "half.csv").write_text("\n".join([*half, ""]))
     cases = {
         'csv = "a.csv"\n': "piston.section.csv: a.csv: line 4: angle 90 follows 90",
         'csv = "none.csv"\n': "piston.section.csv: none.csv: cannot be read",

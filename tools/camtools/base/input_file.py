@@ -52,3 +52,20 @@ def read_text(path: Path, most_bytes: int) -> str:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         remedy = "give a text file, with its path relative to the part file"
         raise InputError(path.name, "", None, f"cannot be read: {reason}", remedy) from error
+
+
+def read_whole_table(path: Path, most_bytes: int) -> str:
+    """Return the text of a table of measured numbers, as `read_text`.
+
+    Raises
+    ------
+    InputError
+        Its last line does not end: a file that was cut short may stop within a number.
+    """
+    text = read_text(path, most_bytes)
+    if text and not text.endswith(("\n", "\r")):
+        place, last = f"line {len(text.splitlines())}", text.splitlines()[-1]
+        problem = "the file stops within this line, so it may have been cut short"
+        remedy = "copy it again, or end the line if it is complete"
+        raise InputError(path.name, place, last[-40:], problem, remedy)
+    return text

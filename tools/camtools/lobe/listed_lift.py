@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from camtools.base.errors import GeometryError, InputError, numbers_shown
-from camtools.base.input_file import read_text
+from camtools.base.input_file import read_whole_table
 from camtools.base.quantities import Floats
 from camtools.lobe.part import MAX_LIFT_MM, MIN_POINTS, MIN_STEP_DEG, Lobe, fits_turn, is_step
 from camtools.part.file import MAX_FILE_BYTES
@@ -112,7 +112,7 @@ def points_of(lobe: Lobe, field: str) -> PointedTurn:
         return PointedTurn(*listed, *np.zeros((2, 0)))
     path = Path(lobe.csv)
     try:
-        return _points_of_file(read_text(path, MAX_FILE_BYTES), path.name)
+        return _points_of_file(read_whole_table(path, MAX_FILE_BYTES), path.name)
     except InputError as error:
         problem, _, remedy = error.lines[0].rpartition("; ")
         raise GeometryError(f"{field}.csv", problem, remedy) from error

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import InputError, numbers_shown
-from camtools.base.input_file import read_text
+from camtools.base.input_file import read_whole_table
 from camtools.base.quantities import Floats
 from camtools.table.quintics import segment_coefficients
 
@@ -248,7 +248,7 @@ def read_points(path: Path) -> PointFile:
     InputError
         It cannot be read, is no file or too large, or see `parse_points`.
     """
-    return parse_points(read_text(path, MAX_BYTES), path.name)
+    return parse_points(read_whole_table(path, MAX_BYTES), path.name)
 
 
 def quintics_of(turn: PointedTurn) -> Floats:

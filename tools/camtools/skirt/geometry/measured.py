@@ -14,6 +14,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
+from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
 from camtools.skirt.geometry.profile import rounded_up
 from camtools.skirt.geometry.scan import Periodic, Scan, joined_by, reductions
@@ -39,13 +40,34 @@ def measured_sections(
     """
     assert section.csv is not None
     scan = read_scan_text(Path(section.csv))
-    if scan.z_mm.size > 1 and (scan.z_mm[0] > ends_mm[0] or scan.z_mm[-1] < ends_mm[1]):
-        problem = f"heights {scan.z_mm[0]:g} .. {scan.z_mm[-1]:g} mm do not cover the profile's"
-        remedy = f"measure {ends_mm[0]:g} .. {ends_mm[1]:g} mm, or one height that serves all"
-        raise GeometryError("piston.section.csv", problem, remedy)
+    check_heights(scan.z_mm, ends_mm, is_single=section.single_height is True)
     found = reductions(scan, lambda z: np.asarray(radius(z), dtype=np.float64))
     check_gaps(found, section.overshoot_um)
     return found
+
+
+def check_heights(z_mm: Floats, ends_mm: tuple[float, float], *, is_single: bool) -> None:
+    """Refuse heights that do not cover the profile; one height must be asked for.
+
+    Raises
+    ------
+    GeometryError
+        A file that was cut short has fewer heights than were measured, too.
+    """
+    place = "piston.section.single_height"
+    if z_mm.size == 1 and not is_single:
+        problem = f"the file has one height only, {z_mm[0]:g} mm"
+        remedy = "measure more, or set single_height = true if it is to serve all heights"
+        raise GeometryError(place, problem, remedy)
+    if z_mm.size > 1 and is_single:
+        problem = f"is true, but the file has {z_mm.size} heights"
+        raise GeometryError(place, problem, "leave it out, or keep one of them")
+    if z_mm.size > 1 and (z_mm[0] > ends_mm[0] or z_mm[-1] < ends_mm[1]):
+        problem = f"heights {z_mm[0]:g} .. {z_mm[-1]:g} mm do not cover the profile's"
+        remedy = (
+            f"measure {ends_mm[0]:g} .. {ends_mm[1]:g} mm, or one height with single_height = true"
+        )
+        raise GeometryError("piston.section.csv", problem, remedy)
 
 
 class Gap(NamedTuple):
@@ -62,12 +84,7 @@ def check_gaps(sections: Sections, overshoot_um: float) -> None:
 
     Where many points are missing the spline tells nothing of the part: it swings.
     """
-    gaps = [
-        gap
-        for z_mm, angle, values in zip(*sections[:3], strict=True)
-        for gap in gaps_of(float(z_mm), angle, values)
-    ]
-    worst = max(gaps, default=Gap(0, 0, 0, 0))
+    worst = max(all_gaps(sections), default=Gap(0, 0, 0, 0))
     if worst.beyond_um > overshoot_um:
         problem = (
             f"height {worst.z_mm:g} mm: no points from {worst.from_deg:g} to {worst.to_deg:g} "
@@ -75,6 +92,24 @@ def check_gaps(sections: Sections, overshoot_um: float) -> None:
         )
         remedy = f"measure there, or allow it: overshoot_um = {rounded_up(worst.beyond_um)}"
         raise GeometryError("piston.section.csv", problem, remedy)
+
+
+def all_gaps(sections: Sections) -> list[Gap]:
+    """Return the gaps of all heights."""
+    return [
+        gap
+        for z_mm, angle, values in zip(*sections[:3], strict=True)
+        for gap in gaps_of(float(z_mm), angle, values)
+    ]
+
+
+def coverage(sections: Sections) -> Json:
+    """Return what was measured, and the gaps in the angle that the curves bridge."""
+    return {
+        "heights_mm": sections.z_mm.tolist(),
+        "points": sum(angle.size for angle in sections.angles_deg),
+        "gaps": [gap._asdict() for gap in all_gaps(sections)],
+    }
 
 
 def gaps_of(z_mm: float, angle_deg: Floats, values_mm: Floats) -> Iterator[Gap]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from camtools.base.columns import Columns
 from camtools.base.errors import CamtoolsError, InputError, numbers_shown
-from camtools.base.input_file import read_text
+from camtools.base.input_file import read_whole_table
 from camtools.base.quantities import Floats
 
 HEADER = "angle_deg,z_mm,reduction_um"
@@ -155,7 +155,7 @@ def read_scan_text(path: Path) -> Sections:
         It cannot be read, is no file or too large, or see `parse_sections`.
     """
     try:
-        text = read_text(path, _MAX_BYTES)
+        text = read_whole_table(path, _MAX_BYTES)
     except InputError as error:
         raise CamtoolsError([f"piston.section.csv: {line}" for line in error.lines]) from error
     return parse_sections(text, path.name)

@@ -19,7 +19,7 @@ from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
 from camtools.cut.correction import Correction
 from camtools.skirt.geometry.corner import Corner, make_corner
-from camtools.skirt.geometry.measured import check_scan, measured_sections
+from camtools.skirt.geometry.measured import check_heights, check_scan, measured_sections
 from camtools.skirt.geometry.points import ovality_of_points, point_surface, read_sections
 from camtools.skirt.geometry.profile import (
     check_ovality,
@@ -281,11 +281,8 @@ def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     heights = part.piston.profile.height_mm
     ends = float(heights[0]), float(heights[-1])
     file = read_sections(part.piston.section)
-    z_mm = file.z_mm
-    if z_mm is not None and z_mm.size > 1 and (z_mm[0] > ends[0] or z_mm[-1] < ends[1]):
-        problem = f"heights {z_mm[0]:g} .. {z_mm[-1]:g} mm do not cover the profile's"
-        remedy = f"give points for {ends[0]:g} .. {ends[1]:g} mm, or one height that serves all"
-        raise GeometryError("piston.section.csv", problem, remedy)
+    if file.z_mm is not None:
+        check_heights(file.z_mm, ends, is_single=part.piston.section.single_height is True)
     surface = point_surface(file, factor)
     return Geometry(radius, ovality_of_points(file, surface), surface, *ends)
 

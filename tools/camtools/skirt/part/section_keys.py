@@ -48,6 +48,7 @@ _BELONGS_TO = {
     "files": ("points",),
     "harmonics": ("table",),
     "interpolation": ("table",),
+    "single_height": ("table", "points"),
 }
 _NEEDED = ("trim_mm", "joint_deg", "exponent")
 GIVEN_BY_POINTS = ("table", "points")  # shapes without an ovality of their own
@@ -98,6 +99,7 @@ class SectionShape(TomlTable):
     harmonics: Annotated[int, Field(ge=1, le=500)] | None = None
     files: Annotated[list[PointsAt], Field(min_length=2, max_length=1000)] | None = None
     interpolation: Interpolation | None = None
+    single_height: bool | None = None
     overshoot_um: Annotated[float, Field(ge=0, le=1e6)] = 1.0
 
     @field_validator(*_BELONGS_TO)

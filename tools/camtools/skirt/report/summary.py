@@ -15,6 +15,7 @@ from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of
 from camtools.part.tool import Tool
 from camtools.skirt.geometry.corner import Corner
+from camtools.skirt.geometry.measured import coverage
 from camtools.skirt.geometry.run_in import HeldSurface
 from camtools.skirt.geometry.sides import SidesSurface, as_drawn
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
@@ -162,10 +163,11 @@ def _extras(result: GeneratedSkirt) -> Json:
     extras: Json = {}
     if result.geometry.corner is not None:
         extras["refit"] = _refit(result.geometry.corner)
-    if result.geometry.off_points_um is not None:
+    if result.geometry.measured is not None:
         extras["scan"] = {
             "off_points_um": result.geometry.off_points_um,
             "joined_um": result.geometry.joined_um,
+            **coverage(result.geometry.measured[0]),
         }
     if drawn := told_segments(result.part.piston):
         extras["segments"] = drawn

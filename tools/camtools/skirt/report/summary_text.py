@@ -112,13 +112,33 @@ def _scan_text(summary: Json) -> str:
     if "scan" not in summary:
         return ""
     scan = summary["scan"]
-    text = f"  the surface is within {scan['off_points_um']:.3f} um of all points\n"
+    text = f"  the scan has {_covered_text(scan)}\n"
+    text += f"  the surface is within {scan['off_points_um']:.3f} um of all points\n"
     if scan["joined_um"] > 0:
         text += (
             f"  the heights have different angles; splines join them within "
             f"{scan['joined_um']:.2g} um\n"
         )
     return text
+
+
+def _covered_text(scan: Json) -> str:
+    """Return what was measured, and what is bridged."""
+    heights, gaps = scan["heights_mm"], scan["gaps"]
+    if len(heights) == 1:
+        text = f"{scan['points']} points at {heights[0]:g} mm, which serve all heights"
+    else:
+        text = f"{scan['points']} points at {len(heights)} heights, {heights[0]:g} .. "
+        text += f"{heights[-1]:g} mm"
+    if not gaps:
+        return text + ", without a gap in the angle"
+    widest = max(gaps, key=lambda gap: (gap["to_deg"] - gap["from_deg"]) % 360)
+    most_um = max(gap["beyond_um"] for gap in gaps)
+    return (
+        f"{text}; bridged gaps in the angle: {len(gaps)}, at most {most_um:.3g} um beyond their "
+        f"ends, the widest from {widest['from_deg']:g} to {widest['to_deg']:g} degrees at "
+        f"{widest['z_mm']:g} mm"
+    )
 
 
 def _sides_text(summary: Json) -> str:
