@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Iterator
 from io import StringIO
+from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
@@ -87,3 +88,23 @@ def test_a_reader_that_has_enough_is_no_defect() -> None:
         process.stdout.close()
         assert process.stderr.read() == b""
     assert process.returncode == 128 + signal.SIGPIPE
+
+
+def test_full_disk_is_one_line() -> None:
+    """Output that cannot be written ends the command, with no trace back, not even at its exit."""
+    code = "import sys; from camtools.base.command import run_command as r; "
+    code += "sys.exit(r('demo', lambda: print('x' * 100_000) or 0))"
+    with Path("/dev/full").open("w", encoding="ascii") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            env={"PYTHONPATH": os.pathsep.join(sys.path)},
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 2
+    assert done.stderr == (
+        "demo: the output cannot be written: No space left on device; free some space, or write "
+        "elsewhere\n"
+    )

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -120,6 +121,33 @@ def test_refusals_are_those_of_the_program(
     assert told in str(refusal.value)
     assert len(str(refusal.value).splitlines()) == 1
     assert simulate(table, rpm=2500, turns=1).status == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"rpm": -1.0}, "rpm = -1.0: out of range"),
+        ({"feed": 0.0}, "feed = 0.0: out of range"),
+        ({"turns": -3.0}, "turns = -3.0: out of range"),
+        ({"seed": -1}, "seed = -1: out of range"),
+        ({"set": {"k1_ns": 10**12}}, "set: k1_ns = 1e+12: out of range"),
+        ({"machine": "none"}, "machine = none: no such machine"),
+        ({"options": ["--rpm", "-1"]}, "--rpm -1: out of range"),
+    ],
+)
+def test_what_is_wrong_has_the_name_of_its_argument(
+    table: Path, given: dict[str, Any], told: str
+) -> None:
+    """A caller of simulate knows no options of camsim but those given."""
+    with pytest.raises(CamtoolsError) as refusal:
+        simulate(table, **given)
+    assert str(refusal.value).startswith(told)
+
+
+def test_result_is_shown_in_one_line(table: Path) -> None:
+    """In a notebook it is the last line of a cell; the surface has 15 000 rows."""
+    shown = repr(simulate(table, rpm=2500, turns=1))
+    assert re.fullmatch(r"<Result status 0, stopped, form error 0\.0\d+ um>", shown)
 
 
 def test_second_session_is_refused_until_the_first_ends(table: Path) -> None:

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import os
 import signal
 import sys
@@ -20,6 +21,7 @@ from camtools.base.errors import CamtoolsError, one_line
 from camtools.base.project_paths import VERSION, with_names
 
 BAD_INPUT = 2
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -84,8 +86,8 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
     Returns
     -------
     int
-        That of the action; 2 on bad input, reported line by line; 128 + n on signal n, and 141
-        where nobody reads the output any more.
+        That of the action; 2 on bad input, reported line by line, and where the output cannot be
+        written; 128 + n on signal n, and 141 where nobody reads the output any more.
     """
     stopped: list[int] = []  # a library may turn the exception into one of its own
 
@@ -105,10 +107,21 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
             sys.stderr.write(with_names(f"{name}: {line}\n"))
         return BAD_INPUT
     except BrokenPipeError:  # who read the output has enough, as `head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return 128 + signal.SIGPIPE
-    except (Interrupted, Exception):
+    except (Interrupted, Exception) as error:
+        if isinstance(error, OSError) and error.errno in _FULL:
+            _drop_output()
+            place = error.filename or "the output"
+            reason = f"{place} cannot be written: {error.strerror}"
+            sys.stderr.write(f"{name}: {reason}; free some space, or write elsewhere\n")
+            return BAD_INPUT
         if not stopped:
             raise
         sys.stderr.write(f"{name}: interrupted; {kept}\n")
         return 128 + stopped[0]
+
+
+def _drop_output() -> None:
+    """Let the end of the program find no output that it cannot write."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -14,23 +14,34 @@ in a process; many at once take processes.
 from __future__ import annotations
 
 import json
+import re
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.sim.binding import Rows, SimSession
 from camtools.sim.machine_file import Machine, emit_machine, find_machine
 
 _TICKS_AT_A_TIME = 100_000  # then Python looks for signals: 0.05 s
+_OPTIONS = {  # of camsim, and what they are called here
+    "--rpm": "rpm",
+    "--feed": "feed",
+    "--turns-limit": "turns",
+    "--seed": "seed",
+    "--set": "set",
+    "--machine": "machine",
+}
 _ONE_AT_A_TIME = threading.Lock()  # other threads wait
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """What a cut came to.
 
@@ -58,6 +69,11 @@ class Result:
     trace: Rows
     summary_text: str
 
+    def __repr__(self) -> str:
+        """Return how it ended."""
+        error = "none" if self.form_error_um is None else f"{self.form_error_um:.4g} um"
+        return f"<Result status {self.status}, {self.summary['end']}, form error {error}>"
+
     @cached_property
     def summary(self) -> Json:
         """Return the summary as data; its keys are those of `camsim run --summary`."""
@@ -77,6 +93,21 @@ def _machine(machine: str | Path | Machine | Mapping[str, Any] | None) -> Machin
     if isinstance(machine, str | Path):
         return find_machine(machine)
     return Machine("machine", emit_machine(machine))
+
+
+def _own_name(option: re.Match[str]) -> str:
+    return _OPTIONS[option[1]] + (f" = {option[2].strip()}" if option[2] else "")
+
+
+@contextmanager
+def _in_own_words(options: Sequence[str]) -> Iterator[None]:
+    """Name what was wrong as `simulate` calls it, where the option was not given as such."""
+    try:
+        yield
+    except CamtoolsError as error:
+        own = [name for name in _OPTIONS if name not in options]
+        begin = re.compile(rf"^({'|'.join(own)})( [^:]*)?(?=:)")
+        raise CamtoolsError([begin.sub(_own_name, line) for line in error.lines]) from error
 
 
 def _words(rpm: float | None, feed: float | None, turns: float | None) -> list[str]:
@@ -129,13 +160,13 @@ def simulate(
         What `camsim run` would refuse with exit status 2: a table, machine, option or speed that is
         no good. A cut that ends in a fault is a result.
     """
-    chosen = _machine(machine)
     settings = [
         word for name, value in (set or {}).items() for word in ("--set", f"{name}={value}")
     ]
     words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
     begin_s = time.monotonic()
-    with _ONE_AT_A_TIME, SimSession() as session:
+    with _in_own_words(options), _ONE_AT_A_TIME, SimSession() as session:
+        chosen = _machine(machine)
         name, text = (chosen.name, chosen.text) if chosen else ("", None)
         session.begin(words, text, name, traced=trace)
         while session.run(_TICKS_AT_A_TIME):
