@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,10 +18,10 @@ STEP_LIMIT_NM = 20_000  # 400 mm/s at 20 kHz
 RETRACT_NM = -500_000
 
 
-def retract(table: Path, folder: Path, at_s: float) -> dict[str, float]:
+def retract(table: Path, folder: Path, at: str) -> dict[str, float]:
     """Stop a cut and follow U, from the tick before the fault on."""
     trace = folder / "trace.csv"
-    words = ("--rpm", "2500", "--inject", f"estop@{at_s:.4f}", "--trace", trace)
+    words = ("--rpm", "2500", "--inject", f"estop@{at}", "--trace", trace)
     assert camsim("run", table, *words).returncode == 1
     lines = trace.read_text().splitlines()
     rows = list(csv.DictReader(lines[:1] + lines[-4000:]))
@@ -78,7 +79,7 @@ def test_retract_costs_what_the_manual_states(
 ) -> None:
     """No step of the command is beyond U's speed; way and time are those of FAULTS.md."""
     table = table_of("perkins240")
-    stops = [retract(table, tmp_path, 2.0 + i * 0.0005) for i in range(24)]
+    stops = [retract(table, tmp_path, f"{2.0 + i * 0.0005:.4f}") for i in range(24)]
     worst = {key: max(stop[key] for stop in stops) for key in stops[0]}
     assert worst["step"] <= STEP_LIMIT_NM
     ms = 1e3 / 20_000
@@ -94,3 +95,19 @@ def test_retract_costs_what_the_manual_states(
     manual = (ROOT / "firmware" / "FAULTS.md").read_text()
     rows = manual.split("| worst of 24 stops |")[1].splitlines()[2:9]
     assert [row.split("|")[3].strip() for row in rows] == figures
+
+
+def test_enable_drops_latest_in_the_approach(
+    table_of: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """Seconds since the start: homing, 20 places in engaging, cutting, disengaging."""
+    table = table_of("perkins240")
+    off_ms = {
+        at_s: retract(table, tmp_path, f"t{at_s:.3f}")["off"] / 20
+        for at_s in (0.1, *np.arange(0.304, 0.324, 0.001), 0.6, 15.5)
+    }
+    manual = (ROOT / "firmware" / "FAULTS.md").read_text()
+    latest = re.search(r"\*\*(\d+) ms\*\* in `engaging`, against (\d+) ms", manual)
+    assert latest is not None
+    assert round(max(off_ms.values())) == int(latest[1])
+    assert max(off_ms[0.1], off_ms[0.6], off_ms[15.5]) <= int(latest[2])
