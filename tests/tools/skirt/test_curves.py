@@ -19,11 +19,14 @@ from pydantic import ValidationError
 from camtools.base.errors import GeometryError
 from camtools.ngc.profile_program import segments
 from camtools.pipeline.make_table import Made
-from camtools.skirt.geometry.profile import profile_pieces, profile_spline
+from camtools.skirt.geometry.profile import notable_overshoots, profile_pieces, profile_spline
 from camtools.skirt.geometry.skirt_geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part.part_file import SkirtPart, example_part
 from camtools.skirt.part.profile_keys import Profile
+from camtools.skirt.report.summary import make_summary
+from camtools.skirt.report.summary_text import emit_text
+from camtools.skirt.table.generate import generate
 from tests.tools.cases.camsim_cases import camsim, columns_of
 
 # the conical end of a drawing
@@ -69,6 +72,15 @@ def test_a_spline_over_a_conical_end_is_refused() -> None:
         '421.4 um beyond both, at height 5.14965 mm; set interpolation = "pchip", or give more '
         "points there, or allow it: overshoot_um = 430"
     )
+
+
+def test_what_was_allowed_is_told() -> None:
+    """Table and report name what a curve does between its points, once it is more than usual."""
+    part = part_of(drawn(overshoot_um=900))
+    told = "between the points at 2 and 10 mm the diameter goes 421.4 um beyond both"
+    assert told in emit_text(make_summary(generate(part)))
+    assert notable_overshoots(part.piston)[0].startswith(told)
+    assert notable_overshoots(part_of(drawn(interpolation="pchip")).piston) == []
 
 
 def test_the_remedy_of_the_refusal_works() -> None:

@@ -15,9 +15,10 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
-from camtools.skirt.part.curves import overshoot, through
+from camtools.skirt.part.curves import Overshoot, overshoot, through
+from camtools.skirt.part.part_file import Piston
 from camtools.skirt.part.power_law import PeakOvality, PowerProfile
-from camtools.skirt.part.profile_keys import Ovality, Profile, joined
+from camtools.skirt.part.profile_keys import USUAL_OVERSHOOT_UM, Ovality, Profile, joined
 from camtools.skirt.part.segments import Piece, curve_of
 
 _UM_PER_MM = 1000.0
@@ -97,15 +98,38 @@ def check_overshoot(field: str, curve: PPoly, allowed: Allowance, points_mm: Flo
     beyond = worst.beyond * allowed.scale
     if beyond <= allowed.limit:
         return
-    size = f"{beyond:.4g} {allowed.unit}".rstrip()
-    problem = (
-        f"between the points at {worst.low_mm:g} and {worst.high_mm:g} mm {allowed.what} goes "
-        f"{size} beyond both, at height {worst.z_mm:.6g} mm"
-    )
+    problem = _overshoot_text(worst, allowed)
     remedy = 'set interpolation = "pchip", or give more points there'
     if allowed.key is not None:
         remedy += f", or allow it: {allowed.key} = {rounded_up(beyond)}"
     raise GeometryError(field, problem, remedy)
+
+
+def _overshoot_text(worst: Overshoot, allowed: Allowance) -> str:
+    size = f"{worst.beyond * allowed.scale:.4g} {allowed.unit}".rstrip()
+    return (
+        f"between the points at {worst.low_mm:g} and {worst.high_mm:g} mm {allowed.what} goes "
+        f"{size} beyond both, at height {worst.z_mm:.6g} mm"
+    )
+
+
+def notable_overshoots(piston: Piston) -> list[str]:
+    """Return where curves leave their points by more than usual, since overshoot_um allows it."""
+    drawn = [
+        (one, curve, scale)
+        for one, curve, scale in (
+            (piston.profile, profile_spline(piston.profile), 2),
+            (piston.ovality, ovality_spline(piston.ovality) if piston.ovality else None, 1),
+        )
+        if isinstance(one, Profile | Ovality) and not one.segment and curve is not None
+    ]
+    found = []
+    for one, curve, scale in drawn:
+        allowed = _allowance(one, scale)
+        worst = overshoot(curve, np.asarray(one.height_mm, dtype=np.float64))
+        if worst.beyond * allowed.scale > USUAL_OVERSHOOT_UM:
+            found.append(_overshoot_text(worst, allowed))
+    return found
 
 
 def rounded_up(value: float) -> str:
@@ -130,11 +154,15 @@ def check_ovality(ovality: Ovality | PeakOvality, curve: PPoly) -> None:
         _check(ovality, ovality_pieces(ovality), curve, 1, "piston.ovality")
 
 
+def _allowance(drawn: Profile | Ovality, scale: int) -> Allowance:
+    what = "the diameter" if isinstance(drawn, Profile) else "the ovality"
+    return in_um(drawn.overshoot_um, what, scale)
+
+
 def _check(
     drawn: Profile | Ovality, pieces: tuple[Piece, ...], curve: PPoly, scale: int, table: str
 ) -> None:
-    what = "the diameter" if isinstance(drawn, Profile) else "the ovality"
-    allowed = in_um(drawn.overshoot_um, what, scale)
+    allowed = _allowance(drawn, scale)
     if pieces:
         _check_derived(allowed, pieces, curve, table)
         return

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, Tag, ValidationInfo, field_validator, model_validator
 
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, as_long, rising, wrong
-from camtools.skirt.part.profile_keys import OvershootUm
+from camtools.skirt.part.profile_keys import USUAL_OVERSHOOT_UM, OvershootUm
 
 _LONG = Field(min_length=2, max_length=1000)
 PhaseDeg = Annotated[float, Field(ge=-360, le=360)]
@@ -44,7 +44,7 @@ class Antithrust(TomlTable):
     meet: Literal["short-axis", "long-axis"] = "short-axis"
     blend_deg: Annotated[float, Field(ge=2, le=120)] = 30.0
     interpolation: Literal["linear", "pchip", "akima", "spline"] = "linear"
-    overshoot_um: OvershootUm = 1.0
+    overshoot_um: OvershootUm = USUAL_OVERSHOOT_UM
     height_mm: Annotated[list[HeightMm], _LONG]
     drop_mm: Annotated[list[DropMm], _LONG] | None = None
     ovality_mm: Annotated[list[OvalityMm], _LONG] | None = None

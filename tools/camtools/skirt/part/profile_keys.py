@@ -20,6 +20,7 @@ MAX_POINTS = 1000
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
 OvalityMm = Annotated[float, Field(ge=0, le=4000)]
 SlopeMmPerMm = Annotated[float, Field(ge=-100, le=100)]
+USUAL_OVERSHOOT_UM = 1.0  # what a curve may leave its points by without a word
 OvershootUm = Annotated[float, Field(ge=0, le=1e6)]
 RadiusMm = Annotated[float, Field(ge=-1e6, le=1e6)]
 Drawn = Literal["linear", "pchip", "akima", "spline", "segments"]
@@ -151,7 +152,7 @@ class Profile(TomlTable):
     end_slopes: Annotated[list[SlopeMmPerMm], Field(min_length=2, max_length=2)] | None = Field(
         None, validate_default=True
     )
-    overshoot_um: OvershootUm = 1.0
+    overshoot_um: OvershootUm = USUAL_OVERSHOOT_UM
     segment: Annotated[list[ProfileSegment], Field(max_length=MAX_POINTS)] = Field(
         default_factory=list
     )
@@ -193,7 +194,7 @@ class Ovality(TomlTable):
     interpolation: Drawn = "linear"
     height_mm: Annotated[list[HeightMm], _LONG]
     ovality_mm: Annotated[list[OvalityMm], _LONG]
-    overshoot_um: OvershootUm = 1.0
+    overshoot_um: OvershootUm = USUAL_OVERSHOOT_UM
     segment: Annotated[list[OvalitySegment], Field(max_length=MAX_POINTS)] = Field(
         default_factory=list
     )

@@ -16,6 +16,7 @@ from camtools.cut.feasibility import given_of, needed_of
 from camtools.part.tool import Tool
 from camtools.skirt.geometry.corner import Corner
 from camtools.skirt.geometry.measured import coverage
+from camtools.skirt.geometry.profile import notable_overshoots
 from camtools.skirt.geometry.run_in import HeldSurface
 from camtools.skirt.geometry.sides import SidesSurface, as_drawn
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
@@ -169,6 +170,8 @@ def _extras(result: GeneratedSkirt) -> Json:
             "joined_um": result.geometry.joined_um,
             **coverage(result.geometry.measured[0]),
         }
+    if overshoots := notable_overshoots(result.part.piston):
+        extras["overshoots"] = overshoots
     if drawn := told_segments(result.part.piston):
         extras["segments"] = drawn
     if (meeting := where_sides_meet(result.geometry)) is not None:

@@ -38,6 +38,7 @@ def emit_text(summary: Json) -> str:
         + tool_text(summary["tool"])
         + segments_text(summary.get("segments", {}))
         + _profile_text(summary)
+        + "".join(f"  {text} (overshoot_um)\n" for text in summary.get("overshoots", []))
         + _scan_text(summary)
         + _sides_text(summary)
         + _refit_text(summary)

@@ -7,6 +7,7 @@ from camtools.base.quantities import length_text
 from camtools.report.learning_text import learning_rows
 from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair
+from camtools.skirt.geometry.profile import notable_overshoots
 from camtools.skirt.report.outcome import SkirtOutcome
 from camtools.skirt.report.tool_text import tool_row, track_row
 
@@ -146,6 +147,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *switch_rows(summary),
         *_corner_rows(outcome),
         *_filter_rows(outcome),
+        *(ReportRow("overshoot", text) for text in notable_overshoots(generated.part.piston)),
         *_removal_rows(outcome),
         tool_row(summary, generated.part.tool, generated.heel),
         track_row(summary, generated.part.tool, feed_peak),
