@@ -60,7 +60,7 @@ def test_start_waits_for_the_part(bench: Bench) -> None:
     """The command shows how far it is, and ends when the part is cut."""
     bench.do("home")
     lines = bench.do("start").splitlines()
-    assert lines[-1] == "start: ready"
+    assert re.fullmatch(r"start: part cut, \d+ turns", lines[-1])
     assert lines[0].startswith("engaging: 0 %, ")
     assert any(re.match(r"cutting: \d+ %, 0:\d\d left", line) for line in lines)
     assert bench.do("home") == "home: ready\n"
@@ -97,10 +97,17 @@ def test_a_fault_is_told_and_left(bench: Bench, refusal: Callable[[Bench, int, s
 
 
 def test_wrong_state_is_refused(bench: Bench, refusal: Callable[[Bench, int, str], str]) -> None:
-    """The line names the command and the order of commands."""
-    for command in ("start", "stop", "disable", "reset"):
+    """The line names the state and what to do in it."""
+    for command, remedy in (
+        ("start", "home first"),
+        ("reset", "there is no fault to reset"),
+        ("home x", "give manual first"),
+    ):
         line = refusal(bench, 1, command)
-        assert line.startswith(f"camctl: {command}: refused: state ")
+        assert line.endswith(f": refused: state off; {remedy}")
+    bench.do("home")
+    assert refusal(bench, 1, "manual").endswith("refused: state ready; disable first")
+    assert refusal(bench, 1, "home u").endswith("state ready; disable, then give manual first")
 
 
 def test_parameters_are_read_and_set_with_their_range(

@@ -107,6 +107,12 @@ def test_a_private_key_is_for_its_owner_alone(made: Path) -> None:
         file.chmod(0o600)
 
 
+def test_name_may_have_the_ending(tmp_path: Path) -> None:
+    """K.pem makes K.pem and K.pub."""
+    assert keys.main(["make", str(tmp_path / "K.pem")]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["K.pem", "K.pub"]
+
+
 def test_no_key_is_overwritten(made: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Neither of the two files; nothing changes."""
     before = (made / "one.pem").read_bytes()

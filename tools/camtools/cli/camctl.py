@@ -87,7 +87,8 @@ class Control:
         if command == "home":
             self.wait_state(["ready"], HOME_S)
         elif command == "start":
-            camctl_cut.follow_cut(self.link, self.out)
+            self.say(camctl_cut.follow_cut(self.link, self.out))
+            return
         self.say(f"{command}: {self.link.listen().state}")
 
     def quick(self, arguments: argparse.Namespace) -> None:

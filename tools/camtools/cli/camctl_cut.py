@@ -88,8 +88,8 @@ def _until_over(link: Link) -> None:
         raise Refused(f"fault: {', '.join(status.faults)}; see status, then reset")
 
 
-def follow_cut(link: Link, out: TextIO) -> None:
-    """Show how far a cut is until it is over; control-C stops it, and waits for its end.
+def follow_cut(link: Link, out: TextIO) -> str:
+    """Show how far a cut is until it is over, and return what came of it; control-C stops it.
 
     It has to stay: without its heartbeats command would be lost, and the cut would end by that.
 
@@ -98,10 +98,11 @@ def follow_cut(link: Link, out: TextIO) -> None:
     Refused
         It was stopped by control-C, ended in a fault, or command was lost.
     """
-    is_drawn, told = out.isatty(), ""
+    is_drawn, told, turns = out.isatty(), "", 0.0
 
     def show(status: Status) -> None:
-        nonlocal told
+        nonlocal told, turns
+        turns = max(turns, status.signals.get("turns_whole", 0.0))
         progress = cut_progress(status.state, status.signals)
         tens = "" if progress.fraction is None else f"{progress.fraction * 10:.0f}"
         key = progress.text if is_drawn else status.state + tens
@@ -111,6 +112,7 @@ def follow_cut(link: Link, out: TextIO) -> None:
             out.flush()
 
     try:
+        before = _parts(link)
         link.listen()
         link.on_row = show
         _until_over(link)
@@ -120,6 +122,14 @@ def follow_cut(link: Link, out: TextIO) -> None:
         raise Refused("start: stopped by control-C before its end") from None
     finally:
         link.on_row = lambda status: None
+    if _parts(link) > before:
+        return f"start: part cut, {turns:.0f} turns"
+    return f"start: {link.listen().state}, and the part is not complete"
+
+
+def _parts(link: Link) -> int:
+    """Return how many complete parts the controller has counted."""
+    return int(ask_done(link, "get_parts").value)
 
 
 def override(link: Link, arguments: argparse.Namespace, say: Say) -> None:

@@ -54,6 +54,7 @@ def _read(table: Path) -> bytes:
 
 
 def _make(name: Path) -> int:
+    name = name.with_suffix("") if name.suffix == ".pem" else name
     public_file = name.with_name(name.name + ".pub")
     if public_file.exists():
         raise CamtoolsError(

@@ -112,9 +112,11 @@ def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
             ask_done(link, "keep_alive")
             due_s = time.monotonic() + REPEAT_S
             _check_state(link)
-            is_begun = is_begun or link.status.signals.get("hand_orders", before) != before
             if is_begun and (end := _quick_end(link)) != "runs":
                 return end
+            if not is_begun and link.status.signals.get("hand_orders", before) != before:
+                is_begun = True
+                link.status.signals.pop("hand_end", None)  # a page of before tells another order's
             if not is_begun and time.monotonic() - begun_s > _BEGIN_S:
                 raise Refused(
                     f"{command.replace('_', ' ')} {axis}: the order did not start; try again"

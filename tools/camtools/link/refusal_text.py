@@ -15,8 +15,6 @@ from camtools.link.rights import sender_text
 
 REMEDIES = {
     "command": OLDER,
-    "state": "use enable, start, stop, disable, and reset after a fault; to move axes "
-    "by hand: manual, jog, home, disable",
     "param_state": "only phase, amplitude, trim and the overrides change while cutting, most "
     "others in ready, all in off",
     "override_rings": "hold it instead, or set feed and speed before the cut",
@@ -51,6 +49,23 @@ REMEDIES = {
     "params_none": "`params keep` stores the current ones",
     "params_damaged": "`params keep` stores the current ones instead",
     "params_keep": "its memory failed or is read-only; what was kept before stays; see its log",
+}
+_OFF, _READY, _MANUAL = "off", "ready", "manual"
+_NEEDED_STATE = {  # of commands that one state takes only
+    **dict.fromkeys(("enable", "manual"), _OFF),
+    **dict.fromkeys(("start", "identify"), _READY),
+    **dict.fromkeys(("jog", "step", "home_axis", "zero_x", "zero_z"), _MANUAL),
+    "reset": "fault",
+}
+_FROM_OFF = {
+    _READY: "home first",
+    _MANUAL: "give manual first",
+}
+_TO_OFF = {  # before what is given from off
+    _READY: "disable",
+    _MANUAL: "disable",
+    "homing": "wait until it is homed, or disable",
+    "fault": "reset",
 }
 _STATE_S = 1.0
 
@@ -178,6 +193,27 @@ def _by_hand(answer: Answer) -> str:
     return ""
 
 
+def state_remedy(command: str, state: str) -> str:
+    """Return what to do before a command that the state does not take.
+
+    >>> state_remedy("manual", "ready"), state_remedy("jog", "fault")
+    ('disable first', 'reset, then give manual first')
+    >>> state_remedy("start", "cutting")
+    'wait for the end of the cut, or stop it'
+    """
+    needed = _NEEDED_STATE.get(command)
+    if state not in (_OFF, *_TO_OFF):
+        return "wait for the end of the cut, or stop it"
+    if needed == "fault":
+        return "there is no fault to reset"
+    if needed is None:
+        return "see the states in firmware/README.md"
+    if needed == _OFF:
+        return f"{_TO_OFF[state]} first" if state in _TO_OFF else "give it again"
+    way = _FROM_OFF[needed]
+    return way if state == _OFF else f"{_TO_OFF[state]}, then {way}"
+
+
 def state_of(link: Link) -> str:
     """Return the state of a status message that is yet to come."""
     link.status.signals.pop("state", None)
@@ -207,9 +243,10 @@ def explain(link: Link, answer: Answer) -> str:
         return _datum(link, answer)
     if answer.result == NOT_COMMANDER:
         return f"refused: {_not_commander(int(answer.value))}"
-    what = answer.result.replace("_", " ")
     if answer.result == "state":
-        what += f" {state_of(link)}"
+        state = state_of(link)
+        return f"refused: state {state}; {state_remedy(answer.command, state)}"
+    what = answer.result.replace("_", " ")
     if by_hand := _by_hand(answer):
         return f"refused: {what}{by_hand}"
     if answer.limits is not None:
