@@ -129,6 +129,19 @@ def test_port_outside_this_tree(tmp_path: Path) -> None:
     assert (tmp_path / "build" / "hal" / "own" / "firmware").exists()
 
 
+@pytest.mark.skipif(shutil.which("arm-none-eabi-gcc") is None, reason="no arm-none-eabi-gcc")
+def test_recipe_for_a_new_port_builds(tmp_path: Path) -> None:
+    """The commands of hal/PORTING.md, word by word."""
+    (tmp_path / "camturn").symlink_to(ROOT)
+    page = (ROOT / "hal" / "PORTING.md").read_text(encoding="utf-8")
+    recipe = page.split("## Folder and build")[1].split("```")[0]
+    commands = re.findall(r"(?m)^    ((?:cp|sed|cmake) .*)$", recipe)
+    assert len(commands) == 6
+    for command in commands:
+        run("bash", "-c", command, cwd=tmp_path)
+    assert list((tmp_path / "build").glob("**/libhal_port.a"))
+
+
 def test_port_in_a_project_of_its_own(tmp_path: Path) -> None:
     """The project of hal/PORTING.md builds the firmware, and no test of ours becomes its own."""
     shutil.copytree(TEMPLATE, tmp_path / "port")
