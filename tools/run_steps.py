@@ -110,6 +110,19 @@ def unknown_step(ctest: tuple[str | Path, ...], names: list[str]) -> str:
     return f"no step {missing[0]!r}; there are: {', '.join(known)}" if missing else ""
 
 
+def clear_reports(label: str) -> None:
+    """Delete what former runs reported; the report and the pictures of the other command stay."""
+    REPORTS.mkdir(exist_ok=True)
+    kept = ("test.txt", "browser") if label == "verify" else ("verify.txt",)
+    for path in REPORTS.iterdir():
+        if path.name in kept:
+            continue
+        if path.is_dir():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+
+
 def run_ctest(label: str, names: list[str]) -> int:
     """Run the steps of a label, or some of them with what they need.
 
@@ -127,8 +140,7 @@ def run_ctest(label: str, names: list[str]) -> int:
     if error := unknown_step(ctest, names):
         print(f"tools/{'verify' if label == 'verify' else 'test'}: {error}", file=sys.stderr)
         return UNKNOWN
-    shutil.rmtree(REPORTS, ignore_errors=True)
-    REPORTS.mkdir()
+    clear_reports(label)
     chosen = ("-R", f"^({'|'.join(map(re.escape, names))})$") if names else ()
     whole = ("--output-on-failure", "--test-output-size-passed", "1000000")
     outputs = ("-j", str(N_CORES), "--output-junit", REPORTS / "steps.xml")

@@ -21,6 +21,9 @@
 #include <stddef.h>  // size_t
 #include <stdint.h>  // uint64_t
 
+#if defined(__cplusplus)
+extern "C" {
+#endif
 #if defined(__GNUC__)
 #pragma GCC visibility push(default)
 #endif
@@ -87,6 +90,9 @@ void sim_api_end(sim_api_t *s);
 
 #if defined(__GNUC__)
 #pragma GCC visibility pop
+#endif
+#if defined(__cplusplus)
+}
 #endif
 
 #endif

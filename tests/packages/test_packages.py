@@ -89,6 +89,11 @@ def test_help_names_the_installed_commands(scripts: Path, tmp_path: Path) -> Non
     assert "  camturn-run -o " in run(scripts / "camturn-run", "--help", cwd=tmp_path)
     said = run(scripts / "camturn-run", "--rpm", cwd=tmp_path, status=2)
     assert said.endswith("; see camturn-run --help\n")
+    said = run(scripts / "camturn-run", "none.toml", cwd=tmp_path, status=2)
+    assert said.startswith("camturn-run: none.toml: ")
+    for script in SCRIPTS:
+        told = run(scripts / script, "--help", cwd=tmp_path)
+        assert not re.search(r"\btools/(?!docs/)", told), told
 
 
 def test_missing_extra_is_named(scripts: Path, tmp_path: Path) -> None:
@@ -158,7 +163,7 @@ def test_port_in_a_project_of_its_own(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not (LINUX / "build.ninja").exists(), reason=BUILT)
 def test_debian_package_comes_runs_and_goes(tmp_path: Path) -> None:
-    """It is installed in the test kernel, whose changes are lost, and started like the service."""
+    """Installed in the test kernel, whose changes are lost; root starts what the unit names."""
     built = subprocess.run([UML, "build"], capture_output=True, text=True, check=False)
     if built.returncode != 0 and not os.environ.get("CI"):
         pytest.skip(f"no kernel: {built.stderr.strip()}")

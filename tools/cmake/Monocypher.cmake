@@ -37,7 +37,7 @@ endfunction()
 
 function(cam_monocypher_fetch)
     find_program(CAM_PYTHON NAMES python3 HINTS ${monocypher_root}/build/venv/bin NO_DEFAULT_PATH)
-    find_program(CAM_PYTHON NAMES python3 REQUIRED)
+    find_program(CAM_PYTHON NAMES ${Python_EXECUTABLE} python3 REQUIRED) # the first is that of a wheel
     set(dir ${monocypher_dir}.part)
     set(package pymonocypher-${monocypher_version})
     file(REMOVE_RECURSE ${dir}) # what an interrupted fetch left
@@ -50,7 +50,8 @@ function(cam_monocypher_fetch)
             --no-binary pymonocypher --require-hashes -r ${dir}/requirement.txt -d ${dir}
         RESULT_VARIABLE status)
     if(NOT status EQUAL 0)
-        message(FATAL_ERROR "Monocypher: pip could not get pymonocypher ${monocypher_version}. Put "
+        message(FATAL_ERROR "Monocypher: ${CAM_PYTHON} -m pip could not get pymonocypher ${monocypher_version}. Install python3-pip, "
+            "or put "
             "monocypher.c and monocypher.h of Monocypher 4.0.3 into ${monocypher_dir}, or configure "
             "with -D CAM_MONOCYPHER=DIR")
     endif()

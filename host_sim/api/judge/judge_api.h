@@ -14,6 +14,9 @@
 #include <stddef.h>  // size_t
 #include <stdint.h>  // uint32_t, int64_t
 
+#if defined(__cplusplus)
+extern "C" {
+#endif
 #if defined(__GNUC__)
 #pragma GCC visibility push(default)
 #endif
@@ -78,6 +81,9 @@ uint32_t judge_api_largest_feed_nm(const judge_api_t *j, uint32_t mrpm);
 
 #if defined(__GNUC__)
 #pragma GCC visibility pop
+#endif
+#if defined(__cplusplus)
+}
 #endif
 
 #endif

@@ -312,7 +312,3 @@ class Exceptions:
             uc.reg_write(arm.UC_ARM_REG_FPSCR, words[24])
         uc.reg_write(arm.UC_ARM_REG_SP, base + 4 * n_words + (4 if xpsr >> 9 & 1 else 0))
         return words[6] | 1
-
-    def stacked_frame(self) -> int:
-        """Return the address of the frame pushed last."""
-        return int(self.uc.reg_read(arm.UC_ARM_REG_SP))

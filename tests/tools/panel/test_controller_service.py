@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The desk before the firmware with an ideal machine: orders, rights, stop, parameters."""
+"""The controller service and the firmware on an ideal machine: orders, rights, parameters."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_part_is_cut_with_overrides(seat: Seat) -> None:
     seat.do("trim", measure="radius", mm=0)
 
 
-def test_rights_are_checked_by_the_desk(seat: Seat) -> None:
+def test_rights_are_checked_by_the_service(seat: Seat) -> None:
     """Without token nothing, with token stop and drives off, the rest for the commander alone."""
     assert "need the token" in seat.refused("enable", seat.guest)
     assert "need the token" in seat.refused("stop", seat.guest)
@@ -110,7 +110,7 @@ def test_everything_tried_is_in_the_log(seat: Seat) -> None:
 def test_what_is_wrong_is_one_line(
     seat: Seat, name: str, words: dict[str, object], why: str
 ) -> None:
-    """The desk or the controller refuses, and nothing has changed."""
+    """The service or the controller refuses, and nothing has changed."""
     text = seat.refused(name, **words)
     assert why in text and "\n" not in text
     assert seat.state == "off"

@@ -18,7 +18,7 @@ from types import FrameType
 from typing import Any, NoReturn
 
 from camtools.base.errors import CamtoolsError, one_line
-from camtools.base.project_paths import VERSION, with_names
+from camtools.base.project_paths import VERSION, shown_name, with_names
 
 BAD_INPUT = 2
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -89,6 +89,7 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
         That of the action; 2 on bad input, reported line by line, and where the output cannot be
         written; 128 + n on signal n, and 141 where nobody reads the output any more.
     """
+    name = shown_name(name)
     stopped: list[int] = []  # a library may turn the exception into one of its own
 
     def interrupt(number: int, _frame: FrameType | None) -> None:

@@ -28,3 +28,12 @@ _LONG = re.compile(r"\btools/(?=(analyse|forecast|identify|keys|live|panel|paper
 def with_names(text: str) -> str:
     """Return a text with the commands as the user starts them: tools/run or camturn-run."""
     return _LONG.sub("camturn-", _SHORT.sub(r"\1", text)) if IS_INSTALLED else text
+
+
+def shown_name(command: str) -> str:
+    """Return what begins a command's messages: run, or camturn-run where it is installed.
+
+    >>> shown_name("run")
+    'run'
+    """
+    return with_names(f"tools/{command}").removeprefix("tools/")

@@ -43,7 +43,7 @@ NOT_GOOD = 1
 _ANY_PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _EPILOG = """\
 Examples:
-  tools/identify --machine real tools/parts/perkins240.toml -o build/identify
+  tools/identify --machine real PART.toml -o build/identify
   tools/identify --bus --interface socketcan --channel can0 PART.toml -o DIR --apply
 Exit status: 0 done; 1 the fit is not good enough to be applied, refused by the controller or no
 answer; 2 wrong usage or bad input."""

@@ -11,12 +11,15 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-_EXTRAS = {"keys": "sign", "mktables": "sign"}
+from camtools.base.project_paths import VERSION
+
+_EXTRAS = {"keys": "sign", "mktables": "sign", "panel": "panel", "forecast": "forecast"}
 
 
 def remedy(command: str) -> str:
     """Return how to get the packages that a command needs on top."""
-    return f"pip install 'camturn[{_EXTRAS.get(command, command)}]'"
+    extra = f"[{_EXTRAS[command]}]" if command in _EXTRAS else ""
+    return f"pip install 'camturn{extra}'"
 
 
 def main() -> int:
@@ -24,6 +27,9 @@ def main() -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as tools/setup.sh, before numpy is loaded
     script = Path(sys.argv[0]).name
     name = script.removeprefix("camturn-")
+    if sys.argv[1:] == ["--version"]:  # needs no extra
+        print(f"{script} {VERSION}")
+        return 0
     try:
         status: int = import_module(f"camtools.cli.{name}").main()
     except ModuleNotFoundError as error:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.project_paths import with_names
 from camtools.base.quantities import Floats, length_text
 from camtools.identify.configured_drive import Believed
 from camtools.identify.fit import FRICTION, K1, K2, LEAD
@@ -126,7 +127,7 @@ def _mode_lines(found: Identified) -> Iterator[str]:
 
 def set_lines(settings: Mapping[str, int]) -> list[str]:
     """Return lines for a shell that set parameters of a controller."""
-    return [f"tools/camctl set {name} {value}" for name, value in settings.items()]
+    return [with_names(f"tools/camctl set {name} {value}") for name, value in settings.items()]
 
 
 def machine_lines(keys: Mapping[str, float], table: str) -> list[str]:
@@ -144,8 +145,8 @@ def _part_lines(
         f"{motion.peak_acceleration_m_s2:.3g} m/s2"
     )
     yield f"form error with the present constants: {length_text(left.believed_um)}"
-    doubt = f"{length_text(left.doubt_um)} from {_SIGMAS:g} deviations"
-    yield f"form error with the identified constants: {length_text(left.chosen_um)}, {doubt}"
+    doubt = f"up to {length_text(left.most_um)} if they are off by {_SIGMAS:g} standard deviations"
+    yield f"form error with the identified constants: {length_text(left.chosen_um)}; {doubt}"
     if found.has_friction:
         rubbing_um = friction_error_nm(motion, found.plain.values) * 1e-3
         yield f"friction adds up to {length_text(rubbing_um)}, which only learning removes"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Live lathes of this user: each announces itself in a file, by which others find it.
 
-The file lies in a folder that nobody else can read. It tells the process that made it by its number
-and by the time of its start, so that one which was left behind is known, and removed.
+The file lies in a folder that nobody else can read. It holds number and start time of the process
+that made it, so that a stale file is recognised and removed.
 
 >>> import tempfile
 >>> folder = Path(tempfile.mkdtemp())

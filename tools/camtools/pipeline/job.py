@@ -15,7 +15,7 @@ from pathlib import Path
 from camtools.base.command import Parser
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import cannot_write
-from camtools.base.project_paths import RESULTS, ROOT
+from camtools.base.project_paths import RESULTS, ROOT, shown_name
 from camtools.base.provenance import origin_of
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
@@ -221,7 +221,7 @@ def without_faults(words: Sequence[str]) -> list[str]:
 
 def say(text: str) -> None:
     """Report progress on standard error."""
-    sys.stderr.write(f"run: {text}\n")
+    sys.stderr.write(f"{shown_name('run')}: {text}\n")
     sys.stderr.flush()
 
 

@@ -100,7 +100,7 @@ def checked(order: Order) -> dict[str, Any]:
     Raises
     ------
     CamtoolsError
-        There is no such order, or an argument is missing, too many, or none of its kind.
+        There is no such order, or an argument is missing, too many, or of the wrong type.
     """
     rule = RULES.get(order.name)
     if rule is None:

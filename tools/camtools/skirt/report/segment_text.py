@@ -24,7 +24,7 @@ def _told(piece: Piece, scale: int) -> Json:
     }
 
 
-def told_segments(piston: Piston) -> Json:
+def segment_facts(piston: Piston) -> Json:
     """Return lines and arcs of profile and ovality, nothing of other curves.
 
     Values are diameters and ovalities at the ends; a line has no radius; kink_deg is the turn
