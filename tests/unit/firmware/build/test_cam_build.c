@@ -287,3 +287,11 @@ static void test_scale_of_u(void)
         TEST_ASSERT_TRUE(is_most || most_q32 << (c->speed_shift + 1u) >= INT64_C(1) << 30);
     }
 }
+
+/// Where the word of the acceleration has room, no bit of it is dropped.
+static void test_acceleration_keeps_its_bits(void)
+{
+    build();
+    TEST_ASSERT_EQUAL_UINT32(0, config.play.u.a_down);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, config.play.u.a_shift);
+}

@@ -44,6 +44,14 @@ static void test_each_axis_has_its_parameters(void)
     TEST_ASSERT_EQUAL_INT32(p.z_high_nm, z.high_nm);
     TEST_ASSERT_EQUAL_INT32(p.x_datum_nm, x.datum_nm);
     TEST_ASSERT_EQUAL_INT32(p.z_datum_nm, z.datum_nm);
+    const int32_t tool_nm[][2] = {{p.tool_1_x_nm, p.tool_1_z_nm},
+                                  {p.tool_2_x_nm, p.tool_2_z_nm},
+                                  {p.tool_3_x_nm, p.tool_3_z_nm},
+                                  {p.tool_4_x_nm, p.tool_4_z_nm}};
+    for (p.tool = 1; p.tool <= 4; p.tool++) {
+        TEST_ASSERT_EQUAL_INT32(tool_nm[p.tool - 1][0], cam_offsets_axis(&p, hal_axis_x).tool_nm);
+        TEST_ASSERT_EQUAL_INT32(tool_nm[p.tool - 1][1], cam_offsets_axis(&p, hal_axis_z).tool_nm);
+    }
 }
 
 /// The tool touches a diameter: from now on X of the part is half of it plus U, whatever the port

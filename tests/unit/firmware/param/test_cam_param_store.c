@@ -124,3 +124,15 @@ static void test_checksum_differs_by_every_parameter(void)
     }
     TEST_ASSERT_EQUAL_UINT32(before, cam_param_store_checksum(&params));
 }
+
+/// A sense is +1 or -1; none of them may be 0.
+static void test_no_sense_is_zero(void)
+{
+    static const cam_param_id_t sense[] = {cam_param_encoder_sign, cam_param_u_home_sense,
+                                           cam_param_x_home_sense, cam_param_z_home_sense};
+    cam_params_t p = cam_param_defaults();
+    for (int i = 0; i < 4; i++) {
+        TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&p, sense[i], 0));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, sense[i], -1));
+    }
+}

@@ -176,3 +176,14 @@ static void test_swing_comes_to_rest_behind_a_fault(void)
     TEST_ASSERT_INT32_WITHIN(1 << 10, 0, h.m.swing.set.pos_q32);
     TEST_ASSERT_TRUE(h.m.is_clear);
 }
+
+/// In off the axes follow what is measured; nothing plans them.
+static void test_in_off_no_axis_is_moved(void)
+{
+    homing_t h = homed();
+    h.m.state = cam_state_off;
+    h.m.u_target_q10 = 77;
+    TEST_ASSERT_FALSE(cam_positioning_isr(&h.cfg, &h.r, &h.m));
+    TEST_ASSERT_EQUAL_INT64(77, h.m.u_target_q10);
+    TEST_ASSERT_EQUAL_INT64(0, h.m.axis[hal_axis_x].vel_q10);
+}

@@ -54,6 +54,14 @@ static void start(uint32_t tick)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, tick));
 }
 
+/// Of a recording that plays no wave there is nothing to tell.
+static void test_fields_of_a_wave_are_zero_without_one(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_place_nm));
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_excited));
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_n_fall));
+}
+
 static void test_rows_hold_the_chosen_signals_in_the_order_of_the_list(void)
 {
     set(cam_scope_field_signals, 1 << cam_scope_tick | 1 << cam_scope_u_actual_nm);

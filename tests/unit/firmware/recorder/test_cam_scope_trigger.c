@@ -243,3 +243,24 @@ static void test_fields_set_the_trigger(void)
     TEST_ASSERT_EQUAL_UINT32(7, scope.set.before);
     TEST_ASSERT_TRUE(scope.set.trigger.falls);
 }
+
+/// Rows before the trigger are of one stay in the wanted state: those of an earlier stay are gone.
+static void test_rows_of_an_earlier_stay_are_dropped(void)
+{
+    plan.from_state = (int32_t)cam_state_ready;
+    plan.before = 4;
+    plan.rows = 6;
+    begin(0);
+    take(0, 1);
+    take(1, 2);
+    cam_tick_record_t elsewhere = {.tick = 2};
+    elsewhere.want.state = cam_state_off;
+    cam_scope_take(&scope, &elsewhere);
+    TEST_ASSERT_EQUAL_UINT32(0, scope.ring.n_rows);
+    take(3, 4);
+    take(4, 2000);
+    take(5, 2001);
+    int32_t n_before = -1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_get(&scope, cam_scope_field_n_before, &n_before));
+    TEST_ASSERT_EQUAL_INT32(1, n_before);
+}

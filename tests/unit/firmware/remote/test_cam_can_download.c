@@ -173,3 +173,16 @@ static void test_answers_and_flow_control_wait_for_room(void)
     const hal_can_frame_t frame = fixture_can_sent(0x5C0);
     TEST_ASSERT_EQUAL_UINT32(fixture_block, fixture_can_answer(&frame).command);
 }
+
+/// A block whose next frame does not come within a second is answered: the tool need not wait on.
+static void test_a_block_that_stops_is_answered(void)
+{
+    expect_begin(&d);
+    const hal_can_frame_t first = {.id = 0x6C0, .n = 8, .data = {0x10, 0x40}};
+    (void)hal_host_can_receive(&first);
+    fixture_can_loop(&d.can, d.can.rig.machine.tick_hz + 100u);
+    const hal_can_frame_t frame = fixture_can_sent(0x5C0);
+    const fixture_answer_t answer = fixture_can_answer(&frame);
+    TEST_ASSERT_EQUAL_UINT32(18, answer.command); // download_block
+    TEST_ASSERT_EQUAL_INT32(cam_err_download_order, answer.result);
+}

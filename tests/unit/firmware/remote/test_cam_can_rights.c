@@ -127,6 +127,22 @@ static void test_heartbeats_lost_in_the_cut_end_it_as_stop_does(void)
     TEST_ASSERT_EQUAL_UINT8(1, frame.data[3]); // one loss
 }
 
+/// Any command of its session is a sign of life of the commander.
+static void test_commands_keep_command_without_heartbeats(void)
+{
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(me, session, release, 0).result);
+    session = (uint8_t)by(me, 0, take, 0).value;
+    TEST_ASSERT_NOT_EQUAL(me, session);
+    f.rig.is_silent = true;
+    for (uint32_t i = 0; i < 5u; i++) {
+        fixture_can_loop(&f, 15000);
+        TEST_ASSERT_EQUAL_INT32(cam_ok, by(me, session, get, 0).result);
+    }
+    TEST_ASSERT_EQUAL_INT32(cam_ok, by(me, session, enable, 0).result);
+    fixture_can_loop(&f, 25000);
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, by(me, session, disable, 0).result);
+}
+
 static void test_command_given_up_in_the_cut_ends_it_as_well(void)
 {
     to_cutting();

@@ -320,3 +320,11 @@ static void test_without_a_table_nothing_is_told_of_one(void)
     expect(0, 4, 8, 56);
     expect(0, 5, 8, 56);
 }
+
+/// What came of an order by hand has the number of camturn.dbc.
+static void test_ends_of_orders_by_hand_are_those_of_the_bus(void)
+{
+    TEST_ASSERT_EQUAL_INT(1, cam_jog_runs);
+    TEST_ASSERT_EQUAL_INT(2, cam_jog_done);
+    TEST_ASSERT_EQUAL_INT(9, cam_jog_no_stroke);
+}

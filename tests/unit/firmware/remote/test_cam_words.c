@@ -6,7 +6,8 @@
 #include "cam_param.h"
 #include "cam_scope.h"
 #include "cam_state.h"
-#include "cam_table.h" // cam_crc32
+#include "cam_table.h"       // cam_crc32
+#include "cam_table_store.h" // cam_table_store_word
 #include "cam_trace.h"
 #include "unity.h"
 #include <stdio.h> // snprintf
@@ -190,4 +191,11 @@ static void test_trace_record_that_nobody_wants_is_not_kept(void)
     TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
     TEST_ASSERT_EQUAL_UINT32(2, record.tick);
     TEST_ASSERT_EQUAL_UINT32(0, trace.n_dropped);
+}
+
+/// The lowest byte comes first, and all four count.
+static void test_offset_of_a_block_has_four_bytes(void)
+{
+    static const uint8_t bytes[] = {0x01, 0x23, 0x45, 0x89};
+    TEST_ASSERT_EQUAL_HEX32(0x89452301, cam_table_store_word(bytes));
 }

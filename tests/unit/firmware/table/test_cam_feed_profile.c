@@ -236,3 +236,20 @@ static void test_offset_counts_in_the_ends_of_a_way(void)
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
                           cam_table_check(f.image.bytes, f.image.size, &f.table));
 }
+
+/// Between two knots the curvature counts from the slope of its own knot: the second coefficient
+/// falls below the bound although both slopes are above it.
+static void test_curvature_counts_from_the_slope_of_its_knot(void)
+{
+    enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain - plain * 2 / 100 };
+    for (int more = 0; more < 2; more++) {
+        cam_knot_t knots[n_knots] = {{0}};
+        knots[3].v = -deepest / 2;
+        knots[3].a = 2 * (-deepest - more + deepest / 2);
+        knots[2].a = 0;
+        cam_table_t table = {
+            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
+                              cam_feed_profile_check(&table));
+    }
+}

@@ -229,3 +229,23 @@ static void test_step_prepares_outputs_in_use_only(void)
         TEST_ASSERT_EQUAL_UINT32(0, switches.next);
     }
 }
+
+/// An output that was out of use for a tick owes nothing to the hysteresis of before.
+static void test_step_of_an_output_that_is_in_use_again_is_free(void)
+{
+    set(1, 0.0, 180.0);
+    params.switch_2_per_turn = 1;
+    params.switch_2_off_udeg = 180000000;
+    params.switch_2_hysteresis_udeg = 5000000;
+    configure(1);
+    const cam_switches_config_t both = config;
+    for (uint32_t i = 0; i < 4u; i++) {
+        (void)at(0.25);
+    }
+    TEST_ASSERT_EQUAL_UINT32(3, at(0.25));
+    (void)at(0.501); // off, and held there
+    config.n = 1;
+    (void)at(0.501);
+    config = both;
+    TEST_ASSERT_EQUAL_UINT32(2, at(0.4999) & 2u);
+}
