@@ -9,34 +9,11 @@
 
 #define REMEDY SIM_JSON_REMEDY
 
-/// sin^2 15 degrees = (1 - cos 30 degrees) / 2.
-#define SMOOTH_T 0.066987298107780676618
-
-/// t^m, near the long axis a polynomial through 0: x^m is interpolated over m = 1, 2, 3, 4.
-static double power_of(double t, double m)
-{
-    const double x = t / SMOOTH_T;
-    if (x >= 1.0) {
-        return pow(t, m);
-    }
-    double sum = 0.0;
-    double power = 1.0;
-    for (int k = 1; k <= 4; k++) {
-        power *= x;
-        double weight = power;
-        for (int j = 1; j <= 4; j++) {
-            weight *= j == k ? 1.0 : (m - j) / (double)(k - j);
-        }
-        sum += weight;
-    }
-    return sum * pow(SMOOTH_T, m);
-}
-
 static double law_mm(sim_law_t law, double parameter, double a_mm, double g_mm, double s2)
 {
     switch (law) {
     case sim_law_power:
-        return 0.5 * g_mm * power_of(s2, 0.5 * parameter);
+        return 0.5 * g_mm * pow(s2, 0.5 * parameter);
     case sim_law_double_ellipse:
         return sim_design_delta_mm(sim_shape_double_ellipse, parameter, a_mm, g_mm, s2);
     case sim_law_cosine:

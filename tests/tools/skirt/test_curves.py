@@ -27,6 +27,7 @@ from camtools.skirt.part.profile_keys import Profile
 from camtools.skirt.report.summary import make_summary
 from camtools.skirt.report.summary_text import emit_text
 from camtools.skirt.table.generate import generate
+from camtools.skirt.table.search import UnreachableError
 from tests.tools.cases.camsim_cases import camsim, columns_of
 
 # the conical end of a drawing
@@ -81,6 +82,19 @@ def test_what_was_allowed_is_told() -> None:
     assert told in emit_text(make_summary(generate(part)))
     assert notable_overshoots(part.piston)[0].startswith(told)
     assert notable_overshoots(part_of(drawn(interpolation="pchip")).piston) == []
+
+
+def test_ovality_at_any_heights_is_followed_as_well_as_possible() -> None:
+    """A step of curvature between two slices leaves 2 nm; who asks for 1 nm is told so."""
+    heights = [0, 3.137, 11.713, 29.371, 41.93, 53.77, 62]
+    ovality = {"height_mm": heights, "ovality_mm": [0.1, 0.25, 0.5, 0.2, 0.45, 0.3, 0.6]}
+    flat = {"height_mm": [0, 62], "diameter_mm": [92, 91.9], "interpolation": "linear"}
+    part = part_of(flat, ovality=ovality | {"interpolation": "pchip"})
+    table = generate(part)
+    assert 1 < table.accuracy_u.value_nm < 3
+    assert "the ovality has corners or steps of curvature" in emit_text(make_summary(table))
+    with pytest.raises(UnreachableError, match="unreachable for u, best achievable is 2"):
+        generate(part, tolerance_nm=1.0)
 
 
 def test_the_remedy_of_the_refusal_works() -> None:

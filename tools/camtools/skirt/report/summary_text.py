@@ -98,14 +98,14 @@ def _speed_text(summary: Json) -> str:
 
 
 def _profile_text(summary: Json) -> str:
-    """Return what corners of the profile cost, nothing for profiles without."""
-    error_nm = summary["error"]["x"]["value_nm"]
-    if error_nm <= summary["tolerance_nm"]:
-        return ""
-    return (
-        "  the profile has corners or steps of curvature; x follows them within "
-        f"{error_nm:.3g} nm\n"
-    )
+    """Return what corners over the height cost, nothing for curves without."""
+    text = ""
+    for axis, curve in (("x", "profile"), ("u", "ovality")):
+        error_nm = summary["error"][axis]["value_nm"]
+        if error_nm > summary["tolerance_nm"]:
+            steps = f"the {curve} has corners or steps of curvature"
+            text += f"  {steps}; {axis} follows them within {error_nm:.3g} nm\n"
+    return text
 
 
 def _scan_text(summary: Json) -> str:

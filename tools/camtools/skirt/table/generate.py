@@ -103,7 +103,7 @@ def default_tolerance_nm(geometry: Geometry) -> float:
 
 
 def _u_of(
-    part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float
+    part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float, most_nm: float = 0.0
 ) -> tuple[Channel, Accuracy]:
     """Return the u channel for the way of the tip; of a long scan with a remedy when none fits."""
     runs = part.process.run_in_mm, part.process.run_out_mm
@@ -113,14 +113,14 @@ def _u_of(
 
     sieve = with_run(geometry, *runs) if part.tool.is_round else None
     try:
-        return choose_u(tip, tolerance_nm, sieve)
+        return choose_u(tip, tolerance_nm, sieve, most_nm)
     except UnreachableError as error:
         refuse_scan(part, geometry, followed, tolerance_nm, error)
         raise
 
 
 def _within(
-    part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float | None
+    part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float | None, most_nm: float
 ) -> tuple[float, tuple[Channel, Accuracy]]:
     """Return the tolerance of u with its channel; of a correction the least one that it allows."""
     default_nm = tolerance_nm or default_tolerance_nm(geometry)
@@ -130,7 +130,8 @@ def _within(
                 with suppress(UnreachableError):
                     return wider_nm, _u_of(part, geometry, tip, wider_nm)
         default_nm = CORRECTED_NM[-1]
-    return default_nm, _u_of(part, geometry, tip, default_nm)
+    is_drawn = geometry.measured is None and geometry.correction is None
+    return default_nm, _u_of(part, geometry, tip, default_nm, most_nm if is_drawn else 0.0)
 
 
 def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
@@ -156,8 +157,8 @@ def generate(
     tolerance_nm : float, optional
         Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
         by default 1 nm, for u of a refitted composite section 5 nm, of a corrected drawing the
-        first of 3, 10, 30, 100 and 300 nm that can be reached, and for x of a profile with
-        corners what can be reached, at most half of the accepted form error.
+        first of 3, 10, 30, 100 and 300 nm that can be reached, and of a profile or an ovality with
+        corners or steps of curvature what can be reached, at most half of the accepted form error.
     correction : Correction, optional
         By a gauged part: the table plays the drawing less this reduction.
 
@@ -177,7 +178,7 @@ def generate(
     most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE
     key = way_key(part, tolerance_nm), correction
     tolerance_u_nm, (u, accuracy_u) = recall(
-        ("skirt u", key), lambda: _within(part, geometry, tip, tolerance_nm)
+        ("skirt u", key), lambda: _within(part, geometry, tip, tolerance_nm, most_nm)
     )
     x, accuracy_x = recall(
         ("skirt x", key), lambda: choose_x(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)

@@ -154,9 +154,12 @@ def _hopeful(geometry: Geometry, tolerance_nm: float, coarse: set[int]) -> Itera
 
 
 def choose_u(
-    geometry: Geometry, tolerance_nm: float, sieve: Geometry | None = None
+    geometry: Geometry, tolerance_nm: float, sieve: Geometry | None = None, most_nm: float = 0.0
 ) -> tuple[Channel, Accuracy]:
     """Return the smallest u channel within the tolerance, and its measured error.
+
+    Between slices at equal distances no cubic follows a step of the ovality's curvature within any
+    tolerance. Where none keeps it, the best one found is taken if its error is at most most_nm.
 
     Parameters
     ----------
@@ -169,31 +172,43 @@ def choose_u(
         With the best error that was found.
     """
     if sieve is not None and sieve is not geometry:
-        found = _measured(geometry, sieve, tolerance_nm, _MAX_SIEVED)
-        if not isinstance(found, float):
-            return found
-    found = _measured(geometry, geometry, tolerance_nm, _MAX_MEASURES)
-    if isinstance(found, float):
-        raise UnreachableError("u", tolerance_nm, found)
-    return found
+        within, _ = _measured(geometry, sieve, tolerance_nm, _MAX_SIEVED)
+        if within is not None:
+            return within
+    within, others = _measured(geometry, geometry, tolerance_nm, _MAX_MEASURES)
+    if within is not None:
+        return within
+    smooth = [one for one in others if _keeps_derivatives(geometry, *_shares(one[1]))]
+    best = min(smooth, key=lambda one: one[1].value_nm, default=None)
+    if best is None or best[1].value_nm > most_nm:
+        best_nm = min((accuracy.value_nm for _, accuracy in others), default=inf)
+        raise UnreachableError("u", tolerance_nm, best_nm)
+    return best
+
+
+def _shares(accuracy: Accuracy) -> tuple[float, float]:
+    return accuracy.first_share, accuracy.second_share
 
 
 def _measured(
     geometry: Geometry, sieve: Geometry, tolerance_nm: float, most: int
-) -> tuple[Channel, Accuracy] | float:
-    """Return the first channel of a sieve's sizes that keeps the tolerance, or the least error."""
-    best_nm = inf
+) -> tuple[tuple[Channel, Accuracy] | None, list[tuple[Channel, Accuracy]]]:
+    """Return the first channel of a sieve's sizes that keeps the tolerance, and those that do not.
+
+    The latter are those that were measured before it.
+    """
+    others: list[tuple[Channel, Accuracy]] = []
     coarse: set[int] = set()
     for candidate in islice(_hopeful(sieve, tolerance_nm, coarse), most):
         channel = u_channel(geometry, candidate.log2_knots, candidate.n_slices)
         accuracy = measure_u(geometry, channel)
-        shares = accuracy.first_share, accuracy.second_share
-        if accuracy.value_nm <= tolerance_nm and _keeps_derivatives(geometry, *shares):
-            return channel, accuracy
-        if accuracy.value_nm <= tolerance_nm:
+        is_within = accuracy.value_nm <= tolerance_nm
+        if is_within and _keeps_derivatives(geometry, *_shares(accuracy)):
+            return (channel, accuracy), others
+        if is_within:
             coarse.add(candidate.log2_knots)  # a derivative decides, and that by the angle
-        best_nm = min(best_nm, accuracy.value_nm)
-    return best_nm
+        others.append((channel, accuracy))
+    return None, others
 
 
 def choose_x(
