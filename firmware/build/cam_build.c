@@ -5,6 +5,7 @@
 #include "cam_changes.h"        // cam_changes_build
 #include "cam_demand.h"         // cam_demand_half_stroke_nm
 #include "cam_derived_limits.h" // cam_derived_limits_jump_counts
+#include "cam_feasible.h"       // cam_feasible_highest_mrpm
 #include "cam_fix.h"            // cam_sat_i32
 #include "cam_plan.h"           // cam_plan_ticks
 #include "cam_play.h"           // cam_play_history
@@ -96,6 +97,28 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t di
     c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
 }
 
+/// @return [turn] shortest ramp of 2, 4, 8 .. turns with which Z and X can follow a stop at the
+///         highest speed, at most the ramp of the cut
+static int64_t stop_ramp_q32(const cam_params_t *p, const cam_table_t *table, int64_t ramp_q32,
+                             uint32_t tick_hz)
+{
+    cam_params_t with = *p;
+    const uint32_t speed_mrpm = cam_feasible_highest_mrpm(table, p, tick_hz);
+    int32_t turns = 2;
+    for (; turns < p->feed_ramp_turns; turns *= 2) {
+        with.feed_ramp_turns = turns;
+        if (cam_feasible_check(table, &with, speed_mrpm, tick_hz) == cam_ok) {
+            break;
+        }
+    }
+    return cam_cut_smaller(turns * CAM_TURN_Q32, ramp_q32);
+}
+
+static uint32_t reciprocal_q31(int64_t ramp_q32)
+{
+    return (uint32_t)(((UINT64_C(1) << 63) - 1u) / (uint64_t)ramp_q32);
+}
+
 /// The feed in turns is rounded down by less than 2^-32, heights to nearest: the last is reached.
 static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
                        uint32_t tick_hz)
@@ -105,7 +128,9 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
     const int64_t fed_q32 =
         span_nm / c->feed_nm * CAM_TURN_Q32 + span_nm % c->feed_nm * CAM_TURN_Q32 / c->feed_nm;
     c->ramp_q32 = cam_clamp_i64(fed_q32, CAM_TURN_Q32 / 2, p->feed_ramp_turns * CAM_TURN_Q32);
-    c->per_ramp_q31 = (uint32_t)(((UINT64_C(1) << 63) - 1u) / (uint64_t)c->ramp_q32);
+    c->per_ramp_q31 = reciprocal_q31(c->ramp_q32);
+    c->stop_ramp_q32 = stop_ramp_q32(p, table, c->ramp_q32, tick_hz);
+    c->per_stop_q31 = reciprocal_q31(c->stop_ramp_q32);
     c->feed_q32 = fed_q32 + c->ramp_q32;
     c->z_margin_nm = p->z_margin_nm;
     c->z_first_nm = table->z_first_nm;

@@ -30,11 +30,12 @@ static int64_t times(int64_t a, int32_t b, uint32_t n)
     return plus(cam_wrap_times_i64(a >> n, b), cam_wrap_times_i64(low, b) >> n);
 }
 
-/// @return [turn] feed while the rate rises from 0 over some turns, x^2 / 2r
-static int64_t risen_q32(const cam_play_config_t *cfg, int64_t turns_q32)
+/// @param per_q31  [1/turn] the reciprocal of r
+/// @return         [turn] feed while the rate rises from 0 over some turns, x^2 / 2r
+static int64_t risen_q32(uint32_t per_q31, int64_t turns_q32)
 {
     const int64_t turns_q24 = turns_q32 >> 8;
-    const int64_t share_q31 = cam_wrap_times_i64(turns_q24, cfg->per_ramp_q31) >> 24;
+    const int64_t share_q31 = cam_wrap_times_i64(turns_q24, per_q31) >> 24;
     return cam_wrap_times_i64(share_q31, turns_q24) >> 24;
 }
 
@@ -53,11 +54,12 @@ static int64_t fed_before_brake_q32(const cam_feed_motion_t *c, const cam_play_c
     }
     const int64_t done_q32 = minus(pos_q32, c->from_q32);
     if (c->rate_q30 <= c->to_rate_q30 || done_q32 <= 0) {
-        const int64_t more_q32 = done_q32 > 0 ? risen_q32(cfg, done_q32) : 0;
+        const int64_t more_q32 = done_q32 > 0 ? risen_q32(cfg->per_ramp_q31, done_q32) : 0;
         return plus(plus(c->fed_q32, times(done_q32, c->rate_q30, 30)), more_q32);
     }
     const int64_t left_q32 = minus(c->to_q32, pos_q32);
-    const int64_t less_q32 = plus(times(left_q32, c->to_rate_q30, 30), risen_q32(cfg, left_q32));
+    const int64_t less_q32 =
+        plus(times(left_q32, c->to_rate_q30, 30), risen_q32(cfg->per_ramp_q31, left_q32));
     return minus(c->fed_to_q32, less_q32);
 }
 
@@ -71,9 +73,10 @@ int32_t cam_feed_motion_fed_nm_isr(const cam_feed_motion_t *c, const cam_play_co
         return cam_feed_height_nm_isr(&cfg->rings, done_q32,
                                       cam_feed_risen_q30_isr(&cfg->rings, done_q32));
     }
-    const int64_t fed_q32 = pos_q32 < c->brake_q32
-                                ? fed_before_brake_q32(c, cfg, pos_q32)
-                                : minus(c->fed_end_q32, risen_q32(cfg, later(left_q32, 0)));
+    const int64_t fed_q32 =
+        pos_q32 < c->brake_q32
+            ? fed_before_brake_q32(c, cfg, pos_q32)
+            : minus(c->fed_end_q32, risen_q32(c->per_brake_q31, later(left_q32, 0)));
     return (int32_t)(plus(cam_wrap_times_i64(fed_q32, cfg->feed_nm), INT64_C(1) << 31) >> 32);
 }
 
@@ -92,6 +95,7 @@ static void schedule_brake(cam_feed_motion_t *c, const cam_play_config_t *cfg, i
     c->brake_q32 = plus(plus(c->to_q32, near_q32), more_q32);
     c->end_q32 = plus(c->brake_q32, ramp_q32(cfg, c->to_rate_q30));
     c->fed_end_q32 = cfg->feed_q32 - cfg->ramp_q32;
+    c->per_brake_q31 = cfg->per_ramp_q31;
     c->is_held = false;
 }
 
@@ -155,6 +159,7 @@ void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cf
     c->fed_end_q32 = 0;
     c->rate_q30 = 0;
     c->to_rate_q30 = 0;
+    c->per_brake_q31 = cfg->per_ramp_q31;
     c->requested_q30 = cfg->feed_rate_q30;
     c->is_held = cfg->feed_rate_q30 == 0;
     if (cfg->rings.is_on && !c->is_held) {
@@ -165,9 +170,24 @@ void cam_feed_motion_begin_isr(cam_feed_motion_t *c, const cam_play_config_t *cf
     }
 }
 
-/// Bring the brake forward, so that the feed rests at a whole turn. @return whether that is before
-/// the end of the part
-static bool brake_early(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t next_q32)
+/// @return [1] rate at a position before the brake
+static int32_t rate_at_q30(const cam_feed_motion_t *c, const cam_play_config_t *cfg,
+                           int64_t pos_q32)
+{
+    const int64_t done_q32 = minus(pos_q32, c->from_q32);
+    if (pos_q32 >= c->to_q32 || done_q32 <= 0) {
+        return done_q32 > 0 ? c->to_rate_q30 : c->rate_q30;
+    }
+    const int64_t share_q31 = cam_wrap_times_i64(done_q32 >> 8, cfg->per_ramp_q31) >> 24;
+    const int32_t by_q30 = (int32_t)(share_q31 >> 1);
+    return c->to_rate_q30 > c->rate_q30 ? cam_wrap_add(c->rate_q30, by_q30)
+                                        : cam_wrap_sub(c->rate_q30, by_q30);
+}
+
+/// Bring the brake forward, so that the feed rests at a whole turn. A stop ends a change of the
+/// rate and brakes more steeply. @return whether that is before the end of the part
+static bool brake_early(cam_feed_motion_t *c, const cam_play_config_t *cfg, int64_t next_q32,
+                        bool is_stop)
 {
     if (next_q32 <= c->from_q32 && c->rate_q30 == 0) {
         c->brake_q32 = next_q32;
@@ -175,15 +195,22 @@ static bool brake_early(cam_feed_motion_t *c, const cam_play_config_t *cfg, int6
         c->fed_end_q32 = c->fed_q32;
         return true;
     }
-    const int64_t braked_q32 = ramp_q32(cfg, c->to_rate_q30);
-    const int64_t end_q32 = cam_angle_next_turn(plus(later(next_q32, c->to_q32), braked_q32));
+    const bool is_cut = is_stop && next_q32 < c->to_q32;
+    const int32_t rate_q30 = is_cut ? rate_at_q30(c, cfg, next_q32) : c->to_rate_q30;
+    const int64_t to_q32 = is_cut ? next_q32 : c->to_q32;
+    const int64_t braked_q32 = times(is_stop ? cfg->stop_ramp_q32 : cfg->ramp_q32, rate_q30, 30);
+    const int64_t end_q32 = cam_angle_next_turn(plus(later(next_q32, to_q32), braked_q32));
     if (end_q32 >= c->end_q32) {
         return false;
     }
+    c->fed_to_q32 = is_cut ? fed_before_brake_q32(c, cfg, next_q32) : c->fed_to_q32;
+    c->to_q32 = to_q32;
+    c->to_rate_q30 = rate_q30;
     c->brake_q32 = minus(end_q32, braked_q32);
     c->end_q32 = end_q32;
-    const int64_t even_q32 = times(minus(c->brake_q32, c->to_q32), c->to_rate_q30, 30);
-    const int64_t last_q32 = times(braked_q32, c->to_rate_q30, 30) / 2;
+    c->per_brake_q31 = is_stop ? cfg->per_stop_q31 : cfg->per_ramp_q31;
+    const int64_t even_q32 = times(minus(c->brake_q32, to_q32), rate_q30, 30);
+    const int64_t last_q32 = times(braked_q32, rate_q30, 30) / 2;
     c->fed_end_q32 = plus(plus(c->fed_to_q32, even_q32), last_q32);
     return true;
 }
@@ -248,8 +275,8 @@ void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *
     }
     bool is_done = true;
     if (rate_q30 == 0) {
-        c->is_held =
-            cfg->rings.is_on ? rest_rings(c, next_q32, false) : brake_early(c, cfg, next_q32);
+        c->is_held = cfg->rings.is_on ? rest_rings(c, next_q32, false)
+                                      : brake_early(c, cfg, next_q32, false);
     } else if (c->is_held) {
         is_done = now_q32 >= c->end_q32;
         if (is_done) {
@@ -264,12 +291,14 @@ void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *
 int64_t cam_feed_motion_stop_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg,
                                  int64_t next_q32)
 {
-    if (c->is_held) {
-        c->is_held = false;
-    } else if (cfg->rings.is_on) {
+    const bool was_held = c->is_held;
+    c->is_held = false;
+    if (cfg->rings.is_on && !was_held) {
         (void)rest_rings(c, next_q32, true);
+    } else if (!cfg->rings.is_on && next_q32 <= c->brake_q32) {
+        (void)brake_early(c, cfg, next_q32, true);
     } else {
-        (void)brake_early(c, cfg, next_q32);
+        // it brakes or rests already
     }
     return later(c->end_q32, next_q32); // Z may rest already, after a hold
 }

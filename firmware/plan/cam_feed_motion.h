@@ -3,8 +3,8 @@
 ///
 /// The feed rate, 1 as programmed, ramps by 1 per `feed_ramp_turns` turns: from rest to the
 /// override, from one override to the next, and to rest for the end, a hold or a stop. Ramps never
-/// overlap, so Z never accelerates more than in the plain cut, whatever the override. A change of
-/// the rate
+/// overlap, so Z never accelerates more than in the plain cut, whatever the override; only a stop
+/// brakes within `stop_ramp_q32`. A change of the rate
 ///
 ///     from .. to    rate -> to_rate     parabola of what is fed
 ///     .. brake      to_rate             straight line
@@ -33,6 +33,7 @@ typedef struct {
     int64_t fed_end_q32;         ///< [turn] feed at the end
     int32_t rate_q30;            ///< [1] before the change
     int32_t to_rate_q30;         ///< [1] after it
+    uint32_t per_brake_q31;      ///< [1/turn] fall of the rate in the brake
     int32_t requested_q30;       ///< [1] last request carried out
     bool is_held;                ///< the rest is a hold, not the end of the part
 } cam_feed_motion_t;
@@ -53,8 +54,8 @@ int32_t cam_feed_motion_fed_nm_isr(const cam_feed_motion_t *c, const cam_play_co
 void cam_feed_motion_request_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg,
                                  int64_t now_q32, int64_t next_q32);
 
-/// End the feed early. A moving feed brakes after the present ramp; a ring-helix continues to the
-/// end of the next ring; a feed that has not begun never begins.
+/// End the feed early. A moving feed ends its present ramp and brakes as steeply as Z and X can; a
+/// ring-helix continues to the end of the next ring; a feed that has not begun never begins.
 /// @param next_q32  as for cam_feed_motion_request_isr()
 /// @return          [turn] where Z rests, at next_q32 or later
 int64_t cam_feed_motion_stop_isr(cam_feed_motion_t *c, const cam_play_config_t *cfg,

@@ -163,6 +163,8 @@ typedef struct {
     int64_t feed_q32;       ///< [turn] from first to last height, ramps included
     int64_t ramp_q32;       ///< [turn] over which the feed rises, and falls
     uint32_t per_ramp_q31;  ///< [1/turn] its reciprocal
+    int64_t stop_ramp_q32;  ///< [turn] over which a stop lets the feed fall
+    uint32_t per_stop_q31;  ///< [1/turn] its reciprocal
     cam_rings_t rings;      ///< off: the feed is that of a helix
     int32_t feed_nm;        ///< [nm] per turn
     int32_t z_first_nm;     ///< [nm] where the feed starts

@@ -5,6 +5,7 @@
 #include "cam_feed_motion.h"
 #include "fixture_play.h"
 #include "unity.h"
+#include <math.h>
 
 static fixture_play_t f;
 
@@ -106,5 +107,54 @@ static void test_override_changes_no_rings(void)
         TEST_ASSERT_EQUAL_INT64(before.to_q32, c.to_q32);
         TEST_ASSERT_EQUAL_INT64(before.end_q32, c.end_q32);
         TEST_ASSERT_EQUAL_INT32(one, c.to_rate_q30);
+    }
+}
+
+enum { long_ramp = 30, stop_ramp = 2, per_turn = 16 };
+
+/// A part of 200 turns whose feed rises over 30 turns, as with learning; a stop takes two.
+static void set_long_ramp(cam_play_config_t *cfg)
+{
+    cfg->rings.is_on = false;
+    cfg->feed_rate_q30 = 1 << 30;
+    cfg->per_feed_rate_q24 = 1 << 24;
+    cfg->feed_nm = 100000;
+    cfg->ramp_q32 = long_ramp * CAM_TURN_Q32;
+    cfg->per_ramp_q31 = (uint32_t)((UINT64_C(1) << 31) / long_ramp);
+    cfg->stop_ramp_q32 = stop_ramp * CAM_TURN_Q32;
+    cfg->per_stop_q31 = (uint32_t)((UINT64_C(1) << 31) / stop_ramp);
+    cfg->feed_q32 = (200 + long_ramp) * CAM_TURN_Q32;
+}
+
+/// Wherever a stop comes, in the ramps or between them: what is commanded stays, Z rests within
+/// three turns, and it never brakes more steeply than the ramp of a stop.
+static void test_stop_ends_a_ramp_and_rests_within_three_turns(void)
+{
+    cam_play_config_t *cfg = &f.config.play;
+    set_long_ramp(cfg);
+    const double most_nm = 1.01 * cfg->feed_nm / stop_ramp / per_turn / per_turn + 2.0;
+    for (int64_t turn = 11; turn < 200; turn++) {
+        const int64_t next_q32 = turn * CAM_TURN_Q32;
+        cam_feed_motion_t c = {0};
+        cam_feed_motion_begin_isr(&c, cfg, 10 * CAM_TURN_Q32);
+        const cam_feed_motion_t before = c;
+        const int64_t end_q32 = cam_feed_motion_stop_isr(&c, cfg, next_q32);
+        TEST_ASSERT_EQUAL_INT64(0, end_q32 % CAM_TURN_Q32);
+        TEST_ASSERT_LESS_OR_EQUAL_INT64(next_q32 + 3 * CAM_TURN_Q32, end_q32);
+        double last_nm = 0.0;
+        double step_nm = 0.0;
+        for (int64_t i = 10 * per_turn; i <= (turn + 5) * per_turn; i++) {
+            const int64_t at_q32 = i * (CAM_TURN_Q32 / per_turn);
+            const double z_nm = cam_feed_motion_fed_nm_isr(&c, cfg, at_q32);
+            const double change_nm = z_nm - last_nm - step_nm;
+            TEST_ASSERT_TRUE(i < 10 * per_turn + 2 || fabs(change_nm) <= most_nm);
+            if (at_q32 <= next_q32) {
+                TEST_ASSERT_INT32_WITHIN(1, cam_feed_motion_fed_nm_isr(&before, cfg, at_q32),
+                                         (int32_t)z_nm);
+            }
+            TEST_ASSERT_TRUE(at_q32 <= end_q32 || z_nm - last_nm < 0.5);
+            step_nm = z_nm - last_nm;
+            last_nm = z_nm;
+        }
     }
 }
