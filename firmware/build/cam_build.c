@@ -5,7 +5,6 @@
 #include "cam_changes.h"        // cam_changes_build
 #include "cam_demand.h"         // cam_demand_half_stroke_nm
 #include "cam_derived_limits.h" // cam_derived_limits_jump_counts
-#include "cam_feasible.h"       // cam_feasible_highest_mrpm
 #include "cam_fix.h"            // cam_sat_i32
 #include "cam_plan.h"           // cam_plan_ticks
 #include "cam_play.h"           // cam_play_history
@@ -97,21 +96,22 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t di
     c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
 }
 
-/// @return [turn] shortest ramp of 2, 4, 8 .. turns with which Z and X can follow a stop at the
-///         highest speed, at most the ramp of the cut
-static int64_t stop_ramp_q32(const cam_params_t *p, const cam_table_t *table, int64_t ramp_q32,
-                             uint32_t tick_hz)
+/// Turns over which a stop lets the feed fall: while it does, Z and X take half of their
+/// accelerations for it, and at least two. The other half is for the form of the part.
+/// @param most_mrpm  [r/min / 1000] highest speed of the spindle
+/// @return           [turn] at most the ramp of the cut
+static int64_t stop_ramp_q32(const cam_play_config_t *c, const cam_params_t *p,
+                             const cam_table_t *table, uint32_t most_mrpm)
 {
-    cam_params_t with = *p;
-    const uint32_t speed_mrpm = cam_feasible_highest_mrpm(table, p, tick_hz);
-    int32_t turns = 2;
-    for (; turns < p->feed_ramp_turns; turns *= 2) {
-        with.feed_ramp_turns = turns;
-        if (cam_feasible_check(table, &with, speed_mrpm, tick_hz) == cam_ok) {
-            break;
-        }
-    }
-    return cam_cut_smaller(turns * CAM_TURN_Q32, ramp_q32);
+    const uint64_t rpm = most_mrpm / 1000u + 1u;
+    const uint64_t even = (uint64_t)c->feed_nm * rpm * rpm / UINT64_C(3600000000) + 1u; // [mm/s2]
+    const uint64_t z = cam_cut_scaled_up(even, table->way_slope_ppm, 1000000);
+    const uint64_t x = cam_cut_scaled_up(z, table->x_slope_ppm, 1000000);
+    const uint64_t z_turns = 2u * z / (uint64_t)p->z_acceleration_mm_per_s2 + 1u;
+    const uint64_t x_turns = 2u * x / (uint64_t)p->x_acceleration_mm_per_s2 + 1u;
+    const uint64_t turns = cam_cut_greater(2u, cam_cut_greater(z_turns, x_turns));
+    const uint64_t most = (uint64_t)p->feed_ramp_turns;
+    return cam_cut_smaller((int64_t)(turns < most ? turns : most) * CAM_TURN_Q32, c->ramp_q32);
 }
 
 static uint32_t reciprocal_q31(int64_t ramp_q32)
@@ -121,7 +121,7 @@ static uint32_t reciprocal_q31(int64_t ramp_q32)
 
 /// The feed in turns is rounded down by less than 2^-32, heights to nearest: the last is reached.
 static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
-                       uint32_t tick_hz)
+                       uint32_t most_mrpm, uint32_t tick_hz)
 {
     const int64_t span_nm = (int64_t)table->z_last_nm - table->z_first_nm;
     c->feed_nm = p->feed_nm > 0 ? p->feed_nm : (int32_t)table->feed_nm;
@@ -129,7 +129,7 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
         span_nm / c->feed_nm * CAM_TURN_Q32 + span_nm % c->feed_nm * CAM_TURN_Q32 / c->feed_nm;
     c->ramp_q32 = cam_clamp_i64(fed_q32, CAM_TURN_Q32 / 2, p->feed_ramp_turns * CAM_TURN_Q32);
     c->per_ramp_q31 = reciprocal_q31(c->ramp_q32);
-    c->stop_ramp_q32 = stop_ramp_q32(p, table, c->ramp_q32, tick_hz);
+    c->stop_ramp_q32 = stop_ramp_q32(c, p, table, most_mrpm);
     c->per_stop_q31 = reciprocal_q31(c->stop_ramp_q32);
     c->feed_q32 = fed_q32 + c->ramp_q32;
     c->z_margin_nm = p->z_margin_nm;
@@ -319,7 +319,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         config->play.x_clear_q10 =
             ((int64_t)table->x_max_nm + params->x_trim_nm + config->play.x_clearance_nm) * 1024;
         config->play.x_offset_q10 = (int64_t)table->x.value_offset * 1024;
-        build_feed(&config->play, params, table, tick_hz);
+        build_feed(&config->play, params, table, speed_limit_mrpm, tick_hz);
         // Scaled for the spindle's limit, not its speed: the scale must not change in the cut.
         const int32_t limit_q32 =
             cam_build_speed_q32((uint32_t)params->spindle_limit_mrpm, tick_hz);

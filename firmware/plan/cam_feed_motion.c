@@ -180,8 +180,9 @@ static int32_t rate_at_q30(const cam_feed_motion_t *c, const cam_play_config_t *
     }
     const int64_t share_q31 = cam_wrap_times_i64(done_q32 >> 8, cfg->per_ramp_q31) >> 24;
     const int32_t by_q30 = (int32_t)(share_q31 >> 1);
-    return c->to_rate_q30 > c->rate_q30 ? cam_wrap_add(c->rate_q30, by_q30)
-                                        : cam_wrap_sub(c->rate_q30, by_q30);
+    return c->to_rate_q30 > c->rate_q30
+               ? cam_clamp_i32(cam_wrap_add(c->rate_q30, by_q30), c->rate_q30, c->to_rate_q30)
+               : cam_clamp_i32(cam_wrap_sub(c->rate_q30, by_q30), c->to_rate_q30, c->rate_q30);
 }
 
 /// Bring the brake forward, so that the feed rests at a whole turn. A stop ends a change of the

@@ -89,6 +89,8 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(feed_q32, 0, INT64_MAX)                                                                      \
     X(ramp_q32, TURN / 2, 100 * TURN)                                                              \
     X(per_ramp_q31, (1u << 31) / 100 - 1, UINT32_MAX)                                              \
+    X(stop_ramp_q32, TURN / 2, 100 * TURN)                                                         \
+    X(per_stop_q31, (1u << 31) / 100 - 1, UINT32_MAX)                                              \
     X(rings.is_on, 0, 1)                                                                           \
     X(feed_nm, 1, 10000000)                                                                        \
     X(z_first_nm, -1000000000, 1000000000)                                                         \

@@ -77,6 +77,7 @@
 #define FEED_MOTION(X)                                                                             \
     X(rate_q30, 0, Q30 + Q30 / 2)                                                                  \
     X(to_rate_q30, 0, Q30 + Q30 / 2)                                                               \
+    X(per_brake_q31, 0, UINT32_MAX)                                                                \
     X(requested_q30, 0, Q30 + Q30 / 2)                                                             \
     X(is_held, 0, 1)
 

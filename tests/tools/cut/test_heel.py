@@ -46,7 +46,7 @@ def scanned(radius_mm: Floats, folder: Path, **tables: object) -> SkirtPart:
     ]
     (folder / "scan.csv").write_text("angle_deg,z_mm,reduction_um\n" + "\n".join(rows) + "\n")
     profile = {"height_mm": [0, 20], "diameter_mm": [2 * largest, 2 * largest]}
-    section = {"shape": "table", "csv": str(folder / "scan.csv")}
+    section = {"shape": "table", "csv": str(folder / "scan.csv"), "single_height": True}
     tree = example_part().model_dump() | {"piston": {"profile": profile, "section": section}}
     return SkirtPart.model_validate(tree | tables)
 

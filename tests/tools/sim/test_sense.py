@@ -39,6 +39,7 @@ diameter_mm = [{diameter:g}, {diameter:g}]
 [piston.section]
 shape = "table"
 csv = "mark.csv"
+single_height = true
 
 [process]
 spindle_rpm = {rpm:g}

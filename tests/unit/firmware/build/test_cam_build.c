@@ -17,9 +17,13 @@ void setUp(void)
     hal_host_reset(hz);
     params = cam_param_defaults();
     table = (cam_table_t){
-        .u = {.log2_knots = 10, .log2_repeat = 1, .frac_bits = 6, .n_slices = 30},
-        .x = {.value_offset = 1234},
-        .angle = {.frac_bits = 3, .value_offset = -77},
+        .u = {.log2_knots = 10,
+              .log2_repeat = 1,
+              .frac_bits = 6,
+              .n_slices = 30,
+              .span_nm = 62000000},
+        .x = {.value_offset = 1234, .n_slices = 30, .span_nm = 62000000},
+        .angle = {.frac_bits = 3, .value_offset = -77, .n_slices = 30, .span_nm = 62000000},
         .z_first_nm = -1000000,
         .z_last_nm = 61000000,
         .x_max_nm = 45000000,
@@ -140,6 +144,20 @@ static void test_feed(void)
     const cam_play_config_t *c = &config.play;
     TEST_ASSERT_EQUAL_INT64(3 * (INT64_C(1) << 32), c->ramp_q32);
     expect_near(2147483648.0 / 3.0, c->per_ramp_q31);
+    TEST_ASSERT_EQUAL_INT64(2 * (INT64_C(1) << 32), c->stop_ramp_q32);
+    expect_near(2147483648.0 / 2.0, c->per_stop_q31);
+    params.z_acceleration_mm_per_s2 = 200; // 0.1 mm per turn at 3000 r/min: 250 mm/s2 in one turn
+    table.way_slope_ppm = 1000000;
+    build();
+    TEST_ASSERT_EQUAL_INT64(3 * (INT64_C(1) << 32), c->stop_ramp_q32);
+    params.z_acceleration_mm_per_s2 = 2000;
+    params.x_acceleration_mm_per_s2 = 10;
+    table.x_slope_ppm = 50000;
+    build();
+    TEST_ASSERT_EQUAL_INT64(3 * (INT64_C(1) << 32), c->stop_ramp_q32);
+    params.x_acceleration_mm_per_s2 = 2000;
+    build();
+    TEST_ASSERT_EQUAL_INT64(2 * (INT64_C(1) << 32), c->stop_ramp_q32);
     TEST_ASSERT_EQUAL_INT64(623 * (INT64_C(1) << 32), c->feed_q32);
     TEST_ASSERT_EQUAL_INT32(54321, c->z_margin_nm);
     TEST_ASSERT_EQUAL_INT32(-1000000, c->z_first_nm);

@@ -211,8 +211,8 @@ static double stop_at(double turns)
     return end;
 }
 
-/// Before the feed there is none. One that rises goes on to rise, a steady one falls from the next
-/// turn on, and one that falls is left alone.
+/// Before the feed there is none. One that rises or is steady falls from the next turn on, and one
+/// that falls is left alone.
 static void test_stop_disengages_at_a_whole_turn(void)
 {
     static const struct {
@@ -220,7 +220,7 @@ static void test_stop_disengages_at_a_whole_turn(void)
         int32_t z_nm;
     } cases[] = {
         {-9.7, -9.0, 0},      {-5.2, -5.0, 0},       {-3.001, -3.0, 0},     {-0.2, 0.0, 0},
-        {0.3, 4.0, 200000},   {1.5, 4.0, 200000},    {2.5, 5.0, 300000},    {5.5, 8.0, 600000},
+        {0.3, 2.0, 50000},    {1.5, 4.0, 200000},    {2.5, 5.0, 300000},    {5.5, 8.0, 600000},
         {5.99, 9.0, 700000}, // axes were commanded into turn 6 before
         {9.5, 12.0, 1000000}, {10.3, 12.0, 1000000}, {11.9, 12.0, 1000000},
     };
