@@ -6,8 +6,9 @@
 ///     w       = S(1/2 + (pi/2 - |phi - middle|) / blend)
 ///     S(s)    = s^4 (35 - 84 s + 70 s^2 - 20 s^3)
 ///
-/// Laws are those of sim_design.h, and "power": delta = (G / 2) |sin phi|^p, exactly. The table plays
-/// a polynomial instead near the long axis, and what that costs counts as form error. MATHS.md (75)
+/// Laws are those of sim_design.h, and "power": delta = (G / 2) |sin phi|^p, exactly. The table
+/// plays a polynomial instead near the long axis, and what that costs counts as form error.
+/// MATHS.md (75)
 /// .. (77), independent of the generator's code. Error: rounding.
 #ifndef SIM_SIDES_H
 #define SIM_SIDES_H
