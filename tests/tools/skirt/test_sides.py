@@ -92,7 +92,10 @@ def twist_mm(deg: Floats, z_mm: Floats, law: Law = power) -> Floats:
 
 
 FORMULAS = {"thrust90": (THRUST, thrust_mm, 56.0), "twist80": (TWIST, twist_mm, 50.0)}
-DRAWN = {"thrust90": thrust_mm, "twist80": partial(twist_mm, law=power_of_sine)}
+DRAWN: dict[str, Callable[[Floats, Floats], Floats]] = {
+    "thrust90": thrust_mm,
+    "twist80": partial(twist_mm, law=power_of_sine),
+}
 
 
 @pytest.mark.parametrize("name", list(FORMULAS))
