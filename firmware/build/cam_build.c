@@ -103,7 +103,7 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t di
 static int64_t stop_ramp_q32(const cam_play_config_t *c, const cam_params_t *p,
                              const cam_table_t *table, uint32_t most_mrpm)
 {
-    const uint64_t rpm = most_mrpm / 1000u + 1u;
+    const uint32_t rpm = most_mrpm / 1000u + 1u;
     const uint64_t even = (uint64_t)c->feed_nm * rpm * rpm / UINT64_C(3600000000) + 1u; // [mm/s2]
     const uint64_t z = cam_cut_scaled_up(even, table->way_slope_ppm, 1000000);
     const uint64_t x = cam_cut_scaled_up(z, table->x_slope_ppm, 1000000);
