@@ -143,8 +143,8 @@ def simulate(
     rpm, feed : float, optional
         Speed of the spindle [r/min] and feed [mm per turn]; else those of the table.
     turns : float, optional
-        End the cut after so many turns of cutting; those in which the feed then falls
-        (`feed_ramp_turns`) are gauged, too.
+        End the cut after so many turns of cutting; those in which the feed then falls are gauged,
+        too. The full feed is reached after `feed_ramp_turns`, 30 while learning.
     set : mapping, optional
         Parameters of the controller, by their names in `firmware/param/cam_param.h`.
     trace : bool
