@@ -112,15 +112,19 @@ class Overheard:
         """Return the first status from now on in one of some states."""
         return self.wait_for(lambda status: status.state in states)
 
+    def comes(self, is_so: Callable[[Status], bool], patience_s: float = PATIENCE_S) -> bool:
+        """Return whether something is so of a status from now on, within some seconds."""
+        with self._news:
+            n_rows = self._heard.status.n_rows
+            return self._news.wait_for(
+                lambda: self._heard.status.n_rows > n_rows and is_so(self._heard.status),
+                patience_s,
+            )
+
     def wait_for(self, is_so: Callable[[Status], bool]) -> Status:
         """Return the first status from now on of which something is so."""
         with self._news:
-            n_rows = self._heard.status.n_rows
-            is_done = self._news.wait_for(
-                lambda: self._heard.status.n_rows > n_rows and is_so(self._heard.status),
-                PATIENCE_S,
-            )
-            assert is_done, f"{self._heard.status.state} {self._heard.status.faults}"
+            assert self.comes(is_so), f"{self._heard.status.state} {self._heard.status.faults}"
             return self._heard.status
 
     def points(self) -> tuple[set[Point], int]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 from playwright.sync_api import Locator, Page, expect
 
@@ -15,6 +16,7 @@ _POINTS = """element => getElement(Number(element.id.slice(1))).chart.getOption(
     .filter(series => series.id.startsWith("turns-")).flatMap(series => series.data)"""
 Point = tuple[float, float]
 _PRESSES = 5
+_PRESS_S = 10.0
 _WORDS = {"manual": "by hand"}
 
 
@@ -65,6 +67,25 @@ def give(page: Page, overheard: Overheard, name: str, *states: str) -> Status:
         if "press again" not in last.inner_text():
             break
     return overheard.wait_for_state(*states)
+
+
+def press_until(page: Page, button: Locator, moves: Callable[[float], bool]) -> None:
+    """Hold the button of a jog until the axis moves; it stays held.
+
+    A press whose heartbeats came late ends by itself, and is made again, as a person would do it.
+
+    Parameters
+    ----------
+    moves : function
+        waits for the motion for some seconds, and returns whether it came
+    """
+    for _ in range(_PRESSES):
+        button.hover()
+        page.mouse.down()
+        if moves(_PRESS_S):
+            return
+        page.mouse.up()
+    raise AssertionError(f"the axis stands: {page.get_by_test_id('last-order').inner_text()}")
 
 
 def expect_state(page: Page, state: str) -> None:

@@ -9,7 +9,16 @@ from playwright.sync_api import Locator, Page, expect
 from tests.browser.accessible import grave_findings
 from tests.browser.gallery import Gallery
 from tests.browser.overheard import Overheard
-from tests.browser.panel_page import command, expect_state, give, look, order, points, take_command
+from tests.browser.panel_page import (
+    command,
+    expect_state,
+    give,
+    look,
+    order,
+    points,
+    press_until,
+    take_command,
+)
 from tests.browser.panel_session import PanelSession
 from tests.browser.windows import PHONE, OpenWindow
 
@@ -104,11 +113,14 @@ def test_jog_ends_with_its_heartbeats(
     give(page, overheard, "manual", "manual")
     button = page.get_by_test_id("jog-xplus")
     expect(button).to_be_enabled()
-    button.hover()
-    page.mouse.down()
     x_mm = overheard.status().signals["x"]
-    overheard.wait_for(
-        lambda status: status.signals["x"] > x_mm + 0.02 and status.signals["hand_phase"] != 0
+    press_until(
+        page,
+        button,
+        lambda seconds: overheard.comes(
+            lambda status: status.signals["x"] > x_mm + 0.02 and status.signals["hand_phase"] != 0,
+            seconds,
+        ),
     )
     if way == "frozen":
         page.evaluate(FREEZE)

@@ -16,6 +16,7 @@ from camtools.link.controller import Link
 from camtools.link.download import download, select_table
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
+from tests.browser.panel_page import press_until
 from tests.browser.panel_session import PanelSession
 from tests.browser.windows import OpenWindow
 from tests.tools.cases.part_cases import PERKINS
@@ -113,9 +114,14 @@ def test_a_jog_ends_with_its_page(session: PanelSession, open_window: OpenWindow
     before = session.status().signals["x"]
     button = page.get_by_test_id("jog-xplus")
     expect(button).to_be_enabled()
-    button.hover()
-    page.mouse.down()
-    session.wait_for(lambda status: abs(status.signals["x"] - before) > 0.05)
+    witness = session.witness
+    press_until(
+        page,
+        button,
+        lambda seconds: witness.wait(
+            lambda: abs(witness.status.signals["x"] - before) > 0.05, seconds
+        ),
+    )
     page.close()
     last = None
     while last != (last := session.status().signals["x"]):
