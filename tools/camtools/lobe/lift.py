@@ -18,7 +18,8 @@ from scipy.interpolate import BSpline, PPoly, make_interp_spline
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.lobe.listed_lift import points_of
-from camtools.lobe.part import RISES, Camshaft, Lobe, is_turn
+from camtools.lobe.lobe_keys import RISES, Lobe, is_turn
+from camtools.lobe.part import Camshaft
 from camtools.lobe.rise_laws import (
     Cycloidal,
     Harmonic,

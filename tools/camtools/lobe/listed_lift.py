@@ -16,7 +16,7 @@ import numpy as np
 from camtools.base.errors import GeometryError, InputError, numbers_shown
 from camtools.base.input_file import read_whole_table
 from camtools.base.quantities import Floats
-from camtools.lobe.part import MAX_LIFT_MM, MIN_POINTS, MIN_STEP_DEG, Lobe, fits_turn, is_step
+from camtools.lobe.lobe_keys import MAX_LIFT_MM, MIN_POINTS, MIN_STEP_DEG, Lobe, fits_turn, is_step
 from camtools.part.file import MAX_FILE_BYTES
 from camtools.part.model import SAME_MM
 from camtools.table.points import PointedTurn

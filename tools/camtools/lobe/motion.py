@@ -16,7 +16,8 @@ from camtools.base.quantities import Floats
 from camtools.lobe.contact import Contact, Follower, follow, solved_at
 from camtools.lobe.flat_follower import follow_flat
 from camtools.lobe.lift import LiftLaw, make_lift
-from camtools.lobe.part import Camshaft, Lobe, LobePart, LobeProcess
+from camtools.lobe.lobe_keys import Lobe
+from camtools.lobe.part import Camshaft, LobePart, LobeProcess
 from camtools.lobe.undercut import Shape, all_round, check_follower, check_wheel, shape_of, touch_of
 from camtools.part.common import PartInfo
 
