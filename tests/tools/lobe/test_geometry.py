@@ -9,7 +9,8 @@ import pytest
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.lobe.contact import Contact, Follower, contact, follow, solved_at
-from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, periodic_spline
+from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345
+from camtools.lobe.smooth_list import periodic_spline
 from camtools.lobe.undercut import all_round, check_roller, check_wheel, shape_of
 from tests.tools.cases.lobe_tables import DISC, POLY345, POLY345_WHEEL
 

@@ -50,3 +50,13 @@ def length_text(value_um: float) -> str:
     size_um = abs(value_um) * (1 + _ROUNDING)
     factor, unit = (1e-3, "mm") if size_um >= 1000 else length_unit(size_um)
     return f"{value_um * factor:.3g} {unit}"
+
+
+def rounded_up(value: float) -> str:
+    """Return a value rounded up to two digits, for a remedy.
+
+    >>> rounded_up(421.4), rounded_up(1.2345)
+    ('430', '1.3')
+    """
+    step = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return f"{np.ceil(value / step) * step:g}"

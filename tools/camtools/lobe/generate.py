@@ -15,6 +15,7 @@ from math import ceil, pi
 import numpy as np
 
 from camtools.base.cache import recall
+from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, given_of, needed_of, peaks_of
 from camtools.cut.verdict import check_table, needs_of_peaks
@@ -34,6 +35,7 @@ from camtools.lobe.heel import LobeHeel, check_lobe_heel
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
+from camtools.lobe.smoothing_text import noise_hint
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
 from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel
@@ -86,6 +88,15 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
     tolerance_nm = DEFAULT_TOLERANCE_NM if tolerance_nm is None else tolerance_nm
     check_tolerance(tolerance_nm)
     lobes = lobes_of(part)
+    try:
+        return _generated(part, lobes, tolerance_nm)
+    except CamtoolsError as error:
+        hint = noise_hint([lobe.law for lobe in lobes])
+        raise CamtoolsError([line + hint for line in error.lines]) from error
+
+
+def _generated(part: LobePart, lobes: list[ShaftLobe], tolerance_nm: float) -> GeneratedLobes:
+    """Return the table of lobes."""
     plunge = plan_of(part, lobes) if part.process.is_plunge else None
     if plunge is None:
         check_feed(part)

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.interpolate import BSpline, PPoly, make_interp_spline
+from scipy.interpolate import BSpline, PPoly
 
 from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats
-from camtools.lobe.listed_lift import points_of
+from camtools.base.quantities import Floats, rounded_up
+from camtools.lobe.listed_lift import opened, points_of
 from camtools.lobe.lobe_keys import RISES, Lobe, is_turn
 from camtools.lobe.part import Camshaft
 from camtools.lobe.rise_laws import (
@@ -29,6 +29,7 @@ from camtools.lobe.rise_laws import (
     Quintic,
     RiseLaw,
 )
+from camtools.lobe.smooth_list import Smoothing, band_for, periodic_spline, smooth_list
 from camtools.part.model import SAME_MM
 from camtools.table.points import PointedTurn, quintics_of
 
@@ -129,29 +130,20 @@ class Listed:
     spline : BSpline or PPoly
         Lift [mm] over the angle [rad], periodic: a spline of four continuous derivatives, or the
         pieces through given velocities and accelerations.
+    smoothing : Smoothing or None
+        What the part file had done to the points.
+    needed : Smoothing or None
+        What would rid the points of their noise, where nothing was done about much of it.
     """
 
     spline: BSpline | PPoly
+    smoothing: Smoothing | None = None
+    needed: Smoothing | None = None
 
     def evaluate(self, theta_rad: Floats) -> Lift:
         """See `LiftLaw.evaluate`."""
         values = (np.asarray(self.spline(theta_rad, nu=n), dtype=np.float64) for n in range(4))
         return Lift(*values)
-
-
-def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
-    """Return the periodic quintic spline through points of one turn.
-
-    Parameters
-    ----------
-    angle_deg, lift_mm : ndarray, shape (n,)
-        Rising angles that span at most a turn; where they span it, both ends have the same lift.
-    """
-    n = lift_mm.size - is_turn(angle_deg[-1] - angle_deg[0])
-    # the end is made from the beginning: written out, both differ in the last digits
-    angle_deg = np.append(angle_deg[:n], angle_deg[0] + 360)
-    lift_mm = np.append(lift_mm[:n], lift_mm[0])
-    return make_interp_spline(np.radians(angle_deg), lift_mm, k=5, bc_type="periodic")
 
 
 def pieces_of(points: PointedTurn) -> PPoly:
@@ -244,15 +236,60 @@ def _listed(lobe: Lobe, field: str) -> LiftLaw:
     if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > SAME_MM:
         problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
-    law = Listed(pieces_of(points) if points.v.size else periodic_spline(angle_deg, lift_mm))
-    _check_between(law, float(lift_mm.max()), f"{field}.{'csv' if lobe.csv else 'lift_mm'}")
+    law = _curve_through(opened(points), lobe.smooth_um, field)
+    most_mm = float(lift_mm.max())
+    if law.smoothing is not None:
+        most_mm += float(law.smoothing.off_um.max()) / 1000
+    _check_between(law, most_mm, f"{field}.{'csv' if lobe.csv else 'lift_mm'}")
+    if lobe.ramp_height_mm is not None and lobe.ramp_um_per_deg is not None:
+        _check_ramp(law, lobe.ramp_height_mm, lobe.ramp_um_per_deg, f"{field}.ramp_um_per_deg")
     return law
+
+
+def _curve_through(points: PointedTurn, band_um: float | None, field: str) -> Listed:
+    """Return the curve of a list, smoothed where a band is given.
+
+    Raises
+    ------
+    GeometryError
+        A band for points with velocities and accelerations.
+    """
+    if band_um is None:
+        through = pieces_of(points) if points.v.size else periodic_spline(points.x_deg, points.y_mm)
+        return Listed(through, needed=band_for(points))
+    if points.v.size:
+        problem = "the file has velocities and accelerations, which smoothing would contradict"
+        raise GeometryError(f"{field}.smooth_um", problem, "remove these columns, or smooth_um")
+    smoothing = smooth_list(points.x_deg, points.y_mm, band_um)
+    return Listed(smoothing.after, smoothing)
+
+
+def _between(law: Listed) -> Floats:
+    """Return angles [rad] at and between the points of a list."""
+    knots = curve_of(law).x
+    return np.linspace(knots[:-1], knots[1:], _PER_PIECE, axis=-1).ravel()
+
+
+def _check_ramp(law: Listed, height_mm: float, most_um_per_deg: float, field: str) -> None:
+    """Refuse a list that opens or closes faster than allowed below the height of its ramps."""
+    theta = _between(law)
+    found = law.evaluate(theta)
+    um_per_deg = np.where(found.lift <= height_mm, np.radians(found.d1) * 1000, 0.0)
+    worst = int(np.abs(um_per_deg).argmax())
+    most = abs(float(um_per_deg[worst]))
+    if most > most_um_per_deg:
+        problem = (
+            f"the {'opening' if um_per_deg[worst] > 0 else 'closing'} ramp has {most:.4g} um per "
+            f"degree of the cam at {np.degrees(theta[worst]):.5g} degrees, at a lift of "
+            f"{found.lift[worst]:.4g} mm; at most {most_um_per_deg:g} are allowed"
+        )
+        remedy = f"list slower ramps, or allow it: ramp_um_per_deg = {rounded_up(most)}"
+        raise GeometryError(field, problem, remedy)
 
 
 def _check_between(law: Listed, largest_mm: float, field: str) -> None:
     """Refuse a spline that leaves the range of its points: the drawing has no such lift."""
-    knots = curve_of(law).x
-    pieces = np.linspace(knots[:-1], knots[1:], _PER_PIECE, axis=-1).ravel()
+    pieces = _between(law)
     lift_mm = np.asarray(law.spline(pieces), dtype=np.float64)
     stray_mm = np.maximum(-lift_mm, lift_mm - largest_mm)
     worst = int(stray_mm.argmax())

@@ -16,18 +16,31 @@ import numpy as np
 from camtools.base.errors import GeometryError, InputError, numbers_shown
 from camtools.base.input_file import read_whole_table
 from camtools.base.quantities import Floats
-from camtools.lobe.lobe_keys import MAX_LIFT_MM, MIN_POINTS, MIN_STEP_DEG, Lobe, fits_turn, is_step
+from camtools.lobe.lobe_keys import (
+    MAX_LIFT_MM,
+    MIN_POINTS,
+    MIN_STEP_DEG,
+    Lobe,
+    fits_turn,
+    is_step,
+    is_turn,
+)
 from camtools.part.file import MAX_FILE_BYTES
 from camtools.part.model import SAME_MM
-from camtools.table.points import PointedTurn
+from camtools.table.points import MM_PER_INCH, PointedTurn, Units
 from camtools.table.points import parse_points as foreign_points
 
 CSV_HEADER = "angle_deg,lift_mm"
 _MAX_ROWS = 10_000
 
 
-def parse_points(text: str, file: str) -> tuple[Floats, Floats]:
-    """Return angles [degrees] and lifts [mm] of a CSV text.
+def parse_points(text: str, file: str, turns: int = 1) -> tuple[Floats, Floats]:
+    """Return angles [degrees of the cam] and lifts [mm] of a CSV text.
+
+    Parameters
+    ----------
+    turns : int
+        Turns of the text's angle for one of the cam, 1 or 2.
 
     Raises
     ------
@@ -40,7 +53,7 @@ def parse_points(text: str, file: str) -> tuple[Floats, Floats]:
     rows: list[tuple[float, float]] = []
     for number, line in enumerate(lines[1 : _MAX_ROWS + 1], start=2):
         if line.strip():
-            rows.append(_row(file, number, line, rows))
+            rows.append(_row(file, number, line, rows, turns))
     if len(rows) < MIN_POINTS or len(lines) > _MAX_ROWS + 1:
         problem = f"has {len(lines) - 1} points, must have {MIN_POINTS} .. {_MAX_ROWS}"
         raise InputError(file, "angle_deg", None, problem, "list one turn of the cam")
@@ -49,7 +62,7 @@ def parse_points(text: str, file: str) -> tuple[Floats, Floats]:
 
 
 def _row(
-    file: str, number: int, line: str, before: list[tuple[float, float]]
+    file: str, number: int, line: str, before: list[tuple[float, float]], turns: int
 ) -> tuple[float, float]:
     """Return a row that follows the ones before."""
     place = f"line {number}"
@@ -62,13 +75,20 @@ def _row(
     if not (-360 <= angle <= 720 and 0 <= lift_mm <= MAX_LIFT_MM):
         problem = f"angle not -360 .. 720 or lift not 0 .. {MAX_LIFT_MM:g}"
         raise InputError(file, place, line, problem, "give degrees and mm above the base circle")
+    angle /= turns
     if before and not (is_step(angle - before[-1][0]) and fits_turn(angle - before[0][0])):
         problem = f"angles must rise by at least {MIN_STEP_DEG} degrees within one turn"
         raise InputError(file, place, line, problem, "sort the points")
     return angle, lift_mm
 
 
-def _points_of_file(text: str, file: str) -> PointedTurn:
+def _units_of(lobe: Lobe) -> Units:
+    """Return the units of a lobe's file that the part file names."""
+    inch_mm = MM_PER_INCH if lobe.lift_unit == "inch" else None
+    return Units(lobe.turns_listed, lobe.largest_lift_mm or inch_mm)
+
+
+def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
     """Return the points of a text: with our own header, or of another system.
 
     Raises
@@ -76,19 +96,26 @@ def _points_of_file(text: str, file: str) -> PointedTurn:
     InputError
         See `parse_points` here and in camtools.table.points; several heights, or no lifts.
     """
-    if text.lstrip()[: len(CSV_HEADER)] == CSV_HEADER:
-        angle_deg, lift_mm = parse_points(text, file)
+    units, most_mm = _units_of(lobe), lobe.largest_lift_mm or MAX_LIFT_MM
+    if text.lstrip()[: len(CSV_HEADER)] == CSV_HEADER and units.value_mm is None:
+        angle_deg, lift_mm = parse_points(text, file, units.turns)
         return PointedTurn(angle_deg, lift_mm, *np.zeros((2, 0)))
-    found = foreign_points(text, file)
+    found = foreign_points(text, file, units)
     turn = found.sections[0]
     if len(found.sections) > 1:
         problem = f"has {len(found.sections)} heights"
         raise InputError(file, "Z_mm", None, problem, "give the points of one lobe")
     low, high = float(turn.y_mm.min()), float(turn.y_mm.max())
-    if low < -SAME_MM or high > MAX_LIFT_MM:
-        problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {MAX_LIFT_MM:g}"
+    if low < -SAME_MM or high > most_mm + SAME_MM:
+        problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {most_mm:g}"
         raise InputError(file, "Y_mm", None, problem, "give mm above the base circle")
     return turn if found.has_motion else turn._replace(v=turn.v[:0], a=turn.a[:0])
+
+
+def opened(points: PointedTurn) -> PointedTurn:
+    """Return points of a turn without a repeated end."""
+    n = points.x_deg.size - is_turn(points.x_deg[-1] - points.x_deg[0])
+    return PointedTurn(*(column[:n] for column in points))
 
 
 def points_of(lobe: Lobe, field: str) -> PointedTurn:
@@ -108,11 +135,11 @@ def points_of(lobe: Lobe, field: str) -> PointedTurn:
     """
     if lobe.csv is None:
         assert lobe.angle_deg is not None
-        listed = np.asarray(lobe.angle_deg, dtype=float), np.asarray(lobe.lift_mm, dtype=float)
-        return PointedTurn(*listed, *np.zeros((2, 0)))
+        angle_deg = np.asarray(lobe.angle_deg, dtype=float) / lobe.turns_listed
+        return PointedTurn(angle_deg, np.asarray(lobe.lift_mm, dtype=float), *np.zeros((2, 0)))
     path = Path(lobe.csv)
     try:
-        return _points_of_file(read_whole_table(path, MAX_FILE_BYTES), path.name)
+        return _points_of_file(read_whole_table(path, MAX_FILE_BYTES), path.name, lobe)
     except InputError as error:
         problem, _, remedy = error.lines[0].rpartition("; ")
         raise GeometryError(f"{field}.csv", problem, remedy) from error

@@ -14,6 +14,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, StringConstraints, Tag, ValidationInfo, field_validator, model_validator
 
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, beside_the_part, rising, wrong
+from camtools.part.smoothing import SmoothUm
 
 MAX_LIFT_MM = 15.0
 MIN_POINTS = 8
@@ -42,6 +43,7 @@ def fits_turn(span_deg: float) -> bool:
     return is_turn(span_deg) or is_step(360 - span_deg)
 
 
+_TURNS = {"cam": 1, "crank": 2}  # of the list's angle for one turn of the cam
 _LONG = Field(min_length=MIN_POINTS, max_length=10_000)
 Lifts = Annotated[
     Annotated[list[PointLiftMm], _LONG, Tag("(list)")] | Annotated[LiftMm, Tag("(one)")],
@@ -57,6 +59,8 @@ _BELONGS_TO = {
     "offset_mm": ("disc",),
     "angle_deg": ("list",),
     "csv": ("list",),
+    **dict.fromkeys(("degrees_of", "lift_unit", "largest_lift_mm"), ("list",)),
+    **dict.fromkeys(("smooth_um", "ramp_height_mm", "ramp_um_per_deg"), ("list",)),
 }
 _NEEDED = dict.fromkeys(RISES, ("lift_mm", "half_angle_deg")) | {
     "polydyne": ("lift_mm", "half_angle_deg", "design_rpm", "natural_hz"),
@@ -98,8 +102,14 @@ class Lobe(TomlTable):
     ] = None
     disc_radius_mm: Annotated[RadiusMm | None, Field(validate_default=True)] = None
     offset_mm: Annotated[LiftMm | None, Field(validate_default=True)] = None
+    degrees_of: Literal["cam", "crank"] = "cam"
     angle_deg: Annotated[list[PointDeg] | None, _LONG] = None
     csv: Annotated[str, StringConstraints(min_length=1, max_length=1000)] | None = None
+    lift_unit: Literal["mm", "inch"] = "mm"
+    largest_lift_mm: LiftMm | None = None
+    smooth_um: SmoothUm | None = None
+    ramp_height_mm: LiftMm | None = None
+    ramp_um_per_deg: Annotated[float, Field(ge=0.1, le=1000)] | None = None
 
     _check_z = field_validator("z_mm")(rising)
 
@@ -131,15 +141,17 @@ class Lobe(TomlTable):
 
     @field_validator("angle_deg")
     @classmethod
-    def _check_angles(cls, value: list[float] | None) -> list[float] | None:
+    def _check_angles(cls, value: list[float] | None, info: ValidationInfo) -> list[float] | None:
+        turns = _TURNS.get(info.data.get("degrees_of", "cam"), 1)
         for before, behind in pairwise(value or []):
-            if not is_step(behind - before):
-                problem = f"angles must rise by at least {MIN_STEP_DEG} degrees, but {behind:g} "
+            if not is_step((behind - before) / turns):
+                least_deg = turns * MIN_STEP_DEG
+                problem = f"angles must rise by at least {least_deg} degrees, but {behind:g} "
                 raise wrong("rising", problem + f"follows {before:g}", "sort the points")
-        if value and not fits_turn(value[-1] - value[0]):
+        if value and not fits_turn((value[-1] - value[0]) / turns):
             problem = (
-                f"the points span {value[-1] - value[0]:.9g} degrees, neither a turn "
-                f"nor {MIN_STEP_DEG} degrees less"
+                f"the points span {value[-1] - value[0]:.9g} degrees, neither a turn of the cam "
+                f"({360 * turns}) nor {turns * MIN_STEP_DEG} degrees less"
             )
             raise wrong("turn", problem, "list one turn")
         return value
@@ -180,6 +192,7 @@ class Lobe(TomlTable):
         if is_listed == (self.csv is not None):
             problem = 'law = "list" needs either angle_deg and lift_mm, or csv'
             raise wrong("points", problem, "give one of them", field="csv", value=self.csv)
+        self._check_units()
         if not is_listed:
             return self
         if not isinstance(self.lift_mm, list) or self.angle_deg is None:
@@ -190,6 +203,26 @@ class Lobe(TomlTable):
             context = {"field": "lift_mm", "value": self.lift_mm}
             raise wrong("length", problem, "give one value for each angle", **context)
         return self
+
+    def _check_units(self) -> None:
+        """Refuse units of a file where there is none or where they disagree, and half a ramp."""
+        given = {"lift_unit", "largest_lift_mm"} & self.model_fields_set
+        if given and (self.csv is None or len(given) > 1):
+            field = max(given)
+            problem = "is for the lifts of a csv, lift_mm is in mm"
+            remedy = "remove it, or move the points into a csv"
+            if self.csv is not None:
+                problem, remedy = "shares of largest_lift_mm have no unit", "remove one of both"
+            raise wrong("unit", problem, remedy, field=field, value=getattr(self, field))
+        if (self.ramp_height_mm is None) != (self.ramp_um_per_deg is None):
+            missing = "ramp_height_mm" if self.ramp_height_mm is None else "ramp_um_per_deg"
+            problem = "is missing, the other key of the ramp needs it"
+            raise wrong("ramp", problem, "add it", field=missing, value=None)
+
+    @property
+    def turns_listed(self) -> int:
+        """Return the turns of the list's angle for one turn of the cam."""
+        return _TURNS[self.degrees_of]
 
     @property
     def largest_mm(self) -> float:

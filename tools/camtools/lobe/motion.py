@@ -12,12 +12,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.lobe.contact import Contact, Follower, follow, solved_at
 from camtools.lobe.flat_follower import follow_flat
 from camtools.lobe.lift import LiftLaw, make_lift
+from camtools.lobe.listed_lift import points_of
 from camtools.lobe.lobe_keys import Lobe
 from camtools.lobe.part import Camshaft, LobePart, LobeProcess
+from camtools.lobe.smooth_list import bands_um
 from camtools.lobe.undercut import Shape, all_round, check_follower, check_wheel, shape_of, touch_of
 from camtools.part.common import PartInfo
 
@@ -71,7 +74,6 @@ def make_lobes(part: LobePart) -> list[ShaftLobe]:
     """
     lobes: list[ShaftLobe] = []
     profiles: dict[str, ShaftLobe] = {}
-    base_mm, roller_mm = part.cam.base_radius_mm, part.cam.roller_radius_mm
     for i, lobe in enumerate(part.cam.lobe):
         field = f"cam.lobe.{i}"
         z_mm, phase_rad = (lobe.z_mm[0], lobe.z_mm[1]), float(np.radians(lobe.phase_deg))
@@ -79,24 +81,50 @@ def make_lobes(part: LobePart) -> list[ShaftLobe]:
         if alike in profiles:
             lobes.append(replace(profiles[alike], z_mm=z_mm, phase_rad=phase_rad))
             continue
-        law = make_lift(part.cam, lobe, field)
-        is_flat = part.cam.follower == "flat"
-        touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
-        check_follower(touch, field, is_flat=is_flat)
-        if part.process.operation != "turning" and not is_flat:
-            check_wheel(touch, part.follower_radius_mm, field)
-        radii = (base_mm, roller_mm, part.follower_radius_mm)
-        profiles[alike] = ShaftLobe(
-            law,
-            *radii,
-            phase_rad,
-            z_mm,
-            shape_of(law, base_mm, roller_mm, is_flat=is_flat),
-            len(profiles),
-            is_flat,
-        )
+        try:
+            made = _shaped(part, lobe, field)
+        except GeometryError as error:
+            raise _with_band(error, part, lobe, field) from None
+        profiles[alike] = replace(made, profile=len(profiles))
         lobes.append(profiles[alike])
     return lobes
+
+
+def _shaped(part: LobePart, lobe: Lobe, field: str) -> ShaftLobe:
+    """Return one lobe that its follower can have and its wheel can grind."""
+    base_mm, roller_mm = part.cam.base_radius_mm, part.cam.roller_radius_mm
+    is_flat = part.cam.follower == "flat"
+    law = make_lift(part.cam, lobe, field)
+    touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
+    check_follower(touch, field, is_flat=is_flat)
+    if part.process.operation != "turning" and not is_flat:
+        check_wheel(touch, part.follower_radius_mm, field)
+    return ShaftLobe(
+        law,
+        base_mm,
+        roller_mm,
+        part.follower_radius_mm,
+        float(np.radians(lobe.phase_deg)),
+        (lobe.z_mm[0], lobe.z_mm[1]),
+        shape_of(law, base_mm, roller_mm, is_flat=is_flat),
+        is_flat=is_flat,
+    )
+
+
+def _with_band(error: GeometryError, part: LobePart, lobe: Lobe, field: str) -> GeometryError:
+    """Return a refusal that names the band within which the list would do once it is smoothed."""
+    if lobe.law != "list":
+        return error
+    wider = (one for one in bands_um(points_of(lobe, field)) if one > (lobe.smooth_um or 0))
+    for band_um in wider:
+        try:
+            _shaped(part, lobe.model_copy(update={"smooth_um": band_um}), field)
+        except GeometryError:
+            continue
+        problem, _, remedy = error.lines[0].removeprefix(f"{error.field}: ").rpartition("; ")
+        remedy += f"; or smooth the noise of the list: {field}.smooth_um = {band_um:g}"
+        return GeometryError(error.field, problem, remedy)
+    return error
 
 
 def profiles_of(lobes: list[ShaftLobe]) -> list[ShaftLobe]:

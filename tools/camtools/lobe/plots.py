@@ -15,7 +15,9 @@ from camtools.base.quantities import Floats
 from camtools.lobe.channels import patterns_of
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.lift import Listed
 from camtools.lobe.motion import ShaftLobe, profiles_of
+from camtools.lobe.smooth_list import Smoothing
 from camtools.plots.panels import stacked
 from camtools.plots.style import log_axis, nice_floor, nice_limit, png_of, stroke_of, titled_figure
 from camtools.table.channel import RATIO_ONE
@@ -190,6 +192,34 @@ def draw_motion(result: GeneratedLobes) -> bytes:
     return png_of(figure)
 
 
+def draw_smoothing(title: str, smoothed: list[tuple[str, Smoothing]]) -> bytes:
+    """Return the residuals of named lists, and acceleration and jerk before and after."""
+    figure = titled_figure(8.5, 8, title)
+    names = ["residual, µm", "acceleration,\nmm/rad²", "jerk, mm/rad³"]
+    panels = stacked(figure, names)
+    for i, (name, one) in enumerate(smoothed):
+        panels[0].plot(one.angle_deg, one.off_um, ".", ms=3, color=stroke_of(i)["color"])
+        for edge_um in (-one.band_um, one.band_um):
+            panels[0].axhline(edge_um, lw=0.8, ls="--", color=_PATH)
+        degrees = np.linspace(one.angle_deg[0], one.angle_deg[0] + 360, _N_ANGLES)
+        for axes, n in zip(panels[1:], (2, 3), strict=True):
+            axes.plot(degrees, one.before(np.radians(degrees), nu=n), lw=0.5, color=_PATH)
+            after = one.after(np.radians(degrees), nu=n)
+            axes.plot(degrees, after, **stroke_of(i), lw=1.4, label=name)
+    panels[1].legend(frameon=False)
+    panels[-1].set_xlabel("angle of the list in degrees of the cam")
+    return png_of(figure)
+
+
 def draw_lobes(result: GeneratedLobes) -> dict[str, bytes]:
     """Return all pictures of a camshaft as PNG, by topic."""
-    return {"cam": draw_positions(result), "motion": draw_motion(result)}
+    pictures = {"cam": draw_positions(result), "motion": draw_motion(result)}
+    smoothed = [
+        (name_of(result, lobe.profile), lobe.law.smoothing)
+        for lobe in profiles_of(result.lobes)
+        if isinstance(lobe.law, Listed) and lobe.law.smoothing is not None
+    ]
+    if smoothed:
+        title = f"{result.table.part_name}: smoothed lists of lift"
+        pictures["smoothing"] = draw_smoothing(title, smoothed)
+    return pictures

@@ -67,6 +67,12 @@ _TEXTS = {
         "One turn of the spindle as the table demands it. Where the flank is flat, the contact "
         "moves far within a degree; there a constant surface speed needs a slow spindle.",
     ),
+    "smoothing": (
+        "Smoothing of a list",
+        "Top: by how much smoothing moved each listed point; the dashed lines are the band of "
+        "smooth_um. Residuals that follow one another on the same side mean a curve that the band "
+        "bent, not noise. Below: acceleration and jerk of the lift, as listed (thin) and smoothed.",
+    ),
     "stroke": (
         "Motion of U over one turn",
         "U as the table demands it and as measured, in position and velocity; the peaks of "

@@ -12,6 +12,7 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.plunge import left_by_wear_um
+from camtools.lobe.smoothing_text import smoothing_of, smoothing_texts
 from camtools.report.learning_text import learning_rows
 from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair
@@ -100,6 +101,13 @@ def _plunge_rows(outcome: LobeOutcome) -> list[ReportRow]:
     ]
 
 
+def _list_rows(made: GeneratedLobes) -> list[ReportRow]:
+    """Return what smoothing did to lists, or would do."""
+    lobes = enumerate(made.lobes)
+    found = [(i, text) for i, one in lobes for text in smoothing_texts(smoothing_of(one.law))]
+    return [ReportRow(f"lift of lobe {i}", text) for i, text in found]
+
+
 def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     """Return the summary of a camshaft, machine limits apart."""
     summary, made, found = outcome.summary, outcome.generated, outcome.summary["cam"]
@@ -117,6 +125,7 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     )
     return [
         ReportRow("cut", what),
+        *_list_rows(made),
         *_plunge_rows(outcome),
         ReportRow("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
         *_lobe_rows(found),

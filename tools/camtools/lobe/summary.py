@@ -15,6 +15,7 @@ from camtools.lobe.design import design_of_lobes
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plunge import left_by_wear_um
+from camtools.lobe.smoothing_text import smoothing_of, smoothing_texts
 from camtools.table.summary import about_image, describe_channel
 
 _NAMES = {1: "u", 2: "x", 3: "speed", 4: "swing", 5: "contact", 7: "way"}
@@ -28,6 +29,7 @@ def _lobe(lobe: ShaftLobe) -> Json:
         "least_radius_mm": shape.least_radius_mm,
         "hollow_radius_mm": shape.hollow_radius_mm if is_hollow else None,
         "largest_pressure_angle_deg": shape.largest_swing_deg,
+        **smoothing_of(lobe.law),
     }
 
 
@@ -130,7 +132,8 @@ def emit_lobe_text(summary: Json) -> str:
         )
     if "plunge" in summary:
         lines += plunge_lines(summary["plunge"])
-    lines += [_lobe_text(i, lobe) for i, lobe in enumerate(summary["lobes"])]
+    for i, lobe in enumerate(summary["lobes"]):
+        lines += [_lobe_text(i, lobe), *(f"    {text}" for text in smoothing_texts(lobe))]
     lines.append(
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"limited by {feasible['decided_by']}"

@@ -31,15 +31,16 @@ SAME_MM = 1e-6  # of the first and the last point of a closed turn
 ROUGH_SHARE, FINE_SHARE = 0.3, 0.05  # of the largest step: what V and A may contradict
 _SAME_DEG = 1e-6
 _FEWEST, _FEWEST_ALONE = 4, 8  # points of a turn: with motion, and of values alone
+MM_PER_INCH = 25.4
 _DEG_PER_RAD = 180 / np.pi
 _ANGLES = {"deg": 1.0, "rad": _DEG_PER_RAD, "turn": 360.0}
-_LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6}
+_LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6, "inch": MM_PER_INCH}
 _COLUMNS = {
     "z": re.compile(r"z(?:_(mm))?"),
     "x": re.compile(r"(?:x|angle|master|phi)(?:_(deg|rad|turn))?"),
-    "y": re.compile(r"(?:y|u|lift|reduction|value|position|slave)(?:_(mm|um|nm))?"),
-    "v": re.compile(r"(?:v|velocity)(?:_(mm|um|nm)_per_(deg|rad|turn))?"),
-    "a": re.compile(r"(?:a|acceleration)(?:_(mm|um|nm)_per_(deg|rad|turn)2)?"),
+    "y": re.compile(r"(?:y|u|lift|reduction|value|position|slave)(?:_(mm|um|nm|inch))?"),
+    "v": re.compile(r"(?:v|velocity)(?:_(mm|um|nm|inch)_per_(deg|rad|turn))?"),
+    "a": re.compile(r"(?:a|acceleration)(?:_(mm|um|nm|inch)_per_(deg|rad|turn)2)?"),
 }
 _WITHOUT_HEADER = {2: ("x", "y"), 4: ("x", "y", "v", "a")}
 _USE = "name the columns z_mm, X_deg, Y_mm, V_mm_per_deg, A_mm_per_deg2, or fewer of them"
@@ -67,9 +68,20 @@ class PointFile(NamedTuple):
     has_motion: bool  # velocities and accelerations were given
 
 
+class Units(NamedTuple):
+    """Units of a file that its header does not name."""
+
+    turns: int = 1  # of the file's angle for one turn of the part
+    value_mm: float | None = None  # of 1 in the columns Y, V and A; mm where it is not given
+
+
+DEGREES_AND_MM = Units()
+
+
 class _Column(NamedTuple):
     key: str
     scale: float
+    has_unit: bool = False
 
 
 def _cells(line: str) -> list[str]:
@@ -91,7 +103,7 @@ def _column(name: str) -> _Column | None:
         scale = _ANGLES.get(units[0], _LENGTHS.get(units[0], 1.0)) if units else 1.0
         if len(units) == 2:
             scale /= _ANGLES[units[1]] ** (1 if key == "v" else 2)
-        return _Column(key, scale)
+        return _Column(key, scale, bool(units))
     return None
 
 
@@ -137,14 +149,25 @@ def _rows(lines: list[tuple[int, str]], columns: list[_Column], file: str) -> Fl
     return found * [column.scale for column in columns]
 
 
-def parse_points(text: str, file: str) -> PointFile:
+def _in_units(columns: list[_Column], units: Units, file: str, place: str) -> list[_Column]:
+    """Return columns with the units of a file, or refuse a header that names others."""
+    if units.value_mm is not None and any(one.has_unit and one.key in "yva" for one in columns):
+        problem = "the header names a unit of length, and the part file another"
+        remedy = "name the columns without a unit, or remove the unit from the part file"
+        raise InputError(file, place, None, problem, remedy)
+    value_mm, turns = units.value_mm or 1.0, units.turns
+    factors = {"x": 1 / turns, "y": value_mm, "v": value_mm * turns, "a": value_mm * turns**2}
+    return [one._replace(scale=one.scale * factors.get(one.key, 1.0)) for one in columns]
+
+
+def parse_points(text: str, file: str, units: Units = DEGREES_AND_MM) -> PointFile:
     """Return the points of a text.
 
     Raises
     ------
     InputError
         With the line: columns missing or unknown, no numbers, angles that do not rise, a turn that
-        does not close, velocities or accelerations that contradict the values.
+        does not close, velocities or accelerations that contradict the values, two units.
     """
     lines = [
         (i, line.strip())
@@ -161,6 +184,7 @@ def parse_points(text: str, file: str) -> PointFile:
         columns = [_Column(key, 1.0) for key in keys]
     else:
         lines = lines[1:]
+    columns = _in_units(columns, units, file, f"line {first}")
     if not lines:
         raise InputError(file, f"line {first}", None, "no points follow", "give those of one turn")
     rows = dict(zip((one.key for one in columns), _rows(lines, columns, file).T, strict=True))

@@ -15,8 +15,7 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.json_text import Json
-from camtools.base.quantities import Floats
-from camtools.skirt.geometry.profile import rounded_up
+from camtools.base.quantities import Floats, rounded_up
 from camtools.skirt.geometry.scan import Periodic, Scan, joined_by, reductions
 from camtools.skirt.geometry.scan_text import Sections, read_scan_text
 from camtools.skirt.geometry.section_surface import overshoot_between

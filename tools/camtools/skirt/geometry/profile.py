@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Floats, rounded_up
 from camtools.skirt.part.curves import Overshoot, overshoot, through
 from camtools.skirt.part.part_file import Piston
 from camtools.skirt.part.power_law import PeakOvality, PowerProfile
@@ -130,16 +130,6 @@ def notable_overshoots(piston: Piston) -> list[str]:
         if worst.beyond * allowed.scale > USUAL_OVERSHOOT_UM:
             found.append(_overshoot_text(worst, allowed))
     return found
-
-
-def rounded_up(value: float) -> str:
-    """Return a value rounded up to two digits, for a remedy.
-
-    >>> rounded_up(421.4), rounded_up(1.2345)
-    ('430', '1.3')
-    """
-    step = 10.0 ** (np.floor(np.log10(value)) - 1)
-    return f"{np.ceil(value / step) * step:g}"
 
 
 def check_profile(profile: Profile | PowerProfile, curve: PPoly) -> None:

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The smoothest values within a band around listed ones, and how much noise a list has.
+
+A list of rounded numbers has steps that its curve should not have. All values may move within the
+band; the smallest third derivative decides where they go, MATHS.md (220).
+
+>>> x = np.arange(40.0)
+>>> listed = np.round(0.02 * x**2, 1)
+>>> found = smoothed(x, listed, 0.05)
+>>> bool(np.abs(found - listed).max() <= 0.05), f"{np.abs(np.diff(found, 3)).max():.4f}"
+(True, '0.0000')
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.linalg import spsolve
+
+from camtools.base.quantities import Floats
+
+LEAST_UM = 0.001
+SmoothUm = Annotated[float, Field(ge=LEAST_UM, le=1000)]
+
+_ORDER = 3  # of the derivative that is least
+_MOST_STEPS = 60
+_CENTRING, _STAY_INSIDE = 0.1, 0.95  # of a step of the interior-point method
+_GAP = 1e-9  # of the largest gradient: bounds and multipliers agree
+_NOISE_ORDER = 6  # differences in which nothing of a smooth curve is left
+_NORMAL_MEDIAN = 0.6745  # of |noise| over its standard deviation
+_LEAST_ROWS = 12
+
+
+def differences(x: Floats, order: int, period: float | None = None) -> csr_array:
+    """Return the matrix of the divided differences of values at x, times the factorial of order.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Rising, more than `order` of them.
+    order : int
+        Of the derivative that the differences estimate.
+    period : float, optional
+        After which the values repeat; then every point begins a difference.
+    """
+    n = x.size
+    n_rows = n if period else n - order
+    places = np.arange(n_rows)[:, None] + np.arange(order + 1)
+    at = x[places % n] + (period or 0.0) * (places // n)
+    gaps = at[:, :, None] - at[:, None, :] + np.eye(order + 1)
+    weights = np.prod(np.arange(1, order + 1)) / np.prod(gaps, axis=2)
+    rows = np.repeat(np.arange(n_rows), order + 1)
+    return csr_array((weights.ravel(), (rows, (places % n).ravel())), shape=(n_rows, n))
+
+
+def smoothed(
+    x: Floats,
+    values: Floats,
+    band: float,
+    *,
+    period: float | None = None,
+    held: npt.NDArray[np.bool_] | None = None,
+) -> Floats:
+    """Return the values within a band whose third derivative is least in the mean square.
+
+    Parameters
+    ----------
+    x, values : ndarray, shape (n,)
+        Rising places and the values listed there, none below 0.
+    band : float
+        How far a value may move to either side, above 0; none moves below 0.
+    period : float, optional
+        After which the values repeat.
+    held : ndarray of bool, optional
+        Values that do not move.
+    """
+    free = np.arange(x.size) if held is None else np.flatnonzero(~held)
+    if x.size <= _ORDER or not free.size:
+        return values.copy()
+    low, high = np.maximum(values[free] - band, 0.0), values[free] + band
+    start = values.copy()
+    start[free] = (low + high) / 2
+    matrix = differences((x - x[0]) / np.ptp(x), _ORDER, period and period / float(np.ptp(x)))
+    inside = _least_in_box(matrix[:, free] @ diags_array((high - low) / 2), matrix @ start)
+    found = start.copy()
+    found[free] += inside * (high - low) / 2
+    return found
+
+
+def _least_in_box(matrix: csr_array, start: Floats) -> Floats:
+    """Return r within -1 .. 1 for which |start + matrix r| is least: primal-dual interior point."""
+    scale = np.sqrt((matrix * matrix).sum(axis=0).max()) or 1.0
+    hessian = ((matrix.T @ matrix) / scale**2).tocsc()
+    slope = matrix.T @ start / scale**2
+    r = np.zeros(hessian.shape[0])
+    lower, upper = np.ones(r.size), np.ones(r.size)  # multipliers of both bounds
+    for _ in range(_MOST_STEPS):
+        gradient, gap = hessian @ r + slope, (lower @ (1 + r) + upper @ (1 - r)) / (2 * r.size)
+        if gap <= _GAP * float(np.abs(gradient).max()):
+            break
+        low, high = _CENTRING * gap / (1 + r), _CENTRING * gap / (1 - r)
+        stiff = lower / (1 + r), upper / (1 - r)
+        step = spsolve(hessian + diags_array(sum(stiff), format="csc"), low - high - gradient)
+        d_lower, d_upper = low - lower - stiff[0] * step, high - upper + stiff[1] * step
+        share = _share_inside(np.append(1 + r, 1 - r), np.append(step, -step))
+        others = _share_inside(np.append(lower, upper), np.append(d_lower, d_upper))
+        r, lower, upper = r + share * step, lower + others * d_lower, upper + others * d_upper
+    return np.asarray(r, dtype=np.float64)
+
+
+def _share_inside(room: Floats, step: Floats) -> float:
+    """Return the share of a step, at most 1, which leaves all of some positive numbers positive."""
+    falling = step < 0
+    return float(min(1.0, _STAY_INSIDE * (room[falling] / -step[falling]).min(initial=np.inf)))
+
+
+def noise_of(x: Floats, values: Floats, period: float | None = None) -> float:
+    """Return half the width of evenly spread noise in smooth values, MATHS.md (221).
+
+    Rounding to steps of q has q / 2. Differences that touch a value of 0 are left out; 0 where too
+    few are left to judge.
+    """
+    if x.size < _NOISE_ORDER + _LEAST_ROWS:
+        return 0.0
+    matrix = differences(x, _NOISE_ORDER, period)
+    counted = (abs(matrix) @ (values <= 0)) == 0
+    if np.count_nonzero(counted) < _LEAST_ROWS:
+        return 0.0
+    size = np.sqrt((matrix * matrix).sum(axis=1))
+    deviation = np.median(np.abs((matrix @ values) / size)[counted]) / _NORMAL_MEDIAN
+    return float(np.sqrt(3) * deviation)
