@@ -15,6 +15,7 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, rounded_up
+from camtools.part.smoothing import smoothed
 from camtools.skirt.part.curves import Overshoot, overshoot, through
 from camtools.skirt.part.part_file import Piston
 from camtools.skirt.part.power_law import PeakOvality, PowerProfile
@@ -33,8 +34,22 @@ def profile_spline(profile: Profile | PowerProfile) -> PPoly:
     ends: object = profile.spline
     if profile.end_slopes is not None:
         ends = ((1, profile.end_slopes[0]), (1, profile.end_slopes[1]))
-    radius_mm = np.asarray(profile.diameter_mm) / 2
+    radius_mm = smoothed_mm(profile) / 2
     return through(profile.height_mm, radius_mm, profile.interpolation, ends)
+
+
+def listed_mm(drawn: Profile | Ovality) -> Floats:
+    """Return the listed diameters or ovalities."""
+    values_mm = drawn.diameter_mm if isinstance(drawn, Profile) else drawn.ovality_mm
+    return np.asarray(values_mm, dtype=np.float64)
+
+
+def smoothed_mm(drawn: Profile | Ovality) -> Floats:
+    """Return the diameters or ovalities of the points, smoothed where that is asked for."""
+    if drawn.smooth_um is None:
+        return listed_mm(drawn)
+    z_mm = np.asarray(drawn.height_mm, dtype=np.float64)
+    return smoothed(z_mm, listed_mm(drawn), drawn.smooth_um / _UM_PER_MM)
 
 
 def profile_pieces(profile: Profile) -> tuple[Piece, ...]:
@@ -57,7 +72,8 @@ def ovality_spline(ovality: Ovality | PeakOvality) -> PPoly:
     """Return G(z) [mm] as cubics, MATHS.md (6), (70) .. (72)."""
     if isinstance(ovality, Ovality) and ovality.segment:
         return curve_of(ovality_pieces(ovality))
-    return through(ovality.height_mm, ovality.ovality_mm, ovality.interpolation)
+    values_mm = smoothed_mm(ovality) if isinstance(ovality, Ovality) else ovality.ovality_mm
+    return through(ovality.height_mm, values_mm, ovality.interpolation)
 
 
 def ovality_pieces(ovality: Ovality) -> tuple[Piece, ...]:

@@ -14,6 +14,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from camtools.part.model import HeightMm, TomlTable, as_long, rising, wrong
+from camtools.part.smoothing import SmoothUm
 from camtools.skirt.part.segments import DrawnSegment, Piece, SegmentError, join
 
 MAX_POINTS = 1000
@@ -138,6 +139,10 @@ def _completed(curve: Profile | Ovality, key: str, scale: int) -> dict[str, list
         raise wrong("segments", problem, "give both or neither", **context)
     if not curve.segment:
         return {}
+    if curve.smooth_um is not None:
+        problem = "lines and arcs are exact, only points are smoothed"
+        remedy = "remove it, or list points"
+        raise wrong("smooth", problem, remedy, field="smooth_um", value=curve.smooth_um)
     z_mm, values = _points(curve.height_mm, getattr(curve, key), curve.segment, key, scale)
     return {"height_mm": z_mm, key: values}
 
@@ -153,6 +158,7 @@ class Profile(TomlTable):
         None, validate_default=True
     )
     overshoot_um: OvershootUm = USUAL_OVERSHOOT_UM
+    smooth_um: SmoothUm | None = None
     segment: Annotated[list[ProfileSegment], Field(max_length=MAX_POINTS)] = Field(
         default_factory=list
     )
@@ -195,6 +201,7 @@ class Ovality(TomlTable):
     height_mm: Annotated[list[HeightMm], _LONG]
     ovality_mm: Annotated[list[OvalityMm], _LONG]
     overshoot_um: OvershootUm = USUAL_OVERSHOOT_UM
+    smooth_um: SmoothUm | None = None
     segment: Annotated[list[OvalitySegment], Field(max_length=MAX_POINTS)] = Field(
         default_factory=list
     )

@@ -20,7 +20,9 @@ from camtools.skirt.report.corner_plot import draw_corner
 from camtools.skirt.report.equal_volume_plots import draw_even, draw_ripple
 from camtools.skirt.report.interactive import ANGLE, live_of, motion_of
 from camtools.skirt.report.outcome import SkirtOutcome
+from camtools.skirt.report.part_plots import draw_smoothing
 from camtools.skirt.report.shape_plot import draw_skirt
+from camtools.skirt.report.smoothing_text import smoothed_curves
 from camtools.skirt.report.text import rows_of
 
 _TEXTS = {
@@ -65,6 +67,12 @@ _TEXTS = {
         "The gauged surface with its deviations from a cylinder enlarged. It shows the oval, the "
         "barrel shape and, if there is one, the corner; steps or waves would stand out.",
     ),
+    "smoothing": (
+        "Smoothing of listed points",
+        "By how much smoothing moved the points of the drawing, in diameter or ovality; the dashed "
+        "lines are the band of smooth_um. Residuals that stay on one side over many points mean "
+        "that the band is too wide for the shape.",
+    ),
     "learning": CONVERGENCE_TEXT,
     "switches": SWITCHES_TEXT,
     "motion": (
@@ -105,6 +113,8 @@ def pictures_of(outcome: SkirtOutcome) -> list[Picture]:
     feed_mm, speed_rpm = cut["feed_mm"], cut["spindle_rpm"]
     drawers = common_drawers(outcome, ANGLE)
     drawers["motion"] = lambda: draw_motion(motion_of(outcome))
+    if smoothed_curves(outcome.generated.part.piston):
+        drawers["smoothing"] = lambda: draw_smoothing(outcome.generated)
     if surface.turn.size:
         drawers["map"] = lambda: surface_plots.draw_map(surface, geometry, feed_mm)
         own = outcome.control

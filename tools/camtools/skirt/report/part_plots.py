@@ -11,12 +11,14 @@ from __future__ import annotations
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 
 from camtools.base.quantities import Floats
 from camtools.plots.panels import legend_below, stacked
 from camtools.plots.style import angle_axis, png_of, titled_figure
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
+from camtools.skirt.report.smoothing_text import smoothed_curves, smoothing_facts
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.skirt.table.speed import motion_played
 
@@ -141,9 +143,25 @@ def draw_profile(result: GeneratedSkirt) -> bytes:
     return png_of(figure)
 
 
+def draw_smoothing(result: GeneratedSkirt) -> Figure:
+    """Return the residuals of smoothed points over the height, side by side."""
+    found = smoothing_facts(result.part.piston)
+    figure = titled_figure(8.5, 5.0, _title(result, "residuals of smoothed points"))
+    panels = figure.subplots(1, len(found), sharey=True, squeeze=False)[0]
+    for axes, (name, one) in zip(panels, found.items(), strict=True):
+        axes.plot(one["off_um"], one["height_mm"], "o-", lw=0.6, ms=3, color=_colour(1))
+        for edge_um in (-one["smooth_um"], one["smooth_um"]):
+            axes.axvline(edge_um, lw=0.8, ls="--", color=_colour(2))
+        axes.set_xlabel(f"{name}: smoothed less listed, µm")
+        axes.grid(alpha=0.3)
+    panels[0].set_ylabel("skirt height, mm")
+    return figure
+
+
 def draw_all(result: GeneratedSkirt) -> dict[str, bytes]:
     """Return all pictures by topic."""
-    return {
+    is_smoothed = bool(smoothed_curves(result.part.piston))
+    return ({"smoothing": png_of(draw_smoothing(result))} if is_smoothed else {}) | {
         "section": draw_section(result),
         "motion": draw_motion(result),
         "profile": draw_profile(result),

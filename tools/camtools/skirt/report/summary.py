@@ -21,6 +21,7 @@ from camtools.skirt.geometry.run_in import HeldSurface
 from camtools.skirt.geometry.sides import SidesSurface, as_drawn
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
 from camtools.skirt.report.segment_text import segment_facts
+from camtools.skirt.report.smoothing_text import smoothing_facts
 from camtools.skirt.table.accuracy import Accuracy
 from camtools.skirt.table.gauge_design import design_of, target_of
 from camtools.skirt.table.generate import NM_PER_UM, GeneratedSkirt, peaks_of_table
@@ -172,6 +173,8 @@ def _extras(result: GeneratedSkirt) -> Json:
         }
     if overshoots := notable_overshoots(result.part.piston):
         extras["overshoots"] = overshoots
+    if smoothing := smoothing_facts(result.part.piston):
+        extras["smoothing"] = smoothing
     if drawn := segment_facts(result.part.piston):
         extras["segments"] = drawn
     if (meeting := where_sides_meet(result.geometry)) is not None:

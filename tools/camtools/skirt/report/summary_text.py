@@ -13,6 +13,7 @@ from camtools.base.json_text import Json
 from camtools.cut.feasibility import tenth_below
 from camtools.measured.text import round_text
 from camtools.skirt.report.segment_text import segments_text
+from camtools.skirt.report.smoothing_text import smoothing_texts
 
 
 def emit_text(summary: Json) -> str:
@@ -37,6 +38,7 @@ def emit_text(summary: Json) -> str:
         + _room_text(summary)
         + tool_text(summary["tool"])
         + segments_text(summary.get("segments", {}))
+        + "".join(f"  {text}\n" for text in smoothing_texts(summary.get("smoothing", {})))
         + _profile_text(summary)
         + "".join(f"  {text} (overshoot_um)\n" for text in summary.get("overshoots", []))
         + _scan_text(summary)

@@ -9,6 +9,7 @@ from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.geometry.profile import notable_overshoots
 from camtools.skirt.report.outcome import SkirtOutcome
+from camtools.skirt.report.smoothing_text import smoothing_facts, smoothing_texts
 from camtools.skirt.report.tool_text import tool_row, track_row
 
 
@@ -129,7 +130,7 @@ def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
 def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return the summary, machine limits apart."""
     summary, generated = outcome.summary, outcome.generated
-    form = summary["form_error_um"]
+    form, piston = summary["form_error_um"], generated.part.piston
     worst_nm = max(generated.accuracy_u.value_nm, generated.accuracy_x.value_nm)
     wall_s, machine_s = summary["wall_time_s"], summary["machine_time_s"]
     law = generated.part.process.feed_law
@@ -147,7 +148,8 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *switch_rows(summary),
         *_corner_rows(outcome),
         *_filter_rows(outcome),
-        *(ReportRow("overshoot", text) for text in notable_overshoots(generated.part.piston)),
+        *(ReportRow("overshoot", text) for text in notable_overshoots(piston)),
+        *(ReportRow("smoothing", text) for text in smoothing_texts(smoothing_facts(piston))),
         *_removal_rows(outcome),
         tool_row(summary, generated.part.tool, generated.heel),
         track_row(summary, generated.part.tool, feed_peak),
