@@ -16,6 +16,8 @@ from camtools.cli.mktables import main
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.lift import Listed
 from camtools.lobe.motion import make_lobes
+from camtools.lobe.smooth_list import band_for
+from camtools.table.points import PointedTurn
 from tests.tools.cases.lobe_cases import cam
 from tests.tools.cases.part_cases import ROOT, Command
 
@@ -153,6 +155,17 @@ def test_rounded_list_is_warned_about() -> None:
     coarse = DEG[::5].tolist(), rounded(polynomial)[::5].tolist()
     listed = f'law = "list"\nangle_deg = {coarse[0]}\nlift_mm = {coarse[1]}\n'
     assert law_of(TURNED.replace(LAW, listed)).needed is None
+
+
+@pytest.mark.parametrize(("step_deg", "step_mm"), [(0.1, 0.001), (0.5, 0.005), (2.0, 0.005)])
+def test_band_of_the_warning_suits_any_table(step_deg: float, step_mm: float) -> None:
+    """Fine angles, coarse lifts, few points: the band named brings the acceleration of the law."""
+    deg = np.arange(-180, 180, step_deg)
+    lift_mm = np.round(lobe(polynomial, np.radians(deg))[0] / step_mm) * step_mm
+    needed = band_for(PointedTurn(deg, lift_mm, *np.zeros((2, 0))))
+    assert needed is not None and needed.band_um <= 2500 * step_mm
+    exact = lobe(polynomial, DENSE)[2].max()
+    assert np.abs(needed.after(DENSE, nu=2)).max() == pytest.approx(exact, rel=0.02)
 
 
 def test_refusals_that_are_noise_name_a_band_that_works() -> None:
