@@ -23,6 +23,7 @@ enum {
     most_speed_shift = 20, ///< one turn in 2^22 ticks is slower than any spindle
     homing_patience = 100, ///< homing waits so many times longer than the cut for the spindle
     most_periods = 10,     ///< largest late_percent, in periods; a longer pause counts as that long
+    still_nm = 1000,       ///< [nm] unnoticed motion of U, should the encoder stand
     stamp_periods = 4,     ///< an older edge is no better than the middle of its count
 };
 
@@ -56,6 +57,18 @@ static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t 
     c->early_clocks = c->tick_clocks - off;
     c->on_time_clocks = 2u * off + 1u;
     c->stamp_clocks = hal_has_edge_time() ? (stamp_periods + 1) * c->tick_clocks : 0u;
+}
+
+/// How far the spindle may turn without an advance of its encoder: by three uneven counts and the
+/// tolerance, and where counts are fine by an angle in which U moves still_nm at most.
+static void build_still(cam_spindle_config_t *c, const cam_table_t *table)
+{
+    const uint32_t u1 = table != NULL ? table->u1_peak_nm_per_rad : 0u;
+    const int64_t slope_q32 =
+        cam_units_scale(CAM_TURN_Q32, 113 * still_nm, INT64_C(710) * u1 + 113); // 2 pi = 710 / 113
+    c->still_counts = cam_clamp_i32(c->index_tolerance + 3, 3, c->max_counts);
+    const int64_t jitter_q32 = (int64_t)c->still_counts * c->turn_per_count_q32;
+    c->still_q32 = cam_sat_i32(jitter_q32 > slope_q32 ? jitter_q32 : slope_q32);
 }
 
 static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_t sense,
@@ -306,6 +319,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     // Tables and observer use angles in the sense of cutting, parameters those of the drawing.
     const int32_t sense = table != NULL ? table->direction : 1;
     build_spindle(&config->spindle, params, sense, tick_hz, clock_hz);
+    build_still(&config->spindle, table);
     const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
     const bool is_rehearsed = table != NULL && table->speed.knots == NULL;
     build_play(&config->play, params, sense, is_rehearsed, tick_hz);

@@ -25,6 +25,7 @@ typedef struct {
     uint32_t first_faults;                ///< faults that caused the last entry into state fault
     uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
     uint32_t n_stopped;                   ///< [ticks] without rotation
+    bool is_going;                        ///< in the work, and the encoder has advanced
     int32_t u_set_q6;                     ///< [nm / 64] last set-point of U
     int32_t u_step_q6;                    ///< [nm / 64 per tick] its last step
     int32_t u_acc_q10;                    ///< [nm / 1024 per tick^2] its last acceleration

@@ -54,17 +54,40 @@ static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
     s->is_synced = true;
 }
 
-/// A tick off its time. A travel beyond half a turn wraps; its counts are a jump anyway.
-/// @return [turn / 2^32] travel up to its time stamp
-static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t period,
-                             int32_t travel_q32)
+/// Note a tick off its time.
+/// @return [ticks / 2^27] by which its period differs from a tick
+static int32_t note_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t period)
 {
     s->is_off_time = true;
     s->n_late += period > cfg->late_clocks ? 1u : 0u;
     s->max_period = period > s->max_period ? period : s->max_period;
     const uint32_t counted = period < cfg->most_clocks ? period : cfg->most_clocks;
-    const int32_t off_q27 = (int32_t)(counted * cfg->ticks_per_clock_q27 - (UINT32_C(1) << 27));
+    return (int32_t)(counted * cfg->ticks_per_clock_q27 - (UINT32_C(1) << 27));
+}
+
+/// A travel beyond half a turn wraps; its counts are a jump anyway.
+/// @return [turn / 2^32] travel in a period that differs from a tick
+static int32_t travel_off_time(int32_t travel_q32, int32_t off_q27)
+{
     return cam_wrap_add(travel_q32, (int32_t)((uint32_t)cam_mulhi(travel_q32, off_q27) << 5));
+}
+
+/// @param moved      [counts] in this tick
+/// @param going_q32  [turn / 2^32] travel of this tick at the speed of the last advance
+/// @return whether the encoder should have advanced since then
+static bool is_still(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved,
+                     int32_t going_q32)
+{
+    s->behind = cam_sat_add(s->behind, moved);
+    if (s->behind > 0) {
+        s->behind = 0;
+        s->still_q32 = 0;
+        s->going_q32 = (int32_t)(s->speed_q64 >> 32);
+        return false;
+    }
+    s->behind = s->behind < -cfg->still_counts ? -cfg->still_counts : s->behind;
+    s->still_q32 = cam_sat_add(s->still_q32, going_q32);
+    return s->still_q32 > cfg->still_q32;
 }
 
 /// Take the counts of this tick. If they differ too far from the predicted travel they are a fault
@@ -131,6 +154,8 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
     }
     const uint32_t period = in->clock - s->clock;
     int32_t travel_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
+    int32_t going_q32 = s->going_q32;
+    const uint32_t before = s->counts;
     uint32_t faults = 0;
     s->clock = in->clock;
     angle->is_off_time = s->is_off_time;
@@ -138,9 +163,12 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
     if (period - cfg->early_clocks >= cfg->on_time_clocks) {
         angle->is_off_time = true;
         faults = period > cfg->late_clocks ? CAM_FAULT_BIT(late_tick) : 0u;
-        travel_q32 = take_off_time(s, cfg, period, travel_q32);
+        const int32_t off_q27 = note_off_time(s, cfg, period);
+        travel_q32 = travel_off_time(travel_q32, off_q27);
+        going_q32 = travel_off_time(going_q32, off_q27);
     }
     faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
+    angle->is_still = is_still(s, cfg, cam_wrap_diff(s->counts, before), going_q32);
     const uint32_t raw_q32 = observed_q32(s, cfg, in);
     const uint32_t learned_q32 = cam_learned_turn_q32(cfg->dm, cam_learned_place(raw_q32));
     track(s, cfg, raw_q32 - learned_q32, travel_q32, alpha_q40);

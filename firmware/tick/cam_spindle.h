@@ -8,6 +8,9 @@
 /// A tick off its time by more than a sixteenth of a period is evaluated at its time stamp, so a
 /// late tick causes no angle error.
 ///
+/// An encoder that stands still, or only dithers, while the spindle turns shows in is_still: at the
+/// speed of its last advance the spindle would have gone on by more than `still_q32` since then.
+///
 /// Errors of the observer, MATHS.md (52), (53), with bandwidth f_o (poles near w_o = 2 pi f_o):
 ///   constant speed           mean 0; quantisation ripple below half a count
 ///   constant acceleration    angle lags by (1 - 2 w_o T) acceleration / w_o^2, T one tick,
@@ -35,6 +38,9 @@ typedef struct {
     bool is_off_time;      ///< the last tick was visibly off its time
     uint32_t max_period;   ///< [1 / clock_hz] longest period
     uint32_t n_late;       ///< ticks beyond late_clocks
+    int32_t behind;        ///< [counts] behind the farthest position, at most 0
+    int32_t going_q32;     ///< [turn / 2^32 per tick] speed when the encoder last advanced
+    int32_t still_q32;     ///< [turn / 2^32] travel at that speed since then
     int64_t pos_q32;       ///< [turn, Q32.32] observer
     int64_t speed_q64;     ///< [turn / 2^64 per tick] observer
 } cam_spindle_t;

@@ -25,6 +25,8 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(index_overdue, 72, (1 << 24) + (1 << 21))                                                    \
     X(jump_window, 0, 1 << 22)                                                                     \
     X(max_counts, 16, 1 << 22)                                                                     \
+    X(still_counts, 3, 1 << 22)                                                                    \
+    X(still_q32, 1024, INT32_MAX)                                                                  \
     X(tick_clocks, 0, UINT32_MAX)                                                                  \
     X(early_clocks, 0, UINT32_MAX)                                                                 \
     X(on_time_clocks, 0, UINT32_MAX)                                                               \

@@ -10,7 +10,8 @@
 #define SPINDLE(X)                                                                                 \
     X(is_started, 0, 1)                                                                            \
     X(is_synced, 0, 1)                                                                             \
-    X(is_off_time, 0, 1)
+    X(is_off_time, 0, 1)                                                                           \
+    X(behind, -(1 << 22), 0)
 
 #define JERK_FILTER(X)                                                                             \
     X(slope_q10, -Q30, Q30)                                                                        \
@@ -66,6 +67,7 @@
 #define RECORD(X)                                                                                  \
     X(angle.is_off_time, 0, 1)                                                                     \
     X(angle.is_synced, 0, 1)                                                                       \
+    X(angle.is_still, 0, 1)                                                                        \
     X(want.state, 0, cam_n_states - 1)                                                             \
     X(want.is_retracted, 0, 1)
 
@@ -82,6 +84,7 @@
     X(is_held, 0, 1)
 
 #define WHOLE_STATE(X)                                                                             \
+    X(guard.is_going, 0, 1)                                                                        \
     X(bins.is_clean, 0, 1)                                                                         \
     X(bins.now.state, 0, cam_n_states - 1)                                                         \
     X(bins.now.is_steady, 0, 1)

@@ -83,6 +83,24 @@ static void test_spindle(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT32(c->max_counts, c->jump_window);
 }
 
+/// Three counts and the tolerance, or the angle in which U moves a micrometre.
+static void test_travel_of_a_standing_encoder(void)
+{
+    table.u1_peak_nm_per_rad = 250000;
+    params.counts_per_turn = 1000000;
+    build();
+    TEST_ASSERT_EQUAL_INT32(3, config.spindle.still_counts);
+    expect_near(turn_q32 * 0.004 / (2.0 * acos(-1.0)), config.spindle.still_q32);
+    params.counts_per_turn = 10000;
+    table.u1_peak_nm_per_rad = 1000000;
+    params.index_tolerance_counts = 5;
+    build();
+    TEST_ASSERT_INT32_WITHIN(8, (int32_t)(turn_q32 * 8e-4), config.spindle.still_q32);
+    table.u1_peak_nm_per_rad = 0;
+    build();
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, config.spindle.still_q32);
+}
+
 static void test_play(void)
 {
     params.lead_ns = 120000;

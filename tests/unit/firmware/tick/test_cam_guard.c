@@ -44,11 +44,6 @@ static void lose_the_index(void)
     hal_host_fault_index_dead(true);
 }
 
-static void turn_back(void)
-{
-    turn_at(-20.0);
-}
-
 static void stand(void)
 {
     turn_at(0.0);
@@ -85,8 +80,7 @@ static void test_guard_ends_the_work_for_what_goes_wrong_outside(void)
         {cam_state_cutting, jump, cam_fault_encoder_jump, 1},
         {cam_state_cutting, lose_a_count, cam_fault_lost_counts, 480},
         {cam_state_cutting, lose_the_index, cam_fault_index_missing, 541},
-        {cam_state_cutting, turn_back, cam_fault_reverse, 200},
-        {cam_state_cutting, stand, cam_fault_spindle_stopped, 2000 + 400},
+        {cam_state_cutting, stand, cam_fault_spindle_stopped, 20},
         {cam_state_homing, stand, cam_fault_spindle_stopped, 200000 + 1000},
         {cam_state_cutting, race, cam_fault_overspeed, 200},
         {cam_state_ready, push_u, cam_fault_following_error, 1},
@@ -111,6 +105,15 @@ static void test_guard_time_of_standing_counts_in_the_work_only(void)
     fixture_rig_ticks(&rig, 1980);
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
     expect_within(cam_fault_spindle_stopped, 60);
+}
+
+/// A spindle that turns against the cut ends the work as soon as it has begun.
+static void test_guard_ends_a_cut_of_a_spindle_that_turns_back(void)
+{
+    bring(cam_state_ready);
+    turn_at(-20.0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    expect_within(cam_fault_reverse, 200);
 }
 
 /// A fault in the first enabled tick finds U at rest, whatever U did before the last fault.

@@ -191,6 +191,24 @@ static void test_following_error_out_of_the_cut_has_a_limit_of_its_own(void)
     }
 }
 
+/// A spindle may stand when the work begins; once its encoder has advanced, it must not stand.
+static void test_encoder_that_stands_ends_the_work_where_it_has_advanced(void)
+{
+    for (int state = 0; state < cam_n_states; state++) {
+        begin(cam_state_off);
+        angle.is_still = true;
+        want.state = (cam_state_t)state;
+        (void)tick();
+        TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
+        angle.is_still = false;
+        (void)tick();
+        angle.is_still = true;
+        (void)tick();
+        const bool is_in_work = is_armed(cam_fault_reverse, (cam_state_t)state);
+        TEST_ASSERT_EQUAL_HEX32(is_in_work ? CAM_FAULT_BIT(spindle_stopped) : 0u, guard.faults);
+    }
+}
+
 static void test_limits_of_the_other_sign_are_the_same(void)
 {
     begin(cam_state_cutting);

@@ -286,6 +286,27 @@ static void test_step_standstill_and_creep_are_steady(void)
     TEST_ASSERT_EQUAL_HEX32(0, faults);
 }
 
+/// At the speed of its last advance the spindle turns on by three counts, then it shows.
+static void test_step_encoder_that_stands_shows_within_five_counts(void)
+{
+    for (int rpm = 10; rpm <= 3000; rpm *= 2) {
+        for (int dither = 0; dither < 2; dither++) {
+            start(10000, 1, 0);
+            config.spindle.still_q32 = 3 * 429496; // without a table U does not move at all
+            run_up(rpm / 60.0);
+            TEST_ASSERT_FALSE(angle.is_still);
+            const uint32_t stands = in.encoder.counts;
+            double n_ticks_still = 0.0;
+            for (; !angle.is_still && n_ticks_still < 1e4; n_ticks_still++) {
+                in.clock += clock_hz / tick_hz;
+                in.encoder.counts = stands - (uint32_t)((int)n_ticks_still % 2 * dither);
+                observe(0);
+            }
+            TEST_ASSERT_TRUE(n_ticks_still <= 1.0 + 5.0 / (rpm / 6.0 * 1e3 / tick_hz));
+        }
+    }
+}
+
 static void test_step_late_tick_with_its_time_stamp_costs_no_angle(void)
 {
     static const double shares[] = {1.4, 1.8, 2.5, 0.5};
