@@ -344,12 +344,13 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->command.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
     config->command.k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
     cam_build_motion(config, params, tick_hz);
-    cam_build_jog(config, params, tick_hz);
+    const int64_t room_q10 = cam_build_room_q10(config);
+    cam_build_jog(config, params, room_q10, tick_hz);
     cam_changes_build(&config->play, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->guard.following_nm = cam_derived_limits_following_nm(params, table);
     config->guard.approach_nm = cam_derived_limits_approach_nm(params, table, tick_hz);
-    config->play.u_retract_q10 = retract_q10(params, table, cam_build_room_q10(config));
+    config->play.u_retract_q10 = retract_q10(params, table, room_q10);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->command.range_nm = params->u_stroke_nm / 2;
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;

@@ -14,13 +14,10 @@
 /// Requires the gains of the feed-forward, the spindle and the feed.
 void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz);
 
-/// @return [nm / 1024] by how much the end of a retract may take the command of U beyond its
-///         target: an eighth of the acceleration, because it brakes in ticks (cam_move_profile.c),
-///         and the lead of the feed-forward, MATHS.md (214)
-int64_t cam_build_room_q10(const cam_config_t *config);
-
 /// Derive the limits of jogging. Call after cam_build_motion().
-void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz);
+/// @param room_q10  [nm / 1024] as of cam_build_room_q10()
+void cam_build_jog(cam_config_t *config, const cam_params_t *params, int64_t room_q10,
+                   uint32_t tick_hz);
 
 /// Derive the windows of the position switches from the parameters switch_1_.. to switch_8_..
 ///

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build_inner.h"
+#include "cam_build.h"          // cam_build_room_q10
 #include "cam_angle.h"          // CAM_TURN_Q32
 #include "cam_cut.h"            // cam_cut_smaller
 #include "cam_derived_limits.h" // cam_derived_limits_approach_share
@@ -164,18 +165,50 @@ static cam_motion_limits_t retract_limits(const cam_config_t *c, uint32_t log2_w
     return windowed(gentle, log2_window);
 }
 
-/// @return [ticks^2 / 2^8] times the acceleration: overshoot of the command at the end of a motion,
-///         the larger of those where braking begins and while U brakes. MATHS.md (214)
-static int64_t overshoot_q8(const cam_axis_command_config_t *t, uint32_t log2_window)
+static int64_t greater(int64_t a, int64_t b)
 {
-    const int32_t n = INT32_C(1) << log2_window;
-    const int32_t k1_q8 = t->k1_q16 >> 8;
-    const int32_t over_q8 = k1_q8 + 128 - n * 128;
-    const int64_t brakes_q17 = (int64_t)k1_q8 * ((int64_t)k1_q8 + 256);
-    const int64_t brakes_q8 = (brakes_q17 >> 9) - ((t->k2_q16 - (t->k2_q16 >> log2_window)) >> 8);
-    const int64_t begins_q8 = (((int64_t)over_q8 * over_q8) >> 9) + n * n * 64 / 3;
-    const int64_t most_q8 = over_q8 > 0 && begins_q8 > brakes_q8 ? begins_q8 : brakes_q8;
-    return most_q8 > 0 ? most_q8 : 0;
+    return a > b ? a : b;
+}
+
+/// A timed motion: the gains of its feed-forward and its window, in ticks.
+typedef struct {
+    int64_t k1_q8, k2_q8, n;
+} timed_t;
+
+/// @return [ticks^3 / 2^8] 6 times the sum of c(0) to c(b - 1), where braking by 1 per tick^2, z
+///         ticks after the command's own time, takes the command c(z) = k1 z - k2 - z (z - 1) / 2
+///         beyond the end
+static int64_t summed_q8(const timed_t *f, int64_t b)
+{
+    return b <= 0 ? 0 : ((3 * f->k1_q8 - 256 * (b - 2)) * (b - 1) - 6 * f->k2_q8) * b;
+}
+
+/// @return the same of the mean over the window, times n
+static int64_t windowed_q8(const timed_t *f, int64_t b)
+{
+    return summed_q8(f, b) - summed_q8(f, b - f->n);
+}
+
+/// Largest overshoot of the command over the end of a motion from rest that speeds up and brakes
+/// for m ticks each, whatever lies between: a sum that is searched over m and the places of both.
+/// MATHS.md (214).
+/// @param most  [ticks] longest m
+/// @return      [ticks^2 / 2^8] times the acceleration; at most a 32nd too large
+static int64_t overshoot_q8(const timed_t *f, int64_t most)
+{
+    const int64_t reach = (f->k1_q8 >> 8) + f->n + 2; // braking beyond it takes the command back
+    const int64_t step = 1 + reach / 64;
+    int64_t over_q8 = 0;
+    for (int64_t m = 1; m <= reach && m <= most; m += step) {
+        int64_t speeding_q8 = 0;
+        for (int64_t at = 1; at <= 2 * reach; at += at <= f->n ? 1 : step) {
+            const int64_t here_q8 = windowed_q8(f, at);
+            speeding_q8 = greater(speeding_q8, windowed_q8(f, at - m) - here_q8);
+            const int64_t braking_q8 = windowed_q8(f, at + m) - here_q8;
+            over_q8 = greater(over_q8, speeding_q8 + braking_q8);
+        }
+    }
+    return (over_q8 + over_q8 / 32) / (6 * f->n);
 }
 
 int64_t cam_build_room_q10(const cam_config_t *config)
@@ -184,7 +217,11 @@ int64_t cam_build_room_q10(const cam_config_t *config)
     const int64_t approach_q10 = config->play.approach[hal_axis_u].acceleration_q10;
     const int64_t leave_q10 = leave->acceleration_q10;
     const int64_t a_q10 = leave_q10 > approach_q10 ? leave_q10 : approach_q10;
-    const int64_t ahead_q10 = (a_q10 * overshoot_q8(&config->command, leave->log2_window)) >> 8;
+    const timed_t timed = {.k1_q8 = config->command.k1_q16 >> 8,
+                           .k2_q8 = config->command.k2_q16 >> 8,
+                           .n = INT64_C(1) << leave->log2_window};
+    const int64_t most = config->guard.u.speed_q10 / a_q10 + 2;
+    const int64_t ahead_q10 = (a_q10 * overshoot_q8(&timed, most)) >> 8;
     return config->guard.u.acceleration_q10 / 8 + ahead_q10;
 }
 
@@ -211,7 +248,8 @@ static cam_motion_limits_t jog_limits(int32_t jog_um_per_s, int32_t speed_um_per
                                  .acceleration_q10 = (int32_t)a_q10};
 }
 
-void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz)
+void cam_build_jog(cam_config_t *config, const cam_params_t *params, int64_t room_q10,
+                   uint32_t tick_hz)
 {
     const cam_params_t *p = params;
     const cam_motion_limits_t *gentle = config->play.approach;
@@ -232,8 +270,8 @@ void cam_build_jog(cam_config_t *config, const cam_params_t *params, uint32_t ti
     // command leads by k1, configured and learned.
     const int64_t ahead_q10 =
         (2 * (int64_t)jog->limits[hal_axis_u].speed_q10 / n * config->command.k1_q16) >> 16;
-    const int64_t room_q10 = jog->limits[hal_axis_u].acceleration_q10 / 8 + 1024 +
-                             cam_clamp_i64(ahead_q10, 0, cam_build_room_q10(config));
-    const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - room_q10;
+    const int64_t over_q10 =
+        jog->limits[hal_axis_u].acceleration_q10 / 8 + 1024 + cam_clamp_i64(ahead_q10, 0, room_q10);
+    const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - over_q10;
     jog->u_end_q10 = cam_clamp_i64(end_q10, 0, INT64_MAX) / 1024 * 1024;
 }

@@ -224,10 +224,10 @@ static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
         bring(i == 0 ? cam_state_off : cam_state_cutting);
         fixture_rig_ticks(&rig, 200);
         told_t t = begin();
-        in_force()->command.k2_q16 *= 48;
         if (i == 0) {
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
         }
+        in_force()->command.k2_q16 *= 48;
         for (int k = 0; k < 4000; k++) {
             tick(&t);
         }
