@@ -150,6 +150,7 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
         .per_force_micro_per_s2 =
             config->mass_kg > 0.0 ? SIM_DRIVE_MICRO_PER_M / config->mass_kg : 0.0,
         .is_force = config->kind == sim_drive_force,
+        .is_relative = config->is_relative != 0u,
     };
     if (d->is_force) {
         sim_servo_init(&d->servo, config, period_s);
@@ -256,10 +257,23 @@ static double servoed(sim_drive_t *d, double command_micro, bool is_enabled)
     return sim_servo_push(&d->servo, command_micro, quantised(d, d->pos_micro + d->beyond_micro));
 }
 
+/// A relative drive stands still at enable, whatever is commanded, and moves by what is added.
+static void begin_relative(sim_drive_t *d, double command_micro)
+{
+    d->origin_micro = d->pos_micro - command_micro;
+    for (uint32_t i = 0; i < (uint32_t)sim_drive_ring && !d->is_force; i++) {
+        d->command_micro[i] = d->pos_micro;
+    }
+}
+
 /// Append a command to the delay line.
 static void take(sim_drive_t *d, int32_t command_micro, bool is_enabled)
 {
-    const double command = commanded(d, command_micro);
+    if (d->is_relative && is_enabled && !d->was_enabled) {
+        begin_relative(d, commanded(d, command_micro));
+    }
+    d->was_enabled = is_enabled;
+    const double command = commanded(d, command_micro) + d->origin_micro;
     d->i_command++;
     d->command_micro[d->i_command % sim_drive_ring] =
         d->is_force ? servoed(d, command, is_enabled) : command;

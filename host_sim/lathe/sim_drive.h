@@ -67,6 +67,9 @@ typedef struct {
     double command_quantum_micro;
     double period_s;
     bool is_force;                 ///< of kind force
+    bool is_relative;              ///< commands count from the one at enable
+    bool was_enabled;              ///< in the last step
+    double origin_micro;           ///< where the command 0 is
     sim_servo_t servo;             ///< kind force
     double push_micro_per_s2;      ///< kind force: output of the amplifier per mass
     sim_friction_law_t law;        ///< for sub-steps: friction, external force, kind force

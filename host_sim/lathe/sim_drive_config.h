@@ -30,7 +30,7 @@ typedef struct {
     double amplifier_hz;  ///< corner of the current loop
     double tuned_mass_kg; ///< mass for which the position loop is tuned
     uint32_t kind;        ///< sim_drive_kind_t
-    uint32_t reserved;    ///< 0
+    uint32_t is_relative; ///< 1: the command at enable is where the drive stands then
 } sim_drive_config_t;
 
 #endif

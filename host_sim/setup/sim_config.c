@@ -37,6 +37,7 @@ enum { max_bytes = 1 << 20, least_mode_hz = 10 };
         REAL(section, "delay_us", drive[i].delay_us, 0.0, 10000.0),                                \
         REAL(section, "quantum_nm", drive[i].quantum_micro, 0.0, 100000.0),                        \
         REAL(section, "command_quantum_nm", drive[i].command_quantum_micro, 0.0, 100000.0),        \
+        WHOLE(section, "relative", drive[i].is_relative, 0.0, 1.0),                                \
         REAL(section, "speed_mm_per_s", drive[i].speed_units_per_s, 0.1, 10000.0),                 \
         REAL(section, "acceleration_mm_per_s2", drive[i].acceleration_units_per_s2, 10.0, 1e7)
 

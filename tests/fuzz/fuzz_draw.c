@@ -86,7 +86,7 @@ void fuzz_draw_all(fuzz_bytes_t *b)
     }
 }
 
-void fuzz_draw_write(uint8_t *bytes, cam_param_id_t id, int32_t value)
+void fuzz_draw_write(uint8_t *bytes, cam_param_id_t id, double value)
 {
     uint32_t i = 0;
     while (i < (uint32_t)fuzz_draw_n && draws[i].id != id) {
@@ -94,7 +94,7 @@ void fuzz_draw_write(uint8_t *bytes, cam_param_id_t id, int32_t value)
     }
     FUZZ_EXPECT(i < (uint32_t)fuzz_draw_n, "parameter %u is not drawn", (unsigned)id);
     const draw_t *d = &draws[i];
-    const double size = value != 0 ? fabs((double)value) : d->least;
+    const double size = value != 0.0 ? fabs(value) : d->least;
     const double share = log2(size / d->least) / log2(d->most / d->least);
     const uint32_t code = 1u + (uint32_t)(share * (most_code - 1) + 0.5);
     bytes[2u * i] = (uint8_t)code;

@@ -14,6 +14,7 @@ void fuzz_draw_all(fuzz_bytes_t *b);
 
 /// Write what draws a value, or one that is less by a ten-thousandth.
 /// @param bytes  fuzz_draw_bytes that draw a machine; 0 draws the default
-void fuzz_draw_write(uint8_t *bytes, cam_param_id_t id, int32_t value);
+/// @param value  in the unit of the parameter; k2_us2 as a share of the square of k1
+void fuzz_draw_write(uint8_t *bytes, cam_param_id_t id, double value);
 
 #endif

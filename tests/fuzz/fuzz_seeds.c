@@ -138,8 +138,9 @@ static void put_sessions(void)
     }
 }
 
-/// What is done with a machine at a rate: one of the defaults, a fast one whose every ramp is
-/// short, and one with a soft drive of U in a short stroke.
+/// What is done with a machine at a rate: one of the defaults, one with a slow drive of U in a
+/// short stroke (85 Hz, damping 0.7), a fast one whose every ramp is short, and that with a soft
+/// drive.
 static void put_machine(const char *name, uint8_t rate, const uint8_t (*orders)[session_order],
                         size_t n)
 {
@@ -170,6 +171,13 @@ static void put_machine(const char *name, uint8_t rate, const uint8_t (*orders)[
     memcpy(bytes + 4 + fuzz_draw_bytes, orders, n * session_order);
     (void)snprintf(path, sizeof path, "%s_%u", name, (unsigned)rate);
     put("machine", path, bytes, 4 + fuzz_draw_bytes + n * session_order);
+    uint8_t slow[sizeof bytes];
+    memcpy(slow, bytes, sizeof slow);
+    fuzz_draw_write(slow + 4, cam_param_u_stroke_nm, 750000);
+    fuzz_draw_write(slow + 4, cam_param_k1_ns, 2621000);
+    fuzz_draw_write(slow + 4, cam_param_k2_us2, 0.51);
+    (void)snprintf(path, sizeof path, "%s_slow_%u", name, (unsigned)rate);
+    put("machine", path, slow, 4 + fuzz_draw_bytes + n * session_order);
     for (size_t i = 0; i < sizeof fast / sizeof fast[0]; i++) {
         fuzz_draw_write(bytes + 4, fast[i].id, fast[i].value);
     }

@@ -127,6 +127,28 @@ static void test_disabled_drive_brakes_to_rest_and_holds(void)
     TEST_ASSERT_DOUBLE_WITHIN(160.0, 3200.0, drive.pos_micro); // v^2 / 2a, ends inside a tick
 }
 
+/// Whatever its input says at enable, a relative drive stands still, and then moves by the change.
+static void test_relative_drive_counts_from_its_command_at_enable(void)
+{
+    config.is_relative = 1;
+    config.delay_us = 120.0;
+    sim_drive_init(&drive, &config, 3000.0, PERIOD_S);
+    for (int turn = 0; turn < 2; turn++) {
+        const double stands = drive.pos_micro;
+        for (int i = 0; i < 100; i++) {
+            sim_drive_step(&drive, 70000 * (turn + 1), i >= 50);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-6, stands, drive.pos_micro);
+        }
+        for (int i = 0; i < 4000; i++) {
+            sim_drive_step(&drive, 70000 * (turn + 1) + 500, true);
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, stands + 500.0, drive.pos_micro);
+        for (int i = 0; i < 100; i++) {
+            sim_drive_step(&drive, 0, false);
+        }
+    }
+}
+
 static void test_blocked_drive_stands_still(void)
 {
     sim_drive_init(&drive, &config, 500.0, PERIOD_S);
