@@ -10,7 +10,10 @@
 #include "fuzz_mutate.h"
 #include "fuzz_orders.h"
 #include "fuzz_rig.h"
-#include "hal_host.h" // hal_host
+#include "cam_gains.h" // cam_gains_log2_window
+#include "hal_host.h"  // hal_host
+#include <math.h>      // fmax, ldexp
+#include <stdlib.h>    // abs
 
 enum { head_bytes = 4 + fuzz_draw_bytes, most_ticks = 8000 };
 
@@ -24,15 +27,34 @@ static int64_t followed_mrpm(int32_t k1_ns)
     return k1_ns > 0 ? INT64_C(4774648292756) / k1_ns : INT32_MAX;
 }
 
-/// The spindle turns at a share of the highest speed at which the machine can cut the part and its
-/// drive follows: the feed-forward of a slower drive would have to leave the stroke (README.md).
+/// @return [nm] where U comes to rest at most when it is stopped at the worst angle, MATHS.md (211)
+static double stopped_nm(int64_t mrpm)
+{
+    const cam_params_t *p = &fuzz_rig.machine.params;
+    const cam_table_t *t = &fuzz_rig.machine.table;
+    const uint32_t hz = fuzz_rig.judge.tick_hz;
+    const double omega = (double)mrpm * 6.283185307 / 60000.0;
+    const double window_s = ldexp(1.0, (int)cam_gains_log2_window(p, hal_axis_u, hz)) / hz;
+    const double speed = t->u1_peak_nm_per_rad * omega;
+    const double acceleration = t->u2_peak_nm_per_rad2 * omega * omega;
+    const double later = speed + acceleration * window_s / 2.0;
+    const double inwards = fmax(abs(t->u_min_nm), abs(t->u_max_nm));
+    return inwards + speed * window_s / 2.0 + later * later / (2e6 * p->u_acceleration_mm_per_s2);
+}
+
+/// The spindle turns at a share of the highest speed at which the machine can cut the part, its
+/// drive follows and U can be stopped within its stroke: the feed-forward of a slower drive, and a
+/// stop with less jerk, would have to leave the stroke (README.md).
 static void draw_spindle(uint8_t share)
 {
     cam_machine_t *m = &fuzz_rig.machine;
     const int64_t highest_mrpm = cam_machine_highest_mrpm(m);
     const int64_t by_drive_mrpm = followed_mrpm(m->params.k1_ns);
     const int64_t most_mrpm = highest_mrpm < by_drive_mrpm ? highest_mrpm : by_drive_mrpm;
-    const int64_t mrpm = most_mrpm * (share + 1) / 256;
+    int64_t mrpm = most_mrpm * (share + 1) / 256;
+    while (mrpm > least_mrpm && stopped_nm(mrpm) > m->params.u_stroke_nm / 2) {
+        mrpm -= mrpm / 8 + 1;
+    }
     const int32_t least_spindle = mrpm > least_mrpm ? (int32_t)mrpm : least_mrpm;
     fuzz_try(cam_machine_set_param(m, cam_param_spindle_mrpm, least_spindle));
     fuzz_rig_tick();
