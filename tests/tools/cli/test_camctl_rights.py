@@ -155,6 +155,18 @@ def test_silence_in_the_cut_ends_it_as_a_stop(bench: Bench, other: Link) -> None
     assert bench.do("home") == "home: ready\n"
 
 
+def test_orders_of_a_program_are_not_refused_first(tmp_path: Path) -> None:
+    """The controller says who takes and gives back command, and refuses nothing before it."""
+    with live_case(tmp_path, "--operator", "present") as case:
+        wait_for_press(case)
+        for words in (("home",), ("disable",)):
+            command = python("camtools.cli.camctl", *words)
+            with background(*command, XDG_RUNTIME_DIR=str(tmp_path)) as camctl:
+                assert camctl.process.wait(PATIENCE_S) == 0, camctl.text()
+        case.lathe.wait_for("command: given up")
+        assert "refused" not in case.lathe.text()
+
+
 def test_who_may_not_take_command_is_refused(other: Link) -> None:
     """A program that never commands gets the answer, and takes nothing."""
     other.rights.may = May.NEVER

@@ -270,6 +270,7 @@ class Link:
         Refused
             No answer comes, another has command, or it was lost.
         """
+        self.rights.prepare(command)
         for _ in range(MOST_MENDS):
             more = {"timeout_s": timeout_s, "parameter": parameter, "echo": None}
             answer = self.ask_once(command, **more, **value)  # type: ignore[arg-type]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 r"""Command over a controller: one sender has it, his heartbeat keeps it, the others read.
 
-What the controller demands stands in firmware/param/cam_rights.h. A link reads without command;
-the first order that needs it takes it, if it is allowed to, and what needs the unlocked level
+What the controller demands stands in firmware/param/cam_rights.h. A link reads without it;
+a link takes it before its first order that needs it, if it may, and what needs the unlocked level
 unlocks the controller where a secret is at hand.
 
 >>> sender_of("camctl") in range(1, 255), sender_of("camctl") != sender_of("panel")
@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
-from camtools.link.messages import NOT_COMMANDER, Answer, Refused
+from camtools.link.messages import NOT_COMMANDER, OLDER, Answer, Refused
 
 if TYPE_CHECKING:
     from camtools.link.controller import Link
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 BEAT_S, BEAT_ROWS = 0.25, 25  # between heartbeats, by the clock and by the controller's status
 LOSS_S = 1.0  # after so long without one command is lost
 _PROGRAMS = ("camctl", "panel", "identify")
+_FREE = ("stop", "strobe", "take_command")  # and reading: whoever asks
 _PROOF_BYTES = 4
 _LEAST_SECRET, _MOST_SECRET = 16, 64
 _BUSY_S = 0.1
@@ -181,6 +182,20 @@ class Rights:
 
     # Orders
 
+    def prepare(self, command: str) -> None:
+        """Take command before an order that needs it, where this link may take it.
+
+        Raises
+        ------
+        CommandHeld
+            Another has command.
+        Refused
+            The controller refuses.
+        """
+        is_free = command in _FREE or command.startswith(("get_", "read_"))
+        if not is_free and not self.session and self.may is not May.NEVER:
+            self._mend_command(0)
+
     def mend(self, answer: Answer) -> bool:
         """Take command or unlock where an order was refused for want of it.
 
@@ -244,7 +259,8 @@ class Rights:
             holder = int(answer.value)
             raise CommandHeld(f"{self._link.where}: {sender_text(holder)} commands", holder)
         if answer.result != "done":
-            raise Refused(f"take command: refused: {answer.result.replace('_', ' ')}")
+            words = OLDER if answer.result == "command" else answer.result.replace("_", " ")
+            raise Refused(f"take command: refused: {words}")
         self._begin(int(answer.value))
         self._change()
 
