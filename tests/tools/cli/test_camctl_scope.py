@@ -154,6 +154,23 @@ def test_the_black_box_keeps_what_was_before_a_fault(
     assert "no fault since" in bench.do("blackbox")
 
 
+def test_a_recording_that_fails_gives_the_black_box_back(
+    bench: Bench, tmp_path: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One with lost ticks is dropped; one that cannot be read waits, and the message says so."""
+    record = tmp_path / "record.csv"
+    whole = scope.Recording.is_whole
+    monkeypatch.setattr(scope.Recording, "is_whole", property(lambda recording: False))
+    assert "ticks were lost" in refusal(bench, 1, f"scope {record} --seconds 0.05")
+    assert "black box         recording" in bench.do("blackbox")
+    monkeypatch.setattr(scope.Recording, "is_whole", whole)
+    monkeypatch.setattr(scope, "MOST_REPEATS", 0)
+    assert "--clear ends that" in refusal(bench, 1, f"scope {record} --seconds 0.05")
+    assert "paused" in bench.do("blackbox")
+    bench.do("blackbox", "--clear")
+    assert "black box         recording" in bench.do("blackbox")
+
+
 def lose(bench: Bench, every: int, identifiers: set[int]) -> None:
     """Let one frame of some to the controller get lost."""
     count = 0

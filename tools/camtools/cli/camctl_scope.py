@@ -106,6 +106,18 @@ def _finish(
 # scope
 
 
+def _read_or_pause(link: Link, say: Say) -> scope.Recording:
+    """Read the recording that is there; a failure names what that means for the black box."""
+    try:
+        return _read(link, say)
+    except Refused as error:
+        paused = (
+            "the black box is paused until --again reads the recording, for 10 minutes at most; "
+            "camctl blackbox --clear ends that"
+        )
+        raise Refused(f"{error}; {paused}") from error
+
+
 def _configure(link: Link, arguments: argparse.Namespace) -> None:
     """Set what the recordings are to be."""
     tick_hz = scope.get(link, "tick_hz")
@@ -172,7 +184,9 @@ def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     for number in range(1, arguments.repeat + 1):
         is_whole = arguments.again or _record(link, say)
         path = numbered(arguments.file, number, arguments.repeat)
-        recording = _read(link, say)
+        recording = _read_or_pause(link, say)
+        if not recording.is_whole and not arguments.keep:
+            scope.release(link)
         link.rights.release()  # to write and draw takes longer than command lasts without a word
         if not recording.is_whole:
             raise Refused(
