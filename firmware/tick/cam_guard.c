@@ -72,23 +72,24 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
 
 /// From its first advance in the work on, the encoder must not stand. @return spindle_stopped or
 /// none
-static uint32_t standing_encoder(cam_guard_t *g, cam_state_t state, bool is_still)
+static uint32_t standing_encoder(cam_guard_t *g, uint32_t watched, bool is_still)
 {
-    const bool is_in_work = (armed[state] & CAM_FAULT_BIT(reverse)) != 0u;
-    const bool was_going = g->is_going;
+    const bool is_in_work = (watched & CAM_FAULT_BIT(reverse)) != 0u;
+    const bool has_stopped = g->is_going && is_in_work && is_still;
     g->is_going = is_in_work && !is_still;
-    return was_going && is_in_work && is_still ? CAM_FAULT_BIT(spindle_stopped) : 0u;
+    return has_stopped ? CAM_FAULT_BIT(spindle_stopped) : 0u;
 }
 
-/// @return all faults of a tick, whether armed or not
+/// @param watched  faults that are armed
+/// @return         all faults of a tick, whether armed or not
 static uint32_t faults_of(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
-                          bool is_playing, int32_t step_q6)
+                          uint32_t watched, bool is_playing, int32_t step_q6)
 {
     const cam_sense_t *in = &r->in;
     const cam_angle_t *angle = &r->angle;
     const cam_want_t *want = &r->want;
     uint32_t faults = want->faults;
-    faults |= standing_encoder(g, want->state, angle->is_still);
+    faults |= standing_encoder(g, watched, angle->is_still);
     const int32_t off_nm = in->actual_nm[hal_axis_u] - (want->u_due_q6 >> 6);
     if (!cam_is_within(off_nm, cfg->following_nm)) {
         if (is_playing || !cam_is_within(off_nm, cfg->approach_nm)) {
@@ -196,7 +197,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
         return;
     }
     const int32_t step_q6 = cam_sat_sub(want->u_set_q6, g->u_set_q6);
-    const uint32_t faults = faults_of(g, cfg, r, m->is_playing, step_q6) & watched;
+    const uint32_t faults = faults_of(g, cfg, r, watched, m->is_playing, step_q6) & watched;
     if (faults != 0u) {
         latch(g, cfg, r, m, faults);
         return;

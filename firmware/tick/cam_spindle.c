@@ -78,14 +78,14 @@ static int32_t travel_off_time(int32_t travel_q32, int32_t off_q27)
 static bool is_still(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved,
                      int32_t going_q32)
 {
-    s->behind = cam_sat_add(s->behind, moved);
-    if (s->behind > 0) {
+    const int32_t ahead = cam_sat_add(moved, s->behind);
+    if (ahead > 0) {
         s->behind = 0;
         s->still_q32 = 0;
         s->going_q32 = (int32_t)(s->speed_q64 >> 32);
         return false;
     }
-    s->behind = s->behind < -cfg->still_counts ? -cfg->still_counts : s->behind;
+    s->behind = ahead > -cfg->still_counts ? ahead : -cfg->still_counts;
     s->still_q32 = cam_sat_add(s->still_q32, going_q32);
     return s->still_q32 > cfg->still_q32;
 }
