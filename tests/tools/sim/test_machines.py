@@ -16,7 +16,9 @@ from tests.tools.cases.camsim_cases import camsim
 LEARN = Path(__file__).parents[2] / "learn" / "machines"
 
 
-@pytest.mark.parametrize("name", ["cam", "default", "piezo", "real", "rough"])
+@pytest.mark.parametrize(
+    "name", ["analog_position", "cam", "default", "piezo", "real", "rough", "step_servo"]
+)
 def test_machines_of_the_simulator_are_found_by_name(name: str) -> None:
     """The name is that of the file, and the machine calls itself so."""
     assert name in names()
@@ -40,7 +42,9 @@ def test_unknown_machine_is_refused_in_one_line(
     """The message names the word and every machine there is."""
     assert main(["--machine", word]) == 2
     told = capsys.readouterr().err.strip()
-    assert told.startswith(f"run: --machine {word}: no such machine; give one of cam, default")
+    assert told.startswith(
+        f"run: --machine {word}: no such machine; give one of analog_position, cam"
+    )
     assert "\n" not in told
 
 
