@@ -175,3 +175,41 @@ def test_report_has_no_grave_finding(
     page.set_viewport_size(PHONE)
     gallery.keep(page, f"Report, phone, {scheme}", is_whole=True)
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+_BOXES = """() => [...document.querySelectorAll(".js-plotly-plot")].filter(one => one.offsetParent)
+    .map(one => ["legend", "modebar-group"].map(name => [...one.querySelectorAll("." + name)]
+        .map(part => part.getBoundingClientRect().toJSON())))"""
+_INKS = """() => [...document.querySelectorAll(".js-plotly-plot .gtitle, .js-plotly-plot .xtitle")]
+    .map(one => getComputedStyle(one).fill)"""
+
+
+def test_charts_follow_light_and_dark(report_folder: Path, open_window: OpenWindow) -> None:
+    """While the page is open, as the computer changes at sunset: text stays legible."""
+    page = open_window().page
+    open_report(page, report_folder)
+    for scheme in ("dark", "light"):
+        page.emulate_media(color_scheme=scheme)
+        ink = page.evaluate("getComputedStyle(document.body).color")
+        page.wait_for_function(
+            f"ink => new Set(({_INKS})()).size === 1 && ({_INKS})()[0] === ink", arg=ink
+        )
+
+
+def test_tool_bars_cover_no_legend(report_folder: Path, open_window: OpenWindow) -> None:
+    """They are shown at the pointer only, away from the legend."""
+    page = open_window().page
+    open_report(page, report_folder)
+    shown = page.locator("#following .modebar-group").first
+    expect(shown).to_have_css("opacity", "0")
+    page.locator("#following .nsewdrag").first.hover()
+    expect(shown).not_to_have_css("opacity", "0")
+    for legends, bars in page.evaluate(_BOXES):
+        for legend in legends:
+            for bar in bars:
+                assert (
+                    bar["left"] >= legend["right"]
+                    or bar["right"] <= legend["left"]
+                    or bar["top"] >= legend["bottom"]
+                    or bar["bottom"] <= legend["top"]
+                ), (legend, bar)

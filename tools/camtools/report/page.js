@@ -5,13 +5,18 @@
 const place = (id) => document.getElementById(id);
 const [figures, part] = ["figures", "part-data"].map((id) => JSON.parse(place(id).textContent));
 const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-const ink = getComputedStyle(document.body).color; // black on white, or white in the dark
 const has3d = Boolean(document.createElement("canvas").getContext("webgl"));
 
-// A chart is drawn into its place, and only then the picture that prints gives way to it.
+const drawn = new Set();
+
+// A chart is drawn into its place in the page's colour of text, and only then the picture that
+// prints gives way to it.
 async function draw(id) {
   const { data, layout } = figures[id];
-  layout.font = { color: ink, family: "sans-serif", size: 13 };
+  const { color } = getComputedStyle(document.body);
+  layout.font = { color, family: "sans-serif", size: 13 };
+  layout.modebar = { color, activecolor: color, bgcolor: "rgba(0,0,0,0)" };
+  drawn.add(id);
   await Plotly.react(id, data, layout, { responsive: true, displaylogo: false });
   place(id).closest(".picture").classList.add("is-alive");
 }
@@ -42,7 +47,7 @@ async function startBoard() {
   }
 
   // The drawing in the middle of a column, between the points of two cells: flanks may be steep.
-  function drawn(i, j) {
+  function designed(i, j) {
     const [a, b] = [j, inColumn[i * n + j] < 0.5 ? j + 1 : j - 1].map((one) => i * n + ((one + n) % n));
     const apart = (((degrees(b) - degrees(a) + 540) % 360) - 180) / ((180 - 360 * inColumn[a]) / n);
     return design_mm(a) + (Number.isFinite(apart) && apart ? (design_mm(b) - design_mm(a)) / apart : 0);
@@ -56,7 +61,7 @@ async function startBoard() {
     const [band, rim, drawing, cut] = ring(i); // the chosen section lies over the kept ones
     figures.section.data = [band, rim, drawing, ...kept.map((k, at) => ({ ...ring(k)[3], ...again[at] })), cut];
     figures.unrolled.data = [...kept.map((k, at) => ({ ...line(k), ...again[at] })), line(i)];
-    const profiles = [z_mm.map((_, k) => drawn(k, j)), z_mm.map((_, k) => scaled(k * n + j))];
+    const profiles = [z_mm.map((_, k) => designed(k, j)), z_mm.map((_, k) => scaled(k * n + j))];
     const ends = profiles[0].filter(Number.isFinite).sort((a, b) => a - b);
     const room = Math.max(0.005, 0.55 * (ends[ends.length - 1] - ends[0])); // 10 um at least: no noise fills it
     figures.profile.layout.xaxis.range = [-room, room].map((side) => side + (ends[0] + ends[ends.length - 1]) / 2);
@@ -91,5 +96,6 @@ async function startBoard() {
   return has3d ? draw("space") : place("space").closest(".picture").remove();
 }
 
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawn.forEach(draw));
 Object.keys(figures).filter((id) => !place(id).closest("#board")).forEach(draw);
 if (part.rows) startBoard();
