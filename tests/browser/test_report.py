@@ -200,6 +200,7 @@ def test_tool_bars_cover_no_legend(report_folder: Path, open_window: OpenWindow)
     """They are shown at the pointer only, away from the legend."""
     page = open_window().page
     open_report(page, report_folder)
+    page.locator("#picture-following").scroll_into_view_if_needed()
     shown = page.locator("#following .modebar-group").first
     expect(shown).to_have_css("opacity", "0")
     page.locator("#following .nsewdrag").first.hover()

@@ -13,12 +13,14 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
+from camtools.panel.runs import compare
 from camtools.panel.runs.compare import (
     N_ANGLES,
     N_HEIGHTS,
     differing,
     error_curves,
     figures_of,
+    section_error,
     settings_rows,
 )
 from camtools.panel.runs.compare_charts import error_map, over_height, scale_of
@@ -223,7 +225,9 @@ def test_differences_of_texts() -> None:
     assert differing("a\n", "a\n") == []
 
 
-def test_errors_over_height_and_angle_are_those_of_the_surface(tmp_path: Path) -> None:
+def test_errors_over_height_and_angle_are_those_of_the_surface(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Every cell has the error of largest magnitude of the points in it, found by a plain loop."""
     rng = np.random.default_rng(17)
     rows = np.column_stack(
@@ -234,6 +238,8 @@ def test_errors_over_height_and_angle_are_those_of_the_surface(tmp_path: Path) -
     )
     (tmp_path / "surface.csv").write_text(text)
     found = error_curves(tmp_path, (0.0, 60.0))
+    monkeypatch.setattr(compare, "read_surface", None)  # it is not read again
+    assert error_curves(tmp_path) is not None and section_error(tmp_path, 30.0, 1.0) is not None
     assert found is not None
     wanted = np.full((N_HEIGHTS, N_ANGLES), np.nan)
     for turn, z_mm, _, error_nm in rows:

@@ -21,6 +21,20 @@ async function draw(id) {
   place(id).closest(".picture").classList.add("is-alive");
 }
 
+// Charts further down wait until somebody comes near them; their pictures stand there meanwhile.
+const near = new IntersectionObserver((seen) => {
+  for (const { target, isIntersecting } of seen) {
+    if (!isIntersecting) continue;
+    near.unobserve(target);
+    draw(target.dataset.chart);
+  }
+}, { rootMargin: "300px" });
+function drawWhenNear(id) {
+  const picture = place(id).closest(".picture");
+  picture.dataset.chart = id;
+  near.observe(picture);
+}
+
 async function startBoard() {
   // Of each cell of the map, row by row: k counts them.
   const [n, z_mm] = [part.columns, part.z_mm];
@@ -93,9 +107,9 @@ async function startBoard() {
   place("keep").addEventListener("click", () => (kept.push(Number(height.value)), show()));
   place("forget").addEventListener("click", () => ((kept.length = 0), show()));
   show();
-  return has3d ? draw("space") : place("space").closest(".picture").remove();
+  return has3d ? drawWhenNear("space") : place("space").closest(".picture").remove();
 }
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawn.forEach(draw));
-Object.keys(figures).filter((id) => !place(id).closest("#board")).forEach(draw);
+Object.keys(figures).filter((id) => !place(id).closest("#board")).forEach(drawWhenNear);
 if (part.rows) startBoard();

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,6 +26,7 @@ _DIFF_CONTEXT = 2
 _MAX_PART_BYTES = 1_000_000
 N_HEIGHTS, N_ANGLES = 60, 120  # cells of a map, points of a curve
 _DEG = 360.0
+_REMEMBERED = 4  # files of runs that are compared
 
 
 class ComparedFigure(NamedTuple):
@@ -173,12 +175,23 @@ def cells_of(surface: GaugedSurface, heights_mm: tuple[float, float]) -> Floats:
     return found.reshape(N_HEIGHTS, N_ANGLES)
 
 
+def _stamp(path: Path) -> int | None:
+    """Return when a file of a run was written, nothing where there is none."""
+    return None if path.is_symlink() or not path.is_file() else path.stat().st_mtime_ns
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _surface(path: Path, _written_ns: int) -> GaugedSurface:
+    """Read a surface once for all curves and sections."""
+    return read_surface(path)
+
+
 def error_curves(folder: Path, heights_mm: tuple[float, float] | None = None) -> ErrorCurves | None:
     """Return the errors of a run as curves, nothing where it cut nothing."""
     path = folder / SURFACE
-    if path.is_symlink() or not path.is_file():
+    if (written_ns := _stamp(path)) is None:
         return None
-    surface = read_surface(path)
+    surface = _surface(path, written_ns)
     if surface.turn.size == 0:
         return None
     ends = heights_mm or (float(surface.z_mm.min()), float(surface.z_mm.max()))
@@ -195,8 +208,12 @@ def error_curves(folder: Path, heights_mm: tuple[float, float] | None = None) ->
 def following_over_angle(folder: Path) -> tuple[Floats | None, Floats | None]:
     """Return mean and spread of the following error over the drawing's angle while cutting."""
     path = folder / TRACE
-    if path.is_symlink() or not path.is_file():
-        return None, None
+    written_ns = _stamp(path)
+    return (None, None) if written_ns is None else _following(path, written_ns)
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _following(path: Path, _written_ns: int) -> tuple[Floats | None, Floats | None]:
     trace = read_trace(path)
     cut = trace.pick(np.asarray(trace.state == CUTTING))
     if cut.turn.size == 0:
@@ -213,9 +230,9 @@ def following_over_angle(folder: Path) -> tuple[Floats | None, Floats | None]:
 def section_error(folder: Path, z_mm: float, band_mm: float) -> tuple[Floats, Floats] | None:
     """Return angles [degrees] and form errors [um] of a band of the height, by angle."""
     path = folder / SURFACE
-    if path.is_symlink() or not path.is_file():
+    if (written_ns := _stamp(path)) is None:
         return None
-    surface = read_surface(path)
+    surface = _surface(path, written_ns)
     near = np.abs(surface.z_mm - z_mm) <= band_mm / 2
     if not near.any():
         return None
