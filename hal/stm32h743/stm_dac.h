@@ -3,7 +3,9 @@
 ///
 /// Four frames of 24 bits are sent at the end of a tick. The outputs do not change until TIM4 pulls
 /// /LDAC low and triggers the internal DAC, so all of them step together, always BOARD_UPDATE_NS
-/// after the start of the tick. The AD5754R is strapped to two's complement (BIN/2sCOMP low).
+/// after the start of the tick. The AD5754R is strapped to two's complement (BIN/2sCOMP low). Its
+/// /CLR is the enable line PE13: while that is low, by the program or by its resistor in a reset,
+/// the outputs are at 0 V. Control register bit 1, clear select, stays 0: clear to 0 V.
 /// Source: AD5754R data sheet, "Serial interface", "Input shift register"; RM0433 chapters 26, 50.
 #ifndef STM_DAC_H
 #define STM_DAC_H

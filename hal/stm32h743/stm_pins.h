@@ -13,7 +13,7 @@ enum {
     stm_pin_switch_1 = 0, ///< PE0 .. PE7 out, 1: the position switch is on
     stm_pin_estop = 10,   ///< PE10 in, 1: the chain is closed
     stm_pin_ready = 12,   ///< PE12 in, 1: all drives ready
-    stm_pin_enable = 13,  ///< PE13 out, 1: the drives hold their axes
+    stm_pin_enable = 13,  ///< PE13 out, 1: the drives hold their axes; 0 clears the AD5754R to 0 V
     stm_pin_fault = 14,   ///< PE14 out, 1: fault
     stm_pin_in_cut = 15,  ///< PE15 out, 1: in cut
 };

@@ -30,6 +30,7 @@ RAMP_RPM = 2500 * 10 / 20_000  # change of speed per tick
 SWITCHES = tuple(f"PE{pin}" for pin in range(8))
 OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
 STEPS = {"X": (16, "PB8", "PB6"), "Z": (17, "PB9", "PB7")}  # timer, steps, direction
+CLEAR = "PE13"  # enable is also /CLR of the AD5754R
 ESTOP, READY = "PE10", "PE12"
 
 # Values at +10 V of channels A .. D and counts of the scales: board_config.h.
@@ -129,12 +130,15 @@ class Board:
         """Switch on chip and converters."""
         self.dac.power_on()
         self.chip.power_on()
+        self.dac.clear(self.chip.gpio.level(CLEAR))
 
     # Signals out of the chip
 
     def _change_of(self, letter: str) -> Callable[[int, int], None]:
         def change(pin: int, level: int) -> None:
             name = f"P{letter}{pin}"
+            if name == CLEAR:
+                self.dac.clear(level)
             if name in OUTPUTS:
                 self._note(f"{OUTPUTS[name]} {level}")
             elif name == "PD14":

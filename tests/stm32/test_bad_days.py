@@ -109,9 +109,10 @@ def between_ticks(session: Session) -> int:
 
 
 def expect_safe_halt(session: Session, at: int, why: str) -> None:
-    """Expect outputs to fall first, nothing else to go out, and the reason behind the reset."""
+    """Expect outputs at 0 V and low first, nothing else to go out, and the reason at the start."""
     chip, remote, events = session.chip, session.remote, session.board.events
     assert chip.run_until(lambda: chip.resets[-1] == "software", chip.seconds(0.01))
+    assert tuple(session.board.dac.words) == SAFE
     behind = outputs_since(session, at)
     assert set(behind[: behind.index("reset software")]) == {"enable 0", "fault 1"}
     assert next(event.at for event in events if event.at > at) - at < chip.seconds(2e-6)
@@ -154,6 +155,7 @@ def test_reset_in_the_cut_is_safe_and_told(ready: Session, reason: str, text: st
     else:
         chip.reset(reason)
     assert [chip.gpio.level(name) for name in ("PE13", "PE15")] == [0, 0]
+    assert tuple(board.dac.words) == SAFE
     port, pin = chip.gpio.pin("PE13")
     data = (DTCM + STACK_BYTES, DTCM_BYTES - STACK_BYTES)
     memory = chip.read_memory(*data)
@@ -205,6 +207,7 @@ def test_watchdog_ends_a_hang(
     chip.put_instructions(place, instructions)  # or it would hang again
     assert least_s < (chip.clock.now - at) / 480e6 < most_s
     assert [chip.gpio.level(name) for name in ("PE13", "PE15")] == [0, 0]
+    assert tuple(board.dac.words) == SAFE
     assert remote.started().reset == "watchdog"
     assert remote.lines()[1] == "start: watchdog reset"
     assert board.ticks[-1].words == SAFE

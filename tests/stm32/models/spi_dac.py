@@ -235,7 +235,7 @@ class Ad5754r:
         """Take the values behind power-on: all outputs off."""
         self.words, self.inputs, self.ranges = [0] * 4, [0] * 4, [0] * 4
         self.power, self.settings = 0, 0
-        self.is_ldac_low = False
+        self.is_ldac_low = self.is_clear_low = False
         self._answer = 0
 
     def is_on(self, channel: int) -> bool:
@@ -244,9 +244,21 @@ class Ad5754r:
 
     def ldac(self, level: int) -> None:
         """Move the pin /LDAC; a falling edge takes all input registers over."""
-        if not level and not self.is_ldac_low:
+        self.is_ldac_low, was_low = not level, self.is_ldac_low
+        if self.is_ldac_low and not was_low:
+            self._load()
+
+    def clear(self, level: int) -> None:
+        """Move the pin /CLR; while it is low, the outputs stay at the clear code."""
+        self.is_clear_low = not level
+        if self.is_clear_low:
+            self.inputs = [self._clear_code()] * 4
             self.words = list(self.inputs)
-        self.is_ldac_low = not level
+
+    def _load(self) -> None:
+        """Take all input registers over, unless /CLR holds the outputs."""
+        if not self.is_clear_low:
+            self.words = list(self.inputs)
 
     def exchange(self, frame: int, bits: int) -> int:
         """Take a frame between two edges of /SYNC; return what SDO shifted out meanwhile."""
@@ -274,7 +286,7 @@ class Ad5754r:
             for channel in channels:
                 self.inputs[channel] = data
             if self.is_ldac_low:
-                self.words = list(self.inputs)
+                self._load()
         elif register == self.RANGE and address <= self.ALL and data <= 5:
             for channel in channels:
                 self.ranges[channel] = data
@@ -294,7 +306,7 @@ class Ad5754r:
             self.inputs = [self._clear_code()] * 4
             self.words = list(self.inputs)
         elif address == self.LOAD:
-            self.words = list(self.inputs)
+            self._load()
         elif address != self.NOP:
             raise UnmodelledError(f"AD5754R: control function {address}")
 
