@@ -78,7 +78,7 @@
 /// can change this setting.
 #define BOARD_TRUST_REQUIRED 0
 
-/// 1: an acknowledge button on the machine is wired to PD10 and closes to +3.3 V. It must be
+/// 1: an acknowledge button on the machine is wired to PD12 and closes to +3.3 V. It must be
 /// pressed before the machine can move after power-on, an emergency stop or a fault. Without a
 /// wire, or with 0, nothing can be enabled.
 #define BOARD_HAS_ACKNOWLEDGE 1

@@ -277,13 +277,12 @@ static uint32_t port_d(void)
     enum { shift = 1, indices = 7u << stm_pin_index_u };
     const uint32_t wired = (uint32_t)BOARD_HOME_SWITCHES << stm_pin_home_u;
     const uint32_t pins = GPIOD->IDR;
-    const uint32_t people = (BOARD_HAS_ACKNOWLEDGE != 0 ? 1u << stm_pin_acknowledge : 0u) |
-                            (BOARD_HAS_KEY != 0 ? 1u << stm_pin_key : 0u);
-    return ((~pins & wired) | (pins & (uint32_t)indices)) << shift | (pins & people) >> shift;
+    uint32_t people = BOARD_HAS_KEY != 0 ? (pins >> stm_pin_key & 1u) * hal_in_key : 0u;
+    if (BOARD_HAS_ACKNOWLEDGE != 0) {
+        people |= (pins >> stm_pin_acknowledge & 1u) * hal_in_acknowledge;
+    }
+    return ((~pins & wired) | (pins & (uint32_t)indices)) << shift | people;
 }
-_Static_assert(hal_in_acknowledge == 1u << (stm_pin_acknowledge - 1) &&
-                   hal_in_key == 1u << (stm_pin_key - 1),
-               "likewise, by a shift to the other side");
 _Static_assert(hal_in_home_u == 1u << (stm_pin_home_u + 1), "pins and bits differ by one shift");
 _Static_assert(hal_in_index_u == 1u << (stm_pin_index_u + 1), "likewise");
 

@@ -22,8 +22,8 @@ enum {
 enum {
     stm_pin_home_u = 2,  ///< PD2 .. PD4 in, 0: U, X, Z on its home switch, whose contact is open
     stm_pin_index_u = 5, ///< PD5 .. PD7 in, 1: U, X, Z at an index mark
-    stm_pin_acknowledge = 10, ///< PD10 in, 1: the button is pressed
-    stm_pin_key = 11,         ///< PD11 in, 1: the key switch is on
+    stm_pin_key = 11,    ///< PD11 in, 1: the key switch is on
+    stm_pin_acknowledge = 12, ///< PD12 in, 1: the button is pressed
 };
 
 /// Lines on port B.

@@ -45,7 +45,7 @@ DETAIL, TO_CONTROLLER, FLOW = _id("Detail"), _id("Block"), _id("BlockFlow")
 PARAMS = [name for _, name in sorted(_table("Command", "parameter").items())]
 ERR_BUSY = -25
 ERR_ACKNOWLEDGE, ERR_NOT_COMMANDER = -120, -122
-BUTTON, KEY = "PD10", "PD11"
+BUTTON, KEY = "PD12", "PD11"
 SENDER = 5
 
 

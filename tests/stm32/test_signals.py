@@ -3,19 +3,36 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
 from tests.stm32.board import COUNTS_PER_TURN, INDEX_AT, TICK_CLOCKS
-from tests.stm32.host import CLOCK_HZ, make_table
+from tests.stm32.host import CLOCK_HZ, ROOT, make_table
 from tests.stm32.models.fdcan import Frame
+from tests.stm32.models.gpio import ANALOGUE
 from tests.stm32.remote import COMMAND, ENABLE, GET, PARAMS, STATE, errors
 from tests.stm32.session import Session
 
 ERR = errors()
 DRIVE_READY = 1 << 1
+AFTER_RESET = {"PA13", "PA14", "PB4"}  # the debug port's, RM0433 11.3.1
+# UM2407: USB with its power switch and overcurrent, ST-LINK, LEDs, button, Ethernet.
+UM2407 = {
+    *("PA8", "PA9", "PA10", "PA11", "PA12", "PD10", "PG7", "PA13", "PA14", "PB0", "PB14", "PC13"),
+    *("PA1", "PA2", "PA7", "PB13", "PC1", "PC4", "PC5", "PG11", "PG13"),
+}
+
+
+def pins_of(cell: str) -> list[str]:
+    """Return the pins that a cell of the wiring table names, "PE0 .. PE7" one by one."""
+    pins = re.findall(r"P[A-K]\d+", cell)
+    if ".." in cell:
+        first, last = (int(pin[2:]) for pin in pins)
+        pins = [f"{pins[0][:2]}{i}" for i in range(first, last + 1)]
+    return pins
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +109,25 @@ def test_status_comes_every_ten_milliseconds(session: Session) -> None:
     n = len(session.remote.frames(STATE))
     session.chip.run(session.chip.seconds(0.1))
     assert len(session.remote.frames(STATE)) - n in (9, 10, 11)
+
+
+def test_only_the_wired_pins_are_used_and_none_of_the_board(session: Session) -> None:
+    """Pins in use are those of the wiring table, once each; the Nucleo's own parts keep theirs."""
+    wiring = (
+        (ROOT / "hal/stm32h743/README.md").read_text().split("## Wiring")[1].split("\n\n## ")[0]
+    )
+    cells = [row.split("|")[2] for row in wiring.splitlines() if row.startswith("| ")]
+    wired = [pin for cell in cells for pin in pins_of(cell)]
+    ports = session.chip.gpio.ports
+    used = {
+        f"P{letter}{pin}"
+        for letter in "ABCDE"
+        for pin in range(16)
+        if ports[letter].mode(pin) != ANALOGUE and f"P{letter}{pin}" not in AFTER_RESET
+    }
+    assert len(wired) == len(set(wired))
+    assert used | {"PA4"} == set(wired)
+    assert not set(wired) & UM2407
 
 
 def test_foreign_and_broken_frames_do_no_harm(session: Session) -> None:
