@@ -5,13 +5,15 @@
 
 #include <stdint.h> // INT64_C
 
-/// [Hz] rate of cam_isr(); 240 MHz divided by it is a whole number below 65 536.
+/// [Hz] rate of cam_isr(), 5000 .. 50 000, such that 240 MHz divided by it is a whole number.
+#ifndef BOARD_TICK_HZ
 #define BOARD_TICK_HZ 20000u
+#endif
 
 /// [ns] from the start of a tick to the step of all outputs (/LDAC). It is the same in every tick
 /// and a part of the parameter lead_ns. It must be longer than the longest interrupt plus
-/// BOARD_SEND_NS.
-#define BOARD_UPDATE_NS 30000u
+/// BOARD_SEND_NS, so above 30 kHz it is nine tenths of a tick.
+#define BOARD_UPDATE_NS (BOARD_TICK_HZ > 30000u ? 900000000u / BOARD_TICK_HZ : 30000u)
 
 /// [ns] that the four frames to the AD5754R take at 20 MHz, gaps included, rounded up.
 #define BOARD_SEND_NS 7000u

@@ -5,16 +5,24 @@
 #include "stm_reg.h"
 
 /// The window watchdog counts down from `from` in steps of 4096 APB3 clocks, resets below 64, and
-/// may be fed from `open` on: after at least one step.
+/// may be fed from `open` on: after the closed steps, which end an eighth before the feed is due.
+/// Fast ticks feed it only every few ticks, because the window needs a closed step.
 enum {
     step_clocks = 4096,
     tick_clocks = stm_apb_hz / BOARD_TICK_HZ,
-    steps = 6,
+    feed_ticks = step_clocks * 8 / 7 / tick_clocks + 1,
+    closed_steps = feed_ticks * tick_clocks * 7 / 8 / step_clocks,
+    steps = (feed_ticks + 2) * tick_clocks / step_clocks + 2,
     from = 64 + steps - 1,
-    open = from - 1,
+    open = from - closed_steps,
 };
-_Static_assert(tick_clocks > step_clocks, "a tick on time finds the window open");
-_Static_assert((steps - 1) * step_clocks > 3 * tick_clocks, "three ticks may be late");
+_Static_assert(BOARD_TICK_HZ >= 5000u && BOARD_TICK_HZ <= 50000u,
+               "BOARD_TICK_HZ: give 5000 to 50000");
+_Static_assert(closed_steps >= 1 && feed_ticks * tick_clocks > closed_steps * step_clocks,
+               "a tick on time finds the window open, a fast one does not");
+_Static_assert((steps - 1) * step_clocks > (feed_ticks + 2) * tick_clocks,
+               "two ticks may be missing");
+_Static_assert(from <= 127, "the counter has 7 bits");
 
 static void start_window(void)
 {
@@ -50,7 +58,10 @@ void stm_watch_feed(void)
 
 void stm_watch_tick_isr(bool is_behind)
 {
-    if (!is_behind) {
+    static uint32_t n_ticks; // since the last feed
+    n_ticks++;
+    if (n_ticks >= feed_ticks && !is_behind) {
+        n_ticks = 0;
         WWDG_CR = WWDG_CR_WDGA | from;
     }
 }

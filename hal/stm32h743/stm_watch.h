@@ -3,9 +3,9 @@
 ///
 /// The independent watchdog, IWDG1, has its own clock and resets after a second without a feed. It
 /// supervises the main loop, and through it the tick. The window watchdog, WWDG1, is fed at the
-/// start of each tick. It resets if the next tick does not start within 171 to 205 us, four
-/// periods, or if two ticks are less than a step of 34 us apart: motion is computed per tick, so a
-/// tick timer that runs fast would move the axes beyond their speed limits.
+/// start of each tick, above 25 kHz of every second. It resets if ticks stop, at 20 kHz after 171
+/// to 205 us, or if they come so fast that a feed falls into the closed steps of 34 us: motion is
+/// computed per tick, so a tick timer that runs fast would move the axes beyond their speed limits.
 #ifndef STM_WATCH_H
 #define STM_WATCH_H
 
@@ -19,8 +19,8 @@ void stm_watch_start(void);
 void stm_watch_feed(void);
 
 /// Feed the window watchdog at the start of a tick. Context: ISR.
-/// @param is_behind  the last tick overran: this one starts before the window opens and does not
-///                   feed the watchdog
+/// @param is_behind  the last tick overran: this one may start before the window opens and does
+///                   not feed the watchdog
 void stm_watch_tick_isr(bool is_behind);
 
 #endif

@@ -25,8 +25,10 @@ TABLE = 0x08100000
 COUNTS_PER_TURN = 10_000
 INDEX_AT = 1234  # [counts] the index pulse begins in the middle of this count ..
 INDEX_WIDTH = 3  # .. and ends so many counts later
-TICK_CLOCKS = 12_000  # of TIM5
-RAMP_RPM = 2500 * 10 / 20_000  # change of speed per tick
+TICK_HZ = 20_000
+TIMER_HZ = 240_000_000
+TICK_CLOCKS = TIMER_HZ // TICK_HZ  # of TIM5
+RAMP_RPM_PER_S = 25_000
 SWITCHES = tuple(f"PE{pin}" for pin in range(8))
 OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
 STEPS = {"X": (16, "PB8", "PB6"), "Z": (17, "PB9", "PB7")}  # timer, steps, direction
@@ -73,6 +75,8 @@ class Board:
 
     Attributes
     ----------
+    tick_hz : int
+        rate at which the image was built to run
     ticks : list of Outputs
         per tick of TIM4, taken at the start of the next
     tick_at : list of int
@@ -91,7 +95,8 @@ class Board:
         instant [cycles] and code of each change of the internal DAC's output; None: it is off
     """
 
-    def __init__(self, image: Image, *, hse_hz: int = HSE_HZ) -> None:
+    def __init__(self, image: Image, *, hse_hz: int = HSE_HZ, tick_hz: int = TICK_HZ) -> None:
+        self.tick_hz = tick_hz
         self.dac = Ad5754r()
         self.ticks: list[Outputs] = []
         self.tick_at: list[int] = []
@@ -218,8 +223,9 @@ class Board:
     def _turn_spindle(self, enable: int) -> None:
         if not self.is_held:
             left = (self.wanted(3) / 1000 if enable else 0.0) - self.rpm
-            self.rpm += max(-RAMP_RPM, min(RAMP_RPM, left))
-        self._turn(self.rpm / 60 / 20_000)
+            ramp_rpm = RAMP_RPM_PER_S / self.tick_hz
+            self.rpm += max(-ramp_rpm, min(ramp_rpm, left))
+        self._turn(self.rpm / 60 / self.tick_hz)
 
     def _turn(self, turns: float) -> None:
         """Pass counts and index edges in the order of their angles."""
@@ -250,7 +256,7 @@ class Board:
             share = (end * COUNTS_PER_TURN - at) / ((end - begin) * COUNTS_PER_TURN)
             level = at // 2 % 2 ^ int(end < begin)
             if self.is_stamped and self.chip.gpio.has_function(pin, 2):
-                self.chip.tim[5].input_edge(channel, level, round(share * TICK_CLOCKS))
+                self.chip.tim[5].input_edge(channel, level, round(share * TIMER_HZ / self.tick_hz))
 
     def _count(self, begin: float, end: float) -> None:
         gpio = self.chip.gpio

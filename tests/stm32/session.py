@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from tests.stm32.board import Board
+from pathlib import Path
+
+from tests.stm32.board import TICK_HZ, Board
 from tests.stm32.host import IMAGE
 from tests.stm32.image import Image
 from tests.stm32.remote import ENABLE, PARAMS, Remote
@@ -15,7 +17,6 @@ SETTINGS = {
     "rehearse_turns": 0,
     "learn_harmonics": 0,
     "ripple_turns": 0,
-    "lead_ns": 50_000,
     "engage_turns": 3,
     "disengage_turns": 3,
     "x_acceleration_mm_per_s2": 20_000,
@@ -40,8 +41,15 @@ class Session:
         new configurations in their order, as replay.c wants them
     """
 
-    def __init__(self, table: bytes | None, *, hse_hz: int = 8_000_000) -> None:
-        self.board = Board(Image(IMAGE), hse_hz=hse_hz)
+    def __init__(
+        self,
+        table: bytes | None,
+        *,
+        hse_hz: int = 8_000_000,
+        image: Path = IMAGE,
+        tick_hz: int = TICK_HZ,
+    ) -> None:
+        self.board = Board(Image(image), hse_hz=hse_hz, tick_hz=tick_hz)
         self.chip = self.board.chip
         if table is not None:
             self.board.write_table(table)
@@ -62,7 +70,8 @@ class Session:
 
     def set_up(self) -> None:
         """Set the parameters of the ideal machine."""
-        for name, value in SETTINGS.items():
+        dead_time_ns = 10**9 // self.board.tick_hz
+        for name, value in {**SETTINGS, "lead_ns": dead_time_ns}.items():
             self.remote.set(name, value)
             self.changes.append(f"set {PARAMS.index(name)} {value}")
 
