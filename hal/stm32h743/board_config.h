@@ -15,8 +15,9 @@
 /// BOARD_SEND_NS, so above 30 kHz it is nine tenths of a tick.
 #define BOARD_UPDATE_NS (BOARD_TICK_HZ > 30000u ? 900000000u / BOARD_TICK_HZ : 30000u)
 
-/// [ns] that the four frames to the AD5754R take at 20 MHz, gaps included, rounded up.
-#define BOARD_SEND_NS 7000u
+/// [ns] from the end of the interrupt until the four frames have reached the AD5754R at 20 MHz,
+/// gaps included, rounded up.
+#define BOARD_SEND_NS 7500u
 
 /// Source of the 8 MHz at OSC_IN. 0: the ST-LINK or an external oscillator. 1: a crystal, fitted as
 /// X3. FIRST_POWER.md gives the required accuracy and how to measure it.

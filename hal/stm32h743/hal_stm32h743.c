@@ -73,14 +73,16 @@ int hal_init(void)
     return stm_can_init() ? 0 : refuse(no_can, "port: FDCAN1 does not work");
 }
 
-/// Report how the firmware is protected (UPDATE.md). Missing protection refuses nothing, because a
-/// machine being set up is unprotected; the line shows it at every start.
+/// Report the option bytes that protect firmware and supply (UPDATE.md). Missing protection refuses
+/// nothing, because a machine being set up is unprotected; the line shows it at every start.
 static void report_protection(void)
 {
-    char line[] =
-        "port: read-out protection level 0, write protection of the firmware 0 (UPDATE.md)";
-    enum { at_level = 32, at_answer = 68 };
-    const uint32_t rdp = FLASH_OPTSR_RDP(FLASH_OPTSR_CUR);
+    char line[] = "port: read-out protection level 0, write protection of the firmware 0, "
+                  "brown-out level 0 (UPDATE.md)";
+    enum { at_level = 32, at_answer = 68, at_brown_out = 87 };
+    const uint32_t optsr = FLASH_OPTSR_CUR;
+    const uint32_t rdp = FLASH_OPTSR_RDP(optsr);
+    line[at_brown_out] = (char)('0' + FLASH_OPTSR_BOR_LEV(optsr));
     line[at_level] = rdp == 0xAAu ? '0' : rdp == 0xCCu ? '2' : '1';
     if ((FLASH_WPSN_CUR1 & 3u) == 0u) { // both sectors with code
         line[at_answer] = '1';

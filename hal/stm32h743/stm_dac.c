@@ -18,12 +18,23 @@ enum {
 /// The four frames that the next transfer sends, one for each output.
 static uint32_t frame[stm_n_dacs];
 
+/// Wait for a period of SCK. Just after EOT the last clock pulse may still be on the line, and
+/// clearing SPE would cut it off. ES0392, SPI, "Truncation of SPI output signals after EOT event".
+static void wait_one_sck(void)
+{
+    enum { sck_counts = stm_timer_hz / 20000000 };
+    const uint32_t begin = TIM5->CNT;
+    while (TIM5->CNT - begin <= sck_counts) {
+    }
+}
+
 /// Start a transfer of four frames. A transfer is configured while SPE is low; the FIFO then takes
 /// the frames, and CSTART starts it. SPE goes low and high again before each transfer, as the
 /// manual advises. RM0433 50.4.
 static void send_isr(const uint32_t words[stm_n_dacs])
 {
     SPI3_IFCR = SPI_IFCR_EOTC | SPI_IFCR_TXTFC;
+    wait_one_sck();
     SPI3_CR1 = 0;
     SPI3_CR1 = SPI_CR1_SPE;
     for (uint32_t i = 0; i < stm_n_dacs; i++) {
@@ -44,15 +55,15 @@ static bool wait_for_end(void)
     return false;
 }
 
-/// Set SPI3 up for 20 MHz. Data change on the rising edge. Frames are four clocks apart, and /SYNC
-/// is high for three of them: 150 ns; the converter requires 100 ns (RM0433 50.4.8, SSOM;
-/// data sheet, timing characteristics).
+/// Set SPI3 up for 20 MHz. Data change on the rising edge. Frames are eight clocks apart, and /SYNC
+/// is high for seven of them: 350 ns; the converter requires 100 ns (RM0433 50.4.8, SSOM;
+/// data sheet, timing characteristics). The four frames take 6.6 us.
 static void init_spi(void)
 {
     RCC_APB1LENR |= RCC_APB1LENR_SPI3;
     (void)RCC_APB1LENR;
     SPI3_CFG1 = SPI_CFG1_DSIZE_24 | SPI_CFG1_MBR_DIV4;
-    SPI3_CFG2 = SPI_CFG2_MSSI(1) | SPI_CFG2_MIDI(4) | SPI_CFG2_COMM_TX_ONLY | SPI_CFG2_MASTER |
+    SPI3_CFG2 = SPI_CFG2_MSSI(1) | SPI_CFG2_MIDI(8) | SPI_CFG2_COMM_TX_ONLY | SPI_CFG2_MASTER |
                 SPI_CFG2_CPHA | SPI_CFG2_SSOE | SPI_CFG2_SSOM | SPI_CFG2_AFCNTR;
     SPI3_CR2 = stm_n_dacs;
 }

@@ -32,8 +32,9 @@
 
 /// Registers of a bank, 0 (bank 1) or 1 (bank 2).
 #define FLASH_OPTSR_CUR STM_REG(0x5200201Cu)
-#define FLASH_OPTSR_RDP(optsr) ((optsr) >> 8 & 0xFFu) // 0xAA level 0, 0xCC level 2, all others 1
-#define FLASH_WPSN_CUR1 STM_REG(0x52002038u)          // bit i is 0: sector i of bank 1 is protected
+#define FLASH_OPTSR_RDP(optsr) ((optsr) >> 8 & 0xFFu)  // 0xAA level 0, 0xCC level 2, all others 1
+#define FLASH_OPTSR_BOR_LEV(optsr) ((optsr) >> 2 & 3u) // 3: 2.7 V, 0: off
+#define FLASH_WPSN_CUR1 STM_REG(0x52002038u) // bit i is 0: sector i of bank 1 is protected
 #define FLASH_KEYR(bank) STM_REG(0x52002004u + 0x100u * (bank))
 #define FLASH_KEYR_FIRST 0x45670123u
 #define FLASH_KEYR_SECOND 0xCDEF89ABu

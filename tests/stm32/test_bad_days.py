@@ -169,18 +169,22 @@ def test_reset_in_the_cut_is_safe_and_told(ready: Session, reason: str, text: st
 
 
 @pytest.mark.parametrize(
-    ("rdp", "wpsn", "level", "is_protected"),
-    [(0xAA, 0xFF, 0, 0), (0xBB, 0xFC, 1, 1), (0x00, 0xFE, 1, 0), (0xCC, 0xFC, 2, 1)],
+    ("rdp", "wpsn", "level", "is_protected", "brown_out"),
+    [(0xAA, 0xFF, 0, 0, 0), (0xBB, 0xFC, 1, 1, 3), (0x00, 0xFE, 1, 0, 1), (0xCC, 0xFC, 2, 1, 2)],
 )
 def test_protection_of_the_chip_is_told_at_the_start(
-    table: bytes, rdp: int, wpsn: int, level: int, is_protected: int
+    table: bytes, rdp: int, wpsn: int, level: int, is_protected: int, brown_out: int
 ) -> None:
-    """By the option bytes: any value but two is level 1, a bit of 0 protects one of two sectors."""
+    """By the option bytes: any RDP but two is level 1, a bit of 0 protects one of two sectors."""
     session = Session(table)
     session.board.power_on()
-    session.chip.flash.v |= {"optsr_cur": 0x031600F0 | rdp << 8, "wpsn_cur1": wpsn}
+    session.chip.flash.v |= {
+        "optsr_cur": 0x031600F0 | rdp << 8 | brown_out << 2,
+        "wpsn_cur1": wpsn,
+    }
     session.remote.started()
-    line = f"level {level}, write protection of the firmware {is_protected} (UPDATE.md)"
+    line = f"level {level}, write protection of the firmware {is_protected}, "
+    line += f"brown-out level {brown_out} (UPDATE.md)"
     assert f"port: read-out protection {line}" in session.remote.lines()
 
 

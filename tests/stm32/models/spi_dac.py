@@ -4,7 +4,7 @@
 The SPI shifts frames of the size set, at the kernel clock divided by MBR, out of a FIFO of 16
 bytes; a frame of more than 16 bits takes four. Modelled: full duplex or transmit only, one transfer
 of TSIZE frames per CSTART, hardware slave select with or without pulses. Frames come out whole, at
-their end.
+their end. Switched off within a clock after EOT, it cuts the last pulse off (ES0392).
 """
 
 from __future__ import annotations
@@ -51,6 +51,7 @@ class Spi(Device):
         self._left = 0  # frames of the transfer still to come
         self._flags = 0
         self._done_at = NEVER
+        self._ended_at = -NEVER  # the last transfer
         self._shifting = 0
         self.define(
             {
@@ -115,6 +116,9 @@ class Spi(Device):
     def _write_cr1(self, old: int, new: int) -> None:
         self.v["cr1"] = new & ~CSTART
         if not new & SPE:
+            since = self.clock.now - self._ended_at
+            if old & SPE and since * self.bit_hz() < self.rcc.core_hz():
+                raise UnmodelledError(f"{self.name}: switched off within a clock after EOT")
             self._tx.clear()
             self._rx.clear()
             self._left, self._flags, self._done_at = 0, 0, NEVER
@@ -205,6 +209,7 @@ class Spi(Device):
         self._left -= 1
         if self._left == 0:
             self._flags |= EOT | TXTF
+            self._ended_at = self.clock.now
         self._begin_frame()
 
 
