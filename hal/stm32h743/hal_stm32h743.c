@@ -12,6 +12,7 @@
 #include "stm_memory.h"
 #include "stm_params.h"
 #include "stm_pins.h"
+#include "stm_selftest.h"
 #include "stm_steps.h"
 #include "stm_table.h"
 #include "stm_tick.h"
@@ -38,7 +39,7 @@ static void init_text(void)
     RCC_APB1LENR |= RCC_APB1LENR_USART3;
     (void)RCC_APB1LENR;
     USART3_BRR = (stm_apb_hz + 115200 / 2) / 115200;
-    USART3_CR1 = USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE;
+    USART3_CR1 = USART_CR1_FIFOEN | USART_CR1_RE | USART_CR1_TE | USART_CR1_UE;
 }
 
 /// Report why the port cannot be used; main() only gets the number.
@@ -133,6 +134,7 @@ void hal_idle(void)
         stm_watch_feed();
     }
     last_count = count;
+    stm_selftest_poll();
     __asm volatile("wfi");
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stm_can.h"
 #include "hal/hal.h"
+#include "stm_clock.h" // stm_timer_hz
 #include "stm_reg.h"
+#include <string.h> // memcmp
 
 /// Layout of the message RAM in words. An element has two words of header and 64 bytes of data.
 enum {
@@ -67,7 +69,8 @@ static void set_memory(void)
 
 /// Bypass the clock calibration unit, which would derive time quanta from bus messages, without
 /// division; this needs INIT and CCE. RM0433 56.4.8 (CCU), FDCAN_CCU_CCFG.
-bool stm_can_init(void)
+/// @param modes  bits of CCCR; TEST and MON: internal loop-back
+static bool join(uint32_t modes)
 {
     RCC_APB1HENR |= RCC_APB1HENR_FDCAN;
     (void)RCC_APB1HENR;
@@ -75,12 +78,20 @@ bool stm_can_init(void)
         return false;
     }
     FDCAN1_CCCR = FDCAN_CCCR_INIT | FDCAN_CCCR_CCE;
-    FDCAN1_CCCR = FDCAN_CCCR_INIT | FDCAN_CCCR_CCE | FDCAN_CCCR_FDOE | FDCAN_CCCR_BRSE;
+    FDCAN1_CCCR = FDCAN_CCCR_INIT | FDCAN_CCCR_CCE | FDCAN_CCCR_FDOE | FDCAN_CCCR_BRSE | modes;
+    if (modes != 0u) {
+        FDCAN1_TEST = FDCAN_TEST_LBCK;
+    }
     FDCAN_CCU_CCFG = FDCAN_CCU_CCFG_BCC;
     set_timing();
     set_memory();
-    FDCAN1_CCCR = FDCAN_CCCR_FDOE | FDCAN_CCCR_BRSE;
+    FDCAN1_CCCR = FDCAN_CCCR_FDOE | FDCAN_CCCR_BRSE | modes;
     return true;
+}
+
+bool stm_can_init(void)
+{
+    return join(0);
 }
 
 /// In bus-off the peripheral has set INIT. Clearing it starts the return to the bus, which takes
@@ -153,4 +164,29 @@ bool hal_can_write(const hal_can_frame_t *frame)
     copy_out(element + 2, frame);
     FDCAN1_TXBAR = 1u << place;
     return true;
+}
+
+/// Wait up to 2 ms for a frame.
+static bool wait_for_frame(hal_can_frame_t *frame)
+{
+    const uint32_t begin = TIM5->CNT;
+    while (TIM5->CNT - begin < stm_timer_hz / 1000 * 2) {
+        if (hal_can_read(frame)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool stm_can_loop_back(void)
+{
+    hal_can_frame_t sent = {.id = 0x555, .n = hal_can_max_bytes};
+    hal_can_frame_t back = {.n = 0};
+    for (uint32_t i = 0; i < sent.n; i++) {
+        sent.data[i] = (uint8_t)(i * 37u);
+    }
+    const bool is_back = join(FDCAN_CCCR_TEST | FDCAN_CCCR_MON) && hal_can_write(&sent) &&
+                         wait_for_frame(&back) && back.id == sent.id && back.n == sent.n &&
+                         memcmp(back.data, sent.data, sent.n) == 0;
+    return join(0) && is_back;
 }

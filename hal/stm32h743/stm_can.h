@@ -14,4 +14,10 @@
 /// Context: slow side, once. Source: RM0433 chapter 56 (operating modes, message RAM).
 bool stm_can_init(void);
 
+/// Send a frame of 64 bytes to oneself by the internal loop-back, off the bus, then join it again.
+/// Frames that wait to be read or sent are lost.
+/// @return whether the frame came back within 2 ms
+/// Context: slow side. Source: RM0433 chapter 56, test modes; FDCAN_TEST, FDCAN_CCCR.
+bool stm_can_loop_back(void);
+
 #endif

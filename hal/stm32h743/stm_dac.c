@@ -5,6 +5,7 @@
 
 /// Words for the AD5754R: the register in bits 19 and up, the channel in bits 16 .. 18.
 enum {
+    frame_read = 1 << 23,
     frame_range_all = 1 << 19 | 4 << 16,
     frame_power = 2 << 19,
     frame_control = 3 << 19 | 1 << 16,
@@ -18,14 +19,26 @@ enum {
 /// The four frames that the next transfer sends, one for each output.
 static uint32_t frame[stm_n_dacs];
 
-/// Wait for a period of SCK. Just after EOT the last clock pulse may still be on the line, and
-/// clearing SPE would cut it off. ES0392, SPI, "Truncation of SPI output signals after EOT event".
-static void wait_one_sck(void)
+/// What came back when the power register was read.
+static uint32_t answer;
+
+/// [1 / stm_timer_hz] a period of SCK: of set-points, and of the answer that is read at the start.
+enum { sck_counts = stm_timer_hz / 20000000, slow_sck_counts = 4 * sck_counts };
+
+static void wait_counts(uint32_t counts)
 {
-    enum { sck_counts = stm_timer_hz / 20000000 };
     const uint32_t begin = TIM5->CNT;
-    while (TIM5->CNT - begin <= sck_counts) {
+    while (TIM5->CNT - begin <= counts) {
     }
+}
+
+/// Switch SPI3 off. Just after EOT the last clock pulse may still be on the line, and clearing SPE
+/// would cut it off: wait for a period of SCK. ES0392, SPI, "Truncation of SPI output signals after
+/// EOT event".
+static void switch_off(uint32_t counts)
+{
+    wait_counts(counts);
+    SPI3_CR1 = 0;
 }
 
 /// Start a transfer of four frames. A transfer is configured while SPE is low; the FIFO then takes
@@ -34,8 +47,7 @@ static void wait_one_sck(void)
 static void send_isr(const uint32_t words[stm_n_dacs])
 {
     SPI3_IFCR = SPI_IFCR_EOTC | SPI_IFCR_TXTFC;
-    wait_one_sck();
-    SPI3_CR1 = 0;
+    switch_off(sck_counts);
     SPI3_CR1 = SPI_CR1_SPE;
     for (uint32_t i = 0; i < stm_n_dacs; i++) {
         SPI3_TXDR = words[i];
@@ -55,6 +67,15 @@ static bool wait_for_end(void)
     return false;
 }
 
+/// Set rate and direction of SPI3, which must be off meanwhile.
+static void configure(uint32_t rate, uint32_t direction)
+{
+    switch_off(slow_sck_counts);
+    SPI3_CFG1 = SPI_CFG1_DSIZE_24 | rate;
+    SPI3_CFG2 = SPI_CFG2_MSSI(1) | SPI_CFG2_MIDI(8) | direction | SPI_CFG2_MASTER | SPI_CFG2_CPHA |
+                SPI_CFG2_SSOE | SPI_CFG2_SSOM | SPI_CFG2_AFCNTR;
+}
+
 /// Set SPI3 up for 20 MHz. Data change on the rising edge. Frames are eight clocks apart, and /SYNC
 /// is high for seven of them: 350 ns; the converter requires 100 ns (RM0433 50.4.8, SSOM;
 /// data sheet, timing characteristics). The four frames take 6.6 us.
@@ -62,10 +83,8 @@ static void init_spi(void)
 {
     RCC_APB1LENR |= RCC_APB1LENR_SPI3;
     (void)RCC_APB1LENR;
-    SPI3_CFG1 = SPI_CFG1_DSIZE_24 | SPI_CFG1_MBR_DIV4;
-    SPI3_CFG2 = SPI_CFG2_MSSI(1) | SPI_CFG2_MIDI(8) | SPI_CFG2_COMM_TX_ONLY | SPI_CFG2_MASTER |
-                SPI_CFG2_CPHA | SPI_CFG2_SSOE | SPI_CFG2_SSOM | SPI_CFG2_AFCNTR;
     SPI3_CR2 = stm_n_dacs;
+    configure(SPI_CFG1_MBR_DIV4, SPI_CFG2_COMM_TX_ONLY);
 }
 
 /// Set the internal DAC up: it starts at mid-scale and later steps on the trigger of TIM4. Its
@@ -87,6 +106,21 @@ static void init_internal(void)
     DAC_CR = DAC_CR_TSEL1_TIM4 | DAC_CR_EN1 | DAC_CR_TEN1;
 }
 
+/// Read the power register; the answer comes with the second frame. SDO follows SCLK late, so at a
+/// quarter of the rate.
+static bool read_back(void)
+{
+    static const uint32_t ask[stm_n_dacs] = {frame_read | frame_power, frame_nothing, frame_nothing,
+                                             frame_nothing};
+    configure(SPI_CFG1_MBR_DIV16, SPI_CFG2_COMM_BOTH);
+    send_isr(ask);
+    const bool is_good = wait_for_end();
+    (void)SPI3_RXDR;
+    answer = is_good ? SPI3_RXDR : 0u;
+    configure(SPI_CFG1_MBR_DIV4, SPI_CFG2_COMM_TX_ONLY);
+    return is_good;
+}
+
 bool stm_dac_init(void)
 {
     static const uint32_t setup[stm_n_dacs] = {frame_range_all | range_10v, frame_power | power_all,
@@ -102,13 +136,17 @@ bool stm_dac_init(void)
     send_isr(setup);
     bool is_good = wait_for_end();
     // The reference needs 10 us to power up (data sheet, "Power control register"): wait 100 us.
-    const uint32_t begin = TIM5->CNT;
-    while (TIM5->CNT - begin < stm_timer_hz / 1000000 * 100) {
-    }
+    wait_counts(stm_timer_hz / 1000000 * 100);
+    is_good = read_back() && is_good;
     send_isr(frame);
     is_good = wait_for_end() && is_good;
     send_isr(load);
-    return wait_for_end() && is_good;
+    return wait_for_end() && is_good; // EOT stays for the first tick
+}
+
+uint32_t stm_dac_answer(void)
+{
+    return answer;
 }
 
 void stm_dac_set_isr(uint32_t dac, int32_t code)

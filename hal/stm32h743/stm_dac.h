@@ -21,6 +21,11 @@ enum { stm_dac_u, stm_dac_x, stm_dac_z, stm_dac_spindle, stm_n_dacs };
 /// Context: slow side, once, while TIM5 runs; blocks for less than a millisecond if SPI3 works.
 bool stm_dac_init(void);
 
+/// @return the frame with the AD5754R's power register that came over SDO in stm_dac_init(): 001Fh
+///         in its low 16 bits if all channels and the reference are on; 0 without a wire.
+/// Context: slow side.
+uint32_t stm_dac_answer(void);
+
 /// Set the code that the next stm_dac_send_isr() sends for an output. Context: ISR.
 /// @param dac   stm_dac_u .. stm_dac_spindle
 /// @param code  -32 768 .. 32 767; 0 is 0 V

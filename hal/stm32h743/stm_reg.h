@@ -240,11 +240,14 @@ enum { stm_irq_tim4 = 30, stm_irq_ecc = 145, stm_n_irqs = 150 }; // chapter 19, 
 
 #define USART3_CR1 STM_REG(0x40004800u)
 #define USART_CR1_UE (1u << 0)
+#define USART_CR1_RE (1u << 2)
 #define USART_CR1_TE (1u << 3)
 #define USART_CR1_FIFOEN (1u << 29)
 #define USART3_BRR STM_REG(0x4000480Cu)
 #define USART3_ISR STM_REG(0x4000481Cu)
+#define USART_ISR_RXFNE (1u << 5)
 #define USART_ISR_TXFNF (1u << 7)
+#define USART3_RDR STM_REG(0x40004824u)
 #define USART3_TDR STM_REG(0x40004828u)
 
 // Chapter 50, serial peripheral interface
@@ -256,9 +259,11 @@ enum { stm_irq_tim4 = 30, stm_irq_ecc = 145, stm_n_irqs = 150 }; // chapter 19, 
 #define SPI3_CFG1 STM_REG(0x40003C08u)
 #define SPI_CFG1_DSIZE_24 (23u << 0)
 #define SPI_CFG1_MBR_DIV4 (1u << 28)
+#define SPI_CFG1_MBR_DIV16 (3u << 28)
 #define SPI3_CFG2 STM_REG(0x40003C0Cu)
 #define SPI_CFG2_MSSI(clocks) ((uint32_t)(clocks) << 0)
 #define SPI_CFG2_MIDI(clocks) ((uint32_t)(clocks) << 4)
+#define SPI_CFG2_COMM_BOTH (0u << 17)
 #define SPI_CFG2_COMM_TX_ONLY (1u << 17)
 #define SPI_CFG2_MASTER (1u << 22)
 #define SPI_CFG2_CPHA (1u << 24)
@@ -271,14 +276,19 @@ enum { stm_irq_tim4 = 30, stm_irq_ecc = 145, stm_n_irqs = 150 }; // chapter 19, 
 #define SPI_IFCR_EOTC (1u << 3)
 #define SPI_IFCR_TXTFC (1u << 4)
 #define SPI3_TXDR STM_REG(0x40003C20u)
+#define SPI3_RXDR STM_REG(0x40003C30u)
 
 // Chapter 56, FD controller area network
 
 #define FDCAN1_DBTP STM_REG(0x4000A00Cu)
 #define FDCAN_DBTP_TDC (1u << 23)
+#define FDCAN1_TEST STM_REG(0x4000A010u)
+#define FDCAN_TEST_LBCK (1u << 4)
 #define FDCAN1_CCCR STM_REG(0x4000A018u)
 #define FDCAN_CCCR_INIT (1u << 0)
 #define FDCAN_CCCR_CCE (1u << 1)
+#define FDCAN_CCCR_MON (1u << 5)
+#define FDCAN_CCCR_TEST (1u << 7)
 #define FDCAN_CCCR_FDOE (1u << 8)
 #define FDCAN_CCCR_BRSE (1u << 9)
 #define FDCAN1_NBTP STM_REG(0x4000A01Cu)

@@ -3,7 +3,8 @@
 
 Modelled: initialisation, clock calibration unit (bypassed only), bit timing, standard filters
 (range, dual, classic), global filter, receive FIFO 0 in blocking mode, transmit FIFO and its
-dedicated time on the bus, acknowledge always given, bus-off on request of the bench. Standard
+dedicated time on the bus, acknowledge always given, bus-off on request of the bench, internal
+loop-back (LBCK with MON), in which no frame reaches the bus. Standard
 identifiers only; no interrupts, no event FIFO.
 """
 
@@ -19,6 +20,7 @@ from tests.stm32.models.rcc import Rcc
 RAM_BASE = 0x4000AC00
 RAM_BYTES = 10 * 1024
 INIT, CCE, FDOE, BRSE, PXHD, TXP = 1 << 0, 1 << 1, 1 << 8, 1 << 9, 1 << 12, 1 << 14
+MON, TEST, LBCK = 1 << 5, 1 << 7, 1 << 4
 BUS_OFF = 1 << 7
 RF0L = 1 << 3
 DATA_BYTES = (8, 12, 16, 20, 24, 32, 48, 64)
@@ -112,6 +114,7 @@ class Fdcan(Device):
                 0x00: Reg("crel", 0x32141218, 0),
                 0x04: Reg("endn", 0x87654321, 0),
                 0x0C: Reg("dbtp", 0x00000A33, 0x009F1FFF),
+                0x10: Reg("test", 0, LBCK, write=self._write_test),
                 0x14: Reg("rwd", 0, 0xFF),
                 0x18: Reg("cccr", INIT, 0xF7FF, write=self._write_cccr),
                 0x1C: Reg("nbtp", 0x06000A03, 0xFFFFFF7F),
@@ -206,7 +209,19 @@ class Fdcan(Device):
             idle_bits = 129 * 11
             cycles = int(idle_bits * self.rcc.core_hz() / self.bit_hz())
             self._back_at = self.clock.now + cycles
+        if not new & TEST:
+            self.v["test"] = 0
+        if not new & INIT and bool(new & MON) != self._is_looped():
+            raise UnmodelledError("fdcan1: MON without LBCK, or LBCK without MON")
         self.v["cccr"] = new
+
+    def _write_test(self, old: int, new: int) -> None:
+        if not self.v["cccr"] & TEST:
+            raise UnmodelledError("fdcan1.test written while TEST is 0")
+        self.v["test"] = new
+
+    def _is_looped(self) -> bool:
+        return bool(self.v["test"] & LBCK)
 
     def _write_ir(self, old: int, new: int) -> None:
         self.v["ir"] = old & ~new
@@ -256,6 +271,9 @@ class Fdcan(Device):
 
     def deliver(self, frame: Frame) -> bool:
         """Let the bench send a frame; return whether it went into receive FIFO 0."""
+        return not self._is_looped() and self._receive(frame)
+
+    def _receive(self, frame: Frame) -> bool:
         if not self._is_on_bus() or not self._accepts(frame.id):
             return False
         first, words, n = self._rx_words()
@@ -327,7 +345,10 @@ class Fdcan(Device):
         if self.clock.now >= self._done_at:
             self._done_at = NEVER
             frame = self._frame(self._queue.popleft())
-            self.sent[frame.id].append(frame)
+            if self._is_looped():
+                self._receive(frame)
+            else:
+                self.sent[frame.id].append(frame)
             self._begin()
 
     def go_bus_off(self) -> None:

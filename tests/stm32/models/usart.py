@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""USART3's transmitter (RM0433, section 48): 8N1, a data register or a FIFO of 16 bytes."""
+"""USART3 (RM0433, section 48): 8N1, for each direction a data register or a FIFO of 16 bytes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tests.stm32.models.rcc import Rcc
 
 UE, RE, TE, FIFOEN = 1 << 0, 1 << 2, 1 << 3, 1 << 29
 FIFO_BYTES = 16
-TC, TXE, TEACK, REACK, TXFE = 1 << 6, 1 << 7, 1 << 21, 1 << 22, 1 << 23
+RXNE, TC, TXE, TEACK, REACK, TXFE = 1 << 5, 1 << 6, 1 << 7, 1 << 21, 1 << 22, 1 << 23
 
 
 class Usart(Device):
@@ -26,6 +26,7 @@ class Usart(Device):
         super().__init__("usart3", 0x40004800, clock)
         self.rcc = rcc
         self.sent = bytearray()
+        self._received: deque[int] = deque()
         self._waiting: deque[int] = deque()
         self._shifting: int | None = None
         self._done_at = NEVER
@@ -37,7 +38,7 @@ class Usart(Device):
                 0x0C: Reg("brr", 0, 0xFFFF),
                 0x1C: Reg("isr", 0xC0, 0, read=self._read_isr),
                 0x20: Reg("icr", 0, 0x00123BFF, write=lambda old, new: None),
-                0x24: Reg("rdr", 0, 0),
+                0x24: Reg("rdr", 0, 0, read=self._read_rdr),
                 0x28: Reg("tdr", 0, 0xFF, write=self._write_tdr, sizes=(1, 2, 4)),
                 0x2C: Reg("presc", 0, 0),
             }
@@ -46,6 +47,7 @@ class Usart(Device):
     def reset(self) -> None:
         """Drop what is on its way."""
         super().reset()
+        self._received.clear()
         self._waiting.clear()
         self._shifting = None
         self._done_at = NEVER
@@ -58,11 +60,22 @@ class Usart(Device):
         """Return what was sent, in lines."""
         return self.sent.decode("ascii").splitlines()
 
+    def receive(self, text: bytes) -> None:
+        """Let the terminal send; bytes without room or receiver are lost."""
+        if self.v["cr1"] & (UE | RE) == UE | RE:
+            self._received.extend(text[: self._room() - len(self._received)])
+
+    def _read_rdr(self) -> int:
+        if not self._received:
+            raise UnmodelledError("usart3.rdr read while it is empty")
+        return self._received.popleft()
+
     def _read_isr(self) -> int:
         cr1 = self.v["cr1"]
         if len(self._waiting) >= self._room():
             self.clock.skip_to(self._done_at)
         isr = TXE if len(self._waiting) < self._room() else 0
+        isr |= RXNE if self._received else 0
         isr |= TC if not self._waiting and self._shifting is None else 0
         isr |= TXFE if cr1 & FIFOEN and not self._waiting else 0
         return isr | (TEACK if cr1 & TE else 0) | (REACK if cr1 & RE else 0)
