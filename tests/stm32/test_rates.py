@@ -6,12 +6,12 @@ from __future__ import annotations
 import subprocess
 from collections.abc import Iterator
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 
 from tests.stm32.board import TICK_HZ
 from tests.stm32.host import IMAGE, ROOT, make_table
+from tests.stm32.image_build import build_with
 from tests.stm32.remote import ENABLE
 from tests.stm32.session import Session
 
@@ -23,21 +23,10 @@ HANG = b"\x30\xbf\xfd\xe7"  # sleeps for ever: wfi, and back to it
 STOP_S = {5_000: (600e-6, 650e-6), 20_000: (165e-6, 206e-6), 50_000: (80e-6, 138e-6)}
 
 
-def build_at(hz: int) -> Path:
-    """Build the image with another tick; return where it is."""
-    folder = ROOT / "build" / f"mcu-stm32h743-{hz}"
-    flag = f"-DCMAKE_C_FLAGS=-DBOARD_TICK_HZ={hz}u"
-    configure = ["cmake", "--preset", "mcu-stm32h743", "-B", str(folder), flag]
-    subprocess.run(configure, cwd=ROOT, check=True, capture_output=True)
-    command = ["cmake", "--build", str(folder), "--target", "firmware"]
-    subprocess.run(command, check=True, capture_output=True)
-    return folder / "hal" / "stm32h743" / "firmware.elf"
-
-
 @pytest.fixture(scope="module", params=RATES)
 def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Session:
     """Return a session that is ready, at each of the rates."""
-    image = IMAGE if request.param == TICK_HZ else build_at(request.param)
+    image = IMAGE if request.param == TICK_HZ else build_with("BOARD_TICK_HZ", f"{request.param}u")
     table = make_table(tmp_path_factory.mktemp("table") / "short.camtab")
     session = Session(table, image=image, tick_hz=request.param)
     session.make_ready()
@@ -103,6 +92,15 @@ def test_window_watchdog_ends_ticks_at_twice_the_rate(fresh: Session) -> None:
     tim4 = fresh.chip.tim[4]
     tim4.write(0x2C, 4, tim4.read(0x2C, 4) // 2)
     assert fresh.chip.run_until(lambda: fresh.chip.resets[-1] == "window", fresh.chip.seconds(2e-3))
+
+
+def test_self_test_passes(fresh: Session) -> None:
+    """Ticks, window and the cycles of a tick are judged by the rate."""
+    chip, hz = fresh.chip, fresh.board.tick_hz
+    chip.usart3.sent.clear()
+    chip.usart3.receive(b"t")
+    assert chip.run_until(lambda: b"self-test: passed;" in chip.usart3.sent, chip.seconds(0.3))
+    assert f" of {CORE_HZ // hz}, faults of the port 0x0" in chip.usart3.sent.decode()
 
 
 @pytest.mark.parametrize("hz", [4_000, 60_000])
