@@ -30,9 +30,12 @@
 #define BOARD_Z_FULL_NM 500000000
 #define BOARD_SPINDLE_FULL_MRPM 5000000
 
-/// [pm] travel of X and Z per step of their step-and-direction outputs: at least 4000. 0: the drive
-/// uses the voltage of its channel instead, with 32 768 codes for the ranges above. A step of X
-/// leaves a form error of half its size; for Z that is multiplied by the slope of the part.
+/// [pm] travel of U, X and Z per step of their step-and-direction outputs: at least 4000. 0: the
+/// drive uses the voltage of its channel instead, with 32 768 codes for the ranges above. A step of
+/// U or X leaves a form error of half its size; for Z that is multiplied by the slope of the part.
+#ifndef BOARD_U_STEP_PM
+#define BOARD_U_STEP_PM 0
+#endif
 #define BOARD_X_STEP_PM 50000
 #define BOARD_Z_STEP_PM 500000
 
@@ -57,8 +60,8 @@
 /// fault of the port.
 #define BOARD_HAS_EDGE_TIME 1
 
-/// 1: U has a scale. 0: its last set-point is returned as its position, so the following error is
-/// computed from the command and shows nothing about the drive.
+/// 1: U has a scale. 0: its last set-point, in whole steps if it has any, is returned as its
+/// position, so the following error is computed from the command and shows nothing about the drive.
 #define BOARD_HAS_U_SCALE 1
 
 /// 1: Z has a scale. 0: its position is the last set-point, in whole steps.

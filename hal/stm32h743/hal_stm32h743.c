@@ -183,6 +183,9 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     if (axis == hal_axis_z && BOARD_HAS_Z_SCALE != 0) {
         return stm_counts_nm(stm_timers_z_counts_isr(), BOARD_NM_Q16(BOARD_Z_COUNT_PM));
     }
+    if (axis == hal_axis_u && BOARD_U_STEP_PM != 0) {
+        return stm_counts_nm(stm_steps_sent_isr(stm_step_u), BOARD_NM_Q16(BOARD_U_STEP_PM));
+    }
     if (axis == hal_axis_x && BOARD_X_STEP_PM != 0) {
         return stm_counts_nm(stm_steps_sent_isr(stm_step_x), BOARD_NM_Q16(BOARD_X_STEP_PM));
     }
@@ -221,7 +224,8 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     switch (axis) {
     case hal_axis_u:
-        return scale_of(BOARD_U_FULL_NM, 0, BOARD_HAS_U_SCALE != 0 ? BOARD_U_COUNT_PM : 0);
+        return scale_of(BOARD_U_FULL_NM, BOARD_U_STEP_PM,
+                        BOARD_HAS_U_SCALE != 0 ? BOARD_U_COUNT_PM : 0);
     case hal_axis_x:
         return scale_of(BOARD_X_FULL_NM, BOARD_X_STEP_PM, 0);
     default:
@@ -311,6 +315,8 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
     stm_dac_set_isr(axis, stm_code16(setpoint->pos_nm, codes_q32[axis]));
     if (axis == hal_axis_u) {
         stm_dac_set_internal_isr(stm_code12(setpoint->pos_nm, codes_q32[axis]));
+        stm_steps_set_isr(stm_step_u,
+                          stm_steps(setpoint->pos_nm, BOARD_STEPS_Q32(BOARD_U_STEP_PM)));
     } else if (axis == hal_axis_x) {
         stm_steps_set_isr(stm_step_x,
                           stm_steps(setpoint->pos_nm, BOARD_STEPS_Q32(BOARD_X_STEP_PM)));

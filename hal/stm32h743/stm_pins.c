@@ -30,6 +30,8 @@ static const pin_t pins[] = {
     {GPIOD, 14, mode_alternate, pull_none, 2}, // TIM4 channel 3: /LDAC
     {GPIOB, 8, mode_alternate, pull_none, 1},  // TIM16 channel 1: steps of X
     {GPIOB, 9, mode_alternate, pull_none, 1},  // TIM17 channel 1: steps of Z
+    {GPIOC, 8, mode_alternate, pull_none, 3},  // TIM8 channel 3: steps of U
+    {GPIOC, stm_pin_u_direction, mode_output, pull_none, 0},
     {GPIOB, stm_pin_x_direction, mode_output, pull_none, 0},
     {GPIOB, stm_pin_z_direction, mode_output, pull_none, 0},
     {GPIOC, 10, mode_alternate, pull_none, 6}, // SPI3 SCK

@@ -26,6 +26,9 @@ enum {
     stm_pin_acknowledge = 12, ///< PD12 in, 1: the button is pressed
 };
 
+/// Lines on port C.
+enum { stm_pin_u_direction = 9 }; ///< PC9 out, 1: U rises
+
 /// Lines on port B.
 enum {
     stm_pin_x_direction = 6, ///< PB6 out, 1: X rises

@@ -138,6 +138,7 @@
 #define RCC_APB1HENR_FDCAN (1u << 8)
 #define RCC_APB2ENR STM_REG(0x580244F0u)
 #define RCC_APB2ENR_TIM1 (1u << 0)
+#define RCC_APB2ENR_TIM8 (1u << 1)
 #define RCC_APB2ENR_TIM16 (1u << 17)
 #define RCC_APB2ENR_TIM17 (1u << 18)
 #define RCC_APB4ENR STM_REG(0x580244F4u)
@@ -170,7 +171,7 @@ _Static_assert(offsetof(stm_gpio_t, AFR) == 0x20, "as in the manual");
 #define DAC_DHR12R1 STM_REG(0x40007408u)
 #define DAC_DOR1 STM_REG(0x4000742Cu)
 
-// Chapters 38 (TIM1), 39 (TIM2 to TIM5) and 41 (TIM16, TIM17), timers
+// Chapters 38 (TIM1, TIM8), 39 (TIM2 to TIM5) and 41 (TIM16, TIM17), timers
 
 typedef struct {
     volatile uint32_t CR1, CR2, SMCR, DIER, SR, EGR, CCMR1, CCMR2, CCER, CNT, PSC, ARR, RCR;
@@ -183,6 +184,7 @@ _Static_assert(offsetof(stm_tim_t, CCR4) == 0x40, "as in the manual");
 #define TIM3 ((stm_tim_t *)0x40000400u)
 #define TIM4 ((stm_tim_t *)0x40000800u)
 #define TIM5 ((stm_tim_t *)0x40000C00u)
+#define TIM8 ((stm_tim_t *)0x40010400u)
 #define TIM16 ((stm_tim_t *)0x40014400u)
 #define TIM17 ((stm_tim_t *)0x40014800u)
 #define TIM_CR1_CEN (1u << 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_steps: set-points of X and Z as step and direction, by TIM16 and TIM17.
+/// stm_steps: set-points of U, X and Z as step and direction, by TIM8, TIM16 and TIM17.
 ///
 /// A set-point is a whole number of steps. Each tick sends the difference between the set-point and
 /// the steps sent so far as a train of equal periods: the timer runs in one-pulse mode, and its
@@ -16,8 +16,8 @@
 /// - A tick that reverses the direction sends only the new direction.
 /// - While enable is low no steps are sent, and set-points count as sent: a disabled drive does not
 ///   count steps and must not move when it is enabled.
-/// Source: RM0433 41.3 (repetition counter, one-pulse mode), 41.4 (registers); ST AN4776, "N-pulse
-/// waveform generation".
+/// Source: RM0433 38.3, 41.3 (repetition counter, one-pulse mode), 41.4 (registers); ST AN4776,
+/// "N-pulse waveform generation".
 #ifndef STM_STEPS_H
 #define STM_STEPS_H
 
@@ -27,7 +27,7 @@
 #include <stdint.h>       // int32_t
 
 /// Axes with step outputs.
-enum { stm_step_x, stm_step_z, stm_n_steppers };
+enum { stm_step_x, stm_step_z, stm_step_u, stm_n_steppers };
 
 /// [1 / stm_timer_hz] length of a train, high time of a step, shortest period.
 enum {
@@ -48,11 +48,11 @@ static inline int32_t stm_steps_um_per_s(int32_t step_pm)
     return (int32_t)(pm_per_s / 1000000 < INT32_MAX ? pm_per_s / 1000000 : INT32_MAX);
 }
 
-/// Set both timers up with their outputs low. Context: slow side, once, before the pins.
+/// Set the timers up with their outputs low. Context: slow side, once, before the pins.
 void stm_steps_init(void);
 
 /// Set the set-point of an axis. Context: ISR.
-/// @param stepper  stm_step_x, stm_step_z
+/// @param stepper  stm_step_x, stm_step_z, stm_step_u
 /// @param steps    [steps] any
 void stm_steps_set_isr(uint32_t stepper, int32_t steps);
 

@@ -31,14 +31,18 @@ TICK_CLOCKS = TIMER_HZ // TICK_HZ  # of TIM5
 RAMP_RPM_PER_S = 25_000
 SWITCHES = tuple(f"PE{pin}" for pin in range(8))
 OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
-STEPS = {"X": (16, "PB8", "PB6"), "Z": (17, "PB9", "PB7")}  # timer, steps, direction
+STEPS = {  # timer, steps with their alternate function, direction
+    "X": (16, "PB8", 1, "PB6"),
+    "Z": (17, "PB9", 1, "PB7"),
+    "U": (8, "PC8", 3, "PC9"),
+}
 CLEAR = "PE13"  # enable is also /CLR of the AD5754R
 ESTOP, READY = "PE10", "PE12"
 
 # Values at +10 V of channels A .. D and counts of the scales: board_config.h.
 FULL = (1_000_000, 200_000_000, 500_000_000, 5_000_000)
 U_COUNT_NM, Z_COUNT_NM = 100, 1000
-STEP_PM = {"X": 50_000, "Z": 500_000}
+STEP_PM = {"X": 50_000, "Z": 500_000, "U": 100_000}  # U: if it is built with steps
 RANGE_10V = 4
 SYNC_HIGH_S = 100e-9  # data sheet of the AD5754R, timing characteristics: /SYNC high in writes
 ANALOGUE = 3  # mode of a pin
@@ -59,7 +63,7 @@ class Outputs:
     fault: int
     in_cut: int
     switches: int
-    steps: tuple[int, int]  # positions of X and Z
+    steps: tuple[int, int, int]  # positions of X, Z and U
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,9 @@ class Board:
     events : list of Event
         levels of the outputs when they change, frames to the AD5754R, resets
     steppers : dict of Stepper
-        step inputs of the drives X and Z
+        step inputs of the drives X, Z and U
+    has_u_steps : bool
+        the drive of U follows its steps, not its voltage
     rpm : float
         of the spindle
     is_held : bool
@@ -105,6 +111,7 @@ class Board:
         self.rpm = 0.0
         self.is_held = False
         self.is_stamped = True
+        self.has_u_steps = False
         self.at_pa4: list[tuple[int, int | None]] = []
         self._turns = 0.1  # angle
         self._u_counts = self._z_counts = 0
@@ -118,7 +125,7 @@ class Board:
         chip.tim[4].on_output = self._drive_ldac
         chip.tim[4].on_update = self._tick
         chip.on_reset = lambda reason: self._note(f"reset {reason}")
-        for name, (timer, _, _) in STEPS.items():
+        for name, (timer, *_) in STEPS.items():
             chip.pulses[timer].on_edge = self._step_of(name)
         for port in chip.gpio.ports.values():
             port.on_change = self._change_of(port.name[-1].upper())
@@ -156,10 +163,10 @@ class Board:
         return change
 
     def _step_of(self, axis: str) -> Callable[[int, int], None]:
-        _, pin, _ = STEPS[axis]
+        _, pin, function, _ = STEPS[axis]
 
         def step(at: int, level: int) -> None:
-            if self.chip.gpio.has_function(pin, 1):
+            if self.chip.gpio.has_function(pin, function):
                 is_enabled = bool(self.chip.gpio.level("PE13"))
                 self.steppers[axis].step(at, level, is_enabled=is_enabled)
 
@@ -167,7 +174,7 @@ class Board:
 
     def _turn_direction(self, pin: str, level: int) -> None:
         """Let the drive see the steps that came before the direction turned, then the turn."""
-        for axis, (timer, _, direction) in STEPS.items():
+        for axis, (timer, _, _, direction) in STEPS.items():
             if pin == direction:
                 self.chip.pulses[timer].catch_up()
                 self.steppers[axis].turn(self.chip.clock.now, level)
@@ -213,9 +220,9 @@ class Board:
         switches = sum(gpio.level(name) << i for i, name in enumerate(SWITCHES))
         for timer in self.chip.pulses.values():
             timer.catch_up()
-        steps = (self.steppers["X"].position, self.steppers["Z"].position)
+        x, z, u = (self.steppers[name].position for name in STEPS)
         words, dor1 = tuple(self.dac.words), self.chip.dac1.v["dor1"]
-        self.ticks.append(Outputs(words, dor1, enable, fault, in_cut, switches, steps))
+        self.ticks.append(Outputs(words, dor1, enable, fault, in_cut, switches, (x, z, u)))
         self._turn_spindle(enable)
         if enable:
             self._move_axes()
@@ -266,7 +273,10 @@ class Board:
 
     def _move_axes(self) -> None:
         gpio, tim = self.chip.gpio, self.chip.tim
-        u_counts = round(self.wanted(0) / U_COUNT_NM)
+        u_nm = self.wanted(0)
+        if self.has_u_steps:
+            u_nm = self.steppers["U"].position * STEP_PM["U"] / 1000
+        u_counts = round(u_nm / U_COUNT_NM)
         z_counts = round(self.steppers["Z"].position * STEP_PM["Z"] / 1000 / Z_COUNT_NM)
         if gpio.has_function("PE9", 1) and gpio.has_function("PE11", 1):
             tim[1].move_encoder(u_counts - self._u_counts)

@@ -33,6 +33,7 @@ GATES: dict[str, tuple[str, int]] = {
     "fdcan message ram": ("apb1henr", 8),
     "fdcan ccu": ("apb1henr", 8),
     "tim1": ("apb2enr", 0),
+    "tim8": ("apb2enr", 1),
     **{f"tim{i}": ("apb2enr", i + 1) for i in (16, 17)},
     "wwdg1": ("apb3enr", 6),
     "syscfg": ("apb4enr", 1),
@@ -67,6 +68,7 @@ class Devices:
         self.tim[1] = Timer(clock, self.rcc, "tim1", 0x40010000, advanced=True)
         bases = {16: 0x40014400, 17: 0x40014800}
         self.pulses = {i: PulseTimer(clock, self.rcc, f"tim{i}", bases[i]) for i in bases}
+        self.pulses[8] = PulseTimer(clock, self.rcc, "tim8", 0x40010400, channel=3)
         self.spi3 = Spi(clock, self.rcc, "spi3", 0x40003C00)
         self.dac1 = Dac1(clock)
         self.can_ram = MessageRam(clock)

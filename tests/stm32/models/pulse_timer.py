@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Timers TIM16 and TIM17 (RM0433, section 41) as far as a controller makes trains of pulses.
+"""Timers TIM16, TIM17 and TIM8 (RM0433, sections 41 and 38) making trains of pulses.
 
-Modelled: one-pulse mode with the repetition counter, PWM modes 1 and 2 on channel 1, main output
+Modelled: one-pulse mode with the repetition counter, PWM modes 1 and 2 on one channel, main output
 enable. A train has RCR + 1 periods; the repetition counter is loaded by an update event, so by UG.
-Not modelled, hence an error: preload of ARR and CCR1, counting without end, and everything that
+Not modelled, hence an error: preload of ARR and CCRx, counting without end, and everything that
 changes a train while it runs.
 
 The edges of a train are known when it starts. They are told at its end, or before anything happens
@@ -29,11 +29,15 @@ class PulseTimer(Device):
     Attributes
     ----------
     on_edge : callable
-        told time [cycles] and level of every edge of channel 1
+        told time [cycles] and level of every edge of the channel, 1 or 3
     """
 
-    def __init__(self, clock: InsnClock, rcc: Rcc, name: str, base: int) -> None:
+    def __init__(
+        self, clock: InsnClock, rcc: Rcc, name: str, base: int, *, channel: int = 1
+    ) -> None:
         super().__init__(name, base, clock)
+        self._ccmr, self._ccr = f"ccmr{(channel + 1) // 2}", f"ccr{channel}"
+        self._at = 4 * (channel - 1)  # of the channel's bits in CCER
         self.rcc = rcc
         self.on_edge: Callable[[int, int], None] = lambda at, level: None
         self._edges: list[tuple[int, int]] = []  # of the train that runs, not yet told
@@ -46,12 +50,12 @@ class PulseTimer(Device):
                 0x00: Reg("cr1", 0, CEN | URS | OPM, write=self._write_cr1, read=self._read_cr1),
                 0x10: Reg("sr", 0, UIF, write=self._write_sr),
                 0x14: Reg("egr", 0, UG, write=self._write_egr),
-                0x18: Reg("ccmr1", 0, 0x10070, write=self._write_idle("ccmr1")),
-                0x20: Reg("ccer", 0, CC1E | CC1P, write=self._write_idle("ccer")),
+                0x16 + 2 * channel: Reg(self._ccmr, 0, 0x10070, write=self._write_idle(self._ccmr)),
+                0x20: Reg("ccer", 0, (CC1E | CC1P) << self._at, write=self._write_idle("ccer")),
                 0x28: Reg("psc", 0, 0),
                 0x2C: Reg("arr", TOP, TOP, write=self._write_idle("arr")),
                 0x30: Reg("rcr", 0, 0xFF),
-                0x34: Reg("ccr1", 0, TOP, write=self._write_idle("ccr1")),
+                0x30 + 4 * channel: Reg(self._ccr, 0, TOP, write=self._write_idle(self._ccr)),
                 0x44: Reg("bdtr", 0, MOE, write=self._write_idle("bdtr")),
             }
         )
@@ -87,14 +91,15 @@ class PulseTimer(Device):
 
     def _output(self, count: int) -> int:
         """Return the level of the pin while the counter is at a number."""
-        mode = (self.v["ccmr1"] >> 4 & 7) | (self.v["ccmr1"] >> 13 & 8)
+        ccmr = self.v[self._ccmr]
+        mode = (ccmr >> 4 & 7) | (ccmr >> 13 & 8)
         if mode not in (PWM_1, PWM_2):
             raise UnmodelledError(f"{self.name}: output mode {mode}")
-        is_active = (count < self.v["ccr1"]) == (mode == PWM_1)
-        return int(is_active) ^ (self.v["ccer"] >> 1 & 1)
+        is_active = (count < self.v[self._ccr]) == (mode == PWM_1)
+        return int(is_active) ^ (self.v["ccer"] >> self._at >> 1 & 1)
 
     def _is_driven(self) -> bool:
-        return bool(self.v["ccer"] & CC1E and self.v["bdtr"] & MOE)
+        return bool(self.v["ccer"] >> self._at & CC1E and self.v["bdtr"] & MOE)
 
     def _show(self) -> None:
         """Drive the pin as the resting counter, 0, wants it."""
@@ -105,9 +110,9 @@ class PulseTimer(Device):
 
     def _start(self) -> None:
         ratio = self.rcc.core_hz() / self.rcc.timer_hz()
-        period, compare = self.v["arr"] + 1, self.v["ccr1"]
+        period, compare = self.v["arr"] + 1, self.v[self._ccr]
         if not 0 < compare < period:
-            raise UnmodelledError(f"{self.name}: no pulse, CCR1 is {compare} of {period}")
+            raise UnmodelledError(f"{self.name}: no pulse, CCRx is {compare} of {period}")
         active, rest = self._output(compare), self._output(0)
         for i in range(self._repetitions + 1):
             begin = self.clock.now + i * period * ratio
