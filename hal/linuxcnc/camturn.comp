@@ -14,12 +14,14 @@ pin in bit enable "rising: acknowledge a fault, enable, home; falling: retract, 
 pin in bit start "rising: cut one pass (M64); falling: end it (M65)";
 pin in bit estop_ok "true: the emergency-stop chain is closed";
 pin in bit drive_ready "true: the drives can follow";
+pin io bit reload_table "set to read the table's file again, in off or ready; cleared when that is done or refused";
 pin in bit acknowledge "true while the acknowledge button at the machine is pressed; required after power-on, emergency stop, fault";
 pin in float u_fb "measured U [mm], used with measures_u=1";
 pin in float x_fb "measured X [mm radius], used with measures_x=1";
 pin in float z_fb "measured Z [mm, height of the drawing], used with measures_z=1";
 pin out float u_cmd "set-point of U [mm], positive towards the axis";
-pin out float u_vel "velocity of U [mm/s], without feed-forward";
+pin out float u_vel "velocity of U [mm/s], without feed-forward: FF1 of pid";
+pin out float u_acc "acceleration of U [mm/s2], without feed-forward: FF2 of pid";
 pin out float x_cmd "set-point of X [mm radius]";
 pin out float z_cmd "set-point of Z [mm]";
 pin out float spindle_speed_cmd "set-point of the spindle [r/min], signed";
@@ -28,7 +30,7 @@ pin out bit fault "a fault is latched";
 pin out bit ready "the angle is known, start is accepted";
 pin out bit in_cut "the tool cuts at full amplitude (M66 P0 L3)";
 pin out bit position_switch-#[8] "position switches";
-pin out u32 state_number "0 off 1 homing 2 ready 3 engaging 4 cutting 5 disengaging 6 fault 7 rehearsing 8 identifying";
+pin out u32 state_number "0 off 1 homing 2 ready 3 engaging 4 cutting 5 disengaging 6 fault 7 rehearsing 8 identifying 9 manual 10 holding";
 pin out u32 fault_mask "latched faults, a mask in the order of firmware/FAULTS.md";
 pin out s32 error_number "last refusal, 0: none (firmware/base/cam_err.h)";
 pin out float angle "angle of the spindle [turn], unwrapped";
@@ -53,9 +55,11 @@ modparam dummy waive_acknowledge """\\fBwaive_acknowledge=1\\fR: the pin acknowl
 modparam dummy nominal_time """\\fBnominal_time=1\\fR: time is counted in ticks, for simulation without real time.""";
 option singleton yes;
 option extra_setup yes;
+option extra_cleanup yes;
 license "GPL";
 author "the founders of camturn";
 include "lcn_port.h";
+include "lcn_reload.h";
 include "lcn_slow.h";
 ;;
 #include <limits.h> // INT_MAX
@@ -138,7 +142,16 @@ EXTRA_SETUP()
     lcn_port_init(&setup);
     lcn_slow_init(setup.tick_hz);
     tick_hz_used = tick_hz;
-    return lcn_slow_load(table) ? make_params(prefix) : -EINVAL;
+    if (!lcn_slow_load(table)) {
+        return -EINVAL;
+    }
+    const int err = make_params(prefix);
+    return err != 0 || lcn_reload_begin(table) ? err : -EAGAIN;
+}
+
+EXTRA_CLEANUP()
+{
+    lcn_reload_end();
 }
 
 FUNCTION(update)
@@ -159,6 +172,7 @@ FUNCTION(update)
     }
     u_cmd = out.pos_nm[lcn_u] * 1e-6;
     u_vel = out.vel_q10[lcn_u] * (tick_hz * 1e-6 / 1024.0);
+    u_acc = out.acc_q10[lcn_u] * (1e-6 * tick_hz * tick_hz / 1024.0);
     x_cmd = out.pos_nm[lcn_x] * 1e-6;
     z_cmd = out.pos_nm[lcn_z] * 1e-6;
     spindle_speed_cmd = out.spindle_mrpm * 1e-3;
@@ -172,6 +186,9 @@ FUNCTION(update)
 
 FUNCTION(poll)
 {
+    if (reload_table && lcn_slow_reload()) {
+        reload_table = 0;
+    }
     const lcn_commands_t commands = {.enables = enable, .starts = start};
     lcn_slow_poll(values, &commands, (int32_t)period);
     const lcn_status_t now = lcn_slow_status();

@@ -257,6 +257,7 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     port.out.pos_nm[axis] = setpoint->pos_nm;
     port.out.vel_q10[axis] = setpoint->vel_q10;
+    port.out.acc_q10[axis] = setpoint->acc_q10;
 }
 
 void hal_swing_write_isr(const hal_swing_t *setpoint)

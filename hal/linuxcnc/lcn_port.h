@@ -43,6 +43,7 @@ typedef struct {
 typedef struct {
     int32_t pos_nm[lcn_n_axes];  ///< [nm] set-points
     int32_t vel_q10[lcn_n_axes]; ///< [nm / 1024 per tick] their velocities, without feed-forward
+    int32_t acc_q10[lcn_n_axes]; ///< [nm / 1024 per tick^2] their accelerations; X and Z: 0
     int32_t spindle_mrpm;        ///< [r/min / 1000] signed
     bool is_enabled;             ///< the drives are enabled and hold their axes
     bool is_fault;               ///< a fault is latched

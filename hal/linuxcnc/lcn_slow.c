@@ -5,6 +5,7 @@
 #include "cam_machine.h"        // cam_machine_t
 #include "cam_state.h"          // cam_state_name
 #include "lcn_port.h"           // lcn_port_print
+#include "lcn_reload.h"         // lcn_reload_ask
 #include "lcn_table.h"          // lcn_table_read
 #include <stddef.h>             // NULL
 #include <stdio.h>              // snprintf
@@ -66,6 +67,30 @@ bool lcn_slow_load(const char *path)
     }
     (void)cam_config_take_isr(&g_cam.config); // in place of the tick, which does not run yet
     return err == cam_ok;
+}
+
+bool lcn_slow_reload(void)
+{
+    const lcn_table_t *table = lcn_reload_table();
+    switch (lcn_reload_phase()) {
+    case lcn_reload_idle:
+        lcn_reload_ask();
+        return false;
+    case lcn_reload_asked:
+        return false;
+    case lcn_reload_failed:
+        lcn_port_print(table->error);
+        lcn_reload_settle(false);
+        return true;
+    case lcn_reload_read:
+        break;
+    }
+    const cam_err_t err = cam_machine_select_table(&slow.machine, table->bytes, table->size);
+    const bool is_settled = settle("table", err);
+    if (is_settled) {
+        lcn_reload_settle(err == cam_ok);
+    }
+    return is_settled;
 }
 
 static void refuse_param(const cam_param_info_t *info, int32_t value, cam_err_t err)

@@ -39,6 +39,10 @@ void lcn_slow_init(uint32_t tick_hz);
 /// @return      false if the table cannot be used
 bool lcn_slow_load(const char *path);
 
+/// Replace the table by what lies in its file now (lcn_reload.h); in the states off and ready.
+/// Called in every round until it is finished. @return whether it is: done, or refused with a line
+bool lcn_slow_reload(void);
+
 /// One round of the main loop: apply parameters, execute commands, learn.
 /// @param values    HAL parameters, in the order of cam_param.h; a refused one is reset to the
 ///                  value in use

@@ -9,8 +9,8 @@
 enum { lcn_table_most_bytes = 1 << 26, lcn_table_error_bytes = 256 };
 
 typedef struct {
-    const void *bytes; ///< aligned for any type, never freed
-    size_t size;       ///< [bytes]
+    void *bytes; ///< aligned for any type, of malloc()
+    size_t size; ///< [bytes]
     char error[lcn_table_error_bytes];
 } lcn_table_t;
 

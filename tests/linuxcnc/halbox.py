@@ -143,7 +143,8 @@ def halbox(root: Path, modules: list[Path]) -> Iterator[Halbox]:
     """Make a folder with HAL and modules in it; nothing of it is left afterwards."""
     folder = Path(tempfile.mkdtemp(prefix="camturn-hal-"))
     with suppress(FileExistsError):  # of another user, who need not let this one write
-        LOCK.touch(0o644, exist_ok=False)
+        LOCK.touch(exist_ok=False)
+        LOCK.chmod(0o644)  # whatever the umask
     with LOCK.open() as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         box = Halbox(folder)

@@ -65,6 +65,27 @@ def test_table_that_is_not_there_is_refused(box: Halbox) -> None:
     assert "camturn: table=/nowhere/part.camtab: No such file or directory; give" in box.said()
 
 
+def test_table_is_changed_while_hal_runs(box: Halbox, table_of: TableOf) -> None:
+    """The file is read again on request: another table is used, a damaged one refused."""
+    part = box.folder / "part.camtab"
+    good = table_of("perkins240").read_bytes()
+    part.write_bytes(good)
+    part.chmod(0o644)
+    assert box.load(LOAD.format(part) + THREAD + "addf camturn.poll servo\nstart\n") == 0
+    part.write_bytes(table_of("perkins240_x30").read_bytes())
+    assert box.load("setp camturn.reload-table 1\n") == 0
+    box.wait("camturn.reload-table", "FALSE")
+    assert box.get("camturn.error-number") == "0"
+    part.write_bytes(good[:-1])
+    assert box.load("setp camturn.reload-table 1\n") == 0
+    box.wait("camturn.reload-table", "FALSE")
+    assert "camturn: table: refused: " in box.said()
+    part.unlink()
+    assert box.load("setp camturn.reload-table 1\n") == 0
+    box.wait("camturn.reload-table", "FALSE")
+    assert "No such file" in box.said()
+
+
 def test_no_table_is_refused(box: Halbox) -> None:
     """Without a path the line says how to give one."""
     assert box.load("loadrt camturn\n") != 0

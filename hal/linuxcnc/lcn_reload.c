@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): nanosleep
+#include "lcn_reload.h"
+#include <pthread.h>   // pthread_create, pthread_join
+#include <stdatomic.h> // atomic_int, atomic_bool
+#include <stdlib.h>    // free
+#include <string.h>    // NULL
+#include <time.h>      // nanosleep
+
+enum { look_ns = 50000000 };
+
+static struct {
+    const char *path;
+    pthread_t thread;
+    bool has_thread;
+    atomic_bool is_over;
+    atomic_int phase;  ///< lcn_reload_phase_t
+    lcn_table_t table; ///< written by the thread while asked, otherwise read by the slow thread
+    void *kept;        ///< in use
+    void *spare;       ///< no longer in use
+} reload;
+
+/// Context: the thread, phase asked.
+static void read_again(void)
+{
+    free(reload.spare);
+    reload.spare = NULL;
+    const bool is_read = lcn_table_read(reload.path, &reload.table);
+    atomic_store(&reload.phase, is_read ? (int)lcn_reload_read : (int)lcn_reload_failed);
+}
+
+static void *run(void *nothing)
+{
+    const struct timespec pause = {.tv_nsec = look_ns};
+    while (!atomic_load(&reload.is_over)) {
+        if (atomic_load(&reload.phase) == (int)lcn_reload_asked) {
+            read_again();
+        }
+        (void)nanosleep(&pause, NULL);
+    }
+    return nothing;
+}
+
+bool lcn_reload_begin(const char *path)
+{
+    reload.path = path;
+    atomic_store(&reload.is_over, false);
+    atomic_store(&reload.phase, (int)lcn_reload_idle);
+    reload.has_thread = pthread_create(&reload.thread, NULL, run, NULL) == 0;
+    return reload.has_thread;
+}
+
+void lcn_reload_end(void)
+{
+    if (reload.has_thread) {
+        atomic_store(&reload.is_over, true);
+        (void)pthread_join(reload.thread, NULL);
+        reload.has_thread = false;
+    }
+}
+
+void lcn_reload_ask(void)
+{
+    atomic_store(&reload.phase, (int)lcn_reload_asked);
+}
+
+lcn_reload_phase_t lcn_reload_phase(void)
+{
+    return (lcn_reload_phase_t)atomic_load(&reload.phase);
+}
+
+const lcn_table_t *lcn_reload_table(void)
+{
+    return &reload.table;
+}
+
+void lcn_reload_settle(bool is_kept)
+{
+    if (is_kept) {
+        reload.spare = reload.kept;
+        reload.kept = reload.table.bytes;
+    } else {
+        reload.spare = reload.table.bytes; // NULL if nothing was read
+    }
+    reload.table.bytes = NULL;
+    atomic_store(&reload.phase, (int)lcn_reload_idle);
+}
