@@ -31,7 +31,7 @@ def modules(linuxcnc_root: Path, tmp_path_factory: pytest.TempPathFactory) -> li
     said = build(linuxcnc_root, folder, "-j2", "-f", ROOT / "hal" / "linuxcnc" / "Makefile")
     assert "warning" not in said, said
     build(linuxcnc_root, folder, "-f", HERE / "replay.mk")
-    return [folder / "camturn.so", folder / "lathe_sim.so", folder / "replay.so"]
+    return [folder / f"{name}.so" for name in ("camturn", "lathe_sim", "replay", "mesa_pins")]
 
 
 @pytest.fixture

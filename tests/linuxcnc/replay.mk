@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Builds replay.so in the folder in which make is called.
-obj-m += replay.o
+# Builds the components of the tests in the folder in which make is called.
+obj-m += replay.o mesa_pins.o
 include $(shell $(HALCOMPILE) --print-modinc)
 
-replay.c: $(dir $(abspath $(firstword $(MAKEFILE_LIST))))replay.comp
+%.c: $(dir $(abspath $(firstword $(MAKEFILE_LIST))))%.comp
 	$(HALCOMPILE) --preprocess -o $@ $<
