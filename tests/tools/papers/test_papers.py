@@ -49,6 +49,14 @@ def rows(name: str) -> list[dict[str, float]]:
     return [{key: float(value) for key, value in row.items()} for row in found]
 
 
+def test_refit_helps_the_drive_that_cannot_follow_the_corner() -> None:
+    """Fig 8 of S2: the paper's order, before worse than after, comes with a weak drive only."""
+    strong = [float(np.abs(one.off_um).max()) for one in corner.gauged()]
+    weak = corner.weakly_cut_um()
+    assert strong[0] < strong[2] < weak[0]
+    assert weak[2] < weak[0] and weak[2] == pytest.approx(strong[2], rel=0.1)
+
+
 def test_page_is_what_the_command_writes() -> None:
     """The comparisons in PAPERS.md are recomputed, every digit and every word."""
     text = PAGE.read_text()
@@ -138,7 +146,7 @@ def test_records_are_cut_as_calculated() -> None:
 def test_command_makes_every_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tables and pictures of all rows, and the page."""
     assert main(["-o", str(tmp_path / "a")]) == 0
-    assert "43 figures and tables" in capsys.readouterr().out
+    assert "44 figures and tables" in capsys.readouterr().out
     made = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir()}
     wanted = {name for one in all_chapters() for name in one.files}
     assert set(made) == wanted | {"papers.md"}

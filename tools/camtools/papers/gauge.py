@@ -54,8 +54,27 @@ def with_recipe(part: SkirtPart, recipe: Recipe) -> SkirtPart:
     return part.model_copy(update={"piston": piston})
 
 
-def cut_record(name: str, recipe: Recipe, program: Path) -> Record:
+def weaker(text: str, m_per_s2: float) -> str:
+    r"""Return a machine whose drive of U accelerates less than the controller believes.
+
+    >>> print(weaker("[u]\nacceleration_mm_per_s2 = 250000.0\n", 50), end="")
+    [u]
+    acceleration_mm_per_s2 = 50000
+    [believed.u]
+    acceleration_mm_per_s2 = 250000.0
+    """
+    believed = next(line for line in text.splitlines() if line.startswith("acceleration_mm_per_s2"))
+    true = f"acceleration_mm_per_s2 = {1000 * m_per_s2:g}"
+    return text.replace(believed, true, 1) + f"[believed.u]\n{believed}\n"
+
+
+def cut_record(name: str, recipe: Recipe, program: Path, m_per_s2: float | None = None) -> Record:
     """Cut the measured skirt with a refit; return its record.
+
+    Parameters
+    ----------
+    m_per_s2 : float, optional
+        what the drive of U reaches, without learning; by default all that the part wants
 
     Raises
     ------
@@ -68,9 +87,12 @@ def cut_record(name: str, recipe: Recipe, program: Path) -> Record:
         folder = Path(place)
         for file, data in table_files(made.table, make_summary(made)).items():
             (folder / file).write_bytes(data)
-        (folder / "machine.toml").write_text(machine_text(part.machine.limits), encoding="ascii")
+        machine = machine_text(part.machine.limits)
+        machine = machine if m_per_s2 is None else weaker(machine, m_per_s2)
+        (folder / "machine.toml").write_text(machine, encoding="ascii")
         simulator = Simulator(program, folder, f"{made.table.part_name}.camtab")
         words = ["--machine", "machine.toml", "--tolerance-um", "1000", "--surface", SURFACE]
+        words += [] if m_per_s2 is None else ["--set", "learn_harmonics=0"]
         if simulator.run(words) != 0:
             problem = f"{name}: the simulator did not cut it; the line above says why"
             raise CamtoolsError([f"{problem}; run tools/run tools/parts/{PART}.toml"])
@@ -96,6 +118,8 @@ def _over_quadrant(deg: Floats, columns: Sequence[Floats]) -> list[Floats]:
     return [middles, *(np.interp(middles, at, one) for one in found)]
 
 
-def cut_records(recipes: Sequence[tuple[str, Recipe]]) -> list[Record]:
+def cut_records(
+    recipes: Sequence[tuple[str, Recipe]], m_per_s2: float | None = None
+) -> list[Record]:
     """Return the records of the measured skirt, one for each refit."""
-    return [cut_record(name, recipe, camsim_path()) for name, recipe in recipes]
+    return [cut_record(name, recipe, camsim_path(), m_per_s2) for name, recipe in recipes]

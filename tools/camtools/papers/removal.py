@@ -257,6 +257,14 @@ def _text_rows() -> list[Row]:
             "s0_tables_2_3.csv",
         ),
         Row(
+            *("text", "feed", "0.001 mm/r"),
+            f"62 mm are {62 / 0.001:.0f} turns, {62 / 0.001 / 2500:.1f} min at 2500 r/min; the "
+            f"parts here feed 0.1 mm/r, {62 / 0.1 / 2500 * 60:.1f} s",
+            "a hundredth of the feed of turning; no figure depends on it but the time, which "
+            "the paper does not print",
+            "s0_table_5.csv",
+        ),
+        Row(
             *("text", "the long axis", "along the pin"),
             *("any", "it is square to the pin in real pistons; no formula changes"),
             "s0_fig_1.png",
