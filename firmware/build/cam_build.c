@@ -64,8 +64,8 @@ static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t 
 static void build_still(cam_spindle_config_t *c, const cam_table_t *table)
 {
     const uint32_t u1 = table != NULL ? table->u1_peak_nm_per_rad : 0u;
-    const int64_t slope_q32 =
-        cam_units_scale(CAM_TURN_Q32, 113 * still_nm, INT64_C(710) * u1 + 113); // 2 pi = 710 / 113
+    const int64_t by_pi = INT64_C(710) * u1; // 2 pi = 710 / 113
+    const int64_t slope_q32 = cam_units_scale(CAM_TURN_Q32, INT64_C(113) * still_nm, by_pi + 113);
     c->still_counts = cam_clamp_i32(c->index_tolerance + 3, 3, c->max_counts);
     const int64_t jitter_q32 = (int64_t)c->still_counts * c->turn_per_count_q32;
     c->still_q32 = cam_sat_i32(jitter_q32 > slope_q32 ? jitter_q32 : slope_q32);
