@@ -39,8 +39,8 @@ pin out float following_error "measured U minus its commanded position [mm]";
 pin out u32 late_ticks "late ticks";
 pin out float learned_error "rms error of U in the last turn used for learning [mm]";
 param r s32 tick_hz_used "rate of the tick [Hz]";
-function update nofp "one tick: in the fast thread, after the encoder's function";
-function poll fp "the main loop: in a thread of 1 ms or slower, or after update in the same thread";
+function update "one tick: in the fast thread, after the encoder's function";
+function poll "the main loop: in a thread of 1 ms or slower, or after update in the same thread";
 modparam dummy table """
 \\fBtable=\\fRabsolute path of a .camtab file. Without a valid one the component does not load.""";
 modparam dummy trust_keys """

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 component mesa_pins "stands in for hostmot2 without the card: the pins that hal/linuxcnc/mesa uses, by the names in its manual";
 pin out bit there;
-function nothing nofp;
+function nothing;
 option singleton yes;
 option extra_setup yes;
 license "GPL";

@@ -15,7 +15,7 @@ param rw float run_up_s = 0.2 "time constant of the spindle's speed [s]";
 param rw float ripple = 0.002 "of the speed, twice per turn";
 param rw float u_hz = 300 "natural frequency of U";
 param rw float u_damping = 0.7;
-function _ fp;
+function _;
 variable double turns;
 variable double index_turns;
 variable double rps;
