@@ -14,7 +14,10 @@ pin in bit enable "rising: acknowledge a fault, enable, home; falling: retract, 
 pin in bit start "rising: cut one pass (M64); falling: end it (M65)";
 pin in bit estop_ok "true: the emergency-stop chain is closed";
 pin in bit drive_ready "true: the drives can follow";
-pin io bit reload_table "set to read the table's file again, in off or ready; cleared when that is done or refused";
+pin in bit reload_table "rising: read the file of the table again, in off and ready";
+pin out bit reloading "true until that is done or refused";
+pin in bit record "rising: record at the rate of the tick; falling: end it and write it to a file";
+pin out bit recording "true until the file is written";
 pin in bit acknowledge "true while the acknowledge button at the machine is pressed; required after power-on, emergency stop, fault";
 pin in float u_fb "measured U [mm], used with measures_u=1";
 pin in float x_fb "measured X [mm radius], used with measures_x=1";
@@ -51,6 +54,7 @@ modparam dummy tick_hz """\\fBtick_hz=\\fRrate of the thread of \\fBcamturn.upda
 modparam dummy measures_u """\\fBmeasures_u=1\\fR: u-fb is a measurement; enables learning of the drive's errors.""";
 modparam dummy measures_x """\\fBmeasures_x=1\\fR: x-fb is a measurement.""";
 modparam dummy measures_z """\\fBmeasures_z=0\\fR: Z is not measured; camturn itself feeds it.""";
+modparam dummy recordings """\\fBrecordings=\\fRabsolute path of the start of the names of recordings: NAME-1.csv, .. Without it nothing is recorded.""";
 modparam dummy waive_acknowledge """\\fBwaive_acknowledge=1\\fR: the pin acknowledge is not needed, because the machine has its own button that must be pressed before its drives get power, or is simulated.""";
 modparam dummy nominal_time """\\fBnominal_time=1\\fR: time is counted in ticks, for simulation without real time.""";
 option singleton yes;
@@ -66,6 +70,8 @@ include "lcn_slow.h";
 
 static char *table = "";
 RTAPI_MP_STRING(table, "absolute path of a .camtab file");
+static char *recordings = "";
+RTAPI_MP_STRING(recordings, "start of the names of recordings");
 static char *trust_keys = "";
 RTAPI_MP_STRING(trust_keys, "public keys for table signatures");
 static int trust_required = 0;
@@ -140,7 +146,7 @@ EXTRA_SETUP()
         .is_nominal = nominal_time != 0,
     };
     lcn_port_init(&setup);
-    lcn_slow_init(setup.tick_hz);
+    lcn_slow_init(setup.tick_hz, recordings);
     tick_hz_used = tick_hz;
     if (!lcn_slow_load(table)) {
         return -EINVAL;
@@ -186,15 +192,15 @@ FUNCTION(update)
 
 FUNCTION(poll)
 {
-    if (reload_table && lcn_slow_reload()) {
-        reload_table = 0;
-    }
-    const lcn_commands_t commands = {.enables = enable, .starts = start};
+    const lcn_commands_t commands = {
+        .enables = enable, .starts = start, .reloads = reload_table, .records = record};
     lcn_slow_poll(values, &commands, (int32_t)period);
     const lcn_status_t now = lcn_slow_status();
     error_number = now.error;
     state_number = now.state;
     ready = now.is_ready;
+    reloading = now.is_reloading;
+    recording = now.is_recording;
     fault_mask = now.faults;
     angle = now.turns;
     spindle_speed = now.rpm;

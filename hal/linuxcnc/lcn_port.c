@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcn_port.h"
-#include "hal/hal.h"   // port functions, except hal_init(), whose name LinuxCNC uses
-#include <stdatomic.h> // port.runs
-#include <stddef.h>    // NULL
-#include <stdlib.h>    // abort
+#include "hal/hal.h"    // port functions, except hal_init(), whose name LinuxCNC uses
+#include "lcn_record.h" // lcn_record_memory
+#include <stdatomic.h>  // port.runs
+#include <stddef.h>     // NULL
+#include <stdlib.h>     // abort
 
 enum { clock_hz = 10000000, ns_per_clock = 100, ns_per_s = 1000000000, rate_part = 100 };
 
@@ -117,12 +118,12 @@ hal_trust_t hal_trust(void)
                          .is_required = port.setup.is_trust_required};
 }
 
-/// None: LinuxCNC has halscope.
 hal_memory_t hal_scope_memory(void)
 {
-    return (hal_memory_t){.words = NULL};
+    return lcn_record_memory();
 }
 
+/// lcn_record.h writes black boxes to files instead.
 void hal_scope_keep(const int32_t *words, uint32_t n)
 {
     (void)words;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): nanosleep
 #include "lcn_reload.h"
-#include <pthread.h>   // pthread_create, pthread_join
-#include <stdatomic.h> // atomic_int, atomic_bool
-#include <stdlib.h>    // free
-#include <string.h>    // NULL
-#include <time.h>      // nanosleep
+#include "lcn_record.h" // lcn_record_serve
+#include <pthread.h>    // pthread_create, pthread_join
+#include <stdatomic.h>  // atomic_int, atomic_bool
+#include <stdlib.h>     // free
+#include <string.h>     // NULL
+#include <time.h>       // nanosleep
 
 enum { look_ns = 50000000 };
 
@@ -36,6 +37,7 @@ static void *run(void *nothing)
         if (atomic_load(&reload.phase) == (int)lcn_reload_asked) {
             read_again();
         }
+        lcn_record_serve();
         (void)nanosleep(&pause, NULL);
     }
     return nothing;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// lcn_reload: reads the table file again while LinuxCNC runs, in a thread of its own, so that no
-/// HAL thread waits for a disk.
+/// HAL thread waits for a disk. The thread also writes recordings (lcn_record.h).
 #ifndef LCN_RELOAD_H
 #define LCN_RELOAD_H
 

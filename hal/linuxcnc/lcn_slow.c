@@ -5,6 +5,7 @@
 #include "cam_machine.h"        // cam_machine_t
 #include "cam_state.h"          // cam_state_name
 #include "lcn_port.h"           // lcn_port_print
+#include "lcn_record.h"         // lcn_record_poll
 #include "lcn_reload.h"         // lcn_reload_ask
 #include "lcn_table.h"          // lcn_table_read
 #include <stddef.h>             // NULL
@@ -17,6 +18,8 @@ static struct {
     lcn_commands_t last; ///< commands of the last round
     bool wants_enable;   ///< enable is requested and not yet done
     bool wants_start;    ///< likewise
+    bool wants_table;    ///< likewise
+    bool is_recording;   ///< a recording is not yet finished
     bool was_on_rate;
     cam_err_t err;
     cam_state_t state; ///< of the last round
@@ -43,15 +46,18 @@ static bool settle(const char *what, cam_err_t err)
     return true;
 }
 
-void lcn_slow_init(uint32_t tick_hz)
+void lcn_slow_init(uint32_t tick_hz, const char *recordings)
 {
     slow.last = (lcn_commands_t){0};
     slow.wants_enable = false;
     slow.wants_start = false;
+    slow.wants_table = false;
+    slow.is_recording = false;
     slow.was_on_rate = true;
     slow.err = cam_ok;
     slow.state = cam_state_off;
     cam_machine_init(&slow.machine, &g_cam, tick_hz, hal_clock_hz());
+    lcn_record_begin(&slow.machine, recordings);
 }
 
 bool lcn_slow_load(const char *path)
@@ -69,7 +75,10 @@ bool lcn_slow_load(const char *path)
     return err == cam_ok;
 }
 
-bool lcn_slow_reload(void)
+/// Replace the table by the present content of its file (lcn_reload.h), in the states off and
+/// ready.
+/// @return whether that is finished: done, or refused with a message
+static bool reload(void)
 {
     const lcn_table_t *table = lcn_reload_table();
     switch (lcn_reload_phase()) {
@@ -272,8 +281,11 @@ void lcn_slow_poll(volatile int32_t *values, const lcn_commands_t *commands, int
 {
     take_params(values);
     lcn_port_run(); // effective in the first round
+    slow.wants_table = slow.wants_table || (commands->reloads && !slow.last.reloads);
+    slow.wants_table = slow.wants_table && !reload();
     execute(commands);
     cam_machine_poll(&slow.machine);
+    slow.is_recording = lcn_record_poll(&slow.machine, commands->records);
     learn(period_ns);
     report();
 }
@@ -311,6 +323,8 @@ lcn_status_t lcn_slow_status(void)
         .error = slow.err,
         .state = status.state,
         .is_ready = status.state == cam_state_ready,
+        .is_reloading = slow.wants_table,
+        .is_recording = slow.is_recording,
         .faults = status.faults,
         .n_late = status.n_late,
         .turns = (double)status.pos_q32 / turn,

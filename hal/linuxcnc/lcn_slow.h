@@ -4,7 +4,7 @@
 ///
 /// LinuxCNC runs all its threads on one processor and the faster preempt the slower, as the
 /// firmware expects of interrupt and main loop. Only lcn_slow_load(), called while the component is
-/// loaded, allocates memory and opens a file.
+/// loaded, allocates memory and opens a file; later the thread of lcn_reload.h does.
 #ifndef LCN_SLOW_H
 #define LCN_SLOW_H
 
@@ -15,6 +15,8 @@
 typedef struct {
     bool enables; ///< rising: acknowledge a fault, enable the drives, home; falling: disable
     bool starts;  ///< rising: cut one pass; falling: end it
+    bool reloads; ///< rising: use the present content of the table file, in off and ready
+    bool records; ///< rising: record; falling: end (lcn_record.h)
 } lcn_commands_t;
 
 /// Status pins.
@@ -22,6 +24,8 @@ typedef struct {
     int32_t error;        ///< last refusal, cam_err_t; 0: the last command was accepted
     uint32_t state;       ///< cam_state_t
     bool is_ready;        ///< start is accepted
+    bool is_reloading;    ///< a reload is not yet done or refused
+    bool is_recording;    ///< a recording is not yet finished
     uint32_t faults;      ///< latched
     uint32_t n_late;      ///< late ticks
     double turns;         ///< [turn] master position
@@ -30,18 +34,16 @@ typedef struct {
     uint32_t learned_nm;  ///< [nm] rms error of the last turn used for learning
 } lcn_status_t;
 
-/// Initialise the firmware, after lcn_port_init(). @param tick_hz  [Hz] as in lcn_setup_t
-void lcn_slow_init(uint32_t tick_hz);
+/// Initialise the firmware, after lcn_port_init().
+/// @param tick_hz     [Hz] as in lcn_setup_t
+/// @param recordings  as in lcn_record_begin()
+void lcn_slow_init(uint32_t tick_hz, const char *recordings);
 
 /// Read and select a table; errors are printed. Context: while the component is loaded, before the
 /// threads run.
 /// @param path  .camtab file
 /// @return      false if the table cannot be used
 bool lcn_slow_load(const char *path);
-
-/// Replace the table by what lies in its file now (lcn_reload.h); in the states off and ready.
-/// Called in every round until it is finished. @return whether it is: done, or refused with a line
-bool lcn_slow_reload(void);
 
 /// One round of the main loop: apply parameters, execute commands, learn.
 /// @param values    HAL parameters, in the order of cam_param.h; a refused one is reset to the

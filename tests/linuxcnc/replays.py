@@ -81,14 +81,14 @@ def rows_of(cut: Cut) -> bytes:
     return np.stack(columns, axis=1).astype(np.uint32).tobytes()
 
 
-def script(params: dict[str, int]) -> str:
+def script(params: dict[str, int], more: str) -> str:
     """Return the HAL file that puts camturn between the two functions of replay."""
     rest = {name: value for name, value in params.items() if name != "tick_hz"}
     feeding = "measures_u=1 measures_x=1 nominal_time=1 waive_acknowledge=1"
     lines = [
         f"loadrt threads name1=fast period1={PERIOD_NS}",
         "loadrt replay rows=./rows kept=./kept",
-        f"loadrt camturn table=./part.camtab tick_hz={params['tick_hz']} {feeding}",
+        f"loadrt camturn table=./part.camtab tick_hz={params['tick_hz']} {feeding} {more}",
         *(f"setp camturn.{name.replace('_', '-')} {value}" for name, value in rest.items()),
         *(f"net {pin} replay.{pin} => camturn.{pin}" for pin in FROM_REPLAY.split()),
         *(f"net {pin} camturn.{pin} => replay.{pin}" for pin in TO_REPLAY.split()),
@@ -100,12 +100,16 @@ def script(params: dict[str, int]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def replay(box: Halbox, cut: Cut) -> Whole:
-    """Return what the component commanded, given what the simulator's firmware sensed."""
+def replay(box: Halbox, cut: Cut, more: str = "") -> Whole:
+    """Return what the component commanded, given what the simulator's firmware sensed.
+
+    `more` is added to the parameters of the component.
+    """
     (box.folder / "rows").write_bytes(rows_of(cut))
     shutil.copy(cut.table, box.folder / "part.camtab")
-    assert box.load(script(cut.params)) == 0, box.said()
+    assert box.load(script(cut.params, more)) == 0, box.said()
     box.wait("replay.done", "TRUE")
+    box.wait("camturn.recording", "FALSE")
     box.stop()
     kept = np.frombuffer((box.folder / "kept").read_bytes(), dtype="<i4")
     return kept.reshape(-1, len(COMMANDED)).astype(np.int64)
