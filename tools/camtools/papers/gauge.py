@@ -54,27 +54,13 @@ def with_recipe(part: SkirtPart, recipe: Recipe) -> SkirtPart:
     return part.model_copy(update={"piston": piston})
 
 
-def weaker(text: str, m_per_s2: float) -> str:
-    r"""Return a machine whose drive of U accelerates less than the controller believes.
-
-    >>> print(weaker("[u]\nacceleration_mm_per_s2 = 250000.0\n", 50), end="")
-    [u]
-    acceleration_mm_per_s2 = 50000
-    [believed.u]
-    acceleration_mm_per_s2 = 250000.0
-    """
-    believed = next(line for line in text.splitlines() if line.startswith("acceleration_mm_per_s2"))
-    true = f"acceleration_mm_per_s2 = {1000 * m_per_s2:g}"
-    return text.replace(believed, true, 1) + f"[believed.u]\n{believed}\n"
-
-
-def cut_record(name: str, recipe: Recipe, program: Path, m_per_s2: float | None = None) -> Record:
+def cut_record(name: str, recipe: Recipe, program: Path, mode_hz: float = 0.0) -> Record:
     """Cut the measured skirt with a refit; return its record.
 
     Parameters
     ----------
-    m_per_s2 : float, optional
-        what the drive of U reaches, without learning; by default all that the part wants
+    mode_hz : float, optional
+        frequency at which the tool swings on its slide, 10 .. 20000; by default it is rigid
 
     Raises
     ------
@@ -88,11 +74,10 @@ def cut_record(name: str, recipe: Recipe, program: Path, m_per_s2: float | None 
         for file, data in table_files(made.table, make_summary(made)).items():
             (folder / file).write_bytes(data)
         machine = machine_text(part.machine.limits)
-        machine = machine if m_per_s2 is None else weaker(machine, m_per_s2)
+        machine = machine.replace("[u]\n", f"[u]\nmode_hz = {mode_hz!r}\n")
         (folder / "machine.toml").write_text(machine, encoding="ascii")
         simulator = Simulator(program, folder, f"{made.table.part_name}.camtab")
         words = ["--machine", "machine.toml", "--tolerance-um", "1000", "--surface", SURFACE]
-        words += [] if m_per_s2 is None else ["--set", "learn_harmonics=0"]
         if simulator.run(words) != 0:
             problem = f"{name}: the simulator did not cut it; the line above says why"
             raise CamtoolsError([f"{problem}; run tools/run tools/parts/{PART}.toml"])
@@ -118,8 +103,6 @@ def _over_quadrant(deg: Floats, columns: Sequence[Floats]) -> list[Floats]:
     return [middles, *(np.interp(middles, at, one) for one in found)]
 
 
-def cut_records(
-    recipes: Sequence[tuple[str, Recipe]], m_per_s2: float | None = None
-) -> list[Record]:
-    """Return the records of the measured skirt, one for each refit."""
-    return [cut_record(name, recipe, camsim_path(), m_per_s2) for name, recipe in recipes]
+def cut_records(recipes: Sequence[tuple[str, Recipe]], mode_hz: float = 0.0) -> list[Record]:
+    """Return the records of the measured skirt, one for each refit; `mode_hz` as above."""
+    return [cut_record(name, recipe, camsim_path(), mode_hz) for name, recipe in recipes]

@@ -177,34 +177,34 @@ def _path_rows() -> list[Row]:
     path, few = path_of_rings(FEED_MM), path_of_rings(0.2)
     turns = np.array([0.0, 1.0, 1.5, 2.0, 3.5])
     heights = ", ".join(f"{z:.1f}" for z in few.height_mm(turns))
-    rings = int((point_matrix()[:, 1] == 0).sum())
-    all_points = point_matrix().shape[0]
+    part, whole = point_matrix(4, FEW_MM), point_matrix(None, FEW_MM)
+    rings = int((whole[:, 1] == 0).sum())
     return [
         Row(
             *("Fig 6", "sketch of ring, helix, ring", "A-B-A a ring, A-C-D a helix, D-E-D a ring"),
             f"dZ 0.2 mm: z = {heights} mm after 0, 1, 1.5, 2, 3.5 turns",
-            "none; Z's speed jumps twice in two turns: a machine needs ramps "
-            "([PATHS.md](PATHS.md#ring-helix))",
+            f"drawn with dZ {FEW_MM:g} mm; Z's speed jumps twice in two turns: a machine needs "
+            "ramps ([PATHS.md](PATHS.md#ring-helix))",
             "s3_fig_6.png",
         ),
         Row(
-            *("Fig 7", "part of the path", "a picture"),
-            f"{path_of_rings(FEW_MM, 4).n_rings} rings of {FEW_MM:g} mm, "
-            f"{point_matrix(4, FEW_MM).shape[0]} points",
+            *("Fig 7", "part of the path: its points", "a picture"),
+            f"dZ {FEW_MM:g} mm: the first 4 rings and the turns between, {len(part)} points",
             *("dZ of the paper is not printed", "s3_fig_7.png"),
         ),
         Row(
-            *("Fig 8", "all points, as a matrix", "m rings take 2 m - 1 turns"),
-            f"dZ {FEED_MM:g} mm: {path.n_rings} rings, {path.turns:.0f} turns of {N_POINTS}: "
-            f"{all_points} points",
+            *("Fig 8", "the whole path: its points", "m rings take 2 m - 1 turns"),
+            f"picture: dZ {FEW_MM:g} mm, {len(whole)} points; table: dZ {FEED_MM:g} mm, "
+            f"{path.n_rings} rings, {path.turns:.0f} turns of {N_POINTS}: "
+            f"{len(point_matrix())} points",
             f"helix points from the ring points, as the paper has it, are off by at most "
             f"{blend_nm():.2f} nm at dZ {BLEND_MM:g} mm; ours are of the section itself",
             "s3_fig_8.csv` `s3_fig_8.png",
         ),
         Row(
             *("Fig 10", "points of rings and of helices in two colours", "a picture"),
-            f"{rings} on rings, {all_points - rings} on helices",
-            *("none", "s3_fig_10.png"),
+            f"dZ {FEW_MM:g} mm: {rings} on rings, {len(whole) - rings} on helices",
+            *("unrolled; the paper's dZ is not printed", "s3_fig_10.png"),
         ),
     ]
 

@@ -109,7 +109,8 @@ def draw_points(matrix: Floats, *, is_part: bool) -> Figure:
         size = 12 if is_part else 3
         axes.scatter(kind[:, _X], kind[:, _Y], kind[:, _Z], c=colour, s=size, label=name)
     axes.legend(frameon=False, loc="upper left")
-    axes.set_title(f"{len(matrix)} points", y=0.95)
+    name = "Fig 7: part of the path" if is_part else "Fig 8: the whole path"
+    axes.set_title(f"{name}, {len(matrix)} points", y=0.95)
     return figure
 
 
