@@ -10,7 +10,7 @@ pin in s32 spindle_rawcounts "counts of the spindle encoder, never reset";
 pin in s32 spindle_counts "counts since the last index edge with index-enable set";
 pin io bit index_enable "as of HAL encoders: set to wait for an index edge, which resets it";
 pin in bit index_is_shared "LinuxCNC counts turns with the same encoder (G33): wait for one edge only after enable";
-pin in bit enable "rising: acknowledge a fault, enable, home; falling: retract, disable";
+pin in bit enable "rising: acknowledge a fault, home U if that is needed, enable, find the index; falling: retract, disable";
 pin in bit start "rising: cut one pass (M64); falling: end it (M65)";
 pin in bit estop_ok "true: the emergency-stop chain is closed";
 pin in bit drive_ready "true: the drives can follow";
@@ -19,6 +19,8 @@ pin out bit reloading "true until that is done or refused";
 pin in bit record "rising: record at the rate of the tick; falling: end it and write it to a file";
 pin out bit recording "true until the file is written";
 pin in bit acknowledge "true while the acknowledge button at the machine is pressed; required after power-on, emergency stop, fault";
+pin in bit u_home_switch "U is on its home switch, with u-home 2 and 3";
+pin in bit u_index "U is on the index mark of its scale, for 0.4 ms or longer, with u-home 3";
 pin in float u_fb "measured U [mm], used with measures_u=1";
 pin in float x_fb "measured X [mm radius], used with measures_x=1";
 pin in float z_fb "measured Z [mm, height of the drawing], used with measures_z=1";
@@ -28,6 +30,8 @@ pin out float u_acc "acceleration of U [mm/s2], without feed-forward: FF2 of pid
 pin out float x_cmd "set-point of X [mm radius]";
 pin out float z_cmd "set-point of Z [mm]";
 pin out float spindle_speed_cmd "set-point of the spindle [r/min], signed";
+pin out float u "measured U [mm], from its home";
+pin out bit homed "the position of U is known: homed, or u-home is 0";
 pin out bit drive_enable "the drives are enabled and hold their axes";
 pin out bit fault "a fault is latched";
 pin out bit ready "the angle is known, start is accepted";
@@ -170,6 +174,8 @@ FUNCTION(update)
         .is_estop = !estop_ok,
         .is_drive_ready = drive_ready,
         .is_acknowledged = acknowledge,
+        .is_u_on_home = u_home_switch,
+        .is_u_on_index = u_index,
     };
     lcn_out_t out;
     lcn_port_tick(&in, lcn_slow_turn_counts(), &out);
@@ -198,6 +204,8 @@ FUNCTION(poll)
     const lcn_status_t now = lcn_slow_status();
     error_number = now.error;
     state_number = now.state;
+    u = now.u_nm * 1e-6;
+    homed = now.is_homed;
     ready = now.is_ready;
     reloading = now.is_reloading;
     recording = now.is_recording;

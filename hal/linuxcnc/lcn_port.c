@@ -251,7 +251,9 @@ uint32_t hal_inputs_read_isr(void)
     const bool is_estop = port.in.is_estop || !port.is_on_rate;
     return (is_estop ? (uint32_t)hal_in_estop : 0u) |
            (port.in.is_drive_ready ? (uint32_t)hal_in_drive_ready : 0u) |
-           (port.in.is_acknowledged ? (uint32_t)hal_in_acknowledge : 0u);
+           (port.in.is_acknowledged ? (uint32_t)hal_in_acknowledge : 0u) |
+           (port.in.is_u_on_home ? (uint32_t)hal_in_home_u : 0u) |
+           (port.in.is_u_on_index ? (uint32_t)hal_in_index_u : 0u);
 }
 
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)

@@ -37,6 +37,8 @@ typedef struct {
     bool is_estop;                 ///< the emergency-stop chain is open
     bool is_drive_ready;           ///< all drives can follow
     bool is_acknowledged;          ///< the acknowledge button is pressed
+    bool is_u_on_home;             ///< U is on its home switch
+    bool is_u_on_index;            ///< U is on the index mark of its scale
 } lcn_in_t;
 
 /// Outputs of a tick.

@@ -3,6 +3,7 @@
 #include "cam_derived_limits.h" // cam_derived_limits_most
 #include "cam_fix.h"            // cam_clamp_i32
 #include "cam_machine.h"        // cam_machine_t
+#include "cam_machine_jog.h"    // cam_machine_home_axis
 #include "cam_state.h"          // cam_state_name
 #include "lcn_port.h"           // lcn_port_print
 #include "lcn_record.h"         // lcn_record_poll
@@ -13,12 +14,15 @@
 
 enum { line_bytes = 256, updates_per_turn = 100 };
 
+typedef enum { home_none, home_due, home_ordered } home_phase_t;
+
 static struct {
     cam_machine_t machine;
     lcn_commands_t last; ///< commands of the last round
     bool wants_enable;   ///< enable is requested and not yet done
     bool wants_start;    ///< likewise
     bool wants_table;    ///< likewise
+    home_phase_t home;   ///< of U, before an enable
     bool is_recording;   ///< a recording is not yet finished
     bool was_on_rate;
     cam_err_t err;
@@ -52,6 +56,7 @@ void lcn_slow_init(uint32_t tick_hz, const char *recordings)
     slow.wants_enable = false;
     slow.wants_start = false;
     slow.wants_table = false;
+    slow.home = home_none;
     slow.is_recording = false;
     slow.was_on_rate = true;
     slow.err = cam_ok;
@@ -184,22 +189,60 @@ static void discard(cam_err_t err)
     (void)err;
 }
 
-/// Enable; in a fault, reset it first.
+/// Home U: off -> manual. The enable waits.
+static void go_home(void)
+{
+    const cam_err_t err = cam_machine_manual(&slow.machine);
+    slow.wants_enable = !settle("home U", err) || err == cam_ok;
+    slow.home = err == cam_ok ? home_due : slow.home;
+}
+
+/// In manual: order the homing, then -> off. If it fails, the enable is given up.
+static void home(const cam_status_t *status)
+{
+    const bool rests =
+        status->jog.phase == cam_jog_rest && status->jog.serial == slow.machine.offsets.serial;
+    if (!rests) {
+        cam_machine_keep_alive(&slow.machine);
+    } else if (cam_offsets_is_known(&slow.machine.params, status, hal_axis_u)) {
+        discard(cam_machine_disable(&slow.machine)); // then, in off, enable
+    } else if (slow.home == home_ordered) {
+        lcn_port_print("home U: no home within the stroke: check u-home-switch, u-index, "
+                       "u-home-sense");
+        slow.wants_enable = false;
+    } else {
+        const cam_err_t err = cam_machine_home_axis(&slow.machine, hal_axis_u);
+        slow.wants_enable = !settle("home U", err) || err == cam_ok;
+        slow.home = err == cam_ok ? home_ordered : slow.home;
+    }
+}
+
+/// Enable; in a fault, reset it first. Home U if its position is not known.
 static void enable(const cam_status_t *status)
 {
     if (status->state == cam_state_fault) {
         discard(cam_machine_reset(&slow.machine)); // refused until the retract has ended
         return;
     }
+    if (status->state == cam_state_manual) {
+        home(status);
+        return;
+    }
     const bool is_off = status->state == cam_state_off;
-    slow.wants_enable = is_off && !settle("enable", cam_machine_enable(&slow.machine));
+    if (is_off && !cam_offsets_is_known(&slow.machine.params, status, hal_axis_u)) {
+        go_home();
+    } else {
+        slow.home = home_none;
+        slow.wants_enable = is_off && !settle("enable", cam_machine_enable(&slow.machine));
+    }
 }
 
 static void disable(const cam_status_t *status)
 {
     if (cam_state_is_in_work(status->state)) {
         discard(cam_machine_stop(&slow.machine)); // then, in ready, disable
-    } else if (status->state == cam_state_ready || status->state == cam_state_homing) {
+    } else if (status->state == cam_state_ready || status->state == cam_state_homing ||
+               status->state == cam_state_manual) {
         discard(cam_machine_disable(&slow.machine));
     } else {
         // already disabled, or on the way
@@ -230,9 +273,13 @@ static void execute(const lcn_commands_t *commands)
         commands->enables && (slow.wants_enable || (!slow.last.enables && commands->enables));
     slow.wants_start = commands->starts && (slow.wants_start || !slow.last.starts);
     slow.last = *commands;
+    if (status.state == cam_state_fault && slow.home != home_none) { // do not try again and again
+        slow.home = home_none;
+        slow.wants_enable = false;
+    }
     if (slow.wants_enable) {
         enable(&status);
-    } else if (!commands->enables) {
+    } else if (!commands->enables || status.state == cam_state_manual) {
         disable(&status);
     } else {
         start_or_stop(&status, commands);
@@ -323,12 +370,14 @@ lcn_status_t lcn_slow_status(void)
         .error = slow.err,
         .state = status.state,
         .is_ready = status.state == cam_state_ready,
+        .is_homed = cam_offsets_is_known(&slow.machine.params, &status, hal_axis_u),
         .is_reloading = slow.wants_table,
         .is_recording = slow.is_recording,
         .faults = status.faults,
         .n_late = status.n_late,
         .turns = (double)status.pos_q32 / turn,
         .rpm = status.speed_q32 / turn * slow.machine.tick_hz * 60.0,
+        .u_nm = status.u_actual_nm,
         .following_nm = status.following_nm,
         .learned_nm = cam_machine_learning(&slow.machine).error_nm,
     };

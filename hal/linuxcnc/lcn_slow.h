@@ -13,7 +13,7 @@
 
 /// Command pins: levels, as set by M64 and M65.
 typedef struct {
-    bool enables; ///< rising: acknowledge a fault, enable the drives, home; falling: disable
+    bool enables; ///< rising: acknowledge a fault, home U, enable, find the index; falling: disable
     bool starts;  ///< rising: cut one pass; falling: end it
     bool reloads; ///< rising: use the present content of the table file, in off and ready
     bool records; ///< rising: record; falling: end (lcn_record.h)
@@ -24,12 +24,14 @@ typedef struct {
     int32_t error;        ///< last refusal, cam_err_t; 0: the last command was accepted
     uint32_t state;       ///< cam_state_t
     bool is_ready;        ///< start is accepted
+    bool is_homed;        ///< the position of U is known
     bool is_reloading;    ///< a reload is not yet done or refused
     bool is_recording;    ///< a recording is not yet finished
     uint32_t faults;      ///< latched
     uint32_t n_late;      ///< late ticks
     double turns;         ///< [turn] master position
     double rpm;           ///< [r/min] speed of the spindle
+    int32_t u_nm;         ///< [nm] measured U, from its home
     int32_t following_nm; ///< [nm] measured U minus its commanded position
     uint32_t learned_nm;  ///< [nm] rms error of the last turn used for learning
 } lcn_status_t;

@@ -60,7 +60,7 @@ class Halbox:
 
     folder: Path
 
-    def run(self, *words: str, **more: str) -> int:
+    def run(self, *words: str, to: str = "said.txt", **more: str) -> int:
         """Run a program; what it and the threads say goes to one file, since these live on.
 
         `more` is added to its environment.
@@ -73,7 +73,7 @@ class Halbox:
             **more,
         }
         user = NOBODY if os.getuid() == 0 else None
-        with (self.folder / "said.txt").open("a") as said:
+        with (self.folder / to).open("a") as said:
             return subprocess.run(
                 words, cwd=self.folder, env=env, stdin=subprocess.DEVNULL, stdout=said,
                 stderr=said, user=user, group=user, extra_groups=[] if user else None,
@@ -87,9 +87,14 @@ class Halbox:
 
     def get(self, pin: str) -> str:
         """Return the value of a pin or parameter."""
-        begin = len(self.said())
-        assert self.run("./halcmd", "getp", pin) == 0, self.said()
-        return self.said()[begin:].strip().splitlines()[-1]
+        return self.ask("getp", pin).strip()
+
+    def ask(self, *words: str) -> str:
+        """Return what a command of halcmd prints."""
+        answer = self.folder / "answer.txt"
+        answer.write_text("")
+        assert self.run("./halcmd", *words, to=answer.name) == 0, self.said() + answer.read_text()
+        return answer.read_text()
 
     def wait(self, pin: str, value: str, limit_s: float = LIMIT_S) -> None:
         """Wait for a pin to have a value."""

@@ -19,7 +19,8 @@ pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
 SIM = ROOT / "hal" / "linuxcnc" / "sim"
 MESA = ROOT / "hal" / "linuxcnc" / "mesa" / "lathe.hal"
-PROGRAMS = ("linuxcncsvr", "io", "milltask")
+PROGRAMS = ("linuxcncsvr", "io", "milltask", "halui")
+PANEL_PINS = Path(__file__).with_name("panel_pins.py")
 BLOCKS = (
     "M3 S500", "G4 P1.5", "M64 P0", "M66 P0 L3 Q10", "G33 Z5 K0.25", "M65 P0", "M66 P0 L4 Q10",
 )  # fmt: skip
@@ -35,6 +36,7 @@ def _settings(box: Halbox, table: Path, hal: Path = SIM / "lathe.hal") -> None:
     for old, new in (
         ("[CAMTURN]", nml),
         ("/tmp/perkins240.camtab", "./part.camtab"),
+        ("/tmp/camturn-sim\n", f"{box.folder / 'recording'}\n"),
         ("/tmp/camturn-sim.var", str(box.folder / "sim.var")),
     ):
         assert old in text
@@ -66,6 +68,7 @@ def _started(box: Halbox, linuxcnc_root: Path) -> Iterator[None]:
             ("./halcmd", "-i", "lathe.ini", "-f", "lathe.hal"),
             ("./halcmd", "start"),
             ("./halcmd", "loadusr", "-Wn", "inihal", "./milltask", *ini),
+            ("./halcmd", "loadusr", "-Wn", "halui", "./halui", *ini),
         ):
             assert box.run(*words) == 0, (words, box.said())
         yield
@@ -88,19 +91,63 @@ def _end(box: Halbox) -> None:
             os.kill(int(process.name), signal.SIGTERM)
 
 
-def test_a_program_starts_waits_cuts_and_stops(lathe: Halbox, linuxcnc_root: Path) -> None:
-    """M64 starts, M66 sees "in cut", G33 moves Z meanwhile, M65 ends it, M66 sees that."""
+def execute(lathe: Halbox, linuxcnc_root: Path, *blocks: str) -> None:
+    """Switch the machine on and carry out blocks."""
     modules = str(linuxcnc_root / "usr" / "lib" / "python3" / "dist-packages")
     script = Path(__file__).with_name("mdi.py")
     shutil.copy(script, lathe.folder)
-    words = ("/usr/bin/python3", script.name, str(lathe.folder / "linuxcnc.nml"), *BLOCKS)
+    words = ("/usr/bin/python3", script.name, str(lathe.folder / "linuxcnc.nml"), *blocks)
     assert lathe.run(*words, PYTHONPATH=modules) == 0, lathe.said()
+
+
+def test_a_program_starts_waits_cuts_and_stops(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """M64 starts, M66 sees "in cut", G33 moves Z meanwhile, M65 ends it, M66 sees that."""
+    execute(lathe, linuxcnc_root, *BLOCKS)
     said = lathe.said().splitlines()
     assert "M66 P0 L3 Q10: 1 1 1 0.000" in said
     assert "G33 Z5 K0.25: 1 1 1 5.000" in said
     assert "M66 P0 L4 Q10: 1 0 0 5.000" in said
     assert lathe.get("camturn.error-number") == "0"
+    assert lathe.get("camturn.homed") == "TRUE"
     assert lathe.get("camturn.fault") == "FALSE"
+
+
+@pytest.mark.parametrize("sense", [-1, 1])
+def test_u_is_homed_before_the_first_enable(lathe: Halbox, linuxcnc_root: Path, sense: int) -> None:
+    """By its switch at -0.3 mm of the scale, which is -0.5 mm of U; in the wrong sense it fails."""
+    setting = f"setp lathe-sim.u-switch -0.3\nsetp camturn.u-home-sense {sense}\n"
+    assert lathe.load(setting) == 0
+    assert lathe.get("camturn.homed") == "FALSE"
+    execute(lathe, linuxcnc_root, "G4 P0.1")
+    if sense > 0:
+        lathe.wait("camturn.state-number", "0")
+        assert "camturn: home U: no home within the stroke: check u-home-switch" in lathe.said()
+        assert lathe.get("camturn.homed") == "FALSE"
+        return
+    lathe.wait("camturn.homed", "TRUE")
+    lathe.wait("camturn.state-number", "1")  # searches the index of a spindle that stands still
+    assert float(lathe.get("camturn.u")) == pytest.approx(
+        float(lathe.get("lathe-sim.u-fb")) - 0.2, abs=0.002
+    )
+
+
+def test_panel_is_connected_and_starts(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """Every widget has a signal of camturn; the buttons start and stop are M64 and M65."""
+    for file in (SIM / "panel.xml", SIM / "panel.hal", PANEL_PINS):
+        shutil.copy(file, lathe.folder)
+    pins = ("/usr/bin/python3", PANEL_PINS.name, "panel.xml")
+    modules = str(linuxcnc_root / "usr" / "lib" / "python3" / "dist-packages")
+    assert lathe.run("./halcmd", "loadusr", "-Wn", "pyvcp", *pins, PYTHONPATH=modules) == 0
+    assert lathe.run("./halcmd", "-f", "panel.hal") == 0, lathe.said()
+    shown = lathe.ask("-s", "show", "pin", "pyvcp.*").strip().splitlines()
+    assert len(shown) == (SIM / "panel.xml").read_text().count("<halpin>")
+    assert [line for line in shown if "=>" not in line and "<=" not in line] == []
+    execute(lathe, linuxcnc_root, "G4 P0.1")
+    lathe.wait("pyvcp.homed", "TRUE")
+    for number, value in ((0, "TRUE"), (1, "FALSE")):
+        button = f"halui.mdi-command-{number:02}"
+        assert lathe.load(f"unlinkp {button}\nsetp {button} 1\n") == 0, lathe.said()
+        lathe.wait("camturn.start", value)
 
 
 def test_mesa_configuration_is_taken_by_hal(

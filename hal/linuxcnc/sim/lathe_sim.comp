@@ -10,12 +10,14 @@ pin out float revs "turns since then, for spindle.0.revs";
 pin out float speed_rps "speed [turns/s], for spindle.0.speed-in";
 pin out bit at_speed;
 pin out float u_fb "U [mm]";
+pin out bit u_home_switch "U is at or beyond u-switch";
 param rw s32 counts_per_turn = 10000;
 param rw float run_up_s = 0.2 "time constant of the spindle's speed [s]";
 param rw float ripple = 0.002 "of the speed, twice per turn";
 param rw float u_hz = 300 "natural frequency of U";
 param rw float u_damping = 0.7;
 function _;
+param rw float u_switch = -0.5 "position of the home switch of U [mm]";
 variable double turns;
 variable double index_turns;
 variable double rps;
@@ -58,4 +60,5 @@ FUNCTION(_)
     at_speed = fabs(rps * 60.0 - spindle_speed_cmd) <= 0.01 * fabs(spindle_speed_cmd);
     move_u(__comp_inst, drive_enable ? u_cmd : u_mm, dt_s);
     u_fb = u_mm;
+    u_home_switch = u_mm <= u_switch;
 }
