@@ -144,14 +144,21 @@ def _remove(folder: Path) -> None:
 
 
 @contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Wait until no other test of this machine, of whichever user, holds the lock; hold it."""
+    with suppress(FileExistsError):  # of another user, who need not let this one write
+        path.touch(exist_ok=False)
+        path.chmod(0o644)  # whatever the umask
+    with path.open() as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
 def halbox(root: Path, modules: list[Path]) -> Iterator[Halbox]:
     """Make a folder with HAL and modules in it; nothing of it is left afterwards."""
     folder = Path(tempfile.mkdtemp(prefix="camturn-hal-"))
-    with suppress(FileExistsError):  # of another user, who need not let this one write
-        LOCK.touch(exist_ok=False)
-        LOCK.chmod(0o644)  # whatever the umask
-    with LOCK.open() as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with locked(LOCK):
         box = Halbox(folder)
         try:
             _fill(folder, root, modules)

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sources of the components, whatever LinuxCNC is here."""
+"""What needs no LinuxCNC: sources of the components, the panel, the lock of the other tests."""
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
 
+from tests.linuxcnc.halbox import locked
 from tests.tools.cases.part_cases import ROOT
 
 SIM = ROOT / "hal" / "linuxcnc" / "sim"
@@ -29,3 +32,19 @@ def test_rows_of_the_panel_are_marks_without_content() -> None:
     rows = list(ET.parse(SIM / "panel.xml").iter("tablerow"))
     assert rows
     assert [len(row) for row in rows] == [0] * len(rows)
+
+
+def test_lock_serves_every_user_of_the_machine(tmp_path: Path) -> None:
+    """Its file can be opened by others, whatever the umask of the user who made it."""
+    path = tmp_path / "hal.lock"
+    before = os.umask(0o077)
+    try:
+        with locked(path):
+            assert path.stat().st_mode & 0o444 == 0o444
+    finally:
+        os.umask(before)
+    path.chmod(0o444)  # as seen by those who may not write it
+    command = ["flock", "--nonblock", str(path), "true"]
+    with locked(path):
+        assert subprocess.run(command, check=False).returncode == 1
+    assert subprocess.run(command, check=False).returncode == 0
