@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -14,10 +15,13 @@ from camtools.cli import keys
 from camtools.table.signature import read_private, sign
 from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.replays import COMMANDED, Cut, Whole, cut, replay
+from tests.tools.cases.part_cases import ROOT
 
 pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
 TableOf = Callable[[str], Path]
+HERE = ROOT / "hal" / "linuxcnc"
+IN_HAL = r"camturn\.(?!comp\b|so\b)([a-z][a-z0-9-]*)"
 LOAD = "loadrt camturn table={} tick_hz=1000\n"
 THREAD = "loadrt threads name1=servo period1=1000000\naddf camturn.update servo\n"
 ENABLED, FAULT, IN_CUT = 1, 2, 4  # bits of the outputs
@@ -137,6 +141,25 @@ def test_trusted_keys_decide_which_tables_are_taken(
     line = LOAD.format("./part.camtab").strip() + " " + words.format_map(digits) + "\n"
     assert (box.load(line) == 0) == (said == "")
     assert said in box.said()
+
+
+def names_in_documents() -> set[str]:
+    """Return what documents and samples name: camturn.NAME, and `NAME` in tables of pins."""
+    files = [*HERE.glob("*.md"), *HERE.glob("*/*.hal")]
+    named = {name for file in files for name in re.findall(IN_HAL, file.read_text())}
+    pins = (HERE / "README.md").read_text().split("## Pins")[1].split("**Parameters**")[0]
+    rows = re.findall(r"^\|([^|]*)\|", pins + (HERE / "ETHERCAT.md").read_text(), re.MULTILINE)
+    return named | {name for row in rows for name in re.findall(r"`([a-z][a-z0-9-]+)`", row)}
+
+
+def test_names_in_documents_are_those_of_the_component(box: Halbox, table_of: TableOf) -> None:
+    """Pins, parameters and functions in README, ETHERCAT and the samples."""
+    (box.folder / "part.camtab").write_bytes(table_of("perkins240").read_bytes())
+    assert box.load(LOAD.format("./part.camtab")) == 0, box.said()
+    shown = "".join(box.ask("-s", "show", kind) for kind in ("pin", "param", "funct"))
+    there = set(re.findall(IN_HAL, shown))
+    assert {"u-cmd", "u-acc", "lead-ns", "update"} <= there
+    assert names_in_documents() - there == set()
 
 
 def test_damaged_table_is_refused(box: Halbox, table_of: TableOf) -> None:
