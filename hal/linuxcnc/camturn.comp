@@ -24,6 +24,8 @@ pin in bit u_index "U is on the index mark of its scale, for 0.4 ms or longer, w
 pin in float u_fb "measured U [mm], used with measures_u=1";
 pin in float x_fb "measured X [mm radius], used with measures_x=1";
 pin in float z_fb "measured Z [mm, height of the drawing], used with measures_z=1";
+pin in float x_trim "trim of X [mm radius], for the wear of the tool; added to x-trim-nm, ramped";
+pin in float phase "rotates the shape on the part [degree]; added to phase-udeg, ramped";
 pin out float u_cmd "set-point of U [mm], positive towards the axis";
 pin out float u_vel "velocity of U [mm/s], without feed-forward: FF1 of pid";
 pin out float u_acc "acceleration of U [mm/s2], without feed-forward: FF2 of pid";
@@ -199,7 +201,8 @@ FUNCTION(update)
 FUNCTION(poll)
 {
     const lcn_commands_t commands = {
-        .enables = enable, .starts = start, .reloads = reload_table, .records = record};
+        .enables = enable, .starts = start, .reloads = reload_table, .records = record,
+        .x_trim_nm = nm_of_mm(x_trim), .phase_udeg = nm_of_mm(phase)}; // both are millionths
     lcn_slow_poll(values, &commands, (int32_t)period);
     const lcn_status_t now = lcn_slow_status();
     error_number = now.error;

@@ -139,29 +139,37 @@ static int32_t derived_observer_mHz(void)
                          cam_derived_limits_most(id, slow.machine.tick_hz));
 }
 
+/// @return what a pin adds to a parameter
+static int32_t added(cam_param_id_t id, const lcn_commands_t *commands)
+{
+    return id == cam_param_x_trim_nm    ? commands->x_trim_nm
+           : id == cam_param_phase_udeg ? commands->phase_udeg
+                                        : 0;
+}
+
 /// @return the parameter for a HAL value; 0 of the observer bandwidth means derived
-static int32_t wanted(cam_param_id_t id, int32_t value)
+static int32_t wanted(cam_param_id_t id, int32_t value, const lcn_commands_t *commands)
 {
     if (id != cam_param_observer_bandwidth_mHz || value != 0) {
-        return value;
+        return cam_sat_i32((int64_t)value + added(id, commands));
     }
     const bool is_off = cam_machine_status(&slow.machine).state == cam_state_off;
     return is_off ? derived_observer_mHz() : slow.machine.params.observer_bandwidth_mHz;
 }
 
 /// Stage the HAL values; a value out of range is reset. @return whether anything changed
-static bool stage(volatile int32_t *values)
+static bool stage(volatile int32_t *values, const lcn_commands_t *commands)
 {
     bool is_changed = false;
     cam_machine_stage_begin(&slow.machine);
     for (int32_t i = 0; i < (int32_t)cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
-        const int32_t value = wanted(id, values[i]);
+        const int32_t value = wanted(id, values[i], commands);
         const cam_err_t err = cam_machine_stage(&slow.machine, id, value);
         if (err != cam_ok) {
             slow.err = err;
             refuse_param(cam_param_info(id), value, err);
-            values[i] = lcn_slow_param(i);
+            values[i] = lcn_slow_param(i) - added(id, commands);
         }
         is_changed = is_changed || (err == cam_ok && value != lcn_slow_param(i));
     }
@@ -169,15 +177,16 @@ static bool stage(volatile int32_t *values)
 }
 
 /// Apply all changed parameters in one tick. Refused ones are reset in HAL.
-static void take_params(volatile int32_t *values)
+static void take_params(volatile int32_t *values, const lcn_commands_t *commands)
 {
-    const cam_err_t err = stage(values) ? cam_machine_stage_commit(&slow.machine) : cam_ok;
+    const cam_err_t err =
+        stage(values, commands) ? cam_machine_stage_commit(&slow.machine) : cam_ok;
     if (err != cam_ok && err != cam_err_busy) {
         slow.err = err;
         refuse_params(err);
         for (int32_t i = 0; i < (int32_t)cam_n_params; i++) {
             if (values[i] != 0 || lcn_slow_default(i) != 0) {
-                values[i] = lcn_slow_param(i);
+                values[i] = lcn_slow_param(i) - added((cam_param_id_t)i, commands);
             }
         }
     }
@@ -326,7 +335,7 @@ static void learn(int32_t period_ns)
 
 void lcn_slow_poll(volatile int32_t *values, const lcn_commands_t *commands, int32_t period_ns)
 {
-    take_params(values);
+    take_params(values, commands);
     lcn_port_run(); // effective in the first round
     slow.wants_table = slow.wants_table || (commands->reloads && !slow.last.reloads);
     slow.wants_table = slow.wants_table && !reload();

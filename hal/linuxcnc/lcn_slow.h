@@ -11,12 +11,14 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // int32_t
 
-/// Command pins: levels, as set by M64 and M65.
+/// Command pins: levels, as set by M64 and M65, and trims that are added to parameters.
 typedef struct {
     bool enables; ///< rising: acknowledge a fault, home U, enable, find the index; falling: disable
     bool starts;  ///< rising: cut one pass; falling: end it
     bool reloads; ///< rising: use the present content of the table file, in off and ready
     bool records; ///< rising: record; falling: end (lcn_record.h)
+    int32_t x_trim_nm;  ///< [nm]
+    int32_t phase_udeg; ///< [degree / 10^6]
 } lcn_commands_t;
 
 /// Status pins.
@@ -48,8 +50,8 @@ void lcn_slow_init(uint32_t tick_hz, const char *recordings);
 bool lcn_slow_load(const char *path);
 
 /// One round of the main loop: apply parameters, execute commands, learn.
-/// @param values    HAL parameters, in the order of cam_param.h; a refused one is reset to the
-///                  value in use
+/// @param values    HAL parameters, in the order of cam_param.h; a refused one is reset, so
+///                  that it and the trim together are the value in use
 /// @param period_ns [ns] period of the slow thread
 void lcn_slow_poll(volatile int32_t *values, const lcn_commands_t *commands, int32_t period_ns);
 

@@ -81,7 +81,7 @@ def rows_of(cut: Cut) -> bytes:
     return np.stack(columns, axis=1).astype(np.uint32).tobytes()
 
 
-def script(params: dict[str, int], more: str) -> str:
+def script(params: dict[str, int], more: str, pins: str) -> str:
     """Return the HAL file that puts camturn between the two functions of replay."""
     rest = {name: value for name, value in params.items() if name != "tick_hz"}
     feeding = "measures_u=1 measures_x=1 nominal_time=1 waive_acknowledge=1"
@@ -95,19 +95,19 @@ def script(params: dict[str, int], more: str) -> str:
         "net index-enable replay.index-enable <=> camturn.index-enable",
         *(f"addf {name} fast" for name in ("replay.feed", "camturn.update", "camturn.poll")),
         "addf replay.note fast",
-        "start",
+        f"{pins}start",
     ]
     return "\n".join(lines) + "\n"
 
 
-def replay(box: Halbox, cut: Cut, more: str = "") -> Whole:
+def replay(box: Halbox, cut: Cut, more: str = "", pins: str = "") -> Whole:
     """Return what the component commanded, given what the simulator's firmware sensed.
 
-    `more` is added to the parameters of the component.
+    `more` is added to the parameters of the component, `pins` are lines that set its pins.
     """
     (box.folder / "rows").write_bytes(rows_of(cut))
     shutil.copy(cut.table, box.folder / "part.camtab")
-    assert box.load(script(cut.params, more)) == 0, box.said()
+    assert box.load(script(cut.params, more, pins)) == 0, box.said()
     box.wait("replay.done", "TRUE")
     box.wait("camturn.recording", "FALSE")
     box.stop()

@@ -184,6 +184,21 @@ def test_thread_at_another_rate_is_an_open_emergency_stop(box: Halbox, table_of:
     assert box.get("camturn.state-number") == "0"
 
 
+@pytest.mark.parametrize(
+    ("name", "whole", "rest", "pin"),
+    [("x_trim_nm", 100000, 20000, "x-trim 0.08"), ("phase_udeg", 33000000, 3000000, "phase 30")],
+)
+def test_trims_are_added_to_parameters(
+    box: Halbox, table_of: TableOf, tmp_path: Path, name: str, whole: int, rest: int, pin: str
+) -> None:
+    """A cut with a part of the value by the pin is that of camsim with the whole parameter."""
+    words = ("--rpm", "1000", "--turns-limit", "3", "--set", f"{name}={whole}")
+    recorded = cut(table_of("perkins240"), tmp_path, *words)
+    recorded.params[name] = rest
+    found = replay(box, recorded, pins=f"setp camturn.{pin}\n")
+    assert differences(found, recorded) == ""
+
+
 def test_parameter_out_of_range_is_set_back(box: Halbox, table_of: TableOf) -> None:
     """A value that is refused does not stay where people read it."""
     (box.folder / "part.camtab").write_bytes(table_of("perkins240").read_bytes())
@@ -192,3 +207,6 @@ def test_parameter_out_of_range_is_set_back(box: Halbox, table_of: TableOf) -> N
     box.wait("camturn.lead-ns", "100000")
     assert "camturn: lead_ns = -1: refused: " in box.said()
     assert "; give 0 .. 20000000" in box.said()
+    assert box.load("setp camturn.x-trim 5\n") == 0
+    box.wait("camturn.x-trim-nm", "-5000000")
+    assert "camturn: x_trim_nm = 5000000: refused: " in box.said()
