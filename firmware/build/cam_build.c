@@ -33,14 +33,18 @@ int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
 }
 
 /// @param room_q10  [nm / 1024] overshoot of the retract
-/// @return [nm / 1024] retracted position of U: outside all positions of the cut, and by room_q10
-///         within the stroke, whatever was set
+/// @return [nm / 1024] retracted position of U, whatever was set: by room_q10 within the stroke,
+/// but
+///         outside all positions of the cut even where that leaves less room
 static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int64_t room_q10)
 {
     const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
     const int32_t room_nm = cam_sat_i32(room_q10 / 1024 + 1);
     const int32_t half_nm = cam_demand_half_stroke_nm(table, p);
-    const int32_t most_nm = half_nm > room_nm ? half_nm - room_nm : 0;
+    const int64_t out_nm = table != NULL ? -(int64_t)table->u_min_nm * p->amplitude_ppm : 0;
+    const int32_t least_nm = cam_sat_i32(cam_clamp_i64(out_nm / 1000000, 0, half_nm));
+    const int32_t roomy_nm = half_nm > room_nm ? half_nm - room_nm : 0;
+    const int32_t most_nm = roomy_nm > least_nm ? roomy_nm : least_nm;
     return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -most_nm, most_nm) * 1024;
 }
 

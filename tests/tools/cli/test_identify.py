@@ -130,7 +130,10 @@ def test_part_may_decide(tmp_path: Path) -> None:
     [
         ("--machine default --form-error-um 1", "--form-error-um: needs a part: add PART"),
         ("", "one of the arguments --machine --bus is required"),
-        ("--machine nowhere", "--machine nowhere: no such machine; give one of cam, default,"),
+        (
+            "--machine nowhere",
+            "--machine nowhere: no such machine; give one of analog_position, cam,",
+        ),
         ("--machine default --apply", "--apply: needs a folder for the machine file"),
         ("--machine default --rpm 900", "--rpm: needs a part: add PART.toml"),
         ("--machine default --channel can0", "--channel: needs a bus: use --bus instead of"),

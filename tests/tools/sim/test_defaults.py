@@ -132,7 +132,7 @@ def test_wrong_drive_does_not_end_the_approach_in_a_fault(oval: Path) -> None:
             assert camsim("run", oval, "--rpm", "2500", *QUICK, *words).returncode == 0
 
 
-@pytest.mark.parametrize("stroke_mm", [0.2, 0.5, 0.8, 1.2])
+@pytest.mark.parametrize("stroke_mm", [0.32, 0.5, 0.8, 1.2])
 @pytest.mark.parametrize("tick_hz", [1000, 20_000])
 def test_default_retract_fits_every_stroke(
     oval: Path, tmp_path: Path, stroke_mm: float, tick_hz: int

@@ -259,8 +259,8 @@ class Rights:
             holder = int(answer.value)
             raise CommandHeld(f"{self._link.where}: {sender_text(holder)} commands", holder)
         if answer.result != "done":
-            words = OLDER if answer.result == "command" else answer.result.replace("_", " ")
-            raise Refused(f"take command: refused: {words}")
+            words = {"command": OLDER, "busy": "busy; try again"}.get(answer.result)
+            raise Refused(f"take command: refused: {words or answer.result.replace('_', ' ')}")
         self._begin(int(answer.value))
         self._change()
 
