@@ -150,7 +150,7 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
         .per_force_micro_per_s2 =
             config->mass_kg > 0.0 ? SIM_DRIVE_MICRO_PER_M / config->mass_kg : 0.0,
         .is_force = config->kind == sim_drive_force,
-        .is_relative = config->is_relative != 0u,
+        .is_relative = config->is_relative != 0.0,
     };
     if (d->is_force) {
         sim_servo_init(&d->servo, config, period_s);

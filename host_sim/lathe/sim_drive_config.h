@@ -20,6 +20,7 @@ typedef struct {
     double speed_units_per_s;         ///< v_max
     double acceleration_units_per_s2; ///< a_max; kind force has force_limit_n instead
     double command_quantum_micro;     ///< of the command alone, 0: quantum_micro
+    double is_relative;               ///< 1: the command at enable is where the drive stands then
     // slides in millimetres only
     double friction_m_per_s2; ///< Coulomb friction per mass; 0: none
     double mass_kg;           ///< moved mass; 0: forces have no effect
@@ -30,7 +31,7 @@ typedef struct {
     double amplifier_hz;  ///< corner of the current loop
     double tuned_mass_kg; ///< mass for which the position loop is tuned
     uint32_t kind;        ///< sim_drive_kind_t
-    uint32_t is_relative; ///< 1: the command at enable is where the drive stands then
+    uint32_t reserved;    ///< 0
 } sim_drive_config_t;
 
 #endif

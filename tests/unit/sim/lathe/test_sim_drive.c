@@ -130,7 +130,7 @@ static void test_disabled_drive_brakes_to_rest_and_holds(void)
 /// Whatever its input says at enable, a relative drive stands still, and then moves by the change.
 static void test_relative_drive_counts_from_its_command_at_enable(void)
 {
-    config.is_relative = 1;
+    config.is_relative = 1.0;
     config.delay_us = 120.0;
     sim_drive_init(&drive, &config, 3000.0, PERIOD_S);
     for (int turn = 0; turn < 2; turn++) {
