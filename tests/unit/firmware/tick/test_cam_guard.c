@@ -80,7 +80,7 @@ static void test_guard_ends_the_work_for_what_goes_wrong_outside(void)
         {cam_state_cutting, jump, cam_fault_encoder_jump, 1},
         {cam_state_cutting, lose_a_count, cam_fault_lost_counts, 480},
         {cam_state_cutting, lose_the_index, cam_fault_index_missing, 541},
-        {cam_state_cutting, stand, cam_fault_spindle_stopped, 40},
+        {cam_state_cutting, stand, cam_fault_spindle_stopped, 2000 + 400},
         {cam_state_homing, stand, cam_fault_spindle_stopped, 200000 + 1000},
         {cam_state_cutting, race, cam_fault_overspeed, 200},
         {cam_state_ready, push_u, cam_fault_following_error, 1},
