@@ -33,9 +33,8 @@ int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
 }
 
 /// @param room_q10  [nm / 1024] overshoot of the retract
-/// @return [nm / 1024] retracted position of U, whatever was set: by room_q10 within the stroke,
-/// but
-///         outside all positions of the cut even where that leaves less room
+/// @return [nm / 1024] retracted position of U, whatever was set: within the stroke by room_q10,
+///         or by less where U would otherwise stay among the positions of the cut
 static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int64_t room_q10)
 {
     const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;

@@ -175,9 +175,9 @@ typedef struct {
     int64_t k1_q8, k2_q8, n;
 } timed_t;
 
-/// @return [ticks^3 / 2^8] 6 times the sum of c(0) to c(b - 1), where braking by 1 per tick^2, z
-///         ticks after the command's own time, takes the command c(z) = k1 z - k2 - z (z - 1) / 2
-///         beyond the end
+/// Braking by 1 per tick^2 in the tick z puts the command c(z) = k1 z - k2 - z (z - 1) / 2 ahead of
+/// the end of the motion; z counts from the oldest tick of the window, MATHS.md (214).
+/// @return [ticks^3 / 2^8] 6 times the sum of c(0) to c(b - 1)
 static int64_t summed_q8(const timed_t *f, int64_t b)
 {
     return b <= 0 ? 0 : ((3 * f->k1_q8 - 256 * (b - 2)) * (b - 1) - 6 * f->k2_q8) * b;

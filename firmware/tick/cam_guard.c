@@ -70,8 +70,8 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
            (speed_q32 > cfg->overspeed_q32 ? CAM_FAULT_BIT(overspeed) : 0u);
 }
 
-/// From its first advance in the work on, the encoder must not stand. @return spindle_stopped or
-/// none
+/// Once the encoder has advanced in the work, it must not stand.
+/// @return spindle_stopped or none
 static uint32_t standing_encoder(cam_guard_t *g, uint32_t watched, bool is_still)
 {
     const bool is_in_work = (watched & CAM_FAULT_BIT(reverse)) != 0u;

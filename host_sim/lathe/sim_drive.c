@@ -269,11 +269,12 @@ static void begin_relative(sim_drive_t *d, double command_micro)
 /// Append a command to the delay line.
 static void take(sim_drive_t *d, int32_t command_micro, bool is_enabled)
 {
+    const double input = commanded(d, command_micro);
     if (d->is_relative && is_enabled && !d->was_enabled) {
-        begin_relative(d, commanded(d, command_micro));
+        begin_relative(d, input);
     }
     d->was_enabled = is_enabled;
-    const double command = commanded(d, command_micro) + d->origin_micro;
+    const double command = input + d->origin_micro;
     d->i_command++;
     d->command_micro[d->i_command % sim_drive_ring] =
         d->is_force ? servoed(d, command, is_enabled) : command;

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 r"""Command over a controller: one sender has it, his heartbeat keeps it, the others read.
 
-What the controller demands stands in firmware/param/cam_rights.h. A link reads without it;
-a link takes it before its first order that needs it, if it may, and what needs the unlocked level
-unlocks the controller where a secret is at hand.
+What the controller demands stands in firmware/param/cam_rights.h. A link reads without command.
+Before its first order that needs command it takes it, if it may. Where an order is refused because
+the controller is locked, it unlocks the controller, if it has a secret, and gives the order again.
 
 >>> sender_of("camctl") in range(1, 255), sender_of("camctl") != sender_of("panel")
 (True, True)
