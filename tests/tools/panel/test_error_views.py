@@ -38,6 +38,17 @@ def samples(first_turn: int, turns: int, per_turn: int) -> Ticks:
     )
 
 
+def test_turns_that_begin_anew_leave_no_older_ones() -> None:
+    """The controller counts turns from each enable on; a series is never in a change twice."""
+    before, after = samples(300, 60, 6), samples(0, 3, 6)
+    both = Ticks(*(np.append(getattr(before, one), getattr(after, one)) for one in vars(before)))
+    assert recent(both).turn.tolist() == after.turn.tolist()
+    trail = Trail()
+    trail.changes(before)
+    slots = [one.slot for one in trail.changes(both)]
+    assert len(slots) == len(set(slots)) and all(0 <= slot < SLOTS for slot in slots)
+
+
 @given(st.floats(1e-9, 1e9))
 def test_the_step_above_is_1_2_or_5_and_not_too_large(value: float) -> None:
     """At most two and a half times the value."""

@@ -34,7 +34,7 @@ Points = list[list[float]]
 class Ticks:
     """Single ticks; arrays of the same length, in the order of time."""
 
-    turn: Whole  # whole turns, rising
+    turn: Whole  # whole turns, rising from each enable on
     angle_turn: Floats  # drawing's angle [turn], 0 .. 1
     error_um: Floats  # following error of U in the same tick [um]
 
@@ -59,10 +59,13 @@ class Statistics:
 
 
 def recent(samples: Ticks) -> Ticks:
-    """Return the samples of the last SHOWN_TURNS turns."""
+    """Return the samples of the last SHOWN_TURNS turns since the count of turns began anew."""
     if not len(samples.turn):
         return samples
     is_shown = samples.turn > samples.turn[-1] - SHOWN_TURNS
+    falls = np.flatnonzero(np.diff(samples.turn) < -1)  # by 1 also where a spindle turns back
+    if len(falls):
+        is_shown[: falls[-1] + 1] = False
     return Ticks(samples.turn[is_shown], samples.angle_turn[is_shown], samples.error_um[is_shown])
 
 
