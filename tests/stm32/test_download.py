@@ -85,7 +85,7 @@ def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
     def spy(offset: int, size: int, value: int) -> None:
         nonlocal long_gaps, last
         is_before_commit = chip.read_memory(LOG, RECORD_BYTES) == b"\xff" * RECORD_BYTES
-        long_gaps += is_before_commit and chip.clock.now - last > chip.seconds(100e-6)
+        long_gaps += is_before_commit and chip.clock.now - last > chip.seconds(500e-6)
         last = chip.clock.now
         write(offset, size, value)
 
@@ -93,7 +93,7 @@ def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
     chip.run(chip.seconds(200e-6))
     long_gaps = 0
     started.remote.do(SELECT)
-    assert long_gaps == 1  # behind the first check, which takes longer than two ticks
+    assert long_gaps == 1  # behind the first check, which takes 1.1 ms; other loops take up to 0.1 ms
 
 
 def give_until_dark(session: Session, table: bytes) -> None:
