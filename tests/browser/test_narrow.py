@@ -28,10 +28,14 @@ _BROKEN = r"""() => {
     return broken;
 }"""
 
+# Tables with columns beyond their edge.
+_BEYOND = """() => [...document.querySelectorAll(".q-table__middle")]
+    .filter(one => one.scrollWidth > one.clientWidth).map(one => one.textContent)"""
+
 
 @pytest.mark.parametrize("path", ["", "/design", "/runs"])
 def test_no_word_is_broken(session: PanelSession, open_window: OpenWindow, path: str) -> None:
-    """Every word of the page stands on one line."""
+    """Every word of the page stands on one line, and every column of a table is in view."""
     page = open_window().page
     page.set_viewport_size({"width": WIDTH_PX, "height": HEIGHT_PX})
     look(page, session)
@@ -39,3 +43,4 @@ def test_no_word_is_broken(session: PanelSession, open_window: OpenWindow, path:
     expect(page.get_by_role("link", name="Runs").first).to_be_visible()
     page.wait_for_timeout(1000)
     assert page.evaluate(_BROKEN) == []
+    assert page.evaluate(_BEYOND) == []

@@ -205,6 +205,7 @@ def test_tool_bars_cover_no_legend(report_folder: Path, open_window: OpenWindow)
     expect(shown).to_have_css("opacity", "0")
     page.locator("#following .nsewdrag").first.hover()
     expect(shown).not_to_have_css("opacity", "0")
+    assert page.locator("[data-title*=Share]").count() == 0  # nothing sends a chart away
     for legends, bars in page.evaluate(_BOXES):
         for legend in legends:
             for bar in bars:

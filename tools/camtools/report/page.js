@@ -17,7 +17,7 @@ async function draw(id) {
   layout.font = { color, family: "sans-serif", size: 13 };
   layout.modebar = { color, activecolor: color, bgcolor: "rgba(0,0,0,0)" };
   drawn.add(id);
-  await Plotly.react(id, data, layout, { responsive: true, displaylogo: false });
+  await Plotly.react(id, data, layout, { responsive: true, displaylogo: false, showSendToCloud: false });
   place(id).closest(".picture").classList.add("is-alive");
 }
 

@@ -3,7 +3,7 @@
 
 Marks of elements: runs-table, remove-runs, stop-run, compare, comparison, settings, figures,
 diff-part, diff-machine, over-height, over-angle, section-error, section-height, error-map-N,
-report-N (frames).
+reports, report (the frame of the chosen one).
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ _NUMBERS = ("form", "following", "took")
 
 def row_of(run: Run) -> dict[str, Any]:
     """Return a run as a row of the table; numbers stay numbers, so that they sort."""
-    at = datetime.fromtimestamp(run.at_s, UTC).strftime("%Y-%m-%d %H:%M:%S")
+    day = "%Y-%m-%d".replace("-", "\N{NON-BREAKING HYPHEN}")
+    at = datetime.fromtimestamp(run.at_s, UTC).strftime(f"{day} %H:%M:%S")
     place = "" if run.place == "own" else " (tools/run)"
     return {
         "key": run.key,

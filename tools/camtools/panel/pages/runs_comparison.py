@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from nicegui import run as background
 from nicegui import ui
+from nicegui.events import ValueChangeEventArguments
 
 from camtools.base.quantities import Floats
 from camtools.panel.runs import compare_charts as charts
@@ -139,17 +140,19 @@ class ComparisonView:
                     _chart(charts.error_map(name, one, scale_um), f"error-map-{i}")
 
     def _show_reports(self) -> None:
-        with ui.element("div").classes("compare-pair"):
-            for i, run in enumerate(self._runs):
-                if not run.has_report:
-                    ui.label(f"{run.name}: no report; {run.told}")
-                    continue
-                frame = (
-                    ui.element("iframe").classes("report-frame").props(f"data-testid=report-{i}")
-                )
-                frame.props('sandbox="allow-scripts" loading="lazy"')
-                frame.props["title"] = f"report of {run.name}"
-                frame.props["src"] = f"/reports/{run.place}/{run.name}/report.html"
+        """Offer the reports, one at a time: each has a plotting library and all its pictures."""
+        for run in self._runs:
+            if not run.has_report:
+                ui.label(f"{run.name}: no report; {run.told}")
+        there = {run.key: f"Report of {run.name}" for run in self._runs if run.has_report}
+
+        def chosen(event: ValueChangeEventArguments[str | None]) -> None:
+            frame.set_visibility(bool(event.value))
+            frame.props["src"] = f"/reports/{event.value}/report.html" if event.value else ""
+
+        ui.toggle(there, clearable=True, on_change=chosen).props("no-caps data-testid=reports")
+        frame = ui.element("iframe").classes("report-frame").props("data-testid=report")
+        frame.props('sandbox="allow-scripts" title="report"').set_visibility(False)
 
 
 def _end(curves: ErrorCurves, i: int) -> float:
