@@ -76,8 +76,8 @@ static void warn_of_pace(sim_live_t *l)
 {
     if (!l->is_warned && l->pace.lost_ns > 0.0) {
         l->is_warned = true;
-        (void)fprintf(stderr, "controller: this computer is too slow for the clock, so time is "
-                              "stretched; give a smaller --speed-up\n");
+        (void)fprintf(stderr, "controller: this computer cannot keep up, so the lathe runs slower "
+                              "than it should; give a smaller --speed-up\n");
     }
 }
 

@@ -31,6 +31,8 @@ class Live(Background):
 
     def __init__(self, *words: str) -> None:
         super().__init__(python("camtools.cli.live", PART, *words), {})
+        self.wait_for(" real time")
+        self.wait_for("for your own programs with python-can: export CAN_INTERFACE=")
         self.wait_for("control-C ends")
 
     def do(self, word: str) -> None:

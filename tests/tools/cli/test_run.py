@@ -86,6 +86,8 @@ def test_default_cut_is_within_a_micrometre(run: Command, tmp_path: Path) -> Non
     assert (done.returncode, complaints(done.stderr)) == (0, [])
     assert listing(folder) == RESULTS
     assert done.stdout.startswith("perkins240: within tolerance\n")
+    for words in ("accurate to 0.", "if U were 5 % slower", "such as --machine real"):
+        assert words in done.stdout
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["form_error_um"]["max"] < 1
     assert summary["table_error_nm"]["u"] <= 1

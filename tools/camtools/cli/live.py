@@ -210,13 +210,13 @@ def _tell(lathe: LiveLathe, arguments: argparse.Namespace, where: str) -> None:
     """Print how to talk to it."""
     own = arguments.machine
     machine = "a machine with the limits of the part" if own is None else f"the machine {own}"
-    pace = "" if arguments.speed_up == 1.0 else f", {arguments.speed_up:g} times as fast"
-    _say(f"{lathe.facts['part']} on {machine}, in the time of the clock{pace}")
+    pace = "in" if arguments.speed_up == 1.0 else f"at {arguments.speed_up:g} times"
+    _say(f"{lathe.facts['part']} on {machine}, {pace} real time")
     ids = f"lathe {lathe.facts['lathe_pid']}, controller {lathe.facts['controller_pid']}"
     _say(f"processes: {ids}; bus: {where}")
     others = len(live_lathes()) > 1
     _say(f"talk to it: tools/camctl {f'--live {lathe.name} ' if others else ''}status")
-    _say(f"other programs of python-can: {_environment(lathe.bus)}")
+    _say(f"for your own programs with python-can: {_environment(lathe.bus)}")
     _say("type estop, drive, bus, lost-counts:5, .. for a fault, release to end it; control-C ends")
 
 

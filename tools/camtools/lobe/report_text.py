@@ -134,9 +134,7 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *learning_rows(summary),
         *switch_rows(summary),
-        ReportRow(
-            "table", f"{summary['table_bytes']} bytes, error at most {made.lift.error:.2g} nm"
-        ),
+        ReportRow("table", f"{summary['table_bytes']} bytes, accurate to {made.lift.error:.2g} nm"),
         ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
         ReportRow("computing time", f"{summary['wall_time_s']:.2f} s for the cut with its trace"),
     ]

@@ -106,7 +106,7 @@ def _mismatch(job: RunJob, made: Made, folder: Path) -> Mismatch | None:
     try:
         return mismatch(table, text, words, made.kind.mean_rpm(made.table, job.rpm))
     except CamtoolsError as error:
-        say(f"the effect of a U drive {100 * SHARE:.0f} % worse is not known: {error}")
+        say(f"the effect of a U drive {100 * SHARE:.0f} % slower is not known: {error}")
         return None
 
 
@@ -164,7 +164,7 @@ def run(argv: Sequence[str]) -> int:
         stage.publish()
     rows, total_s = made.kind.rows(outcome), time.monotonic() - begin_s
     if off is not None:
-        rows.append(ReportRow(f"if U drive {100 * SHARE:.0f} % worse", off.text()))
+        rows.append(ReportRow(f"if U were {100 * SHARE:.0f} % slower", off.text()))
         rows += remedies(off.faults)
     sys.stdout.write(page_text(outcome, rows, shown(folder), total_s, out))
     if job.output is None:

@@ -61,7 +61,7 @@ def polygon_rows(outcome: PolygonCut) -> list[ReportRow]:
         *switch_rows(summary),
         tool_row(summary, made.part.tool, made.heel),
         track_row(summary, made.part.tool),
-        ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
+        ReportRow("table", f"{summary['table_bytes']} bytes, accurate to {worst_nm:.2g} nm"),
         ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
         ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),
     ]

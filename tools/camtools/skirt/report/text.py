@@ -153,7 +153,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *_removal_rows(outcome),
         tool_row(summary, generated.part.tool, generated.heel),
         track_row(summary, generated.part.tool, feed_peak),
-        ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
+        ReportRow("table", f"{summary['table_bytes']} bytes, accurate to {worst_nm:.2g} nm"),
         ReportRow("machine time", f"{machine_s:.1f} s"),
         ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),
     ]

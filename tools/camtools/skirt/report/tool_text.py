@@ -1,7 +1,7 @@
 """What a report says of the tool: nose, wear, and the clearance that its flank has left.
 
 >>> tool_row({}, Tool(nose_radius_mm=0.8), Heel(0.188, 45.0, 62.0)).value
-'nose radius 0.8 mm; clearance angle 7 degrees, required 0.19 (at 45 degrees, height 62 mm)'
+'nose radius 0.8 mm; clearance angle 7 degrees, at least 0.19 needed (at 45 degrees, height 62 mm)'
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def tool_row(summary: Json, tool: Tool, heel: Heel) -> ReportRow:
         words += f", worn by {used['wear_um']:g} um"
     return ReportRow(
         "tool",
-        f"{words}; clearance angle {tool.clearance_deg:g} degrees, required {heel.needed_deg:.2f} "
-        f"(at {heel.angle_deg:g} degrees, height {heel.z_mm:g} mm)",
+        f"{words}; clearance angle {tool.clearance_deg:g} degrees, at least {heel.needed_deg:.2f} "
+        f"needed (at {heel.angle_deg:g} degrees, height {heel.z_mm:g} mm)",
     )
 
 
