@@ -118,15 +118,17 @@ static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sen
     int32_t wave_q6 = 0;
     if (m->state == cam_state_off) {
         follow_axes(m, in);
+    } else if (m->state == cam_state_fault) { // the guard moves U
+        m->spindle_mrpm = 0;
+    } else if (m->dwell_ticks > 0u) { // U's drive takes over where U stands
+        m->dwell_ticks--;
     } else if (m->state == cam_state_identifying) {
         wave_q6 = play_wave(p, cfg, m);
     } else if (m->state == cam_state_manual) {
         jog_u(cfg, m);
-    } else if (m->state != cam_state_fault) {
+    } else {
         (void)cam_jerk_filter_to_isr(&m->filter[hal_axis_u], u, &cfg->approach[hal_axis_u],
                                      m->u_target_q10);
-    } else { // the guard moves U
-        m->spindle_mrpm = 0;
     }
     return cam_sat_i32((u->pos_q10 >> 4) + wave_q6);
 }
@@ -165,10 +167,11 @@ static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m, uint
            (is_acknowledged || !cfg->acknowledge.is_demanded);
 }
 
-/// Enable the drives with the axes where they are; from there U moves by time.
+/// Enable the drives with the axes where they are; from there U moves by time, after its rest.
 static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t state)
 {
     m->state = state;
+    m->dwell_ticks = cfg->dwell_ticks;
     cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], &m->axis[hal_axis_u],
                               cfg->approach[hal_axis_u].log2_window);
 }
