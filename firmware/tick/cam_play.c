@@ -60,7 +60,10 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
     const cam_learned_place_t at = cam_learned_place(even_q32);
     const uint32_t angle_q32 = even_q32 + cam_learned_turn_q32(cfg->d, at);
     m->c_q6 = cam_mulhi(cam_learned_at_q8(cfg->c, at), m->scale_q30);
-    return surface(m, cfg, angle->speed_q32, angle_q32 - (uint32_t)m->phase_q32);
+    const int32_t more_q23 = cam_learned_faster_q23(cfg->d, at);
+    const int32_t speed_q32 = cam_wrap_add(
+        angle->speed_q32, (int32_t)((uint32_t)cam_mulhi(angle->speed_q32, more_q23) << 9));
+    return surface(m, cfg, speed_q32, angle_q32 - (uint32_t)m->phase_q32);
 }
 
 /// Without enable all set-points follow the measured axes.
