@@ -345,8 +345,8 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     config->switches = cam_windows_build(params, sense, tick_hz);
-    config->command.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
-    config->command.k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
+    config->command.by_time.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
+    config->command.by_time.k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
     cam_build_motion(config, params, tick_hz);
     const int64_t room_q10 = cam_build_room_q10(config);
     cam_build_jog(config, params, room_q10, tick_hz);

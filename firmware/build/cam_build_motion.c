@@ -128,7 +128,8 @@ static void build_command(cam_config_t *c, const cam_params_t *p, uint32_t tick_
 static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window)
 {
     const int64_t n_q16 = INT64_C(65536) << log2_window;
-    const int64_t ticks_q16 = n_q16 / 2 + c->command.k1_q16 + (c->command.k2_q16 >> log2_window);
+    const int64_t ticks_q16 =
+        n_q16 / 2 + c->command.by_time.k1_q16 + (c->command.by_time.k2_q16 >> log2_window);
     return (int64_t)c->guard.u.speed_q10 * 49152 / ticks_q16 + 1;
 }
 
@@ -138,11 +139,11 @@ static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window
 ///         m = k1 + 1/2; in a window shorter than twice k1 it is k1 - n/2. MATHS.md (212)
 static int32_t ahead_ticks_q16(const cam_config_t *c, uint32_t log2_window)
 {
-    const int32_t k1_q8 = c->command.k1_q16 >> 8;
+    const int32_t k1_q8 = c->command.by_time.k1_q16 >> 8;
     const int32_t m_q8 = cam_clamp_i32(k1_q8 + 128, 0, INT32_C(256) << log2_window);
     const int64_t lead_q16 = ((int64_t)(2 * k1_q8 + 256 - m_q8) * m_q8) >> 1;
-    const int32_t falling_q16 = cam_sat_i32((lead_q16 - c->command.k2_q16) >> log2_window);
-    const int32_t short_q16 = c->command.k1_q16 - (INT32_C(32768) << log2_window);
+    const int32_t falling_q16 = cam_sat_i32((lead_q16 - c->command.by_time.k2_q16) >> log2_window);
+    const int32_t short_q16 = c->command.by_time.k1_q16 - (INT32_C(32768) << log2_window);
     const int32_t more_q16 = short_q16 > falling_q16 ? short_q16 : falling_q16;
     return more_q16 > 0 ? more_q16 : 0;
 }
@@ -217,8 +218,8 @@ int64_t cam_build_room_q10(const cam_config_t *config)
     const int64_t approach_q10 = config->play.approach[hal_axis_u].acceleration_q10;
     const int64_t leave_q10 = leave->acceleration_q10;
     const int64_t a_q10 = leave_q10 > approach_q10 ? leave_q10 : approach_q10;
-    const timed_t timed = {.k1_q8 = config->command.k1_q16 >> 8,
-                           .k2_q8 = config->command.k2_q16 >> 8,
+    const timed_t timed = {.k1_q8 = config->command.by_time.k1_q16 >> 8,
+                           .k2_q8 = config->command.by_time.k2_q16 >> 8,
                            .n = INT64_C(1) << leave->log2_window};
     const int64_t most = config->guard.u.speed_q10 / a_q10 + 2;
     const int64_t ahead_q10 = (a_q10 * overshoot_q8(&timed, most)) >> 8;
@@ -269,7 +270,7 @@ void cam_build_jog(cam_config_t *config, const cam_params_t *params, int64_t roo
     // Braking in steps may overshoot by an eighth of the acceleration (cam_move_profile.h), and U's
     // command leads by k1, configured and learned.
     const int64_t ahead_q10 =
-        (2 * (int64_t)jog->limits[hal_axis_u].speed_q10 / n * config->command.k1_q16) >> 16;
+        (2 * (int64_t)jog->limits[hal_axis_u].speed_q10 / n * config->command.by_time.k1_q16) >> 16;
     const int64_t over_q10 =
         jog->limits[hal_axis_u].acceleration_q10 / 8 + 1024 + cam_clamp_i64(ahead_q10, 0, room_q10);
     const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - over_q10;

@@ -3,8 +3,9 @@
 #include "cam_fix.h" // cam_abs_i64, cam_sat_i32
 #include <stddef.h>  // NULL
 
-/// [nm] largest step of the command of U by a learned correction.
-#define LEARNED_STEP_NM 1000
+/// [nm] largest step of the command of U by a learned correction: by its blending, and by its
+/// fading in a fault, a sixteenth of 30 um per tick.
+#define LEARNED_STEP_NM 1900
 
 static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *offered)
 {
@@ -33,17 +34,22 @@ cam_config_t *cam_config_copy(cam_config_bank_t *bank)
     if (half != NULL && offered != NULL) {
         *half = *offered;
         cam_config_tie(half, offered->play.table != NULL);
-        half->command.k1_q16 -= half->learned.k1_q16;
-        half->command.k2_q16 -= half->learned.k2_q16;
     }
     return half;
 }
 
 void cam_config_learn(cam_config_t *config)
 {
-    config->command.k1_q16 += config->learned.k1_q16;
-    config->command.k2_q16 += config->learned.k2_q16;
+    cam_axis_command_config_t *t = &config->command;
+    t->in_cut.k1_q16 = t->by_time.k1_q16 + config->learned.k1_q16;
+    t->in_cut.k2_q16 = t->by_time.k2_q16 + config->learned.k2_q16;
     cam_config_limit_command(config);
+}
+
+/// @return the larger amount
+static int64_t larger(int32_t a, int32_t b)
+{
+    return cam_abs_i64(a) > cam_abs_i64(b) ? cam_abs_i64(a) : cam_abs_i64(b);
 }
 
 /// @return [nm] limit rounded up, plus a learned correction's step; at most 2^29: sums fit a word
@@ -56,13 +62,18 @@ void cam_config_limit_command(cam_config_t *config)
 {
     const cam_guard_config_t *g = &config->guard;
     cam_axis_command_config_t *t = &config->command;
-    const int64_t k1_q16 = cam_abs_i64(config->command.k1_q16);
-    const int64_t k2_q16 = cam_abs_i64(config->command.k2_q16);
+    const int64_t k1_q16 = larger(t->by_time.k1_q16, t->in_cut.k1_q16);
+    const int64_t k2_q16 = larger(t->by_time.k2_q16, t->in_cut.k2_q16);
     const int64_t v_q10 = (int64_t)g->u_vel_q6 * 16;
     const int64_t a_q10 = (int64_t)g->u_acc_q6 * 16;
     const int64_t j_q10 = 2 * a_q10 / (INT64_C(1) << g->leave.log2_window) + 1;
-    const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536;
-    const int64_t change_q10 = a_q10 + k1_q16 * j_q10 / 65536 + 2 * (k2_q16 * j_q10 / 65536);
+    // In a fault what is learned of the gains fades by a sixteenth per tick.
+    const int64_t learned_q26 =
+        cam_abs_i64(config->learned.k1_q16) * v_q10 + cam_abs_i64(config->learned.k2_q16) * a_q10;
+    const int64_t fade_q10 = learned_q26 / 65536 / 16;
+    const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536 + fade_q10;
+    const int64_t change_q10 =
+        a_q10 + k1_q16 * j_q10 / 65536 + 2 * (k2_q16 * j_q10 / 65536) + fade_q10;
     t->step_nm = limit_nm(step_q10);
     t->change_nm = limit_nm(change_q10);
     t->change_off_nm = limit_nm(change_q10 + step_q10);

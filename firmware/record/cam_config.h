@@ -215,10 +215,16 @@ typedef struct {
     int64_t u_retract_q10;      ///< [nm / 1024] position of U outside the work
 } cam_guard_config_t;
 
+/// Feed-forward of U.
+typedef struct {
+    int32_t k1_q16; ///< [ticks] of the velocity
+    int32_t k2_q16; ///< [ticks^2] of the acceleration
+} cam_u_gains_t;
+
 /// Limits of the axis commands, and feed-forward of U (cam_axis_command.h).
 typedef struct {
-    int32_t k1_q16;              ///< [ticks] velocity feed-forward, learned part included
-    int32_t k2_q16;              ///< [ticks^2] acceleration feed-forward, likewise
+    cam_u_gains_t by_time;       ///< of motions by time, for which the ends of the stroke keep room
+    cam_u_gains_t in_cut;        ///< where U follows the table: learned part included
     int32_t range_nm;            ///< [nm] half the stroke, for the command of U
     int32_t step_nm;             ///< [nm per tick] speed of the command of U, feed-forward included
     int32_t change_nm;           ///< [nm per tick^2] its acceleration

@@ -5,9 +5,9 @@
 /// Inverse of a second-order drive, MATHS.md (56) and (189). Limited to 2^30, far beyond every
 /// stroke: a command that large is refused.
 /// @return [nm / 64]
-static int32_t feed_forward_q6(const cam_axis_command_config_t *cfg, const cam_axis_motion_t *u)
+static int32_t feed_forward_q6(const cam_u_gains_t *by, const cam_axis_motion_t *u)
 {
-    const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
+    const int64_t more_q26 = (int64_t)by->k1_q16 * u->vel_q10 + (int64_t)by->k2_q16 * u->acc_q10;
     const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32, beyond every stroke
     const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
     const uint32_t low = (uint32_t)(uint64_t)more_q26;
@@ -18,7 +18,8 @@ static int32_t feed_forward_q6(const cam_axis_command_config_t *cfg, const cam_a
 static int32_t plain_q6(const cam_axis_command_config_t *cfg, const cam_tick_record_t *r,
                         const cam_motion_t *m)
 {
-    return cam_sat_add(r->want.u_set_q6, feed_forward_q6(cfg, &m->axis[hal_axis_u]));
+    const cam_u_gains_t *by = m->is_playing ? &cfg->in_cut : &cfg->by_time;
+    return cam_sat_add(r->want.u_set_q6, feed_forward_q6(by, &m->axis[hal_axis_u]));
 }
 
 /// @return [nm] command of U if its last step is repeated

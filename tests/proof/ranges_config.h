@@ -167,8 +167,10 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(u_retract_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)
 
 #define TELL_CONFIG(X)                                                                             \
-    X(k1_q16, -INT32_MAX, INT32_MAX)                                                               \
-    X(k2_q16, -INT32_MAX, INT32_MAX)                                                               \
+    X(by_time.k1_q16, -INT32_MAX, INT32_MAX)                                                       \
+    X(by_time.k2_q16, -INT32_MAX, INT32_MAX)                                                       \
+    X(in_cut.k1_q16, -INT32_MAX, INT32_MAX)                                                        \
+    X(in_cut.k2_q16, -INT32_MAX, INT32_MAX)                                                        \
     X(range_nm, 0, 15000000)                                                                       \
     X(step_nm, 0, INT32_MAX / 2)                                                                   \
     X(change_nm, 0, INT32_MAX / 2)                                                                 \

@@ -18,13 +18,15 @@ tick_hz = {tick_hz}
 [u]
 bandwidth_hz = {bandwidth_hz}
 damping = {damping}
+friction_m_per_s2 = {friction}
 stroke_mm = {stroke_mm}
 """
 
 
 @pytest.mark.parametrize("stroke_mm", [0.63, 0.75, 0.9, 1.0])
 @pytest.mark.parametrize(
-    ("tick_hz", "bandwidth_hz", "damping"), [(10000, 85, 0.7), (10000, 85, 1.0), (4000, 120, 0.5)]
+    ("tick_hz", "bandwidth_hz", "damping", "friction"),
+    [(10000, 85, 0.7, 1.0), (10000, 85, 1.0, 0.0), (4000, 120, 0.5, 1.0)],
 )
 def test_no_command_leaves_the_stroke(
     table_of: Callable[[str], Path],
@@ -32,13 +34,18 @@ def test_no_command_leaves_the_stroke(
     tick_hz: int,
     bandwidth_hz: float,
     damping: float,
+    friction: float,
     stroke_mm: float,
 ) -> None:
     """A cut ends without a fault, and an emergency stop at any time without a second one."""
     machine, summary = tmp_path / "slow.toml", tmp_path / "summary.json"
     machine.write_text(
         MACHINE.format(
-            tick_hz=tick_hz, bandwidth_hz=bandwidth_hz, damping=damping, stroke_mm=stroke_mm
+            tick_hz=tick_hz,
+            bandwidth_hz=bandwidth_hz,
+            damping=damping,
+            friction=friction,
+            stroke_mm=stroke_mm,
         ),
         encoding="utf-8",
     )

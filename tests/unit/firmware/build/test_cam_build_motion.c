@@ -234,8 +234,8 @@ static void test_retract_leaves_room_for_the_feed_forward(void)
         build(rate_hz);
         const double v = config.guard.u.speed_q10;
         const double n = ldexp(1.0, (int)config.guard.leave.log2_window);
-        const double k1 = config.command.k1_q16 / 65536.0;
-        const double k2 = config.command.k2_q16 / 65536.0;
+        const double k1 = config.command.by_time.k1_q16 / 65536.0;
+        const double k2 = config.command.by_time.k2_q16 / 65536.0;
         const double a =
             fmin(config.guard.u.acceleration_q10, 0.75 * v / (n / 2.0 + k1 + k2 / n) + 1.0);
         const double wanted = v - v / 16.0 - ahead_ticks(n, k1, k2) * a;

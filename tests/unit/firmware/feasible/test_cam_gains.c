@@ -101,9 +101,9 @@ static void test_accepted_gains_leave_the_retract_within_the_speed_of_u(void)
         }
         const cam_motion_limits_t *leave = &config.guard.leave;
         const double n = ldexp(1.0, (int)leave->log2_window);
-        const double k1 = config.command.k1_q16 / 65536.0;
+        const double k1 = config.command.by_time.k1_q16 / 65536.0;
         const double begin =
-            leave->acceleration_q10 * (n / 2.0 + k1 + config.command.k2_q16 / 65536.0 / n);
+            leave->acceleration_q10 * (n / 2.0 + k1 + config.command.by_time.k2_q16 / 65536.0 / n);
         const double end = leave->speed_q10 + leave->acceleration_q10 * fmax(k1 - n / 2.0, 0.0);
         TEST_ASSERT_TRUE(begin <= 0.76 * config.guard.u.speed_q10);
         TEST_ASSERT_TRUE(end <= config.guard.u.speed_q10);

@@ -203,29 +203,29 @@ static void test_turning_back_is_not_a_turn(void)
     }
 }
 
-/// The copy changes nothing but what was learned, and its gains are the configured ones again.
+/// The copy changes nothing; the gains of motions by time stay the configured ones.
 static void test_a_copy_keeps_the_configuration_and_its_ties(void)
 {
     static cam_config_bank_t bank;
     memset(&bank, 0, sizeof bank);
     cam_config_t *first = cam_config_free_half(&bank);
-    first->command.k1_q16 = 1000;
-    first->command.k2_q16 = 50;
+    first->command.by_time.k1_q16 = 1000;
+    first->command.by_time.k2_q16 = 50;
     first->generation = 3;
     cam_config_tie(first, true);
     const cam_learned_t learned = {.k1_q16 = -30, .k2_q16 = 7, .c = {1, 2}, .d = {3}, .dm = {4}};
     first->learned = learned;
     cam_config_learn(first);
-    TEST_ASSERT_EQUAL_INT32(970, first->command.k1_q16);
-    TEST_ASSERT_EQUAL_INT32(57, first->command.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(970, first->command.in_cut.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(57, first->command.in_cut.k2_q16);
     cam_config_offer(&bank);
     TEST_ASSERT_NULL(cam_config_copy(&bank)); // not taken yet
     (void)cam_config_take_isr(&bank);
     cam_config_t *copy = cam_config_copy(&bank);
     TEST_ASSERT_NOT_NULL(copy);
     TEST_ASSERT_TRUE(copy != first);
-    TEST_ASSERT_EQUAL_INT32(1000, copy->command.k1_q16);
-    TEST_ASSERT_EQUAL_INT32(50, copy->command.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(1000, copy->command.by_time.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(50, copy->command.by_time.k2_q16);
     TEST_ASSERT_EQUAL_MEMORY(&learned, &copy->learned, sizeof learned);
     TEST_ASSERT_EQUAL_PTR(&copy->table, copy->play.table);
     TEST_ASSERT_EQUAL_PTR(copy->learned.c, copy->play.c);

@@ -50,8 +50,8 @@ static void expect_told(int32_t nm, int32_t step_nm)
 static void test_command_is_set_point_feed_forward_and_correction(void)
 {
     told(5200, 33);
-    cfg.k1_q16 = 163840;
-    cfg.k2_q16 = 196608;
+    cfg.by_time.k1_q16 = cfg.in_cut.k1_q16 = 163840;
+    cfg.by_time.k2_q16 = cfg.in_cut.k2_q16 = 196608;
     motion.axis[hal_axis_u] = (cam_axis_motion_t){.vel_q10 = 102400, .acc_q10 = -8192};
     motion.c_q6 = 7 * 64 + 31;
     TEST_ASSERT_TRUE(commands(5000, false));
@@ -105,8 +105,8 @@ static void test_feed_forward_beyond_a_word_is_refused(void)
     static const int32_t most[] = {-INT32_MAX, INT32_MAX};
     for (size_t i = 0; i < 2u; i++) {
         told(0, 0);
-        cfg.k1_q16 = INT32_MAX / 2;
-        cfg.k2_q16 = INT32_MAX / 2;
+        cfg.by_time.k1_q16 = cfg.in_cut.k1_q16 = INT32_MAX / 2;
+        cfg.by_time.k2_q16 = cfg.in_cut.k2_q16 = INT32_MAX / 2;
         cfg.step_nm = cfg.change_nm = INT32_MAX / 2;
         motion.axis[hal_axis_u] = (cam_axis_motion_t){.vel_q10 = most[i], .acc_q10 = most[i]};
         TEST_ASSERT_FALSE(commands(0, false));

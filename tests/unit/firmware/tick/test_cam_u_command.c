@@ -227,7 +227,8 @@ static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
         if (i == 0) {
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
         }
-        in_force()->command.k2_q16 *= 48;
+        in_force()->command.by_time.k2_q16 *= 48;
+        in_force()->command.in_cut.k2_q16 *= 48;
         for (int k = 0; k < 4000; k++) {
             tick(&t);
         }
