@@ -88,21 +88,40 @@ static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q
     return false;
 }
 
-/// @return mu E / G in the unit of E, saturated; 0 when G is 0
+/// @return mu E / G in the unit of E, its parts limited to +-2^30; 0 when G is 0
 static cam_complex_t correction_change(cam_complex_t error, cam_gain_t gain, int32_t mu_q16)
 {
     const int64_t square_q24 = cam_gain_square_q24(gain);
     if (square_q24 == 0) {
         return (cam_complex_t){0};
     }
+    const int64_t most = INT64_C(1) << 30;
     const int64_t re = (int64_t)error.re * gain.re_q12 + (int64_t)error.im * gain.im_q12;
     const int64_t im = (int64_t)error.im * gain.re_q12 - (int64_t)error.re * gain.im_q12;
-    return (cam_complex_t){.re = cam_sat_i32(re * mu_q16 / square_q24 >> 4),
-                           .im = cam_sat_i32(im * mu_q16 / square_q24 >> 4)};
+    return (cam_complex_t){
+        .re = (int32_t)cam_clamp_i64(re * mu_q16 / square_q24 >> 4, -most, most),
+        .im = (int32_t)cam_clamp_i64(im * mu_q16 / square_q24 >> 4, -most, most)};
+}
+
+/// Add a change, or the part of it by which the size grows no more than the room, and take that
+/// growth from the room.
+static cam_complex_t extended(cam_complex_t c, cam_complex_t change, uint32_t *room_q6)
+{
+    const int64_t room = *room_q6;
+    const int64_t before = cam_complex_size(c);
+    cam_complex_t next = cam_complex_add(c, change);
+    if (cam_complex_size(next) > before + room) {
+        const int64_t size = cam_complex_size(change);
+        next.re = c.re + (int32_t)(change.re * room / size);
+        next.im = c.im + (int32_t)(change.im * room / size);
+    }
+    const int64_t grown = cam_complex_size(next) - before;
+    *room_q6 = (uint32_t)cam_clamp_i64(room - grown, 0, room);
+    return next;
 }
 
 void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
-                                   uint32_t floor_q6, int32_t mu_q16, uint32_t room_q6)
+                                   uint32_t floor_q6, int32_t mu_q16, uint32_t *room_q6)
 {
     // The mean is not guarded: it has no phase, and the cutting force moves it.
     const bool is_guarded = k > 0u;
@@ -111,9 +130,7 @@ void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam
         return;
     }
     const cam_complex_t change = correction_change(error_q6, s->gain[k], mu_q16 >> s->n_halved[k]);
-    if (cam_complex_size(change) <= room_q6) {
-        s->c_q6[k] = cam_complex_add(s->c_q6[k], change);
-    }
+    s->c_q6[k] = extended(s->c_q6[k], change, room_q6);
 }
 
 void cam_harmonic_correction_age(cam_harmonic_correction_t *s, uint32_t k)

@@ -138,5 +138,6 @@ bool cam_harmonics_slew(int16_t *point, const cam_complex_t *c, uint32_t down, i
         }
     }
     point[circle] = point[0];
+    point[circle + 1] = point[1];
     return is_done;
 }

@@ -33,7 +33,7 @@ cam_complex_t cam_harmonics_of(const int32_t *mean, uint32_t stride, uint32_t k)
 cam_complex_t cam_harmonics_rotated(cam_complex_t c, uint32_t k, uint32_t angle_q32);
 
 /// Move the points of a revolution towards a sum of harmonics, each by at most one step.
-/// @param point  257 of them, changed in place, the last equal to the first
+/// @param point  258 of them, changed in place, the last two equal to the first two
 /// @param c      harmonics 0 .. 16, parts within +-2^23, the sum of their magnitudes below 2^24
 /// @param down   1 .. 24; a point is the sum / 2^down, within +-32767
 /// @param most   largest change of a point, above 0

@@ -25,15 +25,6 @@ void cam_ilc_forget(cam_ilc_t *t)
     t->blending |= is_learned ? cam_ilc_blend_drive | cam_ilc_blend_correction : 0u;
 }
 
-/// Restart the guards of both layers.
-static void restart_guards(cam_ilc_t *t)
-{
-    cam_harmonic_correction_restart_guard(&t->correction);
-    t->best_square = UINT64_MAX;
-    t->trusted = 0;
-    t->n_halved = 0;
-}
-
 static void follow_state(cam_ilc_t *t, cam_state_t state)
 {
     if (t->state == (uint8_t)state) {
@@ -51,7 +42,7 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
                                          : cam_ilc_waiting);
     t->n_turns = is_rehearsal ? 0u : t->n_turns;
     if (is_rehearsal || is_cut) {
-        restart_guards(t);
+        cam_ilc_update_restart_guards(t);
     }
     if (state == cam_state_fault) { // restore the best values
         cam_harmonic_correction_restore(&t->correction);
@@ -91,7 +82,7 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
         return;
     }
     if (t->larger / 5u > t->trusted / 4u) { // the error has grown with the motion
-        restart_guards(t);
+        cam_ilc_update_restart_guards(t);
         t->trusted = t->larger;
     }
     if (t->n_halved >= cam_ilc_update_most_halved) {
@@ -135,7 +126,7 @@ static void step_probe(cam_ilc_t *t, const cam_ilc_setup_t *s)
     t->blending |= cam_ilc_blend_correction;
     if (size_q6 == 0) {
         t->correction.is_probed = true;
-        restart_guards(t);
+        cam_ilc_update_restart_guards(t);
         cam_ilc_update_phase(t, cam_ilc_shape);
     }
 }
@@ -234,14 +225,15 @@ void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
 cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t tick_hz)
 {
     const int64_t hz = tick_hz;
-    uint32_t ripple_q32 = 0; // sum of the amplitudes
-    for (uint32_t k = 1; k <= cam_ilc_harmonics; k++) {
-        ripple_q32 += cam_complex_size(cam_ripple_order(&t->ripple, k));
-    }
-    const bool is_of_setup = !cam_ilc_is_asked(setup) || t->hindrance == (uint8_t)cam_ilc_all;
+    const uint32_t ripple_q23 = cam_ripple_sum(&t->ripple);
+    const cam_ilc_reason_t hindrance =
+        t->hindrance == (uint8_t)cam_ilc_all && ripple_q23 > (uint32_t)cam_ripple_most
+            ? cam_ilc_rippled
+            : (cam_ilc_reason_t)t->hindrance;
+    const bool is_of_setup = !cam_ilc_is_asked(setup) || hindrance == cam_ilc_all;
     return (cam_ilc_status_t){
         .phase = cam_ilc_is_asked(setup) ? (cam_ilc_phase_t)t->phase : cam_ilc_off,
-        .reason = is_of_setup ? setup->reason : (cam_ilc_reason_t)t->hindrance,
+        .reason = is_of_setup ? setup->reason : hindrance,
         .n_turns = t->n_turns,
         .n_harmonics = t->n_orders,
         .masked = t->correction.masked,
@@ -252,7 +244,7 @@ cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup
         .correction_nm = cam_harmonic_correction_sum_q6(&t->correction) >> 6,
         .speed_mrpm = (uint32_t)((int64_t)t->speed_q32 * hz * 60000 >> 32),
         .ripple_turns = t->ripple.n_mean,
-        .ripple_nturn = (uint32_t)((uint64_t)ripple_q32 * 1000000000u >> 32),
+        .ripple_nturn = (uint32_t)((uint64_t)ripple_q23 * 1000000000u >> 23),
         .scale_re_q32 = t->ripple.scale.re,
         .scale_im_q32 = t->ripple.scale.im,
     };

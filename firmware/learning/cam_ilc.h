@@ -36,7 +36,7 @@ typedef enum {
     cam_ilc_probing,  ///< rehearsal: U's response at each harmonic
     cam_ilc_shape,    ///< rehearsal: layers 1 and 2
     cam_ilc_cutting,  ///< in the cut: both with small gains
-    cam_ilc_frozen,   ///< learned values stay in force, because the speed differs
+    cam_ilc_frozen,   ///< learned values stay in force until the new speed is steady
     cam_ilc_n_phases
 } cam_ilc_phase_t;
 
@@ -51,6 +51,7 @@ typedef enum {
     cam_ilc_fast_turn,    ///< a turn has too few ticks for one harmonic
     cam_ilc_lobes,        ///< on a shaft with lobes only the drive's constants are learned
     cam_ilc_diverged,     ///< layer 1 has stopped, with its best constants in force
+    cam_ilc_rippled,      ///< the ripple of the spindle is larger than what is compensated for
     cam_ilc_n_reasons
 } cam_ilc_reason_t;
 
@@ -149,7 +150,7 @@ typedef struct {
     int64_t set_square;      ///< [nm^2] sum of |U_k|^2 less the mean square of the whole motion
     uint32_t trusted;        ///< [nm / 64] largest k |U_k| to which the guard's best applies
     uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
-    uint32_t room_q6;        ///< [nm / 64] largest change of a correction in this turn
+    uint32_t room_q6;        ///< [nm / 64] by which corrections may still grow in this turn
     int32_t k1_q16, k2_q16;  ///< added to the configured ones
     int32_t best_k1_q16, best_k2_q16;
     int32_t speed_q32;      ///< [turn / 2^32 per tick] speed of the learning, 0: never

@@ -50,8 +50,13 @@ static bool slew_angles(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_learne
                         int32_t most)
 {
     cam_complex_t order[cam_ilc_terms] = {0};
+    const uint32_t sum = cam_ripple_sum(&t->ripple);
+    const int64_t most_sum = cam_ripple_most;
+    const int64_t of = sum > (uint32_t)cam_ripple_most ? (int64_t)sum : most_sum;
     for (uint32_t k = 1; k < cam_ilc_terms && s->ripple_turns > 0u; k++) {
-        order[k] = cam_ripple_order(&t->ripple, k);
+        const cam_complex_t shown = cam_ripple_order(&t->ripple, k);
+        order[k] = (cam_complex_t){.re = (int32_t)(shown.re * most_sum / of),
+                                   .im = (int32_t)(shown.im * most_sum / of)};
     }
     const bool is_known = s->ripple_turns > 0u && t->ripple.n_mean > 0u;
     const cam_complex_t shown = is_known ? order[1] : s->eccentricity;

@@ -9,6 +9,7 @@ enum {
     oval_orders = 2,
     widest_gap = 8,            ///< [bins] from a tick to the next: a turn has at least 16 to 18
     frozen_percent = 2,        ///< largest deviation of the speed from that of the learning
+    agreeing_turns = 2,        ///< after which learning goes on at another speed
     rough_steps = 16,          ///< turns with the larger gain after the feed has changed
     rough_part = 64,           ///< the feed changes by more than this part
     even_part = 128,           ///< the spindle accelerates by more than this part per turn
@@ -24,6 +25,14 @@ void cam_ilc_update_phase(cam_ilc_t *t, cam_ilc_phase_t phase)
 {
     t->phase = (uint8_t)phase;
     t->n_steps = 0;
+}
+
+void cam_ilc_update_restart_guards(cam_ilc_t *t)
+{
+    cam_harmonic_correction_restart_guard(&t->correction);
+    t->best_square = UINT64_MAX;
+    t->trusted = 0;
+    t->n_halved = 0;
 }
 
 /// Interpolate the empty bins between two bins with ticks, n bins apart.
@@ -101,11 +110,36 @@ bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32)
     return off_q32 * 100 > (int64_t)t->speed_q32 * frozen_percent;
 }
 
-/// Stop learning while the cut runs at another speed than the rehearsal.
-static void freeze(cam_ilc_t *t, int32_t speed_q32)
+/// Convert the probed responses to another speed, by the ratio of those of the drive's constants.
+static void adapt_responses(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32)
+{
+    const int32_t k1_q16 = s->k1_q16 + t->k1_q16;
+    const int32_t k2_q16 = s->k2_q16 + t->k2_q16;
+    for (uint32_t k = 1; k < cam_ilc_terms; k++) {
+        cam_gain_t *gain = &t->correction.gain[k];
+        const cam_gain_t before = cam_drive_gain(k, t->speed_q32, k1_q16, k2_q16);
+        const cam_complex_t was = {.re = before.re_q12, .im = before.im_q12};
+        const cam_complex_t probed = {.re = gain->re_q12, .im = gain->im_q12};
+        const cam_gain_t now = cam_drive_gain(k, speed_q32, k1_q16, k2_q16);
+        *gain = cam_gain_ratio(cam_gain_of(probed, now), was);
+    }
+}
+
+/// At another speed than that of the learning a cut stops learning, until two turns agree; then it
+/// goes on from what is in force.
+static void follow_speed(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32, bool is_even)
 {
     const bool is_other = t->correction.is_probed && cam_ilc_update_is_other_speed(t, speed_q32);
-    if (t->phase == (uint8_t)(is_other ? cam_ilc_cutting : cam_ilc_frozen)) {
+    const bool is_frozen = t->phase == (uint8_t)cam_ilc_frozen;
+    if (is_other && is_frozen) {
+        t->n_steps = (uint8_t)(is_even ? t->n_steps + 1u : 0u);
+        if (t->n_steps >= agreeing_turns) {
+            adapt_responses(t, s, speed_q32);
+            t->speed_q32 = speed_q32;
+            cam_ilc_update_restart_guards(t);
+            cam_ilc_update_phase(t, cam_ilc_cutting);
+        }
+    } else if (is_other ? t->phase == (uint8_t)cam_ilc_cutting : is_frozen) {
         cam_ilc_update_phase(t, is_other ? cam_ilc_frozen : cam_ilc_cutting);
     }
 }
@@ -198,12 +232,16 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     t->scale_q30 = turn->scale_q30;
     t->k = 0;
     follow_phase(t, (uint32_t)turn->phase_q32);
-    freeze(t, turn->speed_q32);
+    follow_speed(t, s, turn->speed_q32, is_even);
     bool is_full = false;
-    const uint32_t n_ticks = is_still ? take_means(t->bin, &is_full) : 0u;
-    const uint32_t n_orders = orders_of(n_ticks);
+    const bool is_slow = turn->speed_q32 <= least_speed_q32;
+    const uint32_t n_ticks = is_slow ? 0u : take_means(t->bin, &is_full);
+    const uint32_t n_orders = is_still ? orders_of(n_ticks) : 0u;
     t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
-    t->true_q36 = is_full && n_ticks > 0u && s->ripple_turns > 0u ? cam_ripple_deviate(t->bin) : 0;
+    // The ripple needs no motion of U.
+    const bool is_synced = turn->state != cam_state_off && turn->state != cam_state_homing;
+    const bool has_ripple = is_full && is_even && is_synced && n_ticks > 0u && s->ripple_turns > 0u;
+    t->true_q36 = has_ripple ? cam_ripple_deviate(t->bin) : 0;
     t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
     t->is_counted = t->n_orders > 0u && is_even && is_learning(t, s);
     if (t->is_counted) {
@@ -215,7 +253,7 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
         t->set_square = -motion_square(t->bin);
         const uint32_t sum_q6 = cam_harmonic_correction_sum_q6(&t->correction);
         const uint32_t most_q6 = (uint32_t)s->most_q6;
-        t->room_q6 = most_q6 > sum_q6 ? (most_q6 - sum_q6) / cam_harmonic_terms : 0u;
+        t->room_q6 = most_q6 > sum_q6 ? most_q6 - sum_q6 : 0u;
         t->floor_q6 = floor_q6(t, s, n_ticks);
     }
 }
@@ -281,7 +319,7 @@ static void update_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
     const bool is_cut = t->phase == (uint8_t)cam_ilc_cutting;
     if (t->correction.is_probed && (is_cut || t->phase == (uint8_t)cam_ilc_shape)) {
         cam_harmonic_correction_learn(&t->correction, t->k, error, cam_ilc_update_guarded_q6(t),
-                                      layer2_gain_q16(t, s, set), t->room_q6);
+                                      layer2_gain_q16(t, s, set), &t->room_q6);
         if (is_cut) {
             cam_harmonic_correction_age(&t->correction, t->k);
         }

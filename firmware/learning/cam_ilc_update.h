@@ -18,6 +18,9 @@ enum {
 /// Enter a phase.
 void cam_ilc_update_phase(cam_ilc_t *t, cam_ilc_phase_t phase);
 
+/// Restart the guards of both layers.
+void cam_ilc_update_restart_guards(cam_ilc_t *t);
+
 /// @return whether a speed differs from that of the learning by more than 2 %
 bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32);
 

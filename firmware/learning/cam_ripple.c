@@ -73,6 +73,15 @@ cam_complex_t cam_ripple_order(const cam_ripple_t *r, uint32_t k)
     return (cam_complex_t){.re = r->mean[k - 1u].re * unit, .im = r->mean[k - 1u].im * unit};
 }
 
+uint32_t cam_ripple_sum(const cam_ripple_t *r)
+{
+    uint32_t sum = 0;
+    for (uint32_t k = 1; k <= (uint32_t)cam_harmonics_most; k++) {
+        sum += cam_complex_size(cam_ripple_order(r, k)) >> cam_ripple_down;
+    }
+    return sum;
+}
+
 /// @return the part that does not fall with the square of the speed: (a v^2 - b w^2) / (v^2 - w^2)
 static cam_complex_t constant_part(cam_complex_t a, int64_t v, cam_complex_t b, int64_t w)
 {

@@ -17,8 +17,8 @@
 /// [turn / 2^32] in a unit of the interrupt's tables, 2^-23 turn: 2^9.
 enum { cam_ripple_down = 9 };
 
-/// [turn / 2^23] limit of an order of the mean.
-enum { cam_ripple_most = INT16_MAX / 16 };
+/// [turn / 2^23] limit of the sum of the orders' sizes: 12 mrad.
+enum { cam_ripple_most = INT16_MAX / 2 };
 
 /// State; zero-initialised has learned nothing.
 typedef struct {
@@ -58,5 +58,9 @@ void cam_ripple_drop(cam_ripple_t *r);
 
 /// @return [turn / 2^32] order k of the mean
 cam_complex_t cam_ripple_order(const cam_ripple_t *r, uint32_t k);
+
+/// @return [turn / 2^23] sum of the orders' sizes; beyond cam_ripple_most all are scaled down to it
+///         before they act
+uint32_t cam_ripple_sum(const cam_ripple_t *r);
 
 #endif

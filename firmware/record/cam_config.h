@@ -156,6 +156,7 @@ typedef struct {
     int32_t ratio_q16;               ///< [ticks] lead of the speed ratio
     int32_t xz_lag2;                 ///< [ticks^2] factor of the spindle's acceleration for X and Z
     int64_t height_max_q32;          ///< [slices] end of the table for U
+    uint32_t dwell_ticks;            ///< [ticks] U rests after enable, at least 1
     int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
     int64_t engage_q32, disengage_q32;          ///< [turn] lengths

@@ -85,6 +85,7 @@ typedef struct {
     uint32_t faults;      ///< found by the plan, for the ticks up to the next one
     cam_axis_motion_t axis[hal_n_axes]; ///< while playing, U's position is in cam_want_t
     int32_t c_q6;            ///< [nm / 64] while playing: learned correction of U's command
+    uint32_t dwell_ticks;    ///< [ticks] left of U's rest after enable
     int64_t u_target_q10;    ///< [nm / 1024] target of U while it does not follow the table
     int32_t u_speed_q10;     ///< [nm / 1024 per tick] manual: speed limit of U, 0: it brakes
     int64_t x_left_q10;      ///< [nm / 1024] X in the tick of the fault

@@ -33,7 +33,7 @@ enum {
 };
 
 /// Learned values, written by the slow side, read by the interrupt. Knot i of a table is at i / 256
-/// turn of the master position, knot 256 equals knot 0; linear interpolation in between.
+/// turn of the master position, knots 256 and 257 equal knots 0 and 1; linear interpolation.
 typedef struct {
     int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
     int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward
@@ -122,6 +122,14 @@ static inline int32_t cam_learned_at_q8(const int16_t *table, cam_learned_place_
     uint32_t knots = 0;
     (void)__builtin_memcpy(&knots, &table[at.knot], sizeof knots); // one load, not a call
     return cam_dot_i16(knots, at.share);
+}
+
+/// @return [2^-23] derivative of a deviation: the share by which the spindle is faster than its mean.
+///         That of half a knot later
+static inline int32_t cam_learned_faster_q23(const int16_t *table, cam_learned_place_t at)
+{
+    const cam_learned_place_t next = {.knot = at.knot + 1u, .share = at.share};
+    return cam_wrap_sub(cam_learned_at_q8(table, next), cam_learned_at_q8(table, at));
 }
 
 /// @return [turn / 2^32] a deviation

@@ -60,7 +60,10 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
     const cam_learned_place_t at = cam_learned_place(even_q32);
     const uint32_t angle_q32 = even_q32 + cam_learned_turn_q32(cfg->d, at);
     m->c_q6 = cam_mulhi(cam_learned_at_q8(cfg->c, at), m->scale_q30);
-    return surface(m, cfg, angle->speed_q32, angle_q32 - (uint32_t)m->phase_q32);
+    const int32_t more_q23 = cam_learned_faster_q23(cfg->d, at);
+    const int32_t speed_q32 = cam_wrap_add(
+        angle->speed_q32, (int32_t)((uint32_t)cam_mulhi(angle->speed_q32, more_q23) << 9));
+    return surface(m, cfg, speed_q32, angle_q32 - (uint32_t)m->phase_q32);
 }
 
 /// Without enable all set-points follow the measured axes.
@@ -118,15 +121,17 @@ static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sen
     int32_t wave_q6 = 0;
     if (m->state == cam_state_off) {
         follow_axes(m, in);
+    } else if (m->state == cam_state_fault) { // the guard moves U
+        m->spindle_mrpm = 0;
+    } else if (m->dwell_ticks > 0u) { // U's drive takes over where U stands
+        m->dwell_ticks--;
     } else if (m->state == cam_state_identifying) {
         wave_q6 = play_wave(p, cfg, m);
     } else if (m->state == cam_state_manual) {
         jog_u(cfg, m);
-    } else if (m->state != cam_state_fault) {
+    } else {
         (void)cam_jerk_filter_to_isr(&m->filter[hal_axis_u], u, &cfg->approach[hal_axis_u],
                                      m->u_target_q10);
-    } else { // the guard moves U
-        m->spindle_mrpm = 0;
     }
     return cam_sat_i32((u->pos_q10 >> 4) + wave_q6);
 }
@@ -165,10 +170,11 @@ static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m, uint
            (is_acknowledged || !cfg->acknowledge.is_demanded);
 }
 
-/// Enable the drives with the axes where they are; from there U moves by time.
+/// Enable the drives with the axes where they are; from there U moves by time, after its rest.
 static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t state)
 {
     m->state = state;
+    m->dwell_ticks = cfg->dwell_ticks;
     cam_jerk_filter_begin_isr(&m->filter[hal_axis_u], &m->axis[hal_axis_u],
                               cfg->approach[hal_axis_u].log2_window);
 }

@@ -21,6 +21,7 @@ SIM = ROOT / "hal" / "linuxcnc" / "sim"
 MESA = ROOT / "hal" / "linuxcnc" / "mesa" / "lathe.hal"
 PROGRAMS = ("linuxcncsvr", "io", "milltask", "halui")
 PANEL_PINS = Path(__file__).with_name("panel_pins.py")
+AXIS_DRO = Path(__file__).with_name("axis_dro.py")
 BLOCKS = (
     "M3 S500", "G4 P1.5", "M64 P0", "M66 P0 L3 Q10", "G33 Z5 K0.25", "M65 P0", "M66 P0 L4 Q10",
 )  # fmt: skip
@@ -148,6 +149,18 @@ def test_panel_is_connected_and_starts(lathe: Halbox, linuxcnc_root: Path) -> No
         button = f"halui.mdi-command-{number:02}"
         assert lathe.load(f"unlinkp {button}\nsetp {button} 1\n") == 0, lathe.said()
         lathe.wait("camturn.start", value)
+
+
+def test_axis_shows_u_and_whether_it_is_homed(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """In the DRO of AXIS itself, started on a virtual screen with the sample configuration."""
+    if linuxcnc_root != Path("/") or shutil.which("xvfb-run") is None:
+        pytest.skip("AXIS needs an installed LinuxCNC and xvfb-run")
+    for file in (SIM / "panel.xml", SIM / "panel.hal", SIM / "axis_u.py", AXIS_DRO):
+        shutil.copy(file, lathe.folder)
+        (lathe.folder / file.name).chmod(0o666)
+    screen = ("xvfb-run", "-a", "-s", "-screen 0 1280x1024x24")
+    nml = str(lathe.folder / "linuxcnc.nml")
+    assert lathe.run(*screen, "/usr/bin/python3", AXIS_DRO.name, nml) == 0, lathe.said()
 
 
 def test_mesa_configuration_is_taken_by_hal(

@@ -101,6 +101,7 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(z_high_nm, INT32_MIN, INT32_MAX)                                                             \
     X(z_margin_nm, 0, 10000000)                                                                    \
     X(turning_q32, 0, INT32_MAX)                                                                   \
+    X(dwell_ticks, 1, 500001)                                                                      \
     X(is_z_measured, 0, 1)                                                                         \
     X(u_retract_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)                                        \
     X(x_clearance_nm, 0, 200000000)                                                                \

@@ -17,8 +17,7 @@ from camtools.base.quantities import length_text
 from camtools.report.text import ReportRow
 
 _OFF = {
-    "not_asked": "learn_harmonics = 0; it is on by default on a machine that measures U and "
-    "differs from what the controller assumes, such as --machine real",
+    "not_asked": "learn_harmonics = 0; it is on by default where the port measures U",
     "not_measured": "the port does not measure U, so there is no error to learn from",
     "no_table": "no table is active",
     "modulated": "the table modulates the spindle speed",
@@ -28,6 +27,7 @@ _OFF = {
 _LIMITED = {
     "lobes": "for a shaft with lobes, only the drive constants are learned",
     "diverged": "the drive constants did not converge; the best values found are used",
+    "rippled": "the spindle's ripple exceeds 12 mrad in total, of which so much is compensated for",
 }
 _NO_REHEARSAL = "on, but no turn was steady enough to learn from; set rehearse_turns"
 

@@ -73,7 +73,8 @@ static void answer(uint32_t k)
 
 static void learn(uint32_t k, cam_complex_t error_q6)
 {
-    cam_harmonic_correction_learn(&s, k, error_q6, 64, 1 << 15, 1u << 20);
+    uint32_t room_q6 = 1u << 20;
+    cam_harmonic_correction_learn(&s, k, error_q6, 64, 1 << 15, &room_q6);
 }
 
 static void test_probe_without_a_correction_keeps_the_answer(void)
@@ -122,23 +123,25 @@ static void test_learn_adds_its_part_of_the_error(void)
 
 static void test_learn_divides_the_error_by_the_response(void)
 {
+    uint32_t room_q6 = UINT32_MAX;
     const double complex response = (2048.0 - 3000.0 * I) / 4096.0;
     const double complex want = 0.5 * (640000.0 - 123456.0 * I) / response;
     s.gain[0] = (cam_gain_t){.re_q12 = 2048, .im_q12 = -3000};
-    cam_harmonic_correction_learn(&s, 0, of(640000, -123456), 0, 32768, UINT32_MAX);
+    cam_harmonic_correction_learn(&s, 0, of(640000, -123456), 0, 32768, &room_q6);
     TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(creal(want)), s.c_q6[0].re);
     TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(cimag(want)), s.c_q6[0].im);
     s.gain[1] = (cam_gain_t){0}; // no response: nothing can be corrected
-    cam_harmonic_correction_learn(&s, 1, of(64, 0), 0, 65536, UINT32_MAX);
+    cam_harmonic_correction_learn(&s, 1, of(64, 0), 0, 65536, &room_q6);
     expect(of(0, 0), s.c_q6[1]);
 }
 
 /// The ends of the range, under the sanitizers.
 static void test_largest_error_over_the_smallest_response_fits(void)
 {
+    uint32_t room_q6 = UINT32_MAX;
     s.gain[0] = (cam_gain_t){.re_q12 = 1};
-    cam_harmonic_correction_learn(&s, 0, of(INT32_MAX, INT32_MIN + 1), 0, 65536, UINT32_MAX);
-    expect(of(INT32_MAX, INT32_MIN), s.c_q6[0]);
+    cam_harmonic_correction_learn(&s, 0, of(INT32_MAX, INT32_MIN + 1), 0, 65536, &room_q6);
+    expect(of(1 << 30, -(1 << 30)), s.c_q6[0]);
 }
 
 static void test_learn_leaves_a_masked_harmonic_alone(void)
@@ -153,13 +156,22 @@ static void test_learn_leaves_a_masked_harmonic_alone(void)
     expect(of(3200, 0), s.c_q6[3]);
 }
 
-static void test_learn_takes_a_change_that_just_fits_the_room(void)
+/// What does not fit is scaled to the room; what shrinks needs none.
+static void test_learn_scales_a_change_to_the_room(void)
 {
+    uint32_t room_q6 = 3200;
     answer(2);
-    cam_harmonic_correction_learn(&s, 2, of(6400, 0), 64, 1 << 15, 3199);
-    expect(of(0, 0), s.c_q6[2]);
-    cam_harmonic_correction_learn(&s, 2, of(6400, 0), 64, 1 << 15, 3200);
-    expect(of(3200, 0), s.c_q6[2]);
+    cam_harmonic_correction_learn(&s, 2, of(4800, 0), 64, 1 << 15, &room_q6);
+    expect(of(2400, 0), s.c_q6[2]);
+    TEST_ASSERT_EQUAL_UINT32(800, room_q6);
+    answer(3);
+    cam_harmonic_correction_learn(&s, 3, of(6000, -8000), 64, 1 << 15, &room_q6);
+    expect(of(480, -640), s.c_q6[3]);
+    TEST_ASSERT_EQUAL_UINT32(0, room_q6);
+    cam_harmonic_correction_learn(&s, 2, of(-3200, 0), 64, 1 << 15, &room_q6);
+    expect(of(800, 0), s.c_q6[2]);
+    cam_harmonic_correction_learn(&s, 2, of(3200, 0), 64, 1 << 15, &room_q6);
+    expect(of(800, 0), s.c_q6[2]);
 }
 
 static void test_guard_goes_back_to_the_best_and_halves(void)

@@ -158,15 +158,15 @@ static void test_the_floor_is_what_scale_and_encoder_cannot_tell(void)
     TEST_ASSERT_EQUAL_UINT32(128, t.floor_q6);
 }
 
-/// The corrections may grow until their sum is the bound; each has an equal share of what is left.
+/// The corrections may grow until their sum is the bound.
 static void test_room_is_what_the_bound_leaves(void)
 {
     begin();
     play();
-    TEST_ASSERT_EQUAL_UINT32(64 * 30000 / 17, t.room_q6);
+    TEST_ASSERT_EQUAL_UINT32(64 * 30000, t.room_q6);
     t.correction.c_q6[5] = (cam_complex_t){.im = -64 * 13000};
     play();
-    TEST_ASSERT_EQUAL_UINT32(64 * 17000 / 17, t.room_q6);
+    TEST_ASSERT_EQUAL_UINT32(64 * 17000, t.room_q6);
     s.most_q6 = 64 * 12000;
     play();
     TEST_ASSERT_EQUAL_UINT32(0, t.room_q6);
@@ -190,6 +190,28 @@ static void test_another_speed_freezes_a_cut(void)
     play();
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
     TEST_ASSERT_TRUE(counts());
+}
+
+/// Once two turns at the other speed agree, learning goes on there. The responses follow from the
+/// constants of the drive: a first-order lag of a radian at the old speed.
+static void test_two_turns_that_agree_end_the_freeze(void)
+{
+    begin();
+    how.state = cam_state_cutting;
+    play_turns(2);
+    t.correction.is_probed = true;
+    t.correction.gain[1] = (cam_gain_t){.re_q12 = 2048, .im_q12 = -2048}; // 1 / (1 + j)
+    s.k1_q16 = (int32_t)lround(65536.0 * 4294967296.0 / (6.283185307 * usual_speed_q32));
+    how.speed_q32 = usual_speed_q32 / 4 * 3;
+    play(); // it changes too fast to count as even
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_frozen, t.phase);
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_frozen, t.phase);
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    TEST_ASSERT_EQUAL_INT32(how.speed_q32, t.speed_q32);
+    TEST_ASSERT_INT32_WITHIN(8, 2621, t.correction.gain[1].re_q12); // 1 / (1 + 0.75 j)
+    TEST_ASSERT_INT32_WITHIN(8, -1966, t.correction.gain[1].im_q12);
 }
 
 /// In the cut a feed that changes by more than a 64th lets the larger gain hold anew.

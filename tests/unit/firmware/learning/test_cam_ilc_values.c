@@ -53,8 +53,8 @@ static void test_each_value_has_its_range(void)
         {cam_ilc_value_gain - 1, -64 * 30000, 64 * 30000},
         {cam_ilc_value_gain, INT16_MIN, INT16_MAX},
         {cam_ilc_value_ripple - 1, INT16_MIN, INT16_MAX},
-        {cam_ilc_value_ripple, -2047, 2047},
-        {cam_ilc_n_values - 1, -2047, 2047},
+        {cam_ilc_value_ripple, -16383, 16383},
+        {cam_ilc_n_values - 1, -16383, 16383},
     };
     for (uint32_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
         const uint32_t index = ranges[i].index;

@@ -123,6 +123,7 @@ static void test_a_sum_beyond_its_word_keeps_its_sign(void)
     }
     TEST_ASSERT_EQUAL_INT32(cam_ripple_most, r.mean[0].re);
     TEST_ASSERT_EQUAL_INT32(-cam_ripple_most, r.mean[0].im);
+    TEST_ASSERT_UINT32_WITHIN(1, 23169, cam_ripple_sum(&r)); // root 2 times that
 }
 
 /// Nothing is told before as many turns as a mean is made of; the next mean begins without them.

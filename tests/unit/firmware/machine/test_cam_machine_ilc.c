@@ -143,7 +143,7 @@ static void test_only_what_changes_is_handed_over(void)
 static void test_a_correction_and_a_ripple_are_handed_over(void)
 {
     set(cam_param_learn_harmonics, 8);
-    set(cam_param_ripple_turns, 4);
+    set(cam_param_ripple_turns, 64);
     bring(cam_state_ready);
     (void)generations(400);
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_speed, 1 << 20));

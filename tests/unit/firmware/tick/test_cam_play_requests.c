@@ -89,3 +89,24 @@ static void test_motion_by_hand_begins_at_rest(void)
     TEST_ASSERT_FALSE(f.motion.is_stopping);
     TEST_ASSERT_TRUE(f.motion.is_by_hand);
 }
+
+/// U rests in the tick of enable, when a drive may take its zero from the set-point, and for the
+/// dwell; then it retracts at once.
+static void test_u_rests_after_enable_while_its_drive_takes_over(void)
+{
+    static const struct {
+        int32_t dwell_ms;
+        uint32_t ticks;
+    } cases[] = {{0, 1}, {100, FIXTURE_PLAY_HZ / 10 + 1}};
+    for (int i = 0; i < 2; i++) {
+        setUp();
+        f.params.enable_dwell_ms = cases[i].dwell_ms;
+        fixture_play_configure(&f);
+        TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_homing));
+        const int64_t rest_q10 = f.motion.axis[hal_axis_u].pos_q10;
+        fixture_play_ticks(&f, cases[i].ticks - 1);
+        TEST_ASSERT_EQUAL_INT64(rest_q10, f.motion.axis[hal_axis_u].pos_q10);
+        fixture_play_ticks(&f, 2);
+        TEST_ASSERT_LESS_THAN_INT64(rest_q10, f.motion.axis[hal_axis_u].pos_q10);
+    }
+}
