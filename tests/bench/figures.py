@@ -203,10 +203,8 @@ def filled(template: str, figures: Figures) -> str:
 
 
 def page() -> str:
-    """Return FIGURES.md: the recorded figures, and the bytes of each part's table."""
-    sizes = json.loads((HERE / "table_bytes.json").read_text())
-    rows = "\n".join(f"| `{name}` | {sizes[name]:,} |".replace(",", " ") for name in sorted(sizes))
-    return filled(TEMPLATE.read_text(), recorded()).replace("{table_bytes}", rows)
+    """Return FIGURES.md: the template with the recorded figures."""
+    return filled(TEMPLATE.read_text(), recorded())
 
 
 def main() -> int:

@@ -50,16 +50,16 @@ def _meanings(title: str) -> dict[tuple[str, ...], str]:
     tables: list[tuple[str, ...]] = []
     for row in _ROW.finditer(_section(title)):
         cells = [one.strip() for one in _CELL.split(row[0])[1:-1]]
-        if len(cells) != 5:
+        if len(cells) != 4:
             continue
         if row[1] == "**[":
             tables = [tuple(name.split(".")) for name in _TABLE.findall(cells[0])]
             for table in tables:
-                found.setdefault(table, _plain(cells[4]))
+                found.setdefault(table, _plain(cells[3]))
             continue
         for table in tables:
             for key in _KEY.findall(cells[0]):
-                found.setdefault((*table, key), _plain(cells[4]))
+                found.setdefault((*table, key), _plain(cells[3]))
     return found
 
 
