@@ -40,6 +40,10 @@ class Iwdg(Device):
         """Whether it was started since the last reset."""
         return self._bites_at != NEVER
 
+    def put_forward(self, cycles: int) -> None:
+        """Let it bite sooner, unless somebody feeds it."""
+        self._bites_at -= cycles
+
     def _write_kr(self, old: int, new: int) -> None:
         if new not in (KEY_START, KEY_RELOAD, KEY_ACCESS):
             raise UnmodelledError(f"iwdg1.kr: 0x{new:x}")

@@ -133,6 +133,10 @@ class Timer(Device):
         self._sync()
         return self._count % (self._arr + 1)
 
+    def put_forward(self, cycles: int) -> None:
+        """Let the counter be where it will be so many cycles later."""
+        self._since -= cycles
+
     def _cycles_to(self, count: int) -> int:
         """Return when the counter, unwrapped since the last sync, reaches a number."""
         need = (count - self._count) * self.rcc.core_hz() * (self._psc + 1) - self._rest
