@@ -229,10 +229,14 @@ class Remote:
 
     def wait_for(self, state: str, seconds: float) -> None:
         """Let time pass until the status tells a state."""
-        n = len(self.frames(STATE))
+        n_seen = len(self.frames(STATE))
 
         def is_there() -> bool:
-            return len(self.frames(STATE)) > n and self.newest().state == state
+            nonlocal n_seen
+            if len(self.frames(STATE)) == n_seen:
+                return False
+            n_seen = len(self.frames(STATE))
+            return self.newest().state == state
 
         reached = self.chip.run_until(is_there, self.chip.seconds(seconds))
         assert reached, f"{state} is not reached, but {self.newest()}"
