@@ -38,6 +38,7 @@ def _started() -> Session:
 def _ready() -> Session:
     session = _new()
     session.make_ready()
+    session.turn_spindle()
     return session
 
 

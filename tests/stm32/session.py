@@ -18,7 +18,9 @@ SETTINGS = {
     "learn_harmonics": 0,
     "ripple_turns": 0,
     "engage_turns": 3,
+    "x_clearance_nm": 200_000,
     "disengage_turns": 3,
+    "feed_ramp_turns": 1,
     "x_acceleration_mm_per_s2": 20_000,
     "switch_1_per_turn": 2,
     "switch_1_on_udeg": 30_000_000,
@@ -81,9 +83,12 @@ class Session:
         self.remote.started()
 
     def make_ready(self) -> None:
-        """Power on, set up, home, and bring the spindle to its speed."""
+        """Power on, set up and home."""
         self.start()
         self.set_up()
         self.remote.do(ENABLE)
         self.remote.wait_for("ready", 1.0)
-        self.chip.run(self.chip.seconds(0.12))
+
+    def turn_spindle(self) -> None:
+        """Bring the spindle of a machine that is ready to its speed."""
+        self.chip.run(self.chip.seconds(0.07))

@@ -35,6 +35,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> Session:
     session = Session(make_table(table_path))
     session.changes.append(f"table {table_path}")
     session.make_ready()
+    session.turn_spindle()
     session.remote.do(START)
     session.remote.wait_for("cutting", 2.0)
     session.remote.wait_for("ready", 2.0)
@@ -113,8 +114,8 @@ def test_position_switches_follow_the_angle(cut: Session) -> None:
     assert n_on / len(in_cut) == pytest.approx(1 / 6, abs=0.02)
     heights = [record["out_z_nm"] for record, seen in in_cut if seen.switches & 0x80]
     assert heights
-    assert 390_000 < min(heights) < 450_000
-    assert 550_000 < max(heights) < 610_000
+    assert 390_000 < min(heights) < 455_000
+    assert 545_000 < max(heights) < 610_000
     assert {seen.switches for _, seen in ticks_of(cut)[-10:]} == {0}, "off behind the end"
 
 

@@ -25,6 +25,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> Session:
     session.board.has_u_steps = True
     session.changes.append(f"table {path}")
     session.make_ready()
+    session.turn_spindle()
     session.remote.do(START)
     session.remote.wait_for("cutting", 2.0)
     session.remote.wait_for("ready", 2.0)
