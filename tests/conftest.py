@@ -4,8 +4,6 @@
 `--quick S` leaves out the tests that took longer when they last ran without it, in this clone.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path

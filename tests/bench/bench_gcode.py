@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How fast mkgcode writes C-X-Z-U programs, and how much memory it takes; see README.md."""
 
-from __future__ import annotations
-
 import os
 import resource
 import subprocess

@@ -7,8 +7,6 @@ the exact ellipse at the true angle every 12.5 us, between the ticks, too. See
 hal/linuxcnc/README.md.
 """
 
-from __future__ import annotations
-
 import csv
 import sys
 import tempfile

@@ -9,8 +9,6 @@ on the bus, so the time from there to the page is known for each of them.
 (100, 250)
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import signal

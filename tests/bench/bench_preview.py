@@ -6,8 +6,6 @@ the process (the speed). The time runs from the request to the curves and to the
 size and verdict, through the engine and its warm processes; the browser's part is not in it.
 """
 
-from __future__ import annotations
-
 import argparse
 import asyncio
 import re
@@ -47,7 +45,7 @@ class Times(NamedTuple):
     table_cpu_s: float
 
 
-async def timed(seat: _Listener, text: str) -> Times:
+async def timed(seat: "_Listener", text: str) -> Times:
     """Return the times until the first curves and until the table."""
     done = asyncio.Event()
     begin_s = time.perf_counter()

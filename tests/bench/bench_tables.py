@@ -7,8 +7,6 @@ The record holds the fewest bytes that a table has had; what makes one larger is
 ['16v240zj', 'cam-345']
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -8,8 +8,6 @@ numbers on every machine. The emulated cores write their counts themselves
 {KEY:DECIMALS} in place of each figure.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One line of tests/bench/plan_period: ripple of a summary, error of the swing of a trace."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -11,8 +11,6 @@ documents, behind comments, and test_resolution.py compares them.
 '[u]\nquantum_nm = 0\n[believed.u]\nbandwidth_hz = 270\n'
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

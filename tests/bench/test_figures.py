@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """FIGURES.md has the recorded figures, and the record is what is measured."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.bench import figures

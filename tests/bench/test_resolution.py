@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What resolutions cost is what the documents say, and what the equations let expect."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables do not grow, and nothing needless is loaded for them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What axe finds wrong with a page for people who see, hear or move otherwise."""
 
-from __future__ import annotations
-
 from axe_playwright_python.base import AXE_SCRIPT
 from playwright.sync_api import Page
 

@@ -5,8 +5,6 @@ An error in the console, an exception that nobody caught or a request that would
 fails the test in whose window it came.
 """
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Generator, Iterator
 from contextlib import ExitStack

@@ -4,8 +4,6 @@
 Start `tools/panel --port 8611` in another terminal and give this script the address that it prints.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from pathlib import Path

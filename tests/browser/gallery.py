@@ -5,8 +5,6 @@
 'report-of-a-skirt-dark'
 """
 
-from __future__ import annotations
-
 import html
 import re
 import shutil

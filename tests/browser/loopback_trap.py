@@ -11,8 +11,6 @@ b''
 ['GET http://example.com/ HTTP/1.1']
 """
 
-from __future__ import annotations
-
 import re
 import socket
 import threading

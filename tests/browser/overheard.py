@@ -5,8 +5,6 @@ A page is compared with it: what stands here has not passed the panel. The sampl
 are decoded by the DBC alone, not by the code that the panel uses.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from copy import deepcopy

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a visitor does on the operator's page, and what is read from it there."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 

@@ -9,8 +9,6 @@
 The folder must be empty; lathe and panel see no other live lathe of this computer.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable, Iterator, Sequence

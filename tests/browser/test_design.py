@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A part is edited, cut and compared in the browser; its numbers are read where a person does."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

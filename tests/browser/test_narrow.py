@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The panel's pages in a window of 800 px, as on a small screen at a machine."""
 
-from __future__ import annotations
-
 import pytest
 from playwright.sync_api import expect
 

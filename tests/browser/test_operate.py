@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A lathe is operated from the browser; what is so is asked of the controller, past the panel."""
 
-from __future__ import annotations
-
 import pytest
 from playwright.sync_api import Locator, Page, expect
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A page of another site, open in the same browser, can do nothing with the panel."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from functools import partial

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every page of the panel, as it looks and as it can be used by all."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.browser.accessible import grave_findings

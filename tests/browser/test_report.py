@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report of a cut in a browser: its linked charts against the gauged surface, print, words."""
 
-from __future__ import annotations
-
 import json
 import re
 from functools import cache

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine's STOP is at hand on the pages that are not the operator's."""
 
-from __future__ import annotations
-
 import socket
 from contextlib import ExitStack
 from urllib.parse import urlsplit

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Token, command and names of strangers, as visitors meet them in their browsers."""
 
-from __future__ import annotations
-
 import struct
 import threading
 import zlib

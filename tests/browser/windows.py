@@ -5,8 +5,6 @@ A window is a browser's context of its own with one page: nothing of another vis
 notes what a page says of errors, and every address that is asked for.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

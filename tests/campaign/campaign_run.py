@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the parts of the campaign and adds their figures up."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a cut does when something goes wrong: judged from the trace of camsim."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """FIGURES.md has the figures of the recorded campaign, which was whole and found nothing."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the targets of tests/fuzz in build/host-fuzz and adds their figures up."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import re

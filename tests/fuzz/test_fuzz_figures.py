@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The recorded campaign, which the safety case quotes, is whole and found nothing."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

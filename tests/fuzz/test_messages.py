@@ -5,8 +5,6 @@ Random bytes of every message are unpacked by the generated C and by cantools; b
 numbers, and what both pack of them is the same again.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import subprocess

@@ -5,8 +5,6 @@ Real files are changed byte by byte, and pieces of one are put into another. CAM
 how often each reader is asked; a longer run takes other changes each time.
 """
 
-from __future__ import annotations
-
 import os
 import zlib
 from collections.abc import Callable

@@ -4,8 +4,6 @@
 tests/linux/run tests/linux/bench_real_time.py -s -k real_time prints it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -6,8 +6,6 @@ the steps of the state machine are written here. An ideal drive: at the SYNC it 
 told. Runs inside the kernel until SIGTERM.
 """
 
-from __future__ import annotations
-
 import signal
 import sys
 

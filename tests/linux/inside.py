@@ -9,8 +9,6 @@ goes into result.json of the folder that the setup names. Standard library only,
 program start costs a fifth of a second in User-Mode Linux.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

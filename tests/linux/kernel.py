@@ -6,8 +6,6 @@ root); time is then real. Otherwise tools/uml boots a kernel of our own, in virt
 test asks for real time.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import os

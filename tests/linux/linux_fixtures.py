@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The kernel, the part and the programs that all tests here share."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -5,8 +5,6 @@ They need an interface RIG_CAN (default vcan0) that is up and a simulated chip R
 sysfs folder RIG_GPIOSIM. Times are those of virtual time; in real time only the order is sure.
 """
 
-from __future__ import annotations
-
 import re
 import socket
 from collections.abc import Callable

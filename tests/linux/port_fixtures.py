@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scripted machine and the program, for the tests of the port (port_cases.py)."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path

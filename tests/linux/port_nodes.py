@@ -5,8 +5,6 @@ Written from hal/linux/README.md, not from the port's code, and only as much of 
 port can see: drives that follow at once, an encoder that turns at a constant speed.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

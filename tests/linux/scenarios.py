@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What happens in each scenario; test_linux.py judges it. Runs inside the kernel (inside.py)."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The kernel for the Linux port: this computer's, or one of our own, which is built here."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.linux.kernel import Kernel

@@ -4,8 +4,6 @@
 Times are asserted in virtual time only; figures are printed (tests/linux/run -s shows them).
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Linux port in operation, against a scripted machine: enable, trouble on the bus, the end."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import time

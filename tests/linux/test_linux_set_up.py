@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Linux port and its computer: what it asks for at the start, and what is taken from it."""
 
-from __future__ import annotations
-
 import contextlib
 import re
 import shlex

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How camturn-linux starts, or does not: what needs neither CAN nor GPIO."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from pathlib import Path

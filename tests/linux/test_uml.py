@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/uml without its kernel: what it says of one that breaks down, and which one it takes."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

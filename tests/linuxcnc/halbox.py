@@ -6,8 +6,6 @@ present folder instead, so that neither root nor an installation is needed. HAL 
 a lock keeps two boxes apart.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import shutil

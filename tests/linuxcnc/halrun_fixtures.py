@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The component, built once as a user builds it, and a folder for each test in which HAL runs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -4,8 +4,6 @@
 Behind each block it prints the block, whether it ended in time, and output 0, input 0 and Z.
 """
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from typing import Any

@@ -4,8 +4,6 @@
 usage: panel_pins.py PANEL.xml
 """
 
-from __future__ import annotations
-
 import sys
 import time
 import xml.etree.ElementTree as ET

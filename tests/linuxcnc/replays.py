@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cuts of the simulator, played again tick by tick through the HAL component."""
 
-from __future__ import annotations
-
 import csv
 import shutil
 from collections.abc import Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What needs no LinuxCNC: sources of the components, the panel, the lock of the other tests."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The HAL component in LinuxCNC's own threads: the same cut, handshake, faults, refusals."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Callable

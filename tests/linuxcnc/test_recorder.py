@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings of the HAL component: the black box of a fault, and by command, in files."""
 
-from __future__ import annotations
-
 import csv
 import time
 from collections.abc import Callable

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sample configuration in the whole of LinuxCNC, without its screen: a program of mkgcode's."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

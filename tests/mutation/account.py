@@ -1,7 +1,5 @@
 """The result of a campaign: which survivors are explained, and the figures."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """What is not drawn: what the compiler judges by itself, and what it does not see on the host."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 

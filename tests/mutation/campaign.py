@@ -5,8 +5,6 @@ or need not be noticed. What survives is explained in explained.toml, or a test 
 that was interrupted goes on where it was, as long as the sources and the tests are the same.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

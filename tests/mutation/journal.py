@@ -1,7 +1,5 @@
 """What was judged already: a campaign that was interrupted goes on behind it."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections import Counter
@@ -132,7 +130,7 @@ class Killers:
         self._known[key] = test
         self._counts[key[0], test] += 1
 
-    def of(self, mutant: Mutant) -> str | None:
+    def of(self, mutant: "Mutant") -> str | None:
         """Return the name of the test that killed it, or that none is known."""
         return self._known.get((mutant.file, mutant.was, mutant.becomes))
 
@@ -140,7 +138,7 @@ class Killers:
         """Return how many mutants of a file a test killed."""
         return self._counts[file, test]
 
-    def add(self, mutant: Mutant, test: str) -> None:
+    def add(self, mutant: "Mutant", test: str) -> None:
         """Keep one at once."""
         key = mutant.file, mutant.was, mutant.becomes
         if self._known.get(key) != test:

@@ -4,8 +4,6 @@ The rules are those of universalmutator for languages like C: an operator become
 number another number, a condition its opposite, true or false, a statement goes.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import io

@@ -4,8 +4,6 @@ Nothing here is ever built anew for a mutant. A workshop compiles what a mutant 
 folder of its own and links that ahead of these archives, which then serve the rest.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import json

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The campaign of mutants: its figures, its explanations, and that it goes on where it was."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

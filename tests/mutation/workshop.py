@@ -1,7 +1,5 @@
 """A copy of the tree in which mutants are built and judged by the tests."""
 
-from __future__ import annotations
-
 import shutil
 from functools import cache
 from itertools import product

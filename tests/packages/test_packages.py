@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """camturn as others get it: a Python package, a library, a base for a port, a Debian package."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -4,8 +4,6 @@
 Needs camsim and the images of both boards (presets mcu-qemu and mcu-qemu-m4), and the emulator.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

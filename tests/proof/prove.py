@@ -5,8 +5,6 @@ Whatever neither of them shows must be argued in arguments.toml, and what is arg
 needed; else the program fails.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """An encoder that stops counting, at any speed and anywhere on the ellipse, costs no part."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run every scenario of cases/ and judge it; README.md tells what a scenario says."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Callable

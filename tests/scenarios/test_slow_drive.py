@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drives that lag far behind their command cut and retract within a short stroke."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

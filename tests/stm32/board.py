@@ -7,8 +7,6 @@ still while the enable line is low. Signals reach the chip only through pins tha
 the right function.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ exception is taken between two instructions. RAM is filled with a pattern at pow
 every other reset.
 """
 
-from __future__ import annotations
-
 import ctypes
 import subprocess
 import tempfile

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same controller on the host, fed with the senses of the one in the image (replay.c)."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from collections.abc import Iterable

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """An image as the linker leaves it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compiles the little images in images/ that test the emulator, and the firmware's variants."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

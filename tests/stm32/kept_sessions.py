@@ -6,8 +6,6 @@ asks for the fixture `started` or `ready` runs in a child of the process in whic
 made; what it does to the session ends with the child.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import tempfile

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Talks to the image over CAN, by the messages of firmware/remote/can/camturn.dbc."""
 
-from __future__ import annotations
-
 import zlib
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A board that runs the real image, with everything recorded: what the tests start from."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.stm32.board import TICK_HZ, Board

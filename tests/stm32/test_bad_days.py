@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the image does with a bad table, a late tick, a dead clock, a fall of the supply, a hang."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

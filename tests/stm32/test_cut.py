@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A whole cut by the image, tick by tick compared with the host."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

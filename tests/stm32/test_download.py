@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A table comes over the bus into the other place in flash, and the supply falls on the way."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Error-correcting memory: start-up, corrected errors in the status, halt on the others."""
 
-from __future__ import annotations
-
 import struct
 from collections import Counter, defaultdict
 

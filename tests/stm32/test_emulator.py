@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The emulator itself: its core and clock by little images, its models register by register."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The device models by themselves: what they must refuse."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.stm32.models.bus import InsnClock, UnmodelledError

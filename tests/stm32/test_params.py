@@ -5,8 +5,6 @@ tests/unit/stm32/test_stm_params.c interrupts the log at every operation; here t
 is interrupted: in the first word, in the seal, and in the erase before the log goes round.
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The image at the least and the highest rate of the tick: BOARD_TICK_HZ of 5 and 50 kHz."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Iterator
 from itertools import pairwise

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The self-test that the letter t on the serial line starts, on good boards and on bad ones."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

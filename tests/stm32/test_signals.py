@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Encoder, bus and lines of the image, where a cut does not lead."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 

@@ -4,8 +4,6 @@
 A start or a download shows some of it as an error of a model; the rest is told apart here.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests.stm32.board import TABLE

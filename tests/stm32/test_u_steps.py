@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """U by step and direction: an image built with BOARD_U_STEP_PM, in a whole cut."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

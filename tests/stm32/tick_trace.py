@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The image's own record of every tick, read out of its memory as a debugger would."""
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 from collections.abc import Iterator

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What files cite lies in the repository: equations of MATHS.md, documents, headings, tests."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from functools import cache

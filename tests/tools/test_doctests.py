@@ -1,7 +1,5 @@
 """The examples in the module docstrings are true, and every module has one."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import pkgutil

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Worked numbers of the equations that no module's test asserts, each by a second method."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, make_interp_spline

@@ -6,8 +6,6 @@ room: whether it finds a header of each other room, and whether a file of one li
 includes one which it finds.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

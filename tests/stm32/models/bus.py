@@ -5,8 +5,6 @@ A model lists its registers; whatever it does not list does not exist, and an ac
 test (`UnmodelledError`). So a port cannot rely on something that nobody has written down here.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ counter; the MPU's in mpu.py. Caches are always coherent here; the process stack
 raised by the core are not modelled, but for the bus fault of a flash word that cannot be read.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from unicorn import Uc

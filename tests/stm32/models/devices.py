@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The peripherals of the chip, at their addresses and wired to each other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.stm32.models.bus import Bus, Device, InsnClock

@@ -8,8 +8,6 @@ loop-back (LBCK with MON), in which no frame reaches the bus. Standard
 identifiers only; no interrupts, no event FIFO.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict, deque
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -13,8 +13,6 @@ hubris 1905; a store that overtakes PG, embassy 1014 and 2539, stm32h7xx-hal 383
 33140 and 34374, PX4 27642; keys for an open bank, and ODEN read back, as in ST's HAL.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 

@@ -5,8 +5,6 @@ A pin that nobody drives follows its pull resistor, the board's before the chip'
 a meter at the pin would read. Pins are named like "PE13". Open drain is not modelled.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.stm32.models.bus import WORD, Device, InsnClock, Reg, UnmodelledError

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Independent watchdog IWDG1 (RM0433, section 46), without window, on the LSI of 32 kHz."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError

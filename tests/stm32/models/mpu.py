@@ -6,8 +6,6 @@ reads and fetches ahead wherever memory is normal and may be accessed, or where 
 image's own accesses are not checked.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from tests.stm32.models.bus import Reg, UnmodelledError

@@ -10,8 +10,6 @@ The edges of a train are known when it starts. They are told at its end, or befo
 that depends on them, each with its own time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError

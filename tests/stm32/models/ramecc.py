@@ -10,8 +10,6 @@ RAMECC_ErrorCount.
 ((4, 2), (1, 3), (2, 512))
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.stm32.models.bus import Device, InsnClock, Reg

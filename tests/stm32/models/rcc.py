@@ -6,8 +6,6 @@ an error: a PLL changed while it runs, a switch to a clock that is not ready, fr
 supply's range. PLL2, PLL3, the low-power gates and the peripheral resets are not modelled.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError

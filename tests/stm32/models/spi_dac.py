@@ -7,8 +7,6 @@ of TSIZE frames per CSTART, hardware slave select with or without pulses. Frames
 their end. Switched off within a clock after EOT, it cuts the last pulse off (ES0392).
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drive's input for step and direction: it counts edges and measures times between them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 FAR = 10**12  # [cycles] longer than any test

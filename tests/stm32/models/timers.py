@@ -7,8 +7,6 @@ update interrupt, OC3REF as trigger output. Not modelled, hence an error: other 
 counting down, one-pulse mode, DMA, break, input prescalers. The input filter delays nothing here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.stm32.models.bus import NEVER, WORD, Device, InsnClock, Reg, UnmodelledError

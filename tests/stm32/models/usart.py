@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """USART3 (RM0433, section 48): 8N1, for each direction a data register or a FIFO of 16 bytes."""
 
-from __future__ import annotations
-
 from collections import deque
 
 from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Window watchdog WWDG1 (RM0433, section 44), on the clock of APB3."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError

@@ -1,7 +1,5 @@
 """A part file from somebody else names any file; an error about that one does not show it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """requirements.lock holds what the groups of packages ask for."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 

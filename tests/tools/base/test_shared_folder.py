@@ -1,7 +1,5 @@
 """Results in a folder that others can write to, and what killed runs leave behind."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -9,8 +9,6 @@
 'hello'
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

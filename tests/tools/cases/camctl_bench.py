@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The firmware with an ideal machine, over a bus within this process, for tests of camctl."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 import io

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the tests call the simulator."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import subprocess

@@ -6,8 +6,6 @@ that has imported everything already; it starts with the first command and ends 
 What may depend on how a process begins, as the order of sets does, takes `fresh_command`.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import os

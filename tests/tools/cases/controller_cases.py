@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A service of the panel with visitors, over a bus within this process."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import Callable

@@ -6,8 +6,6 @@ Exact flow of the linear part over short steps, Coulomb friction as a set-valued
 scale that rounds. Many drives are moved at once, one a column.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

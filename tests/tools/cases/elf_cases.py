@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tiny images for a Cortex-M7 that the tests of elfcheck compile and link."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

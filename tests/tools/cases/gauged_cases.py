@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Gauged surfaces by formula, and a judge of surfaces that knows nothing of the correction."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,8 +4,6 @@
 Unpacking needs no root and leaves the system alone: the package itself would bring a desktop.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

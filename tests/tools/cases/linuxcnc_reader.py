@@ -4,8 +4,6 @@
 usage: linuxcnc_reader.py PROGRAM POINTS VARIABLES
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 from array import array

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A live lathe beside a test, with a link to its controller."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

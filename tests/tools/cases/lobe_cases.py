@@ -1,7 +1,5 @@
 """What several tests of cams use: parts of a text, the firmware's own evaluation."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """NC programs as the tests read them, which share nothing with what writes them."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

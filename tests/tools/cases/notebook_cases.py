@@ -7,8 +7,6 @@ r"""Notebooks of the documentation are executed, cell after cell, as Jupyter wou
 '42\n'
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A report read as a browser reads it: its elements, and the numbers that it holds."""
 
-from __future__ import annotations
-
 import json
 from base64 import b64decode
 from html.parser import HTMLParser

@@ -1,7 +1,5 @@
 """Places and processes that several tests of the table generator use."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from collections.abc import Callable

@@ -3,8 +3,6 @@
 Nothing here uses the curves, roots or pieces of camtools.polygon.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

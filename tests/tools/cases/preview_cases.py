@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Previews for tests: what the worker answers, without a process of its own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

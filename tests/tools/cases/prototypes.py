@@ -1,7 +1,5 @@
 """What the header of a shared library declares, as ctypes names it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

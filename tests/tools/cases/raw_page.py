@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A page of the panel without a browser: what NiceGUI's script says, or what an attacker would."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import re
@@ -74,7 +72,7 @@ class RawPage:
         return urlencode(own | more)
 
     @contextmanager
-    def connected(self, origin: str | None = "", **more: str) -> Iterator[RawSocket]:
+    def connected(self, origin: str | None = "", **more: str) -> Iterator["RawSocket"]:
         """Connect as the page does; origin None: without one, "": the page's own."""
         place = self.origin.replace("http://", "ws://")
         url = f"{place}/_nicegui_ws/socket.io/?{self.query(**more)}"

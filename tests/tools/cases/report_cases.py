@@ -1,7 +1,5 @@
 """Cuts made up for the tests of reports: a trace, a surface, a summary."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """elfcheck follows calls, jumps and loops of an interrupt, and refuses what it may not reach."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line of elfcheck: exit status, messages, the record of sizes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The look-up pages of parameters and CAN messages are what their sources give."""
 
-from __future__ import annotations
-
 from camtools.base.project_paths import ROOT
 from camtools.link.messages import DATABASE
 from camtools.link.parameters import INFOS

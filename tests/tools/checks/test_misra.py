@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The MISRA gate: deviations cover what they say and nothing else."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The runner of all tests: what it counts, reports and stops; CTest itself runs the steps."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """The safety case: its pages are what its source says, and what it names is there."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

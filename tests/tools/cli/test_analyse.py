@@ -1,7 +1,5 @@
 """The command line of the analysis: files, figures, and everything that must be refused."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/camctl against the firmware with an ideal machine, over a bus within this process."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What changes in the cut, with tools/camctl, against the firmware with an ideal machine."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """camctl's excitation of U and learned values against the firmware, over a bus."""
 
-from __future__ import annotations
-
 import signal
 import threading
 import time

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Axes by hand with tools/camctl, against the firmware with an ideal machine."""
 
-from __future__ import annotations
-
 import re
 import signal
 import threading

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who commands, the level and acknowledge: tools/camctl against the firmware."""
 
-from __future__ import annotations
-
 import signal
 import threading
 import time

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """camctl's recorder against the firmware, over a bus."""
 
-from __future__ import annotations
-
 import json
 import threading
 from collections.abc import Callable

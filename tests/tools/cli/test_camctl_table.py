@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables over the bus by tools/camctl: downloaded, selected, refused, repeated."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What all command lines share: a signal is a signal, whatever a library makes of it."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line tools/flash: what it refuses, and what it asks a programmer to do."""
 
-from __future__ import annotations
-
 import os
 import re
 import struct

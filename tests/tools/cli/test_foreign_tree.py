@@ -1,7 +1,5 @@
 """A command in a tree that belongs to another user says so, and what to do."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command that identifies U: on the simulator, over CAN, and what it refuses."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Keys and signatures: two implementations agree, and files that others can read are refused."""
 
-from __future__ import annotations
-
 import os
 import stat
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/live: a session through camctl as an operator has it, and what is left when one dies."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

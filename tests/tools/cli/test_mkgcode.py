@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line tools/mkgcode: programs read back, files whole or absent, refusals."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

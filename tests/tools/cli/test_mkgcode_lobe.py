@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """NC programs of cams: X over C and the swing, times, read back by us and by LinuxCNC."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

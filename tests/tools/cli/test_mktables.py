@@ -1,7 +1,5 @@
 """The command line: files complete or absent, exit status, C that compiles."""
 
-from __future__ import annotations
-
 import filecmp
 import json
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """mktables --measured: what it writes and says, and every surface that it refuses."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

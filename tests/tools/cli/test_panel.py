@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/panel as a program: what is wrong is one line, and its end leaves nothing behind."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

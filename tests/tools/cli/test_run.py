@@ -1,7 +1,5 @@
 """The command line tools/run: results complete or not at all, exit status, one line per error."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

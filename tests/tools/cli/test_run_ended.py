@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A tools/run that does not come to its end: what it says, and that nothing is left behind."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A tolerance that the drawing states counts as much as the form error does."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ring-helix on the simulator: Z against its path, the surface between tracks."""
 
-from __future__ import annotations
-
 import csv as csv_module
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What the change from lobe to lobe demands: refused before motion with numbers that would do."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The heel against brute force: a flank swept over a dense polygon of the work, point by point."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

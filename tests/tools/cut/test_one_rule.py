@@ -6,8 +6,6 @@ axes in the trace stay within the limits there, and those that the rule names fi
 little more speed is refused by generator and controller for the same limit.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How Z follows the turns: the worked numbers of MATHS.md (40) .. (43), ramps, tracks, scallops."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

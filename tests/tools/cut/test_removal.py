@@ -1,7 +1,5 @@
 """Area, equal parts, speed law and forces against MATHS.md (20) .. (29)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

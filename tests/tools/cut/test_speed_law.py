@@ -1,7 +1,5 @@
 """The speed law of least ripple: numbers of MATHS.md (24) .. (29), limits, and properties."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """The spindle as it plays a law, against differential equations solved by another method."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command: draws, cuts, tells; goes on where it was stopped; refuses in one line."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

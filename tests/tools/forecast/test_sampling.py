@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Machines are drawn evenly, repeatably, and so that intervals hold."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import stats
 

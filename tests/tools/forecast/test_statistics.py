@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is said of a sample agrees with printed values and with counting."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is not known is read from V.toml, and refused where it cannot be."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import quad

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Excitations within the limits of U."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

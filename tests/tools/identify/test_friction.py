@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Friction as played: sticking, slipping, and its balance of forces."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from camtools.identify.friction import friction_of

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Constants found, against drives of another make whose constants are known (drive_plant.py)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Machine files with other numbers for the controller."""
 
-from __future__ import annotations
-
 import tomllib
 
 import pytest

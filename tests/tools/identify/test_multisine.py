@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The excitation: its lines, its crest, its peaks."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What wrong constants cost a part, against formulas of one harmonic and against a drive played."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

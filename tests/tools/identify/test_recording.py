@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is wrong with a record is said before anything is fitted."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report: numbers, settings, doubts."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

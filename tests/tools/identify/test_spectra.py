@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lines of a record, their noise, friction as a spectrum."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

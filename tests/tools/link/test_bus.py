@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every interface of python-can opens, or one line says what is missing."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

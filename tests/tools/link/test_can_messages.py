@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """camturn.dbc against the C sources that it describes, and the C made of it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

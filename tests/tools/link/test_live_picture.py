@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A cut on the live lathe as the panel sees it: learning and the time that is left."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A stranger on the bus of the live lathe: what he hears he replays, guesses and floods."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator
 from contextlib import contextmanager

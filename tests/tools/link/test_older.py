@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A controller of another version: what it does not know or tell is said, with the remedy."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import can

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Progress, load and convergence from the status: also what is not known, and says so."""
 
-from __future__ import annotations
-
 import pytest
 
 from camtools.link.controller import Link

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page that camctl watch draws over and over."""
 
-from __future__ import annotations
-
 import pytest
 
 from camtools.link.controller import Status

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Samples of single ticks: what the frames say, against the recorder and against cantools."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import time

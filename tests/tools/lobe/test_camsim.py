@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cams on the simulator: the profile that the wheel leaves, lobe by lobe, and what is refused."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Patterns of shafts: one for each profile, shared by its lobes, and what lies between two."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

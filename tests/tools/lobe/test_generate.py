@@ -1,7 +1,5 @@
 """Tables of cams: errors, several lobes, speeds, refusals, and the firmware's own evaluation."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Cams against the worked numbers of MATHS.md (30), (31), (33) .. (39), and against each other."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 import pytest

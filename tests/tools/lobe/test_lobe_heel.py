@@ -1,7 +1,5 @@
 """The heel of a swung tool against brute force and the closed form of a hollow."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Part files of cams: what is read, and what is refused with field and remedy."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

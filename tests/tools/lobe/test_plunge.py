@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plunge grinding: infeed and spark-out by the turn, wheel width and wear, Z that stands."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace

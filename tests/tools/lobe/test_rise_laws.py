@@ -1,7 +1,5 @@
 """Laws of flanks against the handbooks' peaks, and flat-faced followers against their envelope."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

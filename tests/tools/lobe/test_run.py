@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/run with a cam: results complete, figures in words, errors as for a skirt."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rounded lists of lift, smoothed within a band, judged by the laws before rounding."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

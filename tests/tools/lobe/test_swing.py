@@ -6,8 +6,6 @@ that the simulator compares U with the table itself; what is judged here is the 
 trace of every tick.
 """
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Surfaces as the simulator and instruments write them: units, separators, what is refused."""
 
-from __future__ import annotations
-
 import pytest
 
 from camtools.base.errors import InputError

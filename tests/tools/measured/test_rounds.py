@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cut, gauge, correct, cut again on the simulator, whose machine is not as it is believed."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How much a round takes off, on machines that answer a correction more or less than expected."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

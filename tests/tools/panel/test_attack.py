@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Attacks on a panel that runs: by other sites, by viewers, by who speaks to its socket."""
 
-from __future__ import annotations
-
 import socket
 import time
 from collections.abc import Iterator

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What passes the gate and what does not; after it every request is served."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The panel as one commander on the bus: beside another one, locked, and before the button."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Iterator
 

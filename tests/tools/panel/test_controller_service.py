@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The controller service and the firmware on an ideal machine: orders, rights, parameters."""
 
-from __future__ import annotations
-
 import asyncio
 import random
 import struct

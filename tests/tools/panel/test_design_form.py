@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The form and the text are one: a change of a field changes that value and nothing else."""
 
-from __future__ import annotations
-
 import tomllib
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers of a preview are those of the table, of the controller, and of its set-points."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a part file may not do on the page: read other files, have hostile names, hide faults."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Following error over the angle: scale, series that change, bounded payload."""
 
-from __future__ import annotations
-
 import json
 import math
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each fault of the firmware has a title, a cause and a remedy for people."""
 
-from __future__ import annotations
-
 import re
 
 from camtools.base.project_paths import ROOT

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files of strangers that would keep the panel busy for hours; messages that would fill logs."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 from collections.abc import Callable

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The link's thread between two connections."""
 
-from __future__ import annotations
-
 import can
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Axes that the service moves by hand: held buttons, steps, homes, what stops them."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is missing to go on: a sentence for everything, in the order in which it must be done."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

@@ -5,8 +5,6 @@ For each situation the order that leads on is refused, its first missing item te
 when it is done; when nothing is missing the order is accepted.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from contextlib import suppress

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Numbers, parameters and learning as the operator's page shows them."""
 
-from __future__ import annotations
-
 import re
 
 from hypothesis import given

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Token, presses of a jog button and the log, by themselves."""
 
-from __future__ import annotations
-
 import errno
 import json
 import resource

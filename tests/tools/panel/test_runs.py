@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs are kept, cut one after the other, stopped, and compared by their own numbers."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures and tables of the papers: the page cannot go stale, its numbers are the worked ones."""
 
-from __future__ import annotations
-
 import csv
 import re
 import tomllib

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What lies in build/run: only runs are counted, and only runs are removed."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Each package of camtools sees only those below it, as pyproject.toml draws the layers."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tomllib

@@ -1,7 +1,5 @@
 """A third kind of part is one package: from its file to its report, with no change elsewhere."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

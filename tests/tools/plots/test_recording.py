@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of recordings: what is drawn over what, and that every recording can be drawn."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What all pictures share: numbers written in full, and none over another."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

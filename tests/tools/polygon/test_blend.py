@@ -1,7 +1,5 @@
 """Blends: they cost what they may, make U's motion smooth, and leave the rest alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

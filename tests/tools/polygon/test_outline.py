@@ -1,7 +1,5 @@
 """Outlines against other constructions of the same drawings."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Tables of polygons: the firmware's evaluation, the cut, what is refused."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

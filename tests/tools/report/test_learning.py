@@ -1,7 +1,5 @@
 """What a report says of learning, and its picture of convergence."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page of a report: its structure, the numbers it holds, and what must never happen in it."""
 
-from __future__ import annotations
-
 import re
 from base64 import b64encode
 from dataclasses import replace

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a report says of the position switches, and its picture."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

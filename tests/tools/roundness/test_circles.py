@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reference circles against other methods: scipy's minimisers, its linear programs, brute force."""
 
-from __future__ import annotations
-
 from itertools import combinations, pairwise
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sections of a real cut, recomputed from its trace (Parquet) by another route, sheet included."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

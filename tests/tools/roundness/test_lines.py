@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Straightness against brute force over all pairs of points and a linear program."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A sheet whose every answer is known in closed form, and what is said where there is none."""
 
-from __future__ import annotations
-
 import json
 from types import SimpleNamespace
 from typing import Any, cast

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Filter and harmonics against the standard's own convolution and against least squares."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

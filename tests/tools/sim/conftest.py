@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of the simulator share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

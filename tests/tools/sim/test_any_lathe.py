@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Machines drawn at random from the whole range of every key: a cut ends, and tells a number."""
 
-from __future__ import annotations
-
 import json
 from math import isfinite
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """camsim bus refuses what is wrong before it touches anything; tests/linux shows what it does."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

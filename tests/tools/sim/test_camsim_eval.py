@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The firmware's evaluation of generated tables against exact geometry."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

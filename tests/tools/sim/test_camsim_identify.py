@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """camsim identify: what U plays is the file, and nothing is written of what was cut short."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line of camsim run: results, determinism, and everything that must be refused."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Windows, limits and bandwidth that nobody set fit the machine, or are refused with numbers."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The line of tools/run about a drive that is worse than believed."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

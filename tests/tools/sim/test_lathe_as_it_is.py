@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Effects of a real lathe in whole cuts: what the gauge sees against what a formula says."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table of tests/learn/README.md: each machine keeps its form error once it has learned."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """U about its mean, run-in and run-out: cuts on the simulated lathe, judged by the drawing."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

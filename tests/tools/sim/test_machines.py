@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Machines by name or file: what is found, what is refused, and that all of them can be read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

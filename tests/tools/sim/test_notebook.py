@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The notebook of the documentation runs and prints what it shows."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A rehearsal on the simulator: the true tip never comes near the blank, whatever the part."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the limit of jerk costs a retract, as FAULTS.md states it: emergency stops at 24 angles."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

@@ -5,8 +5,6 @@ The formulas stand here, in the drawing's angle (PARTFILE.md, "The drawing's ang
 the table nor NAME.json takes part in the judgement, except where the gauge itself is on trial.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The simulator in this process gives what the program writes, and leaves nothing behind."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -6,8 +6,6 @@ exactly, the reversals are roots found by scipy, and rest is rest. The commands 
 as the trace of camsim has them.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """MATHS.md (141) to (145): the equations of learning, apart from the firmware that uses them."""
 
-from __future__ import annotations
-
 import itertools
 import tomllib
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Position switches on the simulated lathe: where they act by the spindle's true angle."""
 
-from __future__ import annotations
-
 import json
 from math import degrees
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The trace as Parquet: the numbers of the text to the last bit, in a tenth of it."""
 
-from __future__ import annotations
-
 import io
 import os
 import threading

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of skirts share."""
 
-from __future__ import annotations
-
 import pytest
 
 from camtools.skirt.table.generate import GeneratedSkirt, generate

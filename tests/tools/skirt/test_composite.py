@@ -1,7 +1,5 @@
 """Ellipse and eccentric circle against the worked numbers of MATHS.md (10) .. (13)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

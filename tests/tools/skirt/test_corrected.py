@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables that take a correction off their drawing, against formulas and on the simulator."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

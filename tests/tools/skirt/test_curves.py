@@ -4,8 +4,6 @@ What is compared with is the drawing itself: its points, the interval between tw
 equation of its circles in extended precision.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The generator: tolerance kept, bounds true, bytes few and always the same."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings

@@ -1,7 +1,5 @@
 """Profile, ovality and motion against the worked numbers of MATHS.md (6) .. (9)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline

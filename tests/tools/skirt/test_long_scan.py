@@ -1,7 +1,5 @@
 """Long scans: what is too much for a table is refused with a remedy, and the remedy works."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A round nose: the path of its tip against a search among all heights, what does not fit, ends."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Part files: what is read, and what is refused with which words."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

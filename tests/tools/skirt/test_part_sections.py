@@ -1,7 +1,5 @@
 """Part files of composite and measured sections and of equal-volume turning."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every part of the repository, from its drawing to the gauged cut."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

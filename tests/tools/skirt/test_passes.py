@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Passes and feed against height of a part file: what is refused, what the table holds."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Surfaces of polynomial pieces, and the skirts that are made of them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

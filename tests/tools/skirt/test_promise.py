@@ -1,7 +1,5 @@
 """The ripple that a table promises is the one that is measured on the simulated workpiece."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

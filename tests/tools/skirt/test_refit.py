@@ -1,7 +1,5 @@
 """Refit of the corner against the worked numbers of MATHS.md (14) .. (17)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """The report: what is read, what is drawn, what is said, on cuts made up for the test."""
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 from pathlib import Path

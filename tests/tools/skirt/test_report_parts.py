@@ -1,7 +1,5 @@
 """Pictures and rows that only some parts have: corner, skirt in space, equal-volume turning."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Curves continued beyond their ends, and the middle of U."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import PPoly

@@ -1,7 +1,5 @@
 """Measured sections: reading, filtering, and the surface through the points."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

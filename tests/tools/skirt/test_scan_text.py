@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scans as instruments write them: units, separators, 360 degrees, angles of each height's own."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Sections against the worked numbers of MATHS.md (1) .. (5)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -5,8 +5,6 @@ The formulas stand here, with the numbers of the part files typed in again; no c
 generator or of the simulator's design takes part in them.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

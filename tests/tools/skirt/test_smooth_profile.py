@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rounded points of profile and ovality, smoothed within a band, against the curve they round."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a report tells of the surface between the tracks, which the form error does not see."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

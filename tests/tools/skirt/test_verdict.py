@@ -4,8 +4,6 @@ The drawing is worked out here again from its numbers: the oval, and the circle 
 and the trimmed short axis.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

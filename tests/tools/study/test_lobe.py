@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The study of cams: worked numbers of MATHS.md (30), (31), (33) .. (38), figures, refusals."""
 
-from __future__ import annotations
-
 import csv
 import json
 from io import StringIO

@@ -1,7 +1,5 @@
 """The study of the refit: what it tells, beside the paper's numbers."""
 
-from __future__ import annotations
-
 import csv
 from io import StringIO
 

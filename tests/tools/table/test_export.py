@@ -1,7 +1,5 @@
 """Tables as text for other controllers, and sections that come back from such text."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The image format: bytes there and back, and nothing damaged is accepted."""
 
-from __future__ import annotations
-
 import re
 import struct
 import zlib

@@ -3,8 +3,6 @@
 All that a kind brings stands in this one file; nothing of camtools names it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
