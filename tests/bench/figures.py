@@ -68,11 +68,7 @@ CASES = (
     Case(
         "perkins240",
         "perkins240",
-        table={
-            "bytes": "table_bytes",
-            "u_nm": "error.u.value_nm",
-            "x_nm": "error.x.value_nm",
-        },
+        table={"bytes": "table_bytes", "u_nm": "error.u.value_nm", "x_nm": "error.x.value_nm"},
         cut=FORM | FORM_RMS | RIPPLE,
     ),
     Case("no_lead", "perkins240", ("--no-lead",), cut=FORM),

@@ -19,11 +19,7 @@ def swing_errors_deg(camsim: str, folder: Path) -> list[float]:
     points = "".join(f"{float(row['turn']) + LAG_S:.12f},{row['z_mm']}\n" for row in rows)
     command = [camsim, "eval", str(folder / "cam.camtab")]
     done = subprocess.run(
-        command,
-        input="turn,z_mm\n" + points,
-        text=True,
-        capture_output=True,
-        check=True,
+        command, input="turn,z_mm\n" + points, text=True, capture_output=True, check=True
     )
     wanted = csv.DictReader(done.stdout.splitlines())
     pairs = zip(rows, wanted, strict=True)

@@ -6,16 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.bench import resolution
-from tests.bench.resolution import (
-    DEFAULT,
-    EXACT,
-    PORTS,
-    ROWS,
-    Shape,
-    bound_um,
-    cut_row_um,
-    cut_um,
-)
+from tests.bench.resolution import DEFAULT, EXACT, PORTS, ROWS, Shape, bound_um, cut_row_um, cut_um
 
 Lines = list[list[str]]
 

@@ -115,8 +115,7 @@ class Overheard:
         with self._news:
             n_rows = self._heard.status.n_rows
             return self._news.wait_for(
-                lambda: self._heard.status.n_rows > n_rows and is_so(self._heard.status),
-                patience_s,
+                lambda: self._heard.status.n_rows > n_rows and is_so(self._heard.status), patience_s
             )
 
     def wait_for(self, is_so: Callable[[Status], bool]) -> Status:

@@ -5,13 +5,7 @@ import json
 
 import pytest
 
-from tests.mutation.account import (
-    HERE,
-    LEAST_PERCENT,
-    MOST_DEAF_PERCENT,
-    Reason,
-    reasons,
-)
+from tests.mutation.account import HERE, LEAST_PERCENT, MOST_DEAF_PERCENT, Reason, reasons
 from tests.mutation.journal import Judged
 from tests.mutation.pristine import judging_tests
 

@@ -178,10 +178,7 @@ def test_protection_of_the_chip_is_told_at_the_start(
     """By the option bytes: any RDP but two is level 1, a bit of 0 protects one of two sectors."""
     session = Session(table)
     session.board.power_on()
-    session.chip.flash.v |= {
-        "optsr_cur": 0x031600F0 | rdp << 8 | brown_out << 2,
-        "wpsn_cur1": wpsn,
-    }
+    session.chip.flash.v |= {"optsr_cur": 0x031600F0 | rdp << 8 | brown_out << 2, "wpsn_cur1": wpsn}
     session.remote.started()
     line = f"level {level}, write protection of the firmware {is_protected}, "
     line += f"brown-out level {brown_out} (UPDATE.md)"

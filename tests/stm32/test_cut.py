@@ -50,15 +50,7 @@ def ticks_of(cut: Session) -> list[tuple[Record, Outputs]]:
 def test_cut_is_whole(cut: Session) -> None:
     """The part is cut from first to last height at full speed, without fault or lost record."""
     states = [line[6:] for line in cut.remote.lines() if line.startswith("state ")]
-    assert states == [
-        "homing",
-        "ready",
-        "engaging",
-        "cutting",
-        "disengaging",
-        "ready",
-        "off",
-    ]
+    assert states == ["homing", "ready", "engaging", "cutting", "disengaging", "ready", "off"]
     assert cut.remote.newest().faults == ()
     assert cut.n_dropped() == 0
     assert len(cut.records) > 10_000

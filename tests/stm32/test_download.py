@@ -91,9 +91,7 @@ def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
     chip.run(chip.seconds(200e-6))
     long_gaps = 0
     started.remote.do(SELECT)
-    assert (
-        long_gaps == 1
-    )  # behind the first check, which takes 1.1 ms; other loops take up to 0.1 ms
+    assert long_gaps == 1  # after the first check, which takes 1.1 ms; other loops up to 0.1 ms
 
 
 def give_until_dark(session: Session, table: bytes) -> None:

@@ -311,12 +311,7 @@ class Pwr(Device):
                 0x04: Reg("csr1", 0x4000, 0, read=self._read_csr1),
                 0x0C: Reg("cr3", 0x00000006, 0x7, write=self._write_cr3),
                 0x18: Reg(
-                    "d3cr",
-                    0x4000,
-                    0xC000,
-                    1 << 13,
-                    write=self._write_d3cr,
-                    read=self._read_d3cr,
+                    "d3cr", 0x4000, 0xC000, 1 << 13, write=self._write_d3cr, read=self._read_d3cr
                 ),
             }
         )

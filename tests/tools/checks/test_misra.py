@@ -6,13 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from checks.misra import (
-    Finding,
-    check,
-    cppcheck,
-    judge,
-    parse_deviations,
-)
+from checks.misra import Finding, check, cppcheck, judge, parse_deviations
 from tests.tools.cases.part_cases import ROOT
 
 TABLE = """

@@ -121,8 +121,7 @@ def test_flanks_of_the_ground_lobe_are_within_the_spindle(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
-    [("cam-disc", ("--diameter",)), ("camshaft", ()), ("cam-345", ())],
+    ("name", "words"), [("cam-disc", ("--diameter",)), ("camshaft", ()), ("cam-345", ())]
 )
 def test_programs_by_linuxcnc(
     tmp_path: Path, linuxcnc: Interpreter, name: str, words: tuple[str, ...]

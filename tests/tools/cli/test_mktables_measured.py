@@ -164,11 +164,7 @@ def test_surface_of_another_part(
     ],
 )
 def test_too_large_an_error(
-    first: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    error: object,
-    message: str,
+    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], error: object, message: str
 ) -> None:
     """What no machine does that cuts this part is refused with the limit."""
     assert callable(error)

@@ -5,14 +5,7 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.cut.path import (
-    LEAST_RAMP,
-    ToolPath,
-    highest_rpm,
-    largest_feed_mm,
-    ramp_of,
-    step_of,
-)
+from camtools.cut.path import LEAST_RAMP, ToolPath, highest_rpm, largest_feed_mm, ramp_of, step_of
 from camtools.part.common import MachineLimits
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart

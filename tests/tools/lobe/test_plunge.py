@@ -48,14 +48,7 @@ def run(
     machine = KIND.machine(made.part).split("[wheel]")[0]
     machine = re.sub(r"(?m)^ripple = .*$", "ripple = 0.0", machine)
     (folder / "m.toml").write_text(f"{machine}[wheel]\nwear_um_per_lobe = {wear_um!r}\n")
-    paths = (
-        "--summary",
-        folder / "s.json",
-        "--trace",
-        folder / "t.csv",
-        "--trace-every",
-        "20",
-    )
+    paths = ("--summary", folder / "s.json", "--trace", folder / "t.csv", "--trace-every", "20")
     done = camsim("run", image, "--machine", folder / "m.toml", *paths)
     assert done.returncode in (0, 1), done.stderr
     columns = columns_of(folder / "t.csv")
@@ -130,18 +123,9 @@ def test_eval_speaks_of_the_station(tmp_path: Path) -> None:
 
 
 REFUSED = [
-    (
-        {"wheel_width_mm": 13.9},
-        r"wheel_width_mm = 13.9: lobe 0 is 14 mm wide; give at least 14",
-    ),
-    (
-        {"wheel_width_mm": 46.1},
-        r"reaches 23.05 mm to each side, lobe 1 begins 23 mm away; give at",
-    ),
-    (
-        {"stock_um": 9000, "infeed_um": 1},
-        r"process.infeed_um = 1: the cut takes \d+ turns",
-    ),
+    ({"wheel_width_mm": 13.9}, r"wheel_width_mm = 13.9: lobe 0 is 14 mm wide; give at least 14"),
+    ({"wheel_width_mm": 46.1}, r"reaches 23.05 mm to each side, lobe 1 begins 23 mm away; give at"),
+    ({"stock_um": 9000, "infeed_um": 1}, r"process.infeed_um = 1: the cut takes \d+ turns"),
 ]
 
 
@@ -153,23 +137,11 @@ def test_what_cannot_be_ground_is_refused_with_numbers(keys: dict[str, object], 
 
 
 FOREIGN = [
-    (
-        '"plunge-grinding"',
-        '"grinding"',
-        r"infeed_um = 20.*: has no meaning for operation",
-    ),
+    ('"plunge-grinding"', '"grinding"', r"infeed_um = 20.*: has no meaning for operation"),
     ("infeed_um = 20\n", "", r"process.infeed_um: is missing for operation"),
     ("wheel_width_mm = 16\n", "", r"cam.wheel_width_mm: is missing for operation"),
-    (
-        "infeed_um = 20\n",
-        "infeed_um = 20\nfeed_mm = 1\n",
-        r"feed_mm = 1.*: has no meaning",
-    ),
-    (
-        "infeed_um = 20\n",
-        'infeed_um = 20\nspeed = "constant-surface"\n',
-        r"at uniform speed",
-    ),
+    ("infeed_um = 20\n", "infeed_um = 20\nfeed_mm = 1\n", r"feed_mm = 1.*: has no meaning"),
+    ("infeed_um = 20\n", 'infeed_um = 20\nspeed = "constant-surface"\n', r"at uniform speed"),
 ]
 
 

@@ -133,9 +133,7 @@ def test_harmonic_is_ground_but_not_turned() -> None:
     assert generate_lobes(cam(TURNED.replace(LAW, closed))).angle.error <= 1e-4
 
 
-REFUSED = [
-    (LAWS["polydyne"].replace("= 250", "= 20"), "would need a lift that falls on its rise"),
-]
+REFUSED = [(LAWS["polydyne"].replace("= 250", "= 20"), "would need a lift that falls on its rise")]
 
 
 @pytest.mark.parametrize(("law", "problem"), REFUSED)

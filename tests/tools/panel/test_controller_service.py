@@ -147,10 +147,7 @@ def test_commands_that_get_lost_are_told_and_leave_nothing_behind(
 
 def test_a_busy_controller_is_asked_again_and_then_told() -> None:
     """Two hundred milliseconds long; the line says what to do."""
-    answers = [
-        Answer("get_parts", "busy", 0.0, 0),
-        Answer("get_parts", "done", 7.0, 0),
-    ]
+    answers = [Answer("get_parts", "busy", 0.0, 0), Answer("get_parts", "done", 7.0, 0)]
     link = Link(can.Bus(interface="virtual", channel="nobody"), "nobody")
     link.next_answer = lambda *_: answers.pop(0)  # type: ignore[method-assign]
     assert link.ask("get_parts").value == 7.0

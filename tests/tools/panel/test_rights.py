@@ -165,7 +165,7 @@ def test_the_log_is_its_owners_alone_and_bounded(tmp_path: Path) -> None:
     rows = [json.loads(line) for line in path.read_text("ascii").splitlines()]
     assert rows[-1]["arguments"] == {"percent": 99, "name": "a\nb\u2028<c>"}
     assert set(rows[-1]) == {
-        *("time", "visitor", "address", "order", "arguments", "is_done", "outcome"),
+        *("time", "visitor", "address", "order", "arguments", "is_done", "outcome")
     }
     CommandLog(path).close()
 

@@ -30,7 +30,7 @@ def place(tmp_path: Path) -> Path:
 def test_the_newest_come_first(place: Path) -> None:
     """With what they take."""
     assert [(run.name, run.n_bytes) for run in runs(place)] == [
-        *(("new", 1024), ("middle", 1024), ("old", 1024)),
+        *(("new", 1024), ("middle", 1024), ("old", 1024))
     ]
     assert kept_text(place) == "3 runs, 3.1 kB: new, middle, old"
 

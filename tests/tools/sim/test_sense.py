@@ -200,19 +200,9 @@ def test_two_lobes_at_their_phases(tmp_path: Path, direction: int, operation: st
     """Both discs stand at 40 and -110 degrees; the tool keeps its rake whatever the sense."""
     table = made(tmp_path, CAM.format(direction=direction, operation=operation), "two")
     machine = ROOT / "host_sim" / "machines" / "cam.toml"
-    words = (
-        "--machine",
-        str(machine),
-        "--design",
-        str(table.with_suffix(".json")),
-        "--rpm",
-        "23",
-    )
+    words = ("--machine", str(machine), "--design", str(table.with_suffix(".json")), "--rpm", "23")
     turn, z_mm, radius_mm = surface(table, *words)
-    for low_mm, high_mm, phase_deg, disc_mm, off_mm in (
-        (0, 1, 40, 24, 4),
-        (2, 3, -110, 23, 3),
-    ):
+    for low_mm, high_mm, phase_deg, disc_mm, off_mm in ((0, 1, 40, 24, 4), (2, 3, -110, 23, 3)):
         here = (z_mm > low_mm) & (z_mm < high_mm)
         psi = 2 * np.pi * turn[here] - np.radians(phase_deg)
         exact_mm = off_mm * np.cos(psi) + np.sqrt(disc_mm**2 - off_mm**2 * np.sin(psi) ** 2)

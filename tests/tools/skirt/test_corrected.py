@@ -68,8 +68,7 @@ def written(part: SkirtPart, correction: Correction, folder: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    "process",
-    [{}, {"direction": -1}, {"run_in_mm": 2.0, "run_out_mm": 1.0, "u_zero": "mean"}],
+    "process", [{}, {"direction": -1}, {"run_in_mm": 2.0, "run_out_mm": 1.0, "u_zero": "mean"}]
 )
 def test_firmware_plays_drawing_less_correction(process: dict[str, Any], tmp_path: Path) -> None:
     """Both ways round, with run-in and U about its mean: within 4 nm of the drawing's formula."""

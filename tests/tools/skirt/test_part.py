@@ -142,7 +142,7 @@ def test_all_errors_are_reported() -> None:
     text = with_line("name", "1").replace("feed_mm = 0.1", "feed_mm = 0")
     lines = lines_of(text.replace('shape = "ellipse"', 'shape = "ring"'))
     assert [line.split()[1] for line in lines] == [
-        *("part.name", "piston.section.shape", "process.feed_mm"),
+        *("part.name", "piston.section.shape", "process.feed_mm")
     ]
 
 
