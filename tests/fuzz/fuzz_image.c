@@ -4,7 +4,6 @@
 #include "fixture_image.h" // fixture_at_crc
 #include "fuzz_mutate.h"   // LLVMFuzzerMutate
 #include <stdint.h>
-#include <string.h> // memcpy
 
 enum { first_checked = 24, least = 128 };
 

@@ -8,7 +8,6 @@
 #include "fuzz_mutate.h"
 #include "fuzz_rig.h"
 #include "hal_host.h"
-#include <string.h>
 
 enum { head_bytes = 4, order_bytes = 12, most_ticks = 1500, gap_ticks = 12 };
 enum { command_id = 0x640, answer_id = 0x5C0, block_id = 0x6C0 };

@@ -3,7 +3,6 @@
 // from any bytes and packed again is the same message, and values that were packed come back.
 #include "camturn.h"
 #include "fuzz_expect.h"
-#include <stdbool.h>
 #include <string.h>
 
 enum { most_bytes = 64 };

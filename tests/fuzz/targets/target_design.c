@@ -3,13 +3,11 @@
 // content. What is read gives a number at every place.
 #include "cam_table.h"
 #include "fixture_image.h"
-#include "fixture_part.h"
 #include "fuzz_expect.h"
 #include "fuzz_file.h"
 #include "fuzz_rig.h"
 #include "sim_design.h"
 #include <math.h>
-#include <string.h>
 
 enum { most_bytes = 4096 };
 

@@ -3,12 +3,10 @@
 // promises holds: no value leaves the bounds of TABLE_FORMAT.md.
 #include "cam_eval.h"
 #include "cam_fix.h"
-#include "cam_lobes.h"
 #include "cam_table.h"
 #include "fuzz_expect.h"
 #include "fuzz_image.h"
 #include "fuzz_mutate.h"
-#include <stdbool.h>
 #include <string.h>
 
 enum { most_bytes = 8192, n_angles = 24, n_heights = 5 };

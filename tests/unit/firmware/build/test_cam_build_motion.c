@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Limits of motions by time and of what the axes are told, against their formulas in double.
-#include "cam_build_inner.h"
 #include "cam_build.h"
 #include "cam_gains.h"
 #include "hal_host.h"

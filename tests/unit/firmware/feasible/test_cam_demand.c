@@ -3,11 +3,9 @@
 // the set-points of a simulated cut.
 #include "cam_demand.h"
 #include "cam_feasible.h"
-#include "cam_swing.h"
 #include "fixture_play.h"
 #include "fixture_shaft.h"
 #include "unity.h"
-#include <math.h>
 #include <stdlib.h>
 
 static fixture_play_t f;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Excitation of U by the commands of the slow side, and every way out of it.
-#include "cam_fix.h"
 #include "cam_machine_identify.h"
 #include "cam_machine_inner.h" // cam_machine_offer_copy
 #include "cam_machine_scope.h"
@@ -8,8 +7,7 @@
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
-#include <math.h>   // sin
-#include <string.h> // memcpy
+#include <math.h> // sin
 
 enum { tick_hz = 20000, n = 200, n_periods = 3, fade = 100, place_nm = -300000 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of all parameters at once, the ones that are kept, and the numbers of a refusal.
-#include "cam_machine_jog.h" // cam_machine_jog
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"

@@ -3,9 +3,6 @@
 // decisions two cases that differ in it alone.
 #include "cam_machine.h"
 #include "cam_machine_jog.h"
-#include "cam_machine_identify.h"
-#include "cam_machine_inner.h"
-#include "cam_machine_scope.h"
 #include "fixture_newer.h"
 #include "rig_bench.h"
 

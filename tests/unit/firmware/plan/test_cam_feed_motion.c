@@ -5,7 +5,6 @@
 #include "fixture_play.h"
 #include "fixture_random.h" // fixture_rarer
 #include "unity.h"
-#include <math.h>
 
 static fixture_play_t f;
 static fixture_part_t part;

@@ -2,7 +2,6 @@
 // The swing of the tool: its lines against the table, its return to 0, its drive, what a table
 // demands of it.
 #include "cam_feasible.h"
-#include "cam_peaks.h"
 #include "cam_swing.h"
 #include "fixture_play.h"
 #include "fixture_random.h"

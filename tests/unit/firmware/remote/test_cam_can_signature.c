@@ -6,7 +6,6 @@
 #include "fixture_sign.h"
 #include "hal_host.h"
 #include "unity.h"
-#include <string.h> // memset
 
 static fixture_download_t d;
 static fixture_keys_t keys;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The feed against height: Z over the turns, its limits, and ways that are refused.
-#include "cam_angle.h"
 #include "cam_feasible.h"
 #include "cam_feed_profile.h"
 #include "fixture_newer.h"

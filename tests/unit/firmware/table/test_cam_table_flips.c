@@ -4,7 +4,6 @@
 // stays within its limits, and the guard or the background check ends the cut.
 #include "fixture_random.h" // fixture_rarer
 #include "fixture_rig.h"
-#include "fixture_shaft.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <stddef.h> // offsetof

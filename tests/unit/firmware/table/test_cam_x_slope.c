@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Slope and bend of X's profile against the derivatives that the table was made of.
-#include "cam_peaks.h"
 #include "fixture_image.h"
 #include "unity.h"
 

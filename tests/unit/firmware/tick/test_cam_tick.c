@@ -5,7 +5,6 @@
 #include "unity.h"
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { log_capacity = 60000 };
 

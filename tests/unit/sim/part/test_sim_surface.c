@@ -4,7 +4,6 @@
 #include "unity.h"
 #include <math.h>   // cos, fmod, pow, sin
 #include <stdio.h>  // snprintf
-#include <stdlib.h> // malloc
 #include <string.h> // strstr
 
 static sim_surface_t surface;
