@@ -89,7 +89,6 @@ class Chip(Devices):
         self.resets: list[str] = []
         self.on_reset: Callable[[str], None] = lambda reason: None
         self._failure: Exception | None = None
-        self._invalid = ""
         self._asked: str | None = None
         self._stall: tuple[int | None, int] = (None, 0)
         self._intr: int | None = None

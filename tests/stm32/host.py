@@ -29,6 +29,17 @@ def make_table(path: Path) -> bytes:
     return path.read_bytes()
 
 
+def build_with(setting: str, value: str) -> Path:
+    """Build the firmware with a setting of board_config.h; return the .elf."""
+    folder = ROOT / "build" / f"mcu-stm32h743-{setting.lower()}-{value}"
+    flag = f"-DCMAKE_C_FLAGS=-D{setting}={value}"
+    configure = ["cmake", "--preset", "mcu-stm32h743", "-B", str(folder), flag]
+    subprocess.run(configure, cwd=ROOT, check=True, capture_output=True)
+    command = ["cmake", "--build", str(folder), "--target", "firmware"]
+    subprocess.run(command, check=True, capture_output=True)
+    return folder / "hal" / "stm32h743" / "firmware.elf"
+
+
 @dataclass(frozen=True)
 class Done:
     """What the host did in a tick."""

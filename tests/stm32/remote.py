@@ -37,7 +37,7 @@ BEGIN, END, BLOCK = (
     _COMMANDS[name] for name in ("begin_download", "end_download", "download_block")
 )
 SAVE, REVERT = _COMMANDS["save_parameters"], _COMMANDS["revert_parameters"]
-TAKE, MANUAL, HOME = (_COMMANDS[name] for name in ("take_command", "manual", "home"))
+TAKE = _COMMANDS["take_command"]
 COMMAND, ANSWER, STATE, SPINDLE = _id("Command"), _id("Answer"), _id("State"), _id("Spindle")
 DETAIL, TO_CONTROLLER, FLOW = _id("Detail"), _id("Block"), _id("BlockFlow")
 PARAMS = [name for _, name in sorted(_table("Command", "parameter").items())]

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The device models by themselves: what they must refuse."""
+"""The device models: what they must refuse, by themselves and in a chip."""
 
 import pytest
 
+from tests.stm32.emulator import Chip
+from tests.stm32.host import IMAGE
+from tests.stm32.image import Image
 from tests.stm32.models.bus import InsnClock, UnmodelledError
 from tests.stm32.models.flash_pwr import Flash, Pwr, Syscfg
 from tests.stm32.models.pulse_timer import PulseTimer
@@ -133,3 +136,25 @@ def test_window_watchdog_bites_late_and_early(clock: InsnClock, rcc: Rcc) -> Non
     clock.now += 4095
     wwdg.write(0, 4, 0xC5)
     assert bites[1:] == [clock.now]
+
+
+@pytest.mark.parametrize(
+    ("address", "why"),
+    [
+        (0x40001000, "no device"),  # TIM6
+        (0x58024404, "no register"),  # RCC_HSICFGR
+        (0x40000800, "without its clock"),  # TIM4
+        (0x30000000, "no memory"),  # SRAM1
+        (0x00000010, "null pointer"),
+    ],
+)
+def test_unknown_addresses_end_the_run(address: int, why: str) -> None:
+    """What no model knows fails with the address and the place in the code."""
+    chip = Chip(Image(IMAGE), hse_hz=8_000_000)
+    chip.power_on()
+    load = b"\x00\x48\x00\x68"  # ldr r0, [pc]; ldr r0, [r0]; the word after them is loaded first
+    chip.put_instructions(
+        chip.pc, b"\x00\xbf" * (chip.pc // 2 % 2) + load + address.to_bytes(4, "little")
+    )
+    with pytest.raises(UnmodelledError, match=f"{why}.*0x{address:08x}.*stm_reset"):
+        chip.run(10)

@@ -7,8 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from tests.stm32.host import ROOT, make_table
-from tests.stm32.image_build import build_with
+from tests.stm32.host import ROOT, build_with, make_table
 from tests.stm32.remote import ENABLE
 from tests.stm32.session import Session
 

@@ -5,8 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from tests.stm32.host import make_table, positions, replay, steps
-from tests.stm32.image_build import build_with
+from tests.stm32.host import build_with, make_table, positions, replay, steps
 from tests.stm32.remote import START
 from tests.stm32.session import Session
 
