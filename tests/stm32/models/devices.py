@@ -96,16 +96,8 @@ class Devices:
         """Give every device its addresses."""
         devices: list[Device] = [self.rcc, self.syscfg, self.flash, self.pwr, self.dbgmcu]
         devices += [self.ramecc, self.spi3, self.dac1]
-        devices += [
-            self.can_ram,
-            self.ccu,
-            self.fdcan1,
-            self.usart3,
-            self.iwdg1,
-            self.wwdg1,
-            self.nvic,
-            self.dwt,
-        ]
+        devices += [self.can_ram, self.ccu, self.fdcan1, self.usart3]
+        devices += [self.iwdg1, self.wwdg1, self.nvic, self.dwt]
         devices += [*self.tim.values(), *self.pulses.values(), *self.gpio.ports.values()]
         for device in devices:
             self.bus.add(device)

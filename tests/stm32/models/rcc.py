@@ -15,18 +15,10 @@ CSI_HZ = 4_000_000
 LSI_HZ = 32_000
 READY_CYCLES = 5000
 
-HSION, HSIRDY, HSIDIV, HSIDIVF, HSEON, HSERDY, HSEBYP, CSSON, PLL1ON, PLL1RDY = (
-    1 << 0,
-    1 << 2,
-    3 << 3,
-    1 << 5,
-    1 << 16,
-    1 << 17,
-    1 << 18,
-    1 << 19,
-    1 << 24,
-    1 << 25,
+HSION, HSIRDY, HSIDIVF, HSEON, HSERDY, HSEBYP, CSSON, PLL1ON, PLL1RDY = (
+    1 << i for i in (0, 2, 5, 16, 17, 18, 19, 24, 25)
 )
+HSIDIV = 3 << 3
 CR_RESET = HSION | HSIRDY | HSIDIVF
 HSECSSF = 1 << 10
 RMVF = 1 << 16

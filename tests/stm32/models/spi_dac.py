@@ -14,18 +14,7 @@ from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledErro
 from tests.stm32.models.rcc import Rcc
 
 SPE, MASRX, CSTART, CSUSP, SSI = 1 << 0, 1 << 8, 1 << 9, 1 << 10, 1 << 12
-CR1_BITS = SPE | MASRX | CSTART | CSUSP | SSI
-RXP, TXP, DXP, EOT, TXTF, OVR, MODF, SUSP, TXC = (
-    1 << 0,
-    1 << 1,
-    1 << 2,
-    1 << 3,
-    1 << 4,
-    1 << 6,
-    1 << 9,
-    1 << 11,
-    1 << 12,
-)
+RXP, TXP, DXP, EOT, TXTF, OVR, MODF, SUSP, TXC = (1 << i for i in (0, 1, 2, 3, 4, 6, 9, 11, 12))
 MASTER, CPHA, CPOL, SSM, SSOE, SSOM = 1 << 22, 1 << 24, 1 << 25, 1 << 26, 1 << 29, 1 << 30
 FULL_DUPLEX, TRANSMIT_ONLY = 0, 1
 FIFO_BYTES = 16

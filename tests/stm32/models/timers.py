@@ -30,8 +30,6 @@ class Timer(Device):
         called when the counter wraps, before the interrupt
     on_output : callable
         told channel and level when the level of an output changes
-    captures_missed : int
-        edges that came while an earlier capture had not been read
     """
 
     def __init__(
@@ -49,7 +47,6 @@ class Timer(Device):
         self.on_trigger: Callable[[], None] = lambda: None
         self.on_update: Callable[[], None] = lambda: None
         self.on_output: Callable[[int, int], None] = lambda channel, level: None
-        self.captures_missed = 0
         self._since = 0  # [cycles] instant of _count and _rest
         self._count = 0
         self._rest = 0  # of the division by the prescaler, in units of 1 / core_hz
@@ -254,7 +251,6 @@ class Timer(Device):
     def _capture(self, channel: int, ago: int) -> None:
         if self.v["sr"] >> channel & 1:
             self.v["sr"] |= 1 << (8 + channel)
-            self.captures_missed += 1
         self.v[f"ccr{channel}"] = (self.count() - ago) % (self._arr + 1)
         self.v["sr"] |= 1 << channel
 
