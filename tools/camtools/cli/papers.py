@@ -1,7 +1,7 @@
 """Command line that makes every figure and table of the papers anew.
 
->>> [chapter.key for chapter in chapters()]
-['S0, S1', 'S2', 'S3', 'S4']
+>>> _arguments(["-o", "made"]).output.name
+'made'
 """
 
 from __future__ import annotations
