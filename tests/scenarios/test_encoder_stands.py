@@ -10,6 +10,7 @@ import pytest
 from tests.tools.cases.camsim_cases import camsim
 
 GOUGE_UM = 3.0
+UNREHEARSED = ("--set", "rehearse_turns=0")
 AT_TURNS = (2.03, 2.21, 2.37, 2.44, 2.71, 2.86)  # after the full amplitude is reached
 CUTS = [
     *(("perkins240", rpm) for rpm in (10, 20, 50, 110, 230, 400, 700, 1100, 1900, 3000)),
@@ -25,8 +26,8 @@ def test_the_tool_leaves_before_it_gouges(
     summary = tmp_path / "summary.json"
     for turns in AT_TURNS:
         inject = f"encoder-stuck@{turns * 60.0 / rpm}"
-        words = ("--rpm", str(rpm), "--feed", "1", "--inject", inject, "--summary", summary)
-        done = camsim("run", table_of(part), *words)
+        words = ("--rpm", str(rpm), "--feed", "1", *UNREHEARSED, "--inject", inject)
+        done = camsim("run", table_of(part), *words, "--summary", summary)
         assert done.returncode == 1, done.stderr
         said = json.loads(summary.read_text("utf-8"))
         assert {"spindle_stopped", "encoder_jump"} & set(said["first_faults"])
