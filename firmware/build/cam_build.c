@@ -347,6 +347,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->switches = cam_windows_build(params, sense, tick_hz);
     config->command.by_time.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
     config->command.by_time.k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
+    config->command.friction_q6 = params->u_friction_nm * 64;
     cam_build_motion(config, params, tick_hz);
     const int64_t room_q10 = cam_build_room_q10(config);
     cam_build_jog(config, params, room_q10, tick_hz);

@@ -187,5 +187,7 @@ cam_demand_t cam_command_stroke_demand(const cam_cut_t *c)
                          c->peak_mrpm <= (uint32_t)c->p->spindle_limit_mrpm &&
                          c->t->u.knots != NULL && find_ahead(c, &ahead);
     const uint64_t read_nm = is_read ? together_nm(&c->t->u, &ahead) : peaks_nm;
-    return by_gains(c, cam_err_u_command, limit_nm, read_nm < peaks_nm ? read_nm : peaks_nm);
+    const uint64_t friction_nm = (uint64_t)c->p->u_friction_nm;
+    return by_gains(c, cam_err_u_command, limit_nm,
+                    (read_nm < peaks_nm ? read_nm : peaks_nm) + friction_nm);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ff_adapt.h"
 #include "cam_fix.h" // cam_clamp_i64, cam_abs_i64
+#include <stdbool.h> // bool
 
 /// 2^40 / (2 pi): the speed in turns per tick becomes ticks per radian.
 #define PER_RAD_Q40 INT64_C(174992711680)
@@ -43,6 +44,14 @@ void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_
     sums->weight2 += k2 * k2 * square;
 }
 
+void cam_friction_add(cam_drive_sums_t *sums, cam_complex_t error_q6, cam_complex_t sense_q20,
+                      cam_gain_t gain)
+{
+    const cam_complex_t v = cam_gain_of(sense_q20, gain);
+    sums->error_f += (int64_t)error_q6.re * v.re + (int64_t)error_q6.im * v.im;
+    sums->weight_f += (int64_t)cam_complex_square(v);
+}
+
 /// @return a / b, limited to 1/4; 0 when b is 0
 static int64_t share_q24(int64_t a, int64_t b)
 {
@@ -61,7 +70,10 @@ cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q
     const int64_t per_rad_q8 = PER_RAD_Q40 / speed_q32;
     const int64_t share1_q24 = share_q24(sums->error1, sums->weight1);
     const int64_t share2_q24 = share_q24(sums->error2, sums->weight2);
+    // Below a tenth of the sense the harmonics tell too little.
+    const bool is_told = sums->weight_f >> 34 > 0;
     return (cam_drive_change_t){
+        .friction_q6 = is_told ? cam_sat_i32(sums->error_f / (sums->weight_f >> 20)) : 0,
         .k1_q16 = cam_sat_i32(share1_q24 * per_rad_q8 >> 16),
         .k2_q16 = cam_sat_i32(-((share2_q24 * per_rad_q8 >> 12) * per_rad_q8 >> 12)),
     };

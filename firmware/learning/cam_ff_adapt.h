@@ -14,12 +14,14 @@
 /// Sums of layer 1 over the harmonics of a revolution.
 typedef struct {
     int64_t error1, weight1, error2, weight2;
+    int64_t error_f, weight_f; ///< of the friction
 } cam_drive_sums_t;
 
 /// Changes of the drive's constants.
 typedef struct {
-    int32_t k1_q16; ///< [ticks]
-    int32_t k2_q16; ///< [ticks^2]
+    int32_t k1_q16;      ///< [ticks]
+    int32_t k2_q16;      ///< [ticks^2]
+    int32_t friction_q6; ///< [nm / 64]
 } cam_drive_change_t;
 
 /// @return U's response at harmonic k according to the constants, 1 / (1 + j w k1 - w^2 k2)
@@ -31,6 +33,12 @@ cam_gain_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t
 /// @param error, set  [nm / 64] error and set-point of harmonic k, 1 .. 16, within +-2^31
 void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_complex_t set,
                    cam_gain_t gain);
+
+/// Add a harmonic in which U hardly moves to the sums of the friction.
+/// @param error_q6   [nm / 64] not divided by the amplitude
+/// @param sense_q20  harmonic of the sense in which U moves, 2^20 is 1
+void cam_friction_add(cam_drive_sums_t *sums, cam_complex_t error_q6, cam_complex_t sense_q20,
+                      cam_gain_t gain);
 
 /// @return change of the constants that removes the error of the revolution in a linear drive
 cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q32);

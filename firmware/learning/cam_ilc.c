@@ -17,10 +17,12 @@ void cam_ilc_init(cam_ilc_t *t)
 
 void cam_ilc_forget(cam_ilc_t *t)
 {
-    const bool is_learned = t->speed_q32 != 0 || t->k1_q16 != 0 || t->k2_q16 != 0;
+    const bool is_learned =
+        t->speed_q32 != 0 || t->k1_q16 != 0 || t->k2_q16 != 0 || t->friction_q6 != 0;
     cam_harmonic_correction_forget(&t->correction);
     t->k1_q16 = 0;
     t->k2_q16 = 0;
+    t->friction_q6 = 0;
     t->speed_q32 = 0;
     t->blending |= is_learned ? cam_ilc_blend_drive | cam_ilc_blend_correction : 0u;
 }
@@ -49,6 +51,7 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
         if (t->best_square != UINT64_MAX) {
             t->k1_q16 = t->best_k1_q16;
             t->k2_q16 = t->best_k2_q16;
+            t->friction_q6 = t->best_friction_q6;
         }
         t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
     }
@@ -62,6 +65,7 @@ static bool is_drive_error_good(cam_ilc_t *t)
         t->best_square = t->square;
         t->best_k1_q16 = t->k1_q16;
         t->best_k2_q16 = t->k2_q16;
+        t->best_friction_q6 = t->friction_q6;
     }
     const uint64_t floor_q6 = cam_ilc_update_guarded_q6(t);
     const uint64_t least = floor_q6 * floor_q6 * 16u;
@@ -71,6 +75,7 @@ static bool is_drive_error_good(cam_ilc_t *t)
     }
     t->k1_q16 = t->best_k1_q16;
     t->k2_q16 = t->best_k2_q16;
+    t->friction_q6 = t->best_friction_q6;
     t->n_halved++;
     return false;
 }
@@ -96,6 +101,9 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
             (int32_t)cam_clamp_i64(t->k1_q16 + k1, -(int64_t)s->k1_most_q16, s->k1_most_q16);
         t->k2_q16 =
             (int32_t)cam_clamp_i64(t->k2_q16 + k2, -(int64_t)s->k2_most_q16, s->k2_most_q16);
+        const int64_t friction = (int64_t)by.friction_q6 * (gain_q16 >> t->n_halved) >> 16;
+        t->friction_q6 = (int32_t)cam_clamp_i64(t->friction_q6 + friction, -(int64_t)s->friction_q6,
+                                                cam_ilc_most_nm * 64);
     }
     t->blending |= cam_ilc_blend_drive;
 }
@@ -238,6 +246,7 @@ cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup
         .n_harmonics = t->n_orders,
         .masked = t->correction.masked,
         .k1_ns = cam_sat_i32((int64_t)t->k1_q16 * 1000000000 / hz >> 16),
+        .friction_nm = t->friction_q6 / 64,
         .k2_us2 = cam_sat_i32(((int64_t)t->k2_q16 * 1000000 / hz) * 1000000 / hz >> 16),
         .error_nm = t->error_nm,
         .begin_error_nm = t->begun_nm,
@@ -293,10 +302,10 @@ int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index)
         const cam_gain_t g = t->correction.gain[j / 2u];
         return j % 2u == 0u ? g.re_q12 : g.im_q12;
     }
-    if (index < cam_ilc_n_values) {
+    if (index < cam_ilc_value_friction) {
         return l % 2u == 0u ? t->ripple.mean[l / 2u].re : t->ripple.mean[l / 2u].im;
     }
-    return 0;
+    return index == (uint32_t)cam_ilc_value_friction ? t->friction_q6 : 0;
 }
 
 /// Store a value. @return whether it is in range
@@ -324,6 +333,9 @@ static bool set_value(cam_ilc_t *t, uint32_t index, int32_t value)
     case cam_ilc_value_phase:
         t->phase_q32 = (uint32_t)value;
         return true;
+    case cam_ilc_value_friction:
+        t->friction_q6 = value;
+        return cam_is_within(value, cam_ilc_most_nm * 64);
     default:
         break;
     }
@@ -350,7 +362,8 @@ bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value)
     const bool is_good = set_value(t, index, value);
     if (!is_good) {
         (void)set_value(t, index, before);
-    } else if (index >= cam_ilc_value_ripple && t->ripple.n_mean == 0u) {
+    } else if (index >= cam_ilc_value_ripple && index < cam_ilc_value_friction &&
+               t->ripple.n_mean == 0u) {
         t->ripple.n_mean = 1u;
     }
     t->blending = cam_ilc_blend_all;

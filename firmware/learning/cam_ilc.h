@@ -24,7 +24,8 @@
 /// Largest number of harmonics that are learned; the mean is one more.
 enum { cam_ilc_harmonics = cam_harmonics_most, cam_ilc_terms = cam_harmonic_terms };
 
-/// [nm] Limit of the sum of all corrections, within the range of a table's point.
+/// [nm] Limit of the sum of all corrections, within the range of a table's point; and of the
+/// friction.
 enum { cam_ilc_most_nm = 30000 };
 
 /// Phase of learning.
@@ -64,6 +65,7 @@ typedef struct {
     uint32_t masked;         ///< bit k: harmonic k is not learned
     int32_t k1_ns;           ///< added to the parameter k1_ns
     int32_t k2_us2;          ///< added to the parameter k2_us2
+    int32_t friction_nm;     ///< added to the parameter u_friction_nm
     uint32_t error_nm;       ///< rms of the last turn's error in the harmonics that are learned
     uint32_t begin_error_nm; ///< ... before learning
     uint32_t correction_nm;  ///< sum of the magnitudes of the correction
@@ -85,8 +87,8 @@ typedef struct {
 
 /// Index of the learned values: speed [turn / 2^32 per tick], k1 [ticks / 2^16],
 /// k2 [ticks^2 / 2^16], masks with bit 30 for "probed", phase [turn / 2^32]; then for k = 0 .. 16
-/// real and imaginary part of the correction [nm / 64] and of U's response [1 / 4096], and for
-/// k = 1 .. 16 of the ripple that the encoder shows [turn / 2^23].
+/// real and imaginary part of the correction [nm / 64] and of U's response [1 / 4096], for
+/// k = 1 .. 16 of the ripple that the encoder shows [turn / 2^23]; and the friction [nm / 64].
 enum {
     cam_ilc_value_speed,
     cam_ilc_value_k1,
@@ -96,7 +98,8 @@ enum {
     cam_ilc_value_correction,
     cam_ilc_value_gain = cam_ilc_value_correction + 2 * cam_ilc_terms,
     cam_ilc_value_ripple = cam_ilc_value_gain + 2 * cam_ilc_terms,
-    cam_ilc_n_values = cam_ilc_value_ripple + 2 * cam_ilc_harmonics
+    cam_ilc_value_friction = cam_ilc_value_ripple + 2 * cam_ilc_harmonics,
+    cam_ilc_n_values
 };
 
 /// Settings of learning from parameters, table and machine; set up for each call.
@@ -113,6 +116,7 @@ typedef struct {
     int32_t k1_q16, k2_q16;   ///< configured constants of the drive, in ticks
     int32_t k1_most_q16;      ///< limits of the learned change of k1 and k2
     int32_t k2_most_q16;
+    int32_t friction_q6;        ///< [nm / 64] configured one
     int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: the due time is f between two ticks
     bool is_u_moving;           ///< U moves: while not cutting its constants stay
     int32_t angle_step_q23;     ///< [turn / 2^23] largest step of an angle that U can follow, >= 1
@@ -152,7 +156,8 @@ typedef struct {
     uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
     uint32_t room_q6;        ///< [nm / 64] by which corrections may still grow in this turn
     int32_t k1_q16, k2_q16;  ///< added to the configured ones
-    int32_t best_k1_q16, best_k2_q16;
+    int32_t friction_q6;     ///< [nm / 64] likewise
+    int32_t best_k1_q16, best_k2_q16, best_friction_q6;
     int32_t speed_q32;      ///< [turn / 2^32 per tick] speed of the learning, 0: never
     int32_t turn_speed_q32; ///< ... of the turn being processed
     int32_t scale_q30;      ///< [1] amplitude of that turn

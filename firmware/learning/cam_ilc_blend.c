@@ -87,7 +87,11 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
     if ((t->blending & cam_ilc_blend_drive) != 0u && !is_held) {
         const bool is_k1 = slew_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
         const bool is_k2 = slew_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w);
-        done |= is_k1 && is_k2 ? cam_ilc_blend_drive : 0u;
+        const int32_t step_q6 = most_nm < any_step ? most_nm * 64 : INT32_MAX / 2;
+        in->friction_q6 =
+            cam_clamp_i32(t->friction_q6, in->friction_q6 - step_q6, in->friction_q6 + step_q6);
+        const bool is_friction = in->friction_q6 == t->friction_q6;
+        done |= is_k1 && is_k2 && is_friction ? cam_ilc_blend_drive : 0u;
     }
     const bool is_due = !is_early(t, at_q8);
     const bool is_correction_next = (t->blending & cam_ilc_blend_correction) != 0u;

@@ -220,6 +220,20 @@ bool cam_ilc_update_is_for_drive(const cam_ilc_t *t)
     return t->set_square >= 0 && t->larger / least_floors > t->floor_q6;
 }
 
+/// Replace the numbers of ticks by the sense in which U moves: the mean of both sides of a bin.
+/// What moves by less than 4 nm stands.
+static void mark_sense(cam_turn_bin_t *bin)
+{
+    int32_t before_nm = bin[0].u_nm - bin[cam_turn_bins_n - 1].u_nm;
+    for (uint32_t i = 0; i < cam_turn_bins_n; i++) {
+        const int32_t after_nm = bin[(i + 1u) % cam_turn_bins_n].u_nm - bin[i].u_nm;
+        const int32_t forwards = (before_nm > 3) + (after_nm > 3);
+        const int32_t backwards = (before_nm < -3) + (after_nm < -3);
+        bin[i].sense_q20 = (forwards - backwards) * (1 << 19);
+        before_nm = after_nm;
+    }
+}
+
 void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn_t *turn)
 {
     const bool is_still = turn->is_steady && turn->state == (cam_state_t)t->state &&
@@ -255,6 +269,7 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
         const uint32_t most_q6 = (uint32_t)s->most_q6;
         t->room_q6 = most_q6 > sum_q6 ? most_q6 - sum_q6 : 0u;
         t->floor_q6 = floor_q6(t, s, n_ticks);
+        mark_sense(t->bin);
     }
 }
 
@@ -276,7 +291,7 @@ static cam_complex_t without_interpolation(const cam_ilc_t *t, const cam_ilc_set
 }
 
 static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
-                          cam_complex_t set)
+                          cam_complex_t set, cam_complex_t raw)
 {
     const uint32_t size = cam_complex_size(set) * t->k;
     const uint64_t w_q32 = (uint64_t)t->turn_speed_q32 * 411775 >> 16; // of harmonic 1
@@ -288,6 +303,11 @@ static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
         cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);
     if (cam_gain_square_q24(gain) >= (UINT32_C(1) << 24) / 25u) { // at least a fifth
         cam_drive_add(&t->sums, t->k, error, set, gain);
+        if (size < t->largest / 8u) {
+            const cam_complex_t sense =
+                cam_harmonics_of(&t->bin->sense_q20, cam_ilc_words_per_bin, t->k);
+            cam_friction_add(&t->sums, raw, sense, gain);
+        }
     }
 }
 
@@ -336,7 +356,7 @@ void cam_ilc_update_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s)
     t->square += cam_complex_square(error) >> (t->k > 0u ? 1u : 0u);
     if (t->k > 0u) {
         t->set_square += (int64_t)cam_complex_square(set_nm);
-        update_layer1(t, s, error, set);
+        update_layer1(t, s, error, set, raw);
     }
     update_layer2(t, s, error, set);
 }

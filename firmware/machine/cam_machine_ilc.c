@@ -7,7 +7,7 @@
 #include "hal/hal.h"           // hal_measures_u
 #include <stddef.h>            // NULL
 
-_Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8192u,
+_Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_learned_t) <= 8448u,
                "RAM of learning: state, bins of two turns, and what is in force in two halves");
 
 /// The learned change of a drive constant may reach the configured value plus this.
@@ -108,6 +108,7 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
         .k2_q16 = ticks2_q16(m, p->k2_us2),
         .k1_most_q16 = k1_most_q16(m),
         .k2_most_q16 = k2_most_q16(m),
+        .friction_q6 = p->u_friction_nm * 64,
         .between_q16 = (int32_t)(part_q16 * (65536 - part_q16) >> 17),
         .eccentricity = eccentricity(m),
     };
@@ -116,7 +117,7 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
 void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
 {
     if (id == cam_param_k1_ns || id == cam_param_k2_us2 || id == cam_param_lead_ns ||
-        id == cam_param_u_scale_latency_ns) {
+        id == cam_param_u_scale_latency_ns || id == cam_param_u_friction_nm) {
         cam_ilc_forget(&m->ilc);
     }
     if (id == cam_param_eccentricity_nturn || id == cam_param_eccentricity_udeg ||
@@ -128,7 +129,7 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
 /// @return whether both hold the same values
 static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
 {
-    bool is = a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16;
+    bool is = a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16 && a->friction_q6 == b->friction_q6;
     for (uint32_t i = 0; is && i <= (uint32_t)cam_learned_points; i++) {
         is = a->c[i] == b->c[i] && a->d[i] == b->d[i] && a->dm[i] == b->dm[i];
     }

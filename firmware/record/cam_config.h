@@ -217,14 +217,16 @@ typedef struct {
 
 /// Feed-forward of U.
 typedef struct {
-    int32_t k1_q16; ///< [ticks] of the velocity
-    int32_t k2_q16; ///< [ticks^2] of the acceleration
+    int32_t k1_q16;      ///< [ticks] of the velocity
+    int32_t k2_q16;      ///< [ticks^2] of the acceleration
+    int32_t friction_q6; ///< [nm / 64] of the friction: the command leads by it in the sense of U
 } cam_u_gains_t;
 
 /// Limits of the axis commands, and feed-forward of U (cam_axis_command.h).
 typedef struct {
     cam_u_gains_t by_time;       ///< of motions by time, for which the ends of the stroke keep room
     cam_u_gains_t in_cut;        ///< where U follows the table: learned part included
+    int32_t friction_q6;         ///< [nm / 64] configured feed-forward of the friction in the cut
     int32_t range_nm;            ///< [nm] half the stroke, for the command of U
     int32_t step_nm;             ///< [nm per tick] speed of the command of U, feed-forward included
     int32_t change_nm;           ///< [nm per tick^2] its acceleration

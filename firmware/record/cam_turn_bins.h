@@ -37,6 +37,7 @@ enum {
 typedef struct {
     int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
     int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward
+    int32_t friction_q6;                ///< [nm / 64] feed-forward of U's friction
     int16_t c[cam_learned_points + 2];  ///< [nm] at full amplitude, added to U's command
     int16_t d[cam_learned_points + 2];  ///< [turn / 2^23] true angle of the spindle minus that of
                                         ///< the observer
@@ -51,7 +52,10 @@ typedef struct {
     int32_t u_nm;      ///< [nm] due set-point, rounded down
     int32_t angle_q24; ///< [turn / 2^24] measured angle minus begin of the bin; without the learned
                        ///< correction, so it may be outside the bin
-    uint32_t n;        ///< ticks
+    union {
+        uint32_t n;        ///< ticks
+        int32_t sense_q20; ///< once the means are made: the sense in which U moves, 2^20 is 1
+    };
 } cam_turn_bin_t;
 
 /// Description of a turn whose bank is closed.
@@ -124,7 +128,8 @@ static inline int32_t cam_learned_at_q8(const int16_t *table, cam_learned_place_
     return cam_dot_i16(knots, at.share);
 }
 
-/// @return [2^-23] derivative of a deviation: the share by which the spindle is faster than its mean.
+/// @return [2^-23] derivative of a deviation: the share by which the spindle is faster than its
+/// mean.
 ///         That of half a knot later
 static inline int32_t cam_learned_faster_q23(const int16_t *table, cam_learned_place_t at)
 {

@@ -14,12 +14,21 @@ static int32_t feed_forward_q6(const cam_u_gains_t *by, const cam_axis_motion_t 
     return (int32_t)((uint32_t)high << 12 | low >> 20);
 }
 
+/// Friction acts against the motion, in full from a speed of 4 nm per tick on.
+/// @return [nm / 64]
+static int32_t friction_q6(const cam_u_gains_t *by, const cam_axis_motion_t *u)
+{
+    const int32_t sense_q12 = cam_clamp_i32(u->vel_q10, -4096, 4096);
+    return (int32_t)(((int64_t)sense_q12 * by->friction_q6) >> 12);
+}
+
 /// @return [nm / 64] command of U without the learned correction
 static int32_t plain_q6(const cam_axis_command_config_t *cfg, const cam_tick_record_t *r,
                         const cam_motion_t *m)
 {
     const cam_u_gains_t *by = m->is_playing ? &cfg->in_cut : &cfg->by_time;
-    return cam_sat_add(r->want.u_set_q6, feed_forward_q6(by, &m->axis[hal_axis_u]));
+    const cam_axis_motion_t *u = &m->axis[hal_axis_u];
+    return cam_sat_add(r->want.u_set_q6, feed_forward_q6(by, u) + friction_q6(by, u));
 }
 
 /// @return [nm] command of U if its last step is repeated

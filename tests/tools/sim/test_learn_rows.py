@@ -44,7 +44,7 @@ def test_every_machine_has_its_row() -> None:
     assert {row.part for row in rows()} == PARTS
 
 
-@pytest.mark.parametrize("row", rows(), ids=lambda row: row.machine)
+@pytest.mark.parametrize("row", rows(), ids=lambda row: f"{row.machine}-{row.rpm}")
 def test_what_is_learned_keeps_the_form_error(
     table_of: Callable[[str], Path], tmp_path: Path, row: Row
 ) -> None:

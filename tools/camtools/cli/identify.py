@@ -277,7 +277,7 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
             u.link.rights.release()
     finally:
         bus.shutdown()
-    what = "k1_ns, k2_us2, lead_ns; the drives are off, enable and home again"
+    what = "k1_ns, k2_us2, lead_ns, u_friction_nm; the drives are off, enable and home again"
     return _status(one, arguments, out, what if arguments.apply else "")
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from camtools.base.quantities import Floats
-from camtools.identify.fit import K1, K2, LEAD
+from camtools.identify.fit import FRICTION, K1, K2, LEAD
 
 PARAMETERS = (
     "k1_ns",
@@ -61,6 +61,7 @@ class Believed:
             "k1_ns": round(float(values[K1]) * 1e9),
             "k2_us2": round(float(values[K2]) * 1e12),
             "lead_ns": max(0, round(float(values[LEAD]) * 1e9) - self.u_scale_latency_ns),
+            "u_friction_nm": max(0, round(float(values[FRICTION]))),
         }
 
     def machine_keys(self, values: Floats) -> dict[str, float]:

@@ -149,7 +149,7 @@ def _part_lines(
     yield f"form error with the identified constants: {length_text(left.chosen_um)}; {doubt}"
     if found.has_friction:
         rubbing_um = friction_error_nm(motion, found.plain.values) * 1e-3
-        yield f"friction adds up to {length_text(rubbing_um)}, which only learning removes"
+        yield f"friction adds up to {length_text(rubbing_um)}; u_friction_nm and learning remove it"
 
 
 def chosen(found: Identified, limits: Limits, motion: ToolMotion | None) -> Floats:

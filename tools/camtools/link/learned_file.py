@@ -27,6 +27,7 @@ LAYOUT = {
     "correction_q6": 34,
     "gain_q12": 34,
     "ripple_q23": 32,
+    "friction_q6": 1,
 }
 N_VALUES = sum(LAYOUT.values())
 _HEAD = """\
@@ -65,6 +66,7 @@ def learned_values(data: bytes, name: str) -> list[int]:
     except ValueError as error:
         text = f"{name}: no learned values: {error}; give a file of camctl learned save"
         raise CamtoolsError([text]) from error
+    told.setdefault("friction_q6", 0)  # files of version 1.0.0 have none
     values: list[int] = []
     for key, n in LAYOUT.items():
         found = told.get(key)

@@ -42,6 +42,29 @@ static void test_the_answer_of_the_drive_is_that_of_its_constants(void)
     }
 }
 
+/// Friction leaves its size times the sense of the motion, filtered by the drive. Two harmonics of
+/// a square wave suffice; a sense that hardly shows tells nothing.
+static void test_friction_is_found_from_the_sense_of_the_motion(void)
+{
+    static const double friction_q6[] = {64.0 * 4000.0, -64.0 * 30.0};
+    for (int i = 0; i < 2; i++) {
+        cam_drive_sums_t sums = {0};
+        for (uint32_t k = 6; k <= 10u; k += 4u) {
+            const double complex sense = 4.0 / 3.14159265 / (k / 2u) * cexp(I * 0.7 * k);
+            const cam_gain_t g = cam_drive_gain(k, speed_q32, q16(k1_ticks), q16(k2_ticks2));
+            cam_friction_add(&sums, fixed(friction_q6[i] * sense * response(k)),
+                             fixed(1048576.0 * sense), g);
+        }
+        const cam_drive_change_t by = cam_drive_solve(&sums, speed_q32);
+        TEST_ASSERT_INT32_WITHIN(1 + (int32_t)fabs(friction_q6[i] / 100.0), (int32_t)friction_q6[i],
+                                 by.friction_q6);
+    }
+    cam_drive_sums_t faint = {0};
+    cam_friction_add(&faint, (cam_complex_t){.re = 6400}, (cam_complex_t){.re = 1 << 16},
+                     (cam_gain_t){.re_q12 = 4096});
+    TEST_ASSERT_EQUAL_INT32(0, cam_drive_solve(&faint, speed_q32).friction_q6);
+}
+
 /// The error that wrong constants leave is U G (j w dk1 - w^2 dk2).
 static void test_wrong_constants_are_found_from_their_error(void)
 {

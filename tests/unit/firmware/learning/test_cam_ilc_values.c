@@ -19,7 +19,7 @@ static void test_values_have_their_numbers(void)
     TEST_ASSERT_EQUAL_INT(5, cam_ilc_value_correction);
     TEST_ASSERT_EQUAL_INT(39, cam_ilc_value_gain);
     TEST_ASSERT_EQUAL_INT(73, cam_ilc_value_ripple);
-    TEST_ASSERT_EQUAL_INT(105, cam_ilc_n_values);
+    TEST_ASSERT_EQUAL_INT(106, cam_ilc_n_values);
     for (uint32_t i = 0; i < cam_ilc_n_values; i++) {
         TEST_ASSERT_TRUE(cam_ilc_set(&t, i, (int32_t)i + 1));
     }
@@ -54,7 +54,8 @@ static void test_each_value_has_its_range(void)
         {cam_ilc_value_gain, INT16_MIN, INT16_MAX},
         {cam_ilc_value_ripple - 1, INT16_MIN, INT16_MAX},
         {cam_ilc_value_ripple, -16383, 16383},
-        {cam_ilc_n_values - 1, -16383, 16383},
+        {cam_ilc_value_friction - 1, -16383, 16383},
+        {cam_ilc_value_friction, -64 * 30000, 64 * 30000},
     };
     for (uint32_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
         const uint32_t index = ranges[i].index;

@@ -224,6 +224,8 @@ static void test_limits_of_what_u_is_told_follow_from_gains_and_limits(void)
         config.command.by_time.k2_q16 = (i % 5 - 2) * 65536 * 2 - i;
         config.learned.k1_q16 = i % 2 == 0 ? 1000 * i : -1000 * i;
         config.learned.k2_q16 = -500 * i;
+        config.command.friction_q6 = 64 * 100 * i;
+        config.learned.friction_q6 = -64 * 30 * i;
         cam_config_learn(&config);
         const double v = g->u_vel_q6 / 64.0;
         const double a = g->u_acc_q6 / 64.0;
@@ -234,7 +236,9 @@ static void test_limits_of_what_u_is_told_follow_from_gains_and_limits(void)
         const double k1 = fmax(fabs(by->k1_q16 / 65536.0), fabs(cut->k1_q16 / 65536.0));
         const double k2 = fmax(fabs(by->k2_q16 / 65536.0), fabs(cut->k2_q16 / 65536.0));
         const double learned1 = fabs(config.learned.k1_q16 / 65536.0);
-        const double fade = (learned1 * v + fabs(config.learned.k2_q16 / 65536.0) * a) / 16.0;
+        const double friction = 70.0 * i; // its sense may change in one tick
+        const double faded = learned1 * v + fabs(config.learned.k2_q16 / 65536.0) * a + friction;
+        const double fade = faded / 16.0 + 2.0 * friction;
         const double step = v + k1 * a + k2 * j + fade;
         const double change = a + k1 * j + 2.0 * k2 * j + fade;
         TEST_ASSERT_DOUBLE_WITHIN(0.6, step + most_learned_nm + 0.5, config.command.step_nm);

@@ -62,6 +62,30 @@ static void test_command_is_set_point_feed_forward_and_correction(void)
     expect_told(5234, 34);
 }
 
+/// In the cut the command leads by the friction, in full from 4 nm per tick on; in motions by time
+/// it does not.
+static void test_friction_is_led_in_the_sense_of_the_motion(void)
+{
+    static const struct {
+        int32_t vel_q10, nm;
+    } cases[] = {{0, 0},         {2048, 400},   {4096, 800},
+                 {1 << 20, 800}, {-2048, -400}, {-(1 << 20), -800}};
+    cfg.in_cut.friction_q6 = 800 * 64;
+    cfg.change_nm = 1000;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        told(5000, 0);
+        motion.axis[hal_axis_u].vel_q10 = cases[i].vel_q10;
+        TEST_ASSERT_TRUE(commands(5000, false));
+        expect_told(5000 + cases[i].nm, cases[i].nm);
+        told(5000, 0);
+        motion.is_playing = false;
+        motion.state = cam_state_ready;
+        TEST_ASSERT_TRUE(commands(5000, false));
+        expect_told(5000, 0);
+        motion.is_playing = true;
+    }
+}
+
 /// Out of the work nothing is corrected, whatever the last tick of the cut has left behind.
 static void test_correction_belongs_to_play(void)
 {
