@@ -14,7 +14,7 @@ enum {
 
 /// The slow side of learning: a piece of it, which a main loop waits for, and all of a turn, 2 ms
 /// of a core of 480 MHz.
-enum { budget_learn_piece = 61000, budget_learn_turn = 960000 };
+enum { budget_learn_piece = 75000, budget_learn_turn = 1050000 };
 
 /// Largest spread of a tick without the plan in the state cutting, per cent of the largest.
 enum { budget_spread_percent = 25 };
