@@ -6,13 +6,14 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from tests.linuxcnc.halbox import Halbox
+from tests.linuxcnc.halbox import LIMIT_S, Halbox
 from tests.tools.cases.part_cases import ROOT
 
 pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
@@ -22,6 +23,8 @@ MESA = ROOT / "hal" / "linuxcnc" / "mesa" / "lathe.hal"
 PROGRAMS = ("linuxcncsvr", "io", "milltask", "halui")
 PANEL_PINS = Path(__file__).with_name("panel_pins.py")
 AXIS_DRO = Path(__file__).with_name("axis_dro.py")
+AUTO = Path(__file__).with_name("auto.py")
+README = ROOT / "hal" / "linuxcnc" / "README.md"
 BLOCKS = (
     "M3 S500", "G4 P1.5", "M64 P0", "M66 P0 L3 Q10", "G33 Z5 K0.25", "M65 P0", "M66 P0 L4 Q10",
 )  # fmt: skip
@@ -94,11 +97,14 @@ def _end(box: Halbox) -> None:
 
 def execute(lathe: Halbox, linuxcnc_root: Path, *blocks: str) -> None:
     """Switch the machine on and carry out blocks."""
+    _control(lathe, linuxcnc_root, Path(__file__).with_name("mdi.py"), *blocks)
+
+
+def _control(lathe: Halbox, linuxcnc_root: Path, script: Path, *words: str) -> None:
     modules = str(linuxcnc_root / "usr" / "lib" / "python3" / "dist-packages")
-    script = Path(__file__).with_name("mdi.py")
     shutil.copy(script, lathe.folder)
-    words = ("/usr/bin/python3", script.name, str(lathe.folder / "linuxcnc.nml"), *blocks)
-    assert lathe.run(*words, PYTHONPATH=modules) == 0, lathe.said()
+    program = ("/usr/bin/python3", script.name, str(lathe.folder / "linuxcnc.nml"), *words)
+    assert lathe.run(*program, PYTHONPATH=modules) == 0, lathe.said()
 
 
 def test_a_program_starts_waits_cuts_and_stops(lathe: Halbox, linuxcnc_root: Path) -> None:
@@ -132,23 +138,71 @@ def test_u_is_homed_before_the_first_enable(lathe: Halbox, linuxcnc_root: Path, 
     )
 
 
-def test_panel_is_connected_and_starts(lathe: Halbox, linuxcnc_root: Path) -> None:
-    """Every widget has a signal of camturn; the buttons start and stop are M64 and M65."""
+def _show_panel(lathe: Halbox, linuxcnc_root: Path) -> None:
     for file in (SIM / "panel.xml", SIM / "panel.hal", PANEL_PINS):
         shutil.copy(file, lathe.folder)
     pins = ("/usr/bin/python3", PANEL_PINS.name, "panel.xml")
     modules = str(linuxcnc_root / "usr" / "lib" / "python3" / "dist-packages")
     assert lathe.run("./halcmd", "loadusr", "-Wn", "pyvcp", *pins, PYTHONPATH=modules) == 0
     assert lathe.run("./halcmd", "-f", "panel.hal") == 0, lathe.said()
+
+
+def test_panel_is_connected(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """Every widget has a signal of camturn."""
+    _show_panel(lathe, linuxcnc_root)
     shown = lathe.ask("-s", "show", "pin", "pyvcp.*").strip().splitlines()
     assert len(shown) == (SIM / "panel.xml").read_text().count("<halpin>")
     assert [line for line in shown if "=>" not in line and "<=" not in line] == []
     execute(lathe, linuxcnc_root, "G4 P0.1")
     lathe.wait("pyvcp.homed", "TRUE")
-    for number, value in ((0, "TRUE"), (1, "FALSE")):
-        button = f"halui.mdi-command-{number:02}"
-        assert lathe.load(f"unlinkp {button}\nsetp {button} 1\n") == 0, lathe.said()
-        lathe.wait("camturn.start", value)
+
+
+def _start_program(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """Run the program printed in the README in AUTO, until it cuts and Z has moved 1 mm."""
+    text = README.read_text().split("`/tmp/oval.ngc`")[1].split("The button **stop**")[0]
+    program = lathe.folder / "oval.ngc"
+    program.write_text(text[text.index("    M65 P0") :])
+    _control(lathe, linuxcnc_root, AUTO, str(program))
+    lathe.wait("camturn.in-cut", "TRUE")
+    end_s = time.monotonic() + LIMIT_S
+    while float(lathe.get("joint.1.motor-pos-cmd")) < 1.0:
+        assert time.monotonic() < end_s, lathe.said()
+
+
+def test_printed_program_cuts_to_its_end(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """In AUTO, with its explanations: Z is at its end, U has retracted, no fault."""
+    _start_program(lathe, linuxcnc_root)
+    lathe.wait("halui.program.is-idle", "TRUE")
+    assert float(lathe.get("joint.1.motor-pos-cmd")) == 5.0
+    for pin in ("camturn.start", "camturn.in-cut", "camturn.fault", "spindle.0.on"):
+        assert lathe.get(pin) == "FALSE"
+
+
+@pytest.mark.parametrize("by", ["stop", "abort"])
+def test_cut_is_ended_at_any_time(lathe: Halbox, linuxcnc_root: Path, by: str) -> None:
+    """In G33 of a program: U and Z end, and only a new M64 P0 starts camturn again."""
+    _show_panel(lathe, linuxcnc_root)
+    _start_program(lathe, linuxcnc_root)
+    assert lathe.load("unlinkp pyvcp.stop\n") == 0, lathe.said()  # to set its signal here
+    if by == "abort":
+        _control(lathe, linuxcnc_root, AUTO, "abort")
+    else:
+        assert lathe.load("sets panel-stop 1\n") == 0, lathe.said()
+    lathe.wait("camturn.start", "FALSE")
+    lathe.wait("halui.program.is-idle", "TRUE")
+    assert lathe.load("sets panel-stop 0\n") == 0
+    assert lathe.get("motion.digital-out-00") == "TRUE"
+    lathe.wait("camturn.fault", "TRUE")  # the spindle has stopped before U was out
+    assert "camturn: fault spindle_stopped" in lathe.said()
+    assert 1.0 <= float(lathe.get("joint.1.motor-pos-cmd")) < 4.0
+    assert lathe.get("camturn.in-cut") == "FALSE"
+    assert float(lathe.get("camturn.u")) < -0.4
+    _control(lathe, linuxcnc_root, AUTO, "off")
+    execute(lathe, linuxcnc_root, "M3 S500", "G4 P2")
+    assert lathe.get("camturn.ready") == "TRUE"
+    assert lathe.get("camturn.start") == "FALSE"
+    _start_program(lathe, linuxcnc_root)
+    assert lathe.get("camturn.fault") == "FALSE"
 
 
 def test_axis_shows_u_and_whether_it_is_homed(lathe: Halbox, linuxcnc_root: Path) -> None:
