@@ -18,20 +18,18 @@ def main(nml_file: str, program: str) -> None:
     linuxcnc: Any = import_module("linuxcnc")  # LinuxCNC's own, not that of the tests
     linuxcnc.nmlfile = nml_file
     command = linuxcnc.command()
-    steps = {
+    starts: list[tuple[Any, ...]] = [
+        ("state", linuxcnc.STATE_ESTOP_RESET),
+        ("state", linuxcnc.STATE_ON),
+        ("mode", linuxcnc.MODE_AUTO),
+        ("program_open", program),
+        ("auto", linuxcnc.AUTO_RUN, 0),
+    ]
+    others: dict[str, list[tuple[Any, ...]]] = {
         "abort": [("abort",)],  # as Esc does
         "off": [("state", linuxcnc.STATE_OFF)],
-    }.get(
-        program,
-        [
-            ("state", linuxcnc.STATE_ESTOP_RESET),
-            ("state", linuxcnc.STATE_ON),
-            ("mode", linuxcnc.MODE_AUTO),
-            ("program_open", program),
-            ("auto", linuxcnc.AUTO_RUN, 0),
-        ],
-    )
-    for name, *values in steps:
+    }
+    for name, *values in others.get(program, starts):
         getattr(command, name)(*values)
         if name != "auto":
             command.wait_complete(LIMIT_S)

@@ -19,7 +19,7 @@ from tests.tools.cases.part_cases import ROOT
 pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
 SIM = ROOT / "hal" / "linuxcnc" / "sim"
-MESA = ROOT / "hal" / "linuxcnc" / "mesa" / "lathe.hal"
+MESA = ROOT / "hal" / "linuxcnc" / "mesa"
 PROGRAMS = ("linuxcncsvr", "io", "milltask", "halui")
 PANEL_PINS = Path(__file__).with_name("panel_pins.py")
 AXIS_DRO = Path(__file__).with_name("axis_dro.py")
@@ -217,19 +217,72 @@ def test_axis_shows_u_and_whether_it_is_homed(lathe: Halbox, linuxcnc_root: Path
     assert lathe.run(*screen, "/usr/bin/python3", AXIS_DRO.name, nml) == 0, lathe.said()
 
 
-def test_mesa_configuration_is_taken_by_hal(
-    box: Halbox, linuxcnc_root: Path, table_of: Callable[[str], Path]
-) -> None:
-    """Every line of it, with a component that has the pins of the card in place of its drivers."""
-    _settings(box, table_of("perkins240"), MESA)
+@pytest.fixture(params=["u_velocity.hal", "u_step.hal"])
+def mesa(
+    request: pytest.FixtureRequest,
+    box: Halbox,
+    linuxcnc_root: Path,
+    table_of: Callable[[str], Path],
+) -> Iterator[Halbox]:
+    """Return the Mesa sample, with simulated pins of the card in place of its drivers."""
+    _settings(box, table_of("perkins240"), MESA / "lathe.hal")
     script = box.folder / "lathe.hal"
     lines = script.read_text().splitlines()
     drivers = [
         i for i, line in enumerate(lines) if line.startswith(("loadrt hostmot2", "loadrt hm2_"))
     ]
     lines[drivers[0] : drivers[-1] + 1] = ["loadrt mesa_pins"]
+    lines += (MESA / request.param).read_text().splitlines()
     script.write_text("\n".join(lines) + "\n")
     with _started(box, linuxcnc_root):
-        assert box.get("camturn.tick-hz-used") == "1000"
-        assert box.get("camturn.k1-ns") == "0"
-        assert float(box.get("u-sum.gain1")) == 0.002
+        yield box
+
+
+def test_mesa_configuration_is_taken_by_hal(mesa: Halbox) -> None:
+    """Every line of it; the card is written last."""
+    assert mesa.get("camturn.tick-hz-used") == "1000"
+    functions = mesa.ask("show", "thread").split()
+    ours = [name for name in functions if name.startswith(("u-", "camturn.", "hm2_5i25."))]
+    assert ours[:3] == ["hm2_5i25.0.read", "camturn.update", "camturn.poll"]
+    assert ours[-1] == "hm2_5i25.0.write"
+    assert len(ours) > 5
+
+
+@pytest.mark.parametrize("mesa", ["u_step.hal"], indirect=True)
+def test_mesa_emergency_stop_reaches_linuxcnc(mesa: Halbox) -> None:
+    """Chain and watchdog: each stops LinuxCNC, which remains in emergency stop until its reset."""
+
+    def load(script: str) -> None:
+        assert mesa.load(script) == 0, mesa.said()
+
+    load("unlinkp hm2_5i25.0.7i77.0.0.input-00\n")
+    for opens, closes in (
+        ("sets estop-chain 0\n", "sets estop-chain 1\n"),
+        ("sets watchdog-bit 1\n", "sets watchdog-bit 0\n"),
+    ):
+        load(opens)
+        mesa.wait("halui.estop.is-activated", "TRUE")
+        load(closes)
+        mesa.wait("camturn.estop-ok", "TRUE")
+        assert mesa.get("iocontrol.0.emc-enable-in") == "FALSE"
+        load("setp halui.estop.reset 1\n")
+        mesa.wait("halui.estop.is-activated", "FALSE")
+        load("setp halui.estop.reset 0\n")
+        assert mesa.get("iocontrol.0.emc-enable-in") == "TRUE"
+
+
+@pytest.mark.parametrize("mesa", ["u_step.hal"], indirect=True)
+def test_mesa_step_drive_is_enabled_where_u_stands(mesa: Halbox) -> None:
+    """U was moved while off: enable causes no step, and then steps follow the set-point."""
+    off = "unlinkp {0}.encoder.01.position\nunlinkp {0}.stepgen.02.position-fb\n"
+    values = "unlinkp camturn.drive-enable\nsets u-fb 0.1\nsets u-step-fb 0.03\n"
+    assert mesa.load((off + values).format("hm2_5i25.0")) == 0, mesa.said()
+
+    def command_mm() -> float:
+        time.sleep(0.05)
+        return float(mesa.get("hm2_5i25.0.stepgen.02.position-cmd"))
+
+    assert command_mm() == pytest.approx(0.03)
+    assert mesa.load("sets u-enable 1\nsets u-fb 0.2\nsets u-step-fb 0.13\n") == 0
+    assert command_mm() == pytest.approx(0.13)
+    assert float(mesa.get("u-offset.out")) == pytest.approx(-0.07)
