@@ -123,21 +123,26 @@ static cam_err_t start(cam_machine_t *m)
     return err == cam_ok ? cam_machine_scope_start(m) : err;
 }
 
+static void report_refusal(cam_err_t err)
+{
+    char line[line_bytes];
+    (void)snprintf(line, sizeof line, "record: refused: %s (error %d)", cam_err_text(err),
+                   (int)err);
+    lcn_port_print(line);
+}
+
 static void start_or_explain(cam_machine_t *m)
 {
-    const bool has_name = record.name[0] != '\0';
-    const cam_err_t err = has_name ? start(m) : cam_err_scope_memory;
-    record.is_due = err == cam_err_scope_unread;
-    if (!has_name) {
+    if (record.name[0] == '\0') {
+        record.is_due = false;
         lcn_port_print("record: no file is given; load camturn with "
                        "recordings=/absolute/path/NAME");
-    } else if (err != cam_ok && !record.is_due) {
-        char line[line_bytes];
-        (void)snprintf(line, sizeof line, "record: refused: %s (error %d)", cam_err_text(err),
-                       (int)err);
-        lcn_port_print(line);
-    } else {
-        // it runs, or waits
+        return;
+    }
+    const cam_err_t err = start(m);
+    record.is_due = err == cam_err_scope_unread;
+    if (err != cam_ok && !record.is_due) {
+        report_refusal(err);
     }
 }
 
@@ -164,7 +169,7 @@ bool lcn_record_poll(cam_machine_t *m, bool records)
     } else if (!records && is_by_command) {
         cam_machine_scope_stop(m);
     } else {
-        // it goes on
+        // nothing to start or end: recording, or the file is being written
     }
     return m->scope.use == cam_scope_user || atomic_load(&record.phase) != (int)idle;
 }

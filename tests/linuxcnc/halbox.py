@@ -106,6 +106,13 @@ class Halbox:
         path = self.folder / "said.txt"
         return path.read_text() if path.exists() else ""
 
+    def wait_said(self, text: str) -> None:
+        """Wait until a text is printed: HAL prints lines of its threads later, in another one."""
+        end_s = time.monotonic() + LIMIT_S
+        while text not in self.said():
+            assert time.monotonic() < end_s, f"not printed: {text}: {self.said()}"
+            time.sleep(0.02)
+
     def stop(self) -> None:
         """End the threads, unload everything."""
         for words in (("./halcmd", "stop"), ("./halcmd", "unload", "all"), ("./rtapi_app", "exit")):

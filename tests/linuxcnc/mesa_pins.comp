@@ -9,6 +9,8 @@ license "GPL";
 #define CARD "hm2_5i25.0."
 #define N(list) (sizeof(list) / sizeof((list)[0]))
 
+enum { n_stepgens = 3 };
+
 static int make(hal_type_t type, hal_pin_dir_t dir, const char *name)
 {
     void **pin = hal_malloc(sizeof *pin);
@@ -35,6 +37,12 @@ EXTRA_SETUP()
         {HAL_BIT, HAL_OUT, CARD "7i77.0.0.input-00"},
         {HAL_BIT, HAL_OUT, CARD "7i77.0.0.input-01"},
         {HAL_BIT, HAL_OUT, CARD "7i77.0.0.input-02"},
+        {HAL_BIT, HAL_IN, CARD "7i77.0.0.output-00"},
+        {HAL_BIT, HAL_IN, CARD "7i77.0.1.spinena"},
+        {HAL_FLOAT, HAL_IN, CARD "7i77.0.1.analogout5"},
+        {HAL_FLOAT, HAL_IN, CARD "7i77.0.1.analogout5-scalemax"},
+        {HAL_FLOAT, HAL_IN, CARD "7i77.0.1.analogout5-minlim"},
+        {HAL_FLOAT, HAL_IN, CARD "7i77.0.1.analogout5-maxlim"},
         {HAL_BIT, HAL_IN, CARD "7i77.0.1.analogena"},
         {HAL_FLOAT, HAL_IN, CARD "7i77.0.1.analogout0"},
         {HAL_FLOAT, HAL_IN, CARD "7i77.0.1.analogout0-scalemax"},
@@ -49,18 +57,27 @@ EXTRA_SETUP()
         {HAL_FLOAT, HAL_OUT, CARD "encoder.01.position"},
         {HAL_FLOAT, HAL_OUT, CARD "encoder.01.velocity"},
         {HAL_FLOAT, HAL_IN, CARD "encoder.01.scale"},
-        {HAL_FLOAT, HAL_IN, CARD "stepgen.00.position-scale"},
-        {HAL_FLOAT, HAL_IN, CARD "stepgen.00.position-cmd"},
-        {HAL_FLOAT, HAL_OUT, CARD "stepgen.00.position-fb"},
-        {HAL_BIT, HAL_IN, CARD "stepgen.00.enable"},
-        {HAL_FLOAT, HAL_IN, CARD "stepgen.01.position-scale"},
-        {HAL_FLOAT, HAL_IN, CARD "stepgen.01.position-cmd"},
-        {HAL_FLOAT, HAL_OUT, CARD "stepgen.01.position-fb"},
-        {HAL_BIT, HAL_IN, CARD "stepgen.01.enable"},
+    };
+    static const struct {
+        hal_type_t type;
+        hal_pin_dir_t dir;
+        const char *name;
+    } step_pins[] = {
+        {HAL_FLOAT, HAL_IN, "position-scale"}, {HAL_FLOAT, HAL_IN, "position-cmd"},
+        {HAL_FLOAT, HAL_OUT, "position-fb"},   {HAL_BIT, HAL_IN, "enable"},
+        {HAL_FLOAT, HAL_IN, "maxaccel"},       {HAL_U32, HAL_IN, "steplen"},
+        {HAL_U32, HAL_IN, "stepspace"},        {HAL_U32, HAL_IN, "dirsetup"},
+        {HAL_U32, HAL_IN, "dirhold"},
     };
     int err = 0;
     for (unsigned i = 0; err == 0 && i < N(pins); i++) {
         err = make(pins[i].type, pins[i].dir, pins[i].name);
+    }
+    for (unsigned i = 0; err == 0 && i < n_stepgens * N(step_pins); i++) {
+        char name[HAL_NAME_LEN + 1];
+        rtapi_snprintf(name, sizeof name, CARD "stepgen.%02u.%s", i / (unsigned)N(step_pins),
+                       step_pins[i % N(step_pins)].name);
+        err = make(step_pins[i % N(step_pins)].type, step_pins[i % N(step_pins)].dir, name);
     }
     static const char *const functions[] = {CARD "read", CARD "write"};
     for (unsigned i = 0; err == 0 && i < N(functions); i++) {

@@ -32,6 +32,14 @@ def test_rows_of_the_panel_are_marks_without_content() -> None:
     assert [len(row) for row in rows] == [0] * len(rows)
 
 
+def test_legend_of_the_panel_has_every_state() -> None:
+    """As the pin's description, with the same numbers."""
+    described = re.search(r'state_number "(.*)"', (SIM.parent / "camturn.comp").read_text())
+    assert described is not None
+    legend = (SIM / "panel.xml").read_text().split('"0 off')[1].split('"')[0]
+    assert ("0 off" + legend).replace("\\n", " ").split() == described[1].split()
+
+
 def test_lock_serves_every_user_of_the_machine(tmp_path: Path) -> None:
     """Its file can be opened by others, whatever the umask of the user who made it."""
     path = tmp_path / "hal.lock"

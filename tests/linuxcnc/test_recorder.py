@@ -87,7 +87,7 @@ def test_recordings_by_command_get_numbered_files(loaded: Callable[[str], Halbox
         found = read(box.folder / f"cut-{number}.csv")
         assert found["t_ms"].tolist() == list(range(len(found["t_ms"])))
         assert len(found["t_ms"]) > 100
-        assert f"camturn: ./cut-{number}.csv: {len(found['t_ms'])} rows" in box.said()
+        box.wait_said(f"camturn: ./cut-{number}.csv: {len(found['t_ms'])} rows")
 
 
 def test_recording_without_a_name_is_refused(loaded: Callable[[str], Halbox]) -> None:
@@ -95,7 +95,7 @@ def test_recording_without_a_name_is_refused(loaded: Callable[[str], Halbox]) ->
     box = loaded("")
     _set(box, 1)
     assert box.get("camturn.recording") == "FALSE"
-    assert "camturn: record: no file is given; load camturn with recordings=" in box.said()
+    box.wait_said("camturn: record: no file is given; load camturn with recordings=")
 
 
 def test_folder_that_is_not_there_is_reported(loaded: Callable[[str], Halbox]) -> None:
@@ -104,4 +104,4 @@ def test_folder_that_is_not_there_is_reported(loaded: Callable[[str], Halbox]) -
     _set(box, 1)
     _set(box, 0)
     box.wait("camturn.recording", "FALSE")
-    assert "/nowhere/cut-1.csv: No such file or directory; make room there, or" in box.said()
+    box.wait_said("/nowhere/cut-1.csv: No such file or directory; make room there, or")

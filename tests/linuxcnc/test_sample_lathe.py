@@ -4,22 +4,27 @@
 import os
 import shutil
 import signal
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from tests.linuxcnc.halbox import Halbox
+from tests.linuxcnc.halbox import LIMIT_S, Halbox
+from tests.linuxcnc.test_recorder import read
 from tests.tools.cases.part_cases import ROOT
 
 pytest_plugins = ["tests.linuxcnc.halrun_fixtures"]
 
 SIM = ROOT / "hal" / "linuxcnc" / "sim"
-MESA = ROOT / "hal" / "linuxcnc" / "mesa" / "lathe.hal"
+MESA = ROOT / "hal" / "linuxcnc" / "mesa"
 PROGRAMS = ("linuxcncsvr", "io", "milltask", "halui")
 PANEL_PINS = Path(__file__).with_name("panel_pins.py")
 AXIS_DRO = Path(__file__).with_name("axis_dro.py")
+AUTO = Path(__file__).with_name("auto.py")
+README = ROOT / "hal" / "linuxcnc" / "README.md"
 BLOCKS = (
     "M3 S500", "G4 P1.5", "M64 P0", "M66 P0 L3 Q10", "G33 Z5 K0.25", "M65 P0", "M66 P0 L4 Q10",
 )  # fmt: skip
@@ -92,11 +97,14 @@ def _end(box: Halbox) -> None:
 
 def execute(lathe: Halbox, linuxcnc_root: Path, *blocks: str) -> None:
     """Switch the machine on and carry out blocks."""
+    _control(lathe, linuxcnc_root, Path(__file__).with_name("mdi.py"), *blocks)
+
+
+def _control(lathe: Halbox, linuxcnc_root: Path, script: Path, *words: str) -> None:
     modules = str(linuxcnc_root / "usr" / "lib" / "python3" / "dist-packages")
-    script = Path(__file__).with_name("mdi.py")
     shutil.copy(script, lathe.folder)
-    words = ("/usr/bin/python3", script.name, str(lathe.folder / "linuxcnc.nml"), *blocks)
-    assert lathe.run(*words, PYTHONPATH=modules) == 0, lathe.said()
+    program = ("/usr/bin/python3", script.name, str(lathe.folder / "linuxcnc.nml"), *words)
+    assert lathe.run(*program, PYTHONPATH=modules) == 0, lathe.said()
 
 
 def test_a_program_starts_waits_cuts_and_stops(lathe: Halbox, linuxcnc_root: Path) -> None:
@@ -130,23 +138,89 @@ def test_u_is_homed_before_the_first_enable(lathe: Halbox, linuxcnc_root: Path, 
     )
 
 
-def test_panel_is_connected_and_starts(lathe: Halbox, linuxcnc_root: Path) -> None:
-    """Every widget has a signal of camturn; the buttons start and stop are M64 and M65."""
+def _show_panel(lathe: Halbox, linuxcnc_root: Path) -> None:
     for file in (SIM / "panel.xml", SIM / "panel.hal", PANEL_PINS):
         shutil.copy(file, lathe.folder)
     pins = ("/usr/bin/python3", PANEL_PINS.name, "panel.xml")
     modules = str(linuxcnc_root / "usr" / "lib" / "python3" / "dist-packages")
     assert lathe.run("./halcmd", "loadusr", "-Wn", "pyvcp", *pins, PYTHONPATH=modules) == 0
     assert lathe.run("./halcmd", "-f", "panel.hal") == 0, lathe.said()
+
+
+def test_panel_is_connected(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """Every widget has a signal of camturn."""
+    _show_panel(lathe, linuxcnc_root)
     shown = lathe.ask("-s", "show", "pin", "pyvcp.*").strip().splitlines()
     assert len(shown) == (SIM / "panel.xml").read_text().count("<halpin>")
     assert [line for line in shown if "=>" not in line and "<=" not in line] == []
     execute(lathe, linuxcnc_root, "G4 P0.1")
     lathe.wait("pyvcp.homed", "TRUE")
-    for number, value in ((0, "TRUE"), (1, "FALSE")):
-        button = f"halui.mdi-command-{number:02}"
-        assert lathe.load(f"unlinkp {button}\nsetp {button} 1\n") == 0, lathe.said()
-        lathe.wait("camturn.start", value)
+
+
+def _start_program(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """Run the program printed in the README in AUTO, until it cuts and Z has moved 1 mm."""
+    text = README.read_text().split("`/tmp/oval.ngc`")[1].split("The button **stop**")[0]
+    program = lathe.folder / "oval.ngc"
+    program.write_text(text[text.index("    M65 P0") :])
+    _control(lathe, linuxcnc_root, AUTO, str(program))
+    lathe.wait("camturn.in-cut", "TRUE")
+    end_s = time.monotonic() + LIMIT_S
+    while float(lathe.get("joint.1.motor-pos-cmd")) < 1.0:
+        assert time.monotonic() < end_s, lathe.said()
+
+
+def test_printed_program_cuts_to_its_end(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """In AUTO, with its explanations: Z is at its end, U has retracted, no fault."""
+    _start_program(lathe, linuxcnc_root)
+    lathe.wait("halui.program.is-idle", "TRUE")
+    assert float(lathe.get("joint.1.motor-pos-cmd")) == 5.0
+    for pin in ("camturn.start", "camturn.in-cut", "camturn.fault", "spindle.0.on"):
+        assert lathe.get(pin) == "FALSE"
+
+
+def test_lag_of_u_is_measured_in_a_slow_cut(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """(u-cmd - u-fb) / u-vel without feed-forward is k1 and lead: RETROFIT, step 6."""
+    believed_ns = sum(float(lathe.get(f"camturn.{name}")) for name in ("k1-ns", "lead-ns"))
+    for name in ("k1-ns", "k2-us2", "lead-ns"):
+        assert lathe.load(f"setp camturn.{name} 0\n") == 0
+    assert lathe.load("setp camturn.following-limit-nm 1000000\n") == 0
+    _start_program(lathe, linuxcnc_root)
+    assert lathe.load("setp camturn.record 1\n") == 0
+    time.sleep(1.0)
+    assert lathe.load("setp camturn.record 0\n") == 0
+    lathe.wait("camturn.recording", "FALSE")
+    found = read(lathe.folder / "recording-1.csv")
+    command_nm, actual_nm = (found[f"u_{name}_nm"].astype(float) for name in ("command", "actual"))
+    speed = np.gradient(command_nm, 1e6)  # nm per ns
+    lag_ns = speed @ (command_nm - actual_nm) / (speed @ speed)
+    assert lag_ns == pytest.approx(believed_ns, rel=0.03)  # lathe_sim: steps of 0.1 ms
+
+
+@pytest.mark.parametrize("by", ["stop", "abort"])
+def test_cut_is_ended_at_any_time(lathe: Halbox, linuxcnc_root: Path, by: str) -> None:
+    """In G33 of a program: U and Z end, and only a new M64 P0 starts camturn again."""
+    _show_panel(lathe, linuxcnc_root)
+    _start_program(lathe, linuxcnc_root)
+    assert lathe.load("unlinkp pyvcp.stop\n") == 0, lathe.said()  # to set its signal here
+    if by == "abort":
+        _control(lathe, linuxcnc_root, AUTO, "abort")
+    else:
+        assert lathe.load("sets panel-stop 1\n") == 0, lathe.said()
+    lathe.wait("camturn.start", "FALSE")
+    lathe.wait("halui.program.is-idle", "TRUE")
+    assert lathe.load("sets panel-stop 0\n") == 0
+    assert lathe.get("motion.digital-out-00") == "TRUE"
+    lathe.wait("camturn.fault", "TRUE")  # the spindle has stopped before U was out
+    lathe.wait_said("camturn: fault spindle_stopped")
+    assert 1.0 <= float(lathe.get("joint.1.motor-pos-cmd")) < 4.0
+    assert lathe.get("camturn.in-cut") == "FALSE"
+    assert float(lathe.get("camturn.u")) < -0.4
+    _control(lathe, linuxcnc_root, AUTO, "off")
+    execute(lathe, linuxcnc_root, "M3 S500", "G4 P2")
+    assert lathe.get("camturn.ready") == "TRUE"
+    assert lathe.get("camturn.start") == "FALSE"
+    _start_program(lathe, linuxcnc_root)
+    assert lathe.get("camturn.fault") == "FALSE"
 
 
 def test_axis_shows_u_and_whether_it_is_homed(lathe: Halbox, linuxcnc_root: Path) -> None:
@@ -161,19 +235,74 @@ def test_axis_shows_u_and_whether_it_is_homed(lathe: Halbox, linuxcnc_root: Path
     assert lathe.run(*screen, "/usr/bin/python3", AXIS_DRO.name, nml) == 0, lathe.said()
 
 
-def test_mesa_configuration_is_taken_by_hal(
-    box: Halbox, linuxcnc_root: Path, table_of: Callable[[str], Path]
-) -> None:
-    """Every line of it, with a component that has the pins of the card in place of its drivers."""
-    _settings(box, table_of("perkins240"), MESA)
+@pytest.fixture(params=["u_velocity.hal", "u_step.hal"])
+def mesa(
+    request: pytest.FixtureRequest,
+    box: Halbox,
+    linuxcnc_root: Path,
+    table_of: Callable[[str], Path],
+) -> Iterator[Halbox]:
+    """Return the Mesa sample, with simulated pins of the card in place of its drivers."""
+    _settings(box, table_of("perkins240"), MESA / "lathe.hal")
     script = box.folder / "lathe.hal"
     lines = script.read_text().splitlines()
     drivers = [
         i for i, line in enumerate(lines) if line.startswith(("loadrt hostmot2", "loadrt hm2_"))
     ]
     lines[drivers[0] : drivers[-1] + 1] = ["loadrt mesa_pins"]
+    lines += (MESA / request.param).read_text().splitlines()
     script.write_text("\n".join(lines) + "\n")
     with _started(box, linuxcnc_root):
-        assert box.get("camturn.tick-hz-used") == "1000"
-        assert box.get("camturn.k1-ns") == "0"
-        assert float(box.get("u-sum.gain1")) == 0.002
+        yield box
+
+
+def test_mesa_configuration_is_taken_by_hal(mesa: Halbox) -> None:
+    """Every line of it; the card is written last."""
+    assert mesa.get("camturn.tick-hz-used") == "1000"
+    functions = mesa.ask("show", "thread").split()
+    ours = [name for name in functions if name.startswith(("u-", "camturn.", "hm2_5i25."))]
+    assert ours[:3] == ["hm2_5i25.0.read", "camturn.update", "camturn.poll"]
+    assert ours[-1] == "hm2_5i25.0.write"
+    assert len(ours) > 5
+
+
+@pytest.mark.parametrize("mesa", ["u_step.hal"], indirect=True)
+def test_mesa_emergency_stop_reaches_linuxcnc(mesa: Halbox) -> None:
+    """Chain and watchdog: each stops LinuxCNC, which remains in emergency stop until its reset."""
+
+    def load(script: str) -> None:
+        assert mesa.load(script) == 0, mesa.said()
+
+    load("unlinkp hm2_5i25.0.7i77.0.0.input-00\n")
+    for opens, closes in (
+        ("sets estop-chain 0\n", "sets estop-chain 1\n"),
+        ("sets watchdog-bit 1\n", "sets watchdog-bit 0\n"),
+    ):
+        load(opens)
+        mesa.wait("halui.estop.is-activated", "TRUE")
+        load(closes)
+        mesa.wait("camturn.estop-ok", "TRUE")
+        assert mesa.get("iocontrol.0.emc-enable-in") == "FALSE"
+        load("setp halui.estop.reset 1\n")
+        mesa.wait("halui.estop.is-activated", "FALSE")
+        load("setp halui.estop.reset 0\n")
+        assert mesa.get("iocontrol.0.emc-enable-in") == "TRUE"
+
+
+@pytest.mark.parametrize("mesa", ["u_step.hal"], indirect=True)
+def test_mesa_step_drive_is_enabled_where_u_stands(mesa: Halbox) -> None:
+    """U was moved while off: enable causes no step, and then steps follow the set-point."""
+    off = "unlinkp {0}.encoder.01.position\nunlinkp {0}.stepgen.02.position-fb\n"
+    values = "unlinkp camturn.drive-enable\nsets u-fb 0.1\nsets u-step-fb 0.03\n"
+    assert mesa.load((off + values).format("hm2_5i25.0")) == 0, mesa.said()
+
+    def command_mm() -> float:
+        time.sleep(0.05)
+        return float(mesa.get("hm2_5i25.0.stepgen.02.position-cmd"))
+
+    assert command_mm() == pytest.approx(0.03)
+    assert mesa.load("sets u-enable 1\nsets u-fb 0.2\nsets u-step-fb 0.13\n") == 0
+    assert command_mm() == pytest.approx(0.13)
+    assert float(mesa.get("u-offset.out")) == pytest.approx(-0.07)
+    assert mesa.load("unlinkp camturn.u-cmd\nsets u-cmd 0.3\n") == 0  # by hand: RETROFIT, step 5
+    assert command_mm() == pytest.approx(0.23)

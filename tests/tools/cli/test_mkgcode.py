@@ -84,11 +84,12 @@ def test_profile_program_engages_and_retracts(tmp_path: Path) -> None:
     lines = made(tmp_path, PERKINS).read_text().splitlines()
     program = [line for line in lines if not line.startswith(";")]
     clear = f"G0 X{46.1 + CLEARANCE_MM:.6f}"
-    assert program[2:6] == ["S2500 M3", clear, "G0 Z0.000000", "G95 G1 X45.970000 F0.100000"]
+    assert program[2].startswith("M65 P0")
+    assert program[3:7] == ["S2500 M3", clear, "G0 Z0.000000", "G95 G1 X45.970000 F0.100000"]
     first = next(i for i, line in enumerate(program) if line.startswith("G33"))
-    assert program[6].startswith("M64 P0")
-    assert program[7].startswith("M66 P0 L3")
-    assert program[8:first][1].strip() == clear
+    assert program[7].startswith("M64 P0")
+    assert program[8].startswith("M66 P0 L3")
+    assert [line.strip()[:5] for line in program[9:first][1:3]] == ["(MSG,", clear[:5]]
     assert program[-5] == clear
     assert [line[:6] for line in program[-4:-2]] == ["M65 P0", "M66 P0"]
     assert program[-1] == "M2"

@@ -29,6 +29,7 @@ _MAX_SEGMENTS = 5000
 _KINK = 1e-6  # mm/mm: a smaller jump of the slope is that of the cubics on an arc
 _FLATTEST = 1e-9  # 1/mm, so that places on a straight line stay distinct
 _WAIT_S = 60  # for camturn to engage and to disengage
+_NO_ANSWER = "(MSG, camturn does not cut: see its messages)"
 
 
 class Segments(NamedTuple):
@@ -106,10 +107,11 @@ def _engage(job: ProgramJob, x_mm: float) -> list[str]:
         "M64 P0 ; camturn: start",
         f"M66 P0 L3 Q{_WAIT_S} ; camturn: at full amplitude",
         "o100 if [#<_task> AND [#5399 LT 0]]",
-        *(f"  {one}" for one in (f"G0 {clear}", "M65 P0", "M5", "M2")),
+        *(f"  {one}" for one in (_NO_ANSWER, f"G0 {clear}", "M65 P0", "M5", "M2")),
         "o100 endif",
     ]
     return [
+        "M65 P0 ; an aborted program left it on: M64 must be a rising edge",
         f"S{process.spindle_rpm:g} {'M3' if process.direction == 1 else 'M4'}",
         f"G0 {clear}",
         f"G0 {length('Z', job.z_first_mm)}",
