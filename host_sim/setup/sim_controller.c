@@ -125,12 +125,14 @@ static void derive_encoder(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_observer_bandwidth_mHz, observer_mHz);
 }
 
-bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
+bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine, bool measures_u,
                            const sim_wishes_t *wishes, common_error_t *e)
 {
     derive_t d = {.params = params, .e = e, .is_good = true};
     *params = cam_param_defaults();
-    cam_param_learn(params);
+    if (measures_u) {
+        cam_param_learn(params);
+    }
     derive_encoder(&d, machine);
     derive_feed_forward(&d, machine);
     derive_limits(&d, machine);

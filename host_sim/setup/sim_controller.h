@@ -39,10 +39,11 @@ typedef struct {
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
                     common_error_t *e);
 
-/// @param params   all are set, those of learning as for any port that measures U
+/// @param params   all are set
 /// @param machine  the controller's model of it (sim_config_believed())
+/// @param measures_u  U's port measures: learning is on by default
 /// @return        false and *e when a derived value is outside the range of its parameter
-bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
+bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine, bool measures_u,
                            const sim_wishes_t *wishes, common_error_t *e);
 
 #endif

@@ -69,7 +69,7 @@ def test_what_was_learned_and_masked_is_told() -> None:
 @pytest.mark.parametrize(
     ("reason", "named"),
     [
-        ("not_asked", "off: learn_harmonics = 0; it is on by default where the port measures U"),
+        ("not_asked", "differs from what the controller assumes, such as --machine real"),
         ("not_measured", "off: the port does not measure U"),
         ("modulated", "off: the table modulates"),
         ("slow_turn", "off: a turn has more ticks"),

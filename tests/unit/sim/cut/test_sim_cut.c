@@ -45,8 +45,6 @@ static void inject(const char *text)
 /// Whatever the operator does to feed and spindle, the form is that of the cut left alone.
 static void test_override_hold_and_resume_leave_the_form_as_it_is(void)
 {
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "rehearse_turns", 0, "test", &error));
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "feed_ramp_turns", 2, "test", &error));
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
     const double alone_um = cut.session.work.max_um;
     sim_cut_close(&cut);
@@ -123,8 +121,6 @@ static void test_time_is_limited(void)
 static void test_time_is_enough_for_engaging_and_disengaging(void)
 {
     options.rpm = 60.0;
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "rehearse_turns", 0, "test", &error));
-    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "feed_ramp_turns", 2, "test", &error));
     TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "engage_turns", 30, "test", &error));
     TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "disengage_turns", 70, "test", &error));
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
