@@ -12,8 +12,9 @@ from __future__ import annotations
 from camtools.base.json_text import Json
 from camtools.cut.feasibility import tenth_below
 from camtools.measured.text import round_text
+from camtools.part.smoothing_text import share_text
+from camtools.skirt.geometry.smooth_points import smoothing_texts
 from camtools.skirt.report.segment_text import segments_text
-from camtools.skirt.report.smoothing_text import smoothing_texts
 
 
 def emit_text(summary: Json) -> str:
@@ -38,7 +39,7 @@ def emit_text(summary: Json) -> str:
         + _room_text(summary)
         + tool_text(summary["tool"])
         + segments_text(summary.get("segments", {}))
-        + "".join(f"  {text}\n" for text in smoothing_texts(summary.get("smoothing", {})))
+        + _smoothing_text(summary)
         + _profile_text(summary)
         + "".join(f"  {text} (overshoot_um)\n" for text in summary.get("overshoots", []))
         + _scan_text(summary)
@@ -59,6 +60,16 @@ def tool_text(tool: Json) -> str:
         f"  tool: {nose}{worn}, clearance angle {tool['clearance_deg']:g} degrees, required "
         f"{needed:.2f} (at {place})\n"
     )
+
+
+def _smoothing_text(summary: Json) -> str:
+    """Return what smoothing did or would do, and what it takes of the tolerance."""
+    process = summary["process"]
+    allowed_um, taken_um = process["form_error_um"], process["smoothing_takes_um"]
+    found, noise = summary.get("smoothing", {}), summary.get("noise", {})
+    lines = smoothing_texts(found, noise, allowed_um)
+    lines += [share_text(taken_um, allowed_um)] if taken_um else []
+    return "".join(f"  {line}\n" for line in lines)
 
 
 def _room_text(summary: Json) -> str:
