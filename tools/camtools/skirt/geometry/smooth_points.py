@@ -126,7 +126,7 @@ def _taken_by_curve_um(part: SkirtPart) -> dict[str, float]:
 
 def smoothing_takes_um(part: SkirtPart) -> float:
     """Return how far smoothing moves the radius at most, 0 without smoothing."""
-    return sum(_taken_by_curve_um(part).values())
+    return sum(_taken_by_curve_um(part).values(), 0.0)
 
 
 def tolerances_left(part: SkirtPart) -> Tolerances:

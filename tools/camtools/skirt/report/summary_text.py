@@ -65,7 +65,8 @@ def tool_text(tool: Json) -> str:
 def _smoothing_text(summary: Json) -> str:
     """Return what smoothing did or would do, and what it takes of the tolerance."""
     process = summary["process"]
-    allowed_um, taken_um = process["form_error_um"], process["smoothing_takes_um"]
+    # Of polygons, whose summary is this one, too, nothing is smoothed.
+    allowed_um, taken_um = process.get("form_error_um", 0.0), process.get("smoothing_takes_um", 0.0)
     found, noise = summary.get("smoothing", {}), summary.get("noise", {})
     lines = smoothing_texts(found, noise, allowed_um)
     lines += [share_text(taken_um, allowed_um)] if taken_um else []
