@@ -11,6 +11,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -77,6 +78,11 @@ def do(*words: str | Path) -> str:
     status, text = run(*words)
     assert status == 0, text
     return text
+
+
+def succeeds(*words: str) -> bool:
+    """Run camctl and return whether it succeeded."""
+    return run(*words)[0] == 0
 
 
 def until(is_true: Callable[[], bool]) -> None:
@@ -171,7 +177,7 @@ def test_the_manual_from_power_on_to_the_first_cut() -> None:
     with living():
         for one in commands:
             # A late computer has the axis braked after 250 ms, which a second try forgives.
-            until(lambda one=one: run(*one.split())[0] == 0)
+            until(partial(succeeds, *one.split()))
         assert do("where").count("homed") == 3
         assert do("home") == "home: ready\n"
         assert do("disable") == "disable: off\n"

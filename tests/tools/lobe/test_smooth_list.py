@@ -310,7 +310,11 @@ def test_units_that_contradict_are_refused(tmp_path: Path) -> None:
             'lift_unit = "inch"\n',
             "line 1: the header names a unit of length",
         ),
-        ("", f"largest_lift_mm = {LIFT_MM}\n", "lifts of 0 .. 64 mm, not 0 .. 8"),
+        (
+            "",
+            f"largest_lift_mm = {LIFT_MM}\n",
+            "shares of 0 .. 8, not 0 .. 1; give shares of 0 .. 1",
+        ),
         ("", 'degrees_of = "crank"\n', "the turn is not closed"),
     ):
         with pytest.raises(GeometryError) as refused:
@@ -328,17 +332,30 @@ def test_units_that_contradict_are_refused(tmp_path: Path) -> None:
         ("smooth_um = 0\n", "smooth_um = 0: "),
         ("smooth_um = 51\n", "smooth_um = 51"),
         ('degrees_of = "crank"\n', "neither a turn of the cam (720) nor 0.02 degrees less"),
+        ("", 'degrees less; list one turn, or set degrees_of = "crank"'),
     ],
 )
 def test_keys_of_a_list_are_checked(more: str, told: str) -> None:
     """Each refusal names the key and what is wrong with it."""
-    angles = [*range(0, 720, 60), 719.99] if "crank" in more else [*range(0, 360, 30)]
+    angles = [*range(0, 360, 30)]
+    if "crank" in told or "crank" in more:
+        angles = [*range(0, 720, 60), 719.99]
     text = TURNED.replace(
         LAW, f'law = "list"\n{more}angle_deg = {angles}\nlift_mm = {[0] * len(angles)}\n'
     )
     with pytest.raises(CamtoolsError) as refused:
         cam(text)
     assert any(told in line for line in refused.value.lines), refused.value.lines
+
+
+@pytest.mark.parametrize("header", ["", "angle_deg lift\n", "angle_deg,lift_mm\n"])
+def test_crank_degrees_without_their_key_name_it(tmp_path: Path, header: str) -> None:
+    """718 degrees of points every two are those of the crank."""
+    (tmp_path / "lift.csv").write_text(
+        header + "".join(f"{2 * i}{',' if ',' in header else ' '}0.1\n" for i in range(360))
+    )
+    with pytest.raises(GeometryError, match=r', or set degrees_of = "crank"$'):
+        law_of(TURNED.replace(LAW, CSV.format(tmp_path / "lift.csv")))
 
 
 def test_other_laws_have_no_smoothing() -> None:
