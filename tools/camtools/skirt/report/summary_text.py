@@ -15,6 +15,8 @@ from camtools.measured.text import round_text
 from camtools.part.smoothing_text import share_text
 from camtools.skirt.geometry.smooth_points import smoothing_texts
 from camtools.skirt.report.segment_text import segments_text
+from camtools.skirt.report.tool_text import clearance_text
+from camtools.skirt.tool.heel import Heel
 
 
 def emit_text(summary: Json) -> str:
@@ -54,12 +56,8 @@ def tool_text(tool: Json) -> str:
     """Return the tool of a skirt's table and the clearance that its heel has left."""
     nose = f"nose radius {tool['nose_radius_mm']:g} mm" if tool["nose_radius_mm"] else "pointed"
     worn = f", worn by {tool['wear_um']:g} um" if tool["wear_um"] else ""
-    needed = tool["needed_clearance_deg"]
-    place = f"{tool['heel_at_deg']:g} degrees, height {tool['heel_at_mm']:g} mm"
-    return (
-        f"  tool: {nose}{worn}, clearance angle {tool['clearance_deg']:g} degrees, required "
-        f"{needed:.2f} (at {place})\n"
-    )
+    heel = Heel(tool["needed_clearance_deg"], tool["heel_at_deg"], tool["heel_at_mm"])
+    return f"  tool: {nose}{worn}, {clearance_text(tool['clearance_deg'], heel)}\n"
 
 
 def _smoothing_text(summary: Json) -> str:
