@@ -84,6 +84,13 @@ static void test_slow_drive_is_refused_with_the_acceleration_it_needs(void)
     TEST_ASSERT_TRUE(apply());
 }
 
+static void test_drive_that_no_acceleration_helps_is_refused(void)
+{
+    params.u_speed_um_per_s = cam_param_info(cam_param_u_speed_um_per_s)->min;
+    params.k2_us2 = 80000000;
+    expect_refusal("this drive is too slow: give a larger bandwidth_hz");
+}
+
 static void test_jerk_is_told_with_its_bound(void)
 {
     params.u_jerk_m_per_s3 = 1;
