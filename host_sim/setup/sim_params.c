@@ -2,6 +2,47 @@
 #include "sim_params.h"
 #include "cam_derived_limits.h" // cam_derived_limits_most
 #include "cam_gains.h"          // cam_gains_check
+#include <stdio.h>              // snprintf
+
+/// The largest acceleration of U up to the present one with which these gains are taken.
+/// @return [mm/s^2], 0 where none is
+static int32_t acceleration_for_gains(const cam_params_t *params, uint32_t tick_hz)
+{
+    const cam_param_id_t id = cam_param_u_acceleration_mm_per_s2;
+    cam_params_t trial = *params;
+    cam_param_id_t which = cam_n_params;
+    int32_t good = 0;
+    int32_t low = cam_param_info(id)->min;
+    int32_t high = cam_param_get(params, id);
+    while (low <= high) {
+        const int32_t middle = low + (high - low) / 2;
+        const bool is_taken = cam_param_set(&trial, id, middle) == cam_ok &&
+                              cam_gains_check(&trial, tick_hz, &which) == cam_ok;
+        good = is_taken ? middle : good;
+        low = is_taken ? middle + 1 : low;
+        high = is_taken ? high : middle - 1;
+    }
+    return good;
+}
+
+/// Refuse k1 or k2, which a slow drive of U makes large.
+/// @return false
+static bool refuse_slow_drive(const char *refused, const cam_params_t *params, uint32_t tick_hz,
+                              common_error_t *e)
+{
+    const int32_t most = acceleration_for_gains(params, tick_hz);
+    if (most == 0) {
+        return common_error(e,
+                            "%s; it follows from [u] bandwidth_hz of the machine file unless it is "
+                            "set; this drive is too slow: give a larger bandwidth_hz",
+                            refused);
+    }
+    return common_error(e,
+                        "%s; it follows from [u] bandwidth_hz of the machine file unless it is "
+                        "set; such a drive needs [u] acceleration_mm_per_s2 of at most %d, or a "
+                        "lower [machine] tick_hz",
+                        refused, (int)most);
+}
 
 /// Refuse gains or a jerk. The message names the one that is wrong in the whole set, which need not
 /// be the parameter set last. @return false
@@ -10,11 +51,15 @@ static bool refuse_gains(const cam_params_t *params, uint32_t tick_hz, common_er
     cam_param_id_t which = cam_n_params;
     const cam_err_t err = cam_gains_check(params, tick_hz, &which);
     const long long bound = cam_gains_bound(params, which, tick_hz);
-    return common_error(e,
-                        "parameter %s = %d: refused: %s; with the other parameters it is at %s "
-                        "%lld; change it, or them, in the machine file or by --set",
-                        cam_param_info(which)->name, (int)cam_param_get(params, which),
-                        cam_err_text(err), err == cam_err_jerk ? "least" : "most", bound);
+    char refused[256];
+    (void)snprintf(refused, sizeof refused,
+                   "parameter %s = %d: refused: %s; with the other parameters it is at %s %lld",
+                   cam_param_info(which)->name, (int)cam_param_get(params, which),
+                   cam_err_text(err), err == cam_err_jerk ? "least" : "most", bound);
+    if (err == cam_err_gain) {
+        return refuse_slow_drive(refused, params, tick_hz, e);
+    }
+    return common_error(e, "%s; change it, or them, in the machine file or by --set", refused);
 }
 
 static bool refuse(const cam_params_t *params, cam_param_id_t id, cam_err_t err, uint32_t tick_hz,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What changes in the cut, with tools/camctl, against the firmware with an ideal machine."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -25,6 +26,21 @@ def test_feed_is_overridden_held_and_goes_on(bench: Bench, tmp_path: Path) -> No
     assert bench.do("parts") == "parts = 8\n"
 
 
+def test_a_cut_that_is_stopped_elsewhere_fails(bench: Bench) -> None:
+    """The command start gives the reason and how far the part came; nothing is counted."""
+    bench.do("home")
+    bench.do("override", "feed", "5")
+    with bench.cutting("cutting"):
+        assert bench.do("stop").startswith("stop: ")
+    [ended] = bench.ended
+    assert re.fullmatch(
+        r"start: the cut was stopped at \d+ %, \d+ of \d+ turns, so the part is not complete; "
+        "state ready",
+        str(ended),
+    )
+    assert bench.do("parts") == "parts = 0\n"
+
+
 def test_trim_is_of_diameter_or_radius(
     bench: Bench, refusal: Callable[[Bench, int, str], str]
 ) -> None:
@@ -40,8 +56,12 @@ def test_what_is_out_of_place_is_refused(
     bench: Bench, refusal: Callable[[Bench, int, str], str]
 ) -> None:
     """No hold without a cut, no resume without a hold, no override out of range."""
-    assert "hold: refused: state" in refusal(bench, 1, "hold")
-    assert "resume: refused: state" in refusal(bench, 1, "resume")
+    for state in ("off", "ready"):
+        refused = f"refused: state {state}; nothing is being cut"
+        assert refusal(bench, 1, "hold").endswith(f"hold: {refused}; start first")
+        assert refusal(bench, 1, "resume").endswith(f"resume: {refused}, so nothing is on hold")
+        assert refusal(bench, 1, "stop").endswith(f"stop: {refused}")
+        bench.do("home")
     assert "150" in refusal(bench, 2, "override feed 151")
     assert "50" in refusal(bench, 2, "override spindle 49")
     assert "out of range" in refusal(bench, 1, "set feed_override_ppm 1500001")

@@ -2,6 +2,7 @@
 """Rounded lists of lift, smoothed within a band, judged by the laws before rounding."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -59,6 +60,11 @@ def with_list(lift_mm: Floats, more: str = "", text: str = TURNED) -> str:
     return text.replace(LAW, listed + more)
 
 
+def allowing(text: str, form_error_um: float) -> str:
+    """Return a part file with another form error."""
+    return text.replace("[process]\n", f"[process]\nform_error_um = {form_error_um}\n")
+
+
 def law_of(text: str) -> Listed:
     """Return the curve of the first lobe of a part file."""
     law = make_lobes(cam(text))[0].law
@@ -81,7 +87,7 @@ def test_acceleration_is_that_of_the_law_before_rounding(law: Law) -> None:
 def test_every_point_is_met_within_the_band() -> None:
     """Listed points are off by the band at most, the dwell is 0, and the turn is closed."""
     listed = rounded(cycloid, 0.002)
-    law = law_of(with_list(listed, "smooth_um = 1.5\n"))
+    law = law_of(allowing(with_list(listed, "smooth_um = 1.5\n"), 2.0))
     lift = law.evaluate(np.radians(DEG)).lift
     off_um = 1000 * (lift - listed)
     assert 1.4 < np.abs(off_um).max() <= 1.5 + 1e-6
@@ -125,7 +131,8 @@ def test_residuals_and_peaks_are_shown(tmp_path: Path, capsys: pytest.CaptureFix
     assert acceleration["after"] == pytest.approx(exact, rel=0.02)
     assert acceleration["before"] > 1.1 * exact and jerk["before"] > 3 * jerk["after"]
     line = f"list smoothed within 0.5 um: largest residual 0.5 um at {DEG[at]:g} degrees, rms "
-    assert line in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert line in shown and "  smoothing takes 0.5 um of the tolerance of 1 um\n" in shown
     assert (tmp_path / "cam-345_smoothing.png").read_bytes()[1:4] == b"PNG"
 
 
@@ -137,6 +144,25 @@ def test_report_has_picture_and_row(run: Command, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "cut_smoothing.png").exists()
     page = (tmp_path / "out" / "report.html").read_text()
     assert "Smoothing of a list" in page and "list smoothed within 0.5 um" in page
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["form_error_um"]["tolerance"] == pytest.approx(0.5, abs=1e-4)
+    share = "smoothing takes 0.5 um of the tolerance of 1 um"
+    assert f"against the smoothed drawing (500 nm left: {share})" in done.stdout
+
+
+@pytest.mark.parametrize(("asked", "left_um"), [("1.2", 0.7), ("0.4", None)])
+def test_smoothing_takes_its_share_of_a_given_tolerance(
+    run: Command, tmp_path: Path, asked: str, left_um: float | None
+) -> None:
+    """Of --tolerance-um as of the part's own; nothing left is refused."""
+    (tmp_path / "c.toml").write_text(with_list(rounded(polynomial), "smooth_um = 0.5\n"))
+    words = ("c.toml", "--feed", "4", "-o", "out", "--", "--tolerance-um", asked)
+    done = run(*words, draws=False)
+    if left_um is None:
+        assert done.returncode == 2 and "--tolerance-um 0.4: smoothing takes 0.5 um" in done.stderr
+        return
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["form_error_um"]["tolerance"] == pytest.approx(left_um, abs=1e-4)
 
 
 def test_rounded_list_is_warned_about() -> None:
@@ -177,6 +203,20 @@ def test_refusals_that_are_noise_name_a_band_that_works() -> None:
     with pytest.raises(CamtoolsError, match="swing_acceleration_deg_s2 = 100000") as weak:
         generate_lobes(cam(with_list(rounded(polynomial))))
     assert "; the list is noisy: cam.lobe.0.smooth_um = " in weak.value.lines[0]
+
+
+def test_refusal_by_coarse_lifts_names_a_form_error_too() -> None:
+    """A band beyond the form error is refused, so both keys are named."""
+    listed = rounded(polynomial, 0.005)
+    with pytest.raises(GeometryError, match="or smooth the noise of the list: ") as refused:
+        make_lobes(cam(with_list(listed, text=GROUND)))
+    told = r"smooth_um = ([0-9.]+) with process.form_error_um = ([0-9.]+)$"
+    found = re.search(told, refused.value.lines[0])
+    assert found is not None
+    text = with_list(listed, f"smooth_um = {found[1]}\n", GROUND)
+    make_lobes(cam(allowing(text, float(found[2]))))
+    with pytest.raises(GeometryError, match=r"leaves nothing of process\.form_error_um = 1;"):
+        make_lobes(cam(text))
 
 
 def test_no_band_is_named_for_a_lift_that_is_hollow_by_itself() -> None:
@@ -268,7 +308,11 @@ def test_units_that_contradict_are_refused(tmp_path: Path) -> None:
             'lift_unit = "inch"\n',
             "line 1: the header names a unit of length",
         ),
-        ("", f"largest_lift_mm = {LIFT_MM}\n", "lifts of 0 .. 64 mm, not 0 .. 8"),
+        (
+            "",
+            f"largest_lift_mm = {LIFT_MM}\n",
+            "shares of 0 .. 8, not 0 .. 1; give shares of 0 .. 1",
+        ),
         ("", 'degrees_of = "crank"\n', "the turn is not closed"),
     ):
         with pytest.raises(GeometryError) as refused:
@@ -284,18 +328,32 @@ def test_units_that_contradict_are_refused(tmp_path: Path) -> None:
         ("ramp_height_mm = 0.3\n", "ramp_um_per_deg: is missing"),
         ("ramp_um_per_deg = 9\n", "ramp_height_mm: is missing"),
         ("smooth_um = 0\n", "smooth_um = 0: "),
+        ("smooth_um = 51\n", "smooth_um = 51"),
         ('degrees_of = "crank"\n', "neither a turn of the cam (720) nor 0.02 degrees less"),
+        ("", 'degrees less; list one turn, or set degrees_of = "crank"'),
     ],
 )
 def test_keys_of_a_list_are_checked(more: str, told: str) -> None:
     """Each refusal names the key and what is wrong with it."""
-    angles = [*range(0, 720, 60), 719.99] if "crank" in more else [*range(0, 360, 30)]
+    angles = [*range(0, 360, 30)]
+    if "crank" in told or "crank" in more:
+        angles = [*range(0, 720, 60), 719.99]
     text = TURNED.replace(
         LAW, f'law = "list"\n{more}angle_deg = {angles}\nlift_mm = {[0] * len(angles)}\n'
     )
     with pytest.raises(CamtoolsError) as refused:
         cam(text)
     assert any(told in line for line in refused.value.lines), refused.value.lines
+
+
+@pytest.mark.parametrize("header", ["", "angle_deg lift\n", "angle_deg,lift_mm\n"])
+def test_crank_degrees_without_their_key_name_it(tmp_path: Path, header: str) -> None:
+    """718 degrees of points every two are those of the crank."""
+    (tmp_path / "lift.csv").write_text(
+        header + "".join(f"{2 * i}{',' if ',' in header else ' '}0.1\n" for i in range(360))
+    )
+    with pytest.raises(GeometryError, match=r', or set degrees_of = "crank"$'):
+        law_of(TURNED.replace(LAW, CSV.format(tmp_path / "lift.csv")))
 
 
 def test_other_laws_have_no_smoothing() -> None:

@@ -57,7 +57,7 @@ def test_what_was_learned_and_masked_is_told() -> None:
     """Turns, error at first and at last, constants, correction, ripple, masks."""
     told = text(learned())
     assert told.startswith("on, 40 turns used: rms error at the scale 10.1 µm at first, 43 nm at")
-    assert "by +7738 ns and -93638 µs²" in told
+    assert "k1 corrected by +7.738 µs, k2 by -0.0936 ms²; " in told
     assert "ripple of 1179 µrad learned from 16 turns" in told
     assert told.endswith("harmonics masked: 7 .. 9, 16")
     assert text(learned(masked=[])).endswith("no harmonic is masked")

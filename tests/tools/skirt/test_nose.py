@@ -254,7 +254,7 @@ def test_run_tells_of_the_tool_and_sets_its_offset(
     path = tmp_path / "part.toml"
     path.write_text(f"{text}\n[tool]\nnose_radius_mm = 0.8\nwear_um = 12\n")
     assert run([str(path), "--feed", "1.5", "-o", str(tmp_path / "out")]) == 0
-    told = "nose radius 0.8 mm, worn by 12 um; clearance angle 7 degrees, at least 0.19 needed (at "
+    told = "nose radius 0.8 mm, worn by 12 um; clearance angle 7 degrees, required 0.19 (at "
     assert told in capsys.readouterr().out
     assert told in (tmp_path / "out" / "report.html").read_text()
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

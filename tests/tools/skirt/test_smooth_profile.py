@@ -2,6 +2,7 @@
 """Rounded points of profile and ovality, smoothed within a band, against the curve they round."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,19 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main
+from camtools.part.tolerances import Tolerances
 from camtools.skirt.geometry.profile import ovality_spline, profile_spline
+from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.geometry.smooth_points import (
+    noise_facts,
+    smoothing_facts,
+    smoothing_takes_um,
+    smoothing_texts,
+    tolerances_left,
+)
 from camtools.skirt.part.part_file import SkirtPart, example_part
 from camtools.skirt.part.profile_keys import Ovality, Profile
 from tests.tools.cases.part_cases import PERKINS, Command
@@ -68,7 +79,8 @@ def test_residuals_are_reported(
 ) -> None:
     """JSON, text and picture of mktables, and the report of a cut."""
     profile = listed(smooth_um=0.5)
-    (tmp_path / "p.toml").write_text(part_text(profile))
+    text = part_text(profile).replace("form_error_um = 0.2", "form_error_um = 5")
+    (tmp_path / "p.toml").write_text(text)
     assert main([str(tmp_path / "p.toml"), "-o", str(tmp_path), "--plot"]) == 0
     [summary] = [json.loads(path.read_text()) for path in tmp_path.glob("*.json")]
     found = summary["smoothing"]["profile"]
@@ -79,10 +91,14 @@ def test_residuals_are_reported(
     bends = found["bend_per_mm"]
     assert bends["after"] == pytest.approx(np.abs(barrel(Z_MM)[1]).max(), rel=0.25)  # at an end
     assert bends["before"] > 1.2 * bends["after"]
-    assert "profile smoothed within 0.5 um: largest residual 0.5 um" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "profile smoothed within 0.5 um: largest residual 0.5 um" in shown
+    assert "  smoothing takes 0.25 um of the tolerance of 5 um\n" in shown
     assert [path.read_bytes()[1:4] for path in tmp_path.glob("*_smoothing.png")] == [b"PNG"]
     done = run("p.toml", "--feed", "2", "-o", "out", draws=False)
     assert done.returncode in (0, 1), done.stderr
+    share = "against the smoothed drawing (4.75 um left: smoothing takes 0.25 um"
+    assert share in done.stdout and "against the drawing" not in done.stdout
     assert (tmp_path / "out" / "cut_smoothing.png").exists()
     assert "profile smoothed within 0.5 um" in (tmp_path / "out" / "report.html").read_text()
 
@@ -95,3 +111,66 @@ def test_segments_are_not_smoothed() -> None:
     tree["piston"]["profile"] = start | {"segment": [cone]}
     with pytest.raises(ValidationError, match="only points are smoothed"):
         SkirtPart.model_validate(tree)
+
+
+def bent(**process: float) -> SkirtPart:
+    """Return a part whose profile has a point that is 20 um off a barrel."""
+    tree = example_part().model_dump()
+    diameter_mm = barrel(Z_MM)[0]
+    diameter_mm[30] += 0.02
+    profile = {"interpolation": "linear", "height_mm": Z_MM.tolist(), "smooth_um": 40}
+    tree["piston"]["profile"] = profile | {"diameter_mm": diameter_mm.tolist()}
+    tree["process"] |= process
+    return SkirtPart.model_validate(tree)
+
+
+def test_smoothing_beyond_the_form_error_is_refused() -> None:
+    """Half of a diameter's residual counts, with the number that would do."""
+    with pytest.raises(GeometryError, match=r"piston\.profile\.smooth_um: ") as refused:
+        make_geometry(bent(form_error_um=5.0))
+    found = re.search(r"by up to ([0-9.]+) um, .* above ([0-9.]+)$", refused.value.lines[0])
+    assert found is not None
+    taken_um, least_um = map(float, found.groups())
+    assert 8 < taken_um <= 20 and taken_um <= least_um
+    enough = bent(form_error_um=least_um + 0.1)
+    make_geometry(enough)
+    assert smoothing_takes_um(enough) == pytest.approx(taken_um, rel=0.01)
+
+
+def test_tolerances_of_the_sheets_are_reduced() -> None:
+    """A diameter by the whole residual, the form of a line by the same, no phase."""
+    part = bent(form_error_um=100.0)
+    stated = Tolerances(diameter_um=50, straightness_um=1, phase_deg=1)
+    left = tolerances_left(part.model_copy(update={"tolerances": stated}))
+    taken_um = 2 * smoothing_takes_um(part)
+    assert left.diameter_um == pytest.approx(50 - taken_um)
+    assert (left.straightness_um, left.phase_deg, left.ovality_um) == (0, 1, None)
+
+
+def test_rounded_profile_is_warned_about() -> None:
+    """The warning names a band that lowers the bend; a band that raises it is warned about."""
+    tree = example_part().model_dump()
+    tree["piston"]["profile"] = listed()
+    piston = SkirtPart.model_validate(tree).piston
+    noise = noise_facts(piston)
+    assert set(noise) == {"profile"} and 0.2 < noise["profile"]["smooth_um"] < 2.5
+    [line] = smoothing_texts({}, noise, 5.0)
+    assert line.startswith("warning: the profile is noisy or rounded coarsely: piston.profile.")
+    assert noise_facts(example_part().piston) == {}
+    risen = noise["profile"] | {"bend_per_mm": {"before": 0.001, "after": 0.002}}
+    told = smoothing_texts({"profile": risen}, {}, 5.0)
+    assert told[1].startswith("warning: smoothing raises the largest second derivative")
+
+
+def test_smoothing_that_changes_nothing_says_so() -> None:
+    """Three points have no third derivative, and a parabola is smooth already."""
+    with pytest.raises(ValidationError, match="changes nothing with 3 points, it needs 4"):
+        Profile.model_validate(
+            {"height_mm": [0, 31, 62], "diameter_mm": [91, 92, 91.5], "smooth_um": 1}
+        )
+    tree = example_part().model_dump()
+    parabola = (92 - 1e-4 * (Z_MM - 25) ** 2).tolist()
+    tree["piston"]["profile"] = listed(smooth_um=0.5) | {"diameter_mm": parabola}
+    found = smoothing_facts(SkirtPart.model_validate(tree).piston)
+    [line] = smoothing_texts(found, {}, 5.0)
+    assert line.endswith("within 0.5 um: nothing changes, because its points are smooth already")

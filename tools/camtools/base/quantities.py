@@ -52,11 +52,20 @@ def length_text(value_um: float) -> str:
     return f"{value_um * factor:.3g} {unit}"
 
 
-def rounded_up(value: float) -> str:
+def rounded_up(value: float) -> float:
     """Return a value rounded up to two digits, for a remedy.
 
     >>> rounded_up(421.4), rounded_up(1.2345)
-    ('430', '1.3')
+    (430.0, 1.3)
     """
     step = 10.0 ** (np.floor(np.log10(value)) - 1)
-    return f"{np.ceil(value / step) * step:g}"
+    return float(f"{np.ceil(value / step) * step:.2g}")
+
+
+def plain_number(value: float) -> str:
+    """Return a number in three digits, without an exponent.
+
+    >>> plain_number(1000.4), plain_number(0.5), plain_number(1.234e-5)
+    ('1000', '0.5', '0.0000123')
+    """
+    return np.format_float_positional(float(f"{value:.3g}"), trim="-")

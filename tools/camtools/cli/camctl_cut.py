@@ -10,7 +10,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TextIO
 
 from camtools.base.argument_types import finite, whole
@@ -96,13 +96,17 @@ def follow_cut(link: Link, out: TextIO) -> str:
     Raises
     ------
     Refused
-        It was stopped by control-C, ended in a fault, or command was lost.
+        It was stopped, ended in a fault or off, or command was lost.
     """
-    is_drawn, told, turns = out.isatty(), "", 0.0
+    is_drawn, told, turns, has_end = out.isatty(), "", 0.0, True
+    reached = "before the first turn"
 
     def show(status: Status) -> None:
-        nonlocal told, turns
+        nonlocal told, turns, has_end, reached
         turns = max(turns, status.signals.get("turns_whole", 0.0))
+        has_end = bool(status.signals.get("has_end", 1.0))
+        if status.state in ("rehearsing", "engaging", "cutting", "holding"):
+            reached = _reached_text(status.state, status.signals)
         progress = cut_progress(status.state, status.signals)
         tens = "" if progress.fraction is None else f"{progress.fraction * 10:.0f}"
         key = progress.text if is_drawn else status.state + tens
@@ -124,7 +128,27 @@ def follow_cut(link: Link, out: TextIO) -> str:
         link.on_row = lambda status: None
     if _parts(link) > before:
         return f"start: part cut, {turns:.0f} turns"
-    return f"start: {link.listen().state}, and the part is not complete"
+    state = link.listen().state
+    if not has_end and state == "ready":
+        return "start: stopped, as every cut whose Z is moved by another controller"
+    cause = "the controller was disabled" if state == "off" else "the cut was stopped"
+    raise Refused(f"start: {cause} {reached}, so the part is not complete; state {state}")
+
+
+def _reached_text(state: str, signals: Mapping[str, float]) -> str:
+    """Return how far a cut has come.
+
+    >>> signals = {"has_end": 1, "turns_left": 250.0, "turns_whole": 1000.0, "pass_speed": 500.0}
+    >>> _reached_text("cutting", signals | {"pass": 2, "passes": 3})
+    'in pass 2 of 3 at 75 %, 750 of 1000 turns'
+    """
+    fraction = cut_progress(state, signals).fraction
+    if fraction is None:
+        return f"while {state}"
+    number, of = int(signals.get("pass", 0)), int(signals.get("passes", 0))
+    in_pass = f"in pass {number} of {of} " if of > 1 else ""
+    whole = signals["turns_whole"]
+    return f"{in_pass}at {100 * fraction:.0f} %, {fraction * whole:.0f} of {whole:.0f} turns"
 
 
 def _parts(link: Link) -> int:

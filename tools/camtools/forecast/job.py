@@ -115,6 +115,9 @@ def plan_of(question: Question) -> ForecastPlan:
     ]
     given_um = question.tolerance_um
     tolerance_um = made.kind.form_error_um(part) if given_um is None else given_um
+    tolerance_um -= made.kind.taken_um(made.table)
+    if tolerance_um <= 0:
+        raise CamtoolsError(["--tolerance-um: smoothing takes all of it; allow more"])
     digests = [task.key(text) for text in texts]
     return ForecastPlan(
         made, machine, unknowns, left_out, inputs, texts, digests, task, tolerance_um

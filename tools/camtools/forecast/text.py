@@ -14,6 +14,7 @@ from camtools.base.quantities import length_text
 from camtools.forecast.job import ForecastPlan
 from camtools.forecast.result import Forecast
 from camtools.forecast.statistics import LEAST_FOR_RANKING, Effect
+from camtools.part.smoothing_text import share_text
 from camtools.report.text import plain
 
 _SHOWN = 5
@@ -41,6 +42,8 @@ def forecast_text(plan: ForecastPlan, forecast: Forecast, place: str) -> str:
     n, share = len(plan.keys), forecast.within
     percent = f"{100 * share.share:.1f} % ({100 * share.low:.1f} .. {100 * share.high:.1f} %)"
     rows = [(f"within {length_text(plan.tolerance_um)}", f"{percent} of {n} machines")]
+    if taken_um := plan.made.kind.taken_um(plan.made.table):
+        rows.append(("smoothing", share_text(taken_um, plan.tolerance_um + taken_um)))
     for one in forecast.quantiles:
         name = "median" if one.percent == 50 else f"{one.percent:.0f} % below"
         rows.append((name, f"{_um(one.value)} ({_interval(one.low, one.high)})"))

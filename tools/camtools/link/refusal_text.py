@@ -68,6 +68,11 @@ _TO_OFF = {  # before what is given from off
     "fault": "reset",
 }
 _STATE_S = 1.0
+_NO_CUT = {  # after "nothing is being cut"
+    "stop": "",
+    "hold": "; start first",
+    "resume": ", so nothing is on hold",
+}
 
 
 @dataclass(frozen=True)
@@ -200,8 +205,12 @@ def state_remedy(command: str, state: str) -> str:
     ('disable first', 'reset, then give manual first')
     >>> state_remedy("start", "cutting")
     'wait for the end of the cut, or stop it'
+    >>> state_remedy("resume", "ready"), state_remedy("resume", "cutting")
+    ('nothing is being cut, so nothing is on hold', 'it is not on hold')
     """
     needed = _NEEDED_STATE.get(command)
+    if command in _NO_CUT:
+        return _cut_remedy(command, state)
     if state not in (_OFF, *_TO_OFF):
         return "wait for the end of the cut, or stop it"
     if needed == "fault":
@@ -212,6 +221,17 @@ def state_remedy(command: str, state: str) -> str:
         return f"{_TO_OFF[state]} first" if state in _TO_OFF else "give it again"
     way = _FROM_OFF[needed]
     return way if state == _OFF else f"{_TO_OFF[state]}, then {way}"
+
+
+def _cut_remedy(command: str, state: str) -> str:
+    """Return why stop, hold or resume is refused."""
+    if state in (_OFF, _MANUAL, *_TO_OFF):
+        return f"nothing is being cut{_NO_CUT[command]}"
+    if state == "disengaging":
+        return "the cut is ending already"
+    if command == "resume":
+        return "it is not on hold"
+    return "it is on hold already" if state == "holding" else "wait until it cuts"
 
 
 def state_of(link: Link) -> str:

@@ -20,7 +20,9 @@ from camtools.lobe.part import LobePart
 def lobes_key(part: LobePart) -> Hashable:
     """Return what the lobes of a part follow from."""
     files = tuple(file_state(lobe.csv) for lobe in part.cam.lobe if lobe.csv is not None)
-    return part.cam.model_dump_json(), part.process.operation, part.follower_radius_mm, files
+    process, is_smoothed = part.process, any(lobe.smooth_um for lobe in part.cam.lobe)
+    allowed_um = process.form_error_um if is_smoothed else None  # it limits smoothing
+    return part.cam.model_dump_json(), process.operation, part.follower_radius_mm, files, allowed_um
 
 
 def channels_key(part: LobePart, tolerance_nm: float) -> Hashable:

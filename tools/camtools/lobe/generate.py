@@ -32,10 +32,11 @@ from camtools.lobe.channels import (
 )
 from camtools.lobe.contact import Follower
 from camtools.lobe.heel import LobeHeel, check_lobe_heel
+from camtools.lobe.lift import LiftLaw
+from camtools.lobe.list_report import noise_hint
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
-from camtools.lobe.smoothing_text import noise_hint
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
 from camtools.table.channel import ANGLE_TURN, RATIO_ONE, Channel
@@ -71,6 +72,11 @@ class GeneratedLobes:
     heel: LobeHeel | None  # where the flank of a tool comes nearest to the lobes; None of a wheel
     plunge: Plan | None = None  # the turns of a plunge cut
 
+    @property
+    def laws(self) -> list[LiftLaw]:
+        """Return the law of each lobe."""
+        return [lobe.law for lobe in self.lobes]
+
 
 def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
     """Return the smallest table of a camshaft that keeps the tolerances.
@@ -91,7 +97,7 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
     try:
         return _generated(part, lobes, tolerance_nm)
     except CamtoolsError as error:
-        hint = noise_hint([lobe.law for lobe in lobes])
+        hint = noise_hint([lobe.law for lobe in lobes], part.process.form_error_um)
         raise CamtoolsError([line + hint for line in error.lines]) from error
 
 

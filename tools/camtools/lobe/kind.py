@@ -12,6 +12,7 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM
 from camtools.lobe.exact import exact_lobes
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
+from camtools.lobe.list_report import smoothing_takes_um
 from camtools.lobe.lobe_machine import lobe_machine_text
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
@@ -21,8 +22,6 @@ from camtools.pipeline.kind import Kind, Rig
 from camtools.report.text import ReportRow
 from camtools.sim.camsim import TRACE
 from camtools.sim.results import Measured, read_swing
-
-_FORM_ERROR_UM = 1.0  # the profile of a lobe is good within this
 
 
 class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
@@ -88,7 +87,11 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
 
     def form_error_um(self, part: LobePart) -> float:
         """See `Kind.form_error_um`."""
-        return _FORM_ERROR_UM
+        return part.process.form_error_um
+
+    def taken_um(self, made: GeneratedLobes) -> float:
+        """See `Kind.taken_um`."""
+        return smoothing_takes_um(made.laws)
 
     def machine(self, part: LobePart) -> str:
         """See `Kind.machine`."""

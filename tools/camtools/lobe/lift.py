@@ -283,7 +283,7 @@ def _check_ramp(law: Listed, height_mm: float, most_um_per_deg: float, field: st
             f"degree of the cam at {np.degrees(theta[worst]):.5g} degrees, at a lift of "
             f"{found.lift[worst]:.4g} mm; at most {most_um_per_deg:g} are allowed"
         )
-        remedy = f"list slower ramps, or allow it: ramp_um_per_deg = {rounded_up(most)}"
+        remedy = f"list slower ramps, or allow it: ramp_um_per_deg = {rounded_up(most):g}"
         raise GeometryError(field, problem, remedy)
 
 

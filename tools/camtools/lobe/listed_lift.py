@@ -17,6 +17,7 @@ from camtools.base.errors import GeometryError, InputError, numbers_shown
 from camtools.base.input_file import read_whole_table
 from camtools.base.quantities import Floats
 from camtools.lobe.lobe_keys import (
+    CRANK_HINT,
     MAX_LIFT_MM,
     MIN_POINTS,
     MIN_STEP_DEG,
@@ -78,14 +79,17 @@ def _row(
     angle /= turns
     if before and not (is_step(angle - before[-1][0]) and fits_turn(angle - before[0][0])):
         problem = f"angles must rise by at least {MIN_STEP_DEG} degrees within one turn"
-        raise InputError(file, place, line, problem, "sort the points")
+        is_longer = angle - before[0][0] > 360
+        remedy = "sort the points" + CRANK_HINT[turns] * is_longer
+        raise InputError(file, place, line, problem, remedy)
     return angle, lift_mm
 
 
 def _units_of(lobe: Lobe) -> Units:
     """Return the units of a lobe's file that the part file names."""
     inch_mm = MM_PER_INCH if lobe.lift_unit == "inch" else None
-    return Units(lobe.turns_listed, lobe.largest_lift_mm or inch_mm)
+    turns = lobe.turns_listed
+    return Units(turns, lobe.largest_lift_mm or inch_mm, CRANK_HINT[turns])
 
 
 def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
@@ -108,7 +112,11 @@ def _points_of_file(text: str, file: str, lobe: Lobe) -> PointedTurn:
     low, high = float(turn.y_mm.min()), float(turn.y_mm.max())
     if low < -SAME_MM or high > most_mm + SAME_MM:
         problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {most_mm:g}"
-        raise InputError(file, "Y_mm", None, problem, "give mm above the base circle")
+        remedy = "give mm above the base circle"
+        if lobe.largest_lift_mm:
+            problem = f"shares of {low / most_mm:g} .. {high / most_mm:g}, not 0 .. 1"
+            remedy = "give shares of 0 .. 1 of largest_lift_mm, or remove it"
+        raise InputError(file, "Y_mm", None, problem, remedy)
     return turn if found.has_motion else turn._replace(v=turn.v[:0], a=turn.a[:0])
 
 

@@ -43,6 +43,7 @@ def fits_turn(span_deg: float) -> bool:
     return is_turn(span_deg) or is_step(360 - span_deg)
 
 
+CRANK_HINT = {1: ', or set degrees_of = "crank"', 2: ""}  # by turns of the list's angle
 _TURNS = {"cam": 1, "crank": 2}  # of the list's angle for one turn of the cam
 _LONG = Field(min_length=MIN_POINTS, max_length=10_000)
 Lifts = Annotated[
@@ -153,7 +154,8 @@ class Lobe(TomlTable):
                 f"the points span {value[-1] - value[0]:.9g} degrees, neither a turn of the cam "
                 f"({360 * turns}) nor {turns * MIN_STEP_DEG} degrees less"
             )
-            raise wrong("turn", problem, "list one turn")
+            is_longer = value[-1] - value[0] > 360 * turns
+            raise wrong("turn", problem, "list one turn" + CRANK_HINT[turns] * is_longer)
         return value
 
     _beside_the_part = field_validator("csv")(beside_the_part)

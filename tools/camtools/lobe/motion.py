@@ -17,12 +17,14 @@ from camtools.base.quantities import Floats
 from camtools.lobe.contact import Contact, Follower, follow, solved_at
 from camtools.lobe.flat_follower import follow_flat
 from camtools.lobe.lift import LiftLaw, make_lift
+from camtools.lobe.list_report import taken_um
 from camtools.lobe.listed_lift import points_of
 from camtools.lobe.lobe_keys import Lobe
 from camtools.lobe.part import Camshaft, LobePart, LobeProcess
-from camtools.lobe.smooth_list import bands_um
+from camtools.lobe.smooth_list import bands_of
 from camtools.lobe.undercut import Shape, all_round, check_follower, check_wheel, shape_of, touch_of
 from camtools.part.common import PartInfo
+from camtools.part.smoothing_text import band_words, check_share, form_error_for
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +97,7 @@ def _shaped(part: LobePart, lobe: Lobe, field: str) -> ShaftLobe:
     base_mm, roller_mm = part.cam.base_radius_mm, part.cam.roller_radius_mm
     is_flat = part.cam.follower == "flat"
     law = make_lift(part.cam, lobe, field)
+    check_share(f"{field}.smooth_um", taken_um(law), part.process.form_error_um)
     touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
     check_follower(touch, field, is_flat=is_flat)
     if part.process.operation != "turning" and not is_flat:
@@ -115,14 +118,19 @@ def _with_band(error: GeometryError, part: LobePart, lobe: Lobe, field: str) -> 
     """Return a refusal that names the band within which the list would do once it is smoothed."""
     if lobe.law != "list":
         return error
-    wider = (one for one in bands_um(points_of(lobe, field)) if one > (lobe.smooth_um or 0))
+    form_error_um = part.process.form_error_um
+    wider = (one for one in bands_of(points_of(lobe, field)) if one > (lobe.smooth_um or 0))
     for band_um in wider:
+        allowed_um = form_error_for(band_um, form_error_um)
+        process = part.process.model_copy(update={"form_error_um": allowed_um})
+        allowing = part.model_copy(update={"process": process})
         try:
-            _shaped(part, lobe.model_copy(update={"smooth_um": band_um}), field)
+            _shaped(allowing, lobe.model_copy(update={"smooth_um": band_um}), field)
         except GeometryError:
             continue
         problem, _, remedy = error.lines[0].removeprefix(f"{error.field}: ").rpartition("; ")
-        remedy += f"; or smooth the noise of the list: {field}.smooth_um = {band_um:g}"
+        words = band_words(band_um, band_um, form_error_um)
+        remedy += f"; or smooth the noise of the list: {field}.{words}"
         return GeometryError(error.field, problem, remedy)
     return error
 

@@ -89,6 +89,7 @@ class LobeProcess(TomlTable):
     stock_um: Annotated[float, Field(ge=1, le=10_000)] | None = None
     spark_out_turns: Annotated[int, Field(ge=0, le=100)] = 3
     wheel_wear_um_per_lobe: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 1.0
 
     _check_direction = field_validator("direction", mode="before")(no_truth)
 

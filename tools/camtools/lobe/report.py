@@ -16,10 +16,12 @@ from matplotlib.figure import Figure
 
 from camtools.base.beside import beside
 from camtools.base.quantities import Floats, length_unit
+from camtools.lobe.list_report import smoothing_takes_um
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plots import draw_lobes
 from camtools.lobe.report_interactive import live_of, motion_of
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.part.smoothing_text import sheet_note
 from camtools.plots.panels import stacked
 from camtools.plots.style import (
     BLUE,
@@ -238,6 +240,9 @@ def _subject(outcome: LobeOutcome) -> Subject:
         names=tuple(
             f"lobe {i}, {lobe['z_first_mm']:g} .. {lobe['z_last_mm']:g} mm"
             for i, lobe in enumerate(outcome.summary["cam"]["lobes"])
+        ),
+        note=sheet_note(
+            outcome.summary["form_error_um"], smoothing_takes_um(outcome.generated.laws)
         ),
     )
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.list_report import smoothing_of, smoothing_takes_um, smoothing_texts
 from camtools.lobe.plunge import left_by_wear_um
-from camtools.lobe.smoothing_text import smoothing_of, smoothing_texts
 from camtools.report.learning_text import learning_rows
 from camtools.report.switches_text import switch_rows
-from camtools.report.text import ReportRow, error_pair
+from camtools.report.text import ReportRow, error_pair, form_text
 from camtools.sim.results import Cut
 
 
@@ -103,15 +103,18 @@ def _plunge_rows(outcome: LobeOutcome) -> list[ReportRow]:
 
 def _list_rows(made: GeneratedLobes) -> list[ReportRow]:
     """Return what smoothing did to lists, or would do."""
-    lobes = enumerate(made.lobes)
-    found = [(i, text) for i, one in lobes for text in smoothing_texts(smoothing_of(one.law))]
-    return [ReportRow(f"lift of lobe {i}", text) for i, text in found]
+    allowed_um = made.part.process.form_error_um
+    return [
+        ReportRow(f"lift of lobe {i}", text)
+        for i, law in enumerate(made.laws)
+        for text in smoothing_texts(smoothing_of(law), allowed_um)
+    ]
 
 
 def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     """Return the summary of a camshaft, machine limits apart."""
     summary, made, found = outcome.summary, outcome.generated, outcome.summary["cam"]
-    cut, form = summary["cut"], summary["form_error_um"]
+    cut = summary["cut"]
     how = (
         f"tip of radius {found['tip_mm']:g} mm"
         if outcome.is_turned
@@ -127,7 +130,7 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
         ReportRow("cut", what),
         *_list_rows(made),
         *_plunge_rows(outcome),
-        ReportRow("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
+        ReportRow("form error", form_text(summary["form_error_um"], smoothing_takes_um(made.laws))),
         *_lobe_rows(found),
         *_speed_rows(found),
         *_rake_rows(found),

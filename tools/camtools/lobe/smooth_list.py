@@ -17,14 +17,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from camtools.base.quantities import Floats, rounded_up
+from camtools.base.quantities import Floats
 from camtools.lobe.lobe_keys import is_turn
-from camtools.part.smoothing import LEAST_UM, noise_of, smoothed
+from camtools.part.smoothing import bands_um, first_enough, smoothed
 from camtools.table.points import PointedTurn
 
 _UM_PER_MM = 1000.0
 _PER_STEP = 16  # angles between two points at which peaks are sought
-_WORTH = 0.95  # of the largest acceleration: what smoothing must lower it to
 
 
 class PeaksOfList(NamedTuple):
@@ -47,16 +46,6 @@ class Smoothing(NamedTuple):
     def largest_um(self) -> float:
         """Return the largest residual."""
         return float(np.abs(self.off_um).max())
-
-    @property
-    def largest_at_deg(self) -> float:
-        """Return the angle of the largest residual."""
-        return float(self.angle_deg[np.abs(self.off_um).argmax()])
-
-    @property
-    def rms_um(self) -> float:
-        """Return the root mean square of the residuals over all points."""
-        return float(np.sqrt(np.mean(self.off_um**2)))
 
 
 def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
@@ -98,24 +87,18 @@ def peaks_of(curve: BSpline) -> PeaksOfList:
     return PeaksOfList(*(float(np.abs(curve(x, nu=n)).max()) for n in (2, 3)))
 
 
-def bands_um(points: PointedTurn) -> list[float]:
-    """Return bands [um] that may rid a list of its noise, the narrowest first; none without any."""
-    noise_um = noise_of(points.x_deg, points.y_mm, 360.0) * _UM_PER_MM
-    if points.v.size or noise_um < LEAST_UM:
-        return []
-    return [float(rounded_up(noise_um * times)) for times in (1, 2, 4)]
+def bands_of(points: PointedTurn) -> list[float]:
+    """Return bands [um] that may remove the noise of a list, rising; none without noise."""
+    return [] if points.v.size else bands_um(points.x_deg, points.y_mm, 360.0)
 
 
 def band_for(points: PointedTurn) -> Smoothing | None:
-    """Return the smoothing that a list without one needs; None where it needs none.
+    """Return the smoothing that a list without one needs; None where it needs none."""
 
-    A band is worth its residuals where it lowers the largest acceleration by more than 5 %.
-    """
-    found, least = None, np.inf
-    for band_um in bands_um(points):
-        one = smooth_list(points.x_deg, points.y_mm, band_um)
-        least = peaks_of(one.before).acceleration if found is None else least
-        if peaks_of(one.after).acceleration >= _WORTH * least:
-            break
-        found, least = one, peaks_of(one.after).acceleration
-    return found
+    def peaks(one: Smoothing) -> tuple[float, float]:
+        return peaks_of(one.before).acceleration, peaks_of(one.after).acceleration
+
+    def smooth(band_um: float) -> Smoothing:
+        return smooth_list(points.x_deg, points.y_mm, band_um)
+
+    return first_enough(bands_of(points), smooth, peaks)

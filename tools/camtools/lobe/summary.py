@@ -13,9 +13,10 @@ from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of, tenth_below
 from camtools.lobe.design import design_of_lobes
 from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.list_report import smoothing_of, smoothing_takes_um, smoothing_texts
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plunge import left_by_wear_um
-from camtools.lobe.smoothing_text import smoothing_of, smoothing_texts
+from camtools.part.smoothing_text import share_text
 from camtools.table.summary import about_image, describe_channel
 
 _NAMES = {1: "u", 2: "x", 3: "speed", 4: "swing", 5: "contact", 7: "way"}
@@ -56,6 +57,8 @@ def make_lobe_summary(result: GeneratedLobes) -> Json:
             "feed_mm": table.feed_nm / NM_PER_MM,
             "depth_mm": table.depth_nm / NM_PER_MM,
             "direction": process.direction,
+            "form_error_um": process.form_error_um,
+            "smoothing_takes_um": smoothing_takes_um(result.laws),
         },
         **_tool(result),
         **_plunge(result),
@@ -132,8 +135,11 @@ def emit_lobe_text(summary: Json) -> str:
         )
     if "plunge" in summary:
         lines += plunge_lines(summary["plunge"])
+    allowed_um, taken_um = process["form_error_um"], process["smoothing_takes_um"]
     for i, lobe in enumerate(summary["lobes"]):
-        lines += [_lobe_text(i, lobe), *(f"    {text}" for text in smoothing_texts(lobe))]
+        texts = smoothing_texts(lobe, allowed_um)
+        lines += [_lobe_text(i, lobe), *(f"    {text}" for text in texts)]
+    lines += [f"  {share_text(taken_um, allowed_um)}"] if taken_um else []
     lines.append(
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"limited by {feasible['decided_by']}"

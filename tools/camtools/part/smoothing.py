@@ -13,7 +13,8 @@ band; the smallest third derivative decides where they go, MATHS.md (220).
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable
+from typing import Annotated, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -21,18 +22,22 @@ from pydantic import Field
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import spsolve
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Floats, rounded_up
 
-LEAST_UM = 0.001
-SmoothUm = Annotated[float, Field(ge=LEAST_UM, le=1000)]
+LEAST_UM, MOST_UM = 0.001, 50.0
+_UM_PER_MM = 1000.0
+SmoothUm = Annotated[float, Field(ge=LEAST_UM, le=MOST_UM)]
 
-_ORDER = 3  # of the derivative that is least
+T = TypeVar("T")
+
+ORDER = 3  # of the derivative that is least
 _MOST_STEPS = 60
 _CENTRING, _STAY_INSIDE = 0.1, 0.95  # of a step of the interior-point method
 _GAP = 1e-9  # of the largest gradient: bounds and multipliers agree
 _NOISE_ORDER = 6  # differences in which nothing of a smooth curve is left
 _NORMAL_MEDIAN = 0.6745  # of |noise| over its standard deviation
 _LEAST_ROWS = 12
+_WORTH = 0.95  # of a peak: what smoothing must lower it to
 
 
 def differences(x: Floats, order: int, period: float | None = None) -> csr_array:
@@ -79,12 +84,12 @@ def smoothed(
         Values that do not move.
     """
     free = np.arange(x.size) if held is None else np.flatnonzero(~held)
-    if x.size <= _ORDER or not free.size:
+    if x.size <= ORDER or not free.size:
         return values.copy()
     low, high = np.maximum(values[free] - band, 0.0), values[free] + band
     start = values.copy()
     start[free] = (low + high) / 2
-    matrix = differences((x - x[0]) / np.ptp(x), _ORDER, period and period / float(np.ptp(x)))
+    matrix = differences((x - x[0]) / np.ptp(x), ORDER, period and period / float(np.ptp(x)))
     inside = _least_in_box(matrix[:, free] @ diags_array((high - low) / 2), matrix @ start)
     found = start.copy()
     found[free] += inside * (high - low) / 2
@@ -133,3 +138,34 @@ def noise_of(x: Floats, values: Floats, period: float | None = None) -> float:
     size = np.sqrt((matrix * matrix).sum(axis=1))
     deviation = np.median(np.abs((matrix @ values) / size)[counted]) / _NORMAL_MEDIAN
     return float(np.sqrt(3) * deviation)
+
+
+def bands_um(x: Floats, values_mm: Floats, period: float | None = None) -> list[float]:
+    """Return bands [um] that may remove the noise of values, rising; none without noise."""
+    noise_um = noise_of(x, values_mm, period) * _UM_PER_MM
+    if noise_um < LEAST_UM:
+        return []
+    return [band_um for k in (1, 2, 4) if (band_um := rounded_up(noise_um * k)) <= MOST_UM]
+
+
+def first_enough(
+    bands: list[float], smooth: Callable[[float], T], peaks: Callable[[T], tuple[float, float]]
+) -> T | None:
+    """Return values smoothed within the narrowest of rising bands that removes their noise.
+
+    Parameters
+    ----------
+    smooth : function
+        Returns the values smoothed within a band.
+    peaks : function
+        Returns the peak of a derivative before and after; each band must lower it by 5 %.
+    """
+    found, least = None, np.inf
+    for band_um in bands:
+        one = smooth(band_um)
+        before, after = peaks(one)
+        least = before if found is None else least
+        if after >= _WORTH * least:
+            break
+        found, least = one, after
+    return found

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.output import cannot_write
 from camtools.base.project_paths import RESULTS, ROOT, shown_name
 from camtools.base.provenance import origin_of
+from camtools.base.quantities import plain_number
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
 from camtools.pipeline.correct_options import add_measured, request_of
@@ -198,15 +200,47 @@ class RunJob:
         own = f"{name}-round{n_rounds}" if n_rounds else name
         return self.output or RUNS / own
 
-    def tolerance(self, form_error_um: float) -> list[str]:
-        """Return the part's own form error for camsim, unless another is given."""
-        if any(word.split("=")[0] == "--tolerance-um" for word in self.extra):
+    def tolerance(self, form_error_um: float, taken_um: float) -> list[str]:
+        """Return what smoothing leaves of the form error, the part's or the one given, for camsim.
+
+        It follows the other words, of which camsim takes the last of a name.
+
+        Raises
+        ------
+        CamtoolsError
+            The form error that is given leaves nothing.
+        """
+        given = _last_value(self.extra, "--tolerance-um")
+        if given is None:
+            return ["--tolerance-um", repr(form_error_um - taken_um)]
+        if taken_um == 0:
             return []
-        return ["--tolerance-um", repr(form_error_um)]
+        try:
+            left_um = float(given) - taken_um
+        except ValueError:
+            return []  # camsim refuses it
+        if left_um <= 0:
+            problem = f"--tolerance-um {given}: smoothing takes {plain_number(taken_um)} um"
+            raise CamtoolsError([f"{problem}; allow more, or reduce smooth_um"])
+        return ["--tolerance-um", repr(left_um)]
 
     def feed_words(self) -> list[str]:
         """Return camsim's options for the feed, when one is given."""
         return [] if self.feed_mm is None else ["--feed", repr(self.feed_mm)]
+
+
+def _last_value(words: Sequence[str], name: str) -> str | None:
+    """Return the value that camsim's words give an option last, nothing where they do not.
+
+    >>> _last_value(["--a=1", "--b", "2", "--a", "3"], "--a"), _last_value(["--b", "2"], "--a")
+    ('3', None)
+    """
+    found = None
+    for word, following in pairwise([*words, ""]):
+        key, equals, value = word.partition("=")
+        if key == name:
+            found = value if equals else following
+    return found
 
 
 def without_faults(words: Sequence[str]) -> list[str]:

@@ -120,6 +120,10 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     def form_error_um(self, part: PartT) -> float:
         """Return the largest form error that a good part may have [um]."""
 
+    def taken_um(self, made: MadeT) -> float:
+        """Return how much of it smoothing of the drawing's points takes before the cut [um]."""
+        return 0.0
+
     @abstractmethod
     def machine(self, part: PartT) -> str:
         """Return camsim's machine file: a machine with the limits of the part."""

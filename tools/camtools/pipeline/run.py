@@ -63,8 +63,8 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
     write_files(folder, files | {machine: text})
     simulator = Simulator(camsim_path(), folder, f"{name}.camtab")
     words = [
-        *("--machine", machine, *job.tolerance(kind.form_error_um(part))),
-        *(*kind.speed_words(job.rpm), *job.feed_words(), *job.extra),
+        *("--machine", machine, *kind.speed_words(job.rpm), *job.feed_words(), *job.extra),
+        *job.tolerance(kind.form_error_um(part), kind.taken_um(made.table)),
     ]
     every = overview_every(turns, kind.mean_rpm(made.table, job.rpm))
     plan = plan_of(simulator, words)
@@ -119,6 +119,7 @@ def complete_summary(made: Made, outcome: AnyCut, off: Mismatch | None, total_s:
         | {
             "trace": {"file": TRACE, "ticks": ticks, "is_complete": outcome.is_trace_complete},
             "comparison": [variant._asdict() for variant in outcome.variants],
+            "smoothing_takes_um": made.kind.taken_um(made.table),
             "drive_off": None if off is None else off.facts(),
             "run_wall_time_s": total_s,
         }

@@ -45,13 +45,31 @@ def numbers_text(numbers: Sequence[int]) -> str:
     return ", ".join(texts)
 
 
+def _k1_text(ns: int) -> str:
+    """Return a correction of k1.
+
+    >>> _k1_text(1337203), _k1_text(-1400)
+    ('+1.337 ms', '-1.4 µs')
+    """
+    return f"{ns * 1e-6:+.4g} ms" if abs(ns) >= 100_000 else f"{ns * 1e-3:+.4g} µs"
+
+
+def _k2_text(us2: int) -> str:
+    """Return a correction of k2.
+
+    >>> _k2_text(-664658), _k2_text(212)
+    ('-0.665 ms²', '+212 µs²')
+    """
+    return f"{us2 * 1e-6:+.3g} ms²" if abs(us2) >= 10_000 else f"{us2:+d} µs²"
+
+
 def _on_text(found: Json) -> str:
     """Return what was learned, sentence by sentence."""
     at_first, at_last = length_text(found["begin_error_um"]), length_text(found["error_um"])
     texts = [
         f"on, {found['turns']} turns used: rms error at the scale {at_first} at first, {at_last} "
         "at the end",
-        f"drive constants corrected by {found['k1_ns']:+d} ns and {found['k2_us2']:+d} µs²",
+        f"k1 corrected by {_k1_text(found['k1_ns'])}, k2 by {_k2_text(found['k2_us2'])}",
         f"correction added to U: {length_text(found['correction_um'])} in total",
     ]
     if found["ripple_turns"]:

@@ -37,6 +37,7 @@ class Subject(NamedTuple):
     left_out: str = ""  # what does not apply and why
     names: tuple[str, ...] = ()  # of the sections by number, else they are named by height
     tolerances: Tolerances = Tolerances()  # that the drawing states beside the form error
+    note: str = ""  # what the reader must know of the drawing
 
 
 class Feature(NamedTuple):
@@ -292,6 +293,7 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
         if one.z_mm.size >= _LEAST_POINTS
     ]
     head = _head(outcome, upr)
+    head += [ReportRow("smoothing", subject.note)] if subject.note else []
     return Sheets(
         head, subject, upr, sections, lines, _tapers(lines, subject.tolerances.taper_um), missing
     )

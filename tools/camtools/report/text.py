@@ -19,6 +19,7 @@ from camtools.base.errors import InputError
 from camtools.base.json_text import Json
 from camtools.base.project_paths import ROOT
 from camtools.base.quantities import length_text
+from camtools.part.smoothing_text import share_text
 from camtools.sim.results import FAULT, AnyCut
 
 _FAULTS = ROOT / "firmware" / "FAULTS.md"
@@ -133,6 +134,28 @@ def error_pair(error: Json) -> str:
     if error["max"] is None:
         return "none: nothing was cut to full depth"
     return f"max {length_text(error['max'])}, rms {length_text(error['rms'])}"
+
+
+def form_text(form: Json, taken_um: float = 0.0) -> str:
+    """Return the form error with what it is measured against and its tolerance.
+
+    Parameters
+    ----------
+    form : dict
+        Of camsim's summary; its tolerance is what smoothing leaves.
+    taken_um : float
+        What smoothing of the drawing's points takes of the tolerance.
+
+    >>> form_text({"max": 0.25, "rms": 0.1, "tolerance": 5.0})
+    'max 250 nm, rms 100 nm against the drawing (tolerance 5 µm)'
+    >>> form_text({"max": 0.25, "rms": 0.1, "tolerance": 4.5}, 0.5).partition("against ")[2]
+    'the smoothed drawing (4.5 µm left: smoothing takes 0.5 um of the tolerance of 5 um)'
+    """
+    left = length_text(form["tolerance"])
+    if taken_um == 0:
+        return f"{error_pair(form)} against the drawing (tolerance {left})"
+    share = share_text(taken_um, form["tolerance"] + taken_um)
+    return f"{error_pair(form)} against the smoothed drawing ({left} left: {share})"
 
 
 def margins_of(outcome: AnyCut) -> list[Margin]:

@@ -25,7 +25,7 @@ _SENSES = {
 }
 _NO_LEARNING = ("rehearse_turns", "learn_harmonics", "ripple_turns")
 _MOST_TICKS = 300_000  # of a cut: a third of a second
-_TICK_HZ = 20_000
+_USUAL_TICK_HZ = 20_000  # of a machine file that gives none
 
 
 class Mismatch(NamedTuple):
@@ -41,17 +41,25 @@ class Mismatch(NamedTuple):
     with_um: float | None
     learns: bool  # the controller learns on this machine
     turns: float  # turns that were cut
+    planned_turns: float  # turns of the whole part
     faults: tuple[str, ...] = ()  # that ended one of the cuts
 
     def text(self) -> str:
         """Return it in one line.
 
-        >>> Mismatch(2.8, 0.12, True, 622.0).text()
+        >>> Mismatch(2.8, 0.12, True, 622.0, 622.0).text()
         'form error 2.8 µm without learning, 120 nm with it'
-        >>> Mismatch(2.8, None, True, 622.0, ("setpoint_speed",)).text()
+        >>> Mismatch(2.8, 0.12, True, 200.0, 622.0).text()
+        'form error 2.8 µm without learning, 120 nm with it, over the first 200 of 622 turns'
+        >>> Mismatch(2.8, None, True, 622.0, 622.0, ("setpoint_speed",)).text()
         'form error 2.8 µm without learning, no result with it: fault setpoint_speed'
         """
-        return self._errors() + (f": fault {', '.join(self.faults)}" if self.faults else "")
+        if self.faults:
+            return f"{self._errors()}: fault {', '.join(self.faults)}"
+        if self.turns > self.planned_turns - 1:
+            return self._errors()
+        of = f"{self.turns:.0f} of {self.planned_turns:.0f} turns"
+        return f"{self._errors()}, over the first {of}"
 
     def _errors(self) -> str:
         without = "no result" if self.without_um is None else length_text(self.without_um)
@@ -94,8 +102,9 @@ def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) 
     CamtoolsError
         The simulator refuses such a machine, or its file is no TOML.
     """
-    turns = max(_MOST_TICKS / _TICK_HZ * speed_rpm / 60, 1.0)
     tree = read_machine(machine, "machine file")
+    tick_hz = nominal_of(tree, "machine.tick_hz") or _USUAL_TICK_HZ
+    turns = max(_MOST_TICKS / tick_hz * speed_rpm / 60, 1.0)
     chosen = Machine("machine file", emit_machine(mistaken(tree, worse(tree))))
     learned = simulate(table, chosen, turns=turns, options=words)
     parameters = learned.summary["parameters"]
@@ -104,8 +113,9 @@ def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) 
     # Later words overrule earlier ones.
     plain = [word for name in off for word in ("--set", f"{name}=0")]
     without = simulate(table, chosen, turns=turns, options=[*words, *plain]) if learns else learned
-    cut_turns = float(without.summary["cut"]["turns"])
+    cut = without.summary["cut"]
     faults = dict.fromkeys(
-        name for cut in (without, learned) for name in cut.summary.get("first_faults", ())
+        name for one in (without, learned) for name in one.summary.get("first_faults", ())
     )
-    return Mismatch(_error_um(without), _error_um(learned), learns, cut_turns, tuple(faults))
+    turns_of = float(cut["turns"]), float(cut["planned_turns"])
+    return Mismatch(_error_um(without), _error_um(learned), learns, *turns_of, tuple(faults))

@@ -22,7 +22,7 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.sim.machine_file import emit_machine, read_machine
 
 _X_HOME_MM, _Z_BEYOND_MM = 150.0, 40.0  # clear of any part, and of its end
-_BY_SWITCH = 2  # of x_home and z_home
+_HERE, _BY_SWITCH = 1, 2  # methods of homing: the present position, a switch
 _SEARCH_UM_PER_S = 50_000
 _END_S = 2.0  # after which a process that was asked to end is killed
 
@@ -33,7 +33,7 @@ def died(status: int) -> str:
 
 
 def with_home_switches(text: str, z_last_mm: float) -> str:
-    """Return a machine file whose X and Z have a switch at the end of their ways, and use it.
+    """Return a machine file whose X and Z home by a switch at the end of their travel, U at rest.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def with_home_switches(text: str, z_last_mm: float) -> str:
     """
     tree = read_machine(text, "machine file")
     places_mm = {"x": _X_HOME_MM, "z": z_last_mm + _Z_BEYOND_MM}
-    controller = dict(tree.get("controller", {}))
+    controller = {"u_home": _HERE} | tree.get("controller", {})
     for axis, place_mm in places_mm.items():
         tree[axis] = {**tree.get(axis, {}), "home_mm": place_mm, "home_side": 1}
         controller |= {

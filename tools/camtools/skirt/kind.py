@@ -18,6 +18,7 @@ from camtools.report.text import ReportRow
 from camtools.sim.camsim import SURFACE, machine_text
 from camtools.sim.results import Measured, read_control
 from camtools.skirt.geometry.skirt_geometry import make_geometry
+from camtools.skirt.geometry.smooth_points import smoothing_takes_um
 from camtools.skirt.part.control_heights import margin_mm, spread
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.report.equal_volume import compare_removal
@@ -107,6 +108,10 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     def form_error_um(self, part: SkirtPart) -> float:
         """See `Kind.form_error_um`."""
         return part.process.form_error_um
+
+    def taken_um(self, made: GeneratedSkirt) -> float:
+        """See `Kind.taken_um`."""
+        return smoothing_takes_um(made.part)
 
     def machine(self, part: SkirtPart) -> str:
         """See `Kind.machine`."""

@@ -73,6 +73,7 @@ class Units(NamedTuple):
 
     turns: int = 1  # of the file's angle for one turn of the part
     value_mm: float | None = None  # of 1 in the columns Y, V and A; mm where it is not given
+    if_longer: str = ""  # what else to do about points that span more than a turn
 
 
 DEGREES_AND_MM = Units()
@@ -189,15 +190,16 @@ def parse_points(text: str, file: str, units: Units = DEGREES_AND_MM) -> PointFi
         raise InputError(file, f"line {first}", None, "no points follow", "give those of one turn")
     rows = dict(zip((one.key for one in columns), _rows(lines, columns, file).T, strict=True))
     numbers = np.array([number for number, _ in lines])
-    return _sections(rows, numbers, file)
+    return _sections(rows, numbers, file, units)
 
 
-def _sections(rows: dict[str, Floats], numbers: Floats, file: str) -> PointFile:
+def _sections(rows: dict[str, Floats], numbers: Floats, file: str, units: Units) -> PointFile:
     has_motion = "v" in rows
     zero = np.zeros(numbers.size)
     columns = np.stack([rows["x"], rows["y"], rows.get("v", zero), rows.get("a", zero)])
     if "z" not in rows:
-        return PointFile(None, (_turn(columns, numbers, file, has_motion),), has_motion)
+        turn = _turn(columns, numbers, file, units, has_motion=has_motion)
+        return PointFile(None, (turn,), has_motion)
     z, turns = rows["z"], []
     edges = np.flatnonzero(np.diff(z)) + 1
     starts = np.concatenate([[0], edges]).astype(np.int64)
@@ -208,11 +210,15 @@ def _sections(rows: dict[str, Floats], numbers: Floats, file: str) -> PointFile:
         remedy = "sort by height, all points of one height together"
         raise InputError(file, f"line {numbers[i]}", None, problem, remedy)
     for low, high in zip(starts, [*edges, z.size], strict=True):
-        turns.append(_turn(columns[:, low:high], numbers[low:high], file, has_motion))
+        turns.append(
+            _turn(columns[:, low:high], numbers[low:high], file, units, has_motion=has_motion)
+        )
     return PointFile(heights, tuple(turns), has_motion)
 
 
-def _turn(columns: Floats, numbers: Floats, file: str, has_motion: bool) -> PointedTurn:
+def _turn(
+    columns: Floats, numbers: Floats, file: str, units: Units, *, has_motion: bool
+) -> PointedTurn:
     """Return the points of a turn, its end left out, or refuse them."""
     x = columns[0]
     low = np.flatnonzero(np.diff(x) < MIN_STEP_DEG)
@@ -231,7 +237,8 @@ def _turn(columns: Floats, numbers: Floats, file: str, has_motion: bool) -> Poin
         columns = columns[:, :-1]
     elif span > 360 - MIN_STEP_DEG:
         problem = f"the points span {span:.9g} degrees, a turn has 360"
-        raise InputError(file, last, None, problem, "give one turn, in degrees")
+        remedy = f"give one turn, in degrees{units.if_longer if span > 360 else ''}"
+        raise InputError(file, last, None, problem, remedy)
     turn = PointedTurn(*columns)
     widest = float(turn.steps_deg.max())
     fewest = _FEWEST if has_motion else _FEWEST_ALONE

@@ -69,6 +69,28 @@ static void test_gain_that_is_wrong_in_the_whole_set_is_told_with_its_bound(void
     TEST_ASSERT_TRUE(apply());
 }
 
+/// The acceleration named is the largest one with which a slow drive is taken.
+static void test_slow_drive_is_refused_with_the_acceleration_it_needs(void)
+{
+    params.k2_us2 = 3505923; // 85 Hz
+    expect_refusal("; it follows from [u] bandwidth_hz of the machine file unless it is set; such "
+                   "a drive needs [u] acceleration_mm_per_s2 of at most ");
+    int most = 0;
+    const char *const place = strstr(error.text, "_s2 of at most ");
+    TEST_ASSERT_EQUAL_INT(1, sscanf(place, "_s2 of at most %d", &most));
+    params.u_acceleration_mm_per_s2 = most + 1;
+    TEST_ASSERT_FALSE(apply());
+    params.u_acceleration_mm_per_s2 = most;
+    TEST_ASSERT_TRUE(apply());
+}
+
+static void test_drive_that_no_acceleration_helps_is_refused(void)
+{
+    params.u_speed_um_per_s = cam_param_info(cam_param_u_speed_um_per_s)->min;
+    params.k2_us2 = 80000000;
+    expect_refusal("this drive is too slow: give a larger bandwidth_hz");
+}
+
 static void test_jerk_is_told_with_its_bound(void)
 {
     params.u_jerk_m_per_s3 = 1;

@@ -14,6 +14,7 @@ from collections.abc import Hashable, Iterator
 
 from camtools.base.cache import file_state, recall
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.geometry.smooth_points import smoothed_curves
 from camtools.skirt.part.part_file import SkirtPart
 
 
@@ -29,7 +30,7 @@ def shape_key(part: SkirtPart) -> Hashable:
     """Return what the geometry of a part follows from; of a refit the speed is part of it."""
     magnify = None if part.magnify is None else part.magnify.model_dump_json()
     files = tuple(file_state(name) for name in _files_of(part))
-    refit = ""
+    refit = f"{part.process.form_error_um!r}" if smoothed_curves(part.piston) else ""
     if part.piston.section.shape == "ellipse-arc":
         refit = f"{part.process.spindle_rpm!r} {part.process.form_error_um!r}"
     return part.piston.model_dump_json(), magnify, files, refit

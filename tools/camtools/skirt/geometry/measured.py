@@ -89,7 +89,7 @@ def check_gaps(sections: Sections, overshoot_um: float) -> None:
             f"height {worst.z_mm:g} mm: no points from {worst.from_deg:g} to {worst.to_deg:g} "
             f"degrees, where the curve goes {worst.beyond_um:.4g} um beyond both"
         )
-        remedy = f"measure there, or allow it: overshoot_um = {rounded_up(worst.beyond_um)}"
+        remedy = f"measure there, or allow it: overshoot_um = {rounded_up(worst.beyond_um):g}"
         raise GeometryError("piston.section.csv", problem, remedy)
 
 
@@ -137,6 +137,6 @@ def check_scan(scan: Scan, section: SectionShape) -> None:
         )
         remedy = (
             'set interpolation = "pchip", measure more heights, or allow it: overshoot_um = '
-            f"{rounded_up(worst.beyond)}"
+            f"{rounded_up(worst.beyond):g}"
         )
         raise GeometryError("piston.section.interpolation", problem, remedy)

@@ -15,7 +15,7 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, rounded_up
-from camtools.part.smoothing import smoothed
+from camtools.skirt.geometry.smooth_points import smoothed_mm
 from camtools.skirt.part.curves import Overshoot, overshoot, through
 from camtools.skirt.part.part_file import Piston
 from camtools.skirt.part.power_law import PeakOvality, PowerProfile
@@ -36,20 +36,6 @@ def profile_spline(profile: Profile | PowerProfile) -> PPoly:
         ends = ((1, profile.end_slopes[0]), (1, profile.end_slopes[1]))
     radius_mm = smoothed_mm(profile) / 2
     return through(profile.height_mm, radius_mm, profile.interpolation, ends)
-
-
-def listed_mm(drawn: Profile | Ovality) -> Floats:
-    """Return the listed diameters or ovalities."""
-    values_mm = drawn.diameter_mm if isinstance(drawn, Profile) else drawn.ovality_mm
-    return np.asarray(values_mm, dtype=np.float64)
-
-
-def smoothed_mm(drawn: Profile | Ovality) -> Floats:
-    """Return the diameters or ovalities of the points, smoothed where that is asked for."""
-    if drawn.smooth_um is None:
-        return listed_mm(drawn)
-    z_mm = np.asarray(drawn.height_mm, dtype=np.float64)
-    return smoothed(z_mm, listed_mm(drawn), drawn.smooth_um / _UM_PER_MM)
 
 
 def profile_pieces(profile: Profile) -> tuple[Piece, ...]:
@@ -117,7 +103,7 @@ def check_overshoot(field: str, curve: PPoly, allowed: Allowance, points_mm: Flo
     problem = _overshoot_text(worst, allowed)
     remedy = 'set interpolation = "pchip", or give more points there'
     if allowed.key is not None:
-        remedy += f", or allow it: {allowed.key} = {rounded_up(beyond)}"
+        remedy += f", or allow it: {allowed.key} = {rounded_up(beyond):g}"
     raise GeometryError(field, problem, remedy)
 
 
@@ -189,9 +175,8 @@ def _check_derived(allowed: Allowance, pieces: tuple[Piece, ...], curve: PPoly, 
                 f"{beyond:.4g} um beyond both its ends, at height {worst.z_mm:.6g} mm"
             )
             remedy = "give its radius_mm if it is meant, or allow it: overshoot_um = "
-            raise GeometryError(
-                f"{table}.segment.{i}.tangent", problem, remedy + rounded_up(beyond)
-            )
+            remedy += f"{rounded_up(beyond):g}"
+            raise GeometryError(f"{table}.segment.{i}.tangent", problem, remedy)
 
 
 def magnified(spline: PPoly, factor: float, fixed_mm: float) -> PPoly:

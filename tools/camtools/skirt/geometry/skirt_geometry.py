@@ -40,6 +40,7 @@ from camtools.skirt.geometry.scan_text import Sections
 from camtools.skirt.geometry.sections import Section, make_section
 from camtools.skirt.geometry.sides import TurnedSurface, heights_of
 from camtools.skirt.geometry.sides_from_part import is_plain, sides_of, turn_of
+from camtools.skirt.geometry.smooth_points import check_smoothing
 from camtools.skirt.part.part_file import Piston, SkirtPart
 
 _CHECKS_PER_PIECE = 64
@@ -190,6 +191,7 @@ def make_geometry(part: SkirtPart) -> Geometry:
         composite section is impossible; the file of a measured section is no good.
     """
     piston = part.piston
+    check_smoothing(part)
     factor = part.magnify.factor if part.magnify else 1.0
     of_profile = part.magnify.profile_factor if part.magnify else 1.0
     largest_mm = max(piston.profile.diameter_mm) / 2

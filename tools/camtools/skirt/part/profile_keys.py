@@ -14,7 +14,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from camtools.part.model import HeightMm, TomlTable, as_long, rising, wrong
-from camtools.part.smoothing import SmoothUm
+from camtools.part.smoothing import ORDER, SmoothUm
 from camtools.skirt.part.segments import DrawnSegment, Piece, SegmentError, join
 
 MAX_POINTS = 1000
@@ -131,18 +131,29 @@ def _points(
     )
 
 
+def _check_smooth(curve: Profile | Ovality) -> None:
+    """Refuse smoothing of what it cannot change."""
+    if curve.smooth_um is None:
+        return
+    problem, n = "", len(curve.height_mm)
+    if curve.segment:
+        problem = "lines and arcs are exact, only points are smoothed"
+    elif n <= ORDER:
+        problem = f"smoothing changes nothing with {n} points, it needs {ORDER + 1}"
+    if problem:
+        context = {"field": "smooth_um", "value": curve.smooth_um}
+        raise wrong("smooth", problem, "remove it, or list more points", **context)
+
+
 def _completed(curve: Profile | Ovality, key: str, scale: int) -> dict[str, list[float]]:
     """Return the points of a curve over the height with the ends of its segments, if it has any."""
     if (curve.interpolation == "segments") != (len(curve.segment) > 0):
         problem = 'interpolation = "segments" and the tables "segment" belong together'
         context = {"field": "interpolation", "value": curve.interpolation}
         raise wrong("segments", problem, "give both or neither", **context)
+    _check_smooth(curve)
     if not curve.segment:
         return {}
-    if curve.smooth_um is not None:
-        problem = "lines and arcs are exact, only points are smoothed"
-        remedy = "remove it, or list points"
-        raise wrong("smooth", problem, remedy, field="smooth_um", value=curve.smooth_um)
     z_mm, values = _points(curve.height_mm, getattr(curve, key), curve.segment, key, scale)
     return {"height_mm": z_mm, key: values}
 

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from camtools.base.beside import beside
+from camtools.part.smoothing_text import sheet_note
 from camtools.plots.style import drawing, png_of
 from camtools.report.common_pictures import COMPARE_TEXT, SEQUENCE_TEXT, common_drawers, in_order
 from camtools.report.learning import CONVERGENCE_TEXT
@@ -15,6 +16,11 @@ from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import SheetPages, sheet_pages
 from camtools.report.switches import SWITCHES_TEXT
+from camtools.skirt.geometry.smooth_points import (
+    smoothed_curves,
+    smoothing_takes_um,
+    tolerances_left,
+)
 from camtools.skirt.report import surface_plots
 from camtools.skirt.report.corner_plot import draw_corner
 from camtools.skirt.report.equal_volume_plots import draw_even, draw_ripple
@@ -22,7 +28,6 @@ from camtools.skirt.report.interactive import ANGLE, live_of, motion_of
 from camtools.skirt.report.outcome import SkirtOutcome
 from camtools.skirt.report.part_plots import draw_smoothing
 from camtools.skirt.report.shape_plot import draw_skirt
-from camtools.skirt.report.smoothing_text import smoothed_curves
 from camtools.skirt.report.text import rows_of
 
 _TEXTS = {
@@ -156,7 +161,9 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes], sheets: SheetPages | N
 
 def make_report(outcome: SkirtOutcome) -> dict[str, bytes]:
     """Return the page, its pictures and an overview picture, by file name."""
-    subject = Subject(True, True, tolerances=outcome.generated.part.tolerances)
+    part = outcome.generated.part
+    note = sheet_note(outcome.summary["form_error_um"], smoothing_takes_um(part))
+    subject = Subject(True, True, tolerances=tolerances_left(part), note=note)
     with drawing(), beside(lambda: sheet_pages(outcome, subject)) as drawn_sheets:
         pngs = {picture.key: png_of(picture.draw()) for picture in pictures_of(outcome)}
         files = {f"cut_{key}.png": png for key, png in pngs.items()}

@@ -18,7 +18,7 @@ from camtools.base.quantities import Floats
 from camtools.plots.panels import legend_below, stacked
 from camtools.plots.style import angle_axis, png_of, titled_figure
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
-from camtools.skirt.report.smoothing_text import smoothed_curves, smoothing_facts
+from camtools.skirt.geometry.smooth_points import smoothed_curves, smoothing_facts
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.skirt.table.speed import motion_played
 

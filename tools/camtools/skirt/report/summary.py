@@ -20,8 +20,8 @@ from camtools.skirt.geometry.profile import notable_overshoots
 from camtools.skirt.geometry.run_in import HeldSurface
 from camtools.skirt.geometry.sides import SidesSurface, as_drawn
 from camtools.skirt.geometry.skirt_geometry import Geometry, dense_heights_mm
+from camtools.skirt.geometry.smooth_points import noise_facts, smoothing_facts, smoothing_takes_um
 from camtools.skirt.report.segment_text import segment_facts
-from camtools.skirt.report.smoothing_text import smoothing_facts
 from camtools.skirt.table.accuracy import Accuracy
 from camtools.skirt.table.gauge_design import design_of, target_of
 from camtools.skirt.table.generate import NM_PER_UM, GeneratedSkirt, peaks_of_table
@@ -99,6 +99,8 @@ def _process(result: GeneratedSkirt) -> Json:
         "feed_mm": float(process.feed_mm),
         "depth_mm": float(process.depth_mm),
         "direction": process.direction,
+        "form_error_um": float(process.form_error_um),
+        "smoothing_takes_um": smoothing_takes_um(result.part),
         "u_zero": process.u_zero,
         "u_zero_mm": result.middle_nm / NM_PER_MM,
         "run_in_mm": float(process.run_in_mm),
@@ -175,6 +177,8 @@ def _extras(result: GeneratedSkirt) -> Json:
         extras["overshoots"] = overshoots
     if smoothing := smoothing_facts(result.part.piston):
         extras["smoothing"] = smoothing
+    if noise := noise_facts(result.part.piston):
+        extras["noise"] = noise
     if drawn := segment_facts(result.part.piston):
         extras["segments"] = drawn
     if (meeting := where_sides_meet(result.geometry)) is not None:

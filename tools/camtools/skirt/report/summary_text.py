@@ -12,8 +12,11 @@ from __future__ import annotations
 from camtools.base.json_text import Json
 from camtools.cut.feasibility import tenth_below
 from camtools.measured.text import round_text
+from camtools.part.smoothing_text import share_text
+from camtools.skirt.geometry.smooth_points import smoothing_texts
 from camtools.skirt.report.segment_text import segments_text
-from camtools.skirt.report.smoothing_text import smoothing_texts
+from camtools.skirt.report.tool_text import clearance_text
+from camtools.skirt.tool.heel import Heel
 
 
 def emit_text(summary: Json) -> str:
@@ -38,7 +41,7 @@ def emit_text(summary: Json) -> str:
         + _room_text(summary)
         + tool_text(summary["tool"])
         + segments_text(summary.get("segments", {}))
-        + "".join(f"  {text}\n" for text in smoothing_texts(summary.get("smoothing", {})))
+        + _smoothing_text(summary)
         + _profile_text(summary)
         + "".join(f"  {text} (overshoot_um)\n" for text in summary.get("overshoots", []))
         + _scan_text(summary)
@@ -53,12 +56,19 @@ def tool_text(tool: Json) -> str:
     """Return the tool of a skirt's table and the clearance that its heel has left."""
     nose = f"nose radius {tool['nose_radius_mm']:g} mm" if tool["nose_radius_mm"] else "pointed"
     worn = f", worn by {tool['wear_um']:g} um" if tool["wear_um"] else ""
-    needed = tool["needed_clearance_deg"]
-    place = f"{tool['heel_at_deg']:g} degrees, height {tool['heel_at_mm']:g} mm"
-    return (
-        f"  tool: {nose}{worn}, clearance angle {tool['clearance_deg']:g} degrees, required "
-        f"{needed:.2f} (at {place})\n"
-    )
+    heel = Heel(tool["needed_clearance_deg"], tool["heel_at_deg"], tool["heel_at_mm"])
+    return f"  tool: {nose}{worn}, {clearance_text(tool['clearance_deg'], heel)}\n"
+
+
+def _smoothing_text(summary: Json) -> str:
+    """Return what smoothing did or would do, and what it takes of the tolerance."""
+    process = summary["process"]
+    # Of polygons, whose summary is this one, too, nothing is smoothed.
+    allowed_um, taken_um = process.get("form_error_um", 0.0), process.get("smoothing_takes_um", 0.0)
+    found, noise = summary.get("smoothing", {}), summary.get("noise", {})
+    lines = smoothing_texts(found, noise, allowed_um)
+    lines += [share_text(taken_um, allowed_um)] if taken_um else []
+    return "".join(f"  {line}\n" for line in lines)
 
 
 def _room_text(summary: Json) -> str:

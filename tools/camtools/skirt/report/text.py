@@ -6,10 +6,16 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
 from camtools.report.learning_text import learning_rows
 from camtools.report.switches_text import switch_rows
-from camtools.report.text import ReportRow, error_pair
+from camtools.report.text import ReportRow, error_pair, form_text
 from camtools.skirt.geometry.profile import notable_overshoots
+from camtools.skirt.geometry.smooth_points import (
+    noise_facts,
+    smoothing_facts,
+    smoothing_takes_um,
+    smoothing_texts,
+)
+from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.report.outcome import SkirtOutcome
-from camtools.skirt.report.smoothing_text import smoothing_facts, smoothing_texts
 from camtools.skirt.report.tool_text import tool_row, track_row
 
 
@@ -99,6 +105,13 @@ def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     return [ReportRow("controller's own error", f"{error_pair(control)} against the {played}")]
 
 
+def _smoothing_rows(part: SkirtPart) -> list[ReportRow]:
+    """Return what smoothing of points did, or would do; nothing for smooth points."""
+    found, noise = smoothing_facts(part.piston), noise_facts(part.piston)
+    texts = smoothing_texts(found, noise, part.process.form_error_um)
+    return [ReportRow("smoothing", text) for text in texts]
+
+
 def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return what equal-volume turning brought, nothing for uniform turning."""
     if outcome.even is None:
@@ -135,11 +148,9 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
     wall_s, machine_s = summary["wall_time_s"], summary["machine_time_s"]
     law = generated.part.process.feed_law
     feed_peak = max(law.feed_mm) / generated.part.process.feed_mm if law is not None else 1.0
-    allowed = length_text(form["tolerance"])
-    form_text = f"{error_pair(form)} against the drawing (tolerance {allowed})"
     return [
         ReportRow("cut", what_was_cut(outcome)),
-        ReportRow("form error", form_text),
+        ReportRow("form error", form_text(form, smoothing_takes_um(generated.part))),
         *_correction_rows(outcome),
         *_control_rows(outcome),
         *pass_rows(summary),
@@ -149,7 +160,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *_corner_rows(outcome),
         *_filter_rows(outcome),
         *(ReportRow("overshoot", text) for text in notable_overshoots(piston)),
-        *(ReportRow("smoothing", text) for text in smoothing_texts(smoothing_facts(piston))),
+        *_smoothing_rows(generated.part),
         *_removal_rows(outcome),
         tool_row(summary, generated.part.tool, generated.heel),
         track_row(summary, generated.part.tool, feed_peak),

@@ -1,7 +1,7 @@
 """What a report says of the tool: nose, wear, and the clearance that its flank has left.
 
 >>> tool_row({}, Tool(nose_radius_mm=0.8), Heel(0.188, 45.0, 62.0)).value
-'nose radius 0.8 mm; clearance angle 7 degrees, at least 0.19 needed (at 45 degrees, height 62 mm)'
+'nose radius 0.8 mm; clearance angle 7 degrees, required 0.19 (at 45 degrees, height 62 mm)'
 """
 
 from __future__ import annotations
@@ -21,6 +21,16 @@ def _nose_text(nose_mm: float) -> str:
     return f"nose radius {nose_mm:g} mm" if nose_mm else "pointed, without nose radius"
 
 
+def clearance_text(clearance_deg: float, heel: Heel) -> str:
+    """Return the clearance angle of a tool, and what the part requires where.
+
+    >>> clearance_text(7.0, Heel(0.188, 45.0, 62.0))
+    'clearance angle 7 degrees, required 0.19 (at 45 degrees, height 62 mm)'
+    """
+    place = f"{heel.angle_deg:g} degrees, height {heel.z_mm:g} mm"
+    return f"clearance angle {clearance_deg:g} degrees, required {heel.needed_deg:.2f} (at {place})"
+
+
 def tool_row(summary: Json, tool: Tool, heel: Heel) -> ReportRow:
     """Return the line of a report that tells of the tool.
 
@@ -38,8 +48,7 @@ def tool_row(summary: Json, tool: Tool, heel: Heel) -> ReportRow:
         words += f", worn by {used['wear_um']:g} um"
     return ReportRow(
         "tool",
-        f"{words}; clearance angle {tool.clearance_deg:g} degrees, at least {heel.needed_deg:.2f} "
-        f"needed (at {heel.angle_deg:g} degrees, height {heel.z_mm:g} mm)",
+        f"{words}; {clearance_text(tool.clearance_deg, heel)}",
     )
 
 
