@@ -98,9 +98,9 @@ static cam_complex_t correction_change(cam_complex_t error, cam_gain_t gain, int
     const int64_t most = INT64_C(1) << 30;
     const int64_t re = (int64_t)error.re * gain.re_q12 + (int64_t)error.im * gain.im_q12;
     const int64_t im = (int64_t)error.im * gain.re_q12 - (int64_t)error.re * gain.im_q12;
-    return (cam_complex_t){
-        .re = (int32_t)cam_clamp_i64(re * mu_q16 / square_q24 >> 4, -most, most),
-        .im = (int32_t)cam_clamp_i64(im * mu_q16 / square_q24 >> 4, -most, most)};
+    return (cam_complex_t){.re = (int32_t)cam_clamp_i64(re * mu_q16 / square_q24 >> 4, -most, most),
+                           .im =
+                               (int32_t)cam_clamp_i64(im * mu_q16 / square_q24 >> 4, -most, most)};
 }
 
 /// Add a change, or the part of it by which the size grows no more than the room, and take that

@@ -8,7 +8,7 @@
 #define BUDGET_H
 
 enum {
-    budget_tick_in_cut = 630, ///< U plays the table with position outputs, without the plan
+    budget_tick_in_cut = 660, ///< U plays the table with position outputs, without the plan
     budget_tick = 3600,       ///< any tick, with its plan: 15 % of the period, one per cycle
 };
 
