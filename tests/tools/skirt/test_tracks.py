@@ -47,7 +47,7 @@ def test_rings_in_passes_claim_no_force(tmp_path: Path, capsys: pytest.CaptureFi
     passes = [line for line in lines if line.lstrip().startswith("pass ")]
     assert len(passes) == 2
     assert not any("force" in line for line in passes)
-    assert any("error at most 2.8 nm" in line for line in lines)
+    assert any("accurate to 2.8 nm" in line for line in lines)
 
 
 def test_bad_tolerance_of_a_run_is_refused() -> None:
