@@ -107,7 +107,7 @@ static cam_complex_t correction_change(cam_complex_t error, cam_gain_t gain, int
 /// growth from the room.
 static cam_complex_t extended(cam_complex_t c, cam_complex_t change, uint32_t *room_q6)
 {
-    const int64_t room = *room_q6;
+    const int64_t room = (int64_t)*room_q6;
     const int64_t before = cam_complex_size(c);
     cam_complex_t next = cam_complex_add(c, change);
     if (cam_complex_size(next) > before + room) {

@@ -103,7 +103,7 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
             (int32_t)cam_clamp_i64(t->k2_q16 + k2, -(int64_t)s->k2_most_q16, s->k2_most_q16);
         const int64_t friction = (int64_t)by.friction_q6 * (gain_q16 >> t->n_halved) >> 16;
         t->friction_q6 = (int32_t)cam_clamp_i64(t->friction_q6 + friction, -(int64_t)s->friction_q6,
-                                                cam_ilc_most_nm * 64);
+                                                INT64_C(64) * cam_ilc_most_nm);
     }
     t->blending |= cam_ilc_blend_drive;
 }

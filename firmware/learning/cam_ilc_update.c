@@ -15,7 +15,8 @@ enum {
     even_part = 128,           ///< the spindle accelerates by more than this part per turn
     least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slowest turn that the bins can sum
     least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
-    least_floors = 64,         ///< least motion of U, in noise floors of its scale
+    friction_part = 256, ///< U hardly moves in a harmonic whose speed is this part of the largest
+    least_floors = 64,   ///< least motion of U, in noise floors of its scale
 };
 
 /// 3 / sqrt(12) sqrt(2), in 1 / 64: MATHS.md (148).
@@ -52,13 +53,13 @@ static void interpolate(cam_turn_bin_t *bin, uint32_t from, uint32_t n)
 static bool fill_gaps(cam_turn_bin_t *bin)
 {
     uint32_t last = 0;
-    while (last < cam_turn_bins_n && bin[last].n == 0u) {
+    while (last < cam_turn_bins_n && bin[last].n == 0) {
         last++;
     }
     const uint32_t end = last + cam_turn_bins_n;
     bool is_narrow = end < 2u * cam_turn_bins_n;
     for (uint32_t i = last + 1u; is_narrow && i <= end; i++) {
-        if (bin[i % cam_turn_bins_n].n > 0u) {
+        if (bin[i % cam_turn_bins_n].n > 0) {
             is_narrow = i - last <= widest_gap;
             interpolate(bin, last, i - last);
             last = i;
@@ -73,11 +74,11 @@ static uint32_t take_means(cam_turn_bin_t *bin, bool *is_full)
     uint32_t n_ticks = 0;
     *is_full = true;
     for (uint32_t i = 0; i < cam_turn_bins_n; i++) {
-        const int32_t n = (int32_t)bin[i].n;
+        const int32_t n = bin[i].n;
         if (n > 0) {
             bin[i].error_q6 /= n;
             bin[i].u_nm /= n;
-            n_ticks += bin[i].n;
+            n_ticks += (uint32_t)n;
         } else {
             *is_full = false;
         }
@@ -220,17 +221,23 @@ bool cam_ilc_update_is_for_drive(const cam_ilc_t *t)
     return t->set_square >= 0 && t->larger / least_floors > t->floor_q6;
 }
 
-/// Replace the numbers of ticks by the sense in which U moves: the mean of both sides of a bin.
-/// What moves by less than 4 nm stands.
+/// @return the sense of a motion from one bin to the next; what moves by less than 4 nm stands
+static int32_t sense_of(int32_t by_nm)
+{
+    if (by_nm > 3) {
+        return 1;
+    }
+    return by_nm < -3 ? -1 : (int32_t)0;
+}
+
+/// Replace the numbers of ticks by the sense in which U moves, the mean of both sides of a bin.
 static void mark_sense(cam_turn_bin_t *bin)
 {
-    int32_t before_nm = bin[0].u_nm - bin[cam_turn_bins_n - 1].u_nm;
+    int32_t before = sense_of(bin[0].u_nm - bin[cam_turn_bins_n - 1].u_nm);
     for (uint32_t i = 0; i < cam_turn_bins_n; i++) {
-        const int32_t after_nm = bin[(i + 1u) % cam_turn_bins_n].u_nm - bin[i].u_nm;
-        const int32_t forwards = (before_nm > 3) + (after_nm > 3);
-        const int32_t backwards = (before_nm < -3) + (after_nm < -3);
-        bin[i].sense_q20 = (forwards - backwards) * (1 << 19);
-        before_nm = after_nm;
+        const int32_t after = sense_of(bin[(i + 1u) % cam_turn_bins_n].u_nm - bin[i].u_nm);
+        bin[i].n = (before + after) * (1 << 19);
+        before = after;
     }
 }
 
@@ -303,9 +310,8 @@ static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
         cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);
     if (cam_gain_square_q24(gain) >= (UINT32_C(1) << 24) / 25u) { // at least a fifth
         cam_drive_add(&t->sums, t->k, error, set, gain);
-        if (size < t->largest / 8u) {
-            const cam_complex_t sense =
-                cam_harmonics_of(&t->bin->sense_q20, cam_ilc_words_per_bin, t->k);
+        if (size < t->largest / friction_part) {
+            const cam_complex_t sense = cam_harmonics_of(&t->bin->n, cam_ilc_words_per_bin, t->k);
             cam_friction_add(&t->sums, raw, sense, gain);
         }
     }

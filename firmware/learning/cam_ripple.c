@@ -46,7 +46,7 @@ int32_t cam_ripple_deviate(cam_turn_bin_t *bin)
 {
     uint32_t n_ticks = 0;
     for (uint32_t i = 0; i < cam_turn_bins_n; i++) {
-        n_ticks += bin[i].n;
+        n_ticks += (uint32_t)bin[i].n;
     }
     if (n_ticks < cam_turn_bins_n || !subtract_uniform(bin, n_ticks)) {
         return 0;

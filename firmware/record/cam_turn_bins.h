@@ -52,10 +52,7 @@ typedef struct {
     int32_t u_nm;      ///< [nm] due set-point, rounded down
     int32_t angle_q24; ///< [turn / 2^24] measured angle minus begin of the bin; without the learned
                        ///< correction, so it may be outside the bin
-    union {
-        uint32_t n;        ///< ticks
-        int32_t sense_q20; ///< once the means are made: the sense in which U moves, 2^20 is 1
-    };
+    int32_t n;         ///< ticks; once the means are made, the sense in which U moves, 2^20 is 1
 } cam_turn_bin_t;
 
 /// Description of a turn whose bank is closed.
@@ -103,7 +100,7 @@ static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_reco
     bin->error_q6 = (int32_t)((uint32_t)bin->error_q6 + error_q6);
     bin->u_nm = cam_wrap_add(bin->u_nm, r->want.u_due_q6 >> 6);
     bin->angle_q24 = cam_wrap_add(bin->angle_q24, in_bin_q32 >> 8);
-    bin->n++;
+    bin->n = cam_wrap_add(bin->n, 1);
 }
 
 /// Position of an angle between two knots.

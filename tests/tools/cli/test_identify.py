@@ -234,7 +234,7 @@ def test_settings_reach_the_controller(
     monkeypatch.setattr(can_drive, "excite", excited_plant(Plant(friction_m_s2=5)))
     status, text = run(*bus_words(bench), "--periods", "3", "--apply", "-o", tmp_path)
     assert status == 0, text
-    assert "applied: k1_ns, k2_us2, lead_ns; the drives are off" in text
+    assert "applied: k1_ns, k2_us2, lead_ns, u_friction_nm; the drives are off" in text
     assert "off" in bench.do("status").splitlines()[0]
     for name, value in re.findall(r"^tools/camctl set (\w+) (\d+)$", text, re.MULTILINE):
         assert bench.do("get", name) == f"{name} = {value}\n"

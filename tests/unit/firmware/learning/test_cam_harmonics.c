@@ -41,7 +41,7 @@ static double sum_at(const cam_complex_t *c, int i)
 
 static void test_points_are_the_sum_of_the_harmonics(void)
 {
-    static int16_t point[257];
+    static int16_t point[258];
     fixture_random_t random = {.state = 5};
     cam_complex_t c[17];
     for (int k = 0; k <= 16; k++) {
@@ -57,8 +57,8 @@ static void test_points_are_the_sum_of_the_harmonics(void)
 
 static void test_points_move_by_no_more_than_a_step_and_arrive(void)
 {
-    static int16_t point[257];
-    static int16_t before[257];
+    static int16_t point[258];
+    static int16_t before[258];
     const cam_complex_t c[17] = {[0] = {.re = 64 * 300}, [3] = {.re = 64 * 500, .im = -64 * 200}};
     bool is_there = false;
     int n = 0;
@@ -76,7 +76,7 @@ static void test_points_move_by_no_more_than_a_step_and_arrive(void)
 
 static void test_points_beyond_their_word_stay_at_its_end(void)
 {
-    static int16_t point[257];
+    static int16_t point[258];
     const cam_complex_t c[17] = {[0] = {.re = 64 * most_nm}, [1] = {.re = 64 * most_nm}};
     (void)cam_harmonics_slew(point, c, 6, 1 << 17);
     TEST_ASSERT_EQUAL_INT16(INT16_MAX, point[0]);
@@ -154,7 +154,7 @@ static int32_t telling_part(int64_t cosine, int64_t other, uint32_t down)
 /// On the axes of the circle a 2^30th more or less is rounded away; other steps show it.
 static void test_cosines_are_the_nearest_of_their_word(void)
 {
-    static int16_t point[257];
+    static int16_t point[258];
     for (uint32_t n = 0; n < 512u; n++) {
         const place_t at = place_of(n / 2u);
         const int64_t other = at.cosine + (n % 2u == 0u ? 1 : -1);

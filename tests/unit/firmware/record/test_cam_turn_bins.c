@@ -117,7 +117,7 @@ static void test_a_turn_is_gathered_whole_and_alone(void)
             TEST_ASSERT_EQUAL_INT32(ticks * -300, bins[k].u_nm);
             const double mean_q24 = (double)bins[k].angle_q24 / ticks;
             TEST_ASSERT_DOUBLE_WITHIN(65536.0, 16777.0 + 65536.0, mean_q24);
-            n += bins[k].n;
+            n += (uint32_t)bins[k].n;
         }
         TEST_ASSERT_UINT32_WITHIN(1, ticks_per_turn, n);
         TEST_ASSERT_TRUE(turn.is_steady);
