@@ -70,7 +70,7 @@ cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q
     const int64_t per_rad_q8 = PER_RAD_Q40 / speed_q32;
     const int64_t share1_q24 = share_q24(sums->error1, sums->weight1);
     const int64_t share2_q24 = share_q24(sums->error2, sums->weight2);
-    // Below a tenth of the sense the harmonics tell too little.
+    // Below an eighth of the sense the harmonics tell too little.
     const bool is_told = sums->weight_f >> 34 > 0;
     return (cam_drive_change_t){
         .friction_q6 = is_told ? cam_sat_i32(sums->error_f / (sums->weight_f >> 20)) : 0,

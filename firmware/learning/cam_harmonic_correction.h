@@ -54,9 +54,8 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
 /// @param error_q6  [nm / 64] at full amplitude
 /// @param floor_q6  [nm / 64] noise floor of the scale
 /// @param mu_q16    learning gain, 0 .. 2^16
-/// @param room_q6   [nm / 64] by which the sum of sizes may still grow; a change that does not fit
-/// is
-///                  scaled down. What it uses is subtracted
+/// @param room_q6   [nm / 64] by which the sum of sizes may still grow; a change that does not
+///                  fit is scaled down. What it uses is subtracted
 void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
                                    uint32_t floor_q6, int32_t mu_q16, uint32_t *room_q6);
 
