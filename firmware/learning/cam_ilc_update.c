@@ -15,7 +15,7 @@ enum {
     even_part = 128,           ///< the spindle accelerates by more than this part per turn
     least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slowest turn that the bins can sum
     least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
-    friction_part = 256, ///< U hardly moves in a harmonic whose speed is this part of the largest
+    friction_part = 128, ///< U hardly moves in a harmonic whose speed is this part of the largest
     least_floors = 64,   ///< least motion of U, in noise floors of its scale
 };
 
