@@ -70,10 +70,10 @@ cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q
     const int64_t per_rad_q8 = PER_RAD_Q40 / speed_q32;
     const int64_t share1_q24 = share_q24(sums->error1, sums->weight1);
     const int64_t share2_q24 = share_q24(sums->error2, sums->weight2);
-    // Below an eighth of the sense the harmonics tell too little.
-    const bool is_told = sums->weight_f >> 34 > 0;
+    // Smaller harmonics, below an eighth of a full reversal, do not determine the friction.
+    const bool is_enough = sums->weight_f >> 34 > 0;
     return (cam_drive_change_t){
-        .friction_q6 = is_told ? cam_sat_i32(sums->error_f / (sums->weight_f >> 20)) : 0,
+        .friction_q6 = is_enough ? cam_sat_i32(sums->error_f / (sums->weight_f >> 20)) : 0,
         .k1_q16 = cam_sat_i32(share1_q24 * per_rad_q8 >> 16),
         .k2_q16 = cam_sat_i32(-((share2_q24 * per_rad_q8 >> 12) * per_rad_q8 >> 12)),
     };

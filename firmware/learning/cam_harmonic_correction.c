@@ -103,8 +103,8 @@ static cam_complex_t correction_change(cam_complex_t error, cam_gain_t gain, int
                                (int32_t)cam_clamp_i64(im * mu_q16 / square_q24 >> 4, -most, most)};
 }
 
-/// Add a change, or the part of it by which the size grows no more than the room, and take that
-/// growth from the room.
+/// Add a change, scaled down where the size would grow beyond the room, and subtract the growth
+/// from the room.
 static cam_complex_t extended(cam_complex_t c, cam_complex_t change, uint32_t *room_q6)
 {
     const int64_t room = (int64_t)*room_q6;

@@ -131,7 +131,7 @@
     X(x_jerk_m_per_s3,                0,          0, 2000000000, "the same of X; 0: its acceleration changes over 6.4 ms") \
     X(z_jerk_m_per_s3,                0,          0, 2000000000, "the same of Z; 0: its acceleration changes over 6.4 ms") \
     X(enable_dwell_ms,                0,          0,       5000, "U rests for this time after enable, while its drive takes over; at least one tick") \
-    X(u_friction_nm,                  0,          0,     100000, "friction of U as its drive shows it: in the cut the command leads by this in the sense of the motion")
+    X(u_friction_nm,                  0,          0,     100000, "lag of U by friction; in the cut its command leads by this in the direction of motion")
 
 /// Parameters that an operator sets for a part. All others, new ones included, are limits and
 /// constants of the machine, which change in the unlocked level only (cam_rights.h).

@@ -125,9 +125,8 @@ static inline int32_t cam_learned_at_q8(const int16_t *table, cam_learned_place_
     return cam_dot_i16(knots, at.share);
 }
 
-/// @return [2^-23] derivative of a deviation: the share by which the spindle is faster than its
-/// mean.
-///         That of half a knot later
+/// Derivative of a deviation, half a knot later.
+/// @return [2^-23] share by which the spindle is faster than its mean
 static inline int32_t cam_learned_faster_q23(const int16_t *table, cam_learned_place_t at)
 {
     const cam_learned_place_t next = {.knot = at.knot + 1u, .share = at.share};

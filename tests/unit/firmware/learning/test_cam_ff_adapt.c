@@ -43,7 +43,7 @@ static void test_the_answer_of_the_drive_is_that_of_its_constants(void)
 }
 
 /// Friction leaves its size times the sense of the motion, filtered by the drive. Two harmonics of
-/// a square wave suffice; a sense that hardly shows tells nothing.
+/// a square wave suffice; a faint one determines nothing.
 static void test_friction_is_found_from_the_sense_of_the_motion(void)
 {
     static const double friction_q6[] = {64.0 * 4000.0, -64.0 * 30.0};
