@@ -167,7 +167,7 @@ typedef struct {
     uint32_t n_turns;       ///< used for learning since the rehearsal began
     int32_t feed_nm;        ///< [nm] of the last turn
     uint8_t k;              ///< next harmonic
-    uint8_t n_orders;       ///< harmonics that this turn resolves
+    uint8_t n_orders;       ///< harmonics that the last steady turn resolved
     uint8_t n_steps;        ///< steps of this phase
     uint8_t n_halved;       ///< times that the guard halved the gain of layer 1
     uint8_t phase;          ///< cam_ilc_phase_t

@@ -257,14 +257,16 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     bool is_full = false;
     const bool is_slow = turn->speed_q32 <= least_speed_q32;
     const uint32_t n_ticks = is_slow ? 0u : take_means(t->bin, &is_full);
-    const uint32_t n_orders = is_still ? orders_of(n_ticks) : 0u;
-    t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
+    const uint32_t n_orders = orders_of(n_ticks);
+    if (is_still) {
+        t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
+    }
     // The ripple needs no motion of U.
     const bool is_synced = turn->state != cam_state_off && turn->state != cam_state_homing;
     const bool has_ripple = is_full && is_even && is_synced && n_ticks > 0u && s->ripple_turns > 0u;
     t->true_q36 = has_ripple ? cam_ripple_deviate(t->bin) : 0;
     t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
-    t->is_counted = t->n_orders > 0u && is_even && is_learning(t, s);
+    t->is_counted = is_still && t->n_orders > 0u && is_even && is_learning(t, s);
     if (t->is_counted) {
         t->square = 0;
         t->larger = 0;

@@ -126,7 +126,7 @@
     X(x_trim_rate_nm_per_s,        1000,      20000,     100000, "rate of its ramp") \
     X(feed_override_ppm,              0,    1000000,    1500000, "feed over its programmed value; below 1 %: Z stops, as in a hold; ramped like the feed") \
     X(spindle_override_ppm,      500000,    1000000,    1200000, "speed of the spindle over its programmed value; ramped") \
-    X(spindle_override_rate_ppm_per_s, 1000, 100000,    1000000, "rate of that ramp, within spindle_acceleration_mrad_per_s2") \
+    X(spindle_override_rate_ppm_per_s, 1000,  50000,    1000000, "rate of that ramp, within spindle_acceleration_mrad_per_s2") \
     X(u_jerk_m_per_s3,                0,          0, 2000000000, "highest jerk of U in timed moves and the retract; a quarter of it in an approach; 0: derived from tick, limits and feed-forward") \
     X(x_jerk_m_per_s3,                0,          0, 2000000000, "the same of X; 0: its acceleration changes over 6.4 ms") \
     X(z_jerk_m_per_s3,                0,          0, 2000000000, "the same of Z; 0: its acceleration changes over 6.4 ms") \

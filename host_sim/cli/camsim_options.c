@@ -130,6 +130,8 @@ static const camsim_option_t options[] = {
                   "radius of the tip that turns a cam (default: 0.4)"),
     CAMSIM_SWITCH("no-feed-forward", AT(cut.is_without_feed_forward), "k1 = k2 = 0"),
     CAMSIM_SWITCH("no-lead", AT(cut.is_without_lead), "no dead-time compensation"),
+    CAMSIM_SWITCH("no-learning", AT(cut.is_without_learning),
+                  "no learning by default: no rehearsal, short feed ramps"),
     CAMSIM_WHOLE("seed", "N", AT(seed), 0.0, 9007199254740992.0,
                  "seed of the encoder's noise (default: 1)"),
     CAMSIM_NUMBER("turns-limit", "N", AT(cut.max_turns), 0.001, 1e9, "turns",

@@ -27,7 +27,7 @@ typedef struct {
     sim_wishes_t wishes;           ///< override the machine file's [controller]
     double rpm;                    ///< 0: the table's
     double feed_mm;                ///< 0: the table's
-    bool is_without_feed_forward, is_without_lead;
+    bool is_without_feed_forward, is_without_lead, is_without_learning;
     double trace_every; ///< [ticks] per line of the trace; below 1: every tick
     bool is_traced;     ///< the firmware records every tick; drain sim_firmware_trace()
     double slice_s;     ///< [s] slice of the removal; 0: a 120th of the mean turn

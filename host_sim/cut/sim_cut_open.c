@@ -256,12 +256,6 @@ void sim_cut_place_scallop(sim_cut_t *cut)
     (void)place_scallop(cut, &ignored);
 }
 
-/// @return whether U can be learned: its port then measures
-static bool measures_u(const sim_config_t *config)
-{
-    return config->has_belief || sim_lathe_is_rough(&config->lathe);
-}
-
 /// Mount the blank, connect the lathe to the port, and prepare the gauges.
 static bool place(sim_cut_t *cut, common_error_t *e)
 {
@@ -270,7 +264,6 @@ static bool place(sim_cut_t *cut, common_error_t *e)
     double z_nm;
     sim_session_place(s, &x_nm, &z_nm);
     sim_port_init(&cut->port, &s->options.config.lathe, x_nm, z_nm, s->options.seed);
-    sim_port_measure_u(measures_u(&s->options.config));
     if (s->design.shape == sim_shape_lobes) {
         sim_lobe_cut_begin(s, cut->options.tip_mm);
     }
@@ -357,7 +350,7 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
            check_injects(s, size, e) && sim_session_load_design(s, e) &&
            sim_lobe_cut_check(s, cut->options.tip_mm, name, e) &&
            sim_controller_params(&cut->params, sim_config_believed(&s->options.config),
-                                 measures_u(&s->options.config), &wishes, e) &&
+                                 !cut->options.is_without_learning, &wishes, e) &&
            prepare_pass(cut, e) && set_up_firmware(cut, size, name, e);
 }
 

@@ -25,15 +25,6 @@ sim_lathe_config_t sim_lathe_defaults(void)
     };
 }
 
-bool sim_lathe_is_rough(const sim_lathe_config_t *config)
-{
-    const sim_drive_config_t *u = &config->drive[hal_axis_u];
-    return u->kind == sim_drive_force || u->friction_m_per_s2 > 0.0 || config->mode[0].hz > 0.0 ||
-           config->mode[1].hz > 0.0 || config->scale.latency_us > 0.0 ||
-           config->scale.error_nm > 0.0 || config->chip.kc_n_per_mm2 > 0.0 ||
-           config->spindle.ripple_2 > 0.0 || config->runout_um > 0.0 || config->runout_2_um > 0.0;
-}
-
 void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double step_s, double x_nm,
                     double z_nm, uint64_t seed)
 {

@@ -52,10 +52,6 @@ typedef struct {
 /// the part.
 sim_lathe_config_t sim_lathe_defaults(void);
 
-/// @return whether U or spindle have effects that a controller has to learn or to tolerate:
-///         friction, force, modes, errors of the scale, cutting force, a second ripple, run-out
-bool sim_lathe_is_rough(const sim_lathe_config_t *config);
-
 /// Set-points of the controller for one step.
 typedef struct {
     double spindle_rad_per_s;

@@ -19,7 +19,6 @@ bool sim_live_open(sim_live_t *l, const sim_live_options_t *options, const void 
     }
     sim_session_place(s, &x_nm, &z_nm);
     sim_port_init(&l->port, &o->config.lathe, x_nm, z_nm, o->seed);
-    sim_port_measure_u(true);
     if (!sim_wire_open(&l->wire, options->wire, (uint32_t)tick_hz, e)) {
         sim_session_close(s);
         return false;

@@ -122,7 +122,8 @@ static bool start(sim_live_t *l, common_error_t *e)
     const sim_session_options_t *o = &l->session.options;
     const sim_wishes_t wishes = sim_cut_wishes(&l->options.cut);
     cam_params_t params;
-    if (!sim_controller_params(&params, sim_config_believed(&o->config), true, &wishes, e)) {
+    if (!sim_controller_params(&params, sim_config_believed(&o->config),
+                               !l->options.cut.is_without_learning, &wishes, e)) {
         return false;
     }
     if (l->options.people != sim_live_waived) {

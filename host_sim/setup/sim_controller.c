@@ -125,12 +125,12 @@ static void derive_encoder(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_observer_bandwidth_mHz, observer_mHz);
 }
 
-bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine, bool measures_u,
+bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine, bool learns,
                            const sim_wishes_t *wishes, common_error_t *e)
 {
     derive_t d = {.params = params, .e = e, .is_good = true};
     *params = cam_param_defaults();
-    if (measures_u) {
+    if (learns && machine->tick_hz >= cam_derived_limits_least_hz) {
         cam_param_learn(params);
     }
     derive_encoder(&d, machine);

@@ -12,16 +12,12 @@ void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm,
     sim_clock_init(&p->clock, seed);
     hal_host.tick_hz = (uint32_t)config->tick_hz;
     (void)hal_init(); // the host port cannot fail
+    hal_host.slow.measures_u = true;
     hal_host.slow.has_edge_time = config->encoder.has_time_stamps != 0.0;
     p->n_shown = (uint32_t)cam_plan_ticks((uint32_t)config->tick_hz);
     for (int i = 0; i < hal_n_axes; i++) {
         sim_home_init(&p->home[i], &config->home[i], p->lathe.drive[i].pos_micro / SIM_MICRO);
     }
-}
-
-void sim_port_measure_u(bool is_measured)
-{
-    hal_host.slow.measures_u = is_measured;
 }
 
 static uint32_t bit_if(bool is_set, uint32_t bit)

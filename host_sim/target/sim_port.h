@@ -30,15 +30,11 @@ typedef struct {
     double lost_s;     ///< time beyond the nominal time of all ticks
 } sim_port_t;
 
-/// Reset hal/host, with the lathe at rest.
+/// Reset hal/host, with the lathe at rest; U is measured.
 /// @param x_nm, z_nm  positions at the start
 /// @param seed        seed of all noise
 void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm, double z_nm,
                    uint64_t seed);
-
-/// Set whether the port measures U, so that the firmware can learn. Call it after sim_port_init(),
-/// which clears it, and before opening the firmware.
-void sim_port_measure_u(bool is_measured);
 
 /// Before a tick: set the inputs of the firmware.
 void sim_port_sense(sim_port_t *p);

@@ -56,7 +56,7 @@ def columns(path: Path, *names: str) -> list[NDArray[Any]]:
 def test_z_follows_the_path(rpm: float, table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Set-point and true Z over the turns are those of path.py, within derived bounds."""
     trace = tmp_path / "trace.csv"
-    words = ("--rpm", str(rpm), "--turns-limit", "6", "--trace", trace)
+    words = ("--rpm", str(rpm), "--turns-limit", "6", "--no-learning", "--trace", trace)
     assert camsim("run", table_of(PART.stem), *words).returncode == 0
     turn, true_z, set_z = columns(trace, "turn", "true_z_mm", "out_z_nm")
     path = ToolPath("ring-helix", 0.0, 62.0, 0.1, ramp_of(0.1, rpm, MachineLimits()))
@@ -75,7 +75,7 @@ def test_z_follows_the_path(rpm: float, table_of: Callable[[str], Path], tmp_pat
 def test_rings_are_closed(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """In the middle of every ring Z stands at the drawing's height, at 500 r/min to 0.1 um."""
     trace = tmp_path / "trace.csv"
-    words = ("--turns-limit", "6", "--trace", trace)
+    words = ("--turns-limit", "6", "--no-learning", "--trace", trace)
     assert camsim("run", table_of(PART.stem), *words).returncode == 0
     turn, true_z = columns(trace, "turn", "true_z_mm")
     turns = turn - np.round(turn[0])
@@ -142,7 +142,7 @@ def test_times_are_those_of_the_turns(measured: Measured) -> None:
     """A ring-helix of m rings takes 2 m - 1 turns, a helix its feeds and its ramp."""
     _, (ring, half, same) = measured
     turns = [one.turns for one in (ring, half, same)]
-    assert turns == pytest.approx([249, 250, 126], abs=0.05)
+    assert turns == pytest.approx([249, 278, 154], abs=0.05)
     times = [one.time_s for one in (ring, half, same)]
     assert times == pytest.approx([turn * 60 / 500 for turn in turns], rel=1e-3)
 

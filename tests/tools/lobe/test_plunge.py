@@ -49,7 +49,7 @@ def run(
     machine = re.sub(r"(?m)^ripple = .*$", "ripple = 0.0", machine)
     (folder / "m.toml").write_text(f"{machine}[wheel]\nwear_um_per_lobe = {wear_um!r}\n")
     paths = ("--summary", folder / "s.json", "--trace", folder / "t.csv", "--trace-every", "20")
-    done = camsim("run", image, "--machine", folder / "m.toml", *paths)
+    done = camsim("run", image, "--machine", folder / "m.toml", "--no-learning", *paths)
     assert done.returncode in (0, 1), done.stderr
     columns = columns_of(folder / "t.csv")
     names, is_cutting = ("turn", "z_mm", "out_x_nm", "out_z_nm"), columns["state"] == "cutting"

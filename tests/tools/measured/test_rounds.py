@@ -69,7 +69,7 @@ class Rounds:
     def cut(self, number: int) -> GaugedPoints:
         """Cut the part of a round; return its surface."""
         at = self.folder / str(number)
-        words = ["--machine", str(self.machine), "--tolerance-um", "50"]
+        words = ["--machine", str(self.machine), "--tolerance-um", "50", "--no-learning"]
         files = ["--surface", str(at / "surface.csv"), "--summary", str(at / "summary.json")]
         done = camsim("run", at / "oval.camtab", *words, *files)
         assert done.returncode == 0, done.stderr

@@ -16,7 +16,6 @@ from camtools.panel.design.preview_values import N_ANGLES, motion_of
 from camtools.pipeline.exact import ExactTurn, SpeedRatio
 from camtools.pipeline.load import parse
 from camtools.pipeline.make_table import make
-from camtools.sim.camsim import LEARNS_NOTHING
 from tests.tools.cases.camsim_cases import camsim
 from tests.tools.cases.preview_cases import PARTS, answers, problems, stage, text_of
 
@@ -65,7 +64,7 @@ def test_limits_and_highest_speed_are_the_controllers(name: str, tables: Tables)
         folder / "machine.toml",
         "--turns-limit",
         "1",
-        *LEARNS_NOTHING,
+        "--no-learning",
     ]
     camsim("run", folder / f"{name}.camtab", *words, "--summary", folder / "s.json")
     theirs = json.loads((folder / "s.json").read_bytes())["feasibility"]

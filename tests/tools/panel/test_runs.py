@@ -197,7 +197,7 @@ def test_options_are_those_of_tools_run() -> None:
     job = RunJob(options.words("part.toml"))
     assert (job.rpm, job.feed_mm, job.machine is not None) == (900.0, 0.2, True)
     assert job.extra[:2] == ["--seed", "7"]
-    assert "learn_harmonics=0" in job.extra
+    assert "--no-learning" in job.extra
     assert RunOptions.of(options.told()) == options
     for wrong in (RunOptions(rpm=-1.0), RunOptions(rpm=float("nan")), RunOptions(seed=-1)):
         with pytest.raises(CamtoolsError):

@@ -43,7 +43,7 @@ def real(generated: GeneratedSkirt, tmp_path_factory: pytest.TempPathFactory) ->
     for name, data in table_files(generated.table, make_summary(generated)).items():
         (folder / name).write_bytes(data)
     words = ["--sections", "sections.csv", "--sections-mm", ",".join(map(str, HEIGHTS_MM))]
-    words += ["--turns-limit", str(TURNS)]
+    words += ["--turns-limit", str(TURNS), "--no-learning"]
     simulator = Simulator(CAMSIM, folder, "perkins240.camtab")
     assert simulator.run_traced(words, "trace.parquet", is_quiet=True) == 0
     names = ("true_turn", "true_z_mm", "error_nm")
@@ -136,7 +136,7 @@ def test_sheet_of_the_cut_by_another_route(real: RealCut) -> None:
 def test_file_has_the_same_bytes_again(real: RealCut) -> None:
     """The same cut writes the same file; without heights there are five."""
     table, other = real.folder / "perkins240.camtab", real.folder / "again.csv"
-    words = ("--turns-limit", str(TURNS), "--sections", other)
+    words = ("--turns-limit", str(TURNS), "--no-learning", "--sections", other)
     heights = ",".join(map(str, HEIGHTS_MM))
     assert camsim("run", table, *words, "--sections-mm", heights).returncode == 0
     assert other.read_bytes() == (real.folder / "sections.csv").read_bytes()

@@ -29,8 +29,8 @@ def test_every_parameter_is_there(table: Path, tmp_path: Path) -> None:
     found = dict(row.split(",") for row in rows)
     assert header == "name,value"
     assert list(found) == ["tick_hz", "planned_turns", "planned_s", *NUMBERS["parameter"]]
-    # 62 mm at 0.1 mm, the feed's ramp of 2 turns, 3 + 1 to engage and disengage, 2500 r/min.
-    assert found["planned_turns"] == "622"
+    # 62 mm at 0.1 mm, and half of the feed's ramp of 30 turns at each end.
+    assert found["planned_turns"] == "650"
     assert (found["tick_hz"], found["k1_ns"], found["lead_ns"]) == ("25000", "700000", "5000")
 
 

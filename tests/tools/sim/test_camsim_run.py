@@ -31,10 +31,10 @@ def test_run_without_feed_forward_shows_what_the_drive_costs(table: Path, tmp_pa
     drive = natural**2 / (s * s + 2 * damping * natural * s + natural**2)
     swing_um = 75.0  # amplitude of U at G = 0.3 mm
     bare = abs(1 - drive) * swing_um
-    summary = summary_of(table, tmp_path / "s.json", *CUT, "--no-feed-forward")
+    summary = summary_of(table, tmp_path / "s.json", *CUT, "--no-learning", "--no-feed-forward")
     assert summary["form_error_um"]["max"] == pytest.approx(bare, rel=0.05)
     late = swing_um * omega * 100e-6
-    summary = summary_of(table, tmp_path / "t.json", *CUT, "--no-lead")
+    summary = summary_of(table, tmp_path / "t.json", *CUT, "--no-learning", "--no-lead")
     assert summary["form_error_um"]["max"] == pytest.approx(late, rel=0.05)
 
 
@@ -209,8 +209,10 @@ def test_run_without_a_report_says_what_it_gauges_against(table: Path, tmp_path:
 
 def test_run_measures_what_is_removed(table: Path, tmp_path: Path) -> None:
     """Slices hold volume, rate, power and both forces; the summary their spread and ripple."""
-    slices, words = tmp_path / "r.csv", ("--rpm", "600", "--feed", "1", "--kc-n-mm2", "800")
-    summary = summary_of(table, tmp_path / "s.json", *words, "--removal", str(slices))
+    slices, words = tmp_path / "r.csv", ("--rpm", "600", "--feed", "1", "--no-learning")
+    summary = summary_of(
+        table, tmp_path / "s.json", *words, "--kc-n-mm2", "800", "--removal", str(slices)
+    )
     with slices.open() as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == pytest.approx(120 * summary["cut"]["turns"], rel=0.01)

@@ -19,7 +19,7 @@ RETRACT_NM = -500_000
 def retract(table: Path, folder: Path, at: str) -> dict[str, float]:
     """Stop a cut and follow U, from the tick before the fault on."""
     trace = folder / "trace.csv"
-    words = ("--rpm", "2500", "--inject", f"estop@{at}", "--trace", trace)
+    words = ("--rpm", "2500", "--no-learning", "--inject", f"estop@{at}", "--trace", trace)
     assert camsim("run", table, *words).returncode == 1
     lines = trace.read_text().splitlines()
     rows = list(csv.DictReader(lines[:1] + lines[-4000:]))

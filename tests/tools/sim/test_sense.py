@@ -115,7 +115,7 @@ def skirt(folder: Path, direction: int, mode: str = "uniform", rpm: float = 600)
 def surface(table: Path, *words: str, status: int = 0) -> tuple[Floats, Floats, Floats]:
     """Cut a part; return turn, height and radius of its surface."""
     path, summary = table.with_name("s.csv"), table.with_name("s.json")
-    done = camsim("run", table, "--surface", path, "--summary", summary, *words)
+    done = camsim("run", table, "--no-learning", "--surface", path, "--summary", summary, *words)
     assert done.returncode == status, done.stderr
     turn, z_mm, radius_mm, *_ = columns_of(path).values()
     return turn, z_mm, radius_mm
@@ -255,7 +255,7 @@ def test_files_count_by_the_drawing(tmp_path: Path, direction: int) -> None:
     table = skirt(tmp_path, direction)
     trace, removal = tmp_path / "t.csv", tmp_path / "r.csv"
     for words in (("--turns-limit", "4", "--trace", trace), ("--removal", removal)):
-        done = camsim("run", table, *words)
+        done = camsim("run", table, "--no-learning", *words)
         assert done.returncode == 0, done.stderr
     ticks, slices = columns(trace), columns(removal)
     # two degrees: the trace has the observer's angle, the truth is sampled with the next tick
@@ -279,7 +279,7 @@ def test_surface_between_tracks_is_the_same_with_m4(tmp_path: Path) -> None:
     for direction in SENSES:
         table, path = skirt(tmp_path, direction), tmp_path / "scallop.csv"
         words = ("--nose-mm", "0.8", "--scallop-mm", "4:6", "--scallop", path)
-        done = camsim("run", table, *words)
+        done = camsim("run", table, "--no-learning", *words)
         assert done.returncode == 0, done.stderr
         turn, _, proud_um = columns_of(path).values()
         rows = proud_um.reshape(240, -1)

@@ -32,6 +32,7 @@ def cut(folder: Path, table: bytes, **settings: int) -> list[Json]:
         str(RPM),
         "--feed",
         "2",
+        "--no-learning",
         *words,
         "--summary",
         summary,

@@ -47,7 +47,7 @@ def measure(result: GeneratedSkirt, folder: Path) -> tuple[float, float]:
     machine.write_text(machine_text(result.part.machine.limits))
     table = folder / next(name for name in files if name.endswith(".camtab"))
     summary = folder / "summary.json"
-    words = ("--machine", machine, "--removal", removal, "--summary", summary)
+    words = ("--machine", machine, "--removal", removal, "--summary", summary, "--no-learning")
     done = camsim("run", table, *words)
     assert done.returncode == 0, done.stderr
     form = json.loads(summary.read_text())["form_error_um"]["max"]

@@ -43,7 +43,7 @@ def cut(part: SkirtPart, folder: Path, *words: str) -> tuple[int, dict[str, Any]
     for file, data in Made(KIND, generate(part)).files(with_plots=False).items():
         (folder / file).write_bytes(data)
     results = ["--surface", str(folder / "s.csv"), "--summary", str(folder / "s.json")]
-    done = camsim("run", folder / f"{part.part.name}.camtab", *results, *words)
+    done = camsim("run", folder / f"{part.part.name}.camtab", "--no-learning", *results, *words)
     assert done.returncode in (0, 1), done.stderr
     rows = np.column_stack(list(columns_of(folder / "s.csv").values()))
     return done.returncode, json.loads((folder / "s.json").read_text()), rows
@@ -88,7 +88,7 @@ def test_part_off_the_drawing_is_not_good(tmp_path: Path) -> None:
     part = load_part(WEICHAI)
     for file, data in Made(KIND, generate(part)).files(with_plots=False).items():
         (tmp_path / file).write_bytes(data)
-    words = ("--turns-limit", "20", "--tolerance-um", "5")
+    words = ("--turns-limit", "20", "--tolerance-um", "5", "--no-learning")
     done = camsim("run", tmp_path / "weichai3a.camtab", *words)
     assert done.returncode == 1
     assert "form error 15.9" in done.stderr

@@ -17,8 +17,7 @@ from camtools.base.quantities import length_text
 from camtools.report.text import ReportRow
 
 _OFF = {
-    "not_asked": "learn_harmonics = 0; it is on by default on a machine that measures U and "
-    "differs from what the controller assumes, such as --machine real",
+    "not_asked": "learn_harmonics = 0; below 10 kHz that is the default",
     "not_measured": "the port does not measure U, so there is no error to learn from",
     "no_table": "no table is active",
     "modulated": "the table modulates the spindle speed",

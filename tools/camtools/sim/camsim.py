@@ -29,22 +29,12 @@ MAX_TRACED_TICKS = 500_000  # about 13 MB of trace, which came as 150 MB of text
 _WINDOW_TURNS = 200  # at most of a longer cut, for trace and comparison
 _TICK_HZ = 20_000  # of the default machine; good enough for an estimate
 _INERTIA_KGM2 = 0.1  # of the default machine
+# Learning makes up for what is missing, so each part is judged without it.
 _VARIANTS = {
     "complete controller": [],
-    "without dead-time lead": ["--no-lead"],
-    "without feed-forward": ["--no-feed-forward"],
-    "without both": ["--no-lead", "--no-feed-forward"],
-}
-LEARNS_NOTHING = [
-    word
-    for name in ("rehearse_turns", "learn_harmonics", "ripple_turns")
-    for word in ("--set", f"{name}=0")
-]
-# Learning makes up for what is missing, so each part is judged without it.
-_UNLEARNED = {
-    "without learning": LEARNS_NOTHING,
-    "without learning and lead": [*LEARNS_NOTHING, "--no-lead"],
-    "without learning and feed-forward": [*LEARNS_NOTHING, "--no-feed-forward"],
+    "without learning": ["--no-learning"],
+    "without learning and lead": ["--no-learning", "--no-lead"],
+    "without learning and feed-forward": ["--no-learning", "--no-feed-forward"],
 }
 
 _MACHINE = """\
@@ -276,16 +266,14 @@ def compare(
     if window_turns is not None:
         words = [*words, "--turns-limit", repr(window_turns)]
 
-    def measured(name: str, switches: Sequence[str]) -> tuple[CutVariant | None, bool]:
+    def measured(name: str, switches: Sequence[str]) -> CutVariant | None:
         path = simulator.folder / "variant.json"
         status = simulator.run([*words, *switches, "--summary", path.name], is_quiet=True)
         if status == 2 or not path.exists():
-            return None, False
+            return None
         summary = read_summary(path)
         path.unlink()
-        return variant_of(name, summary), bool(summary.get("learning", {}).get("is_on", False))
+        return variant_of(name, summary)
 
-    complete, *others = _VARIANTS.items()
-    first, is_learning = measured(*complete)
-    found = [first, *(measured(*one)[0] for one in (_UNLEARNED.items() if is_learning else others))]
+    found = [measured(*one) for one in _VARIANTS.items()]
     return tuple(variant for variant in found if variant is not None)

@@ -13,7 +13,10 @@ void setUp(void)
 {
     const fixture_part_t part = fixture_part_short();
     fixture_image_make(&image, &part);
-    options = (sim_cut_options_t){.session = {.config = sim_config_defaults(), .seed = 1}};
+    options = (sim_cut_options_t){
+        .session = {.config = sim_config_defaults(), .seed = 1},
+        .is_without_learning = true, // ten turns are shorter than a rehearsal
+    };
 }
 
 void tearDown(void)

@@ -81,29 +81,6 @@ static void test_machines_without_effects_move_as_they_always_did(void)
     TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x09EC5F2F9271EFBE), seen_of("cam"));
 }
 
-static void test_every_effect_makes_a_machine_rough(void)
-{
-    double *const effect[] = {
-        &config.drive[hal_axis_u].friction_m_per_s2,
-        &config.mode[0].hz,
-        &config.mode[1].hz,
-        &config.scale.latency_us,
-        &config.scale.error_nm,
-        &config.chip.kc_n_per_mm2,
-        &config.spindle.ripple_2,
-        &config.runout_um,
-        &config.runout_2_um,
-    };
-    TEST_ASSERT_FALSE(sim_lathe_is_rough(&config));
-    for (size_t i = 0; i < sizeof effect / sizeof effect[0]; i++) {
-        *effect[i] = 1.0;
-        TEST_ASSERT_TRUE(sim_lathe_is_rough(&config));
-        *effect[i] = 0.0;
-    }
-    config.drive[hal_axis_u].kind = sim_drive_force;
-    TEST_ASSERT_TRUE(sim_lathe_is_rough(&config));
-}
-
 /// Let the lathe turn until it has settled.
 static void settle(void)
 {

@@ -58,10 +58,8 @@ static void test_other_machines_are_accepted(void)
                              error.text);
     TEST_ASSERT_TRUE_MESSAGE(sim_config_load(&config, HOST_SIM_DIR "/machines/piezo.toml", &error),
                              error.text);
-    TEST_ASSERT_FALSE(sim_lathe_is_rough(&config.lathe));
     TEST_ASSERT_TRUE_MESSAGE(sim_config_load(&config, HOST_SIM_DIR "/machines/real.toml", &error),
                              error.text);
-    TEST_ASSERT_TRUE(sim_lathe_is_rough(&config.lathe));
 }
 
 static void test_load_takes_comments_blanks_and_indentation(void)

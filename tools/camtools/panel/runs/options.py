@@ -14,7 +14,6 @@ from math import isfinite
 from typing import Any
 
 from camtools.base.errors import CamtoolsError
-from camtools.sim.camsim import LEARNS_NOTHING
 
 OF_THE_PART = ""  # a machine with the limits of the part file
 _MAX_SEED = 2**31 - 1
@@ -73,7 +72,7 @@ class RunOptions:
             found += ["--feed", repr(self.feed_mm)]
         if self.machine != OF_THE_PART:
             found += ["--machine", machine or self.machine]
-        return [*found, "--", "--seed", str(self.seed), *([] if self.learns else LEARNS_NOTHING)]
+        return [*found, "--", "--seed", str(self.seed), *([] if self.learns else ["--no-learning"])]
 
     def text(self) -> str:
         """Return them in a line for people."""
