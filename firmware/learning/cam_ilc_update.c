@@ -197,6 +197,7 @@ static void follow_feed(cam_ilc_t *t, const cam_turn_t *turn)
     const int64_t change_nm = cam_abs_i64((int64_t)feed_nm - t->feed_nm);
     if (t->phase == (uint8_t)cam_ilc_cutting && change_nm * rough_part > cam_abs_i64(feed_nm)) {
         t->n_steps = 0;
+        cam_ilc_update_restart_guards(t);
     }
     t->feed_nm = feed_nm;
 }
