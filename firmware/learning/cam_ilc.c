@@ -89,7 +89,8 @@ static bool is_drive_error_good(cam_ilc_t *t)
 /// Layer 1: one step of the drive's constants.
 static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
 {
-    if (!cam_ilc_update_is_for_drive(t)) {
+    cam_ilc_chip_follow_gap(t);
+    if (t->is_paused || !cam_ilc_update_is_for_drive(t)) {
         return;
     }
     if (t->larger / 5u > t->trusted / 4u) { // the error has grown with the motion

@@ -150,6 +150,8 @@ typedef struct {
     cam_ripple_t ripple;
     cam_drive_sums_t sums;   ///< of the turn being processed
     uint64_t square;         ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
+    uint64_t last_square;    ///< ... of the turn before
+    uint64_t calm_square;    ///< ... at which a pause of layer 1 ends
     uint64_t best_square;    ///< ... smallest since layer 1 started
     cam_turn_bin_t *bin;     ///< the turn being processed; NULL: none
     uint32_t begun_nm;       ///< [nm] rms error before learning
@@ -182,6 +184,7 @@ typedef struct {
     uint8_t k;                            ///< next harmonic
     uint8_t n_orders;                     ///< harmonics that this turn resolves
     uint8_t n_steps;                      ///< steps of this phase
+    bool is_paused;                       ///< layer 1, because of a disturbance
     uint8_t n_halved;                     ///< times that the guard halved the gain of layer 1
     uint8_t phase;                        ///< cam_ilc_phase_t
     uint8_t state;                        ///< cam_state_t

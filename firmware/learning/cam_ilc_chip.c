@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ilc_chip.h"
-#include "cam_fix.h" // cam_clamp_i64
+#include "cam_fix.h"        // cam_clamp_i64
+#include "cam_ilc_update.h" // cam_ilc_update_guarded_q6
 
 enum {
     least_feed_nm = 20000, ///< below it the force of the chip is small
@@ -41,6 +42,20 @@ void cam_ilc_chip_step_mean(cam_ilc_t *t, int32_t error_q6, int32_t depth_nm, in
             cam_clamp_i64(error_nm_q32 / depth_nm, -most, most) * cam_gain_one_q12 / response_q12;
         t->chip_mean_q32 = stepped(t, t->chip_mean_q32, share_q32, gain_q16);
     }
+}
+
+void cam_ilc_chip_follow_gap(cam_ilc_t *t)
+{
+    const uint64_t floor_q6 = cam_ilc_update_guarded_q6(t);
+    const bool is_new = t->phase == (uint8_t)cam_ilc_cutting && t->square / 4u > t->last_square &&
+                        t->square > floor_q6 * floor_q6;
+    if (is_new) {
+        t->calm_square = t->is_paused ? t->calm_square : 4u * t->last_square;
+        t->best_square = UINT64_MAX;
+        t->n_steps = 0; // layer 2 learns with the larger gain
+    }
+    t->is_paused = (is_new || t->is_paused) && t->square > floor_q6 * floor_q6 + t->calm_square;
+    t->last_square = t->square;
 }
 
 void cam_ilc_chip_follow(cam_ilc_t *t, cam_state_t state, const cam_turn_bins_t *bins)

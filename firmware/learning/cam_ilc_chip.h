@@ -24,6 +24,11 @@ void cam_ilc_chip_step(cam_ilc_t *t, int32_t share_q32, int32_t gain_q16);
 /// @param depth_nm  [nm] D
 void cam_ilc_chip_step_mean(cam_ilc_t *t, int32_t error_q6, int32_t depth_nm, int32_t gain_q16);
 
+/// Notice gaps in the material, once per turn that is learned from: in the cut an error that
+/// doubles in a turn, which learning cannot do, is not the drive's. Layer 1 pauses until layer 2
+/// has removed it.
+void cam_ilc_chip_follow_gap(cam_ilc_t *t);
+
 /// Take the present feed from the interrupt.
 void cam_ilc_chip_follow(cam_ilc_t *t, cam_state_t state, const cam_turn_bins_t *bins);
 

@@ -33,6 +33,8 @@ void cam_ilc_update_restart_guards(cam_ilc_t *t)
 {
     cam_harmonic_correction_restart_guard(&t->correction);
     t->best_square = UINT64_MAX;
+    t->last_square = UINT64_MAX;
+    t->is_paused = false;
     t->trusted = 0;
     t->n_halved = 0;
 }
@@ -325,7 +327,7 @@ static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
 
 bool cam_ilc_update_is_rough(const cam_ilc_t *t)
 {
-    return t->n_steps < rough_steps && cam_ilc_chip_is_cut(t);
+    return t->n_steps < rough_steps && !t->is_paused && cam_ilc_chip_is_cut(t);
 }
 
 int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s)
@@ -346,7 +348,7 @@ static int32_t layer2_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam
     if (is_large && cam_ilc_update_is_rough(t)) { // the change is the chip's
         return 0;
     }
-    return is_large ? gain_q16 / 2 : gain_q16;
+    return is_large && !t->is_paused ? gain_q16 / 2 : gain_q16;
 }
 
 static void update_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,

@@ -146,3 +146,42 @@ static void test_small_changes_of_the_feed_are_not_followed(void)
     t.chip_q32 = 0;
     TEST_ASSERT_FALSE(cam_ilc_chip_is_due(&t));
 }
+
+/// @return whether layer 1 pauses after a turn with an error
+static bool pauses_at(uint64_t error_q6)
+{
+    t.square = error_q6 * error_q6;
+    cam_ilc_chip_follow_gap(&t);
+    return t.is_paused;
+}
+
+/// An error that more than doubles pauses layer 1 until it is near what it was before.
+static void test_layer_1_pauses_at_a_gap_in_the_material(void)
+{
+    t.last_square = UINT64_MAX; // as after a change of the feed
+    t.floor_q6 = 64;
+    TEST_ASSERT_FALSE(pauses_at(6400));
+    TEST_ASSERT_FALSE(pauses_at(640));
+    t.n_steps = 200;
+    TEST_ASSERT_FALSE(pauses_at(1280)); // doubles
+    TEST_ASSERT_EQUAL_UINT8(200, t.n_steps);
+    TEST_ASSERT_FALSE(pauses_at(640));
+    TEST_ASSERT_TRUE(pauses_at(1300));
+    TEST_ASSERT_EQUAL_UINT8(0, t.n_steps);
+    TEST_ASSERT_TRUE(t.best_square == UINT64_MAX);
+    TEST_ASSERT_TRUE(pauses_at(64000)); // the gap is wider in the next turn
+    TEST_ASSERT_TRUE(pauses_at(1400));
+    TEST_ASSERT_FALSE(pauses_at(1200));
+    TEST_ASSERT_FALSE(pauses_at(1400));
+}
+
+/// Noise below the floor and a rehearsal know no gaps.
+static void test_noise_is_no_gap(void)
+{
+    t.last_square = 1;
+    t.floor_q6 = 64;
+    TEST_ASSERT_FALSE(pauses_at(64));
+    t.phase = (uint8_t)cam_ilc_shape;
+    t.last_square = 1;
+    TEST_ASSERT_FALSE(pauses_at(64000));
+}
