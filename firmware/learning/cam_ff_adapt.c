@@ -38,8 +38,11 @@ void cam_drive_add(cam_drive_sums_t *sums, uint32_t k, cam_complex_t error, cam_
     const cam_complex_t v = limited(cam_gain_of(set, gain));
     const int64_t k2 = (int64_t)k * k;
     const int64_t square = (int64_t)cam_complex_square(v);
+    const int64_t along = (int64_t)e.re * v.re + (int64_t)e.im * v.im;
+    sums->error0 += along;
+    sums->weight0 += square;
     sums->error1 += (int64_t)k * ((int64_t)e.im * v.re - (int64_t)e.re * v.im);
-    sums->error2 += k2 * ((int64_t)e.re * v.re + (int64_t)e.im * v.im);
+    sums->error2 += k2 * along;
     sums->weight1 += k2 * square;
     sums->weight2 += k2 * k2 * square;
 }
@@ -74,6 +77,7 @@ cam_drive_change_t cam_drive_solve(const cam_drive_sums_t *sums, int32_t speed_q
     const bool is_enough = sums->weight_f >> 34 > 0;
     return (cam_drive_change_t){
         .friction_q6 = is_enough ? cam_sat_i32(sums->error_f / (sums->weight_f >> 20)) : 0,
+        .chip_q32 = (int32_t)(share_q24(sums->error0, sums->weight0) * 256),
         .k1_q16 = cam_sat_i32(share1_q24 * per_rad_q8 >> 16),
         .k2_q16 = cam_sat_i32(-((share2_q24 * per_rad_q8 >> 12) * per_rad_q8 >> 12)),
     };

@@ -14,6 +14,7 @@
 /// Sums of layer 1 over the harmonics of a revolution.
 typedef struct {
     int64_t error1, weight1, error2, weight2;
+    int64_t error0, weight0;   ///< of the chip's force
     int64_t error_f, weight_f; ///< of the friction
 } cam_drive_sums_t;
 
@@ -22,6 +23,7 @@ typedef struct {
     int32_t k1_q16;      ///< [ticks]
     int32_t k2_q16;      ///< [ticks^2]
     int32_t friction_q6; ///< [nm / 64]
+    int32_t chip_q32;    ///< [1] of the set-point
 } cam_drive_change_t;
 
 /// @return U's response at harmonic k according to the constants, 1 / (1 + j w k1 - w^2 k2)

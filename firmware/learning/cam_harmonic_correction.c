@@ -15,6 +15,7 @@ void cam_harmonic_correction_restart_guard(cam_harmonic_correction_t *s)
 {
     for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
         s->best_q6[k] = UINT32_MAX;
+        s->last_q6[k] = UINT32_MAX;
         s->n_halved[k] = 0;
     }
 }
@@ -70,16 +71,28 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
     s->gain[k] = gain;
 }
 
+/// @return whether an error has a new cause, such as a gap in the material: it has doubled in a
+///         turn, which learning cannot do; if it doubles again, learning diverges
+static bool is_of_new_cause(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q6)
+{
+    const bool is_new = size_q6 / 2u > s->last_q6[k];
+    s->last_q6[k] = is_new ? UINT32_MAX : size_q6;
+    return is_new;
+}
+
 /// Guard of a harmonic. @return whether its error is small enough to learn from
 static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q6,
                        uint32_t floor_q6)
 {
     const uint32_t best_q6 = s->best_q6[k] > floor_q6 ? s->best_q6[k] : floor_q6;
-    if (size_q6 < s->best_q6[k]) {
-        s->best_q6[k] = size_q6;
+    const bool is_good = size_q6 / 3u <= best_q6 / 2u;
+    const bool is_new = is_of_new_cause(s, k, size_q6) && !is_good;
+    if (is_new || size_q6 < s->best_q6[k]) {
+        // The turn in which it appears may show half of it.
+        s->best_q6[k] = is_new && size_q6 < UINT32_MAX / 2u ? 2u * size_q6 : size_q6;
         keep(s, k, s->c_q6[k]);
     }
-    if (size_q6 / 3u <= best_q6 / 2u) {
+    if (is_good || is_new) {
         return true;
     }
     s->c_q6[k] = kept_q6(s, k);

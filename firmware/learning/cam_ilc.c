@@ -2,6 +2,7 @@
 #include "cam_ilc.h"
 #include "cam_fix.h"        // cam_abs_i64, cam_root_u64
 #include "cam_harmonics.h"  // cam_harmonics_of
+#include "cam_ilc_chip.h"   // cam_ilc_chip_step
 #include "cam_ilc_update.h" // cam_ilc_update_begin
 #include <stddef.h>         // NULL
 #include <string.h>         // memset
@@ -17,12 +18,14 @@ void cam_ilc_init(cam_ilc_t *t)
 
 void cam_ilc_forget(cam_ilc_t *t)
 {
-    const bool is_learned =
-        t->speed_q32 != 0 || t->k1_q16 != 0 || t->k2_q16 != 0 || t->friction_q6 != 0;
+    const bool is_learned = t->speed_q32 != 0 || t->k1_q16 != 0 || t->k2_q16 != 0 ||
+                            t->friction_q6 != 0 || t->chip_q32 != 0 || t->chip_mean_q32 != 0;
     cam_harmonic_correction_forget(&t->correction);
     t->k1_q16 = 0;
     t->k2_q16 = 0;
     t->friction_q6 = 0;
+    t->chip_q32 = 0;
+    t->chip_mean_q32 = 0;
     t->speed_q32 = 0;
     t->blending |= is_learned ? cam_ilc_blend_drive | cam_ilc_blend_correction : 0u;
 }
@@ -52,6 +55,7 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
             t->k1_q16 = t->best_k1_q16;
             t->k2_q16 = t->best_k2_q16;
             t->friction_q6 = t->best_friction_q6;
+            t->chip_q32 = t->best_chip_q32;
         }
         t->blending |= cam_ilc_blend_drive | cam_ilc_blend_correction;
     }
@@ -66,6 +70,7 @@ static bool is_drive_error_good(cam_ilc_t *t)
         t->best_k1_q16 = t->k1_q16;
         t->best_k2_q16 = t->k2_q16;
         t->best_friction_q6 = t->friction_q6;
+        t->best_chip_q32 = t->chip_q32;
     }
     const uint64_t floor_q6 = cam_ilc_update_guarded_q6(t);
     const uint64_t least = floor_q6 * floor_q6 * 16u;
@@ -76,6 +81,7 @@ static bool is_drive_error_good(cam_ilc_t *t)
     t->k1_q16 = t->best_k1_q16;
     t->k2_q16 = t->best_k2_q16;
     t->friction_q6 = t->best_friction_q6;
+    t->chip_q32 = t->best_chip_q32;
     t->n_halved++;
     return false;
 }
@@ -83,7 +89,8 @@ static bool is_drive_error_good(cam_ilc_t *t)
 /// Layer 1: one step of the drive's constants.
 static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
 {
-    if (!cam_ilc_update_is_for_drive(t)) {
+    cam_ilc_chip_follow_gap(t);
+    if (t->is_paused || !cam_ilc_update_is_for_drive(t)) {
         return;
     }
     if (t->larger / 5u > t->trusted / 4u) { // the error has grown with the motion
@@ -95,13 +102,18 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
     }
     if (is_drive_error_good(t)) {
         const cam_drive_change_t by = cam_drive_solve(&t->sums, t->turn_speed_q32);
-        const int64_t k1 = (int64_t)by.k1_q16 * (gain_q16 >> t->n_halved) >> 16;
-        const int64_t k2 = (int64_t)by.k2_q16 * (gain_q16 >> t->n_halved) >> 16;
+        const int32_t gain = gain_q16 >> t->n_halved;
+        const int64_t k1 = (int64_t)by.k1_q16 * gain >> 16;
+        const bool is_chip = cam_ilc_chip_is_cut(t);
+        if (is_chip) { // U's set-point and its acceleration act alike at one speed
+            cam_ilc_chip_step(t, by.chip_q32, gain);
+        }
+        const int64_t k2 = is_chip ? 0 : (int64_t)by.k2_q16 * gain >> 16;
         t->k1_q16 =
             (int32_t)cam_clamp_i64(t->k1_q16 + k1, -(int64_t)s->k1_most_q16, s->k1_most_q16);
         t->k2_q16 =
             (int32_t)cam_clamp_i64(t->k2_q16 + k2, -(int64_t)s->k2_most_q16, s->k2_most_q16);
-        const int64_t friction = (int64_t)by.friction_q6 * (gain_q16 >> t->n_halved) >> 16;
+        const int64_t friction = (int64_t)by.friction_q6 * gain >> 16;
         t->friction_q6 = (int32_t)cam_clamp_i64(t->friction_q6 + friction, -(int64_t)s->friction_q6,
                                                 INT64_C(64) * cam_ilc_most_nm);
     }
@@ -163,7 +175,9 @@ static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
         step_drive(t, s, s->gain_q16 / 2);
         break;
     case cam_ilc_cutting:
-        step_drive(t, s, cam_ilc_update_gain_q16(t, s) / (t->correction.is_probed ? 2 : 1));
+        step_drive(t, s,
+                   cam_ilc_update_gain_q16(t, s) /
+                       (t->correction.is_probed && !cam_ilc_update_is_rough(t) ? 2 : 1));
         t->n_steps = (uint8_t)(t->n_steps < UINT8_MAX ? t->n_steps + 1u : UINT8_MAX);
         t->best_square += t->best_square < UINT64_MAX / 2u ? t->best_square >> 4 : 0u;
         break;
@@ -221,6 +235,7 @@ void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
                   cam_turn_bins_t *bins)
 {
     follow_state(t, state);
+    cam_ilc_chip_follow(t, state, bins);
     if (t->bin != NULL) {
         take_harmonic(t, setup, bins);
     } else {
@@ -247,6 +262,8 @@ cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup
         .masked = t->correction.masked,
         .k1_ns = cam_sat_i32((int64_t)t->k1_q16 * 1000000000 / hz >> 16),
         .friction_nm = t->friction_q6 / 64,
+        .chip_nm_per_mm2 = (int32_t)((int64_t)t->chip_q32 * 1000000 >> 32),
+        .chip_mean_nm_per_mm2 = (int32_t)((int64_t)t->chip_mean_q32 * 1000000 >> 32),
         .k2_us2 = cam_sat_i32(((int64_t)t->k2_q16 * 1000000 / hz) * 1000000 / hz >> 16),
         .error_nm = t->error_nm,
         .begin_error_nm = t->begun_nm,
@@ -291,6 +308,12 @@ int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index)
         return (int32_t)t->correction.masked | (t->correction.is_probed ? IS_PROBED : 0);
     case cam_ilc_value_phase:
         return (int32_t)t->phase_q32;
+    case cam_ilc_value_friction:
+        return t->friction_q6;
+    case cam_ilc_value_chip:
+        return t->chip_q32;
+    case cam_ilc_value_chip_mean:
+        return t->chip_mean_q32;
     default:
         break;
     }
@@ -305,7 +328,7 @@ int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index)
     if (index < cam_ilc_value_friction) {
         return l % 2u == 0u ? t->ripple.mean[l / 2u].re : t->ripple.mean[l / 2u].im;
     }
-    return index == (uint32_t)cam_ilc_value_friction ? t->friction_q6 : 0;
+    return 0;
 }
 
 /// Store a value. @return whether it is in range
@@ -336,6 +359,12 @@ static bool set_value(cam_ilc_t *t, uint32_t index, int32_t value)
     case cam_ilc_value_friction:
         t->friction_q6 = value;
         return cam_is_within(value, cam_ilc_most_nm * 64);
+    case cam_ilc_value_chip:
+        t->chip_q32 = value;
+        return true;
+    case cam_ilc_value_chip_mean:
+        t->chip_mean_q32 = value;
+        return true;
     default:
         break;
     }

@@ -60,12 +60,14 @@ typedef enum {
 typedef struct {
     cam_ilc_phase_t phase;
     cam_ilc_reason_t reason;
-    uint32_t n_turns;        ///< turns used since the rehearsal began
-    uint32_t n_harmonics;    ///< learned besides the mean, 0 .. 16
-    uint32_t masked;         ///< bit k: harmonic k is not learned
-    int32_t k1_ns;           ///< added to the parameter k1_ns
-    int32_t k2_us2;          ///< added to the parameter k2_us2
-    int32_t friction_nm;     ///< added to the parameter u_friction_nm
+    uint32_t n_turns;             ///< turns used since the rehearsal began
+    uint32_t n_harmonics;         ///< learned besides the mean, 0 .. 16
+    uint32_t masked;              ///< bit k: harmonic k is not learned
+    int32_t k1_ns;                ///< added to the parameter k1_ns
+    int32_t k2_us2;               ///< added to the parameter k2_us2
+    int32_t friction_nm;          ///< added to the parameter u_friction_nm
+    int32_t chip_nm_per_mm2;      ///< deflection of U by a chip of 1 mm2, as its depth changes
+    int32_t chip_mean_nm_per_mm2; ///< by its mean, which a loop with an integral removes
     uint32_t error_nm;       ///< rms of the last turn's error in the harmonics that are learned
     uint32_t begin_error_nm; ///< ... before learning
     uint32_t correction_nm;  ///< sum of the magnitudes of the correction
@@ -88,7 +90,9 @@ typedef struct {
 /// Index of the learned values: speed [turn / 2^32 per tick], k1 [ticks / 2^16],
 /// k2 [ticks^2 / 2^16], masks with bit 30 for "probed", phase [turn / 2^32]; then for k = 0 .. 16
 /// real and imaginary part of the correction [nm / 64] and of U's response [1 / 4096], for
-/// k = 1 .. 16 of the ripple that the encoder shows [turn / 2^23]; and the friction [nm / 64].
+/// k = 1 .. 16 of the ripple that the encoder shows [turn / 2^23]; the friction [nm / 64];
+/// U's deflection by the chip at 1 mm of feed, as a share of the depth of cut [2^-32], and the same
+/// of their means.
 enum {
     cam_ilc_value_speed,
     cam_ilc_value_k1,
@@ -99,6 +103,8 @@ enum {
     cam_ilc_value_gain = cam_ilc_value_correction + 2 * cam_ilc_terms,
     cam_ilc_value_ripple = cam_ilc_value_gain + 2 * cam_ilc_terms,
     cam_ilc_value_friction = cam_ilc_value_ripple + 2 * cam_ilc_harmonics,
+    cam_ilc_value_chip,
+    cam_ilc_value_chip_mean,
     cam_ilc_n_values
 };
 
@@ -117,6 +123,7 @@ typedef struct {
     int32_t k1_most_q16;      ///< limits of the learned change of k1 and k2
     int32_t k2_most_q16;
     int32_t friction_q6;        ///< [nm / 64] configured one
+    int32_t depth_nm;           ///< [nm] of the cut where U is 0, on a cylindrical blank
     int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: the due time is f between two ticks
     bool is_u_moving;           ///< U moves: while not cutting its constants stay
     int32_t angle_step_q23;     ///< [turn / 2^23] largest step of an angle that U can follow, >= 1
@@ -143,6 +150,8 @@ typedef struct {
     cam_ripple_t ripple;
     cam_drive_sums_t sums;   ///< of the turn being processed
     uint64_t square;         ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
+    uint64_t last_square;    ///< ... of the turn before
+    uint64_t calm_square;    ///< ... at which a pause of layer 1 ends
     uint64_t best_square;    ///< ... smallest since layer 1 started
     cam_turn_bin_t *bin;     ///< the turn being processed; NULL: none
     uint32_t begun_nm;       ///< [nm] rms error before learning
@@ -157,7 +166,11 @@ typedef struct {
     uint32_t room_q6;        ///< [nm / 64] by which corrections may still grow in this turn
     int32_t k1_q16, k2_q16;  ///< added to the configured ones
     int32_t friction_q6;     ///< [nm / 64] likewise
-    int32_t best_k1_q16, best_k2_q16, best_friction_q6;
+    int32_t chip_q32;        ///< [1] U's deflection at 1 mm of feed, as a share of the depth of cut
+    int32_t chip_mean_q32;   ///< [1] the same of its mean, as a share of the mean depth
+    int32_t feed_now_nm;     ///< [nm] present feed per turn, 0 outside the cut
+    int32_t chip_feed_nm;    ///< [nm] feed for which both are in force
+    int32_t best_k1_q16, best_k2_q16, best_friction_q6, best_chip_q32;
     int32_t speed_q32;      ///< [turn / 2^32 per tick] speed of the learning, 0: never
     int32_t turn_speed_q32; ///< ... of the turn being processed
     int32_t scale_q30;      ///< [1] amplitude of that turn
@@ -166,14 +179,17 @@ typedef struct {
     uint32_t good_from;     ///< number of the first turn that may be learned from
     uint32_t n_turns;       ///< used for learning since the rehearsal began
     int32_t feed_nm;        ///< [nm] of the last turn
-    uint8_t k;              ///< next harmonic
-    uint8_t n_orders;       ///< harmonics that the last steady turn resolved
-    uint8_t n_steps;        ///< steps of this phase
-    uint8_t n_halved;       ///< times that the guard halved the gain of layer 1
-    uint8_t phase;          ///< cam_ilc_phase_t
-    uint8_t state;          ///< cam_state_t
-    uint8_t hindrance;      ///< cam_ilc_reason_t of the last turn
-    bool is_counted;        ///< this turn is used to learn U
+    bool is_feed_rising, is_feed_falling; ///< from the turn before it
+    int32_t z_nm;                         ///< [nm] height at its end
+    uint8_t k;                            ///< next harmonic
+    uint8_t n_orders;                     ///< ... that the last steady turn resolved
+    uint8_t n_steps;                      ///< steps of this phase
+    bool is_paused;                       ///< layer 1, because of a disturbance
+    uint8_t n_halved;                     ///< times that the guard halved the gain of layer 1
+    uint8_t phase;                        ///< cam_ilc_phase_t
+    uint8_t state;                        ///< cam_state_t
+    uint8_t hindrance;                    ///< cam_ilc_reason_t of the last turn
+    bool is_counted;                      ///< this turn is used to learn U
     int32_t true_q36; ///< [turn / 2^36 per tick] its speed if it is used for the ripple, else 0
     uint8_t blending; ///< cam_ilc_blend_*: learned values not completely in force
     uint32_t blend_from_q8; ///< [turn / 256] earliest time of the next step of points
@@ -186,6 +202,12 @@ void cam_ilc_init(cam_ilc_t *t);
 /// @param bins  of the interrupt
 void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
                   cam_turn_bins_t *bins);
+
+/// @return whether nothing is blended in, and nothing learned depends on the feed
+static inline bool cam_ilc_is_idle(const cam_ilc_t *t)
+{
+    return t->blending == 0u && t->chip_q32 == 0 && t->chip_mean_q32 == 0;
+}
 
 /// @param at_q8  [turn / 256] position of the spindle
 /// @return whether cam_ilc_blend() has something to do. Points are computed at most 25 times a

@@ -3,7 +3,8 @@
 #include "cam_fix.h"       // cam_clamp_i32
 #include "cam_harmonics.h" // cam_harmonics_slew
 #include "cam_ilc.h"
-#include <stddef.h> // NULL
+#include "cam_ilc_chip.h" // cam_ilc_chip_blend
+#include <stddef.h>       // NULL
 
 enum {
     rehearsal_step_nm = 1000,
@@ -25,7 +26,8 @@ static bool is_early(const cam_ilc_t *t, uint32_t at_q8)
 bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8)
 {
     const bool is_cheap = (t->blending & cam_ilc_blend_drive) != 0u;
-    return t->blending != 0u && t->bin == NULL && (is_cheap || !is_early(t, at_q8));
+    const bool is_next = t->blending != 0u && t->bin == NULL && (is_cheap || !is_early(t, at_q8));
+    return is_next || cam_ilc_chip_is_due(t);
 }
 
 /// @return the step for a state: of the rehearsal, of the cut, or unlimited
@@ -84,6 +86,10 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
     uint8_t done = 0;
     // While U moves without cutting, new constants would step its command: they wait.
     const bool is_held = setup->is_u_moving && most_nm == any_step;
+    const bool is_chip = !is_held && cam_ilc_chip_blend(t, setup->depth_nm, most_nm, in);
+    if (t->blending == 0u) { // only the feed has changed
+        return;
+    }
     if ((t->blending & cam_ilc_blend_drive) != 0u && !is_held) {
         const bool is_k1 = slew_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
         const bool is_k2 = slew_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w);
@@ -91,7 +97,7 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
         in->friction_q6 =
             cam_clamp_i32(t->friction_q6, in->friction_q6 - step_q6, in->friction_q6 + step_q6);
         const bool is_friction = in->friction_q6 == t->friction_q6;
-        done |= is_k1 && is_k2 && is_friction ? cam_ilc_blend_drive : 0u;
+        done |= is_k1 && is_k2 && is_friction && is_chip ? cam_ilc_blend_drive : 0u;
     }
     const bool is_due = !is_early(t, at_q8);
     const bool is_correction_next = (t->blending & cam_ilc_blend_correction) != 0u;

@@ -2,6 +2,7 @@
 #include "cam_ilc_update.h"
 #include "cam_fix.h"       // cam_abs_i64, cam_root_u64
 #include "cam_harmonics.h" // cam_harmonics_of
+#include "cam_ilc_chip.h"  // cam_ilc_chip_is_cut
 
 enum {
     ticks_per_order = 24,      ///< smallest period of a harmonic that is learned
@@ -32,6 +33,8 @@ void cam_ilc_update_restart_guards(cam_ilc_t *t)
 {
     cam_harmonic_correction_restart_guard(&t->correction);
     t->best_square = UINT64_MAX;
+    t->last_square = UINT64_MAX;
+    t->is_paused = false;
     t->trusted = 0;
     t->n_halved = 0;
 }
@@ -194,11 +197,16 @@ static cam_ilc_reason_t hindrance_of(const cam_ilc_t *t, bool is_still, uint32_t
 static void follow_feed(cam_ilc_t *t, const cam_turn_t *turn)
 {
     const int32_t feed_nm = turn->z_end_nm - turn->z_begin_nm;
-    const int64_t change_nm = cam_abs_i64((int64_t)feed_nm - t->feed_nm);
-    if (t->phase == (uint8_t)cam_ilc_cutting && change_nm * rough_part > cam_abs_i64(feed_nm)) {
+    const int64_t change_nm = cam_abs_i64(feed_nm) - cam_abs_i64(t->feed_nm);
+    const bool is_other = cam_abs_i64(change_nm) * rough_part > cam_abs_i64(feed_nm);
+    t->is_feed_rising = is_other && change_nm > 0;
+    t->is_feed_falling = is_other && change_nm < 0;
+    if (t->phase == (uint8_t)cam_ilc_cutting && is_other) {
         t->n_steps = 0;
+        cam_ilc_update_restart_guards(t);
     }
     t->feed_nm = feed_nm;
+    t->z_nm = turn->z_end_nm;
 }
 
 /// @return [nm^2] mean square of the set-point about its mean: half the sum of its |U_k|^2
@@ -319,6 +327,11 @@ static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
     }
 }
 
+bool cam_ilc_update_is_rough(const cam_ilc_t *t)
+{
+    return t->n_steps < rough_steps && !t->is_paused && cam_ilc_chip_is_cut(t);
+}
+
 int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     const bool is_settled = t->phase == (uint8_t)cam_ilc_cutting && t->n_steps >= rough_steps;
@@ -334,7 +347,10 @@ static int32_t layer2_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam
         return gain_q16 > 0 && gain_q16 < 1 << 15 ? 1 << 15 : gain_q16;
     }
     const bool is_large = cam_complex_size(set) * t->k >= t->largest / 8u;
-    return is_large ? gain_q16 / 2 : gain_q16;
+    if (is_large && cam_ilc_update_is_rough(t)) { // the change is the chip's
+        return 0;
+    }
+    return is_large && !t->is_paused ? gain_q16 / 2 : gain_q16;
 }
 
 static void update_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
@@ -345,6 +361,11 @@ static void update_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
         return;
     }
     const bool is_cut = t->phase == (uint8_t)cam_ilc_cutting;
+    if (t->k == 0u && t->is_feed_rising && cam_ilc_chip_is_cut(t)) {
+        cam_ilc_chip_step_mean(t, error.re, s->depth_nm, layer2_gain_q16(t, s, set));
+        t->blending |= cam_ilc_blend_drive;
+        return;
+    }
     if (t->correction.is_probed && (is_cut || t->phase == (uint8_t)cam_ilc_shape)) {
         cam_harmonic_correction_learn(&t->correction, t->k, error, cam_ilc_update_guarded_q6(t),
                                       layer2_gain_q16(t, s, set), &t->room_q6);

@@ -32,6 +32,9 @@ uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t);
 ///         has changed; then the cut's
 int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s);
 
+/// @return whether the turn is cut with a chip while its feed changes, or soon after
+bool cam_ilc_update_is_rough(const cam_ilc_t *t);
+
 /// @return whether layer 1 may learn from a turn: the learned harmonics hold most of U's motion, so
 ///         that the rest stays observed, and the motion is large for the scale
 bool cam_ilc_update_is_for_drive(const cam_ilc_t *t);

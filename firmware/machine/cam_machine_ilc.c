@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning: its setup from parameters and table, and the hand-over to the interrupt.
 #include "cam_angle.h"         // CAM_TURN_Q32
+#include "cam_eval.h"          // cam_eval_profile
 #include "cam_feasible.h"      // cam_feasible_demands
 #include "cam_gains.h"         // cam_gains_bound
 #include "cam_machine_inner.h" // cam_machine_newest_config
@@ -15,6 +16,9 @@ enum { spare_ticks = 4, spare_ticks2 = 16 };
 
 /// Encoder counts in step with the ticks imitate a ripple of at most 1 count / feigned_part.
 enum { feigned_part = 4 };
+
+/// [nm] A deeper cut counts as one of 10 mm.
+enum { most_depth_nm = 10000000 };
 
 static int32_t q16_of_ppm(int32_t ppm)
 {
@@ -86,6 +90,19 @@ static uint32_t ripple_turns(const cam_machine_t *m)
     return turns == 1u ? 2u : turns;
 }
 
+/// @return [nm] depth of cut where U is 0, at the height of the last turn; the blank is a cylinder
+static int32_t depth_nm(const cam_machine_t *m)
+{
+    const cam_table_t *t = &m->table;
+    if (!m->has_table || t->n_lobes > 0u) {
+        return 0;
+    }
+    const cam_value_t x = cam_eval_profile(&t->x, m->ilc.z_nm);
+    const int64_t x_nm = ((int64_t)x.y >> t->x.frac_bits) + t->x.value_offset;
+    const int64_t depth = (int64_t)t->depth_nm + t->x_max_nm - t->u_min_nm - x_nm;
+    return (int32_t)cam_clamp_i64(depth, 0, most_depth_nm);
+}
+
 static cam_ilc_setup_t setup_of(const cam_machine_t *m)
 {
     const cam_params_t *p = &m->params;
@@ -109,6 +126,7 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
         .k1_most_q16 = k1_most_q16(m),
         .k2_most_q16 = k2_most_q16(m),
         .friction_q6 = p->u_friction_nm * 64,
+        .depth_nm = depth_nm(m),
         .between_q16 = (int32_t)(part_q16 * (65536 - part_q16) >> 17),
         .eccentricity = eccentricity(m),
     };
@@ -129,7 +147,9 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
 /// @return whether both hold the same values
 static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
 {
-    bool is = a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16 && a->friction_q6 == b->friction_q6;
+    bool is = a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16 &&
+              a->friction_q6 == b->friction_q6 && a->chip_q32 == b->chip_q32 &&
+              a->chip_q6 == b->chip_q6;
     for (uint32_t i = 0; is && i <= (uint32_t)cam_learned_points; i++) {
         is = a->c[i] == b->c[i] && a->d[i] == b->d[i] && a->dm[i] == b->dm[i];
     }
@@ -173,7 +193,7 @@ static int32_t angle_step_q23(const cam_machine_t *m)
 void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state)
 {
     const cam_params_t *p = &m->params;
-    if (p->learn_harmonics == 0 && p->ripple_turns == 0 && m->ilc.blending == 0u) {
+    if (p->learn_harmonics == 0 && p->ripple_turns == 0 && cam_ilc_is_idle(&m->ilc)) {
         return;
     }
     cam_ilc_setup_t setup = setup_of(m);

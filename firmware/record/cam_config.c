@@ -44,6 +44,8 @@ void cam_config_learn(cam_config_t *config)
     t->in_cut.k1_q16 = t->by_time.k1_q16 + config->learned.k1_q16;
     t->in_cut.k2_q16 = t->by_time.k2_q16 + config->learned.k2_q16;
     t->in_cut.friction_q6 = t->friction_q6 + config->learned.friction_q6;
+    t->in_cut.chip_q32 = config->learned.chip_q32;
+    t->in_cut.chip_q6 = config->learned.chip_q6;
     cam_config_limit_command(config);
 }
 
@@ -72,10 +74,14 @@ void cam_config_limit_command(cam_config_t *config)
     const int64_t learned_q26 =
         cam_abs_i64(config->learned.k1_q16) * v_q10 + cam_abs_i64(config->learned.k2_q16) * a_q10;
     const int64_t friction_q10 = cam_abs_i64(t->in_cut.friction_q6) * 16;
-    const int64_t fade_q10 = (learned_q26 / 65536 + friction_q10) / 16 + 2 * friction_q10;
-    const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536 + fade_q10;
-    const int64_t change_q10 =
-        a_q10 + k1_q16 * j_q10 / 65536 + 2 * (k2_q16 * j_q10 / 65536) + fade_q10;
+    const int64_t chip_q32 = cam_abs_i64(t->in_cut.chip_q32);
+    const int64_t chip_q10 = cam_abs_i64(t->in_cut.chip_q6) * 16 + (chip_q32 * g->u_range_q6 >> 28);
+    const int64_t fade_q10 =
+        (learned_q26 / 65536 + friction_q10 + chip_q10) / 16 + 2 * friction_q10;
+    const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536 +
+                             (chip_q32 * v_q10 >> 32) + fade_q10;
+    const int64_t change_q10 = a_q10 + k1_q16 * j_q10 / 65536 + 2 * (k2_q16 * j_q10 / 65536) +
+                               (chip_q32 * a_q10 >> 32) + fade_q10;
     t->step_nm = limit_nm(step_q10);
     t->change_nm = limit_nm(change_q10);
     t->change_off_nm = limit_nm(change_q10 + step_q10);

@@ -57,6 +57,7 @@ void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, cons
     now->z_end_nm = r->want.z_nm;
     now->height_end_q32 = m->height_q32;
     now->n_plans++;
+    atomic_store_explicit(&g->z_vel_q10, m->axis[hal_axis_z].vel_q10, memory_order_relaxed);
     cam_fence_release_isr(); // what was closed is complete before the turn is seen to be over
     atomic_store_explicit(&g->at_q8, at_q8, CAM_ORDER_RELEASE);
 }

@@ -38,6 +38,8 @@ typedef struct {
     int32_t k1_q16;                     ///< [ticks] added to the configured velocity feed-forward
     int32_t k2_q16;                     ///< [ticks^2] added to the acceleration feed-forward
     int32_t friction_q6;                ///< [nm / 64] feed-forward of U's friction
+    int32_t chip_q32;                   ///< [1] of U's set-point, against the force of the chip
+    int32_t chip_q6;                    ///< [nm / 64] against the mean of that force
     int16_t c[cam_learned_points + 2];  ///< [nm] at full amplitude, added to U's command
     int16_t d[cam_learned_points + 2];  ///< [turn / 2^23] true angle of the spindle minus that of
                                         ///< the observer
@@ -79,6 +81,7 @@ typedef struct {
     cam_turn_t closed[2];                    ///< interrupt writes: the last turn of each bank
     _Atomic uint32_t closed_turn[2];         ///< interrupt writes: its number + 2^24, 0 if invalid
     _Atomic uint32_t at_q8;      ///< interrupt writes: [turn / 256] position at the last plan
+    _Atomic int32_t z_vel_q10;   ///< interrupt writes: [nm / 1024 per tick] speed of Z planned last
     _Atomic uint32_t cleared[2]; ///< slow side writes: turn + 2^24 for which a bank is empty
     uint32_t taken;              ///< slow side only: turn + 2^24 that was taken last
 } cam_turn_bins_t;

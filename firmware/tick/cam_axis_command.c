@@ -28,7 +28,9 @@ static int32_t plain_q6(const cam_axis_command_config_t *cfg, const cam_tick_rec
 {
     const cam_u_gains_t *by = m->is_playing ? &cfg->in_cut : &cfg->by_time;
     const cam_axis_motion_t *u = &m->axis[hal_axis_u];
-    return cam_sat_add(r->want.u_set_q6, feed_forward_q6(by, u) + friction_q6(by, u));
+    const int32_t more_q6 = feed_forward_q6(by, u) + friction_q6(by, u) + by->chip_q6;
+    const int32_t set_q6 = r->want.u_set_q6;
+    return cam_sat_add(set_q6, cam_mulhi_add(more_q6, set_q6, by->chip_q32));
 }
 
 /// @return [nm] command of U if its last step is repeated

@@ -99,8 +99,9 @@ static bool measure_removal(sim_cut_t *cut)
                          s->cut_turns < sim_cut_planned_turns(cut) - ramp;
     const double sense = s->table.direction; // the measurement needs a rising angle
     cut->removal.config.blank_mm = s->work.blank_mm;
+    const double radius_mm = s->is_in_slot ? s->work.blank_mm : s->radius_mm;
     const bool has_slice = sim_removal_touch(&cut->removal, s->at.t_s, sense * sim_session_turn(s),
-                                             s->z_mm, s->radius_mm, is_full && !cut->is_stopped);
+                                             s->z_mm, radius_mm, is_full && !cut->is_stopped);
     cut->removal.slice.turn *= has_slice ? sense : 1.0; // back to the drawing's angle
     return has_slice;
 }

@@ -88,6 +88,10 @@ static void gauge_skirt(sim_session_t *s)
         sim_nose_radius_mm(&s->nose, &s->design, s->part_turn, s->z_mm, &is_beside);
     s->exact_mm = drawn_mm + s->allowance_mm;
     s->work.blank_mm = s->has_stock ? drawn_mm + s->stock_mm : s->work.blank_mm;
+    if (s->is_in_slot) {
+        s->work.last_z_mm = s->z_mm;
+        return;
+    }
     const bool is_made = !is_beside || s->radius_mm < s->exact_mm;
     sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm,
                    s->is_cutting && is_made);
@@ -120,7 +124,8 @@ void sim_session_begin_pass(sim_session_t *s)
 double sim_session_depth_mm(const sim_session_t *s)
 {
     const double depth_mm = s->work.blank_mm - s->radius_mm;
-    const bool is_in = s->is_on_part && s->design.shape != sim_shape_lobes && depth_mm > 0.0;
+    const bool is_in =
+        s->is_on_part && !s->is_in_slot && s->design.shape != sim_shape_lobes && depth_mm > 0.0;
     return is_in ? depth_mm : 0.0;
 }
 
@@ -138,6 +143,8 @@ void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting
     s->is_cutting = is_cutting && s->is_on_part;
     const double turn = sim_session_turn(s);
     s->part_turn = sim_fraction(turn);
+    s->is_in_slot = s->design.shape != sim_shape_lobes &&
+                    sim_chip_is_in_slot(&s->options.config.lathe.chip, s->part_turn, s->z_mm);
     if (s->is_cutting && !s->has_touched) {
         s->has_touched = true;
         s->touched_at_turn = turn;

@@ -67,6 +67,7 @@ typedef struct {
     // last sample
     sim_sample_t at;
     bool is_on_part;        ///< at a height of the part, not in the air before or after it
+    bool is_in_slot;        ///< the blank has no material there
     bool is_cutting;        ///< the sample belongs to the judged surface
     bool has_touched;       ///< a sample has belonged to the judged surface
     double touched_at_turn; ///< angle of the first one in the sense of cutting

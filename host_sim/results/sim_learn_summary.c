@@ -79,6 +79,8 @@ static void add_learning(cJSON *root, sim_cut_t *cut)
     sim_summary_number(learning, "k1_ns", t.k1_ns);
     sim_summary_number(learning, "k2_us2", t.k2_us2);
     sim_summary_number(learning, "friction_nm", t.friction_nm);
+    sim_summary_number(learning, "chip_nm_per_mm2", t.chip_nm_per_mm2);
+    sim_summary_number(learning, "chip_mean_nm_per_mm2", t.chip_mean_nm_per_mm2);
     sim_summary_number(learning, "begin_error_um", t.begin_error_nm / nm_per_um);
     sim_summary_number(learning, "error_um", t.error_nm / nm_per_um);
     sim_summary_number(learning, "correction_um", t.correction_nm / nm_per_um);

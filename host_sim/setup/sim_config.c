@@ -26,6 +26,11 @@ enum { max_bytes = 1 << 20, least_mode_hz = 10 };
         REAL("u", key "_damping", mode[i].damping, 0.001, 2.0),                                    \
         REAL("u", key "_share", mode[i].share, -2.0, 2.0),                                         \
         WHOLE("u", key "_on_scale", mode[i].is_on_scale, 0.0, 1.0)
+#define SLOT(key, i)                                                                               \
+    REAL("cut", key "_deg", chip.slot[i].middle_deg, -360.0, 360.0),                               \
+        REAL("cut", key "_width_deg", chip.slot[i].width_deg, 0.0, 360.0),                         \
+        REAL("cut", key "_low_mm", chip.slot[i].low_mm, -2000.0, 2000.0),                          \
+        REAL("cut", key "_high_mm", chip.slot[i].high_mm, -2000.0, 2000.0)
 #define HOME(section, i)                                                                           \
     REAL(section, "home_mm", home[i].switch_mm, -2000.0, 2000.0),                                  \
         REAL(section, "home_side", home[i].side, -1.0, 1.0),                                       \
@@ -96,6 +101,10 @@ static const common_setting_t fields[] = {
     REAL("cut", "kc_n_per_mm2", chip.kc_n_per_mm2, 0.0, 100000.0),
     REAL("cut", "radial_share", chip.radial_share, 0.0, 10.0),
     REAL("cut", "tool_stiffness_n_per_um", chip.tool_stiffness_n_per_um, 0.0, 1e6),
+    SLOT("slot", 0),
+    SLOT("slot_2", 1),
+    SLOT("slot_3", 2),
+    SLOT("slot_4", 3),
     REAL("wheel", "wear_um_per_lobe", wheel_wear_um, 0.0, 1000.0),
 };
 enum { n_fields = sizeof fields / sizeof fields[0] };

@@ -173,6 +173,10 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(in_cut.k2_q16, -INT32_MAX, INT32_MAX)                                                        \
     X(by_time.friction_q6, 0, 0)                                                                   \
     X(in_cut.friction_q6, -64 * 30000, 64 * 130000)                                                \
+    X(by_time.chip_q32, 0, 0)                                                                      \
+    X(in_cut.chip_q32, -(1 << 29), 1 << 29)                                                        \
+    X(by_time.chip_q6, 0, 0)                                                                       \
+    X(in_cut.chip_q6, -64 * 30000, 64 * 30000)                                                     \
     X(range_nm, 0, 15000000)                                                                       \
     X(step_nm, 0, INT32_MAX / 2)                                                                   \
     X(change_nm, 0, INT32_MAX / 2)                                                                 \

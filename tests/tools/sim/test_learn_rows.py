@@ -21,11 +21,12 @@ class Row(NamedTuple):
     machine: str
     part: str
     rpm: str
+    feed: str
     most_um: float
 
 
 def rows() -> list[Row]:
-    """Return the lines of the table; a line without a speed has that of its part."""
+    """Return the lines of the table; a line without a feed has that of its part."""
     found = []
     for line in (LEARN / "README.md").read_text().splitlines():
         cells = [cell.strip() for cell in line.split("|")[1:-1]]
@@ -33,7 +34,10 @@ def rows() -> list[Row]:
             machine = re.sub(r"\[(\w+)\].*", r"\1", cells[0])
             part = re.sub(r"^\[?(\w+).*", r"\1", cells[2])
             rpm = re.search(r"(\d+) r/min", cells[2])
-            found.append(Row(machine, part, rpm[1] if rpm else "3000", float(cells[3][:-3])))
+            feed = re.search(r"feed ([\d.]+) mm", cells[2])
+            most_um = float(cells[3][:-3])
+            rpm_text, feed_text = rpm[1] if rpm else "3000", feed[1] if feed else ""
+            found.append(Row(machine, part, rpm_text, feed_text, most_um))
     return found
 
 
@@ -51,6 +55,7 @@ def test_what_is_learned_keeps_the_form_error(
     """The whole cut is gauged, also while the force of the chip rises and falls."""
     machine, summary = LEARN / "machines" / f"{row.machine}.toml", tmp_path / "s.json"
     words: list[str | Path] = ["--machine", machine, "--rpm", row.rpm, "--summary", summary]
+    words += ["--feed", row.feed] if row.feed else []
     done = camsim("run", table_of(row.part), *words, "--tolerance-um", str(row.most_um))
     error = json.loads(summary.read_text())["form_error_um"]
     assert done.returncode == 0, (error, done.stderr)

@@ -17,7 +17,8 @@ from camtools.link.messages import NAMES, Answer, Refused
 from camtools.link.refusal_text import REMEDIES
 
 # Values of firmware/learning/cam_ilc.h, in their order. The last word of a name is the unit:
-# turn / 2^32 per tick, ticks / 2^16, ticks^2 / 2^16, turn / 2^32, nm / 64, 1 / 4096, turn / 2^23.
+# turn / 2^32 per tick, ticks / 2^16, ticks^2 / 2^16, turn / 2^32, nm / 64, 1 / 4096,
+# turn / 2^23, 2^-32.
 LAYOUT = {
     "speed_q32": 1,
     "k1_q16": 1,
@@ -28,6 +29,8 @@ LAYOUT = {
     "gain_q12": 34,
     "ripple_q23": 32,
     "friction_q6": 1,
+    "chip_q32": 1,
+    "chip_mean_q32": 1,
 }
 N_VALUES = sum(LAYOUT.values())
 _HEAD = """\
@@ -66,7 +69,8 @@ def learned_values(data: bytes, name: str) -> list[int]:
     except ValueError as error:
         text = f"{name}: no learned values: {error}; give a file of camctl learned save"
         raise CamtoolsError([text]) from error
-    told.setdefault("friction_q6", 0)  # files of version 1.0.0 have none
+    for key in ("friction_q6", "chip_q32", "chip_mean_q32"):
+        told.setdefault(key, 0)  # files of version 1.0.0 have none
     values: list[int] = []
     for key, n in LAYOUT.items():
         found = told.get(key)

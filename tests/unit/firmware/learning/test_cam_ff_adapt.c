@@ -85,12 +85,29 @@ static void test_wrong_constants_are_found_from_their_error(void)
     }
 }
 
+/// The chip's force leaves a share of U's set-point, filtered by the drive, in every harmonic.
+static void test_share_of_the_set_point_is_found_from_its_error(void)
+{
+    static const double share[] = {0.03, -0.002, 0.2};
+    for (int i = 0; i < 3; i++) {
+        cam_drive_sums_t sums = {0};
+        for (uint32_t k = 2; k <= 6u; k += 2u) {
+            const double complex u = 32e6 / (k * k) * cexp(I * 0.3 * k);
+            const cam_gain_t g = cam_drive_gain(k, speed_q32, q16(k1_ticks), q16(k2_ticks2));
+            cam_drive_add(&sums, k, fixed(share[i] * u * response(k)), fixed(u), g);
+        }
+        const double found = cam_drive_solve(&sums, speed_q32).chip_q32 / 4294967296.0;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 + fabs(share[i]) / 200.0, share[i], found);
+    }
+}
+
 static void test_nothing_says_nothing(void)
 {
     const cam_drive_sums_t sums = {0};
     const cam_drive_change_t by = cam_drive_solve(&sums, speed_q32);
     TEST_ASSERT_EQUAL_INT32(0, by.k1_q16);
     TEST_ASSERT_EQUAL_INT32(0, by.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(0, by.chip_q32);
 }
 
 /// All of it at the ends of its range, under the sanitizers.

@@ -195,13 +195,37 @@ static void test_guard_masks_at_the_fourth_time(void)
     learn(2, of(640, 0));
     for (uint32_t i = 1; i <= 4; i++) {
         TEST_ASSERT_EQUAL_UINT32(0, s.masked);
-        learn(2, of(64000, 0));
+        learn(2, of(1100, 0));
         TEST_ASSERT_EQUAL_UINT8(i, s.n_halved[2]);
     }
     TEST_ASSERT_EQUAL_UINT32(1u << 2, s.masked);
     cam_harmonic_correction_restart_guard(&s);
     TEST_ASSERT_EQUAL_UINT8(0, s.n_halved[2]);
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, s.best_q6[2]);
+}
+
+/// An error that doubles in a turn has a new cause: the guard compares with it from then on. One
+/// that doubles again comes from learning itself.
+static void test_guard_starts_anew_when_the_cause_is_new(void)
+{
+    answer(2);
+    learn(2, of(640, 0));
+    learn(2, of(64000, 0));
+    expect(of(32320, 0), s.c_q6[2]);
+    TEST_ASSERT_EQUAL_UINT32(128000, s.best_q6[2]); // half of it may have shown
+    learn(2, of(192000, 0));
+    TEST_ASSERT_EQUAL_UINT8(0, s.n_halved[2]);
+    for (uint32_t i = 1; i <= 4; i++) {
+        learn(2, of(193000, 0));
+        TEST_ASSERT_EQUAL_UINT8(i, s.n_halved[2]);
+    }
+    setUp();
+    answer(2);
+    learn(2, of(640, 0));
+    learn(2, of(6400, 0));
+    learn(2, of(64000, 0)); // doubles again
+    TEST_ASSERT_EQUAL_UINT8(1, s.n_halved[2]);
+    expect(of(320, 0), s.c_q6[2]);
 }
 
 static void test_guard_asks_for_no_less_than_the_floor(void)
@@ -227,7 +251,7 @@ static void test_the_first_harmonic_is_guarded(void)
 {
     answer(1);
     learn(1, of(640, 0));
-    learn(1, of(64000, 0));
+    learn(1, of(1100, 0));
     expect(of(0, 0), s.c_q6[1]);
     TEST_ASSERT_EQUAL_UINT8(1, s.n_halved[1]);
     TEST_ASSERT_EQUAL_UINT32(640, s.best_q6[1]);

@@ -19,7 +19,7 @@ static void test_values_have_their_numbers(void)
     TEST_ASSERT_EQUAL_INT(5, cam_ilc_value_correction);
     TEST_ASSERT_EQUAL_INT(39, cam_ilc_value_gain);
     TEST_ASSERT_EQUAL_INT(73, cam_ilc_value_ripple);
-    TEST_ASSERT_EQUAL_INT(106, cam_ilc_n_values);
+    TEST_ASSERT_EQUAL_INT(108, cam_ilc_n_values);
     for (uint32_t i = 0; i < cam_ilc_n_values; i++) {
         TEST_ASSERT_TRUE(cam_ilc_set(&t, i, (int32_t)i + 1));
     }
@@ -37,6 +37,8 @@ static void test_values_have_their_numbers(void)
     TEST_ASSERT_EQUAL_INT16(73, t.correction.gain[16].im_q12);
     TEST_ASSERT_EQUAL_INT16(74, t.ripple.mean[0].re);
     TEST_ASSERT_EQUAL_INT16(105, t.ripple.mean[15].im);
+    TEST_ASSERT_EQUAL_INT32(107, t.chip_q32);
+    TEST_ASSERT_EQUAL_INT32(108, t.chip_mean_q32);
 }
 
 /// The ends of each range are accepted; one beyond them is refused and leaves the old value.

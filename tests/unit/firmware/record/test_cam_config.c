@@ -226,6 +226,9 @@ static void test_limits_of_what_u_is_told_follow_from_gains_and_limits(void)
         config.learned.k2_q16 = -500 * i;
         config.command.friction_q6 = 64 * 100 * i;
         config.learned.friction_q6 = -64 * 30 * i;
+        config.learned.chip_q32 = (i % 2 == 0 ? 1 : -1) * (1 << 23) * i;
+        config.learned.chip_q6 = -64 * 20 * i;
+        g->u_range_q6 = 64 * 500000;
         cam_config_learn(&config);
         const double v = g->u_vel_q6 / 64.0;
         const double a = g->u_acc_q6 / 64.0;
@@ -238,9 +241,11 @@ static void test_limits_of_what_u_is_told_follow_from_gains_and_limits(void)
         const double learned1 = fabs(config.learned.k1_q16 / 65536.0);
         const double friction = 70.0 * i; // its sense may change in one tick
         const double faded = learned1 * v + fabs(config.learned.k2_q16 / 65536.0) * a + friction;
-        const double fade = faded / 16.0 + 2.0 * friction;
-        const double step = v + k1 * a + k2 * j + fade;
-        const double change = a + k1 * j + 2.0 * k2 * j + fade;
+        const double chip = i / 512.0; // of the set-point
+        const double pushed = chip * 500000.0 + 20.0 * i;
+        const double fade = (faded + pushed) / 16.0 + 2.0 * friction;
+        const double step = (1.0 + chip) * v + k1 * a + k2 * j + fade;
+        const double change = (1.0 + chip) * a + k1 * j + 2.0 * k2 * j + fade;
         TEST_ASSERT_DOUBLE_WITHIN(0.6, step + most_learned_nm + 0.5, config.command.step_nm);
         TEST_ASSERT_DOUBLE_WITHIN(0.6, change + most_learned_nm + 0.5, config.command.change_nm);
         TEST_ASSERT_DOUBLE_WITHIN(0.6, step + change + most_learned_nm + 0.5,

@@ -86,6 +86,25 @@ static void test_friction_is_led_in_the_sense_of_the_motion(void)
     }
 }
 
+/// In the cut the command leads by a share of the set-point and by a mean against the force of the
+/// chip; in motions by time it does not.
+static void test_command_leads_against_the_force_of_the_chip(void)
+{
+    cfg.in_cut.chip_q32 = -(1 << 28); // a sixteenth
+    cfg.in_cut.chip_q6 = 30 * 64;
+    cfg.change_nm = 1000;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        told(sign * 4800, 0);
+        TEST_ASSERT_TRUE(commands(sign * 4800, false));
+        expect_told(sign * 4500 + 30, sign * -300 + 30);
+    }
+    told(4800, 0);
+    motion.is_playing = false;
+    motion.state = cam_state_ready;
+    TEST_ASSERT_TRUE(commands(4800, false));
+    expect_told(4800, 0);
+}
+
 /// Out of the work nothing is corrected, whatever the last tick of the cut has left behind.
 static void test_correction_belongs_to_play(void)
 {

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_ilc_chip.h"
+#include "cam_fix.h"        // cam_clamp_i64
+#include "cam_ilc_update.h" // cam_ilc_update_guarded_q6
+
+enum {
+    least_feed_nm = 20000, ///< below it the force of the chip is small
+    full_feed_nm = 1000000,
+    change_part = 128, ///< smallest change of the feed that is followed
+    change_nm = 500,
+};
+
+/// [1] Limit of the share in force, an eighth.
+#define MOST_SHARE_Q32 (INT64_C(1) << 29)
+
+bool cam_ilc_chip_is_cut(const cam_ilc_t *t)
+{
+    return t->phase == (uint8_t)cam_ilc_cutting && t->correction.is_probed && !t->is_feed_falling &&
+           cam_abs_i64(t->feed_nm) >= least_feed_nm;
+}
+
+/// @return a coefficient after a step, whose change is found at the feed of the turn
+static int32_t stepped(const cam_ilc_t *t, int32_t value_q32, int64_t change_q32, int32_t gain_q16)
+{
+    const int64_t most = INT64_C(1) << 30;
+    const int64_t step_q32 = cam_clamp_i64(change_q32, -most, most) * gain_q16 >> 16;
+    return cam_sat_i32(value_q32 + step_q32 * full_feed_nm / cam_abs_i64(t->feed_nm));
+}
+
+void cam_ilc_chip_step(cam_ilc_t *t, int32_t share_q32, int32_t gain_q16)
+{
+    t->chip_q32 = stepped(t, t->chip_q32, share_q32, gain_q16);
+}
+
+void cam_ilc_chip_step_mean(cam_ilc_t *t, int32_t error_q6, int32_t depth_nm, int32_t gain_q16)
+{
+    const int32_t response_q12 = t->correction.gain[0].re_q12;
+    if (response_q12 > cam_gain_one_q12 / 4 && depth_nm > 0) {
+        const int64_t most = INT64_C(1) << 40;
+        const int64_t error_nm_q32 = (int64_t)error_q6 * (1 << 26);
+        const int64_t share_q32 =
+            cam_clamp_i64(error_nm_q32 / depth_nm, -most, most) * cam_gain_one_q12 / response_q12;
+        t->chip_mean_q32 = stepped(t, t->chip_mean_q32, share_q32, gain_q16);
+    }
+}
+
+void cam_ilc_chip_follow_gap(cam_ilc_t *t)
+{
+    const uint64_t floor_q6 = cam_ilc_update_guarded_q6(t);
+    const bool is_new = t->phase == (uint8_t)cam_ilc_cutting && t->square / 4u > t->last_square &&
+                        t->square > floor_q6 * floor_q6;
+    if (is_new) {
+        t->calm_square = t->is_paused ? t->calm_square : 4u * t->last_square;
+        t->best_square = UINT64_MAX;
+        t->n_steps = 0; // layer 2 learns with the larger gain
+    }
+    t->is_paused = (is_new || t->is_paused) && t->square > floor_q6 * floor_q6 + t->calm_square;
+    t->last_square = t->square;
+}
+
+void cam_ilc_chip_follow(cam_ilc_t *t, cam_state_t state, const cam_turn_bins_t *bins)
+{
+    const int64_t vel_q10 = atomic_load_explicit(&bins->z_vel_q10, memory_order_relaxed);
+    const bool is_fed = state == cam_state_cutting && t->turn_speed_q32 > 0;
+    t->feed_now_nm = is_fed ? cam_sat_i32(cam_abs_i64(vel_q10) * (1 << 22) / t->turn_speed_q32) : 0;
+}
+
+bool cam_ilc_chip_is_due(const cam_ilc_t *t)
+{
+    const int64_t change = cam_abs_i64((int64_t)t->feed_now_nm - t->chip_feed_nm);
+    const bool is_other = change > t->feed_now_nm / change_part + change_nm;
+    return is_other && (t->chip_q32 != 0 || t->chip_mean_q32 != 0);
+}
+
+/// @return a coefficient times the present feed
+static int64_t at_feed(const cam_ilc_t *t, int32_t value_q32)
+{
+    const int64_t share_q32 = (int64_t)value_q32 * t->feed_now_nm / full_feed_nm;
+    return cam_clamp_i64(share_q32, -MOST_SHARE_Q32, MOST_SHARE_Q32);
+}
+
+/// Move a value towards a target. @return whether it has reached it
+static bool slew(int32_t *value, int64_t target, int64_t most)
+{
+    *value = (int32_t)cam_clamp_i64(target, *value - most, *value + most);
+    return *value == target;
+}
+
+bool cam_ilc_chip_blend(cam_ilc_t *t, int32_t depth_nm, int32_t most_nm, cam_learned_t *in)
+{
+    const int64_t most_q6 = INT64_C(64) * cam_ilc_most_nm;
+    const int64_t mean_q6 = at_feed(t, t->chip_mean_q32) * depth_nm >> 26;
+    const bool is_share = slew(&in->chip_q32, at_feed(t, t->chip_q32),
+                               ((int64_t)most_nm << 32) / ((int64_t)t->largest / 64 + 1));
+    const bool is_mean =
+        slew(&in->chip_q6, cam_clamp_i64(mean_q6, -most_q6, most_q6), INT64_C(64) * most_nm);
+    t->chip_feed_nm = is_share && is_mean ? t->feed_now_nm : t->chip_feed_nm;
+    return is_share && is_mean;
+}
