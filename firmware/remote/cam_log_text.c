@@ -247,6 +247,7 @@ void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, 
 void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_status_t *status)
 {
     l->faults &= status->faults;
+    l->is_unsteady = l->is_unsteady && store->machine->is_unsteady;
     const uint32_t unreported = status->faults & ~l->faults;
     if (l->has_table && !store->machine->has_table) {
         store->err = store->err == cam_ok ? cam_err_image_crc : store->err; // found damaged
@@ -254,6 +255,9 @@ void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_
     } else if (l->state != status->state) {
         l->state = status->state;
         say("state ", cam_state_name(status->state), "", "");
+    } else if (store->machine->is_unsteady && !l->is_unsteady) {
+        l->is_unsteady = true;
+        say("start ended: the spindle does not turn steadily, check its drive", "", "", "");
     } else if (unreported != 0u) {
         uint32_t i = 0;
         while ((unreported >> i & 1u) == 0u) {

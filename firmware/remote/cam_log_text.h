@@ -14,6 +14,7 @@
 typedef struct {
     bool has_table;    ///< a table was in use in the last line about it
     cam_state_t state; ///< state of the last line about a state
+    bool is_unsteady;  ///< the end of a start without a steady spindle was reported
     uint32_t faults;   ///< mask of the reported faults that are still latched
     uint32_t commander, n_take_overs, n_losses; ///< of the last line about command
     cam_level_t level;                          ///< of the last line about it
@@ -42,9 +43,9 @@ void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store);
 void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, cam_err_t err,
                           uint32_t tick);
 
-/// Report at most one change of table, state, fault, commander or level, so that a slow serial line
-/// does not hold up the main loop. If the background check found the table damaged, this also sets
-/// the store's error.
+/// Report at most one change of table, state, fault, commander or level, or the end of a start
+/// without a steady spindle, so that a slow serial line does not hold up the main loop. If the
+/// background check found the table damaged, this also sets the store's error.
 void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_status_t *status);
 
 #endif

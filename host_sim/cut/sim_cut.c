@@ -83,7 +83,8 @@ double sim_cut_rpm(const sim_cut_t *cut)
 
 const char *sim_cut_end_name(const sim_cut_t *cut)
 {
-    static const char *const name[] = {"running", "done", "fault", "timeout", "refused", "lost"};
+    static const char *const name[] = {"running", "done", "fault",   "timeout",
+                                       "refused", "lost", "unsteady"};
     return cut->end == sim_cut_done && cut->is_stopped ? "stopped" : name[cut->end];
 }
 
@@ -247,7 +248,10 @@ static void operate(sim_cut_t *cut)
         } else {
             cut->end = sim_cut_done;
         }
+    } else if (state == cam_state_ready && cut->is_near) {
+        cut->end = sim_cut_unsteady;
     }
+    cut->is_near = cut->is_started && cam_state_is_in_work(state);
     if (cut->options.max_turns > 0.0 && s->cut_turns >= cut->options.max_turns &&
         !cut->is_stopped) {
         operator_stop(cut);

@@ -223,6 +223,18 @@ static void test_state_and_faults_are_told_one_at_a_time(void)
 }
 
 /// Who takes command, from whom, who gives it up and who is no longer heard, each once.
+static void test_start_without_a_steady_spindle_is_told_once(void)
+{
+    for (int i = 0; i < 2; i++) {
+        machine.is_unsteady = true;
+        TEST_ASSERT_EQUAL_STRING("start ended: the spindle does not turn steadily, check its drive",
+                                 changed());
+        TEST_ASSERT_EQUAL_STRING("", changed());
+        machine.is_unsteady = false;
+        TEST_ASSERT_EQUAL_STRING("", changed());
+    }
+}
+
 static void test_command_is_told(void)
 {
     cam_rights_t *r = &machine.rights;
