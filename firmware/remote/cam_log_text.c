@@ -174,6 +174,22 @@ static void add_signature(line_t *line, const cam_signature_check_t *trust)
     }
 }
 
+/// Report a speed of the table in use at which the encoder's counts do not average.
+static void say_counts(const cam_machine_t *machine)
+{
+    const bool is_uniform = machine->table.speed.knots == NULL;
+    const uint32_t mrpm = is_uniform ? cam_machine_feasibility(machine, 0).speed_mrpm : 0u;
+    const uint32_t better =
+        cam_derived_limits_averaging_mrpm(&machine->params, mrpm, machine->tick_hz);
+    line_t line = {.n = 0};
+    if (better > 0u) {
+        add_number(&line, "counts: whole ones per tick at ", mrpm / 1000u);
+        add_number(&line, " r/min do not average, better ", better / 1000u);
+        add(&line, " r/min");
+        hal_text(line.text);
+    }
+}
+
 void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
 {
     l->has_table = store->machine->has_table;
@@ -184,6 +200,7 @@ void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
         add(&line, " in use");
         add_signature(&line, &store->machine->signature);
         hal_text(line.text);
+        say_counts(store->machine);
     } else {
         say("table: ", cam_err_text(store->err),
             l->has_table ? "" : " - home refused until a table is written", "");

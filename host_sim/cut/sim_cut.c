@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "sim_cut_pass.h" // sim_cut_next_pass
-#include "sim_units.h"    // sim_fraction
-#include <math.h>         // ceil, lround, sqrt
-#include <stdlib.h>       // free
+#include "cam_derived_limits.h" // cam_derived_limits_averaging_mrpm
+#include "sim_cut_pass.h"       // sim_cut_next_pass
+#include "sim_units.h"          // sim_fraction
+#include <math.h>               // ceil, lround, sqrt
+#include <stdlib.h>             // free
 
 /// A real main loop does its background work whenever the interrupt leaves time. Here it is rare,
 /// since a kilobyte of CRC costs as much as 10 ticks: a damaged table of 16 KB is found within 0.8
@@ -79,6 +80,16 @@ bool sim_cut_is_good(const sim_cut_t *cut)
 double sim_cut_rpm(const sim_cut_t *cut)
 {
     return cut->feasibility.speed_mrpm * 1e-3;
+}
+
+double sim_cut_averaging_rpm(const sim_cut_t *cut)
+{
+    if (cut->session.table.speed.knots != NULL) {
+        return 0.0;
+    }
+    const uint32_t tick_hz = (uint32_t)cut->session.options.config.lathe.tick_hz;
+    return cam_derived_limits_averaging_mrpm(&cut->params, cut->feasibility.speed_mrpm, tick_hz) *
+           1e-3;
 }
 
 const char *sim_cut_end_name(const sim_cut_t *cut)

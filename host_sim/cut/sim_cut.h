@@ -155,6 +155,10 @@ bool sim_cut_is_good(const sim_cut_t *cut);
 /// @return [r/min] mean speed of the spindle
 double sim_cut_rpm(const sim_cut_t *cut);
 
+/// @return [r/min] a better speed where the encoder's counts do not average at the mean one; 0:
+/// they do
+double sim_cut_averaging_rpm(const sim_cut_t *cut);
+
 /// @return "done", "stopped", "fault", "timeout", "refused", "lost" or "unsteady"
 const char *sim_cut_end_name(const sim_cut_t *cut);
 

@@ -16,6 +16,7 @@ void setUp(void)
     hal_host_reset(20000);
     memset(&machine, 0, sizeof machine);
     machine.params = cam_param_defaults();
+    machine.tick_hz = 20000;
     store = (cam_table_store_t){.machine = &machine};
     lines = (cam_log_text_t){.refused_ticks = 20000};
     status = (cam_status_t){0};
@@ -172,6 +173,20 @@ static void test_table_is_told_with_whose_it_is(void)
 }
 
 /// A table that is refused is told with its error, and with what follows where there is no other.
+static void test_speed_at_which_counts_do_not_average_is_told(void)
+{
+    machine.params.observer_bandwidth_mHz = 100000;
+    machine.params.spindle_mrpm = 3000000;
+    cam_log_text_table(&lines, &store);
+    TEST_ASSERT_EQUAL_UINT32(2, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_STRING(
+        "counts: whole ones per tick at 3000 r/min do not average, better 2990 r/min",
+        line_before(0));
+    machine.params.spindle_mrpm = 2990000;
+    cam_log_text_table(&lines, &store);
+    TEST_ASSERT_EQUAL_UINT32(3, hal_host.n_lines);
+}
+
 static void test_refused_table_is_told(void)
 {
     char due[120] = "table: ";
