@@ -177,8 +177,9 @@ static void add_signature(line_t *line, const cam_signature_check_t *trust)
 /// Report a speed of the table in use at which the encoder's counts do not average.
 static void say_counts(const cam_machine_t *machine)
 {
-    const bool is_uniform = machine->table.speed.knots == NULL;
-    const uint32_t mrpm = is_uniform ? cam_machine_feasibility(machine, 0).speed_mrpm : 0u;
+    const uint32_t set_mrpm = (uint32_t)machine->params.spindle_mrpm;
+    const uint32_t of_table = machine->table.speed.knots == NULL ? machine->table.spindle_mrpm : 0u;
+    const uint32_t mrpm = of_table > 0u && set_mrpm > 0u ? set_mrpm : of_table;
     const uint32_t better =
         cam_derived_limits_averaging_mrpm(&machine->params, mrpm, machine->tick_hz);
     line_t line = {.n = 0};

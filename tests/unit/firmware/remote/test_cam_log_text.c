@@ -176,7 +176,7 @@ static void test_table_is_told_with_whose_it_is(void)
 static void test_speed_at_which_counts_do_not_average_is_told(void)
 {
     machine.params.observer_bandwidth_mHz = 100000;
-    machine.params.spindle_mrpm = 3000000;
+    machine.table.spindle_mrpm = 3000000;
     cam_log_text_table(&lines, &store);
     TEST_ASSERT_EQUAL_UINT32(2, hal_host.n_lines);
     TEST_ASSERT_EQUAL_STRING(
