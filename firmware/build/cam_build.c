@@ -21,6 +21,7 @@ enum {
     height_end = 64,       ///< [slices / 2^32] of U's height below the last slice, with rounding
     max_rate_bits = 4,     ///< derivatives hold up to 2^4 knots per tick; start refuses more
     most_speed_shift = 20, ///< one turn in 2^22 ticks is slower than any spindle
+    agreeing_part = 512,   ///< two turns of a steady spindle differ by less, MATHS.md (230)
     homing_patience = 100, ///< homing waits so many times longer than the cut for the spindle
     most_periods = 10,     ///< largest late_percent, in periods; a longer pause counts as that long
     still_nm = 1000,       ///< [nm] unnoticed motion of U, should the encoder stand
@@ -282,6 +283,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
     c->is_z_measured = p->z_is_measured != 0;
     c->dwell_ticks = (uint32_t)cam_units_scale(p->enable_dwell_ms, tick_hz, 1000) + 1u;
     c->turning_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
+    c->agreeing_q16 = 65536u / (uint32_t)agreeing_part + 65536u / (uint32_t)p->counts_per_turn + 1u;
     build_plan(c, tick_hz);
 }
 

@@ -8,6 +8,7 @@
 #include <stddef.h>    // NULL, size_t
 
 enum { least_jump_counts = 8, quantisation_counts = 4, most_jump_counts = 1 << 30 };
+enum { beat_bandwidths = 16 }; ///< of the observer: counts that beat faster average
 enum { least_following_nm = 10000, most_following_nm = 200000, unknown_following_nm = 100000 };
 
 int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick_hz)
@@ -145,6 +146,20 @@ uint32_t cam_derived_limits_form_pm(const cam_table_t *table)
     const uint64_t ux_pm =
         (uint64_t)hal_axis_scale(hal_axis_u).command_pm + hal_axis_scale(hal_axis_x).command_pm;
     return pm_saturated((ux_pm + z_pm) / 2u);
+}
+
+uint32_t cam_derived_limits_averaging_mrpm(const cam_params_t *params, uint32_t mrpm,
+                                           uint32_t tick_hz)
+{
+    const int64_t counts = params->counts_per_turn;
+    const int64_t counts_mhz = counts * mrpm / 60;
+    const int64_t tick_mhz = (int64_t)tick_hz * 1000;
+    const int64_t whole_mhz = (counts_mhz + tick_mhz / 2) / tick_mhz * tick_mhz;
+    const int64_t apart_mhz = (int64_t)params->observer_bandwidth_mHz * beat_bandwidths;
+    const int64_t rpm = (whole_mhz - apart_mhz) * 60 / counts / 1000;
+    const bool is_averaging = cam_abs_i64(counts_mhz - whole_mhz) >= apart_mhz;
+    const bool is_possible = apart_mhz < tick_mhz / 2 && whole_mhz > 0 && !hal_has_edge_time();
+    return is_possible && !is_averaging ? (uint32_t)rpm * 1000u : 0u;
 }
 
 uint32_t cam_derived_limits_count_pm(const cam_table_t *table, int32_t counts_per_turn)

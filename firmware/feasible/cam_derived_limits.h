@@ -70,4 +70,13 @@ uint32_t cam_derived_limits_form_pm(const cam_table_t *table);
 /// Source: MATHS.md (185).
 uint32_t cam_derived_limits_count_pm(const cam_table_t *table, int32_t counts_per_turn);
 
+/// Whole encoder counts per tick: all ticks of a turn see the same part of a count, so that the
+/// counts do not average. Concerns ports without time stamps of the edges.
+/// @param mrpm  [r/min / 1000] speed of the spindle
+/// @return [r/min / 1000] the next lower speed, in whole r/min, at which they average; 0: they do
+///         at this one, or at none
+/// Source: MATHS.md (231).
+uint32_t cam_derived_limits_averaging_mrpm(const cam_params_t *params, uint32_t mrpm,
+                                           uint32_t tick_hz);
+
 #endif

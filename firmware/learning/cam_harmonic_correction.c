@@ -36,10 +36,11 @@ static cam_complex_t kept_q6(const cam_harmonic_correction_t *s, uint32_t k)
     return (cam_complex_t){.re = 64 * s->kept[k].re_nm, .im = 64 * s->kept[k].im_nm};
 }
 
-void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n)
+void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n,
+                                       uint32_t which)
 {
     for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
-        const int64_t size = (int64_t)size_q6 * (k <= n ? 1 : 0);
+        const int64_t size = k <= n && (which >> k & 1u) != 0u ? size_q6 : 0;
         const uint32_t step = 128u * k * k / n;
         s->c_q6[k].re = (int32_t)(size * cam_cos_q24(step) >> 24);
         s->c_q6[k].im = (int32_t)(size * cam_sin_q24(step) >> 24);
@@ -63,11 +64,14 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
         keep(s, k, error_q6);
         return;
     }
+    const uint32_t bit = UINT32_C(1) << k;
+    if (stage > 2u && (s->masked & bit) == 0u) {
+        return; // its response is known
+    }
     const cam_complex_t decrease = cam_complex_sub(kept_q6(s, k), error_q6);
     const cam_gain_t gain = cam_gain_ratio(decrease, s->c_q6[k]);
-    if (stage == 2u && is_unusable(s->gain[k], gain)) {
-        s->masked |= UINT32_C(1) << k;
-    }
+    const bool is_masked = stage >= 2u && is_unusable(s->gain[k], gain);
+    s->masked = is_masked ? s->masked | bit : s->masked & ~bit;
     s->gain[k] = gain;
 }
 

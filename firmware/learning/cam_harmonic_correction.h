@@ -3,11 +3,11 @@
 /// time.
 ///
 /// Two probes of different size give U's response G to a correction. A harmonic at which U responds
-/// weakly or not in proportion is masked. Then c <- c + mu E / G. For each harmonic but the mean,
-/// the smallest error is kept with its correction; an error 1.5 times as large, and above the noise
-/// floor, restores that correction and halves mu, and the fourth time masks the harmonic. The
-/// correction is for full amplitude.
-/// Source: MATHS.md (142) .. (144). Context: slow side.
+/// weakly or not in proportion is masked, until a larger probe agrees with the one before. Then c
+/// <- c + mu E / G. For each harmonic but the mean, the smallest error is kept with its correction;
+/// an error 1.5 times as large, and above the noise floor, restores that correction and halves mu,
+/// and the fourth time masks the harmonic. The correction is for full amplitude. Source: MATHS.md
+/// (142) .. (144). Context: slow side.
 #ifndef CAM_HARMONIC_CORRECTION_H
 #define CAM_HARMONIC_CORRECTION_H
 
@@ -43,10 +43,12 @@ void cam_harmonic_correction_restart_guard(cam_harmonic_correction_t *s);
 /// Replace the correction by a probe, p e^(j pi k^2 / n) at harmonic k: its crest factor is low.
 /// @param size_q6  [nm / 64] p; 0 ends the probe
 /// @param n        harmonics, 1 .. 16
-void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n);
+/// @param which    bit k: harmonic k is probed
+void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t size_q6, uint32_t n,
+                                       uint32_t which);
 
 /// Evaluate the error of a revolution while probing.
-/// @param stage  0: no probe, 1: first probe, 2: second probe
+/// @param stage  0: no probe, 1: first probe, 2: second probe, which masks; later ones unmask
 /// @param error_q6  [nm / 64] of harmonic k at full amplitude
 void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage, uint32_t k,
                                    cam_complex_t error_q6);

@@ -7,7 +7,10 @@
 #include <stddef.h>         // NULL
 #include <string.h>         // memset
 
-enum { drive_steps = 3 }; ///< of layer 1 before probing
+enum {
+    drive_steps = 3,          ///< of layer 1 before probing
+    most_probe_q6 = 5000 * 64 ///< [nm / 64] largest probe, that of the parameter
+};
 
 void cam_ilc_init(cam_ilc_t *t)
 {
@@ -138,11 +141,27 @@ static void begin_rehearsal(cam_ilc_t *t, const cam_ilc_setup_t *s)
     step_drive(t, s, s->gain_q16);
 }
 
+/// @return [nm / 64] size of the next probe: half the usual one, the usual one, then each 2.5 times
+///         as large as the last one, as long as harmonics are masked; 0 ends the probing
+static int32_t next_probe_q6(const cam_ilc_t *t, const cam_ilc_setup_t *s)
+{
+    int32_t size_q6 = t->n_steps == 1u ? s->probe_q6 / 2 : s->probe_q6;
+    for (uint32_t i = 2; i < t->n_steps; i++) {
+        const bool is_largest = size_q6 > most_probe_q6 / 3 * 2; // hardly larger would tell nothing
+        if (t->correction.masked == 0u || is_largest) {
+            return 0;
+        }
+        size_q6 = cam_clamp_i32(size_q6 / 2 * 5, 0, most_probe_q6);
+    }
+    return size_q6;
+}
+
 static void step_probe(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     t->n_steps++;
-    const int32_t size_q6 = t->n_steps == 1u ? s->probe_q6 / 2 : t->n_steps == 2u ? s->probe_q6 : 0;
-    cam_harmonic_correction_set_probe(&t->correction, size_q6, t->n_orders);
+    const int32_t size_q6 = next_probe_q6(t, s);
+    const uint32_t which = t->n_steps > 2u ? t->correction.masked : UINT32_MAX;
+    cam_harmonic_correction_set_probe(&t->correction, size_q6, t->n_orders, which);
     t->blending |= cam_ilc_blend_correction;
     if (size_q6 == 0) {
         t->correction.is_probed = true;

@@ -39,6 +39,14 @@ static int32_t step_of(cam_state_t state, int32_t rehearsal_step, int32_t cut_st
     return state == cam_state_rehearsing ? rehearsal_step : cut_step;
 }
 
+/// @return [turn / 2^23] likewise for the angles: until the cut begins U rests and follows none
+static int32_t angle_step(const cam_ilc_t *t, const cam_ilc_setup_t *s)
+{
+    const bool is_waiting = t->state == (uint8_t)cam_state_engaging && !s->is_u_moving;
+    return is_waiting ? any_step
+                      : step_of((cam_state_t)t->state, rehearsal_angle_step, cut_angle_step);
+}
+
 /// Move a constant towards its target. @param per_q8  [nm per unit, 2^-8] effect on the command
 static bool slew_constant(int32_t *value, int32_t target, int32_t most_nm, uint32_t per_q8)
 {
@@ -107,7 +115,7 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
         t->blend_from_q8 = at_q8 + step_q8;
     }
     if (is_due && !is_correction_next && (t->blending & cam_ilc_blend_ripple) != 0u) {
-        const int32_t usual = step_of((cam_state_t)t->state, rehearsal_angle_step, cut_angle_step);
+        const int32_t usual = angle_step(t, setup);
         const int32_t most =
             usual < any_step ? cam_clamp_i32(usual, 1, setup->angle_step_q23) : any_step;
         done |= slew_angles(t, setup, in, most) ? cam_ilc_blend_ripple : 0u;

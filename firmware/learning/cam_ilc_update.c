@@ -14,7 +14,6 @@ enum {
     rough_steps = 16,          ///< turns with the larger gain after the feed has changed
     rough_part = 64,           ///< the feed changes by more than this part
     even_part = 128,           ///< the spindle accelerates by more than this part per turn
-    least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slowest turn that the bins can sum
     least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
     friction_part = 128, ///< U hardly moves in a harmonic whose speed is this part of the largest
     least_floors = 64,   ///< least motion of U, in noise floors of its scale
@@ -184,7 +183,7 @@ uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t)
 static cam_ilc_reason_t hindrance_of(const cam_ilc_t *t, bool is_still, uint32_t n_ticks,
                                      const cam_turn_t *turn)
 {
-    if (turn->is_steady && turn->speed_q32 <= least_speed_q32) {
+    if (turn->is_steady && turn->speed_q32 <= cam_turn_bins_least_q32) {
         return cam_ilc_slow_turn;
     }
     if (is_still && n_ticks == 0u) {
@@ -252,7 +251,8 @@ static void mark_sense(cam_turn_bin_t *bin)
 void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn_t *turn)
 {
     const bool is_still = turn->is_steady && turn->state == (cam_state_t)t->state &&
-                          turn->scale_q30 >= least_scale_q30 && turn->speed_q32 > least_speed_q32;
+                          turn->scale_q30 >= least_scale_q30 &&
+                          turn->speed_q32 > cam_turn_bins_least_q32;
     const int64_t change_q32 = (int64_t)turn->speed_q32 - t->turn_speed_q32;
     const bool is_even = cam_abs_i64(change_q32) * even_part < turn->speed_q32;
     follow_feed(t, turn);
@@ -263,7 +263,7 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     follow_phase(t, (uint32_t)turn->phase_q32);
     follow_speed(t, s, turn->speed_q32, is_even);
     bool is_full = false;
-    const bool is_slow = turn->speed_q32 <= least_speed_q32;
+    const bool is_slow = turn->speed_q32 <= cam_turn_bins_least_q32;
     const uint32_t n_ticks = is_slow ? 0u : take_means(t->bin, &is_full);
     const uint32_t n_orders = orders_of(n_ticks);
     if (is_still) {
@@ -272,8 +272,12 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     // The ripple needs no motion of U.
     const bool is_synced = turn->state != cam_state_off && turn->state != cam_state_homing;
     const bool has_ripple = is_full && is_even && is_synced && n_ticks > 0u && s->ripple_turns > 0u;
-    t->true_q36 = has_ripple ? cam_ripple_deviate(t->bin) : 0;
-    t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
+    const int32_t every = (int32_t)turn->skip + 1;
+    t->true_q36 = has_ripple ? cam_ripple_deviate(t->bin) / every : 0;
+    const cam_ilc_reason_t hindrance = hindrance_of(t, is_still, n_ticks, turn);
+    if (turn->is_steady || hindrance != cam_ilc_all) { // else that of the last steady turn
+        t->hindrance = (uint8_t)hindrance;
+    }
     t->is_counted = is_still && t->n_orders > 0u && is_even && is_learning(t, s);
     if (t->is_counted) {
         t->square = 0;

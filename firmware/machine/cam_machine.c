@@ -15,6 +15,9 @@
 /// (TABLE_FORMAT.md).
 enum { check_bytes = 1024, check_from = 24 };
 
+/// Turns after which those of a steady spindle have agreed, however slow it is.
+enum { least_turns = 4 };
+
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz)
 {
     (void)memset(core, 0, sizeof *core);
@@ -215,6 +218,7 @@ cam_err_t cam_machine_start(cam_machine_t *m)
     if (err == cam_ok) {
         m->is_in_pass = true;
         m->is_cut_short = false;
+        m->is_unsteady = false;
     }
     return err;
 }
@@ -296,6 +300,18 @@ static void poll_hold(cam_machine_t *m, const cam_status_t *status)
     }
 }
 
+/// End the approach, as by stop, when the spindle has not become steady for as long as homing waits
+/// for it to turn.
+static void poll_approach(cam_machine_t *m, const cam_status_t *status)
+{
+    const cam_steady_t *s = &status->steady;
+    const cam_config_t *cfg = cam_machine_newest_config(m);
+    if (s->n_agreeing == 0u && s->n_turns >= (uint32_t)least_turns &&
+        s->waited_ticks > cfg->guard.homing_ticks && !cam_machine_is_pending(m, status)) {
+        m->is_unsteady = cam_machine_stop(m) == cam_ok;
+    }
+}
+
 /// Second half of cam_machine_home(): enable when the disable has taken effect. Another command or
 /// a fault in between ends the attempt.
 static void home_again(cam_machine_t *m)
@@ -318,6 +334,7 @@ void cam_machine_poll(cam_machine_t *m)
     cam_machine_rights_poll(m, &status);
     end_pass(m, &status);
     poll_hold(m, &status);
+    poll_approach(m, &status);
     cam_machine_ilc_poll(m, status.state);
     if (!m->has_table) {
         return;

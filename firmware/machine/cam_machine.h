@@ -135,6 +135,7 @@ typedef struct {
     uint32_t pass;                   ///< current pass, or the next one that start cuts; from 0
     bool is_in_pass;                 ///< start was accepted and the end of the pass not yet seen
     bool is_cut_short;               ///< stopped early: start repeats the pass
+    bool is_unsteady;                ///< the last start ended because the spindle was not steady
     uint32_t n_parts;                ///< completed parts
     bool is_held;                    ///< feed hold
     bool is_rate_due;                ///< a change of the hold is not yet handed over
@@ -248,7 +249,9 @@ CAM_MUST_USE cam_err_t cam_machine_disable(cam_machine_t *m);
 
 /// Cut one pass: ready -> engaging -> cutting -> disengaging -> ready. The next start cuts the next
 /// pass, after the last one the first. A pass that ended in a stop or a fault is repeated. Refused
-/// if any pass is infeasible.
+/// if any pass is infeasible. The cut begins once the spindle turns steadily (cam_steady.h); if it
+/// does not within a hundred times stopped_ms, the approach ends as by stop, and is_unsteady is
+/// set.
 /// @return cam_ok, cam_err_state, _busy (also while the spindle is faster than the pass allows),
 ///         _not_homed, _travel, or a feasibility error (cam_machine_feasibility())
 CAM_MUST_USE cam_err_t cam_machine_start(cam_machine_t *m);

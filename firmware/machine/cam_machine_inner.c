@@ -5,8 +5,10 @@
 #include <stdatomic.h> // atomic_store_explicit
 #include <stddef.h>    // NULL
 
-/// Margin of the overspeed fault above the highest feasible speed, for speed ripple.
-enum { overspeed_percent = 1 };
+enum {
+    overspeed_percent = 1, ///< margin above the highest feasible speed, for speed ripple
+    late_turns = 3,        ///< from the first turn of the ripple's mean to the use of that mean
+};
 
 bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *status)
 {
@@ -74,9 +76,20 @@ cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed
                                 err == cam_ok ? m->pass : pass);
 }
 
+/// Let a start wait for a steady spindle, and without a rehearsal also for the first ripple.
+static void set_steady(cam_config_t *half, const cam_machine_t *m, const cam_params_t *params)
+{
+    const cam_play_config_t *play = &half->play;
+    const bool is_uniform = play->table != NULL && play->table->speed.knots == NULL;
+    const bool waits = is_uniform && play->rehearse_q32 == 0 && params->ripple_turns > 0 &&
+                       m->ilc.ripple.n_mean == 0u;
+    half->play.steady_turns = waits ? (uint32_t)params->ripple_turns + (uint32_t)late_turns : 1u;
+}
+
 void cam_machine_offer_copy(cam_machine_t *m)
 {
     cam_config_t *half = cam_config_free_half(&m->core->config);
+    set_steady(half, m, &m->params);
     m->generation++;
     half->generation = m->generation;
     cam_config_learn(half);
@@ -117,6 +130,7 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
         half->play.jog.order = last->play.jog.order;
     }
     cam_config_learn(half);
+    set_steady(half, m, params);
     half->play.acknowledge = cam_machine_acknowledge_config(m);
     if (m->is_held) {
         half->play.feed_rate_q30 = 0;

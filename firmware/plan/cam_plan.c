@@ -379,7 +379,10 @@ void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_re
     if (m->is_playing) {
         m->is_filtering = false;
         plan_cut(p, cfg, r, m);
-    } else if (cam_positioning_isr(cfg, r, m)) {
+        return;
+    }
+    const bool is_there = cam_positioning_isr(cfg, r, m);
+    if (cam_steady_isr(&p->steady, cfg, m->state, r->angle.pos_q32, is_there)) {
         begin_cut(p, cfg, r, m);
     }
 }

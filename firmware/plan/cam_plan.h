@@ -18,6 +18,7 @@
 #include "cam_feed_motion.h" // cam_feed_motion_t
 #include "cam_record.h"      // cam_tick_record_t, cam_motion_t
 #include "cam_shaft.h"       // cam_shaft_t
+#include "cam_steady.h"      // cam_steady_t
 #include <stdbool.h>         // bool
 #include <stdint.h>          // int32_t, int64_t
 
@@ -38,6 +39,7 @@ typedef struct {
     bool is_stopped;               ///< stopped: no cut follows the rehearsal
     cam_feed_motion_t feed_motion; ///< feed of the cut
     cam_shaft_t shaft;             ///< current lobe
+    cam_steady_t steady;           ///< wait for a steady spindle
 } cam_plan_t;
 
 /// One plan, constant time in each state.

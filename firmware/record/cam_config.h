@@ -175,6 +175,8 @@ typedef struct {
     int32_t z_low_nm, z_high_nm; ///< [nm] accepted range of a measured Z, in port coordinates
     int32_t z_margin_nm;         ///< [nm] limit of the following error of a geared Z
     int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
+    uint32_t agreeing_q16;       ///< [1] share by which the speeds of steady turns may differ
+    uint32_t steady_turns; ///< turns before a cut that agree each with the one before; 0: no wait
     bool is_z_measured;
     int64_t u_retract_q10;  ///< [nm / 1024]
     int32_t x_clearance_nm; ///< [nm]

@@ -13,6 +13,15 @@ static uint32_t numbered(uint32_t turn)
     return (turn & (IS_TURN - 1u)) | IS_TURN;
 }
 
+/// @return ticks to leave out after each that counts, so that a turn counts at most 2^14, MATHS.md
+///         (232)
+static uint32_t skip_at(int32_t speed_q32)
+{
+    enum { zeros = 13, most = 6 }; // before a bit of 2^18
+    const int32_t log2 = __builtin_clz((uint32_t)speed_q32 | 1u) - zeros;
+    return (1u << (uint32_t)cam_clamp_i32(log2, 0, most)) - 1u;
+}
+
 static void open_turn(cam_turn_bins_t *g, uint32_t turn, const cam_tick_record_t *r,
                       const cam_motion_t *m)
 {
@@ -26,6 +35,7 @@ static void open_turn(cam_turn_bins_t *g, uint32_t turn, const cam_tick_record_t
     now->z_begin_nm = r->want.z_nm;
     now->height_begin_q32 = m->height_q32;
     now->n_plans = 0;
+    now->skip = skip_at(r->angle.speed_q32);
 }
 
 static void close_turn(cam_turn_bins_t *g, uint32_t next)

@@ -2,9 +2,9 @@
 /// cam_turn_bins: per-turn error bins for learning, and the learned tables.
 ///
 /// In every tick outside the state fault the interrupt adds the error of U to one of 128 bins per
-/// turn. Two banks of bins alternate from turn to turn: the bank is the lowest bit of the turn
-/// number, so a bank holds exactly one turn. While one bank fills, the slow side reads and clears
-/// the other one:
+/// turn; in a turn of more than 2^14 ticks only in every 2nd, 4th .. 64th one. Two banks of bins
+/// alternate from turn to turn: the bank is the lowest bit of the turn number, so a bank holds
+/// exactly one turn. While one bank fills, the slow side reads and clears the other one:
 ///
 ///     turn      | k - 1      | k          | k + 1      |
 ///     interrupt | odd bank   | even bank  | odd bank   |
@@ -47,6 +47,9 @@ typedef struct {
                                         ///< eccentricity, subtracted before the observer
 } cam_learned_t;
 
+/// [turn / 2^32 per tick] Below this speed a turn has too many ticks for the bins even so.
+enum { cam_turn_bins_least_q32 = 1 << 12 };
+
 /// One bin: sums over its ticks, which wrap.
 typedef struct {
     int32_t error_q6;  ///< [nm / 64] due set-point of U minus measured U: the following
@@ -70,6 +73,7 @@ typedef struct {
     int32_t z_begin_nm, z_end_nm;      ///< [nm] height played in its first and last plan
     int64_t height_begin_q32, height_end_q32; ///< [slices] U's height on the table likewise
     uint32_t n_plans;                         ///< plans in it
+    uint32_t skip; ///< ticks left out after each that counts: 0, 1, 3 .. 63
 } cam_turn_t;
 
 /// Bins and their turns. Zero-initialised: empty. A bank counts only after the slow side has
@@ -86,10 +90,10 @@ typedef struct {
     uint32_t taken;              ///< slow side only: turn + 2^24 that was taken last
 } cam_turn_bins_t;
 
-/// Add a commanded tick to its bin, except in state fault.
+/// Add a commanded tick to its bin, except in state fault and where a long turn leaves it out.
 static inline void cam_turn_bins_add_isr(cam_turn_bins_t *g, const cam_tick_record_t *r)
 {
-    if (r->want.state == cam_state_fault) {
+    if (r->want.state == cam_state_fault || (r->tick & g->now.skip) != 0u) {
         return;
     }
     const uint32_t low = cam_angle_of_pos(r->angle.pos_q32) >> (32 - cam_turn_bins_log2);

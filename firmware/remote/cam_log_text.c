@@ -174,6 +174,23 @@ static void add_signature(line_t *line, const cam_signature_check_t *trust)
     }
 }
 
+/// Report a speed of the table in use at which the encoder's counts do not average.
+static void say_counts(const cam_machine_t *machine)
+{
+    const uint32_t set_mrpm = (uint32_t)machine->params.spindle_mrpm;
+    const uint32_t of_table = machine->table.speed.knots == NULL ? machine->table.spindle_mrpm : 0u;
+    const uint32_t mrpm = of_table > 0u && set_mrpm > 0u ? set_mrpm : of_table;
+    const uint32_t better =
+        cam_derived_limits_averaging_mrpm(&machine->params, mrpm, machine->tick_hz);
+    line_t line = {.n = 0};
+    if (better > 0u) {
+        add_number(&line, "counts: whole ones per tick at ", mrpm / 1000u);
+        add_number(&line, " r/min do not average, better ", better / 1000u);
+        add(&line, " r/min");
+        hal_text(line.text);
+    }
+}
+
 void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
 {
     l->has_table = store->machine->has_table;
@@ -184,6 +201,7 @@ void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
         add(&line, " in use");
         add_signature(&line, &store->machine->signature);
         hal_text(line.text);
+        say_counts(store->machine);
     } else {
         say("table: ", cam_err_text(store->err),
             l->has_table ? "" : " - home refused until a table is written", "");
@@ -247,6 +265,7 @@ void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, 
 void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_status_t *status)
 {
     l->faults &= status->faults;
+    l->is_unsteady = l->is_unsteady && store->machine->is_unsteady;
     const uint32_t unreported = status->faults & ~l->faults;
     if (l->has_table && !store->machine->has_table) {
         store->err = store->err == cam_ok ? cam_err_image_crc : store->err; // found damaged
@@ -254,6 +273,9 @@ void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_
     } else if (l->state != status->state) {
         l->state = status->state;
         say("state ", cam_state_name(status->state), "", "");
+    } else if (store->machine->is_unsteady && !l->is_unsteady) {
+        l->is_unsteady = true;
+        say("start ended: the spindle does not turn steadily, check its drive", "", "", "");
     } else if (unreported != 0u) {
         uint32_t i = 0;
         while ((unreported >> i & 1u) == 0u) {

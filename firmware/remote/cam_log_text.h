@@ -14,6 +14,7 @@
 typedef struct {
     bool has_table;    ///< a table was in use in the last line about it
     cam_state_t state; ///< state of the last line about a state
+    bool is_unsteady;  ///< the end of a start without a steady spindle was reported
     uint32_t faults;   ///< mask of the reported faults that are still latched
     uint32_t commander, n_take_overs, n_losses; ///< of the last line about command
     cam_level_t level;                          ///< of the last line about it
@@ -35,16 +36,17 @@ void cam_log_text_params(const cam_machine_t *machine);
 void cam_log_text_scales(const cam_machine_t *machine);
 
 /// Report the result of the last check of the table, for example "table: perkins240 in use, signed
-/// by key 0123456789abcdef"; "not signed" is added only if the port names keys.
+/// by key 0123456789abcdef"; "not signed" is added only if the port names keys. A second line names
+/// a speed at which the encoder's counts do not average, and a better one.
 void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store);
 
 /// Report a command that its sender may not give, at most once a second.
 void cam_log_text_refused(cam_log_text_t *l, uint32_t sender, uint32_t command, cam_err_t err,
                           uint32_t tick);
 
-/// Report at most one change of table, state, fault, commander or level, so that a slow serial line
-/// does not hold up the main loop. If the background check found the table damaged, this also sets
-/// the store's error.
+/// Report at most one change of table, state, fault, commander or level, or the end of a start
+/// without a steady spindle, so that a slow serial line does not hold up the main loop. If the
+/// background check found the table damaged, this also sets the store's error.
 void cam_log_text_change(cam_log_text_t *l, cam_table_store_t *store, const cam_status_t *status);
 
 #endif

@@ -222,6 +222,16 @@ static void describe_cut(struct camturn_detail_t *m, const cam_machine_t *machin
     m->recorder_faults = machine->scope.ring.faults;
 }
 
+/// @return whether a start waits for a steady spindle, or was ended because there was none
+static uint8_t start_wait(const cam_machine_t *machine, const cam_status_t *status)
+{
+    if (status->steady.waited_ticks > 0u) {
+        return CAMTURN_DETAIL_START_WAIT_WAITS_CHOICE;
+    }
+    return machine->is_unsteady ? CAMTURN_DETAIL_START_WAIT_UNSTEADY_CHOICE
+                                : CAMTURN_DETAIL_START_WAIT_NONE_CHOICE;
+}
+
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the
 /// page.
 static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_store_t *store,
@@ -238,6 +248,7 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_table_st
         .is_estop = (status->inputs & hal_in_estop) != 0u ? 1u : 0u,
         .is_drive_ready = (status->inputs & hal_in_drive_ready) != 0u ? 1u : 0u,
         .is_bus_lost = (status->inputs & hal_in_bus_lost) != 0u ? 1u : 0u,
+        .start_wait = start_wait(store->machine, status),
         .tick_rate = store->machine->tick_hz,
         .late_ticks = status->n_late,
         .tick_time_max = tick_time(load.max_cycles, 1000000000u, UINT32_MAX),

@@ -69,6 +69,7 @@ cam_status_t cam_status_read(const cam_t *c)
         .outputs = r->want.outputs,
         .jog = now.jog,
         .acknowledge = now.acknowledge,
+        .steady = now.plan.steady,
         .pos_q32 = r->angle.pos_q32,
         .speed_q32 = r->angle.speed_q32,
         .z_nm = r->want.z_nm,

@@ -25,6 +25,7 @@ typedef struct {
     uint32_t outputs;                   ///< hal_out_*
     cam_jog_t jog;                      ///< jogging and homing
     cam_acknowledge_t acknowledge;      ///< the button at the machine
+    cam_steady_t steady;                ///< wait for a steady spindle before a cut
     int64_t pos_q32;                    ///< [turn, Q32.32] master position
     int32_t speed_q32;                  ///< [turn / 2^32 per tick]
     int32_t z_nm;                       ///< [nm] height played

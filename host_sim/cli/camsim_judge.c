@@ -71,6 +71,11 @@ int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e)
         (void)common_error(e,
                            "%s: not at the end after %.6g s in state %s; give more --max-seconds",
                            table, cut->max_s, cam_state_name(cut->state));
+    } else if (cut->end == sim_cut_unsteady) {
+        (void)common_error(e,
+                           "%s: the controller ended the start after %.6g s: successive turns of "
+                           "the spindle do not agree; check [spindle] of the machine file",
+                           table, cut->port.time_s);
     } else if (!sim_cut_is_gauged(cut)) {
         explain_not_gauged(cut, table, e);
     } else if (!sim_cut_left_stock(cut)) {

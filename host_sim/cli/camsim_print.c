@@ -66,6 +66,12 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
     } else {
         (void)printf("form error      not gauged: nothing was cut to full depth\n");
     }
+    const double better_rpm = sim_cut_averaging_rpm(cut);
+    if (better_rpm > 0.0) {
+        (void)printf("counts          whole ones per tick at this speed do not average: %.6g r/min "
+                     "is better\n",
+                     better_rpm);
+    }
     print_passes(cut);
     print_lobes(s);
     (void)printf("machine time    %.3f s in %.3f s, %.2f million ticks/s\n", cut->port.time_s,

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "sim_cut_pass.h" // sim_cut_next_pass
-#include "sim_units.h"    // sim_fraction
-#include <math.h>         // ceil, lround, sqrt
-#include <stdlib.h>       // free
+#include "cam_derived_limits.h" // cam_derived_limits_averaging_mrpm
+#include "sim_cut_pass.h"       // sim_cut_next_pass
+#include "sim_units.h"          // sim_fraction
+#include <math.h>               // ceil, lround, sqrt
+#include <stdlib.h>             // free
 
 /// A real main loop does its background work whenever the interrupt leaves time. Here it is rare,
 /// since a kilobyte of CRC costs as much as 10 ticks: a damaged table of 16 KB is found within 0.8
@@ -81,9 +82,20 @@ double sim_cut_rpm(const sim_cut_t *cut)
     return cut->feasibility.speed_mrpm * 1e-3;
 }
 
+double sim_cut_averaging_rpm(const sim_cut_t *cut)
+{
+    if (cut->session.table.speed.knots != NULL) {
+        return 0.0;
+    }
+    const uint32_t tick_hz = (uint32_t)cut->session.options.config.lathe.tick_hz;
+    return cam_derived_limits_averaging_mrpm(&cut->params, cut->feasibility.speed_mrpm, tick_hz) *
+           1e-3;
+}
+
 const char *sim_cut_end_name(const sim_cut_t *cut)
 {
-    static const char *const name[] = {"running", "done", "fault", "timeout", "refused", "lost"};
+    static const char *const name[] = {"running", "done", "fault",   "timeout",
+                                       "refused", "lost", "unsteady"};
     return cut->end == sim_cut_done && cut->is_stopped ? "stopped" : name[cut->end];
 }
 
@@ -248,7 +260,10 @@ static void operate(sim_cut_t *cut)
         } else {
             cut->end = sim_cut_done;
         }
+    } else if (state == cam_state_ready && cut->is_near) {
+        cut->end = sim_cut_unsteady;
     }
+    cut->is_near = cut->is_started && cam_state_is_in_work(state);
     if (cut->options.max_turns > 0.0 && s->cut_turns >= cut->options.max_turns &&
         !cut->is_stopped) {
         operator_stop(cut);

@@ -47,11 +47,12 @@ typedef struct {
 
 typedef enum {
     sim_cut_running,
-    sim_cut_done,    ///< the controller is ready again
-    sim_cut_fault,   ///< fault, tool retracted
-    sim_cut_timeout, ///< max_s has passed
-    sim_cut_refused, ///< the controller refused a command: `refusal`
-    sim_cut_lost,    ///< the target no longer answers; sim_firmware_is_lost() has the reason
+    sim_cut_done,     ///< the controller is ready again
+    sim_cut_fault,    ///< fault, tool retracted
+    sim_cut_timeout,  ///< max_s has passed
+    sim_cut_refused,  ///< the controller refused a command: `refusal`
+    sim_cut_lost,     ///< the target no longer answers; sim_firmware_is_lost() has the reason
+    sim_cut_unsteady, ///< the controller ended the start, because the spindle was not steady
 } sim_cut_end_t;
 
 /// Result of a pass.
@@ -87,6 +88,7 @@ typedef struct {
     cam_err_t refusal;
     cam_state_t state; ///< in the last tick
     bool is_started;   ///< start was accepted
+    bool is_near;      ///< ... and the approach has begun
     bool is_stopped;   ///< ended by an operator's stop
     uint32_t until_poll;
     uint32_t n_polls;
@@ -153,7 +155,11 @@ bool sim_cut_is_good(const sim_cut_t *cut);
 /// @return [r/min] mean speed of the spindle
 double sim_cut_rpm(const sim_cut_t *cut);
 
-/// @return "done", "stopped", "fault", "timeout", "refused" or "lost"
+/// @return [r/min] a better speed where the encoder's counts do not average at the mean one; 0:
+/// they do
+double sim_cut_averaging_rpm(const sim_cut_t *cut);
+
+/// @return "done", "stopped", "fault", "timeout", "refused", "lost" or "unsteady"
 const char *sim_cut_end_name(const sim_cut_t *cut);
 
 #endif

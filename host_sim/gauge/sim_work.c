@@ -42,6 +42,19 @@ static void count_error(sim_work_t *w, double turn, double z_mm, double radius_m
     cell->n += cell->n < UINT32_MAX ? 1u : 0u;
 }
 
+/// Add a sample to the sums of the part's orientation. Samples of a turn follow each other closely.
+static void count_turned(sim_work_t *w, double turn, double exact_mm, double error_mm)
+{
+    const double by_turn = turn - w->last_turn;
+    if (w->n > 0u && by_turn != 0.0 && sim_abs(by_turn) < 0.1) {
+        const double slope_um = 1e3 * (exact_mm - w->last_exact_mm) / (SIM_TWO_PI * by_turn);
+        w->turned_um2 += 1e3 * error_mm * slope_um;
+        w->slope_um2 += slope_um * slope_um;
+    }
+    w->last_turn = turn;
+    w->last_exact_mm = exact_mm;
+}
+
 void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted)
 {
@@ -58,6 +71,7 @@ void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, d
     w->depth_min_mm = is_first || depth_mm < w->depth_min_mm ? depth_mm : w->depth_min_mm;
     w->depth_max_mm = is_first || depth_mm > w->depth_max_mm ? depth_mm : w->depth_max_mm;
     count_error(w, turn, z_mm, radius_mm, error_mm);
+    count_turned(w, turn, exact_mm, error_mm);
     w->n++;
 }
 
@@ -73,6 +87,17 @@ void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, d
         w->last_z_mm = z_mm;
     }
     sim_work_judge(w, turn, z_mm, radius_mm, exact_mm, is_counted);
+}
+
+double sim_work_turned_rad(const sim_work_t *w)
+{
+    return w->slope_um2 > 0.0 ? w->turned_um2 / w->slope_um2 : 0.0;
+}
+
+double sim_work_shape_rms_um(const sim_work_t *w)
+{
+    const double left_um2 = w->sum_um2 - w->turned_um2 * sim_work_turned_rad(w);
+    return w->n > 0u && left_um2 > 0.0 ? sqrt(left_um2 / (double)w->n) : 0.0;
 }
 
 double sim_work_rms_um(const sim_work_t *w)

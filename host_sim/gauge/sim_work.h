@@ -43,9 +43,12 @@ typedef struct {
     double max_turn, max_z_mm; ///< place of the largest
     double depth_min_mm, depth_max_mm;
     double removed_mm3;
-    double gouge_um;  ///< deepest cut below the exact surface in any state, above 0
-    double last_z_mm; ///< of the last counted sample
-    uint64_t n;       ///< counted samples
+    double gouge_um;                 ///< deepest cut below the exact surface in any state, above 0
+    double last_z_mm;                ///< of the last counted sample
+    double last_turn, last_exact_mm; ///< of the last judged sample
+    double turned_um2, slope_um2;    ///< sums of error times slope and of slope squared; the slope
+                                     ///< in um per radian
+    uint64_t n;                      ///< counted samples
     sim_row_t row[sim_work_rows];
     sim_cell_t cell[sim_work_rows][sim_work_columns];
 } sim_work_t;
@@ -64,6 +67,13 @@ void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, d
 /// Judge a sample without counting removed metal, which sim_lobe_work counts by dexels.
 void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
+
+/// @return [rad] angle by which the whole part is turned: the least-squares part of the error that
+///         follows the slope of the drawing; 0 for a round part
+double sim_work_turned_rad(const sim_work_t *w);
+
+/// @return [um] rms form error without that part
+double sim_work_shape_rms_um(const sim_work_t *w);
 
 /// @return [um] rms form error, 0 without samples
 double sim_work_rms_um(const sim_work_t *w);

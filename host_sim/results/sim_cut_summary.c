@@ -201,6 +201,15 @@ static void add_passes(cJSON *root, const sim_cut_t *cut)
     }
 }
 
+/// Name a speed at which the encoder's counts do not average, and a better one.
+static void add_counts(cJSON *root, const sim_cut_t *cut)
+{
+    const double better_rpm = sim_cut_averaging_rpm(cut);
+    if (better_rpm > 0.0) {
+        sim_summary_number(root, "better_rpm", better_rpm);
+    }
+}
+
 bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, double wall_s)
 {
     cJSON *root = cJSON_CreateObject();
@@ -214,6 +223,7 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
     sim_switch_summary(root, &cut->switches);
     add_cut(root, cut);
     add_passes(root, cut);
+    add_counts(root, cut);
     add_feasibility(root, cut);
     add_tool(root, &cut->session);
     sim_lobe_summary(root, &cut->session);

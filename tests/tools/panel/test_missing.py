@@ -86,6 +86,16 @@ def test_homing_waits_for_the_spindle_and_its_index() -> None:
         assert [item.key for item in way_on("homing", GOOD | changed, {}).missing] == [key]
 
 
+def test_the_wait_for_a_steady_spindle_is_told() -> None:
+    """While it lasts, and after it ended the start; Start is offered again."""
+    for state in ("rehearsing", "engaging"):
+        way = way_on(state, GOOD | {"start_wait": 1.0}, {})
+        assert way.sentence == "Wait until the spindle turns steadily."
+    way = way_on("ready", GOOD | {"start_wait": 2.0}, {})
+    assert "did not turn steadily" in way.sentence and way.order == "start"
+    assert why_not("start", "ready", GOOD | {"start_wait": 2.0}) == ""
+
+
 def test_a_feed_of_nothing_holds_without_a_hold() -> None:
     """Resume would be refused there: the override is to be raised."""
     way = way_on("holding", GOOD | {"is_held": 0.0, "override_of_feed": 0.0}, {})

@@ -12,7 +12,7 @@ import pytest
 from tests.tools.cases.camsim_cases import ROOT, camsim
 
 LEARN = ROOT / "tests" / "learn"
-PARTS = {"oval30", "oval_doubles", "perkins240"}
+PARTS = {"oval30", "oval_doubles", "perkins240", "twist80"}
 
 
 class Row(NamedTuple):

@@ -17,7 +17,7 @@ from camtools.base.argument_types import finite, whole
 from camtools.base.command import Interrupted, Parser
 from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link, Status
-from camtools.link.messages import Refused, value_text
+from camtools.link.messages import NAMES, Refused, value_text
 from camtools.link.progress import IN_CUT, cut_progress
 from camtools.link.refusal_text import ask_done
 from camtools.link.settings import (
@@ -128,7 +128,13 @@ def follow_cut(link: Link, out: TextIO) -> str:
         link.on_row = lambda status: None
     if _parts(link) > before:
         return f"start: part cut, {turns:.0f} turns"
-    state = link.listen().state
+    status = link.listen()
+    state = status.state
+    if NAMES["start_wait"].get(int(status.signals["start_wait"])) == "unsteady":
+        raise Refused(
+            "start: ended before the cut, because the spindle does not turn steadily; check its "
+            "drive, then start again"
+        )
     if not has_end and state == "ready":
         return "start: stopped, as every cut whose Z is moved by another controller"
     cause = "the controller was disabled" if state == "off" else "the cut was stopped"

@@ -38,6 +38,7 @@ NAMES = {
     "result": _choices(ANSWER, "result"),
     "state": _choices(_STATE, "state"),
     "reset_reason": _choices(_STATE, "reset_reason"),
+    "start_wait": _choices(_DETAIL, "start_wait"),
     "learn_phase": _choices(_DETAIL, "learn_phase"),
     "recorder_use": _choices(_DETAIL, "recorder_use"),
     "recorder_phase": _choices(_DETAIL, "recorder_phase"),

@@ -142,7 +142,7 @@ def report(status: Status) -> list[str]:
         *_box_report(status),
         *rights_report(s),
         f"angle             {s['angle']:.3f} deg, known: {yes[s['is_synced']]}",
-        f"speed             {s['speed']:.3f} r/min",
+        f"speed             {s['speed']:.3f} r/min{_steady_text(s)}",
         f"Z                 {s['z']:.6f} mm",
         f"U set, actual     {s['u_set']:.6f} mm, {s['u_actual']:.6f} mm, "
         f"retracted: {yes[s['is_retracted']]}",
@@ -167,6 +167,14 @@ def report(status: Status) -> list[str]:
         *table_report(status),
         f"table check       {table_err}",
     ]
+
+
+def _steady_text(signals: Mapping[str, float]) -> str:
+    texts = {
+        "waits": "; the cut waits until it is steady",
+        "unsteady": "; it was not steady, so the last start was ended: check the spindle's drive",
+    }
+    return texts.get(NAMES["start_wait"].get(int(signals["start_wait"]), ""), "")
 
 
 def kept_text(signals: Mapping[str, float]) -> str:

@@ -164,6 +164,13 @@ def run(argv: Sequence[str]) -> int:
         write_files(stage.folder, {SUMMARY: text.encode("ascii")})
         stage.publish()
     rows, total_s = made.kind.rows(outcome), time.monotonic() - begin_s
+    if "better_rpm" in outcome.summary:
+        text = "encoder counts do not average at this speed (whole ones per tick)"
+        rows.append(ReportRow("better speed", f"{outcome.summary['better_rpm']:g} r/min: {text}"))
+    form = outcome.summary["form_error_um"]
+    if form.get("turned_urad") is not None:
+        text = f"{form['turned_urad']:+.1f} µrad, without it rms {form['rms_not_turned']:.4f} µm"
+        rows.append(ReportRow("whole part turned", text))
     if off is not None:
         rows.append(ReportRow(f"if U were {100 * SHARE:.0f} % slower", off.text()))
         rows += remedies(off.faults)

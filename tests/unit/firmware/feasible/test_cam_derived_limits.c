@@ -212,3 +212,28 @@ static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
     const double room_nm = 400000.0 + (double)config.guard.u_retract_q10 / 1024.0;
     TEST_ASSERT_TRUE(room_nm >= 625.0 / 8.0 + a * over && room_nm <= 625.0 + 1.05 * a * over);
 }
+
+static uint32_t averaging(int32_t counts, uint32_t mrpm, uint32_t tick_hz)
+{
+    cam_params_t p = cam_param_defaults();
+    p.counts_per_turn = counts;
+    p.observer_bandwidth_mHz = 100000;
+    return cam_derived_limits_averaging_mrpm(&p, mrpm, tick_hz);
+}
+
+/// 1.6 kHz are 0.08 counts per tick of 20 kHz, 9.6 r/min of 10 000 counts.
+static void test_whole_counts_per_tick_do_not_average(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(2990000, averaging(10000, 3000000, 20000));
+    TEST_ASSERT_EQUAL_UINT32(2990000, averaging(10000, 3009500, 20000));
+    TEST_ASSERT_EQUAL_UINT32(2990000, averaging(10000, 2990500, 20000));
+    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 2990000, 20000));
+    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 3010000, 20000));
+    TEST_ASSERT_EQUAL_UINT32(110000, averaging(10000, 120000, 20000));
+    TEST_ASSERT_EQUAL_UINT32(0, averaging(65536, 3000000, 20000)); // 163.84
+    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 10000, 20000));   // none in most ticks
+    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 3000000, 1000));  // no speed averages
+    hal_host.slow.has_edge_time = true;
+    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 3000000, 20000));
+    hal_host.slow.has_edge_time = false;
+}

@@ -29,7 +29,7 @@ static void expect(cam_complex_t want, cam_complex_t is)
 static void test_play_puts_a_chirp_up_to_n_and_nothing_above(void)
 {
     for (uint32_t n = 1; n <= cam_harmonics_most; n *= 2u) {
-        cam_harmonic_correction_set_probe(&s, 64000, n);
+        cam_harmonic_correction_set_probe(&s, 64000, n, UINT32_MAX);
         for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
             const double size = k <= n ? 64000.0 : 0.0, angle = 3.14159265358979323846 * k * k / n;
             TEST_ASSERT_INT32_WITHIN(1, lround(size * cos(angle)), s.c_q6[k].re);
@@ -38,11 +38,19 @@ static void test_play_puts_a_chirp_up_to_n_and_nothing_above(void)
     }
 }
 
+static void test_play_of_some_leaves_the_others_alone(void)
+{
+    cam_harmonic_correction_set_probe(&s, 64000, 16, 1u << 3 | 1u << 7);
+    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+        TEST_ASSERT_UINT32_WITHIN(2, k == 3u || k == 7u ? 64000 : 0, cam_complex_size(s.c_q6[k]));
+    }
+}
+
 static void test_play_of_nothing_ends_the_probe(void)
 {
-    cam_harmonic_correction_set_probe(&s, 6400, 16);
+    cam_harmonic_correction_set_probe(&s, 6400, 16, UINT32_MAX);
     TEST_ASSERT_NOT_EQUAL(0, cam_harmonic_correction_sum_q6(&s));
-    cam_harmonic_correction_set_probe(&s, 0, 16);
+    cam_harmonic_correction_set_probe(&s, 0, 16, UINT32_MAX);
     TEST_ASSERT_EQUAL_UINT32(0, cam_harmonic_correction_sum_q6(&s));
 }
 
@@ -63,6 +71,34 @@ static void test_probe_learns_how_u_answers(void)
     TEST_ASSERT_EQUAL_INT16(4096, s.gain[3].re_q12);
     TEST_ASSERT_EQUAL_INT16(0, s.gain[3].im_q12);
     TEST_ASSERT_EQUAL_UINT32(0, s.masked);
+}
+
+/// A third probe, five times as large as the first, of harmonic 3.
+static void probe_again(int32_t third)
+{
+    s.c_q6[3] = of(320000, 0);
+    cam_harmonic_correction_probe(&s, 3, 3, of(64 * 900 - 320 * third, 64 * -700));
+}
+
+static void test_larger_probe_unmasks_what_agrees_with_the_one_before(void)
+{
+    probe(500, 800);
+    TEST_ASSERT_EQUAL_UINT32(1u << 3, s.masked);
+    probe_again(900);
+    TEST_ASSERT_EQUAL_UINT32(0, s.masked);
+    TEST_ASSERT_INT16_WITHIN(1, 3686, s.gain[3].re_q12);
+    setUp();
+    probe(300, 500);
+    probe_again(800); // still out of proportion
+    TEST_ASSERT_EQUAL_UINT32(1u << 3, s.masked);
+}
+
+static void test_larger_probe_does_not_change_what_was_known(void)
+{
+    probe(1000, 1000);
+    probe_again(500);
+    TEST_ASSERT_EQUAL_UINT32(0, s.masked);
+    TEST_ASSERT_EQUAL_INT16(4096, s.gain[3].re_q12);
 }
 
 /// Harmonic k answers by one.

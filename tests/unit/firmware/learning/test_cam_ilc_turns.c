@@ -11,13 +11,14 @@ static void settle(void)
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_drive, t.phase);
 }
 
-static void test_a_rehearsal_is_a_turn_to_settle_three_of_the_drive_and_three_of_the_probe(void)
+/// U does not answer, so a third, larger probe follows the usual two.
+static void test_a_rehearsal_is_a_turn_to_settle_three_of_the_drive_and_four_of_the_probe(void)
 {
     static const cam_ilc_phase_t after[] = {
-        cam_ilc_settling, cam_ilc_drive,   cam_ilc_drive, cam_ilc_drive, cam_ilc_probing,
-        cam_ilc_probing,  cam_ilc_probing, cam_ilc_shape, cam_ilc_shape,
+        cam_ilc_settling, cam_ilc_drive,   cam_ilc_drive,   cam_ilc_drive, cam_ilc_probing,
+        cam_ilc_probing,  cam_ilc_probing, cam_ilc_probing, cam_ilc_shape, cam_ilc_shape,
     };
-    static const uint32_t played_q6[] = {0, 0, 0, 0, 0, 64 * 1000, 64 * 2000, 0, 0};
+    static const uint32_t played_q6[] = {0, 0, 0, 0, 0, 64 * 1000, 64 * 2000, 64 * 5000, 0, 0};
     for (uint32_t i = 0; i < sizeof after / sizeof after[0]; i++) {
         play();
         TEST_ASSERT_EQUAL_UINT8(after[i], t.phase);
@@ -27,8 +28,27 @@ static void test_a_rehearsal_is_a_turn_to_settle_three_of_the_drive_and_three_of
         }
         TEST_ASSERT_EQUAL(after[i] == cam_ilc_shape, t.correction.is_probed);
     }
-    TEST_ASSERT_EQUAL_UINT32(8, t.n_turns);
+    TEST_ASSERT_EQUAL_UINT32(9, t.n_turns);
     TEST_ASSERT_EQUAL_INT32(usual_speed_q32, t.speed_q32);
+}
+
+/// A probe that hardly grows would tell nothing: 5 um are the end, after a third of that at most.
+static void test_probes_grow_to_five_micrometres(void)
+{
+    static const uint32_t sizes_nm[][4] = {
+        {1000, 2500, 5000, 0}, {100, 250, 625, 1562}, {3000, 5000, 0}, {4000, 0}};
+    for (uint32_t i = 0; i < sizeof sizes_nm / sizeof sizes_nm[0]; i++) {
+        setUp();
+        s.probe_q6 = 64 * (int32_t)sizes_nm[i][0];
+        play_turns(7);
+        for (uint32_t j = 1; j < 4u && sizes_nm[i][j - 1u] > 0u; j++) {
+            play();
+            const bool is_over = sizes_nm[i][j] == 0u;
+            TEST_ASSERT_EQUAL_UINT8(is_over ? cam_ilc_shape : cam_ilc_probing, t.phase);
+            TEST_ASSERT_UINT32_WITHIN(is_over ? UINT32_MAX : 200u, 64u * 5u * sizes_nm[i][j],
+                                      cam_harmonic_correction_sum_q6(&t.correction));
+        }
+    }
 }
 
 /// Of a shaft with lobes only the drive's constants are learned, however long it is rehearsed.
@@ -150,7 +170,7 @@ static void test_the_guard_brings_the_best_back_four_times(void)
 /// Behind the probe the motion is another one: what layer 1 compared with before does not hold.
 static void test_the_end_of_the_probe_lets_the_guard_begin_anew(void)
 {
-    play_turns(7);
+    play_turns(8);
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_probing, t.phase);
     t.n_halved = 3;
     t.best_square = 1;

@@ -33,6 +33,7 @@ void setUp(void)
 static void tick(int32_t step_q32)
 {
     pos_q32 += step_q32;
+    record.tick = n_ticks;
     record.angle.pos_q32 = pos_q32;
     record.angle.measured_q32 = cam_angle_of_pos(pos_q32) + UINT32_C(4294967);
     cam_turn_bins_add_isr(&g, &record);
@@ -231,4 +232,40 @@ static void test_a_copy_keeps_the_configuration_and_its_ties(void)
     TEST_ASSERT_EQUAL_PTR(copy->learned.c, copy->play.c);
     TEST_ASSERT_EQUAL_PTR(copy->learned.d, copy->play.d);
     TEST_ASSERT_EQUAL_PTR(copy->learned.dm, copy->spindle.dm);
+}
+
+/// @return ticks that count in a turn at a speed, checked bin by bin; 0: nothing was taken
+static uint32_t counted_at(int32_t step_q32)
+{
+    const cam_turn_bin_t *bins = NULL;
+    setUp();
+    record.angle.speed_q32 = step_q32;
+    const int64_t end_q32 = 4 * CAM_TURN_Q32;
+    for (uint32_t i = 0; bins == NULL && pos_q32 < end_q32; i++) {
+        tick(step_q32);
+        bins = i % 500u == 0u ? cam_turn_bins_take(&g, &turn) : NULL;
+    }
+    uint32_t n = 0;
+    for (uint32_t i = 0; bins != NULL && i < cam_turn_bins_n; i++) {
+        n += (uint32_t)bins[i].n;
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(129, bins[i].n);
+        TEST_ASSERT_EQUAL_INT32(bins[i].n * (64 * 10 + 5), bins[i].error_q6);
+    }
+    return n;
+}
+
+/// A turn of more than 2^14 ticks counts every 2nd, 4th .. 64th one, so 2^13 to 2^14 of them.
+static void test_long_turns_leave_ticks_out(void)
+{
+    static const struct {
+        int32_t speed_q32;
+        uint32_t skip;
+    } cases[] = {{1 << 20, 0},        {1 << 18, 0}, {(1 << 18) - 1, 1}, {1 << 17, 1},
+                 {(1 << 17) - 64, 3}, {150000, 1},  {20000, 15},        {5000, 63}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const uint32_t n = counted_at(cases[i].speed_q32);
+        const double due = 4294967296.0 / cases[i].speed_q32 / (cases[i].skip + 1u);
+        TEST_ASSERT_EQUAL_UINT32(cases[i].skip, turn.skip);
+        TEST_ASSERT_DOUBLE_WITHIN(plan_ticks, due, n); // the first plan of a turn sets it
+    }
 }

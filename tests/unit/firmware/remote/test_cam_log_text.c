@@ -16,6 +16,7 @@ void setUp(void)
     hal_host_reset(20000);
     memset(&machine, 0, sizeof machine);
     machine.params = cam_param_defaults();
+    machine.tick_hz = 20000;
     store = (cam_table_store_t){.machine = &machine};
     lines = (cam_log_text_t){.refused_ticks = 20000};
     status = (cam_status_t){0};
@@ -172,6 +173,20 @@ static void test_table_is_told_with_whose_it_is(void)
 }
 
 /// A table that is refused is told with its error, and with what follows where there is no other.
+static void test_speed_at_which_counts_do_not_average_is_told(void)
+{
+    machine.params.observer_bandwidth_mHz = 100000;
+    machine.table.spindle_mrpm = 3000000;
+    cam_log_text_table(&lines, &store);
+    TEST_ASSERT_EQUAL_UINT32(2, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_STRING(
+        "counts: whole ones per tick at 3000 r/min do not average, better 2990 r/min",
+        line_before(0));
+    machine.params.spindle_mrpm = 2990000;
+    cam_log_text_table(&lines, &store);
+    TEST_ASSERT_EQUAL_UINT32(3, hal_host.n_lines);
+}
+
 static void test_refused_table_is_told(void)
 {
     char due[120] = "table: ";
@@ -223,6 +238,18 @@ static void test_state_and_faults_are_told_one_at_a_time(void)
 }
 
 /// Who takes command, from whom, who gives it up and who is no longer heard, each once.
+static void test_start_without_a_steady_spindle_is_told_once(void)
+{
+    for (int i = 0; i < 2; i++) {
+        machine.is_unsteady = true;
+        TEST_ASSERT_EQUAL_STRING("start ended: the spindle does not turn steadily, check its drive",
+                                 changed());
+        TEST_ASSERT_EQUAL_STRING("", changed());
+        machine.is_unsteady = false;
+        TEST_ASSERT_EQUAL_STRING("", changed());
+    }
+}
+
 static void test_command_is_told(void)
 {
     cam_rights_t *r = &machine.rights;

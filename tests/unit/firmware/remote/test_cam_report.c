@@ -149,6 +149,15 @@ static void test_learning_is_bounded_by_its_bits(void)
     expect(most_24, 15, 8, 24);
 }
 
+static void test_wait_for_the_spindle_is_told(void)
+{
+    expect(0, 1, 13, 2);
+    m->is_unsteady = true;
+    expect(2, 1, 13, 2);
+    status.steady.waited_ticks = 8;
+    expect(1, 1, 13, 2);
+}
+
 static void test_hand_is_told_bit_by_bit(void)
 {
     for (uint32_t axis = 0; axis < hal_n_axes; axis++) {

@@ -77,3 +77,27 @@ static void test_empty_work_has_no_errors(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, sim_work_rms_um(&work));
     TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, sim_work_roundness_um(&work));
 }
+
+/// An oval turned by 200 urad with an offset and an error of its own three times per turn.
+static void test_turned_part_is_told_apart_from_its_form(void)
+{
+    const double turned_rad = 200e-6;
+    for (int i = 0; i < 7200; i++) {
+        const double at = SIM_TWO_PI * i / 3600.0;
+        const double exact_mm = 46.0 + 0.5 * cos(2.0 * at);
+        const double own_mm = 2e-3 + 1e-3 * sin(3.0 * at);
+        const double radius_mm = 46.0 + 0.5 * cos(2.0 * (at + turned_rad)) + own_mm;
+        sim_work_touch(&work, i % 3600 / 3600.0, 31.0, radius_mm, exact_mm, true);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, turned_rad, sim_work_turned_rad(&work));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, sqrt(4.0 + 0.5), sim_work_shape_rms_um(&work));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, sqrt(4.0 + 0.5 + 0.02), sim_work_rms_um(&work));
+}
+
+static void test_round_part_is_not_turned(void)
+{
+    sim_work_touch(&work, 0.1, 31.0, 46.001, 46.0, true);
+    sim_work_touch(&work, 0.1001, 31.0, 46.001, 46.0, true);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, sim_work_turned_rad(&work));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, sim_work_shape_rms_um(&work));
+}

@@ -130,6 +130,17 @@ _SENSE = (
     Missing("sense", "The spindle turns against the cutting direction: reverse it."),
 )
 _INDEX = (_lacks("is_synced"), Missing("index", "Wait for the spindle index: none seen yet."))
+_STEADY = (
+    _says("start_wait", "waits"),
+    Missing("steady", "Wait until the spindle turns steadily."),
+)
+_UNSTEADY = (
+    _says("start_wait", "unsteady"),
+    Missing(
+        "unsteady",
+        "The spindle did not turn steadily, so the last start was ended: check its drive.",
+    ),
+)
 _RETRACT = (_lacks("is_retracted"), Missing("retract", "Wait until the tool has left the work."))
 _HELD_BY_FEED = (
     lambda s, p: not s.get("is_held", 0.0) and s.get("override_of_feed", 100.0) < 1.0,
@@ -141,13 +152,13 @@ _ENABLES = (*_CAUSES, _TABLE, _U_PLACE, *_HOMES, _NO_BUTTON, _BUTTON)
 _STEPS: dict[str, tuple[tuple[tuple[Look, Missing], ...], str, str]] = {
     "off": (_ENABLES, "enable", "Press Enable to switch the drives on and find the spindle index."),
     "homing": ((_TURN, _SENSE, _INDEX), "", "Wait: the machine will be ready in a moment."),
-    "ready": ((_TABLE, *_HOMES), "start", "Press Start to cut the part."),
+    "ready": ((_TABLE, *_HOMES, _UNSTEADY), "start", "Press Start to cut the part."),
     "rehearsing": (
-        (),
+        (_STEADY,),
         "",
         "The tool moves clear of the work, to learn; the cut follows automatically.",
     ),
-    "engaging": ((), "", "The tool enters the work; STOP retracts it."),
+    "engaging": ((_STEADY,), "", "The tool enters the work; STOP retracts it."),
     "cutting": ((), "", "Cutting. Hold pauses Z, STOP retracts the tool."),
     "holding": ((_HELD_BY_FEED,), "resume", "Press Resume to continue, or STOP."),
     "disengaging": ((), "", "The tool leaves the work; wait until it is ready."),

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Encoder counts in step with the ticks, and the orientation of a part: MATHS.md (231)."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.tools.cases.camsim_cases import ROOT, camsim
+
+MACHINES = ROOT / "tests" / "learn" / "machines"
+
+
+def cut(
+    table: Path, folder: Path, machine: str, rpm: float, *words: str
+) -> tuple[str, dict[str, Any]]:
+    """Return what camsim prints of a cut, and its summary."""
+    summary = folder / f"{machine}.json"
+    options: list[str | Path] = ["--machine", MACHINES / f"{machine}.toml", "--rpm", str(rpm)]
+    done = camsim("run", table, *options, "--summary", summary, "--tolerance-um", "9", *words)
+    assert done.returncode == 0, done.stderr
+    return done.stdout, json.loads(summary.read_text())
+
+
+def test_the_better_speed_is_better(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+    """It is told where edges have no time stamps, and at least halves the error."""
+    printed, bad = cut(table_of("oval30"), tmp_path, "coarse", 3000)
+    assert "do not average" in printed and bad["better_rpm"] == 2990
+    printed, good = cut(table_of("oval30"), tmp_path, "coarse", bad["better_rpm"])
+    assert "do not average" not in printed and "better_rpm" not in good
+    assert good["form_error_um"]["max"] < bad["form_error_um"]["max"] / 2
+
+
+def test_stamped_edges_need_no_other_speed(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+    """Their counts have no steps."""
+    printed, summary = cut(table_of("oval30"), tmp_path, "stamps", 3000, "--turns-limit", "3")
+    assert "do not average" not in printed and "better_rpm" not in summary
+
+
+def test_a_lead_that_is_wrong_turns_the_part(
+    table_of: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """10 us more at 3000 r/min turn it by 3142 urad, which is nearly all of the error."""
+    words = ("--turns-limit", "20", "--set", "learn_harmonics=0", "--set", "rehearse_turns=0")
+    found = []
+    for lead_ns in (100_000, 110_000):
+        _, summary = cut(
+            table_of("oval30"), tmp_path, "known", 3000, *words, "--set", f"lead_ns={lead_ns}"
+        )
+        found.append(summary["form_error_um"])
+    by_urad = found[1]["turned_urad"] - found[0]["turned_urad"]
+    assert abs(by_urad) == pytest.approx(2 * 3.14159265 * 50 * 10, rel=0.02)
+    assert found[1]["rms_not_turned"] < 0.2 < found[1]["rms"]
