@@ -96,7 +96,7 @@ typedef struct {
     cam_state_t fault_state; ///< state when the fault occurred
 } sim_cut_t;
 
-/// @param cut    16 MB: allocate it
+/// @param cut    16 MB, zero-initialised: what a cut does not use then takes no memory
 /// @param image  image of a table; copied
 /// @param name   name of the table file, for messages
 /// @return       false and *e when the input is bad or the speed infeasible; then nothing to close

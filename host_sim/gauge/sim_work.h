@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_work: the blank, the tool tip on it, and a roundness gauge. Memory does not grow with the
-/// cut.
+/// cut; without a map most of it is never touched.
 ///
 ///     error = radius of the tool tip - exact radius at the tool's true angle and height
 ///     cut depth = blank radius - radius,  removed volume: dV = pi (blank^2 - radius^2) dz
@@ -46,13 +46,16 @@ typedef struct {
     double gouge_um;  ///< deepest cut below the exact surface in any state, above 0
     double last_z_mm; ///< of the last counted sample
     uint64_t n;       ///< counted samples
+    bool has_map;     ///< `cell` is kept
     sim_row_t row[sim_work_rows];
-    sim_cell_t cell[sim_work_rows][sim_work_columns];
+    sim_cell_t cell[sim_work_rows][sim_work_columns]; ///< the last member
 } sim_work_t;
 
 /// @param w         7 MB: allocate it
 /// @param blank_mm  radius of the blank
-void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm);
+/// @param has_map   keep the worst sample of each cell
+void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm,
+                   bool has_map);
 
 /// Take a sample of the tool tip.
 /// @param turn        [turn] 0 .. 1 from the long axis
