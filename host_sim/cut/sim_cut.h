@@ -82,6 +82,7 @@ typedef struct {
     sim_pass_result_t result[cam_table_max_passes]; ///< of the passes before it
     cam_feasibility_t feasibility;
     double max_s;
+    double full_first_turn, full_last_turn; ///< of the pass: range of turns at full feed
     // progress
     sim_cut_end_t end;
     cam_err_t refusal;
