@@ -7,7 +7,7 @@
 #include "hal/version.h"     // CAMTURN_VERSION
 #include "sim_trace.h"       // sim_trace_drain
 #include <stdlib.h>          // calloc, free
-#include <string.h>          // strdup
+#include <string.h>          // memset, strdup
 
 enum { max_words = 400 };
 
@@ -118,6 +118,7 @@ static bool open_cut(sim_api_t *s)
     if (!sim_file_read(&file, path, camsim_max_table_bytes, &s->error)) {
         return false;
     }
+    memset(&s->cut, 0, sizeof s->cut);
     s->is_open = sim_cut_open(&s->cut, &s->options.cut, file.bytes, file.size, path, &s->error);
     sim_file_free(&file);
     return s->is_open && camsim_check_lobes(&s->options, &s->cut, &s->error);
@@ -147,6 +148,7 @@ bool sim_api_begin(sim_api_t *s, const char *const *words, int n_words, const ch
         return false;
     }
     s->options.cut.is_traced = is_traced;
+    s->options.cut.session.has_map = true;
     if (!open_cut(s)) {
         sim_api_end(s);
         return false;

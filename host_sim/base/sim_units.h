@@ -3,6 +3,7 @@
 #ifndef SIM_UNITS_H
 #define SIM_UNITS_H
 
+#include <math.h>   // fabs
 #include <stdint.h> // int64_t
 
 #define SIM_PI 3.14159265358979323846
@@ -10,6 +11,7 @@
 #define SIM_NM_PER_MM 1e6
 #define SIM_UDEG_PER_TURN 360e6
 #define SIM_Q32_PER_UDEG (4294967296.0 / SIM_UDEG_PER_TURN)
+#define SIM_UDEG_PER_Q32 (SIM_UDEG_PER_TURN / 4294967296.0)
 
 /// Round to the nearest integer, ties to even, without a library call.
 /// @param v  |v| < 2^51
@@ -34,12 +36,13 @@ static inline double sim_fraction(double v)
 
 static inline double sim_clamp(double v, double lo, double hi)
 {
-    return v < lo ? lo : v > hi ? hi : v;
+    const double above = v < lo ? lo : v; // two instructions, without a jump
+    return above > hi ? hi : above;
 }
 
 static inline double sim_abs(double v)
 {
-    return v < 0.0 ? -v : v;
+    return fabs(v); // one instruction
 }
 
 #endif

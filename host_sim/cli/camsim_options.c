@@ -237,6 +237,7 @@ void camsim_warn_of_design(const camsim_options_t *o)
 static bool check(camsim_options_t *o, common_error_t *e)
 {
     o->cut.is_traced = o->out_path[camsim_trace] != NULL;
+    o->cut.session.has_map = o->out_path[camsim_surface] != NULL;
     if (o->machine_path != NULL && !sim_config_load(&o->cut.session.config, o->machine_path, e)) {
         return false;
     }

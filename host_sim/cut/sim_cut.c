@@ -105,10 +105,9 @@ const char *sim_cut_end_name(const sim_cut_t *cut)
 static bool measure_removal(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
-    const double ramp = cut->params.feed_ramp_turns;
-    const bool is_full = !sim_cut_has_rings(cut) && s->cut_turns > ramp + 1.0 &&
+    const bool is_full = !sim_cut_has_rings(cut) && s->cut_turns > cut->full_first_turn &&
                          sim_abs(sim_session_turn(s) - s->touched_at_turn) > 1.0 &&
-                         s->cut_turns < sim_cut_planned_turns(cut) - ramp;
+                         s->cut_turns < cut->full_last_turn;
     const double sense = s->table.direction; // the measurement needs a rising angle
     cut->removal.config.blank_mm = s->work.blank_mm;
     const double radius_mm = s->is_in_slot ? s->work.blank_mm : s->radius_mm;

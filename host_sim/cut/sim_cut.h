@@ -83,6 +83,7 @@ typedef struct {
     sim_pass_result_t result[cam_table_max_passes]; ///< of the passes before it
     cam_feasibility_t feasibility;
     double max_s;
+    double full_first_turn, full_last_turn; ///< of the pass: range of turns at full feed
     // progress
     sim_cut_end_t end;
     cam_err_t refusal;
@@ -98,7 +99,7 @@ typedef struct {
     cam_state_t fault_state; ///< state when the fault occurred
 } sim_cut_t;
 
-/// @param cut    16 MB: allocate it
+/// @param cut    16 MB, zero-initialised: what a cut does not use then takes no memory
 /// @param image  image of a table; copied
 /// @param name   name of the table file, for messages
 /// @return       false and *e when the input is bad or the speed infeasible; then nothing to close

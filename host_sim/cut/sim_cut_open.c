@@ -8,7 +8,6 @@
 #include "sim_units.h"    // SIM_NM_PER_MM
 #include <math.h>         // floor
 #include <stdio.h>        // snprintf
-#include <string.h>       // memset
 
 static void wish(sim_wishes_t *w, cam_param_id_t id, double value)
 {
@@ -357,7 +356,6 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
 bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
                   const char *name, common_error_t *e)
 {
-    memset(cut, 0, sizeof *cut);
     cut->options = *options;
     cut->fault_s = -1.0;
     if (!prepare(cut, image, size, name, e)) {

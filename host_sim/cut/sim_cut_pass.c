@@ -51,6 +51,9 @@ void sim_cut_plan_pass(sim_cut_t *cut)
         .nose_mm = o->nose_mm,
     };
     sim_removal_init(&cut->removal, &removal);
+    const double ramp_turns = cut->params.feed_ramp_turns;
+    cut->full_first_turn = ramp_turns + 1.0; // the rising feed left the chips of one more turn
+    cut->full_last_turn = sim_cut_planned_turns(cut) - ramp_turns;
     cut->session.mean_rad_s = mrpm_of(&cut->session.table, &cut->here) * (SIM_TWO_PI / 60e3);
 }
 

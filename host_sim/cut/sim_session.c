@@ -60,9 +60,10 @@ static double nose_mm(const sim_session_t *s)
 /// Start the gauges against the drawing, and against the target if there is one.
 static void init_work(sim_session_t *s, double blank_mm)
 {
-    sim_work_init(&s->work, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
+    const bool has_map = s->options.has_map;
+    sim_work_init(&s->work, blank_mm, s->design.z_first_mm, s->design.z_last_mm, has_map);
     if (s->has_target) {
-        sim_work_init(&s->control, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
+        sim_work_init(&s->control, blank_mm, s->design.z_first_mm, s->design.z_last_mm, has_map);
     }
 }
 

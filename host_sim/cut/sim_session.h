@@ -32,6 +32,7 @@ typedef struct {
     double max_s;            ///< [s] machine time after which the cut is aborted
     double tolerance_um;     ///< largest good form error
     double nose_mm;          ///< radius of the tool's nose; 0: that of the machine file
+    bool has_map;            ///< the gauges keep the map of the surface
     sim_inject_t inject[sim_session_max_injects];
     uint32_t n_injects;
 } sim_session_options_t;

@@ -2,7 +2,7 @@
 #include "sim_watch.h"
 #include "cam_state.h" // cam_state_name
 #include "sim_units.h" // SIM_NM_PER_MM
-#include <string.h>    // memcpy, memset
+#include <string.h>    // memcpy
 
 /// [s] that the end must last: a controller that only restarts continues sooner.
 #define QUIET_S 0.25
@@ -13,7 +13,6 @@
 bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const void *image,
                     size_t size, const char *name, common_error_t *e)
 {
-    memset(w, 0, sizeof *w);
     w->options = *options;
     w->link = sim_link_closed();
     sim_session_t *s = &w->session;

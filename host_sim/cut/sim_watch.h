@@ -48,7 +48,7 @@ typedef struct {
     uint32_t faults;  ///< all faults reported by the controller
 } sim_watch_t;
 
-/// @param w      16 MB: allocate it
+/// @param w      16 MB, zero-initialised
 /// @param image  image of a table; copied
 /// @param name   name of the table file, for messages
 /// @return       false and *e when the input is bad; then nothing to close

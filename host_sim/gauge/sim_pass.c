@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_pass.h"
 #include "sim_units.h" // sim_floor
-#include <stdint.h>    // int64_t
+#include <assert.h>    // static_assert
+#include <stdint.h>    // int64_t, uint32_t
 
-static int wrapped(int64_t place)
+static uint32_t wrapped(int64_t place)
 {
-    const int64_t n = sim_pass_kept;
-    return (int)(((place % n) + n) % n);
+    static_assert(UINT32_MAX % sim_pass_kept == sim_pass_kept - 1, "a power of 2");
+    return (uint32_t)place % sim_pass_kept;
 }
 
 /// @return [mm] height of the last pass at an angle, a turn ago

@@ -10,7 +10,7 @@ void sim_scallop_init(sim_scallop_t *s, double nose_mm, double z_first_mm, doubl
     s->z_first_mm = z_first_mm;
     s->z_last_mm = z_last_mm;
     s->has_last = false;
-    for (int i = 0; i < sim_scallop_angles; i++) {
+    for (int i = 0; i < sim_scallop_angles && nose_mm > 0.0; i++) {
         for (int j = 0; j < sim_scallop_heights; j++) {
             s->left_mm[i][j] = blank_mm;
         }

@@ -14,7 +14,7 @@ void sim_sections_init(sim_sections_t *s, const double *z_mm, int n, double z_fi
     s->n = n;
     s->first_mm = z_first_mm;
     s->step_mm = (z_last_mm - z_first_mm) / (sim_sections_heights - 1);
-    s->has_passes = true;
+    s->has_passes = n > 0;
     sim_sections_break(s);
     for (int i = 0; i < n; i++) {
         s->z_mm[i] = z_mm[i];
@@ -22,7 +22,7 @@ void sim_sections_init(sim_sections_t *s, const double *z_mm, int n, double z_fi
             s->section[i][k] = (sim_place_t){.e_mm = NAN};
         }
     }
-    for (int i = 0; i < sim_sections_lines; i++) {
+    for (int i = 0; i < sim_sections_lines && n > 0; i++) {
         for (int k = 0; k < sim_sections_heights; k++) {
             s->line_e_mm[i][k] = NAN;
         }

@@ -13,6 +13,7 @@ void sim_switches_init(sim_switches_t *s, const sim_switch_window_t *window)
         s->each[i].window = window[i];
         s->each[i].low_mm = HUGE_VAL;
         s->each[i].high_mm = -HUGE_VAL;
+        s->n_used = window[i].per_turn > 0.0 ? i + 1u : s->n_used;
     }
 }
 
@@ -61,7 +62,7 @@ static void let_act(const sim_switches_t *s, sim_switch_t *one, double t_s, doub
 
 void sim_switches_tick(sim_switches_t *s, double t_s, double turn, double z_mm, uint32_t bits)
 {
-    for (uint32_t i = 0; i < sim_switches_n; i++) {
+    for (uint32_t i = 0; i < s->n_used; i++) {
         sim_switch_t *one = &s->each[i];
         if (one->window.per_turn <= 0.0) {
             continue;

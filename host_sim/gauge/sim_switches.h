@@ -42,6 +42,7 @@ typedef struct {
 /// Zero-initialised: no switch in use.
 typedef struct {
     double t_s, turn; ///< of the last tick
+    uint32_t n_used;  ///< switches from the first to the last one in use
     sim_switch_t each[sim_switches_n];
 } sim_switches_t;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_turns.h"
-#include "sim_units.h" // sim_abs
-#include <math.h>      // floor, HUGE_VAL
+#include "sim_units.h" // sim_abs, sim_floor
+#include <math.h>      // HUGE_VAL
 
 /// U counts as moving from a fiftieth of the drawing's travel on.
 static const double moving_share = 0.02;
@@ -83,11 +83,11 @@ static void go_to(sim_turns_t *t, sim_turns_kind_t kind, double turn)
         t->n_whole = 0.0;
         begin_turn(t);
     }
-    const double whole = floor(sim_abs(turn - t->begin_turn));
-    if (whole > t->n_whole) {
+    const double turned = sim_abs(turn - t->begin_turn);
+    if (turned >= t->n_whole + 1.0) {
         end_turn(t);
         begin_turn(t);
-        t->n_whole = whole;
+        t->n_whole = (double)sim_floor(turned);
     }
 }
 

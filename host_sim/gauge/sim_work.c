@@ -4,23 +4,36 @@
 #include <math.h>      // sqrt
 #include <string.h>    // memset
 
-void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm)
+void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm,
+                   bool has_map)
 {
-    memset(w, 0, sizeof *w);
+    memset(w, 0, has_map ? sizeof *w : offsetof(sim_work_t, cell));
+    w->has_map = has_map;
     w->blank_mm = blank_mm;
     w->z_first_mm = z_first_mm;
     w->z_last_mm = z_last_mm;
     w->rows_per_mm = sim_work_rows / (z_last_mm - z_first_mm);
 }
 
+/// Add a sample to its cell of the map.
+static void count_cell(sim_cell_t *cell, double turn, double z_mm, double radius_mm,
+                       double error_nm)
+{
+    if (cell->n == 0u || sim_abs(error_nm) > sim_abs((double)cell->error_nm)) {
+        cell->turn = (float)turn;
+        cell->z_mm = z_mm;
+        cell->radius_mm = radius_mm;
+        cell->error_nm = (float)error_nm;
+    }
+    cell->n += cell->n < UINT32_MAX ? 1u : 0u;
+}
+
 /// Add a sample to the sums, its row and its cell of the map.
 static void count_error(sim_work_t *w, double turn, double z_mm, double radius_mm, double error_mm)
 {
     const double error_um = error_mm * 1e3;
-    const double error_nm = error_mm * SIM_NM_PER_MM;
     const double height = (z_mm - w->z_first_mm) * w->rows_per_mm;
     const size_t i_row = (size_t)sim_clamp(height, 0.0, sim_work_rows - 1);
-    const size_t i_column = (size_t)sim_clamp(turn * sim_work_columns, 0.0, sim_work_columns - 1);
     if (sim_abs(error_um) > w->max_um) {
         w->max_um = sim_abs(error_um);
         w->max_turn = turn;
@@ -32,14 +45,11 @@ static void count_error(sim_work_t *w, double turn, double z_mm, double radius_m
     row->max_um = row->n == 0u || error_um > row->max_um ? error_um : row->max_um;
     row->sum_um2 += error_um * error_um;
     row->n++;
-    sim_cell_t *cell = &w->cell[i_row][i_column];
-    if (cell->n == 0u || sim_abs(error_nm) > sim_abs((double)cell->error_nm)) {
-        cell->turn = (float)turn;
-        cell->z_mm = z_mm;
-        cell->radius_mm = radius_mm;
-        cell->error_nm = (float)error_nm;
+    if (w->has_map) {
+        const size_t i_column =
+            (size_t)sim_clamp(turn * sim_work_columns, 0.0, sim_work_columns - 1);
+        count_cell(&w->cell[i_row][i_column], turn, z_mm, radius_mm, error_mm * SIM_NM_PER_MM);
     }
-    cell->n += cell->n < UINT32_MAX ? 1u : 0u;
 }
 
 /// Add a sample to the sums of the part's orientation. Samples of a turn follow each other closely.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_work: the blank, the tool tip on it, and a roundness gauge. Memory does not grow with the
-/// cut.
+/// cut; without a map most of it is never touched.
 ///
 ///     error = radius of the tool tip - exact radius at the tool's true angle and height
 ///     cut depth = blank radius - radius,  removed volume: dV = pi (blank^2 - radius^2) dz
@@ -49,13 +49,16 @@ typedef struct {
     double turned_um2, slope_um2;    ///< sums of error times slope and of slope squared; the slope
                                      ///< in um per radian
     uint64_t n;                      ///< counted samples
+    bool has_map;                    ///< `cell` is kept
     sim_row_t row[sim_work_rows];
-    sim_cell_t cell[sim_work_rows][sim_work_columns];
+    sim_cell_t cell[sim_work_rows][sim_work_columns]; ///< the last member
 } sim_work_t;
 
 /// @param w         7 MB: allocate it
 /// @param blank_mm  radius of the blank
-void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm);
+/// @param has_map   keep the worst sample of each cell
+void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm,
+                   bool has_map);
 
 /// Take a sample of the tool tip.
 /// @param turn        [turn] 0 .. 1 from the long axis

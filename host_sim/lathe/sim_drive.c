@@ -198,7 +198,7 @@ static void limited_piece(sim_drive_t *d, double command_micro, double time_s)
 
 static bool is_beyond(double value, double limit)
 {
-    return value > limit || value < -limit;
+    return sim_abs(value) > limit;
 }
 
 /// Move in sub-steps against friction and an external force; noinline keeps the exact path short.
@@ -221,6 +221,9 @@ static void piece(sim_drive_t *d, double command_micro, const sim_drive_flow_t *
     }
     const double limit = d->acceleration_micro_per_s2;
     const double off_micro = d->pos_micro - command_micro;
+    if (off_micro == 0.0 && d->vel_micro_per_s == 0.0) { // at rest at the command
+        return;
+    }
     const double pos_micro = command_micro + flow->pp * off_micro + flow->pv * d->vel_micro_per_s;
     const double vel = flow->vp * off_micro + flow->vv * d->vel_micro_per_s;
     if (is_beyond(acceleration(d, d->pos_micro, d->vel_micro_per_s, command_micro), limit) ||

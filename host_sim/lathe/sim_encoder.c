@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_encoder.h"
-#include "sim_units.h" // sim_clamp, sim_floor, sim_fraction
-#include <math.h>      // sin
+#include "sim_sine.h"  // sim_sine
+#include "sim_units.h" // sim_clamp, sim_floor
 
 sim_encoder_config_t sim_encoder_defaults(void)
 {
@@ -18,8 +18,7 @@ static double place_counts(const sim_encoder_config_t *c, double turn)
 {
     double counts = c->counts_per_turn * turn;
     if (c->eccentricity_counts > 0.0) {
-        const double angle = SIM_TWO_PI * sim_fraction(turn - c->eccentricity_turn);
-        counts += c->eccentricity_counts * sin(angle);
+        counts += c->eccentricity_counts * sim_sine(turn - c->eccentricity_turn);
     }
     return c->sign < 0.0 ? -counts : counts;
 }
@@ -99,9 +98,6 @@ static double passed_at(const sim_encoder_t *e, double to_turn, double to_speed,
 
 void sim_encoder_stamp(sim_encoder_t *e, double turn, double speed_turns_per_s, double dt_s)
 {
-    if (e->config.has_time_stamps == 0.0) {
-        return;
-    }
     e->edge_age_s += dt_s;
     if (e->counts != e->stamped_counts) {
         const int64_t edge = e->counts > e->stamped_counts ? e->counts : e->counts + 1;

@@ -5,7 +5,12 @@
 
 void sim_home_init(sim_home_t *h, const sim_home_config_t *config, double place_mm)
 {
-    *h = (sim_home_t){.config = *config, .last_mm = place_mm};
+    *h = (sim_home_t){
+        .config = *config,
+        .is_used = config->side != 0.0 || config->pitch_mm > 0.0,
+        .zero_nm = (int32_t)sim_round(config->zero_mm * SIM_NM_PER_MM),
+        .last_mm = place_mm,
+    };
 }
 
 /// @return whether an index is between two positions
@@ -24,9 +29,4 @@ void sim_home_look(sim_home_t *h, double place_mm, uint32_t n_shown)
     h->last_mm = place_mm;
     h->is_on = c->side != 0.0 && beyond_mm >= 0.0;
     h->is_seen = h->n_left > 0u;
-}
-
-int32_t sim_home_zero_nm(const sim_home_t *h)
-{
-    return (int32_t)sim_round(h->config.zero_mm * SIM_NM_PER_MM);
 }

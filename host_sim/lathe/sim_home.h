@@ -16,6 +16,8 @@ typedef struct {
 
 typedef struct {
     sim_home_config_t config;
+    bool is_used;        ///< there is a switch or an index
+    int32_t zero_nm;     ///< position where the scale counts 0
     double last_mm;      ///< last position
     uint32_t n_left;     ///< [ticks] for which the last index is still shown
     bool is_on, is_seen; ///< on the switch; an index is shown
@@ -27,8 +29,5 @@ void sim_home_init(sim_home_t *h, const sim_home_config_t *config, double place_
 /// Update with the position of the slide, once per tick.
 /// @param n_shown  [ticks] for which an index is shown
 void sim_home_look(sim_home_t *h, double place_mm, uint32_t n_shown);
-
-/// @return [nm] position where the scale counts 0
-int32_t sim_home_zero_nm(const sim_home_t *h);
 
 #endif

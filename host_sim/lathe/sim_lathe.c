@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_lathe.h"
-#include "sim_units.h" // sim_abs, sim_fraction, SIM_TWO_PI
-#include <math.h>      // cos
+#include "sim_sine.h"  // sim_cosine
+#include "sim_units.h" // sim_abs, SIM_TWO_PI
 
 sim_lathe_config_t sim_lathe_defaults(void)
 {
@@ -32,6 +32,8 @@ void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double ste
     *l = (sim_lathe_t){
         .step_s = step_s,
         .chip = config->chip,
+        .is_scale_ideal = config->mode[0].hz <= 0.0 && config->mode[1].hz <= 0.0 &&
+                          config->scale.latency_us <= 0.0 && config->scale.error_nm <= 0.0,
         .runout_nm = config->runout_um * 1e3,
         .runout_2_nm = config->runout_2_um * 1e3,
     };
@@ -51,6 +53,9 @@ void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double ste
 static void follow_u(sim_lathe_t *l, sim_drive_place_t from, double first_s, double second_s)
 {
     sim_drive_t *u = &l->drive[hal_axis_u];
+    if (l->is_scale_ideal) {
+        return;
+    }
     const sim_drive_place_t middle = first_s > 0.0 ? u->middle : from;
     const sim_mode_travel_t first = {{from.pos_micro, middle.pos_micro},
                                      {from.vel_micro_per_s, middle.vel_micro_per_s}};
@@ -127,7 +132,7 @@ void sim_lathe_bite(sim_lathe_t *l, double depth_mm)
 int32_t sim_lathe_measured_micro(const sim_lathe_t *l, int drive)
 {
     const sim_drive_t *d = &l->drive[drive];
-    if (drive != hal_axis_u || d->is_blocked) {
+    if (drive != hal_axis_u || d->is_blocked || l->is_scale_ideal) {
         return sim_drive_measured_micro(d);
     }
     return sim_drive_reported_micro(d, sim_scale_read_micro(&l->scale));
@@ -150,8 +155,10 @@ static hal_encoder_t distorted(const sim_lathe_t *l)
 hal_encoder_t sim_lathe_encoder(sim_lathe_t *l)
 {
     l->true_reading = sim_encoder_read(&l->encoder, l->spindle.turn);
-    sim_encoder_stamp(&l->encoder, l->spindle.turn,
-                      sim_spindle_true_rad_per_s(&l->spindle) / SIM_TWO_PI, l->unread_s);
+    if (l->encoder.config.has_time_stamps != 0.0) {
+        sim_encoder_stamp(&l->encoder, l->spindle.turn,
+                          sim_spindle_true_rad_per_s(&l->spindle) / SIM_TWO_PI, l->unread_s);
+    }
     l->unread_s = 0.0;
     return distorted(l);
 }
@@ -173,7 +180,7 @@ void sim_lathe_kill_index(sim_lathe_t *l)
 static double tip_beside_nm(const sim_lathe_t *l)
 {
     double nm = -1e3 * sim_chip_bend_um(&l->chip, l->chip_n);
-    for (int i = 0; i < sim_mode_n; i++) {
+    for (int i = 0; i < sim_mode_n && !l->is_scale_ideal; i++) {
         nm += sim_mode_tip_micro(&l->mode[i]);
     }
     return nm;
@@ -182,8 +189,8 @@ static double tip_beside_nm(const sim_lathe_t *l)
 /// @return [nm] change of the tool's distance by the spindle's run-out
 static double runout_nm(const sim_lathe_t *l)
 {
-    const double angle = SIM_TWO_PI * sim_fraction(l->spindle.turn);
-    return l->runout_nm * cos(angle) + l->runout_2_nm * cos(2.0 * angle);
+    const double turn = l->spindle.turn;
+    return l->runout_nm * sim_cosine(turn) + l->runout_2_nm * sim_cosine(2.0 * turn);
 }
 
 sim_sample_t sim_lathe_sample(const sim_lathe_t *l, double t_s)

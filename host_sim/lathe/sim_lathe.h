@@ -75,6 +75,7 @@ typedef struct {
     sim_mode_t mode[sim_mode_n];
     sim_scale_t scale;
     sim_chip_config_t chip;
+    bool is_scale_ideal; ///< U has no modes, and its scale neither latency nor error
     double runout_nm, runout_2_nm;
     double chip_n;   ///< present radial cutting force
     double unread_s; ///< time since the last reading of the encoder

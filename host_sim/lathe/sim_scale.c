@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_scale.h"
-#include "sim_units.h" // sim_floor, SIM_TWO_PI
-#include <math.h>      // sin
+#include "sim_sine.h"  // sim_sine
+#include "sim_units.h" // sim_floor
 
 sim_scale_config_t sim_scale_defaults(void)
 {
@@ -14,7 +14,7 @@ void sim_scale_init(sim_scale_t *s, const sim_scale_config_t *config, double pos
     *s = (sim_scale_t){
         .latency_steps = config->latency_us * 1e-6 / step_s,
         .error_micro = config->error_nm,
-        .per_micro_rad = 2.0 * SIM_TWO_PI / (config->period_um * 1e3),
+        .periods_per_micro = 2.0 / (config->period_um * 1e3),
         .step_s = step_s,
     };
     for (int i = 0; i < sim_scale_ring; i++) {
@@ -47,8 +47,9 @@ static double earlier(const sim_scale_t *s)
 
 static double shown(const sim_scale_t *s, double seen_micro)
 {
-    return s->error_micro > 0.0 ? seen_micro + s->error_micro * sin(s->per_micro_rad * seen_micro)
-                                : seen_micro;
+    return s->error_micro > 0.0
+               ? seen_micro + s->error_micro * sim_sine(s->periods_per_micro * seen_micro)
+               : seen_micro;
 }
 
 double sim_scale_now_micro(const sim_scale_t *s)

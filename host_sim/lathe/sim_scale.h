@@ -25,7 +25,7 @@ typedef struct {
 
 typedef struct {
     double latency_steps;
-    double error_micro, per_micro_rad; ///< e, 4 pi / P
+    double error_micro, periods_per_micro; ///< e, 2 / P
     double step_s;
     uint32_t i;
     double pos_micro[sim_scale_ring], vel_micro_per_s[sim_scale_ring];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_spindle.h"
-#include "sim_units.h" // SIM_TWO_PI, sim_clamp, sim_fraction
-#include <math.h>      // exp, sin
+#include "sim_sine.h"  // sim_sine
+#include "sim_units.h" // SIM_TWO_PI, sim_clamp
+#include <math.h>      // exp
 #include <stdbool.h>   // bool
 
 sim_spindle_config_t sim_spindle_defaults(void)
@@ -42,16 +43,11 @@ static double speed_after(const sim_spindle_t *s, double set_rad_per_s, double d
     return s->speed_rad_per_s + sim_clamp(wanted, -limit, limit);
 }
 
-static double wave(double periods)
-{
-    return sin(SIM_TWO_PI * sim_fraction(periods));
-}
-
 /// The ripple is a function of the angle, not of time.
 static double rippled(const sim_spindle_t *s, double turn)
 {
-    const double first = 1.0 + s->ripple * wave(s->ripple_per_turn * turn);
-    return s->ripple_2 > 0.0 ? first + s->ripple_2 * wave(s->ripple_per_turn_2 * turn) : first;
+    const double first = 1.0 + s->ripple * sim_sine(s->ripple_per_turn * turn);
+    return s->ripple_2 > 0.0 ? first + s->ripple_2 * sim_sine(s->ripple_per_turn_2 * turn) : first;
 }
 
 void sim_spindle_step(sim_spindle_t *s, double set_rad_per_s, double dt_s)

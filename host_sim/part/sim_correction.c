@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_correction.h"
-#include "sim_json.h"  // sim_json_cubics
-#include "sim_units.h" // SIM_TWO_PI
-#include <math.h>      // cos, floor, sin
-#include <stdio.h>     // snprintf
-#include <stdlib.h>    // calloc, free
+#include "sim_json.h" // sim_json_cubics
+#include "sim_sine.h" // sim_cosine, sim_sine
+#include <math.h>     // floor
+#include <stdio.h>    // snprintf
+#include <stdlib.h>   // calloc, free
 
 #define REMEDY SIM_JSON_REMEDY
 
@@ -53,9 +53,9 @@ double sim_correction_delta_mm(sim_correction_t *c, double turn, double z_mm)
     double delta_mm = 0.0;
     for (size_t i = 0; i < c->n; i++) {
         sim_wave_t *w = &c->wave[i];
-        const double phi_rad = SIM_TWO_PI * w->order * turn;
-        delta_mm += sim_cubics_at(&w->cos_mm, z_mm) * cos(phi_rad) +
-                    sim_cubics_at(&w->sin_mm, z_mm) * sin(phi_rad);
+        const double waves = w->order * turn;
+        delta_mm += sim_cubics_at(&w->cos_mm, z_mm) * sim_cosine(waves) +
+                    sim_cubics_at(&w->sin_mm, z_mm) * sim_sine(waves);
     }
     return delta_mm;
 }

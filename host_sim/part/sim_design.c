@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_design.h"
 #include "sim_design_table.h" // sim_design_table_radius_mm
+#include "sim_sine.h"         // sim_sine
 #include "sim_units.h"        // SIM_TWO_PI
-#include <math.h>             // fabs, sin, sqrt
+#include <math.h>             // fabs, sqrt
 
 double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g_mm, double s2)
 {
@@ -20,7 +21,7 @@ double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g
 
 static void look_up_arc(sim_design_t *d, double z_mm)
 {
-    d->sin_joint = sin(SIM_TWO_PI * sim_cubics_at(&d->joint_turn, z_mm));
+    d->sin_joint = sim_sine(sim_cubics_at(&d->joint_turn, z_mm));
     const double s2 = d->sin_joint * d->sin_joint;
     const double at_joint_mm = sim_design_delta_mm(d->oval, d->beta, d->a_mm, d->g_mm, s2);
     d->arc =
@@ -43,15 +44,14 @@ static void look_up(sim_design_t *d, double z_mm)
 static double drawn_mm(sim_design_t *d, double turn, double z_mm)
 {
     const double phase_rad = d->is_turned ? sim_cubics_at(&d->phase_rad, z_mm) : 0.0;
+    const double drawn = turn - phase_rad / SIM_TWO_PI;
     if (d->shape == sim_shape_surface) {
-        const double drawn = turn - phase_rad / SIM_TWO_PI;
         return d->a_mm - sim_surface_delta_mm(&d->surface, drawn, z_mm);
     }
-    const double phi_rad = SIM_TWO_PI * turn - phase_rad;
     if (d->shape == sim_shape_sides) {
-        return d->a_mm - sim_sides_delta_mm(&d->sides, d->a_mm, phi_rad, z_mm);
+        return d->a_mm - sim_sides_delta_mm(&d->sides, d->a_mm, SIM_TWO_PI * drawn, z_mm);
     }
-    const double s = fabs(sin(phi_rad));
+    const double s = fabs(sim_sine(drawn));
     if (d->shape == sim_shape_arc) {
         return s < d->sin_joint
                    ? d->a_mm - sim_design_delta_mm(d->oval, d->beta, d->a_mm, d->g_mm, s * s)

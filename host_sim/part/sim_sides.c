@@ -2,8 +2,9 @@
 #include "sim_sides.h"
 #include "sim_design.h" // sim_design_delta_mm
 #include "sim_json.h"   // sim_json_cubics
+#include "sim_sine.h"   // sim_sine
 #include "sim_units.h"  // SIM_PI, sim_abs, sim_clamp, sim_fraction
-#include <math.h>       // pow, sin
+#include <math.h>       // pow
 #include <stdio.h>      // snprintf
 #include <string.h>     // strcmp
 
@@ -26,7 +27,7 @@ static double law_mm(sim_law_t law, double parameter, double a_mm, double g_mm, 
 static double side_mm(sim_side_t *s, double a_mm, double phi_rad, double z_mm)
 {
     const double drop_mm = sim_cubics_at(&s->drop_mm, z_mm);
-    const double sine = sin(phi_rad - sim_cubics_at(&s->phase_rad, z_mm));
+    const double sine = sim_sine((phi_rad - sim_cubics_at(&s->phase_rad, z_mm)) / SIM_TWO_PI);
     return drop_mm + law_mm(s->law, sim_cubics_at(&s->parameter, z_mm), a_mm - drop_mm,
                             sim_cubics_at(&s->ovality_mm, z_mm), sine * sine);
 }

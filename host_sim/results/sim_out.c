@@ -5,7 +5,7 @@
 #include <math.h>     // floor
 #include <signal.h>   // sigaction
 #include <stdlib.h>   // mkstemp, realpath
-#include <string.h>   // strlen
+#include <string.h>   // memcpy, strlen
 #include <sys/stat.h> // stat
 #include <unistd.h>   // fsync, unlink
 
@@ -246,6 +246,16 @@ void sim_out_char(sim_out_t *o, char c)
     o->buffer[o->n++] = c;
 }
 
+/// Append n <= 40 bytes to the buffer.
+static void append(sim_out_t *o, const char *bytes, size_t n)
+{
+    if (o->n + n > sim_out_buffer) {
+        flush(o);
+    }
+    memcpy(o->buffer + o->n, bytes, n);
+    o->n += n;
+}
+
 void sim_out_text(sim_out_t *o, const char *text)
 {
     for (; *text != '\0'; text++) {
@@ -259,22 +269,24 @@ void sim_out_decimal(sim_out_t *o, int64_t value, int decimals)
         sim_values_add(o->values, value, decimals);
         return;
     }
-    char digits[40];
-    int n = 0;
+    char text[40]; // filled from its end
+    char *first = text + sizeof text;
     uint64_t rest = value < 0 ? -(uint64_t)value : (uint64_t)value;
-    do {
-        digits[n++] = (char)('0' + rest % 10u);
+    for (int i = 0; i < decimals; i++) {
+        *--first = (char)('0' + rest % 10u);
         rest /= 10u;
-    } while (rest > 0u || n <= decimals);
+    }
+    if (decimals > 0) {
+        *--first = '.';
+    }
+    do {
+        *--first = (char)('0' + rest % 10u);
+        rest /= 10u;
+    } while (rest > 0u);
     if (value < 0) {
-        sim_out_char(o, '-');
+        *--first = '-';
     }
-    while (n > 0) {
-        sim_out_char(o, digits[--n]);
-        if (n == decimals && n > 0) {
-            sim_out_char(o, '.');
-        }
-    }
+    append(o, first, (size_t)(text + sizeof text - first));
 }
 
 void sim_out_integer(sim_out_t *o, int64_t value)

@@ -31,7 +31,10 @@ static void sense_axis(sim_port_t *p, int axis)
     sim_home_t *h = &p->home[axis];
     const uint32_t on = (uint32_t)hal_in_home_u << axis;
     const uint32_t seen = (uint32_t)hal_in_index_u << axis;
-    hal_host.in.axis_nm[axis] = sim_lathe_measured_micro(&p->lathe, axis) - sim_home_zero_nm(h);
+    hal_host.in.axis_nm[axis] = sim_lathe_measured_micro(&p->lathe, axis) - h->zero_nm;
+    if (!h->is_used) {
+        return;
+    }
     sim_home_look(h, p->lathe.drive[axis].pos_micro / SIM_MICRO, p->n_shown);
     hal_host.in.inputs =
         (hal_host.in.inputs & ~(on | seen)) | bit_if(h->is_on, on) | bit_if(h->is_seen, seen);
@@ -68,8 +71,8 @@ static sim_setpoints_t wanted(sim_port_t *p)
     };
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         set.micro[i] = i == sim_lathe_swing
-                           ? (int32_t)sim_round(p->swing_set_q32 / SIM_Q32_PER_UDEG)
-                           : hal_host.out.axis[i].pos_nm + sim_home_zero_nm(&p->home[i]);
+                           ? (int32_t)sim_round(p->swing_set_q32 * SIM_UDEG_PER_Q32)
+                           : hal_host.out.axis[i].pos_nm + p->home[i].zero_nm;
         set.is_enabled[i] = (hal_host.out.outputs & hal_out_enable) != 0u;
     }
     return set;

@@ -10,7 +10,7 @@
 #include "sim_file.h"           // sim_file_read
 #include <stdio.h>              // printf
 #include <stdlib.h>             // calloc
-#include <string.h>             // memcpy
+#include <string.h>             // memcpy, memset
 #include <time.h>               // clock_gettime
 
 enum { n_senses = 100000, n_rounds = 7, max_table_bytes = 1 << 26 };
@@ -39,6 +39,7 @@ static bool open_cut(bench_t *b, bool is_traced)
                                  .is_traced = is_traced};
     options.session.config.lathe.tick_hz = b->tick_hz;
     common_error_t e;
+    memset(&b->cut, 0, sizeof b->cut);
     if (!sim_cut_open(&b->cut, &options, b->table.bytes, b->table.size, b->name, &e)) {
         (void)fprintf(stderr, "bench_tick: %s\n", e.text);
         return false;

@@ -26,6 +26,7 @@ void tearDown(void)
 
 static bool open_cut(void)
 {
+    memset(&cut, 0, sizeof cut);
     return sim_cut_open(&cut, &options, image.bytes, image.size, "short.camtab", &error);
 }
 

@@ -6,6 +6,7 @@
 #include "fixture_image.h"
 #include "sim_watch.h"
 #include "unity.h"
+#include <string.h> // memset
 
 enum { cut_begin = 300, cut_end = 600 }; ///< periods of 1 ms
 enum { word_shutdown = 0x06, word_switch_on = 0x07, word_enable = 0x0F };
@@ -119,6 +120,7 @@ bool sim_link_is_stopped(void)
 /// Watch until the end. @return how it ended
 static const char *run(void)
 {
+    memset(&watch, 0, sizeof watch);
     TEST_ASSERT_TRUE_MESSAGE(
         sim_watch_open(&watch, &options, image.bytes, image.size, "short.camtab", &error),
         error.text);

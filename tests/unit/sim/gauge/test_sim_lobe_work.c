@@ -41,7 +41,7 @@ static void begin(bool is_turned)
                  .reach_mm = DISC_MM + ROLLER_MM,
                  .offset_mm = OFFSET_MM},
     };
-    sim_work_init(&work, 30.1, 0.0, 12.0);
+    sim_work_init(&work, 30.1, 0.0, 12.0, true);
     sim_lobe_work_init(&lobes, &design, &work, 1, TIP_MM, 0.0);
 }
 
@@ -197,7 +197,7 @@ static void test_cut_below_the_base_circle_between_lobes_is_a_gouge(void)
         design.lobe[1].z_first_mm = 14.0;
         design.lobe[1].z_last_mm = 20.0;
         design.n_lobes = 2;
-        sim_work_init(&work, 30.1, 0.0, 20.0);
+        sim_work_init(&work, 30.1, 0.0, 20.0, true);
         sim_lobe_tool_t tool = {.centre_mm = design.base_mm + design.follower_mm + 1.0,
                                 .z_mm = 13.0};
         sim_lobe_work_cut(&lobes, &tool);

@@ -2,13 +2,14 @@
 #include "sim_units.h" // SIM_PI
 #include "sim_work.h"
 #include "unity.h"
-#include <math.h> // sin
+#include <math.h>   // sin
+#include <string.h> // memset
 
 static sim_work_t work;
 
 void setUp(void)
 {
-    sim_work_init(&work, 46.1, 0.0, 62.0);
+    sim_work_init(&work, 46.1, 0.0, 62.0, true);
 }
 
 static void test_touch_counts_largest_and_rms_error(void)
@@ -41,6 +42,19 @@ static void test_cell_keeps_the_worst_sample(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, -2000.0, (double)cell->error_nm);
     TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.50002, (double)cell->turn);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 45.998, cell->radius_mm);
+}
+
+static void test_without_a_map_the_figures_stay_and_no_cell_is_touched(void)
+{
+    static const sim_cell_t untouched;
+    sim_work_touch(&work, 0.1, 10.0, 46.003, 46.0, true);
+    const double rms_um = sim_work_rms_um(&work);
+    memset(&work, 0, sizeof work);
+    sim_work_init(&work, 46.1, 0.0, 62.0, false);
+    sim_work_touch(&work, 0.1, 10.0, 46.003, 46.0, true);
+    TEST_ASSERT_EQUAL_DOUBLE(rms_um, sim_work_rms_um(&work));
+    TEST_ASSERT_EQUAL_UINT64(1u, work.row[41].n);
+    TEST_ASSERT_EQUAL_MEMORY(&untouched, &work.cell[41][72], sizeof untouched);
 }
 
 static void test_places_beyond_the_map_fall_into_its_edge(void)

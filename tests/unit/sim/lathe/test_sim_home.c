@@ -27,7 +27,7 @@ static void test_look_sees_the_switch_on_its_side_and_an_index_for_a_while(void)
     TEST_ASSERT_TRUE(home.is_on && home.is_seen);
     sim_home_look(&home, 9.0, 2);
     TEST_ASSERT_TRUE(home.is_on && !home.is_seen);
-    TEST_ASSERT_EQUAL_INT32(1000000, sim_home_zero_nm(&home));
+    TEST_ASSERT_EQUAL_INT32(1000000, home.zero_nm);
 }
 
 static void test_look_without_switch_and_index_sees_nothing(void)
