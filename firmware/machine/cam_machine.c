@@ -335,7 +335,7 @@ void cam_machine_poll(cam_machine_t *m)
     end_pass(m, &status);
     poll_hold(m, &status);
     poll_approach(m, &status);
-    cam_machine_ilc_poll(m, status.state);
+    cam_machine_ilc_poll(m, status.state, !status.is_u_at_rest);
     if (!m->has_table) {
         return;
     }

@@ -307,8 +307,9 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id);
 /// One step of learning: take a turn from the interrupt, process one harmonic, or blend the values
 /// in force one step towards the learned ones. Part of cam_machine_poll(). Must run at least a
 /// hundred times per spindle turn, so a main loop slower than that calls it in addition.
-/// @param state  of the status
-void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state);
+/// @param state        of the status
+/// @param is_u_moving  the status has no is_u_at_rest
+void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving);
 
 /// @return status of learning
 cam_ilc_status_t cam_machine_learning(const cam_machine_t *m);

@@ -190,14 +190,14 @@ static int32_t angle_step_q23(const cam_machine_t *m)
     return step < INT16_MAX ? (int32_t)step + 1 : INT16_MAX;
 }
 
-void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state)
+void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
 {
     const cam_params_t *p = &m->params;
     if (p->learn_harmonics == 0 && p->ripple_turns == 0 && cam_ilc_is_idle(&m->ilc)) {
         return;
     }
     cam_ilc_setup_t setup = setup_of(m);
-    setup.is_u_moving = !cam_machine_status(m).is_u_at_rest;
+    setup.is_u_moving = is_u_moving;
     cam_turn_bins_t *bins = &m->core->bins;
     cam_ilc_poll(&m->ilc, &setup, state, bins);
     const uint32_t at_q8 = atomic_load_explicit(&bins->at_q8, memory_order_relaxed);

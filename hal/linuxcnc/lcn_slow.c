@@ -329,7 +329,8 @@ static void learn(int32_t period_ns)
     const int64_t turns_per_s = slow.machine.params.spindle_limit_mrpm / 60000 + 1;
     const int64_t n = turns_per_s * updates_per_turn * period_ns / 1000000000;
     for (int64_t i = 0; i < n; i++) {
-        cam_machine_ilc_poll(&slow.machine, cam_machine_status(&slow.machine).state);
+        const cam_status_t status = cam_machine_status(&slow.machine);
+        cam_machine_ilc_poll(&slow.machine, status.state, !status.is_u_at_rest);
     }
 }
 

@@ -88,11 +88,13 @@ static void read_learned(const uint8_t *data, size_t size)
                             is == value,
                         "learned value %u is %d, not %d", (unsigned)index, (int)is, (int)value);
         }
-        cam_machine_ilc_poll(&fuzz_rig.machine, cam_state_off);
+        cam_machine_ilc_poll(&fuzz_rig.machine, cam_state_off,
+                             !cam_machine_status(&fuzz_rig.machine).is_u_at_rest);
         fuzz_rig_tick();
     }
     for (uint32_t i = 0; i < 16u; i++) {
-        cam_machine_ilc_poll(&fuzz_rig.machine, cam_state_off);
+        cam_machine_ilc_poll(&fuzz_rig.machine, cam_state_off,
+                             !cam_machine_status(&fuzz_rig.machine).is_u_at_rest);
         fuzz_rig_tick();
     }
 }

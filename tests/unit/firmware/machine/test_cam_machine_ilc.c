@@ -113,7 +113,8 @@ static uint32_t generations(uint32_t n_polls)
 {
     const uint32_t before = rig.machine.generation;
     for (uint32_t i = 0; i < n_polls; i++) {
-        cam_machine_ilc_poll(&rig.machine, cam_state_ready);
+        cam_machine_ilc_poll(&rig.machine, cam_state_ready,
+                             !cam_machine_status(&rig.machine).is_u_at_rest);
         fixture_rig_ticks(&rig, 2);
     }
     return rig.machine.generation - before;
@@ -172,7 +173,8 @@ static void test_each_reason_to_work_suffices(void)
         set(cam_param_ripple_turns, cases[i].turns);
         rig.machine.ilc.blending = cases[i].blending;
         rig.machine.ilc.state = cam_state_off;
-        cam_machine_ilc_poll(&rig.machine, cam_state_ready);
+        cam_machine_ilc_poll(&rig.machine, cam_state_ready,
+                             !cam_machine_status(&rig.machine).is_u_at_rest);
         TEST_ASSERT_EQUAL_UINT8(cases[i].works ? cam_state_ready : cam_state_off,
                                 rig.machine.ilc.state);
         fixture_rig_ticks(&rig, 2);
@@ -188,7 +190,8 @@ static void test_walk_waits_for_the_interrupt(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&rig.machine, cam_param_trace_on, 1));
     const uint32_t before = rig.machine.generation;
     for (int i = 0; i < 100; i++) {
-        cam_machine_ilc_poll(&rig.machine, cam_state_ready);
+        cam_machine_ilc_poll(&rig.machine, cam_state_ready,
+                             !cam_machine_status(&rig.machine).is_u_at_rest);
     }
     TEST_ASSERT_EQUAL_UINT32(before, rig.machine.generation);
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
@@ -265,7 +268,8 @@ static uint32_t floor_of(int32_t scale_nm)
             record.angle.speed_q32 = step_q32;
             cam_turn_bins_plan_isr(g, &record, &motion);
         }
-        cam_machine_ilc_poll(&rig.machine, cam_state_rehearsing);
+        cam_machine_ilc_poll(&rig.machine, cam_state_rehearsing,
+                             !cam_machine_status(&rig.machine).is_u_at_rest);
         rig.machine.ilc.blending = 0;
     }
     TEST_ASSERT_TRUE(rig.machine.ilc.n_turns > 0u);

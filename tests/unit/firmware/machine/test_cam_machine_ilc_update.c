@@ -47,7 +47,7 @@ static void play(cam_state_t state)
     rig.machine.ilc.blending = 0;
     rig.machine.ilc.good_from = 0;
     for (int i = 0; i < 40; i++) {
-        cam_machine_ilc_poll(&rig.machine, state);
+        cam_machine_ilc_poll(&rig.machine, state, !cam_machine_status(&rig.machine).is_u_at_rest);
     }
 }
 
