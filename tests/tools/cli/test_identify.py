@@ -141,17 +141,43 @@ def test_part_may_decide(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert (tmp_path / "coarse_identified.toml").exists()
 
 
+def test_recording_of_another_instrument(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Text and JSON have each constant with its deviation; a file that cannot be used is named."""
+    noise = np.random.default_rng(1).normal(0, 20_000.0, 20_020)
+    u_nm = np.convolve(noise, np.hanning(21), "valid")[:20_000]
+    y_nm = played([Plant()], u_nm, 10_000.0)[0]
+    path, header = tmp_path / "scope.csv", "time_s,command_um,position_nm"
+    rows = np.column_stack([np.arange(u_nm.size) / 10_000, u_nm / 1000, y_nm])
+    np.savetxt(path, rows, delimiter=",", fmt="%.9g", header=header, comments="")
+    status, text = run("--record", path, "-o", tmp_path / "out")
+    assert status == 0
+    assert text == (tmp_path / "out" / "scope_identified.txt").read_text()
+    told = json.loads((tmp_path / "out" / "scope_identified.json").read_text())
+    assert told["constants"]["k1 ns"]["found"] == pytest.approx(Plant().k1_s * 1e9, rel=0.02)
+    assert told["problems"] == []
+    assert re.search(r"^natural frequency Hz +30[01]\S* +\S+$|^natural .* 29\d", text, re.MULTILINE)
+    assert run("--record", tmp_path / "none.csv")[0] == 2
+    line = capsys.readouterr().err
+    assert line.startswith(f"identify: --record {tmp_path / 'none.csv'}: cannot be read: No such")
+    path.write_text("time_s,command_um\n0,1\n")
+    assert run("--record", path)[0] == 2
+    assert "line 1: needs one column of the position" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
         ("--machine default --form-error-um 1", "--form-error-um: needs a part: add PART"),
-        ("", "one of the arguments --machine --bus is required"),
+        ("", "one of the arguments --machine --bus --record is required"),
         (
             "--machine nowhere",
             "--machine nowhere: no such machine; give one of analog_position, cam,",
         ),
         ("--machine default --apply", "--apply: needs a folder for the machine file"),
         ("--machine default --rpm 900", "--rpm: needs a part: add PART.toml"),
+        ("--record a.csv --apply", "--apply: has no effect with --record; leave it out"),
         ("--machine default --channel can0", "--channel: needs a bus: use --bus instead of"),
         ("--machine default --rms-um 0", "argument --rms-um: 0: give a number above 0"),
         ("--machine default --periods 2", "argument --periods: 2: give 3 .. 100"),
