@@ -98,8 +98,11 @@ def test_mode_is_said_to_bias_the_fit_and_by_how_much() -> None:
     for plant, found in zip(plants, identified(plants, 25_000.0), strict=True):
         k1, k2, lead_s = errors(found, plant)
         assert found.has_mode, plant
-        assert found.problems(Limits())
+        assert found.problems(Limits()) == []
         assert found.with_mode is not None
+        assert found.judged(Limits()) is found.with_mode
+        beside = found.with_mode.values
+        assert beside[[K1, K2]] == pytest.approx([plant.k1_s, plant.k2_s2], rel=4e-3)
         assert found.with_mode.mode.hz == pytest.approx(plant.mode_hz, rel=0.04)
         assert found.bias[K1] == pytest.approx(k1, abs=2e-3)
         assert found.bias[K2] == pytest.approx(k2, abs=4e-3)

@@ -94,7 +94,7 @@ def test_mode_is_told(tmp_path: Path, generated: GeneratedSkirt) -> None:
     assert found.bias[K1] == pytest.approx(found.plain.k1_s / (1.4 / w) - 1, abs=3e-3)
     assert found.bias[K2] == pytest.approx(found.plain.k2_s2 * w**2 - 1, abs=6e-3)
     assert found.bias[LEAD] == pytest.approx(found.plain.lead_s - 100e-6, abs=4e-6)
-    assert found.problems(Limits())
+    assert found.problems(Limits()) == []
 
 
 def test_believed_is_what_the_controller_has(tmp_path: Path, generated: GeneratedSkirt) -> None:

@@ -109,6 +109,25 @@ def test_part_is_judged_by_its_drawing(tmp_path: Path) -> None:
     assert summary["control_error_um"]["max"] < 0.1
 
 
+def test_breaks_that_differ_by_rounding(tmp_path: Path) -> None:
+    """The middle of 65 heights of 30 mm is not 15 mm to the last bit; the feed speed is finite."""
+    raw = example_part().model_dump()
+    raw["piston"]["profile"]["height_mm"] = [0.0, 15.0, 30.0]
+    raw["piston"]["profile"]["diameter_mm"] = [79.99, 80.0, 80.01]
+    raw["piston"]["profile"]["overshoot_um"] = 30.0
+    raw["piston"]["ovality"]["height_mm"] = [0.0, 15.0, 30.0]
+    raw["piston"]["ovality"]["ovality_mm"] = [0.3, 0.35, 0.4]
+    ends = (0.0, 30.0)
+    assert nodes_of(ends)[32] != 15.0
+    folder = written(
+        SkirtPart.model_validate(raw),
+        Correction(ends, {2: 1e-3 * np.ones(65, dtype=np.complex128)}),
+        tmp_path,
+    )
+    motion = json.loads((folder / "example.json").read_text())["motion"]
+    assert 0 < motion["velocity_from_feed_mm_s"] < 1
+
+
 def test_correction_is_read_back(tmp_path: Path) -> None:
     """NAME.json says the correction to a nanometre between its nodes, and the drawing unchanged."""
     folder = written(part_with(), some_correction(), tmp_path)

@@ -17,6 +17,7 @@ from typing import NamedTuple, Protocol, TextIO
 
 from camtools.base.argument_types import not_negative, positive
 from camtools.base.command import Parser, run_command
+from camtools.base.errors import InputError
 from camtools.base.output import write_all
 from camtools.base.project_paths import ROOT
 from camtools.cli.bus import add_bus_options, open_controller
@@ -24,15 +25,19 @@ from camtools.identify.bode import bode_png
 from camtools.identify.can_drive import ConnectedU
 from camtools.identify.configured_drive import Believed
 from camtools.identify.excitation_plan import Excitation, Wishes, plan
+from camtools.identify.foreign_record import MAX_BYTES, parse_record
 from camtools.identify.identified import Identified, Limits, identify
+from camtools.identify.linear_model import identify_record
 from camtools.identify.machine_file import with_keys
 from camtools.identify.part_error import ToolMotion, motion_of
+from camtools.identify.record_report import record_lines, record_numbers
 from camtools.identify.recording import SettledRecord
 from camtools.identify.report import chosen, form_left, numbers, report
 from camtools.identify.simulated_drive import CutShortError, SimulatedU
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.link.rights import secret_of, sender_of
+from camtools.measured.previous_table import read_given
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
 from camtools.report.text import plain
@@ -44,6 +49,7 @@ _ANY_PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _EPILOG = """\
 Examples:
   tools/identify --machine real PART.toml -o build/identify
+  tools/identify --record scope.csv -o DIR
   tools/identify --bus --interface socketcan --channel can0 PART.toml -o DIR --apply
 Exit status: 0 done; 1 the fit is not good enough to be applied, refused by the controller or no
 answer; 2 wrong usage or bad input."""
@@ -81,6 +87,12 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     where.add_argument("--machine", metavar="M", help="simulated machine: a name or a machine file")
     where.add_argument(
         "--bus", action="store_true", help="real controller over CAN, in state ready"
+    )
+    where.add_argument(
+        "--record",
+        type=Path,
+        metavar="FILE.csv",
+        help="recording of another instrument: time_s, command_um or force_n, position_um",
     )
     add_bus_options(parser)
     parser.add_argument(
@@ -149,6 +161,10 @@ def _check(parser: Parser, arguments: argparse.Namespace) -> None:
         parser.error("--rpm: needs a part: add PART.toml")
     if arguments.highest_hz < 50:
         parser.error(f"--highest-hz {arguments.highest_hz:g}: give at least 50")
+    if arguments.record is not None:
+        given = {"PART.toml": arguments.part, "--apply": arguments.apply}
+        for name in (name for name, value in given.items() if value):
+            parser.error(f"{name}: has no effect with --record; leave it out")
     of_bus = [name for name in ("interface", "channel", "bitrate") if getattr(arguments, name)]
     if of_bus and not arguments.bus:
         parser.error(f"--{of_bus[0]}: needs a bus: use --bus instead of --machine")
@@ -281,7 +297,28 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
     return _status(one, arguments, out, what if arguments.apply else "")
 
 
+def _recorded(arguments: argparse.Namespace, out: TextIO) -> int:
+    """Fit a recording of another instrument."""
+    file = str(arguments.record)
+    try:
+        text = read_given(arguments.record, "--record", MAX_BYTES).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(file, "", None, "not UTF-8 text", "give a CSV file") from error
+    record = parse_record(text, file)
+    found = identify_record(record)
+    lines = list(record_lines(found, record))
+    out.write("\n".join(lines) + "\n")
+    if arguments.output is not None:
+        name = f"{arguments.record.stem}_identified"
+        told = json.dumps(record_numbers(found, record), indent=2)
+        files = {f"{name}.json": f"{told}\n", f"{name}.txt": "\n".join(lines) + "\n"}
+        write_all(arguments.output, {key: one.encode("utf-8") for key, one in files.items()})
+    return NOT_GOOD if found.problems else 0
+
+
 def _run(arguments: argparse.Namespace, out: TextIO) -> int:
+    if arguments.record is not None:
+        return _recorded(arguments, out)
     try:
         return _connect(arguments, out) if arguments.bus else _simulate(arguments, out)
     except (Refused, CutShortError) as refused:

@@ -77,31 +77,33 @@ class Identified:
         most = (limits.k1_share, limits.k2_share, limits.lead_s)
         return bool(np.any(bias[[K1, K2, LEAD]] > most))
 
+    def judged(self, limits: Limits) -> DriveFit | ModeFit:
+        """Return the fit that counts: that of the drive beside its mode where a mode biases."""
+        if self.with_mode is not None and self.is_biased(limits):
+            return self.with_mode
+        return self.plain
+
     def problems(self, limits: Limits) -> list[str]:
         """Return why the constants are not to be applied; an empty list when they are."""
-        plain = self.plain
-        if not plain.is_physical:
+        one = self.judged(limits)
+        if not one.is_physical:
             return ["no drive of second order has such a response"]
         found = []
-        sigmas = plain.sigmas
+        sigmas = np.sqrt(np.diag(one.covariance))
         shares = {"k1": (K1, limits.k1_share), "k2": (K2, limits.k2_share)}
         for name, (i, limit) in shares.items():
-            share = float(sigmas[i] / plain.values[i])
+            share = float(sigmas[i] / one.values[i])
             if share > limit:
                 found.append(
                     f"{name} is known to {100 * share:.3g} % only, at most {100 * limit:g} %"
                 )
-            if abs(self.bias[i]) > limit:
-                bias = f"{100 * self.bias[i]:+.3g} %"
-                found.append(f"a mode biases {name} by {bias}, at most {100 * limit:g} %")
-        for what, value in (("is known to", sigmas[LEAD]), ("is biased by", self.bias[LEAD])):
-            if abs(value) > limits.lead_s:
-                found.append(
-                    f"lead {what} {abs(value) * 1e6:.3g} us, at most {limits.lead_s * 1e6:g} us"
-                )
-        if plain.misfit > limits.misfit:
+        if sigmas[LEAD] > limits.lead_s:
             found.append(
-                f"the fit leaves {100 * plain.misfit:.3g} % of what was measured, at most "
+                f"lead is known to {sigmas[LEAD] * 1e6:.3g} us, at most {limits.lead_s * 1e6:g} us"
+            )
+        if one.misfit > limits.misfit:
+            found.append(
+                f"the fit leaves {100 * one.misfit:.3g} % of what was measured, at most "
                 f"{100 * limits.misfit:g} %"
             )
         if not self.has_mode and abs(self.gain.share - 1) > limits.gain_off:

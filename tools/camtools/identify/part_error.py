@@ -116,7 +116,7 @@ def constants_for(motion: ToolMotion, response: Complexes, lead_s: float) -> Flo
 def mode_sigma_nm(motion: ToolMotion, found: ModeFit) -> float:
     """Return the standard deviation of the error of form, the drive having a mode."""
     by = np.array([motion.over_turn(share) for share in found.shares(motion.s) * motion.harmonics])
-    return float(np.sqrt(np.max(np.einsum("in,ij,jn->n", by, found.covariance, by))))
+    return float(np.sqrt(np.max(np.einsum("in,ij,jn->n", by, found.place_covariance, by))))
 
 
 def form_sigma_nm(motion: ToolMotion, values: Floats, covariance: Floats) -> float:

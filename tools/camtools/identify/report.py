@@ -60,21 +60,22 @@ def _friction_sigma(values: Floats, covariance: Floats) -> float:
     return float(np.sqrt(by @ covariance @ by)) * 1e-9
 
 
-def _entries(found: Identified, believed: Believed) -> Iterator[_Entry]:
-    plain, held = found.plain, believed.values
-    sigmas = plain.sigmas
+def _entries(found: Identified, believed: Believed, limits: Limits) -> Iterator[_Entry]:
+    one, held = found.judged(limits), believed.values
+    values, covariance = one.values, one.covariance
+    sigmas = np.sqrt(np.diag(covariance))
     latency_ns = believed.u_scale_latency_ns
-    yield _Entry("k1_ns", "ns", plain.k1_s * 1e9, sigmas[K1] * 1e9, believed.k1_ns)
-    yield _Entry("k2_us2", "us2", plain.k2_s2 * 1e12, sigmas[K2] * 1e12, believed.k2_us2)
-    lead_ns = plain.lead_s * 1e9 - latency_ns
+    yield _Entry("k1_ns", "ns", values[K1] * 1e9, sigmas[K1] * 1e9, believed.k1_ns)
+    yield _Entry("k2_us2", "us2", values[K2] * 1e12, sigmas[K2] * 1e12, believed.k2_us2)
+    lead_ns = values[LEAD] * 1e9 - latency_ns
     yield _Entry("lead_ns", "ns", lead_ns, sigmas[LEAD] * 1e9, believed.lead_ns)
-    hz_sigma, damping_sigma = _derived_sigmas(plain.values, plain.covariance)
-    (hz, damping), (held_hz, held_damping) = _derived(plain.values), _derived(held)
+    hz_sigma, damping_sigma = _derived_sigmas(values, covariance)
+    (hz, damping), (held_hz, held_damping) = _derived(values), _derived(held)
     is_told = believed.k2_us2 > 0
     yield _Entry("natural frequency", "Hz", hz, hz_sigma, held_hz if is_told else None)
     yield _Entry("damping", "", damping, damping_sigma, held_damping if is_told else None)
-    friction_sigma = _friction_sigma(plain.values, plain.covariance)
-    yield _Entry("friction", "m/s2", plain.friction_m_s2, friction_sigma, None)
+    friction_m_s2 = float(values[FRICTION] / values[K2]) * 1e-9
+    yield _Entry("friction", "m/s2", friction_m_s2, _friction_sigma(values, covariance), None)
 
 
 def _number(value: float, sigma: float) -> str:
@@ -83,9 +84,9 @@ def _number(value: float, sigma: float) -> str:
     return f"{value:.{min(max(places, 0), 6)}f}"
 
 
-def _table(found: Identified, believed: Believed) -> Iterator[str]:
+def _table(found: Identified, believed: Believed, limits: Limits) -> Iterator[str]:
     yield f"{'':<18}{'found':>12}{'deviation':>12}{'believed':>12}{'off':>9}"
-    for row in _entries(found, believed):
+    for row in _entries(found, believed, limits):
         name = row.name if row.name.endswith(("_ns", "_us2")) else f"{row.name} {row.unit}".strip()
         text = f"{name:<18}{_number(row.found, row.sigma):>12}{_number(row.sigma, row.sigma):>12}"
         if row.believed is not None:
@@ -113,7 +114,7 @@ def _mode_lines(found: Identified) -> Iterator[str]:
     assert found.with_mode is not None
     mode, bias = found.with_mode.mode, found.bias
     yield (
-        f"mode: {mode.hz:.1f} Hz, damping {mode.damping:.3f}; the fit is biased by it: k1 "
+        f"mode: {mode.hz:.1f} Hz, damping {mode.damping:.3f}; a fit without it is off: k1 "
         f"{100 * bias[K1]:+.2f} %, k2 {100 * bias[K2]:+.2f} %, lead {bias[LEAD] * 1e6:+.1f} us; "
         f"with the mode {100 * found.with_mode.misfit:.2g} % are left"
     )
@@ -155,15 +156,17 @@ def _part_lines(
 def chosen(found: Identified, limits: Limits, motion: ToolMotion | None) -> Floats:
     """Return the constants for the feed-forward.
 
-    They are those of the fit. Where a mode biases it beyond the limits, they are those that are
-    best for the part, or far below the mode without a part.
+    They are those of the fit. Where a mode biases it beyond the limits, they follow from the fit of
+    the drive beside its mode: those that are best for the part, or far below the mode without one.
     """
     if found.with_mode is None or not found.is_biased(limits):
         return found.plain.values
     if motion is None:
         return found.with_mode.slow_values
-    lead_s = float(found.with_mode.values[LEAD])
-    return constants_for(motion, found.with_mode.response(motion.s), lead_s)
+    beside = found.with_mode.values
+    values = constants_for(motion, found.with_mode.response(motion.s), float(beside[LEAD]))
+    values[FRICTION] = beside[FRICTION]
+    return values
 
 
 class FormLeft(NamedTuple):
@@ -212,7 +215,7 @@ def report(
     is_good : bool
         the constants are to be set; the settings are told
     """
-    lines = [*_table(found, believed), *_fit_lines(found, believed)]
+    lines = [*_table(found, believed, limits), *_fit_lines(found, believed)]
     what = "doubtful" if is_good else "not to be applied"
     lines += [f"{what}: {problem}" for problem in found.problems(limits)]
     if is_good:
@@ -236,7 +239,7 @@ def numbers(
                 "deviation": row.sigma,
                 "believed": row.believed,
             }
-            for row in _entries(found, believed)
+            for row in _entries(found, believed, limits)
         },
         "misfit": found.plain.misfit,
         "lines": int(found.spectra.bins.size),

@@ -21,6 +21,8 @@ from camtools.identify.fit import (
     FRICTION,
     K1,
     K2,
+    LEAD,
+    MOST_LEAD_S,
     DriveFit,
     line_weights,
     second_order,
@@ -74,7 +76,7 @@ class ModeFit:
     ----------
     values : ndarray, shape (4,)
         as of `DriveFit`
-    place, covariance : ndarray, shape (8,), (8, 8)
+    place, place_covariance : ndarray, shape (8,), (8, 8)
         what was searched: the values over `scale`, logarithms of frequency and damping, and how
         far the numerator is off; with the covariance that the residual gives it
     misfit : float
@@ -86,11 +88,21 @@ class ModeFit:
     values: Floats
     mode: Mode
     place: Floats
-    covariance: Floats
+    place_covariance: Floats
     scale: Floats
     misfit: float
     cost: float
     plain_cost: float
+
+    @property
+    def covariance(self) -> Floats:
+        """Covariance of the values, shape (4, 4)."""
+        return np.asarray(self.place_covariance[:4, :4] * np.outer(self.scale, self.scale))
+
+    @property
+    def is_physical(self) -> bool:
+        """The constants are those of something that could be a drive."""
+        return bool(np.all(self.values[[K1, K2]] > 0) and 0 <= self.values[LEAD] < MOST_LEAD_S)
 
     def response(self, s: Complexes) -> Complexes:
         """Return the frequency response, the attenuation of the hold left out."""
@@ -196,7 +208,7 @@ def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> 
         values=np.asarray(best.x[:4] * residual.scale),
         mode=_mode_at(best.x),
         place=best.x,
-        covariance=np.linalg.pinv(best.jac.T @ best.jac) * variance,
+        place_covariance=np.linalg.pinv(best.jac.T @ best.jac) * variance,
         scale=residual.scale,
         misfit=weighted_rms(best.fun, residual.weight, spectra),
         cost=float(2 * best.cost),

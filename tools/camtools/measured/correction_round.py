@@ -14,7 +14,8 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.cut.correction import MAX_ORDER, Correction, Drawing
-from camtools.measured.correction_step import take
+from camtools.measured.correction_step import RoundStep, take
+from camtools.measured.end_taper import judged, largest_um, off_um, taper
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
 from camtools.measured.previous_table import Previous, find_previous, read_given
 from camtools.measured.round_summary import account_of
@@ -131,13 +132,45 @@ def _check_new(previous: Previous, surface: Path, own: int) -> None:
             raise CamtoolsError([f"--measured {surface}: {problem}; {remedy}"])
 
 
+def _step(told: Told, by: GaugedPoints, before: Correction, gain: float) -> RoundStep:
+    """Return what the round takes off, smaller at the ends where that leaves less.
+
+    Raises
+    ------
+    CamtoolsError
+        The next part is expected to be worse than this one.
+    """
+    shown = told.correction(before.heights_mm, 1.0)
+    taken = taper(take(shown, before.left_mm, gain).taken, by)
+    if taken.waves_mm:
+        _check_gain(told, by, before, largest_um(off_um(taken, by)))
+    left_mm = {order: shown.waves_mm[order] - one for order, one in taken.waves_mm.items()}
+    return RoundStep(taken, left_mm)
+
+
+def _check_gain(told: Told, by: GaugedPoints, before: Correction, next_um: float) -> None:
+    """Refuse a step that raises the largest error, the last round's misprediction included."""
+    now_um = largest_um(by.deviation_um)
+    expected_um = before.rounds[-1]["expected_um"]["max"] if before.rounds else now_um
+    missed_um = max(0.0, now_um - expected_um)
+    if next_um + missed_um <= now_um + told.sigma_um:
+        return
+    past = f", of which the last round mispredicted {missed_um:.2g} um" if missed_um else ""
+    problem = (
+        f"the next part would not be better: the largest error is {now_um:.4g} um now and would be "
+        f"{next_um + missed_um:.4g} um{past}"
+    )
+    remedy = "keep the table that cut this part, or gauge more points with less noise"
+    raise CamtoolsError([f"--measured: {problem}; {remedy}"])
+
+
 def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     """Return the correction of the next table.
 
     Raises
     ------
     CamtoolsError
-        Not a surface of this part, too little of it, too large errors.
+        Not a surface of this part, too little of it, too large errors, or no improvement.
     """
     check_request(request)
     data = read_given(request.surface, "--measured", MAX_BYTES)
@@ -154,14 +187,15 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
         first = 2 if request.is_centred else 0
         told = tell(points, drawing.ends_mm, request.most_order, first)
         _check_size(told, drawing)
+        before = previous.correction or Correction(drawing.ends_mm, {})
+        by = judged(told, points, drawing.ends_mm)
+        step = _step(told, by, before, request.gain)
     except CamtoolsError as error:
         lines = [
             line.replace("--measured: ", f"--measured {request.surface}: ", 1)
             for line in error.lines
         ]
         raise CamtoolsError(lines) from error
-    before = previous.correction or Correction(drawing.ends_mm, {})
-    step = take(told.correction(drawing.ends_mm, 1.0), before.left_mm, request.gain)
     about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
-    about |= account_of(points, told, step)
+    about |= account_of(points, told, step, by)
     return Round(before.plus(step.taken, about, step.left_mm), previous)

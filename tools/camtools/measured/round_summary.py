@@ -11,8 +11,9 @@ import numpy as np
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
 from camtools.measured.correction_step import RoundStep
+from camtools.measured.end_taper import off_um
 from camtools.measured.points import GaugedPoints
-from camtools.measured.surface import KeptWave, Told, taken_um
+from camtools.measured.surface import KeptWave, Told
 
 _DIGITS = 6
 _UM_PER_MM = 1000.0
@@ -43,11 +44,16 @@ def _wave(told: Told, one: KeptWave, step: RoundStep) -> Json:
     }
 
 
-def account_of(points: GaugedPoints, told: Told, step: RoundStep) -> Json:
-    """Return what a surface told and what is expected of the next part."""
+def account_of(points: GaugedPoints, told: Told, step: RoundStep, by: GaugedPoints) -> Json:
+    """Return what a surface told and what is expected of the next part.
+
+    Parameters
+    ----------
+    by : GaugedPoints
+        The points by which the step was judged.
+    """
     kept = [one for one in told.waves if one.is_kept]
     noise2 = sum(float(np.mean(one.smooth.errors**2)) / (2 if one.order else 1) for one in kept)
-    left_um = points.deviation_um - taken_um(step.taken, points)
     return {
         "points": int(points.turn.size),
         "heights": int(told.z_mm.size),
@@ -58,6 +64,6 @@ def account_of(points: GaugedPoints, told: Told, step: RoundStep) -> Json:
         "noise_um": _rounded(told.sigma_um),
         "noise_corrected_um": _rounded(np.sqrt(noise2)),
         "gauged_um": pair_of(points.deviation_um),
-        "expected_um": pair_of(left_um),
+        "expected_um": pair_of(off_um(step.taken, by)),
         "waves": [_wave(told, one, step) for one in kept],
     }

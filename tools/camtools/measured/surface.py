@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Bools, Floats
 from camtools.cut.correction import Complexes, Correction, nodes_of
 from camtools.measured.heights import MIN_HEIGHTS, Heights, by_height
 from camtools.measured.points import GaugedPoints
@@ -51,12 +51,15 @@ class Told(NamedTuple):
     ----------
     alone_mm : list of float
         Heights that do not count because they differ from both their neighbours.
+    counts : ndarray
+        Of each point, whether it counts: neither its height is left out nor is it far off.
     """
 
     z_mm: Floats  # shape (n,); heights that count
     waves: list[KeptWave]  # from the mean on
     sigma_um: float  # standard deviation of a point about the waves, the median of all heights
     n_far: int  # points that do not count because they are far from the waves of their height
+    counts: Bools  # shape (number of points,)
     alone_mm: list[float]
     heights: Heights  # as the points were divided
 
@@ -186,8 +189,11 @@ def tell(
         for order, one in enumerate(smooth)
     ]
     sigma_um = float(np.median([fits[i].sigma for i in use]))
-    n_far = sum(fits[i].n_far for i in use)
-    return Told(z_mm[use], found, sigma_um, n_far, sorted(alone_mm), heights)
+    counts = np.zeros(points.turn.size, dtype=np.bool_)
+    for i in use:
+        counts[heights.heights[i].rows] = ~fits[i].is_far
+    n_far = sum(int(np.count_nonzero(fits[i].is_far)) for i in use)
+    return Told(z_mm[use], found, sigma_um, n_far, counts, sorted(alone_mm), heights)
 
 
 def _kept(one: Smoothed) -> Complexes:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Bools, Floats
 from camtools.cut.correction import Complexes
 
 _ROUNDS = 8
@@ -30,7 +30,7 @@ class HeightWaves(NamedTuple):
     waves: Complexes  # (order + 1,): value = Re sum c_k e^(-j k phi)
     sigma: float  # standard deviation of a point about the waves
     variances: Floats  # (order + 1,) of the waves, real and imaginary part together
-    n_far: int  # points beyond six standard deviations, which do not count
+    is_far: Bools  # of each point, whether it is beyond six standard deviations and does not count
 
 
 class _Basis:
@@ -84,4 +84,4 @@ def fit_waves(turn: Floats, values: Floats, order: int) -> HeightWaves:
             break
     variances = np.full(order + 1, 4 * sigma**2 / turn.size)
     variances[0] /= 4
-    return HeightWaves(waves, sigma, variances, int(np.count_nonzero(weight == 0)))
+    return HeightWaves(waves, sigma, variances, weight == 0)

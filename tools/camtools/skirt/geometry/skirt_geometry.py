@@ -45,6 +45,7 @@ from camtools.skirt.part.part_file import Piston, SkirtPart
 
 _CHECKS_PER_PIECE = 64
 _UM_PER_MM = 1000.0
+_APART_MM = 1e-9  # heights that differ only by rounding are closer
 _ALL_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 
 
@@ -177,8 +178,10 @@ class Geometry:
         """Return the heights where a piece of the shape ends, rising, both ends included."""
         heights = np.union1d(self.radius.x, self.ovality.x)
         heights = np.union1d(heights, heights_of(self.surface))
-        inside = (heights > self.z_first_mm) & (heights < self.z_last_mm)
-        return np.concatenate(([self.z_first_mm], heights[inside], [self.z_last_mm]))
+        heights = heights[np.diff(heights, prepend=-np.inf) > _APART_MM]
+        first_mm, last_mm = self.z_first_mm + _APART_MM, self.z_last_mm - _APART_MM
+        inside = heights[(heights > first_mm) & (heights < last_mm)]
+        return np.concatenate(([self.z_first_mm], inside, [self.z_last_mm]))
 
 
 def make_geometry(part: SkirtPart) -> Geometry:

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings of other instruments: constants within their deviations, and when no model holds."""
+
+import numpy as np
+import pytest
+
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.quantities import Floats
+from camtools.identify.foreign_record import ForeignRecord, parse_record
+from camtools.identify.linear_model import LinearModel, identify_record
+from camtools.identify.record_report import constants_of, record_numbers
+from tests.tools.cases.drive_plant import Plant, played
+
+RATE_HZ, SLOW_HZ = 10_000.0, 1000.0
+N = 120_000
+MASS_KG, VISCOUS, STIFFNESS, CUBIC = 1.5, 120.0, 4e5, 6e12
+
+
+TRUE = {"mass kg": MASS_KG, "viscous N s/m": VISCOUS, "stiffness N/m": STIFFNESS}
+
+
+def smooth_noise(seed: int, rms: float, width: int = 21) -> Floats:
+    """Return random values without much above two rates over the width."""
+    noise = np.random.default_rng(seed).normal(0, 1, N + width)
+    wave = np.convolve(noise, np.hanning(width), "valid")
+    return np.asarray(rms * wave[:N] / wave.std())
+
+
+def oscillator(force_n: Floats, cubic: float = 0.0) -> Floats:
+    """Return the position [m] of mass, damper and spring, by Runge and Kutta."""
+
+    def slope(state: Floats, force: float) -> Floats:
+        x, v = state
+        return np.array([v, (force - VISCOUS * v - STIFFNESS * x - cubic * x**3) / MASS_KG])
+
+    h, state, found = 1 / RATE_HZ, np.zeros(2), []
+    for now, after in zip(force_n, np.append(force_n[1:], 0.0), strict=True):
+        found.append(state[0])
+        middle = (now + after) / 2
+        a = slope(state, now)
+        b = slope(state + h / 2 * a, middle)
+        c = slope(state + h / 2 * b, middle)
+        d = slope(state + h * c, after)
+        state = state + h / 6 * (a + 2 * b + 2 * c + d)
+    return np.array(found)
+
+
+def force_record(force_n: Floats, y: Floats, noise: float, seed: int) -> ForeignRecord:
+    """Return every tenth value, the position with a share of noise."""
+    u, y = force_n[::10], y[::10]
+    noisy = y + np.random.default_rng(seed).normal(0, noise * y.std(), y.size)
+    return ForeignRecord(SLOW_HZ, u, noisy, "force_n", True)
+
+
+def named(found: LinearModel, record: ForeignRecord) -> dict[str, tuple[float, float]]:
+    """Return value and deviation of each constant."""
+    rows = record_numbers(found, record)["constants"]
+    return {name: (one["found"], one["deviation"]) for name, one in rows.items()}
+
+
+def test_position_drive_of_any_gain() -> None:
+    """A drive of 300 Hz moved by another model: 1 % of gain, k1 and k2, and the delay with hold."""
+    plant = Plant(gain=0.9, delay_us=100)
+    u_nm = smooth_noise(1, 50_000.0)[:30_000]
+    y_nm = played([plant], u_nm, RATE_HZ)[0] + np.random.default_rng(2).normal(0, 100, u_nm.size)
+    record = ForeignRecord(RATE_HZ, u_nm * 1e-9, y_nm * 1e-9, "command_nm", False)
+    found = identify_record(record)
+    assert found.problems == []
+    values = named(found, record)
+    true = {
+        "gain": plant.gain,
+        "k1 ns": plant.k1_s * 1e9,
+        "k2 us2": plant.k2_s2 * 1e12,
+        "natural frequency Hz": plant.hz,
+        "damping": plant.damping,
+    }
+    for name, wanted in true.items():
+        assert values[name][0] == pytest.approx(wanted, rel=0.01), name
+        assert values[name][1] < 0.01 * wanted, name
+    assert values["delay ns"][0] == pytest.approx(plant.lead_s(RATE_HZ) * 1e9, abs=3000)
+
+
+def test_deviations_are_honest() -> None:
+    """Errors of mass, damping and stiffness are as large as is said: chi squared over records."""
+    force_n = smooth_noise(3, 20.0, 101)
+    clean = oscillator(force_n)
+    squares = []
+    for seed in range(12):
+        record = force_record(force_n, clean, 0.5, seed)
+        values = named(identify_record(record), record)
+        off = [(values[name][0] - one) / values[name][1] for name, one in TRUE.items()]
+        squares.append(np.square(off))
+    chi = np.mean(squares, axis=0)
+    assert np.all(chi > 0.2) and np.all(chi < 4), chi
+
+
+def test_spring_that_hardens_is_not_linear() -> None:
+    """A cubic spring under a growing force; the same one without the cubic term is linear."""
+    force_n = smooth_noise(5, 60.0, 101)
+    force_n *= np.linspace(0.1, 1, force_n.size)
+    for cubic, is_linear in ((0.0, True), (CUBIC, False)):
+        record = force_record(force_n, oscillator(force_n, cubic), 1e-3, 6)
+        found = identify_record(record)
+        assert (found.problems == []) is is_linear, found.problems
+    assert any("the static term is +" in one for one in found.problems)
+
+
+def test_other_responses_are_not_of_this_model() -> None:
+    """A second resonance is left over by far more than its deviations; noise has no coherence."""
+    force_n = smooth_noise(7, 20.0, 101)
+    second = np.convolve(force_n, np.sin(np.arange(4000) * 0.08) * 1e-8, "full")[: force_n.size]
+    found = identify_record(force_record(force_n, oscillator(force_n) + second, 1e-3, 8))
+    assert any("times its deviations" in one for one in found.problems)
+    unrelated = np.random.default_rng(8).normal(0, 1e-6, force_n.size)
+    with pytest.raises(CamtoolsError, match="lines have a coherence above"):
+        identify_record(force_record(force_n, unrelated, 0.0, 0))
+
+
+def test_resonance_narrower_than_the_lines() -> None:
+    """The recording is too short, so that the lines smear it."""
+    force_n = smooth_noise(9, 20.0, 101)[:20_000]
+    found = identify_record(force_record(force_n, oscillator(force_n), 1e-3, 9))
+    assert any("Hz wide, but lines are" in one for one in found.problems)
+
+
+def test_volts_have_a_gain_in_um() -> None:
+    """A drive of 10 mm per 10 V."""
+    assert constants_of(np.array([1e3, 0.7, 3e-4, 0.0]), "command_v")["gain um/V"] == 1000
+
+
+GOOD = ["time_ms;Command_mm;position_um"] + [f"{i / 10};{i % 7},5;{i % 5}" for i in range(2000)]
+
+
+def text_with(line: int, content: str) -> str:
+    """Return a good file with one line replaced."""
+    return "\n".join([*GOOD[: line - 1], content, *GOOD[line:]])
+
+
+def test_units_are_those_of_the_header() -> None:
+    """Decimal commas, capitals and other units."""
+    found = parse_record("\n".join(GOOD), "scope.csv")
+    assert found.rate_hz == pytest.approx(10_000)
+    assert found.u[1] == pytest.approx(1.5e-3)
+    assert found.y[1] == pytest.approx(1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "line 1: needs one column of the time: time_s, time_ms, time_us; has 0; write"),
+        (text_with(1, "time_s;x;position_um"), "line 1: needs one column of the command or force"),
+        (text_with(1, "time_s;force_n;force_n"), "needs one column of the force: .*; has 2"),
+        ("\n".join(GOOD[:500]), "has 499 rows, 1024 .. 2000000 are needed; record for longer"),
+        (text_with(77, "7,5;nan;1"), "line 77 = .*: not 3 finite numbers .*; correct or delete"),
+        (text_with(77, "7,5;1"), "line 77 = .*: not 3 finite numbers"),
+        (text_with(77, "7,9;1;1"), "line 77: the step to this time is not the mean one, 0.0001 s"),
+        ("\n".join(line.rsplit(";", 1)[0] + ";3" if i else line for i, line in enumerate(GOOD)),
+         "the position does not change; excite the drive"),
+    ],
+)  # fmt: skip
+def test_bad_files_name_line_and_remedy(text: str, message: str) -> None:
+    """One line each."""
+    with pytest.raises(InputError, match=message) as caught:
+        parse_record(text, "scope.csv")
+    assert len(caught.value.lines) == 1
+    assert caught.value.lines[0].startswith("scope.csv: ")

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+r"""A recording of another instrument: time, command or force, and position in columns with units.
+
+>>> rows = "".join(f"{i * 1e-3},{i % 7},{i % 5}\n" for i in range(4096))
+>>> found = parse_record("time_s,force_n,position_um\n" + rows, "scope.csv")
+>>> found.is_force, round(found.rate_hz), found.u.size, float(found.y[4])
+(True, 1000, 4096, 4e-06)
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.columns import Columns
+from camtools.base.errors import InputError, numbers_shown
+from camtools.base.quantities import Floats
+
+TIMES = {"time_s": 1.0, "time_ms": 1e-3, "time_us": 1e-6}  # seconds per unit
+LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # metres per unit
+COMMANDS = {f"command_{unit}": metres for unit, metres in LENGTHS.items()} | {"command_v": 1.0}
+FORCES = {"force_n": 1.0, "force_kn": 1e3}  # newtons per unit
+POSITIONS = {f"position_{unit}": metres for unit, metres in LENGTHS.items()}
+HEADER = "time_s,command_um,position_um"
+MIN_ROWS, MAX_ROWS = 1024, 2_000_000
+MAX_BYTES = 200 * MAX_ROWS
+_UNEVEN = 0.01  # of a step, that a time may be off
+
+
+class ForeignRecord(NamedTuple):
+    """What another instrument recorded at even times."""
+
+    rate_hz: float
+    u: Floats  # shape (n,); command [m] or [V], or force [N]
+    y: Floats  # shape (n,); position [m]
+    command: str  # name of its column
+    is_force: bool
+
+
+def _column(columns: Columns, units: dict[str, float], what: str, file: str) -> tuple[int, float]:
+    """Return where a quantity is, and what its unit is worth."""
+    names = [name.strip('"').casefold() for name in columns.names]
+    found = [name for name in names if name in units]
+    if len(found) == 1:
+        return names.index(found[0]), units[found[0]]
+    problem = f"needs one column of the {what}: {', '.join(units)}; has {len(found)}"
+    raise InputError(file, "line 1", None, problem, f'write a header as "{HEADER}"')
+
+
+def _rows(lines: list[str], columns: Columns, places: list[int], file: str) -> Floats:
+    """Return the numbers of all lines, shape (columns, n)."""
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        try:
+            row = columns.numbers(line, places)
+            if not np.isfinite(row).all():
+                raise ValueError(line)
+        except (ValueError, IndexError) as error:
+            problem = f"not {len(places)} finite numbers where the header names them"
+            remedy = "correct or delete the line and all before it"
+            shown = numbers_shown(line[:60])
+            raise InputError(file, f"line {number}", shown, problem, remedy) from error
+        rows.append(row)
+    return np.array(rows, dtype=np.float64).T
+
+
+def _rate_hz(time_s: Floats, file: str) -> float:
+    """Return the rate of even times."""
+    step_s = float(time_s[-1] - time_s[0]) / (time_s.size - 1)
+    even_s = time_s[0] + step_s * np.arange(time_s.size)
+    wrong = np.abs(np.diff(time_s) - step_s) > max(_UNEVEN * step_s, 1e-12 * abs(even_s[-1]))
+    if step_s > 0 and not wrong.any():
+        return 1 / step_s
+    line = int(np.argmax(wrong)) + 3
+    problem = f"the step to this time is not the mean one, {step_s:.6g} s"
+    remedy = "record at an even rate without gaps, and write more digits of the time"
+    raise InputError(file, f"line {line}", None, problem, remedy)
+
+
+def parse_record(text: str, file: str) -> ForeignRecord:
+    """Return the recording of a text.
+
+    Raises
+    ------
+    InputError
+        With the line: columns are missing, no numbers, uneven times, too few or too many rows, a
+        column that does not change.
+    """
+    lines = text.rstrip().splitlines()
+    columns = Columns(lines[0] if lines else "")
+    has_force = any(name.strip('"').casefold() in FORCES for name in columns.names)
+    commands, what = (FORCES, "force") if has_force else (COMMANDS | FORCES, "command or force")
+    kinds = ((TIMES, "time"), (commands, what), (POSITIONS, "position"))
+    places = [_column(columns, units, name, file) for units, name in kinds]
+    if not MIN_ROWS <= len(lines) - 1 <= MAX_ROWS:
+        problem = f"has {max(0, len(lines) - 1)} rows, {MIN_ROWS} .. {MAX_ROWS} are needed"
+        raise InputError(file, "", None, problem, "record for longer, or at another rate")
+    order = [place for place, _ in places]
+    time, u, y = _rows(lines, columns, order, file) * [[unit] for _, unit in places]
+    for name, values in (("command or force", u), ("position", y)):
+        if np.ptp(values) == 0:
+            problem, remedy = f"the {name} does not change", "excite the drive, see its connections"
+            raise InputError(file, "", None, problem, remedy)
+    command = columns.names[order[1]].strip('"').casefold()
+    return ForeignRecord(_rate_hz(time, file), u, y, command, has_force)

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The constants of a recorded drive or oscillator, and whether a linear model holds.
+
+>>> u = np.random.default_rng(1).normal(0, 1e-4, 16384)
+>>> s = 2j * np.pi * np.fft.rfftfreq(u.size, 1e-3)
+>>> y = np.fft.irfft(2 * np.fft.rfft(u) / (1 + 2e-3 * s + 1e-5 * s**2))
+>>> found = identify_record(ForeignRecord(1000.0, u, y, "command_um", False))
+>>> found.problems, f"{1 / found.values[STATIC]:.2f} {found.values[RATE]:.5f}"
+([], '2.00 0.00100')
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats, Ints
+from camtools.identify.fit import stacked
+from camtools.identify.foreign_record import ForeignRecord
+from camtools.identify.multisine import Complexes
+
+STATIC, RATE, SECOND, DELAY = range(4)
+_MOST_SEGMENT, _LEAST_SEGMENTS = 8192, 16
+_N_BLOCKS = 8
+_MOST_HZ = 0.4  # of the sampling rate
+_LEAST_POWER = 1e-4  # of the strongest line of the command
+_LEAST_COHERENCE, _MIN_LINES = 0.5, 8
+_LIKENESS = 0.003  # a line is weighted by its noise down to this share
+_MOST_MISFIT, _MOST_CHI = 0.05, 4.0
+_MOST_CHANGE, _CHANGE_SIGMAS = 0.02, 4.0
+_LINES_PER_WIDTH = 10.0
+_MOST_DELAY_STEPS = 64.0
+
+
+class Lines(NamedTuple):
+    """Mean spectra of some segments, at lines where the command has power."""
+
+    s: Complexes  # j times the angular frequency [rad/s]
+    response: Complexes  # position per command
+    coherence: Floats
+    noise: Floats  # standard deviation of the response as a share of it
+
+
+class Half(NamedTuple):
+    """What one half of the segments gives by itself."""
+
+    values: Floats  # shape (4,)
+    sigmas: Floats
+
+
+class LinearModel(NamedTuple):
+    """Constants of (static + rate s + second s^2) position = command e^(-s delay)."""
+
+    values: Floats  # shape (4,), SI units
+    replicas: Floats  # shape (blocks, 4); values without one block of the record each
+    lines: Lines
+    misfit: float  # rms of the relative error of the response
+    chi: float  # the same over the deviations of the lines
+    small: Half  # of the segments, with the smaller motion
+    large: Half
+    problems: list[str]  # why a linear model does not hold
+
+
+class _Segments(NamedTuple):
+    """Windowed transforms of half overlapping segments, shape (segments, bins)."""
+
+    s: Complexes
+    u: Complexes
+    y: Complexes
+
+
+def _segments(record: ForeignRecord) -> _Segments:
+    n = min(_MOST_SEGMENT, 2 * record.u.size // (_LEAST_SEGMENTS + 1))
+    starts = np.arange(0, record.u.size - n + 1, n // 2)
+    window = np.hanning(n + 1)[:n]
+    bins = np.arange(2, int(_MOST_HZ * n))  # a Hann window smears the mean over two bins
+    found = []
+    for values in (record.u, record.y):
+        rows = values[starts[:, None] + np.arange(n)]
+        rows = rows - rows.mean(axis=1, keepdims=True)
+        found.append(np.asarray(np.fft.rfft(rows * window)[:, bins], np.complex128))
+    s = np.asarray(2j * np.pi * bins * record.rate_hz / n, np.complex128)
+    return _Segments(s, *found)
+
+
+def _lines(segments: _Segments) -> Lines:
+    """Return the mean of segments at the lines that the command excites coherently."""
+    power_u, power_y = (np.mean(np.abs(one) ** 2, axis=0) for one in segments[1:])
+    cross = np.mean(segments.y * segments.u.conj(), axis=0)
+    coherence = np.abs(cross) ** 2 / np.maximum(power_u * power_y, 1e-300)
+    is_used = (power_u > _LEAST_POWER * power_u.max()) & (coherence > _LEAST_COHERENCE)
+    if np.count_nonzero(is_used) < _MIN_LINES:
+        best = float(np.median(coherence[power_u > _LEAST_POWER * power_u.max()]))
+        problem = (
+            f"{np.count_nonzero(is_used)} lines have a coherence above {_LEAST_COHERENCE:g}, "
+            f"{_MIN_LINES} are needed; the median is {best:.2g}: noise, or far from linear"
+        )
+        raise CamtoolsError([f"--record: {problem}; excite more frequencies, by another force"])
+    used = coherence[is_used]
+    free = 0.55 * segments.u.shape[0]  # half of each segment is new
+    noise = np.sqrt(np.maximum(1 - used, 0.0) / (2 * used * free))
+    response = cross[is_used] / power_u[is_used]
+    return Lines(segments.s[is_used], response, used, noise)
+
+
+def _solve(lines: Lines, delay_s: float) -> Floats:
+    """Return the constants without the delay by linear least squares."""
+    weight = 1 / np.hypot(lines.noise, _LIKENESS)
+    columns = [lines.response * lines.s**i * np.exp(delay_s * lines.s) * weight for i in range(3)]
+    matrix = np.column_stack([stacked(column) for column in columns])
+    scale = np.linalg.norm(matrix, axis=0)
+    wanted = stacked(np.asarray(weight, np.complex128))
+    return np.asarray(np.linalg.lstsq(matrix / scale, wanted, rcond=None)[0] / scale)
+
+
+def _off(values: Floats, lines: Lines) -> Floats:
+    """Return the stacked error of the response over the deviations of its lines."""
+    weight = 1 / (np.abs(lines.response) * np.hypot(lines.noise, _LIKENESS))
+    return stacked((response_of(values, lines.s) - lines.response) * weight)
+
+
+def _begin(lines: Lines) -> Floats:
+    """Return where a fit begins: linear least squares for the best of many delays."""
+    step_s = 0.25 * np.pi / float(np.abs(lines.s[-1]))
+    delays_s = np.arange(-2, 4 * _MOST_DELAY_STEPS) * step_s
+    tried = [np.append(_solve(lines, one), one) for one in delays_s]
+    costs = [float(np.sum(_off(one, lines) ** 2)) for one in tried]
+    return tried[int(np.argmin(costs))]
+
+
+def _fit(lines: Lines, begin: Floats) -> Floats:
+    """Return the constants with the least error of the response, over its deviations."""
+    high = float(np.abs(lines.s[-1]))
+    static = float(np.abs(begin[STATIC]))
+    scale = np.array([static, static / high, static / high**2, 1 / high])
+    found = least_squares(lambda x: _off(x * scale, lines), begin / scale, x_scale="jac")
+    return np.asarray(found.x * scale)
+
+
+def _fit_of(segments: _Segments, rows: Ints, begin: Floats) -> Floats:
+    """Return the constants of some of the segments."""
+    return _fit(_lines(_Segments(segments.s, segments.u[rows], segments.y[rows])), begin)
+
+
+def _replicas(segments: _Segments, blocks: list[Ints], begin: Floats) -> Floats:
+    """Return the constants without one block of segments after the other."""
+    rows = [np.concatenate(blocks[:i] + blocks[i + 1 :]) for i in range(len(blocks))]
+    return np.array([_fit_of(segments, one, begin) for one in rows])
+
+
+def jackknife(replicas: Floats) -> Floats:
+    """Return standard deviations from values without one block each, shape (blocks, ..)."""
+    n = replicas.shape[0]
+    off = replicas - replicas.mean(axis=0)
+    return np.asarray(np.sqrt((n - 1) / n * np.sum(off**2, axis=0)))
+
+
+def _halves(segments: _Segments, begin: Floats) -> list[Half]:
+    """Return the constants of the segments with the smaller and with the larger motion."""
+    order = np.argsort(np.sum(np.abs(segments.y) ** 2, axis=1))
+    found = []
+    for rows in np.array_split(order, 2):
+        blocks = [rows[i::_N_BLOCKS] for i in range(_N_BLOCKS)]
+        replicas = _replicas(segments, blocks, begin)
+        found.append(Half(_fit_of(segments, rows, begin), jackknife(replicas)))
+    return found
+
+
+def response_of(values: Floats, s: Complexes) -> Complexes:
+    """Return the frequency response of constants."""
+    below = values[STATIC] + values[RATE] * s + values[SECOND] * s**2
+    return np.asarray(np.exp(-values[DELAY] * s) / below)
+
+
+def identify_record(record: ForeignRecord) -> LinearModel:
+    """Return the constants of a recording with their deviations and doubts.
+
+    Raises
+    ------
+    CamtoolsError
+        Too few lines are coherent.
+    """
+    segments = _segments(record)
+    lines = _lines(segments)
+    values = _fit(lines, _begin(lines))
+    blocks = np.array_split(np.arange(segments.u.shape[0]), _N_BLOCKS)
+    replicas, (small, large) = _replicas(segments, blocks, values), _halves(segments, values)
+    off = np.abs(response_of(values, lines.s) / lines.response - 1)
+    misfit = float(np.sqrt(np.mean(off**2)))
+    chi = float(np.sqrt(np.mean((off / np.hypot(lines.noise, _LIKENESS)) ** 2)))
+    found = LinearModel(values, replicas, lines, misfit, chi, small, large, [])
+    return found._replace(problems=_problems(found))
+
+
+def _problems(found: LinearModel) -> list[str]:
+    """Return why a linear model does not hold."""
+    problems = []
+    if found.misfit > _MOST_MISFIT and found.chi > _MOST_CHI:
+        problems.append(
+            f"the model leaves {100 * found.misfit:.3g} % of the response, {found.chi:.3g} times "
+            f"its deviations; at most {100 * _MOST_MISFIT:g} % or {_MOST_CHI:g} times"
+        )
+    width_hz = float(found.values[RATE] / found.values[SECOND]) / (2 * np.pi)
+    line_hz = float(np.abs(np.diff(found.lines.s)).min()) / (2 * np.pi)
+    is_ringing = found.values[STATIC] / found.values[SECOND] > (np.pi * width_hz) ** 2
+    if is_ringing and abs(width_hz) < _LINES_PER_WIDTH * line_hz:
+        problems.append(
+            f"the resonance is {abs(width_hz):.3g} Hz wide, but lines are {line_hz:.3g} Hz apart, "
+            f"at most {abs(width_hz) / _LINES_PER_WIDTH:.3g} Hz; record for longer or more slowly"
+        )
+    for name, i in (("static term", STATIC), ("second-order term", SECOND)):
+        change = float(found.large.values[i] / found.small.values[i] - 1)
+        sigma = float(np.hypot(found.small.sigmas[i], found.large.sigmas[i]))
+        sigma /= abs(float(found.small.values[i]))
+        if abs(change) > max(_MOST_CHANGE, _CHANGE_SIGMAS * sigma):
+            problems.append(
+                f"the {name} is {100 * change:+.3g} % off in the half of the record with the "
+                f"larger motion, deviation {100 * sigma:.2g} %; at most {100 * _MOST_CHANGE:g} % "
+                f"or {_CHANGE_SIGMAS:g} deviations"
+            )
+    return problems
