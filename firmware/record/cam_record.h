@@ -131,4 +131,10 @@ typedef struct {
     hal_setpoint_t out[hal_n_axes]; ///< what was written to the axes
 } cam_tick_record_t;
 
+/// @return whether the set-point of U rests
+static inline bool cam_record_is_u_at_rest(const cam_tick_record_t *r)
+{
+    return r->out[hal_axis_u].vel_q10 == 0 && r->out[hal_axis_u].acc_q10 == 0;
+}
+
 #endif

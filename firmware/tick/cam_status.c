@@ -64,7 +64,7 @@ cam_status_t cam_status_read(const cam_t *c)
         .first_fault = now.guard.first_faults,
         .is_synced = r->angle.is_synced,
         .is_retracted = r->want.is_retracted,
-        .is_u_at_rest = r->out[hal_axis_u].vel_q10 == 0 && r->out[hal_axis_u].acc_q10 == 0,
+        .is_u_at_rest = cam_record_is_u_at_rest(r),
         .inputs = r->in.inputs,
         .outputs = r->want.outputs,
         .jog = now.jog,

@@ -62,7 +62,7 @@ static inline bool sim_firmware_tick(sim_firmware_t *f)
     f->state = r->want.state;
     f->following_nm = cam_wrap_sub(r->in.actual_nm[hal_axis_u], r->want.u_due_q6 >> 6);
     for (uint32_t hz = 0; hz < sim_firmware_busy_hz; hz += hal_host.tick_hz) {
-        cam_machine_ilc_poll(&f->machine, f->state);
+        cam_machine_ilc_poll(&f->machine, f->state, !cam_record_is_u_at_rest(r));
     }
     return true;
 }

@@ -53,7 +53,7 @@ static void tick(void)
     answer.n_swing = mps2_machine.out.n_swing;
     answer.n_records = cam_trace_pop(&g_cam.trace, &answer.record) ? 1u : 0u;
     answer.status = cam_machine_status(&machine);
-    cam_machine_ilc_poll(&machine, answer.status.state);
+    cam_machine_ilc_poll(&machine, answer.status.state, !answer.status.is_u_at_rest);
 }
 
 /// camsim checks offsets and sizes before it sends.
