@@ -218,9 +218,9 @@ cam_err_t cam_machine_stage_commit(cam_machine_t *m)
 cam_params_t cam_machine_defaults(uint32_t tick_hz)
 {
     cam_params_t params = cam_param_defaults();
-    if (hal_measures_u() && tick_hz >= (uint32_t)cam_derived_limits_least_hz) {
-        params.following_limit_nm = 0; // derived from the part
-        cam_param_learn(&params);      // also clamps all parameters to their ranges
+    if (tick_hz >= (uint32_t)cam_derived_limits_least_hz) {
+        params.following_limit_nm = hal_measures_u() ? 0 : params.following_limit_nm; // 0: derived
+        cam_param_learn(&params, hal_measures_u()); // also clamps all parameters to their ranges
     }
     // At 500 Hz and above only these defaults may not fit: the bandwidth is limited to a twentieth
     // of the tick rate, the speeds of X and Z by what their outputs support.

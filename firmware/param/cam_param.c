@@ -64,14 +64,17 @@ cam_params_t cam_param_defaults(void)
     return params;
 }
 
-void cam_param_learn(cam_params_t *params)
+void cam_param_learn(cam_params_t *params, bool measures_u)
 {
+    params->ripple_turns = 8;
+    if (!measures_u) {
+        return;
+    }
     params->feed_ramp_turns = 30;            // the chip's force changes as slowly as it is learned
     params->observer_bandwidth_mHz = 100000; // a learned ripple needs no fast observer
     params->engage_turns = 30; // U of a force drive settles while its amplitude rises slowly
     params->rehearse_turns = 40;
     params->learn_harmonics = 16;
-    params->ripple_turns = 8;
     cam_param_fit(params);
 }
 

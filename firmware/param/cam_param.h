@@ -180,8 +180,9 @@ cam_params_t cam_param_defaults(void);
 /// Clamp all parameters to their ranges.
 void cam_param_fit(cam_params_t *params);
 
-/// Switch learning on: the default of ports that measure U.
-void cam_param_learn(cam_params_t *params);
+/// Switch learning on: the default from 10 kHz on.
+/// @param measures_u  also what needs a measured U, not only the ripple of the spindle
+void cam_param_learn(cam_params_t *params, bool measures_u);
 
 /// @return value of a parameter; id < cam_n_params
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id);

@@ -131,7 +131,7 @@ bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machi
     derive_t d = {.params = params, .e = e, .is_good = true};
     *params = cam_param_defaults();
     if (learns && machine->tick_hz >= cam_derived_limits_least_hz) {
-        cam_param_learn(params);
+        cam_param_learn(params, true);
     }
     derive_encoder(&d, machine);
     derive_feed_forward(&d, machine);

@@ -20,6 +20,7 @@ static void turn(double share, uint32_t n)
 static void start_unsteady(void)
 {
     bring(cam_state_ready);
+    set(cam_param_ripple_turns, 0);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     turn(-0.006 / 480, 60000);
 }
@@ -62,6 +63,7 @@ static void test_slow_spindle_has_time_for_its_turns(void)
     set(cam_param_stopped_ms, 10);
     bring(cam_state_ready);
     turn(-5.521461 / 6000, 6000); // to 1/250
+    set(cam_param_ripple_turns, 0);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     turn(0, 200000); // 10 s, and the patience is 1 s
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
