@@ -34,7 +34,7 @@ def _at_an_end(summary: Json) -> str | None:
         return None
     usual = f"elsewhere {length_text(float(np.median(um)))}"
     if um.argmax() < _END_TURNS:
-        return f"of the first turns, {usual}; more engage_turns or rehearse_turns help"
+        return f"of the first turns, {usual}; more rehearse_turns or engage_turns help"
     if um.argmax() >= um.size - _END_TURNS:
         return f"of the last turns, {usual}; a longer feed_ramp_turns or a smaller feed helps"
     return None
