@@ -279,6 +279,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
     c->disengage_q32 = p->disengage_turns * CAM_TURN_Q32;
     c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
     c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
+    c->settle_q32 = is_rehearsed ? cam_build_settle_turns(p) * CAM_TURN_Q32 : 0;
     c->rehearse_q32 = is_rehearsed ? p->rehearse_turns * CAM_TURN_Q32 : 0;
     c->is_z_measured = p->z_is_measured != 0;
     c->dwell_ticks = (uint32_t)cam_units_scale(p->enable_dwell_ms, tick_hz, 1000) + 1u;

@@ -30,6 +30,13 @@ void cam_build_origin(cam_config_t *config, int32_t x_nm, int32_t z_nm);
 ///         the feed-forward, MATHS.md (214). Takes up to some 10^6 instructions.
 int64_t cam_build_room_q10(const cam_config_t *config);
 
+/// @return [turns] at full amplitude before the feed begins: after a rehearsal the integral of U's
+///         drive settles. None where Z is fed by others.
+static inline int32_t cam_build_settle_turns(const cam_params_t *params)
+{
+    return params->rehearse_turns > 0 && params->z_is_measured == 0 ? 12 : 0;
+}
+
 /// @return [turn / 2^32 per tick] of a speed, rounded, saturated
 int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz);
 

@@ -53,7 +53,7 @@ static void count(cam_progress_t *to, const cam_moment_t *now, const cam_play_co
     const int64_t rehearsal = cfg->rehearse_q32 > 0 ? ends + cfg->rehearse_q32 : 0;
     const int64_t feed =
         cfg->rings.is_on ? cfg->feed_q32 : feed_turns_q32(cfg, cfg->feed_q32 - cfg->ramp_q32, ppm);
-    const int64_t cut = ends + feed;
+    const int64_t cut = ends + cfg->settle_q32 + feed;
     int64_t done = now->motion.is_playing
                        ? at_least_0(now->record.angle.pos_q32 - now->plan.engage_at_q32)
                        : 0;

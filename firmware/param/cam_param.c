@@ -72,7 +72,6 @@ void cam_param_learn(cam_params_t *params, bool measures_u)
     }
     params->feed_ramp_turns = 30;            // the chip's force changes as slowly as it is learned
     params->observer_bandwidth_mHz = 100000; // a learned ripple needs no fast observer
-    params->engage_turns = 30; // U of a force drive settles while its amplitude rises slowly
     params->rehearse_turns = 40;
     params->learn_harmonics = 16;
     cam_param_fit(params);

@@ -287,13 +287,14 @@ static void begin_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
     const int32_t z_nm = cfg->is_z_measured ? part_nm : cfg->z_first_nm;
     p->engage_at_q32 = cam_angle_next_turn(
         cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));
-    p->feed_at_q32 = cam_wrap_add_i64(p->engage_at_q32, cfg->engage_q32);
+    const int64_t risen_q32 = cam_wrap_add_i64(p->engage_at_q32, cfg->engage_q32);
+    p->feed_at_q32 = cam_wrap_add_i64(risen_q32, cfg->settle_q32);
     cam_feed_motion_begin_isr(&p->feed_motion, cfg, p->feed_at_q32);
     p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : end_of_feed_q32(p);
     p->is_stopped = false;
     p->is_rehearsal = m->state == cam_state_rehearsing;
     if (p->is_rehearsal) { // without feed: the amplitude rises, stays and falls at the first height
-        p->disengage_at_q32 = cam_wrap_add_i64(p->feed_at_q32, cfg->rehearse_q32);
+        p->disengage_at_q32 = cam_wrap_add_i64(risen_q32, cfg->rehearse_q32);
         p->feed_at_q32 = NEVER_Q32;
         cam_feed_motion_begin_isr(&p->feed_motion, cfg, NEVER_Q32);
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut_pass.h"
+#include "cam_build.h"    // cam_build_settle_turns
 #include "cam_pass.h"     // cam_pass_params
 #include "sim_lobe_cut.h" // sim_lobe_cut_begin
 #include "sim_units.h"    // SIM_NM_PER_MM, SIM_TWO_PI
@@ -63,8 +64,8 @@ double sim_cut_planned_s(const sim_cut_t *cut)
     double planned_s = 0.0;
     for (uint32_t i = cut->first_pass; i < cam_pass_count(table); i++) {
         const cam_params_t here = cam_pass_params(&cut->params, table, i);
-        const double cut_turns =
-            here.engage_turns + sim_cut_turns_of(table, &here) + here.disengage_turns;
+        const double cut_turns = here.engage_turns + cam_build_settle_turns(&here) +
+                                 sim_cut_turns_of(table, &here) + here.disengage_turns;
         const double rehearsal_turns =
             here.rehearse_turns > 0 ? here.engage_turns + here.rehearse_turns + here.disengage_turns
                                     : 0.0;

@@ -58,7 +58,9 @@ static void add_harmonic(cJSON *list, uint32_t k, const cam_ilc_harmonic_t *h)
     sim_summary_number(one, "im_um", h->correction_q6.im / q6 / nm_per_um);
     sim_summary_number(one, "gain_re", h->gain.re_q12 / q12);
     sim_summary_number(one, "gain_im", h->gain.im_q12 / q12);
-    sim_summary_number(one, "best_um", h->best_q6 / q6 / nm_per_um);
+    if (h->best_q6 < UINT32_MAX) { // there is one
+        sim_summary_number(one, "best_um", h->best_q6 / q6 / nm_per_um);
+    }
     sim_summary_number(one, "ripple_re_nturn", h->ripple.re * nturn_per_q32);
     sim_summary_number(one, "ripple_im_nturn", h->ripple.im * nturn_per_q32);
     (void)cJSON_AddBoolToObject(one, "is_masked", h->is_masked);

@@ -23,6 +23,8 @@ LEARNED: dict[str, Any] = {
     "masked": [7, 8, 9, 16],
     "k1_ns": 7738,
     "k2_us2": -93638,
+    "friction_nm": -120,
+    "chip_nm_per_mm2": 34500,
     "begin_error_um": 10.05,
     "error_um": 0.043,
     "correction_um": 4.5,
@@ -34,7 +36,7 @@ LEARNED: dict[str, Any] = {
 
 def learned(**changes: Any) -> dict[str, Any]:  # noqa: ANN401
     """Return a summary with what was learned, some of it changed."""
-    return made_up_summary(learning=LEARNED | changes)
+    return turns([], []) | {"learning": LEARNED | changes}
 
 
 def turns(rehearsed: list[float], cut: list[float]) -> dict[str, Any]:
@@ -49,8 +51,7 @@ def turns(rehearsed: list[float], cut: list[float]) -> dict[str, Any]:
 
 def text(summary: dict[str, Any]) -> str:
     """Return the sentence of the summary."""
-    (row,) = learning_rows(summary)
-    return row.value
+    return learning_rows(summary)[0].value
 
 
 def test_what_was_learned_and_masked_is_told() -> None:
@@ -58,6 +59,7 @@ def test_what_was_learned_and_masked_is_told() -> None:
     told = text(learned())
     assert told.startswith("on, 40 turns used: rms error at the scale 10.1 µm at first, 43 nm at")
     assert "k1 corrected by +7.738 µs, k2 by -0.0936 ms²; " in told
+    assert "friction corrected by -120 nm, the chip's force learned as 34.5 µm/mm²" in told
     assert "ripple of 1179 µrad learned from 16 turns" in told
     assert told.endswith("harmonics masked: 7 .. 9, 16")
     assert text(learned(masked=[])).endswith("no harmonic is masked")
@@ -69,7 +71,7 @@ def test_what_was_learned_and_masked_is_told() -> None:
 @pytest.mark.parametrize(
     ("reason", "named"),
     [
-        ("not_asked", "differs from what the controller assumes, such as --machine real"),
+        ("not_asked", "off: learn_harmonics = 0"),
         ("not_measured", "off: the port does not measure U"),
         ("modulated", "off: the table modulates"),
         ("slow_turn", "off: a turn has more ticks"),
@@ -89,6 +91,33 @@ def test_summary_without_learning_has_no_row_and_no_picture() -> None:
     assert convergence(made_up_summary()) == {}
     assert convergence(turns([], [1.0])) == {}
     assert list(convergence(turns([], [1.0, 2.0]))) == ["learning"]
+
+
+STEADY = [1.0] * 100
+
+
+@pytest.mark.parametrize(
+    ("um", "changes", "cause"),
+    [
+        ([5.0, *STEADY], {}, "of the first turns, elsewhere 1 µm; more rehearse_turns"),
+        ([*STEADY, 5.0], {}, "of the last turns, elsewhere 1 µm; a longer feed_ramp_turns"),
+        (STEADY, {"better_rpm": 2987.0}, "of encoder counts that do not average; 2987 r/min"),
+        (STEADY, {"rms_not_turned": 0.1}, "an angle by which the whole part is turned, +300 µrad"),
+        (STEADY, {"error_um": 0.9}, "seen by U's scale but not learned: friction"),
+        (STEADY, {}, "not seen by U's scale: run-out"),
+    ],
+)
+def test_what_remains_has_a_likely_cause(
+    um: list[float], changes: dict[str, Any], cause: str
+) -> None:
+    """One cause for each kind of remaining error, in the order of their certainty."""
+    form = {"max": max(um), "rms": 0.4, "rms_not_turned": 0.4, "turned_urad": 300.0}
+    found = (
+        turns([], um) | changes | {"form_error_um": form | changes, "learning": LEARNED | changes}
+    )
+    row = learning_rows(found)[1]
+    assert row.name == "what remains"
+    assert row.value.startswith(f"{max(um):g} µm, likely {cause}")
 
 
 def ticks(figure: Figure) -> list[float]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
+from camtools.report.remaining_text import remaining_text
 from camtools.report.text import ReportRow
 
 _OFF = {
@@ -69,6 +70,8 @@ def _on_text(found: Json) -> str:
         f"on, {found['turns']} turns used: rms error at the scale {at_first} at first, {at_last} "
         "at the end",
         f"k1 corrected by {_k1_text(found['k1_ns'])}, k2 by {_k2_text(found['k2_us2'])}",
+        f"friction corrected by {found['friction_nm']:+d} nm, the chip's force learned as "
+        f"{found['chip_nm_per_mm2'] * 1e-3:.3g} µm/mm²",
         f"correction added to U: {length_text(found['correction_um'])} in total",
     ]
     if found["ripple_turns"]:
@@ -86,11 +89,13 @@ def _on_text(found: Json) -> str:
 
 
 def learning_rows(summary: Json) -> list[ReportRow]:
-    """Return whether and what was learned, nothing where camsim does not say."""
+    """Return whether and what was learned, and what remains; nothing where camsim does not say."""
     found = summary.get("learning")
     if found is None:
         return []
     if found["is_on"]:
-        return [ReportRow("learning", _on_text(found))]
+        remaining = remaining_text(summary)
+        rows = [ReportRow("learning", _on_text(found))]
+        return rows if remaining is None else [*rows, ReportRow("what remains", remaining)]
     why = _OFF.get(found["reason"])
     return [ReportRow("learning", f"off: {why}" if why else _NO_REHEARSAL)]

@@ -4,6 +4,7 @@
 #include "cam_demand.h"
 #include "cam_machine_inner.h" // cam_machine_offer_copy
 #include "rig_bench.h"
+#include <math.h> // ldexp
 
 static int64_t least_x_nm; ///< of the set-points of X while U was not at rest
 static int32_t most_u_q6, least_u_q6;
@@ -94,6 +95,27 @@ static void test_u_rests_between_rehearsal_and_cut(void)
         fixture_rig_tick(&rig);
     }
     TEST_ASSERT_GREATER_THAN_UINT32(0, n);
+}
+
+static void test_u_settles_at_full_amplitude_before_the_feed(void)
+{
+    const int32_t settling_turns[] = {12, 0};
+    for (int is_z_measured = 0; is_z_measured < 2; is_z_measured++) {
+        fixture_rig_init(&rig, &part, 20000);
+        set(cam_param_rehearse_turns, 3);
+        set(cam_param_z_is_measured, is_z_measured);
+        bring(cam_state_ready);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+        TEST_ASSERT_LESS_THAN_UINT32(200000, fixture_rig_until(&rig, cam_state_engaging, 200000));
+        while (!g_cam.motion.is_playing) {
+            fixture_rig_tick(&rig);
+        }
+        const int64_t from_q32 = g_cam.plan.engage_at_q32;
+        TEST_ASSERT_LESS_THAN_UINT32(200000, fixture_rig_until(&rig, cam_state_cutting, 200000));
+        const double turns = ldexp((double)(rig.last.angle.pos_q32 - from_q32), -32);
+        TEST_ASSERT_DOUBLE_WITHIN(
+            0.1, rig.machine.params.engage_turns + settling_turns[is_z_measured], turns);
+    }
 }
 
 static void test_stop_ends_a_rehearsal_in_ready(void)
