@@ -127,6 +127,8 @@ typedef struct {
     int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: the due time is f between two ticks
     bool is_u_moving;           ///< U moves: while not cutting its constants stay
     int32_t angle_step_q23;     ///< [turn / 2^23] largest step of an angle that U can follow, >= 1
+    int32_t ripple_from_q32;    ///< [turn / 2^32 per tick] speed from which the ripple is learned
+    int32_t observer_step_q23;  ///< ... by which the observed speed wavers by 0.2 % at most, >= 1
     cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
 } cam_ilc_setup_t;
 

@@ -17,10 +17,10 @@ enum {
 /// [turn / 256] between two computations of points: 25 per turn for each set
 enum { step_q8 = 10 };
 
-/// @return whether the points have to wait
+/// @return whether the points have to wait: a step makes the observed speed waver
 static bool is_early(const cam_ilc_t *t, uint32_t at_q8)
 {
-    return cam_state_is_in_work((cam_state_t)t->state) && (int32_t)(at_q8 - t->blend_from_q8) < 0;
+    return t->state != (uint8_t)cam_state_off && (int32_t)(at_q8 - t->blend_from_q8) < 0;
 }
 
 bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8)
@@ -39,12 +39,19 @@ static int32_t step_of(cam_state_t state, int32_t rehearsal_step, int32_t cut_st
     return state == cam_state_rehearsing ? rehearsal_step : cut_step;
 }
 
-/// @return [turn / 2^23] likewise for the angles: until the cut begins U rests and follows none
+/// @return [turn / 2^23] the step of the angles: smaller while they move U
 static int32_t angle_step(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
-    const bool is_waiting = t->state == (uint8_t)cam_state_engaging && !s->is_u_moving;
-    return is_waiting ? any_step
-                      : step_of((cam_state_t)t->state, rehearsal_angle_step, cut_angle_step);
+    const cam_state_t state = (cam_state_t)t->state;
+    if (state == cam_state_off) {
+        return any_step;
+    }
+    if (!cam_state_is_in_work(state) || (state == cam_state_engaging && !s->is_u_moving)) {
+        return s->observer_step_q23;
+    }
+    const int32_t usual =
+        state == cam_state_rehearsing ? rehearsal_angle_step : (int32_t)cut_angle_step;
+    return cam_clamp_i32(cam_clamp_i32(usual, 1, s->angle_step_q23), 1, s->observer_step_q23);
 }
 
 /// Move a constant towards its target. @param per_q8  [nm per unit, 2^-8] effect on the command
@@ -115,10 +122,7 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
         t->blend_from_q8 = at_q8 + step_q8;
     }
     if (is_due && !is_correction_next && (t->blending & cam_ilc_blend_ripple) != 0u) {
-        const int32_t usual = angle_step(t, setup);
-        const int32_t most =
-            usual < any_step ? cam_clamp_i32(usual, 1, setup->angle_step_q23) : any_step;
-        done |= slew_angles(t, setup, in, most) ? cam_ilc_blend_ripple : 0u;
+        done |= slew_angles(t, setup, in, angle_step(t, setup)) ? cam_ilc_blend_ripple : 0u;
         t->blend_from_q8 = at_q8 + 2u * step_q8;
     }
     t->blending &= (uint8_t)~done;

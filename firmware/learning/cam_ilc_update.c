@@ -14,6 +14,7 @@ enum {
     rough_steps = 16,          ///< turns with the larger gain after the feed has changed
     rough_part = 64,           ///< the feed changes by more than this part
     even_part = 128,           ///< the spindle accelerates by more than this part per turn
+    uniform_part = 1024,       ///< ... for the ripple, which a run-up would imitate
     least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
     friction_part = 128, ///< U hardly moves in a harmonic whose speed is this part of the largest
     least_floors = 64,   ///< least motion of U, in noise floors of its scale
@@ -271,7 +272,12 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     }
     // The ripple needs no motion of U.
     const bool is_synced = turn->state != cam_state_off && turn->state != cam_state_homing;
-    const bool has_ripple = is_full && is_even && is_synced && n_ticks > 0u && s->ripple_turns > 0u;
+    const bool is_uniform = cam_abs_i64(change_q32) * uniform_part < turn->speed_q32;
+    if (!is_uniform) { // the drift of a mean is that of successive turns
+        cam_ripple_drop(&t->ripple);
+    }
+    const bool has_ripple = is_full && is_uniform && turn->speed_q32 >= s->ripple_from_q32 &&
+                            is_synced && n_ticks > 0u && s->ripple_turns > 0u;
     const int32_t every = (int32_t)turn->skip + 1;
     t->true_q36 = has_ripple ? cam_ripple_deviate(t->bin) / every : 0;
     const cam_ilc_reason_t hindrance = hindrance_of(t, is_still, n_ticks, turn);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning: its setup from parameters and table, and the hand-over to the interrupt.
 #include "cam_angle.h"         // CAM_TURN_Q32
+#include "cam_build.h"         // cam_build_speed_q32
 #include "cam_eval.h"          // cam_eval_profile
 #include "cam_feasible.h"      // cam_feasible_demands
 #include "cam_gains.h"         // cam_gains_bound
@@ -103,6 +104,11 @@ static int32_t depth_nm(const cam_machine_t *m)
     return (int32_t)cam_clamp_i64(depth, 0, most_depth_nm);
 }
 
+uint32_t cam_machine_ripple_from_mrpm(const cam_params_t *params)
+{
+    return (uint32_t)params->observer_bandwidth_mHz * 60u / 32u;
+}
+
 static cam_ilc_setup_t setup_of(const cam_machine_t *m)
 {
     const cam_params_t *p = &m->params;
@@ -116,6 +122,7 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
         // at least three steps of the scale, within the range of the parameter
         .probe_q6 = cam_clamp_i32(3 * p->u_scale_nm, p->probe_nm, most_probe_nm) * 64,
         .ripple_turns = ripple_turns(m),
+        .ripple_from_q32 = cam_build_speed_q32(cam_machine_ripple_from_mrpm(p), m->tick_hz),
         .scale_nm = p->u_scale_nm,
         .least_ripple_q32 =
             hal_has_edge_time() ? 0 : (int32_t)(CAM_TURN_Q32 / p->counts_per_turn / feigned_part),
@@ -173,14 +180,29 @@ static uint64_t spare_acceleration(const cam_machine_t *m, uint32_t mrpm)
     return spare;
 }
 
+/// @return [r/min / 1000] speed of the last turn, the highest one before the first
+static uint64_t turning_mrpm(const cam_machine_t *m)
+{
+    const uint64_t mrpm = (uint64_t)m->ilc.turn_speed_q32 * m->tick_hz * 60000u >> 32;
+    return mrpm > 0u ? mrpm : m->limit_mrpm;
+}
+
+/// A step a of the learned angle makes the observer's speed waver by 2 d w a, d = 0.7: by 0.2 %
+/// where a is 0.002 / (2 d w) of the speed.
+/// @return [turn / 2^23] that step, at least 1
+static int32_t observer_step_q23(const cam_machine_t *m)
+{
+    const uint64_t step = turning_mrpm(m) * 32u / (uint32_t)m->params.observer_bandwidth_mHz;
+    return step < INT16_MAX ? (int32_t)step + 1 : INT16_MAX;
+}
+
 /// A step of the learned angle moves U's set-point by as much as the slope makes of it, in one
 /// tick. It may take half of the spare acceleration.
 /// @return [turn / 2^23] that step, at least 1
 static int32_t angle_step_q23(const cam_machine_t *m)
 {
     const uint64_t hz = m->tick_hz;
-    const uint64_t turning_mrpm = (uint64_t)m->ilc.turn_speed_q32 * hz * 60000u >> 32;
-    const uint64_t mrpm = turning_mrpm > 0u ? turning_mrpm : m->limit_mrpm;
+    const uint64_t mrpm = turning_mrpm(m);
     const uint64_t spare = spare_acceleration(m, (uint32_t)mrpm); // [mm/s2]
     const uint64_t slope_nm =
         cam_cut_scaled_up(m->table.u1_peak_nm_per_rad, (uint64_t)m->params.amplitude_ppm, 1000000) +
@@ -204,6 +226,7 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
     const bool is_blending = cam_ilc_is_blending(&m->ilc, at_q8);
     cam_config_t *copy = is_blending ? cam_config_copy(&m->core->config) : NULL;
     if (copy != NULL) {
+        setup.observer_step_q23 = observer_step_q23(m);
         setup.angle_step_q23 = m->has_table ? angle_step_q23(m) : INT16_MAX;
         cam_ilc_blend(&m->ilc, &setup, at_q8, &copy->learned);
         if (!is_same(&copy->learned, &cam_machine_newest_config(m)->learned)) {

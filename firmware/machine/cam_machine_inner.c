@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_inner.h"
 #include "cam_build.h" // cam_build_config, cam_build_origin
+#include "cam_fix.h"   // cam_abs_i64
 #include "cam_pass.h"  // cam_pass_params, cam_pass_check
 #include <stdatomic.h> // atomic_store_explicit
 #include <stddef.h>    // NULL
 
 enum {
     overspeed_percent = 1, ///< margin above the highest feasible speed, for speed ripple
-    late_turns = 3,        ///< from the first turn of the ripple's mean to the use of that mean
+    late_turns = 8,        ///< from the first turn of the ripple's mean to the use of that mean
 };
 
 bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *status)
@@ -81,8 +82,10 @@ static void set_steady(cam_config_t *half, const cam_machine_t *m, const cam_par
 {
     const cam_play_config_t *play = &half->play;
     const bool is_uniform = play->table != NULL && play->table->speed.knots == NULL;
-    const bool waits = is_uniform && play->rehearse_q32 == 0 && params->ripple_turns > 0 &&
-                       m->ilc.ripple.n_mean == 0u;
+    const bool is_fast =
+        (uint32_t)cam_abs_i64(play->spindle_mrpm) >= cam_machine_ripple_from_mrpm(params);
+    const bool waits = is_uniform && is_fast && play->rehearse_q32 == 0 &&
+                       params->ripple_turns > 0 && m->ilc.ripple.n_mean == 0u;
     half->play.steady_turns = waits ? (uint32_t)params->ripple_turns + (uint32_t)late_turns : 1u;
 }
 

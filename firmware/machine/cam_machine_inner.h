@@ -17,6 +17,11 @@ static inline const cam_config_t *cam_machine_newest_config(const cam_machine_t 
     return atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
 }
 
+/// Where the spindle turns more slowly, the observer follows its ripple better than 256 points do:
+/// it misses (n / f)^2 of it at n turns/s and a bandwidth f, and they (2 pi / 256)^2.
+/// @return [r/min / 1000] speed from which the ripple is learned: f / 32 turns per second
+uint32_t cam_machine_ripple_from_mrpm(const cam_params_t *params);
+
 /// @return whether the interrupt has carried out the last request
 bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *status);
 

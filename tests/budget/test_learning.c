@@ -17,6 +17,7 @@ static uint32_t most_piece, most_turn, in_turn;
 
 static const cam_ilc_setup_t setup = {
     .angle_step_q23 = INT16_MAX,
+    .observer_step_q23 = INT16_MAX,
     .n_harmonics = cam_ilc_harmonics,
     .gain_q16 = 1 << 15,
     .cut_gain_q16 = 9830,

@@ -29,6 +29,7 @@ static void set_up(learn_plant_t *p)
     const double part = due - floor(due);
     p->setup = (cam_ilc_setup_t){
         .angle_step_q23 = INT16_MAX,
+        .observer_step_q23 = INT16_MAX,
         .reason = cam_ilc_all,
         .n_harmonics = 16,
         .gain_q16 = 32768,

@@ -13,8 +13,11 @@ static cam_learned_t in;
 void setUp(void)
 {
     cam_ilc_init(&t);
-    s = (cam_ilc_setup_t){
-        .reason = cam_ilc_all, .n_harmonics = 4, .ripple_turns = 4, .angle_step_q23 = INT16_MAX};
+    s = (cam_ilc_setup_t){.reason = cam_ilc_all,
+                          .n_harmonics = 4,
+                          .ripple_turns = 4,
+                          .angle_step_q23 = INT16_MAX,
+                          .observer_step_q23 = INT16_MAX};
     in = (cam_learned_t){0};
     t.state = cam_state_rehearsing;
     t.blend_from_q8 = usual_q8;
@@ -161,6 +164,29 @@ static void test_ripple_steps_no_farther_than_u_can_follow(void)
     }
 }
 
+/// A step makes the observed speed waver, so that it is smaller where the spindle turns slowly.
+static void test_ripple_steps_no_farther_than_the_observer_can_follow(void)
+{
+    static const struct {
+        cam_state_t state;
+        int16_t most;
+    } cases[] = {{cam_state_rehearsing, 20},
+                 {cam_state_cutting, 13},
+                 {cam_state_ready, 20},
+                 {cam_state_engaging, 20},
+                 {cam_state_off, 600}};
+    for (int i = 0; i < 5; i++) {
+        setUp();
+        s.observer_step_q23 = 20;
+        t.state = (uint8_t)cases[i].state;
+        t.blending = cam_ilc_blend_ripple;
+        t.ripple.n_mean = 4;
+        t.ripple.mean[0].re = 600;
+        walk(usual_q8);
+        TEST_ASSERT_INT16_WITHIN(1, cases[i].most, in.dm[0]);
+    }
+}
+
 /// The walk has not ended while one of the two tables is not there.
 static void test_both_tables_of_the_ripple_have_to_be_there(void)
 {
@@ -205,8 +231,8 @@ static void test_without_a_mean_the_eccentricity_is_what_is_known(void)
     }
 }
 
-/// In the work points are made anew every tenth 256th of a turn at most; out of it at once. The
-/// constants cost nothing, and do not wait.
+/// Points are made anew every tenth 256th of a turn at most; in off at once. The constants cost
+/// nothing, and do not wait.
 static void test_costly_steps_wait_for_their_place_in_the_turn(void)
 {
     t.blending = cam_ilc_blend_correction | cam_ilc_blend_drive;
@@ -219,7 +245,7 @@ static void test_costly_steps_wait_for_their_place_in_the_turn(void)
     TEST_ASSERT_EQUAL_HEX8(cam_ilc_blend_correction, t.blending);
     TEST_ASSERT_FALSE(cam_ilc_is_blending(&t, usual_q8 - 1u));
     TEST_ASSERT_TRUE(cam_ilc_is_blending(&t, usual_q8));
-    t.state = cam_state_ready;
+    t.state = cam_state_off;
     TEST_ASSERT_TRUE(cam_ilc_is_blending(&t, usual_q8 - 1u));
     static cam_turn_bin_t bin;
     t.bin = &bin; // a turn is being treated
@@ -240,7 +266,7 @@ static void test_one_set_of_points_is_led_at_a_time(void)
     walk(usual_q8);
     TEST_ASSERT_EQUAL_HEX8(cam_ilc_blend_ripple, t.blending);
     TEST_ASSERT_EQUAL_INT16(0, in.dm[0]);
-    walk(usual_q8);
+    walk(usual_q8 + 10u);
     TEST_ASSERT_EQUAL_HEX8(0, t.blending);
     TEST_ASSERT_EQUAL_INT16(100, in.dm[0]);
 }

@@ -76,7 +76,7 @@ static void test_ripple_is_learned_before_a_cut_without_rehearsal(void)
     static const struct {
         int32_t ripple, rehearse;
         uint32_t turns;
-    } cases[] = {{0, 0, 1}, {8, 0, 11}, {8, 40, 1}, {1, 0, 4}};
+    } cases[] = {{0, 0, 1}, {8, 0, 16}, {8, 40, 1}, {1, 0, 9}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         set(cam_param_rehearse_turns, cases[i].rehearse);
         set(cam_param_ripple_turns, cases[i].ripple);
