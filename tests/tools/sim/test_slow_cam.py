@@ -32,4 +32,4 @@ def test_a_slow_cam_is_learned(table_of: Callable[[str], Path], tmp_path: Path, 
     assert len(errors) >= 35 and max(errors[15:35]) < 0.2
     learned = found["learning"]
     assert learned["reason"] == "all" and learned["turns"] > 30
-    assert learned["k1_ns"] == pytest.approx(-82_500, rel=0.02)  # 1.4 / w of 300 and 270 Hz
+    assert learned["k1_ns"] == pytest.approx(-82_500, rel=0.05)  # 1.4 / w of 300 and 270 Hz
