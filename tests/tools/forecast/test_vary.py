@@ -81,9 +81,23 @@ def test_usual_unknowns_fit_every_machine(name: str) -> None:
     machine = find_machine(name)
     tree = read_machine(machine.text, machine.name)
     unknowns, left_out = default_vary(tree)
-    assert len(unknowns) + len(left_out) == 12
+    assert len(unknowns) + len(left_out) == 20
     assert set(left_out) <= {"u.mode_hz"}
     assert all(one.low < one.high for one in unknowns)
+
+
+@pytest.mark.parametrize(
+    ("key", "stated"), [("u.scale_latency_us", 3.6), ("encoder.eccentricity_counts", 0.5)]
+)
+def test_usual_errors_of_scale_and_encoder_are_around_what_is_stated(
+    key: str, stated: float
+) -> None:
+    """A machine file that states them keeps them within its deviation; others have small ones."""
+    real = find_machine("real")
+    for tree, value in ((read_machine(real.text, real.name), stated), ({}, 0.0)):
+        drawn = next(one for one in default_vary(tree)[0] if one.key == key)
+        least, most = drawn.at(np.array([0.01, 0.99]))
+        assert max(0.0, value - 0.75) <= least <= value + 0.01 < most <= value + 0.75
 
 
 @pytest.mark.parametrize(
