@@ -65,7 +65,7 @@ class Row:
     keys: Keys
     bound_um: Callable[[Shape, float], float] | None = None
     rpm: int = RPM
-    settings: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ("--no-learning",)
 
 
 def _step(axis: str, step_nm: float, why: str) -> Row:
@@ -85,7 +85,9 @@ def _scale(step_nm: float) -> Row:
         "u.command_quantum_nm": FINE_NM,
         "believed.u.bandwidth_hz": 270,
     }
-    return Row("scale of U, that learns", f"{step_nm:g} nm", keys, lambda *_: step_nm / 2000)
+    return Row(
+        "scale of U, that learns", f"{step_nm:g} nm", keys, lambda *_: step_nm / 2000, settings=()
+    )
 
 
 def _encoder(counts: int, rpm: int, *, is_stamped: bool = False) -> Row:
@@ -112,7 +114,7 @@ def _delay(late_us: float) -> Row:
         f"{late_us:g} us",
         {},
         lambda shape, omega: shape.u1_um_per_rad * omega * late_us * 1e-6,
-        settings=("--set", f"lead_ns={100_000 + round(late_us * 1000)}"),
+        settings=("--no-learning", "--set", f"lead_ns={100_000 + round(late_us * 1000)}"),
     )
 
 
