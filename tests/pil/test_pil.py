@@ -50,7 +50,11 @@ CASES = {
     ),
     "stop": ("perkins240", 0, ("--feed", "1", "--inject", "stop@0.5")),
     "mirrored": ("thrust90", 0, ("--feed", "4")),
-    "swung": ("cam-345", 0, ("--machine", str(CAM_LATHE), "--feed", "6", *FAST_ENDS)),
+    "swung": (
+        "cam-345",
+        0,
+        ("--machine", str(CAM_LATHE), "--feed", "6", "--no-learning", *FAST_ENDS),
+    ),
     "shaft": (
         "camshaft8",
         0,
