@@ -40,7 +40,7 @@ void cam_harmonic_correction_set_probe(cam_harmonic_correction_t *s, int32_t siz
                                        uint32_t which)
 {
     for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
-        const int64_t size = k <= n && (which >> k & 1u) != 0u ? size_q6 : 0;
+        const int64_t size = k <= n && (which >> k & 1u) != 0u ? (int64_t)size_q6 : 0;
         const uint32_t step = 128u * k * k / n;
         s->c_q6[k].re = (int32_t)(size * cam_cos_q24(step) >> 24);
         s->c_q6[k].im = (int32_t)(size * cam_sin_q24(step) >> 24);

@@ -161,7 +161,7 @@ typedef struct {
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
     int64_t engage_q32, disengage_q32;          ///< [turn] lengths
     uint32_t per_engage_q31, per_disengage_q31; ///< [1/turn] their reciprocals
-    int64_t settle_q32;     ///< [turn] at full amplitude before the feed
+    int64_t settle_q32;                         ///< [turn] at full amplitude before the feed
     int64_t rehearse_q32;   ///< [turn] at full amplitude before a cut, 0: there is no rehearsal
     int64_t rehearse_x_q10; ///< [nm / 1024] X is this much farther off than at its approach
     int64_t feed_q32;       ///< [turn] from first to last height, ramps included
