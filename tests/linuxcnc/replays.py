@@ -37,16 +37,16 @@ class Cut:
 
 
 def cut(table: Path, folder: Path, *words: str | Path) -> Cut:
-    """Let camsim cut, and keep everything."""
+    """Let camsim cut without learning, which depends on the pace of the main loop; keep all."""
     trace = folder / "trace.csv"
-    done = camsim("run", table, *words, "--trace", trace)
+    done = camsim("run", table, "--no-learning", *words, "--trace", trace)
     assert trace.exists(), done.stderr
     with trace.open() as lines:
         rows = list(csv.DictReader(lines))
     wanted = [name for name in rows[0] if name.startswith(("in_", "out_"))]
     columns = {name: np.array([int(row[name]) for row in rows], dtype=np.int64) for name in wanted}
     asked = [word for word in words if word in ("--machine", "--rpm", "--set")]
-    told = camsim("params", table, *_pairs(words, asked)).stdout.splitlines()[1:]
+    told = camsim("params", table, "--no-learning", *_pairs(words, asked)).stdout.splitlines()[1:]
     pairs = [line.split(",") for line in told if not line.startswith("planned_")]
     params = {pair[0]: int(pair[1]) for pair in pairs}
     return Cut(table, params, columns, [row["state"] for row in rows])
