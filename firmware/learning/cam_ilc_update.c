@@ -46,8 +46,8 @@ static void interpolate(cam_turn_bin_t *bin, uint32_t from, uint32_t n)
     const cam_turn_bin_t b = bin[(from + n) % cam_turn_bins_n];
     for (uint32_t i = 1; i < n; i++) {
         cam_turn_bin_t *between = &bin[(from + i) % cam_turn_bins_n];
-        between->error_q6 = a.error_q6 + (int32_t)(((int64_t)b.error_q6 - a.error_q6) * i / n);
-        between->u_nm = a.u_nm + (int32_t)(((int64_t)b.u_nm - a.u_nm) * i / n);
+        between->error_q6 = (int32_t)(a.error_q6 + ((int64_t)b.error_q6 - a.error_q6) * i / n);
+        between->u_nm = (int32_t)(a.u_nm + ((int64_t)b.u_nm - a.u_nm) * i / n);
     }
 }
 
