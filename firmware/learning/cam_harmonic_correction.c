@@ -137,17 +137,19 @@ static cam_complex_t extended(cam_complex_t c, cam_complex_t change, uint32_t *r
     return next;
 }
 
-void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
+bool cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
                                    uint32_t floor_q6, int32_t mu_q16, uint32_t *room_q6)
 {
     // The mean is not guarded: it has no phase, and the cutting force moves it.
     const bool is_guarded = k > 0u;
-    if ((s->masked >> k & 1u) != 0u ||
-        (is_guarded && !is_as_good(s, k, cam_complex_size(error_q6), floor_q6))) {
-        return;
+    const uint32_t size_q6 = cam_complex_size(error_q6);
+    const bool is_calm = size_q6 <= s->last_q6[k];
+    if ((s->masked >> k & 1u) != 0u || (is_guarded && !is_as_good(s, k, size_q6, floor_q6))) {
+        return is_calm;
     }
     const cam_complex_t change = correction_change(error_q6, s->gain[k], mu_q16 >> s->n_halved[k]);
     s->c_q6[k] = extended(s->c_q6[k], change, room_q6);
+    return is_calm;
 }
 
 void cam_harmonic_correction_age(cam_harmonic_correction_t *s, uint32_t k)
@@ -160,6 +162,14 @@ void cam_harmonic_correction_restore(cam_harmonic_correction_t *s)
 {
     for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
         s->c_q6[k] = s->best_q6[k] != UINT32_MAX ? kept_q6(s, k) : s->c_q6[k];
+    }
+}
+
+void cam_harmonic_correction_scale(cam_harmonic_correction_t *s, uint32_t part_q16)
+{
+    for (uint32_t k = 0; k < cam_harmonic_terms; k++) {
+        s->c_q6[k].re = (int32_t)((int64_t)s->c_q6[k].re * part_q16 >> 16);
+        s->c_q6[k].im = (int32_t)((int64_t)s->c_q6[k].im * part_q16 >> 16);
     }
 }
 

@@ -59,11 +59,16 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
 /// @param mu_q16    learning gain, 0 .. 2^16
 /// @param room_q6   [nm / 64] by which the sum of sizes may still grow; a change that does not
 ///                  fit is scaled down. What it uses is subtracted
-void cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
+/// @return whether the error has not grown since the last turn
+bool cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
                                    uint32_t floor_q6, int32_t mu_q16, uint32_t *room_q6);
 
-/// Raise the smallest error by a sixteenth: in the cut the conditions drift.
+/// Raise the smallest error by a sixteenth: in the cut the conditions drift. Where an error grows,
+/// learning may diverge: then call it not.
 void cam_harmonic_correction_age(cam_harmonic_correction_t *s, uint32_t k);
+
+/// Scale the correction. @param part_q16  0 .. 2^16
+void cam_harmonic_correction_scale(cam_harmonic_correction_t *s, uint32_t part_q16);
 
 /// Restore the correction of the smallest error at every harmonic.
 void cam_harmonic_correction_restore(cam_harmonic_correction_t *s);

@@ -9,6 +9,7 @@
 
 enum {
     drive_steps = 3,          ///< of layer 1 before probing
+    most_share_q32 = 1 << 29, ///< [1] of the share against the chip, an eighth
     most_probe_q6 = 5000 * 64 ///< [nm / 64] largest probe, that of the parameter
 };
 
@@ -17,6 +18,7 @@ void cam_ilc_init(cam_ilc_t *t)
     (void)memset(t, 0, sizeof *t);
     cam_harmonic_correction_forget(&t->correction);
     t->state = (uint8_t)cam_state_off;
+    t->chip_most_q32 = most_share_q32;
 }
 
 void cam_ilc_forget(cam_ilc_t *t)
@@ -49,6 +51,7 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
                             : is_cut     ? cam_ilc_cutting
                                          : cam_ilc_waiting);
     t->n_turns = is_rehearsal ? 0u : t->n_turns;
+    t->is_limited = t->is_limited && !is_rehearsal;
     if (is_rehearsal || is_cut) {
         cam_ilc_update_restart_guards(t);
     }
@@ -112,10 +115,8 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
             cam_ilc_chip_step(t, by.chip_q32, gain);
         }
         const int64_t k2 = is_chip ? 0 : (int64_t)by.k2_q16 * gain >> 16;
-        t->k1_q16 =
-            (int32_t)cam_clamp_i64(t->k1_q16 + k1, -(int64_t)s->k1_most_q16, s->k1_most_q16);
-        t->k2_q16 =
-            (int32_t)cam_clamp_i64(t->k2_q16 + k2, -(int64_t)s->k2_most_q16, s->k2_most_q16);
+        t->k1_q16 = (int32_t)cam_clamp_i64(t->k1_q16 + k1, s->k1_least_q16, s->k1_most_q16);
+        t->k2_q16 = (int32_t)cam_clamp_i64(t->k2_q16 + k2, s->k2_least_q16, s->k2_most_q16);
         const int64_t friction = (int64_t)by.friction_q6 * gain >> 16;
         t->friction_q6 = (int32_t)cam_clamp_i64(t->friction_q6 + friction, -(int64_t)s->friction_q6,
                                                 INT64_C(64) * cam_ilc_most_nm);
@@ -205,6 +206,41 @@ static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
     }
 }
 
+bool cam_ilc_shrink(cam_ilc_t *t)
+{
+    t->is_limited = true;
+    t->k1_q16 = t->k1_q16 / 4 * 3;
+    t->k2_q16 = t->k2_q16 / 4 * 3;
+    t->friction_q6 = t->friction_q6 / 4 * 3;
+    return t->k1_q16 != 0 || t->k2_q16 != 0 || t->friction_q6 != 0;
+}
+
+/// @return [nm] rounded up
+static int64_t correction_nm(const cam_ilc_t *t)
+{
+    return (int64_t)(cam_harmonic_correction_sum_q6(&t->correction) >> 6) + 1;
+}
+
+int64_t cam_ilc_wanted_nm(const cam_ilc_t *t, int64_t deep_nm)
+{
+    const int64_t feed_nm = (int64_t)t->feed_now_nm / 4 * 5;
+    const int64_t share_q32 = cam_abs_i64(t->chip_q32) * feed_nm / cam_ilc_chip_feed_nm;
+    const int64_t within_q32 = cam_clamp_i64(share_q32, 0, most_share_q32);
+    return correction_nm(t) + (within_q32 * deep_nm >> 32);
+}
+
+void cam_ilc_fit(cam_ilc_t *t, int64_t spare_nm, int64_t deep_nm)
+{
+    const int64_t sum_nm = correction_nm(t);
+    if (sum_nm > spare_nm) {
+        cam_harmonic_correction_scale(&t->correction, (uint32_t)((spare_nm << 16) / sum_nm));
+        t->is_limited = true;
+    }
+    const int64_t rest_nm = cam_clamp_i64(spare_nm - sum_nm, 0, INT32_MAX);
+    const int64_t most_q32 = (rest_nm << 32) / (deep_nm + 1);
+    t->chip_most_q32 = (int32_t)cam_clamp_i64(most_q32, 0, most_share_q32);
+}
+
 static void take_turn(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_t *bins)
 {
     cam_turn_t turn;
@@ -262,16 +298,20 @@ void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
     }
 }
 
-// Status and learned values
+static int32_t nm_per_mm2(int32_t share_q32)
+{
+    return (int32_t)((int64_t)share_q32 * (INT64_C(1000000000000) / cam_ilc_chip_feed_nm) >> 32);
+}
 
 cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t tick_hz)
 {
     const int64_t hz = tick_hz;
     const uint32_t ripple_q23 = cam_ripple_sum(&t->ripple);
+    const cam_ilc_reason_t limit = t->is_limited                             ? cam_ilc_limited
+                                   : ripple_q23 >= (uint32_t)cam_ripple_most ? cam_ilc_rippled
+                                                                             : cam_ilc_all;
     const cam_ilc_reason_t hindrance =
-        t->hindrance == (uint8_t)cam_ilc_all && ripple_q23 > (uint32_t)cam_ripple_most
-            ? cam_ilc_rippled
-            : (cam_ilc_reason_t)t->hindrance;
+        t->hindrance == (uint8_t)cam_ilc_all ? limit : (cam_ilc_reason_t)t->hindrance;
     const bool is_of_setup = !cam_ilc_is_asked(setup) || hindrance == cam_ilc_all;
     return (cam_ilc_status_t){
         .phase = cam_ilc_is_asked(setup) ? (cam_ilc_phase_t)t->phase : cam_ilc_off,
@@ -281,8 +321,8 @@ cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup
         .masked = t->correction.masked,
         .k1_ns = cam_sat_i32((int64_t)t->k1_q16 * 1000000000 / hz >> 16),
         .friction_nm = t->friction_q6 / 64,
-        .chip_nm_per_mm2 = (int32_t)((int64_t)t->chip_q32 * 1000000 >> 32),
-        .chip_mean_nm_per_mm2 = (int32_t)((int64_t)t->chip_mean_q32 * 1000000 >> 32),
+        .chip_nm_per_mm2 = nm_per_mm2(t->chip_q32),
+        .chip_mean_nm_per_mm2 = nm_per_mm2(t->chip_mean_q32),
         .k2_us2 = cam_sat_i32(((int64_t)t->k2_q16 * 1000000 / hz) * 1000000 / hz >> 16),
         .error_nm = t->error_nm,
         .begin_error_nm = t->begun_nm,
@@ -307,113 +347,4 @@ cam_ilc_harmonic_t cam_ilc_harmonic(const cam_ilc_t *t, uint32_t k)
         .ripple = k > 0u ? cam_ripple_order(&t->ripple, k) : (cam_complex_t){0},
         .is_masked = (t->correction.masked >> k & 1u) != 0u,
     };
-}
-
-#define IS_PROBED (INT32_C(1) << 30) ///< bit of the masks: U was probed
-
-int32_t cam_ilc_get(const cam_ilc_t *t, uint32_t index)
-{
-    const uint32_t i = index - cam_ilc_value_correction;
-    const uint32_t j = index - cam_ilc_value_gain;
-    const uint32_t l = index - cam_ilc_value_ripple;
-    switch (index) {
-    case cam_ilc_value_speed:
-        return t->speed_q32;
-    case cam_ilc_value_k1:
-        return t->k1_q16;
-    case cam_ilc_value_k2:
-        return t->k2_q16;
-    case cam_ilc_value_masked:
-        return (int32_t)t->correction.masked | (t->correction.is_probed ? IS_PROBED : 0);
-    case cam_ilc_value_phase:
-        return (int32_t)t->phase_q32;
-    case cam_ilc_value_friction:
-        return t->friction_q6;
-    case cam_ilc_value_chip:
-        return t->chip_q32;
-    case cam_ilc_value_chip_mean:
-        return t->chip_mean_q32;
-    default:
-        break;
-    }
-    if (index < cam_ilc_value_gain) {
-        const cam_complex_t c = t->correction.c_q6[i / 2u];
-        return i % 2u == 0u ? c.re : c.im;
-    }
-    if (index < cam_ilc_value_ripple) {
-        const cam_gain_t g = t->correction.gain[j / 2u];
-        return j % 2u == 0u ? g.re_q12 : g.im_q12;
-    }
-    if (index < cam_ilc_value_friction) {
-        return l % 2u == 0u ? t->ripple.mean[l / 2u].re : t->ripple.mean[l / 2u].im;
-    }
-    return 0;
-}
-
-/// Store a value. @return whether it is in range
-static bool set_value(cam_ilc_t *t, uint32_t index, int32_t value)
-{
-    const uint32_t i = index - cam_ilc_value_correction;
-    const uint32_t j = index - cam_ilc_value_gain;
-    const uint32_t l = index - cam_ilc_value_ripple;
-    const int32_t most_q16 = 1 << 30;
-    const int16_t narrow = (int16_t)cam_clamp_i32(value, INT16_MIN, INT16_MAX);
-    switch (index) {
-    case cam_ilc_value_speed:
-        t->speed_q32 = value;
-        return cam_is_within(value, 1 << 26) && value >= 0;
-    case cam_ilc_value_k1:
-        t->k1_q16 = value;
-        return cam_is_within(value, most_q16);
-    case cam_ilc_value_k2:
-        t->k2_q16 = value;
-        return cam_is_within(value, most_q16);
-    case cam_ilc_value_masked:
-        t->correction.masked = (uint32_t)value & ((UINT32_C(1) << cam_ilc_terms) - 1u);
-        t->correction.is_probed = (value & IS_PROBED) != 0;
-        return value == cam_ilc_get(t, index);
-    case cam_ilc_value_phase:
-        t->phase_q32 = (uint32_t)value;
-        return true;
-    case cam_ilc_value_friction:
-        t->friction_q6 = value;
-        return cam_is_within(value, cam_ilc_most_nm * 64);
-    case cam_ilc_value_chip:
-        t->chip_q32 = value;
-        return true;
-    case cam_ilc_value_chip_mean:
-        t->chip_mean_q32 = value;
-        return true;
-    default:
-        break;
-    }
-    if (index < cam_ilc_value_gain) {
-        cam_complex_t *c = &t->correction.c_q6[i / 2u];
-        *(i % 2u == 0u ? &c->re : &c->im) = value;
-        return cam_is_within(value, cam_ilc_most_nm * 64);
-    }
-    if (index < cam_ilc_value_ripple) {
-        cam_gain_t *g = &t->correction.gain[j / 2u];
-        *(j % 2u == 0u ? &g->re_q12 : &g->im_q12) = narrow;
-        return narrow == value;
-    }
-    *(l % 2u == 0u ? &t->ripple.mean[l / 2u].re : &t->ripple.mean[l / 2u].im) = narrow;
-    return cam_is_within(value, cam_ripple_most);
-}
-
-bool cam_ilc_set(cam_ilc_t *t, uint32_t index, int32_t value)
-{
-    if (index >= cam_ilc_n_values) {
-        return false;
-    }
-    const int32_t before = cam_ilc_get(t, index);
-    const bool is_good = set_value(t, index, value);
-    if (!is_good) {
-        (void)set_value(t, index, before);
-    } else if (index >= cam_ilc_value_ripple && index < cam_ilc_value_friction &&
-               t->ripple.n_mean == 0u) {
-        t->ripple.n_mean = 1u;
-    }
-    t->blending = cam_ilc_blend_all;
-    return is_good;
 }

@@ -28,6 +28,9 @@ enum { cam_ilc_harmonics = cam_harmonics_most, cam_ilc_terms = cam_harmonic_term
 /// friction.
 enum { cam_ilc_most_nm = 30000 };
 
+/// [nm] Feed to which the learned deflection by the chip refers.
+enum { cam_ilc_chip_feed_nm = 250000 };
+
 /// Phase of learning.
 typedef enum {
     cam_ilc_off,      ///< cam_ilc_reason_t says why
@@ -52,7 +55,8 @@ typedef enum {
     cam_ilc_fast_turn,    ///< a turn has too few ticks for one harmonic
     cam_ilc_lobes,        ///< on a shaft with lobes only the drive's constants are learned
     cam_ilc_diverged,     ///< layer 1 has stopped, with its best constants in force
-    cam_ilc_rippled,      ///< the ripple of the spindle is larger than what is compensated for
+    cam_ilc_rippled,      ///< the ripple of the spindle is compensated for in part only
+    cam_ilc_limited,      ///< a correction has reached its limit, or the end of U's stroke
     cam_ilc_n_reasons
 } cam_ilc_reason_t;
 
@@ -91,8 +95,8 @@ typedef struct {
 /// k2 [ticks^2 / 2^16], masks with bit 30 for "probed", phase [turn / 2^32]; then for k = 0 .. 16
 /// real and imaginary part of the correction [nm / 64] and of U's response [1 / 4096], for
 /// k = 1 .. 16 of the ripple that the encoder shows [turn / 2^23]; the friction [nm / 64];
-/// U's deflection by the chip at 1 mm of feed, as a share of the depth of cut [2^-32], and the same
-/// of their means.
+/// U's deflection by the chip at 1/4 mm of feed, as a share of the depth of cut [2^-32], and the
+/// same of their means.
 enum {
     cam_ilc_value_speed,
     cam_ilc_value_k1,
@@ -120,10 +124,10 @@ typedef struct {
     int32_t count_urad;       ///< [urad] a count of the encoder
     int32_t most_q6;          ///< [nm / 64] limit of the sum of the corrections
     int32_t k1_q16, k2_q16;   ///< configured constants of the drive, in ticks
-    int32_t k1_most_q16;      ///< limits of the learned change of k1 and k2
-    int32_t k2_most_q16;
-    int32_t friction_q6;        ///< [nm / 64] configured one
-    int32_t depth_nm;           ///< [nm] of the cut where U is 0, on a cylindrical blank
+    int32_t k1_least_q16, k1_most_q16; ///< limits of the learned change of k1
+    int32_t k2_least_q16, k2_most_q16; ///< ... of k2
+    int32_t friction_q6;               ///< [nm / 64] configured one
+    int32_t depth_nm;                  ///< [nm] of the cut where U is 0, on a cylindrical blank
     int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: the due time is f between two ticks
     bool is_u_moving;           ///< U moves: while not cutting its constants stay
     int32_t angle_step_q23;     ///< [turn / 2^23] largest step of an angle that U can follow, >= 1
@@ -168,8 +172,10 @@ typedef struct {
     uint32_t room_q6;        ///< [nm / 64] by which corrections may still grow in this turn
     int32_t k1_q16, k2_q16;  ///< added to the configured ones
     int32_t friction_q6;     ///< [nm / 64] likewise
-    int32_t chip_q32;        ///< [1] U's deflection at 1 mm of feed, as a share of the depth of cut
+    int32_t chip_q32;        ///< [1] U's deflection at 1/4 mm of feed, as a share of the depth
     int32_t chip_mean_q32;   ///< [1] the same of its mean, as a share of the mean depth
+    int32_t mean_nm;         ///< [nm] mean of the set-point in the last turn that was learned from
+    int32_t chip_most_q32;   ///< [1] limit of the shares in force
     int32_t feed_now_nm;     ///< [nm] present feed per turn, 0 outside the cut
     int32_t chip_feed_nm;    ///< [nm] feed for which both are in force
     int32_t best_k1_q16, best_k2_q16, best_friction_q6, best_chip_q32;
@@ -187,6 +193,7 @@ typedef struct {
     uint8_t n_orders;                     ///< ... that the last steady turn resolved
     uint8_t n_steps;                      ///< steps of this phase
     bool is_paused;                       ///< layer 1, because of a disturbance
+    bool is_limited;                      ///< a correction has reached a limit since the rehearsal
     uint8_t n_halved;                     ///< times that the guard halved the gain of layer 1
     uint8_t phase;                        ///< cam_ilc_phase_t
     uint8_t state;                        ///< cam_state_t
@@ -222,6 +229,23 @@ bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8);
 /// @param at_q8  [turn / 256] position of the spindle
 /// @param in     changed in place
 void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, cam_learned_t *in);
+
+/// Reduce the learned constants of the drive by a quarter, because U's command would leave its
+/// stroke. @return whether there is more to reduce
+bool cam_ilc_shrink(cam_ilc_t *t);
+
+/// @param deep_nm  [nm] largest depth of cut
+/// @return [nm] stroke of U that the corrections want, while the feed grows by a quarter
+int64_t cam_ilc_wanted_nm(const cam_ilc_t *t, int64_t deep_nm);
+
+/// Scale the corrections down to what U's stroke leaves beside its set-point and feed-forward, and
+/// limit that of the chip to the rest.
+/// @param spare_nm  [nm] what the stroke leaves, at least 0
+/// @param deep_nm   [nm] largest depth of cut
+void cam_ilc_fit(cam_ilc_t *t, int64_t spare_nm, int64_t deep_nm);
+
+/// Move a value towards its target by at most `most`. @return whether it has reached it
+bool cam_ilc_slew(int32_t *value, int64_t target, int64_t most);
 
 /// Discard what was learned of U, because its configuration has changed; the ripple stays.
 void cam_ilc_forget(cam_ilc_t *t);

@@ -26,8 +26,8 @@ static bool is_early(const cam_ilc_t *t, uint32_t at_q8)
 bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8)
 {
     const bool is_cheap = (t->blending & cam_ilc_blend_drive) != 0u;
-    const bool is_next = t->blending != 0u && t->bin == NULL && (is_cheap || !is_early(t, at_q8));
-    return is_next || cam_ilc_chip_is_due(t);
+    const bool is_paced = t->blending != 0u || cam_ilc_chip_is_due(t);
+    return t->bin == NULL && (is_cheap || (is_paced && !is_early(t, at_q8)));
 }
 
 /// @return the step for a state: of the rehearsal, of the cut, or unlimited
@@ -54,13 +54,17 @@ static int32_t angle_step(const cam_ilc_t *t, const cam_ilc_setup_t *s)
     return cam_clamp_i32(cam_clamp_i32(usual, 1, s->angle_step_q23), 1, s->observer_step_q23);
 }
 
+bool cam_ilc_slew(int32_t *value, int64_t target, int64_t most)
+{
+    *value = cam_sat_i32(cam_clamp_i64(target, *value - most, *value + most));
+    return *value == target;
+}
+
 /// Move a constant towards its target. @param per_q8  [nm per unit, 2^-8] effect on the command
 static bool slew_constant(int32_t *value, int32_t target, int32_t most_nm, uint32_t per_q8)
 {
-    const int64_t most =
-        most_nm < any_step ? ((int64_t)most_nm << 24) / ((int64_t)per_q8 + 1) : INT64_C(1) << 32;
-    *value = cam_sat_i32(cam_clamp_i64(target, *value - most, *value + most));
-    return *value == target;
+    const int64_t most = ((int64_t)most_nm << 24) / ((int64_t)per_q8 + 1);
+    return cam_ilc_slew(value, target, most_nm < any_step ? most : INT64_C(1) << 32);
 }
 
 static bool slew_angles(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_learned_t *in,
@@ -103,15 +107,14 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
     const bool is_held = setup->is_u_moving && most_nm == any_step;
     const bool is_chip = !is_held && cam_ilc_chip_blend(t, setup->depth_nm, most_nm, in);
     if (t->blending == 0u) { // only the feed has changed
+        t->blend_from_q8 = at_q8 + step_q8;
         return;
     }
     if ((t->blending & cam_ilc_blend_drive) != 0u && !is_held) {
         const bool is_k1 = slew_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
         const bool is_k2 = slew_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w);
-        const int32_t step_q6 = most_nm < any_step ? most_nm * 64 : INT32_MAX / 2;
-        in->friction_q6 =
-            cam_clamp_i32(t->friction_q6, in->friction_q6 - step_q6, in->friction_q6 + step_q6);
-        const bool is_friction = in->friction_q6 == t->friction_q6;
+        const bool is_friction =
+            cam_ilc_slew(&in->friction_q6, t->friction_q6, INT64_C(64) * most_nm);
         done |= is_k1 && is_k2 && is_friction && is_chip ? cam_ilc_blend_drive : 0u;
     }
     const bool is_due = !is_early(t, at_q8);

@@ -4,14 +4,11 @@
 #include "cam_ilc_update.h" // cam_ilc_update_guarded_q6
 
 enum {
-    least_feed_nm = 20000, ///< below it the force of the chip is small
-    full_feed_nm = 1000000,
-    change_part = 128, ///< smallest change of the feed that is followed
+    least_feed_nm = 4000,  ///< below it the force of the chip is small
+    whole_feed_nm = 20000, ///< below it a turn counts less
+    change_part = 128,     ///< smallest change of the feed that is followed
     change_nm = 500,
 };
-
-/// [1] Limit of the share in force, an eighth.
-#define MOST_SHARE_Q32 (INT64_C(1) << 29)
 
 bool cam_ilc_chip_is_cut(const cam_ilc_t *t)
 {
@@ -20,11 +17,22 @@ bool cam_ilc_chip_is_cut(const cam_ilc_t *t)
 }
 
 /// @return a coefficient after a step, whose change is found at the feed of the turn
-static int32_t stepped(const cam_ilc_t *t, int32_t value_q32, int64_t change_q32, int32_t gain_q16)
+static int32_t stepped(cam_ilc_t *t, int32_t value_q32, int64_t change_q32, int32_t gain_q16)
 {
     const int64_t most = INT64_C(1) << 30;
     const int64_t step_q32 = cam_clamp_i64(change_q32, -most, most) * gain_q16 >> 16;
-    return cam_sat_i32(value_q32 + step_q32 * full_feed_nm / cam_abs_i64(t->feed_nm));
+    const int64_t feed_nm = cam_abs_i64(t->feed_nm);
+    const int64_t counted_nm = feed_nm > whole_feed_nm ? feed_nm : (int64_t)whole_feed_nm;
+    const int64_t next_q32 = value_q32 + step_q32 * cam_ilc_chip_feed_nm / counted_nm;
+    t->is_limited = t->is_limited || next_q32 != cam_sat_i32(next_q32);
+    return cam_sat_i32(next_q32);
+}
+
+/// @return the coefficient of the mean: of the same sense as that of the set-point, and no larger
+static int32_t mean_q32(const cam_ilc_t *t)
+{
+    const int32_t a_q32 = t->chip_q32;
+    return cam_clamp_i32(t->chip_mean_q32, a_q32 < 0 ? a_q32 : 0, a_q32 > 0 ? a_q32 : 0);
 }
 
 void cam_ilc_chip_step(cam_ilc_t *t, int32_t share_q32, int32_t gain_q16)
@@ -35,12 +43,13 @@ void cam_ilc_chip_step(cam_ilc_t *t, int32_t share_q32, int32_t gain_q16)
 void cam_ilc_chip_step_mean(cam_ilc_t *t, int32_t error_q6, int32_t depth_nm, int32_t gain_q16)
 {
     const int32_t response_q12 = t->correction.gain[0].re_q12;
-    if (response_q12 > cam_gain_one_q12 / 4 && depth_nm > 0) {
+    const int32_t mean_nm = depth_nm + t->mean_nm;
+    if (response_q12 > cam_gain_one_q12 / 4 && mean_nm > 0) {
         const int64_t most = INT64_C(1) << 40;
         const int64_t error_nm_q32 = (int64_t)error_q6 * (1 << 26);
         const int64_t share_q32 =
-            cam_clamp_i64(error_nm_q32 / depth_nm, -most, most) * cam_gain_one_q12 / response_q12;
-        t->chip_mean_q32 = stepped(t, t->chip_mean_q32, share_q32, gain_q16);
+            cam_clamp_i64(error_nm_q32 / mean_nm, -most, most) * cam_gain_one_q12 / response_q12;
+        t->chip_mean_q32 = stepped(t, mean_q32(t), share_q32, gain_q16);
     }
 }
 
@@ -73,27 +82,21 @@ bool cam_ilc_chip_is_due(const cam_ilc_t *t)
 }
 
 /// @return a coefficient times the present feed
-static int64_t at_feed(const cam_ilc_t *t, int32_t value_q32)
+static int64_t at_feed(cam_ilc_t *t, int32_t value_q32)
 {
-    const int64_t share_q32 = (int64_t)value_q32 * t->feed_now_nm / full_feed_nm;
-    return cam_clamp_i64(share_q32, -MOST_SHARE_Q32, MOST_SHARE_Q32);
-}
-
-/// Move a value towards a target. @return whether it has reached it
-static bool slew(int32_t *value, int64_t target, int64_t most)
-{
-    *value = (int32_t)cam_clamp_i64(target, *value - most, *value + most);
-    return *value == target;
+    const int64_t share_q32 = (int64_t)value_q32 * t->feed_now_nm / cam_ilc_chip_feed_nm;
+    t->is_limited = t->is_limited || cam_abs_i64(share_q32) > t->chip_most_q32;
+    return cam_clamp_i64(share_q32, -(int64_t)t->chip_most_q32, t->chip_most_q32);
 }
 
 bool cam_ilc_chip_blend(cam_ilc_t *t, int32_t depth_nm, int32_t most_nm, cam_learned_t *in)
 {
-    const int64_t most_q6 = INT64_C(64) * cam_ilc_most_nm;
-    const int64_t mean_q6 = at_feed(t, t->chip_mean_q32) * depth_nm >> 26;
-    const bool is_share = slew(&in->chip_q32, at_feed(t, t->chip_q32),
-                               ((int64_t)most_nm << 32) / ((int64_t)t->largest / 64 + 1));
-    const bool is_mean =
-        slew(&in->chip_q6, cam_clamp_i64(mean_q6, -most_q6, most_q6), INT64_C(64) * most_nm);
+    const int64_t share_q32 = at_feed(t, t->chip_q32);
+    const int64_t mean_q6 = (at_feed(t, mean_q32(t)) * ((int64_t)depth_nm + t->mean_nm) >> 26) -
+                            (share_q32 * t->mean_nm >> 26);
+    const int64_t most_q32 = ((int64_t)most_nm << 32) / ((int64_t)t->largest / 64 + 1);
+    const bool is_share = cam_ilc_slew(&in->chip_q32, share_q32, most_q32);
+    const bool is_mean = cam_ilc_slew(&in->chip_q6, mean_q6, INT64_C(64) * most_nm);
     t->chip_feed_nm = is_share && is_mean ? t->feed_now_nm : t->chip_feed_nm;
     return is_share && is_mean;
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_ilc_chip: feed-forward of the chip's radial force, learned in the cut.
 ///
-///     added to U's command = feed (A u + B D)
+///     added to U's command = feed (A (u - m) + B (D + m))
 ///
-/// On a cylindrical blank the depth of cut is D + u: u is U's set-point, D the depth where it is 0.
-/// The rehearsal has no chip, so what differs in the cut is the chip's. Where U is a spring, A and
-/// B are the same; a position loop with an integral leaves less of the mean.
+/// On a cylindrical blank the depth of cut is D + u: u is U's set-point, m its mean, D the depth
+/// where it is 0. The rehearsal has no chip, so what differs in the cut is the chip's. Where U is a
+/// spring, A and B are the same; a position loop with an integral leaves less of the mean, so B is
+/// limited to 0 .. A.
 /// Source: MATHS.md (149). Context of all functions: slow side.
 #ifndef CAM_ILC_CHIP_H
 #define CAM_ILC_CHIP_H
@@ -13,7 +14,7 @@
 #include "cam_ilc.h" // cam_ilc_t
 
 /// @return whether the turn being processed has a chip to learn from: it is cut after a rehearsal,
-///         with a feed of at least 20 um that does not fall
+///         with a feed of at least 4 um that does not fall
 bool cam_ilc_chip_is_cut(const cam_ilc_t *t);
 
 /// Learn A. @param share_q32  [1] the error of the turn as a share of the set-point

@@ -9,8 +9,6 @@ enum {
     least_ticks_per_order = 9, ///< ... of an oval, whose harmonics are the first two
     oval_orders = 2,
     widest_gap = 8,            ///< [bins] from a tick to the next: a turn has at least 16 to 18
-    frozen_percent = 2,        ///< largest deviation of the speed from that of the learning
-    agreeing_turns = 2,        ///< after which learning goes on at another speed
     rough_steps = 16,          ///< turns with the larger gain after the feed has changed
     rough_part = 64,           ///< the feed changes by more than this part
     even_part = 128,           ///< the spindle accelerates by more than this part per turn
@@ -105,46 +103,6 @@ static void follow_phase(cam_ilc_t *t, uint32_t phase_q32)
         cam_harmonic_correction_rotate(&t->correction, 0u - by_q32);
         t->phase_q32 = phase_q32;
         t->blending |= cam_ilc_blend_correction;
-    }
-}
-
-bool cam_ilc_update_is_other_speed(const cam_ilc_t *t, int32_t speed_q32)
-{
-    const int64_t off_q32 = cam_abs_i64((int64_t)speed_q32 - t->speed_q32);
-    return off_q32 * 100 > (int64_t)t->speed_q32 * frozen_percent;
-}
-
-/// Convert the probed responses to another speed, by the ratio of those of the drive's constants.
-static void adapt_responses(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32)
-{
-    const int32_t k1_q16 = s->k1_q16 + t->k1_q16;
-    const int32_t k2_q16 = s->k2_q16 + t->k2_q16;
-    for (uint32_t k = 1; k < cam_ilc_terms; k++) {
-        cam_gain_t *gain = &t->correction.gain[k];
-        const cam_gain_t before = cam_drive_gain(k, t->speed_q32, k1_q16, k2_q16);
-        const cam_complex_t was = {.re = before.re_q12, .im = before.im_q12};
-        const cam_complex_t probed = {.re = gain->re_q12, .im = gain->im_q12};
-        const cam_gain_t now = cam_drive_gain(k, speed_q32, k1_q16, k2_q16);
-        *gain = cam_gain_ratio(cam_gain_of(probed, now), was);
-    }
-}
-
-/// At another speed than that of the learning a cut stops learning, until two turns agree; then it
-/// goes on from what is in force.
-static void follow_speed(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t speed_q32, bool is_even)
-{
-    const bool is_other = t->correction.is_probed && cam_ilc_update_is_other_speed(t, speed_q32);
-    const bool is_frozen = t->phase == (uint8_t)cam_ilc_frozen;
-    if (is_other && is_frozen) {
-        t->n_steps = (uint8_t)(is_even ? t->n_steps + 1u : 0u);
-        if (t->n_steps >= agreeing_turns) {
-            adapt_responses(t, s, speed_q32);
-            t->speed_q32 = speed_q32;
-            cam_ilc_update_restart_guards(t);
-            cam_ilc_update_phase(t, cam_ilc_cutting);
-        }
-    } else if (is_other ? t->phase == (uint8_t)cam_ilc_cutting : is_frozen) {
-        cam_ilc_update_phase(t, is_other ? cam_ilc_frozen : cam_ilc_cutting);
     }
 }
 
@@ -262,7 +220,7 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     t->scale_q30 = turn->scale_q30;
     t->k = 0;
     follow_phase(t, (uint32_t)turn->phase_q32);
-    follow_speed(t, s, turn->speed_q32, is_even);
+    cam_ilc_update_follow_speed(t, s, turn->speed_q32, is_even);
     bool is_full = false;
     const bool is_slow = turn->speed_q32 <= cam_turn_bins_least_q32;
     const uint32_t n_ticks = is_slow ? 0u : take_means(t->bin, &is_full);
@@ -377,9 +335,10 @@ static void update_layer2(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t 
         return;
     }
     if (t->correction.is_probed && (is_cut || t->phase == (uint8_t)cam_ilc_shape)) {
-        cam_harmonic_correction_learn(&t->correction, t->k, error, cam_ilc_update_guarded_q6(t),
-                                      layer2_gain_q16(t, s, set), &t->room_q6);
-        if (is_cut) {
+        const bool is_calm =
+            cam_harmonic_correction_learn(&t->correction, t->k, error, cam_ilc_update_guarded_q6(t),
+                                          layer2_gain_q16(t, s, set), &t->room_q6);
+        if (is_cut && is_calm) {
             cam_harmonic_correction_age(&t->correction, t->k);
         }
         t->blending |= cam_ilc_blend_correction;
@@ -392,6 +351,7 @@ void cam_ilc_update_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s)
     const cam_complex_t set_nm = cam_harmonics_of(&t->bin->u_nm, cam_ilc_words_per_bin, t->k);
     const cam_complex_t set = at_full(t, set_nm, 64);
     const cam_complex_t error = without_interpolation(t, s, at_full(t, raw, 1), set);
+    t->mean_nm = t->k == 0u ? set_nm.re : t->mean_nm;
     t->square += cam_complex_square(error) >> (t->k > 0u ? 1u : 0u);
     if (t->k > 0u) {
         t->set_square += (int64_t)cam_complex_square(set_nm);

@@ -13,7 +13,7 @@ _Static_assert(sizeof(cam_ilc_t) + sizeof(cam_turn_bins_t) + 2u * sizeof(cam_lea
                "RAM of learning: state, bins of two turns, and what is in force in two halves");
 
 /// The learned change of a drive constant may reach the configured value plus this.
-enum { spare_ticks = 4, spare_ticks2 = 16 };
+enum { spare_ticks_q16 = 4 << 16, spare_ticks2_q16 = 16 << 16 };
 
 /// Encoder counts in step with the ticks imitate a ripple of at most 1 count / feigned_part.
 enum { feigned_part = 4 };
@@ -63,23 +63,35 @@ static cam_complex_t eccentricity(const cam_machine_t *m)
     return cam_harmonics_rotated(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
 }
 
-/// @return [ticks / 2^16] largest learned change of k1; k1 stays within its gain bound
-static int32_t k1_most_q16(const cam_machine_t *m)
+/// Range of a learned change.
+typedef struct {
+    int32_t least_q16, most_q16;
+} range_t;
+
+/// @param bound_q16  gain bound: sum of the configured value and the change stays within it
+static range_t range_of(int64_t configured_q16, int64_t bound_q16, int64_t spare_q16)
 {
-    const cam_params_t *p = &m->params;
-    const int64_t most_ns = cam_gains_bound(p, cam_param_k1_ns, m->tick_hz) - p->k1_ns;
-    const int64_t spare_q16 =
-        (int64_t)ticks_q16(m, (int64_t)p->k1_ns + p->lead_ns) + spare_ticks * INT64_C(65536);
-    return cam_sat_i32(cam_clamp_i64(ticks_q16(m, most_ns), 0, spare_q16));
+    return (range_t){
+        .least_q16 = cam_sat_i32(cam_clamp_i64(-bound_q16 - configured_q16, -spare_q16, 0)),
+        .most_q16 = cam_sat_i32(cam_clamp_i64(bound_q16 - configured_q16, 0, spare_q16)),
+    };
 }
 
-/// @return [ticks^2 / 2^16] the same for k2
-static int32_t k2_most_q16(const cam_machine_t *m)
+/// @return [ticks / 2^16] learned change of k1
+static range_t k1_range(const cam_machine_t *m)
 {
     const cam_params_t *p = &m->params;
-    const int64_t most_us2 = cam_gains_bound(p, cam_param_k2_us2, m->tick_hz) - p->k2_us2;
-    const int64_t spare_q16 = (int64_t)ticks2_q16(m, p->k2_us2) + spare_ticks2 * INT64_C(65536);
-    return cam_sat_i32(cam_clamp_i64(ticks2_q16(m, most_us2), 0, spare_q16));
+    const int64_t bound_ns = cam_gains_bound(p, cam_param_k1_ns, m->tick_hz);
+    const int64_t lag_q16 = ticks_q16(m, (int64_t)p->k1_ns + p->lead_ns);
+    return range_of(ticks_q16(m, p->k1_ns), ticks_q16(m, bound_ns), lag_q16 + spare_ticks_q16);
+}
+
+/// @return [ticks^2 / 2^16] learned change of k2
+static range_t k2_range(const cam_machine_t *m)
+{
+    const int64_t bound_us2 = cam_gains_bound(&m->params, cam_param_k2_us2, m->tick_hz);
+    const int64_t k2_q16 = ticks2_q16(m, m->params.k2_us2);
+    return range_of(k2_q16, ticks2_q16(m, bound_us2), k2_q16 + spare_ticks2_q16);
 }
 
 /// @return revolutions averaged for the ripple, at least two: the blend to a new mean takes one
@@ -114,6 +126,8 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
     const cam_params_t *p = &m->params;
     const int32_t most_probe_nm = cam_param_info(cam_param_probe_nm)->max;
     const int64_t part_q16 = ticks_q16(m, (int64_t)p->lead_ns + p->u_scale_latency_ns) & 0xFFFF;
+    const range_t k1 = k1_range(m);
+    const range_t k2 = k2_range(m);
     return (cam_ilc_setup_t){
         .reason = asked_of(m),
         .n_harmonics = (uint32_t)p->learn_harmonics,
@@ -130,8 +144,10 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
         .most_q6 = cam_ilc_most_nm * 64,
         .k1_q16 = ticks_q16(m, p->k1_ns),
         .k2_q16 = ticks2_q16(m, p->k2_us2),
-        .k1_most_q16 = k1_most_q16(m),
-        .k2_most_q16 = k2_most_q16(m),
+        .k1_least_q16 = k1.least_q16,
+        .k1_most_q16 = k1.most_q16,
+        .k2_least_q16 = k2.least_q16,
+        .k2_most_q16 = k2.most_q16,
         .friction_q6 = p->u_friction_nm * 64,
         .depth_nm = depth_nm(m),
         .between_q16 = (int32_t)(part_q16 * (65536 - part_q16) >> 17),
@@ -163,20 +179,53 @@ static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
     return is;
 }
 
-/// @param mrpm  [r/min / 1000]
-/// @return [mm/s2] acceleration of U that the guard allows and the cut does not need
-static uint64_t spare_acceleration(const cam_machine_t *m, uint32_t mrpm)
+/// What the limits of U leave beside a cut with the learned constants.
+typedef struct {
+    uint64_t acceleration_mm_per_s2;
+    int64_t stroke_nm; ///< below 0: the constants alone exceed it
+} spare_t;
+
+/// @param mrpm       [r/min / 1000]
+/// @param wanted_nm  [nm] the spare stroke is exact where it is less
+static spare_t spare_of(const cam_machine_t *m, const cam_ilc_setup_t *setup, uint32_t mrpm,
+                        int64_t wanted_nm)
 {
+    const cam_ilc_status_t learned = cam_ilc_status(&m->ilc, setup, m->tick_hz);
+    cam_params_t p = m->params;
+    const int64_t k2_us2 = (int64_t)p.k2_us2 + learned.k2_us2;
+    p.k1_ns = cam_sat_i32(cam_abs_i64((int64_t)p.k1_ns + learned.k1_ns));
+    p.k2_us2 = cam_sat_i32(k2_us2 > 0 ? k2_us2 : 0);
+    p.u_friction_nm += learned.friction_nm;
+    p.u_stroke_nm = cam_sat_i32(cam_clamp_i64(p.u_stroke_nm - 2 * wanted_nm, 0, INT32_MAX));
     cam_demands_t axes;
-    (void)cam_feasible_demands(&m->table, &m->params, mrpm, m->tick_hz, &axes);
-    uint64_t spare = 0;
+    (void)cam_feasible_demands(&m->table, &p, mrpm, m->tick_hz, &axes);
+    spare_t spare = {.stroke_nm = m->params.u_stroke_nm / 2};
     for (uint32_t i = 0; i < (uint32_t)cam_n_demands; i++) {
         const cam_demand_t *u = &axes.of[i];
+        const int64_t needed = (int64_t)cam_cut_smaller((int64_t)u->needed, INT32_MAX);
         if (u->err == cam_err_u_acceleration) {
-            const uint64_t limit = (uint64_t)u->limit;
-            spare = limit / 16u + (limit > u->needed ? limit - u->needed : 0u);
+            const int64_t left = u->limit - needed;
+            spare.acceleration_mm_per_s2 = (uint64_t)(u->limit / 16 + (left > 0 ? left : 0));
+            spare.stroke_nm -= k2_us2 < 0 ? -k2_us2 * needed / 1000000 : 0;
+        } else if (u->err == cam_err_u_command) {
+            spare.stroke_nm -= needed;
         }
     }
+    return spare;
+}
+
+/// Fit what is learned into the stroke of U.
+static spare_t fitted(cam_machine_t *m, const cam_ilc_setup_t *setup, uint32_t mrpm)
+{
+    const cam_table_t *t = &m->table;
+    const int64_t most_nm = t->u_max_nm > -t->u_min_nm ? t->u_max_nm : -(int64_t)t->u_min_nm;
+    const int64_t deep_nm = setup->depth_nm + most_nm * m->params.amplitude_ppm / 1000000;
+    const int64_t wanted_nm = cam_ilc_wanted_nm(&m->ilc, deep_nm);
+    spare_t spare = spare_of(m, setup, mrpm, wanted_nm);
+    while (spare.stroke_nm < 0 && cam_ilc_shrink(&m->ilc)) {
+        spare = spare_of(m, setup, mrpm, wanted_nm);
+    }
+    cam_ilc_fit(&m->ilc, cam_clamp_i64(spare.stroke_nm, 0, INT32_MAX), deep_nm);
     return spare;
 }
 
@@ -199,16 +248,14 @@ static int32_t observer_step_q23(const cam_machine_t *m)
 /// A step of the learned angle moves U's set-point by as much as the slope makes of it, in one
 /// tick. It may take half of the spare acceleration.
 /// @return [turn / 2^23] that step, at least 1
-static int32_t angle_step_q23(const cam_machine_t *m)
+static int32_t angle_step_q23(const cam_machine_t *m, uint64_t spare_mm_per_s2)
 {
     const uint64_t hz = m->tick_hz;
-    const uint64_t mrpm = turning_mrpm(m);
-    const uint64_t spare = spare_acceleration(m, (uint32_t)mrpm); // [mm/s2]
     const uint64_t slope_nm =
         cam_cut_scaled_up(m->table.u1_peak_nm_per_rad, (uint64_t)m->params.amplitude_ppm, 1000000) +
         1u;
     // a radian is 2^23 / 2 pi units, of which the factor is half
-    const uint64_t step = spare * 667544u / hz * 1000000u / hz / slope_nm;
+    const uint64_t step = spare_mm_per_s2 * 667544u / hz * 1000000u / hz / slope_nm;
     return step < INT16_MAX ? (int32_t)step + 1 : INT16_MAX;
 }
 
@@ -227,7 +274,11 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
     cam_config_t *copy = is_blending ? cam_config_copy(&m->core->config) : NULL;
     if (copy != NULL) {
         setup.observer_step_q23 = observer_step_q23(m);
-        setup.angle_step_q23 = m->has_table ? angle_step_q23(m) : INT16_MAX;
+        setup.angle_step_q23 = INT16_MAX;
+        if (m->has_table) {
+            const spare_t spare = fitted(m, &setup, (uint32_t)turning_mrpm(m));
+            setup.angle_step_q23 = angle_step_q23(m, spare.acceleration_mm_per_s2);
+        }
         cam_ilc_blend(&m->ilc, &setup, at_q8, &copy->learned);
         if (!is_same(&copy->learned, &cam_machine_newest_config(m)->learned)) {
             cam_machine_offer_copy(m);
@@ -247,6 +298,11 @@ cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index, int32_
     return index < cam_ilc_n_values ? cam_ok : cam_err_param_id;
 }
 
+static bool is_in(range_t range, int32_t value)
+{
+    return value >= range.least_q16 && value <= range.most_q16;
+}
+
 cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t value)
 {
     const cam_state_t state = cam_machine_status(m).state;
@@ -256,9 +312,8 @@ cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t valu
     if (state != cam_state_off && state != cam_state_ready) {
         return cam_err_param_state;
     }
-    const int64_t size = cam_abs_i64(value);
-    if ((index == (uint32_t)cam_ilc_value_k1 && size > k1_most_q16(m)) ||
-        (index == (uint32_t)cam_ilc_value_k2 && size > k2_most_q16(m))) {
+    if ((index == (uint32_t)cam_ilc_value_k1 && !is_in(k1_range(m), value)) ||
+        (index == (uint32_t)cam_ilc_value_k2 && !is_in(k2_range(m), value))) {
         return cam_err_param_range;
     }
     return cam_ilc_set(&m->ilc, index, value) ? cam_ok : cam_err_param_range;

@@ -22,6 +22,7 @@ static const char *const reasons[cam_ilc_n_reasons] = {
     [cam_ilc_lobes] = "lobes",
     [cam_ilc_diverged] = "diverged",
     [cam_ilc_rippled] = "rippled",
+    [cam_ilc_limited] = "limited",
 };
 
 static void add_turns(cJSON *root, const sim_turns_t *t)

@@ -41,6 +41,8 @@ static void set_up(learn_plant_t *p)
         .k2_q16 = q16(hz * hz / (w * w)),
         .between_q16 = q16(0.5 * part * (1.0 - part)),
     };
+    p->setup.k1_least_q16 = -p->setup.k1_q16 - q16(lead_ticks(p) + 4.0);
+    p->setup.k2_least_q16 = -p->setup.k2_q16 - q16(16.0);
     p->setup.k1_most_q16 = p->setup.k1_q16 + q16(lead_ticks(p) + 4.0);
     p->setup.k2_most_q16 = p->setup.k2_q16 + q16(16.0);
 }
