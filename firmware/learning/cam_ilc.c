@@ -8,7 +8,7 @@
 #include <string.h>         // memset
 
 enum {
-    drive_steps = 3,          ///< of layer 1 before probing
+    drive_steps = 5,          ///< of layer 1 before probing
     most_share_q32 = 1 << 29, ///< [1] of the share against the chip, an eighth
     most_probe_q6 = 5000 * 64 ///< [nm / 64] largest probe, that of the parameter
 };
@@ -99,7 +99,7 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
     if (t->is_paused || !cam_ilc_update_is_for_drive(t)) {
         return;
     }
-    if (t->larger / 5u > t->trusted / 4u) { // the error has grown with the motion
+    if (!t->is_level || t->larger / 5u > t->trusted / 4u) { // the error grows with the motion
         cam_ilc_update_restart_guards(t);
         t->trusted = t->larger;
     }
@@ -183,7 +183,7 @@ static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
         break;
     case cam_ilc_drive:
         step_drive(t, s, s->gain_q16);
-        t->n_steps++;
+        t->n_steps = (uint8_t)(t->n_steps + (t->is_level ? 1u : 0u));
         if (t->n_steps >= drive_steps && s->reason == cam_ilc_all) {
             cam_ilc_update_phase(t, cam_ilc_probing);
         }

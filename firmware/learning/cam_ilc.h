@@ -193,6 +193,7 @@ typedef struct {
     uint8_t n_orders;                     ///< ... that the last steady turn resolved
     uint8_t n_steps;                      ///< steps of this phase
     bool is_paused;                       ///< layer 1, because of a disturbance
+    bool is_level;                        ///< the amplitude stood still in the turn
     bool is_limited;                      ///< a correction has reached a limit since the rehearsal
     uint8_t n_halved;                     ///< times that the guard halved the gain of layer 1
     uint8_t phase;                        ///< cam_ilc_phase_t

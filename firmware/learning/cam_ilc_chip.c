@@ -4,9 +4,8 @@
 #include "cam_ilc_update.h" // cam_ilc_update_guarded_q6
 
 enum {
-    least_feed_nm = 4000,  ///< below it the force of the chip is small
-    whole_feed_nm = 20000, ///< below it a turn counts less
-    change_part = 128,     ///< smallest change of the feed that is followed
+    least_feed_nm = 1500, ///< below it the force of the chip is small
+    change_part = 128,    ///< smallest change of the feed that is followed
     change_nm = 500,
 };
 
@@ -21,9 +20,7 @@ static int32_t stepped(cam_ilc_t *t, int32_t value_q32, int64_t change_q32, int3
 {
     const int64_t most = INT64_C(1) << 30;
     const int64_t step_q32 = cam_clamp_i64(change_q32, -most, most) * gain_q16 >> 16;
-    const int64_t feed_nm = cam_abs_i64(t->feed_nm);
-    const int64_t counted_nm = feed_nm > whole_feed_nm ? feed_nm : (int64_t)whole_feed_nm;
-    const int64_t next_q32 = value_q32 + step_q32 * cam_ilc_chip_feed_nm / counted_nm;
+    const int64_t next_q32 = value_q32 + step_q32 * cam_ilc_chip_feed_nm / cam_abs_i64(t->feed_nm);
     t->is_limited = t->is_limited || next_q32 != cam_sat_i32(next_q32);
     return cam_sat_i32(next_q32);
 }

@@ -209,13 +209,16 @@ static void mark_sense(cam_turn_bin_t *bin)
 
 void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn_t *turn)
 {
+    const bool is_for_drive = t->phase == (uint8_t)cam_ilc_settling || // also while U's swing rises
+                              t->phase == (uint8_t)cam_ilc_drive;
     const bool is_still = turn->is_steady && turn->state == (cam_state_t)t->state &&
-                          turn->scale_q30 >= least_scale_q30 &&
+                          turn->scale_q30 >= least_scale_q30 && (turn->is_level || is_for_drive) &&
                           turn->speed_q32 > cam_turn_bins_least_q32;
     const int64_t change_q32 = (int64_t)turn->speed_q32 - t->turn_speed_q32;
     const bool is_even = cam_abs_i64(change_q32) * even_part < turn->speed_q32;
     follow_feed(t, turn);
     t->turn = turn->turn;
+    t->is_level = turn->is_level;
     t->turn_speed_q32 = turn->speed_q32;
     t->scale_q30 = turn->scale_q30;
     t->k = 0;

@@ -32,6 +32,7 @@ static void open_turn(cam_turn_bins_t *g, uint32_t turn, const cam_tick_record_t
     now->config_begin = r->config;
     now->state = r->want.state;
     now->is_steady = true;
+    now->is_level = true;
     now->z_begin_nm = r->want.z_nm;
     now->height_begin_q32 = m->height_q32;
     now->n_plans = 0;
@@ -58,8 +59,9 @@ void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, cons
         close_turn(g, turn);
         open_turn(g, turn, r, m);
     }
-    now->is_steady = now->is_steady && m->is_playing && m->scale_step_q30 == 0 &&
-                     m->phase_step_q32 == 0 && r->want.state == now->state;
+    now->is_steady = now->is_steady && m->is_playing && m->phase_step_q32 == 0 &&
+                     r->want.state == now->state;
+    now->is_level = now->is_level && m->scale_step_q30 == 0;
     now->config_end = r->config;
     now->speed_q32 = r->angle.speed_q32;
     now->scale_q30 = m->scale_q30;
