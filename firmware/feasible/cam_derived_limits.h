@@ -14,7 +14,7 @@
 
 /// [Hz] At this tick rate or above, measurements of U are recent enough for a limit derived from
 /// the part. Slower ticks belong to field buses, whose measurements are some ticks old.
-enum { cam_derived_limits_least_hz = 10000 };
+enum { cam_derived_limits_least_hz = 5000 };
 
 /// Outside the cut every axis uses a quarter of its speed and of its acceleration.
 enum { cam_derived_limits_approach_share = 4 };

@@ -58,7 +58,7 @@
     X(spindle_acceleration_mrad_per_s2, 1000, 500000, 2000000000, "highest acceleration of the spindle") \
     X(stopped_mrpm,                   1,       5000,    1000000, "the spindle counts as stopped below this speed, in r/min / 1000") \
     X(stopped_ms,                     1,        100,      10000, "a stopped spindle is a fault after this time while cutting") \
-    X(following_limit_nm,             0,     100000,   10000000, "accepted following error of U; 0, the default where U is measured at 10 kHz or faster: a tenth of the ovality, not less than the drive may be off in its approach") \
+    X(following_limit_nm,             0,     100000,   10000000, "accepted following error of U; 0, the default where U is measured at 5 kHz or faster: a tenth of the ovality, not less than the drive may be off in its approach") \
     X(late_percent,                  10,         50,        900, "a tick is late when it comes this much of a period after its time") \
     X(trace_on,                       0,          1,          1, "1: record every tick in the trace ring") \
     X(swing_speed_mdeg_per_s,         0,          0,  100000000, "highest speed of the tool's swing; 0: there is no axis for it") \
@@ -180,7 +180,7 @@ cam_params_t cam_param_defaults(void);
 /// Clamp all parameters to their ranges.
 void cam_param_fit(cam_params_t *params);
 
-/// Switch learning on: the default from 10 kHz on.
+/// Switch learning on: the default from 5 kHz on.
 /// @param measures_u  also what needs a measured U, not only the ripple of the spindle
 void cam_param_learn(cam_params_t *params, bool measures_u);
 

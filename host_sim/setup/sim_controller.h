@@ -41,7 +41,7 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
 
 /// @param params   all are set
 /// @param machine  the controller's model of it (sim_config_believed())
-/// @param learns   learning is on by default, as in the firmware from 10 kHz on
+/// @param learns   learning is on by default, as in the firmware from 5 kHz on
 /// @return        false and *e when a derived value is outside the range of its parameter
 bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine, bool learns,
                            const sim_wishes_t *wishes, common_error_t *e);

@@ -18,7 +18,7 @@ from camtools.report.remaining_text import remaining_text
 from camtools.report.text import ReportRow
 
 _OFF = {
-    "not_asked": "learn_harmonics = 0; below 10 kHz that is the default",
+    "not_asked": "learn_harmonics = 0; below 5 kHz that is the default",
     "not_measured": "the port does not measure U, so there is no error to learn from",
     "no_table": "no table is active",
     "modulated": "the table modulates the spindle speed",
@@ -28,7 +28,9 @@ _OFF = {
 _LIMITED = {
     "lobes": "for a shaft with lobes, only the drive constants are learned",
     "diverged": "the drive constants did not converge; the best values found are used",
-    "rippled": "the spindle's ripple exceeds 12 mrad in total, of which so much is compensated for",
+    "rippled": "the ripple of the spindle exceeds 12 mrad; only so much of it is compensated for",
+    "limited": "a correction has reached its limit, or U the end of its stroke; match the drive "
+    "constants to the machine, or give U more stroke",
 }
 _NO_REHEARSAL = "on, but no turn was steady enough to learn from; set rehearse_turns"
 

@@ -39,9 +39,9 @@ static void feed(double feed_nm, cam_state_t state)
 static void test_chip_is_that_of_a_cut_after_a_rehearsal(void)
 {
     TEST_ASSERT_TRUE(cam_ilc_chip_is_cut(&t));
-    t.feed_nm = -20000; // Z moves either way
+    t.feed_nm = -1500; // Z moves either way
     TEST_ASSERT_TRUE(cam_ilc_chip_is_cut(&t));
-    t.feed_nm = 19999;
+    t.feed_nm = 1499;
     TEST_ASSERT_FALSE(cam_ilc_chip_is_cut(&t));
     t.feed_nm = 250000;
     t.is_feed_falling = true;
@@ -54,18 +54,24 @@ static void test_chip_is_that_of_a_cut_after_a_rehearsal(void)
     TEST_ASSERT_FALSE(cam_ilc_chip_is_cut(&t));
 }
 
-/// A step adds half the error, by the feed of the turn: a quarter of a millimetre.
+/// A step adds half the error, by the feed of the turn over a quarter of a millimetre. The mean has
+/// the sense of the rest and is no larger.
 static void test_coefficients_are_learned_by_the_feed(void)
 {
+    t.feed_nm = 62500;
     cam_ilc_chip_step(&t, (int32_t)lround(0.002 * 4294967296.0), half);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.004, share_of(t.chip_q32));
     cam_ilc_chip_step(&t, (int32_t)lround(-0.001 * 4294967296.0), half);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.002, share_of(t.chip_q32));
-    cam_ilc_chip_step_mean(&t, 64 * 300, 200000, half); // 0.0015 of the depth
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.003, share_of(t.chip_mean_q32));
+    t.feed_nm = 250000;
+    t.mean_nm = 50000;
+    cam_ilc_chip_step_mean(&t, 64 * 300, 150000, half); // 0.0015 of the mean depth
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.00075, share_of(t.chip_mean_q32));
     t.correction.gain[0].re_q12 = 2048; // U responds with a half
-    cam_ilc_chip_step_mean(&t, -64 * 300, 200000, half);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, -0.003, share_of(t.chip_mean_q32));
+    cam_ilc_chip_step_mean(&t, 64 * 300, 150000, half);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.00225, share_of(t.chip_mean_q32));
+    cam_ilc_chip_step_mean(&t, -64 * 100, 150000, half); // from 0.002 on
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0015, share_of(t.chip_mean_q32));
 }
 
 /// Where U does not respond or the depth is unknown, the mean is not learned; no sum overflows.
@@ -76,26 +82,30 @@ static void test_mean_needs_a_response_and_a_depth(void)
     cam_ilc_chip_step_mean(&t, 6400, 100000, half);
     TEST_ASSERT_EQUAL_INT32(0, t.chip_mean_q32);
     t.correction.gain[0].re_q12 = 1025;
-    t.feed_nm = 20000;
+    t.feed_nm = 1500;
     cam_ilc_chip_step_mean(&t, INT32_MIN, 1, 1 << 16);
     cam_ilc_chip_step(&t, INT32_MAX, 1 << 16);
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, t.chip_mean_q32);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, t.chip_q32);
+    TEST_ASSERT_TRUE(t.is_limited);
 }
 
-/// What is played is in proportion to the feed, and 0 when nothing is cut.
+/// What is played is in proportion to the feed, and 0 when nothing is cut. U's set-point has a mean
+/// of 20 um, where the depth is 170 um.
 static void test_what_is_played_follows_the_feed(void)
 {
     t.chip_q32 = (int32_t)lround(0.04 * 4294967296.0);
     t.chip_mean_q32 = (int32_t)lround(0.03 * 4294967296.0);
+    t.mean_nm = 20000;
     static const double feeds_nm[] = {400000.0, 100000.0, -200000.0};
     for (int i = 0; i < 3; i++) {
-        const double mm = fabs(feeds_nm[i]) / 1e6;
+        const double part = fabs(feeds_nm[i]) / 250000.0;
         feed(feeds_nm[i], cam_state_cutting);
         TEST_ASSERT_TRUE(cam_ilc_chip_is_due(&t));
         TEST_ASSERT_TRUE(cam_ilc_chip_blend(&t, 150000, 1 << 17, &in));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.04 * mm, share_of(in.chip_q32));
-        TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.03 * mm * 150000.0, in.chip_q6 / 64.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.04 * part, share_of(in.chip_q32));
+        const double mean_nm = (0.03 * 170000.0 - 0.04 * 20000.0) * part;
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, mean_nm, in.chip_q6 / 64.0);
         TEST_ASSERT_FALSE(cam_ilc_chip_is_due(&t));
     }
     feed(200000.0, cam_state_holding);
@@ -110,7 +120,7 @@ static void test_what_is_played_moves_in_steps(void)
 {
     t.chip_q32 = (int32_t)lround(0.04 * 4294967296.0);
     t.chip_mean_q32 = (int32_t)lround(0.03 * 4294967296.0);
-    feed(100000.0, cam_state_cutting);
+    feed(25000.0, cam_state_cutting);
     TEST_ASSERT_FALSE(cam_ilc_chip_blend(&t, 150000, 50, &in));
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 50.0, share_of(in.chip_q32) * 100000.0);
     TEST_ASSERT_EQUAL_INT32(50 * 64, in.chip_q6);
@@ -122,15 +132,21 @@ static void test_what_is_played_moves_in_steps(void)
     TEST_ASSERT_EQUAL_INT(8, n); // 450 nm of the mean, 400 nm of the share
 }
 
-/// It is bounded: the share by an eighth, the mean by 30 um.
+/// It is bounded by the room in U's stroke, which is reported.
 static void test_what_is_played_is_bounded(void)
 {
     t.chip_q32 = INT32_MIN;
-    t.chip_mean_q32 = INT32_MAX;
+    t.chip_mean_q32 = INT32_MIN;
     feed(2000000.0, cam_state_cutting);
-    TEST_ASSERT_TRUE(cam_ilc_chip_blend(&t, 10000000, 1 << 17, &in));
-    TEST_ASSERT_EQUAL_INT32(-(1 << 29), in.chip_q32);
-    TEST_ASSERT_EQUAL_INT32(64 * 30000, in.chip_q6);
+    cam_ilc_fit(&t, 30001, 1000000 - 1); // U moves by 0.7 mm, the depth is 0.3 mm
+    TEST_ASSERT_FALSE(t.is_limited);
+    TEST_ASSERT_TRUE(cam_ilc_chip_blend(&t, 300000, 1 << 17, &in));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, -0.03, share_of(in.chip_q32));
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, -0.03 * 300000.0, in.chip_q6 / 64.0);
+    TEST_ASSERT_TRUE(t.is_limited);
+    feed(100.0, cam_state_cutting);
+    cam_ilc_fit(&t, 1000000, 100000); // an eighth at most
+    TEST_ASSERT_EQUAL_INT32(1 << 29, t.chip_most_q32);
 }
 
 /// Small changes of the feed are not followed, nor any while nothing is learned.

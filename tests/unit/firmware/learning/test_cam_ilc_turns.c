@@ -12,13 +12,15 @@ static void settle(void)
 }
 
 /// U does not answer, so a third, larger probe follows the usual two.
-static void test_a_rehearsal_is_a_turn_to_settle_three_of_the_drive_and_four_of_the_probe(void)
+static void test_a_rehearsal_is_a_turn_to_settle_five_of_the_drive_and_four_of_the_probe(void)
 {
     static const cam_ilc_phase_t after[] = {
-        cam_ilc_settling, cam_ilc_drive,   cam_ilc_drive,   cam_ilc_drive, cam_ilc_probing,
-        cam_ilc_probing,  cam_ilc_probing, cam_ilc_probing, cam_ilc_shape, cam_ilc_shape,
+        cam_ilc_settling, cam_ilc_drive,   cam_ilc_drive,   cam_ilc_drive,
+        cam_ilc_drive,    cam_ilc_drive,   cam_ilc_probing, cam_ilc_probing,
+        cam_ilc_probing,  cam_ilc_probing, cam_ilc_shape,   cam_ilc_shape,
     };
-    static const uint32_t played_q6[] = {0, 0, 0, 0, 0, 64 * 1000, 64 * 2000, 64 * 5000, 0, 0};
+    static const uint32_t played_q6[] = {0, 0,         0,         0,         0, 0,
+                                         0, 64 * 1000, 64 * 2000, 64 * 5000, 0, 0};
     for (uint32_t i = 0; i < sizeof after / sizeof after[0]; i++) {
         play();
         TEST_ASSERT_EQUAL_UINT8(after[i], t.phase);
@@ -28,7 +30,7 @@ static void test_a_rehearsal_is_a_turn_to_settle_three_of_the_drive_and_four_of_
         }
         TEST_ASSERT_EQUAL(after[i] == cam_ilc_shape, t.correction.is_probed);
     }
-    TEST_ASSERT_EQUAL_UINT32(9, t.n_turns);
+    TEST_ASSERT_EQUAL_UINT32(11, t.n_turns);
     TEST_ASSERT_EQUAL_INT32(usual_speed_q32, t.speed_q32);
 }
 
@@ -40,7 +42,7 @@ static void test_probes_grow_to_five_micrometres(void)
     for (uint32_t i = 0; i < sizeof sizes_nm / sizeof sizes_nm[0]; i++) {
         setUp();
         s.probe_q6 = 64 * (int32_t)sizes_nm[i][0];
-        play_turns(7);
+        play_turns(9);
         for (uint32_t j = 1; j < 4u && sizes_nm[i][j - 1u] > 0u; j++) {
             play();
             const bool is_over = sizes_nm[i][j] == 0u;
@@ -170,7 +172,7 @@ static void test_the_guard_brings_the_best_back_four_times(void)
 /// Behind the probe the motion is another one: what layer 1 compared with before does not hold.
 static void test_the_end_of_the_probe_lets_the_guard_begin_anew(void)
 {
-    play_turns(8);
+    play_turns(10);
     TEST_ASSERT_EQUAL_UINT8(cam_ilc_probing, t.phase);
     t.n_halved = 3;
     t.best_square = 1;
@@ -198,18 +200,67 @@ static void test_a_larger_shape_lets_the_guard_begin_anew(void)
     TEST_ASSERT_UINT32_WITHIN(1000, 64 * usual_set_nm, t.trusted);
 }
 
+/// While the amplitude rises the drive's constants are learned, from an eighth of it on; the turns
+/// until the probe count from the full amplitude on.
+static void test_the_drive_is_learned_while_the_amplitude_rises(void)
+{
+    how.is_level = false;
+    how.scale_q30 = 1 << 26;
+    play_turns(2);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_settling, t.phase);
+    how.scale_q30 = 1 << 28;
+    play_turns(8);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_drive, t.phase);
+    TEST_ASSERT_NOT_EQUAL(0, t.k1_q16);
+    how.is_level = true;
+    how.scale_q30 = 1 << 30;
+    play_turns(5);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_probing, t.phase);
+    how.is_level = false; // the probe waits
+    const uint8_t n_steps = t.n_steps;
+    play_turns(3);
+    TEST_ASSERT_EQUAL_UINT8(n_steps, t.n_steps);
+}
+
+/// What does not fit U's stroke is scaled down, and reported.
+static void test_corrections_are_fitted_into_the_stroke(void)
+{
+    t.correction.c_q6[2] = (cam_complex_t){.re = 64 * 3000, .im = 64 * 4000};
+    cam_ilc_fit(&t, 6001, 100000);
+    TEST_ASSERT_EQUAL_INT32(64 * 3000, t.correction.c_q6[2].re);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.01, t.chip_most_q32 / 4294967296.0);
+    TEST_ASSERT_EQUAL(cam_ilc_all, cam_ilc_status(&t, &s, 20000).reason);
+    cam_ilc_fit(&t, 2500, 100000);
+    TEST_ASSERT_INT32_WITHIN(64, 64 * 1500, t.correction.c_q6[2].re);
+    TEST_ASSERT_INT32_WITHIN(64, 64 * 2000, t.correction.c_q6[2].im);
+    TEST_ASSERT_EQUAL_INT32(0, t.chip_most_q32);
+    TEST_ASSERT_EQUAL(cam_ilc_limited, cam_ilc_status(&t, &s, 20000).reason);
+    t.k1_q16 = -400;
+    t.k2_q16 = 3;
+    TEST_ASSERT_TRUE(cam_ilc_shrink(&t));
+    TEST_ASSERT_EQUAL_INT32(-300, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(0, t.k2_q16);
+    int n = 0;
+    while (cam_ilc_shrink(&t)) {
+        n++;
+    }
+    TEST_ASSERT_TRUE(n > 5 && t.k1_q16 == 0);
+}
+
 static void test_constants_stay_within_their_bounds(void)
 {
     settle();
     s.k1_most_q16 = 100;
+    s.k1_least_q16 = -200;
     s.k2_most_q16 = 50;
+    s.k2_least_q16 = -40;
     play();
     TEST_ASSERT_EQUAL_INT32(100, t.k1_q16);
-    TEST_ASSERT_TRUE(t.k2_q16 >= -50 && t.k2_q16 <= 50);
+    TEST_ASSERT_TRUE(t.k2_q16 >= -40 && t.k2_q16 <= 50);
     error_nm = -1000.0;
     t.best_square = UINT64_MAX;
     play_turns(2);
-    TEST_ASSERT_EQUAL_INT32(-100, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(-200, t.k1_q16);
 }
 
 /// In the cut the best error ages by a sixteenth a turn, since the work changes; in the rehearsal

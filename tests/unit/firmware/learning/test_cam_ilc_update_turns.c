@@ -214,6 +214,26 @@ static void test_two_turns_that_agree_end_the_freeze(void)
     TEST_ASSERT_INT32_WITHIN(8, -1966, t.correction.gain[1].im_q12);
 }
 
+/// A mode between two harmonics of the old speed leaves its response unknown at the new one: there
+/// learning ends, and goes on elsewhere.
+static void test_a_mode_ends_learning_where_it_lies(void)
+{
+    begin();
+    how.state = cam_state_cutting;
+    play_turns(2);
+    t.correction.is_probed = true;
+    for (int k = 1; k < 5; k++) {
+        t.correction.gain[k] = (cam_gain_t){.re_q12 = (int16_t)(k < 3 ? 4096 : 2048)};
+    }
+    s.k1_q16 = 0;
+    how.speed_q32 = usual_speed_q32 / 4 * 5; // harmonics 1.25, 2.5, 3.75, 5 of the old speed
+    play_turns(3);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    TEST_ASSERT_EQUAL_HEX32(1u << 2, t.correction.masked);
+    TEST_ASSERT_INT32_WITHIN(8, 4096, t.correction.gain[1].re_q12);
+    TEST_ASSERT_INT32_WITHIN(8, 2048, t.correction.gain[4].re_q12);
+}
+
 /// In the cut a feed that changes by more than a 64th lets the larger gain hold anew.
 static void test_a_feed_that_changes_begins_the_steps_anew(void)
 {

@@ -39,6 +39,7 @@ static void play(cam_state_t state)
     }
     g->closed[bank] = (cam_turn_t){.turn = turn,
                                    .is_steady = true,
+                                   .is_level = true,
                                    .state = state,
                                    .speed_q32 = 10737418,
                                    .scale_q30 = 1 << 30};
@@ -98,7 +99,7 @@ static void test_probe_is_the_one_that_is_set_or_three_steps_of_the_scale(void)
         begin();
         set(cam_param_probe_nm, cases[i][0]);
         set(cam_param_u_scale_nm, cases[i][1]);
-        play_turns(6, cam_state_rehearsing);
+        play_turns(8, cam_state_rehearsing);
         TEST_ASSERT_EQUAL_UINT8(cam_ilc_probing, rig.machine.ilc.phase);
         TEST_ASSERT_UINT32_WITHIN(8, 5u * 32u * (uint32_t)cases[i][2],
                                   cam_harmonic_correction_sum_q6(&rig.machine.ilc.correction));
