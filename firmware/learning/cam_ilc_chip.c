@@ -15,14 +15,19 @@ bool cam_ilc_chip_is_cut(const cam_ilc_t *t)
            cam_abs_i64(t->feed_nm) >= least_feed_nm;
 }
 
-/// @return a coefficient after a step, whose change is found at the feed of the turn
+/// @return a coefficient after a step, whose change is found at the feed of the turn; what is
+/// played
+///         at that feed stays within its limit
 static int32_t stepped(cam_ilc_t *t, int32_t value_q32, int64_t change_q32, int32_t gain_q16)
 {
-    const int64_t most = INT64_C(1) << 30;
-    const int64_t step_q32 = cam_clamp_i64(change_q32, -most, most) * gain_q16 >> 16;
-    const int64_t next_q32 = value_q32 + step_q32 * cam_ilc_chip_feed_nm / cam_abs_i64(t->feed_nm);
-    t->is_limited = t->is_limited || next_q32 != cam_sat_i32(next_q32);
-    return cam_sat_i32(next_q32);
+    const int64_t range = INT64_C(1) << 30;
+    const int64_t step_q32 = cam_clamp_i64(change_q32, -range, range) * gain_q16 >> 16;
+    const int64_t feed_nm = cam_abs_i64(t->feed_nm);
+    const int64_t next_q32 = value_q32 + step_q32 * cam_ilc_chip_feed_nm / feed_nm;
+    const int64_t most_q32 = (int64_t)t->chip_most_q32 * cam_ilc_chip_feed_nm / feed_nm;
+    const int32_t within_q32 = cam_sat_i32(cam_clamp_i64(next_q32, -most_q32, most_q32));
+    t->is_limited = t->is_limited || next_q32 != within_q32;
+    return within_q32;
 }
 
 /// @return the coefficient of the mean: of the same sense as that of the set-point, and no larger
