@@ -310,12 +310,12 @@ int32_t cam_ilc_update_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 }
 
 /// @return [2^-16] learning gain of layer 2: half on the large harmonics, on which layer 1 acts as
-///         well; at least a half on the mean, which has no phase
+///         well; three quarters on the mean, which has no phase
 static int32_t layer2_gain_q16(const cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t set)
 {
     const int32_t gain_q16 = cam_ilc_update_gain_q16(t, s);
     if (t->k == 0u) {
-        return gain_q16 > 0 && gain_q16 < 1 << 15 ? 1 << 15 : gain_q16;
+        return gain_q16 > 0 ? 3 << 14 : 0;
     }
     const bool is_large = cam_complex_size(set) * t->k >= t->largest / 8u;
     if (is_large && cam_ilc_update_is_rough(t)) { // the change is the chip's
