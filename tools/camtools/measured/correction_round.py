@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 from zlib import crc32
@@ -13,12 +14,13 @@ from zlib import crc32
 import numpy as np
 
 from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.json_text import Json
 from camtools.cut.correction import MAX_ORDER, Correction, Drawing
 from camtools.measured.correction_step import RoundStep, take
-from camtools.measured.end_taper import judged, largest_um, off_um, taper
+from camtools.measured.end_taper import judged, taper
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
 from camtools.measured.previous_table import Previous, find_previous, read_given
-from camtools.measured.round_summary import account_of
+from camtools.measured.round_summary import account_of, best_text
 from camtools.measured.surface import Told, tell
 
 DEFAULT_GAIN = 0.7
@@ -26,6 +28,7 @@ MIN_GAIN, MAX_GAIN = 0.05, 1.0
 MAX_MEAN_UM = 100.0
 MIN_LIMIT_UM, LIMIT_SHARE = 10.0, 0.1  # of the waves: of the section's reduction
 MAX_OFF_RADIUS_UM = 20.0
+CLEAR_SHARE = 0.1  # by which the largest error or the rms must fall, and by the noise
 _BEYOND = 0.01  # of the part's height
 _GRID = 720
 _UM_PER_MM = 1000.0
@@ -133,34 +136,32 @@ def _check_new(previous: Previous, surface: Path, own: int) -> None:
 
 
 def _step(told: Told, by: GaugedPoints, before: Correction, gain: float) -> RoundStep:
-    """Return what the round takes off, smaller at the ends where that leaves less.
-
-    Raises
-    ------
-    CamtoolsError
-        The next part is expected to be worse than this one.
-    """
+    """Return what the round takes off, smaller at the ends where that leaves less."""
     shown = told.correction(before.heights_mm, 1.0)
     taken = taper(take(shown, before.left_mm, gain).taken, by)
-    if taken.waves_mm:
-        _check_gain(told, by, before, largest_um(off_um(taken, by)))
     left_mm = {order: shown.waves_mm[order] - one for order, one in taken.waves_mm.items()}
     return RoundStep(taken, left_mm)
 
 
-def _check_gain(told: Told, by: GaugedPoints, before: Correction, next_um: float) -> None:
-    """Refuse a step that raises the largest error, the last round's misprediction included."""
-    now_um = largest_um(by.deviation_um)
-    expected_um = before.rounds[-1]["expected_um"]["max"] if before.rounds else now_um
-    missed_um = max(0.0, now_um - expected_um)
-    if next_um + missed_um <= now_um + told.sigma_um:
+def _check_gain(rounds: Sequence[Json]) -> None:
+    """Refuse a last round that promises too little, the previous misprediction included."""
+    about = rounds[-1]
+    now_um, next_um, missed_um = about["judged_um"], dict(about["expected_um"]), 0.0
+    if len(rounds) > 1:
+        expected_um = rounds[-2]["expected_um"]
+        missed_um = max(0.0, now_um["max"] - expected_um["max"])
+        for key in next_um:
+            next_um[key] += max(0.0, now_um[key] - expected_um[key])
+    repeats_um = about["noise_corrected_um"]
+    is_less = [next_um[key] + repeats_um <= (1 - CLEAR_SHARE) * now_um[key] for key in now_um]
+    if next_um["max"] <= now_um["max"] + about["noise_um"] and any(is_less):
         return
     past = f", of which the last round mispredicted {missed_um:.2g} um" if missed_um else ""
     problem = (
-        f"the next part would not be better: the largest error is {now_um:.4g} um now and would be "
-        f"{next_um + missed_um:.4g} um{past}"
+        f"the next part would not be clearly better: the largest error is {now_um['max']:.4g} um "
+        f"now and would be {next_um['max']:.4g} um{past}"
     )
-    remedy = "keep the table that cut this part, or gauge more points with less noise"
+    remedy = f"keep {best_text(rounds)}, or gauge more points with less noise"
     raise CamtoolsError([f"--measured: {problem}; {remedy}"])
 
 
@@ -190,12 +191,13 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
         before = previous.correction or Correction(drawing.ends_mm, {})
         by = judged(told, points, drawing.ends_mm)
         step = _step(told, by, before, request.gain)
+        about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
+        about |= account_of(points, told, step, by)
+        _check_gain([*before.rounds, about])
     except CamtoolsError as error:
         lines = [
             line.replace("--measured: ", f"--measured {request.surface}: ", 1)
             for line in error.lines
         ]
         raise CamtoolsError(lines) from error
-    about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
-    about |= account_of(points, told, step, by)
     return Round(before.plus(step.taken, about, step.left_mm), previous)

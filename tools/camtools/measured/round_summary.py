@@ -6,6 +6,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from camtools.base.json_text import Json
@@ -44,6 +46,23 @@ def _wave(told: Told, one: KeptWave, step: RoundStep) -> Json:
     }
 
 
+def _largest_um(one: Json) -> float:
+    return float((one.get("judged_um") or one["gauged_um"])["max"])
+
+
+def best_round(rounds: Sequence[Json]) -> int:
+    """Return the round of the table whose part had the smallest largest error; 0: as drawn."""
+    return int(np.argmin([_largest_um(one) for one in rounds]))
+
+
+def best_text(rounds: Sequence[Json]) -> str:
+    """Return which table was the best, by round and `table_crc32`, and the error of its part."""
+    number = best_round(rounds)
+    one = rounds[number]
+    table = f"the table of round {number} (table_crc32 {one['table_crc32']})"
+    return f"{table}, {_largest_um(one):.4g} um"
+
+
 def account_of(points: GaugedPoints, told: Told, step: RoundStep, by: GaugedPoints) -> Json:
     """Return what a surface told and what is expected of the next part.
 
@@ -64,6 +83,7 @@ def account_of(points: GaugedPoints, told: Told, step: RoundStep, by: GaugedPoin
         "noise_um": _rounded(told.sigma_um),
         "noise_corrected_um": _rounded(np.sqrt(noise2)),
         "gauged_um": pair_of(points.deviation_um),
+        "judged_um": pair_of(by.deviation_um),
         "expected_um": pair_of(off_um(step.taken, by)),
         "waves": [_wave(told, one, step) for one in kept],
     }
