@@ -21,7 +21,7 @@ from camtools.measured.end_taper import judged, taper
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
 from camtools.measured.previous_table import Previous, find_previous, read_given
 from camtools.measured.round_summary import account_of, best_text
-from camtools.measured.surface import Told, tell
+from camtools.measured.surface import SurfaceFit, fit_surface
 
 DEFAULT_GAIN = 0.7
 MIN_GAIN, MAX_GAIN = 0.05, 1.0
@@ -46,7 +46,7 @@ class Request(NamedTuple):
     gain : float
         Share that is taken off of what this part alone shows, see `step.take`.
     most_order : int or None
-        Highest harmonic that is kept; None: 16, or what the angles tell.
+        Highest harmonic that is kept; None: 16, or as many as the angles allow.
     is_centred : bool
         The instrument took mean and centre out: harmonics 0 and 1 are left alone.
     """
@@ -104,9 +104,9 @@ def _check_place(points: GaugedPoints, drawing: Drawing) -> None:
         raise CamtoolsError([f"--measured: {problem}; give the surface of this part"])
 
 
-def _check_size(told: Told, drawing: Drawing) -> None:
+def _check_size(fit: SurfaceFit, drawing: Drawing) -> None:
     """Refuse errors that no machine makes which cuts this part."""
-    whole = told.correction(drawing.ends_mm, 1.0)
+    whole = fit.correction(drawing.ends_mm, 1.0)
     mean_um = float(np.abs(whole.mean(whole.nodes_mm)).max()) * _UM_PER_MM
     if mean_um > MAX_MEAN_UM:
         problem = f"the mean of a height is {mean_um:.4g} um off, the limit is {MAX_MEAN_UM:g} um"
@@ -135,9 +135,9 @@ def _check_new(previous: Previous, surface: Path, own: int) -> None:
             raise CamtoolsError([f"--measured {surface}: {problem}; {remedy}"])
 
 
-def _step(told: Told, by: GaugedPoints, before: Correction, gain: float) -> RoundStep:
+def _step(fit: SurfaceFit, by: GaugedPoints, before: Correction, gain: float) -> RoundStep:
     """Return what the round takes off, smaller at the ends where that leaves less."""
-    shown = told.correction(before.heights_mm, 1.0)
+    shown = fit.correction(before.heights_mm, 1.0)
     taken = taper(take(shown, before.left_mm, gain).taken, by)
     left_mm = {order: shown.waves_mm[order] - one for order, one in taken.waves_mm.items()}
     return RoundStep(taken, left_mm)
@@ -186,13 +186,13 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     try:
         _check_place(points, drawing)
         first = 2 if request.is_centred else 0
-        told = tell(points, drawing.ends_mm, request.most_order, first)
-        _check_size(told, drawing)
+        fit = fit_surface(points, drawing.ends_mm, request.most_order, first)
+        _check_size(fit, drawing)
         before = previous.correction or Correction(drawing.ends_mm, {})
-        by = judged(told, points, drawing.ends_mm)
-        step = _step(told, by, before, request.gain)
+        by = judged(fit, points, drawing.ends_mm)
+        step = _step(fit, by, before, request.gain)
         about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
-        about |= account_of(points, told, step, by)
+        about |= account_of(points, fit, step, by)
         _check_gain([*before.rounds, about])
     except CamtoolsError as error:
         lines = [

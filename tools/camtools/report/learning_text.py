@@ -28,7 +28,7 @@ _OFF = {
 _LIMITED = {
     "lobes": "for a shaft with lobes, only the drive constants are learned",
     "diverged": "the drive constants did not converge; the best values found are used",
-    "rippled": "the spindle's ripple exceeds 12 mrad in total, of which so much is compensated for",
+    "rippled": "the spindle's ripple exceeds 12 mrad in total; only 12 mrad of it are compensated",
 }
 _NO_REHEARSAL = "on, but no turn was steady enough to learn from; set rehearse_turns"
 
