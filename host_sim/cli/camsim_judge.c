@@ -21,10 +21,11 @@ static void explain_fault(const sim_cut_t *cut, const char *table, common_error_
 static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     if (cut->session.work.n == 0u) {
-        (void)common_error(e,
-                           "%s: not gauged: nothing was cut to full depth before the cut was %s; "
-                           "leave the stop out, or stop later",
-                           table, sim_cut_end_name(cut));
+        const char *remedy = cut->is_stopped ? "leave the stop out, or stop later"
+                                             : "check the slots in [cut] of the machine file";
+        (void)common_error(
+            e, "%s: not gauged: nothing was cut to full depth before the cut was %s; %s", table,
+            sim_cut_end_name(cut), remedy);
         return;
     }
     const uint32_t i = sim_cut_lobe_without_turn(cut);

@@ -27,7 +27,8 @@ typedef struct {
     float error_nm;
     double z_mm;
     double radius_mm;
-    uint32_t n; ///< samples seen; 0: none
+    uint32_t n;     ///< samples seen; 0: none
+    float slope_um; ///< [um/rad] of the drawing; not a number where it is not known
 } sim_cell_t;
 
 /// One band of heights.
@@ -46,6 +47,7 @@ typedef struct {
     double gouge_um;                 ///< deepest cut below the exact surface in any state, above 0
     double last_z_mm;                ///< of the last counted sample
     double last_turn, last_exact_mm; ///< of the last judged sample
+    double last_slope_um;            ///< [um/rad] of the drawing, before the last judged sample
     double turned_um2, slope_um2;    ///< sums of error times slope and of slope squared; the slope
                                      ///< in um per radian
     uint64_t n;                      ///< counted samples
@@ -77,6 +79,10 @@ double sim_work_turned_rad(const sim_work_t *w);
 
 /// @return [um] rms form error without that part
 double sim_work_shape_rms_um(const sim_work_t *w);
+
+/// @return [um] largest magnitude of the form error without that part, of the worst samples of the
+///         cells of the map
+double sim_work_shape_max_um(const sim_work_t *w);
 
 /// @return [um] rms form error, 0 without samples
 double sim_work_rms_um(const sim_work_t *w);

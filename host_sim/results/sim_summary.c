@@ -50,6 +50,9 @@ void sim_summary_errors(cJSON *root, const sim_session_t *s)
     if (s->design.shape != sim_shape_lobes) {
         sim_summary_sampled(form, s, "turned_urad", sim_work_turned_rad(&s->work) * 1e6);
         sim_summary_sampled(form, s, "rms_not_turned", sim_work_shape_rms_um(&s->work));
+        if (s->work.has_map) {
+            sim_summary_sampled(form, s, "max_not_turned", sim_work_shape_max_um(&s->work));
+        }
     }
     (void)add_errors(root, "control_error_um", s, sim_session_control(s));
     cJSON *following = cJSON_AddObjectToObject(root, "following_error_um");

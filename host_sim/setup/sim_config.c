@@ -246,6 +246,23 @@ static bool check_modes(const sim_lathe_config_t *lathe, const char *name, commo
     return true;
 }
 
+/// Refuse windows without material that have no height.
+static bool check_slots(const sim_lathe_config_t *lathe, const char *name, common_error_t *e)
+{
+    for (int i = 0; i < sim_chip_slots; i++) {
+        const sim_chip_slot_t *slot = &lathe->chip.slot[i];
+        if (slot->width_deg > 0.0 && !(slot->low_mm < slot->high_mm)) {
+            const char number[] = {'_', (char)('1' + i), '\0'};
+            const char *key = i > 0 ? number : "";
+            return common_error(
+                e,
+                "%s: cut.slot%s_low_mm = %.12g: must be below slot%s_high_mm = %.12g; correct them",
+                name, key, slot->low_mm, key, slot->high_mm);
+        }
+    }
+    return true;
+}
+
 bool sim_config_read(sim_config_t *config, const char *text, size_t size, const char *name,
                      common_error_t *e)
 {
@@ -261,7 +278,7 @@ bool sim_config_read(sim_config_t *config, const char *text, size_t size, const 
                              .e = e};
     if (!read_once(&all, text, size) ||
         (others.has_belief && !read_belief(&all, config, text, size)) ||
-        !check_modes(&config->lathe, name, e)) {
+        !check_modes(&config->lathe, name, e) || !check_slots(&config->lathe, name, e)) {
         return false;
     }
     // The loop of a force drive is tuned for the believed mass.

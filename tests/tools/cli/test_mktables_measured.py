@@ -125,7 +125,7 @@ def test_options_without_a_surface(
 def test_surface_of_another_part(
     first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Heights, radii, name, drawing and table tell that a surface is not of this part."""
+    """Heights, radii, name, drawing or table show that a surface is not of this part."""
     turn, z_mm = traces(np.linspace(*ENDS, 9), 120)
     alone = write_surface(tmp_path / "alone.csv", turn, z_mm, error_um(turn, z_mm))
     out: list[str | Path] = ["-o", tmp_path / "x", "--measured", alone]

@@ -88,7 +88,7 @@ def test_other_tick_rates(tick_hz: float) -> None:
 
 
 def test_mode_is_said_to_bias_the_fit_and_by_how_much() -> None:
-    """The bias told is the true one; the drive beside its mode is found."""
+    """The reported bias is the true one; the drive beside its mode is found."""
     plants = [
         Plant(mode_hz=800, mode_share=0.1),
         Plant(mode_hz=800, mode_share=0.1, friction_m_s2=10),

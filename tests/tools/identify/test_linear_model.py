@@ -8,7 +8,7 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.quantities import Floats
 from camtools.identify.foreign_record import ForeignRecord, parse_record
 from camtools.identify.linear_model import LinearModel, identify_record
-from camtools.identify.record_report import constants_of, record_numbers
+from camtools.identify.record_report import constants_of, record_lines, record_numbers
 from tests.tools.cases.drive_plant import Plant, played
 
 RATE_HZ, SLOW_HZ = 10_000.0, 1000.0
@@ -49,7 +49,7 @@ def force_record(force_n: Floats, y: Floats, noise: float, seed: int) -> Foreign
     """Return every tenth value, the position with a share of noise."""
     u, y = force_n[::10], y[::10]
     noisy = y + np.random.default_rng(seed).normal(0, noise * y.std(), y.size)
-    return ForeignRecord(SLOW_HZ, u, noisy, "force_n", True)
+    return ForeignRecord(SLOW_HZ, u, noisy, "force_n")
 
 
 def named(found: LinearModel, record: ForeignRecord) -> dict[str, tuple[float, float]]:
@@ -63,7 +63,7 @@ def test_position_drive_of_any_gain() -> None:
     plant = Plant(gain=0.9, delay_us=100)
     u_nm = smooth_noise(1, 50_000.0)[:30_000]
     y_nm = played([plant], u_nm, RATE_HZ)[0] + np.random.default_rng(2).normal(0, 100, u_nm.size)
-    record = ForeignRecord(RATE_HZ, u_nm * 1e-9, y_nm * 1e-9, "command_nm", False)
+    record = ForeignRecord(RATE_HZ, u_nm * 1e-9, y_nm * 1e-9, "command_nm")
     found = identify_record(record)
     assert found.problems == []
     values = named(found, record)
@@ -116,6 +116,69 @@ def test_other_responses_are_not_of_this_model() -> None:
         identify_record(force_record(force_n, unrelated, 0.0, 0))
 
 
+def drive_record(plant: Plant, u_nm: Floats, seed: int) -> ForeignRecord:
+    """Return the recording of a drive whose command is held for each step, with noise of 20 nm."""
+    y_nm = played([plant], u_nm, RATE_HZ)[0]
+    noisy = y_nm + np.random.default_rng(seed).normal(0, 20, u_nm.size)
+    return ForeignRecord(RATE_HZ, u_nm * 1e-9, noisy * 1e-9, "command_nm")
+
+
+def test_held_command_of_a_wide_band() -> None:
+    """White noise held for each step: neither the hold nor what it folds back is a misfit."""
+    plant = Plant(hz=1200.0, damping=0.3, delay_us=37.5)
+    u_nm = np.random.default_rng(11).normal(0, 20_000.0, 30_000)
+    record = drive_record(plant, u_nm, 12)
+    found = identify_record(record)
+    assert found.problems == []
+    values = named(found, record)
+    for name, wanted in (("k1 ns", plant.k1_s * 1e9), ("k2 us2", plant.k2_s2 * 1e12)):
+        assert values[name][0] == pytest.approx(wanted, rel=0.003), name
+    assert values["delay ns"][0] == pytest.approx(plant.lead_s(RATE_HZ) * 1e9, abs=200)
+    assert "held" in "\n".join(record_lines(found, record))
+
+
+@pytest.mark.parametrize("friction_m_s2", [0.0, 3.0, 15.0])
+def test_friction_is_not_linear(friction_m_s2: float) -> None:
+    """Coulomb friction of 2 and 8 % of a command of constant amplitude; none is linear."""
+    u_nm = smooth_noise(13, 50_000.0)[:20_000]
+    found = identify_record(drive_record(Plant(friction_m_s2=friction_m_s2), u_nm, 14))
+    assert len(found.problems) == (friction_m_s2 > 0), found.problems
+    assert all(one.startswith("friction") for one in found.problems)
+
+
+def saturated(force_n: Floats, most_n: float) -> Floats:
+    """Return the position [m] of the oscillator whose actuator gives at most a force."""
+    return oscillator(np.clip(force_n, -most_n, most_n))
+
+
+def position_loop(u_m: Floats, most_m_s2: float) -> Floats:
+    """Return the position [m] of a drive of 300 Hz that accelerates at most so much, by Euler."""
+    n_steps, y, v, found = 20, 0.0, 0.0, []
+    w, h = 2 * np.pi * 300.0, 1 / RATE_HZ / 20
+    for i in range(u_m.size):
+        found.append(y)
+        for _ in range(n_steps):
+            a = w * w * (u_m[i] - y) - 1.4 * w * v
+            v += h * min(max(a, -most_m_s2), most_m_s2)
+            y += h * v
+    return np.array(found)
+
+
+def test_actuator_that_saturates_is_not_linear() -> None:
+    """A force clipped at 1.8 times its rms, and an acceleration clipped inside of a loop."""
+    force_n = smooth_noise(15, 20.0, 101)
+    u_m = smooth_noise(16, 5e-5)[:40_000]
+    found = []
+    for share in (10.0, 1.8):
+        record = force_record(force_n, saturated(force_n, share * 20.0), 1e-3, 17)
+        found.append(identify_record(record).problems)
+        y_m = position_loop(u_m, 60.0 * share)
+        found.append(identify_record(ForeignRecord(RATE_HZ, u_m, y_m, "command_m")).problems)
+    assert found[:2] == [[], []]
+    assert any("of the command, acts like" in one for one in found[2]), found[2]
+    assert any("of the acceleration, acts like" in one for one in found[3]), found[3]
+
+
 def test_resonance_narrower_than_the_lines() -> None:
     """The recording is too short, so that the lines smear it."""
     force_n = smooth_noise(9, 20.0, 101)[:20_000]
@@ -147,9 +210,11 @@ def test_units_are_those_of_the_header() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "line 1: needs one column of the time: time_s, time_ms, time_us; has 0; write"),
+        ("", "line 1: needs one column of the time: time_s, time_ms, time_us; has none; write"),
         (text_with(1, "time_s;x;position_um"), "line 1: needs one column of the command or force"),
-        (text_with(1, "time_s;force_n;force_n"), "needs one column of the force: .*; has 2"),
+        (text_with(1, "time_s;force_n;force_n"), "has force_n, force_n; rename all but"),
+        (text_with(1, "time_s;force_n;command_um;position_um"),
+         "one column of the command or force: .*; has force_n, command_um; rename all but one"),
         ("\n".join(GOOD[:500]), "has 499 rows, 1024 .. 2000000 are needed; record for longer"),
         (text_with(77, "7,5;nan;1"), "line 77 = .*: not 3 finite numbers .*; correct or delete"),
         (text_with(77, "7,5;1"), "line 77 = .*: not 3 finite numbers"),

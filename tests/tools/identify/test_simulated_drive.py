@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""U of the simulator, whose constants its machine file tells."""
+"""U of the simulator, with the constants of its machine file."""
 
 from pathlib import Path
 
@@ -83,7 +83,7 @@ def test_constants_are_found(
     assert found.problems(Limits()) == []
 
 
-def test_mode_is_told(tmp_path: Path, generated: GeneratedSkirt) -> None:
+def test_mode_is_reported(tmp_path: Path, generated: GeneratedSkirt) -> None:
     """A mode that the scale sees: its frequency, and the true bias of the fit."""
     more = "mode_hz = 800\nmode_damping = 0.03\nmode_share = 0.1\nmode_on_scale = 1"
     found = found_on(simulated(tmp_path, generated, MACHINE.format(**(DRIVE | {"more": more}))))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is told of surfaces by formula: with noise, wrong points, and heights that are missing."""
+"""Waves fitted to surfaces by formula: with noise, wrong points, and heights that are missing."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from camtools.base.errors import CamtoolsError
 from camtools.measured.points import GaugedPoints
-from camtools.measured.surface import tell
+from camtools.measured.surface import fit_surface
 from tests.tools.cases.gauged_cases import ENDS, error_um, gauged, helix, traces
 
 Floats = NDArray[np.float64]
@@ -17,7 +17,7 @@ GRID = traces(np.linspace(*ENDS, 125), 180)
 def left_um(points: GaugedPoints, order: int | None = None) -> Floats:
     """Return what a correction with gain 1 leaves of `error_um`, all over the part."""
     turn, z_mm = GRID
-    whole = tell(points, ENDS, order).correction(ENDS, 1.0)
+    whole = fit_surface(points, ENDS, order).correction(ENDS, 1.0)
     taken = whole.delta(2 * np.pi * turn, z_mm)[0] + whole.mean(z_mm)
     return np.asarray(error_um(turn, z_mm) - 1000 * taken)
 
@@ -45,7 +45,7 @@ def test_nothing_but_noise_is_left_alone(seed: int) -> None:
     """A perfect part with 0.2 um of noise: what is corrected stays below a twentieth of it."""
     turn, z_mm = traces(np.linspace(*ENDS, 24), 120)
     noise = np.random.default_rng(seed).normal(0, 0.2, turn.size)
-    step = tell(GaugedPoints(turn, z_mm, noise), ENDS).correction(ENDS, 0.7)
+    step = fit_surface(GaugedPoints(turn, z_mm, noise), ENDS).correction(ENDS, 0.7)
     waves = step.delta(2 * np.pi * GRID[0], GRID[1])[0] + step.mean(GRID[1])
     assert 1000 * np.sqrt((waves**2).mean()) < 0.01
 
@@ -68,7 +68,7 @@ def test_wrong_points_do_not_count() -> None:
     bent = points._replace(deviation_um=points.deviation_um + 30 * wrong)
     off = left_um(bent)
     assert np.abs(off).max() < 0.1
-    assert tell(bent, ENDS).n_far == pytest.approx(wrong.sum(), abs=5)
+    assert fit_surface(bent, ENDS).n_far == pytest.approx(wrong.sum(), abs=5)
 
 
 def test_wrong_height_does_not_count() -> None:
@@ -77,7 +77,7 @@ def test_wrong_height_does_not_count() -> None:
     points = gauged((turn, z_mm), 0.05)
     dirt = np.where(np.isclose(z_mm, 31.0), 8 * np.cos(4 * np.pi * turn), 0.0)
     bent = points._replace(deviation_um=points.deviation_um + dirt)
-    assert tell(bent, ENDS).alone_mm == [31.0]
+    assert fit_surface(bent, ENDS).alone_mm == [31.0]
     assert np.abs(left_um(bent)).max() < 0.1
 
 
@@ -93,7 +93,7 @@ def test_step_over_the_height_does_not_ring() -> None:
     turn, z_mm = traces(np.linspace(*ENDS, 32))
     noise = np.random.default_rng(5).normal(0, 0.1, turn.size)
     step = np.where(z_mm > 31, 3.0, 1.0) * np.cos(4 * np.pi * turn)
-    found = tell(GaugedPoints(turn, z_mm, step + noise), ENDS)
+    found = fit_surface(GaugedPoints(turn, z_mm, step + noise), ENDS)
     wave = next(one for one in found.waves if one.order == 2).kept.real
     assert wave.max() < 3.4
     assert wave.min() > 0.6
@@ -102,9 +102,9 @@ def test_step_over_the_height_does_not_ring() -> None:
 def test_orders_are_asked_for() -> None:
     """Waves above the highest order are left on the part; without mean and centre both stay."""
     place = traces(np.linspace(*ENDS, 13))
-    few = tell(gauged(place), ENDS, most_order=2)
+    few = fit_surface(gauged(place), ENDS, most_order=2)
     assert [one.order for one in few.waves if one.is_kept] == [0, 1, 2]
-    centred = tell(gauged(place), ENDS, first=2)
+    centred = fit_surface(gauged(place), ENDS, first=2)
     assert [one.order for one in centred.waves if one.is_kept] == [2, 5]
 
 
@@ -122,7 +122,7 @@ def test_too_little_is_refused(
 ) -> None:
     """Numbers and limits are in the message."""
     with pytest.raises(CamtoolsError) as caught:
-        tell(gauged(place), ENDS, order)
+        fit_surface(gauged(place), ENDS, order)
     assert message in str(caught.value)
     assert len(caught.value.lines) == 1
 
@@ -132,5 +132,5 @@ def test_half_a_trace_is_left_out() -> None:
     turn, z_mm = traces(np.linspace(*ENDS, 13))
     keep = (np.abs(z_mm - 31) > 1) | (turn < 0.5)
     points = gauged((turn[keep], z_mm[keep]))
-    assert tell(points, ENDS).heights.n_left_out == 1
+    assert fit_surface(points, ENDS).heights.n_left_out == 1
     assert np.abs(left_um(points)).max() < 0.05

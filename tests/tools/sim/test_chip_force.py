@@ -96,6 +96,29 @@ def test_slots_do_not_harm_the_rest(
     assert 0.5 < largest_um(rows, 9.9, 39) < 3  # the force steps by up to 4 N
 
 
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ("slot_low_mm = -9\nslot_high_mm = 99",
+         "not gauged: nothing was cut to full depth before the cut was done; check the slots in"),
+        ("slot_low_mm = 35\nslot_high_mm = 10",
+         "cut.slot_low_mm = 35: must be below slot_high_mm = 10; correct them"),
+        ("slot_4_width_deg = 9", "cut.slot_low_mm = 0: must be below slot_high_mm = 0; correct"),
+        ('slot = "90"', 'line 3: cut.slot = "90": unknown; see host_sim/machines/default.toml'),
+    ],
+)  # fmt: skip
+def test_slots_that_leave_nothing_or_are_none(
+    table_of: Callable[[str], Path], tmp_path: Path, keys: str, message: str
+) -> None:
+    """One line each: a slot all around the part, heights that are exchanged or none, no number."""
+    machine = tmp_path / "machine.toml"
+    machine.write_text(f"[cut]\nslot_width_deg = 360\n{keys}\n")
+    done = camsim("run", table_of("perkins240"), "--machine", machine, "--feed", "2")
+    assert done.returncode in (1, 2)
+    assert message in done.stderr and "stop" not in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
 def test_slots_hold_no_metal(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Two windows of 40 degrees and 25 of 62 mm, at the short axis, where the cut is deepest."""
     whole = ROOT / "tests" / "learn" / "machines" / "chip.toml"

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.tools.cases.camsim_cases import ROOT, camsim
@@ -45,11 +46,20 @@ def test_a_lead_that_is_wrong_turns_the_part(
     """10 us more at 3000 r/min turn it by 3142 urad, which is nearly all of the error."""
     words = ("--turns-limit", "20", "--set", "learn_harmonics=0", "--set", "rehearse_turns=0")
     found = []
+    surface = tmp_path / "surface.csv"
     for lead_ns in (100_000, 110_000):
-        _, summary = cut(
-            table_of("oval30"), tmp_path, "known", 3000, *words, "--set", f"lead_ns={lead_ns}"
-        )
+        more = ("--set", f"lead_ns={lead_ns}", "--surface", str(surface))
+        _, summary = cut(table_of("oval30"), tmp_path, "known", 3000, *words, *more)
         found.append(summary["form_error_um"])
     by_urad = found[1]["turned_urad"] - found[0]["turned_urad"]
     assert abs(by_urad) == pytest.approx(2 * 3.14159265 * 50 * 10, rel=0.02)
     assert found[1]["rms_not_turned"] < 0.2 < found[1]["rms"]
+    turn, _, radius_mm, error_nm = np.loadtxt(surface, delimiter=",", skiprows=1)[:, :4].T
+    angle = 2 * np.pi * turn  # fit the section's harmonics, and turn it back
+    order = np.arange(9)
+    waves = np.hstack([np.cos(np.outer(angle, order)), np.sin(np.outer(angle, order))])
+    fit = np.linalg.lstsq(waves, radius_mm - 1e-6 * error_nm, rcond=None)[0]
+    slope = np.hstack([-order * waves[:, 9:], order * waves[:, :9]]) @ fit
+    left_um = 1e-3 * error_nm - 1e-3 * found[1]["turned_urad"] * slope
+    assert found[1]["max_not_turned"] == pytest.approx(np.abs(left_um).max(), rel=0.02)
+    assert found[1]["max_not_turned"] < found[1]["max"] / 5

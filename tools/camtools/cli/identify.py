@@ -187,10 +187,10 @@ def _files(
 ) -> dict[str, bytes]:
     """Return the results by file name."""
     motion = part.motion if part is not None else None
-    told = numbers(found, believed, Limits(), motion)
+    results = numbers(found, believed, Limits(), motion)
     return {
         f"{name}_bode.png": bode_png(found, believed.values, f"U of {name}"),
-        f"{name}_identified.json": f"{json.dumps(told, indent=2)}\n".encode("ascii"),
+        f"{name}_identified.json": f"{json.dumps(results, indent=2)}\n".encode("ascii"),
         f"{name}_identified.txt": ("\n".join(lines) + "\n").encode("utf-8"),
     }
 
@@ -239,7 +239,7 @@ def _is_good(
 
 
 class _Found(NamedTuple):
-    """What one excitation told."""
+    """Result of one excitation."""
 
     found: Identified
     believed: Believed
@@ -310,8 +310,8 @@ def _recorded(arguments: argparse.Namespace, out: TextIO) -> int:
     out.write("\n".join(lines) + "\n")
     if arguments.output is not None:
         name = f"{arguments.record.stem}_identified"
-        told = json.dumps(record_numbers(found, record), indent=2)
-        files = {f"{name}.json": f"{told}\n", f"{name}.txt": "\n".join(lines) + "\n"}
+        results = json.dumps(record_numbers(found, record), indent=2)
+        files = {f"{name}.json": f"{results}\n", f"{name}.txt": "\n".join(lines) + "\n"}
         write_all(arguments.output, {key: one.encode("utf-8") for key, one in files.items()})
     return NOT_GOOD if found.problems else 0
 

@@ -123,7 +123,7 @@ class _Lines:
         columns = [self.s * self.y, self.s**2 * self.y, self.friction]
         self.matrix = np.column_stack([stacked(column) for column in columns])
         norm = np.linalg.norm(self.matrix, axis=0)
-        self.scale = np.where(norm > 0, norm, 1.0)  # no motion, no friction to tell
+        self.scale = np.where(norm > 0, norm, 1.0)  # no motion, no friction to find
         self.inverse = np.linalg.pinv(self.matrix / self.scale)
 
     def solve(self, lead_s: float) -> tuple[Floats, Floats]:

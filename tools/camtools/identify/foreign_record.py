@@ -3,8 +3,8 @@ r"""A recording of another instrument: time, command or force, and position in c
 
 >>> rows = "".join(f"{i * 1e-3},{i % 7},{i % 5}\n" for i in range(4096))
 >>> found = parse_record("time_s,force_n,position_um\n" + rows, "scope.csv")
->>> found.is_force, round(found.rate_hz), found.u.size, float(found.y[4])
-(True, 1000, 4096, 4e-06)
+>>> found.command, round(found.rate_hz), found.u.size, float(found.y[4])
+('force_n', 1000, 4096, 4e-06)
 """
 
 from __future__ import annotations
@@ -35,7 +35,6 @@ class ForeignRecord(NamedTuple):
     u: Floats  # shape (n,); command [m] or [V], or force [N]
     y: Floats  # shape (n,); position [m]
     command: str  # name of its column
-    is_force: bool
 
 
 def _column(columns: Columns, units: dict[str, float], what: str, file: str) -> tuple[int, float]:
@@ -44,8 +43,11 @@ def _column(columns: Columns, units: dict[str, float], what: str, file: str) -> 
     found = [name for name in names if name in units]
     if len(found) == 1:
         return names.index(found[0]), units[found[0]]
-    problem = f"needs one column of the {what}: {', '.join(units)}; has {len(found)}"
-    raise InputError(file, "line 1", None, problem, f'write a header as "{HEADER}"')
+    problem = (
+        f"needs one column of the {what}: {', '.join(units)}; has {', '.join(found) or 'none'}"
+    )
+    remedy = "rename all but one of them" if found else f'write a header as "{HEADER}"'
+    raise InputError(file, "line 1", None, problem, remedy)
 
 
 def _rows(lines: list[str], columns: Columns, places: list[int], file: str) -> Floats:
@@ -89,9 +91,7 @@ def parse_record(text: str, file: str) -> ForeignRecord:
     """
     lines = text.rstrip().splitlines()
     columns = Columns(lines[0] if lines else "")
-    has_force = any(name.strip('"').casefold() in FORCES for name in columns.names)
-    commands, what = (FORCES, "force") if has_force else (COMMANDS | FORCES, "command or force")
-    kinds = ((TIMES, "time"), (commands, what), (POSITIONS, "position"))
+    kinds = ((TIMES, "time"), (COMMANDS | FORCES, "command or force"), (POSITIONS, "position"))
     places = [_column(columns, units, name, file) for units, name in kinds]
     if not MIN_ROWS <= len(lines) - 1 <= MAX_ROWS:
         problem = f"has {max(0, len(lines) - 1)} rows, {MIN_ROWS} .. {MAX_ROWS} are needed"
@@ -103,4 +103,4 @@ def parse_record(text: str, file: str) -> ForeignRecord:
             problem, remedy = f"the {name} does not change", "excite the drive, see its connections"
             raise InputError(file, "", None, problem, remedy)
     command = columns.names[order[1]].strip('"').casefold()
-    return ForeignRecord(_rate_hz(time, file), u, y, command, has_force)
+    return ForeignRecord(_rate_hz(time, file), u, y, command)

@@ -4,7 +4,7 @@
 >>> u = np.random.default_rng(1).normal(0, 1e-4, 16384)
 >>> s = 2j * np.pi * np.fft.rfftfreq(u.size, 1e-3)
 >>> y = np.fft.irfft(2 * np.fft.rfft(u) / (1 + 2e-3 * s + 1e-5 * s**2))
->>> found = identify_record(ForeignRecord(1000.0, u, y, "command_um", False))
+>>> found = identify_record(ForeignRecord(1000.0, u, y, "command_um"))
 >>> found.problems, f"{1 / found.values[STATIC]:.2f} {found.values[RATE]:.5f}"
 ([], '2.00 0.00100')
 """
@@ -25,6 +25,7 @@ from camtools.identify.multisine import Complexes
 STATIC, RATE, SECOND, DELAY = range(4)
 _MOST_SEGMENT, _LEAST_SEGMENTS = 8192, 16
 _N_BLOCKS = 8
+_FREE = 0.55  # of the segments, which overlap by half
 _MOST_HZ = 0.4  # of the sampling rate
 _LEAST_POWER = 1e-4  # of the strongest line of the command
 _LEAST_COHERENCE, _MIN_LINES = 0.5, 8
@@ -33,12 +34,15 @@ _MOST_MISFIT, _MOST_CHI = 0.05, 4.0
 _MOST_CHANGE, _CHANGE_SIGMAS = 0.02, 4.0
 _LINES_PER_WIDTH = 10.0
 _MOST_DELAY_STEPS = 64.0
+_MOST_DISTORTION = 0.005  # of the rms of the command
+_ALIASES = 16
 
 
 class Lines(NamedTuple):
     """Mean spectra of some segments, at lines where the command has power."""
 
     s: Complexes  # j times the angular frequency [rad/s]
+    hold_s: float  # how long each value of the command is held; 0: it is not
     response: Complexes  # position per command
     coherence: Floats
     noise: Floats  # standard deviation of the response as a share of it
@@ -52,7 +56,10 @@ class Half(NamedTuple):
 
 
 class LinearModel(NamedTuple):
-    """Constants of (static + rate s + second s^2) position = command e^(-s delay)."""
+    """Constants of (static + rate s + second s^2) position = command e^(-s delay).
+
+    The delay includes half of the hold.
+    """
 
     values: Floats  # shape (4,), SI units
     replicas: Floats  # shape (blocks, 4); values without one block of the record each
@@ -68,27 +75,32 @@ class _Segments(NamedTuple):
     """Windowed transforms of half overlapping segments, shape (segments, bins)."""
 
     s: Complexes
+    hold_s: float
     u: Complexes
     y: Complexes
 
 
-def _segments(record: ForeignRecord) -> _Segments:
+def _transforms(values: Floats) -> Complexes:
+    """Return the windowed transforms of half overlapping segments, shape (segments, bins)."""
+    n = min(_MOST_SEGMENT, 2 * values.size // (_LEAST_SEGMENTS + 1))
+    starts = np.arange(0, values.size - n + 1, n // 2)
+    rows = values[starts[:, None] + np.arange(n)]
+    rows = (rows - rows.mean(axis=1, keepdims=True)) * np.hanning(n + 1)[:n]
+    # A Hann window smears the mean over two bins.
+    return np.asarray(np.fft.rfft(rows)[:, 2 : int(_MOST_HZ * n)], np.complex128)
+
+
+def _segments(record: ForeignRecord, hold_s: float) -> _Segments:
+    u, y = _transforms(record.u), _transforms(record.y)
     n = min(_MOST_SEGMENT, 2 * record.u.size // (_LEAST_SEGMENTS + 1))
-    starts = np.arange(0, record.u.size - n + 1, n // 2)
-    window = np.hanning(n + 1)[:n]
-    bins = np.arange(2, int(_MOST_HZ * n))  # a Hann window smears the mean over two bins
-    found = []
-    for values in (record.u, record.y):
-        rows = values[starts[:, None] + np.arange(n)]
-        rows = rows - rows.mean(axis=1, keepdims=True)
-        found.append(np.asarray(np.fft.rfft(rows * window)[:, bins], np.complex128))
+    bins = np.arange(2, 2 + u.shape[1])
     s = np.asarray(2j * np.pi * bins * record.rate_hz / n, np.complex128)
-    return _Segments(s, *found)
+    return _Segments(s, hold_s, u, y)
 
 
 def _lines(segments: _Segments) -> Lines:
     """Return the mean of segments at the lines that the command excites coherently."""
-    power_u, power_y = (np.mean(np.abs(one) ** 2, axis=0) for one in segments[1:])
+    power_u, power_y = (np.mean(np.abs(one) ** 2, axis=0) for one in (segments.u, segments.y))
     cross = np.mean(segments.y * segments.u.conj(), axis=0)
     coherence = np.abs(cross) ** 2 / np.maximum(power_u * power_y, 1e-300)
     is_used = (power_u > _LEAST_POWER * power_u.max()) & (coherence > _LEAST_COHERENCE)
@@ -100,10 +112,10 @@ def _lines(segments: _Segments) -> Lines:
         )
         raise CamtoolsError([f"--record: {problem}; excite more frequencies, by another force"])
     used = coherence[is_used]
-    free = 0.55 * segments.u.shape[0]  # half of each segment is new
+    free = _FREE * segments.u.shape[0]
     noise = np.sqrt(np.maximum(1 - used, 0.0) / (2 * used * free))
     response = cross[is_used] / power_u[is_used]
-    return Lines(segments.s[is_used], response, used, noise)
+    return Lines(segments.s[is_used], segments.hold_s, response, used, noise)
 
 
 def _solve(lines: Lines, delay_s: float) -> Floats:
@@ -119,7 +131,7 @@ def _solve(lines: Lines, delay_s: float) -> Floats:
 def _off(values: Floats, lines: Lines) -> Floats:
     """Return the stacked error of the response over the deviations of its lines."""
     weight = 1 / (np.abs(lines.response) * np.hypot(lines.noise, _LIKENESS))
-    return stacked((response_of(values, lines.s) - lines.response) * weight)
+    return stacked((response_of(values, lines.s, lines.hold_s) - lines.response) * weight)
 
 
 def _begin(lines: Lines) -> Floats:
@@ -142,7 +154,7 @@ def _fit(lines: Lines, begin: Floats) -> Floats:
 
 def _fit_of(segments: _Segments, rows: Ints, begin: Floats) -> Floats:
     """Return the constants of some of the segments."""
-    return _fit(_lines(_Segments(segments.s, segments.u[rows], segments.y[rows])), begin)
+    return _fit(_lines(segments._replace(u=segments.u[rows], y=segments.y[rows])), begin)
 
 
 def _replicas(segments: _Segments, blocks: list[Ints], begin: Floats) -> Floats:
@@ -169,30 +181,105 @@ def _halves(segments: _Segments, begin: Floats) -> list[Half]:
     return found
 
 
-def response_of(values: Floats, s: Complexes) -> Complexes:
-    """Return the frequency response of constants."""
+def response_of(values: Floats, s: Complexes, hold_s: float) -> Complexes:
+    """Return the frequency response of constants, for a command that is held by MATHS.md (225).
+
+    Parameters
+    ----------
+    values : ndarray, shape (4,)
+        As of `LinearModel`.
+    s : ndarray
+        j times the angular frequency [rad/s], below half of the sampling rate.
+    hold_s : float
+        How long each value of the command is held: the sampling step, or 0.
+    """
+    if hold_s:
+        step = 2j * np.pi / hold_s
+        aliases = s[:, None] + step * np.arange(-_ALIASES, _ALIASES + 1)
+        held = np.exp(aliases * hold_s / 2) - np.exp(-aliases * hold_s / 2)
+        return np.asarray(
+            np.sum(response_of(values, aliases, 0.0) * held / (aliases * hold_s), axis=1)
+        )
     below = values[STATIC] + values[RATE] * s + values[SECOND] * s**2
     return np.asarray(np.exp(-values[DELAY] * s) / below)
 
 
+def _held_or_not(record: ForeignRecord) -> tuple[_Segments, Lines, Floats]:
+    """Return the fit for a continuous command, or for a held one where that is clearly better."""
+    found = []
+    for hold_s, doubt in ((0.0, 0.0), (1 / record.rate_hz, _CHANGE_SIGMAS**2)):
+        segments = _segments(record, hold_s)
+        lines = _lines(segments)
+        values = _fit(lines, _begin(lines))
+        cost = float(np.sum(_off(values, lines) ** 2)) + doubt
+        found.append((cost, (segments, lines, values)))
+    return min(found, key=lambda one: one[0])[1]
+
+
 def identify_record(record: ForeignRecord) -> LinearModel:
     """Return the constants of a recording with their deviations and doubts.
+
+    The command is taken as held for each step where that fits clearly better than a continuous one.
 
     Raises
     ------
     CamtoolsError
         Too few lines are coherent.
     """
-    segments = _segments(record)
-    lines = _lines(segments)
-    values = _fit(lines, _begin(lines))
+    segments, lines, values = _held_or_not(record)
     blocks = np.array_split(np.arange(segments.u.shape[0]), _N_BLOCKS)
     replicas, (small, large) = _replicas(segments, blocks, values), _halves(segments, values)
-    off = np.abs(response_of(values, lines.s) / lines.response - 1)
+    off = np.abs(response_of(values, lines.s, lines.hold_s) / lines.response - 1)
     misfit = float(np.sqrt(np.mean(off**2)))
     chi = float(np.sqrt(np.mean((off / np.hypot(lines.noise, _LIKENESS)) ** 2)))
     found = LinearModel(values, replicas, lines, misfit, chi, small, large, [])
-    return found._replace(problems=_problems(found))
+    return found._replace(problems=_problems(found) + _distortion(record, segments, values))
+
+
+def _terms(record: ForeignRecord, values: Floats, hold_s: float) -> dict[str, Floats]:
+    """Return terms of the command that a drive may have and a linear model has not."""
+    s = np.asarray(2j * np.pi * np.fft.rfftfreq(record.u.size, 1 / record.rate_hz))[1:]
+    way = np.fft.rfft(record.u)[1:] * response_of(values, s, hold_s)
+    position, speed, acceleration = (
+        np.fft.irfft(np.append(0, way * s**i), record.u.size) for i in range(3)
+    )
+    return {
+        "friction": np.sign(speed),
+        "friction, or clipping of the speed,": speed**3,
+        "clipping, or a cubic term of the command,": (record.u - record.u.mean()) ** 3,
+        "clipping, or a cubic term of the position,": position**3,
+        "clipping, or a cubic term of the acceleration,": acceleration**3,
+    }
+
+
+def _rest(y: Complexes, u: Complexes) -> Complexes:
+    """Return what of y no linear response to u explains."""
+    share = np.sum(y * u.conj(), axis=0) / np.maximum(np.sum(np.abs(u) ** 2, axis=0), 1e-300)
+    return np.asarray(y - share * u)
+
+
+def _distortion(record: ForeignRecord, segments: _Segments, values: Floats) -> list[str]:
+    """Return the nonlinear term that explains most, MATHS.md (226)."""
+    response = response_of(values, segments.s, segments.hold_s)
+    rest = _rest(segments.y, segments.u)
+    noise = np.maximum(np.mean(np.abs(rest) ** 2, axis=0), 1e-300)
+    power = float(np.sum(np.abs(segments.u) ** 2))
+    found = []
+    for name, term in _terms(record, values, segments.hold_s).items():
+        part = _rest(_transforms(term), segments.u)
+        moved = part * response
+        size = max(float(np.sum(np.abs(moved) ** 2 / noise)), 1e-300)
+        factor = abs(float(np.sum((rest * moved.conj()).real / noise))) / size
+        unit = 100 * np.sqrt(float(np.sum(np.abs(part) ** 2)) / power)
+        sigma = (2 * _FREE * size) ** -0.5
+        found.append((factor / sigma, factor * unit, sigma * unit, name))
+    sigmas, percent, sigma, name = max(found)
+    if sigmas <= _CHANGE_SIGMAS or percent <= 100 * _MOST_DISTORTION:
+        return []
+    return [
+        f"{name} acts like {percent:.3g} % of the command, deviation {sigma:.2g} %; at most "
+        f"{100 * _MOST_DISTORTION:g} % or {_CHANGE_SIGMAS:g} deviations"
+    ]
 
 
 def _problems(found: LinearModel) -> list[str]:

@@ -59,9 +59,10 @@ def record_lines(found: LinearModel, record: ForeignRecord) -> Iterator[str]:
     """Yield the report, line by line."""
     hz = np.abs(found.lines.s) / (2 * np.pi)
     coherence = found.lines.coherence
+    held = "held for each step" if found.lines.hold_s else "continuous"
     yield (
-        f"record: {record.u.size} rows at {record.rate_hz:.6g} Hz; {hz.size} lines {hz[0]:.3g} .. "
-        f"{hz[-1]:.4g} Hz, coherence {np.median(coherence):.4g} in the median, "
+        f"record: {record.u.size} rows at {record.rate_hz:.6g} Hz; command {held}; {hz.size} lines "
+        f"{hz[0]:.3g} .. {hz[-1]:.4g} Hz, coherence {np.median(coherence):.4g} in the median, "
         f"{coherence.min():.3g} at least"
     )
     yield f"{'':<22}{'found':>14}{'deviation':>12}"
@@ -83,6 +84,7 @@ def record_numbers(found: LinearModel, record: ForeignRecord) -> Json:
             name: {"found": value, "deviation": sigma}
             for (name, value), sigma in zip(constants.items(), sigmas, strict=True)
         },
+        "command_hold_s": found.lines.hold_s,
         "lines": int(found.lines.s.size),
         "coherence_median": float(np.median(found.lines.coherence)),
         "misfit": found.misfit,

@@ -71,9 +71,9 @@ def _entries(found: Identified, believed: Believed, limits: Limits) -> Iterator[
     yield _Entry("lead_ns", "ns", lead_ns, sigmas[LEAD] * 1e9, believed.lead_ns)
     hz_sigma, damping_sigma = _derived_sigmas(values, covariance)
     (hz, damping), (held_hz, held_damping) = _derived(values), _derived(held)
-    is_told = believed.k2_us2 > 0
-    yield _Entry("natural frequency", "Hz", hz, hz_sigma, held_hz if is_told else None)
-    yield _Entry("damping", "", damping, damping_sigma, held_damping if is_told else None)
+    is_known = believed.k2_us2 > 0
+    yield _Entry("natural frequency", "Hz", hz, hz_sigma, held_hz if is_known else None)
+    yield _Entry("damping", "", damping, damping_sigma, held_damping if is_known else None)
     friction_m_s2 = float(values[FRICTION] / values[K2]) * 1e-9
     yield _Entry("friction", "m/s2", friction_m_s2, _friction_sigma(values, covariance), None)
 
@@ -211,9 +211,9 @@ def report(
     Parameters
     ----------
     motion, part : ToolMotion, str
-        of a part, whose error of form is told as well
+        of a part, whose form error is reported, too
     is_good : bool
-        the constants are to be set; the settings are told
+        the constants are to be set; the settings are listed
     """
     lines = [*_table(found, believed, limits), *_fit_lines(found, believed)]
     what = "doubtful" if is_good else "not to be applied"
@@ -231,7 +231,7 @@ def numbers(
     found: Identified, believed: Believed, limits: Limits, motion: ToolMotion | None = None
 ) -> dict[str, object]:
     """Return what the report says for other programs, as JSON has it."""
-    told: dict[str, object] = {
+    result: dict[str, object] = {
         "parameters": {
             row.name.replace(" ", "_"): {
                 "unit": row.unit,
@@ -250,7 +250,7 @@ def numbers(
     }
     if found.with_mode is not None and found.has_mode:
         beside = believed.settings(found.with_mode.values)
-        told["mode"] = {
+        result["mode"] = {
             "hz": found.with_mode.mode.hz,
             "damping": found.with_mode.mode.damping,
             "misfit": found.with_mode.misfit,
@@ -261,9 +261,9 @@ def numbers(
         }
     if motion is not None:
         left = form_left(found, believed, limits, motion)
-        told["form_error_um"] = {
+        result["form_error_um"] = {
             "believed": left.believed_um,
             "identified": left.chosen_um,
             "doubt": left.doubt_um,
         }
-    return told
+    return result

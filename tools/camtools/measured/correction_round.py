@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 from zlib import crc32
@@ -13,19 +14,21 @@ from zlib import crc32
 import numpy as np
 
 from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.json_text import Json
 from camtools.cut.correction import MAX_ORDER, Correction, Drawing
 from camtools.measured.correction_step import RoundStep, take
-from camtools.measured.end_taper import judged, largest_um, off_um, taper
+from camtools.measured.end_taper import judged, taper
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
 from camtools.measured.previous_table import Previous, find_previous, read_given
-from camtools.measured.round_summary import account_of
-from camtools.measured.surface import Told, tell
+from camtools.measured.round_summary import account_of, best_text
+from camtools.measured.surface import SurfaceFit, fit_surface
 
 DEFAULT_GAIN = 0.7
 MIN_GAIN, MAX_GAIN = 0.05, 1.0
 MAX_MEAN_UM = 100.0
 MIN_LIMIT_UM, LIMIT_SHARE = 10.0, 0.1  # of the waves: of the section's reduction
 MAX_OFF_RADIUS_UM = 20.0
+CLEAR_SHARE = 0.1  # by which the largest error or the rms must fall, and by the noise
 _BEYOND = 0.01  # of the part's height
 _GRID = 720
 _UM_PER_MM = 1000.0
@@ -43,7 +46,7 @@ class Request(NamedTuple):
     gain : float
         Share that is taken off of what this part alone shows, see `step.take`.
     most_order : int or None
-        Highest harmonic that is kept; None: 16, or what the angles tell.
+        Highest harmonic that is kept; None: 16, or as many as the angles allow.
     is_centred : bool
         The instrument took mean and centre out: harmonics 0 and 1 are left alone.
     """
@@ -101,9 +104,9 @@ def _check_place(points: GaugedPoints, drawing: Drawing) -> None:
         raise CamtoolsError([f"--measured: {problem}; give the surface of this part"])
 
 
-def _check_size(told: Told, drawing: Drawing) -> None:
+def _check_size(fit: SurfaceFit, drawing: Drawing) -> None:
     """Refuse errors that no machine makes which cuts this part."""
-    whole = told.correction(drawing.ends_mm, 1.0)
+    whole = fit.correction(drawing.ends_mm, 1.0)
     mean_um = float(np.abs(whole.mean(whole.nodes_mm)).max()) * _UM_PER_MM
     if mean_um > MAX_MEAN_UM:
         problem = f"the mean of a height is {mean_um:.4g} um off, the limit is {MAX_MEAN_UM:g} um"
@@ -132,35 +135,33 @@ def _check_new(previous: Previous, surface: Path, own: int) -> None:
             raise CamtoolsError([f"--measured {surface}: {problem}; {remedy}"])
 
 
-def _step(told: Told, by: GaugedPoints, before: Correction, gain: float) -> RoundStep:
-    """Return what the round takes off, smaller at the ends where that leaves less.
-
-    Raises
-    ------
-    CamtoolsError
-        The next part is expected to be worse than this one.
-    """
-    shown = told.correction(before.heights_mm, 1.0)
+def _step(fit: SurfaceFit, by: GaugedPoints, before: Correction, gain: float) -> RoundStep:
+    """Return what the round takes off, smaller at the ends where that leaves less."""
+    shown = fit.correction(before.heights_mm, 1.0)
     taken = taper(take(shown, before.left_mm, gain).taken, by)
-    if taken.waves_mm:
-        _check_gain(told, by, before, largest_um(off_um(taken, by)))
     left_mm = {order: shown.waves_mm[order] - one for order, one in taken.waves_mm.items()}
     return RoundStep(taken, left_mm)
 
 
-def _check_gain(told: Told, by: GaugedPoints, before: Correction, next_um: float) -> None:
-    """Refuse a step that raises the largest error, the last round's misprediction included."""
-    now_um = largest_um(by.deviation_um)
-    expected_um = before.rounds[-1]["expected_um"]["max"] if before.rounds else now_um
-    missed_um = max(0.0, now_um - expected_um)
-    if next_um + missed_um <= now_um + told.sigma_um:
+def _check_gain(rounds: Sequence[Json]) -> None:
+    """Refuse a last round that promises too little, the previous misprediction included."""
+    about = rounds[-1]
+    now_um, next_um, missed_um = about["judged_um"], dict(about["expected_um"]), 0.0
+    if len(rounds) > 1:
+        expected_um = rounds[-2]["expected_um"]
+        missed_um = max(0.0, now_um["max"] - expected_um["max"])
+        for key in next_um:
+            next_um[key] += max(0.0, now_um[key] - expected_um[key])
+    repeats_um = about["noise_corrected_um"]
+    is_less = [next_um[key] + repeats_um <= (1 - CLEAR_SHARE) * now_um[key] for key in now_um]
+    if next_um["max"] <= now_um["max"] + about["noise_um"] and any(is_less):
         return
     past = f", of which the last round mispredicted {missed_um:.2g} um" if missed_um else ""
     problem = (
-        f"the next part would not be better: the largest error is {now_um:.4g} um now and would be "
-        f"{next_um + missed_um:.4g} um{past}"
+        f"the next part would not be clearly better: the largest error is {now_um['max']:.4g} um "
+        f"now and would be {next_um['max']:.4g} um{past}"
     )
-    remedy = "keep the table that cut this part, or gauge more points with less noise"
+    remedy = f"keep {best_text(rounds)}, or gauge more points with less noise"
     raise CamtoolsError([f"--measured: {problem}; {remedy}"])
 
 
@@ -185,17 +186,18 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     try:
         _check_place(points, drawing)
         first = 2 if request.is_centred else 0
-        told = tell(points, drawing.ends_mm, request.most_order, first)
-        _check_size(told, drawing)
+        fit = fit_surface(points, drawing.ends_mm, request.most_order, first)
+        _check_size(fit, drawing)
         before = previous.correction or Correction(drawing.ends_mm, {})
-        by = judged(told, points, drawing.ends_mm)
-        step = _step(told, by, before, request.gain)
+        by = judged(fit, points, drawing.ends_mm)
+        step = _step(fit, by, before, request.gain)
+        about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
+        about |= account_of(points, fit, step, by)
+        _check_gain([*before.rounds, about])
     except CamtoolsError as error:
         lines = [
             line.replace("--measured: ", f"--measured {request.surface}: ", 1)
             for line in error.lines
         ]
         raise CamtoolsError(lines) from error
-    about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
-    about |= account_of(points, told, step, by)
     return Round(before.plus(step.taken, about, step.left_mm), previous)

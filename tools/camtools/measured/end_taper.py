@@ -19,21 +19,21 @@ import numpy as np
 from camtools.base.quantities import Bools, Floats
 from camtools.cut.correction import N_NODES, Correction, nodes_of
 from camtools.measured.points import GaugedPoints
-from camtools.measured.surface import Told, taken_um
+from camtools.measured.surface import SurfaceFit, taken_um
 
 _REACH = 3  # values from the end within which the outer one is felt
 _SHARES = np.linspace(1.0, -1.0, 41)  # below 0 the round before took too much
 _RELUCTANCE = 0.05  # by so much no correction at the end must be better than a whole one
 
 
-def judged(told: Told, points: GaugedPoints, ends_mm: tuple[float, float]) -> GaugedPoints:
+def judged(fit: SurfaceFit, points: GaugedPoints, ends_mm: tuple[float, float]) -> GaugedPoints:
     """Return the points by which a step is judged.
 
     Grains of dust and damaged heights are left out, but nothing at the ends, where the entry of
     the tool looks like them.
     """
     nodes_mm = nodes_of(ends_mm)
-    is_judged = told.counts | (points.z_mm <= nodes_mm[1]) | (points.z_mm >= nodes_mm[-2])
+    is_judged = fit.counts | (points.z_mm <= nodes_mm[1]) | (points.z_mm >= nodes_mm[-2])
     return _chosen(points, is_judged)
 
 

@@ -34,7 +34,7 @@ class Height(NamedTuple):
 
 
 class Heights(NamedTuple):
-    """All heights that tell their waves, rising, and up to which order they do."""
+    """Heights with enough points to fit their waves, rising, and the highest order fitted."""
 
     heights: list[Height]
     most_order: int
@@ -51,8 +51,8 @@ def widest_gap(turn: Floats) -> float:
     return float(np.diff(rising, append=rising[0] + 1).max())
 
 
-def _tells(turn: Floats, order: int) -> bool:
-    """Return whether points at these angles tell waves up to an order."""
+def _suffices(turn: Floats, order: int) -> bool:
+    """Return whether points at these angles suffice to fit waves up to an order."""
     if turn.size < _OVER * (2 * order + 1):
         return False
     return widest_gap(turn) * order <= _GAP_WAVES
@@ -67,7 +67,7 @@ def _traces(z_mm: Floats) -> list[Ints] | None:
 
 
 def _bands(points: GaugedPoints, order: int) -> list[Ints]:
-    """Return the rows of bands as narrow as their points tell, narrower at the ends."""
+    """Return the rows of bands as narrow as a fit allows, narrower at the ends."""
     rising = np.argsort(points.z_mm, kind="stable")
     ends_mm = float(points.z_mm[rising[0]]), float(points.z_mm[rising[-1]])
     inner_mm = nodes_of(ends_mm)[1:-1]
@@ -75,7 +75,7 @@ def _bands(points: GaugedPoints, order: int) -> list[Ints]:
     rest = np.empty(0, dtype=np.int64)
     for group in np.split(rising, np.searchsorted(points.z_mm[rising], inner_mm)):
         rest = np.concatenate([rest, group])
-        if rest.size and _tells(points.turn[rest], order):
+        if rest.size and _suffices(points.turn[rest], order):
             found.append(rest)
             rest = np.empty(0, dtype=np.int64)
     if found and rest.size:
@@ -102,7 +102,7 @@ def by_height(points: GaugedPoints, most_order: int | None = None) -> Heights:
         groups = _bands(points, order)
     elif most_order is None:
         order = max(1, min(order, int(np.median([group.size for group in groups])) // _PER_ORDER))
-    good = [group for group in groups if _tells(points.turn[group], order)]
+    good = [group for group in groups if _suffices(points.turn[group], order)]
     if len(good) < MIN_HEIGHTS:
         raise CamtoolsError([_too_few(points, groups, len(good), order, most_order)])
     heights = [Height(float(points.z_mm[group].mean()), group) for group in good]

@@ -6,6 +6,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from camtools.base.json_text import Json
@@ -13,7 +15,7 @@ from camtools.base.quantities import Floats
 from camtools.measured.correction_step import RoundStep
 from camtools.measured.end_taper import off_um
 from camtools.measured.points import GaugedPoints
-from camtools.measured.surface import KeptWave, Told
+from camtools.measured.surface import KeptWave, SurfaceFit
 
 _DIGITS = 6
 _UM_PER_MM = 1000.0
@@ -31,9 +33,9 @@ def pair_of(values_um: Floats) -> Json:
     }
 
 
-def _wave(told: Told, one: KeptWave, step: RoundStep) -> Json:
+def _wave(fit: SurfaceFit, one: KeptWave, step: RoundStep) -> Json:
     """Return what is said of a wave that is kept."""
-    heights_mm = told.z_mm[np.abs(one.kept) > 0]
+    heights_mm = fit.z_mm[np.abs(one.kept) > 0]
     return {
         "order": one.order,
         "gauged_um": _rounded(np.abs(one.smooth.values).max()),
@@ -44,26 +46,44 @@ def _wave(told: Told, one: KeptWave, step: RoundStep) -> Json:
     }
 
 
-def account_of(points: GaugedPoints, told: Told, step: RoundStep, by: GaugedPoints) -> Json:
-    """Return what a surface told and what is expected of the next part.
+def _largest_um(one: Json) -> float:
+    return float((one.get("judged_um") or one["gauged_um"])["max"])
+
+
+def best_round(rounds: Sequence[Json]) -> int:
+    """Return the round of the table whose part had the smallest largest error; 0: as drawn."""
+    return int(np.argmin([_largest_um(one) for one in rounds]))
+
+
+def best_text(rounds: Sequence[Json]) -> str:
+    """Return which table was the best, by round and `table_crc32`, and the error of its part."""
+    number = best_round(rounds)
+    one = rounds[number]
+    table = f"the table of round {number} (table_crc32 {one['table_crc32']})"
+    return f"{table}, {_largest_um(one):.4g} um"
+
+
+def account_of(points: GaugedPoints, fit: SurfaceFit, step: RoundStep, by: GaugedPoints) -> Json:
+    """Return what was measured and what is expected of the next part.
 
     Parameters
     ----------
     by : GaugedPoints
         The points by which the step was judged.
     """
-    kept = [one for one in told.waves if one.is_kept]
+    kept = [one for one in fit.waves if one.is_kept]
     noise2 = sum(float(np.mean(one.smooth.errors**2)) / (2 if one.order else 1) for one in kept)
     return {
         "points": int(points.turn.size),
-        "heights": int(told.z_mm.size),
-        "heights_left_out": told.heights.n_left_out,
-        "heights_alone_mm": told.alone_mm,
-        "points_far_off": told.n_far,
-        "most_order": told.heights.most_order,
-        "noise_um": _rounded(told.sigma_um),
+        "heights": int(fit.z_mm.size),
+        "heights_left_out": fit.heights.n_left_out,
+        "heights_alone_mm": fit.alone_mm,
+        "points_far_off": fit.n_far,
+        "most_order": fit.heights.most_order,
+        "noise_um": _rounded(fit.sigma_um),
         "noise_corrected_um": _rounded(np.sqrt(noise2)),
         "gauged_um": pair_of(points.deviation_um),
+        "judged_um": pair_of(by.deviation_um),
         "expected_um": pair_of(off_um(step.taken, by)),
-        "waves": [_wave(told, one, step) for one in kept],
+        "waves": [_wave(fit, one, step) for one in kept],
     }

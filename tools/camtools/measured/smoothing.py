@@ -42,7 +42,7 @@ def off_neighbours(z_mm: Floats, values: Complexes) -> Complexes:
 def scatter(z_mm: Floats, values: Complexes, *, is_real: bool = False) -> float:
     """Return the variance of values that change smoothly over the height but for noise.
 
-    MATHS.md (158); 0 where there are too few heights to tell.
+    MATHS.md (158); 0 where there are too few heights.
     """
     if z_mm.size < MIN_FOR_SCATTER:
         return 0.0

@@ -1,9 +1,9 @@
-"""What a gauged surface tells beyond its noise, MATHS.md (157) .. (159).
+"""The waves of a gauged surface that exceed its noise, MATHS.md (157) .. (159).
 
 >>> turn, z_mm = np.tile(np.arange(72) / 72, 9), np.repeat(np.linspace(0, 40, 9), 72)
 >>> noise_um = np.random.default_rng(1).normal(0, 0.05, turn.size)
 >>> gauged = GaugedPoints(turn, z_mm, 2 * np.cos(6 * np.pi * turn) + noise_um)
->>> found = tell(gauged, (0.0, 40.0))
+>>> found = fit_surface(gauged, (0.0, 40.0))
 >>> [one.order for one in found.waves if one.is_kept], f"{found.sigma_um:.2f}"
 ([3], '0.05')
 """
@@ -44,8 +44,8 @@ class KeptWave(NamedTuple):
         return bool(self.kept.any())
 
 
-class Told(NamedTuple):
-    """What a surface tells.
+class SurfaceFit(NamedTuple):
+    """The waves of a gauged surface over its heights.
 
     Attributes
     ----------
@@ -134,13 +134,13 @@ def _smooth(z_mm: Floats, waves: Complexes, white: Floats) -> list[Smoothed]:
     return found
 
 
-def tell(
+def fit_surface(
     points: GaugedPoints,
     ends_mm: tuple[float, float],
     most_order: int | None = None,
     first: int = 0,
-) -> Told:
-    """Return what a surface tells.
+) -> SurfaceFit:
+    """Return the waves of a gauged surface.
 
     Each pass fits the waves of every height to what the smooth waves of the pass before leave of
     its points, so that heights which run through within a band do no harm.
@@ -193,7 +193,7 @@ def tell(
     for i in use:
         counts[heights.heights[i].rows] = ~fits[i].is_far
     n_far = sum(int(np.count_nonzero(fits[i].is_far)) for i in use)
-    return Told(z_mm[use], found, sigma_um, n_far, counts, sorted(alone_mm), heights)
+    return SurfaceFit(z_mm[use], found, sigma_um, n_far, counts, sorted(alone_mm), heights)
 
 
 def _kept(one: Smoothed) -> Complexes:

@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 from camtools.base.json_text import Json
+from camtools.measured.round_summary import best_round, best_text
 
 
 def wave_text(wave: Json) -> str:
@@ -37,6 +38,8 @@ def round_text(correction: Json) -> str:
     """Return what the last round of a correction came to."""
     rounds = correction["rounds"]
     about = rounds[-1]
+    is_best = best_round(rounds) == len(rounds) - 1
+    worse = "" if is_best else f"    caution: the best so far is {best_text(rounds)}\n"
     lines = "".join(f"{wave_text(one)}\n" for one in about["waves"])
     return (
         f"  round {len(rounds)} of correcting, gain {about['gain']:g}: {about['points']} points at "
@@ -44,7 +47,8 @@ def round_text(correction: Json) -> str:
         + _left_out(about)
         + f"    noise of a point {about['noise_um']:.2g} um, of the correction "
         f"{about['noise_corrected_um']:.2g} um; harmonics up to {about['most_order']} checked\n"
-        + (lines or "    nothing exceeds the noise; the table does not change\n")
+        + lines
+        + worse
         + f"    expected for the next part: {_pair(about['expected_um'])}\n"
     )
 

@@ -25,7 +25,7 @@ _LEAST = 1e-12
 
 
 class HeightWaves(NamedTuple):
-    """What one height tells."""
+    """The waves of one height."""
 
     waves: Complexes  # (order + 1,): value = Re sum c_k e^(-j k phi)
     sigma: float  # standard deviation of a point about the waves

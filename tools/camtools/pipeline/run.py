@@ -169,7 +169,8 @@ def run(argv: Sequence[str]) -> int:
         rows.append(ReportRow("better speed", f"{outcome.summary['better_rpm']:g} r/min: {text}"))
     form = outcome.summary["form_error_um"]
     if form.get("turned_urad") is not None:
-        text = f"{form['turned_urad']:+.1f} µrad, without it rms {form['rms_not_turned']:.4f} µm"
+        text = f"{form['turned_urad']:+.1f} µrad, without it max {form['max_not_turned']:.4f} µm"
+        text += f", rms {form['rms_not_turned']:.4f} µm"
         rows.append(ReportRow("whole part turned", text))
     if off is not None:
         rows.append(ReportRow(f"if U were {100 * SHARE:.0f} % slower", off.text()))
