@@ -8,7 +8,11 @@
 #include <stddef.h>    // NULL, size_t
 
 enum { least_jump_counts = 8, quantisation_counts = 4, most_jump_counts = 1 << 30 };
-enum { beat_bandwidths = 16 }; ///< of the observer: counts that beat faster average
+enum {
+    beat_bandwidths = 6, ///< of the observer: counts that beat faster average
+    beat_ripple = 500,   ///< a spindle's ripple of 0.2 % moves the beat by a 500th of the counts
+    beat_ripple_bandwidths = 10, ///< at most: a beat that moves farther passes whole counts quickly
+};
 enum { least_following_nm = 10000, most_following_nm = 200000, unknown_following_nm = 100000 };
 
 int32_t cam_derived_limits_jump_counts(const cam_params_t *params, uint32_t tick_hz)
@@ -155,7 +159,10 @@ uint32_t cam_derived_limits_averaging_mrpm(const cam_params_t *params, uint32_t 
     const int64_t counts_mhz = counts * mrpm / 60;
     const int64_t tick_mhz = (int64_t)tick_hz * 1000;
     const int64_t whole_mhz = (counts_mhz + tick_mhz / 2) / tick_mhz * tick_mhz;
-    const int64_t apart_mhz = (int64_t)params->observer_bandwidth_mHz * beat_bandwidths;
+    const int64_t observer_mhz = params->observer_bandwidth_mHz;
+    const int64_t apart_mhz =
+        observer_mhz * beat_bandwidths +
+        cam_cut_smaller(counts_mhz / beat_ripple, observer_mhz * beat_ripple_bandwidths);
     const int64_t rpm = (whole_mhz - apart_mhz) * 60 / counts / 1000;
     const bool is_averaging = cam_abs_i64(counts_mhz - whole_mhz) >= apart_mhz;
     const bool is_possible = apart_mhz < tick_mhz / 2 && whole_mhz > 0 && !hal_has_edge_time();

@@ -34,6 +34,59 @@ def test_the_better_speed_is_better(table_of: Callable[[str], Path], tmp_path: P
     assert good["form_error_um"]["max"] < bad["form_error_um"]["max"] / 2
 
 
+TICK_HZ, OBSERVER_HZ, DRIVE_HZ = 20_000, 100.0, 300.0
+
+
+def missed_counts(counts: int, rpm: float) -> float:
+    """Return the rms in counts that whole counts leave behind the observer (52) and a drive.
+
+    The spindle has a ripple of 0.2 % twice per turn.
+    """
+    w, t = 2 * np.pi * OBSERVER_HZ / TICK_HZ, np.arange(60_000) / TICK_HZ
+    true = rpm / 60 * t + 0.002 / (4 * np.pi) * np.sin(4 * np.pi * rpm / 60 * t) + 0.3 / counts
+    off = (np.floor(true * counts) + 0.5) / counts - true
+    place = speed = u = u_speed = 0.0
+    found = []
+    drive = 2 * np.pi * DRIVE_HZ / TICK_HZ
+    for one in off:
+        ahead = place + speed
+        place = ahead + 2 * w * (one - ahead)
+        speed += w * w * (one - ahead)
+        u_speed += drive * (drive * (place - u) - 1.4 * u_speed)
+        u += u_speed
+        found.append(u)
+    return counts * float(np.std(found[6000:]))
+
+
+@pytest.mark.parametrize(
+    ("counts", "rpm", "is_named"),
+    [
+        (4096, 600, False),
+        (4096, 640, False),
+        (4096, 591, True),
+        (4096, 2931, True),
+        (10_000, 3012, False),
+        (10_000, 121, True),
+        (10_000, 2996, True),
+    ],
+)
+def test_named_speeds_are_those_of_quantised_counts(
+    table_of: Callable[[str], Path], tmp_path: Path, counts: int, rpm: float, is_named: bool
+) -> None:
+    """A named speed leaves more than twice as much as the proposed one, others leave as little."""
+    coarse = (MACHINES / "coarse.toml").read_text()
+    machine = tmp_path / "machine.toml"
+    machine.write_text(coarse.replace("counts_per_turn = 10000", f"counts_per_turn = {counts}"))
+    words = ("--machine", machine, "--rpm", str(rpm), "--turns-limit", "3")
+    summary = tmp_path / "summary.json"
+    camsim("run", table_of("oval30"), *words, "--summary", summary)
+    better_rpm = json.loads(summary.read_text()).get("better_rpm")
+    assert (better_rpm is not None) is is_named
+    assert missed_counts(counts, better_rpm or rpm) < 0.02
+    if better_rpm is not None:
+        assert missed_counts(counts, rpm) > 2 * missed_counts(counts, better_rpm)
+
+
 def test_stamped_edges_need_no_other_speed(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Their counts have no steps."""
     printed, summary = cut(table_of("oval30"), tmp_path, "stamps", 3000, "--turns-limit", "3")

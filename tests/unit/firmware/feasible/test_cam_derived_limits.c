@@ -221,7 +221,7 @@ static uint32_t averaging(int32_t counts, uint32_t mrpm, uint32_t tick_hz)
     return cam_derived_limits_averaging_mrpm(&p, mrpm, tick_hz);
 }
 
-/// 1.6 kHz are 0.08 counts per tick of 20 kHz, 9.6 r/min of 10 000 counts.
+/// 600 Hz and 0.2 % of the counts are 1.6 kHz at 25 counts per tick, 9.6 r/min of 10 000 counts.
 static void test_whole_counts_per_tick_do_not_average(void)
 {
     TEST_ASSERT_EQUAL_UINT32(2990000, averaging(10000, 3000000, 20000));
@@ -229,7 +229,9 @@ static void test_whole_counts_per_tick_do_not_average(void)
     TEST_ASSERT_EQUAL_UINT32(2990000, averaging(10000, 2990500, 20000));
     TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 2990000, 20000));
     TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 3010000, 20000));
-    TEST_ASSERT_EQUAL_UINT32(110000, averaging(10000, 120000, 20000));
+    TEST_ASSERT_EQUAL_UINT32(116000, averaging(10000, 120000, 20000));
+    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 116000, 20000));
+    TEST_ASSERT_EQUAL_UINT32(0, averaging(4096, 600000, 20000));   // 2.048, a beat of 960 Hz
     TEST_ASSERT_EQUAL_UINT32(0, averaging(65536, 3000000, 20000)); // 163.84
     TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 10000, 20000));   // none in most ticks
     TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 3000000, 1000));  // no speed averages
