@@ -59,8 +59,8 @@ void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, cons
         close_turn(g, turn);
         open_turn(g, turn, r, m);
     }
-    now->is_steady = now->is_steady && m->is_playing && m->phase_step_q32 == 0 &&
-                     r->want.state == now->state;
+    now->is_steady =
+        now->is_steady && m->is_playing && m->phase_step_q32 == 0 && r->want.state == now->state;
     now->is_level = now->is_level && m->scale_step_q30 == 0;
     now->config_end = r->config;
     now->speed_q32 = r->angle.speed_q32;

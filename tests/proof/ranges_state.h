@@ -87,7 +87,7 @@
     X(guard.is_going, 0, 1)                                                                        \
     X(bins.is_clean, 0, 1)                                                                         \
     X(bins.now.state, 0, cam_n_states - 1)                                                         \
-    X(bins.now.is_steady, 0, 1) \
+    X(bins.now.is_steady, 0, 1)                                                                    \
     X(bins.now.is_level, 0, 1)
 
 #endif
