@@ -209,8 +209,10 @@ static void mark_sense(cam_turn_bin_t *bin)
 
 void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn_t *turn)
 {
-    const bool is_for_drive = t->phase == (uint8_t)cam_ilc_settling || // also while U's swing rises
-                              t->phase == (uint8_t)cam_ilc_drive;
+    // While U's swing rises the drive is learned, if it is not known.
+    const bool is_rising = turn->scale_q30 > t->scale_q30 && !t->correction.is_probed;
+    const bool is_for_drive =
+        is_rising && (t->phase == (uint8_t)cam_ilc_settling || t->phase == (uint8_t)cam_ilc_drive);
     const bool is_still = turn->is_steady && turn->state == (cam_state_t)t->state &&
                           turn->scale_q30 >= least_scale_q30 && (turn->is_level || is_for_drive) &&
                           turn->speed_q32 > cam_turn_bins_least_q32;

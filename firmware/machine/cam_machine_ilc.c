@@ -179,6 +179,13 @@ static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
     return is;
 }
 
+/// @return [r/min / 1000] speed of the last turn, the highest one before the first
+static uint64_t turning_mrpm(const cam_machine_t *m)
+{
+    const uint64_t mrpm = (uint64_t)m->ilc.turn_speed_q32 * m->tick_hz * 60000u >> 32;
+    return mrpm > 0u ? mrpm : m->limit_mrpm;
+}
+
 /// What the limits of U leave beside a cut with the learned constants.
 typedef struct {
     uint64_t acceleration_mm_per_s2;
@@ -214,26 +221,23 @@ static spare_t spare_of(const cam_machine_t *m, const cam_ilc_setup_t *setup, ui
     return spare;
 }
 
-/// Fit what is learned into the stroke of U.
-static spare_t fitted(cam_machine_t *m, const cam_ilc_setup_t *setup, uint32_t mrpm)
+/// Fit what is learned into the stroke of U while it plays the table.
+/// @return [mm/s2] the spare acceleration
+static uint64_t fit(cam_machine_t *m, const cam_ilc_setup_t *setup, cam_state_t state)
 {
+    const uint32_t mrpm = (uint32_t)turning_mrpm(m);
     const cam_table_t *t = &m->table;
     const int64_t most_nm = t->u_max_nm > -t->u_min_nm ? t->u_max_nm : -(int64_t)t->u_min_nm;
     const int64_t deep_nm = setup->depth_nm + most_nm * m->params.amplitude_ppm / 1000000;
     const int64_t wanted_nm = cam_ilc_wanted_nm(&m->ilc, deep_nm);
     spare_t spare = spare_of(m, setup, mrpm, wanted_nm);
-    while (spare.stroke_nm < 0 && cam_ilc_shrink(&m->ilc)) {
-        spare = spare_of(m, setup, mrpm, wanted_nm);
+    if (state == cam_state_rehearsing || state == cam_state_cutting) {
+        while (spare.stroke_nm < 0 && cam_ilc_shrink(&m->ilc)) {
+            spare = spare_of(m, setup, mrpm, wanted_nm);
+        }
+        cam_ilc_fit(&m->ilc, cam_clamp_i64(spare.stroke_nm, 0, INT32_MAX), deep_nm);
     }
-    cam_ilc_fit(&m->ilc, cam_clamp_i64(spare.stroke_nm, 0, INT32_MAX), deep_nm);
-    return spare;
-}
-
-/// @return [r/min / 1000] speed of the last turn, the highest one before the first
-static uint64_t turning_mrpm(const cam_machine_t *m)
-{
-    const uint64_t mrpm = (uint64_t)m->ilc.turn_speed_q32 * m->tick_hz * 60000u >> 32;
-    return mrpm > 0u ? mrpm : m->limit_mrpm;
+    return spare.acceleration_mm_per_s2;
 }
 
 /// A step a of the learned angle makes the observer's speed waver by 2 d w a, d = 0.7: by 0.2 %
@@ -276,8 +280,7 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
         setup.observer_step_q23 = observer_step_q23(m);
         setup.angle_step_q23 = INT16_MAX;
         if (m->has_table) {
-            const spare_t spare = fitted(m, &setup, (uint32_t)turning_mrpm(m));
-            setup.angle_step_q23 = angle_step_q23(m, spare.acceleration_mm_per_s2);
+            setup.angle_step_q23 = angle_step_q23(m, fit(m, &setup, state));
         }
         cam_ilc_blend(&m->ilc, &setup, at_q8, &copy->learned);
         if (!is_same(&copy->learned, &cam_machine_newest_config(m)->learned)) {
