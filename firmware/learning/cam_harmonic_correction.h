@@ -63,8 +63,8 @@ void cam_harmonic_correction_probe(cam_harmonic_correction_t *s, uint32_t stage,
 bool cam_harmonic_correction_learn(cam_harmonic_correction_t *s, uint32_t k, cam_complex_t error_q6,
                                    uint32_t floor_q6, int32_t mu_q16, uint32_t *room_q6);
 
-/// Raise the smallest error by a sixteenth: in the cut the conditions drift. Where an error grows,
-/// learning may diverge: then call it not.
+/// Raise the smallest error by a sixteenth: in the cut the conditions drift. Not for an error that
+/// grows, because learning may diverge.
 void cam_harmonic_correction_age(cam_harmonic_correction_t *s, uint32_t k);
 
 /// Scale the correction. @param part_q16  0 .. 2^16

@@ -31,6 +31,7 @@ void cam_ilc_forget(cam_ilc_t *t)
     t->friction_q6 = 0;
     t->chip_q32 = 0;
     t->chip_mean_q32 = 0;
+    t->is_limited = false;
     t->speed_q32 = 0;
     t->blending |= is_learned ? cam_ilc_blend_drive | cam_ilc_blend_correction : 0u;
 }

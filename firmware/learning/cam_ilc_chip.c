@@ -15,9 +15,8 @@ bool cam_ilc_chip_is_cut(const cam_ilc_t *t)
            cam_abs_i64(t->feed_nm) >= least_feed_nm;
 }
 
-/// @return a coefficient after a step, whose change is found at the feed of the turn; what is
-/// played
-///         at that feed stays within its limit
+/// @return a coefficient after a step, whose change is found at the feed of the turn. What is
+///         played at that feed stays within its limit.
 static int32_t stepped(cam_ilc_t *t, int32_t value_q32, int64_t change_q32, int32_t gain_q16)
 {
     const int64_t range = INT64_C(1) << 30;

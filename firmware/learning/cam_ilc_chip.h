@@ -14,7 +14,7 @@
 #include "cam_ilc.h" // cam_ilc_t
 
 /// @return whether the turn being processed has a chip to learn from: it is cut after a rehearsal,
-///         with a feed of at least 4 um that does not fall
+///         with a feed of at least 1.5 um that does not fall
 bool cam_ilc_chip_is_cut(const cam_ilc_t *t);
 
 /// Learn A. @param share_q32  [1] the error of the turn as a share of the set-point
