@@ -100,7 +100,7 @@ STEADY = [1.0] * 100
     ("um", "changes", "cause"),
     [
         ([5.0, *STEADY], {"reason": "limited"}, "of a correction at its limit; drive constants"),
-        ([5.0, *STEADY], {}, "of the first turns, elsewhere 1 µm; more rehearse_turns"),
+        ([5.0, *STEADY], {}, "of the first turns, elsewhere 1 µm; a longer feed_ramp_turns helps"),
         ([*STEADY, 5.0], {}, "of the last turns, elsewhere 1 µm; a longer feed_ramp_turns"),
         (STEADY, {"better_rpm": 2987.0}, "of encoder counts that do not average; 2987 r/min"),
         (STEADY, {"rms_not_turned": 0.1}, "an angle by which the whole part is turned, +300 µrad"),

@@ -34,7 +34,8 @@ def _at_an_end(summary: Json) -> str | None:
         return None
     usual = f"elsewhere {length_text(float(np.median(um)))}"
     if um.argmax() < _END_TURNS:
-        return f"of the first turns, {usual}; more rehearse_turns or engage_turns help"
+        known = "the next part begins with what was learned of the force"
+        return f"of the first turns, {usual}; a longer feed_ramp_turns helps, and {known}"
     if um.argmax() >= um.size - _END_TURNS:
         return f"of the last turns, {usual}; a longer feed_ramp_turns or a smaller feed helps"
     return None
