@@ -70,7 +70,7 @@ void cam_param_learn(cam_params_t *params, bool measures_u)
     if (!measures_u) {
         return;
     }
-    params->feed_ramp_turns = 30;            // the chip's force changes as slowly as it is learned
+    params->feed_ramp_turns = 60;            // the chip's force changes as slowly as it is learned
     params->observer_bandwidth_mHz = 100000; // a learned ripple needs no fast observer
     params->rehearse_turns = 40;
     params->learn_harmonics = 16;

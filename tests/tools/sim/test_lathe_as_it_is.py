@@ -29,7 +29,7 @@ def cut(oval30: Path, **sections: dict[str, float | str]) -> dict[str, Any]:
     machine, summary = oval30.with_name("m.toml"), oval30.with_name("s.json")
     machine.write_text("\n".join(lines) + "\n")
     words: list[str | Path] = ["--machine", machine, "--summary", summary, "--tolerance-um", "999"]
-    done = camsim("run", oval30, *words, "--turns-limit", "35")
+    done = camsim("run", oval30, *words, "--turns-limit", "65")
     assert done.returncode == 0, done.stderr
     loaded: dict[str, Any] = json.loads(summary.read_text())
     return loaded

@@ -144,7 +144,7 @@ def simulate(
         Speed of the spindle [r/min] and feed [mm per turn]; else those of the table.
     turns : float, optional
         End the cut after so many turns of cutting; those in which the feed then falls are gauged,
-        too. The full feed is reached after `feed_ramp_turns`, 30 while learning.
+        too. The full feed is reached after `feed_ramp_turns`, 60 while learning.
     set : mapping, optional
         Parameters of the controller, by their names in `firmware/param/cam_param.h`.
     trace : bool

@@ -136,7 +136,7 @@ static void test_params_of_learning_and_their_fit(void)
     const cam_params_t usual = cam_param_defaults();
     cam_params_t params = usual;
     cam_param_learn(&params, true);
-    TEST_ASSERT_EQUAL_INT32(30, params.feed_ramp_turns);
+    TEST_ASSERT_EQUAL_INT32(60, params.feed_ramp_turns);
     TEST_ASSERT_EQUAL_INT32(100000, params.observer_bandwidth_mHz);
     TEST_ASSERT_EQUAL_INT32(40, params.rehearse_turns);
     TEST_ASSERT_EQUAL_INT32(16, params.learn_harmonics);
