@@ -100,14 +100,14 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
     if (t->is_paused || !cam_ilc_update_is_for_drive(t)) {
         return;
     }
-    if (!t->is_level || t->larger / 5u > t->trusted / 4u) { // the error grows with the motion
+    if (t->larger / 5u > t->trusted / 4u) { // the error has grown with the motion
         cam_ilc_update_restart_guards(t);
         t->trusted = t->larger;
     }
     if (t->n_halved >= cam_ilc_update_most_halved) {
         return;
     }
-    if (is_drive_error_good(t)) {
+    if (!t->is_level || is_drive_error_good(t)) { // errors of other amplitudes do not compare
         const cam_drive_change_t by = cam_drive_solve(&t->sums, t->turn_speed_q32);
         const int32_t gain = gain_q16 >> t->n_halved;
         const int64_t k1 = (int64_t)by.k1_q16 * gain >> 16;
