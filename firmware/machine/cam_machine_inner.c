@@ -77,15 +77,17 @@ cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed
                                 err == cam_ok ? m->pass : pass);
 }
 
-/// Let a start wait for a steady spindle, and without a rehearsal also for the first ripple.
+/// Let a start wait for a steady spindle, and without a rehearsal until a ripple is in force.
 static void set_steady(cam_config_t *half, const cam_machine_t *m, const cam_params_t *params)
 {
     const cam_play_config_t *play = &half->play;
     const bool is_uniform = play->table != NULL && play->table->speed.knots == NULL;
     const bool is_fast =
         (uint32_t)cam_abs_i64(play->spindle_mrpm) >= cam_machine_ripple_from_mrpm(params);
+    const bool is_in_force =
+        m->ilc.ripple.n_mean > 0u && (m->ilc.blending & cam_ilc_blend_ripple) == 0u;
     const bool waits = is_uniform && is_fast && play->rehearse_q32 == 0 &&
-                       params->ripple_turns > 0 && m->ilc.ripple.n_mean == 0u;
+                       params->ripple_turns > 0 && !is_in_force;
     half->play.steady_turns = waits ? (uint32_t)params->ripple_turns + (uint32_t)late_turns : 1u;
 }
 

@@ -85,5 +85,8 @@ static void test_ripple_is_learned_before_a_cut_without_rehearsal(void)
     }
     rig.machine.ilc.ripple.n_mean = 2; // known from an earlier part
     set(cam_param_ripple_turns, 8);
+    TEST_ASSERT_EQUAL_UINT32(16, atomic_load(&g_cam.config.offered)->play.steady_turns);
+    rig.machine.ilc.blending = 0; // it is in force
+    set(cam_param_rehearse_turns, 0);
     TEST_ASSERT_EQUAL_UINT32(1, atomic_load(&g_cam.config.offered)->play.steady_turns);
 }
