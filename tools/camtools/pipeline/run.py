@@ -19,6 +19,7 @@ from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.output import staged
+from camtools.base.quantities import length_text
 from camtools.base.readable import size_text
 from camtools.pipeline.correct_options import correction_for
 from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
@@ -169,8 +170,8 @@ def run(argv: Sequence[str]) -> int:
         rows.append(ReportRow("better speed", f"{outcome.summary['better_rpm']:g} r/min: {text}"))
     form = outcome.summary["form_error_um"]
     if form.get("turned_urad") is not None:
-        text = f"{form['turned_urad']:+.1f} µrad, without it max {form['max_not_turned']:.4f} µm"
-        text += f", rms {form['rms_not_turned']:.4f} µm"
+        largest, rms = (length_text(form[f"{kind}_not_turned"]) for kind in ("max", "rms"))
+        text = f"{form['turned_urad']:+.1f} µrad; without it max {largest}, rms {rms}"
         rows.append(ReportRow("whole part turned", text))
     if off is not None:
         rows.append(ReportRow(f"if U were {100 * SHARE:.0f} % slower", off.text()))
