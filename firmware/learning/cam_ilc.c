@@ -52,7 +52,7 @@ static void follow_state(cam_ilc_t *t, cam_state_t state)
                             : is_cut     ? cam_ilc_cutting
                                          : cam_ilc_waiting);
     t->n_turns = is_rehearsal ? 0u : t->n_turns;
-    t->is_limited = t->is_limited && !is_rehearsal;
+    t->is_limited = t->is_limited && !is_cut;
     if (is_rehearsal || is_cut) {
         cam_ilc_update_restart_guards(t);
     }
@@ -175,6 +175,7 @@ static void step_probe(cam_ilc_t *t, const cam_ilc_setup_t *s)
 /// Complete a turn that is used to learn U.
 static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
+    t->is_limited = t->is_limited && t->phase == (uint8_t)cam_ilc_cutting;
     t->error_nm = (uint32_t)(cam_root_u64(t->square) >> 6);
     t->largest = t->larger;
     t->n_turns++;
@@ -210,10 +211,9 @@ static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
 bool cam_ilc_shrink(cam_ilc_t *t)
 {
     t->is_limited = true;
-    t->k1_q16 = t->k1_q16 / 4 * 3;
-    t->k2_q16 = t->k2_q16 / 4 * 3;
-    t->friction_q6 = t->friction_q6 / 4 * 3;
-    return t->k1_q16 != 0 || t->k2_q16 != 0 || t->friction_q6 != 0;
+    t->k1_q16 = t->k1_q16 / 8 * 7;
+    t->k2_q16 = t->k2_q16 / 8 * 7;
+    return t->k1_q16 != 0 || t->k2_q16 != 0;
 }
 
 /// @return [nm] rounded up

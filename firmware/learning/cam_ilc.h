@@ -194,14 +194,14 @@ typedef struct {
     uint8_t n_steps;                      ///< steps of this phase
     bool is_paused;                       ///< layer 1, because of a disturbance
     bool is_level;                        ///< the amplitude stood still in the turn
-    bool is_limited;                      ///< a correction has reached a limit since the rehearsal
-    uint8_t n_halved;                     ///< times that the guard halved the gain of layer 1
-    uint8_t phase;                        ///< cam_ilc_phase_t
-    uint8_t state;                        ///< cam_state_t
-    uint8_t hindrance;                    ///< cam_ilc_reason_t of the last turn
-    bool is_counted;                      ///< this turn is used to learn U
-    int32_t true_q36; ///< [turn / 2^36 per tick] its speed if it is used for the ripple, else 0
-    uint8_t blending; ///< cam_ilc_blend_*: learned values not completely in force
+    bool is_limited;   ///< a learned value has reached a limit, in the last turn or the cut
+    uint8_t n_halved;  ///< times that the guard halved the gain of layer 1
+    uint8_t phase;     ///< cam_ilc_phase_t
+    uint8_t state;     ///< cam_state_t
+    uint8_t hindrance; ///< cam_ilc_reason_t of the last turn
+    bool is_counted;   ///< this turn is used to learn U
+    int32_t true_q36;  ///< [turn / 2^36 per tick] its speed if it is used for the ripple, else 0
+    uint8_t blending;  ///< cam_ilc_blend_*: learned values not completely in force
     uint32_t blend_from_q8; ///< [turn / 256] earliest time of the next step of points
 } cam_ilc_t;
 
@@ -231,7 +231,7 @@ bool cam_ilc_is_blending(const cam_ilc_t *t, uint32_t at_q8);
 /// @param in     changed in place
 void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, cam_learned_t *in);
 
-/// Reduce the learned constants of the drive by a quarter, because U's command would leave its
+/// Reduce the learned k1 and k2 by an eighth, because U's command would leave its
 /// stroke. @return whether there is more to reduce
 bool cam_ilc_shrink(cam_ilc_t *t);
 

@@ -186,14 +186,15 @@ static uint64_t turning_mrpm(const cam_machine_t *m)
     return mrpm > 0u ? mrpm : m->limit_mrpm;
 }
 
-/// What the limits of U leave beside a cut with the learned constants.
+/// Margins of U's limits in a cut with the learned constants. The learned friction does not count:
+/// where U turns back it changes its sign.
 typedef struct {
     uint64_t acceleration_mm_per_s2;
     int64_t stroke_nm; ///< below 0: the constants alone exceed it
 } spare_t;
 
 /// @param mrpm       [r/min / 1000]
-/// @param wanted_nm  [nm] the spare stroke is exact where it is less
+/// @param wanted_nm  [nm] the margin of the stroke is exact only below this value
 static spare_t spare_of(const cam_machine_t *m, const cam_ilc_setup_t *setup, uint32_t mrpm,
                         int64_t wanted_nm)
 {
@@ -202,7 +203,6 @@ static spare_t spare_of(const cam_machine_t *m, const cam_ilc_setup_t *setup, ui
     const int64_t k2_us2 = (int64_t)p.k2_us2 + learned.k2_us2;
     p.k1_ns = cam_sat_i32(cam_abs_i64((int64_t)p.k1_ns + learned.k1_ns));
     p.k2_us2 = cam_sat_i32(k2_us2 > 0 ? k2_us2 : 0);
-    p.u_friction_nm += learned.friction_nm;
     p.u_stroke_nm = cam_sat_i32(cam_clamp_i64(p.u_stroke_nm - 2 * wanted_nm, 0, INT32_MAX));
     cam_demands_t axes;
     (void)cam_feasible_demands(&m->table, &p, mrpm, m->tick_hz, &axes);

@@ -238,7 +238,7 @@ static void test_corrections_are_fitted_into_the_stroke(void)
     t.k1_q16 = -400;
     t.k2_q16 = 3;
     TEST_ASSERT_TRUE(cam_ilc_shrink(&t));
-    TEST_ASSERT_EQUAL_INT32(-300, t.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(-350, t.k1_q16);
     TEST_ASSERT_EQUAL_INT32(0, t.k2_q16);
     int n = 0;
     while (cam_ilc_shrink(&t)) {
