@@ -209,7 +209,7 @@ static void mark_sense(cam_turn_bin_t *bin)
 
 void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn_t *turn)
 {
-    // While U's swing rises the drive is learned, if it is not known.
+    // While the amplitude rises the drive is learned, if it is not known.
     const bool is_rising = turn->scale_q30 > t->scale_q30 && !t->correction.is_probed;
     const bool is_for_drive =
         is_rising && (t->phase == (uint8_t)cam_ilc_settling || t->phase == (uint8_t)cam_ilc_drive);

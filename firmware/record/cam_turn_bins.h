@@ -66,8 +66,8 @@ typedef struct {
     uint32_t config_begin, config_end; ///< generation of the configuration, first and last plan
     cam_state_t state;                 ///< of all of it, where is_steady
     bool is_steady;                    ///< U played the table in all of it in one state, while
-                                       ///< the phase stood still
-    bool is_level;                     ///< ... and amplitude and envelope
+                                       ///< the phase was constant
+    bool is_level;                     ///< amplitude and envelope were constant
     int32_t speed_q32;                 ///< [turn / 2^32 per tick] at its last plan
     int32_t scale_q30;                 ///< [1] amplitude * envelope at its last plan
     int32_t phase_q32;                 ///< [turn / 2^32] the spindle's angle minus the table's
