@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_real.h"
 #include "cam_fix.h" // cam_root_u64
+#include <stdbool.h> // bool
 
 cam_real_t cam_real_scaled(uint64_t v, int32_t e)
 {
     if (v == 0u) {
         return (cam_real_t){0};
     }
-    for (; v >> 63 == 0u; e--) {
-        v <<= 1;
+    uint32_t up = 0;
+    while ((v << up) >> 63 == 0u) {
+        up++;
     }
-    return (cam_real_t){.m = (uint32_t)(v >> 32), .e = e + 32};
+    return (cam_real_t){.m = (uint32_t)((v << up) >> 32), .e = e + 32 - (int32_t)up};
 }
 
 cam_real_t cam_real_times(cam_real_t a, cam_real_t b)
@@ -32,10 +34,10 @@ static uint64_t aligned(cam_real_t a, cam_real_t b)
 
 cam_real_t cam_real_plus(cam_real_t a, cam_real_t b)
 {
-    if (a.m == 0u || (b.m != 0u && a.e < b.e)) {
-        return a.m == 0u ? b : cam_real_plus(b, a);
-    }
-    return cam_real_scaled(((uint64_t)a.m << 30) + aligned(a, b), a.e - 30);
+    const bool is_less = a.m == 0u || (b.m != 0u && a.e < b.e);
+    const cam_real_t more = is_less ? b : a;
+    const cam_real_t less = is_less ? a : b;
+    return cam_real_scaled(((uint64_t)more.m << 30) + aligned(more, less), more.e - 30);
 }
 
 cam_real_t cam_real_minus(cam_real_t a, cam_real_t b)

@@ -14,7 +14,7 @@ typedef struct {
     int32_t e;
 } cam_real_t;
 
-#define CAM_REAL_PI ((cam_real_t){UINT32_C(0xC90FDAA2), -30})
+#define CAM_REAL_PI ((cam_real_t){0xC90FDAA2u, -30})
 
 /// @return v 2^e
 cam_real_t cam_real_scaled(uint64_t v, int32_t e);

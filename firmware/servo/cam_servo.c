@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_servo.h"
-#include "cam_fix.h" // cam_clamp_i32, cam_mulhi, cam_sat_add, cam_sat_i32, cam_sat_sub
+#include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_mulhi, cam_sat_add, cam_sat_sub
 
 /// Limits act on the high words of sums: a comparison of 64 bits takes three times as long. A
 /// limited result lies within the last 2^18 of the limit.
@@ -43,7 +43,7 @@ static int32_t notched_q6(cam_servo_t *s, const cam_servo_notch_t *by, int32_t x
     const uint32_t high =
         (uint32_t)cam_clamp_i32((int32_t)(y_q36 >> 32), -(1 << 28), (1 << 28) - 1);
     const int32_t y_q6 = (int32_t)(high << 2 | (uint32_t)(uint64_t)y_q36 >> 30);
-    const uint32_t rest_q36 = (uint32_t)(uint64_t)y_q36 & ((1u << 30) - 1u);
+    const uint32_t rest_q36 = (uint32_t)(uint64_t)y_q36 & 0x3FFFFFFFu;
     s->first_q36 = (int64_t)by->b1_q30 * (x_q6 - y_q6) + s->second_q36 + rest_q36;
     s->second_q36 = (int64_t)by->b2_q30 * x_q6 + (int64_t)by->minus_a2_q30 * y_q6;
     return y_q6;
@@ -51,7 +51,7 @@ static int32_t notched_q6(cam_servo_t *s, const cam_servo_notch_t *by, int32_t x
 
 /// MATHS.md (236); the friction is that of cam_axis_command.c: in full from 4 nm per step on.
 /// @return [mN / 64]
-static int32_t feed_forward_q6(const cam_servo_config_t *cfg, const cam_servo_input_t *in)
+static int32_t feed_forward_force_q6(const cam_servo_config_t *cfg, const cam_servo_input_t *in)
 {
     const int32_t sense_q12 = cam_clamp_i32(in->vel_q10, -4096, 4095);
     return force_q6((int64_t)cfg->mass_q14 * in->acc_q10 + (int64_t)cfg->drag_q14 * in->vel_q10 +
@@ -96,7 +96,7 @@ int32_t cam_servo_step_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
     const int32_t off_q6 = error_q6(in);
     const int64_t sum_q38 = s->sum_q38 + (int64_t)cfg->ki_q32 * off_q6;
     const int32_t back_q6 = notched_q6(s, &cfg->notch, pi_lead_q6(s, cfg, off_q6, sum_q38));
-    const int32_t wanted_q6 = back_q6 + feed_forward_q6(cfg, in);
+    const int32_t wanted_q6 = back_q6 + feed_forward_force_q6(cfg, in);
     s->force_q6 = limited_q6(s, cfg, wanted_q6);
     integrate(s, sum_q38, wanted_q6 - s->force_q6);
     heat(s, cfg);

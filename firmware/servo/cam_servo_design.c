@@ -74,7 +74,7 @@ static cam_real_t nano(cam_real_t v)
 }
 
 /// Fit a coefficient into its word. @return whether it does
-static bool fit(int32_t *to, int64_t v)
+static bool fit_word(int32_t *to, int64_t v)
 {
     *to = (int32_t)v;
     return cam_is_between(v, 0, cam_servo_most_gain);
@@ -111,14 +111,14 @@ static cam_servo_refused_t make_pi_lead(const cam_servo_params_t *p, cam_servo_c
                       cam_real_plus(one, x));
     const cam_real_t two = cam_real(2);
     c->pole_q18 = (int32_t)cam_real_to_q(cam_real_over(two, cam_real_plus(one, x)), 18) - (1 << 18);
-    if (!fit(&c->ki_q32, cam_real_to_q(half_ki, 33))) {
+    if (!fit_word(&c->ki_q32, cam_real_to_q(half_ki, 33))) {
         return cam_servo_refused_integral_mhz;
     }
-    if (!fit(&c->kp_q18, cam_real_to_q(cam_real_minus(kp, half_ki), 18))) {
+    if (!fit_word(&c->kp_q18, cam_real_to_q(cam_real_minus(kp, half_ki), 18))) {
         return cam_servo_refused_mass_g;
     }
-    return fit(&c->kd_q18, cam_real_to_q(kd, 18)) ? cam_servo_refused_none
-                                                  : cam_servo_refused_lead_percent;
+    return fit_word(&c->kd_q18, cam_real_to_q(kd, 18)) ? cam_servo_refused_none
+                                                       : cam_servo_refused_lead_percent;
 }
 
 /// @return tan(x) by its continued fraction, 0 <= x <= pi / 4, within 2e-6
@@ -159,14 +159,14 @@ static cam_servo_refused_t make_feed_forward(const cam_servo_params_t *p, cam_se
     const cam_real_t mass = nano(cam_real_times(real(p->mass_g), square(hz)));
     const cam_real_t drag = nano(cam_real_times(real(p->drag_mn_s_per_m), hz));
     c->friction_q12 = p->friction_mn * 4096;
-    if (!fit(&c->mass_q14, cam_real_to_q(mass, 14))) {
+    if (!fit_word(&c->mass_q14, cam_real_to_q(mass, 14))) {
         return cam_servo_refused_mass_g;
     }
-    if (!fit(&c->drag_q14, cam_real_to_q(drag, 14))) {
+    if (!fit_word(&c->drag_q14, cam_real_to_q(drag, 14))) {
         return cam_servo_refused_drag_mn_s_per_m;
     }
     const cam_real_t stiffness = ratio(p->stiffness_n_per_m, 1000000);
-    return fit(&c->stiffness_q18, cam_real_to_q(stiffness, 18))
+    return fit_word(&c->stiffness_q18, cam_real_to_q(stiffness, 18))
                ? cam_servo_refused_none
                : cam_servo_refused_stiffness_n_per_m;
 }
