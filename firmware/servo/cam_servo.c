@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_servo.h"
-#include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_mulhi, cam_sat_add, cam_sat_sub
+#include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_mulhi, cam_sat_add, ..
 
 /// Limits act on the high words of sums: a comparison of 64 bits takes three times as long. A
 /// limited result lies within the last 2^18 of the limit.
@@ -12,13 +12,15 @@ static int32_t force_q6(int64_t v_q24)
     return (int32_t)(high << 14 | (uint32_t)(uint64_t)v_q24 >> 18);
 }
 
-/// The set-point at the instant of the reading, MATHS.md (233), minus the reading.
+/// The set-point at the instant of the reading, MATHS.md (233), minus the reading. A change of the
+/// acceleration beyond 2^28 wraps.
 /// @return [nm / 64]
-static int32_t error_q6(const cam_servo_input_t *in)
+static int32_t error_q6(const cam_servo_ahead_t *by, const cam_servo_input_t *in, int32_t last_q10)
 {
-    const int64_t ahead_q16 = in->ahead_q16;
-    const int32_t half_square_q16 = (int32_t)(ahead_q16 * ahead_q16 >> 17);
-    const int64_t more_q26 = in->vel_q10 * ahead_q16 + (int64_t)in->acc_q10 * half_square_q16;
+    const int32_t jerk_q13 = cam_wrap_times(cam_wrap_sub(in->acc_q10, last_q10), 8);
+    const int32_t acc_q10 = cam_mulhi_add(in->acc_q10, jerk_q13, by->third_q29);
+    const int64_t more_q26 =
+        (int64_t)in->vel_q10 * by->steps_q16 + (int64_t)acc_q10 * by->half_square_q16;
     const uint32_t high =
         (uint32_t)cam_clamp_i32((int32_t)(more_q26 >> 32), -(1 << 19), (1 << 19) - 1);
     const int32_t more_q6 = (int32_t)(high << 12 | (uint32_t)(uint64_t)more_q26 >> 20);
@@ -93,19 +95,23 @@ static void integrate(cam_servo_t *s, int64_t sum_q38, int32_t cut_q6)
 int32_t cam_servo_step_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
                            const cam_servo_input_t *in)
 {
-    const int32_t off_q6 = error_q6(in);
+    const int32_t off_q6 = error_q6(&cfg->ahead, in, s->acc_q10);
     const int64_t sum_q38 = s->sum_q38 + (int64_t)cfg->ki_q32 * off_q6;
     const int32_t back_q6 = notched_q6(s, &cfg->notch, pi_lead_q6(s, cfg, off_q6, sum_q38));
     const int32_t wanted_q6 = back_q6 + feed_forward_force_q6(cfg, in);
     s->force_q6 = limited_q6(s, cfg, wanted_q6);
+    s->acc_q10 = in->acc_q10;
     integrate(s, sum_q38, wanted_q6 - s->force_q6);
     heat(s, cfg);
     return s->force_q6;
 }
 
-void cam_servo_start_isr(cam_servo_t *s, const cam_servo_input_t *in)
+void cam_servo_start_isr(cam_servo_t *s, const cam_servo_config_t *cfg, const cam_servo_input_t *in)
 {
-    *s = (cam_servo_t){.error_q6 = error_q6(in), .heat_q54 = s->heat_q54, .is_hot = s->is_hot};
+    *s = (cam_servo_t){.error_q6 = error_q6(&cfg->ahead, in, in->acc_q10),
+                       .acc_q10 = in->acc_q10,
+                       .heat_q54 = s->heat_q54,
+                       .is_hot = s->is_hot};
 }
 
 void cam_servo_rest_isr(cam_servo_t *s, const cam_servo_config_t *cfg)

@@ -181,7 +181,10 @@ static void make_limits(const cam_servo_params_t *p, cam_servo_config_t *c)
     c->per_continuous = (int32_t)((INT64_C(1) << 43) / c->continuous_q6);
     c->rate_q6 = (int32_t)(rate_q6 < INT64_C(1) << 29 ? rate_q6 : INT64_C(1) << 29);
     c->cooling_q32 = (int32_t)(INT64_C(4294967296000) / ((int64_t)p->thermal_ms * p->step_hz));
-    c->ahead_q16 = -(int32_t)((ahead_ns * p->step_hz * 4096 + 31250000) / 62500000);
+    const int64_t steps_q16 = -((ahead_ns * p->step_hz * 4096 + 31250000) / 62500000);
+    c->ahead = (cam_servo_ahead_t){.steps_q16 = (int32_t)steps_q16,
+                                   .half_square_q16 = (int32_t)(steps_q16 * steps_q16 / 131072),
+                                   .third_q29 = (int32_t)(steps_q16 * 8192 / 3)};
 }
 
 cam_servo_refused_t cam_servo_design(const cam_servo_params_t *p, cam_servo_config_t *cfg)

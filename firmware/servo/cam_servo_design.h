@@ -50,7 +50,7 @@ typedef enum {
 #undef CAM_SERVO_NUMBER
 } cam_servo_refused_t;
 
-/// Calculate the coefficients. Its `ahead_q16` is for a set-point that is due when the force acts:
+/// Calculate the coefficients. Its `ahead` is for a set-point that is due when the force acts:
 /// force_delay_ns after the latch of the step.
 /// @param cfg  result, unspecified after a refusal
 /// @return     first parameter that is out of its range or beyond its bound by another one, or

@@ -35,8 +35,8 @@ static void test_step_fits_its_budget(void)
     uint32_t least = UINT32_MAX;
     bool was_hot = false;
     TEST_ASSERT_EQUAL_INT(cam_servo_refused_none, cam_servo_design(&params, &c));
-    cam_servo_input_t in = {.ahead_q16 = c.ahead_q16};
-    cam_servo_start_isr(&servo, &in);
+    cam_servo_input_t in = {.set_q6 = 0};
+    cam_servo_start_isr(&servo, &c, &in);
     budget_count_start();
     for (int32_t i = 0; i < 40000; i++) {
         in.set_q6 = (i % 400 - 200) * 1000;

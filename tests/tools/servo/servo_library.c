@@ -24,17 +24,14 @@ EXPORTED const char *servo_open(const int32_t *values)
     const cam_servo_refused_t refused = cam_servo_design(&params, &config);
     const cam_servo_input_t rest = {.set_q6 = 0};
     servo = (cam_servo_t){0};
-    cam_servo_start_isr(&servo, &rest);
+    cam_servo_start_isr(&servo, &config, &rest);
     return cam_servo_refused_name(refused);
 }
 
 /// @return [mN / 64]
 EXPORTED int32_t servo_step(int32_t set_q6, int32_t vel_q10, int32_t acc_q10, int32_t actual_q6)
 {
-    const cam_servo_input_t in = {.set_q6 = set_q6,
-                                  .vel_q10 = vel_q10,
-                                  .acc_q10 = acc_q10,
-                                  .ahead_q16 = config.ahead_q16,
-                                  .actual_q6 = actual_q6};
+    const cam_servo_input_t in = {
+        .set_q6 = set_q6, .vel_q10 = vel_q10, .acc_q10 = acc_q10, .actual_q6 = actual_q6};
     return cam_servo_step_isr(&servo, &config, &in);
 }

@@ -20,7 +20,7 @@ static void test_force_and_its_rate_are_limited(void)
     p.force_rate_n_per_ms = 100; // 5 N per step
     const cam_servo_config_t c = bench_config(&p);
     cam_servo_input_t in = {.set_q6 = 0};
-    cam_servo_start_isr(&servo, &in);
+    cam_servo_start_isr(&servo, &c, &in);
     int32_t last = 0;
     for (int i = 0; i < 400; i++) {
         in.actual_q6 = i < 200 ? -100000000 : 100000000;
@@ -40,7 +40,7 @@ static void expect_no_windup(void)
 {
     const cam_servo_config_t c = bench_config(&p);
     cam_servo_input_t in = {.set_q6 = 0};
-    cam_servo_start_isr(&servo, &in);
+    cam_servo_start_isr(&servo, &c, &in);
     in.actual_q6 = -25000000; // 0.4 mm, beyond any limit
     for (int i = 0; i < 20000; i++) {
         (void)cam_servo_step_isr(&servo, &c, &in);
@@ -76,7 +76,7 @@ static void test_limited_step_overshoots_no_more_than_a_small_one(void)
         double vel = 0.0;
         double most = 0.0;
         cam_servo_input_t in = {.set_q6 = 0};
-        cam_servo_start_isr(&servo, &in);
+        cam_servo_start_isr(&servo, &c, &in);
         in.set_q6 = (int32_t)(64.0 * steps_nm[k]);
         for (int i = 0; i < 4000; i++) {
             in.actual_q6 = (int32_t)(64.0 * pos);
@@ -99,7 +99,7 @@ static void test_heat_limits_to_the_continuous_force(void)
     p.thermal_ms = 1000;
     const cam_servo_config_t c = bench_config(&p);
     const cam_servo_input_t in = {.actual_q6 = -100000000};
-    cam_servo_start_isr(&servo, &in);
+    cam_servo_start_isr(&servo, &c, &in);
     int first_hot = 0;
     double heat = 0.0; // in double precision
     for (int i = 0; i < 60000; i++) {
@@ -121,7 +121,7 @@ static void test_heat_limits_to_the_continuous_force(void)
         cam_servo_rest_isr(&servo, &c);
     }
     TEST_ASSERT_INT_WITHIN(100, (int)(20000.0 * log(8.0 / 7.0)), cooled);
-    cam_servo_start_isr(&servo, &in);
+    cam_servo_start_isr(&servo, &c, &in);
     TEST_ASSERT_TRUE(servo.heat_q54 > 0);
 }
 
@@ -135,7 +135,7 @@ static void test_start_forgets_all_but_the_heat(void)
     }
     const int64_t heat = servo.heat_q54;
     in.actual_q6 = -1000;
-    cam_servo_start_isr(&servo, &in);
+    cam_servo_start_isr(&servo, &c, &in);
     TEST_ASSERT_EQUAL_INT64(heat, servo.heat_q54);
     const double back = (double)c.kp_q18 * 1000.0 / 262144.0;
     TEST_ASSERT_INT32_WITHIN(2 + (int32_t)back / 50,
@@ -161,6 +161,7 @@ static void test_extremes_stay_within_the_limits(void)
         c.kp_q18 = c.kd_q18 = c.ki_q32 = c.mass_q14 = c.drag_q14 = full;
         c.stiffness_q18 = c.friction_q12 = full;
         c.pole_q18 = (int32_t)fixture_random_range(&dice, 0, 1 << 18);
+        c.ahead = (cam_servo_ahead_t){-(8 << 16), 32 << 16, -1431655765};
         c.limit_q6 = cam_servo_most_q6;
         c.per_continuous = INT32_MAX;
         c.cooling_q32 = INT32_MAX;
@@ -170,12 +171,9 @@ static void test_extremes_stay_within_the_limits(void)
         }
         for (int i = 0; i < 2000; i++) {
             const cam_servo_input_t in = {extreme(&dice), extreme(&dice), extreme(&dice),
-                                          (int32_t)fixture_random_range(&dice,
-                                                                        -cam_servo_most_ahead_q16,
-                                                                        cam_servo_most_ahead_q16),
                                           extreme(&dice)};
             if (i % 500 == 0) {
-                cam_servo_start_isr(&servo, &in);
+                cam_servo_start_isr(&servo, &c, &in);
             }
             const int32_t last = servo.force_q6;
             const int32_t force = cam_servo_step_isr(&servo, &c, &in);
