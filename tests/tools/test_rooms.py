@@ -34,6 +34,7 @@ DESIGN = {
     "firmware/table": ("firmware/base",),
     "firmware/motion": ("firmware/table",),
     "firmware/record": ("firmware/motion",),
+    "firmware/servo": ("firmware/base",),
     "firmware/plan": ("firmware/record",),
     "firmware/tick": ("firmware/plan",),
     "firmware/param": ("firmware/table",),

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The position loop of the firmware, closed over a force drive that is integrated here.
+
+The plant shares no code with the simulator: mass, dry friction with rest, an amplifier, delay and
+hold, a mode that moves the scale, in steps of 1 us.
+"""
+
+import ctypes
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from camtools.tune.loop_design import Loop, NoLoopError, Plant, margins, propose
+from tests.tools.cases.camsim_cases import BUILD
+
+STEP_HZ = 20000
+SUB_S = 1e-6
+SUBS = 50  # of a step
+MOTION_M = 0.5e-3  # 1 mm p-p
+
+SLOW = Plant(1.5, 1500.0, 75e-6, STEP_HZ, 1200.0, 0.03, -0.2)
+QUICK = replace(SLOW, delay_s=25e-6)
+FAST = replace(QUICK, amplifier_hz=3000.0)
+SOFT = replace(SLOW, mode_share=1.0)
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Load the loop."""
+    loaded = ctypes.CDLL(str(BUILD / "tests" / "libservo.so"))
+    loaded.servo_fields.restype = loaded.servo_open.restype = ctypes.c_char_p
+    return loaded
+
+
+def params(loop: Loop, plant: Plant, **others: int) -> dict[str, int]:
+    """Return the integers of cam_servo_design.h for a proposal."""
+    hold_s, amplifier_s = 0.5 / plant.step_hz, 0.5 / math.pi / plant.amplifier_hz
+    return {
+        "step_hz": int(plant.step_hz),
+        "mass_g": round(plant.mass_kg * 1e3),
+        "crossover_hz": round(loop.crossover_hz),
+        "lead_percent": round(loop.lead_ratio * 100.0),
+        "pole_hz": math.floor(loop.pole_hz),
+        "integral_mhz": round(loop.integral_hz * 1e3),
+        "notch_hz": round(loop.notch_hz),
+        "notch_zero_permille": round(loop.notch_zero * 1e3),
+        "notch_pole_permille": round(loop.notch_pole * 1e3),
+        "scale_delay_ns": 0,
+        "force_delay_ns": round((plant.delay_s + hold_s + amplifier_s) * 1e9),
+        "drag_mn_s_per_m": 0,
+        "friction_mn": 0,
+        "stiffness_n_per_m": 0,
+        "force_limit_mn": 500000,
+        "force_rate_n_per_ms": 1000000,
+        "continuous_mn": 500000,
+        "thermal_ms": 20000,
+    } | others
+
+
+def opened(values: dict[str, int]) -> None:
+    """Start the loop."""
+    names = library().servo_fields().decode().split()
+    row = (ctypes.c_int32 * len(names))(*(values[name] for name in names))
+    assert library().servo_open(row) == b"none"
+
+
+@dataclass
+class Drive:
+    """The plant, at rest at 0."""
+
+    plant: Plant
+    friction_n: float = 5.0
+    pos_m: float = 0.0
+    vel_m_per_s: float = 0.0
+    force_n: float = 0.0
+    mode_m: float = 0.0
+    mode_m_per_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Start with no force under way."""
+        self.commands = [0.0] * (round(self.plant.delay_s / SUB_S) + 1)
+        self.lag = 1.0 - math.exp(-2.0 * math.pi * self.plant.amplifier_hz * SUB_S)
+
+    def move(self, command_n: float, outer_n: float) -> None:
+        """Move over one step of the loop."""
+        p, omega = self.plant, 2.0 * math.pi * self.plant.mode_hz
+        for _ in range(SUBS):
+            self.commands.append(command_n)
+            self.force_n += self.lag * (self.commands.pop(0) - self.force_n)
+            push = self.force_n + outer_n
+            speed = self.vel_m_per_s + SUB_S * push / p.mass_kg
+            held = SUB_S * self.friction_n / p.mass_kg  # friction takes no more than all the speed
+            speed = math.copysign(max(0.0, abs(speed) - held), speed)
+            acc = (speed - self.vel_m_per_s) / SUB_S
+            self.pos_m += SUB_S * 0.5 * (speed + self.vel_m_per_s)
+            self.vel_m_per_s = speed
+            back = omega * omega * self.mode_m + 2.0 * p.mode_damping * omega * self.mode_m_per_s
+            self.mode_m_per_s -= SUB_S * (p.mode_share * acc + back)
+            self.mode_m += SUB_S * self.mode_m_per_s
+
+    def scale_m(self) -> float:
+        """Return what the scale sees."""
+        return self.pos_m + self.mode_m
+
+
+def closed(
+    drive: Drive,
+    steps: int,
+    outer_n: Callable[[int], float],
+    motion: Callable[[int], tuple[float, float, float]] = lambda _: (0.0, 0.0, 0.0),
+    quantum_nm: float = 10.0,
+) -> NDArray[np.float64]:
+    """Return the readings of the scale in um after each step."""
+    seen = np.empty(steps)
+    for i in range(steps):
+        read_nm = round(drive.scale_m() * 1e9 / quantum_nm) * quantum_nm
+        pos_m, vel, acc = motion(i)
+        per_step = 1024e9 / STEP_HZ
+        force = library().servo_step(
+            round(pos_m * 64e9), round(vel * per_step), round(acc * per_step / STEP_HZ),
+            round(read_nm * 64.0),
+        )  # fmt: skip
+        drive.move(force / 64e3, outer_n(i))
+        seen[i] = drive.scale_m() * 1e6
+    return seen
+
+
+@cache
+def proposed(plant: Plant) -> Loop:
+    """Return the proposal for a plant."""
+    return propose(plant)
+
+
+def step_response(plant: Plant, friction_n: float, mass: float = 1.0) -> NDArray[np.float64]:
+    """Return what the scale sees of a step of 10 N at rest, in um, for 60 ms."""
+    opened(params(proposed(plant), plant))
+    drive = Drive(replace(plant, mass_kg=mass * plant.mass_kg), friction_n)
+    seen = closed(drive, 1300, lambda i: 10.0 if i >= 100 else 0.0)
+    assert np.abs(seen[:100]).max() < 0.02
+    return seen[100:]
+
+
+def played(plant: Plant, outer_n: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return readings of 100 Hz, 1 mm p-p, and what they should be, in um.
+
+    The motion rises over 0.1 s; an outer force acts from 0.2 s on.
+    """
+    values = params(proposed(plant), plant, friction_mn=5000)
+    opened(values)
+    omega, rise = 2.0 * math.pi * 100.0, round(0.1 * STEP_HZ)
+
+    def due(at: float, size: float) -> tuple[float, float, float]:
+        sine, cosine = math.sin(omega * at), math.cos(omega * at)
+        return size * sine, size * omega * cosine, -size * omega**2 * sine
+
+    def motion(i: int) -> tuple[float, float, float]:  # when the force acts
+        return due(i / STEP_HZ + values["force_delay_ns"] * 1e-9, MOTION_M * min(1.0, i / rise))
+
+    seen = closed(Drive(plant), 3 * rise, lambda i: outer_n if i >= 2 * rise else 0.0, motion)
+    right = [due((i + 1) / STEP_HZ, MOTION_M)[0] * 1e6 for i in range(3 * rise)]
+    return seen, np.array(right)
+
+
+CASES = pytest.mark.parametrize(
+    ("plant", "most_um"),
+    [(SLOW, 3.5), (QUICK, 2.2), (FAST, 1.1), (SOFT, 6.0)],
+    ids=["75 us", "25 us", "25 us and 3 kHz", "soft"],
+)
+BACK = round(0.02 * STEP_HZ)
+
+
+@CASES
+def test_step_of_force_stays_below_its_peak_and_is_back_after_20_ms(
+    plant: Plant, most_um: float
+) -> None:
+    """10 N on 1.5 kg, at rest without friction and in motion with a friction of 5 N."""
+    at_rest = step_response(plant, 0.0)
+    in_motion = (played(plant, 10.0)[0] - played(plant, 0.0)[0])[round(0.2 * STEP_HZ) :]
+    for seen in (at_rest, in_motion):
+        assert np.abs(seen).max() <= most_um
+        assert np.abs(seen[BACK:]).max() <= 0.1
+
+
+@CASES
+def test_step_of_force_at_rest_in_friction(plant: Plant, most_um: float) -> None:
+    """Friction halves the peak and holds the mass there until the integral has passed it."""
+    seen = np.abs(step_response(plant, 5.0))
+    assert seen.max() <= 0.6 * most_um
+    assert seen[BACK:].max() <= 1.0
+    assert seen[2 * BACK :].max() <= 0.1
+
+
+@CASES
+@pytest.mark.parametrize("mass", [0.5, 0.7, 1.3, 2.0])
+def test_other_masses_are_stable(plant: Plant, most_um: float, mass: float) -> None:
+    """A step of force decays, whatever the mass."""
+    seen = step_response(plant, 0.0, mass)
+    assert np.abs(seen).max() <= 1.2 * most_um
+    assert np.abs(seen[2 * BACK :]).max() <= 0.03
+
+
+@CASES
+def test_gain_margin_is_that_of_the_closed_loop(plant: Plant, most_um: float) -> None:
+    """A mass that is smaller by the gain margin is the last stable one."""
+    margin = 10.0 ** (-margins(proposed(plant), plant).gain_db / 20.0)
+    assert margin <= 0.7 * 10.0 ** (-6.0 / 20.0) * 1.001
+    stable = np.abs(step_response(plant, 0.0, 1.05 * margin))
+    assert stable[-100:].max() < 0.5 * stable[:100].max()
+    unstable = np.abs(step_response(plant, 0.0, 0.95 * margin))
+    assert unstable[-100:].max() > 2.0 * most_um
+
+
+@pytest.mark.parametrize(("plant", "most_um"), [(SLOW, 0.45), (QUICK, 0.23), (FAST, 0.08)])
+def test_feed_forward_is_led_by_the_whole_delay(plant: Plant, most_um: float) -> None:
+    """With the right mass and friction, before any learning; 295 N at the peak."""
+    seen, right = played(plant, 0.0)
+    assert np.abs(seen - right)[round(0.15 * STEP_HZ) :].max() <= most_um
+
+
+def test_hopeless_plant_is_refused() -> None:
+    """One line that names what is missing and what to do."""
+    with pytest.raises(NoLoopError, match=r"no loop has margins of 6 dB and 30 degrees.*mode$"):
+        propose(Plant(1.5, 1500.0, 75e-6, STEP_HZ, 60.0, 0.001, 1.0))

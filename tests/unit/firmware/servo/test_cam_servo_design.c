@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the design refuses, and how near its coefficients are; the response is in test_cam_servo.c.
+#include "cam_servo_design.h"
+#include "servo_bench.h"
+#include <math.h> // fabs, tan
+#include <stddef.h>
+
+static cam_servo_params_t p;
+static cam_servo_config_t c;
+
+void setUp(void)
+{
+    p = bench_params;
+}
+
+static void expect_refused(const char *name)
+{
+    TEST_ASSERT_EQUAL_STRING(name, cam_servo_refused_name(cam_servo_design(&p, &c)));
+    p = bench_params;
+}
+
+static void test_bench_and_every_range_are_checked(void)
+{
+    expect_refused("none");
+    static const struct {
+        const char *name;
+        size_t at;
+        int32_t least, most;
+    } ranges[] = {
+#define RANGE(name, least, most) {#name, offsetof(cam_servo_params_t, name), least, most},
+        CAM_SERVO_PARAMS(RANGE)
+#undef RANGE
+    };
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        int32_t *field = (int32_t *)(void *)((char *)&p + ranges[i].at);
+        *field = ranges[i].least - 1;
+        expect_refused(ranges[i].name);
+        *field = ranges[i].most + 1;
+        expect_refused(ranges[i].name);
+    }
+}
+
+static void test_bounds_by_other_parameters(void)
+{
+    p.pole_hz = 4001;
+    expect_refused("pole_hz");
+    p.crossover_hz = 4001;
+    expect_refused("crossover_hz");
+    p.integral_mhz = 470000;
+    expect_refused("integral_mhz");
+    p.notch_hz = 5001;
+    expect_refused("notch_hz");
+    p.notch_hz = 19;
+    expect_refused("notch_hz");
+    p.notch_zero_permille = 701;
+    expect_refused("notch_zero_permille");
+    p.force_delay_ns = 399000;
+    expect_refused("force_delay_ns");
+    p.force_limit_mn = 3210001;
+    expect_refused("force_limit_mn");
+    p.continuous_mn = 345001;
+    expect_refused("continuous_mn");
+}
+
+static void test_coefficients_that_do_not_fit_are_refused(void)
+{
+    p.mass_g = 100000;
+    p.crossover_hz = 3000;
+    p.lead_percent = 100;
+    p.integral_mhz = 0;
+    expect_refused("mass_g");
+    p.mass_g = 50000;
+    p.lead_percent = 5000;
+    p.crossover_hz = 2000;
+    p.integral_mhz = 0;
+    expect_refused("lead_percent");
+    p.mass_g = 60000;
+    p.integral_mhz = 469000;
+    expect_refused("integral_mhz");
+    p.step_hz = 200000; // 100 kg at 200 kHz are 4 N per nm/step^2
+    p.mass_g = 100000;
+    p.crossover_hz = 10;
+    p.integral_mhz = 0;
+    p.force_delay_ns = 30000;
+    p.notch_hz = 0;
+    expect_refused("mass_g");
+    p.step_hz = 1000;
+    p.pole_hz = 200;
+    p.crossover_hz = 20;
+    p.notch_hz = 0;
+    p.drag_mn_s_per_m = 10000000;
+    expect_refused("none");
+}
+
+/// The whole gain at 0 Hz is 1, for every notch.
+static void test_notch_has_gain_one_and_its_frequency(void)
+{
+    for (p.notch_hz = 20; p.notch_hz <= 5000; p.notch_hz += 83) {
+        TEST_ASSERT_EQUAL_INT(cam_servo_refused_none, cam_servo_design(&p, &c));
+        const cam_servo_notch_t *n = &c.notch;
+        TEST_ASSERT_EQUAL_INT64((INT64_C(1) << 30) + n->b1_q30 - n->minus_a2_q30,
+                                (int64_t)n->b0_q30 + n->b1_q30 + n->b2_q30);
+        const double t = tan(3.14159265358979324 * p.notch_hz / 20000.0);
+        const double below = 1.0 + 1.4 * t + t * t;
+        TEST_ASSERT_DOUBLE_WITHIN(4e-6, 2.0 * (t * t - 1.0) / below, n->b1_q30 / 1073741824.0);
+        TEST_ASSERT_DOUBLE_WITHIN(4e-6, (1.0 + 0.12 * t + t * t) / below, n->b0_q30 / 1073741824.0);
+    }
+}

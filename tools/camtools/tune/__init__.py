@@ -1,0 +1,1 @@
+"""Loops of force drives: responses, margins, proposals."""
