@@ -99,7 +99,11 @@ STEADY = [1.0] * 100
 @pytest.mark.parametrize(
     ("um", "changes", "cause"),
     [
-        ([5.0, *STEADY], {"reason": "limited"}, "of a correction at its limit; drive constants that match"),
+        (
+            [5.0, *STEADY],
+            {"reason": "limited"},
+            "of a correction at its limit; drive constants that match",
+        ),
         ([5.0, *STEADY], {}, "of the first turns, elsewhere 1 µm; a longer feed_ramp_turns helps"),
         ([*STEADY, 5.0], {}, "of the last turns, elsewhere 1 µm; a longer feed_ramp_turns"),
         (STEADY, {"better_rpm": 2987.0}, "of encoder counts that do not average; 2987 r/min"),

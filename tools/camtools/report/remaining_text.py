@@ -52,7 +52,10 @@ def _cause(summary: Json) -> str:
     """Return the likely cause of the largest error, and what helps most."""
     found, form = summary["learning"], summary["form_error_um"]
     if found["reason"] == "limited":
-        return "of a correction at its limit; drive constants that match the machine, more stroke or less feed help"
+        return (
+            "of a correction at its limit; drive constants that match the machine, more stroke or "
+            "less feed help"
+        )
     at_an_end = _at_an_end(summary)
     if at_an_end is not None:
         return at_an_end
