@@ -223,7 +223,7 @@ static spare_t spare_of(const cam_machine_t *m, const cam_ilc_setup_t *setup, ui
 
 /// Fit what is learned into the stroke of U while it plays the table.
 /// @return [mm/s2] the spare acceleration
-static uint64_t fit(cam_machine_t *m, const cam_ilc_setup_t *setup, cam_state_t state)
+static uint64_t fit_stroke(cam_machine_t *m, const cam_ilc_setup_t *setup, cam_state_t state)
 {
     const uint32_t mrpm = (uint32_t)turning_mrpm(m);
     const cam_table_t *t = &m->table;
@@ -280,7 +280,7 @@ void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
         setup.observer_step_q23 = observer_step_q23(m);
         setup.angle_step_q23 = INT16_MAX;
         if (m->has_table) {
-            setup.angle_step_q23 = angle_step_q23(m, fit(m, &setup, state));
+            setup.angle_step_q23 = angle_step_q23(m, fit_stroke(m, &setup, state));
         }
         cam_ilc_blend(&m->ilc, &setup, at_q8, &copy->learned);
         if (!is_same(&copy->learned, &cam_machine_newest_config(m)->learned)) {
