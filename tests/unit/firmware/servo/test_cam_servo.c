@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop without its limits: frequency and step response, feed-forward, and what constants give.
 #include "cam_servo.h"
-#include "servo_bench.h"
+#include "fixture_servo.h"
 #include <complex.h> // cabs, carg
 #include <math.h>    // cos, lround, pow, tan
 #include <stdlib.h>  // labs

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the design refuses, and how near its coefficients are; the response is in test_cam_servo.c.
 #include "cam_servo_design.h"
-#include "servo_bench.h"
+#include "fixture_servo.h"
 #include <math.h> // fabs, tan
 #include <stddef.h>
 
@@ -19,6 +19,11 @@ static void expect_refused(const char *name)
     p = bench_params;
 }
 
+static void set_field(size_t at, int32_t value)
+{
+    *(int32_t *)(void *)((char *)&p + at) = value;
+}
+
 static void test_bench_and_every_range_are_checked(void)
 {
     expect_refused("none");
@@ -32,34 +37,32 @@ static void test_bench_and_every_range_are_checked(void)
 #undef RANGE
     };
     for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
-        int32_t *field = (int32_t *)(void *)((char *)&p + ranges[i].at);
-        *field = ranges[i].least - 1;
+        set_field(ranges[i].at, ranges[i].least - 1);
         expect_refused(ranges[i].name);
-        *field = ranges[i].most + 1;
+        set_field(ranges[i].at, ranges[i].most + 1);
         expect_refused(ranges[i].name);
     }
 }
 
 static void test_bounds_by_other_parameters(void)
 {
-    p.pole_hz = 4001;
-    expect_refused("pole_hz");
-    p.crossover_hz = 4001;
-    expect_refused("crossover_hz");
-    p.integral_mhz = 470000;
-    expect_refused("integral_mhz");
-    p.notch_hz = 5001;
-    expect_refused("notch_hz");
-    p.notch_hz = 19;
-    expect_refused("notch_hz");
-    p.notch_zero_permille = 701;
-    expect_refused("notch_zero_permille");
-    p.force_delay_ns = 399000;
-    expect_refused("force_delay_ns");
-    p.force_limit_mn = 3210001;
-    expect_refused("force_limit_mn");
-    p.continuous_mn = 345001;
-    expect_refused("continuous_mn");
+    static const struct {
+        size_t at;
+        int32_t value;
+        const char *name;
+    } bounds[] = {
+#define BOUND(name, value) {offsetof(cam_servo_params_t, name), value, #name}
+        BOUND(pole_hz, 4001),          BOUND(crossover_hz, 4001),
+        BOUND(integral_mhz, 470000),   BOUND(notch_hz, 5001),
+        BOUND(notch_hz, 19),           BOUND(notch_zero_permille, 701),
+        BOUND(force_delay_ns, 399000), BOUND(force_limit_mn, 3210001),
+        BOUND(continuous_mn, 345001),
+#undef BOUND
+    };
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; i++) {
+        set_field(bounds[i].at, bounds[i].value);
+        expect_refused(bounds[i].name);
+    }
 }
 
 static void test_coefficients_that_do_not_fit_are_refused(void)

@@ -2,7 +2,7 @@
 // Force, its rate, heat, windup, and inputs beyond everything.
 #include "cam_servo.h"
 #include "fixture_random.h"
-#include "servo_bench.h"
+#include "fixture_servo.h"
 #include <math.h>   // exp, sqrt
 #include <stdlib.h> // labs
 
