@@ -112,7 +112,7 @@ static void step_drive(cam_ilc_t *t, const cam_ilc_setup_t *s, int32_t gain_q16)
         const int32_t gain = gain_q16 >> t->n_halved;
         const int64_t k1 = (int64_t)by.k1_q16 * gain >> 16;
         const bool is_chip = cam_ilc_chip_is_cut(t);
-        if (is_chip) { // at one speed the chip cannot be told from the acceleration
+        if (is_chip) { // at one speed chip and acceleration cannot be distinguished
             cam_ilc_chip_step(t, by.chip_q32, gain);
         }
         const int64_t k2 = is_chip ? 0 : (int64_t)by.k2_q16 * gain >> 16;

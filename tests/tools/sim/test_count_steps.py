@@ -38,7 +38,7 @@ TICK_HZ, OBSERVER_HZ, DRIVE_HZ = 20_000, 100.0, 300.0
 
 
 def missed_counts(counts: int, rpm: float) -> float:
-    """Return the rms in counts that whole counts leave behind the observer (52) and a drive.
+    """Return the rms in counts of what the observer (52) and a drive make of whole counts.
 
     The spindle has a ripple of 0.2 % twice per turn.
     """

@@ -29,8 +29,7 @@ _LIMITED = {
     "lobes": "for a shaft with lobes, only the drive constants are learned",
     "diverged": "the drive constants did not converge; the best values found are used",
     "rippled": "the ripple of the spindle exceeds 12 mrad in total; only 12 mrad are compensated",
-    "limited": "a correction has reached its limit, or U the end of its stroke; match the drive "
-    "constants to the machine, or give U more stroke",
+    "limited": "a correction has reached its limit, or U the end of its stroke",
 }
 _NO_REHEARSAL = "on, but no turn was steady enough to learn from; set rehearse_turns"
 

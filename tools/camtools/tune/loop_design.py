@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A position loop for a force drive: its response, its margins, and a proposal.
 
-The loop is that of firmware/servo, MATHS.md (234) and (235). The plant is a mass behind an
-amplifier of first order, a delay and the hold of a step; a mode may move the scale as MATHS.md
-(123) gives it.
+The loop is that of firmware/servo, MATHS.md (234) and (235). The plant is a mass driven by
+an amplifier of first order, after a delay and the hold of a step; a mode may move the scale as
+MATHS.md (123) gives it.
 
 >>> drive = Plant(mass_kg=1.5, amplifier_hz=1500.0, delay_s=25e-6, step_hz=20000.0)
 >>> judged = margins(Loop(300.0, 20.0, 4000.0, 10.0, 4000.0, 0.5, 0.5), drive)
