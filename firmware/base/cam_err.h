@@ -120,7 +120,11 @@
     X(turns,                -137, "the feed is so small that the part has too many turns") \
     X(u_command,            -138, "the feed-forward would command U beyond its stroke") \
     X(u_command_speed,      -139, "the feed-forward would command U faster than its limits allow") \
-    X(u_command_acceleration, -140, "the feed-forward would command U to accelerate too much")
+    X(u_command_acceleration, -140, "the feed-forward would command U to accelerate too much") \
+    /* Position loop of U (cam_servo_design.h) */ \
+    X(servo_none,           -141, "U takes forces, but its position loop is not set: tools/tune designs it") \
+    X(servo,                -142, "a parameter of U's position loop is beyond its bound by the others") \
+    X(servo_force,          -143, "U's mass times its highest acceleration exceeds the force limit")
 // clang-format on
 
 /// Result of a slow-side function: 0 or a negative value. The first error found is reported.

@@ -321,7 +321,12 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     if (err != cam_ok) {
         return err;
     }
-    *config = (cam_config_t){.generation = config->generation};
+    cam_force_config_t force;
+    const cam_err_t servo_err = cam_build_force(&force, params, tick_hz);
+    if (servo_err != cam_ok) {
+        return servo_err;
+    }
+    *config = (cam_config_t){.generation = config->generation, .force = force};
     cam_config_tie(config, table != NULL);
     // Tables and observer use angles in the sense of cutting, parameters those of the drawing.
     const int32_t sense = table != NULL ? table->direction : 1;
@@ -358,6 +363,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->guard.following_nm = cam_derived_limits_following_nm(params, table);
     config->guard.approach_nm = cam_derived_limits_approach_nm(params, table, tick_hz);
+    config->force.travel_nm = params->u_stroke_nm / 2 + config->guard.approach_nm;
     config->play.u_retract_q10 = retract_q10(params, table, room_q10);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->command.range_nm = params->u_stroke_nm / 2;

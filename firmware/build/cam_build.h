@@ -15,7 +15,7 @@
 /// @param table       NULL when none is selected
 /// @param speed_limit_mrpm  [r/min / 1000] limit of the fault overspeed
 /// @param tick_hz,clock_hz  [Hz] of the port
-/// @return cam_ok, or the error of cam_derived_limits_check()
+/// @return cam_ok, or the error of cam_derived_limits_check() or cam_servo_setup()
 CAM_MUST_USE cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
                                         const cam_table_t *table, uint32_t speed_limit_mrpm,
                                         uint32_t tick_hz, uint32_t clock_hz);

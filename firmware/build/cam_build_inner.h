@@ -4,6 +4,7 @@
 #define CAM_BUILD_INNER_H
 
 #include "cam_config.h" // cam_config_t
+#include "cam_err.h"    // CAM_MUST_USE
 #include "cam_param.h"  // cam_params_t
 #include <stdint.h>     // int32_t, int64_t, uint32_t
 
@@ -18,6 +19,11 @@ void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t
 /// @param room_q10  [nm / 1024] as of cam_build_room_q10()
 void cam_build_jog(cam_config_t *config, const cam_params_t *params, int64_t room_q10,
                    uint32_t tick_hz);
+
+/// Derive the position loop of a U that takes forces, and its supervision without the travel.
+/// @return cam_ok or an error of cam_servo_setup()
+CAM_MUST_USE cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params,
+                                       uint32_t tick_hz);
 
 /// Derive the windows of the position switches from the parameters switch_1_.. to switch_8_..
 ///

@@ -6,6 +6,7 @@
 #include "cam_machine_jog.h"    // cam_machine_is_x_in_travel
 #include "cam_machine_inner.h"  // cam_machine_judge, cam_machine_hand_over
 #include "cam_pass.h"           // cam_pass_first
+#include "cam_servo_setup.h"    // cam_servo_setup
 #include "hal/hal.h"            // hal_params_kept
 #include <stddef.h>             // NULL
 
@@ -176,6 +177,12 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
         const cam_err_t which = cam_gains_check(params, m->tick_hz, &id);
         (void)refuse(m, which, id, cam_param_get(params, id),
                      cam_gains_bound(params, id, m->tick_hz));
+    }
+    if (err == cam_err_servo || err == cam_err_servo_force) {
+        cam_servo_config_t made;
+        cam_param_id_t id = cam_n_params;
+        const cam_err_t which = cam_servo_setup(params, m->tick_hz, &made, &id);
+        (void)refuse(m, which, id, cam_param_get(params, id), 0);
     }
     if (err == cam_ok) {
         adopt(m, params, named);

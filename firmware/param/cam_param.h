@@ -131,7 +131,25 @@
     X(x_jerk_m_per_s3,                0,          0, 2000000000, "the same of X; 0: its acceleration changes over 6.4 ms") \
     X(z_jerk_m_per_s3,                0,          0, 2000000000, "the same of Z; 0: its acceleration changes over 6.4 ms") \
     X(enable_dwell_ms,                0,          0,       5000, "U rests for this time after enable, while its drive takes over; at least one tick") \
-    X(u_friction_nm,                  0,          0,     100000, "lag of U by friction; in the cut its command leads by this in the direction of motion")
+    X(u_friction_nm,                  0,          0,     100000, "lag of U by friction; in the cut its command leads by this in the direction of motion") \
+    X(servo_mass_g,                  10,       1500,     100000, "moving mass of a U that takes forces") \
+    X(servo_crossover_hz,             0,          0,       5000, "crossover of its position loop, at most its pole; 0: no loop, and enable is refused") \
+    X(servo_lead_percent,           100,       5000,      20000, "pole over zero of the loop's lead") \
+    X(servo_pole_hz,                 10,       4000,      40000, "pole of the lead, at most a fifth of the tick rate") \
+    X(servo_integral_mHz,             0,      40000,    1000000, "corner of the integral, at most the crossover") \
+    X(servo_notch_hz,                 0,          0,      50000, "notch, at most a quarter of the tick rate; 0: none") \
+    X(servo_notch_zero_permille,      0,        100,       2000, "damping of its zeros, at most that of its poles") \
+    X(servo_notch_pole_permille,      1,        700,       2000, "damping of its poles") \
+    X(servo_force_delay_ns,           0,     150000,     500000, "from a tick to its force: output, lag of the amplifier, half a tick of hold") \
+    X(servo_drag_mn_s_per_m,          0,          0,   10000000, "drag, for the feed-forward of the force") \
+    X(servo_friction_mn,              0,          0,     200000, "friction, likewise") \
+    X(servo_stiffness_n_per_m,        0,          0,  100000000, "stiffness of flexures, likewise") \
+    X(servo_force_limit_mn,         200,     600000,    4000000, "largest force, at most 15 times the continuous one") \
+    X(servo_force_rate_n_per_ms,      1,    1000000,    1000000, "largest change of the force") \
+    X(servo_continuous_mn,          200,     300000,    4000000, "force allowed for ever") \
+    X(servo_thermal_ms,             100,      20000,     200000, "thermal time constant of the motor: I2t") \
+    X(servo_limited_ms,               1,         20,      10000, "the force at its limit is a fault after this time") \
+    X(servo_runaway_nm,            1000,     200000,   10000000, "accepted deviation of U from the motion that its force causes")
 
 /// Parameters that an operator sets for a part. All others, new ones included, are limits and
 /// constants of the machine, which change in the unlocked level only (cam_rights.h).

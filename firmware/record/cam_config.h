@@ -14,6 +14,7 @@
 #include "cam_fence.h"        // cam_fence_acquire_isr, CAM_ORDER_ACQUIRE
 #include "cam_turn_bins.h"    // cam_learned_t
 #include "cam_move_profile.h" // cam_motion_limits_t
+#include "cam_servo.h"        // cam_servo_config_t
 #include "cam_speed.h"        // cam_speed_config_t
 #include "cam_state.h"        // CAM_FAULT_BIT
 #include "hal/hal.h"          // hal_n_axes
@@ -241,6 +242,19 @@ typedef struct {
     int32_t jump_q10[hal_n_axes];   ///< [nm / 1024] step of position in a plan
 } cam_axis_command_config_t;
 
+/// Configuration of cam_force.h.
+typedef struct {
+    bool is_used; ///< U takes forces
+    cam_servo_config_t servo;
+    int32_t motion_q24;     ///< [nm per tick^2 per mN / 64] acceleration by a force, times 64
+    int32_t pos_q18;        ///< [1] gain of the observer: position
+    int32_t vel_q24;        ///< [1 / tick] ... and speed
+    int32_t runaway_q6;     ///< [nm / 64] accepted deviation of U from its observer
+    int32_t travel_nm;      ///< [nm] U stays within this to either side
+    int32_t braking_nm;     ///< [nm per tick^2] twice the acceleration on which braking relies
+    uint32_t limited_ticks; ///< the force may be at its limit for this long
+} cam_force_config_t;
+
 enum { cam_n_switches = 8 }; ///< position switches
 
 /// Window of one position switch (cam_switch.h).
@@ -268,6 +282,7 @@ typedef struct {
     cam_guard_config_t guard;
     cam_axis_command_config_t command;
     cam_switches_config_t switches;
+    cam_force_config_t force;
     cam_table_t table;   ///< play.table points here
     uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
     uint32_t generation; ///< rises with every hand-over

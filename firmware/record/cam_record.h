@@ -129,6 +129,7 @@ typedef struct {
     cam_angle_t angle;              ///< angle
     cam_want_t want;                ///< play, guard
     hal_setpoint_t out[hal_n_axes]; ///< what was written to the axes
+    int32_t force_q6;               ///< [mN / 64] force of U that was written; 0: none
 } cam_tick_record_t;
 
 /// @return whether the set-point of U rests

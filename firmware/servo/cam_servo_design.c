@@ -7,22 +7,11 @@
 const char *cam_servo_refused_name(cam_servo_refused_t which)
 {
     static const char *const names[] = {"none",
-#define NAME(name, least, most) #name,
+#define NAME(name) #name,
                                         CAM_SERVO_PARAMS(NAME)
 #undef NAME
     };
     return names[which];
-}
-
-static cam_servo_refused_t check_ranges(const cam_servo_params_t *p)
-{
-#define CHECK(name, least, most)                                                                   \
-    if (!cam_is_between(p->name, least, most)) {                                                   \
-        return cam_servo_refused_##name;                                                           \
-    }
-    CAM_SERVO_PARAMS(CHECK)
-#undef CHECK
-    return cam_servo_refused_none;
 }
 
 /// Bounds of parameters by others.
@@ -34,7 +23,7 @@ static cam_servo_refused_t check_bounds(const cam_servo_params_t *p)
     } bounds[] = {
         {p->pole_hz <= p->step_hz / 5, cam_servo_refused_pole_hz},
         {p->crossover_hz <= p->pole_hz, cam_servo_refused_crossover_hz},
-        {p->integral_mhz / 1000 <= p->crossover_hz, cam_servo_refused_integral_mhz},
+        {p->integral_mHz / 1000 <= p->crossover_hz, cam_servo_refused_integral_mHz},
         {p->notch_hz == 0 || cam_is_between(p->notch_hz, p->step_hz / 1000, p->step_hz / 4),
          cam_servo_refused_notch_hz},
         {p->notch_zero_permille <= p->notch_pole_permille, cam_servo_refused_notch_zero_permille},
@@ -100,7 +89,7 @@ static cam_servo_refused_t make_pi_lead(const cam_servo_params_t *p, cam_servo_c
     const cam_real_t lead = ratio(p->lead_percent, 100);
     const cam_real_t more = ratio(p->lead_percent - 100, 100);
     const cam_real_t k = gain(p, lead);
-    const cam_real_t corner = nano(cam_real_times(real(p->integral_mhz), cam_real(1000000)));
+    const cam_real_t corner = nano(cam_real_times(real(p->integral_mHz), cam_real(1000000)));
     const cam_real_t by_pole = cam_real_over(corner, real(p->pole_hz));
     const cam_real_t x = cam_real_times(CAM_REAL_PI, ratio(p->pole_hz, p->step_hz));
     const cam_real_t half_ki =
@@ -112,7 +101,7 @@ static cam_servo_refused_t make_pi_lead(const cam_servo_params_t *p, cam_servo_c
     const cam_real_t two = cam_real(2);
     c->pole_q18 = (int32_t)cam_real_to_q(cam_real_over(two, cam_real_plus(one, x)), 18) - (1 << 18);
     if (!fit_word(&c->ki_q32, cam_real_to_q(half_ki, 33))) {
-        return cam_servo_refused_integral_mhz;
+        return cam_servo_refused_integral_mHz;
     }
     if (!fit_word(&c->kp_q18, cam_real_to_q(cam_real_minus(kp, half_ki), 18))) {
         return cam_servo_refused_mass_g;
@@ -190,8 +179,7 @@ static void make_limits(const cam_servo_params_t *p, cam_servo_config_t *c)
 cam_servo_refused_t cam_servo_design(const cam_servo_params_t *p, cam_servo_config_t *cfg)
 {
     *cfg = (cam_servo_config_t){.notch = {.b0_q30 = 1 << 30}};
-    cam_servo_refused_t refused = check_ranges(p);
-    refused = refused == cam_servo_refused_none ? check_bounds(p) : refused;
+    cam_servo_refused_t refused = check_bounds(p);
     if (refused != cam_servo_refused_none) {
         return refused;
     }

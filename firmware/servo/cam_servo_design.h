@@ -13,31 +13,34 @@
 #include "cam_servo.h" // cam_servo_config_t
 #include <stdint.h>    // int32_t
 
-// clang-format off
-/// X(name, least, most): physical quantities and their ranges.
-#define CAM_SERVO_PARAMS(X) \
-    X(step_hz,                1000,    200000) /* rate of the loop */ \
-    X(mass_g,                   10,    100000) /* moving mass, of loop and feed-forward */ \
-    X(crossover_hz,              1,      5000) /* at most pole_hz */ \
-    X(lead_percent,            100,     20000) /* pole over zero of the lead */ \
-    X(pole_hz,                  10,     40000) /* of the lead; at most step_hz / 5 */ \
-    X(integral_mhz,              0,   1000000) /* corner of PI; at most crossover_hz */ \
-    X(notch_hz,                  0,     50000) /* 0: none; step_hz / 1000 .. step_hz / 4 */ \
-    X(notch_zero_permille,       0,      2000) /* damping of its zeros; at most that of its poles */ \
-    X(notch_pole_permille,       1,      2000) /* damping of its poles */ \
-    X(scale_delay_ns,            0,    200000) /* age of a reading */ \
-    X(force_delay_ns,            0,    500000) /* whole delay of the force, its hold included */ \
-    X(drag_mn_s_per_m,           0,  10000000) /* of the feed-forward, as the next two */ \
-    X(friction_mn,               0,    200000) \
-    X(stiffness_n_per_m,         0, 100000000) \
-    X(force_limit_mn,          200,   4000000) /* at most 15 times the continuous force */ \
-    X(force_rate_n_per_ms,       1,   1000000) /* change of the force */ \
-    X(continuous_mn,           200,   4000000) /* force that is allowed for ever */ \
-    X(thermal_ms,              100,    200000) /* thermal time constant */
-// clang-format on
+/// X(name) of each physical quantity. Their ranges are those of the parameters servo_* of
+/// cam_param.h; step_hz is 500 .. 200 000 and scale_delay_ns 0 .. 200 000.
+#define CAM_SERVO_PARAMS(X)                                                                        \
+    X(step_hz)        /* rate of the loop */                                                       \
+    X(scale_delay_ns) /* age of a reading */                                                       \
+    CAM_SERVO_SET(X)
+
+/// Those that are set for a drive.
+#define CAM_SERVO_SET(X)                                                                           \
+    X(mass_g)              /* moving mass, of loop and feed-forward */                             \
+    X(crossover_hz)        /* 1 .. pole_hz */                                                      \
+    X(lead_percent)        /* pole over zero of the lead */                                        \
+    X(pole_hz)             /* of the lead; at most step_hz / 5 */                                  \
+    X(integral_mHz)        /* corner of PI; at most crossover_hz */                                \
+    X(notch_hz)            /* 0: none; step_hz / 1000 .. step_hz / 4 */                            \
+    X(notch_zero_permille) /* damping of its zeros; at most that of its poles */                   \
+    X(notch_pole_permille) /* damping of its poles */                                              \
+    X(force_delay_ns)      /* whole delay of the force, its hold included */                       \
+    X(drag_mn_s_per_m)     /* of the feed-forward, as the next two */                              \
+    X(friction_mn)                                                                                 \
+    X(stiffness_n_per_m)                                                                           \
+    X(force_limit_mn)      /* at most 15 times the continuous force */                             \
+    X(force_rate_n_per_ms) /* change of the force */                                               \
+    X(continuous_mn)       /* force that is allowed for ever */                                    \
+    X(thermal_ms)          /* thermal time constant */
 
 typedef struct {
-#define CAM_SERVO_FIELD(name, least, most) int32_t name; ///< least .. most
+#define CAM_SERVO_FIELD(name) int32_t name; ///< in its range
     CAM_SERVO_PARAMS(CAM_SERVO_FIELD)
 #undef CAM_SERVO_FIELD
 } cam_servo_params_t;
@@ -45,7 +48,7 @@ typedef struct {
 /// Parameter that cam_servo_design() refuses.
 typedef enum {
     cam_servo_refused_none,
-#define CAM_SERVO_NUMBER(name, least, most) cam_servo_refused_##name,
+#define CAM_SERVO_NUMBER(name) cam_servo_refused_##name,
     CAM_SERVO_PARAMS(CAM_SERVO_NUMBER)
 #undef CAM_SERVO_NUMBER
 } cam_servo_refused_t;
@@ -53,8 +56,8 @@ typedef enum {
 /// Calculate the coefficients. Its `ahead` is for a set-point that is due when the force acts:
 /// force_delay_ns after the latch of the step.
 /// @param cfg  result, unspecified after a refusal
-/// @return     first parameter that is out of its range or beyond its bound by another one, or
-///             mass_g, lead_percent, integral_mhz, drag_mn_s_per_m .. if its coefficient overflows
+/// @return     first parameter that is beyond its bound by another one, or
+///             mass_g, lead_percent, integral_mHz, drag_mn_s_per_m .. if its coefficient overflows
 CAM_MUST_USE cam_servo_refused_t cam_servo_design(const cam_servo_params_t *p,
                                                   cam_servo_config_t *cfg);
 

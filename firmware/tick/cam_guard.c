@@ -2,8 +2,11 @@
 #include "cam_guard.h"
 #include "cam_fix.h" // cam_clamp_i32, cam_sat_i32
 
+/// After these the drives are disabled at once: one of them, or the position loop, does not work.
+#define LOST (CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_travel) | CAM_FAULT_BIT(u_runaway))
 #define ARMED_IN_FAULT                                                                             \
-    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command))
+    (LOST | CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command) |                   \
+     CAM_FAULT_BIT(u_force))
 #define ARMED_MOVING (ARMED_IN_FAULT | CAM_FAULT_BIT(late_tick) | CAM_FAULT_BIT(table))
 #define ARMED_ENABLED (ARMED_MOVING | CAM_FAULT_BIT(index_missing))
 /// Jogging needs neither the spindle nor its encoder.
@@ -123,10 +126,10 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
 }
 
 /// Replace the set-points of play by those of the retract. The drives stay enabled until it has
-/// ended or one of them is not ready.
+/// ended, or a fault of LOST.
 static void write_retract(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m)
 {
-    const bool is_held = !m->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
+    const bool is_held = !m->is_retracted && (g->faults & LOST) == 0u;
     g->u_set_q6 = cam_sat_i32(m->axis[hal_axis_u].pos_q10 >> 4);
     r->want.state = cam_state_fault;
     r->want.spindle_mrpm = 0;

@@ -5,8 +5,9 @@
 /// is armed in the present state and takes over U: in that tick U continues with the speed and
 /// acceleration of its last step, because its new set-point is not trusted, and the spindle's
 /// set-point becomes 0. From the next tick on U retracts within its limits, X moves off by the
-/// clearance, Z brakes; then the enable drops. If a drive is not ready, the enable drops at once.
-/// FAULTS.md lists detection time, reaction and remedy of each fault. Context: ISR unless noted.
+/// clearance, Z brakes; then the enable drops. If a drive is not ready, or U's position loop does
+/// not work, the enable drops at once. FAULTS.md lists detection time, reaction and remedy of each
+/// fault. Context: ISR unless noted.
 #ifndef CAM_GUARD_H
 #define CAM_GUARD_H
 

@@ -42,17 +42,37 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
+/// The force of U, for the set-point and the verdict of the last tick. @return whether there is one
+static bool force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    if (cfg->force.is_used) {
+        cam_force_step_isr(&c->force, &cfg->force, r, c->command.u.nm, &c->motion.axis[hal_axis_u]);
+    }
+    return cfg->force.is_used;
+}
+
+static void servo_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    if (force_u(c, cfg, r)) {
+        hal_force_write_isr(r->force_q6);
+    }
+}
+
 /// Observe, play, guard, command. A refused command raises the fault `command` in the same tick.
 static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->config = cfg->generation;
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     cam_play_step_isr(&c->play, &cfg->play, r, &c->motion);
+    if (cfg->force.is_used) {
+        r->want.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
+    }
     cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
     if (!cam_axis_command_isr(&c->command, &cfg->command, r, &c->motion)) {
         cam_guard_refuse_isr(&c->guard, &cfg->guard, r, &c->motion);
         cam_axis_command_nearest_isr(&c->command, &cfg->command, r, &c->motion);
     }
+    c->force.is_on = (r->want.outputs & hal_out_enable) != 0u;
     r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
 }
 
@@ -81,6 +101,7 @@ static void plan_by_state(cam_t *c, const cam_config_t *cfg, const cam_tick_reco
     const int32_t by_nm = cam_jog_isr(&c->jog, &cfg->play, r, &c->motion);
     if (by_nm != 0) {
         cam_play_shift_isr(&c->play, by_nm * 64);
+        cam_force_shift_isr(&c->force, by_nm);
         c->guard.u_set_q6 = cam_sat_add(c->guard.u_set_q6, by_nm * 64);
         c->command.u.nm = cam_clamp_i32(c->command.u.nm + by_nm, -(1 << 25), (1 << 25) - 1);
     }
@@ -122,6 +143,7 @@ static void publish_isr(cam_t *c, const cam_tick_record_t *r)
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
+    (void)force_u(c, cfg, r);
     decide_isr(c, cfg, r);
     if (--c->until_plan <= 0) {
         plan_isr(c, cfg, r);
@@ -133,8 +155,9 @@ void cam_tick_isr(cam_t *c)
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
     cam_tick_record_t *r = begin_isr(c, cfg); // next record of the trace ring
     sense_isr(c, &r->in);                     // the only reads from the machine
+    servo_isr(c, cfg, r);                     // the force of U leaves before all else
     decide_isr(c, cfg, r);                    // observe -> play -> guard -> command
-    actuate_isr(c, r);                        // the only writes to the machine
+    actuate_isr(c, r);                        // all other writes to the machine
     if (--c->until_plan <= 0) {
         plan_isr(c, cfg, r);
     }

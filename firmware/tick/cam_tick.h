@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_tick: the interrupt, once per tick.
 ///
-///     sense -> observe -> play -> guard -> command -> actuate -> publish
+///     sense -> force of U -> observe -> play -> guard -> command -> actuate -> publish
 ///
 /// Every n-th tick also runs the plan (cam_plan.h) before it publishes. Only sense reads from the
-/// HAL, only actuate writes to it. The tick owns the set-points (cam_motion_t): play advances them,
-/// the guard checks them and replaces U's in a fault, command turns them into axis commands, and
-/// the plan writes their increments. All state is one struct: a test can run several controllers.
+/// HAL, and only actuate writes to it, with one exception: where U takes forces, its position loop
+/// runs right after sense on the set-point of the last tick, because each microsecond between the
+/// latch of the scale and the force costs stiffness (cam_force.h). The tick owns the set-points
+/// (cam_motion_t): play advances them, the guard checks them and replaces U's in a fault, command
+/// turns them into axis commands, and the plan writes their increments. All state is one struct: a
+/// test can run several controllers.
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
 
 #include "cam_acknowledge.h"  // cam_acknowledge_t
 #include "cam_config.h"       // cam_config_bank_t
+#include "cam_force.h"        // cam_force_t
 #include "cam_guard.h"        // cam_guard_t
 #include "cam_jog.h"          // cam_jog_t
 #include "cam_turn_bins.h"    // cam_turn_bins_t
@@ -33,6 +37,7 @@ typedef struct {
     cam_guard_t guard;
     cam_axis_command_t command;
     cam_switches_t switches;
+    cam_force_t force;   ///< where U takes forces
     cam_motion_t motion; ///< set-points and their increments
     cam_plan_t plan;
     cam_jog_t jog;

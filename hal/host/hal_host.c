@@ -58,6 +58,11 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     return hal_host.slow.scale[axis];
 }
 
+hal_force_t hal_force(void)
+{
+    return hal_host.slow.force;
+}
+
 hal_operator_t hal_operator(void)
 {
     return hal_host.slow.people;
@@ -265,6 +270,11 @@ uint32_t hal_inputs_read_isr(void)
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     hal_host.out.axis[axis] = *setpoint;
+}
+
+void hal_force_write_isr(int32_t force_q6)
+{
+    hal_host.out.force_q6 = force_q6;
 }
 
 void hal_swing_write_isr(const hal_swing_t *setpoint)

@@ -345,6 +345,12 @@ hal_trust_t hal_trust(void)
                          .is_required = port.config.is_trust_required};
 }
 
+/// U takes positions.
+hal_force_t hal_force(void)
+{
+    return (hal_force_t){0};
+}
+
 hal_operator_t hal_operator(void)
 {
     return lin_operator(&port.config);
@@ -375,6 +381,11 @@ uint32_t hal_inputs_read_isr(void)
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     port.commands.axis[axis] = *setpoint;
+}
+
+void hal_force_write_isr(int32_t force_q6)
+{
+    (void)force_q6;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -98,6 +98,12 @@ bool hal_measures_u(void)
     return port.setup.is_measured[hal_axis_u];
 }
 
+/// U takes positions.
+hal_force_t hal_force(void)
+{
+    return (hal_force_t){0};
+}
+
 hal_operator_t hal_operator(void)
 {
     return (hal_operator_t){.has_acknowledge = true, .is_acknowledge_waived = port.setup.is_waived};
@@ -266,6 +272,11 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     (void)setpoint;
+}
+
+void hal_force_write_isr(int32_t force_q6)
+{
+    (void)force_q6;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -16,6 +16,7 @@ int hal_init(void)
     for (int i = 0; i < hal_n_axes; i++) {
         mps2_machine.out.axis[i] = (hal_setpoint_t){0};
     }
+    mps2_machine.out.force_q6 = 0;
     mps2_machine.out.spindle_mrpm = 0;
     mps2_machine.out.outputs = 0;
     mps2_machine.out.swing = (hal_swing_t){0};
@@ -36,6 +37,11 @@ bool hal_has_edge_time(void)
 bool hal_measures_u(void)
 {
     return mps2_machine.slow.measures_u;
+}
+
+hal_force_t hal_force(void)
+{
+    return mps2_machine.slow.force;
 }
 
 /// No keys: the simulator checks the tables.
@@ -202,6 +208,11 @@ void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     mps2_machine.out.swing = *setpoint;
     mps2_machine.out.n_swing++;
+}
+
+void hal_force_write_isr(int32_t force_q6)
+{
+    mps2_machine.out.force_q6 = force_q6;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -206,6 +206,12 @@ static hal_axis_scale_t scale_of(int32_t full_nm, int32_t step_pm, uint32_t meas
     return scale;
 }
 
+/// U takes positions.
+hal_force_t hal_force(void)
+{
+    return (hal_force_t){0};
+}
+
 hal_operator_t hal_operator(void)
 {
     static const uint8_t secret[] = BOARD_SECRET;
@@ -324,6 +330,11 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
         stm_steps_set_isr(stm_step_z,
                           stm_steps(setpoint->pos_nm, BOARD_STEPS_Q32(BOARD_Z_STEP_PM)));
     }
+}
+
+void hal_force_write_isr(int32_t force_q6)
+{
+    (void)force_q6;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -52,6 +52,13 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     return (hal_axis_scale_t){0};
 }
 
+/// Return the step of the force and its age where an amplifier takes the force of U. Such an output
+/// must be 0 V from the reset on by hardware: wire the clear input of the DAC to the enable.
+hal_force_t hal_force(void)
+{
+    return (hal_force_t){0};
+}
+
 /// Return the operator controls: acknowledge button (hal_in_acknowledge), key switch (hal_in_key),
 /// secret for the challenge of remote tools. All zero is safe: nothing can be enabled. Waive the
 /// button only if the machine has its own button, which switches the drives.
@@ -221,6 +228,12 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     (void)axis;
     (void)setpoint;
+}
+
+/// Write the force at once, before any other output of the tick; nothing where U takes positions.
+void hal_force_write_isr(int32_t force_q6)
+{
+    (void)force_q6;
 }
 
 /// Pass the set-point to the drive, which continues at the given velocity until the next one.

@@ -17,7 +17,7 @@ sim_drive_config_t sim_drive_u_defaults(void)
         .mass_kg = 1.5,
         .force_limit_n = 600.0,
         .amplifier_hz = 2000.0,
-        .tuned_mass_kg = 1.5,
+        .force_quantum_n = 0.02,
     };
 }
 
@@ -123,7 +123,7 @@ static sim_friction_law_t law_of(const sim_drive_t *d, const sim_drive_config_t 
         .speed_micro_per_s = d->speed_micro_per_s,
         .friction_micro_per_s2 = config->friction_m_per_s2 * SIM_DRIVE_MICRO_PER_M,
     };
-    if (d->is_force) { // the loop limits the force; the slide has no limit of acceleration
+    if (d->is_force) { // the force is limited, not the acceleration
         law.stiffness_per_s2 = config->stiffness_n_per_m / config->mass_kg;
         law.drag_per_s = config->viscous_n_s_per_m / config->mass_kg;
         law.acceleration_micro_per_s2 = INFINITY;
@@ -149,12 +149,10 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
         .command_quantum_micro = config->command_quantum_micro,
         .per_force_micro_per_s2 =
             config->mass_kg > 0.0 ? SIM_DRIVE_MICRO_PER_M / config->mass_kg : 0.0,
+        .force_limit_n = config->force_limit_n,
         .is_force = config->kind == sim_drive_force,
         .is_relative = config->is_relative != 0.0,
     };
-    if (d->is_force) {
-        sim_servo_init(&d->servo, config, period_s);
-    }
     d->law = law_of(d, config);
     set_dead_time(d, config);
     for (uint32_t i = 0; i < sim_drive_ring; i++) {
@@ -250,14 +248,11 @@ static double delayed(const sim_drive_t *d, uint32_t ticks)
     return d->command_micro[(d->i_command - ticks) % sim_drive_ring];
 }
 
-/// @return the loop's output for a command, as force per mass
-static double servoed(sim_drive_t *d, double command_micro, bool is_enabled)
+/// @return the force of the next step per mass
+static double pushed(const sim_drive_t *d, bool is_enabled)
 {
-    if (!is_enabled || d->is_blocked) {
-        sim_servo_rest(&d->servo);
-        return 0.0;
-    }
-    return sim_servo_push(&d->servo, command_micro, quantised(d, d->pos_micro + d->beyond_micro));
+    const double force_n = sim_clamp(d->force_n, -d->force_limit_n, d->force_limit_n);
+    return is_enabled ? force_n * d->per_force_micro_per_s2 : 0.0;
 }
 
 /// A relative drive stands still at enable, whatever is commanded, and moves by what is added.
@@ -279,8 +274,7 @@ static void take(sim_drive_t *d, int32_t command_micro, bool is_enabled)
     d->was_enabled = is_enabled;
     const double command = input + d->origin_micro;
     d->i_command++;
-    d->command_micro[d->i_command % sim_drive_ring] =
-        d->is_force ? servoed(d, command, is_enabled) : command;
+    d->command_micro[d->i_command % sim_drive_ring] = d->is_force ? pushed(d, is_enabled) : command;
     d->middle_s = 0.0;
 }
 

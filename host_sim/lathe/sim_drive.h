@@ -19,13 +19,13 @@
 ///
 /// With Coulomb friction or an external force, sim_friction.h moves the drive instead, piece by
 /// piece; without them the result is the exact one above, bit for bit. A drive of kind force is a
-/// mass controlled by sim_servo.h; its dead time is between force command and amplifier.
+/// bare mass that takes forces, limited to the greatest one; its dead time is between the command
+/// and the amplifier. While it is disabled a brake stops it within the limit of its acceleration.
 #ifndef SIM_DRIVE_H
 #define SIM_DRIVE_H
 
 #include "sim_drive_config.h" // sim_drive_config_t
 #include "sim_friction.h"     // sim_friction_law_t
-#include "sim_servo.h"        // sim_servo_t
 #include <stdbool.h>          // bool
 #include <stdint.h>           // int32_t, uint32_t
 
@@ -70,12 +70,11 @@ typedef struct {
     bool is_relative;              ///< commands count from the one at enable
     bool was_enabled;              ///< in the last step
     double origin_micro;           ///< where the command 0 is
-    sim_servo_t servo;             ///< kind force
+    double force_n, force_limit_n; ///< kind force: command
     double push_micro_per_s2;      ///< kind force: output of the amplifier per mass
     sim_friction_law_t law;        ///< for sub-steps: friction, external force, kind force
     double disturb_micro_per_s2;   ///< acceleration by the external force
     double per_force_micro_per_s2; ///< [micro/s2 per N]
-    double beyond_micro;           ///< added to the slide's position by modes on the scale
     sim_drive_flow_t before;       ///< the piece before the delayed command changes
     sim_drive_flow_t after;        ///< the piece after it
     bool is_split;    ///< the dead time is not a whole number of steps: `before` takes time
@@ -90,13 +89,20 @@ typedef struct {
 void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double start_micro,
                     double period_s);
 
-/// Apply a command and advance by one period.
+/// Apply a command and advance by one period. A drive of kind force ignores the position.
 /// @param is_enabled  false: the drive brakes to rest within its limits and holds
 void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled);
 
 /// Likewise for another time than a period. The delay line still moves by one period.
 /// @param dt_s  above 0; slower than sim_drive_step()
 void sim_drive_step_in(sim_drive_t *d, int32_t command_micro, bool is_enabled, double dt_s);
+
+/// Set the force that the next steps command.
+/// @param force_n  positive: towards greater positions
+static inline void sim_drive_push(sim_drive_t *d, double force_n)
+{
+    d->force_n = force_n;
+}
 
 /// Apply an external force to the slide.
 /// @param force_n  signed, constant over the next step; no effect without a mass

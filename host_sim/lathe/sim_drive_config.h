@@ -9,7 +9,7 @@
 
 typedef enum {
     sim_drive_position, ///< takes positions; a closed loop of its own
-    sim_drive_force,    ///< takes forces: a mass, an amplifier and the loop of sim_servo.h
+    sim_drive_force,    ///< takes forces: a mass and an amplifier
 } sim_drive_kind_t;
 
 typedef struct {
@@ -28,10 +28,10 @@ typedef struct {
     double viscous_n_s_per_m;
     double stiffness_n_per_m;
     double force_limit_n;
-    double amplifier_hz;  ///< corner of the current loop
-    double tuned_mass_kg; ///< mass for which the position loop is tuned
-    uint32_t kind;        ///< sim_drive_kind_t
-    uint32_t reserved;    ///< 0
+    double force_quantum_n; ///< step of the amplifier's input
+    double amplifier_hz;    ///< corner of the current loop
+    uint32_t kind;          ///< sim_drive_kind_t
+    uint32_t reserved;      ///< 0
 } sim_drive_config_t;
 
 #endif

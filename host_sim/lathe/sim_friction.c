@@ -106,14 +106,14 @@ static void sub_step(const act_t *a, sim_friction_state_t *s, double h_s)
         double sign = s->vel_micro_per_s > 0.0 ? 1.0 : -1.0;
         if (s->vel_micro_per_s == 0.0) {
             const double force = acceleration(a, s);
-            if (sim_abs(force) <= friction) {
+            if (friction > 0.0 && sim_abs(force) <= friction) {
                 break;
             }
             sign = force > 0.0 ? 1.0 : -1.0;
         }
         const sim_friction_state_t from = *s;
         *s = after(a, &from, sign * friction, h_s);
-        if (sign * s->vel_micro_per_s >= 0.0) {
+        if (friction <= 0.0 || sign * s->vel_micro_per_s >= 0.0) {
             keep_speed(a->law, s, from.pos_micro, from.vel_micro_per_s, h_s);
             return;
         }

@@ -52,7 +52,7 @@ void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double ste
 /// @param from  state of the slide before the step
 static void follow_u(sim_lathe_t *l, sim_drive_place_t from, double first_s, double second_s)
 {
-    sim_drive_t *u = &l->drive[hal_axis_u];
+    const sim_drive_t *u = &l->drive[hal_axis_u];
     if (l->is_scale_ideal) {
         return;
     }
@@ -71,7 +71,6 @@ static void follow_u(sim_lathe_t *l, sim_drive_place_t from, double first_s, dou
         vel_micro_per_s += m->is_on_scale ? m->share * m->vel_micro_per_s : 0.0;
     }
     sim_scale_push(&l->scale, pos_micro, vel_micro_per_s);
-    u->beyond_micro = sim_scale_now_micro(&l->scale) - u->pos_micro;
 }
 
 /// @return commanded spindle speed; an injected fault overrides the set-point
@@ -86,6 +85,7 @@ void sim_lathe_step(sim_lathe_t *l, const sim_setpoints_t *set)
     const sim_drive_t *u = &l->drive[hal_axis_u];
     const sim_drive_place_t from = {u->pos_micro, u->vel_micro_per_s};
     sim_spindle_step(&l->spindle, spindle_rad_per_s(l, set), l->step_s);
+    sim_drive_push(&l->drive[hal_axis_u], set->force_n);
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         sim_drive_step(&l->drive[i], set->micro[i], set->is_enabled[i]);
     }
@@ -102,6 +102,7 @@ void sim_lathe_step_in(sim_lathe_t *l, const sim_setpoints_t *set, double dt_s)
     const sim_drive_t *u = &l->drive[hal_axis_u];
     const sim_drive_place_t from = {u->pos_micro, u->vel_micro_per_s};
     sim_spindle_step(&l->spindle, spindle_rad_per_s(l, set), dt_s);
+    sim_drive_push(&l->drive[hal_axis_u], set->force_n);
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         sim_drive_step_in(&l->drive[i], set->micro[i], set->is_enabled[i], dt_s);
     }

@@ -55,6 +55,7 @@ sim_lathe_config_t sim_lathe_defaults(void);
 /// Set-points of the controller for one step.
 typedef struct {
     double spindle_rad_per_s;
+    double force_n;                      ///< of U, where it takes forces
     int32_t micro[sim_lathe_n_drives];   ///< positions: nm of the axes, micro-degrees of the swing
     bool is_enabled[sim_lathe_n_drives]; ///< false: the drive brakes to rest and holds
 } sim_setpoints_t;

@@ -52,11 +52,6 @@ static double shown(const sim_scale_t *s, double seen_micro)
                : seen_micro;
 }
 
-double sim_scale_now_micro(const sim_scale_t *s)
-{
-    return shown(s, s->pos_micro[s->i]);
-}
-
 double sim_scale_read_micro(const sim_scale_t *s)
 {
     return shown(s, s->latency_steps > 0.0 ? earlier(s) : s->pos_micro[s->i]);

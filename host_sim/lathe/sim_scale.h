@@ -42,9 +42,6 @@ void sim_scale_init(sim_scale_t *s, const sim_scale_config_t *config, double pos
 /// Add the state after a step.
 void sim_scale_push(sim_scale_t *s, double pos_micro, double vel_micro_per_s);
 
-/// @return [micro] reading without latency, for the drive's own loop
-double sim_scale_now_micro(const sim_scale_t *s);
-
 /// @return [micro] reading before rounding to the quantum
 double sim_scale_read_micro(const sim_scale_t *s);
 

@@ -74,6 +74,7 @@ static const common_setting_t fields[] = {
     REAL("u", "viscous_n_s_per_m", drive[hal_axis_u].viscous_n_s_per_m, 0.0, 1e4),
     REAL("u", "stiffness_n_per_m", drive[hal_axis_u].stiffness_n_per_m, 0.0, 1e8),
     REAL("u", "force_limit_n", drive[hal_axis_u].force_limit_n, 0.1, 1e6),
+    REAL("u", "force_quantum_n", drive[hal_axis_u].force_quantum_n, 1e-6, 1000.0),
     REAL("u", "amplifier_hz", drive[hal_axis_u].amplifier_hz, 10.0, 100000.0),
     MODE("mode", 0),
     MODE("mode_2", 1),
@@ -281,10 +282,6 @@ bool sim_config_read(sim_config_t *config, const char *text, size_t size, const 
         !check_modes(&config->lathe, name, e) || !check_slots(&config->lathe, name, e)) {
         return false;
     }
-    // The loop of a force drive is tuned for the believed mass.
-    const double mass_kg = sim_config_believed(config)->drive[hal_axis_u].mass_kg;
-    config->lathe.drive[hal_axis_u].tuned_mass_kg = mass_kg;
-    config->believed.drive[hal_axis_u].tuned_mass_kg = mass_kg;
     return true;
 }
 

@@ -3,10 +3,10 @@
 ///
 ///     k1 = 2 d / w, k2 = 1 / w^2           the inverse of the U drive (sim_drive.h)
 ///     lead = dead time of U + half a tick  mean age of a held command
-///     k1, k2, lead of a force drive: those of the equivalent position drive (sim_servo.h)
-///     u_scale, u_scale_latency = quantum and latency of U's scale
-///     probe = three quanta, at least its default
-///     xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
+///     k1 = k2 = 0, lead = a tick + dead time + half a tick + lag of the amplifier for a force
+///     drive; crossover of its position loop = 0.07 / delay, at most 0.8 damping hz / share of a
+///     mode u_scale, u_scale_latency = quantum and latency of U's scale probe = three quanta, at
+///     least its default xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
 ///     swing_lag = dead time + half a tick + 2 d / w of the swing
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
 ///

@@ -2,6 +2,7 @@
 #include "sim_params.h"
 #include "cam_derived_limits.h" // cam_derived_limits_most
 #include "cam_gains.h"          // cam_gains_check
+#include "cam_servo_setup.h"    // cam_servo_setup
 #include <stdio.h>              // snprintf
 
 /// The largest acceleration of U up to the present one with which these gains are taken.
@@ -62,6 +63,25 @@ static bool refuse_gains(const cam_params_t *params, uint32_t tick_hz, common_er
     return common_error(e, "%s; change it, or them, in the machine file or by --set", refused);
 }
 
+/// Refuse the position loop of a U that takes forces. @return false
+static bool refuse_servo(const cam_params_t *params, uint32_t tick_hz, common_error_t *e)
+{
+    cam_servo_config_t made;
+    cam_param_id_t which = cam_n_params;
+    const cam_err_t err = cam_servo_setup(params, tick_hz, &made, &which);
+    if (err == cam_err_servo_force) {
+        const double needed_n =
+            (double)params->servo_mass_g * params->u_acceleration_mm_per_s2 * 1e-6;
+        return common_error(e,
+                            "refused: %s: %.6g N, limit %.6g N; give a smaller [u] "
+                            "acceleration_mm_per_s2 in the machine file, or a larger force_limit_n",
+                            cam_err_text(err), needed_n, params->servo_force_limit_mn * 1e-3);
+    }
+    return common_error(e, "parameter %s = %d: refused: %s; change the machine file or --set",
+                        cam_param_info(which)->name, (int)cam_param_get(params, which),
+                        cam_err_text(err));
+}
+
 static bool refuse(const cam_params_t *params, cam_param_id_t id, cam_err_t err, uint32_t tick_hz,
                    common_error_t *e)
 {
@@ -69,6 +89,9 @@ static bool refuse(const cam_params_t *params, cam_param_id_t id, cam_err_t err,
     const int value = (int)cam_param_get(params, id);
     if (err == cam_err_gain || err == cam_err_jerk) {
         return refuse_gains(params, tick_hz, e);
+    }
+    if (err == cam_err_servo || err == cam_err_servo_force) {
+        return refuse_servo(params, tick_hz, e);
     }
     if (err == cam_err_param_tick) {
         return common_error(e,
@@ -81,11 +104,20 @@ static bool refuse(const cam_params_t *params, cam_param_id_t id, cam_err_t err,
                         value, cam_err_text(err));
 }
 
+/// @return whether an error may vanish when the other parameters are set
+static bool may_vanish(cam_err_t err)
+{
+    return err == cam_err_gain || err == cam_err_jerk || err == cam_err_servo ||
+           err == cam_err_servo_force;
+}
+
 bool sim_params_apply(const cam_params_t *params, uint32_t tick_hz, sim_params_set_t set,
                       void *controller, common_error_t *e)
 {
     cam_param_id_t which = cam_n_params;
-    const bool are_gains_right = cam_gains_check(params, tick_hz, &which) == cam_ok;
+    cam_servo_config_t made;
+    const bool is_set_right = cam_gains_check(params, tick_hz, &which) == cam_ok &&
+                              cam_servo_setup(params, tick_hz, &made, &which) == cam_ok;
     bool is_left = true;
     for (uint32_t round = 0; round < cam_n_params && is_left; round++) {
         is_left = false;
@@ -96,7 +128,7 @@ bool sim_params_apply(const cam_params_t *params, uint32_t tick_hz, sim_params_s
             if (err == cam_err_busy) { // learning still adapts to the parameter set before
                 err = set(controller, id, value);
             }
-            const bool is_later = are_gains_right && (err == cam_err_gain || err == cam_err_jerk);
+            const bool is_later = is_set_right && may_vanish(err);
             is_left = is_left || is_later;
             if (err != cam_ok && !is_later) {
                 return refuse(params, id, err, tick_hz, e);

@@ -3,7 +3,7 @@
 ///
 /// A controller checks each change together with the earlier ones, so a valid set may pass invalid
 /// intermediate states: a slow U with small gains passes a slow U with the old gains. Parameters
-/// refused for their gains are therefore retried after the others.
+/// refused for their gains, or for the position loop of U, are therefore retried after the others.
 #ifndef SIM_PARAMS_H
 #define SIM_PARAMS_H
 

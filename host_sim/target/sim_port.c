@@ -13,6 +13,11 @@ void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm,
     hal_host.tick_hz = (uint32_t)config->tick_hz;
     (void)hal_init(); // the host port cannot fail
     hal_host.slow.measures_u = true;
+    const sim_drive_config_t *u = &config->drive[hal_axis_u];
+    if (u->kind == sim_drive_force) {
+        hal_host.slow.force = (hal_force_t){.quantum_un = (uint32_t)(u->force_quantum_n * 1e6),
+                                            .latency_ns = (uint32_t)(u->delay_us * 1e3)};
+    }
     hal_host.slow.has_edge_time = config->encoder.has_time_stamps != 0.0;
     p->n_shown = (uint32_t)cam_plan_ticks((uint32_t)config->tick_hz);
     for (int i = 0; i < hal_n_axes; i++) {
@@ -58,6 +63,14 @@ void sim_port_sense(sim_port_t *p)
     hal_host.in.axis_nm[hal_axis_z] += p->z_offset_nm;
 }
 
+/// @return the force of U in steps of the amplifier's input
+static double force_n(void)
+{
+    const double quantum_n = hal_host.slow.force.quantum_un * 1e-6;
+    const double wanted_n = hal_host.out.force_q6 / 64e3;
+    return quantum_n > 0.0 ? sim_round(wanted_n / quantum_n) * quantum_n : 0.0;
+}
+
 /// Read the firmware's outputs. Without a new set-point the drive of the swing continues at the
 /// speed of the last one; its angle may wrap.
 static sim_setpoints_t wanted(sim_port_t *p)
@@ -68,6 +81,7 @@ static sim_setpoints_t wanted(sim_port_t *p)
     p->n_swing = hal_host.out.n_swing;
     sim_setpoints_t set = {
         .spindle_rad_per_s = (double)hal_host.out.spindle_mrpm * (SIM_TWO_PI / 60000.0),
+        .force_n = force_n(),
     };
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         set.micro[i] = i == sim_lathe_swing

@@ -50,6 +50,7 @@ static bool start(sim_remote_t *r, const char *name, const char *image, common_e
     // The target's port must have the abilities of this one.
     r->request.head.port = (hal_has_edge_time() ? (uint32_t)pil_port_has_edge_time : 0u) |
                            (hal_measures_u() ? (uint32_t)pil_port_measures_u : 0u);
+    r->request.head.force = hal_force();
     (void)sim_remote_call(r, pil_op_init, hal_tick_hz(), (int32_t)hal_clock_hz());
     if (r->is_lost) {
         *e = r->error;
@@ -97,6 +98,7 @@ static void actuate(const pil_answer_t *answer)
     for (int i = 0; i < hal_n_axes; i++) {
         hal_axis_write_isr((hal_axis_t)i, &answer->axis[i]);
     }
+    hal_force_write_isr(answer->force_q6);
     hal_spindle_write_isr(answer->spindle_mrpm);
     hal_outputs_write_isr(answer->outputs);
     if (answer->n_swing != hal_host.out.n_swing) { // both count from hal_init()

@@ -35,6 +35,7 @@ typedef struct {
     } in;
     struct {
         hal_setpoint_t axis[hal_n_axes];
+        int32_t force_q6;     ///< [mN / 64] of U
         int32_t spindle_mrpm; ///< [r/min / 1000] signed
         uint32_t outputs;     ///< hal_out_*
         hal_swing_t swing;
@@ -64,6 +65,7 @@ typedef struct {
         bool has_edge_time;  ///< `in.encoder.edge_clock` is kept up to date
         bool measures_u;     ///< `in.axis_nm[hal_axis_u]` is a measurement
         uint32_t n_kept;     ///< [words] stored by hal_scope_keep()
+        hal_force_t force;                  ///< returned by hal_force()
         hal_axis_scale_t scale[hal_n_axes]; ///< returned by hal_axis_scale()
         hal_operator_t people;              ///< returned by hal_operator()
         hal_trust_t trust;                  ///< returned by hal_trust()

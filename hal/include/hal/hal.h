@@ -35,6 +35,8 @@ enum {
                                  ///< needs it (cam_acknowledge.h)
     hal_in_key = 0x400u, ///< 1: the key switch allows changes of limits, constants and tables
                          ///< (cam_rights.h)
+    hal_in_limit_u_low = 0x800u,   ///< 1: U stands at the limit switch of its lower end; only
+    hal_in_limit_u_high = 0x1000u, ///< 1: .. upper end; where U takes forces
 };
 
 /// Bits of hal_outputs_write_isr().
@@ -83,6 +85,12 @@ typedef struct {
     int32_t most_um_per_s; ///< [um/s] highest speed that the output can transmit; limits the
                            ///< parameters x_speed and z_speed
 } hal_axis_scale_t;
+
+/// Output of U's force: a torque or current amplifier.
+typedef struct {
+    uint32_t quantum_un; ///< [uN] smallest change of the force; 0: U takes positions
+    uint32_t latency_ns; ///< [ns] from the latch of U's scale to the change of the output
+} hal_force_t;
 
 /// Memory for the recorder and the excitation of U. main() writes it; during an excitation the
 /// interrupt reads one word per tick.
@@ -199,6 +207,11 @@ bool hal_measures_u(void);
 /// by the test, else 0.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis);
 
+/// @return the output of U's force, constant after hal_init(). If it has one, the firmware closes
+/// U's position loop (cam_force.h); its scale must be measured. Simulator: set by the test or
+/// machine file.
+hal_force_t hal_force(void);
+
 /// @return the operator controls, constant after hal_init(). Simulator: set by the test, else the
 /// acknowledge is waived and there is a key switch.
 hal_operator_t hal_operator(void);
@@ -314,7 +327,14 @@ int32_t hal_swing_read_q32_isr(void);
 /// @return bits hal_in_*, debounced if the wiring needs it; <= 20 cycles
 uint32_t hal_inputs_read_isr(void);
 
-// Port provides: interrupt, writes (only at the end of a tick)
+// Port provides: interrupt, writes (at the end of a tick, except the force)
+
+/// Write the force of U, positive where it drives U up; <= 30 cycles. It is called right after the
+/// reads, only where hal_force() states a quantum, and in every tick: 0 while the drives are not
+/// enabled. The output must be 0 V after every reset and while enable is low, by hardware: a force
+/// that is held for 10 ms moves U by many millimetres. Simulator: stores it for the machine models.
+/// @param force_q6  [mN / 64] the port rounds it to its quantum
+void hal_force_write_isr(int32_t force_q6);
 
 /// Write the set-point of an axis for the next period; <= 60 cycles. The port may ignore it while
 /// enable is low. Simulator: stores it for the machine models.

@@ -27,6 +27,7 @@ typedef struct {
     } in;
     struct {
         hal_setpoint_t axis[hal_n_axes];
+        int32_t force_q6;     ///< [mN / 64] of U
         int32_t spindle_mrpm; ///< [r/min / 1000] signed
         uint32_t outputs;     ///< hal_out_*
         hal_swing_t swing;
@@ -37,6 +38,7 @@ typedef struct {
         hal_can_frame_t received[mps2_can_frames]; ///< ring, newest at n_received - 1
         hal_can_frame_t sent[mps2_can_frames];     ///< ring, newest at n_sent - 1
         uint32_t n_received, n_read, n_sent;
+        hal_force_t force;  ///< returned by hal_force()
         bool has_edge_time; ///< `in.encoder.edge_clock` is kept up to date
         bool measures_u;    ///< `in.axis_nm[hal_axis_u]` is a measurement
     } slow;

@@ -28,6 +28,7 @@ static void init(void)
     pil_time = (pil_time_t){.tick_hz = request.a, .clock_hz = (uint32_t)request.b};
     mps2_machine.slow.has_edge_time = (request.port & pil_port_has_edge_time) != 0u;
     mps2_machine.slow.measures_u = (request.port & pil_port_measures_u) != 0u;
+    mps2_machine.slow.force = request.force;
     if (hal_init() != 0) {
         hal_halt("pil_main: the port cannot be used");
     }
@@ -47,6 +48,7 @@ static void tick(void)
     for (int i = 0; i < hal_n_axes; i++) {
         answer.axis[i] = mps2_machine.out.axis[i];
     }
+    answer.force_q6 = mps2_machine.out.force_q6;
     answer.spindle_mrpm = mps2_machine.out.spindle_mrpm;
     answer.outputs = mps2_machine.out.outputs;
     answer.swing = mps2_machine.out.swing;

@@ -61,8 +61,9 @@ typedef struct {
     uint32_t op; ///< pil_op_t
     uint32_t a;
     int32_t b;
-    uint32_t port;  ///< pil_port_*, of pil_op_init
-    uint32_t clock; ///< [1 / clock_hz] from here on: inputs of the tick
+    uint32_t port;     ///< pil_port_*, of pil_op_init
+    hal_force_t force; ///< likewise
+    uint32_t clock;    ///< [1 / clock_hz] from here on: inputs of the tick
     hal_encoder_t encoder;
     int32_t axis_nm[hal_n_axes];
     uint32_t inputs;
@@ -74,6 +75,7 @@ typedef struct {
     int32_t value;      ///< value of a parameter
     uint32_t n_records; ///< 1: `record` is valid
     uint32_t outputs;   ///< from here on: outputs of the tick
+    int32_t force_q6;
     int32_t spindle_mrpm;
     hal_setpoint_t axis[hal_n_axes];
     hal_swing_t swing;

@@ -11,7 +11,7 @@ static cam_servo_t servo;
 /// @return names of the parameters, in their order
 EXPORTED const char *servo_fields(void)
 {
-#define NAME(name, least, most) #name " "
+#define NAME(name) #name " "
     return CAM_SERVO_PARAMS(NAME);
 #undef NAME
 }

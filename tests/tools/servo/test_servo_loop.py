@@ -46,7 +46,7 @@ def params(loop: Loop, plant: Plant, **others: int) -> dict[str, int]:
         "crossover_hz": round(loop.crossover_hz),
         "lead_percent": round(loop.lead_ratio * 100.0),
         "pole_hz": math.floor(loop.pole_hz),
-        "integral_mhz": round(loop.integral_hz * 1e3),
+        "integral_mHz": round(loop.integral_hz * 1e3),
         "notch_hz": round(loop.notch_hz),
         "notch_zero_permille": round(loop.notch_zero * 1e3),
         "notch_pole_permille": round(loop.notch_pole * 1e3),

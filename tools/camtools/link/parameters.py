@@ -35,7 +35,7 @@ _HEAD = """\
 _GROUPS = {
     "encoder": ("counts_per", "encoder", "index", "jump", "observer", "eccentricity", "late"),
     "learning": ("learn", "probe", "ripple", "rehearse", "u_scale"),
-    "axis_u": ("u_", "lead", "k1", "k2", "following", "enable"),
+    "axis_u": ("u_", "lead", "k1", "k2", "following", "enable", "servo"),
     "axes_x_z": ("x_", "z_", "xz_"),
     "spindle": ("spindle", "stopped"),
     "swing": ("swing",),

@@ -25,7 +25,7 @@ static double complex response(double complex s, double complex s_notch, double 
     const double wc = 2.0 * PI * p.crossover_hz;
     const double wp = 2.0 * PI * p.pole_hz;
     const double wz = wp / (p.lead_percent / 100.0);
-    const double wi = 2.0 * PI * p.integral_mhz / 1000.0;
+    const double wi = 2.0 * PI * p.integral_mHz / 1000.0;
     const double k = p.mass_g / 1000.0 * wc * wc * cabs((1.0 + I * wc / wp) / (1.0 + I * wc / wz));
     const double zero = p.notch_zero_permille / 1000.0;
     const double pole = p.notch_pole_permille / 1000.0;
@@ -101,7 +101,7 @@ static void test_response_at_other_rates_masses_and_loops(void)
     p.crossover_hz = 20;
     p.lead_percent = 1000;
     p.pole_hz = 100;
-    p.integral_mhz = 1000;
+    p.integral_mHz = 1000;
     expect_response(discrete_response(25.0), measured(20000.0, 25, 20000), 2e-3);
 }
 
@@ -111,7 +111,7 @@ static double step_response(int n)
     const double x = PI * p.pole_hz / p.step_hz;
     const double complex far = response(1e9, 1e9, 1.0); // its limits give the parts
     const double ki = creal(response(1e-9, 1.0, 1.0)) * 1e-9;
-    const double wi = 2.0 * PI * p.integral_mhz / 1000.0;
+    const double wi = 2.0 * PI * p.integral_mHz / 1000.0;
     const double tau = (p.lead_percent / 100.0 - 1.0) / (2.0 * PI * p.pole_hz);
     const double kp = ki / wi * (1.0 + wi * tau);
     const double kd = (creal(far) - kp) / (1.0 + x);
@@ -138,7 +138,7 @@ static void test_step_of_the_error(void)
 /// No limit cycle: without an integral a constant error ends in one force, or two that adjoin.
 static void test_constant_error_gives_a_constant_force(void)
 {
-    p.integral_mhz = 0;
+    p.integral_mHz = 0;
     p.stiffness_n_per_m = 0;
     const cam_servo_config_t c = bench_config(&p);
     for (int32_t error = -3000; error < 3000; error += 7) {

@@ -72,6 +72,9 @@ static void cause(cam_fault_t fault, int32_t beyond)
     case cam_fault_swing:
     case cam_fault_command:
     case cam_fault_corrupt:
+    case cam_fault_u_travel:
+    case cam_fault_u_runaway:
+    case cam_fault_u_force:
         want.faults = mask;
         break;
     case cam_fault_reverse:
@@ -127,6 +130,9 @@ static bool is_armed(cam_fault_t fault, cam_state_t state)
         [cam_fault_swing] = "w",
         [cam_fault_command] = "hrwfm",
         [cam_fault_corrupt] = "",
+        [cam_fault_u_travel] = "hrwfm",
+        [cam_fault_u_runaway] = "hrwfm",
+        [cam_fault_u_force] = "hrwfm",
     };
     static const char letter[cam_n_states] = "ohrwwwfwrmw";
     return strchr(armed[fault], letter[state]) != NULL;

@@ -14,6 +14,8 @@ static uint32_t now_clocks;
 static hal_encoder_t encoder;
 static hal_setpoint_t written[hal_n_axes];
 static uint32_t outputs;
+static bool takes_force;
+static int32_t force_q6, most_force_q6;
 static int32_t spindle_mrpm;
 static cam_t core;
 static cam_machine_t machine;
@@ -104,6 +106,18 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     return (hal_axis_scale_t){0};
 }
 
+hal_force_t hal_force(void)
+{
+    return (hal_force_t){.quantum_un = takes_force ? 20000u : 0u};
+}
+
+void hal_force_write_isr(int32_t wanted_q6)
+{
+    note('F');
+    force_q6 = wanted_q6;
+    most_force_q6 = wanted_q6 > most_force_q6 ? wanted_q6 : most_force_q6;
+}
+
 void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     (void)setpoint;
@@ -140,7 +154,7 @@ _Noreturn void hal_halt(const char *why)
     abort();
 }
 
-void setUp(void)
+static void start(void)
 {
     const fixture_part_t part = fixture_part_short();
     memset(written, 0, sizeof written);
@@ -151,6 +165,14 @@ void setUp(void)
     cam_tick_isr(&core);
     fixture_image_make(&image, &part);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_select_table(&machine, image.bytes, image.size));
+}
+
+void setUp(void)
+{
+    takes_force = false;
+    force_q6 = 0;
+    most_force_q6 = 0;
+    start();
 }
 
 /// One tick; counts of the spindle in the tick at 2500 r/min: 20.8.
@@ -178,10 +200,12 @@ static uint32_t times(char what)
 
 static void expect_order(void)
 {
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(takes_force ? 1 : 0, times('F'), calls);
     uint32_t n_reads = 0;
     while (n_reads < n_calls && calls[n_reads] >= 'a') {
         n_reads++;
     }
+    TEST_ASSERT_TRUE_MESSAGE(!takes_force || calls[n_reads] == 'F', calls); // before all else
     for (uint32_t i = n_reads; i < n_calls; i++) {
         TEST_ASSERT_TRUE_MESSAGE(calls[i] < 'a', calls);
     }
@@ -224,6 +248,7 @@ static void test_tick_writes_what_it_records_and_publishes(void)
         TEST_ASSERT_FALSE(cam_trace_pop(&core.trace, &(cam_tick_record_t){0}));
         TEST_ASSERT_EQUAL_MEMORY(r.out, written, sizeof written);
         TEST_ASSERT_EQUAL_HEX32(r.want.outputs, outputs);
+        TEST_ASSERT_EQUAL_INT32(r.force_q6, force_q6);
         TEST_ASSERT_EQUAL_INT32(r.want.spindle_mrpm, spindle_mrpm);
         TEST_ASSERT_EQUAL_UINT32(now_clocks, r.in.clock);
         TEST_ASSERT_EQUAL_UINT32(encoder.counts, r.in.encoder.counts);
@@ -243,4 +268,18 @@ static void test_tick_writes_what_it_records_and_publishes(void)
                                  s.following_nm);
     }
     TEST_ASSERT_EQUAL_INT(cam_state_ready, cam_machine_status(&machine).state);
+}
+
+static void test_force_leaves_before_all_other_writes(void)
+{
+    takes_force = true;
+    start();
+    tick(21u);
+    TEST_ASSERT_EQUAL_INT(cam_err_servo_none, cam_machine_enable(&machine));
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_set_param(&machine, cam_param_servo_crossover_hz, 300));
+    tick(21u);
+    test_tick_writes_what_it_records_and_publishes();
+    TEST_ASSERT_NOT_EQUAL_INT32(0, most_force_q6);
+    expect_order();
 }

@@ -83,7 +83,6 @@ static void test_what_is_believed_is_the_truth_but_for_its_keys(void)
     TEST_ASSERT_TRUE(believed->drive[0].bandwidth_hz == 270.0);
     TEST_ASSERT_TRUE(believed->drive[0].damping == 0.5);
     TEST_ASSERT_TRUE(config.lathe.drive[0].bandwidth_hz == 310.0);
-    TEST_ASSERT_TRUE(config.lathe.drive[0].tuned_mass_kg == 2.0);
 }
 
 static void test_nothing_is_believed_without_a_key(void)
@@ -92,13 +91,6 @@ static void test_nothing_is_believed_without_a_key(void)
     TEST_ASSERT_FALSE(config.has_belief);
     TEST_ASSERT_EQUAL_PTR(&config.lathe, sim_config_believed(&config));
     TEST_ASSERT_EQUAL_UINT32(sim_drive_force, config.lathe.drive[0].kind);
-}
-
-static void test_a_force_drive_is_tuned_for_the_mass_that_is_believed(void)
-{
-    TEST_ASSERT_TRUE_MESSAGE(load("[u]\nmass_kg = 2\n[believed.u]\nmass_kg = 1.8\n"), error.text);
-    TEST_ASSERT_TRUE(config.lathe.drive[0].tuned_mass_kg == 1.8);
-    TEST_ASSERT_TRUE(config.lathe.drive[0].mass_kg == 2.0);
 }
 
 static void test_refused_beliefs_name_line_and_reason(void)
@@ -121,6 +113,7 @@ static void test_ranges_of_the_effects_are_kept(void)
         "u]\nviscous_n_s_per_m = -1",
         "u]\nstiffness_n_per_m = -1",
         "u]\nforce_limit_n = 0",
+        "u]\nforce_quantum_n = 0",
         "u]\namplifier_hz = 9",
         "u]\ncommand_quantum_nm = -1",
         "x]\ncommand_quantum_nm = -1",

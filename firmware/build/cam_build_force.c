@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_build_inner.h"
+#include "cam_fix.h"         // cam_clamp_i64
+#include "cam_servo_setup.h" // cam_servo_setup
+#include "cam_units.h"       // cam_units_scale
+#include "hal/hal.h"         // hal_force
+
+enum { observer_hz = 100 }; ///< bandwidth of the observer, at most a twentieth of the tick rate
+
+cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uint32_t tick_hz)
+{
+    const cam_params_t *p = params;
+    const int64_t tick2 = (int64_t)tick_hz * tick_hz;
+    *c = (cam_force_config_t){.is_used = hal_force().quantum_un > 0u};
+    cam_param_id_t which = cam_n_params;
+    const cam_err_t err = cam_servo_setup(params, tick_hz, &c->servo, &which);
+    if (!c->is_used || err != cam_ok) {
+        return err;
+    }
+    const int64_t hz = cam_clamp_i64(observer_hz, 1, tick_hz / 20);
+    const int64_t omega_q24 = cam_units_scale(hz, 105414357, tick_hz); // 2 pi hz T
+    // a force of 1 mN / 64 moves 1 g by 10^9 / 64 nm/s^2; times 64
+    const int64_t motion_q24 =
+        cam_units_scale(INT64_C(1000000000) << 24, 1, tick2 * p->servo_mass_g);
+    // half of the greatest deceleration, twice
+    const int64_t braking_nm =
+        cam_units_scale(p->servo_force_limit_mn, INT64_C(1000000000), tick2 * p->servo_mass_g);
+    c->motion_q24 = (int32_t)cam_clamp_i64(motion_q24, 1, INT32_MAX);
+    c->pos_q18 = (int32_t)(omega_q24 >> 5);
+    c->vel_q24 = (int32_t)((omega_q24 * omega_q24) >> 24);
+    c->runaway_q6 = p->servo_runaway_nm * 64;
+    c->braking_nm = (int32_t)cam_clamp_i64(braking_nm, 1, INT32_MAX);
+    c->limited_ticks = (uint32_t)cam_units_scale(p->servo_limited_ms, tick_hz, 1000);
+    return cam_ok;
+}

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_servo_setup.h"
+#include "cam_servo_design.h" // cam_servo_design
+#include "hal/hal.h"          // hal_force
+
+/// @return the parameter that a refusal of the design means
+static cam_param_id_t refused_param(cam_servo_refused_t refused)
+{
+    static const cam_param_id_t ids[] = {cam_n_params, cam_n_params, cam_param_u_scale_latency_ns,
+#define PARAM_ID(name) cam_param_servo_##name,
+                                         CAM_SERVO_SET(PARAM_ID)
+#undef PARAM_ID
+    };
+    return ids[refused];
+}
+
+cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_servo_config_t *cfg,
+                          cam_param_id_t *which)
+{
+    *cfg = (cam_servo_config_t){0};
+    if (hal_force().quantum_un == 0u || params->servo_crossover_hz == 0) {
+        return cam_ok;
+    }
+    const cam_servo_params_t physical = {.step_hz = (int32_t)tick_hz,
+                                         .scale_delay_ns = params->u_scale_latency_ns,
+#define FIELD(name) .name = params->servo_##name,
+                                         CAM_SERVO_SET(FIELD)
+#undef FIELD
+    };
+    const cam_servo_refused_t refused = cam_servo_design(&physical, cfg);
+    if (refused != cam_servo_refused_none) {
+        *which = refused_param(refused);
+        return cam_err_servo;
+    }
+    const int64_t needed_un = (int64_t)params->servo_mass_g * params->u_acceleration_mm_per_s2;
+    *which = cam_param_servo_force_limit_mn;
+    return needed_un > INT64_C(1000) * params->servo_force_limit_mn ? cam_err_servo_force : cam_ok;
+}

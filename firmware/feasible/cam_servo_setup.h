@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_servo_setup: the parameters servo_* as a position loop of U.
+/// Context: slow side, integers only.
+#ifndef CAM_SERVO_SETUP_H
+#define CAM_SERVO_SETUP_H
+
+#include "cam_err.h"   // cam_err_t, CAM_MUST_USE
+#include "cam_param.h" // cam_params_t, cam_param_id_t
+#include "cam_servo.h" // cam_servo_config_t
+#include <stdint.h>    // uint32_t
+
+/// Check the parameters, and calculate the coefficients. Nothing is checked while the port takes
+/// positions for U or servo_crossover_hz is 0.
+/// @param cfg    result; all 0 where nothing is checked
+/// @param which  result, the parameter that is refused
+/// @return       cam_ok, cam_err_servo, or cam_err_servo_force where mass times u_acceleration is
+///               more than the force limit
+CAM_MUST_USE cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz,
+                                       cam_servo_config_t *cfg, cam_param_id_t *which);
+
+#endif

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_force.h"
+#include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_sat_i32
+
+/// @return [nm / 64] within the range of a word
+static int32_t to_q6(int32_t nm)
+{
+    return cam_clamp_i32(nm, -(1 << 25), (1 << 25) - 1) * 64;
+}
+
+void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
+                        int32_t set_nm, const cam_axis_motion_t *u)
+{
+    const cam_servo_input_t in = {.set_q6 = to_q6(set_nm),
+                                  .vel_q10 = u->vel_q10,
+                                  .acc_q10 = u->acc_q10,
+                                  .actual_q6 = to_q6(r->in.actual_nm[hal_axis_u])};
+    r->force_q6 = 0;
+    if (f->is_on) {
+        if (!f->was_on) {
+            cam_servo_start_isr(&f->servo, &cfg->servo, &in);
+        }
+        r->force_q6 = cam_servo_step_isr(&f->servo, &cfg->servo, &in);
+    } else {
+        cam_servo_rest_isr(&f->servo, &cfg->servo);
+    }
+    f->was_on = f->is_on;
+}
+
+/// Compare the reading with the observer, then move the observer to the next tick.
+/// @return [nm / 64] reading minus observer
+static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, const cam_tick_record_t *r)
+{
+    const int64_t read_q24 = (int64_t)r->in.actual_nm[hal_axis_u] << 24;
+    if (!f->was_on) {
+        f->pos_q24 = read_q24;
+        f->vel_q24 = 0;
+    }
+    const int32_t off_q6 = cam_sat_i32((read_q24 - f->pos_q24) >> 18);
+    const int64_t push_q30 =
+        (int64_t)off_q6 * cfg->vel_q24 + (int64_t)r->force_q6 * cfg->motion_q24;
+    f->pos_q24 += f->vel_q24 + (int64_t)off_q6 * cfg->pos_q18;
+    f->vel_q24 += push_q30 >> 6;
+    return off_q6;
+}
+
+/// @return whether U is beyond its travel, or cannot stop before its end: v^2 > 2 a s
+static bool is_beyond(const cam_force_config_t *cfg, int32_t pos_nm, int32_t vel_nm)
+{
+    const int32_t left_nm = vel_nm < 0 ? cfg->travel_nm + pos_nm : cfg->travel_nm - pos_nm;
+    return left_nm < 0 || (int64_t)vel_nm * vel_nm > (int64_t)cfg->braking_nm * left_nm;
+}
+
+/// @return whether a limit switch stops U; in manual one that U leaves does not
+static bool is_at_line(uint32_t inputs, const cam_motion_t *m)
+{
+    const int32_t vel_q10 = m->axis[hal_axis_u].vel_q10;
+    const bool is_by_hand = m->state == cam_state_manual;
+    const bool is_low = (inputs & hal_in_limit_u_low) != 0u;
+    const bool is_high = (inputs & hal_in_limit_u_high) != 0u;
+    return (is_low && (!is_by_hand || vel_q10 < 0)) || (is_high && (!is_by_hand || vel_q10 > 0));
+}
+
+uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
+                             const cam_tick_record_t *r, const cam_motion_t *m)
+{
+    const int32_t off_q6 = observe(f, cfg, r);
+    if (!f->was_on) {
+        f->n_limited = 0;
+        return 0;
+    }
+    const int32_t vel_nm = cam_sat_i32(f->vel_q24 >> 24);
+    const bool is_lost =
+        m->state != cam_state_manual && is_beyond(cfg, r->in.actual_nm[hal_axis_u], vel_nm);
+    f->n_limited = f->servo.is_limited ? f->n_limited + 1u : f->n_limited - (f->n_limited > 0u);
+    return (is_lost || is_at_line(r->in.inputs, m) ? CAM_FAULT_BIT(u_travel) : 0u) |
+           (cam_is_within(off_q6, cfg->runaway_q6) ? 0u : CAM_FAULT_BIT(u_runaway)) |
+           (f->n_limited > cfg->limited_ticks ? CAM_FAULT_BIT(u_force) : 0u);
+}
+
+void cam_force_shift_isr(cam_force_t *f, int32_t by_nm)
+{
+    f->pos_q24 += (int64_t)by_nm << 24;
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_force: the force of a U that takes forces, and its supervision.
+///
+/// The position loop (cam_servo.h) runs right after the readings on what the last tick commanded:
+/// set-point, speed, acceleration and enable. Its set-point is looked up ahead by lead_ns, which
+/// for such a drive is one tick plus servo_force_delay_ns: then it is due when the force acts.
+///
+/// An observer follows U as a free mass under the force that was written. It has both poles at
+/// 100 Hz: an unknown force d keeps it d / (mass (2 pi 100 Hz)^2) away, 170 um at 100 N and 1.5 kg.
+///
+///     u_runaway   U deviates from its observer by more than servo_runaway_nm: a scale that is lost
+///                 or frozen, a reversed force, a U that is blocked. The enable drops at once.
+///     u_travel    U is beyond its stroke by more than its accepted following error, or too fast to
+///                 stop before that with half its force; or a limit switch is on, in manual only if
+///                 U moves towards it. The enable drops at once: before this U's set-point has
+///                 braked within the stroke, so the loop does not work.
+///     u_force     the force was at its limit for servo_limited_ms more than below it, for instance
+///                 at the continuous force of a hot motor. U retracts.
+///
+/// Source: MATHS.md (238). Context: ISR, constant time.
+#ifndef CAM_FORCE_H
+#define CAM_FORCE_H
+
+#include "cam_config.h" // cam_force_config_t
+#include "cam_record.h" // cam_tick_record_t, cam_motion_t
+#include "cam_servo.h"  // cam_servo_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int32_t, int64_t, uint32_t
+
+/// State; zero-initialised: off.
+typedef struct {
+    bool is_on;         ///< the last tick enabled the drives
+    bool was_on;        ///< ... and so did the one before
+    cam_servo_t servo;  ///< position loop
+    int64_t pos_q24;    ///< [nm / 2^24] observer
+    int64_t vel_q24;    ///< [nm / 2^24 per tick] observer
+    uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0
+} cam_force_t;
+
+/// Calculate the force; 0 while the drives are not enabled.
+/// @param r       inputs of the tick; r->force_q6 is the result
+/// @param set_nm  [nm] last command of U
+/// @param u       speed and acceleration of its set-point
+void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
+                        int32_t set_nm, const cam_axis_motion_t *u);
+
+/// Supervise U.
+/// @param r  with the force of this tick
+/// @return   faults u_travel, u_runaway, u_force or none
+uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
+                             const cam_tick_record_t *r, const cam_motion_t *m);
+
+/// Shift the observer, because U's origin shifts after this tick.
+void cam_force_shift_isr(cam_force_t *f, int32_t by_nm);
+
+#endif
