@@ -91,7 +91,11 @@ static range_t k2_range(const cam_machine_t *m)
 {
     const int64_t bound_us2 = cam_gains_bound(&m->params, cam_param_k2_us2, m->tick_hz);
     const int64_t k2_q16 = ticks2_q16(m, m->params.k2_us2);
-    return range_of(k2_q16, ticks2_q16(m, bound_us2), k2_q16 + spare_ticks2_q16);
+    // A loop of its own lags by the force that a wrong mass lacks, over the gain: here half the mass
+    const cam_servo_config_t *servo = &cam_machine_newest_config(m)->force.servo;
+    const int64_t mass_q16 =
+        servo->kp_q18 > 0 ? ((int64_t)servo->mass_q14 << 19) / servo->kp_q18 : 0;
+    return range_of(k2_q16, ticks2_q16(m, bound_us2), k2_q16 + spare_ticks2_q16 + mass_q16);
 }
 
 /// @return revolutions averaged for the ripple, at least two: the blend to a new mean takes one
