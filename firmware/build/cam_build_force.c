@@ -5,7 +5,7 @@
 #include "cam_units.h"       // cam_units_scale
 #include "hal/hal.h"         // hal_force
 
-enum { observer_hz = 100 }; ///< bandwidth of the observer, at most a twentieth of the tick rate
+enum { observer_hz = 300 }; ///< bandwidth of the observer, at most a twentieth of the tick rate
 
 cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uint32_t tick_hz)
 {

@@ -54,7 +54,8 @@
     X(faults,        r->want.faults,                       "latched, a bit each") \
     X(inputs,        r->in.inputs,                         "hal_in_*") \
     X(outputs,       r->want.outputs,                      "hal_out_*") \
-    X(config,        r->config,                            "generation of the configuration in force")
+    X(config,        r->config,                            "generation of the configuration in force") \
+    X(u_force_q6,    r->force_q6,                          "force of U, mN / 64; 0 where U takes positions")
 
 /// Fields of a recording: X(name, can be set, value, what). The value is an int32 or the bits of an
 /// uint32.

@@ -6,10 +6,12 @@
 /// for such a drive is one tick plus servo_force_delay_ns: then it is due when the force acts.
 ///
 /// An observer follows U as a free mass under the force that was written. It has both poles at
-/// 100 Hz: an unknown force d keeps it d / (mass (2 pi 100 Hz)^2) away, 170 um at 100 N and 1.5 kg.
+/// 300 Hz: an unknown force d keeps it d / (mass (2 pi 300 Hz)^2) away, 19 um at 100 N and 1.5 kg.
 ///
-///     u_runaway   U deviates from its observer by more than servo_runaway_nm: a scale that is lost
-///                 or frozen, a reversed force, a U that is blocked. The enable drops at once.
+///     u_runaway   U deviates from its observer by more than servo_runaway_nm: a reversed force, a
+///     U
+///                 that is blocked or pushed. Or its reading stands, to the last digit, while it is
+///                 due a quarter of that farther: a frozen scale. The enable drops at once.
 ///     u_travel    U is beyond its stroke by more than its accepted following error, or too fast to
 ///                 stop before that with half its force; or a limit switch is on, in manual only if
 ///                 U moves towards it. The enable drops at once: before this U's set-point has
@@ -34,6 +36,8 @@ typedef struct {
     cam_servo_t servo;  ///< position loop
     int64_t pos_q24;    ///< [nm / 2^24] observer
     int64_t vel_q24;    ///< [nm / 2^24 per tick] observer
+    int32_t still_nm;   ///< [nm] last reading
+    int32_t due_q6;     ///< [nm / 64] where U was due when the reading last changed
     uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0
 } cam_force_t;
 

@@ -338,6 +338,12 @@ void hal_host_fault_bus(bool is_lost)
     set_input(hal_in_bus_lost, is_lost);
 }
 
+void hal_host_u_limits(bool is_low, bool is_high)
+{
+    set_input(hal_in_limit_u_low, is_low);
+    set_input(hal_in_limit_u_high, is_high);
+}
+
 void hal_host_press(bool is_pressed)
 {
     set_input(hal_in_acknowledge, is_pressed);

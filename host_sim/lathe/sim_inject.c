@@ -32,6 +32,10 @@ static const kind_t kinds[sim_n_injects] = {
     [sim_inject_spindle_stop] = {.name = "spindle-stop"},
     [sim_inject_z_offset] = {"z-offset", "mm", -1000.0, 1000.0, false, sim_inject_in_run},
     [sim_inject_u_block] = {.name = "u-block"},
+    [sim_inject_u_scale_stuck] = {.name = "u-scale-stuck"},
+    [sim_inject_u_reversed] = {.name = "u-reversed", .places = sim_inject_in_run},
+    [sim_inject_u_push] = {"u-push", "newton", -10000.0, 10000.0, false, sim_inject_in_run},
+    [sim_inject_u_limit] = {"u-limit", "-1, 0 or 1", -1.0, 1.0, true, sim_inject_in_run},
     [sim_inject_swing_block] = {.name = "swing-block", .places = sim_inject_in_run},
     [sim_inject_table_flip] = {"table-flip", "byte", 0.0, 4294967295.0, true, sim_inject_in_run},
     [sim_inject_stop] = {.name = "stop", .places = sim_inject_in_run},
@@ -151,6 +155,17 @@ void sim_inject_apply(const sim_inject_t *inject, sim_lathe_t *l, int direction)
         break;
     case sim_inject_u_block:
         l->drive[hal_axis_u].is_blocked = true;
+        break;
+    case sim_inject_u_scale_stuck:
+        l->stuck_micro = sim_lathe_measured_micro(l, hal_axis_u);
+        l->is_scale_stuck = true;
+        break;
+    case sim_inject_u_reversed:
+        l->is_force_reversed = true;
+        break;
+    case sim_inject_u_push:
+        l->push_n = inject->value;
+        sim_lathe_bite(l, 0.0);
         break;
     case sim_inject_swing_block:
         l->drive[sim_lathe_swing].is_blocked = true;

@@ -23,6 +23,10 @@
 /// | spindle-stop | | the spindle brakes to rest |
 /// | z-offset | mm | measured Z is off by this much |
 /// | u-block | | U stops moving |
+/// | u-scale-stuck | | the reading of U's scale stops |
+/// | u-reversed | | the force of U acts in the other direction |
+/// | u-push | newton | a force on U, until another one |
+/// | u-limit | -1, 0, 1 | the limit switch of U's lower end, none, that of its upper end is on |
 /// | swing-block | | the swing of the tool stops moving |
 /// | table-flip | byte | one bit of this byte of the table image flips in memory |
 /// | stop | | the operator's stop command |
@@ -67,6 +71,10 @@ typedef enum {
     sim_inject_spindle_stop,
     sim_inject_z_offset,
     sim_inject_u_block,
+    sim_inject_u_scale_stuck,
+    sim_inject_u_reversed,
+    sim_inject_u_push,
+    sim_inject_u_limit,
     sim_inject_swing_block,
     sim_inject_table_flip,
     sim_inject_stop,

@@ -85,7 +85,7 @@ void sim_lathe_step(sim_lathe_t *l, const sim_setpoints_t *set)
     const sim_drive_t *u = &l->drive[hal_axis_u];
     const sim_drive_place_t from = {u->pos_micro, u->vel_micro_per_s};
     sim_spindle_step(&l->spindle, spindle_rad_per_s(l, set), l->step_s);
-    sim_drive_push(&l->drive[hal_axis_u], set->force_n);
+    sim_drive_push(&l->drive[hal_axis_u], l->is_force_reversed ? -set->force_n : set->force_n);
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         sim_drive_step(&l->drive[i], set->micro[i], set->is_enabled[i]);
     }
@@ -102,7 +102,7 @@ void sim_lathe_step_in(sim_lathe_t *l, const sim_setpoints_t *set, double dt_s)
     const sim_drive_t *u = &l->drive[hal_axis_u];
     const sim_drive_place_t from = {u->pos_micro, u->vel_micro_per_s};
     sim_spindle_step(&l->spindle, spindle_rad_per_s(l, set), dt_s);
-    sim_drive_push(&l->drive[hal_axis_u], set->force_n);
+    sim_drive_push(&l->drive[hal_axis_u], l->is_force_reversed ? -set->force_n : set->force_n);
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         sim_drive_step_in(&l->drive[i], set->micro[i], set->is_enabled[i], dt_s);
     }
@@ -127,12 +127,15 @@ void sim_lathe_bite(sim_lathe_t *l, double depth_mm)
     const double turns_per_s = l->spindle.speed_rad_per_s / SIM_TWO_PI;
     const double z_mm_per_s = l->drive[hal_axis_z].vel_micro_per_s / SIM_MICRO;
     l->chip_n = sim_chip_force_n(&l->chip, depth_mm, z_mm_per_s, turns_per_s);
-    sim_drive_disturb(&l->drive[hal_axis_u], -l->chip_n);
+    sim_drive_disturb(&l->drive[hal_axis_u], l->push_n - l->chip_n);
 }
 
 int32_t sim_lathe_measured_micro(const sim_lathe_t *l, int drive)
 {
     const sim_drive_t *d = &l->drive[drive];
+    if (drive == hal_axis_u && l->is_scale_stuck) {
+        return l->stuck_micro;
+    }
     if (drive != hal_axis_u || d->is_blocked || l->is_scale_ideal) {
         return sim_drive_measured_micro(d);
     }

@@ -81,7 +81,11 @@ typedef struct {
     double chip_n;   ///< present radial cutting force
     double unread_s; ///< time since the last reading of the encoder
     // injected faults
-    bool is_speed_forced; ///< the spindle runs at forced_rad_per_s, whatever is commanded
+    bool is_scale_stuck;    ///< the scale of U shows stuck_micro
+    int32_t stuck_micro;    ///< reading at the moment it stuck
+    bool is_force_reversed; ///< the force of U acts against its command
+    double push_n;          ///< force on U besides that of the chip
+    bool is_speed_forced;   ///< the spindle runs at forced_rad_per_s, whatever is commanded
     double forced_rad_per_s;
     bool is_reversed;           ///< the spindle turns against its set-point
     uint32_t count_offset;      ///< [counts] added to the counter and to the index latch

@@ -9,7 +9,7 @@ static const char trace_header[] =
     "config,pos_q32,speed_q32,z_nm,u_set_q6,u_due_q6,"
     "in_clock,in_counts,in_index_counts,in_n_index,in_u_nm,in_x_nm,in_z_nm,in_inputs,in_request,"
     "out_u_nm,out_u_vel_q10,out_u_acc_q10,out_x_nm,out_x_vel_q10,out_x_acc_q10,"
-    "out_z_nm,out_z_vel_q10,out_z_acc_q10,out_spindle_mrpm,out_outputs";
+    "out_z_nm,out_z_vel_q10,out_z_acc_q10,out_force_q6,out_spindle_mrpm,out_outputs";
 
 void sim_trace_header(sim_out_t *o, const sim_cut_t *cut)
 {
@@ -66,6 +66,7 @@ static void record_columns(sim_out_t *o, const cam_tick_record_t *r)
         sim_out_integer_column(o, r->out[i].vel_q10);
         sim_out_integer_column(o, r->out[i].acc_q10);
     }
+    sim_out_integer_column(o, r->force_q6);
     sim_out_integer_column(o, r->want.spindle_mrpm);
     sim_out_integer_column(o, r->want.outputs);
 }

@@ -128,6 +128,9 @@ void sim_port_inject(sim_port_t *p, const sim_inject_t *inject, int direction)
     case sim_inject_key:
         hal_host_turn_key(inject->value != 0.0);
         break;
+    case sim_inject_u_limit:
+        hal_host_u_limits(inject->value<0.0, inject->value> 0.0);
+        break;
     case sim_inject_late_tick:
         hal_host_fault_late((uint32_t)inject->value);
         p->late_s += (double)hal_host.late_clocks / hal_host_clock_hz;

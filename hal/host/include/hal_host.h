@@ -65,7 +65,7 @@ typedef struct {
         bool has_edge_time;  ///< `in.encoder.edge_clock` is kept up to date
         bool measures_u;     ///< `in.axis_nm[hal_axis_u]` is a measurement
         uint32_t n_kept;     ///< [words] stored by hal_scope_keep()
-        hal_force_t force;                  ///< returned by hal_force()
+        hal_force_t force;   ///< returned by hal_force()
         hal_axis_scale_t scale[hal_n_axes]; ///< returned by hal_axis_scale()
         hal_operator_t people;              ///< returned by hal_operator()
         hal_trust_t trust;                  ///< returned by hal_trust()
@@ -112,6 +112,9 @@ void hal_host_fault_drive(bool is_failed);
 
 /// Lose a field-bus node, or restore it.
 void hal_host_fault_bus(bool is_lost);
+
+/// Switch the limit switches of U on or off.
+void hal_host_u_limits(bool is_low, bool is_high);
 
 /// Press or release the acknowledge button.
 void hal_host_press(bool is_pressed);
