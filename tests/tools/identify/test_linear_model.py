@@ -146,6 +146,27 @@ def test_friction_is_not_linear(friction_m_s2: float) -> None:
     assert all(one.startswith("friction") for one in found.problems)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.03])
+def test_asymmetrical_drive_is_not_linear(share: float) -> None:
+    """A motor that pulls more than it pushes answers at twice the frequency."""
+    u_nm = smooth_noise(13, 50_000.0)[:20_000]
+    bent_nm = u_nm + share * u_nm**2 / 50_000.0
+    record = drive_record(Plant(), bent_nm, 14)._replace(u=u_nm * 1e-9)
+    problems = identify_record(record).problems
+    assert len(problems) == (share > 0), problems
+    assert all(one.startswith("a square term of the command") for one in problems)
+
+
+@pytest.mark.parametrize("n", [4000, 30_000])
+@pytest.mark.parametrize("last", [0.5, 1.0])
+def test_single_step_is_refused(n: int, last: float) -> None:
+    """A step, or a step and back, with one sentence that names what to record instead."""
+    part = np.arange(n) / n
+    record = drive_record(Plant(), np.where((part > 0.33) & (part < last), 50_000.0, 0.0), 14)
+    with pytest.raises(CamtoolsError, match="a single step is not enough; record noise, a sweep"):
+        identify_record(record)
+
+
 def saturated(force_n: Floats, most_n: float) -> Floats:
     """Return the position [m] of the oscillator whose actuator gives at most a force."""
     return oscillator(np.clip(force_n, -most_n, most_n))

@@ -68,7 +68,9 @@ def test_wrong_points_do_not_count() -> None:
     bent = points._replace(deviation_um=points.deviation_um + 30 * wrong)
     off = left_um(bent)
     assert np.abs(off).max() < 0.1
-    assert fit_surface(bent, ENDS).n_far == pytest.approx(wrong.sum(), abs=5)
+    fit = fit_surface(bent, ENDS)
+    assert fit.n_far == pytest.approx(wrong.sum(), abs=5)
+    assert not fit.counts[wrong].any()
 
 
 def test_wrong_height_does_not_count() -> None:

@@ -36,6 +36,7 @@ _LINES_PER_WIDTH = 10.0
 _MOST_DELAY_STEPS = 64.0
 _MOST_DISTORTION = 0.005  # of the rms of the command
 _ALIASES = 16
+_LEAST_SPREAD = 0.2  # of the segments, over which the command moves
 
 
 class Lines(NamedTuple):
@@ -96,6 +97,20 @@ def _segments(record: ForeignRecord, hold_s: float) -> _Segments:
     bins = np.arange(2, 2 + u.shape[1])
     s = np.asarray(2j * np.pi * bins * record.rate_hz / n, np.complex128)
     return _Segments(s, hold_s, u, y)
+
+
+def _check_excitation(segments: _Segments) -> None:
+    """Refuse a command that moves in too few segments, as a single step does."""
+    energy = np.sum(np.abs(segments.u) ** 2, axis=1)
+    spread = float(energy.sum() ** 2 / max(np.sum(energy**2), 1e-300)) / energy.size
+    if spread < _LEAST_SPREAD:
+        problem = (
+            f"the command moves in {100 * spread:.2g} % of the record, at least "
+            f"{100 * _LEAST_SPREAD:g} % are needed, so a single step is not enough"
+        )
+        raise CamtoolsError(
+            [f"--record: {problem}; record noise, a sweep or many steps throughout"]
+        )
 
 
 def _lines(segments: _Segments) -> Lines:
@@ -209,6 +224,7 @@ def _held_or_not(record: ForeignRecord) -> tuple[_Segments, Lines, Floats]:
     found = []
     for hold_s, doubt in ((0.0, 0.0), (1 / record.rate_hz, _CHANGE_SIGMAS**2)):
         segments = _segments(record, hold_s)
+        _check_excitation(segments)
         lines = _lines(segments)
         values = _fit(lines, _begin(lines))
         cost = float(np.sum(_off(values, lines) ** 2)) + doubt
@@ -224,7 +240,7 @@ def identify_record(record: ForeignRecord) -> LinearModel:
     Raises
     ------
     CamtoolsError
-        Too few lines are coherent.
+        The command moves in too little of the record, or too few lines are coherent.
     """
     segments, lines, values = _held_or_not(record)
     blocks = np.array_split(np.arange(segments.u.shape[0]), _N_BLOCKS)
@@ -246,6 +262,11 @@ def _terms(record: ForeignRecord, values: Floats, hold_s: float) -> dict[str, Fl
     return {
         "friction": np.sign(speed),
         "friction, or clipping of the speed,": speed**3,
+        "a square term of the command, a drive that is not symmetrical,": (
+            record.u - record.u.mean()
+        )
+        ** 2,
+        "a square term of the position, a drive that is not symmetrical,": position**2,
         "clipping, or a cubic term of the command,": (record.u - record.u.mean()) ** 3,
         "clipping, or a cubic term of the position,": position**3,
         "clipping, or a cubic term of the acceleration,": acceleration**3,

@@ -19,6 +19,7 @@ from camtools.measured.surface import KeptWave, SurfaceFit
 
 _DIGITS = 6
 _UM_PER_MM = 1000.0
+_ALIKE = 1.1  # largest errors within this ratio do not decide, the rms does
 
 
 def _rounded(value: float) -> float:
@@ -46,21 +47,32 @@ def _wave(fit: SurfaceFit, one: KeptWave, step: RoundStep) -> Json:
     }
 
 
-def _largest_um(one: Json) -> float:
-    return float((one.get("judged_um") or one["gauged_um"])["max"])
+def judged_um(one: Json) -> Json:
+    """Return largest error and rms of the part of a round, less dust and damaged heights."""
+    return dict(one.get("judged_um") or one["gauged_um"])
+
+
+def pair_text(form: Json) -> str:
+    """Return largest error and rms for people."""
+    return f"max {form['max']:.4g} um, rms {form['rms']:.3g} um"
 
 
 def best_round(rounds: Sequence[Json]) -> int:
-    """Return the round of the table whose part had the smallest largest error; 0: as drawn."""
-    return int(np.argmin([_largest_um(one) for one in rounds]))
+    """Return the round of the table with the best part; 0: as drawn.
+
+    The least largest error decides; of parts within a tenth of it, the least rms.
+    """
+    found = [judged_um(one) for one in rounds]
+    most_um = _ALIKE * min(one["max"] for one in found)
+    return min(range(len(found)), key=lambda i: (found[i]["max"] > most_um, found[i]["rms"]))
 
 
 def best_text(rounds: Sequence[Json]) -> str:
-    """Return which table was the best, by round and `table_crc32`, and the error of its part."""
+    """Return which table was the best, by round and `table_crc32`, and the errors of its part."""
     number = best_round(rounds)
     one = rounds[number]
     table = f"the table of round {number} (table_crc32 {one['table_crc32']})"
-    return f"{table}, {_largest_um(one):.4g} um"
+    return f"{table}, {pair_text(judged_um(one))}"
 
 
 def account_of(points: GaugedPoints, fit: SurfaceFit, step: RoundStep, by: GaugedPoints) -> Json:

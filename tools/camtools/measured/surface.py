@@ -27,6 +27,8 @@ _PASSES = 3
 _END_SHARE, _GAP_SHARE = 0.2, 0.5  # of the part's height that may lie beyond, or between, heights
 _ALONE = 8.0  # times the usual distance from the neighbours
 _MOST_ALONE = 0.1  # of all heights
+_MOST_WIDE = 3.0  # times the usual number of points; a wider band is not left out
+_MOST_DUST = 0.03  # of the points of a height; more of them are the surface itself
 _MM_PER_UM = 1e-3
 LEAST_UM = 1e-3  # a nanometre, the tolerance of a table
 
@@ -52,7 +54,8 @@ class SurfaceFit(NamedTuple):
     alone_mm : list of float
         Heights that do not count because they differ from both their neighbours.
     counts : ndarray
-        Of each point, whether it counts: neither its height is left out nor is it far off.
+        Of each point, whether it counts: its height is not left out, and it is not far off. Where
+        a height has many points that are far off, they are edges of a gap and count everywhere.
     """
 
     z_mm: Floats  # shape (n,); heights that count
@@ -162,6 +165,7 @@ def fit_surface(
     heights = by_height(points, most_order)
     z_mm = np.array([height.z_mm for height in heights.heights])
     check_heights(z_mm, ends_mm)
+    sizes = np.array([height.rows.size for height in heights.heights])
     use = np.arange(z_mm.size)
     off_um, base = points.deviation_um, np.zeros((heights.most_order + 1, z_mm.size), complex)
     alone_mm: list[float] = []
@@ -173,7 +177,7 @@ def fit_surface(
         waves = base + np.array([fit.waves for fit in fits]).T
         while len(alone_mm) < _MOST_ALONE * z_mm.size:
             lone = _lone(z_mm[use], waves[:, use])
-            if lone is None:
+            if lone is None or sizes[use[lone]] > _MOST_WIDE * np.median(sizes):
                 break
             alone_mm.append(float(z_mm[use[lone]]))
             use = np.delete(use, lone)
@@ -190,8 +194,9 @@ def fit_surface(
     ]
     sigma_um = float(np.median([fits[i].sigma for i in use]))
     counts = np.zeros(points.turn.size, dtype=np.bool_)
+    has_edges = max(fits[i].is_far.mean() for i in use) > _MOST_DUST
     for i in use:
-        counts[heights.heights[i].rows] = ~fits[i].is_far
+        counts[heights.heights[i].rows] = ~fits[i].is_far | has_edges
     n_far = sum(int(np.count_nonzero(fits[i].is_far)) for i in use)
     return SurfaceFit(z_mm[use], found, sigma_um, n_far, counts, sorted(alone_mm), heights)
 

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from camtools.base.json_text import Json
-from camtools.measured.round_summary import best_round, best_text
+from camtools.measured.round_summary import best_round, best_text, judged_um, pair_text
 
 
 def wave_text(wave: Json) -> str:
@@ -31,7 +31,8 @@ def _left_out(about: Json) -> str:
         found.append(f"heights unlike both neighbours: {places} mm")
     if about["points_far_off"]:
         found.append(f"{about['points_far_off']} points far from the others")
-    return f"    left out: {'; '.join(found)}\n" if found else ""
+    less = f"; the rest has {pair_text(judged_um(about))}"
+    return f"    left out: {'; '.join(found)}{less}\n" if found else ""
 
 
 def round_text(correction: Json) -> str:
@@ -43,18 +44,14 @@ def round_text(correction: Json) -> str:
     lines = "".join(f"{wave_text(one)}\n" for one in about["waves"])
     return (
         f"  round {len(rounds)} of correcting, gain {about['gain']:g}: {about['points']} points at "
-        f"{about['heights']} heights, deviation {_pair(about['gauged_um'])}\n"
+        f"{about['heights']} heights, deviation {pair_text(about['gauged_um'])}\n"
         + _left_out(about)
         + f"    noise of a point {about['noise_um']:.2g} um, of the correction "
         f"{about['noise_corrected_um']:.2g} um; harmonics up to {about['most_order']} checked\n"
         + lines
         + worse
-        + f"    expected for the next part: {_pair(about['expected_um'])}\n"
+        + f"    expected for the next part: {pair_text(about['expected_um'])}\n"
     )
-
-
-def _pair(form: Json) -> str:
-    return f"max {form['max']:.3g} um, rms {form['rms']:.3g} um"
 
 
 def cautions(process: object, tool: object, report: Json) -> list[str]:
