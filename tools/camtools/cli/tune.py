@@ -14,11 +14,15 @@ from dataclasses import replace
 from pathlib import Path
 
 from camtools.base.command import Parser, run_command
+from camtools.base.errors import InputError
 from camtools.base.output import write_all
+from camtools.identify.foreign_record import MAX_BYTES
+from camtools.measured.previous_table import read_given
 from camtools.tune.drive import Drive, drive_of, read_tree
 from camtools.tune.judgement import Judgement, judge, refusal
 from camtools.tune.loop_design import best
 from camtools.tune.parameters import loop_of, parameters_of, read_loop, text_of
+from camtools.tune.record import fit_lines_of, fit_table, parse_loop_record, with_fit
 from camtools.tune.text import lines_of
 
 REFUSED = 1
@@ -26,6 +30,7 @@ _EPILOG = """\
 Examples:
   tools/tune tools/drives/voice_coil.toml -o build/tune
   tools/tune tools/drives/voice_coil.toml --loop mine_servo.toml
+  tools/tune limits.toml --record scope.csv -o build/tune
 Exit status: 0 done; 1 no loop with the margins, nothing is written; 2 wrong usage or bad input."""
 
 
@@ -39,7 +44,14 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         allow_abbrev=False,
     )
     add = parser.add_argument
-    add("drive", type=Path, metavar="DRIVE.toml", help="drive file")
+    add("drive", nargs="?", type=Path, metavar="DRIVE.toml", help="drive file")
+    add(
+        "--record",
+        type=Path,
+        metavar="FILE.csv",
+        help="recording that gives the drive's constants: time_s, injected_n or setpoint_um, "
+        "force_n, position_um; a drive file then gives the limits alone",
+    )
     add("--loop", type=Path, metavar="FILE", help="parameters to judge instead of a proposal")
     add(
         "-o",
@@ -48,7 +60,10 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         metavar="DIR",
         help="folder for picture, text and parameters (default: none are written)",
     )
-    return parser.parse_args(argv)
+    arguments = parser.parse_args(argv)
+    if arguments.drive is None and arguments.record is None:
+        parser.error("what drive? give DRIVE.toml, or --record FILE.csv, or both")
+    return arguments
 
 
 def _values(drive: Drive, given: Path | None) -> dict[str, int]:
@@ -78,16 +93,35 @@ def _write(
     write_all(folder, files)
 
 
+def _drive(arguments: argparse.Namespace) -> tuple[Drive, list[str]]:
+    """Return the drive, and the report of its fit."""
+    file, csv = arguments.drive, arguments.record
+    keys = read_tree(file) if file is not None else {}
+    if csv is None:
+        return drive_of(keys, str(file)), []
+    record = parse_loop_record(_text(csv), str(csv))
+    found = fit_table(record, float(keys.get("scale_quantum_nm", 0.0)))
+    return drive_of(with_fit(keys, found, record.rate_hz), str(csv)), list(fit_lines_of(found))
+
+
+def _text(csv: Path) -> str:
+    try:
+        return read_given(csv, "--record", MAX_BYTES).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(str(csv), "", None, "not UTF-8 text", "give a CSV file") from error
+
+
 def _run(arguments: argparse.Namespace) -> int:
-    file, given = arguments.drive, arguments.loop
-    drive = drive_of(read_tree(file), str(file))
+    given = arguments.loop
+    file = arguments.drive or arguments.record
+    drive, lines = _drive(arguments)
     values = _values(drive, given)
     judged = _judged(values, drive)
     problem = refusal(judged, is_proposal=given is None)
     if problem:
         sys.stderr.write(f"tune: {given or file}: {problem}\n")
         return REFUSED
-    lines = list(lines_of(judged, drive))
+    lines += lines_of(judged, drive)
     if arguments.out is not None:
         _write(arguments.out, file.stem, judged, lines, values)
     sys.stdout.write("\n".join(lines) + "\n")
