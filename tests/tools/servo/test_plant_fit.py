@@ -67,7 +67,8 @@ CASES = pytest.mark.parametrize(
 @CASES
 def test_deviations_cover_the_truth(plant: Plant, friction_n: float, quantum_nm: float) -> None:
     """Each constant is within three deviations, and the deviations are small."""
-    found = fit_record(STEP_HZ, *record(plant, friction_n, quantum_nm), quantum_nm=quantum_nm)
+    injected, force_n, position_m = record(plant, friction_n, quantum_nm)
+    found = fit_record(STEP_HZ, injected, force_n, position_m, quantum_nm)
     right = np.array(truth(plant, friction_n))
     assert found.values.size == right.size
     assert np.all(np.abs(found.values - right) <= 3.0 * found.sigmas)
