@@ -22,7 +22,9 @@ RESULTS = Path("build").absolute() if IS_INSTALLED else ROOT / "build"
 _HEADER = ROOT / "hal" / "include" / "hal" / "version.h"
 VERSION: str = re.findall(r'"([\d.]+)"', _HEADER.read_text(encoding="ascii"))[0]
 _SHORT = re.compile(r"\btools/(mktables|mkgcode|camctl)\b")
-_LONG = re.compile(r"\btools/(?=(analyse|forecast|identify|keys|live|panel|papers|run|scallop)\b)")
+_LONG = re.compile(
+    r"\btools/(?=(analyse|forecast|identify|keys|live|panel|papers|run|scallop|tune)\b)"
+)
 
 
 def with_names(text: str) -> str:

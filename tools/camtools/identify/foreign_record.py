@@ -9,6 +9,7 @@ r"""A recording of another instrument: time, command or force, and position in c
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # metres per unit
 COMMANDS = {f"command_{unit}": metres for unit, metres in LENGTHS.items()} | {"command_v": 1.0}
 FORCES = {"force_n": 1.0, "force_kn": 1e3}  # newtons per unit
 POSITIONS = {f"position_{unit}": metres for unit, metres in LENGTHS.items()}
+Units = Mapping[str, float]
 HEADER = "time_s,command_um,position_um"
 MIN_ROWS, MAX_ROWS = 1024, 2_000_000
 MAX_BYTES = 200 * MAX_ROWS
@@ -37,7 +39,7 @@ class ForeignRecord(NamedTuple):
     command: str  # name of its column
 
 
-def _column(columns: Columns, units: dict[str, float], what: str, file: str) -> tuple[int, float]:
+def _column(columns: Columns, units: Units, what: str, file: str, header: str) -> tuple[int, float]:
     """Return where a quantity is, and what its unit is worth."""
     names = [name.strip('"').casefold() for name in columns.names]
     found = [name for name in names if name in units]
@@ -46,7 +48,7 @@ def _column(columns: Columns, units: dict[str, float], what: str, file: str) -> 
     problem = (
         f"needs one column of the {what}: {', '.join(units)}; has {', '.join(found) or 'none'}"
     )
-    remedy = "rename all but one of them" if found else f'write a header as "{HEADER}"'
+    remedy = "rename all but one of them" if found else f'write a header as "{header}"'
     raise InputError(file, "line 1", None, problem, remedy)
 
 
@@ -80,8 +82,23 @@ def _rate_hz(time_s: Floats, file: str) -> float:
     raise InputError(file, f"line {line}", None, problem, remedy)
 
 
-def parse_record(text: str, file: str) -> ForeignRecord:
-    """Return the recording of a text.
+class Table(NamedTuple):
+    """Columns in SI units at even times."""
+
+    rate_hz: float
+    values: dict[str, Floats]  # of each quantity but the time
+    names: dict[str, str]  # of their columns
+
+
+def parse_table(text: str, file: str, quantities: Mapping[str, Units], header: str) -> Table:
+    """Return the columns of a text.
+
+    Parameters
+    ----------
+    quantities
+        The names that the column of each quantity may have, with their units in SI.
+    header
+        An example for the remedy.
 
     Raises
     ------
@@ -91,16 +108,25 @@ def parse_record(text: str, file: str) -> ForeignRecord:
     """
     lines = text.rstrip().splitlines()
     columns = Columns(lines[0] if lines else "")
-    kinds = ((TIMES, "time"), (COMMANDS | FORCES, "command or force"), (POSITIONS, "position"))
-    places = [_column(columns, units, name, file) for units, name in kinds]
+    kinds = {"time": TIMES} | dict(quantities)
+    places = [_column(columns, units, name, file, header) for name, units in kinds.items()]
     if not MIN_ROWS <= len(lines) - 1 <= MAX_ROWS:
         problem = f"has {max(0, len(lines) - 1)} rows, {MIN_ROWS} .. {MAX_ROWS} are needed"
         raise InputError(file, "", None, problem, "record for longer, or at another rate")
     order = [place for place, _ in places]
-    time, u, y = _rows(lines, columns, order, file) * [[unit] for _, unit in places]
-    for name, values in (("command or force", u), ("position", y)):
-        if np.ptp(values) == 0:
+    time, *rows = _rows(lines, columns, order, file) * [[unit] for _, unit in places]
+    values = dict(zip(quantities, rows, strict=True))
+    for name, row in values.items():
+        if np.ptp(row) == 0:
             problem, remedy = f"the {name} does not change", "excite the drive, see its connections"
             raise InputError(file, "", None, problem, remedy)
-    command = columns.names[order[1]].strip('"').casefold()
-    return ForeignRecord(_rate_hz(time, file), u, y, command)
+    found = (columns.names[place].strip('"').casefold() for place in order[1:])
+    names = dict(zip(quantities, found, strict=True))
+    return Table(_rate_hz(time, file), values, names)
+
+
+def parse_record(text: str, file: str) -> ForeignRecord:
+    """Return the recording of a text; errors as of `parse_table`."""
+    what, where = "command or force", "position"
+    found = parse_table(text, file, {what: COMMANDS | FORCES, where: POSITIONS}, HEADER)
+    return ForeignRecord(found.rate_hz, found.values[what], found.values[where], found.names[what])

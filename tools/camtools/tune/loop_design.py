@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A position loop for a force drive: its response, its margins, and a proposal.
 
-The loop is that of firmware/servo, MATHS.md (234) and (235). The plant is a mass driven by
-an amplifier of first order, after a delay and the hold of a step; a mode may move the scale as
-MATHS.md (123) gives it.
+The loop is that of firmware/servo, MATHS.md (234) and (235). The plant is a mass on drag and
+stiffness, driven by an amplifier of first order, after a delay and the hold of a step; a mode may
+move the scale as MATHS.md (123) gives it.
 
 >>> drive = Plant(mass_kg=1.5, amplifier_hz=1500.0, delay_s=25e-6, step_hz=20000.0)
 >>> judged = margins(Loop(300.0, 20.0, 4000.0, 10.0, 4000.0, 0.5, 0.5), drive)
@@ -25,7 +25,8 @@ LEAST_PHASE_DEG = 30.0
 MASSES = (0.7, 1.0, 1.3)  # relative; the margins hold at each
 EXTREME_MASSES = (0.5, 2.0)  # relative; the loop is stable there
 BACK_S = 0.02  # after this time a step of force has gone
-_LINES: Reals = np.arange(5.0, 4000.0, 5.0)  # [Hz] of the response to a step
+_FASTEST_HZ = 4000.0  # of the response to a step
+_STATIC: Reals = np.array([1e-6])  # [Hz]
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,8 @@ class Plant:
     mode_hz: float = 0.0  # 0: none
     mode_damping: float = 0.03
     mode_share: float = 0.0
+    drag_n_s_per_m: float = 0.0
+    stiffness_n_per_m: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,12 @@ class Margins:
     gain_db: float
     phase_deg: float
     is_stable: bool
+
+    @property
+    def is_enough(self) -> bool:
+        """The loop is stable with the least margins or more."""
+        has_gain = self.gain_db >= LEAST_GAIN_DB
+        return self.is_stable and has_gain and self.phase_deg >= LEAST_PHASE_DEG
 
 
 class NoLoopError(ValueError):
@@ -96,13 +105,22 @@ def _lead(s: Complexes, ratio: Reals, pole: Reals) -> Complexes:
     return lead
 
 
-def compliance(plant: Plant, hz: Reals) -> Complexes:
-    """Return what the scale sees per force at the mass, in m/N."""
+def compliance(plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
+    """Return what the scale sees per force at the mass, in m/N.
+
+    Parameters
+    ----------
+    plant, hz
+        The drive, and frequencies.
+    mass
+        The real mass, relative to that of the plant.
+    """
     s = 2j * np.pi * hz
     omega = 2.0 * np.pi * plant.mode_hz
     share = plant.mode_share if plant.mode_hz > 0.0 else 0.0
-    mode = share / (s * s + 2.0 * plant.mode_damping * omega * s + omega**2)
-    response: Complexes = (1.0 / (s * s) - mode) / plant.mass_kg
+    mode = s * s * share / (s * s + 2.0 * plant.mode_damping * omega * s + omega**2)
+    slide = mass * plant.mass_kg * s * s + plant.drag_n_s_per_m * s + plant.stiffness_n_per_m
+    response: Complexes = (1.0 - mode) / slide
     return response
 
 
@@ -114,8 +132,8 @@ def actuator_response(plant: Plant, hz: Reals) -> Complexes:
     return response
 
 
-def _grid(plant: Plant) -> Reals:
-    """Frequencies up to half the rate, dense about the mode."""
+def response_grid(plant: Plant) -> Reals:
+    """Return frequencies up to half the rate, dense about the mode."""
     rough = np.geomspace(1.0, 0.499 * plant.step_hz, 500)
     width = np.sinh(np.linspace(-3.0, 3.0, 81)) / 40.0
     return np.sort(
@@ -132,7 +150,9 @@ def _least(values: Reals, crossings: NDArray[np.bool_]) -> Reals:
 def _judge(opened: Complexes) -> tuple[Reals, Reals, NDArray[np.bool_]]:
     """Return gain margins in dB, phase margins in degrees, and stability, by Nyquist.
 
-    With three poles at 0 and none to the right, 1 + L turns by three right angles.
+    No pole is to the right, so that 1 + L turns back by what L has turned from 0 Hz to the first
+    line: at most 270 degrees, by integral and mass. The first line is below drag and stiffness, or
+    above them.
     """
     level, imag = 20.0 * np.log10(np.abs(opened)), opened.imag
     turned = np.degrees(np.unwrap(np.angle(1.0 + opened), axis=-1))
@@ -145,12 +165,25 @@ def _judge(opened: Complexes) -> tuple[Reals, Reals, NDArray[np.bool_]]:
     at_unity = angle[..., :-1] + share * np.diff(angle)
     wrapped = (at_unity + 180.0) % 360.0 - 180.0
     phase = _least(wrapped, level[..., 1:] * level[..., :-1] < 0.0)
-    return gain, phase, np.abs(turned[..., -1] - turned[..., 0] - 270.0) < 30.0
+    first = np.degrees(np.angle(opened[..., 0]))
+    first -= np.where(first > 45.0, 360.0, 0.0)
+    turned -= 360.0 * np.round((turned[..., :1] - first[..., None]) / 360.0)
+    return gain, phase, np.abs(turned[..., -1]) < 30.0
 
 
-def _opened(loops: Reals, plant: Plant) -> Complexes:
-    hz = _grid(plant)
-    outside = actuator_response(plant, hz) * compliance(plant, hz)
+def open_loop(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
+    """Return the response of loops with the plant.
+
+    Parameters
+    ----------
+    loops, hz
+        As `controller_response`.
+    plant
+        The drive; the loops are made for its mass.
+    mass
+        The real mass, relative to that.
+    """
+    outside = actuator_response(plant, hz) * compliance(plant, hz, mass)
     return controller_response(loops, plant, hz) * outside
 
 
@@ -166,18 +199,35 @@ def margins(loop: Loop, plant: Plant, mass: float = 1.0) -> Margins:
     mass
         The real mass, relative to that of the plant.
     """
-    gain, phase, is_stable = _judge(_opened(np.array(astuple(loop)), plant) / mass)
+    opened = open_loop(np.array(astuple(loop)), plant, response_grid(plant), mass)
+    gain, phase, is_stable = _judge(opened)
     return Margins(float(gain), float(phase), bool(is_stable))
 
 
-def _step(loops: Reals, plant: Plant) -> Reals:
-    """Return the response in m to a step of 1 N over 0.1 s, one row for each loop."""
-    opened = controller_response(loops, plant, _LINES) * actuator_response(plant, _LINES)
-    moved = compliance(plant, _LINES)
-    lines = moved / (1.0 + opened * moved) / (2j * np.pi * _LINES)
-    n = 2 * (_LINES.size + 1)
-    row = np.fft.irfft(np.insert(lines, 0, 0.0, axis=-1), n) * n * _LINES[0]
-    response: Reals = (row - row[..., [-1]])[..., : n // 2]
+def closed_compliance(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
+    """Return what the scale sees per force with loops closed, in m/N; arguments of `open_loop`."""
+    moved = compliance(plant, hz, mass)
+    response: Complexes = moved / (1.0 + open_loop(loops, plant, hz, mass))
+    return response
+
+
+def step_response(loops: Reals, plant: Plant, line_hz: float, mass: float = 1.0) -> Reals:
+    """Return the response in m to a step of 1 N, one row for each loop.
+
+    Parameters
+    ----------
+    loops, plant, mass
+        As `open_loop`; stable.
+    line_hz
+        The response lasts half its period, in which it must end.
+    """
+    hz = np.arange(line_hz, min(_FASTEST_HZ, 0.45 * plant.step_hz), line_hz)
+    static = closed_compliance(loops, plant, _STATIC, mass).real  # 0 with an integral
+    lines = (closed_compliance(loops, plant, hz, mass) - static) / (2j * np.pi * hz)
+    n = 2 * (hz.size + 1)
+    row = np.fft.irfft(np.insert(lines, 0, 0.0, axis=-1), n) * n * line_hz
+    ended = row[..., [3 * n // 4]]  # away from the jump that a static response has at 0
+    response: Reals = (row - ended + static)[..., : n // 2]
     return response
 
 
@@ -186,35 +236,32 @@ def _with_depth(found: Reals) -> Reals:
     return np.concatenate([found[:5], found[5:6] * found[6:], found[6:]])
 
 
+def _lacks(opened: Complexes) -> Reals:
+    """Return how much the margins of loops lack, as a share of the least, and more if unstable."""
+    gain, phase, is_stable = _judge(opened)
+    lack = np.maximum(0.0, 1.03 - gain / LEAST_GAIN_DB)
+    lack += np.maximum(0.0, 1.03 - phase / LEAST_PHASE_DEG)
+    lacking: Reals = lack + np.where(is_stable, 0.0, 3.0)
+    return lacking
+
+
 def _cost(found: Reals, plant: Plant) -> Reals:
-    """Return the peak in um after a step of 10 N, and more for what is missing."""
+    """Return the logarithm of the peak after a step of force, and more for what is missing."""
     loops = _with_depth(found)
-    opened = _opened(loops, plant)
-    step = np.abs(_step(loops, plant)) * 1e7
+    opened = open_loop(loops, plant, response_grid(plant))
+    step = np.abs(step_response(loops, plant, 5.0)) * 1e7
     late = step[..., int(BACK_S / 0.1 * step.shape[-1]) :].max(axis=-1)
-    cost = step.max(axis=-1) + 5.0 * np.maximum(0.0, late - 0.08)
-    for mass in (*MASSES, *EXTREME_MASSES):
-        gain, phase, is_stable = _judge(opened / mass)
-        cost += np.where(is_stable, 0.0, 30.0)
-        if mass in MASSES:
-            cost += 2.0 * np.maximum(0.0, 1.03 * LEAST_GAIN_DB - gain)
-            cost += 0.5 * np.maximum(0.0, 1.03 * LEAST_PHASE_DEG - phase)
+    cost = np.log(step.max(axis=-1)) + 0.5 * np.log(np.maximum(1.0, late / 0.08))
+    for mass in MASSES:
+        cost += 10.0 * _lacks(opened / mass)
+    for mass in EXTREME_MASSES:
+        cost += np.where(_judge(opened / mass)[2], 0.0, 5.0)
     total: Reals = cost
     return total
 
 
-def propose(plant: Plant) -> Loop:
-    """Propose the loop whose peak after a step of force is the smallest.
-
-    Its margins are 6 dB and 30 degrees over the mass +-30 %. Among such loops those are preferred
-    that are stable from half the mass to twice the mass, and back within 0.1 um 20 ms after a step
-    of 10 N.
-
-    Raises
-    ------
-    NoLoopError
-        No loop has these margins.
-    """
+def best(plant: Plant) -> Loop:
+    """Return the loop that `propose` judges, whatever its margins."""
     fastest = plant.step_hz / 5.0
     about = plant.mode_hz if plant.mode_hz > 0.0 else fastest / 4.0
     bounds = [
@@ -230,10 +277,25 @@ def propose(plant: Plant) -> Loop:
         _cost, bounds, args=(plant,), vectorized=True, updating="deferred", rng=1, popsize=10,
         maxiter=80, tol=1e-6, polish=False,
     )  # fmt: skip
-    loop = Loop(*(float(v) for v in _with_depth(found.x)))
+    return Loop(*(float(v) for v in _with_depth(found.x)))
+
+
+def propose(plant: Plant) -> Loop:
+    """Propose the loop whose peak after a step of force is the smallest.
+
+    Its margins are 6 dB and 30 degrees over the mass +-30 %. Among such loops those are preferred
+    that are stable from half the mass to twice the mass, and back within 0.1 um 20 ms after a step
+    of 10 N.
+
+    Raises
+    ------
+    NoLoopError
+        No loop has these margins.
+    """
+    loop = best(plant)
     for mass in MASSES:
         at = margins(loop, plant, mass)
-        if not at.is_stable or at.gain_db < LEAST_GAIN_DB or at.phase_deg < LEAST_PHASE_DEG:
+        if not at.is_enough:
             raise NoLoopError(
                 f"no loop has margins of {LEAST_GAIN_DB:g} dB and {LEAST_PHASE_DEG:g} degrees at "
                 f"{mass:g} of the mass (best: {at.gain_db:.1f} dB, {at.phase_deg:.0f} degrees): "

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command line that proposes or judges the position loop of a force drive.
+
+>>> main(["nowhere.toml"])
+2
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from camtools.base.command import Parser, run_command
+from camtools.base.errors import InputError
+from camtools.base.output import write_all
+from camtools.identify.foreign_record import MAX_BYTES
+from camtools.measured.previous_table import read_given
+from camtools.tune.drive import Drive, drive_of, read_tree
+from camtools.tune.judgement import Judgement, judge, refusal
+from camtools.tune.loop_design import best
+from camtools.tune.parameters import loop_of, parameters_of, read_loop, text_of
+from camtools.tune.record import fit_lines_of, fit_table, parse_loop_record, with_fit
+from camtools.tune.text import lines_of
+
+REFUSED = 1
+_EPILOG = """\
+Examples:
+  tools/tune tools/drives/voice_coil.toml -o build/tune
+  tools/tune tools/drives/voice_coil.toml --loop mine_servo.toml
+  tools/tune limits.toml --record scope.csv -o build/tune
+Exit status: 0 done; 1 no loop with the margins, nothing is written; 2 wrong usage or bad input."""
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = Parser(
+        prog="tools/tune",
+        description="Propose the position loop of a force drive, with margins of 6 dB and 30 "
+        "degrees over the mass +-30 %, or judge a given one.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    add("drive", nargs="?", type=Path, metavar="DRIVE.toml", help="drive file")
+    add(
+        "--record",
+        type=Path,
+        metavar="FILE.csv",
+        help="recording that gives the drive's constants: time_s, injected_n or setpoint_um, "
+        "force_n, position_um; a drive file then gives the limits alone",
+    )
+    add("--loop", type=Path, metavar="FILE", help="parameters to judge instead of a proposal")
+    add(
+        "-o",
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder for picture, text and parameters (default: none are written)",
+    )
+    arguments = parser.parse_args(argv)
+    if arguments.drive is None and arguments.record is None:
+        parser.error("what drive? give DRIVE.toml, or --record FILE.csv, or both")
+    return arguments
+
+
+def _values(drive: Drive, given: Path | None) -> dict[str, int]:
+    """Return the parameters of the loop, given or proposed."""
+    if given is not None:
+        return read_loop(given, drive)
+    return parameters_of(best(drive.plant), drive)
+
+
+def _judged(values: dict[str, int], drive: Drive) -> Judgement:
+    """Judge the loop of parameters, which may be made for another mass."""
+    mass_kg = values["servo_mass_g"] / 1000
+    plant = replace(drive.plant, mass_kg=mass_kg)
+    return judge(loop_of(values, drive), plant, drive.mass_kg / mass_kg)
+
+
+def _write(
+    folder: Path, name: str, judged: Judgement, lines: list[str], values: dict[str, int]
+) -> None:
+    from camtools.tune.plots import loop_png  # matplotlib is slow to load
+
+    files = {
+        f"{name}_loop.png": loop_png(judged, f"{name}: position loop"),
+        f"{name}_loop.txt": ("\n".join(lines) + "\n").encode("ascii"),
+        f"{name}_servo.toml": text_of(values, f"tools/tune of {name}").encode("utf-8"),
+    }
+    write_all(folder, files)
+
+
+def _drive(arguments: argparse.Namespace) -> tuple[Drive, list[str]]:
+    """Return the drive, and the report of its fit."""
+    file, csv = arguments.drive, arguments.record
+    keys = read_tree(file) if file is not None else {}
+    if csv is None:
+        return drive_of(keys, str(file)), []
+    record = parse_loop_record(_text(csv), str(csv))
+    found = fit_table(record, float(keys.get("scale_quantum_nm", 0.0)))
+    return drive_of(with_fit(keys, found, record.rate_hz), str(csv)), list(fit_lines_of(found))
+
+
+def _text(csv: Path) -> str:
+    try:
+        return read_given(csv, "--record", MAX_BYTES).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(str(csv), "", None, "not UTF-8 text", "give a CSV file") from error
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    given = arguments.loop
+    file = arguments.drive or arguments.record
+    drive, lines = _drive(arguments)
+    values = _values(drive, given)
+    judged = _judged(values, drive)
+    problem = refusal(judged, is_proposal=given is None)
+    if problem:
+        sys.stderr.write(f"tune: {given or file}: {problem}\n")
+        return REFUSED
+    lines += lines_of(judged, drive)
+    if arguments.out is not None:
+        _write(arguments.out, file.stem, judged, lines, values)
+    sys.stdout.write("\n".join(lines) + "\n")
+    return 0
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit status: 0 done, 1 refused, 2 bad input."""
+    return run_command("tune", lambda: _run(_arguments(argv)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

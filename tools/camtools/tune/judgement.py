@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a loop does on its drive, and why it is refused.
+
+>>> drive = Plant(mass_kg=1.5, amplifier_hz=1500.0, delay_s=25e-6, step_hz=20000.0)
+>>> judged = judge(Loop(250.0, 20.0, 4000.0, 10.0, 4000.0, 0.5, 0.5), drive)
+>>> f"{judged.crossing_hz:.0f} Hz, {judged.stiffness_n_per_um:.2f} N/um"
+'244 Hz, 1.60 N/um'
+>>> refusal(judged, is_proposal=False).split("; ")[-1]
+'most to blame is the lag of the amplifier of 1500 Hz: take a faster one'
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, replace
+
+import numpy as np
+
+from camtools.tune.loop_design import (
+    LEAST_GAIN_DB,
+    LEAST_PHASE_DEG,
+    MASSES,
+    Loop,
+    Margins,
+    Plant,
+    Reals,
+    best,
+    closed_compliance,
+    controller_response,
+    margins,
+    open_loop,
+    response_grid,
+    step_response,
+)
+
+STEP_N = 10.0
+BACK_UM = 0.1
+_LINE_HZ = 1.0  # of the response to a step, which then lasts 0.5 s
+_N_NOISE = 4000  # lines over which noise is summed
+_WITHOUT_LAG_HZ = 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """A loop on its drive.
+
+    Attributes
+    ----------
+    plant
+        The drive, with the mass that the loop is made for.
+    mass
+        The real mass, relative to that; the fields below are for it.
+    at
+        Margins at MASSES times the real mass.
+    """
+
+    loop: Loop
+    plant: Plant
+    mass: float
+    at: tuple[Margins, ...]
+    crossing_hz: float  # the last of the open loop through 0 dB
+    weakest_hz: float  # of the least dynamic stiffness
+    stiffness_n_per_um: float
+    step_um: Reals  # after a step of STEP_N, for 0.5 s
+
+    @property
+    def row(self) -> Reals:
+        """The loop as the functions of loop_design take it."""
+        return np.array(astuple(self.loop))
+
+    @property
+    def step_s(self) -> Reals:
+        """Times of step_um."""
+        return np.linspace(0.0, 0.5 / _LINE_HZ, self.step_um.size, endpoint=False)
+
+    @property
+    def peak_um(self) -> float:
+        """Greatest deviation after the step."""
+        return float(np.abs(self.step_um).max())
+
+    @property
+    def back_s(self) -> float:
+        """Time after which the deviation stays below BACK_UM; infinity if it does not."""
+        above = np.flatnonzero(np.abs(self.step_um) > BACK_UM)
+        if above.size == 0:
+            return 0.0
+        is_back = above[-1] + 1 < self.step_um.size
+        return float(self.step_s[above[-1] + 1]) if is_back else np.inf
+
+    def noise_n(self, quantum_nm: float) -> float:
+        """Return the force rms that the rounding of a scale causes."""
+        hz = (np.arange(_N_NOISE) + 0.5) / _N_NOISE * 0.5 * self.plant.step_hz
+        force = controller_response(self.row, self.plant, hz)
+        force /= 1.0 + open_loop(self.row, self.plant, hz, self.mass)
+        return float(quantum_nm * 1e-9 * np.sqrt(np.mean(np.abs(force) ** 2) / 12.0))
+
+
+def judge(loop: Loop, plant: Plant, mass: float = 1.0) -> Judgement:
+    """Judge a loop.
+
+    Parameters
+    ----------
+    loop
+        Made for the mass of the plant.
+    plant
+        The drive.
+    mass
+        The real mass, relative to that of the plant.
+    """
+    row, hz = np.array(astuple(loop)), response_grid(plant)
+    level = np.abs(open_loop(row, plant, hz, mass))
+    stiffness = 1e-6 / np.abs(closed_compliance(row, plant, hz, mass))
+    weakest = int(np.argmin(stiffness))
+    return Judgement(
+        loop, plant, mass,
+        tuple(margins(loop, plant, mass * one) for one in MASSES),
+        float(hz[np.flatnonzero(level > 1.0)[-1]]) if level.max() > 1.0 else 0.0,
+        float(hz[weakest]), float(stiffness[weakest]),
+        STEP_N * 1e6 * step_response(row, plant, _LINE_HZ, mass),
+    )  # fmt: skip
+
+
+def _missing(at: tuple[Margins, ...]) -> float:
+    """Return how much the margins lack, 0: nothing; of each mass 1: all, 2: unstable."""
+    lacks = [
+        max(0.0, 1.0 - one.gain_db / LEAST_GAIN_DB, 1.0 - one.phase_deg / LEAST_PHASE_DEG)
+        if one.is_stable else 2.0
+        for one in at
+    ]  # fmt: skip
+    return sum(lacks)
+
+
+def _without(p: Plant) -> dict[str, Plant]:
+    """Return the drive without each of its lags, by its description and remedy."""
+    quick = max(_WITHOUT_LAG_HZ, p.amplifier_hz)
+    tick = f"the hold of a tick at {p.step_hz * 1e-3:.3g} kHz: raise the rate"
+    found = {
+        f"the delay of {p.delay_s * 1e6:.3g} us: shorten it": replace(p, delay_s=0.0),
+        tick: replace(p, delay_s=p.delay_s - 0.5 / p.step_hz),
+        f"the lag of the amplifier of {p.amplifier_hz:.4g} Hz: take a faster one": replace(
+            p, amplifier_hz=quick
+        ),
+    }
+    if p.mode_hz:
+        mode = f"the mode at {p.mode_hz:.4g} Hz: damp or stiffen it"
+        found[mode] = replace(p, mode_hz=0.0)
+    return found
+
+
+def _culprit(judged: Judgement, is_proposal: bool) -> str:
+    """Return what the margins lack least without, and its remedy."""
+    without = _without(judged.plant)
+
+    def lacks(what: str) -> tuple[float, float]:
+        plant = without[what]
+        loop = best(plant) if is_proposal else judged.loop
+        if judged.plant.mode_hz and not plant.mode_hz and not is_proposal:
+            loop = replace(loop, notch_zero=loop.notch_pole)
+        one = judge(loop, plant, judged.mass)
+        return _missing(one.at), one.peak_um
+
+    return min(without, key=lacks)
+
+
+def refusal(judged: Judgement, *, is_proposal: bool) -> str:
+    """Return why a loop is refused, which cause weighs most and what to do; "" if it is not.
+
+    Parameters
+    ----------
+    judged
+        The loop.
+    is_proposal
+        It is the best one, so that a better drive would have another.
+    """
+    poor = [(mass, one) for mass, one in zip(MASSES, judged.at, strict=True) if not one.is_enough]
+    if not poor:
+        return ""
+    mass, at = min(poor, key=lambda one: (one[1].is_stable, one[1].gain_db, one[1].phase_deg))
+    state = f"{at.gain_db:.1f} dB and {at.phase_deg:.0f} degrees" if at.is_stable else "unstable"
+    return (
+        f"margins at {mass:g} of the mass: {state}; at least {LEAST_GAIN_DB:g} dB and "
+        f"{LEAST_PHASE_DEG:g} degrees; most to blame is {_culprit(judged, is_proposal)}"
+    )

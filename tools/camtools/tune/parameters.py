@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The servo's parameters of a controller: from a loop and a drive, and back to a loop.
+
+>>> drive = Drive(mass_kg=1.5, amplifier_hz=1500.0, delay_us=75.0, tick_hz=20000.0)
+>>> values = parameters_of(Loop(395.3, 60.21, 3976.8, 48.36, 1252.0, 0.066, 0.102), drive)
+>>> values["servo_crossover_hz"], values["servo_force_delay_ns"], loop_of(values, drive).pole_hz
+(395, 206103, 3976)
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from camtools.base.errors import InputError
+from camtools.base.project_paths import ROOT
+from camtools.tune.drive import Drive, read_tree
+from camtools.tune.loop_design import Loop
+
+PREFIX = "servo_"
+_HEADER = ROOT / "firmware" / "servo" / "cam_servo_design.h"
+_ROW = re.compile(r"X\((\w+),\s*(\d+),\s*(\d+)\)")
+_OF_LOOP = ("mass_g", "crossover_hz", "lead_percent", "pole_hz", "integral_mhz")
+_OF_NOTCH = ("notch_hz", "notch_zero_permille", "notch_pole_permille")
+_NO_NOTCH = {"notch_zero_permille": 1000, "notch_pole_permille": 1000}
+_MOST_STEPS = 8  # of the delay of the force
+_MOST_OVERLOAD = 15
+
+
+@cache
+def ranges() -> dict[str, tuple[int, int]]:
+    """Return least and most of each parameter; the rate of the loop is that of the tick."""
+    rows = _ROW.findall(_HEADER.read_text(encoding="ascii"))
+    return {PREFIX + name: (int(low), int(high)) for name, low, high in rows if name != "step_hz"}
+
+
+def _loop_values(loop: Loop) -> dict[str, float]:
+    return {
+        "crossover_hz": loop.crossover_hz,
+        "lead_percent": loop.lead_ratio * 100.0,
+        "pole_hz": math.floor(loop.pole_hz),  # its bound is a fifth of the rate
+        "integral_mhz": min(loop.integral_hz, loop.crossover_hz) * 1e3,
+        "notch_hz": loop.notch_hz,
+        "notch_zero_permille": loop.notch_zero * 1e3,
+        "notch_pole_permille": loop.notch_pole * 1e3,
+    }
+
+
+def _drive_values(drive: Drive) -> dict[str, float]:
+    lag_us = 1e6 * (0.5 / drive.tick_hz + 0.5 / math.pi / drive.amplifier_hz)
+    limits = {
+        "force_limit_mn": (drive.force_limit_n, 1e3),
+        "force_rate_n_per_ms": (drive.force_rate_n_per_ms, 1.0),
+        "continuous_mn": (drive.continuous_n, 1e3),
+        "thermal_ms": (drive.thermal_s, 1e3),
+    }
+    return {
+        "mass_g": drive.mass_kg * 1e3,
+        "scale_delay_ns": 0,  # delay_us counts from the latch
+        "force_delay_ns": (drive.delay_us + lag_us) * 1e3,
+        "drag_mn_s_per_m": drive.drag_n_s_per_m * 1e3,
+        "friction_mn": drive.friction_n * 1e3,
+        "stiffness_n_per_m": drive.stiffness_n_per_m,
+    } | {name: value * factor for name, (value, factor) in limits.items() if value is not None}
+
+
+def parameters_of(loop: Loop, drive: Drive) -> dict[str, int]:
+    """Return the parameters by name, in the order of the firmware.
+
+    Limits that the drive does not give are left out.
+
+    Raises
+    ------
+    InputError
+        One is out of its range.
+    """
+    found = {PREFIX + k: round(v) for k, v in (_loop_values(loop) | _drive_values(drive)).items()}
+    values = {name: found[name] for name in ranges() if name in found}
+    check(values, drive, "proposed loop")
+    return values
+
+
+def _bounds(at: Mapping[str, int], tick_hz: float) -> dict[str, tuple[float, float]]:
+    """Return bounds of parameters by others, as cam_servo_design.c has them."""
+    found: dict[str, tuple[float, float]] = {
+        "crossover_hz": (1, at["pole_hz"]),
+        "pole_hz": (10, tick_hz / 5),
+        "integral_mhz": (0, 1000 * at["crossover_hz"] + 999),
+        "force_delay_ns": (0, 1e9 * _MOST_STEPS / tick_hz - at.get("scale_delay_ns", 0)),
+    }
+    if at.get("notch_hz"):
+        found["notch_hz"] = (tick_hz / 1000, tick_hz / 4)
+        found["notch_zero_permille"] = (0, at["notch_pole_permille"])
+    if "force_limit_mn" in at:
+        limit = at["force_limit_mn"]
+        found["continuous_mn"] = (limit / _MOST_OVERLOAD, limit)
+    return found
+
+
+def check(values: Mapping[str, int], drive: Drive, file: str) -> None:
+    """Check the ranges of parameters, and their bounds by others.
+
+    Raises
+    ------
+    InputError
+        One is out of its range.
+    """
+    by_others = _bounds({name.removeprefix(PREFIX): v for name, v in values.items()}, drive.tick_hz)
+    for name, value in values.items():
+        low, high = ranges()[name]
+        low_2, high_2 = by_others.get(name.removeprefix(PREFIX), (low, high))
+        if not max(low, low_2) <= value <= min(high, high_2):
+            between = f"{max(low, low_2):.9g} .. {min(high, high_2):.9g}"
+            problem = f"out of range {between} at {drive.tick_hz:g} Hz"
+            raise InputError(file, name, value, problem, "change it, or what it follows from")
+
+
+def read_loop(path: Path, drive: Drive) -> dict[str, int]:
+    """Return the parameters of a file that `text_of` wrote, or `camctl params save`.
+
+    Raises
+    ------
+    InputError
+        It cannot be read; a parameter of the loop is missing, no whole number or out of its range.
+    """
+    flat: dict[str, Any] = {}
+    for key, value in read_tree(path).items():
+        flat |= value if isinstance(value, dict) else {key: value}
+    values = {name: flat[name] for name in ranges() if name in flat}
+    for name, value in values.items():
+        if type(value) is not int:
+            raise InputError(str(path), name, value, "no whole number", "give a whole number")
+    needed = _OF_LOOP + (_OF_NOTCH if values.get("servo_notch_hz") else ())
+    for name in (PREFIX + one for one in needed if PREFIX + one not in values):
+        raise InputError(str(path), name, None, "is missing", "add it")
+    check(values, drive, str(path))
+    return values
+
+
+def loop_of(values: Mapping[str, int], drive: Drive) -> Loop:
+    """Return the loop of parameters, for their mass."""
+    at = {name.removeprefix(PREFIX): value for name, value in values.items()}
+    if not at.get("notch_hz"):
+        at |= _NO_NOTCH | {"notch_hz": int(drive.tick_hz / 8)}
+    return Loop(
+        at["crossover_hz"], at["lead_percent"] / 100, at["pole_hz"], at["integral_mhz"] / 1000,
+        at["notch_hz"], at["notch_zero_permille"] / 1000, at["notch_pole_permille"] / 1000,
+    )  # fmt: skip
+
+
+def text_of(values: Mapping[str, int], origin: str) -> str:
+    """Return the parameters as a file that `camctl params load` takes."""
+    lines = [f"# Position loop of U, {origin}.", "[servo]"]
+    return "\n".join(lines + [f"{name} = {value}" for name, value in values.items()]) + "\n"

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The constants of a force drive from a record in which it was excited, its loop closed or not.
+
+An injected signal that repeats every period is what the means over the periods keep: noise that
+the loop feeds back into the force goes, so that it does not bias position over force.
+
+>>> import numpy as np
+>>> grid = Grid.of(20_000.0, 1600.0)
+>>> s = 2j * np.pi * grid.excited * grid.line_hz
+>>> true = np.array([1.5, 8.0, 2000.0, 0.0, 75e-6, 1 / (2 * np.pi * 1500.0)])
+>>> y = 1e9 * response_of(true, s, grid.tick_hz)
+>>> one = Spectra(grid, grid.excited, 0, s, 1 + 0 * s, y, 0 * s, 1 + 0 * s[None], y[None],
+...               0 * s[None], 1e-4 * abs(y))
+>>> found = fit_lines(one)
+>>> round(found.mass_kg, 3), round(found.delay_s * 1e6, 1), round(found.amplifier_hz, -1)
+(1.5, 75.0, 1500.0)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats
+from camtools.identify.fit import stacked
+from camtools.identify.multisine import LINE_HZ, Complexes, Grid
+from camtools.identify.spectra import Spectra, spectra_of
+
+MASS, DRAG, STIFFNESS, FRICTION, DELAY, LAG, MODE_HZ, MODE_DAMPING, MODE_SHARE = range(9)
+N_PLAIN = 6
+_NM = 1e9
+_FRICTION_LIKENESS = 0.02  # of the friction: the law is not exact
+_LIKENESS = 0.002  # a line is weighted by its amplitude as long as its noise is a smaller share
+_HIGHEST = 0.2  # of the rate: highest line
+_MIN_LINES = 12
+_MIN_PERIODS = 3
+_DROPPED = 1
+_LATE_S, _LEAST_LAG_S = 1e-4, 1.6e-6  # the latter: 100 kHz
+_START_LATE = (1.5, 1.0)  # delay and lag together, square of the lag; in _LATE_S
+_LOW: Floats = np.array([1e-3, -np.inf, -np.inf, -np.inf, 0.0, 0.0, 0.05, 1e-3, -5.0])
+_HIGH: Floats = np.array([np.inf] * 4 + [100.0, 1e4, 8.0, 0.5, 5.0])
+_STARTS_HZ = (300.0, 600.0, 900.0, 1200.0, 1600.0, 2200.0)
+_LEAST_GAIN = 0.5  # of the sum of squares, that a mode must save
+_SAME = 0.01  # of an injected signal that repeats
+
+
+@dataclass(frozen=True, eq=False)
+class PlantFit:
+    """Constants in SI units, in the order of MASS .. MODE_SHARE; without a mode six of them.
+
+    Delay and amplifier are told apart only poorly; `late_sigma_s` is the deviation of their sum.
+    """
+
+    values: Floats
+    sigmas: Floats  # standard deviations
+    late_sigma_s: float
+    misfit: float  # rms of what is left, over the deviations of the lines
+    n_lines: int
+
+    @property
+    def mass_kg(self) -> float:
+        """Moving mass."""
+        return float(self.values[MASS])
+
+    @property
+    def delay_s(self) -> float:
+        """From the latch of the scale to the force, without hold and amplifier."""
+        return float(self.values[DELAY])
+
+    @property
+    def amplifier_hz(self) -> float:
+        """Corner of the amplifier."""
+        return float(0.5 / np.pi / max(float(self.values[LAG]), _LEAST_LAG_S))
+
+    @property
+    def has_mode(self) -> bool:
+        """A mode was found."""
+        return self.values.size > N_PLAIN
+
+
+def _mode_factor(values: Floats, s: Complexes) -> Complexes | float:
+    if values.size <= N_PLAIN:
+        return 1.0
+    omega = 2.0 * np.pi * values[MODE_HZ]
+    below = s * s + 2.0 * values[MODE_DAMPING] * omega * s + omega**2
+    return np.asarray(1.0 - values[MODE_SHARE] * s * s / below)
+
+
+def _slide(values: Floats, s: Complexes) -> Complexes:
+    """Return what moves the scale, in m per N at the mass."""
+    below = values[MASS] * s * s + values[DRAG] * s + values[STIFFNESS]
+    return np.asarray(_mode_factor(values, s) / below)
+
+
+def _late(values: Floats, s: Complexes, tick_hz: float) -> Complexes:
+    delay = np.exp(-s * (values[DELAY] + 0.5 / tick_hz))
+    return np.asarray(delay / (1.0 + s * values[LAG]))
+
+
+def response_of(values: Floats, s: Complexes, tick_hz: float) -> Complexes:
+    """Return position per force [m/N], without friction; the hold's attenuation is left out."""
+    return np.asarray(_slide(values, s) * _late(values, s, tick_hz))
+
+
+class _Residual:
+    """What constants leave of the lines, over their deviations.
+
+    Its numbers are near 1. Delay and lag are searched as their sum and the square of the lag: where
+    the lag is small, the first alone shows.
+    """
+
+    def __init__(self, one: Spectra, friction_n: float = 0.0) -> None:
+        self.one = one
+        force = float(np.sqrt(np.sum(np.abs(one.u) ** 2)))
+        omega = float(np.abs(one.s).min())
+        self.mass = float(np.median(np.abs(one.u * _NM / (one.y * one.s**2))))
+        inertia = self.mass * np.abs(one.s**2)
+        rubbed = _NM * _FRICTION_LIKENESS * abs(friction_n) * np.abs(one.friction) / inertia
+        likeness = np.hypot(rubbed, _LIKENESS * np.abs(one.y))
+        self.noise = np.hypot(one.noise_nm, likeness) / _NM
+        base = [self.mass, self.mass * omega, self.mass * omega**2, force]
+        self.scale = np.array([*base, _LATE_S, _LATE_S**2, 1000.0, 1.0, 1.0])
+
+    def values(self, x: Floats) -> Floats:
+        """Return the constants of what is searched."""
+        values = np.asarray(x * self.scale[: x.size])
+        lag = float(np.sqrt(values[LAG]))
+        values[DELAY], values[LAG] = values[DELAY] - lag, lag
+        return values
+
+    def __call__(self, x: Floats) -> Floats:
+        one, values = self.one, self.values(x)
+        push = one.u * _late(values, one.s, one.grid.tick_hz) - values[FRICTION] * one.friction
+        return stacked((push * _slide(values, one.s) - one.y / _NM) / self.noise)
+
+
+def _starts(plain: Floats) -> Iterator[Floats]:
+    for hz in _STARTS_HZ:
+        for share in (-0.2, 0.2):
+            yield np.concatenate([plain[:DELAY], _START_LATE, [hz / 1000.0, 0.04, share]])
+
+
+def _solve(residual: _Residual, begin: Floats, most: int | None = None) -> tuple[Floats, float]:
+    begin = np.clip(begin, _LOW[: begin.size] + 1e-9, _HIGH[: begin.size])
+    bounds = (_LOW[: begin.size], _HIGH[: begin.size])
+    found = least_squares(residual, begin, bounds=bounds, x_scale="jac", max_nfev=most)
+    return np.asarray(found.x), float(2.0 * found.cost)
+
+
+def _best(residual: _Residual) -> Floats:
+    """Return the constants, with a mode where that is clearly better."""
+    plain, cost = _solve(residual, np.array([1.0, 0.1, 0.1, 0.01, *_START_LATE]))
+    tried = [_solve(residual, start, 30) for start in _starts(plain)]
+    mode, mode_cost = _solve(residual, min(tried, key=lambda one: one[1])[0])
+    return mode if mode_cost < _LEAST_GAIN * cost else plain
+
+
+def fit_lines(one: Spectra) -> PlantFit:
+    """Return the constants of lines of force [N] and position [nm].
+
+    Raises
+    ------
+    CamtoolsError
+        There are too few lines.
+    """
+    if one.s.size < _MIN_LINES:
+        problem = f"{one.s.size} lines stand above their noise, {_MIN_LINES} are needed"
+        raise CamtoolsError([f"record: {problem}; excite more, or record for longer"])
+    residual = _Residual(one)
+    x = _best(residual)
+    residual = _Residual(one, float(residual.values(x)[FRICTION]))
+    x, cost = _solve(residual, _best(residual))
+    return _fit_at(residual, x, cost)
+
+
+def _fit_at(residual: _Residual, x: Floats, cost: float) -> PlantFit:
+    """Return the fit, its deviations from those of the lines and from what is left."""
+    steps = np.diag(1e-5 * np.maximum(np.abs(x), 1e-2))
+    sides = [(residual(x + d) - residual(np.maximum(x - d, _LOW[: x.size]))) for d in steps]
+    by = [2.0 * d.sum() if (x - d >= _LOW[: x.size]).all() else d.sum() for d in steps]
+    jac = np.column_stack([side / width for side, width in zip(sides, by, strict=True)])
+    per_line = max(1.0, cost / (2 * residual.one.s.size - x.size))
+    raw = np.sqrt(np.diag(np.linalg.pinv(jac.T @ jac)) * per_line) * residual.scale[: x.size]
+    sigmas, late = raw.copy(), float(raw[DELAY])
+    square = x[LAG] * residual.scale[LAG]
+    sigmas[LAG] = np.sqrt(square + raw[LAG]) - np.sqrt(square)
+    sigmas[LAG] = max(sigmas[LAG], np.sqrt(square) - np.sqrt(max(0.0, square - raw[LAG])))
+    sigmas[DELAY] = np.hypot(late, sigmas[LAG])
+    misfit = float(np.sqrt(cost / (2 * residual.one.s.size)))
+    return PlantFit(residual.values(x), sigmas, late, misfit, residual.one.s.size)
+
+
+def fit_record(
+    tick_hz: float, injected: Floats, force_n: Floats, position_m: Floats, quantum_nm: float = 0.0
+) -> PlantFit:
+    """Return the constants of a record.
+
+    Parameters
+    ----------
+    tick_hz : float
+        Rate of record, loop and force.
+    injected : ndarray, shape (n,)
+        Set-point or injected force, in any unit; repeats every 0.2 s, in odd lines of 5 Hz and
+        one of 20 Hz (`multisine`).
+    force_n : ndarray, shape (n,)
+        Whole force that was commanded in each tick.
+    position_m : ndarray, shape (n,)
+        Reading of the scale in the same tick.
+    quantum_nm : float
+        Of the scale, 0 if it is not known.
+
+    Raises
+    ------
+    CamtoolsError
+        The record is too short, the injected signal does not repeat, or too few lines show.
+    """
+    grid = Grid(tick_hz, round(tick_hz / LINE_HZ), _HIGHEST * tick_hz)
+    n = force_n.size // grid.n_ticks - _DROPPED
+    if n < _MIN_PERIODS:
+        need = f"{_MIN_PERIODS + _DROPPED} periods of {grid.n_ticks} ticks are needed"
+        raise CamtoolsError([f"record: {force_n.size} ticks; {need}: record for longer"])
+    signal, force, position = (
+        row[-n * grid.n_ticks :].reshape(n, -1) for row in (injected, force_n, position_m)
+    )
+    if np.abs(signal - signal.mean(axis=0)).max() > _SAME * np.ptp(signal) or not np.ptp(signal):
+        problem = f"the injected signal does not repeat every {grid.n_ticks / tick_hz:g} s"
+        raise CamtoolsError([f"record: {problem}; inject a multisine of that period"])
+    one = spectra_of(grid, force, position * _NM, quantum_nm)
+    power = np.abs(np.fft.rfft(signal.mean(axis=0))[one.bins])
+    return fit_lines(one.only(np.asarray(power > 1e-3 * power.max())))
