@@ -38,6 +38,7 @@ class Outcome:
     trace: Columns
     summary: dict[str, Any]
 
+LET_GO = ("drive", "u_runaway", "u_travel")  # faults that drop the enable at once
 
 def read_trace(path: Path) -> Columns:
     """Return the columns of a trace; `state` stays text, and `faults`, which is hexadecimal."""
@@ -101,8 +102,8 @@ def check_fault_reaction(trace: Columns, expect: dict[str, Any]) -> None:
     assert trace["out_z_nm"][-1] == trace["out_z_nm"][-2]
     enabled = (outputs & ENABLE) != 0
     assert not enabled[-1], "enable drops in the end"
-    if expect["first_fault"] == "drive":
-        assert not enabled.any(), "a failed drive is let go at once"
+    if expect["first_fault"] in LET_GO:
+        assert not enabled.any(), "a drive that failed or ran away is let go at once"
     else:
         assert (
             enabled[: int(np.argmin(enabled))].all()

@@ -46,10 +46,13 @@ def number(text: str, pattern: str) -> float:
 def run_once(folder: Path) -> tuple[str, dict[str, int]]:
     """Return the report of a proposal, and its parameters with the names of the firmware."""
     assert tuned(folder, DRIVE + TASK) == 0
-    table = tomllib.loads((folder / "out" / "coil_servo.toml").read_text())["servo"]
+    table = tomllib.loads((folder / "out" / "coil_servo.toml").read_text())["axis_u"]
+    assert table.pop("lead_ns") == 10**9 // STEP_HZ + table["servo_force_delay_ns"]
+    assert [table.pop(name) for name in ("k1_ns", "k2_us2", "u_friction_nm")] == [0, 0, 0]
     assert all(name.startswith("servo_") for name in table)
     values = {name.removeprefix("servo_"): value for name, value in table.items()}
-    return (folder / "out" / "coil_loop.txt").read_text(), {"step_hz": STEP_HZ} | values
+    text = (folder / "out" / "coil_loop.txt").read_text()
+    return text, {"step_hz": STEP_HZ, "scale_delay_ns": 0} | values
 
 
 def test_firmware_with_the_written_parameters_does_what_the_report_says(tmp_path: Path) -> None:
@@ -174,7 +177,7 @@ def test_bad_loop_is_one_error(
 ) -> None:  # fmt: skip
     """The bounds are those of the firmware."""
     values = {"mass_g": 1500, "crossover_hz": 200, "lead_percent": 2000, "pole_hz": 4000}
-    values |= {"integral_mhz": 9000, "notch_hz": 1200, "notch_zero_permille": 60}
+    values |= {"integral_mHz": 9000, "notch_hz": 1200, "notch_zero_permille": 60}
     loop = values | {"notch_pole_permille": 100} | change
     kept = tmp_path / "kept.toml"
     lines = [f"servo_{k} = {v}\n" for k, v in loop.items() if v is not None]

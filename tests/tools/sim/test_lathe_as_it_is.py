@@ -119,7 +119,7 @@ def test_latency_of_the_scale_is_seen_as_an_error_and_its_parameter_takes_it_awa
 
 
 def test_force_drive_is_worth_what_the_controller_is_told(oval30: Path) -> None:
-    """Feed-forward by its fitted constants leaves half a percent; by a wrong mass far more."""
-    force: dict[str, float | str] = {"kind": '"force"', "bandwidth_hz": 180}
-    assert form_um(cut(oval30, u=force)) < 0.006 * SWING_UM
-    assert form_um(cut(oval30, u=force, believed_u={"mass_kg": 1.8})) > 0.02 * SWING_UM
+    """The force of the right mass leaves a thousandth; that of a wrong one far more."""
+    force: dict[str, float | str] = {"kind": '"force"', "force_limit_n": 1000}
+    assert form_um(cut(oval30, u=force)) < 0.001 * SWING_UM
+    assert form_um(cut(oval30, u=force, believed_u={"mass_kg": 1.8})) > 0.005 * SWING_UM

@@ -81,14 +81,15 @@ def _judged(values: dict[str, int], drive: Drive) -> Judgement:
 
 
 def _write(
-    folder: Path, name: str, judged: Judgement, lines: list[str], values: dict[str, int]
-) -> None:
+    folder: Path, drive: Drive, name: str, judged: Judgement, lines: list[str],
+    values: dict[str, int],
+) -> None:  # fmt: skip
     from camtools.tune.plots import loop_png  # matplotlib is slow to load
 
     files = {
         f"{name}_loop.png": loop_png(judged, f"{name}: position loop"),
         f"{name}_loop.txt": ("\n".join(lines) + "\n").encode("ascii"),
-        f"{name}_servo.toml": text_of(values, f"tools/tune of {name}").encode("utf-8"),
+        f"{name}_servo.toml": text_of(values, drive, f"tools/tune of {name}").encode("utf-8"),
     }
     write_all(folder, files)
 
@@ -123,7 +124,7 @@ def _run(arguments: argparse.Namespace) -> int:
         return REFUSED
     lines += lines_of(judged, drive)
     if arguments.out is not None:
-        _write(arguments.out, file.stem, judged, lines, values)
+        _write(arguments.out, drive, file.stem, judged, lines, values)
     sys.stdout.write("\n".join(lines) + "\n")
     return 0
 

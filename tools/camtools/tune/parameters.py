@@ -10,32 +10,28 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from camtools.base.errors import InputError
-from camtools.base.project_paths import ROOT
+from camtools.link.parameters import INFOS
 from camtools.tune.drive import Drive, read_tree
 from camtools.tune.loop_design import Loop
 
 PREFIX = "servo_"
-_HEADER = ROOT / "firmware" / "servo" / "cam_servo_design.h"
-_ROW = re.compile(r"X\((\w+),\s*(\d+),\s*(\d+)\)")
-_OF_LOOP = ("mass_g", "crossover_hz", "lead_percent", "pole_hz", "integral_mhz")
+# The firmware's loop has no lag of a position drive.
+_NO_LAG = {"k1_ns": 0, "k2_us2": 0, "u_friction_nm": 0}
+_OF_LOOP = ("mass_g", "crossover_hz", "lead_percent", "pole_hz", "integral_mHz")
 _OF_NOTCH = ("notch_hz", "notch_zero_permille", "notch_pole_permille")
 _NO_NOTCH = {"notch_zero_permille": 1000, "notch_pole_permille": 1000}
 _MOST_STEPS = 8  # of the delay of the force
 _MOST_OVERLOAD = 15
 
 
-@cache
 def ranges() -> dict[str, tuple[int, int]]:
-    """Return least and most of each parameter; the rate of the loop is that of the tick."""
-    rows = _ROW.findall(_HEADER.read_text(encoding="ascii"))
-    return {PREFIX + name: (int(low), int(high)) for name, low, high in rows if name != "step_hz"}
+    """Return least and most of each parameter of the loop."""
+    return {name: (info.low, info.high) for name, info in INFOS.items() if name.startswith(PREFIX)}
 
 
 def _loop_values(loop: Loop) -> dict[str, float]:
@@ -43,7 +39,7 @@ def _loop_values(loop: Loop) -> dict[str, float]:
         "crossover_hz": loop.crossover_hz,
         "lead_percent": loop.lead_ratio * 100.0,
         "pole_hz": math.floor(loop.pole_hz),  # its bound is a fifth of the rate
-        "integral_mhz": min(loop.integral_hz, loop.crossover_hz) * 1e3,
+        "integral_mHz": min(loop.integral_hz, loop.crossover_hz) * 1e3,
         "notch_hz": loop.notch_hz,
         "notch_zero_permille": loop.notch_zero * 1e3,
         "notch_pole_permille": loop.notch_pole * 1e3,
@@ -60,7 +56,6 @@ def _drive_values(drive: Drive) -> dict[str, float]:
     }
     return {
         "mass_g": drive.mass_kg * 1e3,
-        "scale_delay_ns": 0,  # delay_us counts from the latch
         "force_delay_ns": (drive.delay_us + lag_us) * 1e3,
         "drag_mn_s_per_m": drive.drag_n_s_per_m * 1e3,
         "friction_mn": drive.friction_n * 1e3,
@@ -89,8 +84,8 @@ def _bounds(at: Mapping[str, int], tick_hz: float) -> dict[str, tuple[float, flo
     found: dict[str, tuple[float, float]] = {
         "crossover_hz": (1, at["pole_hz"]),
         "pole_hz": (10, tick_hz / 5),
-        "integral_mhz": (0, 1000 * at["crossover_hz"] + 999),
-        "force_delay_ns": (0, 1e9 * _MOST_STEPS / tick_hz - at.get("scale_delay_ns", 0)),
+        "integral_mHz": (0, 1000 * at["crossover_hz"] + 999),
+        "force_delay_ns": (0, 1e9 * _MOST_STEPS / tick_hz),
     }
     if at.get("notch_hz"):
         found["notch_hz"] = (tick_hz / 1000, tick_hz / 4)
@@ -147,12 +142,17 @@ def loop_of(values: Mapping[str, int], drive: Drive) -> Loop:
     if not at.get("notch_hz"):
         at |= _NO_NOTCH | {"notch_hz": int(drive.tick_hz / 8)}
     return Loop(
-        at["crossover_hz"], at["lead_percent"] / 100, at["pole_hz"], at["integral_mhz"] / 1000,
+        at["crossover_hz"], at["lead_percent"] / 100, at["pole_hz"], at["integral_mHz"] / 1000,
         at["notch_hz"], at["notch_zero_permille"] / 1000, at["notch_pole_permille"] / 1000,
     )  # fmt: skip
 
 
-def text_of(values: Mapping[str, int], origin: str) -> str:
-    """Return the parameters as a file that `camctl params load` takes."""
-    lines = [f"# Position loop of U, {origin}.", "[servo]"]
-    return "\n".join(lines + [f"{name} = {value}" for name, value in values.items()]) + "\n"
+def text_of(values: Mapping[str, int], drive: Drive, origin: str) -> str:
+    """Return the parameters as a file that `camctl params load` takes.
+
+    U is looked up ahead by a tick and the delay of the force (cam_force.h).
+    """
+    lead_ns = round(1e9 / drive.tick_hz) + values["servo_force_delay_ns"]
+    lines = [f"# Position loop of U, {origin}.", "[axis_u]"]
+    settings = dict(values) | _NO_LAG | {"lead_ns": lead_ns}
+    return "\n".join(lines + [f"{name} = {value}" for name, value in settings.items()]) + "\n"
