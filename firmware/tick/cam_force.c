@@ -81,7 +81,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
         f->n_limited = 0;
         return 0;
     }
-    const int32_t vel_nm = cam_sat_i32(f->vel_q24 >> 24);
+    const int32_t vel_nm = cam_sat_i32((f->vel_q24 + (1 << 23)) >> 24);
     const bool is_lost =
         m->state != cam_state_manual && is_beyond(cfg, r->in.actual_nm[hal_axis_u], vel_nm);
     f->n_limited = f->servo.is_limited ? f->n_limited + 1u : f->n_limited - (f->n_limited > 0u);

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// The force of U on a mass of this test: 1.5 kg at 20 kHz, the force of a tick acts for the tick
+// after the next one.
+#include "cam_build.h"
+#include "cam_force.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <math.h>   // sin, fabs
+#include <stddef.h> // NULL
+
+#define TICK_S 50e-6
+#define MASS_KG 1.5
+
+static cam_config_t cfg;
+static cam_force_t force;
+static cam_tick_record_t r;
+static cam_motion_t m;
+static double pos_nm, vel_nm_per_s, waiting_n, push_n;
+static int32_t line_nm; ///< end of the travel
+static bool is_frozen, is_reversed, is_blocked;
+
+static void configure(cam_param_id_t id, int32_t value)
+{
+    cam_params_t p = cam_param_defaults();
+    p.servo_crossover_hz = 430;
+    p.servo_pole_hz = 4000;
+    p.servo_force_delay_ns = 75000;
+    if (id != cam_n_params) {
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, id, value));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
+    line_nm = p.u_stroke_nm / 2 + cfg.guard.approach_nm;
+}
+
+void setUp(void)
+{
+    hal_host_reset(20000);
+    hal_host.slow.force.quantum_un = 20000;
+    configure(cam_n_params, 0);
+    force = (cam_force_t){0};
+    r = (cam_tick_record_t){0};
+    m = (cam_motion_t){.state = cam_state_ready};
+    pos_nm = vel_nm_per_s = waiting_n = push_n = 0.0;
+    is_frozen = is_reversed = is_blocked = false;
+}
+
+/// A tick of the two stages, and of the mass. @return faults
+static uint32_t tick(int32_t set_nm)
+{
+    if (!is_frozen) {
+        r.in.actual_nm[hal_axis_u] = (int32_t)lround(pos_nm);
+    }
+    cam_force_step_isr(&force, &cfg.force, &r, set_nm, &m.axis[hal_axis_u]);
+    r.want.u_due_q6 = set_nm * 64;
+    const uint32_t faults = cam_force_watch_isr(&force, &cfg.force, &r, &m);
+    const double nm_per_s2 = (push_n + (is_reversed ? -waiting_n : waiting_n)) / MASS_KG * 1e9;
+    if (!is_blocked) {
+        pos_nm += vel_nm_per_s * TICK_S + 0.5 * nm_per_s2 * TICK_S * TICK_S;
+        vel_nm_per_s += nm_per_s2 * TICK_S;
+    }
+    waiting_n = r.force_q6 / 64e3;
+    return faults;
+}
+
+/// @return ticks until a fault, at most n; the fault must be that one
+static uint32_t until_fault(uint32_t mask, uint32_t n)
+{
+    for (uint32_t i = 1; i <= n; i++) {
+        const uint32_t faults = tick(0);
+        if (faults != 0u) {
+            TEST_ASSERT_EQUAL_HEX32(mask, faults);
+            return i;
+        }
+    }
+    return n + 1u;
+}
+
+static void let_settle(void)
+{
+    force.is_on = true;
+    TEST_ASSERT_EQUAL_UINT32(2001, until_fault(0, 2000));
+}
+
+static void test_off_there_is_no_force_and_no_fault(void)
+{
+    pos_nm = 400000.0;
+    r.in.inputs = hal_in_limit_u_low;
+    for (int i = 0; i < 100; i++) {
+        TEST_ASSERT_EQUAL_HEX32(0, tick(0));
+        TEST_ASSERT_EQUAL_INT32(0, r.force_q6);
+    }
+}
+
+static void test_it_follows_the_set_point_within_its_supervision(void)
+{
+    const double w = 2.0 * 3.14159265358979 * 100.0; // 0.5 mm at 3000 r/min, twice a turn
+    force.is_on = true;
+    double worst_nm = 0.0;
+    for (int i = 0; i < 8000; i++) {
+        const double size_nm = 500e3 * fmin(1.0, i / 4000.0);
+        const double at = w * (i * TICK_S + 75e-6); // due when its force acts
+        m.axis[hal_axis_u].vel_q10 = (int32_t)(size_nm * w * cos(at) * TICK_S * 1024.0);
+        m.axis[hal_axis_u].acc_q10 =
+            (int32_t)(-size_nm * w * w * sin(at) * TICK_S * TICK_S * 1024.0);
+        TEST_ASSERT_EQUAL_HEX32(0, tick((int32_t)(size_nm * sin(at))));
+        if (i > 6000) {
+            worst_nm = fmax(worst_nm, fabs(pos_nm - size_nm * sin(w * (i + 1) * TICK_S)));
+        }
+    }
+    TEST_ASSERT_TRUE(worst_nm < 2000.0);
+}
+
+/// The deviation is d / (m (2 pi 300 Hz)^2): 50 um at 266 N.
+static void test_unknown_force_is_accepted_up_to_its_limit(void)
+{
+    let_settle();
+    push_n = 225.0;
+    TEST_ASSERT_EQUAL_UINT32(2001, until_fault(CAM_FAULT_BIT(u_runaway), 2000));
+    setUp();
+    let_settle();
+    push_n = 310.0;
+    TEST_ASSERT_UINT32_WITHIN(30, 40, until_fault(CAM_FAULT_BIT(u_runaway), 2000));
+}
+
+static void test_reversed_force_is_found_before_u_is_far_off(void)
+{
+    let_settle();
+    is_reversed = true;
+    pos_nm += 100.0; // from a position of rest nothing would happen
+    const uint32_t n = until_fault(CAM_FAULT_BIT(u_runaway), 2000);
+    TEST_ASSERT_LESS_THAN_UINT32(2000, n);
+    TEST_ASSERT_DOUBLE_WITHIN(100e3, 0.0, pos_nm);
+}
+
+static void test_frozen_scale_is_found_when_u_is_due_elsewhere(void)
+{
+    let_settle();
+    is_frozen = true;
+    TEST_ASSERT_EQUAL_HEX32(0, tick(12500));
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_runaway), tick(12501));
+}
+
+static void test_travel_ends_beyond_the_following_error(void)
+{
+    let_settle();
+    pos_nm = line_nm;
+    force.pos_q24 = (int64_t)line_nm << 24; // arrived there slowly
+    force.vel_q24 = 0;
+    TEST_ASSERT_EQUAL_HEX32(0, tick(line_nm));
+    pos_nm = line_nm + 1;
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_travel), tick(line_nm));
+    m.state = cam_state_manual; // there the way back must be open
+    pos_nm = line_nm + 1;
+    TEST_ASSERT_EQUAL_HEX32(0, tick(line_nm));
+}
+
+/// With half of 600 N 1.5 kg brake at 200 m/s2: from 200 mm/s within 0.1 mm.
+static void test_speed_must_leave_room_to_brake(void)
+{
+    for (int by_nm = -1000; by_nm <= 1000; by_nm += 2000) {
+        setUp();
+        let_settle();
+        pos_nm = line_nm - 100000 + by_nm;
+        vel_nm_per_s = 200e6;
+        force.pos_q24 = (int64_t)pos_nm << 24;
+        force.vel_q24 = (int64_t)10000 << 24;
+        TEST_ASSERT_EQUAL_HEX32(by_nm > 0 ? CAM_FAULT_BIT(u_travel) : 0u, tick((int32_t)pos_nm));
+    }
+}
+
+static void test_limit_switch_stops_u_and_in_manual_lets_it_go_back(void)
+{
+    static const struct {
+        uint32_t line;
+        int32_t vel_q10;
+        bool is_by_hand, is_fault;
+    } cases[] = {
+        {hal_in_limit_u_low, 0, false, true},     {hal_in_limit_u_high, 0, false, true},
+        {hal_in_limit_u_low, 100, false, true},   {hal_in_limit_u_low, -100, true, true},
+        {hal_in_limit_u_low, 100, true, false},   {hal_in_limit_u_high, 100, true, true},
+        {hal_in_limit_u_high, -100, true, false}, {hal_in_limit_u_high, 0, true, false},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        setUp();
+        let_settle();
+        m.state = cases[i].is_by_hand ? cam_state_manual : cam_state_ready;
+        m.axis[hal_axis_u].vel_q10 = cases[i].vel_q10;
+        r.in.inputs = cases[i].line;
+        TEST_ASSERT_EQUAL_HEX32(cases[i].is_fault ? CAM_FAULT_BIT(u_travel) : 0u, tick(0));
+    }
+}
+
+static void test_force_at_its_limit_for_too_long_is_a_fault(void)
+{
+    configure(cam_param_servo_runaway_nm, 10000000);
+    let_settle();
+    is_blocked = true;
+    pos_nm = -300000.0; // so far off that the force reaches its limit
+    const uint32_t n = until_fault(CAM_FAULT_BIT(u_force), 2000);
+    TEST_ASSERT_UINT32_WITHIN(25, 401, n); // 20 ms
+}
+
+static void test_shift_of_the_origin_is_no_motion(void)
+{
+    let_settle();
+    pos_nm += 5e6;
+    cam_force_shift_isr(&force, 5000000);
+    cfg.force.travel_nm = 10000000;
+    TEST_ASSERT_EQUAL_HEX32(0, tick(5000000));
+}
