@@ -278,11 +278,11 @@ typedef struct {
 /// Everything that a tick reads without changing it.
 typedef struct {
     cam_spindle_config_t spindle;
+    cam_force_config_t force;
     cam_play_config_t play;
     cam_guard_config_t guard;
     cam_axis_command_config_t command;
     cam_switches_config_t switches;
-    cam_force_config_t force;
     cam_table_t table;   ///< play.table points here
     uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
     uint32_t generation; ///< rises with every hand-over

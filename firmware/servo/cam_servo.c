@@ -108,10 +108,14 @@ int32_t cam_servo_step_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
 
 void cam_servo_start_isr(cam_servo_t *s, const cam_servo_config_t *cfg, const cam_servo_input_t *in)
 {
-    *s = (cam_servo_t){.error_q6 = error_q6(&cfg->ahead, in, in->acc_q10),
-                       .acc_q10 = in->acc_q10,
-                       .heat_q54 = s->heat_q54,
-                       .is_hot = s->is_hot};
+    s->sum_q38 = 0;
+    s->error_q6 = error_q6(&cfg->ahead, in, in->acc_q10);
+    s->acc_q10 = in->acc_q10;
+    s->lead_q6 = 0;
+    s->first_q36 = 0;
+    s->second_q36 = 0;
+    s->force_q6 = 0;
+    s->is_limited = false;
 }
 
 void cam_servo_rest_isr(cam_servo_t *s, const cam_servo_config_t *cfg)

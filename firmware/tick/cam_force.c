@@ -44,15 +44,15 @@ static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, const cam_
     return off_q6;
 }
 
-/// @return whether the reading stands while U is due elsewhere
-static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, const cam_tick_record_t *r)
+/// @return whether the reading stands while U is commanded elsewhere
+static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
+                      int32_t set_nm)
 {
-    const int32_t read_nm = r->in.actual_nm[hal_axis_u];
     if (read_nm != f->still_nm || !f->was_on) {
         f->still_nm = read_nm;
-        f->due_q6 = r->want.u_due_q6;
+        f->still_set_nm = set_nm;
     }
-    return !cam_is_within(cam_sat_sub(r->want.u_due_q6, f->due_q6), cfg->runaway_q6 / 4);
+    return !cam_is_within(cam_sat_sub(set_nm, f->still_set_nm), cfg->runaway_q6 / 256);
 }
 
 /// @return whether U is beyond its travel, or cannot stop before its end: v^2 > 2 a s
@@ -73,17 +73,18 @@ static bool is_at_line(uint32_t inputs, const cam_motion_t *m)
 }
 
 uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
-                             const cam_tick_record_t *r, const cam_motion_t *m)
+                             const cam_tick_record_t *r, int32_t set_nm, const cam_motion_t *m)
 {
+    const int32_t read_nm = r->in.actual_nm[hal_axis_u];
     const int32_t off_q6 = observe(f, cfg, r);
-    const bool is_runaway = is_frozen(f, cfg, r) || !cam_is_within(off_q6, cfg->runaway_q6);
+    const bool is_runaway =
+        is_frozen(f, cfg, read_nm, set_nm) || !cam_is_within(off_q6, cfg->runaway_q6);
     if (!f->was_on) {
         f->n_limited = 0;
         return 0;
     }
     const int32_t vel_nm = cam_sat_i32((f->vel_q24 + (1 << 23)) >> 24);
-    const bool is_lost =
-        m->state != cam_state_manual && is_beyond(cfg, r->in.actual_nm[hal_axis_u], vel_nm);
+    const bool is_lost = m->state != cam_state_manual && is_beyond(cfg, read_nm, vel_nm);
     f->n_limited = f->servo.is_limited ? f->n_limited + 1u : f->n_limited - (f->n_limited > 0u);
     return (is_lost || is_at_line(r->in.inputs, m) ? CAM_FAULT_BIT(u_travel) : 0u) |
            (is_runaway ? CAM_FAULT_BIT(u_runaway) : 0u) |

@@ -125,17 +125,22 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
+bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m)
+{
+    const bool is_let_go = m->is_retracted || (g->faults & LOST) != 0u;
+    return m->state != cam_state_off && !(m->state == cam_state_fault && is_let_go);
+}
+
 /// Replace the set-points of play by those of the retract. The drives stay enabled until it has
 /// ended, or a fault of LOST.
 static void write_retract(cam_guard_t *g, cam_tick_record_t *r, const cam_motion_t *m)
 {
-    const bool is_held = !m->is_retracted && (g->faults & LOST) == 0u;
     g->u_set_q6 = cam_sat_i32(m->axis[hal_axis_u].pos_q10 >> 4);
     r->want.state = cam_state_fault;
     r->want.spindle_mrpm = 0;
     r->want.u_set_q6 = g->u_set_q6;
     r->want.faults = g->faults;
-    r->want.outputs = is_held ? hal_out_fault | hal_out_enable : hal_out_fault;
+    r->want.outputs = cam_guard_holds_isr(g, m) ? hal_out_fault | hal_out_enable : hal_out_fault;
     r->want.is_retracted = m->is_retracted;
 }
 

@@ -39,6 +39,9 @@ typedef struct {
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
                         cam_motion_t *m);
 
+/// @return whether the drives are enabled, as the last tick left the state
+bool cam_guard_holds_isr(const cam_guard_t *g, const cam_motion_t *m);
+
 /// Latch the fault `command` in the tick that refused a command (cam_axis_command.h).
 /// @param r, m  as left by cam_guard_step_isr()
 void cam_guard_refuse_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,

@@ -42,20 +42,27 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// The force of U, for the set-point and the verdict of the last tick. @return whether there is one
-static bool force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+/// Calculate the force of U for the set-point and the verdict of the last tick.
+static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    if (cfg->force.is_used) {
-        cam_force_step_isr(&c->force, &cfg->force, r, c->command.u.nm, &c->motion.axis[hal_axis_u]);
-    }
-    return cfg->force.is_used;
+    c->force.is_on = cam_guard_holds_isr(&c->guard, &c->motion);
+    cam_force_step_isr(&c->force, &cfg->force, r, c->command.u.nm, &c->motion.axis[hal_axis_u]);
 }
 
-static void servo_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+/// Supervise U. Its faults take effect in this tick.
+static void watch_u(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
-    if (force_u(c, cfg, r)) {
-        hal_force_write_isr(r->force_q6);
-    }
+    c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, c->command.u.nm, &c->motion);
+}
+
+/// The force of U leaves before anything else is calculated. Not inlined, so that a tick of a U
+/// that takes positions does not save the registers.
+static __attribute__((noinline)) void servo_isr(cam_t *c, const cam_config_t *cfg,
+                                                cam_tick_record_t *r)
+{
+    force_u(c, cfg, r);
+    hal_force_write_isr(r->force_q6);
+    watch_u(c, cfg, r);
 }
 
 /// Observe, play, guard, command. A refused command raises the fault `command` in the same tick.
@@ -64,15 +71,11 @@ static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     r->config = cfg->generation;
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     cam_play_step_isr(&c->play, &cfg->play, r, &c->motion);
-    if (cfg->force.is_used) {
-        r->want.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
-    }
     cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
     if (!cam_axis_command_isr(&c->command, &cfg->command, r, &c->motion)) {
         cam_guard_refuse_isr(&c->guard, &cfg->guard, r, &c->motion);
         cam_axis_command_nearest_isr(&c->command, &cfg->command, r, &c->motion);
     }
-    c->force.is_on = (r->want.outputs & hal_out_enable) != 0u;
     r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
 }
 
@@ -143,7 +146,10 @@ static void publish_isr(cam_t *c, const cam_tick_record_t *r)
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    (void)force_u(c, cfg, r);
+    if (cfg->force.is_used) {
+        force_u(c, cfg, r);
+        watch_u(c, cfg, r);
+    }
     decide_isr(c, cfg, r);
     if (--c->until_plan <= 0) {
         plan_isr(c, cfg, r);
@@ -155,9 +161,11 @@ void cam_tick_isr(cam_t *c)
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
     cam_tick_record_t *r = begin_isr(c, cfg); // next record of the trace ring
     sense_isr(c, &r->in);                     // the only reads from the machine
-    servo_isr(c, cfg, r);                     // the force of U leaves before all else
-    decide_isr(c, cfg, r);                    // observe -> play -> guard -> command
-    actuate_isr(c, r);                        // all other writes to the machine
+    if (cfg->force.is_used) {
+        servo_isr(c, cfg, r); // the position loop of U, for the set-point of the last tick
+    }
+    decide_isr(c, cfg, r); // observe -> play -> guard -> command
+    actuate_isr(c, r);     // all other writes to the machine
     if (--c->until_plan <= 0) {
         plan_isr(c, cfg, r);
     }

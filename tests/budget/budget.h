@@ -8,8 +8,9 @@
 #define BUDGET_H
 
 enum {
-    budget_tick_in_cut = 660, ///< U plays the table with position outputs, without the plan
-    budget_tick = 3600,       ///< any tick, with its plan: 15 % of the period, one per cycle
+    budget_tick_in_cut = 664,      ///< U plays the table with position outputs, without the plan
+    budget_tick_with_force = 1040, ///< ... with the position loop of U and its supervision
+    budget_tick = 3600,            ///< any tick, with its plan: 15 % of the period, one per cycle
 };
 
 /// The slow side of learning: a piece of it, which a main loop waits for, and all of a turn, 2 ms

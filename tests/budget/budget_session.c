@@ -114,6 +114,18 @@ bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_par
            rig->last.want.faults == 0u;
 }
 
+bool budget_session_force(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part)
+{
+    bool is_good = budget_session_open(rig, isr, part);
+    hal_host.slow.force.quantum_un = 20000;
+    is_good = is_good && set(rig, cam_param_servo_crossover_hz, 400) &&
+              fixture_rig_bring(rig, cam_state_cutting) &&
+              fixture_rig_until(rig, cam_state_ready, patience) < patience &&
+              rig->last.want.faults == 0u;
+    hal_host.slow.force.quantum_un = 0;
+    return is_good;
+}
+
 bool budget_session_uniform(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_short();

@@ -42,6 +42,9 @@ bool budget_session_shaft(fixture_rig_t *rig, void (*isr)(void));
 /// From off through the cut to ready. @return true when it ended without a fault
 bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part);
 
+/// The same where U takes forces.
+bool budget_session_force(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part);
+
 /// The short skirt, and the one with a speed channel.
 bool budget_session_uniform(fixture_rig_t *rig, void (*isr)(void));
 bool budget_session_modulated(fixture_rig_t *rig, void (*isr)(void));

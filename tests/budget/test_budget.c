@@ -311,6 +311,19 @@ static void test_random_parameters(void)
     expect_budget("random");
 }
 
+/// A cut in which the firmware closes the loop of U. Its counts are apart.
+static void test_force_of_u(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    const uint32_t without = most_in_cut;
+    most_in_cut = 0;
+    TEST_ASSERT_TRUE(budget_session_force(&rig, counted, &part));
+    printf("figure tick_force_max %lu\n", (unsigned long)most_in_cut);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_tick_with_force, most_in_cut);
+    most_in_cut = without;
+    expect_budget("force");
+}
+
 static void test_enough_ticks_were_measured(void)
 {
     TEST_ASSERT_GREATER_THAN_UINT32(least_ticks, n_measured);

@@ -127,7 +127,7 @@ static void test_signals_and_fields_of_the_recorder_are_those_that_are_known(voi
     static const char fields[] = CAM_SCOPE_FIELDS(FIELD);
     TEST_ASSERT_EQUAL_HEX32(0xD1980BEE, cam_crc32(0, signals, sizeof signals));
     TEST_ASSERT_EQUAL_HEX32(0x94A3759D, cam_crc32(0, fields, sizeof fields));
-    TEST_ASSERT_EQUAL_STRING("config", cam_scope_signal_name(cam_scope_n_signals - 1));
+    TEST_ASSERT_EQUAL_STRING("u_force_q6", cam_scope_signal_name(cam_scope_n_signals - 1));
 }
 
 /// Learning sets what it needs and leaves all else; what is out of its range is brought back.

@@ -51,8 +51,7 @@ static uint32_t tick(int32_t set_nm)
         r.in.actual_nm[hal_axis_u] = (int32_t)lround(pos_nm);
     }
     cam_force_step_isr(&force, &cfg.force, &r, set_nm, &m.axis[hal_axis_u]);
-    r.want.u_due_q6 = set_nm * 64;
-    const uint32_t faults = cam_force_watch_isr(&force, &cfg.force, &r, &m);
+    const uint32_t faults = cam_force_watch_isr(&force, &cfg.force, &r, set_nm, &m);
     const double nm_per_s2 = (push_n + (is_reversed ? -waiting_n : waiting_n)) / MASS_KG * 1e9;
     if (!is_blocked) {
         pos_nm += vel_nm_per_s * TICK_S + 0.5 * nm_per_s2 * TICK_S * TICK_S;
