@@ -24,7 +24,8 @@ FAST_ENDS = ("--set", "engage_turns=1", "--set", "disengage_turns=1")
 # Part, exit status and options: engage to disengage, a modulated spindle, a stopped ring-helix,
 # faults of the machine and of the table in the target's memory, the operator's stop, a tool that
 # swings, several passes with a feed against the height, the other sense, a shaft of eight lobes,
-# and a drive that is not what is believed, rehearsed and learned.
+# a drive that is not what is believed, rehearsed and learned, and a U that takes forces, whose
+# scale freezes.
 CASES = {
     "whole": ("perkins240", 0, ("--feed", "1")),
     "modulated": ("perkins240_equal_volume", 0, ("--rpm", "230", "--feed", "5")),
@@ -61,6 +62,14 @@ CASES = {
         (
             *("--machine", str(CAM_LATHE), "--feed", "10", "--rpm", "60"),
             *("--tolerance-um", "20", *FAST_ENDS),
+        ),
+    ),
+    "force": (
+        "perkins240",
+        1,
+        (
+            *("--machine", str(ROOT / "tests" / "scenarios" / "cases" / "machines" / "force.toml")),
+            *("--feed", "1", "--inject", "u-push@0.4:10", "--inject", "u-scale-stuck@0.6"),
         ),
     ),
     "learned": (

@@ -38,7 +38,9 @@ class Outcome:
     trace: Columns
     summary: dict[str, Any]
 
+
 LET_GO = ("drive", "u_runaway", "u_travel")  # faults that drop the enable at once
+
 
 def read_trace(path: Path) -> Columns:
     """Return the columns of a trace; `state` stays text, and `faults`, which is hexadecimal."""

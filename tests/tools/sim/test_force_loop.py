@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The reach of a U that takes forces: the firmware's loop as tools/tune designs it, in whole cuts.
+
+The limits are those of the plant: a step F of the force moves it by about F / (m w^2) at the
+crossover w, whatever controls it. They were found by an independent simulation of the loop.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camtools.tune.drive import Drive
+from camtools.tune.loop_design import propose
+from camtools.tune.parameters import parameters_of
+from tests.tools.cases.camsim_cases import camsim
+
+MASS_KG = 1.5
+PUSH_N = 10.0
+MACHINE = """\
+[machine]
+name = "force"
+[spindle]
+ripple = 0
+[encoder]
+counts_per_turn = 1000000
+[u]
+kind = "force"
+delay_us = {delay_us}
+quantum_nm = {scale_nm}
+mass_kg = 1.5
+friction_m_per_s2 = 3.333
+amplifier_hz = {amplifier_hz}
+stroke_mm = 3
+mode_hz = 1200
+mode_share = {share}
+mode_on_scale = 1
+[believed.u]
+mass_kg = {believed_kg}
+[controller]
+"""
+
+
+@cache
+def loop_of(amplifier_hz: float, delay_us: float, share: float) -> str:
+    """Return the lines of a proposed loop."""
+    drive = Drive(
+        mass_kg=MASS_KG, amplifier_hz=amplifier_hz, delay_us=delay_us, tick_hz=20000.0,
+        mode_hz=1200.0, mode_share=share,
+    )  # fmt: skip
+    values = parameters_of(propose(drive.plant), drive)
+    loop = [
+        name for name in values if any(k in name for k in ("cross", "lead", "pole", "int", "notch"))
+    ]
+    return "".join(f"{name} = {values[name]}\n" for name in loop)
+
+
+def machine(
+    folder: Path, amplifier_hz: float, delay_us: float, share: float, scale_nm: float = 10.0,
+    believed_kg: float = MASS_KG,
+) -> Path:  # fmt: skip
+    """Write a machine with the loop for it."""
+    file = folder / "force.toml"
+    text = MACHINE.format(
+        delay_us=delay_us, scale_nm=scale_nm, amplifier_hz=amplifier_hz, share=share,
+        believed_kg=believed_kg,
+    )  # fmt: skip
+    file.write_text(text + loop_of(amplifier_hz, delay_us, share))
+    return file
+
+
+@pytest.mark.parametrize(
+    ("amplifier_hz", "delay_us", "share", "most_um"),
+    [(1500, 75, -0.2, 3.5), (1500, 25, -0.2, 2.2), (3000, 25, -0.2, 1.1), (1500, 75, 1.0, 6.0)],
+)
+def test_step_of_force_in_the_cut(
+    table_of: Callable[[str], Path], tmp_path: Path,
+    amplifier_hz: float, delay_us: float, share: float, most_um: float,
+) -> None:  # fmt: skip
+    """10 N from one tick to the next: peak, and 0.1 um 20 ms later; the cut itself learns nothing."""
+    lathe, trace = machine(tmp_path, amplifier_hz, delay_us, share), tmp_path / "trace.csv"
+    push = ("--inject", f"u-push@0.5:{PUSH_N}", "--set", "learn_cut_gain_ppm=0")
+    words: list[str | Path] = ["--machine", lathe, "--trace", trace, *push, "--turns-limit", "60"]
+    done = camsim("run", table_of("perkins240"), *words, "--tolerance-um", "99")
+    assert done.returncode == 0, done.stderr
+    columns = np.genfromtxt(
+        trace, delimiter=",", names=True, dtype=None, encoding="ascii", usecols=(1, 6, 12)
+    )
+    time_s = columns["t_s"] - columns["t_s"][int(np.argmax(columns["state"] == "cutting"))] - 0.5
+    error_um = columns["error_nm"] / 1e3
+    before = np.abs(error_um[(time_s > -0.1) & (time_s < 0)]).max()
+    peak = np.abs(error_um[(time_s > 0) & (time_s < 0.02)]).max()
+    late = np.abs(error_um[(time_s > 0.02) & (time_s < 0.1)]).max()
+    assert before < 0.1
+    assert 0.3 < peak <= most_um
+    assert late <= before + 0.1
+
+
+@pytest.mark.parametrize(("scale_nm", "most_um"), [(10, 0.05), (100, 0.15), (1000, 1.0)])
+def test_wrong_mass_after_a_rehearsal(
+    oval30: Path, tmp_path: Path, scale_nm: float, most_um: float
+) -> None:
+    """1 mm at 3000 r/min, mass believed 20 % wrong."""
+    for believed_kg in (1.2, 1.8):
+        lathe = machine(tmp_path, 1500, 25, -0.2, scale_nm, believed_kg)
+        surface = tmp_path / "surface.csv"
+        done = camsim(
+            "run", oval30, "--machine", lathe, "--rpm", "3000", "--surface", surface,
+            "--tolerance-um", "99", "--turns-limit", "150",
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        error_nm = np.genfromtxt(surface, delimiter=",", names=True)["error_nm"]
+        assert np.abs(error_nm).max() / 1e3 <= most_um
