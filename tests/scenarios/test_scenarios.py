@@ -101,8 +101,8 @@ def check_fault_reaction(trace: Columns, expect: dict[str, Any]) -> None:
     assert trace["out_z_nm"][-1] == trace["out_z_nm"][-2]
     enabled = (outputs & ENABLE) != 0
     assert not enabled[-1], "enable drops in the end"
-    if expect["first_fault"] == "drive":
-        assert not enabled.any(), "a failed drive is let go at once"
+    if expect["first_fault"] in {"drive", "u_travel", "u_runaway"}:
+        assert not enabled.any(), "a failed drive or position loop is let go at once"
     else:
         assert (
             enabled[: int(np.argmin(enabled))].all()
@@ -160,5 +160,6 @@ def test_every_fault_has_a_scenario() -> None:
     machine_faults = {
         "estop", "drive", "bus", "late_tick", "encoder_jump", "lost_counts", "index_missing",
         "reverse", "spindle_stopped", "overspeed", "following_error", "z_range", "table",
+        "u_travel", "u_runaway", "u_force",
     }  # fmt: skip
     assert machine_faults <= shown
