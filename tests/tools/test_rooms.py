@@ -33,7 +33,7 @@ DESIGN = {
     "firmware/base": ("hal/include",),
     "firmware/table": ("firmware/base",),
     "firmware/motion": ("firmware/table",),
-    "firmware/record": ("firmware/motion",),
+    "firmware/record": ("firmware/motion", "firmware/servo"),
     "firmware/servo": ("firmware/base",),
     "firmware/plan": ("firmware/record",),
     "firmware/tick": ("firmware/plan",),
