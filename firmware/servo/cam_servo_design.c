@@ -31,7 +31,6 @@ static cam_servo_refused_t check_bounds(const cam_servo_params_t *p)
          cam_servo_refused_force_delay_ns},
         {p->force_limit_mn <= p->continuous_mn * cam_servo_most_overload,
          cam_servo_refused_force_limit_mn},
-        {p->continuous_mn <= p->force_limit_mn, cam_servo_refused_continuous_mn},
     };
     for (uint32_t i = 0; i < sizeof bounds / sizeof bounds[0]; i++) {
         if (!bounds[i].is_within) {
@@ -166,7 +165,8 @@ static void make_limits(const cam_servo_params_t *p, cam_servo_config_t *c)
     const int64_t rate_q6 = (int64_t)p->force_rate_n_per_ms * 64000000 / p->step_hz;
     const int64_t ahead_ns = (int64_t)p->scale_delay_ns + p->force_delay_ns;
     c->limit_q6 = p->force_limit_mn * 64;
-    c->continuous_q6 = p->continuous_mn * 64;
+    c->continuous_q6 =
+        (p->continuous_mn < p->force_limit_mn ? p->continuous_mn : p->force_limit_mn) * 64;
     c->per_continuous = (int32_t)((INT64_C(1) << 43) / c->continuous_q6);
     c->rate_q6 = (int32_t)(rate_q6 < INT64_C(1) << 29 ? rate_q6 : INT64_C(1) << 29);
     c->cooling_q32 = (int32_t)(INT64_C(4294967296000) / ((int64_t)p->thermal_ms * p->step_hz));

@@ -36,8 +36,8 @@
     X(stiffness_n_per_m)                                                                           \
     X(force_limit_mn)      /* at most 15 times the continuous force */                             \
     X(force_rate_n_per_ms) /* change of the force */                                               \
-    X(continuous_mn)       /* force that is allowed for ever */                                    \
-    X(thermal_ms)          /* thermal time constant */
+    X(continuous_mn) /* force that is allowed for ever; more than the limit counts as the limit */ \
+    X(thermal_ms)    /* thermal time constant */
 
 typedef struct {
 #define CAM_SERVO_FIELD(name) int32_t name; ///< in its range

@@ -128,7 +128,7 @@ bool sim_params_apply(const cam_params_t *params, uint32_t tick_hz, sim_params_s
             if (err == cam_err_busy) { // learning still adapts to the parameter set before
                 err = set(controller, id, value);
             }
-            const bool is_later = is_set_right && may_vanish(err);
+            const bool is_later = is_set_right && may_vanish(err) && round + 1u < cam_n_params;
             is_left = is_left || is_later;
             if (err != cam_ok && !is_later) {
                 return refuse(params, id, err, tick_hz, e);

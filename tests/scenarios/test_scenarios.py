@@ -163,5 +163,6 @@ def test_every_fault_has_a_scenario() -> None:
     machine_faults = {
         "estop", "drive", "bus", "late_tick", "encoder_jump", "lost_counts", "index_missing",
         "reverse", "spindle_stopped", "overspeed", "following_error", "z_range", "table",
+        "u_travel", "u_runaway", "u_force",
     }  # fmt: skip
     assert machine_faults <= shown

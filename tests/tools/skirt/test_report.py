@@ -234,9 +234,10 @@ def test_tool_that_was_out_already_is_told_so(faulty: SkirtOutcome) -> None:
     assert "already out of the work" in dict(fault_story(outcome))["reaction"]
 
 
-def test_drive_fault_claims_no_retract(faulty: SkirtOutcome) -> None:
+@pytest.mark.parametrize("fault", ["drive", "u_travel", "u_runaway"])
+def test_drive_fault_claims_no_retract(faulty: SkirtOutcome, fault: str) -> None:
     """What cannot be retracted is not told as retracted."""
-    summary = faulty.summary | {"first_faults": ["drive"], "faults": ["drive"]}
+    summary = faulty.summary | {"first_faults": [fault], "faults": [fault]}
     outcome = SkirtOutcome(faulty.generated, summary, faulty.surface, faulty.trace)
     assert "cannot retract" in dict(fault_story(outcome))["reaction"]
 

@@ -3,8 +3,8 @@
 
 >>> unit_of("u_actual_nm", 20000)
 Unit(name='u_actual_um', factor=0.001, is_wrapping=False)
->>> unit_of("angle_q32", 20000).name, unit_of("state", 20000).name
-('angle_deg', 'state')
+>>> unit_of("angle_q32", 20000).name, unit_of("u_force_q6", 20000).name
+('angle_deg', 'u_force_n')
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ from camtools.link.scope import Recording
 Floats = npt.NDArray[np.float64]
 FAULTS = tuple(FAULT_TEXTS)
 # Bits of hal.h by their numbers, hal_in_* and hal_out_*.
-_AT = "estop drive_ready bus_lost home_u home_x home_z index_u index_x index_z acknowledge key"
+_AT = (
+    "estop drive_ready bus_lost home_u home_x home_z index_u index_x index_z acknowledge key "
+    "limit_u_low limit_u_high"
+)
 INPUTS = dict(enumerate(_AT.split()))
 OUTPUTS = {0: "enable", 1: "fault", 2: "in_cut"} | {8 + i: f"switch_{i + 1}" for i in range(8)}
 BITS = {"faults": dict(enumerate(FAULTS)), "inputs": INPUTS, "outputs": OUTPUTS}
@@ -40,6 +43,7 @@ class Unit:
 def unit_of(signal: str, tick_hz: int) -> Unit:
     """Return how a signal of that tick rate is shown; what has no unit stays as it is."""
     factors = {
+        "_force_q6": ("_force_n", 1e-3 / 64),
         "_nm": ("_um", 1e-3),
         "_q6": ("_um", 1e-3 / 64),
         "vel_q10": ("vel_mm_per_s", 1e-6 / 1024 * tick_hz),

@@ -33,7 +33,7 @@ from camtools.plots.style import (
 Floats = npt.NDArray[np.float64]
 Columns = Mapping[str, Floats]
 ANGLE = "angle_deg"
-_UNITS = {"um": "µm", "mm": "mm", "deg": "degrees", "rpm": "r/min"}
+_UNITS = {"um": "µm", "mm": "mm", "deg": "degrees", "rpm": "r/min", "n": "N"}
 _RATES = {"mm_per_s": "mm/s", "m_per_s2": "m/s²"}
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED)
 _NOT_DRAWN = ("tick", "config")

@@ -25,6 +25,7 @@ from camtools.sim.results import FAULT, AnyCut
 _FAULTS = ROOT / "firmware" / "FAULTS.md"
 _FAULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
 _MOST_NAMES = 3
+_LOST = {"drive", "u_travel", "u_runaway"}  # faults after which nothing retracts
 _CLEAR_MM = 0.2  # the tool counts as out of the work: twice the usual depth of cut
 _MARGINS = {
     "spindle_rpm": ("spindle speed", "r/min", 1.0),
@@ -280,8 +281,11 @@ def remedies(faults: Iterable[str]) -> list[ReportRow]:
 
 
 def _reaction(outcome: AnyCut) -> str:
-    if "drive" in outcome.summary["first_faults"]:
-        return "A drive that is not ready cannot retract; it was disabled in the same tick."
+    if not _LOST.isdisjoint(outcome.summary["first_faults"]):
+        return (
+            "A U whose drive is not ready, or whose position loop does not work, cannot retract; "
+            "the drives were disabled in the same tick."
+        )
     clear_s = clear_after_s(outcome)
     if clear_s is None:
         clear = ""

@@ -92,7 +92,7 @@ def _bounds(at: Mapping[str, int], tick_hz: float) -> dict[str, tuple[float, flo
         found["notch_zero_permille"] = (0, at["notch_pole_permille"])
     if "force_limit_mn" in at:
         limit = at["force_limit_mn"]
-        found["continuous_mn"] = (limit / _MOST_OVERLOAD, limit)
+        found["continuous_mn"] = (limit / _MOST_OVERLOAD, math.inf)
     return found
 
 
