@@ -91,6 +91,12 @@ bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, com
         return common_error(e, "bus: no --can; give the CAN interface of the controller");
     }
     o->watch.session = o->common.cut.session;
+    if (o->watch.session.config.lathe.drive[hal_axis_u].kind == sim_drive_force) {
+        return common_error(e,
+                            "bus: %s: the drives on the bus take positions; give a machine with "
+                            "[u] kind = \"position\"",
+                            o->common.machine_path);
+    }
     if (o->watch.session.max_s == 0.0) {
         o->watch.session.max_s = default_max_s;
     }

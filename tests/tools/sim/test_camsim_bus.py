@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.tools.cases.camsim_cases import camsim, only_error
+from tests.tools.cases.camsim_cases import ROOT, camsim, only_error
 
 
 @pytest.mark.parametrize(
@@ -40,6 +40,13 @@ def test_wrong_words_are_refused(
 def test_missing_table_is_refused() -> None:
     """The message names the command and its help."""
     assert "bus: give one TABLE" in only_error(camsim("bus", "--can", "vcan0"))
+
+
+def test_machine_that_takes_forces_is_refused(table_of: Callable[[str], Path]) -> None:
+    """The drives on the bus close their own loops."""
+    real = ROOT / "host_sim" / "machines" / "real.toml"
+    done = camsim("bus", table_of("perkins240"), "--can", "vcan0", "--machine", real)
+    assert "the drives on the bus take positions" in only_error(done)
 
 
 def test_help_lists_the_options() -> None:
