@@ -79,7 +79,7 @@ def test_step_of_force_in_the_cut(
     table_of: Callable[[str], Path], tmp_path: Path,
     amplifier_hz: float, delay_us: float, share: float, most_um: float,
 ) -> None:  # fmt: skip
-    """10 N from one tick to the next: peak, and 0.1 um 20 ms later; the cut itself learns nothing."""
+    """10 N from one tick to the next: peak, 0.1 um after 20 ms; the cut itself learns nothing."""
     lathe, trace = machine(tmp_path, amplifier_hz, delay_us, share), tmp_path / "trace.csv"
     push = ("--inject", f"u-push@0.5:{PUSH_N}", "--set", "learn_cut_gain_ppm=0")
     words: list[str | Path] = ["--machine", lathe, "--trace", trace, *push, "--turns-limit", "60"]
