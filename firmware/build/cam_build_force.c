@@ -5,7 +5,10 @@
 #include "cam_units.h"       // cam_units_scale
 #include "hal/hal.h"         // hal_force
 
-enum { observer_hz = 300 }; ///< bandwidth of the observer, at most a twentieth of the tick rate
+enum {
+    observer_hz = 300, ///< bandwidth of the observer, at most a twentieth of the tick rate
+    still_hz = 2000,   ///< half a millisecond
+};
 
 cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uint32_t tick_hz)
 {
@@ -29,6 +32,10 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
     c->pos_q18 = (int32_t)(omega_q24 >> 5);
     c->vel_q24 = (int32_t)((omega_q24 * omega_q24) >> 24);
     c->runaway_q6 = p->servo_runaway_nm * 64;
+    // m w^2 times a quarter of the deviation, and twice the friction
+    const int64_t moving_q6 = (int64_t)c->runaway_q6 / 4 * c->vel_q24 / c->motion_q24;
+    c->moving_q6 = cam_sat_i32(moving_q6 + 2 * (int64_t)p->servo_friction_mn * 64);
+    c->still_ticks = tick_hz / still_hz;
     c->braking_nm = (int32_t)cam_clamp_i64(braking_nm, 1, INT32_MAX);
     c->limited_ticks = (uint32_t)cam_units_scale(p->servo_limited_ms, tick_hz, 1000);
     return cam_ok;

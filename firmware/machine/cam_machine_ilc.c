@@ -91,7 +91,8 @@ static range_t k2_range(const cam_machine_t *m)
 {
     const int64_t bound_us2 = cam_gains_bound(&m->params, cam_param_k2_us2, m->tick_hz);
     const int64_t k2_q16 = ticks2_q16(m, m->params.k2_us2);
-    // A loop of its own lags by the force that a wrong mass lacks, over the gain: here half the mass
+    // A loop of its own lags by the force that a wrong mass lacks, over the gain: here half the
+    // mass
     const cam_servo_config_t *servo = &cam_machine_newest_config(m)->force.servo;
     const int64_t mass_q16 =
         servo->kp_q18 > 0 ? ((int64_t)servo->mass_q14 << 19) / servo->kp_q18 : 0;

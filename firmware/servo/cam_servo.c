@@ -13,12 +13,12 @@ static int32_t force_q6(int64_t v_q24)
 }
 
 /// The set-point at the instant of the reading, MATHS.md (233), minus the reading. A change of the
-/// acceleration beyond 2^28 wraps.
+/// acceleration beyond 2^27 wraps.
 /// @return [nm / 64]
 static int32_t error_q6(const cam_servo_ahead_t *by, const cam_servo_input_t *in, int32_t last_q10)
 {
-    const int32_t jerk_q13 = cam_wrap_times(cam_wrap_sub(in->acc_q10, last_q10), 8);
-    const int32_t acc_q10 = cam_mulhi_add(in->acc_q10, jerk_q13, by->third_q29);
+    const int32_t jerk_q14 = cam_wrap_times(cam_wrap_sub(in->acc_q10, last_q10), 16);
+    const int32_t acc_q10 = cam_mulhi_add(in->acc_q10, jerk_q14, by->third_q28);
     const int64_t more_q26 =
         (int64_t)in->vel_q10 * by->steps_q16 + (int64_t)acc_q10 * by->half_square_q16;
     const uint32_t high =

@@ -24,7 +24,7 @@
 ///
 /// Errors, in quanta: P with I, feed-forward and notch 1 each, D at most 1 / (1 - pole), 33 for
 /// 100 Hz at 20 kHz. Error: 1/32 nm, and 3 nm of 0.5 mm at 100 Hz that are led by 150 us. Any
-/// inputs are allowed: sums saturate, and jerks beyond 2^28 wrap.
+/// inputs are allowed: sums saturate, and jerks beyond 2^27 wrap.
 /// A loop at two or three times the rate of the tick takes a set-point of its own in each step.
 /// Coefficients: cam_servo_design.h. Source: MATHS.md (233) .. (237).
 /// Context: ISR, constant time, cannot fail; no division, no floating point, no state of its own.
@@ -53,9 +53,9 @@ typedef struct {
 /// Time from the instant of a set-point to that of the reading, negative where the set-point is
 /// led.
 typedef struct {
-    int32_t steps_q16;       ///< [steps] h, -8 .. 0
+    int32_t steps_q16;       ///< [steps] h, -16 .. 0
     int32_t half_square_q16; ///< h^2 / 2
-    int32_t third_q29;       ///< h / 3
+    int32_t third_q28;       ///< h / 3
 } cam_servo_ahead_t;
 
 /// Coefficients, made by cam_servo_design(). Gains are 0 .. cam_servo_most_gain.

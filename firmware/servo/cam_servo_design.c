@@ -27,7 +27,7 @@ static cam_servo_refused_t check_bounds(const cam_servo_params_t *p)
         {p->notch_hz == 0 || cam_is_between(p->notch_hz, p->step_hz / 1000, p->step_hz / 4),
          cam_servo_refused_notch_hz},
         {p->notch_zero_permille <= p->notch_pole_permille, cam_servo_refused_notch_zero_permille},
-        {(int64_t)(p->scale_delay_ns + p->force_delay_ns) * p->step_hz <= INT64_C(8000000000),
+        {(int64_t)(p->scale_delay_ns + p->force_delay_ns) * p->step_hz <= INT64_C(16000000000),
          cam_servo_refused_force_delay_ns},
         {p->force_limit_mn <= p->continuous_mn * cam_servo_most_overload,
          cam_servo_refused_force_limit_mn},
@@ -173,7 +173,7 @@ static void make_limits(const cam_servo_params_t *p, cam_servo_config_t *c)
     const int64_t steps_q16 = -((ahead_ns * p->step_hz * 4096 + 31250000) / 62500000);
     c->ahead = (cam_servo_ahead_t){.steps_q16 = (int32_t)steps_q16,
                                    .half_square_q16 = (int32_t)(steps_q16 * steps_q16 / 131072),
-                                   .third_q29 = (int32_t)(steps_q16 * 8192 / 3)};
+                                   .third_q28 = (int32_t)(steps_q16 * 4096 / 3)};
 }
 
 cam_servo_refused_t cam_servo_design(const cam_servo_params_t *p, cam_servo_config_t *cfg)

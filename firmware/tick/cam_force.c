@@ -27,32 +27,39 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
     f->was_on = f->is_on;
 }
 
+/// @return [mN / 64] force that accelerates U: the written one less that of the spring
+static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record_t *r)
+{
+    const int64_t spring_q24 =
+        (int64_t)cfg->servo.stiffness_q18 * to_q6(r->in.actual_nm[hal_axis_u]);
+    return cam_sat_sub(r->force_q6, cam_sat_i32(spring_q24 >> 18));
+}
+
 /// Compare the reading with the observer, then move the observer to the next tick.
 /// @return [nm / 64] reading minus observer
-static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, const cam_tick_record_t *r)
+static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
+                       int32_t net_q6)
 {
-    const int64_t read_q24 = (int64_t)r->in.actual_nm[hal_axis_u] << 24;
+    const int64_t read_q24 = (int64_t)read_nm << 24;
     if (!f->was_on) {
         f->pos_q24 = read_q24;
         f->vel_q24 = 0;
     }
     const int32_t off_q6 = cam_sat_i32((read_q24 - f->pos_q24) >> 18);
-    const int64_t push_q30 =
-        (int64_t)off_q6 * cfg->vel_q24 + (int64_t)r->force_q6 * cfg->motion_q24;
+    const int64_t push_q30 = (int64_t)off_q6 * cfg->vel_q24 + (int64_t)net_q6 * cfg->motion_q24;
     f->pos_q24 += f->vel_q24 + (int64_t)off_q6 * cfg->pos_q18;
     f->vel_q24 += push_q30 >> 6;
     return off_q6;
 }
 
-/// @return whether the reading stands while U is commanded elsewhere
+/// @return whether the reading has stood for too long under a force that must move U
 static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
-                      int32_t set_nm)
+                      int32_t net_q6)
 {
-    if (read_nm != f->still_nm || !f->was_on) {
-        f->still_nm = read_nm;
-        f->still_set_nm = set_nm;
-    }
-    return !cam_is_within(cam_sat_sub(set_nm, f->still_set_nm), cfg->runaway_q6 / 256);
+    const bool is_moving = read_nm != f->still_nm || cam_is_within(net_q6, cfg->moving_q6);
+    f->n_still = is_moving ? 0u : f->n_still + 1u;
+    f->still_nm = read_nm;
+    return f->n_still > cfg->still_ticks;
 }
 
 /// @return whether U is beyond its travel, or cannot stop before its end: v^2 > 2 a s
@@ -73,12 +80,13 @@ static bool is_at_line(uint32_t inputs, const cam_motion_t *m)
 }
 
 uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
-                             const cam_tick_record_t *r, int32_t set_nm, const cam_motion_t *m)
+                             const cam_tick_record_t *r, const cam_motion_t *m)
 {
     const int32_t read_nm = r->in.actual_nm[hal_axis_u];
-    const int32_t off_q6 = observe(f, cfg, r);
+    const int32_t net_q6 = net_force_q6(cfg, r);
+    const int32_t off_q6 = observe(f, cfg, read_nm, net_q6);
     const bool is_runaway =
-        is_frozen(f, cfg, read_nm, set_nm) || !cam_is_within(off_q6, cfg->runaway_q6);
+        is_frozen(f, cfg, read_nm, net_q6) || !cam_is_within(off_q6, cfg->runaway_q6);
     if (!f->was_on) {
         f->n_limited = 0;
         return 0;

@@ -5,14 +5,15 @@
 /// set-point, speed, acceleration and enable. Its set-point is looked up ahead by lead_ns, which
 /// for such a drive is one tick plus servo_force_delay_ns: then it is due when the force acts.
 ///
-/// An observer follows U as a free mass under the force that was written. It has both poles at
-/// 300 Hz: an unknown force d keeps it d / (mass (2 pi 300 Hz)^2) away, 19 um at 100 N and 1.5 kg.
+/// An observer follows U as a mass on a spring under the force that was written. It has both poles
+/// at 300 Hz: an unknown force d keeps it d / (mass (2 pi 300 Hz)^2) away, 19 um at 100 N and 1.5
+/// kg.
 ///
 ///     u_runaway   U deviates from its observer by more than servo_runaway_nm: a reversed force, a
 ///     U
-///                 that is blocked or pushed. Or its reading stands, to the last digit, while it is
-///                 commanded farther by a quarter of that: a frozen scale. The enable drops at
-///                 once.
+///                 that is blocked or pushed. Or its reading stands, to the last digit, for half a
+///                 millisecond under a force that would deviate it by a quarter of that, twice the
+///                 friction apart: a frozen scale. The enable drops at once.
 ///     u_travel    U is beyond its stroke by more than its accepted following error, or too fast to
 ///                 stop before that with half its force; or a limit switch is on, in manual only if
 ///                 U moves towards it. The enable drops at once: before this U's set-point has
@@ -32,14 +33,14 @@
 
 /// State; zero-initialised: off.
 typedef struct {
-    bool is_on;           ///< the last tick left the drives enabled
-    bool was_on;          ///< ... and so did the one before
-    cam_servo_t servo;    ///< position loop
-    int64_t pos_q24;      ///< [nm / 2^24] observer
-    int64_t vel_q24;      ///< [nm / 2^24 per tick] observer
-    int32_t still_nm;     ///< [nm] last reading
-    int32_t still_set_nm; ///< [nm] command of U when the reading last changed
-    uint32_t n_limited;   ///< [ticks] at the limit minus those below it, at least 0
+    bool is_on;         ///< the last tick left the drives enabled
+    bool was_on;        ///< ... and so did the one before
+    cam_servo_t servo;  ///< position loop
+    int64_t pos_q24;    ///< [nm / 2^24] observer
+    int64_t vel_q24;    ///< [nm / 2^24 per tick] observer
+    int32_t still_nm;   ///< [nm] last reading
+    uint32_t n_still;   ///< [ticks] for which it has stood under force
+    uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0
 } cam_force_t;
 
 /// Calculate the force; 0 while the drives are not enabled.
@@ -50,11 +51,10 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
                         int32_t set_nm, const cam_axis_motion_t *u);
 
 /// Supervise U.
-/// @param r       with the force of this tick
-/// @param set_nm  [nm] as in cam_force_step_isr()
+/// @param r  with the force of this tick
 /// @return   faults u_travel, u_runaway, u_force or none
 uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
-                             const cam_tick_record_t *r, int32_t set_nm, const cam_motion_t *m);
+                             const cam_tick_record_t *r, const cam_motion_t *m);
 
 /// Shift the observer, because U's origin shifts after this tick.
 void cam_force_shift_isr(cam_force_t *f, int32_t by_nm);

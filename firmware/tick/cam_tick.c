@@ -52,7 +52,7 @@ static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 /// Supervise U. Its faults take effect in this tick.
 static void watch_u(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
-    c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, c->command.u.nm, &c->motion);
+    c->motion.faults |= cam_force_watch_isr(&c->force, &cfg->force, r, &c->motion);
 }
 
 /// The force of U leaves before anything else is calculated. Not inlined, so that a tick of a U

@@ -25,7 +25,7 @@ _NO_LAG = {"k1_ns": 0, "k2_us2": 0, "u_friction_nm": 0}
 _OF_LOOP = ("mass_g", "crossover_hz", "lead_percent", "pole_hz", "integral_mHz")
 _OF_NOTCH = ("notch_hz", "notch_zero_permille", "notch_pole_permille")
 _NO_NOTCH = {"notch_zero_permille": 1000, "notch_pole_permille": 1000}
-_MOST_STEPS = 8  # of the delay of the force
+_MOST_STEPS = 16  # of the delay of the force
 _MOST_OVERLOAD = 15
 
 

@@ -40,7 +40,7 @@ static void test_bounds_by_other_parameters(void)
         BOUND(pole_hz, 4001),          BOUND(crossover_hz, 4001),
         BOUND(integral_mHz, 470000),   BOUND(notch_hz, 5001),
         BOUND(notch_hz, 19),           BOUND(notch_zero_permille, 701),
-        BOUND(force_delay_ns, 399000), BOUND(force_limit_mn, 3210001),
+        BOUND(force_delay_ns, 799000), BOUND(force_limit_mn, 3210001),
 #undef BOUND
     };
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; i++) {
