@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact instructions of every stage of the tick, by session: where a tick spends them.
+#include "budget.h"
 #include "budget_session.h"
 #include "cam_tick.h"
 #include "stages.h"
@@ -92,6 +93,17 @@ static void test_sum_of_the_stages_is_the_tick_in_each_session(void)
         TEST_ASSERT_TRUE_MESSAGE(sessions[i].play(&rig, counted), sessions[i].name);
         expect_sums(sessions[i].name);
     }
+}
+
+/// Readings, force and its supervision: 460 instructions are 1 us of a core of 480 MHz that
+/// executes one per cycle. The force leaves before its supervision.
+static void test_force_leaves_soon_after_the_scale_is_latched(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    memset(&session, 0, sizeof session);
+    TEST_ASSERT_TRUE(budget_session_force(&rig, counted, &part));
+    report("force");
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_sense_with_force, session.stage[stage_sense].max);
 }
 
 static void test_enough_ticks_in_all_states(void)
