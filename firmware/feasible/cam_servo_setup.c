@@ -32,6 +32,10 @@ cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_serv
         *which = refused_param(refused);
         return cam_err_servo;
     }
+    if (params->servo_force_delay_ns < (int64_t)hal_force().latency_ns) {
+        *which = cam_param_servo_force_delay_ns; // which includes the latency of the output
+        return cam_err_servo;
+    }
     const int64_t needed_un = (int64_t)params->servo_mass_g * params->u_acceleration_mm_per_s2;
     *which = cam_param_servo_force_limit_mn;
     return needed_un > INT64_C(1000) * params->servo_force_limit_mn ? cam_err_servo_force : cam_ok;

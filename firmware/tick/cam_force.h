@@ -9,11 +9,10 @@
 /// at 300 Hz: an unknown force d keeps it d / (mass (2 pi 300 Hz)^2) away, 19 um at 100 N and 1.5
 /// kg.
 ///
-///     u_runaway   U deviates from its observer by more than servo_runaway_nm: a reversed force, a
-///     U
-///                 that is blocked or pushed. Or its reading stands, to the last digit, for half a
-///                 millisecond under a force that would deviate it by a quarter of that, twice the
-///                 friction apart: a frozen scale. The enable drops at once.
+///     u_runaway   U deviates from its observer by more than servo_runaway_nm: its force is
+///                 reversed, it is blocked or pushed. Or its reading stands, to the last digit,
+///                 for half a millisecond under a force that would deviate it by a quarter of
+///                 that, twice the friction apart: the scale is frozen. The enable drops at once.
 ///     u_travel    U is beyond its stroke by more than its accepted following error, or too fast to
 ///                 stop before that with half its force; or a limit switch is on, in manual only if
 ///                 U moves towards it. The enable drops at once: before this U's set-point has

@@ -3,6 +3,7 @@
 // after the next one.
 #include "cam_build.h"
 #include "cam_force.h"
+#include "cam_servo_setup.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <math.h>   // sin, fabs
@@ -216,4 +217,30 @@ static void test_shift_of_the_origin_is_no_motion(void)
     cam_force_shift_isr(&force, 5000000);
     cfg.force.travel_nm = 10000000;
     TEST_ASSERT_EQUAL_HEX32(0, tick(5000000));
+}
+
+static void test_delay_of_the_force_includes_the_latency_of_the_output(void)
+{
+    cam_params_t p = cam_param_defaults();
+    cam_servo_config_t made;
+    cam_param_id_t which = cam_n_params;
+    p.servo_crossover_hz = 300;
+    p.servo_force_delay_ns = 60000;
+    hal_host.slow.force.latency_ns = 60000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
+    hal_host.slow.force.latency_ns = 60001;
+    TEST_ASSERT_EQUAL_INT(cam_err_servo, cam_servo_setup(&p, 20000, &made, &which));
+    TEST_ASSERT_EQUAL_INT(cam_param_servo_force_delay_ns, which);
+}
+
+static void test_mass_times_acceleration_fits_the_force(void)
+{
+    cam_params_t p = cam_param_defaults(); // 1.5 kg at 250 m/s2
+    cam_servo_config_t made;
+    cam_param_id_t which = cam_n_params;
+    p.servo_crossover_hz = 300;
+    p.servo_force_limit_mn = 375000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
+    p.servo_force_limit_mn = 374999;
+    TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made, &which));
 }
