@@ -30,6 +30,16 @@
 #define BOARD_Z_FULL_NM 500000000
 #define BOARD_SPINDLE_FULL_MRPM 5000000
 
+/// [mN] force of U at +10 V of its channel, 1025 .. 33 000 000, for a current amplifier whose motor
+/// drives U up with a positive voltage. The controller then closes U's position loop: U needs its
+/// scale and the limit switches at PD13 and PD15. 0: the channel outputs positions.
+#ifndef BOARD_U_FORCE_MN
+#define BOARD_U_FORCE_MN 0
+#endif
+
+/// [ns] from the latch of U's scale to the new voltage of U's channel: README.md, "Force of U".
+#define BOARD_FORCE_NS 2500u
+
 /// [pm] travel of U, X and Z per step of their step-and-direction outputs: at least 4000. 0: the
 /// drive uses the voltage of its channel instead, with 32 768 codes for the ranges above. A step of
 /// U or X leaves a form error of half its size; for Z that is multiplied by the slope of the part.
@@ -111,7 +121,10 @@
                    ? 0                                                                             \
                    : ((INT64_C(1000) << 32) + (step_pm) / 2) / ((step_pm) + ((step_pm) == 0))))
 
-/// [pm] of a code of a 16-bit converter.
+/// Force at +10 V, in [mN / 64]; any number where U takes positions.
+#define BOARD_U_FORCE_Q6 (BOARD_U_FORCE_MN == 0 ? 1 << 17 : BOARD_U_FORCE_MN * 64)
+
+/// [pm] of a code of a 16-bit converter; [uN] if `full` is in mN.
 #define BOARD_CODE_PM(full) ((uint32_t)(INT64_C(1000) * (full) / 32768))
 
 /// Nanometres per count, in 2^-16.

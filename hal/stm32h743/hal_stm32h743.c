@@ -206,10 +206,15 @@ static hal_axis_scale_t scale_of(int32_t full_nm, int32_t step_pm, uint32_t meas
     return scale;
 }
 
-/// U takes positions.
+_Static_assert(BOARD_U_FORCE_MN == 0 || (BOARD_U_FORCE_MN > 1024 && BOARD_U_FORCE_MN <= 33000000),
+               "BOARD_U_FORCE_MN: give 1025 to 33000000, or 0");
+_Static_assert(BOARD_U_FORCE_MN == 0 || (BOARD_HAS_U_SCALE != 0 && BOARD_U_STEP_PM == 0),
+               "BOARD_U_FORCE_MN needs BOARD_HAS_U_SCALE 1 and BOARD_U_STEP_PM 0");
+
 hal_force_t hal_force(void)
 {
-    return (hal_force_t){0};
+    return (hal_force_t){.quantum_un = BOARD_CODE_PM(BOARD_U_FORCE_MN),
+                         .latency_ns = BOARD_FORCE_NS};
 }
 
 hal_operator_t hal_operator(void)
@@ -230,7 +235,7 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     switch (axis) {
     case hal_axis_u:
-        return scale_of(BOARD_U_FULL_NM, BOARD_U_STEP_PM,
+        return scale_of(BOARD_U_FORCE_MN != 0 ? 0 : BOARD_U_FULL_NM, BOARD_U_STEP_PM,
                         BOARD_HAS_U_SCALE != 0 ? BOARD_U_COUNT_PM : 0);
     case hal_axis_x:
         return scale_of(BOARD_X_FULL_NM, BOARD_X_STEP_PM, 0);
@@ -285,6 +290,14 @@ void hal_swing_write_isr(const hal_swing_t *setpoint)
     (void)setpoint;
 }
 
+/// Limit switches of a U that takes forces; normally closed, as the home switches.
+static uint32_t limits(uint32_t pins)
+{
+    return BOARD_U_FORCE_MN == 0 ? 0u
+                                 : (~pins >> stm_pin_limit_u_low & 1u) * hal_in_limit_u_low |
+                                       (~pins >> stm_pin_limit_u_high & 1u) * hal_in_limit_u_high;
+}
+
 /// Inputs of port D. Home switches are normally closed, so a broken wire reads as reached.
 static uint32_t port_d(void)
 {
@@ -295,7 +308,7 @@ static uint32_t port_d(void)
     if (BOARD_HAS_ACKNOWLEDGE != 0) {
         people |= (pins >> stm_pin_acknowledge & 1u) * hal_in_acknowledge;
     }
-    return ((~pins & wired) | (pins & (uint32_t)indices)) << shift | people;
+    return ((~pins & wired) | (pins & (uint32_t)indices)) << shift | people | limits(pins);
 }
 _Static_assert(hal_in_home_u == 1u << (stm_pin_home_u + 1), "pins and bits differ by one shift");
 _Static_assert(hal_in_index_u == 1u << (stm_pin_index_u + 1), "likewise");
@@ -317,6 +330,9 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
         [hal_axis_x] = BOARD_CODES_Q32(BOARD_X_FULL_NM),
         [hal_axis_z] = BOARD_CODES_Q32(BOARD_Z_FULL_NM),
     };
+    if (axis == hal_axis_u && BOARD_U_FORCE_MN != 0) {
+        return; // its channel outputs the force
+    }
     last_nm[axis] = setpoint->pos_nm;
     stm_dac_set_isr(axis, stm_code16(setpoint->pos_nm, codes_q32[axis]));
     if (axis == hal_axis_u) {
@@ -334,7 +350,9 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 
 void hal_force_write_isr(int32_t force_q6)
 {
-    (void)force_q6;
+    if (BOARD_U_FORCE_MN != 0) {
+        stm_dac_send_u_isr(stm_code16(force_q6, BOARD_CODES_Q32(BOARD_U_FORCE_Q6)));
+    }
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stm_dac.h"
-#include "stm_clock.h" // stm_timer_hz
+#include "board_config.h" // BOARD_U_FORCE_MN
+#include "stm_clock.h"    // stm_timer_hz
 #include "stm_reg.h"
+#include "stm_timers.h" // stm_timers_ldac_isr
 
 /// Words for the AD5754R: the register in bits 19 and up, the channel in bits 16 .. 18.
 enum {
@@ -41,18 +43,25 @@ static void switch_off(uint32_t counts)
     SPI3_CR1 = 0;
 }
 
-/// Start a transfer of four frames. A transfer is configured while SPE is low; the FIFO then takes
-/// the frames, and CSTART starts it. SPE goes low and high again before each transfer, as the
+/// Start a transfer while SPI3 is off. A transfer is configured while SPE is low; the FIFO then
+/// takes the frames, and CSTART starts it. SPE goes low and high again before each transfer, as the
 /// manual advises. RM0433 50.4.
-static void send_isr(const uint32_t words[stm_n_dacs])
+static void start_isr(const uint32_t *words, uint32_t n)
 {
     SPI3_IFCR = SPI_IFCR_EOTC | SPI_IFCR_TXTFC;
-    switch_off(sck_counts);
+    SPI3_CR2 = n;
     SPI3_CR1 = SPI_CR1_SPE;
-    for (uint32_t i = 0; i < stm_n_dacs; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         SPI3_TXDR = words[i];
     }
     SPI3_CR1 = SPI_CR1_SPE | SPI_CR1_CSTART;
+}
+
+/// Start a transfer of four frames, behind another one.
+static void send_isr(const uint32_t words[stm_n_dacs])
+{
+    switch_off(sck_counts);
+    start_isr(words, stm_n_dacs);
 }
 
 /// Wait for the end of a transfer, outside the tick.
@@ -83,7 +92,6 @@ static void init_spi(void)
 {
     RCC_APB1LENR |= RCC_APB1LENR_SPI3;
     (void)RCC_APB1LENR;
-    SPI3_CR2 = stm_n_dacs;
     configure(SPI_CFG1_MBR_DIV4, SPI_CFG2_COMM_TX_ONLY);
 }
 
@@ -159,8 +167,43 @@ void stm_dac_set_internal_isr(uint32_t code)
     DAC_DHR12R1 = code;
 }
 
+/// The last transfer ended most of a tick ago, so SPI3 can be switched off without waiting.
+void stm_dac_send_u_isr(int32_t code)
+{
+    stm_dac_set_isr(stm_dac_u, code);
+    stm_timers_ldac_isr(true);
+    SPI3_CR1 = 0;
+    start_isr(frame, 1);
+}
+
+/// Wait for the end of U's transfer, which began early in this tick and takes 1.3 us.
+/// @return false on timeout
+static bool wait_for_u_isr(void)
+{
+    const uint32_t begin = TIM5->CNT;
+    while ((SPI3_SR & SPI_SR_EOT) == 0u) {
+        if (TIM5->CNT - begin > stm_timer_hz / 1000000 * 2) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// @return whether the frame of U has been sent, with /LDAC high again and the others on their way
+static bool send_behind_u_isr(void)
+{
+    const bool is_sent = wait_for_u_isr();
+    switch_off(sck_counts);
+    stm_timers_ldac_isr(false);
+    start_isr(frame + 1, stm_n_dacs - 1);
+    return is_sent;
+}
+
 bool stm_dac_send_isr(void)
 {
+    if (BOARD_U_FORCE_MN != 0) {
+        return send_behind_u_isr();
+    }
     const bool is_sent = (SPI3_SR & SPI_SR_EOT) != 0u;
     send_isr(frame);
     return is_sent;

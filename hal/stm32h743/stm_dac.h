@@ -6,6 +6,9 @@
 /// after the start of the tick. The AD5754R is strapped to two's complement (BIN/2sCOMP low). Its
 /// /CLR is the enable line PE13: while that is low, by the program or by its resistor in a reset,
 /// the outputs are at 0 V. Control register bit 1, clear select, stays 0: clear to 0 V.
+///
+/// A force of U does not wait for that: stm_dac_send_u_isr() sends its frame alone, with /LDAC low,
+/// so that the output changes when /SYNC rises. The other three are sent at the end of the tick.
 /// Source: AD5754R data sheet, "Serial interface", "Input shift register"; RM0433 chapters 26, 50.
 #ifndef STM_DAC_H
 #define STM_DAC_H
@@ -35,7 +38,13 @@ void stm_dac_set_isr(uint32_t dac, int32_t code);
 /// @param code  0 .. 4095; 2048 is the middle
 void stm_dac_set_internal_isr(uint32_t code);
 
-/// Start the transfer of the four codes. Context: ISR.
+/// Output a force of U at once: send its frame with /LDAC low. Context: ISR, at the start of a
+/// tick; only if BOARD_U_FORCE_MN is not 0.
+/// @param code  as of stm_dac_set_isr()
+void stm_dac_send_u_isr(int32_t code);
+
+/// Start the transfer of the four codes; without that of U if it is a force, whose own transfer
+/// ends first. Context: ISR, at the end of a tick.
 /// @return false if the previous transfer had not ended; it is then aborted
 bool stm_dac_send_isr(void);
 

@@ -50,6 +50,8 @@ static const pin_t pins[] = {
     {GPIOD, stm_pin_index_u + 2, mode_input, pull_down, 0},
     {GPIOD, stm_pin_acknowledge, mode_input, pull_down, 0},
     {GPIOD, stm_pin_key, mode_input, pull_down, 0},
+    {GPIOD, stm_pin_limit_u_low, mode_input, pull_down, 0},
+    {GPIOD, stm_pin_limit_u_high, mode_input, pull_down, 0},
     {GPIOE, stm_pin_estop, mode_input, pull_down, 0},
     {GPIOE, stm_pin_ready, mode_input, pull_down, 0},
 };

@@ -23,7 +23,9 @@ enum {
     stm_pin_home_u = 2,  ///< PD2 .. PD4 in, 0: U, X, Z on its home switch, whose contact is open
     stm_pin_index_u = 5, ///< PD5 .. PD7 in, 1: U, X, Z at an index mark
     stm_pin_key = 11,    ///< PD11 in, 1: the key switch is on
-    stm_pin_acknowledge = 12, ///< PD12 in, 1: the button is pressed
+    stm_pin_acknowledge = 12,  ///< PD12 in, 1: the button is pressed
+    stm_pin_limit_u_low = 13,  ///< PD13 in, 0: U is on the limit switch of its lower end ..
+    stm_pin_limit_u_high = 15, ///< PD15 in, .. upper end; their contacts are open then
 };
 
 /// Lines on port C.

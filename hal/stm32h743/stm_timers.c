@@ -101,6 +101,12 @@ bool stm_timers_is_late_isr(void)
     return TIM4->CNT > update_counts - send_counts;
 }
 
+/// Channel 3 is active from the count in CCR3 on; without preload a change acts at once.
+void stm_timers_ldac_isr(bool is_low)
+{
+    TIM4->CCR3 = is_low ? 0u : update_counts;
+}
+
 int32_t stm_timers_u_counts_isr(void)
 {
     position.u_counts = stm_extend(position.u_counts, TIM1->CNT);

@@ -31,6 +31,10 @@ bool stm_timers_is_overrun_isr(void);
 /// @return whether a transfer started now would end after the outputs step. Context: ISR.
 bool stm_timers_is_late_isr(void);
 
+/// Pull /LDAC low at once instead of BOARD_UPDATE_NS after the start of the tick, or undo that.
+/// Context: ISR, before that time.
+void stm_timers_ldac_isr(bool is_low);
+
 /// @return [counts] position of the U scale since start. Context: ISR, every tick.
 int32_t stm_timers_u_counts_isr(void);
 

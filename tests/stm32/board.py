@@ -2,9 +2,9 @@
 """The machine around the chip, wired as hal/stm32h743/README.md says.
 
 An ideal machine: the spindle follows the voltage of channel D on a ramp, U stands where channel A
-tells it at the start of every tick, X and Z where their steps have led them; everything stands
-still while the enable line is low. Signals reach the chip only through pins that are switched to
-the right function.
+tells it at the start of every tick, or is a mass that its force moves, X and Z stand where their
+steps have led them; everything stands still while the enable line is low. Signals reach the chip
+only through pins that are switched to the right function.
 """
 
 import math
@@ -36,11 +36,14 @@ STEPS = {  # timer, steps with their alternate function, direction
 }
 CLEAR = "PE13"  # enable is also /CLR of the AD5754R
 ESTOP, READY = "PE10", "PE12"
+LIMITS = ("PD13", "PD15")  # 1: contact closed
 
 # Values at +10 V of channels A .. D and counts of the scales: board_config.h.
 FULL = (1_000_000, 200_000_000, 500_000_000, 5_000_000)
 U_COUNT_NM, Z_COUNT_NM = 100, 1000
 STEP_PM = {"X": 50_000, "Z": 500_000, "U": 100_000}  # U: if it is built with steps
+FORCE_MN = 345_000  # at +10 V of channel A, if it is built with forces
+MASS_KG = 1.5
 RANGE_10V = 4
 SYNC_HIGH_S = 100e-9  # data sheet of the AD5754R, timing characteristics: /SYNC high in writes
 ANALOGUE = 3  # mode of a pin
@@ -89,6 +92,8 @@ class Board:
         step inputs of the drives X, Z and U
     has_u_steps : bool
         the drive of U follows its steps, not its voltage
+    has_u_force : bool
+        channel A is the force of U, a mass that its brake holds while it is not enabled
     rpm : float
         of the spindle
     is_held : bool
@@ -109,10 +114,11 @@ class Board:
         self.rpm = 0.0
         self.is_held = False
         self.is_stamped = True
-        self.has_u_steps = False
+        self.has_u_steps = self.has_u_force = False
         self.at_pa4: list[tuple[int, int | None]] = []
         self._turns = 0.1  # angle
         self._u_counts = self._z_counts = 0
+        self._u_nm = self._u_nm_per_tick = 0.0
         self.chip = Chip(image, hse_hz=hse_hz)
         self._wire()
 
@@ -131,7 +137,8 @@ class Board:
             port, pin = chip.gpio.pin(name)
             port.board_pull[pin] = resistor
         chip.gpio.drive(ESTOP, 1)
-        chip.gpio.drive(READY, 1)
+        for name in (READY, *LIMITS):
+            chip.gpio.drive(name, 1)
 
     def _note(self, what: str) -> None:
         self.events.append(Event(self.chip.clock.now, what))
@@ -224,6 +231,8 @@ class Board:
         self._turn_spindle(enable)
         if enable:
             self._move_axes()
+        else:
+            self._u_nm_per_tick = 0.0
 
     def _turn_spindle(self, enable: int) -> None:
         if not self.is_held:
@@ -269,9 +278,16 @@ class Board:
             counts = math.floor(end * COUNTS_PER_TURN) - math.floor(begin * COUNTS_PER_TURN)
             self.chip.tim[2].move_encoder(counts)
 
+    def _push(self) -> float:
+        """Let the force act for a tick; return where U stands then."""
+        newton = self.volts(0) / 10 * FORCE_MN / 1000
+        self._u_nm_per_tick += newton / MASS_KG * 1e9 / self.tick_hz**2
+        self._u_nm += self._u_nm_per_tick
+        return self._u_nm
+
     def _move_axes(self) -> None:
         gpio, tim = self.chip.gpio, self.chip.tim
-        u_nm = self.wanted(0)
+        u_nm = self._push() if self.has_u_force else self.wanted(0)
         if self.has_u_steps:
             u_nm = self.steppers["U"].position * STEP_PM["U"] / 1000
         u_counts = round(u_nm / U_COUNT_NM)

@@ -28,4 +28,5 @@ const uint32_t layout[] = {
     IN_RECORD(out[hal_axis_u].pos_nm),
     IN_RECORD(out[hal_axis_x].pos_nm),
     IN_RECORD(out[hal_axis_z].pos_nm),
+    IN_RECORD(force_q6),
 };

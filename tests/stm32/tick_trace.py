@@ -15,9 +15,9 @@ ROOT = Path(__file__).resolve().parents[2]
 PLACES = ("ring", "n_written", "n_dropped", "capacity", "size")
 FIELDS = (
     *("tick", "config", "clock", "counts", "index_counts", "n_index", "edge_clock", "u_nm"),
-    *("x_nm", "z_nm", "inputs", "request", "out_u_nm", "out_x_nm", "out_z_nm"),
+    *("x_nm", "z_nm", "inputs", "request", "out_u_nm", "out_x_nm", "out_z_nm", "force_q6"),
 )
-SIGNED = frozenset(name for name in FIELDS if name.endswith("_nm"))
+SIGNED = frozenset(name for name in FIELDS if name.endswith(("_nm", "_q6")))
 
 Record = dict[str, int]
 

@@ -6,8 +6,8 @@
 #include "unity.h"
 #include <math.h> // fabsl
 
-static const int32_t full[] = {65537, BOARD_U_FULL_NM, BOARD_X_FULL_NM, BOARD_Z_FULL_NM,
-                               BOARD_SPINDLE_FULL_MRPM};
+static const int32_t full[] = {65537,           BOARD_U_FULL_NM,         BOARD_X_FULL_NM,
+                               BOARD_Z_FULL_NM, BOARD_SPINDLE_FULL_MRPM, 64 * 345000};
 enum { n_full = sizeof full / sizeof full[0] };
 
 static fixture_random_t dice;
@@ -100,6 +100,7 @@ static void test_code_of_the_whole_range_is_a_32768th(void)
 {
     TEST_ASSERT_EQUAL_UINT32(30517, BOARD_CODE_PM(BOARD_U_FULL_NM));
     TEST_ASSERT_EQUAL_UINT32(6103515, BOARD_CODE_PM(200000000));
+    TEST_ASSERT_EQUAL_UINT32(10528, BOARD_CODE_PM(345000)); // [uN] of a force
 }
 
 static void test_counter_of_16_bits_is_continued(void)
