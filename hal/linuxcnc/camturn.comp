@@ -21,6 +21,8 @@ pin out bit recording "true until the file is written";
 pin in bit acknowledge "true while the acknowledge button at the machine is pressed; required after power-on, emergency stop, fault";
 pin in bit u_home_switch "U is on its home switch, with u-home 2 and 3";
 pin in bit u_index "U is on the index mark of its scale, for 0.4 ms or longer, with u-home 3";
+pin in bit u_limit_low "U is on the limit switch of its lower end, where U takes forces; from a normally closed contact by its -not pin";
+pin in bit u_limit_high ".. upper end";
 pin in float u_fb "measured U [mm], used with measures_u=1";
 pin in float x_fb "measured X [mm radius], used with measures_x=1";
 pin in float z_fb "measured Z [mm, height of the drawing], used with measures_z=1";
@@ -29,6 +31,7 @@ pin in float phase "rotates the shape on the part [degree]; added to phase-udeg,
 pin out float u_cmd "set-point of U [mm], positive towards the axis";
 pin out float u_vel "velocity of U [mm/s], without feed-forward: FF1 of pid";
 pin out float u_acc "acceleration of U [mm/s2], without feed-forward: FF2 of pid";
+pin out float u_force "force of U [N], positive where it drives U up; 0 while the drives are not enabled and without u_force_quantum_un";
 pin out float x_cmd "set-point of X [mm radius]";
 pin out float z_cmd "set-point of Z [mm]";
 pin out float spindle_speed_cmd "set-point of the spindle [r/min], signed";
@@ -60,6 +63,8 @@ modparam dummy tick_hz """\\fBtick_hz=\\fRrate of the thread of \\fBcamturn.upda
 modparam dummy measures_u """\\fBmeasures_u=1\\fR: u-fb is a measurement; enables learning of the drive's errors.""";
 modparam dummy measures_x """\\fBmeasures_x=1\\fR: x-fb is a measurement.""";
 modparam dummy measures_z """\\fBmeasures_z=0\\fR: Z is not measured; camturn itself feeds it.""";
+modparam dummy u_force_quantum_un """\\fBu_force_quantum_un=\\fRsmallest change of the force of U [uN], 1 .. 1 000 000: U takes forces by u-force, camturn closes its position loop. 0: U takes positions. Needs measures_u=1.""";
+modparam dummy u_force_latency_ns """\\fBu_force_latency_ns=\\fRfrom the latch of U's scale to the change of the force [ns], 0 .. 10 000 000.""";
 modparam dummy recordings """\\fBrecordings=\\fRabsolute path of the start of the names of recordings: NAME-1.csv, .. Without it nothing is recorded.""";
 modparam dummy waive_acknowledge """\\fBwaive_acknowledge=1\\fR: the pin acknowledge is not needed, because the machine has its own button that must be pressed before its drives get power, or is simulated.""";
 modparam dummy nominal_time """\\fBnominal_time=1\\fR: time is counted in ticks, for simulation without real time.""";
@@ -90,6 +95,10 @@ static int measures_x = 0;
 RTAPI_MP_INT(measures_x, "1: x-fb is a measurement");
 static int measures_z = 1;
 RTAPI_MP_INT(measures_z, "1: z-fb is a measurement");
+static int u_force_quantum_un = 0;
+RTAPI_MP_INT(u_force_quantum_un, "smallest change of the force of U [uN]; 0: U takes positions");
+static int u_force_latency_ns = 0;
+RTAPI_MP_INT(u_force_latency_ns, "from the latch of U's scale to the change of the force [ns]");
 static int waive_acknowledge = 0;
 RTAPI_MP_INT(waive_acknowledge, "1: the pin acknowledge is not needed");
 static int nominal_time = 0;
@@ -110,6 +119,28 @@ static int32_t nm_of_mm(double mm)
         return -INT_MAX; // also for NaN
     }
     return nm < INT_MAX ? (int32_t)(nm < 0.0 ? nm - 0.5 : nm + 0.5) : INT_MAX;
+}
+
+// Check the parameters of a U that takes forces; a refusal is printed.
+static int check_force(void)
+{
+    if (u_force_quantum_un < 0 || u_force_quantum_un > 1000000) {
+        rtapi_print_msg(RTAPI_MSG_ERR,
+                        "camturn: u_force_quantum_un=%d: out of range; give 0 .. 1000000\n",
+                        u_force_quantum_un);
+    } else if (u_force_latency_ns < 0 || u_force_latency_ns > 10000000) {
+        rtapi_print_msg(RTAPI_MSG_ERR,
+                        "camturn: u_force_latency_ns=%d: out of range; give 0 .. 10000000\n",
+                        u_force_latency_ns);
+    } else if (u_force_quantum_un > 0 && measures_u == 0) {
+        rtapi_print_msg(RTAPI_MSG_ERR,
+                        "camturn: u_force_quantum_un=%d: needs the scale of U; connect u-fb and "
+                        "give measures_u=1\n",
+                        u_force_quantum_un);
+    } else {
+        return 0;
+    }
+    return -EINVAL;
 }
 
 static int make_params(const char *prefix)
@@ -143,9 +174,14 @@ EXTRA_SETUP()
                         COMMON_KEYS_REMEDY ", or omit trust_required");
         return -EINVAL;
     }
+    if (check_force() != 0) {
+        return -EINVAL;
+    }
     const lcn_setup_t setup = {
         .tick_hz = (uint32_t)tick_hz,
         .is_measured = {measures_u != 0, measures_x != 0, measures_z != 0},
+        .force_quantum_un = (uint32_t)u_force_quantum_un,
+        .force_latency_ns = (uint32_t)u_force_latency_ns,
         .trust = trust,
         .is_trust_required = trust_required != 0,
         .is_waived = waive_acknowledge != 0,
@@ -178,6 +214,8 @@ FUNCTION(update)
         .is_acknowledged = acknowledge,
         .is_u_on_home = u_home_switch,
         .is_u_on_index = u_index,
+        .is_u_at_low = u_limit_low,
+        .is_u_at_high = u_limit_high,
     };
     lcn_out_t out;
     lcn_port_tick(&in, lcn_slow_turn_counts(), &out);
@@ -187,6 +225,7 @@ FUNCTION(update)
     u_cmd = out.pos_nm[lcn_u] * 1e-6;
     u_vel = out.vel_q10[lcn_u] * (tick_hz * 1e-6 / 1024.0);
     u_acc = out.acc_q10[lcn_u] * (1e-6 * tick_hz * tick_hz / 1024.0);
+    u_force = out.force_q6 * (1e-3 / 64);
     x_cmd = out.pos_nm[lcn_x] * 1e-6;
     z_cmd = out.pos_nm[lcn_z] * 1e-6;
     spindle_speed_cmd = out.spindle_mrpm * 1e-3;

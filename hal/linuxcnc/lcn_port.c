@@ -98,10 +98,10 @@ bool hal_measures_u(void)
     return port.setup.is_measured[hal_axis_u];
 }
 
-/// U takes positions.
 hal_force_t hal_force(void)
 {
-    return (hal_force_t){0};
+    return (hal_force_t){.quantum_un = port.setup.force_quantum_un,
+                         .latency_ns = port.setup.force_latency_ns};
 }
 
 hal_operator_t hal_operator(void)
@@ -259,7 +259,9 @@ uint32_t hal_inputs_read_isr(void)
            (port.in.is_drive_ready ? (uint32_t)hal_in_drive_ready : 0u) |
            (port.in.is_acknowledged ? (uint32_t)hal_in_acknowledge : 0u) |
            (port.in.is_u_on_home ? (uint32_t)hal_in_home_u : 0u) |
-           (port.in.is_u_on_index ? (uint32_t)hal_in_index_u : 0u);
+           (port.in.is_u_on_index ? (uint32_t)hal_in_index_u : 0u) |
+           (port.in.is_u_at_low ? (uint32_t)hal_in_limit_u_low : 0u) |
+           (port.in.is_u_at_high ? (uint32_t)hal_in_limit_u_high : 0u);
 }
 
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
@@ -274,9 +276,10 @@ void hal_swing_write_isr(const hal_swing_t *setpoint)
     (void)setpoint;
 }
 
+/// The analogue output rounds it to its quantum.
 void hal_force_write_isr(int32_t force_q6)
 {
-    (void)force_q6;
+    port.out.force_q6 = force_q6;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -22,6 +22,8 @@ enum { lcn_n_switches = 8 };
 typedef struct {
     uint32_t tick_hz;             ///< [Hz] rate of the thread, 500 .. 100 000
     bool is_measured[lcn_n_axes]; ///< the axis has feedback; false: its position is the set-point
+    uint32_t force_quantum_un;    ///< [uN] smallest change of U's force; 0: U takes positions
+    uint32_t force_latency_ns;    ///< [ns] from the latch of U's scale to the change of the force
     common_keys_t trust;          ///< public keys for table signatures
     bool is_trust_required;       ///< tables without a signature by one of them are refused
     bool is_waived;               ///< the pin acknowledge is not needed
@@ -39,6 +41,8 @@ typedef struct {
     bool is_acknowledged;          ///< the acknowledge button is pressed
     bool is_u_on_home;             ///< U is on its home switch
     bool is_u_on_index;            ///< U is on the index mark of its scale
+    bool is_u_at_low;              ///< U is on the limit switch of its lower end
+    bool is_u_at_high;             ///< U is on the limit switch of its upper end
 } lcn_in_t;
 
 /// Outputs of a tick.
@@ -46,6 +50,7 @@ typedef struct {
     int32_t pos_nm[lcn_n_axes];  ///< [nm] set-points
     int32_t vel_q10[lcn_n_axes]; ///< [nm / 1024 per tick] their velocities, without feed-forward
     int32_t acc_q10[lcn_n_axes]; ///< [nm / 1024 per tick^2] their accelerations; X and Z: 0
+    int32_t force_q6;            ///< [mN / 64] force of U; 0 while not enabled
     int32_t spindle_mrpm;        ///< [r/min / 1000] signed
     bool is_enabled;             ///< the drives are enabled and hold their axes
     bool is_fault;               ///< a fault is latched

@@ -52,8 +52,10 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     return (hal_axis_scale_t){0};
 }
 
-/// Return the step of the force and its age where an amplifier takes the force of U. Such an output
-/// must be 0 V from the reset on by hardware: wire the clear input of the DAC to the enable.
+/// Return the step of the force where an amplifier takes the force of U, and the time from the
+/// latch of U's scale to the change of the output. Such an output must be 0 V by hardware, in every
+/// reset and while enable is low: wire the clear input of the DAC to the enable. PORTING.md, "Force
+/// of U".
 hal_force_t hal_force(void)
 {
     return (hal_force_t){0};
@@ -215,8 +217,8 @@ int32_t hal_swing_read_q32_isr(void)
     return 0;
 }
 
-/// Return the states of the emergency-stop chain and the drive-ready line. A cut wire must read as
-/// "stop" and "not ready".
+/// Return the states of the emergency-stop chain and the drive-ready line, and the limit switches
+/// of a U that takes forces. A cut wire must read as "stop", "not ready" and "at the limit".
 uint32_t hal_inputs_read_isr(void)
 {
     return hal_in_estop;
@@ -230,7 +232,9 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
     (void)setpoint;
 }
 
-/// Write the force at once, before any other output of the tick; nothing where U takes positions.
+/// Write the force at once, rounded to its step and clamped, without waiting for the outputs that
+/// step later; do nothing where U takes positions. With a force hal_axis_write_isr() must not write
+/// the output of U.
 void hal_force_write_isr(int32_t force_q6)
 {
     (void)force_q6;

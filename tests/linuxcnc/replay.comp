@@ -10,9 +10,12 @@ pin out bit drive_ready;
 pin out float u_fb;
 pin out float x_fb;
 pin out float z_fb;
+pin out bit u_limit_low;
+pin out bit u_limit_high;
 pin in float u_cmd;
 pin in float x_cmd;
 pin in float z_cmd;
+pin in float u_force;
 pin in float spindle_speed_cmd;
 pin in bit drive_enable;
 pin in bit fault;
@@ -43,7 +46,7 @@ typedef struct {
 } row_t;
 
 typedef struct {
-    int32_t u_nm, x_nm, z_nm, spindle_mrpm, outputs;
+    int32_t u_nm, x_nm, z_nm, force_q6, spindle_mrpm, outputs;
 } kept_t;
 
 static row_t *row;
@@ -90,6 +93,8 @@ FUNCTION(feed)
     z_fb = r->z_nm * 1e-6;
     estop_ok = (r->inputs & 1) == 0;
     drive_ready = (r->inputs & 2) != 0;
+    u_limit_low = (r->inputs & 0x800) != 0;
+    u_limit_high = (r->inputs & 0x1000) != 0;
     enable = at >= 0 && r->enables;
     start = at >= 0 && r->starts;
 }
@@ -104,7 +109,7 @@ FUNCTION(note)
     if (at >= 0 && at < n_rows) {
         const double speed = spindle_speed_cmd * 1e3;
         keep[at] = (kept_t){
-            nm(u_cmd), nm(x_cmd), nm(z_cmd), (int32_t)(speed < 0.0 ? speed - 0.5 : speed + 0.5),
+            nm(u_cmd), nm(x_cmd), nm(z_cmd), nm(u_force * 0.064), (int32_t)(speed < 0.0 ? speed - 0.5 : speed + 0.5),
             drive_enable | fault << 1 | in_cut << 2,
         };
     }

@@ -14,9 +14,12 @@ from tests.linuxcnc.halbox import Halbox
 from tests.tools.cases.camsim_cases import camsim
 
 Whole = NDArray[np.int64]
-FROM_REPLAY = "spindle-rawcounts spindle-counts enable start estop-ok drive-ready u-fb x-fb z-fb"
-TO_REPLAY = "u-cmd x-cmd z-cmd spindle-speed-cmd drive-enable fault in-cut"
-COMMANDED = ("out_u_nm", "out_x_nm", "out_z_nm", "out_spindle_mrpm", "out_outputs")
+FROM_REPLAY = (
+    "spindle-rawcounts spindle-counts enable start estop-ok drive-ready u-limit-low u-limit-high "
+    "u-fb x-fb z-fb"
+)
+TO_REPLAY = "u-cmd x-cmd z-cmd u-force spindle-speed-cmd drive-enable fault in-cut"
+COMMANDED = ("out_u_nm", "out_x_nm", "out_z_nm", "out_force_q6", "out_spindle_mrpm", "out_outputs")
 PERIOD_NS = 25000  # of the thread, whatever the rate of the tick: time is nominal
 ENABLE, START, STOP = 1, 3, 4  # cam_request_t
 

@@ -62,6 +62,41 @@ def test_fault_is_that_of_camsim_and_is_said(
     assert "camturn: fault estop: " in box.said()
 
 
+FORCE = "u_force_quantum_un=20000 u_force_latency_ns=75000"
+
+
+@pytest.mark.parametrize("fault", ["", "u-limit@0.05:1", "u-limit@0.05:-1"])
+def test_force_of_u_is_that_of_camsim(
+    box: Halbox, table_of: TableOf, tmp_path: Path, fault: str
+) -> None:
+    """Every force of a cut to the bit; a limit switch ends it by its fault."""
+    machine = tmp_path / "machine.toml"
+    machine.write_text('[u]\nkind = "force"\n')
+    words = ("--machine", machine, "--rpm", "1000", "--turns-limit", "3")
+    recorded = cut(table_of("perkins240"), tmp_path, *words, *(fault and ("--inject", fault)))
+    found = replay(box, recorded, more=FORCE)
+    assert np.abs(found[:, COMMANDED.index("out_force_q6")]).max() > 64 * 10_000
+    assert differences(found, recorded) == ""
+    assert ("camturn: fault u_travel: " in box.said()) == bool(fault)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("u_force_quantum_un=20000 measures_u=0", "20000: needs the scale of U; connect u-fb and"),
+        ("u_force_quantum_un=1000001", "1000001: out of range; give 0 .. 1000000"),
+        ("u_force_latency_ns=-1", "-1: out of range; give 0 .. 10000000"),
+    ],
+)
+def test_force_that_cannot_be_is_refused(
+    box: Halbox, table_of: TableOf, words: str, said: str
+) -> None:
+    """The component does not load, and says what to give."""
+    (box.folder / "part.camtab").write_bytes(table_of("perkins240").read_bytes())
+    assert box.load(LOAD.format("./part.camtab").strip() + f" {words}\n") != 0
+    assert f"camturn: {words.split('=')[0]}={said}" in box.said()
+
+
 def test_table_that_is_not_there_is_refused(box: Halbox) -> None:
     """The component does not load, and says which file and what helps."""
     assert box.load(LOAD.format("/nowhere/part.camtab")) != 0
