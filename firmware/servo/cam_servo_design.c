@@ -23,7 +23,7 @@ static cam_servo_refused_t check_bounds(const cam_servo_params_t *p)
     } bounds[] = {
         {p->pole_hz <= p->step_hz / 5, cam_servo_refused_pole_hz},
         {p->crossover_hz <= p->pole_hz, cam_servo_refused_crossover_hz},
-        {p->integral_mHz / 1000 <= p->crossover_hz, cam_servo_refused_integral_mHz},
+        {p->integral_mHz <= p->crossover_hz * 1000, cam_servo_refused_integral_mHz},
         {p->notch_hz == 0 || cam_is_between(p->notch_hz, p->step_hz / 1000, p->step_hz / 4),
          cam_servo_refused_notch_hz},
         {p->notch_zero_permille <= p->notch_pole_permille, cam_servo_refused_notch_zero_permille},

@@ -39,7 +39,7 @@ def _loop_values(loop: Loop) -> dict[str, float]:
         "crossover_hz": loop.crossover_hz,
         "lead_percent": loop.lead_ratio * 100.0,
         "pole_hz": math.floor(loop.pole_hz),  # its bound is a fifth of the rate
-        "integral_mHz": min(loop.integral_hz, loop.crossover_hz) * 1e3,
+        "integral_mHz": min(loop.integral_hz, math.floor(loop.crossover_hz)) * 1e3,
         "notch_hz": loop.notch_hz,
         "notch_zero_permille": loop.notch_zero * 1e3,
         "notch_pole_permille": loop.notch_pole * 1e3,
@@ -84,7 +84,7 @@ def _bounds(at: Mapping[str, int], tick_hz: float) -> dict[str, tuple[float, flo
     found: dict[str, tuple[float, float]] = {
         "crossover_hz": (1, at["pole_hz"]),
         "pole_hz": (10, tick_hz / 5),
-        "integral_mHz": (0, 1000 * at["crossover_hz"] + 999),
+        "integral_mHz": (0, 1000 * at["crossover_hz"]),
         "force_delay_ns": (0, 1e9 * _MOST_STEPS / tick_hz),
     }
     if at.get("notch_hz"):

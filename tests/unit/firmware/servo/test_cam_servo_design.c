@@ -49,6 +49,16 @@ static void test_bounds_by_other_parameters(void)
     }
 }
 
+/// Not even by less than 1 Hz: beyond the pole, D would be negative.
+static void test_integral_is_at_most_the_crossover(void)
+{
+    for (int32_t more_mHz = 0; more_mHz <= 1; more_mHz++) {
+        p.crossover_hz = p.pole_hz = 20;
+        p.integral_mHz = 20000 + more_mHz;
+        expect_refused(more_mHz == 0 ? "none" : "integral_mHz");
+    }
+}
+
 static void test_coefficients_that_do_not_fit_are_refused(void)
 {
     p.mass_g = 100000;
@@ -74,6 +84,7 @@ static void test_coefficients_that_do_not_fit_are_refused(void)
     p.step_hz = 1000;
     p.pole_hz = 200;
     p.crossover_hz = 20;
+    p.integral_mHz = 20000;
     p.notch_hz = 0;
     p.drag_mn_s_per_m = 10000000;
     expect_refused("none");
