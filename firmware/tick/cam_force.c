@@ -62,10 +62,12 @@ static bool is_frozen(cam_force_t *f, const cam_force_config_t *cfg, int32_t rea
     return f->n_still > cfg->still_ticks;
 }
 
-/// @return whether U is beyond its travel, or cannot stop before its end: v^2 > 2 a s
+/// @return whether U is beyond its travel, unless it returns, or cannot stop before its end:
+///         v^2 > 2 a s
 static bool is_beyond(const cam_force_config_t *cfg, int32_t pos_nm, int32_t vel_nm)
 {
-    const int32_t left_nm = vel_nm < 0 ? cfg->travel_nm + pos_nm : cfg->travel_nm - pos_nm;
+    const bool is_down = vel_nm < 0 || (vel_nm == 0 && pos_nm < 0);
+    const int32_t left_nm = cfg->travel_nm + (is_down ? pos_nm : -pos_nm);
     return left_nm < 0 || (int64_t)vel_nm * vel_nm > (int64_t)cfg->braking_nm * left_nm;
 }
 

@@ -159,8 +159,16 @@ static void test_travel_ends_beyond_the_following_error(void)
     TEST_ASSERT_EQUAL_HEX32(0, tick(line_nm));
     pos_nm = line_nm + 1;
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_travel), tick(line_nm));
+    setUp();
+    let_settle();
+    pos_nm = -line_nm - 1;
+    force.pos_q24 = -(((int64_t)line_nm + 1) << 24);
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_travel), tick(-line_nm));
+    setUp();
+    let_settle();
     m.state = cam_state_manual; // there the way back must be open
     pos_nm = line_nm + 1;
+    force.pos_q24 = ((int64_t)line_nm + 1) << 24;
     TEST_ASSERT_EQUAL_HEX32(0, tick(line_nm));
 }
 
