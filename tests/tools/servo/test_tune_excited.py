@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from camtools.base.project_paths import ROOT
+from camtools.cli.tune import main
 from camtools.tune.excited import fit_machine
 
 _MACHINE = ROOT / "tests" / "scenarios" / "cases" / "machines" / "force.toml"
@@ -28,3 +29,11 @@ def test_the_set_point_shows_mass_delay_and_mode(mode: str, tmp_path: Path) -> N
     assert found.has_mode == bool(mode)
     if mode:
         assert found.values[6:9].tolist() == pytest.approx([1200.0, 0.03, -0.2], rel=0.05)
+
+
+def test_a_loop_is_proposed_for_what_was_measured(tmp_path: Path) -> None:
+    """The parameters written carry the mass that was found."""
+    assert main(["--machine", str(_MACHINE), "-o", str(tmp_path)]) == 0
+    text = (tmp_path / "force_servo.toml").read_text("utf-8")
+    (mass,) = (line for line in text.splitlines() if line.startswith("servo_mass_g"))
+    assert int(mass.split("=")[1]) == pytest.approx(1500, rel=0.02)
