@@ -17,8 +17,10 @@ from camtools.base.command import Parser, run_command
 from camtools.base.errors import InputError
 from camtools.base.output import write_all
 from camtools.identify.foreign_record import MAX_BYTES
+from camtools.identify.simulated_drive import CutShortError
 from camtools.measured.previous_table import read_given
 from camtools.tune.drive import Drive, drive_of, read_tree
+from camtools.tune.excited import fit_machine
 from camtools.tune.judgement import Judgement, judge, refusal
 from camtools.tune.loop_design import best
 from camtools.tune.parameters import loop_of, parameters_of, read_loop, text_of
@@ -30,8 +32,10 @@ _EPILOG = """\
 Examples:
   tools/tune tools/drives/voice_coil.toml -o build/tune
   tools/tune tools/drives/voice_coil.toml --loop mine_servo.toml
+  tools/tune --machine force.toml -o build/tune
   tools/tune limits.toml --record scope.csv -o build/tune
-Exit status: 0 done; 1 no loop with the margins, nothing is written; 2 wrong usage or bad input."""
+Exit status: 0 done; 1 no loop with the margins or cut short, nothing is written;
+2 wrong usage or bad input."""
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -52,6 +56,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         help="recording that gives the drive's constants: time_s, injected_n or setpoint_um, "
         "force_n, position_um; a drive file then gives the limits alone",
     )
+    add("--machine", metavar="M", help="simulated machine that is excited instead of a --record")
     add("--loop", type=Path, metavar="FILE", help="parameters to judge instead of a proposal")
     add(
         "-o",
@@ -61,8 +66,10 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         help="folder for picture, text and parameters (default: none are written)",
     )
     arguments = parser.parse_args(argv)
-    if arguments.drive is None and arguments.record is None:
+    if arguments.drive is None and arguments.record is None and arguments.machine is None:
         parser.error("what drive? give DRIVE.toml, or --record FILE.csv, or both")
+    if arguments.record is not None and arguments.machine is not None:
+        parser.error("--machine: has no effect with --record; leave one out")
     return arguments
 
 
@@ -98,6 +105,10 @@ def _drive(arguments: argparse.Namespace) -> tuple[Drive, list[str]]:
     """Return the drive, and the report of its fit."""
     file, csv = arguments.drive, arguments.record
     keys = read_tree(file) if file is not None else {}
+    if arguments.machine is not None:
+        found, tick_hz = fit_machine(arguments.machine)
+        keys = with_fit(keys, found, tick_hz)
+        return drive_of(keys, arguments.machine), list(fit_lines_of(found))
     if csv is None:
         return drive_of(keys, str(file)), []
     record = parse_loop_record(_text(csv), str(csv))
@@ -114,8 +125,12 @@ def _text(csv: Path) -> str:
 
 def _run(arguments: argparse.Namespace) -> int:
     given = arguments.loop
-    file = arguments.drive or arguments.record
-    drive, lines = _drive(arguments)
+    file = arguments.drive or arguments.record or Path(arguments.machine)
+    try:
+        drive, lines = _drive(arguments)
+    except CutShortError as cut:
+        sys.stderr.write(f"tune: {file}: {cut}\n")
+        return REFUSED
     values = _values(drive, given)
     judged = _judged(values, drive)
     problem = refusal(judged, is_proposal=given is None)

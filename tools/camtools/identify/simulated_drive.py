@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats
 from camtools.identify.configured_drive import Believed
 from camtools.identify.excitation_plan import Excitation
 from camtools.identify.recording import SettledRecord, record_of
@@ -87,7 +88,19 @@ class SimulatedU:
         return Believed.of(parameters["tick_hz"], parameters)
 
     def excited(self, excitation: Excitation, believed: Believed) -> SettledRecord:
-        """Let U play an excitation; return what was recorded.
+        """Let U play an excitation; return what was recorded; errors as of `played`."""
+        tick, u_nm, y_nm = self.played(excitation, ("u_command_nm", "u_actual_nm"))
+        grid = excitation.wave.grid
+        return record_of(grid, np.asarray(tick, np.int64), u_nm, y_nm, believed.u_scale_nm)
+
+    def played(self, excitation: Excitation, signals: Sequence[str]) -> Floats:
+        """Let U play an excitation; return tick and signals of its periods, a row each.
+
+        Parameters
+        ----------
+        excitation : Excitation
+        signals : sequence of str
+            of the recorder, in the order of firmware/recorder/cam_scope.h
 
         Raises
         ------
@@ -105,11 +118,11 @@ class SimulatedU:
             "--periods": excitation.n_periods,
             "--fade-ticks": excitation.fade_ticks,
             "--place-nm": excitation.place_nm,
-            "--signals": "u_command_nm,u_actual_nm",
+            "--signals": ",".join(signals),
         }
         given = [f"{name}={value}" for name, value in words.items()]
         self._camsim("identify", [*given, *self._options])
-        rows = np.loadtxt(self._folder / _RECORD, delimiter=",", skiprows=1, usecols=(0, 2, 3))
-        rows = rows[-excitation.n_periods * wave.grid.n_ticks :]
-        tick, u_nm, y_nm = rows.T
-        return record_of(wave.grid, np.asarray(tick, np.int64), u_nm, y_nm, believed.u_scale_nm)
+        rows = np.loadtxt(self._folder / _RECORD, delimiter=",", skiprows=1)
+        names = (self._folder / _RECORD).read_text("ascii").split("\n", 1)[0].split(",")
+        columns = [names.index(name) for name in ("tick", *signals)]
+        return np.asarray(rows[-excitation.n_periods * wave.grid.n_ticks :, columns].T)
