@@ -93,6 +93,7 @@ def test_tick_overrun_retracts_and_locks(ready: Session) -> None:
 
 def test_late_set_points_lock_too(ready: Session) -> None:
     """A tick that ends behind the last moment for the frames, but within its period."""
+    between_ticks(ready)
     ready.chip.stall(TIM5_CNT, ready.chip.seconds(25e-6))
     ready.remote.wait_for("fault", 0.1)
     assert any("came too late" in line for line in ready.remote.lines())
