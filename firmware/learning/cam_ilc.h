@@ -57,6 +57,7 @@ typedef enum {
     cam_ilc_diverged,     ///< layer 1 has stopped, with its best constants in force
     cam_ilc_rippled,      ///< the ripple of the spindle is compensated for in part only
     cam_ilc_limited,      ///< a correction has reached its limit, or the end of U's stroke
+    cam_ilc_slow_loop,    ///< U's loop crosses over below twice the second harmonic of the turn
     cam_ilc_n_reasons
 } cam_ilc_reason_t;
 

@@ -36,6 +36,14 @@ static int32_t ticks2_q16(const cam_machine_t *m, int64_t us2)
     return cam_sat_i32(us2 * m->tick_hz / 1000 * m->tick_hz / 1000 * 8192 / 125000);
 }
 
+/// Below twice the second harmonic of the turn a position loop hardly follows a correction of it.
+static bool is_loop_slow(const cam_machine_t *m)
+{
+    const cam_config_t *cfg = cam_machine_newest_config(m);
+    const int64_t mrpm = cam_abs_i64(cfg->play.spindle_mrpm);
+    return cfg->force.is_used && (int64_t)m->params.servo_crossover_hz * 60000 < 4 * mrpm;
+}
+
 static cam_ilc_reason_t asked_of(const cam_machine_t *m)
 {
     if (m->params.learn_harmonics == 0) {
@@ -49,6 +57,9 @@ static cam_ilc_reason_t asked_of(const cam_machine_t *m)
     }
     if (m->table.speed.knots != NULL) {
         return cam_ilc_modulated;
+    }
+    if (is_loop_slow(m)) {
+        return cam_ilc_slow_loop;
     }
     return m->table.n_lobes > 0u ? cam_ilc_lobes : cam_ilc_all;
 }

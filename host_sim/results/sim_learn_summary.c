@@ -23,6 +23,7 @@ static const char *const reasons[cam_ilc_n_reasons] = {
     [cam_ilc_diverged] = "diverged",
     [cam_ilc_rippled] = "rippled",
     [cam_ilc_limited] = "limited",
+    [cam_ilc_slow_loop] = "slow_loop",
 };
 
 static void add_turns(cJSON *root, const sim_turns_t *t)

@@ -62,8 +62,7 @@ static void derive_servo(derive_t *d, const sim_lathe_config_t *m)
     for (int i = 0; i < sim_mode_n; i++) {
         const sim_mode_config_t *mode = &m->mode[i];
         if (mode->hz > 0.0 && mode->is_on_scale != 0.0 && mode->share != 0.0) {
-            crossover_hz =
-                fmin(crossover_hz, 0.8 * mode->damping * mode->hz / sim_abs(mode->share));
+            crossover_hz = fmin(crossover_hz, mode->damping * mode->hz / sim_abs(mode->share));
         }
     }
     put(d, cam_param_k1_ns, 0.0);
@@ -72,7 +71,7 @@ static void derive_servo(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_servo_mass_g, u->mass_kg * 1e3);
     put(d, cam_param_servo_crossover_hz, fmax(crossover_hz, 1.0));
     put(d, cam_param_servo_lead_percent, 5000.0);
-    put(d, cam_param_servo_pole_hz, floor(m->tick_hz / 5.0));
+    put(d, cam_param_servo_pole_hz, floor(fmax(10.0, fmin(m->tick_hz / 5.0, 10.0 * crossover_hz))));
     put(d, cam_param_servo_integral_mHz, crossover_hz * 100.0);
     put(d, cam_param_servo_force_delay_ns, delay_s * 1e9);
     put(d, cam_param_servo_drag_mn_s_per_m, u->viscous_n_s_per_m * 1e3);

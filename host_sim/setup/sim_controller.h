@@ -3,12 +3,15 @@
 ///
 ///     k1 = 2 d / w, k2 = 1 / w^2           the inverse of the U drive (sim_drive.h)
 ///     lead = dead time of U + half a tick  mean age of a held command
-///     k1 = k2 = 0, lead = a tick + dead time + half a tick + lag of the amplifier for a force
-///     drive; crossover of its position loop = 0.07 / delay, at most 0.8 damping hz / share of a
-///     mode u_scale, u_scale_latency = quantum and latency of U's scale probe = three quanta, at
-///     least its default xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
+///     u_scale, u_scale_latency = quantum and latency of U's scale
+///     probe = three quanta, at least its default
+///     xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
 ///     swing_lag = dead time + half a tick + 2 d / w of the swing
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
+///
+/// A force drive has k1 = k2 = 0, and its lead is a tick, the dead time, half a tick and the lag of
+/// the amplifier. The crossover of its position loop is 0.07 / delay, at most damping hz / share of
+/// a mode on the scale; the pole of its lead is ten times that, at most a fifth of the tick rate.
 ///
 /// The limits are those of the lathe. The firmware derives the limit of the following error and the
 /// window for jumps from machine and part (cam_derived_limits.h). Jitter widens the index window by
