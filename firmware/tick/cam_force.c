@@ -40,7 +40,7 @@ static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record
 static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
                        int32_t net_q6)
 {
-    const int64_t read_q24 = (int64_t)read_nm << 24;
+    const int64_t read_q24 = (int64_t)read_nm * (INT64_C(1) << 24);
     if (!f->was_on) {
         f->pos_q24 = read_q24;
         f->vel_q24 = 0;
@@ -103,5 +103,5 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
 
 void cam_force_shift_isr(cam_force_t *f, int32_t by_nm)
 {
-    f->pos_q24 += (int64_t)by_nm << 24;
+    f->pos_q24 += (int64_t)by_nm * (INT64_C(1) << 24);
 }

@@ -30,8 +30,8 @@ from camtools.tune.text import lines_of
 REFUSED = 1
 _EPILOG = """\
 Examples:
-  tools/tune tools/drives/voice_coil.toml -o build/tune
-  tools/tune tools/drives/voice_coil.toml --loop mine_servo.toml
+  tools/tune voice_coil.toml -o build/tune
+  tools/tune voice_coil.toml --loop mine_servo.toml
   tools/tune --machine force.toml -o build/tune
   tools/tune limits.toml --record scope.csv -o build/tune
 Exit status: 0 done; 1 no loop with the margins or cut short, nothing is written;

@@ -30,7 +30,7 @@ _LIMITED = {
     "diverged": "the drive constants did not converge; the best values found are used",
     "rippled": "the ripple of the spindle exceeds 12 mrad in total; only 12 mrad are compensated",
     "limited": "a correction has reached its limit, or U the end of its stroke",
-    "slow_loop": "the position loop of U is too slow for this speed; tools/tune designs a stiffer one",
+    "slow_loop": "the position loop of U is too slow for this speed; a stiffer one learns",
 }
 _NO_REHEARSAL = "on, but no turn was steady enough to learn from; set rehearse_turns"
 
