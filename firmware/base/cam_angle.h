@@ -11,6 +11,9 @@
 
 #include <stdint.h> // int64_t, uint32_t
 
+/// 2 pi * 2^24
+#define CAM_TWO_PI_Q24 INT64_C(105414357)
+
 /// One turn of a master position.
 #define CAM_TURN_Q32 ((int64_t)1 << 32)
 

@@ -14,9 +14,6 @@
 #include "hal/hal.h"            // hal_has_edge_time
 #include <stddef.h>             // NULL
 
-/// 2 pi * 2^24, for gains of the observer.
-#define TWO_PI_Q24 INT64_C(105414357)
-
 enum {
     height_end = 64,       ///< [slices / 2^32] of U's height below the last slice, with rounding
     max_rate_bits = 4,     ///< derivatives hold up to 2^4 knots per tick; start refuses more
@@ -94,7 +91,7 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_
     build_clock(c, p->late_percent, tick_hz, clock_hz);
     // Observer with a double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
     const int64_t wt_q24 =
-        cam_units_scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
+        cam_units_scale(CAM_TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
     c->kp_q31 = cam_sat_i32(wt_q24 * 256);
     c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
 }

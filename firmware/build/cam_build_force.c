@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build_inner.h"
+#include "cam_angle.h"       // CAM_TWO_PI_Q24
 #include "cam_fix.h"         // cam_clamp_i64
 #include "cam_servo_setup.h" // cam_servo_setup
 #include "cam_units.h"       // cam_units_scale
@@ -21,7 +22,7 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
         return err;
     }
     const int64_t hz = cam_clamp_i64(observer_hz, 1, tick_hz / 20);
-    const int64_t omega_q24 = cam_units_scale(hz, 105414357, tick_hz); // 2 pi hz T
+    const int64_t omega_q24 = cam_units_scale(hz, CAM_TWO_PI_Q24, tick_hz);
     // 1 mN accelerates 1 g by 10^9 nm/s^2; forces are in mN / 64, which the observer shifts out
     const int64_t motion_q24 =
         cam_units_scale(INT64_C(1000000000) << 24, 1, tick2 * p->servo_mass_g);

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ff_adapt.h"
-#include "cam_fix.h" // cam_clamp_i64, cam_abs_i64
-#include <stdbool.h> // bool
+#include "cam_angle.h" // CAM_TWO_PI_Q24
+#include "cam_fix.h"   // cam_clamp_i64, cam_abs_i64
+#include <stdbool.h>   // bool
 
 /// 2^40 / (2 pi): the speed in turns per tick becomes ticks per radian.
 #define PER_RAD_Q40 INT64_C(174992711680)
-
-/// 2 pi * 2^24
-#define TWO_PI_Q24 INT64_C(105414357)
 
 /// Range of error and set-point in the sums: products with the fourth power of 16 fit 62 bits.
 enum { most_bits = 21 };
@@ -15,7 +13,7 @@ enum { most_bits = 21 };
 cam_gain_t cam_drive_gain(uint32_t k, int32_t speed_q32, int32_t k1_q16, int32_t k2_q16)
 {
     const int64_t most = INT64_C(1) << 20;
-    const int64_t w_q24 = (int64_t)k * speed_q32 * (TWO_PI_Q24 >> 8) >> 24;
+    const int64_t w_q24 = (int64_t)k * speed_q32 * (CAM_TWO_PI_Q24 >> 8) >> 24;
     const int64_t im_q12 = w_q24 * k1_q16 >> 28;
     const int64_t re_q12 = cam_gain_one_q12 - ((w_q24 * w_q24 >> 24) * k2_q16 >> 28);
     const cam_complex_t one = {.re = cam_gain_one_q12};

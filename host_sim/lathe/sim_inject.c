@@ -164,8 +164,7 @@ void sim_inject_apply(const sim_inject_t *inject, sim_lathe_t *l, int direction)
         l->is_force_reversed = true;
         break;
     case sim_inject_u_push:
-        l->push_n = inject->value;
-        sim_lathe_bite(l, 0.0);
+        l->push_n = inject->value; // acts from the next sim_lathe_bite() on
         break;
     case sim_inject_swing_block:
         l->drive[sim_lathe_swing].is_blocked = true;

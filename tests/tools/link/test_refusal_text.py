@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is told of a refusal: what to do about it."""
+"""The remedies of refusals."""
 
 from typing import cast
 

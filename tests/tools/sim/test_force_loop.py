@@ -124,7 +124,7 @@ def test_slow_loop_learns_only_below_half_its_crossover(oval30: Path, tmp_path: 
     )
     for rpm, reason, most_um in ((3000, "slow_loop", 1.0), (600, "all", 0.5)):
         done = camsim(
-            "run", oval30, "--machine", lathe, "--rpm", rpm, "--summary", summary,
+            "run", oval30, "--machine", lathe, "--rpm", str(rpm), "--summary", summary,
             "--tolerance-um", "99", "--turns-limit", "150",
         )  # fmt: skip
         assert done.returncode == 0, done.stderr

@@ -17,15 +17,15 @@ from typing import NamedTuple, Protocol, TextIO
 
 from camtools.base.argument_types import not_negative, positive
 from camtools.base.command import Parser, run_command
-from camtools.base.errors import InputError
 from camtools.base.output import write_all
 from camtools.base.project_paths import ROOT
 from camtools.cli.bus import add_bus_options, open_controller
+from camtools.cli.record_text import record_text
 from camtools.identify.bode import bode_png
 from camtools.identify.can_drive import ConnectedU
 from camtools.identify.configured_drive import Believed
 from camtools.identify.excitation_plan import Excitation, Wishes, plan
-from camtools.identify.foreign_record import MAX_BYTES, parse_record
+from camtools.identify.foreign_record import parse_record
 from camtools.identify.identified import Identified, Limits, identify
 from camtools.identify.linear_model import identify_record
 from camtools.identify.machine_file import with_keys
@@ -37,7 +37,6 @@ from camtools.identify.simulated_drive import CutShortError, SimulatedU
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.link.rights import secret_of, sender_of
-from camtools.measured.previous_table import read_given
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
 from camtools.report.text import plain
@@ -300,11 +299,7 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
 def _recorded(arguments: argparse.Namespace, out: TextIO) -> int:
     """Fit a recording of another instrument."""
     file = str(arguments.record)
-    try:
-        text = read_given(arguments.record, "--record", MAX_BYTES).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(file, "", None, "not UTF-8 text", "give a CSV file") from error
-    record = parse_record(text, file)
+    record = parse_record(record_text(arguments.record), file)
     found = identify_record(record)
     lines = list(record_lines(found, record))
     out.write("\n".join(lines) + "\n")

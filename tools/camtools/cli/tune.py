@@ -14,11 +14,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from camtools.base.command import Parser, run_command
-from camtools.base.errors import InputError
 from camtools.base.output import write_all
-from camtools.identify.foreign_record import MAX_BYTES
+from camtools.cli.record_text import record_text
 from camtools.identify.simulated_drive import CutShortError
-from camtools.measured.previous_table import read_given
 from camtools.tune.drive import Drive, drive_of, read_tree
 from camtools.tune.excited import fit_machine
 from camtools.tune.judgement import Judgement, judge, refusal
@@ -111,16 +109,9 @@ def _drive(arguments: argparse.Namespace) -> tuple[Drive, list[str]]:
         return drive_of(keys, arguments.machine), list(fit_lines_of(found))
     if csv is None:
         return drive_of(keys, str(file)), []
-    record = parse_loop_record(_text(csv), str(csv))
+    record = parse_loop_record(record_text(csv), str(csv))
     found = fit_table(record, float(keys.get("scale_quantum_nm", 0.0)))
     return drive_of(with_fit(keys, found, record.rate_hz), str(csv)), list(fit_lines_of(found))
-
-
-def _text(csv: Path) -> str:
-    try:
-        return read_given(csv, "--record", MAX_BYTES).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(str(csv), "", None, "not UTF-8 text", "give a CSV file") from error
 
 
 def _run(arguments: argparse.Namespace) -> int:

@@ -95,17 +95,7 @@ class Judgement:
 
 
 def judge(loop: Loop, plant: Plant, mass: float = 1.0) -> Judgement:
-    """Judge a loop.
-
-    Parameters
-    ----------
-    loop
-        Made for the mass of the plant.
-    plant
-        The drive.
-    mass
-        The real mass, relative to that of the plant.
-    """
+    """Judge a loop; arguments of `margins`."""
     row, hz = np.array(astuple(loop)), response_grid(plant)
     level = np.abs(open_loop(row, plant, hz, mass))
     stiffness = 1e-6 / np.abs(closed_compliance(row, plant, hz, mass))

@@ -52,7 +52,7 @@ _SAME = 0.01  # of an injected signal that repeats
 class PlantFit:
     """Constants in SI units, in the order of MASS .. MODE_SHARE; without a mode six of them.
 
-    Delay and amplifier are told apart only poorly; `late_sigma_s` is the deviation of their sum.
+    Delay and amplifier separate only poorly; `late_sigma_s` is the deviation of their sum.
     """
 
     values: Floats
