@@ -115,6 +115,13 @@ DEMANDS = {
     "u_command_acceleration": Excess(
         "acceleration of U's command", "m/s2", 1e-3, "", "the limit from acceleration and gains,"
     ),
+    "servo_continuous": Excess(
+        "rms of U's force, without that of the cut,",
+        "N",
+        1e-3,
+        "servo_continuous_mn",
+        "servo_continuous",
+    ),
     "z_speed": Excess("Z speed", "mm/s", 1e-3, "z_speed_um_per_s", "z_speed"),
     "z_acceleration": Excess(
         "Z acceleration", "m/s2", 1e-3, "z_acceleration_mm_per_s2", "z_acceleration"
