@@ -124,7 +124,9 @@
     /* Position loop of U (cam_servo_design.h) */ \
     X(servo_none,           -141, "U takes forces, but its position loop is not set: tools/tune designs it") \
     X(servo,                -142, "a parameter of U's position loop is beyond its bound by the others") \
-    X(servo_force,          -143, "U's mass times its highest acceleration exceeds the force limit")
+    X(servo_force,          -143, "U's mass times its highest acceleration exceeds the force limit") \
+    X(wave_unit,            -144, "U takes positions, so no wave of force can be played") \
+    X(wave_force,           -145, "the wave exceeds the force limit of U")
 // clang-format on
 
 /// Result of a slow-side function: 0 or a negative value. The first error found is reported.
