@@ -14,7 +14,8 @@
 /// crossover of 1 Hz U moves as the force alone moves it, with a real one the wave measures the
 /// loop. It must stay within the force limit, and its position within the stroke, X clear of all
 /// of U's travel. U may follow by that much; the supervision of its force (cam_force.h) stays. The
-/// force of a sample is in the record of the next tick. It drops to 0 at the end without a fall.
+/// force of a sample is in the record of the next tick. It drops to 0 at the end without a fall;
+/// then the usual following error applies again.
 ///
 /// Without a sign of life for cam_identify_patience_ms U is brought to rest; stop and disable do
 /// the same, and disable then disables the drives. The guard allows a following error of its limit
