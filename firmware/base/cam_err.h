@@ -125,7 +125,9 @@
     X(servo_none,           -141, "U takes forces, but its position loop is not set: tools/tune designs it") \
     X(servo,                -142, "a parameter of U's position loop is beyond its bound by the others") \
     X(servo_force,          -143, "acceleration, speed and stroke of U would take more than the force limit") \
-    X(servo_continuous,     -144, "U would need more force for long than its continuous one")
+    X(wave_unit,            -144, "U takes positions, so no wave of force can be played") \
+    X(wave_force,           -145, "the wave exceeds the force limit of U") \
+    X(servo_continuous,     -146, "U would need more force for long than its continuous one")
 // clang-format on
 
 /// Result of a slow-side function: 0 or a negative value. The first error found is reported.

@@ -76,6 +76,7 @@ typedef struct {
     bool is_open;      ///< blocks are accepted
     uint32_t n;        ///< [samples] of the complete wave; 0: none
     int32_t place_nm;  ///< [nm] U's mean position
+    bool is_force;     ///< the samples are forces
     uint32_t n_fall;   ///< [ticks] in which the gain falls at the end
     cam_identify_phase_t phase;
     cam_excited_t excited;

@@ -112,16 +112,38 @@ static cam_verdict_t check_length(const cam_machine_t *m, uint32_t n_periods, ui
     return (cam_verdict_t){cam_err_wave_length, cam_sat_i32((int64_t)most)};
 }
 
-/// Require half the clearance between tool and work, at every height and at U's innermost sample.
+/// Require half the clearance between tool and work, at every height and at U's innermost sample,
+/// or with a force at the end of U's travel.
 static cam_verdict_t check_clear(const cam_machine_t *m, const cam_status_t *status,
                                  const cam_config_t *cfg, const cam_wave_range_t *range)
 {
+    const cam_identify_t *i = &m->identify;
     const int64_t off_nm = (cfg->play.x_clear_q10 >> 10) - cfg->play.x_clearance_nm / 2;
-    const int64_t needed_nm = off_nm + m->identify.place_nm + range->high_nm;
+    const int64_t needed_nm =
+        off_nm + (i->is_force ? cfg->force.travel_nm : i->place_nm + range->high_nm);
     if (status->x_actual_nm >= needed_nm) {
         return (cam_verdict_t){.err = cam_ok};
     }
     return (cam_verdict_t){cam_err_wave_clear, cam_sat_i32(needed_nm)};
+}
+
+static cam_verdict_t check_wave(const cam_machine_t *m, const cam_status_t *status,
+                                const cam_config_t *cfg, const cam_wave_range_t *range,
+                                const cam_motion_limits_t *fade)
+{
+    const int32_t place_nm = m->identify.place_nm;
+    const cam_verdict_t verdict = m->identify.is_force
+                                      ? cam_wave_judge_force(range, place_nm, cfg)
+                                      : cam_wave_judge(range, fade, place_nm, cfg, m->tick_hz);
+    return verdict.err == cam_ok ? check_clear(m, status, cfg, range) : verdict;
+}
+
+/// @return [nm] accepted following error during the wave; a force moves U over its travel
+static int64_t following_nm(const cam_machine_t *m, const cam_config_t *cfg,
+                            const cam_wave_range_t *range)
+{
+    return m->identify.is_force ? INT64_C(2) * cfg->force.travel_nm
+                                : cfg->guard.following_nm + cam_wave_peak_nm(range);
 }
 
 /// Offer the interrupt the configuration in force with another excitation.
@@ -177,22 +199,21 @@ cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t 
     const uint32_t n_fall = cam_wave_fall_ticks(&fade); // the rise takes as many
     const uint32_t n = m->identify.n;
     const cam_excite_config_t excite = {
-        .wave_nm = m->scope.words,
+        .wave = m->scope.words,
         .n = n,
         .first = (n - n_fall % n) % n, // the first period at full gain begins with sample 0
         .n_play = n_periods * n + n_fall,
         .fade = fade,
         .place_q10 = (int64_t)m->identify.place_nm * 1024,
+        .is_force = m->identify.is_force,
     };
-    verdict = cam_wave_judge(&range, &excite.fade, m->identify.place_nm, cfg, m->tick_hz);
-    verdict = verdict.err == cam_ok ? check_clear(m, &status, cfg, &range) : verdict;
+    verdict = check_wave(m, &status, cfg, &range, &fade);
     if (verdict.err != cam_ok) {
         return verdict;
     }
     m->identify.following_nm = cfg->guard.following_nm;
-    m->identify.n_fall = n_fall;
-    const int64_t most_nm = -range.low_nm > range.high_nm ? -range.low_nm : range.high_nm;
-    verdict.err = offer_wave(m, &status, &excite, m->identify.following_nm + most_nm);
+    m->identify.n_fall = excite.is_force ? 0u : n_fall;
+    verdict.err = offer_wave(m, &status, &excite, following_nm(m, cfg, &range));
     return verdict;
 }
 

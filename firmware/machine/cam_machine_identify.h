@@ -3,11 +3,19 @@
 ///
 ///     wave_begin -> wave_block, .. -> wave_end -> excite, keep_alive, .. -> state ready again
 ///
-/// The samples are int32 [nm], one per tick, of one period. They occupy the start of the recorder's
-/// memory (cam_scope.h), so that a new wave discards the recording. Before it starts, an excitation
-/// is checked for length, stroke, speed and acceleration, with the wrap and the fade (cam_wave.h),
-/// and for half the clearance between tool and work. The recorder records it, with the columns set
-/// before, from the first tick of the state identifying to the last.
+/// The samples are int32 [nm], one per tick, of one period, or with is_force [mN] of force. They
+/// occupy the start of the recorder's memory (cam_scope.h), so that a new wave discards the
+/// recording. Before it starts, an excitation is checked for length, stroke, speed and
+/// acceleration, with the wrap and the fade (cam_wave.h), and for half the clearance between tool
+/// and work. The recorder records it, with the columns set before, from the first tick of the state
+/// identifying to the last.
+///
+/// A wave of force is added to the force of U by a position loop that stays closed; with a
+/// crossover of 1 Hz U moves as the force alone moves it, with a real one the wave measures the
+/// loop. It must stay within the force limit, and its position within the stroke, X clear of all
+/// of U's travel. U may follow by that much; the supervision of its force (cam_force.h) stays. The
+/// force of a sample is in the record of the next tick. It drops to 0 at the end without a fall;
+/// then the usual following error applies again.
 ///
 /// Without a sign of life for cam_identify_patience_ms U is brought to rest; stop and disable do
 /// the same, and disable then disables the drives. The guard allows a following error of its limit
@@ -45,8 +53,8 @@ CAM_MUST_USE cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc);
 /// @param n_periods   at full gain, at least 1; cam_wave_longest_s limits them
 /// @param fade_ticks  [ticks] of the rise, and of the fall
 /// @return            cam_ok, cam_err_state, _busy, _wave_none, _scope_trace, _scope_memory,
-///                    _scope_unread, or a verdict of cam_wave_judge(); cam_err_wave_clear with the
-///                    required X [nm]
+///                    _scope_unread, or a verdict of cam_wave_judge(), cam_wave_judge_force();
+///                    cam_err_wave_clear with the required X [nm]
 cam_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks);
 
 /// Part of cam_machine_poll(): the sequence of the excitation.

@@ -49,11 +49,26 @@ cam_err_t cam_machine_release(cam_machine_t *m)
     return cam_ok;
 }
 
+static cam_err_t set_wave_unit(cam_machine_t *m, int32_t value)
+{
+    if (value != 0 && value != 1) {
+        return cam_err_scope_range;
+    }
+    if (value == 1 && hal_force().quantum_un == 0u) {
+        return cam_err_wave_unit;
+    }
+    m->identify.is_force = value == 1;
+    return cam_ok;
+}
+
 cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value)
 {
     if (field == cam_scope_field_place_nm) {
         m->identify.place_nm = value;
         return cam_ok;
+    }
+    if (field == cam_scope_field_wave_unit) {
+        return set_wave_unit(m, value);
     }
     return cam_scope_set(&m->scope, field, value);
 }
@@ -63,6 +78,9 @@ cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t 
     switch (field) {
     case cam_scope_field_place_nm:
         *value = m->identify.place_nm;
+        return cam_ok;
+    case cam_scope_field_wave_unit:
+        *value = m->identify.is_force ? 1 : 0;
         return cam_ok;
     case cam_scope_field_excited:
         *value = (int32_t)m->identify.excited;

@@ -68,7 +68,8 @@ cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value)
 {
 #define FIELD_IS_SET(name, is_set, value, what) is_set,
     static const bool may_set[cam_scope_n_fields] = {CAM_SCOPE_FIELDS(FIELD_IS_SET)};
-    if (field >= cam_scope_n_fields || !may_set[field] || field == cam_scope_field_place_nm) {
+    if (field >= cam_scope_n_fields || !may_set[field] || field == cam_scope_field_place_nm ||
+        field == cam_scope_field_wave_unit) {
         return cam_err_scope_field;
     }
     cam_scope_plan_t plan = s->set;

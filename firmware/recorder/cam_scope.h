@@ -85,7 +85,8 @@
     X(use,          false, s->use,                          "cam_scope_use_t: owner of the recording") \
     X(n_before,     false, s->ring.n_before,                "recorded rows before the trigger") \
     X(trigger_tick, false, s->ring.trigger_tick,            "tick in which the trigger fired") \
-    X(faults,       false, s->ring.faults,                  "faults latched in that tick, a bit each")
+    X(faults,       false, s->ring.faults,                  "faults latched in that tick, a bit each") \
+    X(wave_unit,    true,  0,                               "of the samples of a wave: 0 nm, 1 mN of force")
 // clang-format on
 
 /// Number of a signal.
@@ -214,7 +215,8 @@ void cam_scope_init(cam_scope_t *s, hal_memory_t memory, uint32_t tick_hz);
 CAM_MUST_USE cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value);
 
 /// Read a field; `signals` and `every` are those of the present recording, if there is one.
-/// `excited`, `place_nm` and `n_fall` belong to cam_machine_identify.h and read as 0 here.
+/// `excited`, `place_nm`, `wave_unit` and `n_fall` belong to cam_machine_identify.h and read as 0
+/// here.
 /// @return cam_ok, cam_err_scope_field
 CAM_MUST_USE cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value);
 

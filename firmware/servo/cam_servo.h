@@ -17,7 +17,7 @@
 /// - A constant error gives one force or two adjacent ones, plus the ramp of the integral.
 /// - Feed-forward: mass x acceleration + drag x speed + friction by the sense of motion +
 ///   stiffness x position, of the set-point that was given. It is led by the whole delay when that
-///   set-point is due when the force acts.
+///   set-point is due when the force acts. A force from outside, the push, is added to it.
 /// - Limits: force, change of force per step, and heat: a first-order model of the force squared.
 ///   A hot drive is limited to its continuous force until the model has cooled to 7/8.
 /// - The integral is held while a limit cuts the force in the direction of the error.
@@ -83,6 +83,7 @@ typedef struct {
     int32_t vel_q10;   ///< [nm / 1024 per step] its speed
     int32_t acc_q10;   ///< [nm / 1024 per step^2] its acceleration
     int32_t actual_q6; ///< [nm / 64] reading of the scale
+    int32_t push_q6;   ///< [mN / 64] force that is added
 } cam_servo_input_t;
 
 /// State; zero-initialised the drive is cold, and cam_servo_start_isr() must come first.

@@ -9,12 +9,15 @@ static int32_t to_q6(int32_t nm)
 }
 
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
-                        int32_t set_nm, const cam_axis_motion_t *u)
+                        int32_t set_nm, const cam_motion_t *m)
 {
+    const cam_axis_motion_t *u = &m->axis[hal_axis_u];
+    const bool is_identifying = m->state == cam_state_identifying;
     const cam_servo_input_t in = {.set_q6 = to_q6(set_nm),
                                   .vel_q10 = u->vel_q10,
                                   .acc_q10 = u->acc_q10,
-                                  .actual_q6 = to_q6(r->in.actual_nm[hal_axis_u])};
+                                  .actual_q6 = to_q6(r->in.actual_nm[hal_axis_u]),
+                                  .push_q6 = is_identifying ? m->u_push_q6 : 0};
     r->force_q6 = 0;
     if (f->is_on) {
         if (!f->was_on) {

@@ -45,9 +45,9 @@ typedef struct {
 /// Calculate the force; 0 while the drives are not enabled.
 /// @param r       inputs of the tick; r->force_q6 is the result
 /// @param set_nm  [nm] last command of U
-/// @param u       speed and acceleration of its set-point
+/// @param m       speed and acceleration of its set-point; identifying: force of the wave
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
-                        int32_t set_nm, const cam_axis_motion_t *u);
+                        int32_t set_nm, const cam_motion_t *m);
 
 /// Supervise U.
 /// @param r  with the force of this tick

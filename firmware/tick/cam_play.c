@@ -81,8 +81,8 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
 }
 
 /// Move U to the position of the wave and play it there; its end ends the state. The wave's gain
-/// moves only while U rests.
-/// @return [nm / 64] what the wave adds
+/// moves only while U rests. A wave of force is left in m->u_push_q6.
+/// @return [nm / 64] what the wave adds to the set-point
 static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     cam_axis_motion_t *u = &m->axis[hal_axis_u];
@@ -97,6 +97,10 @@ static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion
         is_over = p->excite.n_left == 0u;
     }
     m->state = is_over ? cam_state_ready : m->state;
+    if (excite->is_force) {
+        m->u_push_q6 = wave_q6;
+        return 0;
+    }
     return wave_q6;
 }
 
@@ -228,6 +232,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         if (m->state == cam_state_ready && cfg->excite.n > 0u) {
             m->state = cam_state_identifying;
             p->excite = (cam_excite_t){.at = cfg->excite.first, .n_left = cfg->excite.n_play};
+            m->u_push_q6 = 0;
         }
         break;
     case cam_request_manual:

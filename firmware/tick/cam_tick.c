@@ -46,7 +46,7 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
 static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     c->force.is_on = cam_guard_holds_isr(&c->guard, &c->motion);
-    cam_force_step_isr(&c->force, &cfg->force, r, c->command.u.nm, &c->motion.axis[hal_axis_u]);
+    cam_force_step_isr(&c->force, &cfg->force, r, c->command.u.nm, &c->motion);
 }
 
 /// Supervise U. Its faults take effect in this tick.

@@ -20,8 +20,10 @@ typedef struct {
 #define AT(member) offsetof(identify_options_t, member)
 
 static const camsim_option_t own[] = {
-    CAMSIM_TEXT("wave", "F.csv", AT(wave_path),
-                "a period: first line u_nm, then a whole number of nanometres per tick"),
+    CAMSIM_TEXT(
+        "wave", "F.csv", AT(wave_path),
+        "a period: first line u_nm, then a whole number of nanometres per tick; or force_mn "
+        "and millinewtons of force"),
     CAMSIM_TEXT("record", "F.csv", AT(record_path),
                 "tick,t_s and the signals, from the move to the centre until the amplitude falls"),
     CAMSIM_WHOLE("periods", "N", AT(n_periods), 1.0, 65535.0,
@@ -104,50 +106,54 @@ static bool read_options(identify_options_t *o, int argc, char **argv, common_er
 // The wave
 
 /// @return number of samples in the lines after the first; fewer than lines when *e is set
-static bool parse_wave(char *text, const char *path, int32_t *wave_nm, uint32_t *n,
+static bool parse_wave(char *text, const char *path, int32_t *wave, sim_identify_options_t *o,
                        common_error_t *e)
 {
     char *save = NULL;
     char *line = strtok_r(text, "\n", &save);
-    if (line == NULL || strcmp(line, "u_nm") != 0) {
-        return common_error(e, "%s: line 1: no u_nm; begin with the column's name", path);
+    o->is_force = line != NULL && strcmp(line, "force_mn") == 0;
+    if (!o->is_force && (line == NULL || strcmp(line, "u_nm") != 0)) {
+        return common_error(e, "%s: line 1: no u_nm or force_mn; begin with the column's name",
+                            path);
     }
+    const char *unit = o->is_force ? "mN" : "nm";
+    uint32_t *n = &o->n;
     *n = 0;
     while ((line = strtok_r(NULL, "\n", &save)) != NULL) {
         char *end = NULL;
         const long value = strtol(line, &end, 10);
         if (end == line || *end != '\0' || value < INT32_MIN || value > INT32_MAX) {
-            return common_error(e, "%s: line %u: %.40s: give a whole number of nm", path, *n + 2u,
-                                line);
+            return common_error(e, "%s: line %u: %.40s: give a whole number of %s", path, *n + 2u,
+                                line, unit);
         }
-        wave_nm[(*n)++] = (int32_t)value;
+        wave[(*n)++] = (int32_t)value;
     }
-    return *n > 0u || common_error(e, "%s: no samples; give one in each line after u_nm", path);
+    return *n > 0u || common_error(e, "%s: no samples; give one in each line after the name", path);
 }
 
 /// @return samples, which the caller frees; NULL and *e when the file is not a wave
-static int32_t *read_wave(const char *path, uint32_t *n, common_error_t *e)
+static int32_t *read_wave(const char *path, sim_identify_options_t *o, common_error_t *e)
 {
     sim_file_t file;
     if (!sim_file_read(&file, path, max_wave_bytes, e)) {
         return NULL;
     }
     char *text = calloc(file.size + 1u, 1);
-    int32_t *wave_nm = calloc(file.size / 2u + 1u, sizeof *wave_nm); // a sample has two characters
-    bool is_good = text != NULL && wave_nm != NULL;
+    int32_t *wave = calloc(file.size / 2u + 1u, sizeof *wave); // a sample has two characters
+    bool is_good = text != NULL && wave != NULL;
     if (is_good) {
         memcpy(text, file.bytes, file.size);
-        is_good = parse_wave(text, path, wave_nm, n, e);
+        is_good = parse_wave(text, path, wave, o, e);
     } else {
         (void)common_error(e, "%s: not enough memory for it; free some", path);
     }
     sim_file_free(&file);
     free(text);
     if (!is_good) {
-        free(wave_nm);
-        wave_nm = NULL;
+        free(wave);
+        wave = NULL;
     }
-    return wave_nm;
+    return wave;
 }
 
 // The recording
@@ -249,12 +255,12 @@ int camsim_identify(int argc, char **argv)
         camsim_help("camsim identify", "TABLE --wave F.csv --record F.csv", help, set);
         return camsim_done;
     }
-    int32_t *wave_nm = read_wave(o.wave_path, &o.identify.n, &e);
-    if (wave_nm == NULL) {
+    int32_t *wave = read_wave(o.wave_path, &o.identify, &e);
+    if (wave == NULL) {
         return camsim_complain(&e);
     }
-    o.identify.wave_nm = wave_nm;
+    o.identify.wave = wave;
     const int status = identify(&o, &cut, &e);
-    free(wave_nm);
+    free(wave);
     return status;
 }

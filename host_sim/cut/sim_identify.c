@@ -56,8 +56,11 @@ static bool load_wave(sim_cut_t *cut, const sim_identify_options_t *o, common_er
 {
     cam_machine_t *m = machine_of(cut);
     const uint32_t n_bytes = o->n * (uint32_t)sizeof(int32_t);
-    const uint8_t *bytes = (const uint8_t *)o->wave_nm;
-    cam_err_t err = cam_machine_wave_begin(m, n_bytes);
+    const uint8_t *bytes = (const uint8_t *)o->wave;
+    cam_err_t err = cam_machine_scope_set(m, cam_scope_field_wave_unit, o->is_force ? 1 : 0);
+    if (err == cam_ok) {
+        err = cam_machine_wave_begin(m, n_bytes);
+    }
     if (err == cam_ok) {
         err = cam_machine_wave_block(m, 0, bytes, n_bytes);
     }
@@ -94,6 +97,10 @@ static bool begin(sim_cut_t *cut, const sim_identify_options_t *o, common_error_
         return common_error(
             e, "--wave: U would accelerate by %d mm/s2, u_acceleration_mm_per_s2 is %d; %s",
             (int)v.value, (int)m->params.u_acceleration_mm_per_s2, "give a smaller or slower wave");
+    case cam_err_wave_force:
+        return common_error(e, "--wave: it would push U with %d mN, servo_force_limit_mn is %d; %s",
+                            (int)v.value, (int)m->params.servo_force_limit_mn,
+                            "give a smaller wave");
     case cam_err_wave_length:
         return common_error(e,
                             "--periods %u, --fade-ticks %u: too short or too long; give 1 or "

@@ -14,13 +14,14 @@
 #include <stdint.h>       // int32_t, uint32_t
 
 typedef struct {
-    const int32_t *wave_nm; ///< [nm] samples of a period, one per tick
-    uint32_t n;             ///< [ticks]
-    uint32_t n_periods;     ///< at full amplitude
-    uint32_t fade_ticks;    ///< [ticks] of rise and of fall of the amplitude
-    int32_t place_nm;       ///< [nm] centre of the wave on U
-    uint32_t signals;       ///< bit i: record signal i
-    double alive_s;         ///< [s] duration of keep-alive messages; 0: always
+    const int32_t *wave; ///< [nm], or [mN] of force; samples of a period, one per tick
+    bool is_force;       ///< the samples are forces
+    uint32_t n;          ///< [ticks]
+    uint32_t n_periods;  ///< at full amplitude
+    uint32_t fade_ticks; ///< [ticks] of rise and of fall of the amplitude
+    int32_t place_nm;    ///< [nm] centre of the wave on U
+    uint32_t signals;    ///< bit i: record signal i
+    double alive_s;      ///< [s] duration of keep-alive messages; 0: always
 } sim_identify_options_t;
 
 /// Run to the end.

@@ -95,7 +95,7 @@ static void test_sum_of_the_stages_is_the_tick_in_each_session(void)
     }
 }
 
-/// Readings, force and its supervision: 460 instructions are 1 us of a core of 480 MHz that
+/// Readings, force and its supervision: 480 instructions are 1 us of a core of 480 MHz that
 /// executes one per cycle. The force leaves before its supervision.
 static void test_force_leaves_soon_after_the_scale_is_latched(void)
 {

@@ -3,6 +3,7 @@
 // leave on standard output, 72 bytes each: id, bytes, data. A frame with the id `bench_estop`
 // presses the emergency stop (data 1) or releases it, bench_button likewise the button acknowledge,
 // and bench_key turns the key switch, which is on at the start and turned anew for each commander.
+// From bench_force on the port has an output of force; U still follows its set-points.
 // Virtual time keeps pace with the clock, so that time-outs mean what they say; on a computer that
 // is busy it falls behind and does not run after it, which no tool could follow. Ends with its
 // input. With a word the controller demands the button, and the word is the secret that unlocks it.
@@ -18,7 +19,7 @@
 
 enum { tick_hz = 20000, look_ticks = 5, frame_bytes = 8 + hal_can_max_bytes };
 
-enum { bench_estop = 0x10000, bench_button, bench_key };
+enum { bench_estop = 0x10000, bench_button, bench_key, bench_force };
 
 static fixture_can_t f;
 static sim_operator_t people; // turns the key anew for each commander
@@ -51,6 +52,9 @@ static void take(const uint8_t *bytes)
         break;
     case bench_key:
         people.is_key_on = is_on;
+        break;
+    case bench_force:
+        hal_host.slow.force.quantum_un = 20000;
         break;
     default:
         (void)hal_host_can_receive(&frame);

@@ -75,7 +75,7 @@ static void make_config(cam_config_t *config)
     walk_config(config);
     make_learned(&config->learned);
     make_table(&config->table);
-    config->play.excite.wave_nm = wave;
+    config->play.excite.wave = wave;
     config->trace_room = 0; // the driver `slot` shows that the ring is no worse a place
     cam_config_tie(config, true);
 }

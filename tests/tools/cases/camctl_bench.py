@@ -29,7 +29,7 @@ BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl
 FRAME = struct.Struct("<IB3x64s")
 CLASSIC_BYTES = 8
 Act = Callable[[], object]
-ESTOP_ID, BUTTON_ID, KEY_ID = range(0x10000, 0x10003)
+ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID = range(0x10000, 0x10004)
 
 
 class _Listened(io.StringIO):
@@ -123,6 +123,10 @@ class Bench:
     def turn_key(self, is_on: bool) -> None:
         """Turn the key switch, which is on at the start."""
         self._write(KEY_ID, bytes([is_on]))
+
+    def take_forces(self) -> None:
+        """Give the port an output of force, for the next parameter that is set."""
+        self._write(FORCE_ID, bytes(1))
 
     def close(self) -> None:
         """End the process and the threads."""

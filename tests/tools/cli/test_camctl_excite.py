@@ -50,6 +50,32 @@ def test_u_plays_what_the_file_says(bench: Bench, wave: Path, tmp_path: Path) ->
     assert "black box         recording" in bench.do("blackbox")
 
 
+def test_a_force_is_chosen_by_the_heading(bench: Bench, tmp_path: Path, refusal: Refusal) -> None:
+    """Sample by sample in the force of U, a row later; a U that takes positions refuses it."""
+    wave, record = tmp_path / "force.csv", tmp_path / "record.csv"
+    samples = tone(9000)
+    wave.write_text("force_mn\n" + "".join(f"{value}\n" for value in samples))
+    bench.do("home")
+    assert "takes positions: give a wave of nm" in refusal(bench, 1, f"excite {wave} {record}")
+    bench.do("disable")
+    bench.take_forces()
+    for name, value in (("servo_integral_mHz", 0), ("servo_crossover_hz", 1)):
+        bench.do("set", name, str(value))
+    bench.do("home")
+    words = f"excite {wave} {record} --periods 2 --fade-ticks 200 --signals u_set_q6,u_force_q6"
+    bench.do(*words.split())
+    told = columns(record)
+    force_q6 = np.array(told["u_force_q6"][-2 * N + 1 :], np.int64)
+    assert np.all(np.abs(force_q6 - 64 * np.tile(samples, 2)[:-1]) <= 2)
+    assert not np.any(np.array(told["u_set_q6"][-2 * N :], np.int64))
+    wave.write_text("force_mn\n" + "600001\n" * 20)
+    line = refusal(bench, 1, f"excite {wave} {record}")
+    assert "600001 mN, servo_force_limit_mn is 600000" in line
+    wave.write_text("u_nm\n" + "0\n" * 20)
+    bench.do(*words.split())
+    assert max(map(abs, map(int, columns(record)["u_force_q6"][-20:]))) <= 2
+
+
 def test_an_excitation_needs_ready_and_room(
     bench: Bench, wave: Path, tmp_path: Path, refusal: Refusal
 ) -> None:
@@ -68,7 +94,9 @@ def test_an_excitation_needs_ready_and_room(
     short.write_text("u_nm\n" + "1\n" * 15)
     assert "wave length" in refusal(bench, 1, f"excite {short} {record}")
     for text, why in (
-        ("", "no heading u_nm"),
+        ("", "no heading u_nm or force_mn"),
+        ("force_mn\n0.5\n", "line 2: 0.5: give a whole number of mN"),
+        ("force_mn\n", "one per line after force_mn"),
         ("u_nm\n", "no samples"),
         ("u_nm\nx\n", "line 2: x"),
     ):

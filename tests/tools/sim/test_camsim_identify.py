@@ -119,7 +119,8 @@ def test_what_exceeds_u_is_refused_with_numbers(table: Path, tmp_path: Path) -> 
         ("u_nm\n1\n2.5\n", "line 3: 2.5: give a whole number"),
         ("u_nm\n1\nnan\n", "line 3: nan"),
         ("u_nm\n3000000000\n", "line 2: 3000000000"),
-        ("u_um\n1\n", "line 1: no u_nm"),
+        ("u_um\n1\n", "line 1: no u_nm or force_mn"),
+        ("force_mn\n1.5\n", "line 2: 1.5: give a whole number of mN"),
     ],
 )
 def test_bad_wave_is_named(table: Path, tmp_path: Path, text: str, why: str) -> None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 r"""Subcommands of camctl about the excitation of U and learned values.
 
->>> wave_of(b"u_nm\n3\n-4\n", "w.csv").tolist()
-[3, -4]
+>>> wave_of(b"force_mn\n3\n-4\n", "w.csv")
+(array([ 3, -4]), 'mN')
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from camtools.link.learned_file import (
 )
 
 _MOST_BYTES = 16 * 1024 * 1024
+_HEADINGS: dict[str, excitation.Unit] = {"u_nm": "nm", "force_mn": "mN"}
 
 
 def _read(path: Path) -> bytes:
@@ -37,8 +38,8 @@ def _read(path: Path) -> bytes:
         raise CamtoolsError([f"{path}: {error.strerror}; check the path"]) from error
 
 
-def wave_of(data: bytes, name: str) -> npt.NDArray[np.int64]:
-    """Return the samples of a wave file.
+def wave_of(data: bytes, name: str) -> tuple[npt.NDArray[np.int64], excitation.Unit]:
+    """Return the samples of a wave file, and their unit by its heading.
 
     Raises
     ------
@@ -46,8 +47,10 @@ def wave_of(data: bytes, name: str) -> npt.NDArray[np.int64]:
         It is none; the line says where.
     """
     lines = data.decode("utf-8", "replace").split("\n")
-    if lines[0].strip() != "u_nm":
-        raise CamtoolsError([f"{name}: line 1: no heading u_nm; begin the file with it"])
+    unit = _HEADINGS.get(lines[0].strip())
+    if unit is None:
+        text = f"{name}: line 1: no heading u_nm or force_mn; begin the file with it"
+        raise CamtoolsError([text])
     samples = []
     for number, line in enumerate(lines[1:], start=2):
         if not line and number == len(lines):
@@ -57,19 +60,21 @@ def wave_of(data: bytes, name: str) -> npt.NDArray[np.int64]:
             if abs(samples[-1]) >= 2**31:
                 raise ValueError
         except ValueError as error:
-            text = f"{name}: line {number}: {line[:40]}: give a whole number of nm"
+            text = f"{name}: line {number}: {line[:40]}: give a whole number of {unit}"
             raise CamtoolsError([text]) from error
     if not samples:
-        raise CamtoolsError([f"{name}: no samples; give one per line after u_nm"])
-    return np.array(samples, np.int64)
+        raise CamtoolsError([f"{name}: no samples; give one per line after {lines[0].strip()}"])
+    return np.array(samples, np.int64), unit
 
 
 def excite(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     """Let U play the wave of a file, and write what was recorded until its amplitude falls."""
+    samples, unit = wave_of(_read(arguments.wave), str(arguments.wave))
     recording = excitation.excite(
         link,
-        wave_of(_read(arguments.wave), str(arguments.wave)),
+        samples,
         arguments.periods,
+        unit=unit,
         fade_ticks=arguments.fade_ticks,
         place_nm=arguments.place_nm,
         signals=names_of(arguments.signals),

@@ -137,7 +137,9 @@ def _add_blackbox(one: argparse.ArgumentParser) -> None:
 
 def _add_excite(one: argparse.ArgumentParser) -> None:
     one.add_argument(
-        "wave", type=Path, help="CSV with the heading u_nm, then one position in nm per tick"
+        "wave",
+        type=Path,
+        help="CSV with the heading u_nm, then one position in nm per tick; or force_mn and forces",
     )
     one.add_argument("file", type=Path, help="CSV file to write")
     one.add_argument(

@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 import zlib
 from collections.abc import Callable, Sequence
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +36,9 @@ from camtools.link.scope import (
     require,
 )
 
+Unit = Literal["nm", "mN"]
+UNITS: tuple[Unit, ...] = ("nm", "mN")  # as the controller numbers them
+
 
 def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
     """Raise when a number has no place in its message."""
@@ -49,10 +53,10 @@ def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
 
 def download_wave(
     link: Link,
-    samples_nm: npt.ArrayLike,
+    samples: npt.ArrayLike,
     progress: Callable[[int, float], None] = lambda stored, seconds: None,
 ) -> int:
-    """Bring the samples of a period [nm] to the controller, one per tick; return how many.
+    """Bring the samples of a period to the controller, one per tick; return how many.
 
     Raises
     ------
@@ -61,10 +65,10 @@ def download_wave(
     Refused
         The controller refuses them, or the bus loses too much.
     """
-    samples = np.asarray(samples_nm)
-    rounded = np.rint(samples.astype(np.float64))
-    if samples.ndim != 1 or not np.all(np.abs(rounded) < 2**31):
-        raise CamtoolsError(["wave: give finite samples in nm, below 2^31, in one row"])
+    period = np.asarray(samples)
+    rounded = np.rint(period.astype(np.float64))
+    if period.ndim != 1 or not np.all(np.abs(rounded) < 2**31):
+        raise CamtoolsError(["wave: give finite samples, below 2^31, in one row"])
     data = rounded.astype("<i4").tobytes()
     begin = link.ask("begin_wave", size=len(data))
     if begin.result == "scope_memory":
@@ -91,9 +95,10 @@ def _follow(link: Link, timeout_s: float) -> str:
 
 def excite(
     link: Link,
-    samples_nm: npt.ArrayLike,
+    samples: npt.ArrayLike,
     periods: int,
     *,
+    unit: Unit = "nm",
     fade_ticks: int = 2000,
     place_nm: int = 0,
     signals: Sequence[str] = DEFAULT_SIGNALS,
@@ -102,14 +107,18 @@ def excite(
     """Let U play a wave in the state ready, and return what was recorded meanwhile.
 
     U moves to its place, the amplitude rises, the wave plays, the amplitude falls, and U goes back
-    to where it stood. Whatever ends this function early brings U to rest.
+    to where it stood. Whatever ends this function early brings U to rest. A force does not fall:
+    it drops at the end, and at once when this function ends early.
 
     Parameters
     ----------
-    samples_nm : array_like
-        [nm] one period, a sample for each tick
+    samples : array_like
+        [unit] one period, a sample for each tick
     periods : int
         how often it plays in full
+    unit : {"nm", "mN"}
+        positions, or forces of a U that takes them, added to those of its loop: each is in the row
+        of the next tick
     fade_ticks : int
         [ticks] in which the amplitude rises, and falls; 16 .. 65535
     place_nm : int
@@ -128,7 +137,8 @@ def excite(
     """
     check_excitation(periods, fade_ticks, place_nm)
     mask_of(signals)
-    n = download_wave(link, samples_nm)
+    put(link, "wave_unit", UNITS.index(unit))
+    n = download_wave(link, samples)
     configure(link, signals)
     put(link, "place_nm", place_nm)
     seconds = (n * periods + 2 * fade_ticks) / get(link, "tick_hz")

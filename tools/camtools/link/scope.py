@@ -57,12 +57,19 @@ _REMEDIES = {
     "scope_trace": "set trace_on 1",
     "state": "the state must be ready: home first",
     "wave_none": "download a wave",
+    "wave_unit": "U of this machine takes positions: give a wave of nm, with the heading u_nm",
 }
-_UNITS = {"wave_stroke": "nm", "wave_speed": "um/s", "wave_acceleration": "mm/s2"}
+_UNITS = {
+    "wave_stroke": "nm",
+    "wave_speed": "um/s",
+    "wave_acceleration": "mm/s2",
+    "wave_force": "mN",
+}
 _LIMITS = {
     "wave_stroke": "u_stroke_nm",
     "wave_speed": "u_speed_um_per_s",
     "wave_acceleration": "u_acceleration_mm_per_s2",
+    "wave_force": "servo_force_limit_mn",
 }
 
 

@@ -56,7 +56,7 @@ static void test_periods_in_full_are_the_samples(void)
     }
     const cam_motion_limits_t fade = cam_wave_fade(20);
     const uint32_t n_fall = cam_wave_fall_ticks(&fade);
-    const cam_excite_config_t c = {.wave_nm = wave_nm,
+    const cam_excite_config_t c = {.wave = wave_nm,
                                    .n = n,
                                    .first = (n - n_fall % n) % n,
                                    .n_play = n_fall + n * n_periods,
@@ -67,6 +67,26 @@ static void test_periods_in_full_are_the_samples(void)
         TEST_ASSERT_EQUAL_INT32(wave_nm[i % n] * 64, out[n_fall + i]);
     }
     TEST_ASSERT_EQUAL_INT32(0, out[n_ticks - 1u]);
+}
+
+/// After the last tick, or an earlier end, nothing of a force follows.
+static void test_force_ends_without_a_fall(void)
+{
+    enum { n = 7, n_out = 200 };
+    static int32_t out[n_out];
+    for (int i = 0; i < n; i++) {
+        wave_nm[i] = 1000 * i + 2500;
+    }
+    const cam_excite_config_t c = {
+        .wave = wave_nm, .n = n, .n_play = 100, .fade = cam_wave_fade(20), .is_force = true};
+    static const uint32_t ends[] = {UINT32_MAX, 60, 0};
+    for (uint32_t i = 0; i < 3u; i++) {
+        const uint32_t n_ticks = play(&c, ends[i], out, n_out);
+        const uint32_t last = ends[i] < 100u ? ends[i] : 100u;
+        TEST_ASSERT_EQUAL_UINT32(last + 1u, n_ticks);
+        TEST_ASSERT_EQUAL_INT32(0, out[last]);
+        TEST_ASSERT_TRUE(last == 0u || out[last - 1u] == wave_nm[(last - 1u) % n] * 64);
+    }
 }
 
 /// Bounds of a set-point.
@@ -116,7 +136,7 @@ static void test_every_end_stays_within_the_bounds(void)
     }
     const cam_motion_limits_t fade = cam_wave_fade(60);
     const cam_wave_range_t range = cam_wave_range(wave_nm, n);
-    const cam_excite_config_t c = {.wave_nm = wave_nm, .n = n, .n_play = 200, .fade = fade};
+    const cam_excite_config_t c = {.wave = wave_nm, .n = n, .n_play = 200, .fade = fade};
     const bounds_t bounds = bounds_of(&range, &fade);
     for (uint32_t end = 0; end < 220u; end += 3u) {
         expect_within(&bounds, out, play(&c, end, out, n_out));

@@ -35,6 +35,29 @@ static void test_force_and_its_rate_are_limited(void)
     }
 }
 
+/// To the last digit on top of all else, and within the same limit.
+static void test_push_is_added_before_the_limit(void)
+{
+    const cam_servo_config_t c = bench_config(&p);
+    cam_servo_t without = {0};
+    fixture_random_t dice = {3};
+    cam_servo_input_t in = {.set_q6 = 640};
+    cam_servo_start_isr(&servo, &c, &in);
+    cam_servo_start_isr(&without, &c, &in);
+    for (int i = 0; i < 1000; i++) {
+        in.actual_q6 = (int32_t)fixture_random_range(&dice, 0, 1000);
+        in.push_q6 = 0;
+        const int32_t rest_q6 = cam_servo_step_isr(&without, &c, &in);
+        in.push_q6 = (int32_t)fixture_random_range(&dice, -200000 * 64, 200000 * 64);
+        TEST_ASSERT_EQUAL_INT32(rest_q6 + in.push_q6, cam_servo_step_isr(&servo, &c, &in));
+    }
+    in.push_q6 = 600000 * 64;
+    TEST_ASSERT_EQUAL_INT32(345000 * 64, cam_servo_step_isr(&servo, &c, &in));
+    TEST_ASSERT_TRUE(servo.is_limited);
+    servo.is_hot = true;
+    TEST_ASSERT_EQUAL_INT32(214000 * 64, cam_servo_step_isr(&servo, &c, &in));
+}
+
 /// Held at a limit for a second, the integral is what the first few steps made it.
 static void expect_no_windup(void)
 {
@@ -171,7 +194,7 @@ static void test_extremes_stay_within_the_limits(void)
         }
         for (int i = 0; i < 2000; i++) {
             const cam_servo_input_t in = {extreme(&dice), extreme(&dice), extreme(&dice),
-                                          extreme(&dice)};
+                                          extreme(&dice), extreme(&dice)};
             if (i % 500 == 0) {
                 cam_servo_start_isr(&servo, &c, &in);
             }

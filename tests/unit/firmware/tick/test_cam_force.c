@@ -51,7 +51,7 @@ static uint32_t tick(int32_t set_nm)
     if (!is_frozen) {
         r.in.actual_nm[hal_axis_u] = (int32_t)lround(pos_nm);
     }
-    cam_force_step_isr(&force, &cfg.force, &r, set_nm, &m.axis[hal_axis_u]);
+    cam_force_step_isr(&force, &cfg.force, &r, set_nm, &m);
     const uint32_t faults = cam_force_watch_isr(&force, &cfg.force, &r, &m);
     const double drag_n = drag_n_s_per_m * vel_nm_per_s * 1e-9;
     const double force_n = push_n - drag_n + (is_reversed ? -waiting_n : waiting_n);
