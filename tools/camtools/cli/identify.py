@@ -13,7 +13,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol, TextIO
+from typing import NamedTuple, TextIO
 
 from camtools.base.argument_types import not_negative, positive
 from camtools.base.command import Parser, run_command
@@ -25,13 +25,13 @@ from camtools.identify.bode import bode_png
 from camtools.identify.can_drive import ConnectedU
 from camtools.identify.configured_drive import Believed
 from camtools.identify.excitation_plan import Excitation, Wishes, plan
+from camtools.identify.excited import U, excited
 from camtools.identify.foreign_record import parse_record
 from camtools.identify.identified import Identified, Limits, identify
 from camtools.identify.linear_model import identify_record
 from camtools.identify.machine_file import with_keys
 from camtools.identify.part_error import ToolMotion, motion_of
 from camtools.identify.record_report import record_lines, record_numbers
-from camtools.identify.recording import SettledRecord
 from camtools.identify.report import chosen, form_left, numbers, report
 from camtools.identify.simulated_drive import CutShortError, SimulatedU
 from camtools.link.controller import Link
@@ -52,16 +52,6 @@ Examples:
   tools/identify --bus --interface socketcan --channel can0 PART.toml -o DIR --apply
 Exit status: 0 done; 1 the fit is not good enough to be applied, refused by the controller or no
 answer; 2 wrong usage or bad input."""
-
-
-class _U(Protocol):
-    """U of a simulator or of a machine."""
-
-    def believed(self) -> Believed:
-        """Return the parameters of its controller."""
-
-    def excited(self, excitation: Excitation, believed: Believed) -> SettledRecord:
-        """Let it play an excitation."""
 
 
 def _periods(text: str) -> int:
@@ -204,7 +194,7 @@ def _played(excitation: Excitation) -> str:
     )
 
 
-def _one(u: _U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) -> _Found:
+def _one(u: U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) -> _Found:
     """Excite, fit and report."""
     believed = u.believed()
     wishes = Wishes(
@@ -215,7 +205,7 @@ def _one(u: _U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) 
     )
     excitation = plan(believed, wishes)
     lines = [_played(excitation)]
-    found = identify(u.excited(excitation, believed))
+    found = identify(excited(u, excitation, believed))
     is_good = _is_good(found, believed, part, arguments.form_error_um)
     motion, name = (part.motion, part.name) if part is not None else (None, "")
     lines += report(found, believed, Limits(), motion, name, is_good=is_good)
@@ -289,7 +279,6 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
             write_all(arguments.output, files)
         if arguments.apply and one.is_good:
             u.apply(one.settings)
-            u.link.rights.release()
     finally:
         bus.shutdown()
     what = "k1_ns, k2_us2, lead_ns, u_friction_nm; the drives are off, enable and home again"

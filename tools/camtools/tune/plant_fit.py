@@ -231,4 +231,5 @@ def fit_record(
         raise CamtoolsError([f"record: {problem}; inject a multisine of that period"])
     one = spectra_of(grid, force, position * _NM, quantum_nm)
     power = np.abs(np.fft.rfft(signal.mean(axis=0))[one.bins])
-    return fit_lines(one.only(np.asarray(power > 1e-3 * power.max())))
+    odd = power[one.bins % 2 == 1]  # without the carrier, which is far larger
+    return fit_lines(one.only(np.asarray(power > 1e-3 * odd.max())))
