@@ -87,15 +87,22 @@ class ConnectedU:
             It refuses, the excitation was cut short, or the record has a gap.
         """
         wave = excitation.wave
-        recording = excite(
-            self.link,
-            wave.u_nm,
-            excitation.n_periods,
-            fade_ticks=excitation.fade_ticks,
-            place_nm=excitation.place_nm,
-            signals=signals,
-        )
-        self.link.rights.release()  # what follows takes longer than command lasts without a word
+        try:
+            recording = excite(
+                self.link,
+                wave.u_nm,
+                excitation.n_periods,
+                fade_ticks=excitation.fade_ticks,
+                place_nm=excitation.place_nm,
+                signals=signals,
+            )
+        except Refused as refused:
+            faults = ", ".join(self.link.listen().faults)
+            raise Refused(
+                f"{refused}: {faults}; {_ORDERS['fault']}" if faults else str(refused)
+            ) from refused
+        finally:
+            self.link.rights.release()  # what follows takes longer than command lasts unheard
         if not recording.is_whole:
             raise Refused(f"{self.link.where}: the record has a gap; excite again")
         played = recording.played()
