@@ -4,6 +4,7 @@
 import pytest
 
 from camtools.identify.can_drive import ConnectedU
+from camtools.identify.excitation_plan import Wishes, plan
 from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from tests.tools.cases.camctl_bench import Bench, ready
@@ -38,3 +39,22 @@ def test_a_value_that_reads_another_is_refused(
     monkeypatch.setattr("camtools.identify.can_drive.set_all", lambda *_: {})
     with pytest.raises(Refused, match=r"servo_mass_g = 777: reads 1500; .*apply again"):
         u.apply({"servo_mass_g": 777})
+
+
+def test_a_fault_ends_the_excitation_with_its_name(
+    bench: Bench, link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The remedy stands in the same line, and command is given back."""
+    ready(bench)
+    u = ConnectedU(link)
+    excitation = plan(u.believed(), Wishes())
+
+    def fault(link: Link, _timeout_s: float) -> str:
+        bench.estop(is_pressed=True)
+        assert link.wait(lambda: link.status.state == "fault", 5.0)
+        return "fault"
+
+    monkeypatch.setattr("camtools.link.excitation._follow", fault)
+    with pytest.raises(Refused, match=r"cut short: fault: estop; see status, then reset"):
+        u.played(excitation, ("u_set_q6", "u_actual_nm"))
+    assert link.rights.session == 0

@@ -84,6 +84,14 @@ def test_the_set_point_shows_mass_delay_and_mode(mode: str, tmp_path: Path) -> N
         assert found.values[6:9].tolist() == pytest.approx([1200.0, 0.03, -0.2], rel=0.05)
 
 
+def test_a_weak_loop_keeps_u_within_its_travel(tmp_path: Path) -> None:
+    """A crossover of 30 Hz overshoots: U is excited where there is room for that."""
+    file = tmp_path / "weak.toml"
+    weak = _WEAK.replace("crossover_hz = 60", "crossover_hz = 30")
+    file.write_text(_MACHINE.read_text("utf-8") + weak, "utf-8")
+    assert measured(file).fit.mass_kg == pytest.approx(1.5, rel=0.03)
+
+
 def test_a_simulated_machine_gets_the_loop_that_was_proposed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
