@@ -124,7 +124,8 @@
     /* Position loop of U (cam_servo_design.h) */ \
     X(servo_none,           -141, "U takes forces, but its position loop is not set: tools/tune designs it") \
     X(servo,                -142, "a parameter of U's position loop is beyond its bound by the others") \
-    X(servo_force,          -143, "U's mass times its highest acceleration exceeds the force limit")
+    X(servo_force,          -143, "acceleration, speed and stroke of U would take more than the force limit") \
+    X(servo_continuous,     -144, "U would need more force for long than its continuous one")
 // clang-format on
 
 /// Result of a slow-side function: 0 or a negative value. The first error found is reported.

@@ -5,11 +5,25 @@
 #include "cam_servo_setup.h" // cam_servo_setup
 #include "cam_units.h"       // cam_units_scale
 #include "hal/hal.h"         // hal_force
+#include <stdbool.h>         // bool
 
 enum {
     observer_hz = 300, ///< bandwidth of the observer, at most a twentieth of the tick rate
     still_hz = 2000,   ///< half a millisecond
+    scale_steps = 4,   ///< by which U may deviate at least
+    runaway_most_nm = 50000,
 };
+
+/// @return [nm / 64] accepted deviation of U from its observer; by default what an unknown force of
+///         half the largest one makes, so that a U of weak force is supervised as well
+static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
+{
+    const int64_t half_q6 = (int64_t)p->servo_force_limit_mn * 32 * c->motion_q24 / c->vel_q24;
+    const int64_t least_q6 = (int64_t)p->u_scale_nm * scale_steps * 64;
+    const int64_t most_q6 = (int64_t)runaway_most_nm * 64;
+    const bool is_set = p->servo_runaway_nm > 0;
+    return is_set ? p->servo_runaway_nm * 64 : (int32_t)cam_clamp_i64(half_q6, least_q6, most_q6);
+}
 
 cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uint32_t tick_hz)
 {
@@ -32,7 +46,7 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
     c->motion_q24 = (int32_t)cam_clamp_i64(motion_q24, 1, INT32_MAX);
     c->pos_q18 = (int32_t)(omega_q24 >> 5);
     c->vel_q24 = (int32_t)((omega_q24 * omega_q24) >> 24);
-    c->runaway_q6 = p->servo_runaway_nm * 64;
+    c->runaway_q6 = runaway_q6(p, c);
     // m w^2 times a quarter of the deviation, and twice the friction
     const int64_t moving_q6 = (int64_t)c->runaway_q6 / 4 * c->vel_q24 / c->motion_q24;
     c->moving_q6 = cam_sat_i32(moving_q6 + 2 * (int64_t)p->servo_friction_mn * 64);

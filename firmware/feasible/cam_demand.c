@@ -2,7 +2,7 @@
 #include "cam_demand.h"
 #include "cam_command.h"    // cam_command_stroke_demand
 #include "cam_z_coupling.h" // cam_z_coupling_of
-#include "cam_fix.h"        // cam_abs_i64
+#include "cam_fix.h"        // cam_abs_i64, cam_root_u64
 #include "cam_peaks.h"      // cam_peaks_set_point_q20
 #include "cam_plan.h"       // cam_plan_ticks
 #include <stdbool.h>        // bool
@@ -189,6 +189,34 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
                           turning + cam_cut_at_amplitude(c, feeding)};
 }
 
+/// A force drive needs mass times acceleration, friction and drag, rms over a turn in mN, of which
+/// its motor may have no more for ever than its continuous force. The cutting force is not known.
+static cam_demand_t u_force_demand(const cam_cut_t *c)
+{
+    const cam_params_t *p = c->p;
+    if (p->servo_crossover_hz == 0) {
+        return (cam_demand_t){cam_err_servo_continuous, 0, 0u};
+    }
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t u2 = cam_cut_at_amplitude(
+        c, c->t->speed.knots != NULL ? c->t->u2_peak_nm_per_rad2 : c->t->u2_rms_nm_per_rad2);
+    const uint64_t u1 = cam_cut_at_amplitude(c, c->t->u1_peak_nm_per_rad);
+    const uint64_t um_per_s2 = cam_cut_scaled_up(u2, omega * omega / 10000u + 1u, 100000);
+    const uint64_t by_mass = cam_cut_scaled_up(um_per_s2, (uint64_t)p->servo_mass_g, 1000000);
+    const uint64_t um_per_s = cam_cut_divided_up(u1 * omega, 1000000);
+    const uint64_t by_drag =
+        cam_cut_scaled_up(um_per_s, (uint64_t)p->servo_drag_mn_s_per_m, 1000000);
+    const uint64_t mn[] = {by_mass, by_drag, (uint64_t)p->servo_friction_mn};
+    uint64_t square = 0;
+    for (size_t i = 0; i < sizeof mn / sizeof mn[0]; i++) {
+        const uint64_t part = (uint64_t)cam_cut_smaller((int64_t)mn[i], INT32_MAX);
+        square += part * part;
+    }
+    return (cam_demand_t){cam_err_servo_continuous,
+                          cam_cut_smaller(p->servo_continuous_mn, p->servo_force_limit_mn),
+                          cam_root_u64(square) + (square > 0u ? 1u : 0u)};
+}
+
 /// @return [degrees / 1000] of thousands of 2^-26 turn, at most 0.2 % too large
 static uint64_t mdeg_of(uint64_t thousands)
 {
@@ -318,6 +346,7 @@ cam_demands_t cam_demand_all(const cam_cut_t *c)
         retract_demand(c),
         u_speed_demand(c),
         u_acceleration_demand(c),
+        u_force_demand(c),
         cam_command_stroke_demand(c),
         cam_command_speed_demand(c),
         cam_command_acceleration_demand(c),

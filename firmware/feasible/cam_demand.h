@@ -15,7 +15,7 @@
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // int64_t, uint64_t
 
-enum { cam_n_demands = 25 };
+enum { cam_n_demands = 26 };
 
 /// Every limit of the axes, in the order in which excesses are reported.
 typedef struct {

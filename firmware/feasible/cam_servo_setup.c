@@ -14,6 +14,15 @@ static cam_param_id_t refused_param(cam_servo_refused_t refused)
     return ids[refused];
 }
 
+int64_t cam_servo_needed_mn(const cam_params_t *p)
+{
+    const int64_t by_mass_un = (int64_t)p->servo_mass_g * p->u_acceleration_mm_per_s2;
+    const int64_t by_drag_nn = (int64_t)p->servo_drag_mn_s_per_m * p->u_speed_um_per_s;
+    const int64_t by_spring_nn = (int64_t)p->servo_stiffness_n_per_m * p->u_stroke_nm / 2;
+    return (by_mass_un + 999) / 1000 + (by_drag_nn + by_spring_nn + 999999) / 1000000 +
+           p->servo_friction_mn;
+}
+
 cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_servo_config_t *cfg,
                           cam_param_id_t *which)
 {
@@ -36,7 +45,7 @@ cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_serv
         *which = cam_param_servo_force_delay_ns; // which includes the latency of the output
         return cam_err_servo;
     }
-    const int64_t needed_un = (int64_t)params->servo_mass_g * params->u_acceleration_mm_per_s2;
     *which = cam_param_servo_force_limit_mn;
-    return needed_un > INT64_C(1000) * params->servo_force_limit_mn ? cam_err_servo_force : cam_ok;
+    return cam_servo_needed_mn(params) > params->servo_force_limit_mn ? cam_err_servo_force
+                                                                      : cam_ok;
 }

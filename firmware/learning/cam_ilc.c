@@ -290,6 +290,7 @@ static void take_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_turn_bins_
 void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
                   cam_turn_bins_t *bins)
 {
+    t->at_q8 = atomic_load_explicit(&bins->at_q8, memory_order_relaxed);
     follow_state(t, state);
     cam_ilc_chip_follow(t, state, bins);
     if (t->bin != NULL) {

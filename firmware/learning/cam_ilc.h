@@ -19,6 +19,7 @@
 #include "cam_harmonic_correction.h" // cam_harmonic_correction_t
 #include "cam_state.h"               // cam_state_t
 #include <stdbool.h>                 // bool
+#include <stddef.h>                  // NULL
 #include <stdint.h>                  // int32_t, uint32_t
 
 /// Largest number of harmonics that are learned; the mean is one more.
@@ -202,6 +203,7 @@ typedef struct {
     uint8_t hindrance; ///< cam_ilc_reason_t of the last turn
     bool is_counted;   ///< this turn is used to learn U
     int32_t true_q36;  ///< [turn / 2^36 per tick] its speed if it is used for the ripple, else 0
+    uint32_t at_q8;    ///< [turn / 256] position at the last call of cam_ilc_poll()
     uint8_t blending;  ///< cam_ilc_blend_*: learned values not completely in force
     uint32_t blend_from_q8; ///< [turn / 256] earliest time of the next step of points
 } cam_ilc_t;
@@ -213,6 +215,13 @@ void cam_ilc_init(cam_ilc_t *t);
 /// @param bins  of the interrupt
 void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
                   cam_turn_bins_t *bins);
+
+/// @param at_q8  [turn / 256] position of the spindle, which the interrupt writes once per plan
+/// @return       whether cam_ilc_poll() or cam_ilc_blend() may have something to do
+static inline bool cam_ilc_is_due(const cam_ilc_t *t, cam_state_t state, uint32_t at_q8)
+{
+    return t->bin != NULL || t->blending != 0u || t->state != (uint8_t)state || t->at_q8 != at_q8;
+}
 
 /// @return whether nothing is blended in, and nothing learned depends on the feed
 static inline bool cam_ilc_is_idle(const cam_ilc_t *t)

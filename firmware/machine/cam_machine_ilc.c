@@ -282,14 +282,15 @@ static int32_t angle_step_q23(const cam_machine_t *m, uint64_t spare_mm_per_s2)
 void cam_machine_ilc_poll(cam_machine_t *m, cam_state_t state, bool is_u_moving)
 {
     const cam_params_t *p = &m->params;
-    if (p->learn_harmonics == 0 && p->ripple_turns == 0 && cam_ilc_is_idle(&m->ilc)) {
+    cam_turn_bins_t *bins = &m->core->bins;
+    const uint32_t at_q8 = atomic_load_explicit(&bins->at_q8, memory_order_relaxed);
+    const bool is_off = p->learn_harmonics == 0 && p->ripple_turns == 0 && cam_ilc_is_idle(&m->ilc);
+    if (is_off || !cam_ilc_is_due(&m->ilc, state, at_q8)) {
         return;
     }
     cam_ilc_setup_t setup = setup_of(m);
     setup.is_u_moving = is_u_moving;
-    cam_turn_bins_t *bins = &m->core->bins;
     cam_ilc_poll(&m->ilc, &setup, state, bins);
-    const uint32_t at_q8 = atomic_load_explicit(&bins->at_q8, memory_order_relaxed);
     const bool is_blending = cam_ilc_is_blending(&m->ilc, at_q8);
     cam_config_t *copy = is_blending ? cam_config_copy(&m->core->config) : NULL;
     if (copy != NULL) {

@@ -182,7 +182,10 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
         cam_servo_config_t made;
         cam_param_id_t id = cam_n_params;
         const cam_err_t which = cam_servo_setup(params, m->tick_hz, &made, &id);
-        (void)refuse(m, which, id, cam_param_get(params, id), 0);
+        const bool is_force = which == cam_err_servo_force;
+        (void)refuse(m, which, id,
+                     is_force ? cam_servo_needed_mn(params) : cam_param_get(params, id),
+                     is_force ? params->servo_force_limit_mn : 0);
     }
     if (err == cam_ok) {
         adopt(m, params, named);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_peaks.h"
 #include "cam_bounds.h" // cam_bounds_add
-#include "cam_fix.h"    // cam_abs_i64
+#include "cam_fix.h"    // cam_abs_i64, cam_root_u64
 #include "cam_lobes.h"  // cam_lobes_slice
 #include "cam_speed.h"  // cam_speed_scaled, cam_speed_ratio_at
 
@@ -102,6 +102,23 @@ uint32_t cam_peaks_third(const cam_channel_t *ch)
     }
     return in_unit(ch,
                    derivative_per_rad(ch, derivative_per_rad(ch, derivative_per_rad(ch, b.third))));
+}
+
+uint32_t cam_peaks_rms_second(const cam_channel_t *ch)
+{
+    const uint32_t n_in_slice = UINT32_C(1) << ch->log2_knots;
+    uint64_t most = 0;
+    for (uint32_t slice = 0; slice < ch->n_slices; slice++) {
+        const cam_knot_t *first = &ch->knots[slice << ch->log2_knots];
+        uint64_t mean_square = 0;
+        for (uint32_t i = 0; i < n_in_slice; i++) {
+            const int64_t a = first[i].a;
+            mean_square += ((uint64_t)(a * a) >> ch->log2_knots) + 1u;
+        }
+        most = mean_square > most ? mean_square : most;
+    }
+    const int64_t rms = 2 * (int64_t)cam_root_u64(most) + 2; // a knot has half the derivative
+    return in_unit(ch, derivative_per_rad(ch, derivative_per_rad(ch, rms)));
 }
 
 cam_change_t cam_peaks_of_change(const cam_channel_t *ch)

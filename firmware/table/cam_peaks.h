@@ -22,6 +22,11 @@ cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch);
 /// @return    [nm/rad3] bound over all angles and slices, rounded up, saturated
 uint32_t cam_peaks_third(const cam_channel_t *ch);
 
+/// Rms of the second derivative over a turn, from its values at the knots.
+/// @param ch  over angle and height, its knots checked
+/// @return    [nm/rad2] largest of all slices, rounded up, saturated
+uint32_t cam_peaks_rms_second(const cam_channel_t *ch);
+
 /// Bound the change of a channel over height: linear between slices, with a kink at each slice.
 /// @param ch  over angle and height, its knots checked
 /// @return    bounds over all angles and slices, rounded up, saturated; 0 when the slices are equal

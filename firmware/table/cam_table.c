@@ -312,6 +312,7 @@ static void measure(cam_table_t *table)
     table->x_bend_ppm_per_m = slope.bend_ppm_per_m;
     table->spindle_demand = cam_peaks_of_speed(&table->speed);
     table->u3_peak_nm_per_rad3 = cam_peaks_third(&table->u);
+    table->u2_rms_nm_per_rad2 = cam_peaks_rms_second(&table->u);
     if (table->lobes == NULL) { // slices of a lobe are not neighbours
         table->u_change = cam_peaks_of_change(&table->u);
     }

@@ -27,12 +27,15 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
     f->was_on = f->is_on;
 }
 
-/// @return [mN / 64] force that accelerates U: the written one less that of the spring
-static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record_t *r)
+/// @param vel_q24  [nm / 2^24 per tick] of the observer
+/// @return         [mN / 64] force that accelerates U: the written one less spring and drag
+static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record_t *r,
+                            int64_t vel_q24)
 {
     const int64_t spring_q24 =
         (int64_t)cfg->servo.stiffness_q18 * to_q6(r->in.actual_nm[hal_axis_u]);
-    return cam_sat_sub(r->force_q6, cam_sat_i32(spring_q24 >> 18));
+    const int64_t drag_q22 = (int64_t)cfg->servo.drag_q14 * cam_sat_i32(vel_q24 >> 16);
+    return cam_sat_sub(r->force_q6, cam_sat_i32((spring_q24 >> 18) + (drag_q22 >> 16)));
 }
 
 /// Compare the reading with the observer, then move the observer to the next tick.
@@ -85,7 +88,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
                              const cam_tick_record_t *r, const cam_motion_t *m)
 {
     const int32_t read_nm = r->in.actual_nm[hal_axis_u];
-    const int32_t net_q6 = net_force_q6(cfg, r);
+    const int32_t net_q6 = net_force_q6(cfg, r, f->vel_q24);
     const int32_t off_q6 = observe(f, cfg, read_nm, net_q6);
     const bool is_runaway =
         is_frozen(f, cfg, read_nm, net_q6) || !cam_is_within(off_q6, cfg->runaway_q6);

@@ -5,9 +5,9 @@
 /// set-point, speed, acceleration and enable. Its set-point is looked up ahead by lead_ns, which
 /// for such a drive is one tick plus servo_force_delay_ns: then it is due when the force acts.
 ///
-/// An observer follows U as a mass on a spring under the force that was written. It has both poles
-/// at 300 Hz: an unknown force d keeps it d / (mass (2 pi 300 Hz)^2) away, 19 um at 100 N and 1.5
-/// kg.
+/// An observer follows U as a mass with spring and drag under the force that was written. It has
+/// both poles at 300 Hz: an unknown force d keeps it d / (mass (2 pi 300 Hz)^2) away, 19 um at 100
+/// N and 1.5 kg.
 ///
 ///     u_runaway   U deviates from its observer by more than servo_runaway_nm: its force is
 ///                 reversed, it is blocked or pushed. Or its reading stands, to the last digit,

@@ -102,6 +102,9 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     case cam_err_z_acceleration:
     case cam_err_x_acceleration:
         return "mm/s2";
+    case cam_err_servo_continuous:
+        *per_unit = 1e-3;
+        return "N rms";
     case cam_err_swing_axis:
         return "swing axis";
     case cam_err_swing_range:

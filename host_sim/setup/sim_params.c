@@ -70,12 +70,12 @@ static bool refuse_servo(const cam_params_t *params, uint32_t tick_hz, common_er
     cam_param_id_t which = cam_n_params;
     const cam_err_t err = cam_servo_setup(params, tick_hz, &made, &which);
     if (err == cam_err_servo_force) {
-        const double needed_n =
-            (double)params->servo_mass_g * params->u_acceleration_mm_per_s2 * 1e-6;
         return common_error(e,
                             "refused: %s: %.6g N, limit %.6g N; give a smaller [u] "
-                            "acceleration_mm_per_s2 in the machine file, or a larger force_limit_n",
-                            cam_err_text(err), needed_n, params->servo_force_limit_mn * 1e-3);
+                            "acceleration_mm_per_s2 or speed_mm_per_s in the machine file, or a "
+                            "larger force_limit_n",
+                            cam_err_text(err), (double)cam_servo_needed_mn(params) * 1e-3,
+                            params->servo_force_limit_mn * 1e-3);
     }
     return common_error(e, "parameter %s = %d: refused: %s; change the machine file or --set",
                         cam_param_info(which)->name, (int)cam_param_get(params, which),

@@ -3,27 +3,44 @@
 
 from typing import cast
 
-import pytest
-
 from camtools.link.controller import Link
-from camtools.link.messages import NAMES, Answer
+from camtools.link.messages import NAMES, NUMBERS, REFUSALS, Answer
 from camtools.link.refusal_text import explain
 
 
-@pytest.mark.parametrize(
-    ("result", "command", "remedy"),
-    [
-        ("servo_none", "enable", "design the loop with tools/tune"),
-        ("servo", "set_parameter", "servo_pole_hz within a fifth"),
-        ("servo_force", "set_parameter", "raise servo_force_limit_mn"),
-    ],
-)
-def test_a_refused_position_loop_is_told_with_its_remedy(
-    result: str, command: str, remedy: str
-) -> None:
-    """The names are those of cam_err.h; no question to the controller is needed."""
-    assert result in NAMES["result"].values()
-    nobody = cast("Link", None)
-    text = explain(nobody, Answer(command, result, 0.0, 0))
-    assert text.startswith(f"refused: {result.replace('_', ' ')}; ")
-    assert remedy in text
+class _Refusing:
+    """Tells of its last refusal by numbers."""
+
+    def __init__(self, result: str, **numbers: int) -> None:
+        self.numbers = {"result": NUMBERS["result"][result]} | numbers
+
+    def ask(self, command: str, parameter: int) -> Answer:
+        """Answer a question about a number."""
+        assert command == "get_refusal"
+        return Answer(command, "done", float(self.numbers.get(REFUSALS[parameter], 0)), 0)
+
+
+def _explained(result: str, command: str, **numbers: int) -> str:
+    link = cast("Link", _Refusing(result, **numbers))
+    return explain(link, Answer(command, result, 0.0, 0))
+
+
+def test_a_loop_that_is_not_set_is_told_with_its_remedy() -> None:
+    """The name is that of cam_err.h."""
+    assert "servo_none" in NAMES["result"].values()
+    text = _explained("servo_none", "enable")
+    assert text.startswith("refused: servo none; design the loop with tools/tune")
+
+
+def test_a_parameter_of_the_loop_that_does_not_fit_is_named() -> None:
+    """Many are set at once, so that the command does not tell it."""
+    number = NUMBERS["parameter"]["servo_pole_hz"]
+    text = _explained("servo", "apply", parameter=number, needed=5000)
+    assert text.startswith("refused: servo_pole_hz = 5000 does not fit the others; keep ")
+    assert "servo_pole_hz within a fifth" in text
+
+
+def test_force_that_the_limits_of_u_take_is_told() -> None:
+    """Needed and limit in newtons, then the remedy."""
+    text = _explained("servo_force", "set_parameter", needed=390000, limit=375000)
+    assert "force of U at its limits 390 N exceeds servo_force_limit 375 N; raise" in text

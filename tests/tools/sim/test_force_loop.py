@@ -131,3 +131,18 @@ def test_slow_loop_learns_only_below_half_its_crossover(oval30: Path, tmp_path: 
         found = json.loads(summary.read_text())
         assert found["learning"]["reason"] == reason
         assert found["form_error_um"]["max"] <= most_um
+
+
+def test_continuous_force_below_the_rms_of_a_cut_is_refused(oval30: Path, tmp_path: Path) -> None:
+    """1 mm at 100 Hz takes 0.5 mm (2 pi 100 Hz)^2 of 1.5 kg, and 5 N of friction."""
+    lathe = machine(tmp_path, 1500, 25, -0.2)
+    rms_n = np.hypot(MASS_KG * 0.5e-3 * (200 * np.pi) ** 2 / np.sqrt(2), 5.0)
+    for limit_n, status in ((1.002 * rms_n, 0), (0.998 * rms_n, 2)):
+        done = camsim(
+            "run", oval30, "--machine", lathe, "--rpm", "3000", "--tolerance-um", "99",
+            "--set", f"servo_continuous_mn={1000 * limit_n:.0f}", "--turns-limit", "3",
+        )  # fmt: skip
+        assert done.returncode == status, done.stderr
+    needed = float(done.stderr.split("needs ")[1].split(" N rms")[0])
+    assert needed == pytest.approx(rms_n, rel=1e-3)
+    assert "give at most --rpm 29" in done.stderr

@@ -48,6 +48,7 @@ _NAMES = {
     "u_command": _Named("u_stroke_mm", 0.5e6, "mm"),
     "u_command_speed": _Named("u_speed_mm_s", 1e3, "mm/s"),
     "u_command_acceleration": _Named("u_acceleration_mm_s2", 1, "mm/s2"),
+    "servo_continuous": _Named("servo_continuous_mn", 1e3, "N"),
 }
 _AT_ANY_SPEED = {
     "u_stroke": "no speed helps: give less {}, or a longer stroke",
@@ -61,6 +62,7 @@ _SHOWN_WHERE_EXCEEDED = (
     "u_command",
     "u_command_speed",
     "u_command_acceleration",
+    "servo_continuous",
 )
 _SWING = ("swing_range", "swing_speed", "swing_acceleration")
 _MOVED = ("u_speed", "u_acceleration", "swing_speed", "swing_acceleration")

@@ -50,12 +50,13 @@ REMEDIES = {
     "rate, servo_crossover_hz within the pole, servo_integral_mHz within the crossover, and "
     "servo_force_limit_mn within 15 times servo_continuous_mn; tools/tune proposes such a loop",
     "servo_force": "raise servo_force_limit_mn, where motor and amplifier allow it, or lower "
-    "u_acceleration_mm_per_s2",
+    "u_acceleration_mm_per_s2 or u_speed_um_per_s",
     "params_stale": "another tool set a parameter meanwhile; try again",
     "params_none": "`params keep` stores the current ones",
     "params_damaged": "`params keep` stores the current ones instead",
     "params_keep": "its memory failed or is read-only; what was kept before stays; see its log",
 }
+_BY_PARAMETER = ("param_state", "param_tick", "trim_limit", "servo", "servo_force")
 _OFF, _READY, _MANUAL = "off", "ready", "manual"
 _NEEDED_STATE = {  # of commands that one state takes only
     **dict.fromkeys(("enable", "manual"), _OFF),
@@ -115,6 +116,13 @@ DEMANDS = {
     "u_command_acceleration": Excess(
         "acceleration of U's command", "m/s2", 1e-3, "", "the limit from acceleration and gains,"
     ),
+    "servo_continuous": Excess(
+        "rms of U's force, without that of the cut,",
+        "N",
+        1e-3,
+        "servo_continuous_mn",
+        "servo_continuous",
+    ),
     "z_speed": Excess("Z speed", "mm/s", 1e-3, "z_speed_um_per_s", "z_speed"),
     "z_acceleration": Excess(
         "Z acceleration", "m/s2", 1e-3, "z_acceleration_mm_per_s2", "z_acceleration"
@@ -140,6 +148,7 @@ DEMANDS = {
         "swing acceleration", "deg/s2", 1, "swing_acceleration_deg_per_s2", "swing_acceleration"
     ),
 }
+_FORCE = Excess("force of U at its limits", "N", 1e-3, "servo_force_limit_mn", "servo_force_limit")
 _TRIM = Excess("trim of the radius", "mm", 1e-6, "x_trim_limit_nm", "x_trim_limit")
 
 
@@ -183,6 +192,10 @@ def _by_numbers(link: Link, answer: Answer) -> str:
         return f"{name} cannot change in this state; {REMEDIES['param_state']}"
     if answer.result == "param_tick":
         return f"{name} {needed} exceeds {limit}, the most at this tick rate"
+    if answer.result == "servo":
+        return f"{name} = {needed} does not fit the others; {REMEDIES['servo']}"
+    if answer.result == "servo_force":
+        return f"{_FORCE.text(needed, limit, _FORCE.label)}; {REMEDIES['servo_force']}"
     if answer.result == "trim_limit":
         return _TRIM.text(needed, limit, _TRIM.label)
     if answer.result in DEMANDS:
@@ -279,7 +292,7 @@ def explain(link: Link, answer: Answer) -> str:
         low, high = answer.limits
         name = NAMES["parameter"].get(answer.parameter, str(answer.parameter))
         return f"out of range; {name} is {low:.9g} .. {high:.9g}"
-    is_numbered = answer.result in (*DEMANDS, "param_state", "param_tick", "trim_limit")
+    is_numbered = answer.result in (*DEMANDS, *_BY_PARAMETER)
     remedy = REMEDIES.get(answer.result)
     text = _by_numbers(link, answer) if is_numbered else ""
     return f"refused: {text or what}" + (f"; {remedy}" if remedy and not text else "")

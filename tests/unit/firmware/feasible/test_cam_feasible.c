@@ -199,6 +199,31 @@ static void test_z_speed_and_acceleration_limit_feed_times_speed(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
 }
 
+/// 1.5 kg, 200 000 nm/rad2 rms, 8 N of friction, 20 N s/m of drag at most 150 000 nm/rad; 3000
+/// r/min take 29.6 N rms of inertia and 0.94 N of drag.
+static void test_continuous_force_limits_the_speed_of_a_force_drive(void)
+{
+    table.u2_rms_nm_per_rad2 = 200000;
+    params.servo_continuous_mn = 20000;
+    params.servo_force_limit_mn = 600000;
+    params.servo_mass_g = 1500;
+    params.servo_friction_mn = 8000;
+    params.servo_drag_mn_s_per_m = 20000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(3000000).err); // U takes positions
+    params.servo_crossover_hz = 400;
+    const double w = omega(3000000);
+    const double inertia = 1.5 * 0.2e-3 * w * w;
+    const double drag = 20.0 * 0.15e-3 * w;
+    const double needed = sqrt(inertia * inertia + drag * drag + 64.0);
+    const double highest = omega(1.0);
+    const double w_most = sqrt(sqrt(400.0 - 64.0) / 0.3e-3); // without the drag, 0.1 % of it
+    expect_refused(cam_err_servo_continuous, 3000000, 1e3 * needed, 20000, w_most / highest);
+    params.amplitude_ppm = 500000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(3000000).err);
+    params.servo_force_limit_mn = 15000;
+    TEST_ASSERT_EQUAL_INT(cam_err_servo_continuous, judge(3000000).err);
+}
+
 static void test_tick_rate_limits_knots_and_counts_per_tick(void)
 {
     table.u.log2_knots = 12;

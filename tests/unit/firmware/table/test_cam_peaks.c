@@ -113,6 +113,23 @@ static void test_swing_changes_in_its_own_unit(void)
     TEST_ASSERT_EQUAL_UINT32(0, table.swing_change.most);
 }
 
+/// u = A (1 - cos 2 theta) has u'' = 4 A cos 2 theta, 4 A / sqrt(2) rms; one slice is larger.
+static void test_rms_is_that_of_the_largest_slice(void)
+{
+    part.u = turned_by_a_radian;
+    (void)change();
+    const double exact = 400000.0 / sqrt(2.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.001 * exact, exact, table.u2_rms_nm_per_rad2);
+    part.u = one_slice;
+    part.log2_repeat = 1;
+    part.frac_bits = 3;
+    (void)change();
+    double u[3];
+    fixture_cosine_oval(PI / 2.0, 100000.0, u);
+    const double largest = fabs(u[2]) / sqrt(2.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.001 * largest + 2.0, largest, table.u2_rms_nm_per_rad2);
+}
+
 enum { n_flat_slices = 3, n_flat_knots = 4 };
 
 static cam_knot_t flat[n_flat_slices * n_flat_knots];

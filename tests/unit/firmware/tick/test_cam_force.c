@@ -16,7 +16,7 @@ static cam_config_t cfg;
 static cam_force_t force;
 static cam_tick_record_t r;
 static cam_motion_t m;
-static double pos_nm, vel_nm_per_s, waiting_n, push_n;
+static double pos_nm, vel_nm_per_s, waiting_n, push_n, drag_n_s_per_m;
 static int32_t line_nm; ///< end of the travel
 static bool is_frozen, is_reversed, is_blocked;
 
@@ -41,7 +41,7 @@ void setUp(void)
     force = (cam_force_t){0};
     r = (cam_tick_record_t){0};
     m = (cam_motion_t){.state = cam_state_ready};
-    pos_nm = vel_nm_per_s = waiting_n = push_n = 0.0;
+    pos_nm = vel_nm_per_s = waiting_n = push_n = drag_n_s_per_m = 0.0;
     is_frozen = is_reversed = is_blocked = false;
 }
 
@@ -53,7 +53,9 @@ static uint32_t tick(int32_t set_nm)
     }
     cam_force_step_isr(&force, &cfg.force, &r, set_nm, &m.axis[hal_axis_u]);
     const uint32_t faults = cam_force_watch_isr(&force, &cfg.force, &r, &m);
-    const double nm_per_s2 = (push_n + (is_reversed ? -waiting_n : waiting_n)) / MASS_KG * 1e9;
+    const double drag_n = drag_n_s_per_m * vel_nm_per_s * 1e-9;
+    const double force_n = push_n - drag_n + (is_reversed ? -waiting_n : waiting_n);
+    const double nm_per_s2 = force_n / MASS_KG * 1e9;
     if (!is_blocked) {
         pos_nm += vel_nm_per_s * TICK_S + 0.5 * nm_per_s2 * TICK_S * TICK_S;
         vel_nm_per_s += nm_per_s2 * TICK_S;
@@ -108,6 +110,48 @@ static void test_it_follows_the_set_point_within_its_supervision(void)
         }
     }
     TEST_ASSERT_TRUE(worst_nm < 2000.0);
+}
+
+/// The deviation is d / (m (2 pi 300 Hz)^2), here of half the force limit.
+static void test_weak_force_is_supervised_more_closely(void)
+{
+    static const struct {
+        int32_t set_nm, limit_mn;
+        double accepted_nm;
+    } cases[] = {
+        {0, 400000, 37527.0}, {0, 600000, 50000.0}, {0, 377000, 35369.0}, {70000, 400000, 70000.0}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        cam_params_t p = cam_param_defaults();
+        p.servo_crossover_hz = 400;
+        p.servo_runaway_nm = cases[i].set_nm;
+        p.servo_force_limit_mn = cases[i].limit_mn;
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * cases[i].accepted_nm, cases[i].accepted_nm,
+                                  cfg.force.runaway_q6 / 64.0);
+    }
+}
+
+/// 400 N s/m hold 1.5 kg at 50 mm/s under 20 N, as the observer expects.
+static void test_drag_is_no_unknown_force(void)
+{
+    cam_params_t p = cam_param_defaults();
+    p.servo_crossover_hz = 400;
+    p.servo_drag_mn_s_per_m = 400000;
+    p.u_acceleration_mm_per_s2 = 50000;
+    p.servo_runaway_nm = 1000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
+    drag_n_s_per_m = 400.0;
+    m.state = cam_state_manual; // it leaves its stroke
+    force.is_on = true;
+    double set_nm = 0.0;
+    for (int i = 0; i < 2000; i++) {
+        const double nm_per_s = 50e6 * fmin(1.0, i / 1000.0); // 1 m/s2
+        set_nm += nm_per_s * TICK_S;
+        m.axis[hal_axis_u].vel_q10 = (int32_t)(nm_per_s * TICK_S * 1024.0);
+        m.axis[hal_axis_u].acc_q10 = i < 1000 ? (int32_t)(1e9 * TICK_S * TICK_S * 1024.0) : 0;
+        TEST_ASSERT_EQUAL_HEX32(0, tick((int32_t)set_nm));
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 20.0, r.force_q6 / 64e3);
 }
 
 /// The deviation is d / (m (2 pi 300 Hz)^2): 50 um at 266 N.
@@ -241,7 +285,7 @@ static void test_delay_of_the_force_includes_the_latency_of_the_output(void)
     TEST_ASSERT_EQUAL_INT(cam_param_servo_force_delay_ns, which);
 }
 
-static void test_mass_times_acceleration_fits_the_force(void)
+static void test_limits_of_u_fit_the_force(void)
 {
     cam_params_t p = cam_param_defaults(); // 1.5 kg at 250 m/s2
     cam_servo_config_t made;
@@ -251,4 +295,14 @@ static void test_mass_times_acceleration_fits_the_force(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
     p.servo_force_limit_mn = 374999;
     TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made, &which));
+    p.servo_friction_mn = 5000;
+    p.servo_drag_mn_s_per_m = 20000; // at 400 mm/s
+    p.u_speed_um_per_s = 400000;
+    p.servo_stiffness_n_per_m = 4000; // over half of 1 mm
+    p.u_stroke_nm = 1000000;
+    p.servo_force_limit_mn = 375000 + 5000 + 8000 + 2000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
+    p.servo_force_limit_mn--;
+    TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made, &which));
+    TEST_ASSERT_EQUAL_INT64(390000, cam_servo_needed_mn(&p));
 }
