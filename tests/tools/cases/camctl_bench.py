@@ -193,6 +193,15 @@ class Bench:
         return text
 
 
+def ready(bench: Bench) -> None:
+    """Enable and wait for ready."""
+    bench.do("enable")
+    end_s = time.monotonic() + 20
+    while "ready" not in bench.do("status").splitlines()[0]:
+        assert time.monotonic() < end_s
+        time.sleep(0.05)
+
+
 @contextmanager
 def keeping(link: Link) -> Iterator[None]:
     """Let a link that commands send its heartbeats beside the block, which must not use it."""

@@ -21,7 +21,7 @@ from camtools.identify import can_drive
 from camtools.link import excitation
 from camtools.link.controller import Link
 from camtools.link.scope import Recording
-from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.camctl_bench import Bench, ready
 from tests.tools.cases.camsim_cases import camsim
 from tests.tools.cases.drive_plant import Plant, faded, played
 from tests.tools.cases.part_cases import PERKINS, environment
@@ -244,15 +244,6 @@ def test_interrupt_leaves_nothing(machine: Path, tmp_path: Path) -> None:
 def bus_words(bench: Bench) -> list[str]:
     """Return the options that name the bench."""
     return ["--bus", "--interface", "virtual", "--channel", bench.channel]
-
-
-def ready(bench: Bench) -> None:
-    """Enable and wait for ready."""
-    bench.do("enable")
-    end_s = time.monotonic() + 20
-    while "ready" not in bench.do("status").splitlines()[0]:
-        assert time.monotonic() < end_s
-        time.sleep(0.05)
 
 
 def excited_plant(plant: Plant) -> Callable[..., Recording]:

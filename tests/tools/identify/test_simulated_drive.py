@@ -8,6 +8,7 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.identify.excitation_plan import Wishes, plan
+from camtools.identify.excited import excited
 from camtools.identify.fit import K1, K2, LEAD
 from camtools.identify.identified import Identified, Limits, identify
 from camtools.identify.simulated_drive import CutShortError, SimulatedU
@@ -48,7 +49,7 @@ def simulated(folder: Path, generated: GeneratedSkirt, text: str) -> SimulatedU:
 def found_on(u: SimulatedU) -> Identified:
     """Excite and identify."""
     believed = u.believed()
-    return identify(u.excited(plan(believed, Wishes()), believed))
+    return identify(excited(u, plan(believed, Wishes()), believed))
 
 
 @pytest.mark.parametrize(
@@ -123,4 +124,4 @@ def test_excitation_that_ends_early_gives_no_record(
     u = SimulatedU(tmp_path, text, "m.toml", pack(generated.table), ["--inject=estop@t0.5"])
     believed = u.believed()
     with pytest.raises(CutShortError, match="cut short"):
-        u.excited(plan(believed, Wishes()), believed)
+        excited(u, plan(believed, Wishes()), believed)

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from camtools.tune.loop_design import Loop, NoLoopError, Plant, margins, propose
+from camtools.tune.judgement import judge, refusal
+from camtools.tune.loop_design import Loop, Plant, best, margins
 from tests.tools.cases.camsim_cases import BUILD
 
 STEP_HZ = 20000
@@ -133,7 +134,7 @@ def closed(
 @cache
 def proposed(plant: Plant) -> Loop:
     """Return the proposal for a plant."""
-    return propose(plant)
+    return best(plant)
 
 
 def step_response(plant: Plant, friction_n: float, mass: float = 1.0) -> NDArray[np.float64]:
@@ -224,5 +225,8 @@ def test_feed_forward_is_led_by_the_whole_delay(plant: Plant, most_um: float) ->
 
 def test_hopeless_plant_is_refused() -> None:
     """One line that names what is missing and what to do."""
-    with pytest.raises(NoLoopError, match=r"no loop has margins of 6 dB and 30 degrees.*mode$"):
-        propose(Plant(1.5, 1500.0, 75e-6, STEP_HZ, 60.0, 0.001, 1.0))
+    plant = Plant(1.5, 1500.0, 75e-6, STEP_HZ, 60.0, 0.001, 1.0)
+    problem = refusal(judge(best(plant), plant), is_proposal=True)
+    assert "at least 6 dB and 30 degrees" in problem
+    assert problem.endswith("the mode at 60 Hz: damp or stiffen it")
+    assert refusal(judge(proposed(QUICK), QUICK), is_proposal=True) == ""

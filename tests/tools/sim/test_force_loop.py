@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from camtools.tune.drive import Drive
-from camtools.tune.loop_design import propose
+from camtools.tune.loop_design import best
 from camtools.tune.parameters import parameters_of
 from tests.tools.cases.camsim_cases import camsim
 
@@ -51,7 +51,7 @@ def loop_of(amplifier_hz: float, delay_us: float, share: float) -> str:
         mass_kg=MASS_KG, amplifier_hz=amplifier_hz, delay_us=delay_us, tick_hz=20000.0,
         mode_hz=1200.0, mode_share=share,
     )  # fmt: skip
-    values = parameters_of(propose(drive.plant), drive)
+    values = parameters_of(best(drive.plant), drive)
     loop = [
         name for name in values if any(k in name for k in ("cross", "lead", "pole", "int", "notch"))
     ]

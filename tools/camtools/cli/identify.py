@@ -13,30 +13,27 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol, TextIO
+from typing import NamedTuple, TextIO
 
 from camtools.base.argument_types import not_negative, positive
 from camtools.base.command import Parser, run_command
 from camtools.base.output import write_all
 from camtools.base.project_paths import ROOT
-from camtools.cli.bus import add_bus_options, open_controller
+from camtools.cli.connected_u import add_u_options, check_u_options, connected_u
 from camtools.cli.record_text import record_text
 from camtools.identify.bode import bode_png
-from camtools.identify.can_drive import ConnectedU
 from camtools.identify.configured_drive import Believed
 from camtools.identify.excitation_plan import Excitation, Wishes, plan
+from camtools.identify.excited import U, excited
 from camtools.identify.foreign_record import parse_record
 from camtools.identify.identified import Identified, Limits, identify
 from camtools.identify.linear_model import identify_record
 from camtools.identify.machine_file import with_keys
 from camtools.identify.part_error import ToolMotion, motion_of
 from camtools.identify.record_report import record_lines, record_numbers
-from camtools.identify.recording import SettledRecord
 from camtools.identify.report import chosen, form_left, numbers, report
 from camtools.identify.simulated_drive import CutShortError, SimulatedU
-from camtools.link.controller import Link
 from camtools.link.messages import Refused
-from camtools.link.rights import secret_of, sender_of
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import Made, make
 from camtools.report.text import plain
@@ -52,16 +49,6 @@ Examples:
   tools/identify --bus --interface socketcan --channel can0 PART.toml -o DIR --apply
 Exit status: 0 done; 1 the fit is not good enough to be applied, refused by the controller or no
 answer; 2 wrong usage or bad input."""
-
-
-class _U(Protocol):
-    """U of a simulator or of a machine."""
-
-    def believed(self) -> Believed:
-        """Return the parameters of its controller."""
-
-    def excited(self, excitation: Excitation, believed: Believed) -> SettledRecord:
-        """Let it play an excitation."""
 
 
 def _periods(text: str) -> int:
@@ -93,13 +80,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         metavar="FILE.csv",
         help="recording of another instrument: time_s, command_um or force_n, position_um",
     )
-    add_bus_options(parser)
-    parser.add_argument(
-        "--secret",
-        type=Path,
-        metavar="FILE",
-        help="file of the secret that unlocks the controller for --apply",
-    )
+    add_u_options(parser)
     parser.add_argument(
         "--rpm", type=positive, metavar="N", help="spindle speed in r/min (default: the part's)"
     )
@@ -164,9 +145,7 @@ def _check(parser: Parser, arguments: argparse.Namespace) -> None:
         given = {"PART.toml": arguments.part, "--apply": arguments.apply}
         for name in (name for name, value in given.items() if value):
             parser.error(f"{name}: has no effect with --record; leave it out")
-    of_bus = [name for name in ("interface", "channel", "bitrate") if getattr(arguments, name)]
-    if of_bus and not arguments.bus:
-        parser.error(f"--{of_bus[0]}: needs a bus: use --bus instead of --machine")
+    check_u_options(parser, arguments)
 
 
 class _Part:
@@ -204,7 +183,7 @@ def _played(excitation: Excitation) -> str:
     )
 
 
-def _one(u: _U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) -> _Found:
+def _one(u: U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) -> _Found:
     """Excite, fit and report."""
     believed = u.believed()
     wishes = Wishes(
@@ -215,7 +194,7 @@ def _one(u: _U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) 
     )
     excitation = plan(believed, wishes)
     lines = [_played(excitation)]
-    found = identify(u.excited(excitation, believed))
+    found = identify(excited(u, excitation, believed))
     is_good = _is_good(found, believed, part, arguments.form_error_um)
     motion, name = (part.motion, part.name) if part is not None else (None, "")
     lines += report(found, believed, Limits(), motion, name, is_good=is_good)
@@ -276,12 +255,7 @@ def _status(one: _Found, arguments: argparse.Namespace, out: TextIO, applied: st
 
 def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
     part = _Part(arguments.part, arguments.rpm) if arguments.part is not None else None
-    bus, where, node = open_controller(arguments)
-    try:
-        u = ConnectedU(Link(bus, where, node))
-        u.link.rights.sender = sender_of("identify")
-        if arguments.secret is not None:
-            u.link.rights.secret = secret_of(arguments.secret)
+    with connected_u(arguments, "identify") as (u, node):
         one = _one(u, arguments, part, out)
         if arguments.output is not None:
             name = f"node{node}"
@@ -289,9 +263,6 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
             write_all(arguments.output, files)
         if arguments.apply and one.is_good:
             u.apply(one.settings)
-            u.link.rights.release()
-    finally:
-        bus.shutdown()
     what = "k1_ns, k2_us2, lead_ns, u_friction_nm; the drives are off, enable and home again"
     return _status(one, arguments, out, what if arguments.apply else "")
 

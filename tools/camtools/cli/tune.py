@@ -10,18 +10,32 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
+from typing import Any, NamedTuple
 
+from camtools.base.argument_types import positive
 from camtools.base.command import Parser, run_command
 from camtools.base.output import write_all
+from camtools.cli.connected_u import add_u_options, check_u_options, connected_u
 from camtools.cli.record_text import record_text
+from camtools.identify.machine_file import with_keys
 from camtools.identify.simulated_drive import CutShortError
+from camtools.link.messages import Refused
+from camtools.sim.machines import machine_bytes
 from camtools.tune.drive import Drive, drive_of, read_tree
-from camtools.tune.excited import fit_machine
+from camtools.tune.excited import HIGHEST_HZ, Measured, measure, simulated_u
 from camtools.tune.judgement import Judgement, judge, refusal
 from camtools.tune.loop_design import best
-from camtools.tune.parameters import loop_of, parameters_of, read_loop, text_of
+from camtools.tune.measured_loop import OpenLoop, measured_loop, model_loop
+from camtools.tune.measured_loop import text_of as loop_text
+from camtools.tune.parameters import (
+    loop_of,
+    parameters_of,
+    plant_of,
+    read_loop,
+    settings_of,
+    text_of,
+)
 from camtools.tune.record import fit_lines_of, fit_table, parse_loop_record, with_fit
 from camtools.tune.text import lines_of
 
@@ -30,10 +44,11 @@ _EPILOG = """\
 Examples:
   tools/tune voice_coil.toml -o build/tune
   tools/tune voice_coil.toml --loop mine_servo.toml
-  tools/tune --machine force.toml -o build/tune
+  tools/tune --machine force.toml -o build/tune --apply
   tools/tune limits.toml --record scope.csv -o build/tune
-Exit status: 0 done; 1 no loop with the margins or cut short, nothing is written;
-2 wrong usage or bad input."""
+  tools/tune limits.toml --bus -i socketcan -c can0 -o build/tune --apply
+Exit status: 0 done; 1 no loop with the margins, cut short, refused by the controller or no answer:
+nothing is written or set; 2 wrong usage or bad input."""
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -47,15 +62,35 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     add = parser.add_argument
     add("drive", nargs="?", type=Path, metavar="DRIVE.toml", help="drive file")
-    add(
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
         "--record",
         type=Path,
         metavar="FILE.csv",
         help="recording that gives the drive's constants: time_s, injected_n or setpoint_um, "
         "force_n, position_um; a drive file then gives the limits alone",
     )
-    add("--machine", metavar="M", help="simulated machine that is excited instead of a --record")
+    where.add_argument(
+        "--machine", metavar="M", help="simulated machine, excited for the constants"
+    )
+    where.add_argument(
+        "--bus",
+        action="store_true",
+        help="real controller over CAN, excited for the constants: in state ready, its loop weak",
+    )
+    add_u_options(parser)
+    add(
+        "--highest-hz",
+        type=positive,
+        metavar="F",
+        help=f"highest frequency of the excitation in Hz, at least 50 (default: {HIGHEST_HZ:g})",
+    )
     add("--loop", type=Path, metavar="FILE", help="parameters to judge instead of a proposal")
+    add(
+        "--apply",
+        action="store_true",
+        help="set the parameters in the controller, or in a machine file in the folder of -o",
+    )
     add(
         "-o",
         "--out",
@@ -64,11 +99,37 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         help="folder for picture, text and parameters (default: none are written)",
     )
     arguments = parser.parse_args(argv)
-    if arguments.drive is None and arguments.record is None and arguments.machine is None:
-        parser.error("what drive? give DRIVE.toml, or --record FILE.csv, or both")
-    if arguments.record is not None and arguments.machine is not None:
-        parser.error("--machine: has no effect with --record; leave one out")
+    _check(parser, arguments)
     return arguments
+
+
+def _check(parser: Parser, arguments: argparse.Namespace) -> None:
+    """End with a line when options do not go together."""
+    is_excited = arguments.bus or arguments.machine is not None
+    if not is_excited and arguments.drive is None and arguments.record is None:
+        parser.error("what drive? give DRIVE.toml, --record FILE.csv, --machine M or --bus")
+    for name, value in (("--apply", arguments.apply), ("--highest-hz", arguments.highest_hz)):
+        if value and not is_excited:
+            parser.error(f"{name}: needs a controller: add --bus, or --machine M")
+    if arguments.apply and not arguments.bus and arguments.out is None:
+        parser.error("--apply: needs a folder for the machine file: add -o DIR")
+    if arguments.highest_hz is not None and arguments.highest_hz < 50:
+        parser.error(f"--highest-hz {arguments.highest_hz:g}: give at least 50")
+    check_u_options(parser, arguments)
+
+
+def _keys(arguments: argparse.Namespace) -> dict[str, Any]:
+    return read_tree(arguments.drive) if arguments.drive is not None else {}
+
+
+class _Subject(NamedTuple):
+    """What is tuned."""
+
+    name: str  # of files
+    where: str  # in errors
+    drive: Drive
+    lines: list[str]  # of its constants, and of its loop as it is
+    measured: OpenLoop | None = None
 
 
 def _values(drive: Drive, given: Path | None) -> dict[str, int]:
@@ -80,59 +141,105 @@ def _values(drive: Drive, given: Path | None) -> dict[str, int]:
 
 def _judged(values: dict[str, int], drive: Drive) -> Judgement:
     """Judge the loop of parameters, which may be made for another mass."""
-    mass_kg = values["servo_mass_g"] / 1000
-    plant = replace(drive.plant, mass_kg=mass_kg)
-    return judge(loop_of(values, drive), plant, drive.mass_kg / mass_kg)
+    return judge(loop_of(values, drive), *plant_of(values, drive))
 
 
 def _write(
-    folder: Path, drive: Drive, name: str, judged: Judgement, lines: list[str],
-    values: dict[str, int],
-) -> None:  # fmt: skip
+    folder: Path, one: _Subject, judged: Judgement, lines: list[str], values: dict[str, int]
+) -> None:
     from camtools.tune.plots import loop_png  # matplotlib is slow to load
 
+    name = one.name
     files = {
-        f"{name}_loop.png": loop_png(judged, f"{name}: position loop"),
+        f"{name}_loop.png": loop_png(judged, f"{name}: position loop", one.measured),
         f"{name}_loop.txt": ("\n".join(lines) + "\n").encode("ascii"),
-        f"{name}_servo.toml": text_of(values, drive, f"tools/tune of {name}").encode("utf-8"),
+        f"{name}_servo.toml": text_of(values, one.drive, f"tools/tune of {name}").encode("utf-8"),
     }
     write_all(folder, files)
 
 
-def _drive(arguments: argparse.Namespace) -> tuple[Drive, list[str]]:
-    """Return the drive, and the report of its fit."""
-    file, csv = arguments.drive, arguments.record
-    keys = read_tree(file) if file is not None else {}
-    if arguments.machine is not None:
-        found, tick_hz = fit_machine(arguments.machine)
-        keys = with_fit(keys, found, tick_hz)
-        return drive_of(keys, arguments.machine), list(fit_lines_of(found))
+def _tuned(one: _Subject, arguments: argparse.Namespace) -> dict[str, int]:
+    """Show and write the loop; return what is to be set for it, nothing if it is refused."""
+    given = arguments.loop
+    values = _values(one.drive, given)
+    judged = _judged(values, one.drive)
+    if problem := refusal(judged, is_proposal=given is None):
+        sys.stderr.write(f"tune: {given or one.where}: {problem}\n")
+        return {}
+    head = ["given:" if given else "proposed:"] if one.measured else []
+    lines = [*one.lines, *head, *lines_of(judged, one.drive)]
+    if arguments.out is not None:
+        _write(arguments.out, one, judged, lines, values)
+    sys.stdout.write("\n".join(lines) + "\n")
+    sys.stdout.flush()
+    return settings_of(values, one.drive)
+
+
+def _described(arguments: argparse.Namespace) -> int:
+    """Tune the drive of a drive file, or of a recording."""
+    file, csv, keys = arguments.drive, arguments.record, _keys(arguments)
     if csv is None:
-        return drive_of(keys, str(file)), []
-    record = parse_loop_record(record_text(csv), str(csv))
-    found = fit_table(record, float(keys.get("scale_quantum_nm", 0.0)))
-    return drive_of(with_fit(keys, found, record.rate_hz), str(csv)), list(fit_lines_of(found))
+        one = _Subject(file.stem, str(file), drive_of(keys, str(file)), [])
+    else:
+        record = parse_loop_record(record_text(csv), str(csv))
+        found = fit_table(record, float(keys.get("scale_quantum_nm", 0.0)))
+        drive = drive_of(with_fit(keys, found, record.rate_hz), str(csv))
+        where = file or csv
+        one = _Subject(where.stem, str(where), drive, list(fit_lines_of(found)))
+    return 0 if _tuned(one, arguments) else REFUSED
+
+
+def _subject(found: Measured, keys: dict[str, Any], file: Path, where: str) -> _Subject:
+    """Return the drive that an excitation shows, and its loop as it is."""
+    drive = drive_of(with_fit(keys, found.fit, found.tick_hz), where)
+    measured = measured_loop(found.lines, found.values, drive)
+    lines = [
+        *fit_lines_of(found.fit),
+        f"as it is (measured): {loop_text(measured)}",
+        f"as it is (model): {loop_text(model_loop(found.values, drive))}",
+    ]
+    return _Subject(file.stem, where, drive, lines, measured)
+
+
+def _simulated(arguments: argparse.Namespace) -> int:
+    """Tune U of a simulated machine."""
+    name, keys = arguments.machine, _keys(arguments)
+    machine = machine_bytes(name)
+    with simulated_u(machine, name) as u:
+        found = measure(u, name, arguments.highest_hz or HIGHEST_HZ)
+    one = _subject(found, keys, arguments.drive or Path(name), name)
+    settings = _tuned(one, arguments)
+    if settings and arguments.apply:
+        text = with_keys(machine.decode("utf-8"), "controller", settings)
+        file = f"{one.name}_tuned.toml"
+        write_all(arguments.out, {file: text.encode("utf-8")})
+        sys.stdout.write(f"applied: {file}\n")
+    return 0 if settings else REFUSED
+
+
+def _connected(arguments: argparse.Namespace) -> int:
+    """Tune U of a controller over CAN."""
+    keys = _keys(arguments)
+    with connected_u(arguments, "tune") as (u, node):
+        where = u.link.where
+        found = measure(u, where, arguments.highest_hz or HIGHEST_HZ)
+        one = _subject(found, keys, arguments.drive or Path(f"node{node}"), where)
+        settings = _tuned(one, arguments)
+        if settings and arguments.apply:
+            u.apply(settings)
+            what = f"{len(settings)} parameters; the drives are off, enable and home again"
+            sys.stdout.write(f"applied: {what}, then repeat --bus to measure this loop\n")
+    return 0 if settings else REFUSED
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    given = arguments.loop
-    file = arguments.drive or arguments.record or Path(arguments.machine)
     try:
-        drive, lines = _drive(arguments)
-    except CutShortError as cut:
-        sys.stderr.write(f"tune: {file}: {cut}\n")
+        if arguments.bus:
+            return _connected(arguments)
+        return _described(arguments) if arguments.machine is None else _simulated(arguments)
+    except (Refused, CutShortError) as refused:
+        sys.stderr.write(f"tune: {refused}\n")
         return REFUSED
-    values = _values(drive, given)
-    judged = _judged(values, drive)
-    problem = refusal(judged, is_proposal=given is None)
-    if problem:
-        sys.stderr.write(f"tune: {given or file}: {problem}\n")
-        return REFUSED
-    lines += lines_of(judged, drive)
-    if arguments.out is not None:
-        _write(arguments.out, drive, file.stem, judged, lines, values)
-    sys.stdout.write("\n".join(lines) + "\n")
-    return 0
 
 
 def main(argv: Sequence[str] | None = None) -> int:

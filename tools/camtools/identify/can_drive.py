@@ -7,17 +7,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from camtools.base.output import signals_held
+from camtools.base.quantities import Floats
 from camtools.identify.configured_drive import PARAMETERS, Believed
 from camtools.identify.excitation_plan import Excitation
-from camtools.identify.recording import SettledRecord, record_of
 from camtools.link.controller import Link
 from camtools.link.excitation import excite
 from camtools.link.messages import NUMBERS, Refused
+from camtools.link.parameters import set_all
 
 _OFF_S = 10.0
 _ORDERS = {
@@ -56,64 +57,67 @@ class ConnectedU:
         status = self.link.listen()
         if status.state != "ready":
             raise Refused(f"{self.link.where}: {not_ready(status.state)}")
-        values = {name: self._get(name) for name in PARAMETERS}
-        return Believed.of(status.signals["tick_rate"], values)
+        return Believed.of(status.signals["tick_rate"], self.values(PARAMETERS))
 
-    def excited(self, excitation: Excitation, believed: Believed) -> SettledRecord:
-        """Let U play an excitation; return what was recorded.
+    def values(self, names: Iterable[str]) -> dict[str, int]:
+        """Return parameters in force.
+
+        Raises
+        ------
+        Refused
+            The controller does not know one.
+        """
+        return {name: self._get(name) for name in names}
+
+    def played(self, excitation: Excitation, signals: Sequence[str]) -> Floats:
+        """Let U play an excitation; return tick and signals of its periods, a row each.
 
         The controller itself sees to the state, to the clearance of the tool and to the limits of
         U. However this ends, U comes to rest.
 
+        Parameters
+        ----------
+        excitation : Excitation
+        signals : sequence of str
+            of the recorder, in the order of firmware/recorder/cam_scope.h
+
         Raises
         ------
         Refused
-            It refuses, or the excitation was cut short.
-        CamtoolsError
-            The record is of no use.
+            It refuses, the excitation was cut short, or the record has a gap.
         """
         wave = excitation.wave
-        recording = excite(
-            self.link,
-            wave.u_nm,
-            excitation.n_periods,
-            fade_ticks=excitation.fade_ticks,
-            place_nm=excitation.place_nm,
-            signals=("u_command_nm", "u_actual_nm"),
-        )
-        self.link.rights.release()  # what follows takes longer than command lasts without a word
+        try:
+            recording = excite(
+                self.link,
+                wave.u_nm,
+                excitation.n_periods,
+                fade_ticks=excitation.fade_ticks,
+                place_nm=excitation.place_nm,
+                signals=signals,
+            )
+        except Refused as refused:
+            faults = ", ".join(self.link.listen().faults)
+            raise Refused(
+                f"{refused}: {faults}; {_ORDERS['fault']}" if faults else str(refused)
+            ) from refused
+        finally:
+            self.link.rights.release()  # what follows takes longer than command lasts unheard
         if not recording.is_whole:
             raise Refused(f"{self.link.where}: the record has a gap; excite again")
         played = recording.played()
         rows = slice(-excitation.n_periods * wave.grid.n_ticks, None)
-        u_nm, y_nm = (
-            played[name][rows].astype(np.float64) for name in ("u_command_nm", "u_actual_nm")
-        )
-        quantum_nm = believed.u_scale_nm
-        return record_of(wave.grid, played.tick[rows], u_nm, y_nm, quantum_nm)
-
-    def _set(self, settings: Mapping[str, int]) -> str | None:
-        """Set parameters and read them back; return what went wrong."""
-        for name, value in settings.items():
-            number = NUMBERS["parameter"][name]
-            answer = self.link.ask("set_parameter", parameter=number, value=value)
-            if answer.result != "done":
-                limits = answer.limits
-                within = f", {limits[0]:.0f} .. {limits[1]:.0f}" if limits else ""
-                return f"{name} = {value}: {answer.result.replace('_', ' ')}{within}"
-            if (found := self._get(name)) != value:
-                return f"{name} = {value}: reads {found}"
-        return None
+        columns = [played.tick, *(played[name] for name in signals)]
+        return np.array([column[rows] for column in columns], np.float64)
 
     def apply(self, settings: Mapping[str, int]) -> None:
-        """Disable the drives, set parameters, read them back: all of them or none.
+        """Disable the drives, set parameters, all of them or none, and read them back.
 
         Raises
         ------
         Refused
-            The controller does not go off, or refuses one; those before have their old values.
+            The controller does not go off, refuses one, or reads another value.
         """
-        before = {name: self._get(name) for name in settings}
         answer = self.link.ask("disable")
         if answer.result != "done":
             raise Refused(f"{self.link.where}: disable: {answer.result.replace('_', ' ')}")
@@ -122,8 +126,13 @@ class ConnectedU:
             state = self.link.status.state
             raise Refused(f"{self.link.where}: still {state}, nothing is set; try again")
         with signals_held():
-            problem = self._set(settings)
-            again = self._set(before) if problem else None
-        if problem:
-            end = f"; and then {again}" if again else "; nothing is set"
-            raise Refused(f"{self.link.where}: {problem}{end}")
+            try:
+                set_all(self.link, settings)
+            except Refused as refused:
+                raise Refused(f"{self.link.where}: nothing is set: {refused}") from refused
+            finally:
+                self.link.rights.release()
+            found = self.values(settings)
+        for name in (name for name, value in settings.items() if found[name] != value):
+            problem = f"{name} = {settings[name]}: reads {found[name]}"
+            raise Refused(f"{self.link.where}: {problem}; somebody else sets it; apply again")

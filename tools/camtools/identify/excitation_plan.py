@@ -14,7 +14,14 @@ from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
 from camtools.identify.configured_drive import Believed
-from camtools.identify.multisine import HIGHEST_HZ, N_PERIODS, Grid, Wave, multisine
+from camtools.identify.multisine import (
+    HIGHEST_HZ,
+    N_PERIODS,
+    TICKS_PER_HIGHEST,
+    Grid,
+    Wave,
+    multisine,
+)
 
 _RMS_NM, _COARSE_RMS_NM, _COARSE_NM = 25_000.0, 100_000.0, 500
 _CARRIER_NM = 300_000.0
@@ -31,6 +38,7 @@ class Wishes(NamedTuple):
     carrier_nm: float | None = None
     highest_hz: float = HIGHEST_HZ
     n_periods: int = N_PERIODS
+    least_ticks: int = TICKS_PER_HIGHEST  # of the highest line
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +111,7 @@ def plan(believed: Believed, wishes: Wishes) -> Excitation:
     CamtoolsError
         What was asked for, or the least that a fit can use, is beyond a limit of U.
     """
-    grid = Grid.of(believed.tick_hz, wishes.highest_hz)
+    grid = Grid.of(believed.tick_hz, wishes.highest_hz, wishes.least_ticks)
     coarse = believed.u_scale_nm >= _COARSE_NM
     rms_nm = wishes.rms_nm or (_COARSE_RMS_NM if coarse else _RMS_NM)
     carrier_nm = _CARRIER_NM if wishes.carrier_nm is None else wishes.carrier_nm

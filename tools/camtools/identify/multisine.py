@@ -50,9 +50,14 @@ class Grid:
     highest_hz: float  # no line lies above
 
     @classmethod
-    def of(cls, tick_hz: float, highest_hz: float = HIGHEST_HZ) -> Grid:
-        """Return the grid of a tick rate [Hz], 500 .. 100 000."""
-        highest_hz = min(highest_hz, tick_hz / TICKS_PER_HIGHEST)
+    def of(
+        cls, tick_hz: float, highest_hz: float = HIGHEST_HZ, least_ticks: int = TICKS_PER_HIGHEST
+    ) -> Grid:
+        """Return the grid of a tick rate [Hz], 500 .. 100 000.
+
+        Lines go up to highest_hz [Hz], and have at least so many ticks.
+        """
+        highest_hz = min(highest_hz, tick_hz / least_ticks)
         return cls(tick_hz, round(tick_hz / LINE_HZ), highest_hz)
 
     @property

@@ -8,7 +8,7 @@ r"""U of the simulator: its parameters, and an excitation that is played and rec
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,6 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.identify.configured_drive import Believed
 from camtools.identify.excitation_plan import Excitation
-from camtools.identify.recording import SettledRecord, record_of
 from camtools.sim.camsim import camsim_path
 
 _WAVE, _RECORD, _TABLE, _MACHINE = "wave.csv", "record.csv", "part.camtab", "machine.toml"
@@ -87,11 +86,10 @@ class SimulatedU:
         parameters = parameters_of(self._camsim("params", []))
         return Believed.of(parameters["tick_hz"], parameters)
 
-    def excited(self, excitation: Excitation, believed: Believed) -> SettledRecord:
-        """Let U play an excitation; return what was recorded; errors as of `played`."""
-        tick, u_nm, y_nm = self.played(excitation, ("u_command_nm", "u_actual_nm"))
-        grid = excitation.wave.grid
-        return record_of(grid, np.asarray(tick, np.int64), u_nm, y_nm, believed.u_scale_nm)
+    def values(self, names: Iterable[str]) -> dict[str, int]:
+        """Return parameters of the simulated controller; errors as of `believed`."""
+        parameters = parameters_of(self._camsim("params", []))
+        return {name: parameters[name] for name in names}
 
     def played(self, excitation: Excitation, signals: Sequence[str]) -> Floats:
         """Let U play an excitation; return tick and signals of its periods, a row each.

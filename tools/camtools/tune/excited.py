@@ -1,51 +1,86 @@
 # SPDX-License-Identifier: Apache-2.0
-"""U of a simulated machine, excited by its set-point while the controller closes its loop.
+"""U excited by its set-point while the controller closes its loop, simulated or over CAN.
 
 Modes up to this frequency are found:
 
 >>> HIGHEST_HZ
-1600.0
+2500.0
 """
 
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
+from camtools.base.errors import CamtoolsError
 from camtools.base.project_paths import ROOT
 from camtools.identify.excitation_plan import Wishes, plan
+from camtools.identify.excited import U
 from camtools.identify.simulated_drive import SimulatedU
+from camtools.identify.spectra import Spectra
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
-from camtools.sim.machines import machine_bytes
 from camtools.table.image import pack
-from camtools.tune.plant_fit import PlantFit, fit_record
+from camtools.tune.parameters import ranges
+from camtools.tune.plant_fit import PlantFit, fit_lines, record_lines
 
 _PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _SIGNALS = ("u_set_q6", "u_actual_nm", "u_force_q6")
-HIGHEST_HZ = 1600.0
+_LEAST_TICKS = 8  # of the highest line: images of the hold move a mass little
+HIGHEST_HZ = 2500.0
 
 
-def fit_machine(machine: str) -> tuple[PlantFit, float]:
-    """Return the constants of U of a machine, and the tick rate [Hz].
+class Measured(NamedTuple):
+    """What an excitation shows."""
+
+    tick_hz: float
+    values: dict[str, int]  # parameters of the loop in force
+    lines: Spectra  # of force [N] and position [nm]
+    fit: PlantFit
+
+
+@contextmanager
+def simulated_u(machine: bytes, name: str) -> Iterator[SimulatedU]:
+    """Give U of a machine file, known to the user by a name."""
+    image = pack(make(load(_PART), _PART).table.table)
+    with tempfile.TemporaryDirectory(prefix="tune.") as folder:
+        yield SimulatedU(Path(folder), machine, name, image)
+
+
+def measure(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Measured:
+    """Excite U and fit its drive.
 
     Parameters
     ----------
-    machine : str
-        name or machine file; its U takes forces
+    u : U
+        takes forces; its loop may be weak
+    name : str
+        of the machine, for errors
+    highest_hz : float
+        [Hz] highest line, at least 50
 
     Raises
     ------
     CamtoolsError
-        The machine is wrong, or its record is of no use.
-    CutShortError
-        The excitation began and did not end.
+        The machine is wrong, U takes positions, or its record is of no use.
+    Refused, CutShortError
+        The controller refuses, or the excitation was cut short.
     """
-    image = pack(make(load(_PART), _PART).table.table)
-    with tempfile.TemporaryDirectory(prefix="tune.") as folder:
-        u = SimulatedU(Path(folder), machine_bytes(machine), machine, image)
-        believed = u.believed()
-        excitation = plan(believed, Wishes(highest_hz=HIGHEST_HZ))
-        _, set_q6, actual_nm, force_q6 = u.played(excitation, _SIGNALS)
+    believed, values = u.believed(), u.values(ranges())
+    if values["servo_crossover_hz"] == 0:
+        problem = "servo_crossover_hz = 0: U takes positions, or its loop is not set"
+        remedy = "use tools/identify, or set a weak loop first (hal/RETROFIT.md)"
+        raise CamtoolsError([f"{name}: {problem}; {remedy}"])
+    outside = plan(believed, Wishes(highest_hz=highest_hz, least_ticks=_LEAST_TICKS))
+    excitation = replace(outside, place_nm=outside.place_nm // 2)  # a weak loop overshoots
+    _, set_q6, actual_nm, force_q6 = u.played(excitation, _SIGNALS)
+    if not force_q6.any():
+        problem = "no force was recorded, so its U takes positions"
+        raise CamtoolsError([f"{name}: {problem}; use tools/identify"])
     signals = (set_q6 / 64e9, force_q6 / 64e3, actual_nm / 1e9)
-    return fit_record(believed.tick_hz, *signals, believed.u_scale_nm), believed.tick_hz
+    lines = record_lines(believed.tick_hz, *signals, believed.u_scale_nm)
+    return Measured(believed.tick_hz, values, lines, fit_lines(lines))

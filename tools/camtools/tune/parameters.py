@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from camtools.base.errors import InputError
 from camtools.link.parameters import INFOS
 from camtools.tune.drive import Drive, read_tree
-from camtools.tune.loop_design import Loop
+from camtools.tune.loop_design import Loop, Plant
 
 PREFIX = "servo_"
 # The firmware's loop has no lag of a position drive.
@@ -147,12 +148,25 @@ def loop_of(values: Mapping[str, int], drive: Drive) -> Loop:
     )  # fmt: skip
 
 
-def text_of(values: Mapping[str, int], drive: Drive, origin: str) -> str:
-    """Return the parameters as a file that `camctl params load` takes.
+def plant_of(values: Mapping[str, int], drive: Drive) -> tuple[Plant, float]:
+    """Return the drive with the mass that parameters are for, and its real mass over that."""
+    mass_kg = values["servo_mass_g"] / 1000
+    return replace(drive.plant, mass_kg=mass_kg), drive.mass_kg / mass_kg
 
-    U is looked up ahead by a tick and the delay of the force (cam_force.h).
+
+def settings_of(values: Mapping[str, int], drive: Drive) -> dict[str, int]:
+    """Return all that is to be set for parameters of the loop: themselves, no lag, the lead.
+
+    U is looked up ahead by a tick and the delay of the force (cam_force.h), which is that of the
+    drive where they have none.
     """
-    lead_ns = round(1e9 / drive.tick_hz) + values["servo_force_delay_ns"]
+    settings, own_ns = dict(values), round(_drive_values(drive)["force_delay_ns"])
+    lead_ns = round(1e9 / drive.tick_hz) + settings.setdefault("servo_force_delay_ns", own_ns)
+    return settings | _NO_LAG | {"lead_ns": lead_ns}
+
+
+def text_of(values: Mapping[str, int], drive: Drive, origin: str) -> str:
+    """Return `settings_of` as a file that `camctl params load` takes."""
     lines = [f"# Position loop of U, {origin}.", "[axis_u]"]
-    settings = dict(values) | _NO_LAG | {"lead_ns": lead_ns}
-    return "\n".join(lines + [f"{name} = {value}" for name, value in settings.items()]) + "\n"
+    lines += [f"{name} = {value}" for name, value in settings_of(values, drive).items()]
+    return "\n".join(lines) + "\n"

@@ -197,7 +197,20 @@ def _fit_at(residual: _Residual, x: Floats, cost: float) -> PlantFit:
 def fit_record(
     tick_hz: float, injected: Floats, force_n: Floats, position_m: Floats, quantum_nm: float = 0.0
 ) -> PlantFit:
-    """Return the constants of a record.
+    """Return the constants of a record; arguments and errors of `record_lines`.
+
+    Raises
+    ------
+    CamtoolsError
+        There are too few lines.
+    """
+    return fit_lines(record_lines(tick_hz, injected, force_n, position_m, quantum_nm))
+
+
+def record_lines(
+    tick_hz: float, injected: Floats, force_n: Floats, position_m: Floats, quantum_nm: float = 0.0
+) -> Spectra:
+    """Return the lines of force [N] and position [nm] of a record.
 
     Parameters
     ----------
@@ -216,7 +229,7 @@ def fit_record(
     Raises
     ------
     CamtoolsError
-        The record is too short, the injected signal does not repeat, or too few lines show.
+        The record is too short, or the injected signal does not repeat.
     """
     grid = Grid(tick_hz, round(tick_hz / LINE_HZ), _HIGHEST * tick_hz)
     n = force_n.size // grid.n_ticks - _DROPPED
@@ -231,4 +244,5 @@ def fit_record(
         raise CamtoolsError([f"record: {problem}; inject a multisine of that period"])
     one = spectra_of(grid, force, position * _NM, quantum_nm)
     power = np.abs(np.fft.rfft(signal.mean(axis=0))[one.bins])
-    return fit_lines(one.only(np.asarray(power > 1e-3 * power.max())))
+    odd = power[one.bins % 2 == 1]  # without the carrier, which is far larger
+    return one.only(np.asarray(power > 1e-3 * odd.max(initial=0.0)))

@@ -26,6 +26,7 @@ from camtools.tune.loop_design import (
     open_loop,
     response_grid,
 )
+from camtools.tune.measured_loop import OpenLoop
 
 _COLOURS = dict(zip(MASSES, (ORANGE, BLUE, RED), strict=True))
 _LOWEST_HZ = 5.0
@@ -81,7 +82,16 @@ def _step(axes: Axes, judged: Judgement) -> None:
     axes.set(xlabel="time, ms", ylabel=f"after a step of {STEP_N:g} N, um")
 
 
-def loop_png(judged: Judgement, title: str) -> bytes:
+def _measured(panels: list[Axes], one: OpenLoop) -> None:
+    """Draw the points of a record over the open loop."""
+    level, phase, nyquist = panels[:3]
+    decibels = 20 * np.log10(np.abs(one.response))
+    level.plot(one.hz, decibels, "k.", ms=3, label="as it is, measured")
+    phase.plot(one.hz, -np.degrees(np.angle(one.response.conj()) % (2 * np.pi)), "k.", ms=3)
+    nyquist.plot(one.response.real, one.response.imag, "k.", ms=3)
+
+
+def loop_png(judged: Judgement, title: str, measured: OpenLoop | None = None) -> bytes:
     """Return the picture as PNG.
 
     Parameters
@@ -89,6 +99,8 @@ def loop_png(judged: Judgement, title: str) -> bytes:
     judged : Judgement
         of a stable loop
     title : str
+    measured : OpenLoop
+        of the loop in force
     """
     hz = response_grid(judged.plant)
     hz = hz[hz >= _LOWEST_HZ]
@@ -98,6 +110,8 @@ def loop_png(judged: Judgement, title: str) -> bytes:
         for mass in MASSES:
             _curves(panels, judged, hz, mass)
         _nyquist(panels[2])
+        if measured is not None:
+            _measured(panels, measured)
         _step(panels[4], judged)
         names = ("open loop, dB", "open loop, degrees", "", "sensitivity, dB", "")
         for axes, name in zip(panels, (*names, "dynamic stiffness, N/um"), strict=True):
