@@ -101,6 +101,7 @@ typedef struct {
     bool is_filtering; ///< the jerk filters of X and Z ran in the last plan; otherwise they
                        ///< restart where the axes are
     cam_jerk_filter_t filter[hal_n_axes]; ///< motions by time: of U per tick, of X and Z per plan
+    int32_t u_press_q6; ///< [mN / 64] largest force of U until it is homed by its stop; 0: no limit
 } cam_motion_t;
 
 /// Requests of play to the machine; the guard replaces those it does not accept.

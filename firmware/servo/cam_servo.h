@@ -95,6 +95,7 @@ typedef struct {
     int64_t second_q36; ///< [mN / 2^36] and for the one after it
     int32_t force_q6;   ///< [mN / 64] of the last step
     int64_t heat_q54;   ///< of the thermal model; the continuous force tends to 1
+    int32_t most_q6;    ///< [mN / 64] limit besides limit_q6, set by the caller; 0: none
     bool is_limited;    ///< a limit cut the force of the last step
     bool is_hot;        ///< the force is limited to the continuous one
 } cam_servo_t;
