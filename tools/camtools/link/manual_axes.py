@@ -27,8 +27,8 @@ END_TEXTS = {
     "silent": "the controller heard nothing from here for 250 ms; is the bus too busy?",
     "limit": "at the limit of its travel",
     "no_switch": "no home switch or stop within the travel of the search",
-    "no_release": "the home switch stays active, or U does not leave its stop, within the travel of "
-    "the search",
+    "no_release": "the home switch stays active within the travel of the search, or U does not "
+    "leave its stop",
     "no_index": "no index after the switch within the travel of the search",
     "no_stroke": "at this home, U would be outside its stroke; set u_home_nm to "
     "the position of U there",
