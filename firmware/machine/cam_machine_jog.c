@@ -165,11 +165,11 @@ static int32_t press_q6(const cam_params_t *p)
 }
 
 /// @return [plans] in 20 ms, at least 1
-static uint32_t still_plans(const cam_machine_t *m)
+static uint16_t still_plans(const cam_machine_t *m)
 {
     const uint32_t plan_ticks = (uint32_t)cam_machine_newest_config(m)->play.plan_ticks;
     const uint32_t n = m->tick_hz / (50u * plan_ticks);
-    return n > 0u ? n : 1u;
+    return (uint16_t)(n > 0u ? n : 1u);
 }
 
 cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)

@@ -116,13 +116,13 @@ typedef struct {
     hal_axis_t axis;
     int32_t sense;             ///< +1, -1: of a jog, and of the search for the switch
     bool has_index;            ///< homing goes on to the index
+    uint16_t still_plans;      ///< [plans] for which U stands at a stop under that force
     int32_t speed_q10;         ///< of jog, step and search
     int32_t slow_q10;          ///< off the switch, and to the index
     int64_t low_q10, high_q10; ///< travel, that of homing is wider
     int64_t distance_q10;      ///< of a step, signed; homing: travel allowed for each phase
     int32_t home_nm;           ///< [nm] U at its home
-    int32_t press_q6;     ///< [mN / 64] homing of U by a stop: its largest force; 0: by a switch
-    uint32_t still_plans; ///< [plans] for which U stands at a stop under that force
+    int32_t press_q6; ///< [mN / 64] homing of U by a stop: its largest force; 0: by a switch
 } cam_jog_order_t;
 
 /// Configuration of the state manual.

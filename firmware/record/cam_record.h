@@ -88,6 +88,7 @@ typedef struct {
     uint32_t dwell_ticks;    ///< [ticks] left of U's rest after enable
     int64_t u_target_q10;    ///< [nm / 1024] target of U while it does not follow the table
     int32_t u_speed_q10;     ///< [nm / 1024 per tick] manual: speed limit of U, 0: it brakes
+    int32_t u_press_q6;      ///< [mN / 64] limit of U's force until homed by its stop; 0: none
     int64_t x_left_q10;      ///< [nm / 1024] X in the tick of the fault
     int64_t height_q32;      ///< [slices] U's height on the table
     int32_t height_step_q32; ///< per tick
@@ -101,7 +102,6 @@ typedef struct {
     bool is_filtering; ///< the jerk filters of X and Z ran in the last plan; otherwise they
                        ///< restart where the axes are
     cam_jerk_filter_t filter[hal_n_axes]; ///< motions by time: of U per tick, of X and Z per plan
-    int32_t u_press_q6; ///< [mN / 64] largest force of U until it is homed by its stop; 0: no limit
 } cam_motion_t;
 
 /// Requests of play to the machine; the guard replaces those it does not accept.
