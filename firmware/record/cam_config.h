@@ -122,7 +122,7 @@ typedef struct {
     int64_t low_q10, high_q10; ///< travel, that of homing is wider
     int64_t distance_q10;      ///< of a step, signed; homing: travel allowed for each phase
     int32_t home_nm;           ///< [nm] U at its home
-    int32_t press_q6; ///< [mN / 64] homing of U by a stop: its largest force; 0: by a switch
+    int32_t press_q6;          ///< [mN / 64] limit of U's force to home by a stop; 0: by a switch
 } cam_jog_order_t;
 
 /// Configuration of the state manual.
