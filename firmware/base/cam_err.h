@@ -81,7 +81,7 @@
     X(hand_speed,            -72, "the speed exceeds the axis's jog speed") \
     X(travel,                -73, "an axis would leave its travel") \
     X(hand_moves,            -74, "an axis is being jogged or homed") \
-    X(home_none,             -75, "no homing method is set for the axis") \
+    X(home_none,             -75, "the axis has no homing method, or one that its drive cannot do") \
     X(not_homed,             -76, "an axis is not homed") \
     /* Changes while a part is cut (cam_machine.h) */ \
     X(override_measured,     -79, "Z is measured, not geared: there is no feed to hold or to override") \

@@ -157,6 +157,21 @@ cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
     return (cam_verdict_t){give_order(m, &status, &order), nm};
 }
 
+/// @return [mN / 64] force with which U searches its stop
+static int32_t press_q6(const cam_params_t *p)
+{
+    const bool is_small = p->u_home_force_mn < p->servo_force_limit_mn;
+    return 64 * (is_small ? p->u_home_force_mn : p->servo_force_limit_mn);
+}
+
+/// @return [plans] in 20 ms, at least 1
+static uint16_t still_plans(const cam_machine_t *m)
+{
+    const uint32_t plan_ticks = (uint32_t)cam_machine_newest_config(m)->play.plan_ticks;
+    const uint32_t n = m->tick_hz / (50u * plan_ticks);
+    return (uint16_t)(n > 0u ? n : 1u);
+}
+
 cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -164,9 +179,10 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     if (err != cam_ok) {
         return err;
     }
-    enum { none, here, by_switch, by_index };
+    enum { none, here, by_switch, by_index, by_stop, by_stop_index };
     const cam_offsets_axis_t a = cam_offsets_axis(&m->params, axis);
-    if (a.method == none) {
+    const bool has_stop = a.method == by_stop || a.method == by_stop_index;
+    if (a.method == none || (has_stop && hal_force().quantum_un == 0u)) {
         return cam_err_home_none;
     }
     const cam_jog_config_t *jog = &cam_machine_newest_config(m)->play.jog;
@@ -177,13 +193,15 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
         .begin = a.method == here ? cam_jog_here : cam_jog_search,
         .axis = axis,
         .sense = a.sense,
-        .has_index = a.method == by_index,
+        .has_index = a.method == by_index || a.method == by_stop_index,
         .speed_q10 = order_speed_q10(m, a.search_um_per_s, most_q10),
         .slow_q10 = order_speed_q10(m, a.slow_um_per_s, most_q10),
         .low_q10 = -end_q10,
         .high_q10 = end_q10,
         .distance_q10 = (int64_t)a.way_nm * 1024,
         .home_nm = a.home_nm,
+        .press_q6 = has_stop ? press_q6(&m->params) : 0,
+        .still_plans = still_plans(m),
     };
     err = give_order(m, &status, &order);
     const bool is_search = axis == hal_axis_u && order.begin == cam_jog_search;

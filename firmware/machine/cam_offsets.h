@@ -24,7 +24,8 @@ typedef struct {
 
 /// Parameters of an axis. Fields that do not apply to U are 0.
 typedef struct {
-    int32_t method; ///< of homing; 0: none needed, 1: as it stands, 2: switch, 3: switch and index
+    int32_t method; ///< of homing; 0: none needed, 1: as it stands, 2: switch, 3: switch and index,
+                    ///< 4: stop, 5: stop and index
     int32_t sense;
     int32_t search_um_per_s, slow_um_per_s;
     int32_t home_nm;           ///< [nm] machine coordinate

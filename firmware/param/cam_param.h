@@ -94,10 +94,10 @@
     X(z_low_nm,             -2000000000,          0, 2000000000, "lower limit of Z's travel, in machine coordinates; low = high: none") \
     X(z_high_nm,            -2000000000,          0, 2000000000, "upper limit of it") \
     X(homing_required,                0,          0,          1, "1: enable and start require every axis with a homing method to be homed") \
-    X(u_home,                         0,          0,          3, "homing of U: 0 none, its position is known; 1 at its present position; 2 switch; 3 switch and index") \
-    X(u_home_sense,                  -1,          1,          1, "direction in which U searches its switch, 1: its position rises; 0 is refused") \
+    X(u_home,                         0,          0,          5, "homing of U: 0 none, its position is known; 1 at its present position; 2 switch; 3 switch and index; of a U that takes forces: 4 stop; 5 stop and index") \
+    X(u_home_sense,                  -1,          1,          1, "direction in which U searches its switch or stop, 1: its position rises; 0 is refused") \
     X(u_home_um_per_s,                1,       1000,    1000000, "speed of that search") \
-    X(u_home_slow_um_per_s,           1,        100,    1000000, "... off the switch and to the index") \
+    X(u_home_slow_um_per_s,           1,        100,    1000000, "... off the switch or stop and to the index") \
     X(u_home_nm,              -15000000,          0,   15000000, "U at its home") \
     X(x_home,                         0,          0,          3, "homing of X, as that of U") \
     X(x_home_sense,                  -1,          1,          1, "direction in which X searches its switch, 1: away from the axis; 0 is refused") \
@@ -149,7 +149,8 @@
     X(servo_continuous_mn,          200,     300000,    4000000, "force allowed for ever") \
     X(servo_thermal_ms,             100,      20000,     200000, "thermal time constant of the motor: I2t") \
     X(servo_limited_ms,               1,         20,      10000, "the force at its limit is a fault after this time") \
-    X(servo_runaway_nm,               0,          0,   10000000, "accepted deviation of U from the motion that its force causes; 0: what an unknown force of half its limit makes, at most 50 um")
+    X(servo_runaway_nm,               0,          0,   10000000, "accepted deviation of U from the motion that its force causes; 0: what an unknown force of half its limit makes, at most 50 um") \
+    X(u_home_force_mn,              100,      20000,     200000, "largest force while U is homed by its stop; more than friction and flexures there")
 
 /// Parameters that an operator sets for a part. All others, new ones included, are limits and
 /// constants of the machine, which change in the unlocked level only (cam_rights.h).

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_jog.h"
 #include "cam_plan_move.h" // cam_plan_move_share
-#include "cam_fix.h"       // cam_clamp_i64, cam_wrap_diff
+#include "cam_fix.h"       // cam_clamp_i64, cam_is_within, cam_wrap_diff, ..
 
 static void end_order(cam_jog_t *h, cam_jog_end_t how)
 {
@@ -42,12 +42,19 @@ static void begin_phase(cam_jog_t *h, const cam_jog_order_t *o, cam_jog_phase_t 
 /// [nm] limit of a shift of U's origin: the range of set-points in nm / 64.
 enum { most_shift_nm = 1 << 25 };
 
+enum {
+    still_nm = 1000, ///< a U that moves by no more stands
+    left_nm = 10000, ///< way back from a stop by which it is left
+};
+
 /// The home is found. @return [nm] shift of U's position
 static int32_t take_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
-                         const cam_motion_t *m)
+                         cam_motion_t *m)
 {
     const hal_axis_t axis = h->axis;
-    const int32_t at_nm = r->in.actual_nm[axis];
+    const int32_t at_nm = h->phase == cam_jog_release && cfg->order.press_q6 != 0
+                              ? h->stood_nm
+                              : r->in.actual_nm[axis];
     const int64_t shift_nm = axis == hal_axis_u ? (int64_t)cfg->order.home_nm - at_nm : 0;
     const int64_t u_q10 = cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, shift_nm * 1024);
     const bool is_in_stroke =
@@ -59,31 +66,55 @@ static int32_t take_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_ti
     h->homed |= UINT32_C(1) << (uint32_t)axis;
     h->n_found++;
     h->found_nm[axis] = at_nm;
+    m->u_press_q6 = axis == hal_axis_u ? 0 : m->u_press_q6;
     end_order(h, cam_jog_done);
     return (int32_t)shift_nm;
 }
 
-/// Begin the search or, on the switch, the release. U's position becomes an end of its stroke, so
-/// its whole stroke is ahead of it. @return [nm] shift of U's position
-static int32_t begin_homing(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
-                            const cam_motion_t *m)
+/// Begin a phase of homing. U's position becomes another one, for stroke ahead of it.
+/// @param u_q10  [nm / 1024] that position
+/// @return       [nm] shift of U's position
+static int32_t begin_from(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_motion_t *m,
+                          cam_jog_phase_t phase, int64_t u_q10)
 {
     const cam_jog_order_t *o = &cfg->order;
-    const bool is_on = is_input_on(r, o->axis, hal_in_home_u);
     int64_t from_q10 = m->axis[o->axis].pos_q10;
     int64_t shift_nm = 0;
-    h->homed &= ~(UINT32_C(1) << (uint32_t)o->axis);
     if (o->axis == hal_axis_u) {
-        const int64_t end_q10 = (is_on ? o->sense : -o->sense) * cfg->u_end_q10;
-        shift_nm = cam_wrap_sub_i64(end_q10, from_q10) / 1024;
+        shift_nm = cam_wrap_sub_i64(u_q10, from_q10) / 1024;
         from_q10 = cam_wrap_add_i64(from_q10, shift_nm * 1024);
         if (shift_nm <= -most_shift_nm || shift_nm >= most_shift_nm) {
             end_order(h, cam_jog_no_stroke);
             return 0;
         }
     }
-    begin_phase(h, o, is_on ? cam_jog_release : cam_jog_search, from_q10);
+    begin_phase(h, o, phase, from_q10);
     return (int32_t)shift_nm;
+}
+
+/// Forget the home and begin the search or, on the switch, the release, with U at an end of its
+/// stroke. @return [nm] shift of U's position
+static int32_t begin_homing(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
+                            cam_motion_t *m)
+{
+    const cam_jog_order_t *o = &cfg->order;
+    h->homed &= ~(UINT32_C(1) << (uint32_t)o->axis);
+    h->n_still = 0;
+    m->u_press_q6 = o->axis == hal_axis_u ? o->press_q6 : m->u_press_q6;
+    return o->press_q6 == 0 && is_input_on(r, o->axis, hal_in_home_u)
+               ? begin_from(h, cfg, m, cam_jog_release, o->sense * cfg->u_end_q10)
+               : begin_from(h, cfg, m, cam_jog_search, -o->sense * cfg->u_end_q10);
+}
+
+/// Begin the release from the stop. The set-point, which is still moving, needs room to brake.
+/// @return [nm] shift of U's position
+static int32_t leave_stop(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
+                          const cam_motion_t *m)
+{
+    const int64_t u_q10 = cfg->order.sense * cfg->u_end_q10 / 2;
+    const int32_t shift_nm = begin_from(h, cfg, m, cam_jog_release, u_q10);
+    h->stood_nm = cam_wrap_add(r->in.actual_nm[hal_axis_u], shift_nm);
+    return shift_nm;
 }
 
 /// @return [nm / 1024] end of a jog or step: within the travel, or no farther out than now. Passing
@@ -102,7 +133,7 @@ static int64_t travel_q10(const cam_jog_config_t *cfg, int64_t pos_q10)
 
 /// Begin the order of the configuration. @return [nm] shift of U's position
 static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
-                           const cam_motion_t *m)
+                           cam_motion_t *m)
 {
     const cam_jog_order_t *o = &cfg->order;
     const bool was_running = h->phase != cam_jog_rest;
@@ -128,16 +159,55 @@ static int32_t begin_order(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_
     return 0;
 }
 
-/// Check whether homing has found its switch or index. @return [nm] shift of U's position
+/// @return whether U has stood under its largest force for long enough
+static bool has_met_stop(cam_jog_t *h, const cam_jog_order_t *o, const cam_tick_record_t *r)
+{
+    const int32_t at_nm = r->in.actual_nm[hal_axis_u];
+    const bool is_pressing = o->sense * r->force_q6 >= o->press_q6;
+    if (is_pressing && cam_is_within(cam_wrap_sub(at_nm, h->stood_nm), still_nm)) {
+        h->n_still++;
+    } else {
+        h->n_still = 0;
+        h->stood_nm = at_nm;
+    }
+    return h->n_still >= o->still_plans;
+}
+
+/// @return whether U has come back from its stop, into its stroke where the stop is the home
+static bool has_left_stop(const cam_jog_t *h, const cam_jog_config_t *cfg,
+                          const cam_tick_record_t *r, const cam_motion_t *m)
+{
+    const cam_jog_order_t *o = &cfg->order;
+    const int32_t back_nm = cam_wrap_sub(h->stood_nm, r->in.actual_nm[hal_axis_u]);
+    const int64_t u_q10 =
+        cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, ((int64_t)o->home_nm - h->stood_nm) * 1024);
+    return o->sense * back_nm >= left_nm && (o->has_index || o->sense * u_q10 <= cfg->u_end_q10);
+}
+
+/// @return whether the axis is on the switch, or U at the stop, that the order searches
+static bool is_on_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
+                       const cam_motion_t *m)
+{
+    if (cfg->order.press_q6 == 0) {
+        return is_input_on(r, h->axis, hal_in_home_u);
+    }
+    return h->phase == cam_jog_search ? has_met_stop(h, &cfg->order, r)
+                                      : !has_left_stop(h, cfg, r, m);
+}
+
+/// Check whether homing has found its switch, stop or index. @return [nm] shift of U's position
 static int32_t look_for_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
-                             const cam_motion_t *m)
+                             cam_motion_t *m)
 {
     const cam_jog_order_t *o = &cfg->order;
     const cam_axis_motion_t *axis = &m->axis[h->axis];
-    const bool is_on = is_input_on(r, h->axis, hal_in_home_u);
+    const bool is_on = is_on_home(h, cfg, r, m);
     // No longer braking towards the switch, but moving back from it.
     const bool is_back = o->sense > 0 ? axis->vel_q10 < 0 : axis->vel_q10 > 0;
     if (h->phase == cam_jog_search && is_on) {
+        if (o->press_q6 != 0) {
+            return leave_stop(h, cfg, r, m);
+        }
         begin_phase(h, o, cam_jog_release, axis->pos_q10);
     } else if (h->phase == cam_jog_release && !is_on && is_back) {
         if (!o->has_index) {

@@ -14,6 +14,11 @@
 /// If the axis is already on the switch, homing begins with release. A phase that finds nothing
 /// within the travel of the order ends it without a home. U, whose travel is its stroke: the search
 /// first sets U's position to an end of its stroke, and the home finally sets it to its value.
+///
+/// A U that takes forces may have a stop instead of a switch, MATHS.md (173). It is found when the
+/// force is at the limit of the order and U has stood within 1 um for 20 ms; there is the home. U
+/// has left it when it is 10 um back and within its stroke. The force stays limited until the home
+/// is found or the drives are disabled: when the order ends before, U may press on its stop.
 #ifndef CAM_JOG_H
 #define CAM_JOG_H
 
@@ -29,6 +34,8 @@ typedef struct {
     cam_jog_end_t end; ///< of that order
     hal_axis_t axis;
     int64_t target_q10;           ///< [nm / 1024] where the phase ends
+    int32_t stood_nm;             ///< [nm] U at its stop, or when it last moved
+    uint32_t n_still;             ///< [plans] for which it has stood there since
     uint32_t homed;               ///< bit of an axis: its home is known
     uint32_t n_found;             ///< homes found since start
     int32_t found_nm[hal_n_axes]; ///< [nm] port position of the axis at its home

@@ -85,8 +85,8 @@ typedef enum {
     cam_jog_jog,     ///< the axis moves until the order expires
     cam_jog_step,    ///< ... by a distance
     cam_jog_here,    ///< homing: the present position is the home
-    cam_jog_search,  ///< homing: towards the switch
-    cam_jog_release, ///< homing: back, off the switch
+    cam_jog_search,  ///< homing: towards the switch or stop
+    cam_jog_release, ///< homing: back, off the switch or stop
     cam_jog_index,   ///< homing: on to the index
     cam_jog_n_phases
 } cam_jog_phase_t;
@@ -99,8 +99,8 @@ typedef enum {
     cam_jog_stopped,    ///< cut short by stop, disable or a fault
     cam_jog_silent,     ///< cut short because the commanding node went silent
     cam_jog_limit,      ///< the axis reached the limit of its travel
-    cam_jog_no_switch,  ///< no switch within the travel of the search
-    cam_jog_no_release, ///< the switch stayed active over that travel
+    cam_jog_no_switch,  ///< no switch or stop within the travel of the search
+    cam_jog_no_release, ///< over that travel the switch stayed active, or U did not leave its stop
     cam_jog_no_index,   ///< no index within that travel
     cam_jog_no_stroke,  ///< with the home found, U would be outside its stroke
     cam_jog_n_ends
@@ -116,11 +116,13 @@ typedef struct {
     hal_axis_t axis;
     int32_t sense;             ///< +1, -1: of a jog, and of the search for the switch
     bool has_index;            ///< homing goes on to the index
+    uint16_t still_plans;      ///< [plans] for which U stands at a stop under that force
     int32_t speed_q10;         ///< of jog, step and search
     int32_t slow_q10;          ///< off the switch, and to the index
     int64_t low_q10, high_q10; ///< travel, that of homing is wider
     int64_t distance_q10;      ///< of a step, signed; homing: travel allowed for each phase
     int32_t home_nm;           ///< [nm] U at its home
+    int32_t press_q6;          ///< [mN / 64] limit of U's force to home by a stop; 0: by a switch
 } cam_jog_order_t;
 
 /// Configuration of the state manual.

@@ -90,6 +90,7 @@ typedef struct {
     int32_t u_speed_q10;     ///< [nm / 1024 per tick] manual: speed limit of U, 0: it brakes
     int32_t u_push_q6;       ///< [mN / 64] identifying, by a wave of force: what the wave adds to
                              ///< the force of U in the next tick
+    int32_t u_press_q6;      ///< [mN / 64] limit of U's force until homed by its stop; 0: none
     int64_t x_left_q10;      ///< [nm / 1024] X in the tick of the fault
     int64_t height_q32;      ///< [slices] U's height on the table
     int32_t height_step_q32; ///< per tick

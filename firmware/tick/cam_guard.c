@@ -86,7 +86,7 @@ static uint32_t standing_encoder(cam_guard_t *g, uint32_t watched, bool is_still
 /// @param watched  faults that are armed
 /// @return         all faults of a tick, whether armed or not
 static uint32_t faults_of(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
-                          uint32_t watched, bool is_playing, int32_t step_q6)
+                          const cam_motion_t *m, uint32_t watched, int32_t step_q6)
 {
     const cam_sense_t *in = &r->in;
     const cam_angle_t *angle = &r->angle;
@@ -95,7 +95,8 @@ static uint32_t faults_of(cam_guard_t *g, const cam_guard_config_t *cfg, const c
     faults |= standing_encoder(g, watched, angle->is_still);
     const int32_t off_nm = in->actual_nm[hal_axis_u] - (want->u_due_q6 >> 6);
     if (!cam_is_within(off_nm, cfg->following_nm)) {
-        if (is_playing || !cam_is_within(off_nm, cfg->approach_nm)) {
+        const bool is_pressing = m->u_press_q6 != 0; // on its stop, with limited force
+        if (m->is_playing || (!cam_is_within(off_nm, cfg->approach_nm) && !is_pressing)) {
             faults |= CAM_FAULT_BIT(following_error);
         }
     }
@@ -205,7 +206,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_
         return;
     }
     const int32_t step_q6 = cam_sat_sub(want->u_set_q6, g->u_set_q6);
-    const uint32_t faults = faults_of(g, cfg, r, watched, m->is_playing, step_q6) & watched;
+    const uint32_t faults = faults_of(g, cfg, r, m, watched, step_q6) & watched;
     if (faults != 0u) {
         latch(g, cfg, r, m, faults);
         return;

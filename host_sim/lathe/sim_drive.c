@@ -18,6 +18,7 @@ sim_drive_config_t sim_drive_u_defaults(void)
         .force_limit_n = 600.0,
         .amplifier_hz = 2000.0,
         .force_quantum_n = 0.02,
+        .stop_n_per_um = 10.0,
     };
 }
 
@@ -128,6 +129,8 @@ static sim_friction_law_t law_of(const sim_drive_t *d, const sim_drive_config_t 
         law.drag_per_s = config->viscous_n_s_per_m / config->mass_kg;
         law.acceleration_micro_per_s2 = INFINITY;
         law.lag_per_s = SIM_TWO_PI * config->amplifier_hz;
+        law.stop_micro = config->stop_units * SIM_MICRO;
+        law.stop_per_s2 = config->stop_n_per_um * 1e6 / config->mass_kg;
     }
     law.longest_s = sim_friction_longest_s(&law);
     return law;

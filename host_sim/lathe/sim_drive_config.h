@@ -30,6 +30,8 @@ typedef struct {
     double force_limit_n;
     double force_quantum_n; ///< step of the amplifier's input
     double amplifier_hz;    ///< corner of the current loop
+    double stop_units;      ///< stops at this distance from 0, either side; 0: none
+    double stop_n_per_um;   ///< their stiffness
     uint32_t kind;          ///< sim_drive_kind_t
     uint32_t reserved;      ///< 0
 } sim_drive_config_t;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_friction.h"
 #include "sim_units.h" // sim_abs, sim_clamp
-#include <math.h>      // ceil, exp, sqrt
+#include <math.h>      // ceil, exp, fmax, sqrt
 #include <stdbool.h>   // bool
 
 enum { least_sub_steps = 4, most_reversals = 4, halvings = 40 };
 
 double sim_friction_longest_s(const sim_friction_law_t *law)
 {
-    const double fastest_per_s = law->drag_per_s + law->lag_per_s +
-                                 sqrt(law->stiffness_per_s2); // above every pole's magnitude
+    const double stop_per_s = law->stop_micro > 0.0 ? 2.0 * sqrt(law->stop_per_s2) : 0.0;
+    const double fastest_per_s = law->drag_per_s + law->lag_per_s + sqrt(law->stiffness_per_s2) +
+                                 stop_per_s; // above every pole's magnitude
     return fastest_per_s > 0.0 ? 0.25 / fastest_per_s : 1.0;
 }
 
@@ -19,13 +20,25 @@ typedef struct {
     double input, disturb;
 } act_t;
 
+/// @return acceleration by the stops, which push and never pull
+static double by_stop(const sim_friction_law_t *law, const sim_friction_state_t *s)
+{
+    const double beyond = sim_abs(s->pos_micro) - law->stop_micro;
+    if (law->stop_micro <= 0.0 || beyond <= 0.0) {
+        return 0.0;
+    }
+    const double sign = s->pos_micro > 0.0 ? 1.0 : -1.0;
+    const double damping = sqrt(law->stop_per_s2) * sign * s->vel_micro_per_s;
+    return -sign * fmax(0.0, law->stop_per_s2 * beyond + damping);
+}
+
 static double acceleration(const act_t *a, const sim_friction_state_t *s)
 {
     const sim_friction_law_t *law = a->law;
     const double wanted = s->push_micro_per_s2 - law->stiffness_per_s2 * s->pos_micro -
                           law->drag_per_s * s->vel_micro_per_s;
     const double limit = law->acceleration_micro_per_s2;
-    return sim_clamp(wanted, -limit, limit) + a->disturb;
+    return sim_clamp(wanted, -limit, limit) + a->disturb + by_stop(law, s);
 }
 
 static sim_friction_state_t rate(const act_t *a, const sim_friction_state_t *s, double friction)

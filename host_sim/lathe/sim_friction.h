@@ -11,6 +11,8 @@
 /// as in Armstrong-Helouvry, Dupont, Canudas de Wit, "A survey of models, analysis tools and
 /// compensation methods for the control of machines with friction", Automatica 30(7), 1994.
 ///
+/// Beyond a stop, its spring and a damper of half the critical damping push the slide back.
+///
 /// The sign function is not regularised: a reversal is located to 2^-40 of a sub-step. The slide
 /// rests there and moves again only when the push exceeds the friction, so sticking is true rest.
 ///
@@ -32,6 +34,8 @@ typedef struct {
     double speed_micro_per_s;         ///< limit of |v|, > 0
     double friction_micro_per_s2;     ///< f
     double lag_per_s;                 ///< 1 / tau, 0: none
+    double stop_micro;                ///< stops at this distance from 0, either side; 0: none
+    double stop_per_s2;               ///< their stiffness per mass, > 0
     double longest_s;                 ///< longest sub-step, see sim_friction_longest_s()
 } sim_friction_law_t;
 

@@ -76,6 +76,8 @@ static const common_setting_t fields[] = {
     REAL("u", "force_limit_n", drive[hal_axis_u].force_limit_n, 0.1, 1e6),
     REAL("u", "force_quantum_n", drive[hal_axis_u].force_quantum_n, 1e-6, 1000.0),
     REAL("u", "amplifier_hz", drive[hal_axis_u].amplifier_hz, 10.0, 100000.0),
+    REAL("u", "stop_mm", drive[hal_axis_u].stop_units, 0.0, 100.0),
+    REAL("u", "stop_n_per_um", drive[hal_axis_u].stop_n_per_um, 0.001, 1000.0),
     MODE("mode", 0),
     MODE("mode_2", 1),
     REAL("u", "scale_latency_us", scale.latency_us, 0.0, 1000.0),

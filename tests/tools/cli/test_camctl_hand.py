@@ -99,7 +99,7 @@ def test_a_home_that_is_not_found_says_why(
     assert "home axis: refused: home none; set u_home" in refusal(bench, 1, "home z")
     bench.do("set", "z_home", "2")
     bench.do("set", "z_home_travel_nm", "2000000")
-    assert "home z: no home switch within the travel" in refusal(bench, 1, "home z")
+    assert "home z: no home switch or stop within the travel" in refusal(bench, 1, "home z")
     assert not places(bench)["z"][2]
 
 

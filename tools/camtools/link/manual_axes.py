@@ -2,7 +2,7 @@
 """Axes of a controller by hand: an order, the signs of life that it needs, and what came of it.
 
 >>> AXES["x"], END_TEXTS["no_switch"]
-(1, 'no home switch within the travel of the search')
+(1, 'no home switch or stop within the travel of the search')
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ END_TEXTS = {
     "stopped": "stopped by another command or a fault",
     "silent": "the controller heard nothing from here for 250 ms; is the bus too busy?",
     "limit": "at the limit of its travel",
-    "no_switch": "no home switch within the travel of the search",
-    "no_release": "the home switch stays active within the travel of the search",
+    "no_switch": "no home switch or stop within the travel of the search",
+    "no_release": "the home switch stays active within the travel of the search, or U does not "
+    "leave its stop",
     "no_index": "no index after the switch within the travel of the search",
     "no_stroke": "at this home, U would be outside its stroke; set u_home_nm to "
     "the position of U there",

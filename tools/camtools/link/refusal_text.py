@@ -42,7 +42,8 @@ REMEDIES = {
     "u_retract": "set u_retract_nm nearer to 0, or to its default, which fits every stroke",
     "hand_axis": "give u, x or z; a measured z is moved by another controller",
     "hand_moves": "wait until the axis has stopped, or stop it",
-    "home_none": "set u_home, x_home or z_home: 1 present position, 2 switch, 3 switch and index",
+    "home_none": "set u_home, x_home or z_home: 1 present position, 2 switch, 3 switch and index; "
+    "only a U that takes forces: 4 stop, 5 stop and index",
     "not_homed": "in manual, home every axis that has a homing method: home u, home x, home z",
     "travel": "check x_low_nm, x_high_nm, z_low_nm, z_high_nm, the datum and the tool",
     "servo_none": "design the loop with tools/tune, and load the parameters that it proposes",

@@ -91,6 +91,19 @@ static void test_manual_is_refused_for_what_enable_is(void)
     TEST_ASSERT_EQUAL_INT(cam_err_u_place, cam_machine_manual(machine()));
 }
 
+/// A drive that takes positions would press with all its force.
+static void test_stop_is_searched_by_a_limited_force_only(void)
+{
+    for (int32_t method = 4; method <= 5; method++) {
+        setUp();
+        set(cam_param_u_home, method);
+        to_manual();
+        TEST_ASSERT_EQUAL_INT(cam_err_home_none, cam_machine_home_axis(machine(), hal_axis_u));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range,
+                          cam_machine_set_param(machine(), cam_param_x_home, 4));
+}
+
 static void test_manual_needs_no_table(void)
 {
     cam_machine_init(machine(), &g_cam, 20000, hal_clock_hz());

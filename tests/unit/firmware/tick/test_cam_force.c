@@ -262,6 +262,27 @@ static void test_force_at_its_limit_for_too_long_is_a_fault(void)
     TEST_ASSERT_UINT32_WITHIN(25, 401, n); // 20 ms
 }
 
+/// With 10 um a reading that stands under 13 N would be that of a frozen scale.
+static void test_u_at_its_stop_presses_with_limited_force_and_is_no_fault(void)
+{
+    enum { press_q6 = 20000 * 64 };
+    configure(cam_param_servo_runaway_nm, 10000);
+    force.servo.most_q6 = press_q6;
+    m.u_press_q6 = press_q6;
+    m.state = cam_state_manual;
+    let_settle();
+    is_blocked = true;
+    pos_nm = -300000.0;
+    TEST_ASSERT_EQUAL_UINT32(2001, until_fault(0, 2000));
+    TEST_ASSERT_EQUAL_INT32(press_q6, r.force_q6);
+    pos_nm = 300000.0; // the integral has not wound up
+    TEST_ASSERT_EQUAL_UINT32(11, until_fault(0, 10));
+    TEST_ASSERT_EQUAL_INT32(-press_q6, r.force_q6);
+    m.axis[hal_axis_u].vel_q10 = 100;
+    r.in.inputs = hal_in_limit_u_high;
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_travel), tick(0));
+}
+
 static void test_shift_of_the_origin_is_no_motion(void)
 {
     let_settle();

@@ -197,6 +197,19 @@ static void test_following_error_out_of_the_cut_has_a_limit_of_its_own(void)
     }
 }
 
+/// A U that presses on its stop is far from its set-point, and its force is limited.
+static void test_following_error_at_the_stop_is_accepted_in_manual_only(void)
+{
+    for (int i = 0; i < 3; i++) {
+        begin(i < 2 ? cam_state_manual : cam_state_cutting);
+        motion.is_playing = i == 2;
+        motion.u_press_q6 = i == 0 ? 0 : 20000 * 64;
+        in.actual_nm[hal_axis_u] = 10000000;
+        (void)tick();
+        TEST_ASSERT_EQUAL_HEX32(i == 1 ? 0u : CAM_FAULT_BIT(following_error), guard.faults);
+    }
+}
+
 /// A spindle may stand when the work begins; once its encoder has advanced, it must not stand.
 static void test_encoder_that_stands_ends_the_work_where_it_has_advanced(void)
 {

@@ -65,3 +65,26 @@ static void test_disabled_drive_ignores_the_force_and_brakes(void)
     }
     TEST_ASSERT_TRUE(drive.vel_micro_per_s == 0.0);
 }
+
+/// 30 N compress a stop of 10 N/um by 3 um; a push back leaves it at once.
+static void test_stop_holds_the_mass_and_lets_it_go(void)
+{
+    config.stop_units = 0.1;
+    for (int side = -1; side <= 1; side += 2) {
+        sim_drive_init(&drive, &config, 0.0, STEP_S);
+        sim_drive_push(&drive, side * 30.0);
+        double most_micro = 0.0;
+        for (int i = 0; i < 4000; i++) {
+            sim_drive_step(&drive, 0, true);
+            most_micro = fmax(most_micro, fabs(drive.pos_micro));
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, side * 103e3, drive.pos_micro);
+        TEST_ASSERT_TRUE(most_micro < 130e3); // 63 mm/s, at 2600 rad/s
+        sim_drive_push(&drive, side * -30.0);
+        for (int i = 0; i < 100; i++) {
+            sim_drive_step(&drive, 0, true);
+        }
+        const double freed_nm = travel_nm(30.0, 100 * STEP_S);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2 * freed_nm, 103e3 - freed_nm, side * drive.pos_micro);
+    }
+}

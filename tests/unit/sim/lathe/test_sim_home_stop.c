@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulated U that takes forces, between two stops, homed by one of them.
+#include "cam_machine_jog.h"
+#include "hal_host.h"
+#include "sim_controller.h"
+#include "sim_port.h"
+#include "unity.h"
+#include <math.h>   // fabs, fmax
+#include <stddef.h> // NULL
+#include <stdlib.h> // labs
+
+enum { force_mn = 20000, quantum_mn = 20 };
+
+static sim_port_t port;
+static cam_machine_t machine;
+static sim_lathe_config_t config;
+static cam_params_t params;
+static int32_t most_q6; ///< largest force written
+static double most_mm;  ///< U was farthest from 0 there
+
+static void derive(void)
+{
+    common_error_t e;
+    static const sim_wishes_t none;
+    TEST_ASSERT_TRUE(sim_controller_params(&params, &config, false, &none, &e));
+    params.u_home = 4;
+    params.u_home_nm = 650000;
+    params.u_home_force_mn = force_mn;
+}
+
+void setUp(void)
+{
+    config = sim_lathe_defaults();
+    sim_drive_config_t *u = &config.drive[hal_axis_u];
+    u->kind = sim_drive_force;
+    u->delay_us = 25.0;
+    u->friction_m_per_s2 = 3.0;
+    u->stop_units = 0.65;
+    derive();
+}
+
+static void ticks(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        sim_port_sense(&port);
+        hal_host_tick();
+        sim_port_advance(&port);
+        const double u_mm = port.lathe.drive[hal_axis_u].pos_micro * 1e-6;
+        most_mm = fmax(most_mm, fabs(u_mm));
+        const int32_t q6 = (int32_t)labs(hal_host.out.force_q6);
+        most_q6 = q6 > most_q6 ? q6 : most_q6;
+    }
+}
+
+static void begin(double start_mm)
+{
+    hal_host_reset((uint32_t)config.tick_hz);
+    sim_port_init(&port, &config, 57e6, 0.0, 1);
+    port.lathe.drive[hal_axis_u].pos_micro = start_mm * 1e6;
+    port.home[hal_axis_u].zero_nm = (int32_t)(start_mm * 1e6); // the scale begins to count here
+    cam_machine_init(&machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    ticks(10);
+    cam_machine_stage_begin(&machine);
+    for (cam_param_id_t id = 0; id < cam_n_params; id++) {
+        const int32_t value = cam_param_get(&params, id);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage(&machine, id, value));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(&machine));
+    ticks(10);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&machine));
+    ticks(100);
+    most_q6 = 0;
+    most_mm = 0.0;
+}
+
+/// @return how homing ended
+static cam_jog_end_t home_u(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&machine, hal_axis_u));
+    ticks(20);
+    for (int i = 0; i < 4000 && cam_machine_status(&machine).jog.phase != cam_jog_rest; i++) {
+        ticks(1000);
+        cam_machine_keep_alive(&machine);
+        cam_machine_jog_poll(&machine);
+    }
+    ticks(4000);
+    TEST_ASSERT_EQUAL_HEX32(0, cam_machine_status(&machine).faults);
+    return cam_machine_status(&machine).jog.end;
+}
+
+/// @return [nm] where U is, minus where the controller reads it
+static double off_nm(void)
+{
+    return port.lathe.drive[hal_axis_u].pos_micro - cam_machine_status(&machine).u_actual_nm;
+}
+
+/// From anywhere, on the stop too, and three times in a row: the stop, which 20 N compress by 2 um,
+/// has the position that was set. U then holds against a push of more than the limit.
+static void test_home_is_the_same_from_anywhere(void)
+{
+    static const double starts_mm[] = {0.0, 0.6505, -0.4};
+    for (int i = 0; i < 3; i++) {
+        setUp();
+        begin(starts_mm[i]);
+        double first_nm = 0.0;
+        for (int k = 0; k < 3; k++) {
+            TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
+            first_nm = k == 0 ? off_nm() : first_nm;
+            TEST_ASSERT_DOUBLE_WITHIN(1000.0, 2000.0, off_nm());
+            TEST_ASSERT_DOUBLE_WITHIN(2000.0, first_nm, off_nm());
+        }
+        TEST_ASSERT_LESS_OR_EQUAL_INT32((force_mn + quantum_mn) * 64, most_q6);
+        TEST_ASSERT_TRUE(most_mm < 0.655);
+        const double rests_nm = port.lathe.drive[hal_axis_u].pos_micro;
+        sim_drive_disturb(&port.lathe.drive[hal_axis_u], -40.0);
+        ticks(8000);
+        TEST_ASSERT_DOUBLE_WITHIN(200.0, rests_nm, port.lathe.drive[hal_axis_u].pos_micro);
+        TEST_ASSERT_GREATER_THAN_INT32(force_mn * 64, most_q6);
+    }
+}
+
+static void test_other_stop_is_found_likewise(void)
+{
+    params.u_home_sense = -1;
+    params.u_home_nm = -650000;
+    begin(0.2);
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
+    TEST_ASSERT_DOUBLE_WITHIN(1000.0, -2000.0, off_nm());
+}
+
+/// The loop of the first power-up is so weak that its set-point leads by far.
+static void test_weak_loop_finds_its_stop_without_a_fault(void)
+{
+    params.servo_crossover_hz = 30;
+    params.servo_lead_percent = 2000;
+    params.servo_pole_hz = 1000;
+    params.servo_integral_mHz = 3000;
+    params.servo_runaway_nm = 5000;
+    params.servo_force_limit_mn = 20000;
+    params.servo_continuous_mn = 20000;
+    params.u_acceleration_mm_per_s2 = 5000;
+    params.u_speed_um_per_s = 5000;
+    params.u_home_force_mn = 10000;
+    begin(0.2);
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
+    TEST_ASSERT_DOUBLE_WITHIN(1000.0, 1000.0, off_nm());
+    TEST_ASSERT_LESS_OR_EQUAL_INT32((10000 + quantum_mn) * 64, most_q6);
+}
+
+static void test_without_a_stop_nothing_is_found(void)
+{
+    config.drive[hal_axis_u].stop_units = 5.0;
+    begin(0.2);
+    TEST_ASSERT_EQUAL_INT(cam_jog_no_switch, home_u());
+    TEST_ASSERT_EQUAL_HEX32(0, cam_machine_status(&machine).jog.homed);
+}
+
+/// A blocked U looks as if it were on a stop, but does not leave it.
+static void test_blocked_u_is_not_homed(void)
+{
+    begin(0.2);
+    port.lathe.drive[hal_axis_u].is_blocked = true;
+    TEST_ASSERT_EQUAL_INT(cam_jog_no_release, home_u());
+    TEST_ASSERT_EQUAL_HEX32(0, cam_machine_status(&machine).jog.homed);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32((force_mn + quantum_mn) * 64, most_q6);
+}
+
+/// An order that ends on the stop leaves U there, with the limited force, until the drives are off.
+static void test_force_stays_limited_when_homing_is_stopped_at_the_stop(void)
+{
+    begin(0.64);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&machine, hal_axis_u));
+    ticks(500);
+    TEST_ASSERT_EQUAL_INT(cam_jog_search, cam_machine_status(&machine).jog.phase);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog_stop(&machine));
+    ticks(20000);
+    TEST_ASSERT_EQUAL_HEX32(0, cam_machine_status(&machine).faults);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32((force_mn + quantum_mn) * 64, most_q6);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&machine));
+    ticks(100);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&machine));
+    ticks(100);
+    TEST_ASSERT_EQUAL_INT32(0, g_cam.motion.u_press_q6);
+}
+
+static void test_limit_switch_before_the_stop_stops_u(void)
+{
+    begin(0.2);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&machine, hal_axis_u));
+    ticks(100);
+    hal_host_u_limits(false, true);
+    ticks(2);
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_travel), cam_machine_status(&machine).faults);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.force_q6);
+    hal_host_u_limits(false, false);
+}
