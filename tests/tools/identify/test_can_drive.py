@@ -56,5 +56,5 @@ def test_a_fault_ends_the_excitation_with_its_name(
 
     monkeypatch.setattr("camtools.link.excitation._follow", fault)
     with pytest.raises(Refused, match=r"cut short: fault: estop; see status, then reset"):
-        u.played(excitation, ("u_set_q6", "u_actual_nm"))
+        u.played(excitation.play, ("u_set_q6", "u_actual_nm"))
     assert link.rights.session == 0

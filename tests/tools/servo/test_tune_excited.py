@@ -145,6 +145,34 @@ def test_a_loop_is_set_over_can_and_measured(
     assert float(found[3]) == pytest.approx(gain_db, abs=1.0)
 
 
+def test_a_pulse_over_can_tells_mass_and_friction(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """1.5 kg with 4.5 N of friction, believed to be 1.2 kg with 3.6 N; --apply sets both."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    machine = tmp_path / "weak.toml"
+    believed = "[believed.u]\nmass_kg = 1.2\n"
+    machine.write_text(_MACHINE.read_text("utf-8") + believed + _WEAK, "utf-8")
+    with live_case(tmp_path, "--machine", machine) as live:
+        live.order("enable", "ready")
+        live.link.rights.release()
+        assert main(["--bus", "--pulse", "15", "--apply"]) == 0
+        said = capsys.readouterr().out.splitlines()
+        assert said[0] == "a positive force moves the scale up"
+        assert said[-1].startswith("applied: 2 parameters; the drives are off")
+        live.until("off")
+        found = values_over(live.link, ["servo_mass_g", "servo_friction_mn"])
+    assert found["servo_mass_g"] == pytest.approx(1500, rel=0.04)
+    assert found["servo_friction_mn"] == pytest.approx(4500, rel=0.1)
+
+
+def test_a_pulse_above_the_force_limit_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    """One line with the limit."""
+    assert main(["--machine", str(_MACHINE), "--pulse", "700"]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1 and "servo_force_limit_mn is 600000" in lines[0], lines
+
+
 def test_a_drive_that_takes_positions_is_refused(
     bench: Bench, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -210,6 +238,10 @@ def test_given_parameters_are_set_with_the_delay_that_was_measured(
         ("a.toml --node 5", "--node: needs a bus: add --bus"),
         ("a.toml --secret f", "--secret: needs a bus: add --bus"),
         ("a.toml --highest-hz 900", "--highest-hz: needs a controller: add --bus, or --machine M"),
+        ("a.toml --pulse 10", "--pulse: needs a controller: add --bus, or --machine M"),
+        ("a.toml --bus --pulse 10", "DRIVE.toml: has no effect with --pulse; leave it out"),
+        ("--machine m --pulse 10 -o d", "-o: has no effect with --pulse; leave it out"),
+        ("--machine m --pulse 10 --apply", "--apply: sets what a pulse tells over CAN alone"),
         ("--bus --highest-hz 20", "--highest-hz 20: give at least 50"),
         ("--bus --interface nobus", "interface nobus: unknown to python-can"),
     ],

@@ -28,7 +28,7 @@ from camtools.link.learned_file import (
 )
 
 _MOST_BYTES = 16 * 1024 * 1024
-_HEADINGS: dict[str, excitation.Unit] = {"u_nm": "nm", "force_mn": "mN"}
+_UNITS = {heading: unit for unit, heading in excitation.HEADINGS.items()}
 
 
 def _read(path: Path) -> bytes:
@@ -47,7 +47,7 @@ def wave_of(data: bytes, name: str) -> tuple[npt.NDArray[np.int64], excitation.U
         It is none; the line says where.
     """
     lines = data.decode("utf-8", "replace").split("\n")
-    unit = _HEADINGS.get(lines[0].strip())
+    unit = _UNITS.get(lines[0].strip())
     if unit is None:
         text = f"{name}: line 1: no heading u_nm or force_mn; begin the file with it"
         raise CamtoolsError([text])

@@ -18,6 +18,7 @@ from camtools.base.command import Parser, run_command
 from camtools.base.output import write_all
 from camtools.cli.connected_u import add_u_options, check_u_options, connected_u
 from camtools.cli.record_text import record_text
+from camtools.identify.excited import U
 from camtools.identify.machine_file import with_keys
 from camtools.identify.simulated_drive import CutShortError
 from camtools.link.messages import Refused
@@ -36,6 +37,7 @@ from camtools.tune.parameters import (
     settings_of,
     text_of,
 )
+from camtools.tune.pulse import measure_pulse, pulse_lines, pulse_settings
 from camtools.tune.record import fit_lines_of, fit_table, parse_loop_record, with_fit
 from camtools.tune.text import lines_of
 
@@ -46,6 +48,7 @@ Examples:
   tools/tune voice_coil.toml --loop mine_servo.toml
   tools/tune --machine force.toml -o build/tune --apply
   tools/tune limits.toml --record scope.csv -o build/tune
+  tools/tune --bus -i socketcan -c can0 --pulse 10
   tools/tune limits.toml --bus -i socketcan -c can0 -o build/tune --apply
 Exit status: 0 done; 1 no loop with the margins, cut short, refused by the controller or no answer:
 nothing is written or set; 2 wrong usage or bad input."""
@@ -85,6 +88,12 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         metavar="F",
         help=f"highest frequency of the excitation in Hz, at least 50 (default: {HIGHEST_HZ:g})",
     )
+    add(
+        "--pulse",
+        type=positive,
+        metavar="N",
+        help="first power-up: push U by N newtons in both directions, for sign and mass alone",
+    )
     add("--loop", type=Path, metavar="FILE", help="parameters to judge instead of a proposal")
     add(
         "--apply",
@@ -111,11 +120,25 @@ def _check(parser: Parser, arguments: argparse.Namespace) -> None:
     for name, value in (("--apply", arguments.apply), ("--highest-hz", arguments.highest_hz)):
         if value and not is_excited:
             parser.error(f"{name}: needs a controller: add --bus, or --machine M")
+    if arguments.pulse is not None:
+        _check_pulse(parser, arguments)
     if arguments.apply and not arguments.bus and arguments.out is None:
         parser.error("--apply: needs a folder for the machine file: add -o DIR")
     if arguments.highest_hz is not None and arguments.highest_hz < 50:
         parser.error(f"--highest-hz {arguments.highest_hz:g}: give at least 50")
     check_u_options(parser, arguments)
+
+
+def _check_pulse(parser: Parser, arguments: argparse.Namespace) -> None:
+    """End with a line when other options do not go with --pulse."""
+    if not arguments.bus and arguments.machine is None:
+        parser.error("--pulse: needs a controller: add --bus, or --machine M")
+    names = ("drive", "loop", "out", "highest_hz")
+    for name in (one for one in names if getattr(arguments, one) is not None):
+        option = {"drive": "DRIVE.toml", "out": "-o"}.get(name, f"--{name.replace('_', '-')}")
+        parser.error(f"{option}: has no effect with --pulse; leave it out")
+    if arguments.apply and not arguments.bus:
+        parser.error("--apply: sets what a pulse tells over CAN alone: use --bus")
 
 
 def _keys(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -206,6 +229,8 @@ def _simulated(arguments: argparse.Namespace) -> int:
     name, keys = arguments.machine, _keys(arguments)
     machine = machine_bytes(name)
     with simulated_u(machine, name) as u:
+        if arguments.pulse is not None:
+            return 0 if _pushed(u, arguments) else REFUSED
         found = measure(u, name, arguments.highest_hz or HIGHEST_HZ)
     one = _subject(found, keys, arguments.drive or Path(name), name)
     settings = _tuned(one, arguments)
@@ -222,14 +247,25 @@ def _connected(arguments: argparse.Namespace) -> int:
     keys = _keys(arguments)
     with connected_u(arguments, "tune") as (u, node):
         where = u.link.where
-        found = measure(u, where, arguments.highest_hz or HIGHEST_HZ)
-        one = _subject(found, keys, arguments.drive or Path(f"node{node}"), where)
-        settings = _tuned(one, arguments)
+        if arguments.pulse is not None:
+            settings = _pushed(u, arguments)
+        else:
+            found = measure(u, where, arguments.highest_hz or HIGHEST_HZ)
+            one = _subject(found, keys, arguments.drive or Path(f"node{node}"), where)
+            settings = _tuned(one, arguments)
         if settings and arguments.apply:
             u.apply(settings)
             what = f"{len(settings)} parameters; the drives are off, enable and home again"
-            sys.stdout.write(f"applied: {what}, then repeat --bus to measure this loop\n")
+            sys.stdout.write(f"applied: {what}, then repeat --bus to measure the drive\n")
     return 0 if settings else REFUSED
+
+
+def _pushed(u: U, arguments: argparse.Namespace) -> dict[str, int]:
+    """Push U, show what that tells; return what is to be set for it, nothing if U is reversed."""
+    found = measure_pulse(u, arguments.pulse)
+    sys.stdout.write("\n".join(pulse_lines(found)) + "\n")
+    sys.stdout.flush()
+    return pulse_settings(found) if found.sign > 0 else {}
 
 
 def _run(arguments: argparse.Namespace) -> int:

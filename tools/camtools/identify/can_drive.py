@@ -14,7 +14,7 @@ import numpy as np
 from camtools.base.output import signals_held
 from camtools.base.quantities import Floats
 from camtools.identify.configured_drive import PARAMETERS, Believed
-from camtools.identify.excitation_plan import Excitation
+from camtools.identify.excitation_plan import Play
 from camtools.link.controller import Link
 from camtools.link.excitation import excite
 from camtools.link.messages import NUMBERS, Refused
@@ -69,15 +69,15 @@ class ConnectedU:
         """
         return {name: self._get(name) for name in names}
 
-    def played(self, excitation: Excitation, signals: Sequence[str]) -> Floats:
-        """Let U play an excitation; return tick and signals of its periods, a row each.
+    def played(self, play: Play, signals: Sequence[str]) -> Floats:
+        """Let U play a wave; return tick and signals of its periods, a row each.
 
         The controller itself sees to the state, to the clearance of the tool and to the limits of
         U. However this ends, U comes to rest.
 
         Parameters
         ----------
-        excitation : Excitation
+        play : Play
         signals : sequence of str
             of the recorder, in the order of firmware/recorder/cam_scope.h
 
@@ -86,14 +86,14 @@ class ConnectedU:
         Refused
             It refuses, the excitation was cut short, or the record has a gap.
         """
-        wave = excitation.wave
         try:
             recording = excite(
                 self.link,
-                wave.u_nm,
-                excitation.n_periods,
-                fade_ticks=excitation.fade_ticks,
-                place_nm=excitation.place_nm,
+                play.samples,
+                play.n_periods,
+                unit=play.unit,
+                fade_ticks=play.fade_ticks,
+                place_nm=play.place_nm,
                 signals=signals,
             )
         except Refused as refused:
@@ -106,7 +106,7 @@ class ConnectedU:
         if not recording.is_whole:
             raise Refused(f"{self.link.where}: the record has a gap; excite again")
         played = recording.played()
-        rows = slice(-excitation.n_periods * wave.grid.n_ticks, None)
+        rows = slice(-play.n_periods * play.samples.size, None)
         columns = [played.tick, *(played[name] for name in signals)]
         return np.array([column[rows] for column in columns], np.float64)
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Ints
 from camtools.identify.configured_drive import Believed
 from camtools.identify.multisine import (
     HIGHEST_HZ,
@@ -22,6 +23,7 @@ from camtools.identify.multisine import (
     Wave,
     multisine,
 )
+from camtools.link.excitation import Unit
 
 _RMS_NM, _COARSE_RMS_NM, _COARSE_NM = 25_000.0, 100_000.0, 500
 _CARRIER_NM = 300_000.0
@@ -41,6 +43,16 @@ class Wishes(NamedTuple):
     least_ticks: int = TICKS_PER_HIGHEST  # of the highest line
 
 
+class Play(NamedTuple):
+    """A wave, and how U plays it."""
+
+    samples: Ints  # of a period, one per tick
+    unit: Unit
+    n_periods: int  # at full amplitude
+    fade_ticks: int  # over which it rises before the periods, and falls after them
+    place_nm: int  # of U about which it is played
+
+
 @dataclass(frozen=True, eq=False)
 class Excitation:
     """A wave, and how it is played."""
@@ -49,6 +61,11 @@ class Excitation:
     place_nm: int  # of U about which it is played: as far out of the work as the stroke allows
     n_periods: int  # at full amplitude
     fade_ticks: int  # over which it rises before the periods, and falls after them
+
+    @property
+    def play(self) -> Play:
+        """How U plays it."""
+        return Play(self.wave.u_nm, "nm", self.n_periods, self.fade_ticks, self.place_nm)
 
 
 def _refused(option: str, value_um: float, what: str, found: str, remedy: str) -> CamtoolsError:

@@ -14,7 +14,7 @@ import numpy as np
 
 from camtools.base.quantities import Floats
 from camtools.identify.configured_drive import Believed
-from camtools.identify.excitation_plan import Excitation
+from camtools.identify.excitation_plan import Excitation, Play
 from camtools.identify.recording import SettledRecord, record_of
 
 SIGNALS = ("u_command_nm", "u_actual_nm")
@@ -29,8 +29,8 @@ class U(Protocol):
     def values(self, names: Iterable[str]) -> dict[str, int]:
         """Return parameters of its controller by their names."""
 
-    def played(self, excitation: Excitation, signals: Sequence[str]) -> Floats:
-        """Let it play an excitation; return tick and signals of its periods, a row each."""
+    def played(self, play: Play, signals: Sequence[str]) -> Floats:
+        """Let it play a wave; return tick and signals of its periods, a row each."""
 
 
 def excited(u: U, excitation: Excitation, believed: Believed) -> SettledRecord:
@@ -43,6 +43,6 @@ def excited(u: U, excitation: Excitation, believed: Believed) -> SettledRecord:
     Refused, CutShortError
         The controller refuses, or the excitation was cut short.
     """
-    tick, u_nm, y_nm = u.played(excitation, SIGNALS)
+    tick, u_nm, y_nm = u.played(excitation.play, SIGNALS)
     grid = excitation.wave.grid
     return record_of(grid, np.asarray(tick, np.int64), u_nm, y_nm, believed.u_scale_nm)

@@ -16,7 +16,8 @@ import numpy as np
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.identify.configured_drive import Believed
-from camtools.identify.excitation_plan import Excitation
+from camtools.identify.excitation_plan import Play
+from camtools.link.excitation import HEADINGS
 from camtools.sim.camsim import camsim_path
 
 _WAVE, _RECORD, _TABLE, _MACHINE = "wave.csv", "record.csv", "part.camtab", "machine.toml"
@@ -91,12 +92,12 @@ class SimulatedU:
         parameters = parameters_of(self._camsim("params", []))
         return {name: parameters[name] for name in names}
 
-    def played(self, excitation: Excitation, signals: Sequence[str]) -> Floats:
-        """Let U play an excitation; return tick and signals of its periods, a row each.
+    def played(self, play: Play, signals: Sequence[str]) -> Floats:
+        """Let U play a wave; return tick and signals of its periods, a row each.
 
         Parameters
         ----------
-        excitation : Excitation
+        play : Play
         signals : sequence of str
             of the recorder, in the order of firmware/recorder/cam_scope.h
 
@@ -107,15 +108,14 @@ class SimulatedU:
         CutShortError
             It began and did not end.
         """
-        wave = excitation.wave
-        text = "\n".join(["u_nm", *(str(sample) for sample in wave.u_nm.tolist())])
+        text = "\n".join([HEADINGS[play.unit], *(str(one) for one in play.samples.tolist())])
         (self._folder / _WAVE).write_text(f"{text}\n", "ascii")
         words = {
             "--wave": _WAVE,
             "--record": _RECORD,
-            "--periods": excitation.n_periods,
-            "--fade-ticks": excitation.fade_ticks,
-            "--place-nm": excitation.place_nm,
+            "--periods": play.n_periods,
+            "--fade-ticks": play.fade_ticks,
+            "--place-nm": play.place_nm,
             "--signals": ",".join(signals),
         }
         given = [f"{name}={value}" for name, value in words.items()]
@@ -123,4 +123,4 @@ class SimulatedU:
         rows = np.loadtxt(self._folder / _RECORD, delimiter=",", skiprows=1)
         names = (self._folder / _RECORD).read_text("ascii").split("\n", 1)[0].split(",")
         columns = [names.index(name) for name in ("tick", *signals)]
-        return np.asarray(rows[-excitation.n_periods * wave.grid.n_ticks :, columns].T)
+        return np.asarray(rows[-play.n_periods * play.samples.size :, columns].T)

@@ -38,6 +38,7 @@ from camtools.link.scope import (
 
 Unit = Literal["nm", "mN"]
 UNITS: tuple[Unit, ...] = ("nm", "mN")  # as the controller numbers them
+HEADINGS: dict[Unit, str] = {"nm": "u_nm", "mN": "force_mn"}  # of files of waves
 
 
 def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:

@@ -31,6 +31,7 @@ from camtools.tune.plant_fit import PlantFit, fit_lines, record_lines
 _PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _SIGNALS = ("u_set_q6", "u_actual_nm", "u_force_q6")
 _LEAST_TICKS = 8  # of the highest line: images of the hold move a mass little
+_SLOW_MRPM = 100_000  # a U with the limits of a first power-up could cut the part
 HIGHEST_HZ = 2500.0
 
 
@@ -46,7 +47,7 @@ class Measured(NamedTuple):
 @contextmanager
 def simulated_u(machine: bytes, name: str) -> Iterator[SimulatedU]:
     """Give U of a machine file, known to the user by a name."""
-    image = pack(make(load(_PART), _PART).table.table)
+    image = pack(replace(make(load(_PART), _PART).table.table, spindle_mrpm=_SLOW_MRPM))
     with tempfile.TemporaryDirectory(prefix="tune.") as folder:
         yield SimulatedU(Path(folder), machine, name, image)
 
@@ -77,7 +78,7 @@ def measure(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Measured:
         raise CamtoolsError([f"{name}: {problem}; {remedy}"])
     outside = plan(believed, Wishes(highest_hz=highest_hz, least_ticks=_LEAST_TICKS))
     excitation = replace(outside, place_nm=outside.place_nm // 2)  # a weak loop overshoots
-    _, set_q6, actual_nm, force_q6 = u.played(excitation, _SIGNALS)
+    _, set_q6, actual_nm, force_q6 = u.played(excitation.play, _SIGNALS)
     if not force_q6.any():
         problem = "no force was recorded, so its U takes positions"
         raise CamtoolsError([f"{name}: {problem}; use tools/identify"])

@@ -6,22 +6,31 @@
 >>> force = np.concatenate([force, -force])
 >>> position = -np.cumsum(np.cumsum(force)) / 2.0 * 5e-5**2
 >>> found = pulse_fit(20_000.0, force, position)
->>> found.sign, round(found.mass_kg, 2), found.friction_n < 0.1
+>>> found.sign, round(found.mass_kg, 1), found.friction_n < 0.1
 (-1, 2.0, True)
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
+from camtools.identify.configured_drive import Believed
+from camtools.identify.excitation_plan import Play
+from camtools.identify.excited import U
 
-_SMOOTH_S = 1e-3  # window of the speed
+_SMOOTH_S = 3e-4  # window of the speed
 _MOVING = 0.05  # of the greatest speed: friction counts in full from there on
+_STANDING = 0.01  # of it: friction takes up the force
 _MOST_SCATTER = 0.3  # of the mass, between the directions
+_OF_STROKE = 0.1
+_LEAST_S, _MOST_S = 2e-3, 50e-3
+_FADE_TICKS = 16
 
 
 class Pulse(NamedTuple):
@@ -45,14 +54,17 @@ def _one(tick_hz: float, force_n: Floats, position_m: Floats) -> tuple[float, fl
     step_s, n = 1.0 / tick_hz, max(1, round(_SMOOTH_S * tick_hz))
     smooth = np.convolve(np.pad(position_m, n, mode="edge"), np.ones(n) / n, mode="same")[n:-n]
     speed = np.gradient(smooth, step_s)
-    sense = np.clip(speed / (_MOVING * np.abs(speed).max() + 1e-30), -1.0, 1.0)
-    impulse = _sums(force_n, step_s)
-    columns = [np.ones_like(force_n), impulse, _sums(impulse, step_s)]
+    fastest = np.abs(speed).max() + 1e-30
+    sense = np.clip(speed / (_MOVING * fastest), -1.0, 1.0)
+    soon = maximum_filter1d(np.abs(speed), 2 * n + 1, origin=-n)  # greatest of the next 2 n ticks
+    impulse = _sums(np.where(soon < _STANDING * fastest, 0.0, force_n), step_s)
+    time = np.arange(force_n.size) * step_s  # of a speed at the start
+    columns = [np.ones_like(force_n), time, impulse, _sums(impulse, step_s)]
     columns.append(_sums(_sums(sense, step_s), step_s))
     matrix = np.column_stack(columns)
     size = np.linalg.norm(matrix, axis=0) + 1e-300
     found = np.linalg.lstsq(matrix / size, position_m, rcond=None)[0] / size
-    return float(found[2]), float(-found[3])
+    return float(found[3]), float(-found[4])
 
 
 def pulse_fit(tick_hz: float, force_n: Floats, position_m: Floats) -> Pulse:
@@ -84,3 +96,54 @@ def pulse_fit(tick_hz: float, force_n: Floats, position_m: Floats) -> Pulse:
     mass_kg = 1.0 / abs(mean)
     friction_n = 0.5 * (rub + rub_2) * mass_kg
     return Pulse(int(np.sign(mean)), mass_kg, mass_kg * off / abs(mean), friction_n)
+
+
+def pulse_play(force_n: float, mass_kg: float, believed: Believed) -> Play:
+    """Return a pulse in each direction: a force, the opposite one, and twice as long a rest.
+
+    Each takes U by a tenth of its stroke, as far as the mass is known: F t^2 / m. Friction stops U
+    in the rest, however small it is.
+    """
+    way_m = _OF_STROKE * believed.u_stroke_nm * 1e-9
+    seconds = min(max(float(np.sqrt(way_m * mass_kg / force_n)), _LEAST_S), _MOST_S)
+    n = round(seconds * believed.tick_hz)
+    one = np.concatenate([np.zeros(n), np.ones(n), -np.ones(n), np.zeros(2 * n)])
+    samples = np.asarray(np.round(1e3 * force_n * np.concatenate([one, -one])), np.int64)
+    return Play(samples, "mN", n_periods=1, fade_ticks=_FADE_TICKS, place_nm=0)
+
+
+def measure_pulse(u: U, force_n: float) -> Pulse:
+    """Push U in both directions; return sign, mass and friction.
+
+    Parameters
+    ----------
+    u : U
+        in ready, its loop so weak that it hardly counts (1 Hz)
+    force_n : float
+        above 0
+
+    Raises
+    ------
+    CamtoolsError
+        As `pulse_fit`; or the simulated controller refuses.
+    Refused, CutShortError
+        The controller refuses, for instance a force above its limit, or a fault ends the pulse.
+    """
+    believed, values = u.believed(), u.values(["servo_mass_g"])
+    play = pulse_play(force_n, values["servo_mass_g"] / 1e3, believed)
+    _, actual_nm, force_q6 = u.played(play, ("u_actual_nm", "u_force_q6"))
+    return pulse_fit(believed.tick_hz, force_q6 / 64e3, (actual_nm - actual_nm[0]) / 1e9)
+
+
+def pulse_lines(found: Pulse) -> Iterator[str]:
+    """Yield the report."""
+    way = "up" if found.sign > 0 else "DOWN: swap the motor's wires, or the sense of the scale"
+    yield f"a positive force moves the scale {way}"
+    yield f"mass {found.mass_kg:.4g} kg, the directions differ by {2 * found.mass_sigma_kg:.2g} kg"
+    yield f"friction {max(0.0, found.friction_n):.3g} N"
+
+
+def pulse_settings(found: Pulse) -> dict[str, int]:
+    """Return the parameters that a pulse tells."""
+    friction_mn = max(0, round(1e3 * found.friction_n))
+    return {"servo_mass_g": round(1e3 * found.mass_kg), "servo_friction_mn": friction_mn}
