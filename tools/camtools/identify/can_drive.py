@@ -35,10 +35,21 @@ def not_ready(state: str) -> str:
 
 
 class ConnectedU:
-    """U of a controller."""
+    """U of a controller.
 
-    def __init__(self, link: Link) -> None:
-        self.link = link
+    Parameters
+    ----------
+    keeps_command : bool
+        whether the link's owner sends heartbeats on, so that command is not given back
+    """
+
+    def __init__(self, link: Link, *, keeps_command: bool = False) -> None:
+        self.link, self._keeps_command = link, keeps_command
+
+    def _give_back(self) -> None:
+        """Give command back: what follows takes longer than command lasts unheard."""
+        if not self._keeps_command:
+            self.link.rights.release()
 
     def _get(self, name: str) -> int:
         answer = self.link.ask("get_parameter", parameter=NUMBERS["parameter"][name])
@@ -102,7 +113,7 @@ class ConnectedU:
                 f"{refused}: {faults}; {_ORDERS['fault']}" if faults else str(refused)
             ) from refused
         finally:
-            self.link.rights.release()  # what follows takes longer than command lasts unheard
+            self._give_back()
         if not recording.is_whole:
             raise Refused(f"{self.link.where}: the record has a gap; excite again")
         played = recording.played()
@@ -131,7 +142,7 @@ class ConnectedU:
             except Refused as refused:
                 raise Refused(f"{self.link.where}: nothing is set: {refused}") from refused
             finally:
-                self.link.rights.release()
+                self._give_back()
             found = self.values(settings)
         for name in (name for name, value in settings.items() if found[name] != value):
             problem = f"{name} = {settings[name]}: reads {found[name]}"
