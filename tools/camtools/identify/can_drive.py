@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -41,10 +41,18 @@ class ConnectedU:
     ----------
     keeps_command : bool
         whether the link's owner sends heartbeats on, so that command is not given back
+    progress : callable, optional
+        that of `excite`
     """
 
-    def __init__(self, link: Link, *, keeps_command: bool = False) -> None:
-        self.link, self._keeps_command = link, keeps_command
+    def __init__(
+        self,
+        link: Link,
+        *,
+        keeps_command: bool = False,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> None:
+        self.link, self._keeps_command, self._progress = link, keeps_command, progress
 
     def _give_back(self) -> None:
         """Give command back: what follows takes longer than command lasts unheard."""
@@ -106,6 +114,7 @@ class ConnectedU:
                 fade_ticks=excitation.fade_ticks,
                 place_nm=excitation.place_nm,
                 signals=signals,
+                progress=self._progress,
             )
         except Refused as refused:
             faults = ", ".join(self.link.listen().faults)
