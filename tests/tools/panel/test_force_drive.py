@@ -155,6 +155,19 @@ def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:
     assert found_of(again.text, measured) == pytest.approx(crossover_hz, rel=0.1)
 
 
+def test_a_loop_without_the_margins_is_shown_and_not_applied(
+    seat: LiveSeat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The constants are there, and why no loop is proposed."""
+    poor = "margins at 0.7 of the mass: unstable"
+    monkeypatch.setattr("camtools.tune.proposal.refusal", lambda judged, *, is_proposal: poor)
+    assert seat.refused("measure_loop") == poor
+    tuned = seat.service.tuned()
+    assert tuned is not None and tuned.problem == poor and not tuned.picture
+    assert "mass_kg" in tuned.text and "proposed" not in tuned.text
+    assert "no loop is proposed" in seat.refused("apply_loop")
+
+
 def test_the_card_is_for_a_force_drive_and_says_what_is_to_be_set() -> None:
     """A U that takes positions has none; a mass without a loop leads to the first power-up."""
     assert not has_force_drive(_DEFAULTS) and not has_force_drive({})
