@@ -51,15 +51,14 @@ static int32_t notched_q6(cam_servo_t *s, const cam_servo_notch_t *by, int32_t x
     return y_q6;
 }
 
-/// MATHS.md (236), and the push; the friction is that of cam_axis_command.c: in full from 4 nm per
-/// step on.
+/// MATHS.md (236); the friction is that of cam_axis_command.c: in full from 4 nm per step on.
 /// @return [mN / 64]
 static int32_t feed_forward_force_q6(const cam_servo_config_t *cfg, const cam_servo_input_t *in)
 {
     const int32_t sense_q12 = cam_clamp_i32(in->vel_q10, -4096, 4095);
     return force_q6((int64_t)cfg->mass_q14 * in->acc_q10 + (int64_t)cfg->drag_q14 * in->vel_q10 +
                     (int64_t)cfg->stiffness_q18 * in->set_q6 +
-                    (int64_t)cfg->friction_q12 * sense_q12 + (int64_t)in->push_q6 * (1 << 18));
+                    (int64_t)cfg->friction_q12 * sense_q12);
 }
 
 /// @return [mN / 64]
@@ -100,7 +99,7 @@ int32_t cam_servo_step_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
     const int32_t off_q6 = error_q6(&cfg->ahead, in, s->acc_q10);
     const int64_t sum_q38 = s->sum_q38 + (int64_t)cfg->ki_q32 * off_q6;
     const int32_t back_q6 = notched_q6(s, &cfg->notch, pi_lead_q6(s, cfg, off_q6, sum_q38));
-    const int32_t wanted_q6 = back_q6 + feed_forward_force_q6(cfg, in);
+    const int32_t wanted_q6 = back_q6 + feed_forward_force_q6(cfg, in) + in->push_q6;
     s->force_q6 = limited_q6(s, cfg, wanted_q6);
     s->acc_q10 = in->acc_q10;
     integrate(s, sum_q38, wanted_q6 - s->force_q6);

@@ -19,7 +19,7 @@ enum {
 enum { budget_learn_piece = 75000, budget_learn_turn = 1050000 };
 
 /// A step of the position loop of a force drive.
-enum { budget_servo_step = 170 };
+enum { budget_servo_step = 174 };
 
 /// Largest spread of a tick without the plan in the state cutting, per cent of the largest.
 enum { budget_spread_percent = 25 };
