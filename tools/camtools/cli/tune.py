@@ -11,7 +11,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from camtools.base.argument_types import positive
 from camtools.base.command import Parser, run_command
@@ -23,23 +23,12 @@ from camtools.identify.machine_file import with_keys
 from camtools.identify.simulated_drive import CutShortError
 from camtools.link.messages import Refused
 from camtools.sim.machines import machine_bytes
-from camtools.tune.drive import Drive, drive_of, read_tree
-from camtools.tune.excited import HIGHEST_HZ, Measured, measure, simulated_u
-from camtools.tune.judgement import Judgement, judge, refusal
-from camtools.tune.loop_design import best
-from camtools.tune.measured_loop import OpenLoop, measured_loop, model_loop
-from camtools.tune.measured_loop import text_of as loop_text
-from camtools.tune.parameters import (
-    loop_of,
-    parameters_of,
-    plant_of,
-    read_loop,
-    settings_of,
-    text_of,
-)
+from camtools.tune.drive import drive_of, read_tree
+from camtools.tune.excited import HIGHEST_HZ, measure, simulated_u
+from camtools.tune.parameters import settings_of, text_of
+from camtools.tune.proposal import Proposal, Subject, proposed, subject_of
 from camtools.tune.pulse import measure_pulse, pulse_lines, pulse_settings
 from camtools.tune.record import fit_lines_of, fit_table, parse_loop_record, with_fit
-from camtools.tune.text import lines_of
 
 REFUSED = 1
 _EPILOG = """\
@@ -145,83 +134,44 @@ def _keys(arguments: argparse.Namespace) -> dict[str, Any]:
     return read_tree(arguments.drive) if arguments.drive is not None else {}
 
 
-class _Subject(NamedTuple):
-    """What is tuned."""
-
-    name: str  # of files
-    where: str  # in errors
-    drive: Drive
-    lines: list[str]  # of its constants, and of its loop as it is
-    measured: OpenLoop | None = None
-
-
-def _values(drive: Drive, given: Path | None) -> dict[str, int]:
-    """Return the parameters of the loop, given or proposed."""
-    if given is not None:
-        return read_loop(given, drive)
-    return parameters_of(best(drive.plant), drive)
-
-
-def _judged(values: dict[str, int], drive: Drive) -> Judgement:
-    """Judge the loop of parameters, which may be made for another mass."""
-    return judge(loop_of(values, drive), *plant_of(values, drive))
-
-
-def _write(
-    folder: Path, one: _Subject, judged: Judgement, lines: list[str], values: dict[str, int]
-) -> None:
+def _write(folder: Path, one: Subject, proposal: Proposal) -> None:
     from camtools.tune.plots import loop_png  # matplotlib is slow to load
 
-    name = one.name
+    name, text = one.name, "\n".join(proposal.lines) + "\n"
+    loop = text_of(proposal.values, one.drive, f"tools/tune of {name}")
     files = {
-        f"{name}_loop.png": loop_png(judged, f"{name}: position loop", one.measured),
-        f"{name}_loop.txt": ("\n".join(lines) + "\n").encode("ascii"),
-        f"{name}_servo.toml": text_of(values, one.drive, f"tools/tune of {name}").encode("utf-8"),
+        f"{name}_loop.png": loop_png(proposal.judged, f"{name}: position loop", one.measured),
+        f"{name}_loop.txt": text.encode("ascii"),
+        f"{name}_servo.toml": loop.encode("utf-8"),
     }
     write_all(folder, files)
 
 
-def _tuned(one: _Subject, arguments: argparse.Namespace) -> dict[str, int]:
+def _tuned(one: Subject, arguments: argparse.Namespace) -> dict[str, int]:
     """Show and write the loop; return what is to be set for it, nothing if it is refused."""
-    given = arguments.loop
-    values = _values(one.drive, given)
-    judged = _judged(values, one.drive)
-    if problem := refusal(judged, is_proposal=given is None):
-        sys.stderr.write(f"tune: {given or one.where}: {problem}\n")
+    proposal = proposed(one, arguments.loop)
+    if proposal.problem:
+        sys.stderr.write(f"tune: {arguments.loop or one.where}: {proposal.problem}\n")
         return {}
-    head = ["given:" if given else "proposed:"] if one.measured else []
-    lines = [*one.lines, *head, *lines_of(judged, one.drive)]
     if arguments.out is not None:
-        _write(arguments.out, one, judged, lines, values)
-    sys.stdout.write("\n".join(lines) + "\n")
+        _write(arguments.out, one, proposal)
+    sys.stdout.write("\n".join(proposal.lines) + "\n")
     sys.stdout.flush()
-    return settings_of(values, one.drive)
+    return settings_of(proposal.values, one.drive)
 
 
 def _described(arguments: argparse.Namespace) -> int:
     """Tune the drive of a drive file, or of a recording."""
     file, csv, keys = arguments.drive, arguments.record, _keys(arguments)
     if csv is None:
-        one = _Subject(file.stem, str(file), drive_of(keys, str(file)), [])
+        one = Subject(file.stem, str(file), drive_of(keys, str(file)), [])
     else:
         record = parse_loop_record(record_text(csv), str(csv))
         found = fit_table(record, float(keys.get("scale_quantum_nm", 0.0)))
         drive = drive_of(with_fit(keys, found, record.rate_hz), str(csv))
         where = file or csv
-        one = _Subject(where.stem, str(where), drive, list(fit_lines_of(found)))
+        one = Subject(where.stem, str(where), drive, list(fit_lines_of(found)))
     return 0 if _tuned(one, arguments) else REFUSED
-
-
-def _subject(found: Measured, keys: dict[str, Any], file: Path, where: str) -> _Subject:
-    """Return the drive that an excitation shows, and its loop as it is."""
-    drive = drive_of(with_fit(keys, found.fit, found.tick_hz), where)
-    measured = measured_loop(found.lines, found.values, drive)
-    lines = [
-        *fit_lines_of(found.fit),
-        f"as it is (measured): {loop_text(measured)}",
-        f"as it is (model): {loop_text(model_loop(found.values, drive))}",
-    ]
-    return _Subject(file.stem, where, drive, lines, measured)
 
 
 def _simulated(arguments: argparse.Namespace) -> int:
@@ -232,7 +182,7 @@ def _simulated(arguments: argparse.Namespace) -> int:
         if arguments.pulse is not None:
             return 0 if _pushed(u, arguments) else REFUSED
         found = measure(u, name, arguments.highest_hz or HIGHEST_HZ)
-    one = _subject(found, keys, arguments.drive or Path(name), name)
+    one = subject_of(found, keys, (arguments.drive or Path(name)).stem, name)
     settings = _tuned(one, arguments)
     if settings and arguments.apply:
         text = with_keys(machine.decode("utf-8"), "controller", settings)
@@ -251,8 +201,8 @@ def _connected(arguments: argparse.Namespace) -> int:
             settings = _pushed(u, arguments)
         else:
             found = measure(u, where, arguments.highest_hz or HIGHEST_HZ)
-            one = _subject(found, keys, arguments.drive or Path(f"node{node}"), where)
-            settings = _tuned(one, arguments)
+            name = arguments.drive.stem if arguments.drive else f"node{node}"
+            settings = _tuned(subject_of(found, keys, name, where), arguments)
         if settings and arguments.apply:
             u.apply(settings)
             what = f"{len(settings)} parameters; the drives are off, enable and home again"

@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -35,10 +35,29 @@ def not_ready(state: str) -> str:
 
 
 class ConnectedU:
-    """U of a controller."""
+    """U of a controller.
 
-    def __init__(self, link: Link) -> None:
-        self.link = link
+    Parameters
+    ----------
+    keeps_command : bool
+        whether the link's owner sends heartbeats on, so that command is not given back
+    progress : callable, optional
+        that of `excite`
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        *,
+        keeps_command: bool = False,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> None:
+        self.link, self._keeps_command, self._progress = link, keeps_command, progress
+
+    def _give_back(self) -> None:
+        """Give command back: what follows takes longer than command lasts unheard."""
+        if not self._keeps_command:
+            self.link.rights.release()
 
     def _get(self, name: str) -> int:
         answer = self.link.ask("get_parameter", parameter=NUMBERS["parameter"][name])
@@ -95,6 +114,7 @@ class ConnectedU:
                 fade_ticks=play.fade_ticks,
                 place_nm=play.place_nm,
                 signals=signals,
+                progress=self._progress,
             )
         except Refused as refused:
             faults = ", ".join(self.link.listen().faults)
@@ -102,7 +122,7 @@ class ConnectedU:
                 f"{refused}: {faults}; {_ORDERS['fault']}" if faults else str(refused)
             ) from refused
         finally:
-            self.link.rights.release()  # what follows takes longer than command lasts unheard
+            self._give_back()
         if not recording.is_whole:
             raise Refused(f"{self.link.where}: the record has a gap; excite again")
         played = recording.played()
@@ -131,7 +151,7 @@ class ConnectedU:
             except Refused as refused:
                 raise Refused(f"{self.link.where}: nothing is set: {refused}") from refused
             finally:
-                self.link.rights.release()
+                self._give_back()
             found = self.values(settings)
         for name in (name for name, value in settings.items() if found[name] != value):
             problem = f"{name} = {settings[name]}: reads {found[name]}"

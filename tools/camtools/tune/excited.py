@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.project_paths import ROOT
+from camtools.base.quantities import Floats
 from camtools.identify.excitation_plan import Wishes, plan
 from camtools.identify.excited import U
 from camtools.identify.simulated_drive import SimulatedU
@@ -33,6 +34,17 @@ _SIGNALS = ("u_set_q6", "u_actual_nm", "u_force_q6")
 _LEAST_TICKS = 8  # of the highest line: images of the hold move a mass little
 _SLOW_MRPM = 100_000  # a U with the limits of a first power-up could cut the part
 HIGHEST_HZ = 2500.0
+
+
+class Recorded(NamedTuple):
+    """What was recorded while U was excited; one value for each tick."""
+
+    tick_hz: float
+    scale_nm: int  # [nm] of a count
+    values: dict[str, int]  # parameters of the loop in force
+    set_m: Floats  # [m] set-point
+    force_n: Floats  # [N]
+    actual_m: Floats  # [m] position
 
 
 class Measured(NamedTuple):
@@ -52,8 +64,8 @@ def simulated_u(machine: bytes, name: str) -> Iterator[SimulatedU]:
         yield SimulatedU(Path(folder), machine, name, image)
 
 
-def measure(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Measured:
-    """Excite U and fit its drive.
+def recorded(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Recorded:
+    """Excite U and record it.
 
     Parameters
     ----------
@@ -67,7 +79,7 @@ def measure(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Measured:
     Raises
     ------
     CamtoolsError
-        The machine is wrong, U takes positions, or its record is of no use.
+        The machine is wrong, or U takes positions.
     Refused, CutShortError
         The controller refuses, or the excitation was cut short.
     """
@@ -83,5 +95,16 @@ def measure(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Measured:
         problem = "no force was recorded, so its U takes positions"
         raise CamtoolsError([f"{name}: {problem}; use tools/identify"])
     signals = (set_q6 / 64e9, force_q6 / 64e3, actual_nm / 1e9)
-    lines = record_lines(believed.tick_hz, *signals, believed.u_scale_nm)
-    return Measured(believed.tick_hz, values, lines, fit_lines(lines))
+    return Recorded(believed.tick_hz, believed.u_scale_nm, values, *signals)
+
+
+def fitted(one: Recorded) -> Measured:
+    """Fit the drive to a record; raise CamtoolsError where that is of no use."""
+    signals = (one.set_m, one.force_n, one.actual_m)
+    lines = record_lines(one.tick_hz, *signals, one.scale_nm)
+    return Measured(one.tick_hz, one.values, lines, fit_lines(lines))
+
+
+def measure(u: U, name: str, highest_hz: float = HIGHEST_HZ) -> Measured:
+    """Excite U and fit its drive; arguments and errors of `recorded` and `fitted`."""
+    return fitted(recorded(u, name, highest_hz))

@@ -39,6 +39,7 @@ class _Guarded:
     control: DisableableElement
     reason: ui.label | None
     order: str
+    own_why: Callable[[], str]
     why: str | None = None
 
     def show(self, of_all: str, own: str) -> None:
@@ -101,10 +102,20 @@ class Orders:
         self._last.props("role=status aria-live=polite data-testid=last-order").mark("last-order")
 
     def guard(
-        self, control: DisableableElement, order: str, reason: ui.label | None = None
+        self,
+        control: DisableableElement,
+        order: str,
+        reason: ui.label | None = None,
+        own_why: Callable[[], str] = lambda: "",
     ) -> None:
-        """Keep a control switched off while its order makes no sense or the right is missing."""
-        self._guarded.append(_Guarded(control, reason, order))
+        """Keep a control switched off while its order makes no sense or the right is missing.
+
+        Parameters
+        ----------
+        own_why : callable
+            why the control is off for a reason that the status does not show; "": it is on
+        """
+        self._guarded.append(_Guarded(control, reason, order, own_why))
 
     def button(
         self, name: str, order: str, icon: str, press: Press, *, key: str = "", tone: str = "op-do"
@@ -137,4 +148,5 @@ class Orders:
         if self._of_all is not None:
             self._of_all.set_text(f"Orders are off: {of_all}." if of_all else "")
         for one in self._guarded:
-            one.show(of_all, why_not(one.order, snapshot.state, snapshot.signals))
+            why = why_not(one.order, snapshot.state, snapshot.signals)
+            one.show(of_all, why or one.own_why())

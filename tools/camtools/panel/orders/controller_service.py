@@ -25,8 +25,9 @@ from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.jog_press import Presses
 from camtools.panel.orders.link_thread import Job, LinkThread, OpenLink
+from camtools.panel.orders.loop_tuner import LoopTuner, Tuned
 from camtools.panel.orders.order import Order, Outcome
-from camtools.panel.orders.order_rules import RULES, URGENT, checked
+from camtools.panel.orders.order_rules import ATTENDED, RULES, URGENT, checked
 from camtools.panel.orders.parameter_set import ParameterSet
 from camtools.panel.orders.snapshot import Snapshot
 
@@ -56,7 +57,7 @@ class ControllerService:
         secret: bytes | None = None,
     ) -> None:
         self._commander, self._log, self._secret = commander, log, secret
-        self._presses = Presses()
+        self._presses, self._tuner = Presses(), LoopTuner()
         self._thread = LinkThread(
             open_link, lambda: commander.holder is not None, commander.lose_on_bus
         )
@@ -82,6 +83,10 @@ class ControllerService:
         They are read, and again after each change, while somebody asks at least every two seconds.
         """
         return self._thread.parameters()
+
+    def tuned(self) -> Tuned | None:
+        """Return what the newest measurement of U shows, None where there is none; never waits."""
+        return self._tuner.newest
 
     async def do(self, order: Order, visitor: Visitor) -> Outcome:
         """Carry an order out and return what came of it; what is refused is logged, too.
@@ -153,6 +158,8 @@ class ControllerService:
             self._presses.drop(f"{order.name} was ordered")
         if order.name == "unlock":
             arguments["secret"] = self._secret
+        if order.name in ("measure_loop", "apply_loop"):
+            arguments["tuner"] = self._tuner
         return await self._give(order, arguments, visitor)
 
     async def _give(self, order: Order, arguments: dict[str, Any], visitor: Visitor) -> Outcome:
@@ -162,6 +169,7 @@ class ControllerService:
             visitor,
             order.name in URGENT,
             lambda: self._refusal(order.name, visitor),
+            order.name in ATTENDED,
         )
         self._thread.give(job)
         return await asyncio.shield(asyncio.wrap_future(job.told))

@@ -29,6 +29,7 @@ from camtools.link.settings import (
 )
 from camtools.link.status_text import table_report
 from camtools.panel.orders.jog_press import Press
+from camtools.panel.orders.loop_tuner import LoopTuner
 from camtools.panel.orders.order_rules import RULES, check_parameter
 
 _PAGES_S = 1.0  # within which every page of the status comes
@@ -169,6 +170,16 @@ def _lock(link: Link, _arguments: Arguments, _say: Say) -> str:
     return _level(link)
 
 
+def _measure_loop(link: Link, arguments: Arguments, say: Say) -> str:
+    tuner: LoopTuner = arguments["tuner"]
+    return tuner.measure(link, say)
+
+
+def _apply_loop(link: Link, arguments: Arguments, say: Say) -> str:
+    tuner: LoopTuner = arguments["tuner"]
+    return tuner.apply(link, say)
+
+
 def _take_over(link: Link, _arguments: Arguments, _say: Say) -> str:
     link.rights.take(over=True)
     return "you have command; the previous commander was notified"
@@ -198,6 +209,8 @@ ACTIONS: Mapping[str, Action] = {
     "params_load": _params_load,
     "unlock": _unlock,
     "lock": _lock,
+    "measure_loop": _measure_loop,
+    "apply_loop": _apply_loop,
     "take_over": _take_over,  # of the service alone: no page orders it by its name
 }
 assert set(ACTIONS) - {"take_over"} == set(RULES) - {"jog_hold", "jog_end"}

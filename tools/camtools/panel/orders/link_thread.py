@@ -2,7 +2,7 @@
 """The thread that owns the link: it keeps the status fresh and does one job after the other.
 
 An urgent job breaks off the one that runs, wherever it waits for a frame, and those that wait are
-dropped.
+dropped. A job that is attended ends likewise when its visitor may not give it any more.
 While no controller is heard the bus is closed and opened again, once a second.
 
 >>> job = Job("start", {}, Visitor("v1", "127.0.0.1"))
@@ -51,8 +51,8 @@ NOT_HEARD = "the controller does not answer; use the emergency stop at the machi
 OpenLink = Callable[[], Link]
 
 
-class _Overtaken(Exception):  # noqa: N818 - no error: an urgent job ends what runs
-    """An urgent job waits."""
+class _Overtaken(Exception):  # noqa: N818 - no error: it ends what runs
+    """An urgent job waits, or what runs may not go on; the text says which."""
 
 
 @dataclass(eq=False)
@@ -63,6 +63,8 @@ class Job:
     ----------
     still_allowed : callable
         called when its turn comes: why it may not be done any more, "" when it may
+    is_attended : bool
+        whether it ends when that is no longer so
     """
 
     name: str
@@ -70,6 +72,7 @@ class Job:
     visitor: Visitor
     is_urgent: bool = False  # whether it overtakes
     still_allowed: Callable[[], str] = lambda: ""
+    is_attended: bool = False
     told: Future[Outcome] = field(default_factory=Future)  # gets the outcome
     given_s: float = field(default_factory=time.monotonic)
 
@@ -106,6 +109,7 @@ class LinkThread:
         self._jobs: deque[Job] = deque()
         self._urgent: deque[Job] = deque()
         self._is_breaking = False
+        self._running: Job | None = None
         self._shown_s = 0.0
         self._strobe: Strobe | None = None
         self._convergence = Convergence()
@@ -220,11 +224,21 @@ class LinkThread:
                 problem = "the controller does not answer; check its power and the bus"
                 raise Refused(f"{link.where}: {problem}")
 
+    def _why_over(self) -> str:
+        """Return why what runs is to end, "" when it may go on."""
+        if self._urgent:
+            return f"interrupted by {self._urgent[0].name}"
+        if self._is_over.is_set():
+            return "interrupted by the end of the panel"
+        job = self._running
+        why = job.still_allowed() if job is not None and job.is_attended else ""
+        return why and f"interrupted: {why}"
+
     def _look(self) -> None:
-        """End what runs when an urgent job waits, or the panel ends."""
-        if (self._urgent or self._is_over.is_set()) and not self._is_breaking:
+        """End what runs when there is a reason."""
+        if not self._is_breaking and (why := self._why_over()):
             self._is_breaking = True  # once: what brakes on its way out gets through
-            raise _Overtaken
+            raise _Overtaken(why)
 
     def _show(self, link: Link, status: Status) -> None:
         now_s = time.monotonic()
@@ -243,6 +257,7 @@ class LinkThread:
             job.tell(False, problem)
             return
         outcome = Outcome(False, "failed; see the terminal of tools/panel")
+        self._running = job
         try:
             if job.is_urgent:
                 link.rights.may = May.TAKE_OVER  # who stops asks nobody
@@ -251,11 +266,11 @@ class LinkThread:
             outcome = Outcome(True, ACTIONS[job.name](link, job.arguments, self._say))
         except (Refused, CamtoolsError) as error:
             outcome = Outcome(False, str(error))
-        except _Overtaken:
-            urgent = self._urgent[0].name if self._urgent else "the end of the panel"
-            outcome = Outcome(False, f"interrupted by {urgent}")
+        except _Overtaken as overtaken:
+            outcome = Outcome(False, str(overtaken))
             raise
         finally:
+            self._running = None
             link.rights.may = May.NEVER
             self._say("")
             job.tell(outcome.is_done, outcome.text)

@@ -14,6 +14,8 @@ Marks for tests are attributes `data-testid`:
 - the cut: `slider-feed`, `slider-spindle`, `feed-100`, `spindle-100` .., `trim`, `parts-new`
 - by hand: `jog-xplus`, `jog-xminus` .. (held), `step-xplus` .., `home-x` .., `zero-x`, `do-tool`
 - table: `table-part`, `table-make`, `table-file`, `table-next`, `table-now`, `table-chosen`
+- drive of U: `do-measure_loop`, `do-apply_loop`, `drive-loop`, `drive-report`, `drive-picture`,
+  `drive-problem`
 - rights: `level`, `do-unlock`, `do-lock`
 - parameters: `params`, `params-search`, `param-value`, `param-set`, `params-file`, `params-load` ..
 - `log`, `help`, `help-open`, `help-close`, `keys-on`; token and command are in the frame
@@ -32,6 +34,7 @@ from camtools.panel.context import AppContext
 from camtools.panel.operate.command_card import AdjustCard, CommandCard
 from camtools.panel.operate.error_card import ErrorCard
 from camtools.panel.operate.figures_card import FiguresCard
+from camtools.panel.operate.force_drive_card import ForceDriveCard
 from camtools.panel.operate.guide_card import GuideCard
 from camtools.panel.operate.hand_card import HandCard
 from camtools.panel.operate.keyboard_help import Help
@@ -94,7 +97,8 @@ class OperatePage:
                 self._table = TableCard(self._orders)
             with ui.element("div").classes("op-column"):
                 self._log = LogCard(self._context.log)
-        with ui.element("div").classes("op-below"):
+        with ui.element("div").classes("op-below op-column"):
+            self._drive = ForceDriveCard(self._orders)
             self._params = ParamsCard(self._orders)
 
     def _listen(self) -> None:
@@ -141,7 +145,9 @@ class OperatePage:
         for one in (self._adjust, self._hand, self._table):
             one.show(snapshot)
         self._learning.show(snapshot, self._context.service.lessons())
-        self._params.show(self._context.service.parameters())
+        read = self._context.service.parameters()
+        self._drive.show(snapshot, read)
+        self._params.show(read)
         self._params.show_level(snapshot.signals)
         self._log.show()
 

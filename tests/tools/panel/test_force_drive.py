@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The loop of a U that takes forces is measured and set from the panel, on a live lathe."""
+
+import asyncio
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from camtools.base.project_paths import ROOT
+from camtools.link.bus import open_bus
+from camtools.link.controller import Link
+from camtools.link.live_lathes import live_lathes
+from camtools.link.parameters import INFOS
+from camtools.panel.views.force_drive import has_force_drive, loop_text
+from tests.tools.cases.controller_cases import Seat, until
+from tests.tools.cases.live_cases import LiveCase, live_case
+
+_MACHINE = ROOT / "tests" / "scenarios" / "cases" / "machines" / "force.toml"
+_WEAK = {
+    "servo_crossover_hz": 60,
+    "servo_lead_percent": 2000,
+    "servo_pole_hz": 1000,
+    "servo_integral_mHz": 3000,
+}
+_DEFAULTS = {name: info.default for name, info in INFOS.items()}
+_REST_S = 0.5  # sooner than the controller's own patience with an excitation
+
+
+class LiveSeat(Seat):
+    """A service before a live lathe."""
+
+    def __init__(self, folder: Path, live: LiveCase) -> None:
+        (self._announced,) = live_lathes(folder / "camturn")
+        self.live = live
+        super().__init__("")
+
+    def _open(self) -> Link:
+        bus, where = open_bus(self._announced.bus)
+        return Link(bus, where, self._announced.node)
+
+    def parameters(self) -> dict[str, int]:
+        """Return the parameters as the page gets them."""
+        until(lambda: self.service.parameters() is not None, "parameters")
+        read = self.service.parameters()
+        assert read is not None
+        return dict(read.values)
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveSeat]:
+    """Return a service before a lathe whose weak loop holds U."""
+    folder = tmp_path_factory.mktemp("force")
+    machine = folder / "weak.toml"
+    keys = "\n".join(f"{name} = {value}" for name, value in _WEAK.items())
+    machine.write_text(f"{_MACHINE.read_text('utf-8')}[controller]\n{keys}\n", "utf-8")
+    with live_case(folder, "--machine", machine) as live:
+        one = LiveSeat(folder, live)
+        one.connect()
+        yield one
+        one.service.close()
+
+
+@pytest.fixture
+def seat(shared: LiveSeat) -> LiveSeat:
+    """Return the service in ready, the boss in command."""
+    shared.commander.take_over(shared.boss)
+    shared.boss.is_here, shared.boss.was_connected, shared.boss.back_at_s = True, True, -1e9
+    if shared.state == "off":
+        until(lambda: shared.ask("enable").is_done, "enable")
+    shared.wait_for("ready")
+    return shared
+
+
+def found_of(report: str, words: str) -> float:
+    """Return the number that follows some words in a report."""
+    found = re.search(rf"{words} +(-?[\d.]+)", report)
+    assert found is not None, report
+    return float(found[1])
+
+
+async def measured_works(seat: LiveSeat) -> set[str]:
+    """Measure U; return what the service was busy with."""
+    works: set[str] = set()
+    order = asyncio.create_task(seat.order("measure_loop"))
+    while not order.done():
+        works.add(seat.service.snapshot().work)
+        await asyncio.sleep(0.01)
+    assert order.result().is_done, order.result().text
+    return works
+
+
+_ENDS: dict[str, tuple[Callable[[LiveSeat], object], str]] = {
+    "stop": (lambda seat: seat.order("stop", seat.other), "interrupted by stop"),
+    "page closed": (lambda seat: seat.service.page_lost(seat.boss), "interrupted: the connection"),
+    "command lost": (lambda seat: seat.commander.lose(seat.boss), "interrupted: you do not"),
+}
+
+
+@pytest.mark.parametrize("end", _ENDS)
+def test_u_comes_to_rest_with_its_visitor(seat: LiveSeat, end: str) -> None:
+    """STOP, a page that closes and command that is lost end the excitation; no loop is kept."""
+    act, says = _ENDS[end]
+    signals = seat.live.link.status.signals
+
+    async def session() -> str:
+        measured = asyncio.create_task(seat.order("measure_loop"))
+        while seat.state != "identifying":
+            assert not measured.done(), (await measured).text
+            await asyncio.sleep(0.01)
+        await asyncio.sleep(0.3)
+        done = act(seat)
+        if asyncio.iscoroutine(done):
+            await done
+        return (await measured).text
+
+    assert asyncio.run(session()).startswith(says)
+    assert seat.live.link.wait(lambda: seat.live.link.status.state == "ready", _REST_S)
+    seat.live.link.next_row(1.0)
+    rest = signals["u_set"]
+    seat.live.link.wait(lambda: False, 0.3)
+    assert signals["u_set"] == rest
+    assert seat.service.tuned() is None
+
+
+def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:
+    """The second report shows the loop that the first one proposed."""
+    assert "no loop is proposed" in seat.refused("apply_loop")
+    assert has_force_drive(seat.parameters())
+    works = asyncio.run(measured_works(seat))
+    assert any(re.fullmatch(r"the record of U, \d+ %", work) for work in works)
+    assert "the loop of U, which is computed" in works
+    tuned = seat.service.tuned()
+    assert tuned is not None and tuned.picture.startswith(b"\x89PNG") and not tuned.problem
+    assert found_of(tuned.text, "mass_kg") == pytest.approx(1.5, rel=0.02)
+    measured = r"as it is \(measured\): crossover"
+    assert found_of(tuned.text, measured) == pytest.approx(60.0, rel=0.1)
+    assert seat.state == "ready" and seat.service.snapshot().has_command
+    before, proposed = seat.parameters(), dict(tuned.settings)
+    assert proposed["servo_mass_g"] == pytest.approx(1500, rel=0.02)
+    assert "servo_force_limit_mn" not in proposed
+    applied = seat.do("apply_loop")
+    assert applied.startswith(f"{len(proposed)} parameters are set, the drives are off")
+    until(lambda: seat.parameters() == before | proposed, "the loop is set, and nothing else")
+    assert "no loop is proposed" in seat.refused("apply_loop")
+    seat.wait_for("off")
+    assert "the state is off" in seat.refused("measure_loop")
+    until(lambda: seat.ask("enable").is_done, "enable")
+    seat.wait_for("ready")
+    seat.do("measure_loop")
+    again = seat.service.tuned()
+    assert again is not None
+    crossover_hz = found_of(tuned.text, "crossover:")
+    assert found_of(again.text, measured) == pytest.approx(crossover_hz, rel=0.1)
+
+
+def test_a_loop_without_the_margins_is_shown_and_not_applied(
+    seat: LiveSeat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The constants are there, and why no loop is proposed."""
+    poor = "margins at 0.7 of the mass: unstable"
+    monkeypatch.setattr("camtools.tune.proposal.refusal", lambda judged, *, is_proposal: poor)
+    assert seat.refused("measure_loop") == poor
+    tuned = seat.service.tuned()
+    assert tuned is not None and tuned.problem == poor and not tuned.picture
+    assert "mass_kg" in tuned.text and "proposed" not in tuned.text
+    assert "no loop is proposed" in seat.refused("apply_loop")
+
+
+def test_the_card_is_for_a_force_drive_and_says_what_is_to_be_set() -> None:
+    """A U that takes positions has none; a mass without a loop leads to the first power-up."""
+    assert not has_force_drive(_DEFAULTS) and not has_force_drive({})
+    weighed = _DEFAULTS | {"servo_mass_g": 2100}
+    assert has_force_drive(weighed)
+    assert "servo_crossover_hz = 0" in loop_text(weighed)
+    assert "hal/RETROFIT.md" in loop_text(weighed)
+    text = loop_text(_DEFAULTS | _WEAK | {"servo_force_limit_mn": 345_000})
+    assert "crossover 60 Hz" in text and " 345 N," in text

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The position loop of a U that takes forces: measured, proposed and set, in the link's thread.
+
+>>> LoopTuner().newest is None
+True
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+from camtools.identify.can_drive import ConnectedU
+from camtools.link.controller import Link
+from camtools.link.messages import Refused
+from camtools.tune.excited import Recorded, fitted, recorded
+from camtools.tune.parameters import settings_of
+from camtools.tune.proposal import proposed, subject_of
+
+_COMPUTED_S = 120.0
+_NAME = "U"
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """What a measurement of U shows, for pages.
+
+    Attributes
+    ----------
+    text : str
+        the report of tools/tune
+    picture : bytes
+        of the loop, a PNG; empty where the loop is refused
+    settings : Mapping
+        parameters that `apply_loop` sets; empty where the loop is refused, or set already
+    problem : str
+        why the loop is refused
+    """
+
+    text: str
+    picture: bytes
+    settings: Mapping[str, int]
+    problem: str = ""
+
+
+def tuned(one: Recorded, where: str) -> Tuned:
+    """Return the report and the loop for a record, as tools/tune makes them.
+
+    Raises
+    ------
+    CamtoolsError
+        The record is of no use, or a constant is out of its range.
+    """
+    from camtools.tune.plots import loop_png  # matplotlib is slow to load
+
+    subject = subject_of(fitted(one), {}, _NAME, where)
+    found = proposed(subject)
+    if found.problem:
+        return Tuned("\n".join(subject.lines), b"", {}, found.problem)
+    picture = loop_png(found.judged, "position loop of U", subject.measured)
+    settings = settings_of(found.values, subject.drive)
+    return Tuned("\n".join(found.lines), picture, settings)
+
+
+class LoopTuner:
+    """The newest measurement of U.
+
+    Attributes
+    ----------
+    newest : Tuned or None
+        None: there is none, or a new one is under way
+    """
+
+    def __init__(self) -> None:
+        self.newest: Tuned | None = None
+
+    def measure(self, link: Link, say: Say) -> str:
+        """Excite U and propose a loop; the link is served while that is computed.
+
+        Raises
+        ------
+        CamtoolsError, Refused
+            U takes positions, the controller refuses, or the record is of no use.
+        """
+        self.newest = None
+        say("the measurement of U")
+        u = ConnectedU(
+            link,
+            keeps_command=True,
+            progress=lambda here, in_all: say(f"the record of U, {here * 100 // in_all} %"),
+        )
+        one = recorded(u, link.where)
+        say("the loop of U, which is computed")
+        pool = ThreadPoolExecutor(1)
+        computed = pool.submit(tuned, one, link.where)
+        pool.shutdown(wait=False)
+        if not link.wait(computed.done, _COMPUTED_S):
+            raise Refused(f"no loop was found in {_COMPUTED_S:.0f} s; measure again")
+        self.newest = computed.result()
+        if self.newest.problem:
+            raise Refused(self.newest.problem)
+        return "a loop with the margins is proposed; see the report, then apply it"
+
+    def apply(self, link: Link, say: Say) -> str:
+        """Switch the drives off and set the loop that was proposed.
+
+        Raises
+        ------
+        Refused
+            Nothing is proposed, or the controller refuses; nothing is set then.
+        """
+        newest = self.newest
+        if newest is None or not newest.settings:
+            raise Refused("no loop is proposed; measure first")
+        say("the loop of U, which is set")
+        ConnectedU(link, keeps_command=True).apply(newest.settings)
+        self.newest = replace(newest, settings={})
+        what = f"{len(newest.settings)} parameters are set, the drives are off"
+        return f"{what}; enable, home and measure again, then keep the parameters"
