@@ -117,16 +117,34 @@ def test_u_comes_to_rest_with_its_visitor(seat: LiveSeat, end: str) -> None:
 
     assert asyncio.run(session()).startswith(says)
     assert seat.live.link.wait(lambda: seat.live.link.status.state == "ready", _REST_S)
-    seat.live.link.next_row(1.0)
-    rest = signals["u_set"]
-    seat.live.link.wait(lambda: False, 0.3)
-    assert signals["u_set"] == rest
+
+    def stands() -> bool:
+        seat.live.link.next_row(1.0)
+        rest = signals["u_set"]
+        seat.live.link.wait(lambda: False, 0.3)
+        return bool(signals["u_set"] == rest)
+
+    until(stands, "U has gone back and rests")
     assert seat.service.tuned() is None
+
+
+def test_a_pulse_tells_mass_and_friction(seat: LiveSeat) -> None:
+    """Apply sets both; no force, and one above the limit, are refused."""
+    assert "give a force above 0 N" in seat.refused("push_u", force_n=0.0)
+    assert "servo_force_limit_mn" in seat.refused("push_u", force_n=700.0)
+    seat.do("push_u", force_n=15.0)
+    told = seat.service.tuned()
+    assert told is not None and told.text.startswith("a positive force moves the scale up")
+    assert told.settings["servo_mass_g"] == pytest.approx(1500, rel=0.04)
+    assert told.settings["servo_friction_mn"] == pytest.approx(4500, rel=0.1)
+    before = seat.parameters()
+    seat.do("apply_loop")
+    until(lambda: seat.parameters() == before | dict(told.settings), "mass and friction are set")
 
 
 def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:
     """The second report shows the loop that the first one proposed."""
-    assert "no loop is proposed" in seat.refused("apply_loop")
+    assert "nothing is proposed" in seat.refused("apply_loop")
     assert has_force_drive(seat.parameters())
     works = asyncio.run(measured_works(seat))
     assert any(re.fullmatch(r"the record of U, \d+ %", work) for work in works)
@@ -143,7 +161,7 @@ def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:
     applied = seat.do("apply_loop")
     assert applied.startswith(f"{len(proposed)} parameters are set, the drives are off")
     until(lambda: seat.parameters() == before | proposed, "the loop is set, and nothing else")
-    assert "no loop is proposed" in seat.refused("apply_loop")
+    assert "nothing is proposed" in seat.refused("apply_loop")
     seat.wait_for("off")
     assert "the state is off" in seat.refused("measure_loop")
     until(lambda: seat.ask("enable").is_done, "enable")
@@ -165,7 +183,7 @@ def test_a_loop_without_the_margins_is_shown_and_not_applied(
     tuned = seat.service.tuned()
     assert tuned is not None and tuned.problem == poor and not tuned.picture
     assert "mass_kg" in tuned.text and "proposed" not in tuned.text
-    assert "no loop is proposed" in seat.refused("apply_loop")
+    assert "nothing is proposed" in seat.refused("apply_loop")
 
 
 def test_the_card_is_for_a_force_drive_and_says_what_is_to_be_set() -> None:

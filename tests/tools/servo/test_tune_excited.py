@@ -166,6 +166,13 @@ def test_a_pulse_over_can_tells_mass_and_friction(
     assert found["servo_friction_mn"] == pytest.approx(4500, rel=0.1)
 
 
+def test_a_stiff_loop_is_refused_for_a_pulse(capsys: pytest.CaptureFixture[str]) -> None:
+    """The loop of the machine holds U within a few micrometres: that would tell of friction."""
+    assert main(["--machine", str(_MACHINE), "--pulse", "10"]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1 and "um alone; set a weaker loop, of 30 Hz" in lines[0], lines
+
+
 def test_a_pulse_above_the_force_limit_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     """One line with the limit."""
     assert main(["--machine", str(_MACHINE), "--pulse", "700"]) == 2

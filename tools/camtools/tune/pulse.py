@@ -25,10 +25,10 @@ from camtools.identify.excitation_plan import Play
 from camtools.identify.excited import U
 
 _SMOOTH_S = 3e-4  # window of the speed
-_MOVING = 0.05  # of the greatest speed: friction counts in full from there on
-_STANDING = 0.01  # of it: friction takes up the force
+_STANDING = 0.01  # of the greatest speed: below, friction takes up the force
 _MOST_SCATTER = 0.3  # of the mass, between the directions
 _OF_STROKE = 0.1
+_LEAST_WAY = 0.05  # of the way that was planned: less tells of loop and friction
 _LEAST_S, _MOST_S = 2e-3, 50e-3
 _FADE_TICKS = 16
 
@@ -55,7 +55,7 @@ def _one(tick_hz: float, force_n: Floats, position_m: Floats) -> tuple[float, fl
     smooth = np.convolve(np.pad(position_m, n, mode="edge"), np.ones(n) / n, mode="same")[n:-n]
     speed = np.gradient(smooth, step_s)
     fastest = np.abs(speed).max() + 1e-30
-    sense = np.clip(speed / (_MOVING * fastest), -1.0, 1.0)
+    sense = np.clip(speed / (_STANDING * fastest), -1.0, 1.0)
     soon = maximum_filter1d(np.abs(speed), 2 * n + 1, origin=-n)  # greatest of the next 2 n ticks
     impulse = _sums(np.where(soon < _STANDING * fastest, 0.0, force_n), step_s)
     time = np.arange(force_n.size) * step_s  # of a speed at the start
@@ -125,13 +125,18 @@ def measure_pulse(u: U, force_n: float) -> Pulse:
     Raises
     ------
     CamtoolsError
-        As `pulse_fit`; or the simulated controller refuses.
+        As `pulse_fit`; U hardly moved; or the simulated controller refuses.
     Refused, CutShortError
         The controller refuses, for instance a force above its limit, or a fault ends the pulse.
     """
+    if force_n <= 0:
+        raise CamtoolsError([f"pulse of {force_n:g} N: give a force above 0 N"])
     believed, values = u.believed(), u.values(["servo_mass_g"])
     play = pulse_play(force_n, values["servo_mass_g"] / 1e3, believed)
     _, actual_nm, force_q6 = u.played(play, ("u_actual_nm", "u_force_q6"))
+    if np.ptp(actual_nm) < _LEAST_WAY * _OF_STROKE * believed.u_stroke_nm:
+        problem = f"U moved by {np.ptp(actual_nm) * 1e-3:.3g} um alone"
+        raise CamtoolsError([f"pulse: {problem}; set a weaker loop, of 30 Hz, or push harder"])
     return pulse_fit(believed.tick_hz, force_q6 / 64e3, (actual_nm - actual_nm[0]) / 1e9)
 
 

@@ -16,11 +16,12 @@ from camtools.panel.orders.snapshot import Snapshot
 from camtools.panel.views.force_drive import has_force_drive, loop_text
 
 _MOVES = "U moves to and fro for some seconds. Is the tool clear of the work, with the door shut?"
-_SETS = "The drives go off, and the proposed loop takes effect: enable and home again."
+_SETS = "The drives go off, and what is proposed takes effect: enable and home again."
 _MEANING = (
-    "Measure excites U in its loop as it is, finds mass, friction, delay and modes, and proposes a "
-    "loop with margins of 6 dB and 30 degrees. Apply sets it. Measure again to see the result, "
-    "then keep the parameters."
+    "At the first power-up Pulse pushes U in both directions, for the sign of its force, its mass "
+    "and its friction. Measure excites U in its loop as it is, finds mass, friction, delay and "
+    "modes, and proposes a loop with margins of 6 dB and 30 degrees. Apply sets what is proposed. "
+    "Measure again to see the result, then keep the parameters."
 )
 
 
@@ -35,6 +36,11 @@ class ForceDriveCard:
             ui.label(_MEANING).classes("op-note")
             self._loop = ui.label("").classes("op-box").props("data-testid=drive-loop")
             with ui.element("div").classes("op-row"):
+                self._force = ui.number("Force of the pulse", value=15.0, min=0.1, suffix="N")
+                self._force.classes("op-input").props("data-testid=pulse-force")
+                one = ui.button("Pulse", on_click=self._push)
+                one.props("no-caps outline data-testid=do-push_u")
+                orders.guard(one, "push_u")
                 one = ui.button("Measure", on_click=self._measure)
                 one.props("no-caps outline data-testid=do-measure_loop")
                 orders.guard(one, "measure_loop")
@@ -53,13 +59,18 @@ class ForceDriveCard:
         newest = self._service.tuned()
         return "" if newest is not None and newest.settings else "measure first"
 
+    async def _push(self) -> None:
+        if await confirmed("Push U?", _MOVES, "Push"):
+            force_n = float(self._force.value or 0.0)
+            await self._orders.give("push_u", f"push U by {force_n:g} N", force_n=force_n)
+
     async def _measure(self) -> None:
         if await confirmed("Measure U?", _MOVES, "Measure"):
             await self._orders.give("measure_loop", "measure U")
 
     async def _apply(self) -> None:
         asked = self._service.tuned()
-        if not await confirmed("Apply the loop?", _SETS, "Apply"):
+        if not await confirmed("Apply what is proposed?", _SETS, "Apply"):
             return
         if self._service.tuned() is not asked:
             self._orders.refuse("apply the loop", "U was measured again meanwhile; look, and apply")

@@ -158,7 +158,7 @@ class ControllerService:
             self._presses.drop(f"{order.name} was ordered")
         if order.name == "unlock":
             arguments["secret"] = self._secret
-        if order.name in ("measure_loop", "apply_loop"):
+        if order.name in ("push_u", "measure_loop", "apply_loop"):
             arguments["tuner"] = self._tuner
         return await self._give(order, arguments, visitor)
 

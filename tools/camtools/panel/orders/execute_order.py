@@ -170,6 +170,11 @@ def _lock(link: Link, _arguments: Arguments, _say: Say) -> str:
     return _level(link)
 
 
+def _push_u(link: Link, arguments: Arguments, say: Say) -> str:
+    tuner: LoopTuner = arguments["tuner"]
+    return tuner.push(link, arguments["force_n"], say)
+
+
 def _measure_loop(link: Link, arguments: Arguments, say: Say) -> str:
     tuner: LoopTuner = arguments["tuner"]
     return tuner.measure(link, say)
@@ -209,6 +214,7 @@ ACTIONS: Mapping[str, Action] = {
     "params_load": _params_load,
     "unlock": _unlock,
     "lock": _lock,
+    "push_u": _push_u,
     "measure_loop": _measure_loop,
     "apply_loop": _apply_loop,
     "take_over": _take_over,  # of the service alone: no page orders it by its name

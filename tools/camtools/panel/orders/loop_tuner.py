@@ -17,6 +17,7 @@ from camtools.link.messages import Refused
 from camtools.tune.excited import Recorded, fitted, recorded
 from camtools.tune.parameters import settings_of
 from camtools.tune.proposal import proposed, subject_of
+from camtools.tune.pulse import measure_pulse, pulse_lines, pulse_settings
 
 _COMPUTED_S = 120.0
 _NAME = "U"
@@ -34,7 +35,7 @@ class Tuned:
     picture : bytes
         of the loop, a PNG; empty where the loop is refused
     settings : Mapping
-        parameters that `apply_loop` sets; empty where the loop is refused, or set already
+        parameters that `apply` sets; empty where the loop is refused, or set already
     problem : str
         why the loop is refused
     """
@@ -76,6 +77,24 @@ class LoopTuner:
     def __init__(self) -> None:
         self.newest: Tuned | None = None
 
+    def push(self, link: Link, force_n: float, say: Say) -> str:
+        """Push U in both directions; sign, mass and friction are what `apply` then sets.
+
+        Raises
+        ------
+        CamtoolsError, Refused
+            The controller refuses, U is reversed, or the pulse tells nothing.
+        """
+        self.newest = None
+        say("the pulse of U")
+        found = measure_pulse(ConnectedU(link, keeps_command=True), force_n)
+        lines = list(pulse_lines(found))
+        if found.sign < 0:
+            self.newest = Tuned("\n".join(lines), b"", {}, lines[0])
+            raise Refused(lines[0])
+        self.newest = Tuned("\n".join(lines), b"", pulse_settings(found))
+        return "mass and friction are known; see the report, then apply them"
+
     def measure(self, link: Link, say: Say) -> str:
         """Excite U and propose a loop; the link is served while that is computed.
 
@@ -104,7 +123,7 @@ class LoopTuner:
         return "a loop with the margins is proposed; see the report, then apply it"
 
     def apply(self, link: Link, say: Say) -> str:
-        """Switch the drives off and set the loop that was proposed.
+        """Switch the drives off and set what was proposed.
 
         Raises
         ------
@@ -113,8 +132,8 @@ class LoopTuner:
         """
         newest = self.newest
         if newest is None or not newest.settings:
-            raise Refused("no loop is proposed; measure first")
-        say("the loop of U, which is set")
+            raise Refused("nothing is proposed; measure first")
+        say("what U's measurement proposed, which is set")
         ConnectedU(link, keeps_command=True).apply(newest.settings)
         self.newest = replace(newest, settings={})
         what = f"{len(newest.settings)} parameters are set, the drives are off"

@@ -39,7 +39,7 @@ class OrderRule:
 # They overtake everything, break off what runs, and drop what waits.
 URGENT = ("stop", "disable")
 # They end when their visitor closes his page or commands no longer.
-ATTENDED = ("measure_loop",)
+ATTENDED = ("push_u", "measure_loop")
 _LONGEST_TEXT = 200
 _MOST_TEXT_BYTES, MOST_IMAGE_BYTES = 1 << 20, 16 << 20
 _SIZES = {"text": _MOST_TEXT_BYTES, "image": MOST_IMAGE_BYTES}
@@ -91,8 +91,9 @@ RULES = {
     "revert": _rule(),
     "defaults": _rule(),
     # The position loop of a U that takes forces.
+    "push_u": _rule(force_n=float),
     "measure_loop": _rule(),
-    "apply_loop": _rule(),  # the one that was proposed last
+    "apply_loop": _rule(),  # what was proposed last
     # The level of the controller: limits, constants and tables change in the unlocked one only.
     "unlock": _rule(),
     "lock": _rule(),

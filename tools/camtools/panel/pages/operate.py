@@ -14,8 +14,8 @@ Marks for tests are attributes `data-testid`:
 - the cut: `slider-feed`, `slider-spindle`, `feed-100`, `spindle-100` .., `trim`, `parts-new`
 - by hand: `jog-xplus`, `jog-xminus` .. (held), `step-xplus` .., `home-x` .., `zero-x`, `do-tool`
 - table: `table-part`, `table-make`, `table-file`, `table-next`, `table-now`, `table-chosen`
-- drive of U: `do-measure_loop`, `do-apply_loop`, `drive-loop`, `drive-report`, `drive-picture`,
-  `drive-problem`
+- drive of U: `pulse-force`, `do-push_u`, `do-measure_loop`, `do-apply_loop`, `drive-loop`,
+  `drive-report`, `drive-picture`, `drive-problem`
 - rights: `level`, `do-unlock`, `do-lock`
 - parameters: `params`, `params-search`, `param-value`, `param-set`, `params-file`, `params-load` ..
 - `log`, `help`, `help-open`, `help-close`, `keys-on`; token and command are in the frame

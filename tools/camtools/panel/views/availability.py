@@ -63,6 +63,7 @@ RULES = {
     "keep": Rule(("off",), "only in off"),
     "revert": Rule(_IDLE, "only in off and ready"),
     "defaults": Rule(_IDLE, "only in off and ready"),
+    "push_u": Rule(("ready",), "only in ready"),
     "measure_loop": Rule(("ready",), "only in ready"),
     "apply_loop": Rule(("ready",), "only in ready"),
     "unlock": Rule(_AT_REST, "only while the machine is at rest"),
