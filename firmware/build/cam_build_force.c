@@ -14,15 +14,15 @@ enum {
     runaway_most_nm = 50000,
 };
 
-/// @return [nm / 64] accepted deviation of U from its observer; by default what an unknown force of
-///         half the largest one makes, so that a U of weak force is supervised as well
+/// @return [nm / 64] accepted deviation of U from its observer; by default what an unknown force as
+///         large as its own largest makes, which U could not hold
 static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
 {
-    const int64_t half_q6 = (int64_t)p->servo_force_limit_mn * 32 * c->motion_q24 / c->vel_q24;
+    const int64_t own_q6 = (int64_t)p->servo_force_limit_mn * 64 * c->motion_q24 / c->vel_q24;
     const int64_t least_q6 = (int64_t)p->u_scale_nm * scale_steps * 64;
     const int64_t most_q6 = (int64_t)runaway_most_nm * 64;
     const bool is_set = p->servo_runaway_nm > 0;
-    return is_set ? p->servo_runaway_nm * 64 : (int32_t)cam_clamp_i64(half_q6, least_q6, most_q6);
+    return is_set ? p->servo_runaway_nm * 64 : (int32_t)cam_clamp_i64(own_q6, least_q6, most_q6);
 }
 
 cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uint32_t tick_hz)

@@ -72,7 +72,12 @@ static void derive_servo(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_servo_crossover_hz, fmax(crossover_hz, 1.0));
     put(d, cam_param_servo_lead_percent, 5000.0);
     put(d, cam_param_servo_pole_hz, floor(fmax(10.0, fmin(m->tick_hz / 5.0, 10.0 * crossover_hz))));
-    put(d, cam_param_servo_integral_mHz, crossover_hz * 100.0);
+    // Its pole at 10 and zero at 1/5 of the crossover make the lead 5.07 there; the coefficient of
+    // the integral is at most 0.25 N/um per tick.
+    const double omega = SIM_TWO_PI * crossover_hz;
+    const double gain_n_per_um = u->mass_kg * omega * omega / 5.07 * 1e-6;
+    const double most_hz = 0.24 / (gain_n_per_um * tick_s * SIM_TWO_PI);
+    put(d, cam_param_servo_integral_mHz, fmin(crossover_hz * 0.1, most_hz) * 1e3);
     put(d, cam_param_servo_force_delay_ns, delay_s * 1e9);
     put(d, cam_param_servo_drag_mn_s_per_m, u->viscous_n_s_per_m * 1e3);
     put(d, cam_param_servo_friction_mn, u->friction_m_per_s2 * u->mass_kg * 1e3);
