@@ -21,8 +21,8 @@ typedef struct {
     uint32_t largest_feed_nm; ///< [nm] cam_feasible_largest_feed_nm()
     uint32_t pass;            ///< number of the pass that was judged; 0: the table has none
     int64_t needed;           ///< what the motion needs, in the unit of the limit
-    int64_t limit; ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000], [degrees /
-                   ///< 1000 / s], [degrees / s2], [1e-6], [turns], [mN] or per tick, depending on err
+    int64_t limit;            ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000] or per s,
+                              ///< [degrees / s2], [1e-6], [turns], [mN], [per tick], by err
 } cam_feasibility_t;
 
 /// Judge a speed, the verdict alone: one comparison with each limit.

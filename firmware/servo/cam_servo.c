@@ -99,10 +99,10 @@ int32_t cam_servo_step_isr(cam_servo_t *s, const cam_servo_config_t *cfg,
     const int32_t off_q6 = error_q6(&cfg->ahead, in, s->acc_q10);
     const int64_t sum_q38 = s->sum_q38 + (int64_t)cfg->ki_q32 * off_q6;
     const int32_t back_q6 = notched_q6(s, &cfg->notch, pi_lead_q6(s, cfg, off_q6, sum_q38));
-    const int32_t wanted_q6 = back_q6 + feed_forward_force_q6(cfg, in) + in->push_q6;
+    const int32_t wanted_q6 = cam_sat_add(back_q6 + feed_forward_force_q6(cfg, in), in->push_q6);
     s->force_q6 = limited_q6(s, cfg, wanted_q6);
     s->acc_q10 = in->acc_q10;
-    integrate(s, sum_q38, wanted_q6 - s->force_q6);
+    integrate(s, sum_q38, cam_sat_sub(wanted_q6, s->force_q6));
     heat(s, cfg);
     return s->force_q6;
 }

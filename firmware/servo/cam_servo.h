@@ -83,7 +83,7 @@ typedef struct {
     int32_t vel_q10;   ///< [nm / 1024 per step] its speed
     int32_t acc_q10;   ///< [nm / 1024 per step^2] its acceleration
     int32_t actual_q6; ///< [nm / 64] reading of the scale
-    int32_t push_q6;   ///< [mN / 64] force that is added, within +-2^28
+    int32_t push_q6;   ///< [mN / 64] force that is added
 } cam_servo_input_t;
 
 /// State; zero-initialised the drive is cold, and cam_servo_start_isr() must come first.

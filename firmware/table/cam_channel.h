@@ -128,12 +128,12 @@ typedef struct {
     uint32_t limit_u_acceleration_mm_per_s2; ///< [mm/s2]
     uint32_t limit_spindle_mrpm;             ///< [r/min / 1000] highest spindle speed
     int32_t u_min_nm, u_max_nm;              ///< [nm] bounds of u, between the knots too
-    uint32_t u1_peak_nm_per_rad;         ///< [nm/rad] bound of |u' r|: speed of U over mean speed
-    uint32_t u2_peak_nm_per_rad2;        ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
-    uint32_t u3_peak_nm_per_rad3;        ///< [nm/rad3] bound of |u'''|, measured by the check
-    uint32_t u2_rms_nm_per_rad2;         ///< [nm/rad2] rms of u'' over a turn, largest of all slices
-    uint32_t spindle_peak_ppm_per_rad;   ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
-    uint32_t ratio_max_q20;              ///< [2^-20] bound of the ratio r, between the knots too
+    uint32_t u1_peak_nm_per_rad;       ///< [nm/rad] bound of |u' r|: speed of U over mean speed
+    uint32_t u2_peak_nm_per_rad2;      ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
+    uint32_t u3_peak_nm_per_rad3;      ///< [nm/rad3] bound of |u'''|, measured by the check
+    uint32_t u2_rms_nm_per_rad2;       ///< [nm/rad2] rms of u'' over a turn, largest of all slices
+    uint32_t spindle_peak_ppm_per_rad; ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
+    uint32_t ratio_max_q20;            ///< [2^-20] bound of the ratio r, between the knots too
     cam_spindle_demand_t spindle_demand; ///< demand of speed on the spindle's loop
     int32_t x_min_nm, x_max_nm;          ///< [nm] bounds of x, between the knots too
     uint32_t x_slope_ppm;                ///< [1e-6] largest |dX/dZ|, measured by the check
