@@ -4,7 +4,7 @@
 #include "cam_fix.h"         // cam_clamp_i64
 #include "cam_servo_setup.h" // cam_servo_setup
 #include "cam_units.h"       // cam_units_scale
-#include "hal/hal.h"         // hal_force
+#include "hal/hal.h"         // hal_takes_force
 #include <stdbool.h>         // bool
 
 enum {
@@ -29,7 +29,7 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
 {
     const cam_params_t *p = params;
     const int64_t tick2 = (int64_t)tick_hz * tick_hz;
-    *c = (cam_force_config_t){.is_used = hal_force().quantum_un > 0u};
+    *c = (cam_force_config_t){.is_used = hal_takes_force()};
     cam_param_id_t which = cam_n_params;
     const cam_err_t err = cam_servo_setup(params, tick_hz, &c->servo, &which);
     if (!c->is_used || err != cam_ok) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_servo_setup.h"
 #include "cam_servo_design.h" // cam_servo_design
-#include "hal/hal.h"          // hal_force
+#include "hal/hal.h"          // hal_force, hal_takes_force
 
 /// @return the parameter that a refusal of the design means
 static cam_param_id_t refused_param(cam_servo_refused_t refused)
@@ -27,7 +27,7 @@ cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_serv
                           cam_param_id_t *which)
 {
     *cfg = (cam_servo_config_t){0};
-    if (hal_force().quantum_un == 0u || params->servo_crossover_hz == 0) {
+    if (!hal_takes_force() || params->servo_crossover_hz == 0) {
         return cam_ok;
     }
     const cam_servo_params_t physical = {.step_hz = (int32_t)tick_hz,

@@ -182,7 +182,7 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     enum { none, here, by_switch, by_index, by_stop, by_stop_index };
     const cam_offsets_axis_t a = cam_offsets_axis(&m->params, axis);
     const bool has_stop = a.method == by_stop || a.method == by_stop_index;
-    if (a.method == none || (has_stop && hal_force().quantum_un == 0u)) {
+    if (a.method == none || (has_stop && !hal_takes_force())) {
         return cam_err_home_none;
     }
     const cam_jog_config_t *jog = &cam_machine_newest_config(m)->play.jog;
