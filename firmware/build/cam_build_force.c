@@ -4,7 +4,7 @@
 #include "cam_fix.h"         // cam_clamp_i64
 #include "cam_servo_setup.h" // cam_servo_setup
 #include "cam_units.h"       // cam_units_scale
-#include "hal/hal.h"         // hal_force
+#include "hal/hal.h"         // hal_takes_force
 #include <stdbool.h>         // bool
 
 enum {
@@ -29,7 +29,7 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
 {
     const cam_params_t *p = params;
     const int64_t tick2 = (int64_t)tick_hz * tick_hz;
-    *c = (cam_force_config_t){.is_used = hal_force().quantum_un > 0u};
+    *c = (cam_force_config_t){.is_used = hal_takes_force()};
     cam_param_id_t which = cam_n_params;
     const cam_err_t err = cam_servo_setup(params, tick_hz, &c->servo, &which);
     if (!c->is_used || err != cam_ok) {
@@ -43,7 +43,7 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
     // half of the greatest deceleration, twice
     const int64_t braking_nm =
         cam_units_scale(p->servo_force_limit_mn, INT64_C(1000000000), tick2 * p->servo_mass_g);
-    c->motion_q24 = (int32_t)cam_clamp_i64(motion_q24, 1, INT32_MAX);
+    c->motion_q24 = (int32_t)motion_q24;
     c->pos_q18 = (int32_t)(omega_q24 >> 5);
     c->vel_q24 = (int32_t)((omega_q24 * omega_q24) >> 24);
     c->runaway_q6 = runaway_q6(p, c);

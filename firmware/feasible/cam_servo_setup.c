@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_servo_setup.h"
 #include "cam_servo_design.h" // cam_servo_design
-#include "hal/hal.h"          // hal_force
+#include "hal/hal.h"          // hal_force, hal_takes_force
+
+/// Mass x square of the tick rate, 10^9 / 128, up to which motion_q24 of cam_build_force.c exceeds
+/// its word.
+enum { most_light_g_hz2 = 7812500 };
 
 /// @return the parameter that a refusal of the design means
 static cam_param_id_t refused_param(cam_servo_refused_t refused)
@@ -27,7 +31,7 @@ cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_serv
                           cam_param_id_t *which)
 {
     *cfg = (cam_servo_config_t){0};
-    if (hal_force().quantum_un == 0u || params->servo_crossover_hz == 0) {
+    if (!hal_takes_force() || params->servo_crossover_hz == 0) {
         return cam_ok;
     }
     const cam_servo_params_t physical = {.step_hz = (int32_t)tick_hz,
@@ -43,6 +47,10 @@ cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_serv
     }
     if (params->servo_force_delay_ns < (int64_t)hal_force().latency_ns) {
         *which = cam_param_servo_force_delay_ns; // which includes the latency of the output
+        return cam_err_servo;
+    }
+    if ((int64_t)tick_hz * tick_hz * params->servo_mass_g <= most_light_g_hz2) {
+        *which = cam_param_servo_mass_g;
         return cam_err_servo;
     }
     *which = cam_param_servo_force_limit_mn;

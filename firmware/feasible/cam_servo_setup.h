@@ -14,8 +14,8 @@
 /// @param cfg    result; all 0 where nothing is checked
 /// @param which  result, the parameter that is refused
 /// @return       cam_ok, cam_err_servo (also where the delay of the force is less than the latency
-///               of the port's output), or cam_err_servo_force where U's limits need more than the
-///               force limit
+///               of the port's output, or the mass too light for the supervision at this rate), or
+///               cam_err_servo_force where U's limits need more than the force limit
 CAM_MUST_USE cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz,
                                        cam_servo_config_t *cfg, cam_param_id_t *which);
 

@@ -118,7 +118,7 @@ cam_err_t cam_machine_check_drives(const cam_params_t *params, const cam_status_
     if ((status->inputs & hal_in_bus_lost) != 0u) {
         return cam_err_bus;
     }
-    if (hal_force().quantum_un > 0u && params->servo_crossover_hz == 0) {
+    if (hal_takes_force() && params->servo_crossover_hz == 0) {
         return cam_err_servo_none;
     }
     return cam_is_within(status->u_actual_nm, params->u_stroke_nm / 2) ? cam_ok : cam_err_u_place;

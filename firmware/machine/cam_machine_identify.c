@@ -36,6 +36,7 @@ cam_err_t cam_machine_wave_begin(cam_machine_t *m, uint32_t n_bytes)
     }
     cam_scope_reserve(&m->scope, n);
     i->n = 0;
+    i->is_force = false;
     i->n_bytes = n_bytes;
     i->received = 0;
     i->is_open = true;

@@ -3,19 +3,20 @@
 ///
 ///     wave_begin -> wave_block, .. -> wave_end -> excite, keep_alive, .. -> state ready again
 ///
-/// The samples are int32 [nm], one per tick, of one period, or with is_force [mN] of force. They
-/// occupy the start of the recorder's memory (cam_scope.h), so that a new wave discards the
-/// recording. Before it starts, an excitation is checked for length, stroke, speed and
-/// acceleration, with the wrap and the fade (cam_wave.h), and for half the clearance between tool
-/// and work. The recorder records it, with the columns set before, from the first tick of the state
-/// identifying to the last.
+/// The samples are int32 [nm], one per tick, of one period, or [mN] of force where the field
+/// wave_unit is set to 1 after wave_begin. They occupy the start of the recorder's memory
+/// (cam_scope.h), so that a new wave discards the recording. Before it starts, an excitation is
+/// checked for length, stroke, speed and acceleration, with the wrap and the fade (cam_wave.h), and
+/// for half the clearance between tool and work. The recorder records it, with the columns set
+/// before, from the first tick of the state identifying to the last.
 ///
-/// A wave of force is added to the force of U by a position loop that stays closed; with a
-/// crossover of 1 Hz U moves as the force alone moves it, with a real one the wave measures the
-/// loop. It must stay within the force limit, and its position within the stroke, X clear of all
-/// of U's travel. U may follow by that much; the supervision of its force (cam_force.h) stays. The
-/// force of a sample is in the record of the next tick. It drops to 0 at the end without a fall;
-/// then the usual following error applies again.
+/// A wave of force is added to the force of U's position loop, which stays closed. At a crossover
+/// of 1 Hz U moves as the wave alone would move it; with the loop of the cut the wave measures that
+/// loop. The wave must stay within the force limit, the position about which it plays within the
+/// stroke, and X clear of all of U's travel; a following error of that travel is accepted, and the
+/// supervision of the force (cam_force.h) continues. The record shows the force of a sample in the
+/// next tick. At its end the force drops to 0 at once, and the usual limit of the following error
+/// applies again.
 ///
 /// Without a sign of life for cam_identify_patience_ms U is brought to rest; stop and disable do
 /// the same, and disable then disables the drives. The guard allows a following error of its limit

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_jog.h"
+#include "cam_cut.h"           // cam_cut_smaller
 #include "cam_demand.h"        // cam_demand_clearance_nm
 #include "cam_fix.h"           // cam_sat_i32
 #include "cam_machine_inner.h" // cam_machine_post
@@ -157,11 +158,11 @@ cam_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
     return (cam_verdict_t){give_order(m, &status, &order), nm};
 }
 
-/// @return [mN / 64] force with which U searches its stop
+/// @return [mN / 64] force with which U searches its stop; a hot motor has it as well
 static int32_t press_q6(const cam_params_t *p)
 {
-    const bool is_small = p->u_home_force_mn < p->servo_force_limit_mn;
-    return 64 * (is_small ? p->u_home_force_mn : p->servo_force_limit_mn);
+    const int64_t most_mn = cam_cut_smaller(p->servo_continuous_mn, p->servo_force_limit_mn);
+    return 64 * (int32_t)cam_cut_smaller(p->u_home_force_mn, most_mn);
 }
 
 /// @return [plans] in 20 ms, at least 1
@@ -182,7 +183,7 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     enum { none, here, by_switch, by_index, by_stop, by_stop_index };
     const cam_offsets_axis_t a = cam_offsets_axis(&m->params, axis);
     const bool has_stop = a.method == by_stop || a.method == by_stop_index;
-    if (a.method == none || (has_stop && hal_force().quantum_un == 0u)) {
+    if (a.method == none || (has_stop && !hal_takes_force())) {
         return cam_err_home_none;
     }
     const cam_jog_config_t *jog = &cam_machine_newest_config(m)->play.jog;

@@ -54,7 +54,7 @@ static cam_err_t set_wave_unit(cam_machine_t *m, int32_t value)
     if (value != 0 && value != 1) {
         return cam_err_scope_range;
     }
-    if (value == 1 && hal_force().quantum_un == 0u) {
+    if (value == 1 && !hal_takes_force()) {
         return cam_err_wave_unit;
     }
     m->identify.is_force = value == 1;

@@ -43,8 +43,8 @@ static void begin_phase(cam_jog_t *h, const cam_jog_order_t *o, cam_jog_phase_t 
 enum { most_shift_nm = 1 << 25 };
 
 enum {
-    still_nm = 1000, ///< a U that moves by no more stands
-    left_nm = 10000, ///< way back from a stop by which it is left
+    still_nm = 1000, ///< U stands while it moves by no more than this
+    left_nm = 10000, ///< U has left its stop at this distance
 };
 
 /// The home is found. @return [nm] shift of U's position
@@ -71,8 +71,8 @@ static int32_t take_home(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_ti
     return (int32_t)shift_nm;
 }
 
-/// Begin a phase of homing. U's position becomes another one, for stroke ahead of it.
-/// @param u_q10  [nm / 1024] that position
+/// Begin a phase of homing. U's origin is shifted, so that its stroke is ahead of it.
+/// @param u_q10  [nm / 1024] new position of U
 /// @return       [nm] shift of U's position
 static int32_t begin_from(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_motion_t *m,
                           cam_jog_phase_t phase, int64_t u_q10)
@@ -100,13 +100,13 @@ static int32_t begin_homing(cam_jog_t *h, const cam_jog_config_t *cfg, const cam
     const cam_jog_order_t *o = &cfg->order;
     h->homed &= ~(UINT32_C(1) << (uint32_t)o->axis);
     h->n_still = 0;
-    m->u_press_q6 = o->axis == hal_axis_u ? o->press_q6 : m->u_press_q6;
+    m->u_press_q6 = o->press_q6 != 0 ? o->press_q6 : m->u_press_q6; // U may be on its stop
     return o->press_q6 == 0 && is_input_on(r, o->axis, hal_in_home_u)
                ? begin_from(h, cfg, m, cam_jog_release, o->sense * cfg->u_end_q10)
                : begin_from(h, cfg, m, cam_jog_search, -o->sense * cfg->u_end_q10);
 }
 
-/// Begin the release from the stop. The set-point, which is still moving, needs room to brake.
+/// Begin the release from the stop, at half of the stroke: the set-point must brake first.
 /// @return [nm] shift of U's position
 static int32_t leave_stop(cam_jog_t *h, const cam_jog_config_t *cfg, const cam_tick_record_t *r,
                           const cam_motion_t *m)

@@ -15,10 +15,11 @@
 /// within the travel of the order ends it without a home. U, whose travel is its stroke: the search
 /// first sets U's position to an end of its stroke, and the home finally sets it to its value.
 ///
-/// A U that takes forces may have a stop instead of a switch, MATHS.md (173). It is found when the
-/// force is at the limit of the order and U has stood within 1 um for 20 ms; there is the home. U
-/// has left it when it is 10 um back and within its stroke. The force stays limited until the home
-/// is found or the drives are disabled: when the order ends before, U may press on its stop.
+/// A U that takes forces may have a stop instead of a switch, MATHS.md (173). The stop is found,
+/// and is the home, when the force is at the limit of the order and U has stood within 1 um for 20
+/// ms. U has left it when it is 10 um back and within its stroke. The force stays limited until a
+/// home is found or the drives are disabled, because an order that ends earlier may leave U on its
+/// stop.
 #ifndef CAM_JOG_H
 #define CAM_JOG_H
 

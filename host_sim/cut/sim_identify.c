@@ -57,9 +57,9 @@ static bool load_wave(sim_cut_t *cut, const sim_identify_options_t *o, common_er
     cam_machine_t *m = machine_of(cut);
     const uint32_t n_bytes = o->n * (uint32_t)sizeof(int32_t);
     const uint8_t *bytes = (const uint8_t *)o->wave;
-    cam_err_t err = cam_machine_scope_set(m, cam_scope_field_wave_unit, o->is_force ? 1 : 0);
+    cam_err_t err = cam_machine_wave_begin(m, n_bytes);
     if (err == cam_ok) {
-        err = cam_machine_wave_begin(m, n_bytes);
+        err = cam_machine_scope_set(m, cam_scope_field_wave_unit, o->is_force ? 1 : 0);
     }
     if (err == cam_ok) {
         err = cam_machine_wave_block(m, 0, bytes, n_bytes);

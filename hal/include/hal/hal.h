@@ -212,6 +212,12 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis);
 /// machine file.
 hal_force_t hal_force(void);
 
+/// @return whether U takes forces, not positions
+static inline bool hal_takes_force(void)
+{
+    return hal_force().quantum_un > 0u;
+}
+
 /// @return the operator controls, constant after hal_init(). Simulator: set by the test, else the
 /// acknowledge is waived and there is a key switch.
 hal_operator_t hal_operator(void);

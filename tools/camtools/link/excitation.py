@@ -138,8 +138,9 @@ def excite(
     """
     check_excitation(periods, fade_ticks, place_nm)
     mask_of(signals)
-    put(link, "wave_unit", UNITS.index(unit))
     n = download_wave(link, samples)
+    if unit != "nm":
+        put(link, "wave_unit", UNITS.index(unit))
     configure(link, signals)
     put(link, "place_nm", place_nm)
     seconds = (n * periods + 2 * fade_ticks) / get(link, "tick_hz")

@@ -48,8 +48,9 @@ REMEDIES = {
     "travel": "check x_low_nm, x_high_nm, z_low_nm, z_high_nm, the datum and the tool",
     "servo_none": "design the loop with tools/tune, and load the parameters that it proposes",
     "servo": "keep servo_pole_hz within a fifth and servo_notch_hz within a quarter of the tick "
-    "rate, servo_crossover_hz within the pole, servo_integral_mHz within the crossover, and "
-    "servo_force_limit_mn within 15 times servo_continuous_mn; tools/tune proposes such a loop",
+    "rate, servo_crossover_hz within the pole, servo_integral_mHz within the crossover, "
+    "servo_force_limit_mn within 15 times servo_continuous_mn, and servo_mass_g at 32 or more at "
+    "tick rates below 900 Hz; tools/tune proposes such a loop",
     "servo_force": "raise servo_force_limit_mn, where motor and amplifier allow it, or lower "
     "u_acceleration_mm_per_s2 or u_speed_um_per_s",
     "params_stale": "another tool set a parameter meanwhile; try again",

@@ -28,6 +28,11 @@ static void go_on(bool is_alive)
     }
 }
 
+static cam_err_t set_unit(int32_t unit)
+{
+    return cam_machine_scope_set(&rig.machine, cam_scope_field_wave_unit, unit);
+}
+
 static void load(void)
 {
     const uint8_t *bytes = (const uint8_t *)wave_mn;
@@ -36,11 +41,7 @@ static void load(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 0, bytes, sizeof wave_mn));
     const uint32_t crc = cam_crc32(0, bytes, sizeof wave_mn);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_end(m, crc));
-}
-
-static cam_err_t set_unit(int32_t unit)
-{
-    return cam_machine_scope_set(&rig.machine, cam_scope_field_wave_unit, unit);
+    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(1));
 }
 
 /// A loop of 1 Hz without an integral: at rest where it should be, U gets no force of it.
@@ -57,7 +58,6 @@ void setUp(void)
         wave_mn[i] = i % 2 == 0 ? largest_mn - 100 * i : 50 * i - largest_mn;
     }
     load();
-    TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(1));
 }
 
 /// Play, up to the first tick in which U is at its position.
@@ -267,6 +267,16 @@ static void test_unit_is_one_of_two_and_a_force_needs_its_port(void)
     hal_host.slow.force.quantum_un = 0;
     TEST_ASSERT_EQUAL_INT(cam_err_wave_unit, set_unit(1));
     TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_scope_get(&rig.machine, cam_scope_field_wave_unit, &unit));
+    TEST_ASSERT_EQUAL_INT32(0, unit);
+}
+
+/// A tool that knows nothing of forces downloads nanometres.
+static void test_samples_of_the_next_wave_are_nanometres(void)
+{
+    int32_t unit = 1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(&rig.machine, sizeof wave_mn));
     TEST_ASSERT_EQUAL_INT(cam_ok,
                           cam_machine_scope_get(&rig.machine, cam_scope_field_wave_unit, &unit));
     TEST_ASSERT_EQUAL_INT32(0, unit);

@@ -153,12 +153,17 @@ static void test_force_stays_limited_until_a_home_is_found(void)
     (void)plan();
     TEST_ASSERT_EQUAL_INT(cam_jog_stopped, h.end);
     TEST_ASSERT_EQUAL_INT32(press_q6, m.u_press_q6);
+    cfg.jog.order = (cam_jog_order_t){
+        .serial = 3, .until = 100000, .begin = cam_jog_search, .axis = hal_axis_u, .sense = 1};
+    (void)plan(); // a search for a switch
+    TEST_ASSERT_EQUAL_INT(cam_jog_search, h.phase);
+    TEST_ASSERT_EQUAL_INT32(press_q6, m.u_press_q6);
     const cam_jog_order_t x_here = {
-        .serial = 3, .until = 100000, .begin = cam_jog_here, .axis = hal_axis_x};
+        .serial = 4, .until = 100000, .begin = cam_jog_here, .axis = hal_axis_x};
     cfg.jog.order = x_here;
     (void)plan();
     TEST_ASSERT_EQUAL_INT32(press_q6, m.u_press_q6);
-    cfg.jog.order.serial = 4;
+    cfg.jog.order.serial = 5;
     cfg.jog.order.axis = hal_axis_u;
     (void)plan();
     TEST_ASSERT_EQUAL_INT32(0, m.u_press_q6);

@@ -328,3 +328,25 @@ static void test_limits_of_u_fit_the_force(void)
     TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made, &which));
     TEST_ASSERT_EQUAL_INT64(390000, cam_servo_needed_mn(&p));
 }
+
+/// 1 mN accelerates 31 g by 129 nm per tick^2 at 500 Hz, more than 2^7.
+static void test_mass_too_light_for_the_observer_at_a_slow_rate_is_refused(void)
+{
+    static const struct {
+        int32_t rate_hz, mass_g;
+        cam_err_t err;
+    } cases[] = {{500, 31, cam_err_servo}, {500, 32, cam_ok}, {884, 10, cam_ok}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        cam_params_t p = cam_param_defaults();
+        p.servo_crossover_hz = 10;
+        p.servo_pole_hz = 100;
+        p.servo_integral_mHz = 1000;
+        p.servo_notch_hz = 0;
+        p.servo_mass_g = cases[i].mass_g;
+        cam_servo_config_t made;
+        cam_param_id_t which = cam_n_params;
+        TEST_ASSERT_EQUAL_INT(cases[i].err,
+                              cam_servo_setup(&p, (uint32_t)cases[i].rate_hz, &made, &which));
+        TEST_ASSERT_TRUE(cases[i].err == cam_ok || which == cam_param_servo_mass_g);
+    }
+}

@@ -128,8 +128,8 @@ static void test_other_stop_is_found_likewise(void)
     TEST_ASSERT_DOUBLE_WITHIN(1000.0, -2000.0, off_nm());
 }
 
-/// The loop of the first power-up is so weak that its set-point leads by far.
-static void test_weak_loop_finds_its_stop_without_a_fault(void)
+/// Set the loop of the first power-up.
+static void weaken(void)
 {
     params.servo_crossover_hz = 30;
     params.servo_lead_percent = 2000;
@@ -141,10 +141,26 @@ static void test_weak_loop_finds_its_stop_without_a_fault(void)
     params.u_acceleration_mm_per_s2 = 5000;
     params.u_speed_um_per_s = 5000;
     params.u_home_force_mn = 10000;
+}
+
+/// Its set-point leads by far.
+static void test_weak_loop_finds_its_stop_without_a_fault(void)
+{
+    weaken();
     begin(0.2);
     TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
     TEST_ASSERT_DOUBLE_WITHIN(1000.0, 1000.0, off_nm());
     TEST_ASSERT_LESS_OR_EQUAL_INT32((10000 + quantum_mn) * 64, most_q6);
+}
+
+/// A hot motor has no more than its continuous force.
+static void test_stop_is_found_with_the_continuous_force(void)
+{
+    weaken();
+    params.servo_continuous_mn = 8000;
+    begin(0.2);
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
+    TEST_ASSERT_LESS_OR_EQUAL_INT32((8000 + quantum_mn) * 64, most_q6);
 }
 
 static void test_without_a_stop_nothing_is_found(void)
