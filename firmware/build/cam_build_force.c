@@ -25,6 +25,20 @@ static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
     return is_set ? p->servo_runaway_nm * 64 : (int32_t)cam_clamp_i64(own_q6, least_q6, most_q6);
 }
 
+/// @return [mN / 64] force under which a standing reading is frozen: twice the friction, and what
+///         deviates U by a quarter of runaway_q6, or moves it by a step of the scale and back while
+///         the reading may stand, less the delay
+static int32_t moving_q6(const cam_params_t *p, const cam_force_config_t *c, uint32_t tick_hz)
+{
+    const int64_t delay_ns = (int64_t)p->servo_force_delay_ns + p->u_scale_latency_ns;
+    const int64_t n = cam_clamp_i64(c->still_ticks - delay_ns * tick_hz / 1000000000, 1, INT32_MAX);
+    const int64_t step_q30 = (int64_t)p->u_scale_nm << 33; // 8 steps
+    const int64_t back_q6 = step_q30 / (n * n * c->motion_q24);
+    const int64_t share_q6 = (int64_t)c->runaway_q6 / 4 * c->vel_q24 / c->motion_q24;
+    const int64_t most_q6 = back_q6 > share_q6 ? back_q6 : share_q6;
+    return cam_sat_i32(most_q6 + 2 * (int64_t)p->servo_friction_mn * 64);
+}
+
 cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uint32_t tick_hz)
 {
     const cam_params_t *p = params;
@@ -47,10 +61,8 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
     c->pos_q18 = (int32_t)(omega_q24 >> 5);
     c->vel_q24 = (int32_t)((omega_q24 * omega_q24) >> 24);
     c->runaway_q6 = runaway_q6(p, c);
-    // m w^2 times a quarter of the deviation, and twice the friction
-    const int64_t moving_q6 = (int64_t)c->runaway_q6 / 4 * c->vel_q24 / c->motion_q24;
-    c->moving_q6 = cam_sat_i32(moving_q6 + 2 * (int64_t)p->servo_friction_mn * 64);
     c->still_ticks = tick_hz / still_hz;
+    c->moving_q6 = moving_q6(p, c, tick_hz);
     c->braking_nm = (int32_t)cam_clamp_i64(braking_nm, 1, INT32_MAX);
     c->limited_ticks = (uint32_t)cam_units_scale(p->servo_limited_ms, tick_hz, 1000);
     return cam_ok;

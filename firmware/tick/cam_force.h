@@ -12,7 +12,8 @@
 ///     u_runaway   U deviates from its observer by more than servo_runaway_nm: its force is
 ///                 reversed, it is blocked or pushed. Or its reading stands, to the last digit,
 ///                 for half a millisecond under a force that would deviate it by a quarter of
-///                 that, twice the friction apart: the scale is frozen. The enable drops at once.
+///                 that and move it by a step of the scale and back, twice the friction apart: the
+///                 scale is frozen. The enable drops at once.
 ///     u_travel    U is beyond its stroke by more than its accepted following error, or too fast to
 ///                 stop before that with half its force; or a limit switch is on, in manual only if
 ///                 U moves towards it. The enable drops at once: before this U's set-point has

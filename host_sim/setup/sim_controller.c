@@ -2,7 +2,7 @@
 #include "sim_controller.h"
 #include "cam_derived_limits.h" // cam_derived_limits_usual_mHz
 #include "sim_units.h"          // SIM_TWO_PI, sim_floor
-#include <math.h>               // ceil, floor
+#include <math.h>               // ceil, floor, fmax, fmin, pow
 
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
                     common_error_t *e)
@@ -65,6 +65,9 @@ static void derive_servo(derive_t *d, const sim_lathe_config_t *m)
             crossover_hz = fmin(crossover_hz, mode->damping * mode->hz / sim_abs(mode->share));
         }
     }
+    // 0.25 N/um per tick, which the servo holds, of m w^2 over a lead of 5 or more
+    const double stiffness_n_per_m = u->mass_kg * pow(SIM_TWO_PI * crossover_hz, 2.0) / 5.0;
+    const double most_integral_hz = 0.25e6 * m->tick_hz / (SIM_TWO_PI * stiffness_n_per_m);
     put(d, cam_param_k1_ns, 0.0);
     put(d, cam_param_k2_us2, 0.0);
     put(d, cam_param_lead_ns, (tick_s + delay_s) * 1e9);
@@ -72,12 +75,7 @@ static void derive_servo(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_servo_crossover_hz, fmax(crossover_hz, 1.0));
     put(d, cam_param_servo_lead_percent, 5000.0);
     put(d, cam_param_servo_pole_hz, floor(fmax(10.0, fmin(m->tick_hz / 5.0, 10.0 * crossover_hz))));
-    // Its pole at 10 and zero at 1/5 of the crossover make the lead 5.07 there; the coefficient of
-    // the integral is at most 0.25 N/um per tick.
-    const double omega = SIM_TWO_PI * crossover_hz;
-    const double gain_n_per_um = u->mass_kg * omega * omega / 5.07 * 1e-6;
-    const double most_hz = 0.24 / (gain_n_per_um * tick_s * SIM_TWO_PI);
-    put(d, cam_param_servo_integral_mHz, fmin(crossover_hz * 0.1, most_hz) * 1e3);
+    put(d, cam_param_servo_integral_mHz, 1e3 * fmin(0.1 * crossover_hz, most_integral_hz));
     put(d, cam_param_servo_force_delay_ns, delay_s * 1e9);
     put(d, cam_param_servo_drag_mn_s_per_m, u->viscous_n_s_per_m * 1e3);
     put(d, cam_param_servo_friction_mn, u->friction_m_per_s2 * u->mass_kg * 1e3);

@@ -137,6 +137,15 @@ def proposed(plant: Plant) -> Loop:
     return best(plant)
 
 
+@pytest.mark.parametrize("mass_kg", [5.0, 60.0])
+def test_proposal_for_a_heavy_slide_fits_the_words_of_the_firmware(mass_kg: float) -> None:
+    """Integral and lead of a heavy slide are limited by what the firmware holds."""
+    heavy = replace(FAST, mass_kg=mass_kg)
+    loop = proposed(heavy)
+    opened(params(loop, heavy))
+    assert margins(loop, heavy).is_enough
+
+
 def step_response(plant: Plant, friction_n: float, mass: float = 1.0) -> NDArray[np.float64]:
     """Return what the scale sees of a step of 10 N at rest, in um, for 60 ms."""
     opened(params(proposed(plant), plant))

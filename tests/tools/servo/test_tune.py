@@ -168,6 +168,7 @@ def test_bad_drive_is_one_error(
     [
         ({"pole_hz": 4001}, "servo_pole_hz = 4001: out of range 10 .. 4000 at 20000 Hz"),
         ({"notch_hz": 5001}, "servo_notch_hz = 5001: out of range"),
+        ({"mass_g": 100_000}, "servo_integral_mHz = 9000: 1.26 times"),
         ({"crossover_hz": None}, "servo_crossover_hz: is missing"),
     ],
 )

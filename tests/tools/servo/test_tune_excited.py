@@ -249,6 +249,7 @@ def test_given_parameters_are_set_with_the_delay_that_was_measured(
         ("a.toml --bus --pulse 10", "DRIVE.toml: has no effect with --pulse; leave it out"),
         ("--machine m --pulse 10 -o d", "-o: has no effect with --pulse; leave it out"),
         ("--machine m --pulse 10 --apply", "--apply: sets what a pulse tells over CAN alone"),
+        ("--machine m --pulse 1e9", "--pulse 1e+09: give at most 4000"),
         ("--bus --highest-hz 20", "--highest-hz 20: give at least 50"),
         ("--bus --interface nobus", "interface nobus: unknown to python-can"),
     ],

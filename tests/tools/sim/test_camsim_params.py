@@ -42,3 +42,15 @@ def test_what_has_no_meaning_is_refused(table: Path) -> None:
     }
     for words, said in says.items():
         assert said in only_error(camsim("params", table, *words))
+
+
+@pytest.mark.parametrize("mass_kg", [0.2, 10, 40])
+def test_loop_of_any_slide_fits_the_controller(table: Path, tmp_path: Path, mass_kg: float) -> None:
+    """The loop that follows from a force drive, however heavy, is accepted."""
+    machine = tmp_path / "m.toml"
+    drive = f'[u]\nkind = "force"\nmass_kg = {mass_kg}\ndelay_us = 5\namplifier_hz = 3000\n'
+    limits = "acceleration_mm_per_s2 = 50000\nforce_limit_n = 3000\n"
+    machine.write_text(drive + limits, "ascii")
+    done = camsim("run", table, "--machine", machine, "--feed", "1", "--turns-limit", "1")
+    assert "refused" not in done.stderr
+    assert done.returncode == 0, done.stderr

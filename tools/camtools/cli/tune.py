@@ -31,6 +31,7 @@ from camtools.tune.pulse import measure_pulse, pulse_lines, pulse_settings
 from camtools.tune.record import fit_lines_of, fit_table, parse_loop_record, with_fit
 
 REFUSED = 1
+_MOST_PULSE_N = 4000  # of any force limit
 _EPILOG = """\
 Examples:
   tools/tune voice_coil.toml -o build/tune
@@ -128,6 +129,8 @@ def _check_pulse(parser: Parser, arguments: argparse.Namespace) -> None:
         parser.error(f"{option}: has no effect with --pulse; leave it out")
     if arguments.apply and not arguments.bus:
         parser.error("--apply: sets what a pulse tells over CAN alone: use --bus")
+    if arguments.pulse > _MOST_PULSE_N:
+        parser.error(f"--pulse {arguments.pulse:g}: give at most {_MOST_PULSE_N:g}")
 
 
 def _keys(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -27,6 +27,8 @@ EXTREME_MASSES = (0.5, 2.0)  # relative; the loop is stable there
 BACK_S = 0.02  # after this time a step of force has gone
 _FASTEST_HZ = 4000.0  # of the response to a step
 _STATIC: Reals = np.array([1e-6])  # [Hz]
+_MOST_SUMMED, _MOST_LED = 2.0**-2 * 1e6, 2.0**12 * 1e6  # [N/m] per step, of integral and lead
+_MOST_SHARE = 0.95  # of these, since parameters are rounded
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,7 @@ def controller_response(loop: Reals, plant: Plant, hz: Reals) -> Complexes:
     crossover, ratio, pole, integral, notch, zero_damping, pole_damping = loop[..., None]
     s = 2j * plant.step_hz * np.tan(np.pi * hz / plant.step_hz) / (2.0 * np.pi)
     lead = _lead(s, ratio, pole)
-    gain = (
-        plant.mass_kg * (2.0 * np.pi * crossover) ** 2 / np.abs(_lead(1j * crossover, ratio, pole))
-    )
+    gain = _gain(plant, crossover, ratio, pole)
     q = s / (plant.step_hz / np.pi * np.tan(np.pi * notch / plant.step_hz))
     notched = (q * q + 2.0 * zero_damping * q + 1.0) / (q * q + 2.0 * pole_damping * q + 1.0)
     response: Complexes = gain * (1.0 + integral / s) * lead * notched
@@ -99,6 +99,27 @@ def controller_response(loop: Reals, plant: Plant, hz: Reals) -> Complexes:
 def _lead(s: Complexes, ratio: Reals, pole: Reals) -> Complexes:
     lead: Complexes = (1.0 + s * ratio / pole) / (1.0 + s / pole)
     return lead
+
+
+def _gain(plant: Plant, crossover: Reals, ratio: Reals, pole: Reals) -> Reals:
+    s: Complexes = np.asarray(1j * crossover)
+    omega = 2.0 * np.pi * crossover
+    gain: Reals = plant.mass_kg * omega**2 / np.abs(_lead(s, ratio, pole))
+    return gain
+
+
+def word_shares(loops: Reals, plant: Plant) -> Reals:
+    """Return which share integral and lead take of the coefficients that the firmware holds.
+
+    The firmware refuses a loop where one is above 1. Arguments of `controller_response`; the
+    result has a row for each.
+    """
+    crossover, ratio, pole, integral = loops[:4]
+    gain = _gain(plant, crossover, ratio, pole)
+    summed = 2.0 * np.pi * integral / plant.step_hz
+    led = (ratio - 1.0) * (1.0 - integral / pole) / (1.0 + np.pi * pole / plant.step_hz)
+    shares: Reals = gain * np.stack([summed / _MOST_SUMMED, led / _MOST_LED])
+    return shares
 
 
 def compliance(plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
@@ -250,6 +271,7 @@ def _cost(found: Reals, plant: Plant) -> Reals:
     cost = np.log(step.max(axis=-1)) + 0.5 * np.log(np.maximum(1.0, late / 0.08))
     for mass in MASSES:
         cost += 10.0 * _lacks(opened / mass)
+    cost += 10.0 * np.maximum(0.0, word_shares(loops, plant) - _MOST_SHARE).sum(axis=0)
     for mass in EXTREME_MASSES:
         cost += np.where(_judge(opened / mass)[2], 0.0, 5.0)
     total: Reals = cost

@@ -11,14 +11,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from camtools.base.errors import InputError
 from camtools.link.parameters import INFOS
 from camtools.tune.drive import Drive, read_tree
-from camtools.tune.loop_design import Loop, Plant
+from camtools.tune.loop_design import Loop, Plant, word_shares
 
 PREFIX = "servo_"
 # The firmware's loop has no lag of a position drive.
@@ -26,6 +28,8 @@ _NO_LAG = {"k1_ns": 0, "k2_us2": 0, "u_friction_nm": 0}
 _OF_LOOP = ("mass_g", "crossover_hz", "lead_percent", "pole_hz", "integral_mHz")
 _OF_NOTCH = ("notch_hz", "notch_zero_permille", "notch_pole_permille")
 _NO_NOTCH = {"notch_zero_permille": 1000, "notch_pole_permille": 1000}
+_OF_GAIN = ("servo_integral_mHz", "servo_lead_percent")
+_MOST_MASS_RATE = 2**16 * 1e9  # [g/s2] of the feed-forward
 _MOST_STEPS = 16  # of the delay of the force
 _MOST_OVERLOAD = 15
 
@@ -113,6 +117,18 @@ def check(values: Mapping[str, int], drive: Drive, file: str) -> None:
             between = f"{max(low, low_2):.9g} .. {min(high, high_2):.9g}"
             problem = f"out of range {between} at {drive.tick_hz:g} Hz"
             raise InputError(file, name, value, problem, "change it, or what it follows from")
+    _check_words(values, drive, file)
+
+
+def _check_words(values: Mapping[str, int], drive: Drive, file: str) -> None:
+    plant, _ = plant_of(values, drive)
+    row = np.array(astuple(loop_of(values, drive)))
+    shares = dict(zip(_OF_GAIN, word_shares(row, plant), strict=True))
+    shares["servo_mass_g"] = values["servo_mass_g"] * drive.tick_hz**2 / _MOST_MASS_RATE
+    for name, share in shares.items():
+        if share > 1.0:
+            problem = f"{share:.3g} times what the firmware holds at this mass and rate"
+            raise InputError(file, name, values[name], problem, "lower it, crossover or rate")
 
 
 def read_loop(path: Path, drive: Drive) -> dict[str, int]:

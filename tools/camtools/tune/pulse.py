@@ -92,7 +92,7 @@ def pulse_fit(tick_hz: float, force_n: Floats, position_m: Floats) -> Pulse:
     mean, off = 0.5 * (first + second), 0.5 * abs(first - second)
     if first * second <= 0 or off > _MOST_SCATTER * abs(mean):
         problem = f"the directions give masses of {1 / first:.3g} and {1 / second:.3g} kg"
-        raise CamtoolsError([f"pulse: {problem}; free the slide, push harder or for longer"])
+        raise CamtoolsError([f"pulse: {problem}; free the slide, push harder or weaken the loop"])
     mass_kg = 1.0 / abs(mean)
     friction_n = 0.5 * (rub + rub_2) * mass_kg
     return Pulse(int(np.sign(mean)), mass_kg, mass_kg * off / abs(mean), friction_n)

@@ -6,7 +6,7 @@
 #include "cam_servo_setup.h"
 #include "hal_host.h"
 #include "unity.h"
-#include <math.h>   // sin, fabs
+#include <math.h>   // sin, fabs, sqrt
 #include <stddef.h> // NULL
 
 #define TICK_S 50e-6
@@ -193,6 +193,27 @@ static void test_frozen_scale_is_found_when_the_force_must_move_u(void)
         const uint32_t n = until_fault(CAM_FAULT_BIT(u_runaway), 200);
         TEST_ASSERT_EQUAL_UINT32(cases[i].is_found ? 11 : 201, n);
     }
+}
+
+/// Under 20 N U moves by a micrometre and back in 0.77 ms.
+static void test_turning_back_within_a_step_of_the_scale_is_no_frozen_scale(void)
+{
+    const double nm_per_s2 = 20.0 / MASS_KG * 1e9;
+    cam_params_t p = cam_param_defaults();
+    p.servo_crossover_hz = 1;
+    p.servo_integral_mHz = 1000;
+    p.u_acceleration_mm_per_s2 = 15000;
+    p.servo_force_limit_mn = 30000;
+    p.u_scale_nm = 1000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
+    m.axis[hal_axis_u].acc_q10 = (int32_t)(nm_per_s2 * TICK_S * TICK_S * 1024.0);
+    force.is_on = true;
+    pos_nm = 980.0;
+    vel_nm_per_s = -sqrt(2.0 * nm_per_s2 * pos_nm);
+    waiting_n = 20.0;
+    is_frozen = true; // between 0 and 1 um the reading is 0
+    TEST_ASSERT_EQUAL_UINT32(15, until_fault(CAM_FAULT_BIT(u_runaway), 14));
+    TEST_ASSERT_DOUBLE_WITHIN(980.0, 980.0 / 2.0, pos_nm);
 }
 
 static void test_travel_ends_beyond_the_following_error(void)
