@@ -19,7 +19,7 @@ from camtools.tune.parameters import settings_of
 from camtools.tune.proposal import proposed, subject_of
 from camtools.tune.pulse import measure_pulse, pulse_lines, pulse_settings
 
-_COMPUTED_S = 120.0
+_COMPUTED_S = 600.0
 _NAME = "U"
 Say = Callable[[str], None]
 
