@@ -41,7 +41,7 @@ def test_a_loop_is_measured_and_applied(
     expect(apply).to_be_disabled()
     order(page, "measure_loop").click()
     page.get_by_test_id("question-yes").click()
-    expect(apply).to_be_enabled()
+    expect(apply).to_be_enabled(timeout=600_000)
     expect(page.get_by_test_id("drive-report")).to_contain_text("as it is (measured): crossover")
     picture = page.get_by_test_id("drive-picture")
     expect(picture).to_be_visible()
