@@ -14,11 +14,12 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import IO, Any, NoReturn
 
+import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from tests.tools.cases.part_cases import ROOT, environment
@@ -85,6 +86,19 @@ def fresh_command(
         timeout=LIMIT_S,
         check=False,
     )
+
+
+def complaint(
+    main: Callable[[list[str]], int], words: list[str], capture: pytest.CaptureFixture[str]
+) -> str:
+    """Run a command in this process, which must end with status 2; return its only line."""
+    try:
+        status = main(words)
+    except SystemExit as end:
+        status = int(str(end.code))
+    (line,) = capture.readouterr().err.splitlines()
+    assert status == 2, line
+    return line
 
 
 def end_commands() -> None:

@@ -23,6 +23,7 @@ from camtools.link.controller import Link
 from camtools.link.scope import Recording
 from tests.tools.cases.camctl_bench import Bench, ready
 from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.drive_plant import Plant, faded, played
 from tests.tools.cases.part_cases import PERKINS, environment
 
@@ -192,14 +193,8 @@ def test_recording_of_another_instrument(
 )
 def test_bad_input_is_one_line(words: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
     """It names the place, the value and the remedy; status 2."""
-    try:
-        status = main(words.split())
-    except SystemExit as end:
-        status = int(str(end.code))
-    assert status == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1, lines
-    assert lines[0].startswith(f"identify: {says}"), lines[0]
+    line = complaint(main, words.split(), capsys)
+    assert line.startswith(f"identify: {says}"), line
 
 
 def test_part_that_the_machine_cannot_cut_is_refused(

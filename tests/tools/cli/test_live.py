@@ -20,6 +20,7 @@ from camtools.link.live_lathes import LiveLathe, live_lathes, only_lathe
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
 from tests.tools.cases.background import PATIENCE_S, Background, background, python
+from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.part_cases import ROOT
 
 PART = ROOT / "tools" / "parts" / "perkins240.toml"
@@ -250,12 +251,8 @@ def test_what_is_wrong_is_one_line_and_nothing_is_left(
     words: list[str], said: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """Status 2, and no process was kept."""
-    try:
-        status = live_main([str(PART), *words])
-    except SystemExit as end:
-        status = int(end.code or 0)
-    (line,) = capfd.readouterr().err.splitlines()
-    assert status == 2 and line.startswith(said), line
+    line = complaint(live_main, [str(PART), *words], capfd)
+    assert line.startswith(said), line
 
 
 def test_without_bus_and_lathe_camctl_tells_what_there_is(

@@ -18,6 +18,7 @@ from camtools.link.messages import NUMBERS
 from camtools.link.refusal_text import ask_done
 from camtools.tune.excited import Measured, measure, simulated_u
 from tests.tools.cases.camctl_bench import Bench, ready
+from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.live_cases import live_case
 
 _MACHINE = ROOT / "tests" / "scenarios" / "cases" / "machines" / "force.toml"
@@ -234,7 +235,7 @@ def test_given_parameters_are_set_with_the_delay_that_was_measured(
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ("", "what drive? give DRIVE.toml, --record FILE.csv, --machine M or --bus"),
+        ("", "no drive: give DRIVE.toml, --record FILE.csv, --machine M or --bus"),
         ("a.toml --apply", "--apply: needs a controller: add --bus, or --machine M"),
         ("--record a.csv --apply", "--apply: needs a controller: add --bus, or --machine M"),
         ("--machine m --apply", "--apply: needs a folder for the machine file: add -o DIR"),
@@ -248,7 +249,7 @@ def test_given_parameters_are_set_with_the_delay_that_was_measured(
         ("a.toml --pulse 10", "--pulse: needs a controller: add --bus, or --machine M"),
         ("a.toml --bus --pulse 10", "DRIVE.toml: has no effect with --pulse; leave it out"),
         ("--machine m --pulse 10 -o d", "-o: has no effect with --pulse; leave it out"),
-        ("--machine m --pulse 10 --apply", "--apply: sets what a pulse tells over CAN alone"),
+        ("--machine m --pulse 10 --apply", "--apply: sets the result of a pulse over CAN only"),
         ("--machine m --pulse 1e9", "--pulse 1e+09: give at most 4000"),
         ("--bus --highest-hz 20", "--highest-hz 20: give at least 50"),
         ("--bus --interface nobus", "interface nobus: unknown to python-can"),
@@ -258,11 +259,5 @@ def test_options_that_do_not_go_together_are_one_line(
     words: str, says: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """It names the option and the remedy; status 2."""
-    try:
-        status = main(words.split())
-    except SystemExit as end:
-        status = int(str(end.code))
-    assert status == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1, lines
-    assert lines[0].startswith(f"tune: {says}"), lines[0]
+    line = complaint(main, words.split(), capsys)
+    assert line.startswith(f"tune: {says}"), line

@@ -35,7 +35,7 @@ def add_u_options(parser: argparse.ArgumentParser) -> None:
 
 
 def check_u_options(parser: Parser, arguments: argparse.Namespace) -> None:
-    """End with a line when options of the bus are there, and --bus is not."""
+    """End with an error when options of the bus are given without --bus."""
     given = [name for name in _OF_BUS if getattr(arguments, name)]
     if given and not arguments.bus:
         remedy = "use --bus instead of --machine" if arguments.machine else "add --bus"
@@ -51,7 +51,7 @@ def connected_u(arguments: argparse.Namespace, program: str) -> Iterator[tuple[C
     arguments : Namespace
         with the options of `add_u_options`
     program : str
-        as which it commands, one of those that `link.rights` names
+        name by which it takes command, one that `link.rights` knows
 
     Raises
     ------

@@ -106,7 +106,7 @@ def _check(parser: Parser, arguments: argparse.Namespace) -> None:
     """End with a line when options do not go together."""
     is_excited = arguments.bus or arguments.machine is not None
     if not is_excited and arguments.drive is None and arguments.record is None:
-        parser.error("what drive? give DRIVE.toml, --record FILE.csv, --machine M or --bus")
+        parser.error("no drive: give DRIVE.toml, --record FILE.csv, --machine M or --bus")
     for name, value in (("--apply", arguments.apply), ("--highest-hz", arguments.highest_hz)):
         if value and not is_excited:
             parser.error(f"{name}: needs a controller: add --bus, or --machine M")
@@ -128,7 +128,7 @@ def _check_pulse(parser: Parser, arguments: argparse.Namespace) -> None:
         option = {"drive": "DRIVE.toml", "out": "-o"}.get(name, f"--{name.replace('_', '-')}")
         parser.error(f"{option}: has no effect with --pulse; leave it out")
     if arguments.apply and not arguments.bus:
-        parser.error("--apply: sets what a pulse tells over CAN alone: use --bus")
+        parser.error("--apply: sets the result of a pulse over CAN only: use --bus")
     if arguments.pulse > _MOST_PULSE_N:
         parser.error(f"--pulse {arguments.pulse:g}: give at most {_MOST_PULSE_N:g}")
 
@@ -151,7 +151,7 @@ def _write(folder: Path, one: Subject, proposal: Proposal) -> None:
 
 
 def _tuned(one: Subject, arguments: argparse.Namespace) -> dict[str, int]:
-    """Show and write the loop; return what is to be set for it, nothing if it is refused."""
+    """Show and write the loop; return the parameters to be set, none if it is refused."""
     proposal = proposed(one, arguments.loop)
     if proposal.problem:
         sys.stderr.write(f"tune: {arguments.loop or one.where}: {proposal.problem}\n")
@@ -214,7 +214,7 @@ def _connected(arguments: argparse.Namespace) -> int:
 
 
 def _pushed(u: U, arguments: argparse.Namespace) -> dict[str, int]:
-    """Push U, show what that tells; return what is to be set for it, nothing if U is reversed."""
+    """Push U and show the result; return the parameters to be set, none if U is reversed."""
     found = measure_pulse(u, arguments.pulse)
     sys.stdout.write("\n".join(pulse_lines(found)) + "\n")
     sys.stdout.flush()

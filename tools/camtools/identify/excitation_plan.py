@@ -40,7 +40,7 @@ class Wishes(NamedTuple):
     carrier_nm: float | None = None
     highest_hz: float = HIGHEST_HZ
     n_periods: int = N_PERIODS
-    least_ticks: int = TICKS_PER_HIGHEST  # of the highest line
+    least_ticks: int = TICKS_PER_HIGHEST  # in a period of the highest line
 
 
 class Play(NamedTuple):

@@ -55,7 +55,7 @@ class Grid:
     ) -> Grid:
         """Return the grid of a tick rate [Hz], 500 .. 100 000.
 
-        Lines go up to highest_hz [Hz], and have at least so many ticks.
+        No line is above highest_hz [Hz], nor has it less than least_ticks [ticks] in a period.
         """
         highest_hz = min(highest_hz, tick_hz / least_ticks)
         return cls(tick_hz, round(tick_hz / LINE_HZ), highest_hz)

@@ -31,8 +31,8 @@ from camtools.tune.plant_fit import PlantFit, fit_lines, record_lines
 
 _PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _SIGNALS = ("u_set_q6", "u_actual_nm", "u_force_q6")
-_LEAST_TICKS = 8  # of the highest line: images of the hold move a mass little
-_SLOW_MRPM = 100_000  # a U with the limits of a first power-up could cut the part
+_LEAST_TICKS = 8  # in a period of the highest line: images of the hold hardly move a mass
+_SLOW_MRPM = 100_000  # the limits of a first power-up suffice for this cut
 HIGHEST_HZ = 2500.0
 
 

@@ -118,9 +118,9 @@ def measure_pulse(u: U, force_n: float) -> Pulse:
     Parameters
     ----------
     u : U
-        in ready, its loop so weak that it hardly counts (1 Hz)
+        in ready; its loop may be weak, because the whole force is recorded
     force_n : float
-        above 0
+        [N] above 0, at most the force limit
 
     Raises
     ------
@@ -149,6 +149,6 @@ def pulse_lines(found: Pulse) -> Iterator[str]:
 
 
 def pulse_settings(found: Pulse) -> dict[str, int]:
-    """Return the parameters that a pulse tells."""
+    """Return the parameters that a pulse measures."""
     friction_mn = max(0, round(1e3 * found.friction_n))
     return {"servo_mass_g": round(1e3 * found.mass_kg), "servo_friction_mn": friction_mn}

@@ -225,7 +225,7 @@ class LinkThread:
                 raise Refused(f"{link.where}: {problem}")
 
     def _why_over(self) -> str:
-        """Return why what runs is to end, "" when it may go on."""
+        """Return why the running job must end, "" when it may continue."""
         if self._urgent:
             return f"interrupted by {self._urgent[0].name}"
         if self._is_over.is_set():

@@ -38,7 +38,7 @@ class OrderRule:
 
 # They overtake everything, break off what runs, and drop what waits.
 URGENT = ("stop", "disable")
-# They end when their visitor closes his page or commands no longer.
+# They end when the visitor's page is closed or command is lost.
 ATTENDED = ("push_u", "measure_loop")
 _LONGEST_TEXT = 200
 _MOST_TEXT_BYTES, MOST_IMAGE_BYTES = 1 << 20, 16 << 20

@@ -18,7 +18,7 @@ _NOT_SET = (
     "The loop of U is not set (servo_crossover_hz = 0), so its drives cannot be enabled. Load a "
     "weak loop below: hal/RETROFIT.md, first power-up of a U that takes forces, step 3."
 )
-_PER_UNIT = 1e3  # of mN and ms
+_PER_UNIT = 1e3  # of mN, ms and g
 
 
 def has_force_drive(values: Mapping[str, int]) -> bool:
