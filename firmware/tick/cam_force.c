@@ -9,7 +9,7 @@ static int32_t to_q6(int32_t nm)
 }
 
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
-                        int32_t set_nm, const cam_motion_t *m)
+                        int32_t set_nm, bool is_on, const cam_motion_t *m)
 {
     const cam_axis_motion_t *u = &m->axis[hal_axis_u];
     const bool is_identifying = m->state == cam_state_identifying;
@@ -19,15 +19,15 @@ void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_
                                   .actual_q6 = to_q6(r->in.actual_nm[hal_axis_u]),
                                   .push_q6 = is_identifying ? m->u_push_q6 : 0};
     r->force_q6 = 0;
-    if (f->is_on) {
-        if (!f->was_on) {
+    if (is_on) {
+        if (!f->is_on) {
             cam_servo_start_isr(&f->servo, &cfg->servo, &in);
         }
         r->force_q6 = cam_servo_step_isr(&f->servo, &cfg->servo, &in);
     } else {
         cam_servo_rest_isr(&f->servo, &cfg->servo);
     }
-    f->was_on = f->is_on;
+    f->is_on = is_on;
 }
 
 /// @param vel_q24  [nm / 2^24 per tick] of the observer
@@ -47,7 +47,7 @@ static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t re
                        int32_t net_q6)
 {
     const int64_t read_q24 = (int64_t)read_nm * (INT64_C(1) << 24);
-    if (!f->was_on) {
+    if (!f->is_on) {
         f->pos_q24 = read_q24;
         f->vel_q24 = 0;
     }
@@ -95,7 +95,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
     const int32_t off_q6 = observe(f, cfg, read_nm, net_q6);
     const bool is_runaway =
         is_frozen(f, cfg, read_nm, net_q6) || !cam_is_within(off_q6, cfg->runaway_q6);
-    if (!f->was_on) {
+    if (!f->is_on) {
         f->n_limited = 0;
         return 0;
     }

@@ -36,8 +36,7 @@
 
 /// State; zero-initialised: off.
 typedef struct {
-    bool is_on;         ///< the last tick left the drives enabled
-    bool was_on;        ///< ... and so did the one before
+    bool is_on;         ///< the drives were enabled in the last step
     cam_servo_t servo;  ///< position loop
     int64_t pos_q24;    ///< [nm / 2^24] observer
     int64_t vel_q24;    ///< [nm / 2^24 per tick] observer
@@ -46,12 +45,13 @@ typedef struct {
     uint32_t n_limited; ///< [ticks] at the limit minus those below it, at least 0
 } cam_force_t;
 
-/// Calculate the force; 0 while the drives are not enabled.
+/// Calculate the force.
 /// @param r       inputs of the tick; r->force_q6 is the result
 /// @param set_nm  [nm] last command of U
-/// @param m       speed and acceleration of its set-point; identifying: force of the wave
+/// @param is_on   the last tick left the drives enabled; if not, the force is 0
+/// @param m       speed and acceleration of its set-point; in identifying also the wave's force
 void cam_force_step_isr(cam_force_t *f, const cam_force_config_t *cfg, cam_tick_record_t *r,
-                        int32_t set_nm, const cam_motion_t *m);
+                        int32_t set_nm, bool is_on, const cam_motion_t *m);
 
 /// Supervise U.
 /// @param r  with the force of this tick

@@ -46,10 +46,10 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
 /// limit by homing.
 static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    c->force.is_on = cam_guard_holds_isr(&c->guard, &c->motion);
-    c->motion.u_press_q6 = c->force.is_on ? c->motion.u_press_q6 : 0;
+    const bool is_on = cam_guard_holds_isr(&c->guard, &c->motion);
+    c->motion.u_press_q6 = is_on ? c->motion.u_press_q6 : 0;
     c->force.servo.most_q6 = c->motion.u_press_q6;
-    cam_force_step_isr(&c->force, &cfg->force, r, c->command.u.nm, &c->motion);
+    cam_force_step_isr(&c->force, &cfg->force, r, c->command.u.nm, is_on, &c->motion);
 }
 
 /// Supervise U. Its faults take effect in this tick.

@@ -18,7 +18,7 @@ static cam_tick_record_t r;
 static cam_motion_t m;
 static double pos_nm, vel_nm_per_s, waiting_n, push_n, drag_n_s_per_m;
 static int32_t line_nm; ///< end of the travel
-static bool is_frozen, is_reversed, is_blocked;
+static bool is_on, is_frozen, is_reversed, is_blocked;
 
 static void configure(cam_param_id_t id, int32_t value)
 {
@@ -42,7 +42,7 @@ void setUp(void)
     r = (cam_tick_record_t){0};
     m = (cam_motion_t){.state = cam_state_ready};
     pos_nm = vel_nm_per_s = waiting_n = push_n = drag_n_s_per_m = 0.0;
-    is_frozen = is_reversed = is_blocked = false;
+    is_on = is_frozen = is_reversed = is_blocked = false;
 }
 
 /// A tick of the two stages, and of the mass. @return faults
@@ -51,7 +51,7 @@ static uint32_t tick(int32_t set_nm)
     if (!is_frozen) {
         r.in.actual_nm[hal_axis_u] = (int32_t)lround(pos_nm);
     }
-    cam_force_step_isr(&force, &cfg.force, &r, set_nm, &m);
+    cam_force_step_isr(&force, &cfg.force, &r, set_nm, is_on, &m);
     const uint32_t faults = cam_force_watch_isr(&force, &cfg.force, &r, &m);
     const double drag_n = drag_n_s_per_m * vel_nm_per_s * 1e-9;
     const double force_n = push_n - drag_n + (is_reversed ? -waiting_n : waiting_n);
@@ -79,7 +79,7 @@ static uint32_t until_fault(uint32_t mask, uint32_t n)
 
 static void let_settle(void)
 {
-    force.is_on = true;
+    is_on = true;
     TEST_ASSERT_EQUAL_UINT32(2001, until_fault(0, 2000));
 }
 
@@ -96,7 +96,7 @@ static void test_off_there_is_no_force_and_no_fault(void)
 static void test_it_follows_the_set_point_within_its_supervision(void)
 {
     const double w = 2.0 * 3.14159265358979 * 100.0; // 0.5 mm at 3000 r/min, twice a turn
-    force.is_on = true;
+    is_on = true;
     double worst_nm = 0.0;
     for (int i = 0; i < 8000; i++) {
         const double size_nm = 500e3 * fmin(1.0, i / 4000.0);
@@ -143,7 +143,7 @@ static void test_drag_is_no_unknown_force(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
     drag_n_s_per_m = 400.0;
     m.state = cam_state_manual; // it leaves its stroke
-    force.is_on = true;
+    is_on = true;
     double set_nm = 0.0;
     for (int i = 0; i < 2000; i++) {
         const double nm_per_s = 50e6 * fmin(1.0, i / 1000.0); // 1 m/s2
