@@ -10,12 +10,12 @@
 enum {
     observer_hz = 300, ///< bandwidth of the observer, at most a twentieth of the tick rate
     still_hz = 2000,   ///< half a millisecond
-    scale_steps = 4,   ///< by which U may deviate at least
+    scale_steps = 4,   ///< deviation that is accepted at least
     runaway_most_nm = 50000,
 };
 
-/// @return [nm / 64] accepted deviation of U from its observer; by default what an unknown force as
-///         large as its own largest makes, which U could not hold
+/// @return [nm / 64] accepted deviation of U from its observer; by default that caused by an unknown
+///         force as large as the force limit, which U could not hold
 static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
 {
     const int64_t own_q6 = (int64_t)p->servo_force_limit_mn * 64 * c->motion_q24 / c->vel_q24;

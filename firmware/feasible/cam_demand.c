@@ -189,8 +189,8 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
                           turning + cam_cut_at_amplitude(c, feeding)};
 }
 
-/// A force drive needs mass times acceleration, friction and drag, rms over a turn in mN, of which
-/// its motor may have no more for ever than its continuous force. The cutting force is not known.
+/// The force over a turn, rms in mN: mass times acceleration, drag at the peak speed, and friction.
+/// It must not exceed the continuous force of the motor. The cutting force is not known.
 static cam_demand_t u_force_demand(const cam_cut_t *c)
 {
     const cam_params_t *p = c->p;

@@ -19,8 +19,9 @@
 CAM_MUST_USE cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz,
                                        cam_servo_config_t *cfg, cam_param_id_t *which);
 
-/// @return [mN] force that U takes at the limits of its acceleration, speed and stroke together:
-///         mass, drag, friction and stiffness
+/// @return [mN] force that U needs at the limits of its acceleration, speed and stroke together,
+/// for
+///         mass, drag, friction and stiffness; rounded up
 int64_t cam_servo_needed_mn(const cam_params_t *params);
 
 #endif

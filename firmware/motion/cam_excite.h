@@ -5,7 +5,7 @@
 /// its set-point, times a gain that rises from 0 to 1 and falls to 0 again with limited speed and
 /// acceleration (cam_move_profile.h). The wave has no feed-forward. After n_play ticks the gain
 /// falls; when it rests at 0 the excitation is over. An earlier end makes the gain fall at once.
-/// A wave of force is added to the force of U instead, whose set-point rests. It ends without a
+/// A wave of force is added to the force of U instead, and U's set-point rests. It ends without a
 /// fall, from one tick to the next.
 ///
 /// The slow side has checked the wave (cam_wave.h): at any gain the set-point stays within stroke,

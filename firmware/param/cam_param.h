@@ -149,7 +149,7 @@
     X(servo_continuous_mn,          200,     300000,    4000000, "force allowed for ever") \
     X(servo_thermal_ms,             100,      20000,     200000, "thermal time constant of the motor: I2t") \
     X(servo_limited_ms,               1,         20,      10000, "the force at its limit is a fault after this time") \
-    X(servo_runaway_nm,               0,          0,   10000000, "accepted deviation of U from the motion that its force causes; 0: what an unknown force as large as its limit makes, at most 50 um") \
+    X(servo_runaway_nm,               0,          0,   10000000, "accepted deviation of U from the motion that its force causes; 0: that caused by an unknown force as large as the force limit, at most 50 um") \
     X(u_home_force_mn,              100,      20000,     200000, "largest force while U is homed by its stop; more than friction and flexures there")
 
 /// Parameters that an operator sets for a part. All others, new ones included, are limits and

@@ -116,7 +116,7 @@ typedef struct {
     hal_axis_t axis;
     int32_t sense;             ///< +1, -1: of a jog, and of the search for the switch
     bool has_index;            ///< homing goes on to the index
-    uint16_t still_plans;      ///< [plans] for which U stands at a stop under that force
+    uint16_t still_plans;      ///< [plans] for which U must stand under press_q6 at a stop
     int32_t speed_q10;         ///< of jog, step and search
     int32_t slow_q10;          ///< off the switch, and to the index
     int64_t low_q10, high_q10; ///< travel, that of homing is wider

@@ -88,8 +88,8 @@ typedef struct {
     uint32_t dwell_ticks;    ///< [ticks] left of U's rest after enable
     int64_t u_target_q10;    ///< [nm / 1024] target of U while it does not follow the table
     int32_t u_speed_q10;     ///< [nm / 1024 per tick] manual: speed limit of U, 0: it brakes
-    int32_t u_push_q6;       ///< [mN / 64] identifying, by a wave of force: what the wave adds to
-                             ///< the force of U in the next tick
+    int32_t u_push_q6;       ///< [mN / 64] identifying: force that a wave adds to that of U in the
+                             ///< next tick; 0: none, or a wave of positions
     int32_t u_press_q6;      ///< [mN / 64] limit of U's force until homed by its stop; 0: none
     int64_t x_left_q10;      ///< [nm / 1024] X in the tick of the fault
     int64_t height_q32;      ///< [slices] U's height on the table

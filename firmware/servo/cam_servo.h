@@ -92,7 +92,7 @@ typedef struct {
     int32_t error_q6;   ///< [nm / 64] of the last step
     int32_t acc_q10;    ///< [nm / 1024 per step^2] of the last step
     int32_t lead_q6;    ///< [mN / 64] D of the last step
-    int32_t most_q6;    ///< [mN / 64] limit besides limit_q6, set by the caller; 0: none
+    int32_t most_q6;    ///< [mN / 64] additional limit, set by the caller; 0: none
     int64_t first_q36;  ///< [mN / 2^36] state of the notch: for the next output,
     int64_t second_q36; ///< [mN / 2^36] and for the one after it
     int32_t force_q6;   ///< [mN / 64] of the last step

@@ -102,7 +102,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
     const int32_t vel_nm = cam_sat_i32((f->vel_q24 + (1 << 23)) >> 24);
     const bool is_lost = m->state != cam_state_manual && is_beyond(cfg, read_nm, vel_nm);
     const uint32_t travel = is_lost || is_at_line(r->in.inputs, m) ? CAM_FAULT_BIT(u_travel) : 0u;
-    if (m->u_press_q6 != 0) { // a U at its stop looks like one that is blocked or not measured
+    if (m->u_press_q6 != 0) { // pressing on its stop, U looks blocked or not measured
         f->n_limited = 0;
         return travel;
     }

@@ -22,7 +22,7 @@
 ///                 at the continuous force of a hot motor. U retracts.
 ///
 /// While U is homed by its stop, its force is limited to u_home_force_mn, and u_runaway and u_force
-/// are not checked: to press on a stop looks like both.
+/// are not checked: pressing on a stop looks like both.
 ///
 /// Source: MATHS.md (238). Context: ISR, constant time.
 #ifndef CAM_FORCE_H

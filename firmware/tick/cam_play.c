@@ -81,7 +81,7 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
 }
 
 /// Move U to the position of the wave and play it there; its end ends the state. The wave's gain
-/// moves only while U rests. A wave of force is left in m->u_push_q6.
+/// moves only while U rests. A wave of force goes to m->u_push_q6.
 /// @return [nm / 64] what the wave adds to the set-point
 static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {

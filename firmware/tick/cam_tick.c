@@ -42,8 +42,8 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Calculate the force of U for the set-point and the verdict of the last tick. A disable ends its
-/// limit by homing.
+/// Calculate the force of U for the set-point and the verdict of the last tick. Without enable U's
+/// homing no longer limits it.
 static void force_u(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     const bool is_on = cam_guard_holds_isr(&c->guard, &c->motion);
