@@ -207,7 +207,7 @@ static void test_turning_back_within_a_step_of_the_scale_is_no_frozen_scale(void
     p.u_scale_nm = 1000;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
     m.axis[hal_axis_u].acc_q10 = (int32_t)(nm_per_s2 * TICK_S * TICK_S * 1024.0);
-    force.is_on = true;
+    is_on = true;
     pos_nm = 980.0;
     vel_nm_per_s = -sqrt(2.0 * nm_per_s2 * pos_nm);
     waiting_n = 20.0;
