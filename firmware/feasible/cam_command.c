@@ -22,22 +22,13 @@ typedef struct {
 /// @return [um/s] peak of u' omega
 static uint64_t speed_um_per_s(const cam_cut_t *c)
 {
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
-    return cam_cut_divided_up(c->t->u1_peak_nm_per_rad * omega, 1000000);
-}
-
-/// @return [1e-6 unit/s2] peak of a second derivative, in 1e-9 unit per rad^2
-static uint64_t squared(const cam_cut_t *c, uint64_t peak)
-{
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
-    return cam_cut_scaled_up(peak, omega2, 100000);
+    return cam_cut_um_per_s(c, c->t->u1_peak_nm_per_rad);
 }
 
 /// @return [um/s2] peak of u'' omega^2
 static uint64_t acceleration_um_per_s2(const cam_cut_t *c)
 {
-    return squared(c, c->t->u2_peak_nm_per_rad2);
+    return cam_cut_um_per_s2(c, c->t->u2_peak_nm_per_rad2);
 }
 
 /// @return [m/s3] peak of u''' omega^3 at uniform speed
@@ -46,7 +37,8 @@ static uint64_t jerk_m_per_s3(const cam_cut_t *c)
     const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     return c->t->speed.knots != NULL
                ? 0u
-               : cam_cut_scaled_up(squared(c, c->t->u3_peak_nm_per_rad3), omega, 1000000000);
+               : cam_cut_scaled_up(cam_cut_um_per_s2(c, c->t->u3_peak_nm_per_rad3), omega,
+                                   1000000000);
 }
 
 /// @return [m/s3] jerk of a motion by time, for which the limits of the command are made

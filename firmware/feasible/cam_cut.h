@@ -63,6 +63,22 @@ static inline uint64_t cam_cut_omega_mrad_per_s(uint64_t mrpm)
     return cam_cut_divided_up(mrpm * 104719756u, UINT64_C(1000000000));
 }
 
+/// @param peak  [nm/rad] first derivative over the angle
+/// @return      [um/s] speed at the mean speed of the spindle, rounded up
+static inline uint64_t cam_cut_um_per_s(const cam_cut_t *c, uint64_t peak)
+{
+    return cam_cut_divided_up(peak * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000000);
+}
+
+/// @param peak  [nm/rad2] second derivative over the angle
+/// @return      [um/s2] acceleration at the mean speed of the spindle, rounded up, saturated
+static inline uint64_t cam_cut_um_per_s2(const cam_cut_t *c, uint64_t peak)
+{
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
+    return cam_cut_scaled_up(peak, omega2, 100000);
+}
+
 /// @return [nm] height of the part, over which Z feeds
 static inline uint64_t cam_cut_span_nm(const cam_cut_t *c)
 {

@@ -163,10 +163,8 @@ static cam_demand_t u_speed_demand(const cam_cut_t *c)
     const uint64_t most =
         cam_cut_greater(engaging_speed(c, &u), cam_z_coupling_lobes_first(c->t, c->feed_nm, &u));
     const uint64_t u1 = cam_cut_at_amplitude(c, most);
-    const uint64_t turning =
-        cam_cut_divided_up(u1 * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000000);
     return (cam_demand_t){cam_err_u_speed, limit,
-                          turning + cam_cut_at_amplitude(c, u_drift(c).speed)};
+                          cam_cut_um_per_s(c, u1) + cam_cut_at_amplitude(c, u_drift(c).speed)};
 }
 
 /// U accelerates with u'' omega^2, in mm/s2, plus the effect of the feed.
@@ -197,15 +195,13 @@ static cam_demand_t u_force_demand(const cam_cut_t *c)
     if (p->servo_crossover_hz == 0) {
         return (cam_demand_t){cam_err_servo_continuous, 0, 0u};
     }
-    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     const uint64_t u2 = cam_cut_at_amplitude(
         c, c->t->speed.knots != NULL ? c->t->u2_peak_nm_per_rad2 : c->t->u2_rms_nm_per_rad2);
     const uint64_t u1 = cam_cut_at_amplitude(c, c->t->u1_peak_nm_per_rad);
-    const uint64_t um_per_s2 = cam_cut_scaled_up(u2, omega * omega / 10000u + 1u, 100000);
-    const uint64_t by_mass = cam_cut_scaled_up(um_per_s2, (uint64_t)p->servo_mass_g, 1000000);
-    const uint64_t um_per_s = cam_cut_divided_up(u1 * omega, 1000000);
+    const uint64_t by_mass =
+        cam_cut_scaled_up(cam_cut_um_per_s2(c, u2), (uint64_t)p->servo_mass_g, 1000000);
     const uint64_t by_drag =
-        cam_cut_scaled_up(um_per_s, (uint64_t)p->servo_drag_mn_s_per_m, 1000000);
+        cam_cut_scaled_up(cam_cut_um_per_s(c, u1), (uint64_t)p->servo_drag_mn_s_per_m, 1000000);
     const uint64_t mn[] = {by_mass, by_drag, (uint64_t)p->servo_friction_mn};
     uint64_t square = 0;
     for (size_t i = 0; i < sizeof mn / sizeof mn[0]; i++) {
