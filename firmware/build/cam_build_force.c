@@ -14,8 +14,8 @@ enum {
     runaway_most_nm = 50000,
 };
 
-/// @return [nm / 64] accepted deviation of U from its observer; by default that caused by an unknown
-///         force as large as the force limit, which U could not hold
+/// @return [nm / 64] accepted deviation of U from its observer; by default that which an unknown
+///         force as large as the force limit causes, which U could not hold
 static int32_t runaway_q6(const cam_params_t *p, const cam_force_config_t *c)
 {
     const int64_t own_q6 = (int64_t)p->servo_force_limit_mn * 64 * c->motion_q24 / c->vel_q24;
