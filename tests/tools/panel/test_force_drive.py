@@ -133,13 +133,13 @@ def test_a_pulse_tells_mass_and_friction(seat: LiveSeat) -> None:
     assert "give a force above 0 N" in seat.refused("push_u", force_n=0.0)
     assert "servo_force_limit_mn" in seat.refused("push_u", force_n=700.0)
     seat.do("push_u", force_n=15.0)
-    told = seat.service.tuned()
-    assert told is not None and told.text.startswith("a positive force moves the scale up")
-    assert told.settings["servo_mass_g"] == pytest.approx(1500, rel=0.04)
-    assert told.settings["servo_friction_mn"] == pytest.approx(4500, rel=0.1)
+    found = seat.service.tuned()
+    assert found is not None and found.text.startswith("a positive force moves the scale up")
+    assert found.settings["servo_mass_g"] == pytest.approx(1500, rel=0.04)
+    assert found.settings["servo_friction_mn"] == pytest.approx(4500, rel=0.1)
     before = seat.parameters()
     seat.do("apply_loop")
-    until(lambda: seat.parameters() == before | dict(told.settings), "mass and friction are set")
+    until(lambda: seat.parameters() == before | dict(found.settings), "mass and friction are set")
 
 
 def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:

@@ -28,7 +28,7 @@ _SMOOTH_S = 3e-4  # window of the speed
 _STANDING = 0.01  # of the greatest speed: below, friction takes up the force
 _MOST_SCATTER = 0.3  # of the mass, between the directions
 _OF_STROKE = 0.1
-_LEAST_WAY = 0.05  # of the way that was planned: less tells of loop and friction
+_LEAST_WAY = 0.05  # of the planned way: less shows loop and friction more than the mass
 _LEAST_S, _MOST_S = 2e-3, 50e-3
 _FADE_TICKS = 16
 

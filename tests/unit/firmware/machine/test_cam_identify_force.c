@@ -169,7 +169,7 @@ static void test_fault_takes_the_force_away(void)
     TEST_ASSERT_INT32_WITHIN(2, 0, rig.last.force_q6); // U's acceleration is still 0
 }
 
-/// A fault leaves a force behind, which must not act when the next excitation begins.
+/// The force that is set at a fault must not act when the next excitation begins.
 static void test_force_of_a_fault_is_forgotten(void)
 {
     g_cam.motion.u_push_q6 = 64 * largest_mn;

@@ -83,7 +83,7 @@ class LoopTuner:
         Raises
         ------
         CamtoolsError, Refused
-            The controller refuses, U is reversed, or the pulse tells nothing.
+            The controller refuses, U is reversed, or the pulse shows too little.
         """
         self.newest = None
         say("the pulse of U")
