@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How long a test waits for an event: until it comes, or until a limit that grows on a slow machine.
+
+>>> until(lambda: 3, "a three")
+3
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from functools import cache
+from typing import TypeVar
+
+T = TypeVar("T")
+
+SLOWNESS = "CAMTURN_SLOWNESS"  # environment: tools/run_steps.py measures once for all steps
+_REFERENCE_S = 0.1  # that measure() takes on an idle core of a 2020 server
+_N_STEPS = 1_400_000
+_LIMIT_S = 60.0  # on such a core, for events that usually come within a second
+
+
+def measure() -> float:
+    """Return how many times longer than on an idle reference machine a computation takes, at least 1.
+
+    The largest of five runs counts, because other programs do not compute all the time.
+    """
+    longest_s = 0.0
+    for _ in range(5):
+        begin_s, x = time.perf_counter(), 1
+        for _ in range(_N_STEPS):
+            x = x * 69069 & 0xFFFFFFFF
+        longest_s = max(longest_s, time.perf_counter() - begin_s)
+    return max(1.0, longest_s / _REFERENCE_S)
+
+
+@cache
+def slowness() -> float:
+    """Return the slowness of this run of the tests: the environment's, else measured now."""
+    given = os.environ.get(SLOWNESS)
+    return float(given) if given else measure()
+
+
+def limit_s(seconds: float = _LIMIT_S) -> float:
+    """Return a limit [s] for this machine from the one for an idle reference machine."""
+    return seconds * slowness()
+
+
+def until(condition: Callable[[], T], what: str, seconds: float = _LIMIT_S) -> T:
+    """Wait until a condition holds; return its value.
+
+    Parameters
+    ----------
+    condition : called every 10 ms
+    what : the event, for the error
+    seconds : limit on an idle reference machine
+
+    Raises
+    ------
+    AssertionError
+        The limit passed; names the event.
+    """
+    end_s = time.monotonic() + limit_s(seconds)
+    while not (found := condition()):
+        assert time.monotonic() < end_s, f"{what}: not within {limit_s(seconds):.0f} s"
+        time.sleep(0.01)
+    return found
