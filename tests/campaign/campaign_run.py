@@ -24,7 +24,7 @@ PART = "perkins240"
 # each core.
 HOURS = ((20000, 4, 3), (20000, 4, 4), (5000, 4, 2), (2000, 6, 1), (1000, 6, 0))
 # Parts of the firmware whose own tests let the supply fall, without a program here.
-KEPT_TESTS = ("test_stm_params",)
+KEPT_TESTS = ("test_stm32",)
 
 PAGE = """# Reactions, measured
 
