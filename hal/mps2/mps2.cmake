@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Common to the emulated MPS2 boards. Set before: board_cpu (core options), board_machine (QEMU machine),
 # board_psram (address of the heap).
-# Enumerations have the width of the host's, so that structures are identical on both sides of the
-# wire. Those of newlib differ, but no call passes one.
+# Enumerations have the width of the host's, so that structures are those of the host's tests. Those
+# of newlib differ, but no call passes one.
 add_compile_options(${board_cpu} -mthumb -ffunction-sections -fdata-sections -fno-short-enums)
 add_link_options(${board_cpu} -mthumb -nostartfiles -Wl,--no-enum-size-warning)
 

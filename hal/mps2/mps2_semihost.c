@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mps2_semihost.h"
-#include <string.h> // strlen
+#include <stdbool.h> // bool
+#include <stdint.h>  // int32_t
 
 /// Operations.
-enum { sys_open = 0x01, sys_write = 0x05, sys_read = 0x06, sys_exit_extended = 0x20 };
+enum { sys_open = 0x01, sys_write = 0x05, sys_exit_extended = 0x20 };
 
-/// Modes of sys_open: "w", "rb" and "wb".
-enum { open_for_writing = 4, open_bytes_for_reading = 1, open_bytes_for_writing = 5 };
+/// Mode of sys_open: "w".
+enum { open_for_writing = 4 };
 
 /// Exit reason of a normal end: ADP_Stopped_ApplicationExit.
 enum { application_exit = 0x20026 };
@@ -38,39 +39,6 @@ void mps2_write(const char *bytes, size_t n)
 {
     const uintptr_t arguments[] = {(uintptr_t)console(), (uintptr_t)bytes, n};
     (void)call_host(sys_write, arguments);
-}
-
-int32_t mps2_file_open(const char *path, bool is_written)
-{
-    const uintptr_t mode = is_written ? open_bytes_for_writing : open_bytes_for_reading;
-    const uintptr_t arguments[] = {(uintptr_t)path, mode, strlen(path)};
-    return call_host(sys_open, arguments);
-}
-
-/// Read or write n bytes. An operation returns the number of bytes not transferred; all of them
-/// means end of file.
-static bool transfer(uint32_t operation, int32_t file, uintptr_t bytes, size_t n)
-{
-    while (n > 0u) {
-        const uintptr_t arguments[] = {(uintptr_t)file, bytes, n};
-        const int32_t left = call_host(operation, arguments);
-        if (left < 0 || (size_t)left >= n) {
-            return false;
-        }
-        bytes += n - (size_t)left;
-        n = (size_t)left;
-    }
-    return true;
-}
-
-bool mps2_file_read(int32_t file, void *bytes, size_t n)
-{
-    return transfer(sys_read, file, (uintptr_t)bytes, n);
-}
-
-bool mps2_file_write(int32_t file, const void *bytes, size_t n)
-{
-    return transfer(sys_write, file, (uintptr_t)bytes, n);
 }
 
 void mps2_exit(int status)

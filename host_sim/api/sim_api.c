@@ -204,9 +204,6 @@ int sim_api_finish(sim_api_t *s, double wall_s)
         (void)common_error(&s->error, "no cut is open; begin one");
         return camsim_wrong;
     }
-    if (sim_firmware_is_lost(&s->cut.firmware, &s->error)) {
-        return camsim_wrong;
-    }
     make_surface(s);
     if (!make_summary(s, wall_s) || s->surface_values.is_lost || s->trace_values.is_lost) {
         (void)common_error(&s->error,

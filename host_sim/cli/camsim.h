@@ -55,7 +55,6 @@ typedef struct {
     const char *machine_path;
     const char *out_path[camsim_n_outs]; ///< NULL: not wanted
     char design_path[4096];              ///< NAME.json next to the table, existing or not
-    char target_image[4096];             ///< default path; unused when the user gives an image
     bool is_progress_shown;
     bool is_help;
     double slice_us, seed; ///< as given; cut holds them, too

@@ -82,10 +82,6 @@ static bool check(identify_options_t *o, common_error_t *e)
                                 o->common.out_path[i]);
         }
     }
-    if (o->common.cut.target != NULL) {
-        return common_error(e, "--target %.60s: identify runs in this process only; leave it out",
-                            o->common.cut.target);
-    }
     o->common.cut.is_traced = true;
     o->identify.n_periods = (uint32_t)o->n_periods;
     o->identify.fade_ticks = (uint32_t)o->fade_ticks;

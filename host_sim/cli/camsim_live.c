@@ -83,10 +83,6 @@ static bool check(options_t *o, common_error_t *e)
                                 o->common.out_path[i]);
         }
     }
-    if (o->common.cut.target != NULL) {
-        return common_error(e, "--target %.60s: live runs in this process only; leave it out",
-                            o->common.cut.target);
-    }
     if (o->role == NULL || (strcmp(o->role, "lathe") != 0 && strcmp(o->role, "controller") != 0)) {
         return common_error(e, "--role %.40s: give lathe or controller",
                             o->role != NULL ? o->role : "(none)");

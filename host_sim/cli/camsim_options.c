@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
 #include "common_number.h" // common_number_parse
-#include "sim_target.h"    // sim_target_find
 #include <stdio.h>         // fprintf
 #include <string.h>        // strrchr
 #include <unistd.h>        // access
@@ -139,11 +138,6 @@ static const camsim_option_t options[] = {
     CAMSIM_NUMBER("max-seconds", "S", AT(cut.session.max_s), 0.001, 1e7, "seconds",
                   "give up after S of machine time (default: twice the plan and a minute)"),
     CAMSIM_SWITCH("progress", AT(is_progress_shown), "show progress on standard error"),
-    CAMSIM_TEXT("target", "T", AT(cut.target),
-                "the firmware runs on an emulated board: mps2-an500 (Cortex-M7) or mps2-an386 "
-                "(Cortex-M4), one exchange per tick"),
-    CAMSIM_TEXT("target-image", "F.elf", AT(cut.target_image),
-                "image for it (default: that of preset mcu-qemu or mcu-qemu-m4)"),
     CAMSIM_TAKEN("inject", "KIND@SECONDS[:VALUE]", take_inject,
                  "a fault or what an operator does; below"),
     CAMSIM_SWITCH("help", AT(is_help), "show this help"),
@@ -186,22 +180,6 @@ static bool find_design(camsim_options_t *o, common_error_t *e)
     return true;
 }
 
-/// Check the target and find its image: the user's, or the one built along with this program.
-static bool find_target(camsim_options_t *o, common_error_t *e)
-{
-    if (o->cut.target == NULL) {
-        return o->cut.target_image == NULL ||
-               common_error(e, "--target-image %.60s: no target for it; give --target",
-                            o->cut.target_image);
-    }
-    const sim_target_t *target = sim_target_find(o->cut.target, e);
-    if (target == NULL || o->cut.target_image != NULL) {
-        return target != NULL;
-    }
-    o->cut.target_image = o->target_image;
-    return sim_target_image(target, o->target_image, sizeof o->target_image, e);
-}
-
 static bool check_outputs(const camsim_options_t *o, common_error_t *e)
 {
     enum { n_inputs = 3, n_paths = n_inputs + camsim_n_outs };
@@ -242,7 +220,7 @@ static bool check(camsim_options_t *o, common_error_t *e)
     if (o->machine_path != NULL && !sim_config_load(&o->cut.session.config, o->machine_path, e)) {
         return false;
     }
-    if (!find_target(o, e) || (o->cut.session.design_path == NULL && !find_design(o, e))) {
+    if (o->cut.session.design_path == NULL && !find_design(o, e)) {
         return false;
     }
     if ((o->out_path[camsim_scallop] != NULL || o->cut.has_window) && o->cut.nose_mm <= 0.0) {

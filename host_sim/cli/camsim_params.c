@@ -19,9 +19,7 @@ static bool check(const camsim_options_t *o, common_error_t *e)
                                 o->out_path[i]);
         }
     }
-    return o->cut.target == NULL ||
-           common_error(e, "--target %.60s: params runs in this process only; leave it out",
-                        o->cut.target);
+    return true;
 }
 
 static int print(sim_cut_t *cut)
@@ -32,7 +30,7 @@ static int print(sim_cut_t *cut)
     for (int i = 0; i < cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
         (void)printf("%s,%d\n", cam_param_info(id)->name,
-                     (int)sim_firmware_param(&cut->firmware, id));
+                     (int)cam_param_get(&cut->firmware.machine.params, id));
     }
     return fflush(stdout) == 0 ? camsim_done : camsim_not_good;
 }

@@ -13,7 +13,7 @@ enum { background_polls = 64 };
 
 cam_status_t sim_cut_status(const sim_cut_t *cut)
 {
-    return sim_firmware_status(&cut->firmware);
+    return cam_machine_status(&cut->firmware.machine);
 }
 
 /// @return [nm] feed per turn of a pass
@@ -157,7 +157,7 @@ static void observe(sim_cut_t *cut)
 
 static void operator_stop(sim_cut_t *cut)
 {
-    cut->is_stopped = sim_firmware_stop(&cut->firmware) == cam_ok || cut->is_stopped;
+    cut->is_stopped = cam_machine_stop(&cut->firmware.machine) == cam_ok || cut->is_stopped;
 }
 
 /// Process the answer to a command. If the controller is busy, the command is repeated later.
@@ -170,21 +170,21 @@ static void take_answer(sim_cut_t *cut, cam_err_t err)
 }
 
 /// Apply an operator's change during the cut. @return cam_err_command for other kinds
-static cam_err_t operator_changes(sim_firmware_t *f, const sim_inject_t *what)
+static cam_err_t operator_changes(cam_machine_t *m, const sim_inject_t *what)
 {
     switch (what->kind) {
     case sim_inject_hold:
-        return sim_firmware_hold(f, true);
+        return cam_machine_hold(m);
     case sim_inject_resume:
-        return sim_firmware_hold(f, false);
+        return cam_machine_resume(m);
     case sim_inject_feed_override:
-        return sim_firmware_set_param(f, cam_param_feed_override_ppm,
-                                      (int32_t)lround(what->value * 1e4));
+        return cam_machine_set_param(m, cam_param_feed_override_ppm,
+                                     (int32_t)lround(what->value * 1e4));
     case sim_inject_spindle_override:
-        return sim_firmware_set_param(f, cam_param_spindle_override_ppm,
-                                      (int32_t)lround(what->value * 1e4));
+        return cam_machine_set_param(m, cam_param_spindle_override_ppm,
+                                     (int32_t)lround(what->value * 1e4));
     case sim_inject_trim:
-        return sim_firmware_set_param(f, cam_param_x_trim_nm, (int32_t)lround(what->value * 1e3));
+        return cam_machine_set_param(m, cam_param_x_trim_nm, (int32_t)lround(what->value * 1e3));
     default:
         return cam_err_command;
     }
@@ -195,7 +195,7 @@ static void inject(sim_cut_t *cut, const sim_inject_t *what)
 {
     sim_session_t *s = &cut->session;
     if (what->kind == sim_inject_table_flip) {
-        sim_firmware_flip(&cut->firmware, s->image, (size_t)what->value);
+        s->image[(size_t)what->value] ^= 1u;
     } else if (what->kind == sim_inject_stop) {
         operator_stop(cut);
     } else {
@@ -208,7 +208,7 @@ static void inject_what_is_due(sim_cut_t *cut)
     sim_session_t *s = &cut->session;
     sim_inject_t *what;
     while ((what = sim_session_next_inject(s, cut->port.time_s)) != NULL) {
-        const cam_err_t err = operator_changes(&cut->firmware, what);
+        const cam_err_t err = operator_changes(&cut->firmware.machine, what);
         if (err == cam_err_busy) {
             what->is_done = false; // again in the next tick
             s->n_waiting++;
@@ -241,16 +241,17 @@ static void move_z(sim_cut_t *cut)
 static void operate(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
+    cam_machine_t *machine = &cut->firmware.machine;
     const cam_state_t state = cut->firmware.state;
     if (cut->n_polls++ % background_polls == 0u) {
-        sim_firmware_poll(&cut->firmware);
+        cam_machine_poll(machine);
     }
     if (state == cam_state_fault) {
         cut->end = sim_cut_status(cut).is_retracted ? sim_cut_fault : cut->end;
     } else if (state == cam_state_off) {
-        take_answer(cut, sim_firmware_enable(&cut->firmware));
+        take_answer(cut, cam_machine_enable(machine));
     } else if (state == cam_state_ready && !cut->is_started) {
-        const cam_err_t err = sim_firmware_start(&cut->firmware);
+        const cam_err_t err = cam_machine_start(machine);
         cut->is_started = err == cam_ok;
         take_answer(cut, err);
     } else if (state == cam_state_ready && (s->cut_at_s >= 0.0 || cut->is_stopped)) {
@@ -272,7 +273,7 @@ static void operate(sim_cut_t *cut)
 void sim_cut_idle(sim_cut_t *cut)
 {
     sim_port_sense(&cut->port);
-    (void)sim_firmware_tick(&cut->firmware); // after losing the target the next call is refused
+    sim_firmware_tick(&cut->firmware);
     observe(cut);
     sim_port_advance(&cut->port);
     cut->n_ticks++;
@@ -281,10 +282,7 @@ void sim_cut_idle(sim_cut_t *cut)
 void sim_cut_tick(sim_cut_t *cut)
 {
     sim_port_sense(&cut->port);
-    if (!sim_firmware_tick(&cut->firmware)) {
-        cut->end = sim_cut_lost;
-        return;
-    }
+    sim_firmware_tick(&cut->firmware);
     observe(cut);
     inject_what_is_due(cut);
     sim_port_advance(&cut->port);
@@ -303,6 +301,5 @@ void sim_cut_tick(sim_cut_t *cut)
 
 void sim_cut_close(sim_cut_t *cut)
 {
-    sim_firmware_close(&cut->firmware);
     sim_session_close(&cut->session);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_cut: a whole cut in virtual time, controlled by the firmware in this process or on a target.
+/// sim_cut: a whole cut in virtual time, controlled by the firmware.
 ///
 ///     open -> tick, tick, ... until end is not sim_cut_running -> close
 ///
@@ -29,7 +29,7 @@ typedef struct {
     double feed_mm;                ///< 0: the table's
     bool is_without_feed_forward, is_without_lead, is_without_learning;
     double trace_every; ///< [ticks] per line of the trace; below 1: every tick
-    bool is_traced;     ///< the firmware records every tick; drain sim_firmware_trace()
+    bool is_traced;     ///< the firmware records every tick; drain its trace
     double slice_s;     ///< [s] slice of the removal; 0: a 120th of the mean turn
     double kc_n_mm2;    ///< specific cutting force
     double kc_exponent; ///< its size effect; 0: none
@@ -38,11 +38,9 @@ typedef struct {
     double window_first_mm, window_last_mm;
     int n_sections;                       ///< given heights of sections
     double section_mm[sim_sections_most]; ///< rising
-    bool has_sections;  ///< make sections and lines; default: five heights, or one per lobe
-    double tip_mm;      ///< tip radius of the tool that turns lobes; 0: 0.4 mm
-    double max_turns;   ///< operator's stop after this many turns of cutting; 0: the whole part
-    const char *target; ///< a target of sim_target.h; NULL: in this process
-    const char *target_image; ///< path of its image
+    bool has_sections; ///< make sections and lines; default: five heights, or one per lobe
+    double tip_mm;     ///< tip radius of the tool that turns lobes; 0: 0.4 mm
+    double max_turns;  ///< operator's stop after this many turns of cutting; 0: the whole part
 } sim_cut_options_t;
 
 typedef enum {
@@ -51,7 +49,6 @@ typedef enum {
     sim_cut_fault,    ///< fault, tool retracted
     sim_cut_timeout,  ///< max_s has passed
     sim_cut_refused,  ///< the controller refused a command: `refusal`
-    sim_cut_lost,     ///< the target no longer answers; sim_firmware_is_lost() has the reason
     sim_cut_unsteady, ///< the controller ended the start, because the spindle was not steady
 } sim_cut_end_t;
 

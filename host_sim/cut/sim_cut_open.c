@@ -64,10 +64,11 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
 static cam_err_t set_param(void *controller, cam_param_id_t id, int32_t value)
 {
     sim_cut_t *cut = controller;
-    if (sim_firmware_param(&cut->firmware, id) == value) {
+    cam_machine_t *machine = &cut->firmware.machine;
+    if (cam_param_get(&machine->params, id) == value) {
         return cam_ok;
     }
-    const cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
+    const cam_err_t err = cam_machine_set_param(machine, id, value);
     sim_cut_idle(cut);
     return err;
 }
@@ -272,25 +273,26 @@ static bool place(sim_cut_t *cut, common_error_t *e)
     return place_scallop(cut, e) && place_sections(cut, e);
 }
 
-/// Open the firmware and set parameters and table; each change takes effect in the next tick.
+/// Start the firmware and set parameters and table; each change takes effect in the next tick.
 static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, common_error_t *e)
 {
     const double tick_hz = cut->session.options.config.lathe.tick_hz;
-    if (!sim_firmware_open(&cut->firmware, cut->options.target, cut->options.target_image, e) ||
-        !sim_params_apply(&cut->params, (uint32_t)tick_hz, set_param, cut, e)) {
+    cam_machine_t *machine = &cut->firmware.machine;
+    sim_firmware_init(&cut->firmware);
+    if (!sim_params_apply(&cut->params, (uint32_t)tick_hz, set_param, cut, e)) {
         return false;
     }
-    cam_err_t err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
+    cam_err_t err = cam_machine_select_table(machine, cut->session.image, size);
     sim_cut_idle(cut);
     if (err == cam_err_busy) { // retry after a tick, as for parameters
-        err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
+        err = cam_machine_select_table(machine, cut->session.image, size);
         sim_cut_idle(cut);
     }
     if (err != cam_ok) {
         return common_error(e, "%s: refused: %s; make it again with tools/mktables", name,
                             cam_err_text(err));
     }
-    cut->feasibility = sim_firmware_feasibility(&cut->firmware);
+    cut->feasibility = cam_machine_feasibility(machine, 0);
     if (cut->feasibility.err != cam_ok) {
         return infeasible(cut, e);
     }
@@ -362,7 +364,6 @@ bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *
     cut->options = *options;
     cut->fault_s = -1.0;
     if (!prepare(cut, image, size, name, e)) {
-        (void)sim_firmware_is_lost(&cut->firmware, e); // then the lost target is the reason
         sim_cut_close(cut);
         return false;
     }

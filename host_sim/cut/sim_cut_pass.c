@@ -117,8 +117,8 @@ sim_pass_result_t sim_cut_pass_result(const sim_cut_t *cut)
 void sim_cut_next_pass(sim_cut_t *cut)
 {
     sim_session_t *s = &cut->session;
-    sim_firmware_poll(&cut->firmware);
-    const cam_feasibility_t found = sim_firmware_feasibility(&cut->firmware);
+    cam_machine_poll(&cut->firmware.machine);
+    const cam_feasibility_t found = cam_machine_feasibility(&cut->firmware.machine, 0);
     if (found.pass != cut->pass + 2u) {
         return;
     }

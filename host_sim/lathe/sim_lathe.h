@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_lathe: spindle, encoder and four drives: the same lathe for every controller.
 ///
-/// The lathe knows only set-points and time: target/sim_port.h connects it to the firmware in this
+/// The lathe knows only set-points and time: port/sim_port.h connects it to the firmware in this
 /// process, bus/sim_bus.h to the nodes of a CAN bus. Convention: turn is the drawing's angle at the
 /// tool (PARTFILE.md). It rises in the machine's positive sense (M3), the sense of a positive
 /// spindle set-point.

@@ -71,7 +71,7 @@ static void add_harmonic(cJSON *list, uint32_t k, const cam_ilc_harmonic_t *h)
 
 static void add_learning(cJSON *root, sim_cut_t *cut)
 {
-    const cam_ilc_status_t t = sim_firmware_learning(&cut->firmware);
+    const cam_ilc_status_t t = cam_machine_learning(&cut->firmware.machine);
     const bool is_asked = t.reason != cam_ilc_not_asked && t.reason != cam_ilc_not_measured &&
                           t.reason != cam_ilc_modulated && t.reason != cam_ilc_no_table;
     cJSON *learning = cJSON_AddObjectToObject(root, "learning");
@@ -92,7 +92,7 @@ static void add_learning(cJSON *root, sim_cut_t *cut)
     sim_summary_number(learning, "ripple_nturn", t.ripple_nturn);
     cJSON *list = cJSON_AddArrayToObject(learning, "harmonics");
     for (uint32_t k = 0; is_asked && t.n_turns > 0u && k <= t.n_harmonics; k++) {
-        const cam_ilc_harmonic_t h = sim_firmware_harmonic(&cut->firmware, k);
+        const cam_ilc_harmonic_t h = cam_ilc_harmonic(&cut->firmware.machine.ilc, k);
         add_harmonic(list, k, &h);
     }
 }

@@ -76,7 +76,7 @@ void sim_trace_drain(sim_out_t *o, sim_cut_t *cut)
     const double wanted = cut->options.trace_every;
     const uint32_t every = wanted >= 1.0 ? (uint32_t)wanted : 1u;
     cam_tick_record_t record;
-    while (cam_trace_pop(sim_firmware_trace(&cut->firmware), &record)) {
+    while (cam_trace_pop(&cut->firmware.machine.core->trace, &record)) {
         if (record.tick % every != 0u) {
             continue;
         }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// mps2_machine: the machine of the emulated boards: a structure in RAM.
 ///
-/// The machine model sets `in` and `slow` and reads `out`. It is either part of the image, stepped
-/// once a period in mps2_machine_step_isr(), or a program that calls cam_isr() itself and never
-/// starts the tick. (Similar to hal_host_t, but a port must not include headers of another one.)
+/// The machine model sets `in` and `slow` and reads `out`; it is part of the image, stepped once a
+/// period in mps2_machine_step_isr(). (Similar to hal_host_t, but a port must not include headers
+/// of another one.)
 #ifndef MPS2_MACHINE_H
 #define MPS2_MACHINE_H
 
@@ -51,7 +51,7 @@ extern mps2_machine_t mps2_machine;
 /// Context: machine model.
 bool mps2_machine_can_receive(const hal_can_frame_t *frame);
 
-// Image provides, if it starts the tick
+// Image provides
 
 /// Simulate one period: compute `in` from `out`.
 /// Context: the tick's interrupt, after cam_isr().

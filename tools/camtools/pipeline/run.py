@@ -98,8 +98,6 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
 
 def _mismatch(job: RunJob, made: Made, folder: Path) -> Mismatch | None:
     """Return what a drive costs that is 5 % off; where that cannot be told, say why."""
-    if any(word.startswith("--target") for word in job.extra):
-        return None
     part, name = made.table.part, made.table.part.part.name
     text = made.kind.machine(part) if job.machine is None else job.machine.decode("utf-8")
     words = [*made.kind.speed_words(job.rpm), *job.feed_words(), *without_faults(job.extra)]

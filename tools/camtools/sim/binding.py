@@ -134,7 +134,7 @@ class SimSession:
         Raises
         ------
         CamtoolsError
-            Not enough memory, or a controller on a target is lost.
+            Not enough memory.
         """
         library, session = self._library, self._session
         status = int(library.sim_api_finish(session, wall_s))

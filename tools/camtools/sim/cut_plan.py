@@ -44,7 +44,7 @@ class CutPlan(NamedTuple):
 
 
 def plan_of(simulator: Simulator, words: Sequence[str]) -> CutPlan | None:
-    """Return what a cut will take; nothing where camsim does not plan it, as for a target."""
+    """Return what a cut will take; nothing where camsim does not plan it."""
     command = [str(simulator.program), "params", simulator.table, *words]
     try:
         done = subprocess.run(
