@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Override and hold of the feed: accelerations, rates, rests on whole turns, the end of the part,
-// and U at the height that Z has.
+// Override, hold and stop of the feed: accelerations, rates, rests on whole turns, the end of the
+// part, and U at the height that Z has.
 #include "cam_angle.h"
+#include "cam_feed_motion.h"
 #include "fixture_play.h"
 #include "fixture_random.h" // fixture_rarer
 #include "unity.h"
+#include <math.h>
 
 static fixture_play_t f;
 static fixture_part_t part;
@@ -178,7 +180,9 @@ static void test_override_of_nothing_is_a_hold(void)
     cut_to_the_end();
 }
 
-static void test_stop_while_held_disengages(void)
+/// A second stop does not move the end of the cut back to where Z came to rest: the tool would have
+/// to leave the work in one tick.
+static void test_stop_while_held_disengages_ahead_and_once(void)
 {
     begin();
     until(cam_state_cutting);
@@ -186,22 +190,6 @@ static void test_stop_while_held_disengages(void)
     hold(true);
     until(cam_state_holding);
     const double rest_nm = z_nm;
-    fixture_play_ask(&f, cam_request_stop);
-    until(cam_state_disengaging);
-    TEST_ASSERT_EQUAL_UINT32(0, cam_angle_of_pos(f.plan.disengage_at_q32));
-    until(cam_state_ready);
-    TEST_ASSERT_EQUAL_DOUBLE(rest_nm, z_nm);
-}
-
-/// Who presses stop once more does not move the end of the cut to where Z came to rest, which lies
-/// behind: the tool would be told to be off the work in one tick.
-static void test_second_stop_while_held_leaves_the_end_ahead(void)
-{
-    begin();
-    until(cam_state_cutting);
-    turns(9.0);
-    hold(true);
-    until(cam_state_holding);
     turns(3.3);
     fixture_play_ask(&f, cam_request_stop);
     turns(0.1);
@@ -211,71 +199,17 @@ static void test_second_stop_while_held_leaves_the_end_ahead(void)
     turns(0.1);
     TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
     until(cam_state_disengaging);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_angle_of_pos(end_q32));
     TEST_ASSERT_TRUE(f.angle.pos_q32 - end_q32 < CAM_TURN_Q32 / 8);
     until(cam_state_ready);
-}
-
-static void test_hold_within_the_last_ramp_is_overtaken_by_the_end(void)
-{
-    begin();
-    until(cam_state_cutting);
-    turns(50.9);
-    hold(true);
-    cut_to_the_end();
-}
-
-static void test_resume_near_the_end_creeps_there(void)
-{
-    begin();
-    until(cam_state_cutting);
-    turns(47.5); // rests behind 50 turns, with two turns left
-    hold(true);
-    until(cam_state_holding);
-    TEST_ASSERT_TRUE(part.z_last_nm - z_nm < 2.5 * feed_nm);
-    ask(1500000);
-    cut_to_the_end();
-}
-
-/// A cut to go on from more than once: most of the way to the end of the part is always the same.
-typedef struct {
-    fixture_play_t f;
-    double z_nm, step_nm;
-} place_t;
-
-static void keep(place_t *place)
-{
-    place->f = f;
-    place->z_nm = z_nm;
-    place->step_nm = step_nm;
-}
-
-static void go_back(const place_t *place)
-{
-    f = place->f;
-    z_nm = place->z_nm;
-    step_nm = place->step_nm;
-}
-
-static void test_rate_without_room_for_it_before_the_end_stays(void)
-{
-    static place_t place;
-    begin();
-    until(cam_state_cutting);
-    turns(48.0);
-    for (int tenth = 0; tenth < 30; tenth++) {
-        keep(&place);
-        ask(1500000);
-        cut_to_the_end();
-        go_back(&place);
-        turns(0.1);
-    }
+    TEST_ASSERT_EQUAL_DOUBLE(rest_nm, z_nm);
 }
 
 /// Any order of overrides, holds, resumes: nothing but the time of the cut changes.
 static void test_random_changes_always_end_at_the_last_height(void)
 {
     uint32_t seed = 1;
-    for (int cut = 0; cut < 40 / fixture_rarer; cut++) {
+    for (int cut = 0; cut < 15 / fixture_rarer; cut++) {
         setUp();
         begin();
         for (int i = 0; i < 12 && f.want.state != cam_state_ready; i++) {
@@ -303,27 +237,173 @@ static void test_what_is_asked_again_changes_no_rate(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &f.plan.feed_motion, sizeof before);
 }
 
-/// However little of the part is left where the feed came to rest, it is fed to the end.
-static void test_resume_feeds_the_least_that_is_left(void)
+/// Wherever it comes before the end, a higher rate without room stays away, a hold is overtaken by
+/// the end, and however little is left of the part after a rest, it is fed to the end.
+static void test_changes_near_the_end_feed_the_whole_part(void)
 {
-    static const double at[] = {48.0, 48.3, 48.6, 48.8, 48.9, 49.0, 49.2};
-    static place_t place;
+    static const double at[] = {47.5, 48.0, 48.3, 48.6, 48.8, 48.9, 49.0, 49.2, 50.0, 50.9};
+    static fixture_play_t kept;
     begin();
     until(cam_state_cutting);
-    for (int i = 0, n = 0; i < 7; i++) {
+    for (int i = 0, n = 0; i < 10; i++) {
         for (; n < (int)(at[i] * ticks_per_turn); n++) {
             tick();
         }
-        keep(&place);
-        for (int feed = 0; feed < 2; feed++) {
-            go_back(&place);
-            hold(true);
-            turns(6.0);
-            if (f.want.state == cam_state_holding) {
-                ask(feed == 0 ? 1000000 : 1500000);
+        kept = f;
+        const double kept_nm[] = {z_nm, step_nm};
+        for (int feed = 0; feed < 3; feed++) {
+            hold(feed > 0);
+            turns(feed > 0 ? 6.0 : 0.0);
+            if (feed == 0 || f.want.state == cam_state_holding) {
+                ask(feed == 1 ? 1000000 : 1500000);
             }
             cut_to_the_end();
+            f = kept;
+            z_nm = kept_nm[0];
+            step_nm = kept_nm[1];
         }
-        go_back(&place);
+    }
+}
+
+/// It rests where it is, and counts as ended: the tool leaves the work at once.
+static void test_feed_of_which_nothing_is_left_ends_where_it_rests(void)
+{
+    const cam_play_config_t *cfg = &f.config.play;
+    const int64_t next_q32 = 100 * CAM_TURN_Q32;
+    for (int32_t more = 0; more < 2; more++) {
+        cam_feed_motion_t c = {.is_held = true,
+                               .from_q32 = 3 * CAM_TURN_Q32,
+                               .to_q32 = 4 * CAM_TURN_Q32,
+                               .end_q32 = 90 * CAM_TURN_Q32,
+                               .fed_end_q32 = cfg->feed_q32 - cfg->ramp_q32 + more};
+        cam_feed_motion_request_isr(&c, cfg, next_q32 - 1000, next_q32);
+        TEST_ASSERT_FALSE(c.is_held);
+        TEST_ASSERT_EQUAL_INT32(cfg->feed_rate_q30, c.requested_q30);
+        TEST_ASSERT_INT64_WITHIN(1 << 20, next_q32, c.end_q32);
+    }
+}
+
+/// Whoever asks once more for the rest that a feed is in finds it there, as often as it is asked.
+static void test_rest_that_is_asked_for_again_stays(void)
+{
+    f.config.play.feed_rate_q30 = 0;
+    cam_feed_motion_t c = {.is_held = true,
+                           .from_q32 = 3 * CAM_TURN_Q32,
+                           .to_q32 = 4 * CAM_TURN_Q32,
+                           .to_rate_q30 = 1 << 30,
+                           .brake_q32 = 89 * CAM_TURN_Q32,
+                           .end_q32 = 90 * CAM_TURN_Q32};
+    const cam_feed_motion_t before = c;
+    for (int64_t turn = 1; turn < 200; turn += 40) {
+        cam_feed_motion_request_isr(&c, &f.config.play, turn * CAM_TURN_Q32 - 1000,
+                                    turn * CAM_TURN_Q32);
+        TEST_ASSERT_EQUAL_MEMORY(&before, &c, sizeof c);
+    }
+}
+
+/// Before its first ring begins a ring-helix rests at once, for a hold and for a stop.
+static void test_rings_that_have_not_begun_rest_at_once(void)
+{
+    cam_play_config_t *cfg = &f.config.play;
+    cfg->rings.is_on = true;
+    cfg->feed_rate_q30 = 0;
+    for (int64_t early = 0; early < 14; early++) {
+        const int64_t next_q32 = 10 * CAM_TURN_Q32 - early * CAM_TURN_Q32 / 4;
+        cam_feed_motion_t c = {
+            .from_q32 = 10 * CAM_TURN_Q32, .end_q32 = 90 * CAM_TURN_Q32, .requested_q30 = 1 << 30};
+        cam_feed_motion_t stopped = c;
+        cam_feed_motion_request_isr(&c, cfg, next_q32 - 1000, next_q32);
+        TEST_ASSERT_TRUE(c.is_held);
+        TEST_ASSERT_EQUAL_INT64(next_q32, c.end_q32);
+        TEST_ASSERT_EQUAL_INT64(next_q32, cam_feed_motion_stop_isr(&stopped, cfg, next_q32));
+        TEST_ASSERT_EQUAL_INT64(next_q32, stopped.end_q32);
+    }
+}
+
+/// A stop ends a hold where it rests, or where the next turn begins if that is later.
+static void test_stop_ends_a_hold(void)
+{
+    for (int64_t turn = 80; turn <= 100; turn += 10) {
+        cam_feed_motion_t c = {.is_held = true, .end_q32 = 90 * CAM_TURN_Q32};
+        const int64_t end_q32 = (turn > 90 ? turn : 90) * CAM_TURN_Q32;
+        TEST_ASSERT_EQUAL_INT64(end_q32,
+                                cam_feed_motion_stop_isr(&c, &f.config.play, turn * CAM_TURN_Q32));
+        TEST_ASSERT_FALSE(c.is_held);
+        TEST_ASSERT_EQUAL_INT64(90 * CAM_TURN_Q32, c.end_q32);
+    }
+}
+
+/// Rings have no other rate than theirs: an override leaves their course as it is.
+static void test_override_changes_no_rings(void)
+{
+    enum { one = 1 << 30 };
+    cam_play_config_t *cfg = &f.config.play;
+    cfg->rings.is_on = true;
+    cfg->feed_rate_q30 = one / 2;
+    cfg->ramp_q32 = cfg->feed_q32 = CAM_TURN_Q32;
+    const cam_feed_motion_t before = {.from_q32 = 10 * CAM_TURN_Q32,
+                                      .to_q32 = 11 * CAM_TURN_Q32,
+                                      .brake_q32 = 70 * CAM_TURN_Q32,
+                                      .end_q32 = 71 * CAM_TURN_Q32,
+                                      .rate_q30 = one,
+                                      .to_rate_q30 = one,
+                                      .requested_q30 = one};
+    for (int64_t turn = 5; turn < 80; turn += 5) {
+        cam_feed_motion_t c = before;
+        cam_feed_motion_request_isr(&c, cfg, turn * CAM_TURN_Q32, (turn + 1) * CAM_TURN_Q32);
+        TEST_ASSERT_EQUAL_INT32(one / 2, c.requested_q30); // and is not looked at again
+        TEST_ASSERT_EQUAL_INT64(before.from_q32, c.from_q32);
+        TEST_ASSERT_EQUAL_INT64(before.to_q32, c.to_q32);
+        TEST_ASSERT_EQUAL_INT64(before.end_q32, c.end_q32);
+        TEST_ASSERT_EQUAL_INT32(one, c.to_rate_q30);
+    }
+}
+
+enum { long_ramp = 30, stop_ramp = 2, per_turn = 16 };
+
+/// A part of 200 turns whose feed rises over 30 turns, as with learning; a stop takes two.
+static void set_long_ramp(cam_play_config_t *cfg)
+{
+    cfg->rings.is_on = false;
+    cfg->feed_rate_q30 = 1 << 30;
+    cfg->per_feed_rate_q24 = 1 << 24;
+    cfg->feed_nm = 100000;
+    cfg->ramp_q32 = long_ramp * CAM_TURN_Q32;
+    cfg->per_ramp_q31 = (uint32_t)((UINT64_C(1) << 31) / long_ramp);
+    cfg->stop_ramp_q32 = stop_ramp * CAM_TURN_Q32;
+    cfg->per_stop_q31 = (uint32_t)((UINT64_C(1) << 31) / stop_ramp);
+    cfg->feed_q32 = (200 + long_ramp) * CAM_TURN_Q32;
+}
+
+/// Wherever a stop comes, in the ramps or between them: what is commanded stays, Z rests within
+/// three turns, and it never brakes more steeply than the ramp of a stop.
+static void test_stop_ends_a_ramp_and_rests_within_three_turns(void)
+{
+    cam_play_config_t *cfg = &f.config.play;
+    set_long_ramp(cfg);
+    const double most_nm = 1.01 * cfg->feed_nm / stop_ramp / per_turn / per_turn + 2.0;
+    for (int64_t turn = 11; turn < 200; turn++) {
+        const int64_t next_q32 = turn * CAM_TURN_Q32;
+        cam_feed_motion_t c = {0};
+        cam_feed_motion_begin_isr(&c, cfg, 10 * CAM_TURN_Q32);
+        const cam_feed_motion_t before = c;
+        const int64_t end_q32 = cam_feed_motion_stop_isr(&c, cfg, next_q32);
+        TEST_ASSERT_EQUAL_INT64(0, end_q32 % CAM_TURN_Q32);
+        TEST_ASSERT_LESS_OR_EQUAL_INT64(next_q32 + 3 * CAM_TURN_Q32, end_q32);
+        double last_nm = 0.0;
+        double last_step_nm = 0.0;
+        for (int64_t i = 10 * per_turn; i <= (turn + 5) * per_turn; i++) {
+            const int64_t at_q32 = i * (CAM_TURN_Q32 / per_turn);
+            const double fed_nm = cam_feed_motion_fed_nm_isr(&c, cfg, at_q32);
+            const double change_nm = fed_nm - last_nm - last_step_nm;
+            TEST_ASSERT_TRUE(i < 10 * per_turn + 2 || fabs(change_nm) <= most_nm);
+            if (at_q32 <= next_q32) {
+                TEST_ASSERT_INT32_WITHIN(1, cam_feed_motion_fed_nm_isr(&before, cfg, at_q32),
+                                         (int32_t)fed_nm);
+            }
+            TEST_ASSERT_TRUE(at_q32 <= end_q32 || fed_nm - last_nm < 0.5);
+            last_step_nm = fed_nm - last_nm;
+            last_nm = fed_nm;
+        }
     }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Axes by hand in whole ticks: jog, step, dead man, limits of motion, disable and faults.
+// Axes by hand in whole ticks: jog, step, dead man, limits of motion, faults, and homing by a
+// switch or an index. test_cam_jog_isr.c has single orders.
 #include "fixture_random.h"
 #include "jog_bench.h"
 
@@ -9,22 +10,21 @@ static void jog(hal_axis_t axis, int32_t um_per_s)
     fixture_rig_tick(&rig);
 }
 
-static bool is_between(int32_t v, int32_t low, int32_t high)
+static void expect_no_fault(void)
 {
-    return v >= low && v <= high;
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
 }
 
 static void test_manual_holds_all_axes_and_the_spindle(void)
 {
-    hal_host.in.axis_nm[hal_axis_x] = 50 * mm;
-    hal_host.in.axis_nm[hal_axis_z] = -7 * mm;
-    hal_host.in.axis_nm[hal_axis_u] = 123456;
+    static const int32_t at_nm[hal_n_axes] = {123456, 50 * mm, -7 * mm};
+    memcpy(hal_host.in.axis_nm, at_nm, sizeof at_nm);
     fixture_rig_ticks(&rig, 20);
     to_manual();
     fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_INT32(50 * mm, port_nm(hal_axis_x));
-    TEST_ASSERT_EQUAL_INT32(-7 * mm, port_nm(hal_axis_z));
-    TEST_ASSERT_EQUAL_INT32(123456, port_nm(hal_axis_u));
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        TEST_ASSERT_EQUAL_INT32(at_nm[i], port_nm((hal_axis_t)i));
+    }
     TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
     TEST_ASSERT_EQUAL_HEX32(hal_out_enable, hal_host.out.outputs);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
@@ -42,8 +42,7 @@ static void test_jog_without_its_commander_stops_by_the_interrupt_alone(void)
         to_manual();
         const hal_axis_t axis = (hal_axis_t)i;
         jog(axis, 1000);
-        const uint32_t n_moving = patience_ticks - 2u * 8u;
-        fixture_rig_ticks(&rig, n_moving);
+        fixture_rig_ticks(&rig, patience_ticks - 2u * 8u);
         TEST_ASSERT_EQUAL_INT(cam_jog_runs, jog_state().end);
         TEST_ASSERT_INT32_WITHIN(1, 50, hal_host.out.axis[axis].vel_q10 / 1024);
         fixture_rig_ticks(&rig, 40 + 400); // 1 mm/s, braked by 0.5 m/s2 in 2 ms
@@ -56,7 +55,7 @@ static void test_jog_without_its_commander_stops_by_the_interrupt_alone(void)
     }
 }
 
-static void test_jog_repeated_in_time_goes_on_at_its_speed(void)
+static void test_jog_repeated_in_time_continues_at_its_speed(void)
 {
     to_manual();
     jog(hal_axis_z, -5000);
@@ -69,7 +68,7 @@ static void test_jog_repeated_in_time_goes_on_at_its_speed(void)
     TEST_ASSERT_INT32_WITHIN(1000, from_nm - 5 * mm, port_nm(hal_axis_z));
 }
 
-/// A stop, and a jog of another axis, brake what moves.
+/// A stop, and a jog of another axis, brake the moving axis.
 static void test_another_order_brakes_the_axis_of_the_last(void)
 {
     to_manual();
@@ -85,7 +84,8 @@ static void test_another_order_brakes_the_axis_of_the_last(void)
     TEST_ASSERT_EQUAL_INT(cam_jog_stopped, jog_state().end);
 }
 
-static void test_step_ends_where_it_was_ordered_to(void)
+/// Afterwards a jog of speed 0 changes nothing of an axis at rest, and stops one that runs.
+static void test_step_ends_at_its_distance(void)
 {
     static const int32_t steps_nm[] = {100000, -1, 12345, -3 * mm, 1};
     to_manual();
@@ -95,84 +95,63 @@ static void test_step_ends_where_it_was_ordered_to(void)
         TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
         TEST_ASSERT_EQUAL_INT32(from_nm + steps_nm[i], port_nm(hal_axis_x));
     }
-}
-
-/// An order that comes too late finds no home.
-static void test_order_that_is_already_too_old_is_not_begun(void)
-{
-    set(cam_param_x_home, 1);
-    to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
-    cam_config_t *config = (cam_config_t *)(uintptr_t)g_cam.config.offered;
-    config->play.jog.order.until = fixture_rig_status(&rig).tick - 1u;
+    jog(hal_axis_x, 0);
     fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_jog_silent, jog_state().end);
-    TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed);
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, jog_state().end);
+    jog(hal_axis_x, 1000);
+    fixture_rig_ticks(&rig, 20);
+    jog(hal_axis_x, 0);
+    TEST_ASSERT_EQUAL_INT(cam_jog_stopped, until_rest());
 }
 
 /// Jogs, reversals, stops and steps of all axes at random, with limits of travel: speed and
 /// acceleration stay within the axis's gentle limits, travel within its limits, and no fault comes.
+/// 2 mm/s and 10 mm/s are 100 and 500 nm per tick. X and Z change their speed once per plan by
+/// 0.5 m/s2 times 0.4 ms, 10 nm per tick, U by a quarter of 250 m/s2 in one tick, 156 nm per
+/// tick; a step is rounded to whole nanometres, and has the rest of a division by eight.
 static void test_random_orders_stay_within_speed_acceleration_and_travel(void)
 {
-    set(cam_param_x_low_nm, -2 * mm);
-    set(cam_param_x_high_nm, 3 * mm);
-    set(cam_param_z_low_nm, -1 * mm);
-    set(cam_param_z_high_nm, 1 * mm);
+    static const struct {
+        int32_t low_nm, high_nm, most_um_per_s, most_step_nm, most_change_nm;
+    } limits[hal_n_axes] = {{-600000, 600000, 2000, 103, 159},
+                            {-2 * mm, 3 * mm, 10000, 503, 13},
+                            {-mm, mm, 10000, 503, 13}};
+    set(cam_param_x_low_nm, limits[hal_axis_x].low_nm);
+    set(cam_param_x_high_nm, limits[hal_axis_x].high_nm);
+    set(cam_param_z_low_nm, limits[hal_axis_z].low_nm);
+    set(cam_param_z_high_nm, limits[hal_axis_z].high_nm);
     to_manual();
-    const int32_t low_nm[] = {-600000, -2 * mm, -mm};
-    const int32_t high_nm[] = {600000, 3 * mm, mm};
-    const int32_t most_um_per_s[] = {2000, 10000, 10000};
     motion_t motion[hal_n_axes];
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         motion[i] = motion_of((hal_axis_t)i);
     }
     fixture_random_t random = {.state = 77};
-    for (int n = 0; n < 400; n++) {
-        const uint32_t axis = fixture_random_u32(&random) % (uint32_t)hal_n_axes;
-        const uint32_t span = 2u * (uint32_t)most_um_per_s[axis] + 1u;
-        const int32_t um_per_s =
-            (int32_t)(fixture_random_u32(&random) % span) - most_um_per_s[axis];
-        (void)cam_machine_jog(&rig.machine, (hal_axis_t)axis, um_per_s);
+    for (int n = 0; n < 200; n++) {
+        const hal_axis_t axis = (hal_axis_t)(fixture_random_u32(&random) % (uint32_t)hal_n_axes);
+        const int32_t most = limits[axis].most_um_per_s;
+        const int32_t um_per_s = (int32_t)fixture_random_range(&random, -most, most);
+        (void)cam_machine_jog(&rig.machine, axis, um_per_s);
         if (n % 5 == 0) {
-            (void)cam_machine_step(&rig.machine, (hal_axis_t)axis, um_per_s * 100);
+            (void)cam_machine_step(&rig.machine, axis, um_per_s * 100);
         }
         const uint32_t ticks = 1u + fixture_random_u32(&random) % 1500u;
         for (uint32_t k = 0; k < ticks; k++) {
             fixture_rig_tick(&rig);
             for (uint32_t i = 0; i < hal_n_axes; i++) {
                 watch(&motion[i], (hal_axis_t)i);
-                TEST_ASSERT_TRUE(motion[i].last_nm >= low_nm[i] && motion[i].last_nm <= high_nm[i]);
+                TEST_ASSERT_TRUE(motion[i].last_nm >= limits[i].low_nm);
+                TEST_ASSERT_TRUE(motion[i].last_nm <= limits[i].high_nm);
             }
         }
     }
-    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    expect_no_fault();
     TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
-    // 2 mm/s and 10 mm/s are 100 and 500 nm per tick. X and Z change their speed once per plan by
-    // 0.5 m/s2 times 0.4 ms, 10 nm per tick, U by a quarter of 250 m/s2 in one tick, 156 nm per
-    // tick; a step is rounded to whole nanometres, and has the rest of a division by eight.
-    TEST_ASSERT_TRUE(is_between(motion[hal_axis_u].most_step_nm, 80, 103));
-    TEST_ASSERT_TRUE(is_between(motion[hal_axis_x].most_step_nm, 400, 503));
-    TEST_ASSERT_TRUE(is_between(motion[hal_axis_z].most_step_nm, 400, 503));
-    TEST_ASSERT_LESS_OR_EQUAL_INT32(159, motion[hal_axis_u].most_change_nm);
-    TEST_ASSERT_LESS_OR_EQUAL_INT32(13, motion[hal_axis_x].most_change_nm);
-    TEST_ASSERT_LESS_OR_EQUAL_INT32(13, motion[hal_axis_z].most_change_nm);
-}
-
-static void test_jog_to_the_limit_rests_there_and_comes_back(void)
-{
-    set(cam_param_z_low_nm, -mm);
-    set(cam_param_z_high_nm, mm);
-    to_manual();
-    for (int i = 0; i < 10; i++) {
-        jog(hal_axis_z, 10000);
-        fixture_rig_ticks(&rig, 500);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(limits[i].most_step_nm, motion[i].most_step_nm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limits[i].most_step_nm * 4 / 5 - 3,
+                                           motion[i].most_step_nm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(limits[i].most_change_nm, motion[i].most_change_nm);
     }
-    TEST_ASSERT_EQUAL_INT(cam_jog_limit, jog_state().end);
-    TEST_ASSERT_INT32_WITHIN(20, mm, port_nm(hal_axis_z));
-    TEST_ASSERT_LESS_OR_EQUAL_INT32(mm, port_nm(hal_axis_z));
-    jog(hal_axis_z, -10000);
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_LESS_THAN_INT32(mm - 100000, port_nm(hal_axis_z));
 }
 
 /// The command of U runs ahead by the feed-forward, here of three drives, up to the slowest one.
@@ -190,26 +169,13 @@ static void test_jog_of_u_to_its_limit_leaves_room_for_the_feed_forward(void)
             jog(hal_axis_u, sense * 2000);
             fixture_rig_ticks(&rig, 200);
         }
-        TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+        expect_no_fault();
         TEST_ASSERT_EQUAL_INT(cam_jog_limit, jog_state().end);
         TEST_ASSERT_GREATER_THAN_INT32(590000, sense * port_nm(hal_axis_u));
     }
 }
 
-static void test_disable_brakes_before_the_enable_drops(void)
-{
-    to_manual();
-    jog(hal_axis_x, 10000);
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
-    fixture_rig_ticks(&rig, 100);
-    TEST_ASSERT_EQUAL_HEX32(hal_out_enable, hal_host.out.outputs);
-    fixture_rig_ticks(&rig, 1000);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
-    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
-}
-
-/// Nothing leaves anything: whoever stands beside the machine is not surprised by a motion.
+/// Nothing retracts: an operator beside the machine is not surprised by a motion.
 static void test_fault_by_hand_brakes_all_axes_where_they_are(void)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
@@ -229,54 +195,177 @@ static void test_fault_by_hand_brakes_all_axes_where_they_are(void)
             // v^2 / 2 a, and half of the window at the speed: 4 um and 6 um
             TEST_ASSERT_INT32_WITHIN(k == i ? 12000 : 0, at_nm[k], port_nm((hal_axis_t)k));
         }
-        hal_host_fault_estop(false);
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
-        fixture_rig_ticks(&rig, 20);
-        bring(cam_state_ready); // and a fault there retracts again
-        hal_host_fault_estop(true);
-        const int32_t x_nm = port_nm(hal_axis_x);
-        fixture_rig_ticks(&rig, 8000);
-        TEST_ASSERT_GREATER_THAN_INT32(x_nm + mm / 2, port_nm(hal_axis_x));
     }
-}
-
-/// A jog of speed 0 stops what runs; of an axis at rest it changes nothing.
-static void test_a_stop_at_rest_leaves_what_came_of_the_order_before(void)
-{
-    to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(&rig.machine, hal_axis_x, 20000).err);
-    TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
-    jog(hal_axis_x, 0);
+    hal_host_fault_estop(false);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
     fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_jog_done, jog_state().end);
-    jog(hal_axis_x, 1000);
-    fixture_rig_ticks(&rig, 20);
-    jog(hal_axis_x, 0);
-    TEST_ASSERT_EQUAL_INT(cam_jog_stopped, until_rest());
+    bring(cam_state_ready); // and a fault there retracts again
+    hal_host_fault_estop(true);
+    const int32_t x_nm = port_nm(hal_axis_x);
+    fixture_rig_ticks(&rig, 8000);
+    TEST_ASSERT_GREATER_THAN_INT32(x_nm + mm / 2, port_nm(hal_axis_x));
 }
 
-/// An order holds before its tick, not in it.
-static void test_order_holds_to_the_tick_before_its_last(void)
-{
-    static cam_play_config_t cfg;
-    const cam_tick_record_t r = {.tick = 5000};
-    for (uint32_t until = 4999; until <= 5002u; until++) {
-        cfg.jog.order = (cam_jog_order_t){
-            .serial = 7, .until = until, .begin = cam_jog_jog, .axis = hal_axis_x, .sense = 1};
-        cam_jog_t h = {0};
-        cam_motion_t m = {.state = cam_state_manual};
-        (void)cam_jog_isr(&h, &cfg, &r, &m);
-        TEST_ASSERT_EQUAL_UINT32(7, h.serial);
-        TEST_ASSERT_EQUAL(until <= 5000u, h.end == cam_jog_silent);
-    }
-}
-
-/// By hand the tool may go anywhere: a fault behind it finds nothing that counts as out of the
-/// work.
+/// By hand the tool may go anywhere: after a fault it does not count as out of the work.
 static void test_nothing_counts_as_clear_by_hand(void)
 {
     to_manual();
     g_cam.motion.is_clear = true;
     fixture_rig_ticks(&rig, 20);
     TEST_ASSERT_FALSE(g_cam.motion.is_clear);
+}
+
+static void set_home(hal_axis_t axis, int32_t method, int32_t sense, int32_t place_nm)
+{
+    static const cam_param_id_t first[] = {cam_param_u_home, cam_param_x_home, cam_param_z_home};
+    const cam_param_id_t id = first[axis];
+    set(id, method);
+    set((cam_param_id_t)(id + 1), sense);
+    set((cam_param_id_t)(id + 4), place_nm);
+}
+
+static cam_jog_end_t home_end(hal_axis_t axis)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, axis));
+    return until_rest();
+}
+
+/// Home an axis. @return [nm] its position when the port counts `at_nm`
+static int32_t homed_nm(hal_axis_t axis, int32_t at_nm)
+{
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, home_end(axis));
+    TEST_ASSERT_EQUAL_HEX32(1u << axis, jog_state().homed & 1u << axis);
+    return cam_machine_position_nm(&rig.machine, axis) + at_nm - port_nm(axis);
+}
+
+/// From both sides, on the switch and off it, in both senses, at every phase of the plan: the
+/// switch's edge has the number that was set, within the distance of a plan and a tick at the slow
+/// speed.
+static void test_home_by_switch_finds_its_edge_from_anywhere(void)
+{
+    static const int32_t starts_nm[] = {-4 * mm, -123457, 5 * mm};
+    for (uint32_t i = 0; i < 12u; i++) {
+        setUp();
+        const int32_t sense = i % 2u == 0u ? 1 : -1;
+        const hal_axis_t axis = i % 4u < 2u ? hal_axis_x : hal_axis_z;
+        const int32_t edge_nm = 100000 + (int32_t)i * 77;
+        rig.lathe.home[axis] = (ideal_home_t){.side = sense, .edge_nm = edge_nm};
+        hal_host.in.axis_nm[axis] = sense * starts_nm[i / 4u];
+        set_home(axis, 2, sense, 321 * mm);
+        fixture_rig_ticks(&rig, i);
+        TEST_ASSERT_INT32_WITHIN(451, 321 * mm, homed_nm(axis, edge_nm));
+    }
+}
+
+/// The index after the switch decides, within the distance of a plan at the slow speed, wherever
+/// the switch is between two indices.
+static void test_home_by_index_is_that_of_the_index(void)
+{
+    for (int32_t edge_nm = 100000; edge_nm < 4 * mm; edge_nm += 650000) {
+        setUp();
+        rig.lathe.home[hal_axis_x] =
+            (ideal_home_t){.side = 1, .edge_nm = 10 * mm + edge_nm, .pitch_nm = 5 * mm};
+        hal_host.in.axis_nm[hal_axis_x] = 9 * mm;
+        set_home(hal_axis_x, 3, 1, 0);
+        fixture_rig_ticks(&rig, (uint32_t)edge_nm % 8u);
+        TEST_ASSERT_INT32_WITHIN(451, 0, homed_nm(hal_axis_x, 10 * mm));
+    }
+}
+
+static void test_home_here_needs_no_motion(void)
+{
+    hal_host.in.axis_nm[hal_axis_z] = 4 * mm;
+    set_home(hal_axis_z, 1, 1, -50 * mm);
+    TEST_ASSERT_EQUAL_INT32(-50 * mm, homed_nm(hal_axis_z, 4 * mm));
+    TEST_ASSERT_EQUAL_INT32(4 * mm, port_nm(hal_axis_z));
+}
+
+/// Set-points of the port continue evenly while U's origin is shifted twice.
+static void test_home_of_u_shifts_its_origin_without_a_motion(void)
+{
+    static const int32_t edges_nm[] = {300000, -150000, 650000};
+    for (uint32_t i = 0; i < 3u; i++) {
+        setUp();
+        rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = edges_nm[i]};
+        set_home(hal_axis_u, 2, 1, 200000);
+        to_manual();
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_u));
+        motion_t motion = motion_of(hal_axis_u);
+        for (int k = 0; k < 60000 && (k < 40 || jog_state().phase != cam_jog_rest); k++) {
+            if (k % 1000 == 0) {
+                cam_machine_keep_alive(&rig.machine);
+            }
+            fixture_rig_tick(&rig);
+            watch(&motion, hal_axis_u);
+        }
+        TEST_ASSERT_EQUAL_INT(cam_jog_done, jog_state().end);
+        expect_no_fault();
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(53, motion.most_step_nm); // 1 mm/s
+        fixture_rig_ticks(&rig, 1000);
+        const int32_t beyond_nm = port_nm(hal_axis_u) - edges_nm[i];
+        const int32_t u_nm = fixture_rig_status(&rig).u_actual_nm;
+        TEST_ASSERT_INT32_WITHIN(60, 200000, u_nm - beyond_nm); // 0.1 mm/s in a plan
+    }
+}
+
+/// A homed U cuts like one whose zero was right from the start.
+static void test_cut_with_a_homed_u_is_offset_by_its_home(void)
+{
+    rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 350000};
+    set_home(hal_axis_u, 2, 1, 100000);
+    (void)homed_nm(hal_axis_u, 0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_ticks(&rig, 20);
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 1000);
+    const int32_t set_nm = rig.last.want.u_set_q6 >> 6;
+    TEST_ASSERT_INT32_WITHIN(100, 250000, port_nm(hal_axis_u) - set_nm);
+    expect_no_fault();
+}
+
+/// The last row would put U outside of its stroke where it stands.
+static void test_home_that_fails_ends_and_is_none(void)
+{
+    static const struct {
+        hal_axis_t axis;
+        int32_t method, sense, place_nm;
+        ideal_home_t home;
+        cam_jog_end_t end;
+    } rows[] = {
+        {hal_axis_x, 2, 1, 0, {0}, cam_jog_no_switch},
+        {hal_axis_x, 2, 1, 0, {.side = 1, .edge_nm = -100 * mm}, cam_jog_no_release},
+        {hal_axis_x, 3, 1, 0, {.side = 1, .edge_nm = 100000}, cam_jog_no_index},
+        {hal_axis_u, 2, -1, 0, {0}, cam_jog_no_switch},
+        {hal_axis_u, 2, 1, 700000, {.side = 1, .edge_nm = 100000}, cam_jog_no_stroke},
+    };
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        setUp();
+        rig.lathe.home[rows[i].axis] = rows[i].home;
+        set_home(rows[i].axis, rows[i].method, rows[i].sense, rows[i].place_nm);
+        set(cam_param_x_home_travel_nm, 2 * mm);
+        to_manual();
+        TEST_ASSERT_EQUAL_INT(rows[i].end, home_end(rows[i].axis));
+        TEST_ASSERT_TRUE(i > 0u || port_nm(hal_axis_x) == 2 * mm); // all of its travel
+        TEST_ASSERT_EQUAL_HEX32(0, jog_state().homed);
+        expect_no_fault();
+    }
+}
+
+/// The switch is left only by moving back from it.
+static void test_home_switch_that_bounces_is_not_left_yet(void)
+{
+    const ideal_home_t home = {.side = 1, .edge_nm = 100000};
+    rig.lathe.home[hal_axis_x] = home;
+    set_home(hal_axis_x, 2, 1, 0);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
+    for (uint32_t i = 0; i < 4000u && jog_state().phase != cam_jog_release; i++) {
+        fixture_rig_tick(&rig);
+    }
+    rig.lathe.home[hal_axis_x].edge_nm = 100 * mm;
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_jog_release, jog_state().phase);
+    rig.lathe.home[hal_axis_x] = home;
+    TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// X and Z from plan to plan: what a motion takes over from the one before.
+// X and Z from plan to plan: equal increments that arrive exactly, targets beyond the word of a
+// position, and the speed and acceleration that a motion continues from.
 #include "cam_plan_move.h"
 #include "unity.h"
 #include <string.h> // memset
@@ -10,12 +11,17 @@ static cam_motion_t motion;
 static cam_play_config_t config;
 static const cam_motion_limits_t limits = {speed_nm * nm, acceleration_nm *nm, log2_window};
 
+static void set_plan(int32_t ticks)
+{
+    config.plan_ticks = ticks;
+    config.per_plan_q30 = (INT32_C(1) << 30) / ticks;
+}
+
 void setUp(void)
 {
     memset(&motion, 0, sizeof motion);
     memset(&config, 0, sizeof config);
-    config.plan_ticks = 1;
-    config.per_plan_q30 = INT32_C(1) << 30;
+    set_plan(1);
     motion.axis[hal_axis_x].vel_q10 = -700 * nm;
 }
 
@@ -60,4 +66,77 @@ static void test_acceleration_beyond_the_limit_is_not_gone_on_with(void)
     motion.change_q10[hal_axis_x] = 6600 * nm; // the other way likewise
     (void)cam_plan_move_brake_isr(&motion, hal_axis_x, &config, &limits);
     TEST_ASSERT_LESS_OR_EQUAL_INT32((700 + acceleration_nm) * nm, motion.axis[hal_axis_x].vel_q10);
+}
+
+/// @return [nm / 1024] where the axis is at the next plan
+static int64_t then_q10(const cam_axis_motion_t *m)
+{
+    return m->pos_q10 + (int64_t)m->vel_q10 * config.plan_ticks;
+}
+
+static void test_target_is_there_at_the_next_plan(void)
+{
+    for (int32_t ticks = 1; ticks <= 40; ticks += 3) {
+        set_plan(ticks);
+        for (int64_t way_q10 = -100000; way_q10 <= 100000; way_q10 += 7777) {
+            cam_axis_motion_t m = {.pos_q10 = 5000000, .vel_q10 = 99, .acc_q10 = 77};
+            cam_plan_move_line_isr(&m, &config, 5000000 + way_q10);
+            TEST_ASSERT_EQUAL_INT64(5000000 + way_q10, then_q10(&m));
+            TEST_ASSERT_INT32_WITHIN(1, (int32_t)(way_q10 / ticks), m.vel_q10);
+            TEST_ASSERT_EQUAL_INT32(0, m.acc_q10);
+            TEST_ASSERT_INT64_WITHIN((uint32_t)ticks, 5000000,
+                                     m.pos_q10); // what the division leaves
+        }
+    }
+}
+
+static void test_share_is_rounded_to_nearest(void)
+{
+    set_plan(8);
+    TEST_ASSERT_EQUAL_INT32(1, cam_plan_move_share(&config, 8));
+    TEST_ASSERT_EQUAL_INT32(1, cam_plan_move_share(&config, 4));
+    TEST_ASSERT_EQUAL_INT32(0, cam_plan_move_share(&config, 3));
+    TEST_ASSERT_EQUAL_INT32(-1, cam_plan_move_share(&config, -5));
+}
+
+/// A target further than 2^31 / 1024 nm, 2.1 mm, takes more than a plan; none is beyond the
+/// farthest position.
+static void test_target_is_limited_to_the_words_of_a_position(void)
+{
+    const int64_t far_q10 = INT64_C(2147000000) * 1024;
+    const struct {
+        int64_t from_q10, target_q10, then_q10;
+    } rows[] = {{0, INT64_C(1) << 40, INT32_MAX},
+                {far_q10 - 100, far_q10 - 1, far_q10 - 1},
+                {far_q10 - 100, far_q10 + 1, far_q10},
+                {far_q10 - 100, INT64_C(1) << 60, far_q10}};
+    set_plan(8);
+    for (uint32_t i = 0; i < 8u; i++) {
+        const int64_t sign = i < 4u ? 1 : -1;
+        cam_axis_motion_t m = {.pos_q10 = sign * rows[i % 4u].from_q10};
+        cam_plan_move_line_isr(&m, &config, sign * rows[i % 4u].target_q10);
+        TEST_ASSERT_EQUAL_INT64(i == 4u ? INT32_MIN : sign * rows[i % 4u].then_q10, then_q10(&m));
+    }
+}
+
+/// A flat profile of 30 nm: the trim and, out of the work, the clearance are added.
+static void test_x_has_its_trim_and_its_clearance(void)
+{
+    static const cam_knot_t knots[2] = {{.p = 30 * 16}, {.p = 30 * 16}};
+    static cam_table_t table;
+    table.x = (cam_channel_t){.knots = knots,
+                              .n_slices = 2,
+                              .frac_bits = 4,
+                              .span_nm = 1000000,
+                              .slices_per_nm_q48 = 281474977};
+    config.table = &table;
+    config.x_clearance_nm = 2000;
+    config.x_offset_q10 = INT64_C(7000) * 1024;
+    const int32_t full = 1 << 30;
+    TEST_ASSERT_EQUAL_INT64(7030 * 1024, cam_plan_move_profile_q10(&config, 500000, full, 0));
+    TEST_ASSERT_EQUAL_INT64(9030 * 1024, cam_plan_move_profile_q10(&config, 500000, 0, 0));
+    TEST_ASSERT_EQUAL_INT64(7530 * 1024,
+                            cam_plan_move_profile_q10(&config, 500000, full / 4 * 3, 0));
+    TEST_ASSERT_EQUAL_INT64(7030 * 1024 + 64, cam_plan_move_profile_q10(&config, 500000, full, 1));
+    TEST_ASSERT_EQUAL_INT64(7030 * 1024 - 64, cam_plan_move_profile_q10(&config, 500000, full, -1));
 }

@@ -47,29 +47,34 @@ static void test_steady_spindle_waits_two_turns_at_any_speed(void)
     }
 }
 
-static void test_ripple_repeats_with_the_turn(void)
-{
-    TEST_ASSERT_TRUE(turns_before((spindle_t){50, 0, 0.01}, -7.2) < 2.1);
-}
-
-/// The limit is 1/512 per turn, in both directions.
+/// The limit is 1/512 per turn, in both directions; a ripple repeats with the turn.
 static void test_changing_spindle_waits(void)
 {
-    TEST_ASSERT_TRUE(turns_before((spindle_t){20, 1.0 / 600, 0}, 0) < 2.1);
-    setUp();
-    TEST_ASSERT_TRUE(turns_before((spindle_t){20, -1.0 / 600, 0}, 0) < 2.1);
-    setUp();
-    TEST_ASSERT_TRUE(turns_before((spindle_t){20, 1.0 / 450, 0}, 0) > 99);
-    TEST_ASSERT_EQUAL_UINT32(0, s.n_agreeing);
-    TEST_ASSERT_UINT32_WITHIN(3, 98, s.n_turns);
-    setUp();
-    TEST_ASSERT_TRUE(turns_before((spindle_t){20, -1.0 / 450, 0}, 0) > 99);
-}
-
-static void test_more_turns_where_they_are_needed(void)
-{
-    cfg.steady_turns = 11;
-    TEST_ASSERT_DOUBLE_WITHIN(0.2, 12.1, turns_before((spindle_t){50, 0, 0}, 0));
+    static const struct {
+        const char *name;
+        spindle_t spindle;
+        double from;
+        uint32_t steady_turns;
+        double least, most;
+    } rows[] = {
+        {"ripple", {50, 0, 0.01}, -7.2, 1, 2.0, 2.1},
+        {"slightly faster", {20, 1.0 / 600, 0}, 0, 1, 2.0, 2.1},
+        {"slightly slower", {20, -1.0 / 600, 0}, 0, 1, 2.0, 2.1},
+        {"faster", {20, 1.0 / 450, 0}, 0, 1, 99, 101},
+        {"slower", {20, -1.0 / 450, 0}, 0, 1, 99, 101},
+        {"more turns wanted", {50, 0, 0}, 0, 11, 11.9, 12.3},
+        {"runs up", {50, 0.03, 0}, 0, 1, 50, 101},
+    };
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        setUp();
+        cfg.steady_turns = rows[i].steady_turns;
+        const double turns = turns_before(rows[i].spindle, rows[i].from);
+        TEST_ASSERT_TRUE_MESSAGE(turns >= rows[i].least && turns <= rows[i].most, rows[i].name);
+        if (i == 3u) {
+            TEST_ASSERT_EQUAL_UINT32(0, s.n_agreeing);
+            TEST_ASSERT_UINT32_WITHIN(3, 98, s.n_turns);
+        }
+    }
 }
 
 /// The approach counts: whoever comes late does not wait, and only the wait is timed.
@@ -91,8 +96,6 @@ static void test_turns_count_while_the_axes_approach(void)
 /// A spindle that turns backwards or stands completes no turn.
 static void test_no_turn_no_cut(void)
 {
-    TEST_ASSERT_TRUE(turns_before((spindle_t){50, 0.03, 0}, 0) > 50);
-    setUp();
     for (int i = 0; i < 1000; i++) {
         TEST_ASSERT_FALSE(cam_steady_isr(&s, &cfg, cam_state_engaging, -i * 85899346LL, true));
     }

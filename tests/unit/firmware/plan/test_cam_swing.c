@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The swing of the tool: its lines against the table, its return to 0, its drive, what a table
-// demands of it.
+// The swing of the tool: its lines against the table, its return to 0, its drive, the demands of a
+// table.
 #include "cam_feasible.h"
 #include "cam_swing.h"
 #include "fixture_play.h"
 #include "fixture_random.h"
 #include "unity.h"
-#include <math.h>   // fabs
-#include <stdlib.h> // abs
+#include <math.h> // fabs
 
 #define TURN 4294967296.0
 #define PI 3.14159265358979323846
@@ -133,25 +132,6 @@ static void test_drive_beyond_its_limit_is_a_fault(void)
     TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_check_isr(&s, cfg, due_q32 - limit_q32 - 1));
 }
 
-/// The drive follows its lines, a lag behind, until it is blocked.
-static void test_blocked_drive_is_seen_within_one_plan(void)
-{
-    enum { lag_ticks = 25 };
-    int32_t lagged_q32[lag_ticks] = {0};
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    int32_t beyond = 0; // [ticks] since it is off by more than the limit
-    for (uint32_t i = 0; i < 100000u && f.want.faults == 0u; i++) {
-        const int32_t set_q32 = (int32_t)llround(tick_turn() * TURN);
-        const int32_t due_q32 = lagged_q32[i % lag_ticks];
-        lagged_q32[i % lag_ticks] = set_q32;
-        f.in.swing_q32 = i < 300u ? due_q32 : f.in.swing_q32;
-        const int32_t off_q32 = due_q32 - f.in.swing_q32;
-        beyond += abs(off_q32) > f.config.play.swing.following_q32 ? 1 : 0;
-    }
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(swing), f.want.faults);
-    TEST_ASSERT_INT32_WITHIN(FIXTURE_PLAN_TICKS / 2 + 1, FIXTURE_PLAN_TICKS / 2 + 1, beyond);
-}
-
 static void test_cut_waits_for_the_swing_to_come_to_rest(void)
 {
     f.in.swing_q32 = 1 << 27; // 11 degrees
@@ -172,53 +152,43 @@ static void test_cut_waits_for_the_swing_to_come_to_rest(void)
     TEST_ASSERT_FALSE(f.motion.swing.is_there); // it follows the table
 }
 
-static void expect_peak(double exact, uint32_t found)
+static cam_feasibility_t judge(uint32_t mrpm)
 {
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT32((uint32_t)exact, found);
-    TEST_ASSERT_TRUE(found < 1.02 * exact);
-}
-
-/// 0.35 sin 2 theta and its derivatives.
-static void test_peaks_are_bounds_within_two_per_cent(void)
-{
-    const double mdeg = 180e3 / PI;
-    expect_peak(0.35 * mdeg, f.table.swing.most_mdeg);
-    expect_peak(0.7 * mdeg, f.table.swing.first_mdeg_per_rad);
-    expect_peak(1.4 * mdeg, f.table.swing.second_mdeg_per_rad2);
-}
-
-static void expect_refused(cam_err_t err, double needed, bool is_any_speed)
-{
-    const cam_feasibility_t why = cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ);
-    TEST_ASSERT_EQUAL_INT(err, why.err);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02 * needed, 1.01 * needed, (double)why.needed);
-    if (is_any_speed) {
-        TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
-        return;
-    }
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_feasible(&f.table, &f.params, why.highest_mrpm, FIXTURE_PLAY_HZ).err);
-    TEST_ASSERT_EQUAL_INT(err,
-                          cam_feasible(&f.table, &f.params,
-                                       why.highest_mrpm + why.highest_mrpm / 500u, FIXTURE_PLAY_HZ)
-                              .err);
+    return cam_feasible(&f.table, &f.params, mrpm, FIXTURE_PLAY_HZ);
 }
 
 static void test_infeasible_swing_is_refused_with_the_numbers(void)
 {
-    const double omega = 2.0 * PI;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
-    f.params.swing_range_mdeg = 20000;
-    expect_refused(cam_err_swing_range, 0.35 * 180e3 / PI, true);
-    f.params.swing_range_mdeg = 30000;
-    f.params.swing_speed_mdeg_per_s = 200000;
-    expect_refused(cam_err_swing_speed, 0.7 * omega * 180e3 / PI, false);
-    f.params.swing_speed_mdeg_per_s = 100000000;
-    f.params.swing_acceleration_deg_per_s2 = 2000;
-    expect_refused(cam_err_swing_acceleration, 1.4 * omega * omega * 180.0 / PI, false);
-    f.params.swing_speed_mdeg_per_s = 0;
-    TEST_ASSERT_EQUAL_INT(cam_err_swing_axis,
-                          cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
+    static const double deg = 180.0 / PI, omega = 2.0 * PI;
+    const struct {
+        int32_t range_mdeg, speed_mdeg_per_s, acceleration_deg_per_s2;
+        cam_err_t err;
+        double needed; ///< 0: not reported
+        bool has_highest;
+    } rows[] = {
+        {30000, 100000000, 10000000, cam_ok, 0, false},
+        {20000, 100000000, 10000000, cam_err_swing_range, 0.35e3 * deg, false},
+        {30000, 200000, 10000000, cam_err_swing_speed, 0.7e3 * omega * deg, true},
+        {30000, 100000000, 2000, cam_err_swing_acceleration, 1.4 * omega * omega * deg, true},
+        {30000, 0, 2000, cam_err_swing_axis, 0, false},
+    };
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        f.params.swing_range_mdeg = rows[i].range_mdeg;
+        f.params.swing_speed_mdeg_per_s = rows[i].speed_mdeg_per_s;
+        f.params.swing_acceleration_deg_per_s2 = rows[i].acceleration_deg_per_s2;
+        const cam_feasibility_t why = judge(60000);
+        TEST_ASSERT_EQUAL_INT(rows[i].err, why.err);
+        if (rows[i].needed > 0.0) {
+            TEST_ASSERT_DOUBLE_WITHIN(0.02 * rows[i].needed, 1.01 * rows[i].needed,
+                                      (double)why.needed);
+            TEST_ASSERT_EQUAL(rows[i].has_highest, why.highest_mrpm > 0u);
+        }
+        if (rows[i].has_highest) {
+            TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
+            TEST_ASSERT_EQUAL_INT(rows[i].err,
+                                  judge(why.highest_mrpm + why.highest_mrpm / 500u).err);
+        }
+    }
 }
 
 /// Out of the work is beyond the highest point: 0.1 mm, and a quarter for the amplitude.
@@ -233,8 +203,7 @@ static void test_tool_leaves_a_cam_beyond_its_lift(void)
     TEST_ASSERT_EQUAL_INT64((int64_t)(f.params.u_retract_nm - cam_table_rise_nm(&f.table)) * 1024,
                             f.config.guard.u_retract_q10);
     f.params.u_stroke_nm = 198000;
-    TEST_ASSERT_EQUAL_INT(cam_err_u_stroke,
-                          cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_stroke, judge(60000).err);
 }
 
 /// On either side of 0, standing for the moment in which it turns back is not being there.
@@ -250,9 +219,9 @@ static void test_swing_that_turns_back_is_not_there(void)
         TEST_ASSERT_EQUAL_INT32(0, s.set.vel_q32);
         TEST_ASSERT_FALSE(s.is_there);
     }
-    cam_swing_t s = {0};
-    cam_swing_rest_isr(&s, &cfg, &limits);
-    TEST_ASSERT_TRUE(s.is_there);
+    cam_swing_t still = {0};
+    cam_swing_rest_isr(&still, &cfg, &limits);
+    TEST_ASSERT_TRUE(still.is_there);
 }
 
 /// A spindle that accelerates by alpha is ahead by alpha t^2 / 2 when the line ends: what is aimed
