@@ -36,6 +36,11 @@ void unit_begin(const char *path, void (*set_up)(void), void (*tear_down)(void),
     }
 }
 
+int unit_end(int (*suite_tear_down)(int n_failures))
+{
+    return suite_tear_down ? suite_tear_down(0) : 0;
+}
+
 static int run_files(const char *const *names, int n_names)
 {
     int n_failures = 0;

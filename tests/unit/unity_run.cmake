@@ -28,6 +28,6 @@ int ${name}_run(void);
 int ${name}_run(void)
 {
     unit_begin(\"${path}\", setUp, tearDown, suiteSetUp);
-${calls}    return suiteTearDown != 0 ? suiteTearDown(0) : 0;
+${calls}    return unit_end(suiteTearDown);
 }
 ")

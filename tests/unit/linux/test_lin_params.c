@@ -5,6 +5,17 @@
 
 static bool is_read_only;
 
+void suiteSetUp(void)
+{
+    disk_open();
+}
+
+int suiteTearDown(int n_failures)
+{
+    disk_close();
+    return n_failures;
+}
+
 void setUp(void)
 {
     disk_begin();

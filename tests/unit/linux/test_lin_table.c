@@ -3,6 +3,17 @@
 #include "lin_table.h"
 #include "lin_disk_bench.h"
 
+void suiteSetUp(void)
+{
+    disk_open();
+}
+
+int suiteTearDown(int n_failures)
+{
+    disk_close();
+    return n_failures;
+}
+
 void setUp(void)
 {
     disk_begin();
