@@ -3,35 +3,17 @@
 // firmware's own arithmetic; and what the check of a table makes of it.
 #include "cam_bounds.h"
 #include "cam_eval.h"
-#include "cam_table.h"
-#include "fixture_image.h"
 #include "fixture_random.h"
 #include "fixture_shaft.h"
-#include "unity.h"
+#include "image_bench.h"
 #include <math.h>
 
 enum { n_places = 256 };
-
-static fixture_image_t image;
-static cam_table_t table;
-static fixture_part_t part;
 
 /// A dense range, in the unit of a channel.
 typedef struct {
     long double low, high;
 } dense_t;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_image_make(&image, &part);
-}
-
-static cam_err_t check(void)
-{
-    fixture_image_seal(&image);
-    return cam_table_check(image.bytes, image.size, &table);
-}
 
 /// By Hermite's basis polynomials of the fifth degree, which the firmware does not use.
 static long double quintic_at(const cam_knot_t *k0, const cam_knot_t *k1, long double t)
@@ -132,6 +114,14 @@ static void put_waves(uint32_t channel, int32_t p, int32_t v)
     fixture_image_remeasure(&image, channel);
 }
 
+/// Promise the most of the peaks.
+static void promise_all(void)
+{
+    fixture_image_put(&image, fixture_at_u1_peak, INT32_MAX);
+    fixture_image_put(&image, fixture_at_u2_peak, INT32_MAX);
+    fixture_image_put(&image, fixture_at_spindle_peak, 10000000u);
+}
+
 /// The header may promise no less than what lies 295 nm beyond the knots, not by a nanometre.
 static void test_range_of_u_holds_between_the_knots(void)
 {
@@ -171,10 +161,7 @@ static void test_range_of_x_and_of_the_ratio_hold_between_the_knots(void)
     fixture_image_make(&image, &part);
     put_waves(fixture_x, 0, 300000);
     put_waves(fixture_speed, 1 << 20, 200000);
-    for (size_t at = fixture_at_u1_peak; at <= fixture_at_u2_peak; at += 4u) {
-        fixture_image_put(&image, at, INT32_MAX);
-    }
-    fixture_image_put(&image, fixture_at_spindle_peak, 10000000u);
+    promise_all();
     TEST_ASSERT_EQUAL_INT(cam_ok, check());
     const cam_extent_t x = {table.x_min_nm, table.x_max_nm};
     expect_around(&table.x, x, dense_of(&table.x, false), 5.0L);
@@ -210,10 +197,7 @@ static void test_values_beyond_their_unit_between_the_knots_are_refused(void)
     fixture_image_make(&image, &part);
     put_waves(fixture_speed, (CAM_TABLE_RATIO_ONE * 3 - 1000) * 8, 1000 * 16);
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, check()); // the spindle's acceleration
-    fixture_image_put(&image, fixture_at_spindle_peak, 10000000u);
-    for (size_t at = fixture_at_u1_peak; at <= fixture_at_u2_peak; at += 4u) {
-        fixture_image_put(&image, at, INT32_MAX);
-    }
+    promise_all();
     TEST_ASSERT_EQUAL_INT(cam_ok, check());
     put_waves(fixture_speed, (CAM_TABLE_RATIO_ONE * 3 - 100) * 8, 1000 * 16);
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, check());

@@ -52,6 +52,14 @@ static void test_way_is_measured(void)
     TEST_ASSERT_EQUAL_UINT32(0, f.table.way_bend_ppm_per_m);
 }
 
+/// Check a way of bare knots.
+static cam_err_t check_bare(const cam_knot_t knots[n_knots])
+{
+    cam_table_t table = {
+        .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
+    return cam_feed_profile_check(&table);
+}
+
 /// A way that falls back in one slice and regains it evenly, whichever slice it is.
 static void test_a_way_that_falls_in_one_slice_is_refused(void)
 {
@@ -61,56 +69,43 @@ static void test_a_way_that_falls_in_one_slice_is_refused(void)
         for (int i = 1; i < n_knots - 1; i++) {
             knots[i].p = fallen < 0 ? 0 : drop * i / (n_knots - 1) - (i > fallen ? drop : 0);
         }
-        cam_table_t table = {
-            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
-        TEST_ASSERT_EQUAL_INT(fallen < 0 ? cam_ok : cam_err_image_channel,
-                              cam_feed_profile_check(&table));
+        TEST_ASSERT_EQUAL_INT(fallen < 0 ? cam_ok : cam_err_image_channel, check_bare(knots));
     }
 }
 
-/// Between two knots as well: each of the five Bernstein coefficients of the slope bounds it, the
-/// slopes at both knots and the curvatures there. Of a feed that falls to a fiftieth of its mean
-/// one LSB more is refused.
+/// Between two knots each of the five Bernstein coefficients of the slope bounds it: the slopes at
+/// both knots and the curvatures there, which count from the slope of their knot. Of a feed that
+/// falls to a fiftieth of its mean one LSB more is refused.
 static void test_a_way_is_bounded_by_slopes_and_curvatures_of_its_knots(void)
 {
     enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain - plain * 2 / 100 };
-    for (int i = 0; i < 8; i++) {
-        cam_knot_t knots[n_knots] = {{0}};
-        const int at = i % 2 == 0 ? 0 : 7;
-        const int more = i < 4 ? 0 : 1;
-        if (i % 4 < 2) {
-            knots[at].v = -deepest - more;
-        } else {
-            knots[at].a = 2 * (-deepest - more);
-            knots[at + 1].a = at == 0 ? 0 : 2 * (deepest + more);
-            knots[at].p = 0;
+    enum { last = n_knots - 1 };
+    for (int more = 0; more < 2; more++) {
+        const int32_t d = deepest + more;
+        const struct {
+            const char *name;
+            int at[2];
+            cam_knot_t knot[2];
+        } rows[] = {
+            {"slope of the first knot", {0, 1}, {{.v = -d}}},
+            {"slope of a knot", {7, 8}, {{.v = -d}}},
+            {"curvature of the first knot", {0, 1}, {{.a = -2 * d}}},
+            {"curvatures of a slice", {7, 8}, {{.a = -2 * d}, {.a = 2 * d}}},
+            {"slope at the begin alone", {0, 1}, {{.v = -d, .a = 2 * d}}},
+            {"slope at the end alone", {last, 1}, {{.v = -d, .a = -2 * d}}},
+            {"curvature and slope", {3, 2}, {{.v = -deepest / 2, .a = 2 * (deepest / 2 - d)}}},
+        };
+        for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+            cam_knot_t knots[n_knots] = {{0}};
+            knots[rows[i].at[0]] = rows[i].knot[0];
+            knots[rows[i].at[1]] = rows[i].knot[1];
+            TEST_ASSERT_EQUAL_INT_MESSAGE(more == 0 ? cam_ok : cam_err_image_channel,
+                                          check_bare(knots), rows[i].name);
         }
-        cam_table_t table = {
-            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
-        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
-                              cam_feed_profile_check(&table));
     }
 }
 
-/// At its ends too: a slope that falls below the bound only at the first or the last knot, where
-/// the curvature takes it up again at once.
-static void test_a_way_is_bounded_at_its_first_and_last_knot(void)
-{
-    enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain - plain * 2 / 100 };
-    for (int i = 0; i < 4; i++) {
-        cam_knot_t knots[n_knots] = {{0}};
-        const int at = i % 2 == 0 ? 0 : n_knots - 1;
-        const int more = i < 2 ? 0 : 1;
-        knots[at].v = -deepest - more;
-        knots[at].a = at == 0 ? 2 * (deepest + more) : -2 * (deepest + more);
-        cam_table_t table = {
-            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
-        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
-                              cam_feed_profile_check(&table));
-    }
-}
-
-/// With stations Z may end anywhere above its begin that an axis reaches; the offset counts.
+/// With stations Z may end anywhere above its begin within the reach of an axis; the offset counts.
 static void test_end_of_a_way_with_stations_is_where_an_axis_reaches(void)
 {
     static const struct {
@@ -131,9 +126,8 @@ static void test_end_of_a_way_with_stations_is_where_an_axis_reaches(void)
                                      .value_offset = cases[i].offset_nm,
                                      .frac_bits = 4},
                              .has_stations = true};
-        TEST_ASSERT_EQUAL_INT_MESSAGE(cases[i].is_good ? cam_ok : cam_err_image_channel,
-                                      cam_feed_profile_check(&table),
-                                      cases[i].is_good ? "good" : "bad");
+        TEST_ASSERT_EQUAL_INT(cases[i].is_good ? cam_ok : cam_err_image_channel,
+                              cam_feed_profile_check(&table));
     }
 }
 
@@ -186,69 +180,44 @@ static void test_limits_of_z_hold_with_the_way(void)
     TEST_ASSERT_NOT_EQUAL_INT(cam_err_z_acceleration, why.err);
 }
 
+/// @return the verdict on the present image
+static cam_err_t check(void)
+{
+    fixture_image_seal(&f.image);
+    return cam_table_check(f.image.bytes, f.image.size, &f.table);
+}
+
+/// 2^24 nm and 2^8 LSB fill a word exactly, so the end of the last way is 0 only to 32 bits.
 static void test_way_begins_and_ends_with_the_table(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
-    const uint32_t channel = fixture_newer_last(&f.image);
-    cam_knot_t *knots = fixture_image_knots(&f.image, channel);
-    for (uint32_t i = 0; i < 2; i++) {
-        knots[i * (n_knots - 1u)].p++;
-        fixture_image_remeasure(&f.image, channel);
-        fixture_image_seal(&f.image);
-        TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                              cam_table_check(f.image.bytes, f.image.size, &f.table));
-        knots[i * (n_knots - 1u)].p--;
+    for (int i = 0; i < 4; i++) {
+        TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+        const uint32_t channel = fixture_newer_last(&f.image);
+        if (i < 2) {
+            fixture_image_knots(&f.image, channel)[i * (n_knots - 1)].p++;
+            fixture_image_remeasure(&f.image, channel);
+        } else if (i == 2) {
+            const uint32_t last = fixture_image_get(&f.image, fixture_at_z_last);
+            fixture_image_put(&f.image, fixture_at_z_last, last - 1u);
+        } else {
+            fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_frac_bits), 8u);
+            fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_value_offset),
+                              1u << 24);
+        }
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
     }
-    fixture_image_remeasure(&f.image, channel);
-    const uint32_t last = fixture_image_get(&f.image, fixture_at_z_last);
-    fixture_image_put(&f.image, fixture_at_z_last, last - 1u);
-    fixture_image_seal(&f.image);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          cam_table_check(f.image.bytes, f.image.size, &f.table));
 }
 
 static void test_rings_and_shafts_have_no_way_and_a_skirt_has_one(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
     fixture_newer_way(&f.image, sine, n_knots, 4);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          cam_table_check(f.image.bytes, f.image.size, &f.table));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
     part.is_ring_helix = true;
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
     const fixture_shaft_t shaft = fixture_shaft_three();
     fixture_shaft_make(&f.image, &shaft);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
-    part.z_first_nm = 0;
+    TEST_ASSERT_EQUAL_INT(cam_ok, check());
     fixture_newer_way(&f.image, sine, n_knots, 4);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          cam_table_check(f.image.bytes, f.image.size, &f.table));
-}
-
-/// 2^24 nm and 2^8 LSB fill a word exactly, so the end of this way is 0 only to 32 bits.
-static void test_offset_counts_in_the_ends_of_a_way(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
-    const uint32_t channel = fixture_newer_last(&f.image);
-    fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_frac_bits), 8u);
-    fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_value_offset), 1u << 24);
-    fixture_image_seal(&f.image);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          cam_table_check(f.image.bytes, f.image.size, &f.table));
-}
-
-/// Between two knots the curvature counts from the slope of its own knot: the second coefficient
-/// falls below the bound although both slopes are above it.
-static void test_curvature_counts_from_the_slope_of_its_knot(void)
-{
-    enum { plain = 1000000 * 16 / (n_knots - 1), deepest = plain - plain * 2 / 100 };
-    for (int more = 0; more < 2; more++) {
-        cam_knot_t knots[n_knots] = {{0}};
-        knots[3].v = -deepest / 2;
-        knots[3].a = 2 * (-deepest - more + deepest / 2);
-        knots[2].a = 0;
-        cam_table_t table = {
-            .way = {.knots = knots, .n_slices = n_knots, .span_nm = 1000000, .frac_bits = 4}};
-        TEST_ASSERT_EQUAL_INT(more == 0 ? cam_ok : cam_err_image_channel,
-                              cam_feed_profile_check(&table));
-    }
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lobes of a shaft: what the check takes and refuses, which lobe is found, and how far it has
-// changed.
+// The lobes of a shaft: their check, the lobe at a height, and its change.
 #include "cam_lobes.h"
 #include "fixture_random.h"
 #include "fixture_shaft.h"
@@ -50,50 +49,45 @@ static cam_err_t with_word(size_t at, uint32_t value)
     return check();
 }
 
-/// Lobes are 0.2 mm apart at least, whatever reciprocal the entry tells of a smaller gap.
-static void test_gap_between_lobes_has_its_least(void)
+/// Lobes are 0.2 mm apart at least, whatever reciprocal the entry has of a smaller gap.
+/// test_cam_entry.c has each field of the entry.
+static void test_wrong_lobes_are_refused(void)
 {
-    for (int32_t less_nm = 0; less_nm < 2; less_nm++) {
-        shaft = fixture_shaft_three();
-        shaft.lobe[1].z_first_nm -= less_nm;
-        fixture_shaft_make(&image, &shaft);
-        TEST_ASSERT_EQUAL_INT(less_nm == 0 ? cam_ok : cam_err_image_height, check());
-    }
-}
-
-static void test_lobes_out_of_order_or_too_near_are_refused(void)
-{
-    const struct {
+    enum { entry = 100 }; ///< in place of a lobe: words of the directory's entry
+    static const struct {
         uint32_t lobe, word, value;
         cam_err_t err;
-    } cases[] = {
-        {0, 0, 1u, cam_err_image_height},           {2, 1, 999999u, cam_err_image_height},
-        {1, 1, 400000u, cam_err_image_height},      {1, 0, 399999u, cam_err_image_height},
-        {1, 0, 0x80000000u, cam_err_image_height},  {0, 4, 1u, cam_err_image_height},
-        {2, 4, 1u, cam_err_image_height},           {0, 3, 3u, cam_err_image_channel},
+    } rows[] = {
+        {0, 0, 1u, cam_err_image_height},
+        {2, 1, 999999u, cam_err_image_height},
+        {1, 1, 400000u, cam_err_image_height},
+        {1, 0, 399999u, cam_err_image_height},
+        {1, 0, 0x80000000u, cam_err_image_height},
+        {0, 4, 1u, cam_err_image_height},
+        {2, 4, 1u, cam_err_image_height},
+        {0, 3, 3u, cam_err_image_channel},
         {1, 3, 0xFFFFFFFFu, cam_err_image_channel},
+        {entry, fixture_in_path, 1u, cam_err_image_channel},
+        {entry, fixture_in_n_slices, 0u, cam_err_image_channel},
+        {entry, fixture_in_n_slices, 65u, cam_err_image_channel},
+        {entry, fixture_in_n_slices, 2u, cam_err_image_layout},
+        {entry, fixture_in_offset, 0x7FFFFFE0u, cam_err_image_layout},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const size_t at = fixture_shaft_word(&image, cases[i].lobe, cases[i].word);
-        TEST_ASSERT_EQUAL_INT_MESSAGE(cases[i].err, with_word(at, cases[i].value), "case");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const size_t at = rows[i].lobe == entry
+                              ? fixture_image_in(fixture_lobes, rows[i].word)
+                              : fixture_shaft_word(&image, rows[i].lobe, rows[i].word);
+        TEST_ASSERT_EQUAL_INT(rows[i].err, with_word(at, rows[i].value));
     }
+    // A second directory, and one nanometre too near.
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          with_word(fixture_image_in(fixture_behind_lobes, fixture_in_kind), 6u));
+    shaft.lobe[1].z_first_nm--;
+    fixture_shaft_make(&image, &shaft);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height, check());
 }
 
-/// test_cam_entry.c has each field.
-static void test_entry_without_meaning_is_refused(void)
-{
-    const size_t path_at = fixture_image_in(fixture_lobes, fixture_in_path);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_word(path_at, 1u));
-    const size_t n_at = fixture_image_in(fixture_lobes, fixture_in_n_slices);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_word(n_at, 0u));
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_word(n_at, 65u));
-    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, with_word(n_at, 2u));
-    TEST_ASSERT_EQUAL_INT(
-        cam_err_image_layout,
-        with_word(fixture_image_in(fixture_lobes, fixture_in_offset), (uint32_t)image.size));
-}
-
-static void test_version_tells_whether_there_are_lobes(void)
+static void test_version_names_lobes(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_word(fixture_at_version, 1u));
     const fixture_part_t part = fixture_part_swung();
@@ -117,12 +111,6 @@ static void test_patterns_have_no_heights_and_are_alike(void)
     fixture_shaft_make(&image, &shaft);
     fixture_image_put(&image, fixture_image_in(swing, fixture_in_kind), 3u);
     TEST_ASSERT_NOT_EQUAL_MESSAGE(cam_ok, check(), "no angle");
-}
-
-static void test_only_one_directory_that_comes_first_is_taken(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          with_word(fixture_image_in(fixture_behind_lobes, fixture_in_kind), 6u));
 }
 
 /// Lobes of 1 .. 4 mm with gaps of 0.2 .. 5 mm.
@@ -206,25 +194,32 @@ static void test_slice_is_the_pattern_alone(void)
 /// All channels over the angle have a slice for each pattern, and each lobe has one of them.
 static void test_channels_of_a_shaft_have_the_same_patterns(void)
 {
+    static const struct {
+        const char *name;
+        int32_t u, speed, angle; ///< more slices
+        bool no_speed, no_angle, has_rings;
+        cam_err_t err;
+    } rows[] = {
+        {"alike", 0, 0, 0, false, false, false, cam_ok},
+        {"speed has fewer", 0, -1, 0, false, false, false, cam_err_image_channel},
+        {"speed has more", 0, 1, 0, false, false, false, cam_err_image_channel},
+        {"no speed", 0, 1, 0, true, false, false, cam_ok},
+        {"angle has fewer", 0, 0, -1, true, false, false, cam_err_image_channel},
+        {"angle has more", 0, 0, 1, true, false, false, cam_err_image_channel},
+        {"no angle", 0, 0, 0, false, true, false, cam_err_image_channel},
+        {"a ring-helix", 0, 0, 0, false, false, true, cam_err_image_channel},
+        {"two patterns, a third wanted", -1, -1, -1, false, false, false, cam_err_image_channel},
+    };
     shaft.has_speed = true;
     make();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_lobes_check_patterns(&table));
-    for (int32_t off = -1; off <= 1; off += 2) {
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         cam_table_t t = table;
-        t.speed.n_slices += (uint32_t)off;
-        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
-        t.speed.knots = NULL;
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_lobes_check_patterns(&t));
-        t.angle.n_slices += (uint32_t)off;
-        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
+        t.u.n_slices += (uint32_t)rows[i].u;
+        t.speed.n_slices += (uint32_t)rows[i].speed;
+        t.angle.n_slices += (uint32_t)rows[i].angle;
+        t.speed.knots = rows[i].no_speed ? NULL : t.speed.knots;
+        t.angle.knots = rows[i].no_angle ? NULL : t.angle.knots;
+        t.is_ring_helix = rows[i].has_rings;
+        TEST_ASSERT_EQUAL_INT_MESSAGE(rows[i].err, cam_lobes_check_patterns(&t), rows[i].name);
     }
-    cam_table_t t = table;
-    t.angle.knots = NULL;
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
-    t = table;
-    t.is_ring_helix = true;
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
-    t = table; // two patterns are too few for the third
-    t.u.n_slices = t.speed.n_slices = t.angle.n_slices = 2;
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_lobes_check_patterns(&t));
 }

@@ -1,59 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much a channel changes from slice to slice, against the surface that the table was made of.
+// The demands of a table, against the functions that it was made of: how much a channel changes
+// from slice to slice, the swing, the speed channel and its promises, slope and bend of X.
 #include "cam_peaks.h"
-#include "fixture_image.h"
-#include "unity.h"
+#include "image_bench.h"
 #include <math.h>
 #include <string.h>
 
 #define PI 3.14159265358979323846
 
-static fixture_image_t image;
-static cam_table_t table;
-static fixture_part_t part; // slices every 100 um
-
-void setUp(void)
+/// An upper bound is at most 2 % too large; the rounding of knots adds 2 nm. Below 0 the bound is
+/// 0.
+static void expect_bound(double exact, uint32_t found, const char *name)
 {
-    part = fixture_part_short();
-}
-
-static cam_change_t change(void)
-{
-    fixture_image_make(&image, &part);
-    fixture_image_seal(&image);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
-    return table.u_change;
-}
-
-/// Expect an upper bound that is at most 2 % too large; the rounding of knots adds 2 nm.
-static void expect_bound(double exact, uint32_t found)
-{
-    TEST_ASSERT_TRUE((double)found >= exact - 0.5);
-    TEST_ASSERT_TRUE((double)found <= 1.02 * exact + 2.0);
-}
-
-/// The ovality rises by 10 um per slice; (1 - cos) / 4 is at most 1/2, and so is its slope.
-static void test_even_rise_has_no_kink(void)
-{
-    const cam_change_t found = change();
-    expect_bound(5000.0, found.most);
-    expect_bound(5000.0, found.per_rad);
-    expect_bound(0.0, found.kink);
+    TEST_ASSERT_TRUE_MESSAGE((double)found >= exact - 0.5, name);
+    TEST_ASSERT_TRUE_MESSAGE((double)found <= (exact < 0.0 ? 0.0 : 1.02 * exact + 2.0), name);
 }
 
 static void same_everywhere(double theta, double z_nm, double u[3])
 {
     (void)z_nm;
     fixture_cosine_oval(theta, 0.0, u);
-}
-
-static void test_equal_slices_change_by_nothing(void)
-{
-    part.u = same_everywhere;
-    const cam_change_t found = change();
-    TEST_ASSERT_EQUAL_UINT32(0, found.most);
-    TEST_ASSERT_EQUAL_UINT32(0, found.per_rad);
-    TEST_ASSERT_EQUAL_UINT32(0, found.kink);
 }
 
 /// Two lobes, turned against each other by 1 radian: A cos(2 theta) - A cos(2 theta - 2) reaches
@@ -66,25 +32,6 @@ static void turned_by_a_radian(double theta, double z_nm, double u[3])
     u[2] = 400000.0 * cos(at);
 }
 
-static void test_step_from_lobe_to_lobe_is_all_kink(void)
-{
-    part.u = turned_by_a_radian;
-    const cam_change_t found = change();
-    expect_bound(200000.0 * sin(1.0), found.most);
-    expect_bound(400000.0 * sin(1.0), found.per_rad);
-    expect_bound(200000.0 * sin(1.0), found.kink);
-}
-
-static void test_repeated_patterns_and_units_count(void)
-{
-    part.u = turned_by_a_radian;
-    part.log2_repeat = 1;
-    part.frac_bits = 3;
-    const cam_change_t found = change();
-    expect_bound(200000.0 * sin(1.0), found.most);
-    expect_bound(400000.0 * sin(1.0), found.per_rad);
-}
-
 /// A single slice differs from all others: the change goes there and back.
 static void one_slice(double theta, double z_nm, double u[3])
 {
@@ -92,24 +39,44 @@ static void one_slice(double theta, double z_nm, double u[3])
     fixture_cosine_oval(theta, is_there ? 100000.0 : 0.0, u);
 }
 
-static void test_kink_of_a_peak_is_twice_its_step(void)
+/// Slices every 100 um. The ovality of the short skirt rises by 10 um per slice; (1 - cos) / 4 is
+/// at most 1/2, and so is its slope. The step from lobe to lobe is all kink; that of a single slice
+/// goes there and back.
+static void test_change_is_that_of_the_surface(void)
 {
-    part.u = one_slice;
-    const cam_change_t found = change();
-    expect_bound(5000.0, found.most);
-    expect_bound(10000.0, found.kink);
+    const double radian = 200000.0 * sin(1.0);
+    const struct {
+        const char *name;
+        fixture_surface_fn *u;
+        bool is_repeated;
+        double most, per_rad, kink;
+    } rows[] = {
+        {"even rise", fixture_cosine_oval, false, 5000.0, 5000.0, 0.0},
+        {"equal slices", same_everywhere, false, -1.0, -1.0, -1.0},
+        {"lobes turned by a radian", turned_by_a_radian, false, radian, 2.0 * radian, radian},
+        {"repeated patterns", turned_by_a_radian, true, radian, 2.0 * radian, radian},
+        {"one slice", one_slice, false, 5000.0, 5000.0, 10000.0}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        part.u = rows[i].u;
+        part.log2_repeat = rows[i].is_repeated ? 1u : 0u;
+        part.frac_bits = rows[i].is_repeated ? 3u : 7u;
+        make();
+        expect_bound(rows[i].most, table.u_change.most, rows[i].name);
+        expect_bound(rows[i].per_rad, table.u_change.per_rad, rows[i].name);
+        expect_bound(rows[i].kink, table.u_change.kink, rows[i].name);
+    }
 }
 
 /// Where the tool swings, the change of the swing is measured as well: 1e-10 rad/nm over 500 um.
 static void test_swing_changes_in_its_own_unit(void)
 {
     part = fixture_part_swung();
-    (void)change();
+    make();
     const double per_rad_q26 = 67108864.0 / (2.0 * PI);
-    expect_bound(5e-5 * per_rad_q26, table.swing_change.most);
-    expect_bound(1e-4 * per_rad_q26, table.swing_change.per_rad);
+    expect_bound(5e-5 * per_rad_q26, table.swing_change.most, "swing");
+    expect_bound(1e-4 * per_rad_q26, table.swing_change.per_rad, "swing");
     part.swing = NULL;
-    (void)change();
+    make();
     TEST_ASSERT_EQUAL_UINT32(0, table.swing_change.most);
 }
 
@@ -117,13 +84,13 @@ static void test_swing_changes_in_its_own_unit(void)
 static void test_rms_is_that_of_the_largest_slice(void)
 {
     part.u = turned_by_a_radian;
-    (void)change();
+    make();
     const double exact = 400000.0 / sqrt(2.0);
     TEST_ASSERT_DOUBLE_WITHIN(0.001 * exact, exact, table.u2_rms_nm_per_rad2);
     part.u = one_slice;
     part.log2_repeat = 1;
     part.frac_bits = 3;
-    (void)change();
+    make();
     double u[3];
     fixture_cosine_oval(PI / 2.0, 100000.0, u);
     const double largest = fabs(u[2]) / sqrt(2.0);
@@ -271,4 +238,137 @@ static void test_change_to_the_last_slice_counts(void)
     fill(0, 1, (cam_knot_t){.p = 1000});
     TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).most);
     TEST_ASSERT_EQUAL_UINT32(1000, cam_peaks_of_change(&ch).kink);
+}
+
+/// Image of the modulated part with a promise lowered by a share of itself.
+static cam_err_t lowered(size_t at, double share)
+{
+    fixture_image_make(&image, &part);
+    return with_word(at, (uint32_t)floor(fixture_image_get(&image, at) * (1.0 - share)));
+}
+
+static void test_speed_channel_is_described_and_its_promises_hold(void)
+{
+    static const size_t at[] = {fixture_at_u1_peak, fixture_at_u2_peak, fixture_at_spindle_peak};
+    make();
+    TEST_ASSERT_NULL(table.speed.knots);
+    TEST_ASSERT_EQUAL_UINT32(CAM_TABLE_RATIO_ONE, table.ratio_max_q20);
+    TEST_ASSERT_EQUAL_UINT32(0, table.spindle_peak_ppm_per_rad);
+    TEST_ASSERT_EQUAL_UINT32(0, table.spindle_demand.fall_ppm_per_rad);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_spindle_peak, 1u));
+    part = fixture_part_modulated();
+    make();
+    TEST_ASSERT_NOT_NULL(table.speed.knots);
+    TEST_ASSERT_EQUAL_UINT32(3, table.speed.n_slices);
+    TEST_ASSERT_DOUBLE_WITHIN(3e-6, 1.425, table.ratio_max_q20 / (double)CAM_TABLE_RATIO_ONE);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, fixture_image_get(&image, fixture_at_spindle_peak),
+                              table.spindle_peak_ppm_per_rad);
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_EQUAL_INT(cam_ok, lowered(at[i], 0.0));
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, lowered(at[i], 0.03)); // knots alone are seen
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(at[i], 0u));
+    }
+}
+
+static void test_absurd_curvature_is_refused_without_overflow(void)
+{
+    part = fixture_part_modulated();
+    TEST_ASSERT_NOT_EQUAL_INT(cam_ok,
+                              with_word(fixture_image_in(fixture_u, fixture_in_frac_bits), 0u));
+    fixture_image_make(&image, &part);
+    cam_knot_t *k = fixture_image_knots(&image, fixture_u);
+    for (uint32_t i = 0; i < fixture_image_n_knots(&image, fixture_u); i++) {
+        k[i].a *= 1000;
+    }
+    fixture_image_remeasure(&image, fixture_u);
+    TEST_ASSERT_NOT_EQUAL_INT(cam_ok, check());
+}
+
+/// Where the spindle is slow, U's acceleration is small whatever the curvature: the limit of the
+/// curvature itself, 2^40 nm per turn^2, refuses a table that no promise does.
+static void test_curvature_is_limited_by_itself(void)
+{
+    enum { n_u = 32, n_speed = 8 };
+    static cam_knot_t u[n_u], speed[n_speed];
+    cam_table_t t = {.u = {.knots = u, .n_slices = 2, .log2_knots = 4, .log2_repeat = 4},
+                     .speed = {.knots = speed,
+                               .n_slices = 2,
+                               .log2_knots = 2,
+                               .value_offset = CAM_TABLE_RATIO_ONE / 8},
+                     .u1_peak_nm_per_rad = INT32_MAX,
+                     .u2_peak_nm_per_rad2 = INT32_MAX};
+    t.u.span_nm = t.speed.span_nm = 1000000;
+    t.u.slices_per_nm_q48 = t.speed.slices_per_nm_q48 = 281474977;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        u[n_u - 1].a = sign * (1 << 23);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_peaks_check(&t));
+        u[n_u - 1].a += sign;
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, cam_peaks_check(&t));
+    }
+}
+
+/// @return the largest r + c r r' over both ends of the part
+static double largest_set_point(double c)
+{
+    double most = 0.0;
+    for (int i = 0; i < 2000; i++) {
+        double r[3];
+        fixture_ratio(2.0 * PI * (i / 2) / 1000.0, i % 2 == 0 ? 0.0 : part.z_last_nm, r);
+        most = fmax(most, r[0] + c * r[0] * r[1]);
+    }
+    return most;
+}
+
+/// Above the largest by what a chord is above the curve; below it by what is between the knots of
+/// this table, 11 degrees apart.
+static void test_set_point_of_the_spindle_is_bounded_at_any_lag(void)
+{
+    part = fixture_part_modulated();
+    make();
+    const cam_spindle_demand_t *demand = &table.spindle_demand;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * 0.75e6, 0.75e6, demand->fall_ppm_per_rad);
+    for (int i = 0; i <= 240; i += 5) {
+        const double c = i * 0.05;
+        const double exact = largest_set_point(c);
+        const uint64_t bound_q20 = cam_peaks_set_point_q20(demand, (uint64_t)(c * 65536.0));
+        const double bound = ldexp((double)bound_q20, -20);
+        TEST_ASSERT_TRUE(bound >= exact * 0.99);
+        TEST_ASSERT_TRUE(c > 8.0 || bound <= exact * 1.002);
+    }
+}
+
+static void level(double z_nm, double x[3])
+{
+    x[0] = 46e6 + 0.0 * z_nm;
+    x[1] = 0.0;
+    x[2] = 0.0;
+}
+
+/// A profile that falls by 1.5 um from one slice to the next and is level at both.
+static void step(double z_nm, double x[3])
+{
+    level(z_nm, x);
+    x[0] -= z_nm > 375000.0 ? 1500.0 : 0.0;
+}
+
+/// The parabola is steepest at its upper end, 600 000 nm from the largest radius. The quintic of a
+/// step is steepest in the middle, with 15/8 of the mean slope; its curvature reaches 5.774 (in the
+/// fall per squared spacing), of which the sample at a quarter of the slice finds 5.625.
+static void test_slope_and_bend_of_x_are_those_of_the_profile(void)
+{
+    const struct {
+        fixture_profile_fn *x;
+        uint32_t frac_bits, slope_ppm, bend_ppm_per_m;
+    } rows[] = {{part.x, 8, 24000, 40000000},
+                {part.x, 4, 24000, 40000000},
+                {level, 8, 0, 0},
+                {step, 4, 11250, 135000000}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        part.x = rows[i].x;
+        part.x_frac_bits = rows[i].frac_bits;
+        make();
+        TEST_ASSERT_UINT32_WITHIN(rows[i].slope_ppm / 500u, rows[i].slope_ppm, table.x_slope_ppm);
+        TEST_ASSERT_UINT32_WITHIN(rows[i].bend_ppm_per_m / 66u, rows[i].bend_ppm_per_m,
+                                  table.x_bend_ppm_per_m);
+    }
 }
