@@ -1,44 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands over CAN: every command and refusal, parameters, a queue without room. The bytes are
-// those of camturn.dbc, written out by hand.
-#include "cam_can.h"
-#include "expect_can.h"
-#include "fixture_can.h"
-#include "hal_host.h"
-#include "unity.h"
-
-enum { enable = 1, disable, start, stop, reset, set, get, table_anew, get_minimum, get_maximum };
-enum { set_speed = 11, set_feed, set_amplitude, set_phase, home };
-
-static fixture_can_t f;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_can_init(&f, &part, 20000);
-    fixture_can_start(&f);
-    const fixture_answer_t answer = fixture_can_command(&f, set, cam_param_lead_ns, 50000);
-    TEST_ASSERT_EQUAL_INT32(50000, answer.value);
-}
-
-static void loop_until(cam_state_t wanted)
-{
-    expect_state_within(&f, wanted, 60000);
-}
-
-static void to_ready(void)
-{
-    expect_answer(&f, cam_ok, 0, enable, 0, 0);
-    loop_until(cam_state_ready);
-    fixture_can_loop(&f, 2400); // the spindle runs up
-}
+// Commands over CAN: every command and refusal, parameters, frames that no tool should send, a
+// queue without room. The bytes are those of camturn.dbc, written out by hand.
+#include "can_bench.h"
+#include <stdio.h>  // snprintf
+#include <string.h> // memset, strlen
 
 static void test_a_part_is_cut_by_commands(void)
 {
-    to_ready();
-    expect_answer(&f, cam_ok, 0, start, 0, 0);
-    loop_until(cam_state_cutting);
+    to_cutting();
     expect_answer(&f, cam_ok, 0, stop, 0, 0);
     loop_until(cam_state_ready);
     expect_answer(&f, cam_ok, 0, disable, 0, 0);
@@ -47,12 +16,15 @@ static void test_a_part_is_cut_by_commands(void)
 
 static void test_a_command_before_the_last_was_taken_is_busy(void)
 {
-    fixture_can_receive(0x640, 8, enable, 0, 0);
-    fixture_can_receive(0x640, 8, enable, 0, 0);
-    cam_can_poll(&f.can);
-    cam_can_poll(&f.can); // no tick in between
-    const hal_can_frame_t frame = fixture_can_sent(0x5C0);
-    TEST_ASSERT_EQUAL_INT32(cam_err_busy, fixture_can_answer(&frame).result);
+    static const uint8_t second[] = {enable, begin_download};
+    for (uint32_t i = 0; i < sizeof second; i++) {
+        setUp();
+        fixture_can_receive(0x640, 8, enable, 0, 0);
+        fixture_can_receive(0x640, 8, second[i], 0, 8000);
+        cam_can_poll(&f.can);
+        cam_can_poll(&f.can); // no tick in between
+        TEST_ASSERT_EQUAL_INT32(cam_err_busy, last_answer().result);
+    }
 }
 
 static void test_an_infeasible_speed_is_refused_with_the_highest(void)
@@ -65,7 +37,7 @@ static void test_an_infeasible_speed_is_refused_with_the_highest(void)
     TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
 }
 
-static void test_set_tells_the_value_in_force(void)
+static void test_set_answers_the_value_in_force(void)
 {
     expect_answer(&f, cam_ok, -5000000, set, cam_param_phase_udeg, -5000000);
     expect_answer(&f, cam_err_param_range, -5000000, set, cam_param_phase_udeg, INT32_MIN);
@@ -97,12 +69,26 @@ static void expect_range(uint8_t command, uint8_t index, int32_t low, int32_t hi
 
 static void test_a_value_out_of_range_is_answered_with_the_range(void)
 {
-    expect_answer(&f, cam_err_param_range, 0, set, cam_param_phase_udeg, INT32_MIN);
-    expect_range(set, cam_param_phase_udeg, -180000000, 180000000);
-    expect_answer(&f, cam_err_param_range, 1, set, cam_param_encoder_sign, 0);
-    expect_range(set, cam_param_encoder_sign, -1, 1);
-    (void)fixture_can_command(&f, set_speed, 0, -1);
-    expect_range(set_speed, cam_param_spindle_mrpm, 0, 60000000);
+    static const struct {
+        uint8_t command, index;
+        int32_t value, in_force;
+        uint8_t param;
+        int32_t low, high;
+    } cases[] = {
+        {set, cam_param_phase_udeg, INT32_MIN, 0, cam_param_phase_udeg, -180000000, 180000000},
+        {set, cam_param_encoder_sign, 0, 1, cam_param_encoder_sign, -1, 1},
+        {set_speed, 0, -1, 0, cam_param_spindle_mrpm, 0, 60000000},
+        {set_spindle_override, 0, 1300000, 1000000, cam_param_spindle_override_ppm, 500000,
+         1200000},
+        {stage, cam_param_lead_ns, -1, 100000, cam_param_lead_ns, 0, 20000000},
+    };
+    expect_answer(&f, cam_ok, 0, begin_params, 0, 0);
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const fixture_answer_t answer =
+            fixture_can_command(&f, cases[i].command, cases[i].index, cases[i].value);
+        TEST_ASSERT_EQUAL_INT32(cases[i].in_force, answer.value);
+        expect_range(cases[i].command, cases[i].param, cases[i].low, cases[i].high);
+    }
     expect_answer(&f, cam_ok, 64, get_minimum, cam_param_counts_per_turn, 5);
     expect_answer(&f, cam_ok, 16777216, get_maximum, cam_param_counts_per_turn, 5);
     expect_answer(&f, cam_err_param_id, 0, get_minimum, cam_n_params, 5);
@@ -122,43 +108,29 @@ static void test_a_range_without_room_is_kept(void)
     expect_range(set, cam_param_encoder_sign, -1, 1);
     hal_host.slow.n_room = 1;
     cam_can_poll(&f.can);
-    const hal_can_frame_t frame = fixture_can_sent(0x5C0);
-    TEST_ASSERT_EQUAL_UINT32(get, fixture_can_answer(&frame).command);
+    TEST_ASSERT_EQUAL_UINT32(get, last_answer().command);
 }
 
+/// Each sets its parameter, and the answer has its number.
 static void test_quick_commands_set_their_parameters(void)
 {
-    expect_answer(&f, cam_ok, 1200500, set_speed, cam_param_spindle_mrpm, 1200500);
-    TEST_ASSERT_EQUAL_INT32(1200500, f.rig.machine.params.spindle_mrpm);
-    expect_answer(&f, cam_ok, 150000, set_feed, cam_param_feed_nm, 150000);
-    TEST_ASSERT_EQUAL_INT32(150000, f.rig.machine.params.feed_nm);
-    expect_answer(&f, cam_ok, 500000, set_amplitude, cam_param_amplitude_ppm, 500000);
-    TEST_ASSERT_EQUAL_INT32(500000, f.rig.machine.params.amplitude_ppm);
-    expect_answer(&f, cam_ok, -90000000, set_phase, cam_param_phase_udeg, -90000000);
-    TEST_ASSERT_EQUAL_INT32(-90000000, f.rig.machine.params.phase_udeg);
-}
-
-static void test_only_ramped_parameters_change_in_the_cut(void)
-{
-    to_ready();
-    expect_answer(&f, cam_ok, 0, start, 0, 0);
-    loop_until(cam_state_cutting);
-    for (int i = 0; i < cam_n_params; i++) {
-        const cam_param_id_t id = (cam_param_id_t)i;
-        const int32_t value = cam_param_get(&f.rig.machine.params, id);
-        const bool may = id == cam_param_phase_udeg || id == cam_param_amplitude_ppm ||
-                         id == cam_param_x_trim_nm || id == cam_param_feed_override_ppm ||
-                         id == cam_param_spindle_override_ppm;
-        expect_answer(&f, may ? cam_ok : cam_err_param_state, value, set, (uint8_t)i, value);
-        fixture_can_loop(&f, 2);
+    static const struct {
+        uint8_t command, param;
+        int32_t value;
+    } cases[] = {
+        {set_speed, cam_param_spindle_mrpm, 1200500},
+        {set_feed, cam_param_feed_nm, 150000},
+        {set_amplitude, cam_param_amplitude_ppm, 500000},
+        {set_phase, cam_param_phase_udeg, -90000000},
+        {set_feed_override, cam_param_feed_override_ppm, 750000},
+        {set_spindle_override, cam_param_spindle_override_ppm, 900000},
+        {set_trim, cam_param_x_trim_nm, -12345},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const cam_param_id_t id = (cam_param_id_t)cases[i].param;
+        expect_answer(&f, cam_ok, cases[i].value, cases[i].command, cases[i].param, cases[i].value);
+        TEST_ASSERT_EQUAL_INT32(cases[i].value, cam_param_get(&f.rig.machine.params, id));
     }
-    expect_answer(&f, cam_err_param_state, 0, set_speed, cam_param_spindle_mrpm, 1000000);
-    expect_answer(&f, cam_err_param_state, 0, set_feed, cam_param_feed_nm, 100000);
-    expect_answer(&f, cam_ok, 900000, set_amplitude, cam_param_amplitude_ppm, 900000);
-    fixture_can_loop(&f, 2);
-    expect_answer(&f, cam_ok, 1000, set_phase, cam_param_phase_udeg, 1000);
-    expect_answer(&f, cam_err_state, 0, home, 0, 0);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
 }
 
 static void test_home_homes_and_homes_anew(void)
@@ -175,35 +147,21 @@ static void test_home_homes_and_homes_anew(void)
     loop_until(cam_state_ready);
 }
 
-static void test_home_anew_stays_off_when_the_drives_are_not_ready(void)
-{
-    to_ready();
-    expect_answer(&f, cam_ok, 0, home, 0, 0);
-    hal_host_fault_drive(true);
-    fixture_rig_tick(&f.rig);
-    fixture_can_loop(&f, 10);
-    hal_host_fault_drive(false);
-    fixture_can_loop(&f, 10);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
-}
-
 static void test_get_knows_every_parameter(void)
 {
     cam_params_t usual = cam_param_defaults();
-    usual.lead_ns = 50000;
     usual.ripple_turns = 8;
     for (int i = 0; i < cam_n_params; i++) {
-        const int32_t value = cam_param_get(&usual, (cam_param_id_t)i);
-        expect_answer(&f, cam_ok, value, get, (uint8_t)i, 0);
+        expect_answer(&f, cam_ok, cam_param_get(&usual, (cam_param_id_t)i), get, (uint8_t)i, 0);
     }
 }
 
 static void test_unknown_commands_have_an_error_of_their_own(void)
 {
-    expect_answer(&f, cam_err_command, 0, 0, 3, 1);
-    expect_answer(&f, cam_err_command, 0, 18, 0, 0);
-    expect_answer(&f, cam_err_command, 0, 199, 0, 0);
-    expect_answer(&f, cam_err_command, 0, 255, 255, -1);
+    static const uint8_t commands[][2] = {{0, 3}, {18, 0}, {199, 0}, {255, 255}};
+    for (uint32_t i = 0; i < 4u; i++) {
+        expect_answer(&f, cam_err_command, 0, commands[i][0], commands[i][1], 1);
+    }
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
 }
 
@@ -218,23 +176,19 @@ static void test_an_answer_without_room_is_kept_before_the_next_command(void)
     TEST_ASSERT_EQUAL_INT32(10, f.rig.machine.params.engage_turns); // not yet read
     hal_host.slow.n_room = 1;
     cam_can_poll(&f.can); // sends the first answer; the second finds no room again
-    hal_can_frame_t frame = fixture_can_sent(0x5C0);
-    TEST_ASSERT_EQUAL_UINT32(get, fixture_can_answer(&frame).command);
-    TEST_ASSERT_EQUAL_INT32(10, fixture_can_answer(&frame).value);
+    TEST_ASSERT_EQUAL_UINT32(get, last_answer().command);
+    TEST_ASSERT_EQUAL_INT32(10, last_answer().value);
     TEST_ASSERT_EQUAL_INT32(20, f.rig.machine.params.engage_turns); // nothing waited any more
     hal_host.slow.n_room = 1;
     cam_can_poll(&f.can);
-    frame = fixture_can_sent(0x5C0);
-    TEST_ASSERT_EQUAL_UINT32(set, fixture_can_answer(&frame).command);
-    TEST_ASSERT_EQUAL_INT32(20, fixture_can_answer(&frame).value);
+    TEST_ASSERT_EQUAL_UINT32(set, last_answer().command);
+    TEST_ASSERT_EQUAL_INT32(20, last_answer().value);
     TEST_ASSERT_EQUAL_UINT32(n_sent + 2u, hal_host.slow.n_sent);
 }
 
 static void test_bus_off_stops_nothing_and_ends(void)
 {
-    to_ready();
-    expect_answer(&f, cam_ok, 0, start, 0, 0);
-    loop_until(cam_state_cutting);
+    to_cutting();
     hal_host.slow.is_bus_off = true;
     const uint32_t n_sent = hal_host.slow.n_sent;
     fixture_can_receive(0x640, 8, get, 0, 0);
@@ -243,6 +197,254 @@ static void test_bus_off_stops_nothing_and_ends(void)
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
     hal_host.slow.is_bus_off = false;
     fixture_can_loop(&f, 1);
-    const hal_can_frame_t frame = fixture_can_sent(0x5C0);
-    TEST_ASSERT_EQUAL_INT32(10000, fixture_can_answer(&frame).value);
+    TEST_ASSERT_EQUAL_INT32(10000, last_answer().value);
+}
+
+// All parameters
+
+static void test_staged_parameters_come_into_force_by_commit(void)
+{
+    expect_answer(&f, cam_err_params_begin, 0, stage, cam_param_lead_ns, 62000);
+    expect_answer(&f, cam_err_params_begin, 0, commit, 0, 0);
+    expect_answer(&f, cam_ok, 0, begin_params, 0, 0);
+    expect_answer(&f, cam_ok, 62000, stage, cam_param_lead_ns, 62000);
+    expect_answer(&f, cam_err_param_id, 0, stage, 255, 1);
+    TEST_ASSERT_EQUAL_INT32(100000, f.rig.machine.params.lead_ns);
+    expect_answer(&f, cam_ok, 1, commit, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(62000, f.rig.machine.params.lead_ns);
+}
+
+static void test_saved_parameters_are_reverted_to(void)
+{
+    expect_answer(&f, cam_err_params_none, 0, revert, 0, 0);
+    expect_answer(&f, cam_ok, 61000, set, cam_param_lead_ns, 61000);
+    expect_answer(&f, cam_ok, 1, save, 0, 0);
+    expect_answer(&f, cam_ok, 2, defaults, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(100000, f.rig.machine.params.lead_ns);
+    expect_answer(&f, cam_ok, 3, revert, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(61000, f.rig.machine.params.lead_ns);
+    hal_host.slow.n_store = 0;
+    expect_answer(&f, cam_err_params_keep, 3, save, 0, 0);
+}
+
+static void test_numbers_of_a_refusal_are_read_field_by_field(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
+    expect_answer(&f, cam_err_spindle_speed, 0, set, cam_param_spindle_mrpm, 3500000);
+    expect_answer(&f, cam_ok, cam_err_spindle_speed, refusal, cam_refusal_result, 0);
+    expect_answer(&f, cam_ok, 3500000, refusal, cam_refusal_needed, 0);
+    expect_answer(&f, cam_ok, 3000000, refusal, cam_refusal_limit, 0);
+    expect_answer(&f, cam_ok, 3000000, refusal, cam_refusal_highest_mrpm, 0);
+    expect_answer(&f, cam_ok, 0, refusal, cam_refusal_largest_feed_nm, 0);
+    expect_answer(&f, cam_ok, 0, refusal, cam_refusal_pass, 0);
+    expect_answer(&f, cam_ok, cam_n_params, refusal, cam_refusal_parameter, 0);
+    expect_answer(&f, cam_err_param_id, 0, refusal, cam_n_refusals, 0);
+    expect_answer(&f, cam_err_param_state, 1, set, cam_param_encoder_sign, -1);
+    expect_answer(&f, cam_ok, cam_param_encoder_sign, refusal, cam_refusal_parameter, 0);
+}
+
+// Changes in the cut
+
+static void test_parts_are_set_and_read(void)
+{
+    expect_answer(&f, cam_ok, 0, get_parts, 3, 0);
+    expect_answer(&f, cam_ok, 4711, set_parts, 5, 4711);
+    expect_answer(&f, cam_ok, 4711, get_parts, 3, 0);
+    f.rig.machine.n_parts = UINT32_MAX;
+    expect_answer(&f, cam_ok, INT32_MAX, get_parts, 0, 0);
+}
+
+static void test_hold_and_resume_are_carried_out(void)
+{
+    expect_answer(&f, cam_err_state, 0, hold, 7, 0);
+    expect_answer(&f, cam_err_state, 0, resume, 8, 0);
+    to_cutting();
+    expect_answer(&f, cam_ok, 0, hold, 9, 0);
+    loop_until(cam_state_holding);
+    expect_answer(&f, cam_ok, 0, resume, 10, 0);
+    loop_until(cam_state_cutting);
+}
+
+// By hand
+
+enum { x_axis = 1, z_axis = 2 };
+
+/// Send a command, which must be carried out. @return the value of its answer
+static int32_t done(uint8_t command, uint8_t axis, int32_t value)
+{
+    const fixture_answer_t answer = fixture_can_command(&f, command, axis, value);
+    TEST_ASSERT_EQUAL_UINT32(command, answer.command);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, answer.result);
+    fixture_can_loop(&f, 20);
+    return answer.value;
+}
+
+static void test_jog_and_step_move_their_axis(void)
+{
+    (void)done(manual, 0, 0);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
+    (void)done(jog, x_axis, 5000);
+    (void)done(jog, x_axis, 0);
+    fixture_can_loop(&f, 2000);
+    const int32_t x_nm = done(get_position, x_axis, 0);
+    TEST_ASSERT_EQUAL_INT32(hal_host.out.axis[hal_axis_x].pos_nm, x_nm);
+    TEST_ASSERT_GREATER_THAN_INT32(100, x_nm);
+    (void)done(step, z_axis, -1000);
+    fixture_can_loop(&f, 2000);
+    TEST_ASSERT_EQUAL_INT32(-1000, done(get_position, z_axis, 0));
+}
+
+static void test_home_zero_and_tool_change_the_position(void)
+{
+    static const cam_param_id_t homes[] = {cam_param_u_home, cam_param_x_home, cam_param_z_home};
+    for (uint32_t axis = 0; axis < (uint32_t)hal_n_axes; axis++) {
+        TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, homes[axis], 1));
+    }
+    (void)done(manual, 0, 0);
+    for (uint32_t axis = 0; axis < (uint32_t)hal_n_axes; axis++) {
+        (void)done(home_axis, (uint8_t)axis, 0);
+    }
+    TEST_ASSERT_EQUAL_HEX32(7, fixture_rig_status(&f.rig).jog.homed);
+    TEST_ASSERT_EQUAL_INT32(40006000, done(zero_x, 0, 80012000));
+    TEST_ASSERT_EQUAL_INT32(-5, done(zero_z, 0, -5));
+    TEST_ASSERT_EQUAL_INT32(3, done(set_tool, 0, 3));
+    TEST_ASSERT_EQUAL_INT32(3, f.rig.machine.params.tool);
+}
+
+static void test_wrong_axes_and_values_are_refused_with_the_limit(void)
+{
+    TEST_ASSERT_EQUAL_INT32(cam_err_state, result_of(jog, x_axis, 1));
+    (void)done(manual, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(cam_err_hand_axis, result_of(jog, 3, 1));
+    TEST_ASSERT_EQUAL_INT32(cam_err_hand_axis, result_of(get_position, 200, 0));
+    expect_answer(&f, cam_err_hand_speed, 10000, jog, x_axis, INT32_MIN);
+    TEST_ASSERT_EQUAL_INT32(cam_err_param_range, result_of(set_tool, 0, 5));
+    fixture_can_loop(&f, 100);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
+}
+
+// Frames that no tool should send; tests/fuzz sends random ones
+
+static fixture_answer_t answer_to(const hal_can_frame_t *frame)
+{
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    (void)hal_host_can_receive(frame);
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 1u, hal_host.slow.n_sent);
+    const hal_can_frame_t sent = fixture_can_sent(0x5C0);
+    TEST_ASSERT_EQUAL_UINT32(8, sent.n);
+    return fixture_can_answer(&sent);
+}
+
+static void test_malformed_frames_are_answered_and_do_nothing(void)
+{
+    static const uint32_t lengths[] = {0, 1, 2, 7, 12, 64};
+    for (uint32_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        const uint32_t n = lengths[i];
+        const hal_can_frame_t frame = {.id = 0x640, .n = n, .data = {enable, 9}};
+        const fixture_answer_t answer = answer_to(&frame);
+        TEST_ASSERT_EQUAL_INT32(cam_err_frame, answer.result);
+        TEST_ASSERT_EQUAL_UINT32(n > 0u ? enable : 0, answer.command);
+        TEST_ASSERT_EQUAL_UINT32(n > 1u ? 9 : 0, answer.index);
+        TEST_ASSERT_EQUAL_INT32(0, answer.value);
+    }
+    for (uint32_t at = 2; at < 4u; at++) {
+        hal_can_frame_t frame = {.id = 0x640, .n = 8, .data = {enable}};
+        frame.data[at] = 0x80;
+        TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, answer_to(&frame).result);
+    }
+    fixture_can_loop(&f, 2);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
+}
+
+static void test_foreign_ids_are_passed_over(void)
+{
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    static const uint32_t ids[] = {0, 0x63F, 0x641, 0x5C0, 0x1C0, 0x6C1, 0x540, 0x7FF};
+    for (uint32_t i = 0; i < sizeof ids / sizeof ids[0]; i++) {
+        fixture_can_receive(ids[i], 8, enable, 0, 0);
+    }
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent, hal_host.slow.n_sent);
+    fixture_can_receive(0x123, 8, enable, 0, 0);
+    expect_answer(&f, cam_ok, 0, enable, 0, 0); // follows a foreign frame in the same poll
+}
+
+static void test_a_flood_of_foreign_ids_does_not_hold_up_a_poll(void)
+{
+    for (uint32_t i = 0; i < hal_host_can_frames; i++) {
+        fixture_can_receive(0x123, 8, 0, 0, 0);
+    }
+    const uint32_t n_read = hal_host.slow.n_read;
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_read + 8u, hal_host.slow.n_read);
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(hal_host.slow.n_received, hal_host.slow.n_read);
+}
+
+static void test_one_command_per_poll(void)
+{
+    fixture_can_receive(0x640, 8, get, 0, 0);
+    fixture_can_receive(0x640, 8, get, 1, 0);
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 1u, hal_host.slow.n_sent);
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 2u, hal_host.slow.n_sent);
+}
+
+// Lines of text; test_cam_log_text.c has their words
+
+static void test_a_long_line_is_cut_off(void)
+{
+    static char why[300];
+    memset(why, 'w', sizeof why - 1u);
+    hal_host.slow.start = (hal_start_t){.reset = hal_reset_halt, .why = why};
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_size_t(120, strlen(fixture_can_line(2)));
+    TEST_ASSERT_EQUAL_STRING_LEN("start: halt: wwww", fixture_can_line(2), 17);
+}
+
+/// One a poll, the lowest bit first, and again after a reset.
+static void test_states_and_faults_have_their_lines(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(3, hal_host.n_lines); // start, params, table
+    to_cutting();
+    fixture_can_loop(&f, 1);
+    const uint32_t n_lines = hal_host.n_lines;
+    TEST_ASSERT_EQUAL_STRING("state cutting", fixture_can_line(0));
+    f.rig.lathe.error_nm[hal_axis_u] = 200000;
+    hal_host_fault_estop(true);
+    fixture_can_loop(&f, 4000);
+    TEST_ASSERT_EQUAL_UINT32(n_lines + 3u, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_STRING("state fault", fixture_can_line(2));
+    TEST_ASSERT_EQUAL_STRING("fault estop: emergency stop", fixture_can_line(1));
+    TEST_ASSERT_EQUAL_STRING("fault following_error: U does not follow", fixture_can_line(0));
+    hal_host_fault_drive(true);
+    fixture_can_loop(&f, 2);
+    TEST_ASSERT_EQUAL_STRING("fault drive: a drive is not ready", fixture_can_line(0));
+    hal_host_fault_drive(false);
+    hal_host_fault_estop(false);
+    f.rig.lathe.error_nm[hal_axis_u] = 0;
+    expect_answer(&f, cam_ok, 0, reset, 0, 0);
+    fixture_can_loop(&f, 3);
+    TEST_ASSERT_EQUAL_STRING("state off", fixture_can_line(0));
+    expect_answer(&f, cam_ok, 0, enable, 0, 0);
+    hal_host_fault_estop(true);
+    fixture_can_loop(&f, 5);
+    TEST_ASSERT_EQUAL_STRING("fault estop: emergency stop", fixture_can_line(0));
+}
+
+/// What a check of a table may refuse: its image and its signature.
+static void test_every_text_fits_a_line(void)
+{
+    for (int err = 0; err > -140; err--) {
+        if (err < -19 && err > -130) {
+            continue;
+        }
+        char line[200];
+        (void)snprintf(line, sizeof line, "table: %s - home refused until a table is written",
+                       cam_err_text((cam_err_t)err));
+        TEST_ASSERT_LESS_OR_EQUAL_size_t(120, strlen(line));
+    }
 }

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who commands over the bus, and what nobody can do over it: other senders, forged and old
-// sessions, lost heartbeats, a restart behind the emergency stop.
-#include "cam_machine_jog.h"
-#include "rights_bench.h"
-#include <string.h> // memchr
+// Who commands over the bus, what needs the unlocked level, and what nobody can do over it: other
+// senders, forged and old sessions, lost heartbeats, a restart after the emergency stop.
+// test_cam_rights.c has the rules themselves.
+#include "cam_machine_jog.h" // cam_machine_step
+#include "can_bench.h"
+#include "monocypher.h" // crypto_blake2b_keyed
+#include <string.h>     // memchr
+
+enum { other = 9, last_command = lock };
 
 /// @return page 25 of Detail, as new as can be
 static hal_can_frame_t page(void)
@@ -152,9 +156,7 @@ static void test_command_given_up_in_the_cut_ends_it_as_well(void)
 
 static void test_a_start_on_its_way_does_not_outlive_its_commander(void)
 {
-    expect_answer(&f, cam_ok, 0, enable, 0, 0);
-    loop_until(cam_state_ready);
-    fixture_can_loop(&f, 2400);
+    to_ready();
     fixture_can_receive(0x640, 8, start, 0, 0);
     fixture_can_receive(0x640, 8, release, 0, 0);
     cam_can_poll(&f.can);
@@ -183,8 +185,6 @@ static void test_heartbeats_lost_in_manual_brake_the_axes(void)
     TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
 }
 
-// Blocks
-
 static void test_blocks_of_an_old_session_are_refused(void)
 {
     static fixture_download_t d;
@@ -196,8 +196,7 @@ static void test_blocks_of_an_old_session_are_refused(void)
     const uint32_t n = fixture_download_make(message, d.other.bytes, fixture_block_bytes,
                                              fixture_download_bytes(&d, 1));
     fixture_download_message(&d, message, n, 0);
-    const hal_can_frame_t frame = fixture_can_sent(0x5C0);
-    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, fixture_can_answer(&frame).result);
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, last_answer().result);
     TEST_ASSERT_EQUAL_UINT32(fixture_block_bytes, d.can.can.store.received);
     expect_begin(&d);
     expect_blocks(&d, 0, 1);
@@ -261,21 +260,6 @@ static void test_a_restart_behind_the_emergency_stop_by_the_bus_alone_is_impossi
     to_cutting();
 }
 
-// What is told
-
-static void test_page_25_tells_commander_counts_and_level(void)
-{
-    hal_can_frame_t frame = page();
-    const uint8_t at_first[] = {25, me, 0, 0, 0x31, 0};
-    TEST_ASSERT_EQUAL_MEMORY(at_first, frame.data, sizeof at_first);
-    TEST_ASSERT_UINT32_WITHIN(2, 600, frame.data[6] | (uint32_t)frame.data[7] << 8);
-    hal_host_turn_key(false);
-    (void)by(other, 0, take, 1);
-    frame = page();
-    const uint8_t then[] = {25, other, 1, 0, 0x30, 0, 0, 0};
-    TEST_ASSERT_EQUAL_MEMORY(then, frame.data, sizeof then);
-}
-
 static void test_lines_tell_who_commands_and_who_was_refused(void)
 {
     (void)by(other, 0, take, 1);
@@ -289,4 +273,121 @@ static void test_lines_tell_who_commands_and_who_was_refused(void)
                              "take_command first",
                              fixture_can_line(0));
     TEST_ASSERT_EQUAL_STRING("level: locked", fixture_can_line(1));
+}
+
+// Level: limits, tables, and what is kept; never in the work
+
+static void test_locked_limits_and_tables_stay_and_the_refusal_says_why(void)
+{
+    static const uint8_t locked[] = {select_table, begin_download, end_download, set_learned};
+    hal_host_turn_key(false);
+    fixture_can_loop(&f, 2);
+    expect_answer(&f, cam_err_locked, 1200000, set, cam_param_u_stroke_nm, 2000000);
+    TEST_ASSERT_EQUAL_INT(cam_param_u_stroke_nm, f.rig.machine.refusal.param);
+    for (uint32_t i = 0; i < sizeof locked; i++) {
+        expect_answer(&f, cam_err_locked, 0, locked[i], 0, 1000);
+    }
+    expect_answer(&f, cam_ok, 5000000, set, cam_param_phase_udeg, 5000000);
+    hal_host_turn_key(true);
+    fixture_can_loop(&f, 2);
+    expect_answer(&f, cam_ok, 2000000, set, cam_param_u_stroke_nm, 2000000);
+}
+
+/// The lock is for the bus: what is carried out for it ends with its answer.
+static void test_what_is_set_at_the_machine_itself_needs_no_key(void)
+{
+    expect_answer(&f, cam_ok, 0, lock, 0, 0);
+    expect_answer(&f, cam_err_locked, 1200000, set, cam_param_u_stroke_nm, 2000000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_u_stroke_nm, 2000000));
+    expect_answer(&f, cam_err_locked, 2000000, set, cam_param_u_stroke_nm, 1200000);
+}
+
+static void test_a_commit_that_changes_a_limit_is_refused_as_a_whole(void)
+{
+    expect_answer(&f, cam_ok, 0, lock, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(begin_params, 0, 0));
+    expect_answer(&f, cam_ok, 700000, stage, cam_param_amplitude_ppm, 700000);
+    expect_answer(&f, cam_ok, 2000000, stage, cam_param_u_stroke_nm, 2000000);
+    TEST_ASSERT_EQUAL_INT32(cam_err_locked, result_of(commit, 0, 0));
+    TEST_ASSERT_EQUAL_INT32(1000000, f.rig.machine.params.amplitude_ppm);
+    expect_answer(&f, cam_ok, 1200000, stage, cam_param_u_stroke_nm, 1200000);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(commit, 0, 0));
+    TEST_ASSERT_EQUAL_INT32(700000, f.rig.machine.params.amplitude_ppm);
+}
+
+static void test_what_would_bring_other_limits_into_force_or_keep_them_needs_the_key(void)
+{
+    expect_answer(&f, cam_ok, 2000000, set, cam_param_u_stroke_nm, 2000000);
+    expect_answer(&f, cam_ok, 0, lock, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(cam_err_locked, result_of(save, 0, 0));
+    TEST_ASSERT_EQUAL_INT32(cam_err_locked, result_of(defaults, 0, 0));
+    TEST_ASSERT_EQUAL_INT32(2000000, f.rig.machine.params.u_stroke_nm);
+    fixture_can_take(&f);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(save, 0, 0));
+    expect_answer(&f, cam_ok, 1300000, set, cam_param_u_stroke_nm, 1300000);
+    expect_answer(&f, cam_ok, 0, lock, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(cam_err_locked, result_of(revert, 0, 0));
+    fixture_can_take(&f);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(revert, 0, 0));
+    expect_answer(&f, cam_ok, 0, lock, 0, 0);
+    expect_answer(&f, cam_ok, 3, set, cam_param_tool, 3); // an operator's parameter
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(save, 0, 0));
+}
+
+/// Only what is ramped changes there, whatever the level.
+static void test_never_in_the_work(void)
+{
+    static const uint8_t ramped[] = {cam_param_phase_udeg, cam_param_amplitude_ppm,
+                                     cam_param_x_trim_nm, cam_param_feed_override_ppm,
+                                     cam_param_spindle_override_ppm};
+    to_cutting();
+    TEST_ASSERT_EQUAL_INT(cam_level_key, f.rig.machine.rights.level);
+    for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
+        const int32_t value = cam_param_get(&f.rig.machine.params, (cam_param_id_t)id);
+        const bool may = memchr(ramped, (int)id, sizeof ramped) != NULL;
+        expect_answer(&f, may ? cam_ok : cam_err_param_state, value, set, (uint8_t)id, value);
+        fixture_can_loop(&f, 2);
+    }
+    expect_answer(&f, cam_err_param_state, 0, set_speed, cam_param_spindle_mrpm, 1000000);
+    expect_answer(&f, cam_err_param_state, 0, set_feed, cam_param_feed_nm, 100000);
+    expect_answer(&f, cam_ok, 900000, set_amplitude, cam_param_amplitude_ppm, 900000);
+    fixture_can_loop(&f, 2);
+    expect_answer(&f, cam_ok, 1000, set_phase, cam_param_phase_udeg, 1000);
+    expect_answer(&f, cam_err_state, 0, home, 0, 0);
+    expect_answer(&f, cam_err_state, 0, select_table, 0, 0);
+    expect_answer(&f, cam_err_state, 0, begin_download, 0, 1000);
+    TEST_ASSERT_EQUAL_INT32(cam_err_param_state, result_of(set_learned, 0, 0));
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
+}
+
+/// @return what unlocks by a secret of n bytes behind a challenge
+static int32_t response(const uint8_t *secret, size_t n, int32_t challenge)
+{
+    uint8_t bytes[4];
+    uint8_t hash[64];
+    for (uint32_t i = 0; i < 4u; i++) {
+        bytes[i] = (uint8_t)((uint32_t)challenge >> (8u * i));
+    }
+    crypto_blake2b_keyed(hash, sizeof hash, secret, n, bytes, sizeof bytes);
+    const hal_can_frame_t frame = {.data = {hash[0], hash[1], hash[2], hash[3]}};
+    return fixture_can_i32(&frame, 0);
+}
+
+static void test_the_secret_unlocks_by_its_challenge(void)
+{
+    static const uint8_t secret[] = "sixteen bytes and some";
+    begin();
+    hal_host.slow.people =
+        (hal_operator_t){.is_acknowledge_waived = true, .secret = secret, .n_secret = 22};
+    run();
+    expect_answer(&f, cam_err_locked, 1200000, set, cam_param_u_stroke_nm, 2000000);
+    const fixture_answer_t asked = fixture_can_command(&f, get_challenge, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, asked.result);
+    expect_answer(&f, cam_err_unlock, 0, unlock, 0, response(secret, 22, asked.value) ^ 1);
+    fixture_can_loop(&f, 20000);
+    const fixture_answer_t again = fixture_can_command(&f, get_challenge, 0, 0);
+    expect_answer(&f, cam_ok, 0, unlock, 0, response(secret, 22, again.value));
+    expect_answer(&f, cam_ok, 2000000, set, cam_param_u_stroke_nm, 2000000);
+    fixture_can_loop(&f, 2);
+    TEST_ASSERT_EQUAL_STRING("level: unlocked by the secret", fixture_can_line(0));
 }

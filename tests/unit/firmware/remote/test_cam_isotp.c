@@ -58,6 +58,12 @@ static cam_isotp_event_t give_next(uint32_t sequence, uint32_t at, uint32_t n)
     return give(1u + n, data);
 }
 
+/// The message goes on.
+static void begin(uint32_t length)
+{
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(length));
+}
+
 static void expect_flow(uint8_t status, uint8_t block_size)
 {
     hal_can_frame_t frame;
@@ -68,6 +74,15 @@ static void expect_flow(uint8_t status, uint8_t block_size)
     TEST_ASSERT_EQUAL_UINT8(0, frame.data[2]);
     cam_isotp_flow_sent(&t);
     TEST_ASSERT_FALSE(cam_isotp_flow(&t, &frame));
+}
+
+/// Nobody waits for a message, or is asked for one.
+static void expect_idle(void)
+{
+    hal_can_frame_t frame;
+    TEST_ASSERT_FALSE(cam_isotp_flow(&t, &frame));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * timeout_ticks));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
 }
 
 static void expect_bytes(uint32_t n)
@@ -81,7 +96,7 @@ static void expect_bytes(uint32_t n)
 /// Send a message as a sender that follows the standard does.
 static void send_whole(uint32_t length)
 {
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(length));
+    begin(length);
     uint32_t at = length > 4095u ? 2 : 6;
     for (uint32_t i = 1; at < length; i++) {
         if (i % cam_isotp_block_size == 1u) {
@@ -92,8 +107,6 @@ static void send_whole(uint32_t length)
         at += n;
         TEST_ASSERT_EQUAL_INT(at == length ? cam_isotp_message : cam_isotp_nothing, event);
     }
-    hal_can_frame_t frame;
-    TEST_ASSERT_FALSE(cam_isotp_flow(&t, &frame));
     expect_bytes(length);
 }
 
@@ -117,24 +130,26 @@ static void test_long_messages_of_every_form(void)
                                        118, 4094, 4095, 4096, 4100, 5000};
     for (uint32_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
         send_whole(lengths[i]);
+        expect_idle();
     }
 }
 
 static void test_padded_last_frame(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(8));
+    begin(8);
     TEST_ASSERT_EQUAL_INT(cam_isotp_message, give_next(1, 6, 7));
     expect_bytes(8);
     TEST_ASSERT_EQUAL_UINT8(0, bytes[8]);
 }
 
-static void test_too_long_is_told_and_not_received(void)
+static void test_too_long_is_refused_and_not_received(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(capacity + 1));
-    expect_flow(0x32, 0);
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 2, 7));
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(UINT32_MAX));
-    expect_flow(0x32, 0);
+    static const uint32_t lengths[] = {capacity + 1, UINT32_MAX};
+    for (uint32_t i = 0; i < 2u; i++) {
+        begin(lengths[i]);
+        expect_flow(0x32, 0);
+        TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 2, 7));
+    }
     TEST_ASSERT_EQUAL_UINT8(0, bytes[0]);
     send_whole(100);
 }
@@ -142,7 +157,7 @@ static void test_too_long_is_told_and_not_received(void)
 static void test_wrong_sequence_breaks(void)
 {
     for (uint32_t wrong = 0; wrong < 16u; wrong++) {
-        TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(300));
+        begin(300);
         TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
         const cam_isotp_event_t event = give_next(wrong, 13, 7);
         TEST_ASSERT_EQUAL_INT(wrong == 2u ? cam_isotp_nothing : cam_isotp_broken, event);
@@ -155,31 +170,25 @@ static void test_wrong_sequence_breaks(void)
 
 static void test_a_late_frame_breaks(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(300));
+    begin(300);
     const uint32_t since = now;
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + timeout_ticks));
     TEST_ASSERT_EQUAL_INT(cam_isotp_broken, cam_isotp_wait(&t, since + timeout_ticks + 1u));
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + timeout_ticks + 2u));
-    hal_can_frame_t frame;
-    TEST_ASSERT_FALSE(cam_isotp_flow(&t, &frame));
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
+    expect_idle();
     send_whole(300);
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * timeout_ticks));
 }
 
 static void test_a_new_message_takes_the_place_of_the_old(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(300));
+    static const uint8_t one[] = {1, 0};
+    begin(300);
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
     send_whole(80);
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(300));
-    static const uint8_t one[] = {1, 0};
+    begin(300);
     TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(2, one));
     expect_bytes(1);
-    hal_can_frame_t frame;
-    TEST_ASSERT_FALSE(cam_isotp_flow(&t, &frame)); // of the message that it takes the place of
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * timeout_ticks));
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
+    expect_idle();
 }
 
 static void test_frames_without_a_place_are_passed_over(void)
@@ -212,7 +221,7 @@ static void test_frames_without_a_place_are_passed_over(void)
 
 static void test_they_do_not_disturb_a_message(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(15));
+    begin(15);
     expect_flow(0x30, 8);
     static const uint8_t foreign[] = {0x30, 0, 0};
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give(3, foreign));
@@ -237,7 +246,7 @@ static void test_each_byte_of_a_length_counts(void)
     static const uint32_t more[] = {1, 0x200, 0x30000, 0x4000000, 0xF0000000};
     for (uint32_t i = 0; i < sizeof more / sizeof more[0]; i++) {
         const uint32_t length = 4096u + more[i];
-        TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(length));
+        begin(length);
         TEST_ASSERT_EQUAL_HEX32(length, t.length);
         TEST_ASSERT_EQUAL(length > capacity, t.is_too_long);
     }

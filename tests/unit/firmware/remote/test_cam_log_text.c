@@ -32,7 +32,7 @@ static const char *line(void)
     return n_new == 1u ? hal_host.lines[(n_seen - 1u) % hal_host_lines] : "";
 }
 
-/// @return the line that says of n lines at once which one it was, counted from the newest
+/// @return one of the last lines; 0 is the newest
 static const char *line_before(uint32_t n)
 {
     return hal_host.lines[(hal_host.n_lines - 1u - n) % hal_host_lines];
@@ -44,29 +44,38 @@ static const char *changed(void)
     return line();
 }
 
-static void test_start_is_told_with_its_reason(void)
+/// What has changed gives a line once.
+static void expect_once(const char *text)
 {
-    static const char *const reasons[] = {"power on", "reset pin",      "software reset",
-                                          "halt",     "watchdog reset", "brown-out reset"};
-    char due[80];
-    for (uint32_t i = 0; i < 6u; i++) {
-        const hal_start_t start = {.reset = (hal_reset_t)i, .why = ""};
-        cam_log_text_start(&start);
-        strcpy(due, "start: ");
-        TEST_ASSERT_EQUAL_STRING(strcat(due, reasons[i]), line());
-    }
-    const hal_start_t halted = {.reset = hal_reset_halt, .why = "two plays"};
-    cam_log_text_start(&halted);
-    TEST_ASSERT_EQUAL_STRING("start: halt: two plays", line());
-    const hal_start_t bitten = {.reset = hal_reset_watchdog, .why = "it broke before"};
-    cam_log_text_start(&bitten);
-    TEST_ASSERT_EQUAL_STRING("start: watchdog reset: it broke before", line());
-    const hal_start_t other = {.reset = (hal_reset_t)6, .why = ""};
-    cam_log_text_start(&other);
-    TEST_ASSERT_EQUAL_STRING("start: unknown reset", line());
+    TEST_ASSERT_EQUAL_STRING(text, changed());
+    TEST_ASSERT_EQUAL_STRING("", changed());
 }
 
-static void test_parameters_are_told_as_they_were_found(void)
+static void test_start_has_its_reason(void)
+{
+    static const struct {
+        hal_start_t start;
+        const char *line;
+    } cases[] = {
+        {{.reset = hal_reset_power_on, .why = ""}, "start: power on"},
+        {{.reset = (hal_reset_t)1, .why = ""}, "start: reset pin"},
+        {{.reset = (hal_reset_t)2, .why = ""}, "start: software reset"},
+        {{.reset = hal_reset_halt, .why = ""}, "start: halt"},
+        {{.reset = hal_reset_watchdog, .why = ""}, "start: watchdog reset"},
+        {{.reset = hal_reset_brown_out, .why = ""}, "start: brown-out reset"},
+        {{.reset = hal_reset_halt, .why = "two plays"}, "start: halt: two plays"},
+        {{.reset = hal_reset_watchdog, .why = "it broke before"},
+         "start: watchdog reset: it broke before"},
+        {{.reset = (hal_reset_t)6, .why = ""}, "start: unknown reset"},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        TEST_ASSERT_TRUE(i >= 6u || cases[i].start.reset == (hal_reset_t)i);
+        cam_log_text_start(&cases[i].start);
+        TEST_ASSERT_EQUAL_STRING(cases[i].line, line());
+    }
+}
+
+static void test_parameters_have_a_line_as_they_were_found(void)
 {
     machine.kept = (cam_param_store_found_t){.version = 4294967295u};
     cam_log_text_params(&machine);
@@ -81,9 +90,8 @@ static void test_parameters_are_told_as_they_were_found(void)
     TEST_ASSERT_EQUAL_INT(0, strncmp("params: ", line(), 8));
 }
 
-/// What of the kept ones is not used as it is has a line for each kind, and only where there is
-/// one.
-static void test_parameters_that_are_not_used_are_told(void)
+/// A line for each kind of kept ones that are not used, and only where there is one.
+static void test_parameters_that_are_not_used_have_a_line(void)
 {
     machine.kept = (cam_param_store_found_t){.version = 12,
                                              .n_unknown = 1,
@@ -110,7 +118,7 @@ static void test_parameters_that_are_not_used_are_told(void)
 }
 
 /// Axes of which the port knows nothing are left out; where it knows none there is no line.
-static void test_scales_are_told_as_far_as_they_are_known(void)
+static void test_scales_have_lines_as_far_as_they_are_known(void)
 {
     cam_log_text_scales(&machine);
     TEST_ASSERT_EQUAL_UINT32(0, hal_host.n_lines);
@@ -126,20 +134,22 @@ static void test_scales_are_told_as_far_as_they_are_known(void)
 }
 
 /// Half a step of U and X, in micrometres with three places; and of a table what a count costs.
-static void test_form_error_is_told_in_micrometres(void)
+static void test_form_error_is_in_micrometres(void)
 {
     static const struct {
         uint32_t command_pm;
-        const char *text;
-    } cases[] = {{2000, "0.001 um"},     {18000, "0.009 um"},  {20000, "0.010 um"},
-                 {198000, "0.099 um"},   {200000, "0.100 um"}, {2000000, "1.000 um"},
-                 {24690000, "12.345 um"}};
-    char due[100];
+        const char *line;
+    } cases[] = {{2000, "form error by the steps of the outputs: 0.001 um"},
+                 {18000, "form error by the steps of the outputs: 0.009 um"},
+                 {20000, "form error by the steps of the outputs: 0.010 um"},
+                 {198000, "form error by the steps of the outputs: 0.099 um"},
+                 {200000, "form error by the steps of the outputs: 0.100 um"},
+                 {2000000, "form error by the steps of the outputs: 1.000 um"},
+                 {24690000, "form error by the steps of the outputs: 12.345 um"}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         hal_host.slow.scale[hal_axis_x].command_pm = cases[i].command_pm;
         cam_log_text_scales(&machine);
-        strcpy(due, "form error by the steps of the outputs: ");
-        TEST_ASSERT_EQUAL_STRING(strcat(due, cases[i].text), line_before(0));
+        TEST_ASSERT_EQUAL_STRING(cases[i].line, line_before(0));
     }
     machine.has_table = true;
     machine.params.counts_per_turn = 10000;
@@ -150,30 +160,34 @@ static void test_form_error_is_told_in_micrometres(void)
                              line_before(0));
 }
 
-static void test_table_is_told_with_whose_it_is(void)
+static void test_table_has_a_line_with_its_key(void)
 {
     static const uint8_t key[32];
     static const uint8_t id[8] = {0x01, 0x23, 0x45, 0x67, 0x89, 0xAB, 0xCD, 0xEF};
+    static const struct {
+        uint32_t n_keys;
+        cam_signature_check_kind_t kind;
+        const char *line;
+    } cases[] = {
+        {0, cam_signature_check_unsigned, "table: perkins240 in use"},
+        {1, cam_signature_check_unsigned, "table: perkins240 in use, not signed"},
+        {1, cam_signature_check_signed, "table: perkins240 in use, signed by key 0123456789abcdef"},
+        {1, cam_signature_check_unchecked,
+         "table: perkins240 in use, signature not checked, it names key 0123456789abcdef"},
+    };
     machine.has_table = true;
     strcpy(machine.table.name, "perkins240");
-    cam_log_text_table(&lines, &store);
-    TEST_ASSERT_EQUAL_STRING("table: perkins240 in use", line());
-    TEST_ASSERT_TRUE(lines.has_table);
-    hal_host.slow.trust = (hal_trust_t){.keys = key, .n_keys = 1};
-    cam_log_text_table(&lines, &store);
-    TEST_ASSERT_EQUAL_STRING("table: perkins240 in use, not signed", line());
     memcpy(machine.signature.key_id, id, sizeof id);
-    machine.signature.kind = cam_signature_check_signed;
-    cam_log_text_table(&lines, &store);
-    TEST_ASSERT_EQUAL_STRING("table: perkins240 in use, signed by key 0123456789abcdef", line());
-    machine.signature.kind = cam_signature_check_unchecked;
-    cam_log_text_table(&lines, &store);
-    TEST_ASSERT_EQUAL_STRING(
-        "table: perkins240 in use, signature not checked, it names key 0123456789abcdef", line());
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        hal_host.slow.trust = (hal_trust_t){.keys = key, .n_keys = cases[i].n_keys};
+        machine.signature.kind = cases[i].kind;
+        cam_log_text_table(&lines, &store);
+        TEST_ASSERT_EQUAL_STRING(cases[i].line, line());
+    }
+    TEST_ASSERT_TRUE(lines.has_table);
 }
 
-/// A table that is refused is told with its error, and with what follows where there is no other.
-static void test_speed_at_which_counts_do_not_average_is_told(void)
+static void test_speed_at_which_counts_do_not_average_has_a_line(void)
 {
     machine.params.observer_bandwidth_mHz = 100000;
     machine.table.spindle_mrpm = 3000000;
@@ -187,7 +201,8 @@ static void test_speed_at_which_counts_do_not_average_is_told(void)
     TEST_ASSERT_EQUAL_UINT32(3, hal_host.n_lines);
 }
 
-static void test_refused_table_is_told(void)
+/// With its error, and with what follows where there is no other.
+static void test_refused_table_has_a_line(void)
 {
     char due[120] = "table: ";
     store.err = cam_err_image_crc;
@@ -201,8 +216,9 @@ static void test_refused_table_is_told(void)
     TEST_ASSERT_FALSE(lines.has_table);
 }
 
+/// A table that the background check has found damaged has a line once, and the store knows it.
 /// A table that the background check has found damaged is told once, and the store knows it.
-static void test_damaged_table_is_told_once(void)
+static void test_damaged_table_has_a_line_once(void)
 {
     lines.has_table = true;
     TEST_ASSERT_NOT_NULL(strstr(changed(), "home refused until a table is written"));
@@ -215,7 +231,7 @@ static void test_damaged_table_is_told_once(void)
 }
 
 /// One line at a time: the state, then each fault once, as long as it lasts.
-static void test_state_and_faults_are_told_one_at_a_time(void)
+static void test_state_and_faults_have_lines_one_at_a_time(void)
 {
     char due[120] = "fault estop: ";
     status.state = cam_state_fault;
@@ -237,82 +253,69 @@ static void test_state_and_faults_are_told_one_at_a_time(void)
     TEST_ASSERT_EQUAL_STRING("", changed());
 }
 
-/// Who takes command, from whom, who gives it up and who is no longer heard, each once.
-static void test_start_without_a_steady_spindle_is_told_once(void)
+static void test_start_without_a_steady_spindle_has_a_line_once(void)
 {
     for (int i = 0; i < 2; i++) {
         machine.is_unsteady = true;
-        TEST_ASSERT_EQUAL_STRING("start ended: the spindle does not turn steadily, check its drive",
-                                 changed());
-        TEST_ASSERT_EQUAL_STRING("", changed());
+        expect_once("start ended: the spindle does not turn steadily, check its drive");
         machine.is_unsteady = false;
         TEST_ASSERT_EQUAL_STRING("", changed());
     }
 }
 
-static void test_command_is_told(void)
+/// A sender takes command, takes it over, gives it up, or is no longer heard.
+static void test_command_has_a_line_once(void)
 {
+    static const struct {
+        uint8_t commander;
+        uint32_t n_take_overs, n_losses;
+        const char *line;
+    } steps[] = {
+        {17, 0, 0, "command: taken by 17"},
+        {250, 1, 0, "command: taken by 250 over from 17"},
+        {0, 1, 0, "command: given up by 250"},
+        {9, 1, 0, "command: taken by 9"},
+        {0, 1, 1, "command: lost, nothing was heard of 9"},
+        {9, 1, 1, "command: taken by 9"},
+        {9, 2, 1, "command: taken by 9 over from 9"},
+    };
     cam_rights_t *r = &machine.rights;
-    r->commander = 17;
-    TEST_ASSERT_EQUAL_STRING("command: taken by 17", changed());
-    TEST_ASSERT_EQUAL_STRING("", changed());
-    r->commander = 250;
-    r->n_take_overs++;
-    TEST_ASSERT_EQUAL_STRING("command: taken by 250 over from 17", changed());
-    TEST_ASSERT_EQUAL_STRING("", changed());
-    r->commander = 0;
-    TEST_ASSERT_EQUAL_STRING("command: given up by 250", changed());
-    TEST_ASSERT_EQUAL_STRING("", changed());
-    r->commander = 9;
-    (void)changed();
-    r->commander = 0;
-    r->n_losses++;
-    TEST_ASSERT_EQUAL_STRING("command: lost, nothing was heard of 9", changed());
-    TEST_ASSERT_EQUAL_STRING("", changed());
-}
-
-/// Who takes it right after a loss, before the loss is told, is told in a line of his own.
-static void test_commander_behind_a_loss_is_told_next(void)
-{
-    cam_rights_t *r = &machine.rights;
-    r->commander = 9;
-    (void)changed();
-    r->n_losses++;
+    for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        r->commander = steps[i].commander;
+        r->n_take_overs = steps[i].n_take_overs;
+        r->n_losses = steps[i].n_losses;
+        expect_once(steps[i].line);
+    }
+    r->n_losses++; // and another takes command at once
     r->commander = 10;
     TEST_ASSERT_EQUAL_STRING("command: lost, nothing was heard of 9", changed());
-    TEST_ASSERT_EQUAL_STRING("command: taken by 10", changed());
-    TEST_ASSERT_EQUAL_STRING("", changed());
-    r->n_take_overs++; // by the same one
-    TEST_ASSERT_EQUAL_STRING("command: taken by 10 over from 10", changed());
-    TEST_ASSERT_EQUAL_STRING("", changed());
+    expect_once("command: taken by 10");
 }
 
-static void test_level_is_told_once(void)
+static void test_level_has_a_line_once(void)
 {
     static const char *const texts[] = {"level: unlocked by the key switch",
                                         "level: unlocked by the secret", "level: locked"};
     static const cam_level_t levels[] = {cam_level_key, cam_level_challenge, cam_level_locked};
     for (int i = 0; i < 3; i++) {
         machine.rights.level = levels[i];
-        TEST_ASSERT_EQUAL_STRING(texts[i], changed());
-        TEST_ASSERT_EQUAL_STRING("", changed());
+        expect_once(texts[i]);
     }
 }
 
 /// A sender that is refused again and again does not fill the text: one line in a second.
-static void test_refused_senders_are_told_once_a_second(void)
+static void test_refused_senders_have_a_line_once_a_second(void)
 {
+    static const struct {
+        uint32_t after_ticks;
+        bool has_line;
+    } cases[] = {{0, true}, {1, false}, {19999, false}, {20000, true}, {39999, false}};
     char due[120] = "refused: command 12 of 34: ";
     strcat(due, cam_err_text(cam_err_not_commander));
-    const uint32_t begin = UINT32_MAX - 100u; // the ticks wrap
-    cam_log_text_refused(&lines, 34, 12, cam_err_not_commander, begin);
-    TEST_ASSERT_EQUAL_STRING(due, line());
-    cam_log_text_refused(&lines, 34, 12, cam_err_not_commander, begin + 1u);
-    cam_log_text_refused(&lines, 34, 12, cam_err_not_commander, begin + 19999u);
-    TEST_ASSERT_EQUAL_STRING("", line());
-    TEST_ASSERT_EQUAL_UINT32(3, lines.n_refused);
-    cam_log_text_refused(&lines, 34, 12, cam_err_not_commander, begin + 20000u);
-    TEST_ASSERT_EQUAL_STRING(due, line());
-    cam_log_text_refused(&lines, 34, 12, cam_err_not_commander, begin + 39999u);
-    TEST_ASSERT_EQUAL_STRING("", line());
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const uint32_t now = UINT32_MAX - 100u + cases[i].after_ticks; // the ticks wrap
+        cam_log_text_refused(&lines, 34, 12, cam_err_not_commander, now);
+        TEST_ASSERT_EQUAL_STRING(cases[i].has_line ? due : "", line());
+        TEST_ASSERT_EQUAL_UINT32(i + 1u, lines.n_refused);
+    }
 }
