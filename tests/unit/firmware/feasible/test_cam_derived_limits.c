@@ -47,22 +47,17 @@ static void test_jump_window_scales_with_encoder_observer_and_tick(void)
     }
 }
 
-static void test_jump_window_of_the_usual_machine_is_eight_counts_and_the_jitter(void)
+/// Eight counts and the jitter on the usual machine, a window that was set as it is, and in the
+/// extreme no more than its word and a quarter turn.
+static void test_jump_window_is_limited(void)
 {
+    cam_config_t config = {0};
     TEST_ASSERT_EQUAL_INT32(8, cam_derived_limits_jump_counts(&params, 20000));
     params.index_tolerance_counts = 3;
     TEST_ASSERT_EQUAL_INT32(11, cam_derived_limits_jump_counts(&params, 20000));
-}
-
-static void test_jump_window_that_was_set_is_taken(void)
-{
     params.jump_window_counts = 4;
     TEST_ASSERT_EQUAL_INT32(4, cam_derived_limits_jump_counts(&params, 20000));
-}
-
-static void test_jump_window_of_extremes_stays_in_its_word_and_a_quarter_turn(void)
-{
-    cam_config_t config = {0};
+    params.jump_window_counts = params.index_tolerance_counts = 0;
     params.counts_per_turn = 16777216;
     params.spindle_acceleration_mrad_per_s2 = 2000000000;
     params.spindle_limit_mrpm = 60000000;
@@ -74,23 +69,25 @@ static void test_jump_window_of_extremes_stays_in_its_word_and_a_quarter_turn(vo
 
 static void test_following_limit_is_a_tenth_of_the_ovality(void)
 {
-    TEST_ASSERT_EQUAL_INT32(30000, cam_derived_limits_following_nm(&params, &table)); // of 0.3 mm
-    params.amplitude_ppm = 1250000;
-    TEST_ASSERT_EQUAL_INT32(37500, cam_derived_limits_following_nm(&params, &table));
-}
-
-static void test_following_limit_does_not_grow_beyond_a_fifth_of_a_millimetre(void)
-{
-    table.u_min_nm = -7500000; // a lobe
-    TEST_ASSERT_EQUAL_INT32(200000, cam_derived_limits_following_nm(&params, &table));
-}
-
-static void test_following_limit_has_a_floor_and_a_drive_of_which_nothing_is_known_another(void)
-{
-    table.u_max_nm = 10000;
-    TEST_ASSERT_EQUAL_INT32(10000, cam_derived_limits_following_nm(&params, &table));
-    params.k1_ns = 0;
-    TEST_ASSERT_EQUAL_INT32(100000, cam_derived_limits_following_nm(&params, &table));
+    static const struct {
+        const char *name;
+        int32_t u_min_nm, u_max_nm, amplitude_ppm, k1_ns, set_nm, limit_nm;
+    } rows[] = {{"0.3 mm", 0, 150000, 1000000, 742723, 0, 30000},
+                {"larger amplitude", 0, 150000, 1250000, 742723, 0, 37500},
+                {"most, of a lobe", -7500000, 150000, 1000000, 742723, 0, 200000},
+                {"least", 0, 10000, 1000000, 742723, 0, 10000},
+                {"unknown drive", 0, 10000, 1000000, 0, 0, 100000},
+                {"set", 0, 150000, 1000000, 742723, 100, 100}};
+    TEST_ASSERT_EQUAL_INT32(10000, cam_derived_limits_following_nm(&params, NULL));
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        table.u_min_nm = rows[i].u_min_nm;
+        table.u_max_nm = rows[i].u_max_nm;
+        params.amplitude_ppm = rows[i].amplitude_ppm;
+        params.k1_ns = rows[i].k1_ns;
+        params.following_limit_nm = rows[i].set_nm;
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(
+            rows[i].limit_nm, cam_derived_limits_following_nm(&params, &table), rows[i].name);
+    }
 }
 
 /// Approach at 100 mm/s and 62.5 m/s2: half of the lag, and half a tick of the way.
@@ -106,13 +103,6 @@ static void test_approach_limit_is_what_half_of_the_lag_makes(void)
         200000, cam_derived_limits_approach_nm(&params, &table, 20000)); // that of the cut
     params.following_limit_nm = 100;
     TEST_ASSERT_EQUAL_INT32(100, cam_derived_limits_approach_nm(&params, &table, 20000));
-}
-
-static void test_following_limit_that_was_set_is_taken_and_without_a_table_it_is_the_least(void)
-{
-    TEST_ASSERT_EQUAL_INT32(10000, cam_derived_limits_following_nm(&params, NULL));
-    params.following_limit_nm = 100;
-    TEST_ASSERT_EQUAL_INT32(100, cam_derived_limits_following_nm(&params, &table));
 }
 
 /// What is at the limit is built, what is beyond it is refused, at every rate.
@@ -213,29 +203,69 @@ static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
     TEST_ASSERT_TRUE(room_nm >= 625.0 / 8.0 + a * over && room_nm <= 625.0 + 1.05 * a * over);
 }
 
-static uint32_t averaging(int32_t counts, uint32_t mrpm, uint32_t tick_hz)
-{
-    cam_params_t p = cam_param_defaults();
-    p.counts_per_turn = counts;
-    p.observer_bandwidth_mHz = 100000;
-    return cam_derived_limits_averaging_mrpm(&p, mrpm, tick_hz);
-}
-
 /// 600 Hz and 0.2 % of the counts are 1.6 kHz at 25 counts per tick, 9.6 r/min of 10 000 counts.
 static void test_whole_counts_per_tick_do_not_average(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(2990000, averaging(10000, 3000000, 20000));
-    TEST_ASSERT_EQUAL_UINT32(2990000, averaging(10000, 3009500, 20000));
-    TEST_ASSERT_EQUAL_UINT32(2990000, averaging(10000, 2990500, 20000));
-    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 2990000, 20000));
-    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 3010000, 20000));
-    TEST_ASSERT_EQUAL_UINT32(116000, averaging(10000, 120000, 20000));
-    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 116000, 20000));
-    TEST_ASSERT_EQUAL_UINT32(0, averaging(4096, 600000, 20000));   // 2.048, a beat of 960 Hz
-    TEST_ASSERT_EQUAL_UINT32(0, averaging(65536, 3000000, 20000)); // 163.84
-    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 10000, 20000));   // none in most ticks
-    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 3000000, 1000));  // no speed averages
-    hal_host.slow.has_edge_time = true;
-    TEST_ASSERT_EQUAL_UINT32(0, averaging(10000, 3000000, 20000));
-    hal_host.slow.has_edge_time = false;
+    static const struct {
+        int32_t counts;
+        uint32_t mrpm, tick_hz, averaging_mrpm;
+    } rows[] = {
+        {10000, 3000000, 20000, 2990000}, {10000, 3009500, 20000, 2990000},
+        {10000, 2990500, 20000, 2990000}, {10000, 2990000, 20000, 0},
+        {10000, 3010000, 20000, 0},       {10000, 120000, 20000, 116000},
+        {10000, 116000, 20000, 0},        {4096, 600000, 20000, 0}, // 2.048, a beat of 960 Hz
+        {65536, 3000000, 20000, 0},       {10000, 10000, 20000, 0}, // none in most ticks
+        {10000, 3000000, 1000, 0}};                                 // no speed averages
+    params.observer_bandwidth_mHz = 100000;
+    for (uint32_t i = 0; i < 2u * sizeof rows / sizeof rows[0]; i++) {
+        params.counts_per_turn = rows[i / 2u].counts;
+        hal_host.slow.has_edge_time = i % 2u == 1u; // which needs no averaging
+        TEST_ASSERT_EQUAL_UINT32(
+            i % 2u == 1u ? 0u : rows[i / 2u].averaging_mrpm,
+            cam_derived_limits_averaging_mrpm(&params, rows[i / 2u].mrpm, rows[i / 2u].tick_hz));
+    }
+}
+
+/// u = 0.075 mm (1 - cos 2 a) has the slope 150 um; a count of 10 000 is 0.628 mrad.
+static void test_count_is_the_way_of_u_in_it(void)
+{
+    table.u1_peak_nm_per_rad = 150000;
+    TEST_ASSERT_EQUAL_UINT32(94247, cam_derived_limits_count_pm(&table, 10000));
+    TEST_ASSERT_EQUAL_UINT32(14726214, cam_derived_limits_count_pm(&table, 64));
+    table.u1_peak_nm_per_rad = UINT32_MAX;
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, cam_derived_limits_count_pm(&table, 64));
+    TEST_ASSERT_EQUAL_UINT32(1608495, cam_derived_limits_count_pm(&table, 16777216));
+}
+
+/// The form error that the steps of the outputs leave: half of each, of Z by the slope of X, 0.02,
+/// and of U, 10 um in 5 mm of height. Without a table, and on a lobe, Z adds nothing.
+static void test_form_is_half_of_each_step(void)
+{
+    static const cam_lobe_t lobe;
+    static const struct {
+        uint32_t steps_pm[hal_n_axes], form_pm, alone_pm;
+    } rows[] = {{{0, 0, 0}, 0, 0},
+                {{30517, 0, 0}, 15258, 15258},
+                {{30517, 6103515, 0}, 3067016, 3067016},
+                {{0, 0, 15258789}, 167846, 0},
+                {{1000, 2000, 500000000}, 5501500, 1500}};
+    table = (cam_table_t){
+        .x_slope_ppm = 20000, .u_change.most = 1000, .u = {.n_slices = 11, .span_nm = 5000000}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
+            hal_host.slow.scale[axis].command_pm = rows[i].steps_pm[axis];
+        }
+        table.lobes = NULL;
+        TEST_ASSERT_EQUAL_UINT32(rows[i].form_pm, cam_derived_limits_form_pm(&table));
+        TEST_ASSERT_EQUAL_UINT32(rows[i].alone_pm, cam_derived_limits_form_pm(NULL));
+        table.lobes = &lobe;
+        TEST_ASSERT_EQUAL_UINT32(rows[i].alone_pm, cam_derived_limits_form_pm(&table));
+    }
+    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
+        hal_host.slow.scale[axis].command_pm = UINT32_MAX;
+    }
+    table = (cam_table_t){.x_slope_ppm = UINT32_MAX,
+                          .u_change.most = UINT32_MAX,
+                          .u = {.n_slices = cam_table_max_slices, .span_nm = 5000000}};
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, cam_derived_limits_form_pm(&table));
 }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How Z moves in a cut and what that adds to the other axes, in numbers that come out even, and in
-// those that are just above: there a demand is rounded up.
+// Motion of Z in a cut and its demands on other axes, in numbers that come out even, and in those
+// that are just above: there a demand is rounded up. Between two lobes they are compared with the
+// largest sum on a grid of a thousandth.
 #include "cam_z_coupling.h"
 #include "cam_feed.h"
+#include "fixture_random.h"
 #include "unity.h"
+#include <math.h> // fabs, fmax, ldexp
 
 static cam_table_t table;
 static cam_params_t params;
@@ -78,29 +81,26 @@ static void test_way_makes_z_faster_where_the_port_moves_it(void)
     TEST_ASSERT_EQUAL_UINT64(1500000, cam_z_coupling_x_um_per_s(&cut));
 }
 
+/// Speeds count in whole r/min; ramps are made for the programmed feed and not longer than the
+/// part.
 static void test_ramps_of_a_helix_need_an_acceleration(void)
 {
-    TEST_ASSERT_EQUAL_UINT64(1, cam_z_coupling_z_mm_per_s2(&cut));
-    cut.peak_mrpm = 59999001; // counts as whole r/min
-    params.feed_ramp_turns = 1;
-    TEST_ASSERT_EQUAL_UINT64(100000, cam_z_coupling_z_mm_per_s2(&cut));
-    cut.feed_nm = 5; // the ramps are made for the programmed feed
-    TEST_ASSERT_EQUAL_UINT64(100000, cam_z_coupling_z_mm_per_s2(&cut));
-    cut.programmed_nm = 100001;
-    TEST_ASSERT_EQUAL_UINT64(100001, cam_z_coupling_z_mm_per_s2(&cut));
-    params.feed_ramp_turns = 3;
-    TEST_ASSERT_EQUAL_UINT64(33334, cam_z_coupling_z_mm_per_s2(&cut));
-}
-
-/// A part of five turns has no room for ramps of ten.
-static void test_ramps_are_not_longer_than_the_part(void)
-{
-    cut.peak_mrpm = 60000000;
-    TEST_ASSERT_EQUAL_UINT64(10000, cam_z_coupling_z_mm_per_s2(&cut));
-    table.z_last_nm = 1000000;
-    TEST_ASSERT_EQUAL_UINT64(10000, cam_z_coupling_z_mm_per_s2(&cut));
-    table.z_last_nm = 500000;
-    TEST_ASSERT_EQUAL_UINT64(20000, cam_z_coupling_z_mm_per_s2(&cut));
+    static const struct {
+        uint32_t mrpm;
+        int32_t ramp_turns, z_last_nm;
+        uint64_t programmed_nm, needed;
+    } rows[] = {{600000, 10, 10000000, 100000, 1},       {59999001, 1, 10000000, 100000, 100000},
+                {59999001, 1, 10000000, 100001, 100001}, {59999001, 3, 10000000, 100001, 33334},
+                {60000000, 10, 10000000, 100000, 10000}, {60000000, 10, 1000000, 100000, 10000},
+                {60000000, 10, 500000, 100000, 20000}};
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        cut.feed_nm = i == 0u ? 100000 : 5;
+        cut.peak_mrpm = rows[i].mrpm;
+        cut.programmed_nm = rows[i].programmed_nm;
+        params.feed_ramp_turns = rows[i].ramp_turns;
+        table.z_last_nm = rows[i].z_last_nm;
+        TEST_ASSERT_EQUAL_UINT64(rows[i].needed, cam_z_coupling_z_mm_per_s2(&cut));
+    }
 }
 
 /// The change of a feed that the way has is that of its bend, times the square of the speed in
@@ -149,18 +149,34 @@ static cam_z_coupling_t drift(uint32_t span_nm, cam_change_t change, uint32_t se
     return cam_z_coupling_of(&cut, &ch, &change, set_point_hz);
 }
 
-/// A thousand slices of 1 um pass in a second; the largest numbers show every digit of a unit.
+static void expect_no_drift(void)
+{
+    const cam_change_t change = {.most = 1000, .per_rad = 1000, .kink = 1000};
+    const cam_z_coupling_t d = drift(10000, change, 20000);
+    TEST_ASSERT_EQUAL_UINT64(0, d.speed + d.speed_per_rad + d.acceleration);
+}
+
+/// A thousand slices of 1 um pass in a second, and at most as many as at the speed of any slide;
+/// the largest numbers show every digit of a unit. Patterns of lobes do not drift.
 static void test_drift_is_the_change_times_the_slices_that_pass(void)
 {
     const cam_change_t change = {.most = 4000000000, .per_rad = 3000000000, .kink = 1000000};
     params.z_is_measured = 1;
-    cam_z_coupling_t d = drift(10000, change, 20000);
+    const cam_z_coupling_t d = drift(10000, change, 20000);
     TEST_ASSERT_EQUAL_UINT64(4000000000, d.speed);
     TEST_ASSERT_EQUAL_UINT64(3000000000, d.speed_per_rad);
     TEST_ASSERT_EQUAL_UINT64(UINT64_C(20000000000), d.acceleration);
-    cut.feed_nm = 0; // nothing passes
-    d = drift(10000, change, 20000);
-    TEST_ASSERT_EQUAL_UINT64(0, d.speed + d.speed_per_rad + d.acceleration);
+    table.n_lobes = 1;
+    expect_no_drift();
+    table.n_lobes = 0;
+    cut.feed_nm = 0;
+    expect_no_drift();
+    cut.feed_nm = 10000000;
+    for (uint32_t mrpm = 39320400; mrpm <= 60000000u; mrpm += 20679600) {
+        cut.peak_mrpm = mrpm;
+        const cam_change_t small = {.most = 1000000};
+        TEST_ASSERT_EQUAL_UINT64(6553400000, drift(10000, small, 1).speed);
+    }
 }
 
 /// While Z accelerates, here by 1 mm/s^2, the slices pass more and more quickly.
@@ -175,25 +191,6 @@ static void test_acceleration_of_z_adds_to_the_drift(void)
     TEST_ASSERT_EQUAL_UINT64(20000000, drift(UINT32_C(1000000000), change, 1).acceleration / 1000u);
 }
 
-static void test_speed_of_z_is_judged_up_to_that_of_any_slide(void)
-{
-    const cam_change_t change = {.most = 1000000};
-    cut.feed_nm = 10000000;
-    cut.peak_mrpm = 39320400;
-    params.z_is_measured = 1;
-    TEST_ASSERT_EQUAL_UINT64(6553400000, drift(10000, change, 1).speed);
-    cut.peak_mrpm = 60000000;
-    TEST_ASSERT_EQUAL_UINT64(6553400000, drift(10000, change, 1).speed);
-}
-
-static void test_patterns_of_lobes_do_not_drift(void)
-{
-    const cam_change_t change = {.most = 1000, .per_rad = 1000, .kink = 1000};
-    table.n_lobes = 1;
-    const cam_z_coupling_t d = drift(10000, change, 20000);
-    TEST_ASSERT_EQUAL_UINT64(0, d.speed + d.speed_per_rad + d.acceleration);
-}
-
 /// Twice the rate over the angle times the angular speed, 6284 hundredths of a rad/s.
 static void test_rate_that_differs_over_the_angle_is_an_acceleration(void)
 {
@@ -201,4 +198,76 @@ static void test_rate_that_differs_over_the_angle_is_an_acceleration(void)
     TEST_ASSERT_EQUAL_UINT64(6284 + 7, cam_z_coupling_acceleration(&cut, &d));
     const cam_z_coupling_t slow = {.speed_per_rad = 1};
     TEST_ASSERT_EQUAL_UINT64(126, cam_z_coupling_acceleration(&cut, &slow)); // of 125.7
+}
+
+/// Largest needs, by the equations.
+static void exact(const cam_table_t *t, double a_feed_nm, const cam_z_coupling_peaks_t *p, double n,
+                  double most[2])
+{
+    const double half = t->speed.knots != NULL ? 0.5 : 1.0;
+    const double x =
+        ldexp(t->ratio_max_q20, -20) * a_feed_nm / (6.283185307179586 * t->least_change_nm * half);
+    const double spindle = t->spindle_peak_ppm_per_rad * 1e-6;
+    most[0] = most[1] = 0.0;
+    for (int i = 0; i <= 1000; i++) {
+        const double s = i / 1000.0;
+        const double e = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+        const double e1 = 30.0 * s * s * (1.0 - s) * (1.0 - s);
+        const double e2 = fabs(60.0 * s * (1.0 - s) * (1.0 - 2.0 * s));
+        most[0] = fmax(most[0], e * (double)p->f1 + e1 * (double)p->f * x);
+        most[1] = fmax(most[1], e * (double)p->f2 +
+                                    e1 * x * (2.0 * (double)p->f1 + n * (double)p->f * spindle) +
+                                    n * e2 * (double)p->f * x * x);
+    }
+}
+
+/// A bound is never below, and above only by what the grid of twentieths costs.
+static void test_needs_are_bounded_tightly(void)
+{
+    fixture_random_t random = {87u};
+    for (int k = 0; k < 2000 / fixture_rarer; k++) {
+        const cam_table_t t = {
+            .least_change_nm = (uint32_t)fixture_random_range(&random, 80000, 40000000),
+            .ratio_max_q20 = (uint32_t)fixture_random_range(&random, 1 << 20, 4 << 20),
+            .spindle_peak_ppm_per_rad = (uint32_t)fixture_random_range(&random, 0, 10000000),
+            .speed.knots = k % 2 == 0 ? NULL : &knot,
+        };
+        const uint64_t feed_nm = (uint64_t)fixture_random_range(&random, 1000, 3000000);
+        const cam_z_coupling_peaks_t p = {
+            (uint64_t)fixture_random_range(&random, 1000000, 15000000),
+            (uint64_t)fixture_random_range(&random, 1000000, 60000000),
+            (uint64_t)fixture_random_range(&random, 10000000, 900000000)};
+        double most[2];
+        const uint32_t n = 1u + (uint32_t)k % 8u;
+        exact(&t, (double)feed_nm, &p, n, most);
+        const double first = (double)cam_z_coupling_lobes_first(&t, feed_nm, &p);
+        const double second = (double)cam_z_coupling_lobes_second(&t, feed_nm, &p, n);
+        TEST_ASSERT_TRUE(first >= most[0] * (1.0 - 1e-6) && first <= most[0] * 1.09 + 10.0);
+        TEST_ASSERT_TRUE(second >= most[1] * (1.0 - 1e-6) && second <= most[1] * 1.12 + 10.0);
+        TEST_ASSERT_TRUE(first >= (double)p.f1 && second >= (double)p.f2);
+    }
+}
+
+/// A change over next to nothing needs no more than the steepest one: numbers stay in their words.
+static void test_needs_rise_with_the_feed_up_to_the_steepest_change(void)
+{
+    cam_table_t t = {.least_change_nm = 100000, .ratio_max_q20 = 1u << 20};
+    const cam_z_coupling_peaks_t p = {8000000u, 12000000u, 40000000u};
+    uint64_t before = 0;
+    for (uint64_t feed_nm = 1; feed_nm < UINT64_C(1) << 24; feed_nm = feed_nm * 5u / 4u + 1u) {
+        const uint64_t second = cam_z_coupling_lobes_second(&t, feed_nm, &p, 8u);
+        TEST_ASSERT_TRUE(second >= before);
+        before = second;
+    }
+    uint64_t first[3], second[3];
+    t.ratio_max_q20 = 4u << 20;
+    for (uint32_t i = 0; i < 3u; i++) { // no change at all, two that are too steep
+        t.least_change_nm = i == 2u ? 3u : i;
+        first[i] = cam_z_coupling_lobes_first(&t, 1u << 24, &p);
+        second[i] = cam_z_coupling_lobes_second(&t, 1u << 24, &p, 80u);
+    }
+    TEST_ASSERT_TRUE(first[0] == p.f1 && second[0] == p.f2);
+    TEST_ASSERT_TRUE(first[1] == first[2] && second[1] == second[2]);
+    TEST_ASSERT_TRUE(first[1] <= p.f1 + 2u * p.f * 34u); // 2^25 ppm, 15 / 8
+    TEST_ASSERT_TRUE(first[1] > p.f * 60u);
 }
