@@ -1,20 +1,40 @@
-"""The safety case: its pages are what its source says, and what it names is there."""
+# SPDX-License-Identifier: Apache-2.0
+"""What SAFETY.md and THREATS.md name exists, and no fault or hazard lacks a test."""
 
-from typing import Any
+import re
+from functools import cache
 
-import pytest
+from camtools.base.project_paths import ROOT
 
-from checks.safety import SOURCE, pages, problems, read_case
-
-
-@pytest.fixture(scope="module")
-def case() -> dict[str, Any]:
-    """Return the safety case of the project."""
-    return read_case()
+TEXT = "".join(
+    (ROOT / "firmware" / f"{one}.md").read_text("utf-8") for one in ("SAFETY", "THREATS")
+)
+ROWS = re.findall(r"^\| ([ST]\d+) \|(.*)\|(.*)\|$", TEXT, re.MULTILINE)
 
 
-def test_pages_are_what_the_source_says(case: dict[str, Any]) -> None:
-    """Whoever changes the source, or a figure, writes the pages anew."""
-    assert problems(case) == []
-    for name, text in pages(case).items():
-        assert (SOURCE.parent / name).read_text(encoding="utf-8") == text, name
+@cache
+def names() -> set[str]:
+    """Return the test functions, the files and the folders in tests/."""
+    files = [path for path in (ROOT / "tests").rglob("*") if path.suffix in (".c", ".py")]
+    tests = re.findall(r"\b(?:void|def) (test_\w+)\(", "".join(p.read_text("utf-8") for p in files))
+    folders = {str(one.relative_to(ROOT)) for path in files for one in (path, path.parent)}
+    return {*tests, *folders, *(path.name for path in files)}
+
+
+def test_each_row_names_tests_that_exist() -> None:
+    """The last cell of a row has at least one."""
+    assert len(ROWS) > 40
+    for number, _, tests in ROWS:
+        named = re.findall(r"`([^`]+)`", tests)
+        assert named and set(named) <= names(), (number, set(named) - names())
+
+
+def test_each_fault_and_each_hazard_has_a_row() -> None:
+    """The bit `corrupt` is not raised."""
+    cells = " ".join(cell for number, cell, _ in ROWS if number.startswith("S"))
+    states = (ROOT / "firmware/base/cam_state.h").read_text("utf-8")
+    faults = re.findall(r"^    X\((\w+), ", states, re.MULTILINE)
+    hazards = re.findall(r"^\| (H\d+) \|", TEXT, re.MULTILINE)
+    assert faults and hazards
+    assert [one for one in faults if f"`{one}`" not in cells and one != "corrupt"] == []
+    assert [one for one in hazards if one not in cells] == []
