@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """An encoder that stops counting, at any speed and anywhere on the ellipse, costs no part."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.tools.cases.camsim_cases import camsim
+from tests.scenarios.cuts import Outcome
 
 GOUGE_UM = 3.0
 UNREHEARSED = ("--set", "rehearse_turns=0")
@@ -20,15 +19,13 @@ CUTS = [
 
 @pytest.mark.parametrize(("part", "rpm"), CUTS)
 def test_the_tool_leaves_before_it_gouges(
-    table_of: Callable[[str], Path], tmp_path: Path, part: str, rpm: int
+    table_of: Callable[[str], Path], part: str, rpm: int
 ) -> None:
     """The fault is latched, and the tool was nowhere deeper than 3 um below the drawing."""
-    summary = tmp_path / "summary.json"
     for turns in AT_TURNS:
         inject = f"encoder-stuck@{turns * 60.0 / rpm}"
         words = ("--rpm", str(rpm), "--feed", "1", *UNREHEARSED, "--inject", inject)
-        done = camsim("run", table_of(part), *words, "--summary", summary)
-        assert done.returncode == 1, done.stderr
-        said = json.loads(summary.read_text("utf-8"))
-        assert {"spindle_stopped", "encoder_jump"} & set(said["first_faults"])
-        assert said["cut"]["gouge_um"] <= GOUGE_UM
+        cut = Outcome(table_of(part), *words)
+        assert cut.status == 1, cut.message
+        assert {"spindle_stopped", "encoder_jump"} & set(cut.summary["first_faults"])
+        assert cut.summary["cut"]["gouge_um"] <= GOUGE_UM
