@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Small changes of the firmware's sources, drawn at random from all that the rules make.
 
 The rules are those of universalmutator for languages like C: an operator becomes another one, a
@@ -9,14 +10,10 @@ import hashlib
 import io
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
-
-from universalmutator import mutator
-
-from tests.mutation.asserted import asserted, unseen
 
 _RULES = ["universal.rules", "c_like.rules", "c.rules"]
 _LEFT_OUT = [
@@ -33,8 +30,12 @@ class Mutant(NamedTuple):
     was: str  # the line without its end
     becomes: str
 
+    def __str__(self) -> str:
+        """Return place and change."""
+        return f"{self.file}:{self.line}: {self.was.strip()} -> {self.becomes.strip()}"
+
     def applied(self, text: str) -> str:
-        """Return the text of the file with the change in it."""
+        """Return the text of the file with the change."""
         lines = text.splitlines(keepends=True)
         assert lines[self.line - 1] == self.was + "\n"
         lines[self.line - 1] = self.becomes + "\n"
@@ -42,19 +43,42 @@ class Mutant(NamedTuple):
 
 
 def _squeezed(line: str) -> str:
-    """Return what the compiler sees of a line, nearly."""
+    """Return roughly what the compiler sees of a line."""
     code = re.sub(r"//.*|/\*.*?\*/", "", line)
-    if re.match(r"\s*(X\(|\{cam_err_)", code):  # of a list, whose entries are told to people
+    if re.match(r"\s*(X\(|\{cam_err_)", code):  # a list entry, whose text is for people
         code = re.sub(r'"[^"]*"', "", code)
     return re.sub(r"\s*(\W)\s*", r"\1", re.sub(r"\s+", " ", code)).strip()
 
 
+def _untested(lines: Sequence[str]) -> set[int]:
+    r"""Return the numbers, from 1, of lines that only the compiler or only a Cortex-M evaluates.
+
+    >>> text = "int a;|_Static_assert(A &&|  B, 0);|#if defined(__ARM_X)|a();|#else|b();|#endif"
+    >>> sorted(_untested(text.split("|")))
+    [2, 3, 4, 5]
+    """
+    numbers: set[int] = set()
+    end = ""  # where the part that has begun ends
+    for number, line in enumerate(lines, start=1):
+        if "_Static_assert(" in line:
+            end = r"\);"
+        elif line.startswith("#if defined(__ARM_"):
+            end = "^#(else|endif)"
+        is_last = end != "" and re.search(end, line) is not None
+        if end and not (is_last and end.startswith("^")):
+            numbers.add(number)
+        end = "" if is_last else end
+    return numbers
+
+
 def mutants_of(root: Path, file: str) -> list[Mutant]:
     """Return all mutants of a file, in the order of its lines."""
+    from universalmutator import mutator  # which only tools/verify installs
+
     lines = (root / file).read_text(encoding="utf-8").splitlines(keepends=True)
     with contextlib.redirect_stdout(io.StringIO()):
         found = mutator.mutants_regexp(lines, list(_RULES), ignorePatterns=list(_LEFT_OUT))
-    left_out = asserted(lines) | unseen(lines)
+    left_out = _untested(lines)
     made = []
     for number, text, *_ in found:
         was, becomes = lines[number - 1].rstrip("\n"), text.rstrip("\n")
@@ -70,16 +94,15 @@ def sources(root: Path) -> list[str]:
 
 
 def _rank(seed: int, *words: str) -> bytes:
-    """Return where something stands in the order of a seed, whatever else there is."""
+    """Return the position of words in the order of a seed, whatever other words there are."""
     return hashlib.blake2b("\0".join((str(seed), *words)).encode(), digest_size=16).digest()
 
 
 def drawn(root: Path, seed: int, files: list[str]) -> Iterator[Mutant]:
     """Yield each mutant once, in an order that depends on the seed.
 
-    A line of all that can be changed is drawn, then one of its changes: a line with many operators
-    does not outweigh the others. Each has its place in the order by its own text, so that a change
-    of the sources elsewhere leaves the others where they are.
+    A line is drawn, then one of its changes, so that lines with many operators do not outweigh the
+    others. The order depends on the text of each line alone: a change elsewhere does not alter it.
     """
     by_line: dict[tuple[str, int], list[Mutant]] = {}
     for file in files:
