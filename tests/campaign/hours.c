@@ -8,20 +8,22 @@
 #include "cam_machine_jog.h" // cam_machine_manual
 #include "cam_machine.h"     // cam_machine_hold
 #include "fuzz_expect.h"     // FUZZ_EXPECT
+#include "fuzz_orders.h"     // fuzz_disturb
 #include "fuzz_rig.h"
 #include "hal_host.h"
 #include "sim_random.h"
 #include <inttypes.h> // PRIu64
 #include <stdio.h>    // printf
-#include <string.h>   // memset
 
 enum { session_s = 900, patience_s = 60, poll_hz = 125 };
-enum { n_bad_luck = 12 };
+/// Bad luck that lasts until it is mended, or comes once with a number; and that of the axes.
+enum { n_until_off = 7, n_of_fuzz = 9, n_bad_luck = 12 };
 
 static const char *const bad_luck_names[n_bad_luck] = {
-    "estop",          "drive",         "bus",           "late_tick",
-    "encoder_jump",   "encoder_stuck", "index_dead",    "u_held",
-    "measured_wrong", "spindle_held",  "spindle_wrong", "u_not_reported",
+    "estop",        "drive",          "bus",
+    "late_tick",    "encoder_stuck",  "index_dead",
+    "spindle_held", "encoder_jump",   "spindle_wrong",
+    "u_held",       "measured_wrong", "swing_and_x_held",
 };
 
 static sim_random_t dice;
@@ -95,66 +97,35 @@ static bool wait_for(cam_state_t state)
     return fuzz_rig_state() == state;
 }
 
+/// What of bad_luck_names fuzz_disturb() does; the others are the axes' own.
+static const uint8_t disturbances[n_of_fuzz] = {
+    fuzz_disturb_estop, fuzz_disturb_drive,  fuzz_disturb_bus,
+    fuzz_disturb_late,  fuzz_disturb_stuck,  fuzz_disturb_no_index,
+    fuzz_disturb_held,  fuzz_disturb_counts, fuzz_disturb_speed,
+};
+
 static void strike(void)
 {
     const uint32_t what = any(n_bad_luck);
     sum.n_injected[what]++;
-    switch (what) {
-    case 0:
-        hal_host_fault_estop(true);
-        break;
-    case 1:
-        hal_host_fault_drive(true);
-        break;
-    case 2:
-        hal_host_fault_bus(true);
-        break;
-    case 3:
-        hal_host_fault_late(any(400));
-        break;
-    case 4:
-        hal_host_fault_counts((int32_t)any(8000) - 4000);
-        fuzz_rig.judge.is_angle_doubtful = true;
-        break;
-    case 5:
-        hal_host_fault_encoder_stuck(true);
-        fuzz_rig.judge.is_angle_doubtful = true;
-        break;
-    case 6:
-        hal_host_fault_index_dead(true);
-        break;
-    case 7:
+    if (what < (uint32_t)n_until_off) {
+        fuzz_disturb(disturbances[what], (uint16_t)(0x8000u + any(0x8000u)));
+    } else if (what < (uint32_t)n_of_fuzz) {
+        const uint32_t most = disturbances[what] == fuzz_disturb_counts ? 4000 : 1747; // 4000 r/min
+        fuzz_disturb(disturbances[what], (uint16_t)(any(2 * most) - most));
+    } else if (what == (uint32_t)n_of_fuzz) {
         fuzz_rig.lathe.is_held[hal_axis_u] = true;
-        break;
-    case 8:
+    } else if (what == (uint32_t)n_of_fuzz + 1u) {
         fuzz_rig.lathe.error_nm[any(hal_n_axes)] = (int32_t)any(2000000) - 1000000;
-        break;
-    case 9:
-        fuzz_rig.lathe.is_spindle_held = true;
-        break;
-    case 10:
-        fuzz_rig.lathe.is_spindle_held = true;
-        fuzz_rig.judge.is_angle_doubtful = true;
-        fuzz_rig.lathe.rpm = (double)any(8000) - 4000.0;
-        break;
-    default:
+    } else {
         fuzz_rig.lathe.is_swing_held = true;
         fuzz_rig.lathe.is_held[hal_axis_x] = true;
-        break;
     }
 }
 
 static void mend(void)
 {
-    hal_host_fault_estop(false);
-    hal_host_fault_drive(false);
-    hal_host_fault_bus(false);
-    hal_host_fault_encoder_stuck(false);
-    hal_host_fault_index_dead(false);
-    memset(fuzz_rig.lathe.is_held, 0, sizeof fuzz_rig.lathe.is_held);
-    memset(fuzz_rig.lathe.error_nm, 0, sizeof fuzz_rig.lathe.error_nm);
-    fuzz_rig.lathe.is_spindle_held = false;
-    fuzz_rig.lathe.is_swing_held = false;
+    fuzz_disturb(fuzz_disturb_mend, 0);
 }
 
 /// An operator finds out what is wrong, has it mended and resets.

@@ -33,39 +33,48 @@ void fuzz_let_pass(uint32_t n)
     n_left -= now;
 }
 
-void fuzz_disturb(uint8_t what, uint16_t code)
+/// Faults that are there or not, by their numbers.
+static void (*const faults[])(bool) = {
+    [fuzz_disturb_estop] = hal_host_fault_estop,
+    [fuzz_disturb_drive] = hal_host_fault_drive,
+    [fuzz_disturb_bus] = hal_host_fault_bus,
+    [fuzz_disturb_stuck] = hal_host_fault_encoder_stuck,
+    [fuzz_disturb_no_index] = hal_host_fault_index_dead,
+};
+enum { n_faults = sizeof faults / sizeof faults[0] };
+
+static void mend(void)
+{
+    for (uint32_t i = 0; i < (uint32_t)n_faults; i++) {
+        if (faults[i] != NULL) {
+            faults[i](false);
+        }
+    }
+    fuzz_rig.lathe.is_spindle_held = false;
+    memset(fuzz_rig.lathe.is_held, 0, sizeof fuzz_rig.lathe.is_held);
+    memset(fuzz_rig.lathe.error_nm, 0, sizeof fuzz_rig.lathe.error_nm);
+    fuzz_rig.lathe.is_swing_held = false;
+}
+
+void fuzz_disturb(uint8_t which, uint16_t code)
 {
     const int16_t value = (int16_t)code;
-    switch (what % 15u) {
-    case fuzz_disturb_estop:
-        hal_host_fault_estop(value < 0);
-        break;
-    case fuzz_disturb_drive:
-        hal_host_fault_drive(value < 0);
-        break;
-    case fuzz_disturb_bus:
-        hal_host_fault_bus(value < 0);
-        break;
-    case 3:
-        hal_host_fault_late((uint32_t)(uint16_t)value % 400u);
+    const uint8_t what = which % 15u;
+    fuzz_rig.judge.is_angle_doubtful = fuzz_rig.judge.is_angle_doubtful ||
+                                       what == fuzz_disturb_counts || what == fuzz_disturb_stuck ||
+                                       what == fuzz_disturb_speed;
+    switch (what) {
+    case fuzz_disturb_late:
+        hal_host_fault_late(code % 400u);
         break;
     case fuzz_disturb_counts:
         hal_host_fault_counts(value);
-        fuzz_rig.judge.is_angle_doubtful = true;
         break;
-    case 5:
-        hal_host_fault_encoder_stuck(value < 0);
-        fuzz_rig.judge.is_angle_doubtful = true;
-        break;
-    case 6:
-        hal_host_fault_index_dead(value < 0);
-        break;
-    case 7:
+    case fuzz_disturb_held:
         fuzz_rig.lathe.is_spindle_held = value < 0;
         break;
     case fuzz_disturb_speed:
         fuzz_rig.lathe.is_spindle_held = true;
-        fuzz_rig.judge.is_angle_doubtful = true;
         fuzz_rig.lathe.rpm = value * (2500.0 / 1092.0);
         break;
     case 9:
@@ -87,47 +96,27 @@ void fuzz_disturb(uint8_t what, uint16_t code)
     case fuzz_disturb_key:
         hal_host_turn_key(value < 0);
         break;
-    default: // fuzz_disturb_mend
-        hal_host_fault_estop(false);
-        hal_host_fault_drive(false);
-        hal_host_fault_bus(false);
-        hal_host_fault_encoder_stuck(false);
-        hal_host_fault_index_dead(false);
-        fuzz_rig.lathe.is_spindle_held = false;
-        memset(fuzz_rig.lathe.is_held, 0, sizeof fuzz_rig.lathe.is_held);
-        memset(fuzz_rig.lathe.error_nm, 0, sizeof fuzz_rig.lathe.error_nm);
-        fuzz_rig.lathe.is_swing_held = false;
+    case fuzz_disturb_mend:
+        mend();
+        break;
+    default:
+        faults[what](value < 0);
         break;
     }
 }
 
 void fuzz_command(uint8_t what, int32_t value)
 {
+    static cam_err_t (*const simple[16])(cam_machine_t *) = {
+        [0] = cam_machine_enable,        [1] = cam_machine_disable, [2] = cam_machine_start,
+        [3] = cam_machine_stop,          [4] = cam_machine_reset,   [5] = cam_machine_home,
+        [6] = cam_machine_manual,        [11] = cam_machine_hold,   [12] = cam_machine_resume,
+        [15] = cam_machine_stage_commit,
+    };
     cam_machine_t *m = &fuzz_rig.machine;
     fuzz_rig.judge.n_alone = 0;
     const hal_axis_t axis = (hal_axis_t)(what / 16u % hal_n_axes);
     switch (what % 16u) {
-    case 0:
-        fuzz_try(cam_machine_enable(m));
-        break;
-    case 1:
-        fuzz_try(cam_machine_disable(m));
-        break;
-    case 2:
-        fuzz_try(cam_machine_start(m));
-        break;
-    case 3:
-        fuzz_try(cam_machine_stop(m));
-        break;
-    case 4:
-        fuzz_try(cam_machine_reset(m));
-        break;
-    case 5:
-        fuzz_try(cam_machine_home(m));
-        break;
-    case 6:
-        fuzz_try(cam_machine_manual(m));
-        break;
     case 7:
         (void)cam_machine_jog(m, axis, value);
         break;
@@ -140,12 +129,6 @@ void fuzz_command(uint8_t what, int32_t value)
     case 10:
         (void)cam_machine_zero(m, axis, axis == hal_axis_x ? 92000000 + value * 256 : value * 256);
         break;
-    case 11:
-        fuzz_try(cam_machine_hold(m));
-        break;
-    case 12:
-        fuzz_try(cam_machine_resume(m));
-        break;
     case 13:
         cam_machine_keep_alive(m);
         break;
@@ -153,7 +136,7 @@ void fuzz_command(uint8_t what, int32_t value)
         cam_machine_stage_begin(m);
         break;
     default:
-        fuzz_try(cam_machine_stage_commit(m));
+        fuzz_try(simple[what % 16u](m));
         break;
     }
 }

@@ -26,8 +26,12 @@ enum {
     fuzz_disturb_estop,
     fuzz_disturb_drive,
     fuzz_disturb_bus,
-    fuzz_disturb_counts = 4,  ///< of the encoder jump
-    fuzz_disturb_speed = 8,   ///< of the spindle is held
+    fuzz_disturb_late,
+    fuzz_disturb_counts, ///< of the encoder jump
+    fuzz_disturb_stuck,  ///< the encoder stands
+    fuzz_disturb_no_index,
+    fuzz_disturb_held,        ///< the spindle keeps its speed
+    fuzz_disturb_speed,       ///< of the spindle is held
     fuzz_disturb_button = 11, ///< as it comes
     fuzz_disturb_press,       ///< as it is meant
     fuzz_disturb_key,

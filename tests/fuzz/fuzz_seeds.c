@@ -115,27 +115,34 @@ static void put_sessions(void)
     static const uint8_t pressed[][4] = {{4, 12, 0, 0},   {10, 0, 0, 0}, {0, 0, 200, 1},
                                          {12, 0, 0, 255}, {4, 14, 0, 0}, {0, 0, 0, 2},
                                          {10, 4, 0, 0},   {4, 12, 0, 0}, {10, 6, 0, 0}};
-    static const char *const names[] = {"1k", "2k", "5k", "20k"};
-    for (uint8_t rate = 0; rate < 4u; rate++) {
-        for (uint8_t part = 0; part < fuzz_rig_n_parts; part++) {
-            char name[64];
-            const uint8_t how = (uint8_t)(rate + 16u * part);
-            (void)snprintf(name, sizeof name, "cut_%s_%u", names[rate], (unsigned)part);
-            put_session(name, how, ALL(whole_cut));
-            (void)snprintf(name, sizeof name, "held_%s_%u", names[rate], (unsigned)part);
-            put_session(name, (uint8_t)(how + 8u), ALL(held));
-            (void)snprintf(name, sizeof name, "stopped_%s_%u", names[rate], (unsigned)part);
-            put_session(name, (uint8_t)(how + 8u), ALL(stopped));
-            (void)snprintf(name, sizeof name, "by_hand_%s_%u", names[rate], (unsigned)part);
-            put_session(name, (uint8_t)(how + 12u), ALL(by_hand));
-            (void)snprintf(name, sizeof name, "weak_%s_%u", names[rate], (unsigned)part);
-            put_session(name, (uint8_t)(how + 8u), ALL(weak));
-            (void)snprintf(name, sizeof name, "wild_%s_%u", names[rate], (unsigned)part);
-            put_session(name, (uint8_t)(how + 4u), ALL(wild));
-            (void)snprintf(name, sizeof name, "pressed_%s_%u", names[rate], (unsigned)part);
-            put_session(name, how, ALL(pressed));
-        }
+#define NAMED(orders, start)                                                                       \
+    {                                                                                              \
+#orders, orders, sizeof(orders) / sizeof((orders)[0]), start                               \
     }
+    static const struct {
+        const char *name;
+        const uint8_t (*orders)[session_order];
+        size_t n;
+        uint8_t start;
+    } sessions[] = {NAMED(whole_cut, 0), NAMED(held, 8), NAMED(stopped, 8), NAMED(by_hand, 12),
+                    NAMED(weak, 8),      NAMED(wild, 4), NAMED(pressed, 0)};
+#undef NAMED
+    for (uint32_t i = 0; i < 4u * fuzz_rig_n_parts * 7u; i++) {
+        const uint32_t rate = i % 4u;
+        const uint32_t part = i / 4u % fuzz_rig_n_parts;
+        const uint32_t which = i / 4u / fuzz_rig_n_parts;
+        char name[64];
+        (void)snprintf(name, sizeof name, "%s_%u_%u", sessions[which].name, rate, part);
+        put_session(name, (uint8_t)(rate + 16u * part + sessions[which].start),
+                    sessions[which].orders, sessions[which].n);
+    }
+}
+
+static void put_kind(const char *name, const char *kind, const uint8_t *bytes, size_t n)
+{
+    char path[64];
+    (void)snprintf(path, sizeof path, "%s_%s_%u", name, kind, (unsigned)bytes[0]);
+    put("machine", path, bytes, 4 + fuzz_draw_bytes + n * session_order);
 }
 
 /// What is done with a machine at a rate: one of the defaults, one with a slow drive of U in a
@@ -167,26 +174,22 @@ static void put_machine(const char *name, uint8_t rate, const uint8_t (*orders)[
         {cam_param_spindle_acceleration_mrad_per_s2, 1000000000},
     };
     uint8_t bytes[256] = {rate, 0, 230, 0};
-    char path[64];
-    memcpy(bytes + 4 + fuzz_draw_bytes, orders, n * session_order);
-    (void)snprintf(path, sizeof path, "%s_%u", name, (unsigned)rate);
-    put("machine", path, bytes, 4 + fuzz_draw_bytes + n * session_order);
-    uint8_t slow[sizeof bytes];
-    memcpy(slow, bytes, sizeof slow);
-    fuzz_draw_write(slow + 4, cam_param_u_stroke_nm, 750000);
-    fuzz_draw_write(slow + 4, cam_param_k1_ns, 2621000);
-    fuzz_draw_write(slow + 4, cam_param_k2_us2, 0.51);
-    (void)snprintf(path, sizeof path, "%s_slow_%u", name, (unsigned)rate);
-    put("machine", path, slow, 4 + fuzz_draw_bytes + n * session_order);
+    uint8_t *const drawn = bytes + 4;
+    uint8_t plain[fuzz_draw_bytes] = {0};
+    memcpy(drawn + fuzz_draw_bytes, orders, n * session_order);
+    put_kind(name, "plain", bytes, n);
+    fuzz_draw_write(drawn, cam_param_u_stroke_nm, 750000);
+    fuzz_draw_write(drawn, cam_param_k1_ns, 2621000);
+    fuzz_draw_write(drawn, cam_param_k2_us2, 0.51);
+    put_kind(name, "slow", bytes, n);
+    memcpy(drawn, plain, sizeof plain);
     for (size_t i = 0; i < sizeof fast / sizeof fast[0]; i++) {
-        fuzz_draw_write(bytes + 4, fast[i].id, fast[i].value);
+        fuzz_draw_write(drawn, fast[i].id, fast[i].value);
     }
-    (void)snprintf(path, sizeof path, "%s_fast_%u", name, (unsigned)rate);
-    put("machine", path, bytes, 4 + fuzz_draw_bytes + n * session_order);
-    fuzz_draw_write(bytes + 4, cam_param_u_stroke_nm, 900000);
-    fuzz_draw_write(bytes + 4, cam_param_k1_ns, 400000);
-    (void)snprintf(path, sizeof path, "%s_soft_%u", name, (unsigned)rate);
-    put("machine", path, bytes, 4 + fuzz_draw_bytes + n * session_order);
+    put_kind(name, "fast", bytes, n);
+    fuzz_draw_write(drawn, cam_param_u_stroke_nm, 900000);
+    fuzz_draw_write(drawn, cam_param_k1_ns, 400000);
+    put_kind(name, "soft", bytes, n);
 }
 
 static void put_machines(void)

@@ -85,7 +85,7 @@ class Shop:
         for program in dict.fromkeys(one["command"][0] for one in tests):
             name = Path(program).name
             folders = [path.parent.name for path in self._tree.glob(f"tests/unit/*/*/{name}.c")]
-            room = [*folders, name.removesuffix("_tests")][0]
+            room = [*folders, name.removeprefix("test_firmware_")][0]
             rooms.setdefault(room, []).append(os.path.relpath(program, self._build))
         return rooms | {"scenarios": [SCENARIOS]}
 

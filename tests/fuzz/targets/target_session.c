@@ -11,79 +11,37 @@
 
 enum { head_bytes = 4, most_ticks = 4000 };
 
+#define PARAMETER(name) cam_param_##name,
+
 /// Parameters that an operator changes. Gains of the feed-forward and what is learned are not
 /// among them: only where they are 0 is what U is told the set-point that is judged.
-static const cam_param_id_t ids[] = {
-    cam_param_x_trim_nm,
-    cam_param_feed_override_ppm,
-    cam_param_spindle_override_ppm,
-    cam_param_phase_udeg,
-    cam_param_amplitude_ppm,
-    cam_param_x_datum_nm,
-    cam_param_z_datum_nm,
-    cam_param_tool,
-    cam_param_tool_1_x_nm,
-    cam_param_tool_2_z_nm,
-    cam_param_spindle_mrpm,
-    cam_param_feed_nm,
-    cam_param_rehearse_turns,
-    cam_param_homing_required,
-    cam_param_u_home,
-    cam_param_x_home,
-    cam_param_z_home,
-    cam_param_x_jog_um_per_s,
-    cam_param_u_home_nm,
-    cam_param_switch_1_per_turn,
-    cam_param_switch_3_per_turn,
-    cam_param_x_home_nm,
-    cam_param_x_home_travel_nm,
-    cam_param_x_low_nm,
-    cam_param_x_high_nm,
-    cam_param_z_low_nm,
-    cam_param_z_high_nm,
-    cam_param_u_jog_um_per_s,
-    cam_param_z_jog_um_per_s,
-    cam_param_u_home_um_per_s,
-    cam_param_u_home_sense,
-    cam_param_x_home_sense,
-    cam_param_z_home_sense,
-    cam_param_x_home_um_per_s,
-    cam_param_z_home_um_per_s,
-    cam_param_u_retract_nm,
-    cam_param_x_clearance_nm,
-    cam_param_engage_turns,
-    cam_param_disengage_turns,
-    cam_param_feed_ramp_turns,
-    cam_param_z_is_measured,
-    cam_param_lead_ns,
-    cam_param_phase_rate_udeg_per_s,
-    cam_param_pass,
-    cam_param_amplitude_rate_ppm_per_s,
-    cam_param_x_trim_rate_nm_per_s,
-    cam_param_x_trim_limit_nm,
-    cam_param_spindle_override_rate_ppm_per_s,
-    cam_param_index_offset_udeg,
-    cam_param_index_tolerance_counts,
-    cam_param_jump_window_counts,
-    cam_param_stopped_mrpm,
-    cam_param_stopped_ms,
-    cam_param_following_limit_nm,
-    cam_param_late_percent,
-    cam_param_z_margin_nm,
-    cam_param_observer_bandwidth_mHz,
-    cam_param_swing_lag_ns,
-    cam_param_swing_range_mdeg,
-    cam_param_spindle_lag_us,
-};
+// clang-format off
+#define OPERATORS(X) \
+    X(x_trim_nm) X(feed_override_ppm) X(spindle_override_ppm) X(phase_udeg) X(amplitude_ppm) \
+    X(x_datum_nm) X(z_datum_nm) X(tool) X(tool_1_x_nm) X(tool_2_z_nm) X(spindle_mrpm) X(feed_nm) \
+    X(rehearse_turns) X(homing_required) X(u_home) X(x_home) X(z_home) X(x_jog_um_per_s) \
+    X(u_home_nm) X(switch_1_per_turn) X(switch_3_per_turn) X(x_home_nm) X(x_home_travel_nm) \
+    X(x_low_nm) X(x_high_nm) X(z_low_nm) X(z_high_nm) X(u_jog_um_per_s) X(z_jog_um_per_s) \
+    X(u_home_um_per_s) X(u_home_sense) X(x_home_sense) X(z_home_sense) X(x_home_um_per_s) \
+    X(z_home_um_per_s) X(u_retract_nm) X(x_clearance_nm) X(engage_turns) X(disengage_turns) \
+    X(feed_ramp_turns) X(z_is_measured) X(lead_ns) X(phase_rate_udeg_per_s) X(pass) \
+    X(amplitude_rate_ppm_per_s) X(x_trim_rate_nm_per_s) X(x_trim_limit_nm) \
+    X(spindle_override_rate_ppm_per_s) X(index_offset_udeg) X(index_tolerance_counts) \
+    X(jump_window_counts) X(stopped_mrpm) X(stopped_ms) X(following_limit_nm) X(late_percent) \
+    X(z_margin_nm) X(observer_bandwidth_mHz) X(swing_lag_ns) X(swing_range_mdeg) \
+    X(spindle_lag_us)
+// clang-format on
+static const cam_param_id_t ids[] = {OPERATORS(PARAMETER)};
 enum { n_ids = sizeof ids / sizeof ids[0] };
 
 /// Parameters by which an axis is told more than its set-point, or reads far ahead: they are set in
 /// some sessions, in which only what the controller supervises is judged.
-static const cam_param_id_t wild_ids[] = {
-    cam_param_k1_ns,           cam_param_k2_us2,          cam_param_xz_lag_ns,
-    cam_param_u_jerk_m_per_s3, cam_param_x_jerk_m_per_s3, cam_param_z_jerk_m_per_s3,
-    cam_param_lead_ns,         cam_param_u_stroke_nm,
-};
+// clang-format off
+#define WILD(X) \
+    X(k1_ns) X(k2_us2) X(xz_lag_ns) X(u_jerk_m_per_s3) X(x_jerk_m_per_s3) X(z_jerk_m_per_s3) \
+    X(lead_ns) X(u_stroke_nm)
+// clang-format on
+static const cam_param_id_t wild_ids[] = {WILD(PARAMETER)};
 enum { n_wild_ids = sizeof wild_ids / sizeof wild_ids[0] };
 
 static cam_param_id_t id_of(uint8_t which)
