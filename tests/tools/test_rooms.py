@@ -44,12 +44,7 @@ DESIGN = {
     "firmware/recorder": ("firmware/record",),
     "firmware/signature": ("firmware/table",),
     "firmware/machine": (
-        *(
-            "firmware/build",
-            "firmware/learning",
-            "firmware/recorder",
-            "firmware/signature",
-        ),
+        *("firmware/build", "firmware/learning", "firmware/recorder", "firmware/signature"),
     ),
     "firmware/remote": ("firmware/machine",),
     "firmware": ("firmware/remote",),
@@ -60,12 +55,7 @@ DESIGN = {
     "host_sim/bus": ("host_sim/lathe",),
     "host_sim/port": ("host_sim/lathe", "firmware/machine", "hal/host"),
     "host_sim/setup": ("host_sim/lathe", "host_sim/part", "firmware/feasible"),
-    "host_sim/cut": (
-        "host_sim/setup",
-        "host_sim/gauge",
-        "host_sim/port",
-        "host_sim/bus",
-    ),
+    "host_sim/cut": ("host_sim/setup", "host_sim/gauge", "host_sim/port", "host_sim/bus"),
     "host_sim/results": ("host_sim/cut",),
     "host_sim/live": ("host_sim/results", "firmware/remote"),
     "host_sim/cli": ("host_sim/live",),
@@ -118,9 +108,7 @@ def options(room: str) -> list[str]:
 def found_by(room: str, headers: list[str], folder: Path) -> set[str]:
     """Return which of some headers the preprocessor finds in a room."""
     source = folder / "all.c"
-    lines = [
-        f'#if __has_include("{one}")\n{i}\n#endif\n' for i, one in enumerate(headers)
-    ]
+    lines = [f'#if __has_include("{one}")\n{i}\n#endif\n' for i, one in enumerate(headers)]
     source.write_text("".join(lines))
     done = run_compiler(room, "-E", "-P", str(source))
     assert done.returncode == 0, done.stderr
@@ -139,26 +127,14 @@ def compiles(room: str, header: str, folder: Path) -> bool:
 def run_compiler(room: str, *words: str) -> subprocess.CompletedProcess[str]:
     """Run the compiler of the host build with the options of a room."""
     return subprocess.run(
-        [*options(room), *words],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
+        [*options(room), *words], capture_output=True, text=True, timeout=60, check=False
     )
 
 
 def test_every_folder_of_c_is_a_room_of_the_design() -> None:
     """A new folder takes a place in the design above before anything can be built on it."""
     held = subprocess.run(
-        [
-            "git",
-            "-C",
-            ROOT,
-            "ls-files",
-            "firmware/*.[ch]",
-            "hal/*.[ch]",
-            "host_sim/*.[ch]",
-        ],
+        ["git", "-C", ROOT, "ls-files", "firmware/*.[ch]", "hal/*.[ch]", "host_sim/*.[ch]"],
         capture_output=True,
         text=True,
         timeout=60,
@@ -180,9 +156,7 @@ def test_room_sees_the_rooms_below_it_and_no_others(room: str, tmp_path: Path) -
     assert {one for one in others if headers[one] in found} == allowed
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         is_built = pool.map(lambda one: compiles(room, one, tmp_path), found)
-        assert [
-            one for one, is_good in zip(found, is_built, strict=True) if not is_good
-        ] == []
+        assert [one for one, is_good in zip(found, is_built, strict=True) if not is_good] == []
 
 
 def test_no_include_climbs_out_of_its_room() -> None:
@@ -190,9 +164,7 @@ def test_no_include_climbs_out_of_its_room() -> None:
     folders = ("firmware", "hal", "host_sim", "tests")
     sources = [path for folder in folders for path in (ROOT / folder).rglob("*.[ch]")]
     climbing = [
-        str(path)
-        for path in sources
-        if re.search(r'#include "[^"]*\.\.', path.read_text())
+        str(path) for path in sources if re.search(r'#include "[^"]*\.\.', path.read_text())
     ]
     assert sources
     assert not climbing

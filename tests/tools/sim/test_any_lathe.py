@@ -51,9 +51,7 @@ def machine(rng: np.random.Generator) -> str:
         lines.append(f"[{section}]")
         for key, (low, high) in keys.items():
             if rng.random() < 0.35:
-                lines.append(
-                    f"{key} = {np.exp(rng.uniform(np.log(low), np.log(high))):.6g}"
-                )
+                lines.append(f"{key} = {np.exp(rng.uniform(np.log(low), np.log(high))):.6g}")
         if section == "u":
             lines += [f'kind = "{rng.choice(["position", "force"])}"', "stroke_mm = 3"]
             lines += [f"mode_on_scale = {rng.integers(2)}"]
@@ -77,20 +75,11 @@ def test_any_machine_is_cut_on_or_refused(table: Path, tmp_path: Path) -> None:
     for _ in range(30):
         path, summary = tmp_path / "m.toml", tmp_path / "s.json"
         path.write_text(machine(rng))
-        words: list[str | Path] = [
-            "--machine",
-            path,
-            "--summary",
-            summary,
-            "--turns-limit",
-            "3",
-        ]
+        words: list[str | Path] = ["--machine", path, "--summary", summary, "--turns-limit", "3"]
         done = camsim("run", table, *words, "--max-seconds", "4")
         ends.append(done.returncode)
         assert done.returncode in (0, 1, 2), path.read_text()
         assert len(done.stderr.splitlines()) <= 1, done.stderr
         if done.returncode != 2:
-            assert all(
-                isfinite(number) for number in numbers(json.loads(summary.read_text()))
-            )
+            assert all(isfinite(number) for number in numbers(json.loads(summary.read_text())))
     assert ends.count(2) < 15

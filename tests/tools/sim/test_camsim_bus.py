@@ -28,10 +28,7 @@ from tests.tools.cases.camsim_cases import ROOT, camsim, only_error
     ],
 )
 def test_wrong_words_are_refused(
-    words: tuple[str, ...],
-    message: str,
-    table_of: Callable[[str], Path],
-    tmp_path: Path,
+    words: tuple[str, ...], message: str, table_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
     """One line that names what is wrong; no file is left."""
     outputs = ("--trace", tmp_path / "trace", "--summary", tmp_path / "summary")
@@ -58,9 +55,7 @@ def test_help_lists_the_options() -> None:
     assert done.returncode == 0 and "--gpiochip" in done.stdout
 
 
-def test_faults_of_the_bus_cannot_happen_in_a_run(
-    table_of: Callable[[str], Path],
-) -> None:
+def test_faults_of_the_bus_cannot_happen_in_a_run(table_of: Callable[[str], Path]) -> None:
     """A run has no nodes that could die."""
     done = camsim("run", table_of("perkins240"), "--inject", "node-dead@0:2")
     assert "cannot happen here; camsim run --help" in only_error(done)

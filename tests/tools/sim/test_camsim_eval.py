@@ -19,9 +19,7 @@ def evaluate(
     table: Path, turn: NDArray[np.float64], z_mm: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return the rows that camsim eval gives for some points, shape (n, 8)."""
-    rows = "".join(
-        f"{t!r},{z!r}\n" for t, z in zip(turn.tolist(), z_mm.tolist(), strict=True)
-    )
+    rows = "".join(f"{t!r},{z!r}\n" for t, z in zip(turn.tolist(), z_mm.tolist(), strict=True))
     done = camsim("eval", table, stdin=f"{HEADER}\n{rows}")
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
@@ -46,30 +44,12 @@ def test_eval_is_within_1_nm_of_exact_geometry(table: Path, geometry: Geometry) 
 def test_eval_gives_the_golden_values(table: Path) -> None:
     """Compare with MATHS.md (2), G = 0.2 at z = 20, and MATHS.md (6), to the nanometre."""
     degrees = np.array([0, 10, 15, 30, 45, 60, 75, 90], dtype=float)
-    delta_nm = [
-        0,
-        3024.932,
-        6719.165,
-        25061.263,
-        50081.610,
-        75061.152,
-        93321.641,
-        100000,
-    ]
+    delta_nm = [0, 3024.932, 6719.165, 25061.263, 50081.610, 75061.152, 93321.641, 100000]
     got = evaluate(table, degrees / 360, np.full(8, 20.0))
     assert got[:, 2] == pytest.approx(delta_nm, abs=1.0)
     heights = np.array([5, 15, 25, 35, 45, 56], dtype=float)
-    a_nm = [
-        45983096.898,
-        45998129.455,
-        45998135.281,
-        45983079.419,
-        45953359.542,
-        45903454.932,
-    ]
-    assert evaluate(table, heights * 0, heights)[:, 5] == pytest.approx(
-        a_nm, rel=0, abs=1.0
-    )
+    a_nm = [45983096.898, 45998129.455, 45998135.281, 45983079.419, 45953359.542, 45903454.932]
+    assert evaluate(table, heights * 0, heights)[:, 5] == pytest.approx(a_nm, rel=0, abs=1.0)
 
 
 def test_eval_wraps_and_flags_heights_outside(table: Path) -> None:

@@ -28,24 +28,13 @@ def wave_file(folder: Path, samples: npt.NDArray[np.int64]) -> Path:
 
 def words(table: Path, wave: Path, record: Path, *more: str) -> list[str | Path]:
     """Return the command line of an excitation."""
-    shape = (
-        "--periods",
-        str(PERIODS),
-        "--fade-ticks",
-        str(FADE),
-        "--place-nm",
-        str(PLACE_NM),
-    )
+    shape = ("--periods", str(PERIODS), "--fade-ticks", str(FADE), "--place-nm", str(PLACE_NM))
     return ["identify", table, "--wave", wave, "--record", record, *shape, *more]
 
 
-def record_of(
-    table: Path, folder: Path, samples: npt.NDArray[np.int64], *more: str
-) -> Rows:
+def record_of(table: Path, folder: Path, samples: npt.NDArray[np.int64], *more: str) -> Rows:
     """Excite; return the columns of the record."""
-    done = camsim(
-        *words(table, wave_file(folder, samples), folder / "record.csv", *more)
-    )
+    done = camsim(*words(table, wave_file(folder, samples), folder / "record.csv", *more))
     assert done.returncode == 0, done.stderr
     assert "at 20000 Hz" in done.stdout
     names = (folder / "record.csv").read_text().splitlines()[0].split(",")
@@ -65,24 +54,18 @@ def test_u_plays_the_wave_to_the_bit(table: Path, tmp_path: Path) -> None:
         assert np.all(played == (PLACE_NM + samples) * factor)
 
 
-def test_the_drive_answers_as_its_machine_file_says(
-    table: Path, tmp_path: Path
-) -> None:
+def test_the_drive_answers_as_its_machine_file_says(table: Path, tmp_path: Path) -> None:
     """A line of 500 Hz comes back as a drive of 300 Hz, 0.7, 75 us and half a tick tells it."""
     k = 50
     rows = record_of(table, tmp_path, tones((4, 40_000.0), (k, 5_000.0)))
     last = slice(-N, None)
-    u, y = (
-        np.fft.rfft(rows[name][last])[k] for name in ("u_command_nm", "u_actual_nm")
-    )
+    u, y = (np.fft.rfft(rows[name][last])[k] for name in ("u_command_nm", "u_actual_nm"))
     omega, natural = 2 * np.pi * 500.0, 2 * np.pi * 300.0
     ratio = omega / natural
     drive = 1 / (1 - ratio**2 + 2j * 0.7 * ratio)
     delay_s = 75e-6 + 0.5 / 20_000
     hold = np.sinc(500.0 / 20_000)
-    assert y / u == pytest.approx(
-        drive * hold * np.exp(-1j * omega * delay_s), abs=2e-3
-    )
+    assert y / u == pytest.approx(drive * hold * np.exp(-1j * omega * delay_s), abs=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -154,10 +137,7 @@ def test_bad_wave_is_named(table: Path, tmp_path: Path, text: str, why: str) -> 
     ("more", "why"),
     [
         (["--periods", "0"], "--periods 0: out of range; give a whole number"),
-        (
-            ["--fade-ticks", "15"],
-            "--fade-ticks 15: out of range; give a whole number, 16 .. 65535",
-        ),
+        (["--fade-ticks", "15"], "--fade-ticks 15: out of range; give a whole number, 16 .. 65535"),
         (["--place-nm", "1.5"], "--place-nm 1.5"),
         (["--signals", "state,nonsense"], "--signals nonsense: no such signal"),
         (["--signals", ""], "empty"),
@@ -167,9 +147,7 @@ def test_bad_wave_is_named(table: Path, tmp_path: Path, text: str, why: str) -> 
         (["--wave"], "value missing"),
     ],
 )
-def test_bad_option_is_named(
-    table: Path, tmp_path: Path, more: list[str], why: str
-) -> None:
+def test_bad_option_is_named(table: Path, tmp_path: Path, more: list[str], why: str) -> None:
     """One line, status 2, no file."""
     wave = wave_file(tmp_path, tones((4, 30_000.0)))
     record = tmp_path / "record.csv"

@@ -24,18 +24,14 @@ def summary_of(table: Path, path: Path, *words: str) -> dict[str, Any]:
     return loaded
 
 
-def test_run_without_feed_forward_shows_what_the_drive_costs(
-    table: Path, tmp_path: Path
-) -> None:
+def test_run_without_feed_forward_shows_what_the_drive_costs(table: Path, tmp_path: Path) -> None:
     """Expect what a 300 Hz drive misses of a 150 um sweep at 83 Hz: |1 - H| with its dead time."""
     omega, natural, damping = 2 * 2500 / 60 * 6.283185307, 300 * 6.283185307, 0.7
     s = 1j * omega
     drive = natural**2 / (s * s + 2 * damping * natural * s + natural**2)
     swing_um = 75.0  # amplitude of U at G = 0.3 mm
     bare = abs(1 - drive) * swing_um
-    summary = summary_of(
-        table, tmp_path / "s.json", *CUT, "--no-learning", "--no-feed-forward"
-    )
+    summary = summary_of(table, tmp_path / "s.json", *CUT, "--no-learning", "--no-feed-forward")
     assert summary["form_error_um"]["max"] == pytest.approx(bare, rel=0.05)
     late = swing_um * omega * 100e-6
     summary = summary_of(table, tmp_path / "t.json", *CUT, "--no-learning", "--no-lead")
@@ -59,14 +55,10 @@ def test_run_is_deterministic(table: Path, tmp_path: Path) -> None:
     names = ("trace", "surface", "summary")
     for turn in ("a", "b"):
         outputs = [w for n in names for w in (f"--{n}", str(tmp_path / f"{turn}.{n}"))]
-        assert (
-            camsim("run", table, *CUT, "--turns-limit", "3", *outputs).returncode == 0
-        )
+        assert camsim("run", table, *CUT, "--turns-limit", "3", *outputs).returncode == 0
     for name in names[:2]:
         assert first_difference(tmp_path / f"a.{name}", tmp_path / f"b.{name}") == ""
-    a, b = (
-        json.loads((tmp_path / f"{turn}.summary").read_text()) for turn in ("a", "b")
-    )
+    a, b = (json.loads((tmp_path / f"{turn}.summary").read_text()) for turn in ("a", "b"))
     for summary in (a, b):
         del summary["wall_time_s"], summary["ticks_per_s"]
     assert a == b
@@ -135,16 +127,12 @@ def test_run_refuses_rings_nearer_than_the_firmware_cuts(
     A part as long as this one has too many turns then in any case.
     """
     rings = table_of("perkins240_ring_helix")
-    told = (
-        f"{field}: rings of a ring-helix are at least 0.000004 mm apart; give at least "
-    )
+    told = f"{field}: rings of a ring-helix are at least 0.000004 mm apart; give at least "
     line = only_error(camsim("run", rings, "--rpm", "900", *words))
     assert line == f'camsim: {told}--feed 0.000004, or a table with path = "helix"'
     short = ("--rpm", "900", "--turns-limit", "1")
     for many in (("--feed", "0.000004"), (*words, "--set", "z_is_measured=1")):
-        assert "the part has too many turns: " in only_error(
-            camsim("run", rings, *short, *many)
-        )
+        assert "the part has too many turns: " in only_error(camsim("run", rings, *short, *many))
     for more in ((), ("--set", "z_is_measured=1")):
         assert camsim("run", rings, *short, "--feed", "0.00007", *more).returncode == 0
 
@@ -171,9 +159,7 @@ def test_run_refuses_a_damaged_table(table: Path, tmp_path: Path, what: str) -> 
     bad = tmp_path / "bad.camtab"
     bad.write_bytes(corrupted(table.read_bytes())[what])
     for command in ("run", "eval"):
-        assert "bad.camtab" in only_error(
-            camsim(command, bad, stdin="turn,z_mm\n0,0\n")
-        )
+        assert "bad.camtab" in only_error(camsim(command, bad, stdin="turn,z_mm\n0,0\n"))
 
 
 def test_run_refuses_a_missing_table(tmp_path: Path) -> None:
@@ -183,9 +169,7 @@ def test_run_refuses_a_missing_table(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("what", ["pipe", "folder"])
-def test_what_is_no_regular_file_is_refused(
-    table: Path, tmp_path: Path, what: str
-) -> None:
+def test_what_is_no_regular_file_is_refused(table: Path, tmp_path: Path, what: str) -> None:
     """A pipe without a writer is not waited for, whatever it is given as."""
     path = tmp_path / what
     if what == "pipe":
@@ -213,31 +197,21 @@ def test_run_refuses_a_report_of_another_table(table: Path, tmp_path: Path) -> N
     assert "other.json" in only_error(camsim("run", table, "--design", other))
 
 
-def test_run_without_a_report_says_what_it_gauges_against(
-    table: Path, tmp_path: Path
-) -> None:
+def test_run_without_a_report_says_what_it_gauges_against(table: Path, tmp_path: Path) -> None:
     """Fall back to the table itself, with a warning and a word in the summary."""
     lonely = tmp_path / "lonely.camtab"
     lonely.write_bytes(table.read_bytes())
     done = camsim("run", lonely, *CUT, "--summary", tmp_path / "s.json")
     assert done.returncode == 0
     assert "lonely.json" in done.stderr
-    assert (
-        json.loads((tmp_path / "s.json").read_text())["gauge"]["reference"] == "table"
-    )
+    assert json.loads((tmp_path / "s.json").read_text())["gauge"]["reference"] == "table"
 
 
 def test_run_measures_what_is_removed(table: Path, tmp_path: Path) -> None:
     """Slices hold volume, rate, power and both forces; the summary their spread and ripple."""
     slices, words = tmp_path / "r.csv", ("--rpm", "600", "--feed", "1", "--no-learning")
     summary = summary_of(
-        table,
-        tmp_path / "s.json",
-        *words,
-        "--kc-n-mm2",
-        "800",
-        "--removal",
-        str(slices),
+        table, tmp_path / "s.json", *words, "--kc-n-mm2", "800", "--removal", str(slices)
     )
     with slices.open() as stream:
         rows = list(csv.DictReader(stream))
@@ -257,9 +231,7 @@ def test_run_measures_what_is_removed(table: Path, tmp_path: Path) -> None:
 def test_run_takes_other_slices(table: Path, tmp_path: Path) -> None:
     """Longer slices are fewer; senseless ones are refused."""
     slices = tmp_path / "r.csv"
-    summary_of(
-        table, tmp_path / "s.json", *CUT, "--slice-us", "2000", "--removal", str(slices)
-    )
+    summary_of(table, tmp_path / "s.json", *CUT, "--slice-us", "2000", "--removal", str(slices))
     t_s = [float(line.split(",")[0]) for line in slices.read_text().splitlines()[1:]]
     assert t_s[1] - t_s[0] == pytest.approx(0.002, abs=1e-9)
     for option in (("--slice-us", "0"), ("--slice-us", "x"), ("--kc-n-mm2", "-1")):
@@ -271,9 +243,7 @@ def test_run_refuses_an_unwritable_output_before_the_cut(
     table: Path, tmp_path: Path, option: str
 ) -> None:
     """Refuse a folder that does not exist, and a folder in place of a file."""
-    assert option in only_error(
-        camsim("run", table, *CUT, option, tmp_path / "no" / "file")
-    )
+    assert option in only_error(camsim("run", table, *CUT, option, tmp_path / "no" / "file"))
     assert option in only_error(camsim("run", table, *CUT, option, tmp_path))
     assert list(tmp_path.iterdir()) == []
 

@@ -21,15 +21,10 @@ def errors_of(
     """Cut the Perkins skirt; return height [mm] and error [um] of its surface, and the summary."""
     surface, summary = folder / "surface.csv", folder / "summary.json"
     files: list[str | Path] = ["--surface", surface, "--summary", summary]
-    done = camsim(
-        "run", table, "--machine", machine, "--feed", feed, *files, "--tolerance-um=99"
-    )
+    done = camsim("run", table, "--machine", machine, "--feed", feed, *files, "--tolerance-um=99")
     assert done.returncode == 0, done.stderr
     with surface.open() as stream:
-        rows = [
-            (float(r["z_mm"]), float(r["error_nm"]) / 1e3)
-            for r in csv.DictReader(stream)
-        ]
+        rows = [(float(r["z_mm"]), float(r["error_nm"]) / 1e3) for r in csv.DictReader(stream)]
     return np.array(rows), json.loads(summary.read_text())
 
 
@@ -47,18 +42,14 @@ def test_first_turns_are_as_good_as_the_middle(
     assert largest_um(rows, 0.0, 1.0) <= 0.3
 
 
-def test_last_turns_at_a_large_feed(
-    table_of: Callable[[str], Path], tmp_path: Path
-) -> None:
+def test_last_turns_at_a_large_feed(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """They had 2.3 um. Most of what is left is the tool, which bends beyond the scale."""
     rows, _ = errors_of(table_of("perkins240"), tmp_path, REAL, "0.5")
     assert largest_um(rows, 57.5, 62.0) <= 0.5
     assert largest_um(rows, 0.5, 62.0) <= 0.75
 
 
-def test_spring_deflects_alike_by_the_mean(
-    table_of: Callable[[str], Path], tmp_path: Path
-) -> None:
+def test_spring_deflects_alike_by_the_mean(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """A position drive is a spring: both coefficients are its share of the force."""
     machine = ROOT / "tests" / "learn" / "machines" / "chip.toml"
     rows, summary = errors_of(table_of("perkins240"), tmp_path, machine, "0.5")
@@ -93,10 +84,7 @@ def test_slots_do_not_harm_the_rest(
     table_of: Callable[[str], Path], tmp_path: Path, name: str, most_um: float
 ) -> None:
     """The rest of the surface is as good as without, after the first turns at either end."""
-    machines = {
-        "real": REAL,
-        "chip": ROOT / "tests" / "learn" / "machines" / "chip.toml",
-    }
+    machines = {"real": REAL, "chip": ROOT / "tests" / "learn" / "machines" / "chip.toml"}
     machine = slotted(machines[name], tmp_path)
     rows, summary = errors_of(table_of("perkins240"), tmp_path, machine, "0.1")
     assert summary["learning"]["masked"] == []

@@ -19,22 +19,13 @@ def cut(
 ) -> tuple[str, dict[str, Any]]:
     """Return what camsim prints of a cut, and its summary."""
     summary = folder / f"{machine}.json"
-    options: list[str | Path] = [
-        "--machine",
-        MACHINES / f"{machine}.toml",
-        "--rpm",
-        str(rpm),
-    ]
-    done = camsim(
-        "run", table, *options, "--summary", summary, "--tolerance-um", "9", *words
-    )
+    options: list[str | Path] = ["--machine", MACHINES / f"{machine}.toml", "--rpm", str(rpm)]
+    done = camsim("run", table, *options, "--summary", summary, "--tolerance-um", "9", *words)
     assert done.returncode == 0, done.stderr
     return done.stdout, json.loads(summary.read_text())
 
 
-def test_the_better_speed_is_better(
-    table_of: Callable[[str], Path], tmp_path: Path
-) -> None:
+def test_the_better_speed_is_better(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """It is told where edges have no time stamps, and at least halves the error."""
     printed, bad = cut(table_of("oval30"), tmp_path, "coarse", 3000)
     assert "do not average" in printed and bad["better_rpm"] == 2990
@@ -52,11 +43,7 @@ def missed_counts(counts: int, rpm: float) -> float:
     The spindle has a ripple of 0.2 % twice per turn.
     """
     w, t = 2 * np.pi * OBSERVER_HZ / TICK_HZ, np.arange(60_000) / TICK_HZ
-    true = (
-        rpm / 60 * t
-        + 0.002 / (4 * np.pi) * np.sin(4 * np.pi * rpm / 60 * t)
-        + 0.3 / counts
-    )
+    true = rpm / 60 * t + 0.002 / (4 * np.pi) * np.sin(4 * np.pi * rpm / 60 * t) + 0.3 / counts
     off = (np.floor(true * counts) + 0.5) / counts - true
     place = speed = u = u_speed = 0.0
     found = []
@@ -84,18 +71,12 @@ def missed_counts(counts: int, rpm: float) -> float:
     ],
 )
 def test_named_speeds_are_those_of_quantised_counts(
-    table_of: Callable[[str], Path],
-    tmp_path: Path,
-    counts: int,
-    rpm: float,
-    is_named: bool,
+    table_of: Callable[[str], Path], tmp_path: Path, counts: int, rpm: float, is_named: bool
 ) -> None:
     """A named speed leaves more than twice as much as the proposed one, others leave as little."""
     coarse = (MACHINES / "coarse.toml").read_text()
     machine = tmp_path / "machine.toml"
-    machine.write_text(
-        coarse.replace("counts_per_turn = 10000", f"counts_per_turn = {counts}")
-    )
+    machine.write_text(coarse.replace("counts_per_turn = 10000", f"counts_per_turn = {counts}"))
     words = ("--machine", machine, "--rpm", str(rpm), "--turns-limit", "3")
     summary = tmp_path / "summary.json"
     camsim("run", table_of("oval30"), *words, "--summary", summary)
@@ -106,13 +87,9 @@ def test_named_speeds_are_those_of_quantised_counts(
         assert missed_counts(counts, rpm) > 2 * missed_counts(counts, better_rpm)
 
 
-def test_stamped_edges_need_no_other_speed(
-    table_of: Callable[[str], Path], tmp_path: Path
-) -> None:
+def test_stamped_edges_need_no_other_speed(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Their counts have no steps."""
-    printed, summary = cut(
-        table_of("oval30"), tmp_path, "stamps", 3000, "--turns-limit", "3"
-    )
+    printed, summary = cut(table_of("oval30"), tmp_path, "stamps", 3000, "--turns-limit", "3")
     assert "do not average" not in printed and "better_rpm" not in summary
 
 
@@ -120,14 +97,7 @@ def test_a_lead_that_is_wrong_turns_the_part(
     table_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
     """10 us more at 3000 r/min turn it by 3142 urad, which is nearly all of the error."""
-    words = (
-        "--turns-limit",
-        "20",
-        "--set",
-        "learn_harmonics=0",
-        "--set",
-        "rehearse_turns=0",
-    )
+    words = ("--turns-limit", "20", "--set", "learn_harmonics=0", "--set", "rehearse_turns=0")
     found = []
     surface = tmp_path / "surface.csv"
     for lead_ns in (100_000, 110_000):
@@ -137,9 +107,7 @@ def test_a_lead_that_is_wrong_turns_the_part(
     by_urad = found[1]["turned_urad"] - found[0]["turned_urad"]
     assert abs(by_urad) == pytest.approx(2 * 3.14159265 * 50 * 10, rel=0.02)
     assert found[1]["rms_not_turned"] < 0.2 < found[1]["rms"]
-    turn, _, radius_mm, error_nm = np.loadtxt(surface, delimiter=",", skiprows=1)[
-        :, :4
-    ].T
+    turn, _, radius_mm, error_nm = np.loadtxt(surface, delimiter=",", skiprows=1)[:, :4].T
     angle = 2 * np.pi * turn  # fit the section's harmonics, and turn it back
     order = np.arange(9)
     waves = np.hstack([np.cos(np.outer(angle, order)), np.sin(np.outer(angle, order))])

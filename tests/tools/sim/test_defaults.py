@@ -69,24 +69,13 @@ def test_no_speed_is_taken_for_a_jump(
     for rpm in (500, 1500, 2000):
         for bandwidth in ((), ("--set", "observer_bandwidth_mHz=20000")):
             out = tmp_path / "s.json"
-            words = (
-                "--rpm",
-                rpm,
-                "--machine",
-                lathe,
-                "--summary",
-                out,
-                "--tolerance-um",
-                50,
-            )
+            words = ("--rpm", rpm, "--machine", lathe, "--summary", out, "--tolerance-um", 50)
             done = camsim("run", oval, *QUICK, *map(str, words), *bandwidth)
             assert done.returncode == 0, done.stderr
             assert json.loads(out.read_text())["faults"] == []
 
 
-def test_jump_beyond_the_derived_window_is_seen_in_its_tick(
-    oval: Path, tmp_path: Path
-) -> None:
+def test_jump_beyond_the_derived_window_is_seen_in_its_tick(oval: Path, tmp_path: Path) -> None:
     """A million counts: 67 by MATHS.md (166); twice of it is a jump, an eighth is lost counts."""
     lathe = machine(tmp_path, 20_000, 1_000_000)
     for counts, fault in ((134, "encoder_jump"), (8, "lost_counts")):
@@ -101,23 +90,16 @@ def test_observer_that_is_too_fast_for_the_tick_is_refused_with_what_would_do(
     """The line names rate and limit, and the limit is taken."""
     lathe = machine(tmp_path, 1000, 10_000)
     words = ("--rpm", "1500", "--machine", str(lathe), *QUICK)
-    line = only_error(
-        camsim("run", oval, *words, "--set", "observer_bandwidth_mHz=200000")
-    )
+    line = only_error(camsim("run", oval, *words, "--set", "observer_bandwidth_mHz=200000"))
     assert "observer_bandwidth_mHz = 200000" in line
     assert "1000 Hz; give at most 80000 " in line
-    assert (
-        camsim("run", oval, *words, "--set", "observer_bandwidth_mHz=80000").returncode
-        == 0
-    )
+    assert camsim("run", oval, *words, "--set", "observer_bandwidth_mHz=80000").returncode == 0
 
 
 def blocked_s(table: Path, rpm: int, at_s: float, folder: Path) -> tuple[float, float]:
     """Block U in the cut; return [s] until the fault, and the largest following error [um]."""
     trace = folder / "t.csv"
-    done = camsim(
-        "run", table, "--rpm", str(rpm), "--inject", f"u-block@{at_s}", "--trace", trace
-    )
+    done = camsim("run", table, "--rpm", str(rpm), "--inject", f"u-block@{at_s}", "--trace", trace)
     assert "fault following_error:" in done.stderr
     columns = columns_of(trace)
     state, t_s = columns["state"], columns["t_s"]
@@ -135,9 +117,7 @@ def test_blocked_u_is_seen_within_a_tenth_of_the_ovality_and_the_first_turn(
     for one in (oval, table):
         late_s, off_um = blocked_s(one, 2400, at_s, tmp_path)
         assert 0 <= late_s <= 60 / 2400
-        assert (
-            off_um <= 0.1 * OVALITY_UM + 3.0
-        )  # and what U would have moved in its tick
+        assert off_um <= 0.1 * OVALITY_UM + 3.0  # and what U would have moved in its tick
 
 
 def test_wrong_drive_does_not_end_the_approach_in_a_fault(oval: Path) -> None:
@@ -146,14 +126,7 @@ def test_wrong_drive_does_not_end_the_approach_in_a_fault(oval: Path) -> None:
         for damping in (0.56, 0.84):
             omega = 6.283185307 * 300 * share
             k1, k2 = round(2e9 * damping / omega), round(1e12 / omega**2)
-            words = (
-                "--set",
-                f"k1_ns={k1}",
-                "--set",
-                f"k2_us2={k2}",
-                "--tolerance-um",
-                "50",
-            )
+            words = ("--set", f"k1_ns={k1}", "--set", f"k2_us2={k2}", "--tolerance-um", "50")
             assert camsim("run", oval, "--rpm", "2500", *QUICK, *words).returncode == 0
 
 

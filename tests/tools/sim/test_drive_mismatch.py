@@ -84,9 +84,7 @@ def test_ripple_is_learned_on_a_flank_of_nine_mm_per_rad(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("speed_rpm", [150.0, 600.0])
-def test_ripple_is_learned_on_three_steep_corners(
-    tmp_path: Path, speed_rpm: float
-) -> None:
+def test_ripple_is_learned_on_three_steep_corners(tmp_path: Path, speed_rpm: float) -> None:
     """At 600 r/min the part itself takes 82 % of the acceleration."""
     (tmp_path / "steep.toml").write_text(STEEP, encoding="ascii")
     machine = machine_of(tmp_path / "steep.toml", tmp_path)

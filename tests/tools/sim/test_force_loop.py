@@ -53,9 +53,7 @@ def loop_of(amplifier_hz: float, delay_us: float, share: float) -> str:
     )  # fmt: skip
     values = parameters_of(best(drive.plant), drive)
     loop = [
-        name
-        for name in values
-        if any(k in name for k in ("cross", "lead", "pole", "int", "notch"))
+        name for name in values if any(k in name for k in ("cross", "lead", "pole", "int", "notch"))
     ]
     return "".join(f"{name} = {values[name]}\n" for name in loop)
 
@@ -76,47 +74,22 @@ def machine(
 
 @pytest.mark.parametrize(
     ("amplifier_hz", "delay_us", "share", "most_um"),
-    [
-        (1500, 75, -0.2, 3.5),
-        (1500, 25, -0.2, 2.2),
-        (3000, 25, -0.2, 1.1),
-        (1500, 75, 1.0, 6.0),
-    ],
+    [(1500, 75, -0.2, 3.5), (1500, 25, -0.2, 2.2), (3000, 25, -0.2, 1.1), (1500, 75, 1.0, 6.0)],
 )
 def test_step_of_force_in_the_cut(
     table_of: Callable[[str], Path], tmp_path: Path,
     amplifier_hz: float, delay_us: float, share: float, most_um: float,
 ) -> None:  # fmt: skip
     """10 N from one tick to the next: peak, 0.1 um after 20 ms; the cut itself learns nothing."""
-    lathe, trace = (
-        machine(tmp_path, amplifier_hz, delay_us, share),
-        tmp_path / "trace.csv",
-    )
+    lathe, trace = machine(tmp_path, amplifier_hz, delay_us, share), tmp_path / "trace.csv"
     push = ("--inject", f"u-push@0.5:{PUSH_N}", "--set", "learn_cut_gain_ppm=0")
-    words: list[str | Path] = [
-        "--machine",
-        lathe,
-        "--trace",
-        trace,
-        *push,
-        "--turns-limit",
-        "60",
-    ]
+    words: list[str | Path] = ["--machine", lathe, "--trace", trace, *push, "--turns-limit", "60"]
     done = camsim("run", table_of("perkins240"), *words, "--tolerance-um", "99")
     assert done.returncode == 0, done.stderr
     columns = np.genfromtxt(
-        trace,
-        delimiter=",",
-        names=True,
-        dtype=None,
-        encoding="ascii",
-        usecols=(1, 6, 12),
+        trace, delimiter=",", names=True, dtype=None, encoding="ascii", usecols=(1, 6, 12)
     )
-    time_s = (
-        columns["t_s"]
-        - columns["t_s"][int(np.argmax(columns["state"] == "cutting"))]
-        - 0.5
-    )
+    time_s = columns["t_s"] - columns["t_s"][int(np.argmax(columns["state"] == "cutting"))] - 0.5
     error_um = columns["error_nm"] / 1e3
     before = np.abs(error_um[(time_s > -0.1) & (time_s < 0)]).max()
     peak = np.abs(error_um[(time_s > 0) & (time_s < 0.02)]).max()
@@ -126,9 +99,7 @@ def test_step_of_force_in_the_cut(
     assert late <= before + 0.1
 
 
-@pytest.mark.parametrize(
-    ("scale_nm", "most_um"), [(10, 0.05), (100, 0.15), (1000, 1.0)]
-)
+@pytest.mark.parametrize(("scale_nm", "most_um"), [(10, 0.05), (100, 0.15), (1000, 1.0)])
 def test_wrong_mass_after_a_rehearsal(
     oval30: Path, tmp_path: Path, scale_nm: float, most_um: float
 ) -> None:
@@ -145,9 +116,7 @@ def test_wrong_mass_after_a_rehearsal(
         assert np.abs(error_nm).max() / 1e3 <= most_um
 
 
-def test_slow_loop_learns_only_below_half_its_crossover(
-    oval30: Path, tmp_path: Path
-) -> None:
+def test_slow_loop_learns_only_below_half_its_crossover(oval30: Path, tmp_path: Path) -> None:
     """A mode on the scale leaves 66 Hz; learned at 3000 r/min the part had 98 um."""
     lathe, summary = tmp_path / "slow.toml", tmp_path / "summary.json"
     lathe.write_text(
@@ -164,9 +133,7 @@ def test_slow_loop_learns_only_below_half_its_crossover(
         assert found["form_error_um"]["max"] <= most_um
 
 
-def test_continuous_force_below_the_rms_of_a_cut_is_refused(
-    oval30: Path, tmp_path: Path
-) -> None:
+def test_continuous_force_below_the_rms_of_a_cut_is_refused(oval30: Path, tmp_path: Path) -> None:
     """1 mm at 100 Hz takes 0.5 mm (2 pi 100 Hz)^2 of 1.5 kg, and 5 N of friction."""
     lathe = machine(tmp_path, 1500, 25, -0.2)
     rms_n = np.hypot(MASS_KG * 0.5e-3 * (200 * np.pi) ** 2 / np.sqrt(2), 5.0)

@@ -11,19 +11,12 @@ import pytest
 from tests.tools.cases.camsim_cases import camsim
 
 PARTS = Path(__file__).parents[3] / "tests" / "learn" / "parts"
-SWING_UM, OMEGA = (
-    500.0,
-    2 * np.pi * 100.0,
-)  # 1 mm of tool motion twice per turn of 3000 r/min
+SWING_UM, OMEGA = 500.0, 2 * np.pi * 100.0  # 1 mm of tool motion twice per turn of 3000 r/min
 BASE: dict[str, dict[str, float | str]] = {
     "spindle": {"limit_rpm": 3500, "ripple": 0},
     "encoder": {"counts_per_turn": 65536},
     "u": {"speed_mm_per_s": 800, "acceleration_mm_per_s2": 500000, "stroke_mm": 3},
-    "controller": {
-        "following_limit_nm": 300000,
-        "learn_harmonics": 0,
-        "engage_turns": 40,
-    },
+    "controller": {"following_limit_nm": 300000, "learn_harmonics": 0, "engage_turns": 40},
 }
 
 
@@ -32,20 +25,10 @@ def cut(oval30: Path, **sections: dict[str, float | str]) -> dict[str, Any]:
     lines = []
     for name in {**BASE, **sections}:
         keys = {**BASE.get(name, {}), **sections.get(name, {})}
-        lines += [
-            f"[{name.replace('_', '.')}]",
-            *(f"{key} = {keys[key]}" for key in keys),
-        ]
+        lines += [f"[{name.replace('_', '.')}]", *(f"{key} = {keys[key]}" for key in keys)]
     machine, summary = oval30.with_name("m.toml"), oval30.with_name("s.json")
     machine.write_text("\n".join(lines) + "\n")
-    words: list[str | Path] = [
-        "--machine",
-        machine,
-        "--summary",
-        summary,
-        "--tolerance-um",
-        "999",
-    ]
+    words: list[str | Path] = ["--machine", machine, "--summary", summary, "--tolerance-um", "999"]
     done = camsim("run", oval30, *words, "--turns-limit", "65")
     assert done.returncode == 0, done.stderr
     loaded: dict[str, Any] = json.loads(summary.read_text())
@@ -59,11 +42,7 @@ def form_um(summary: dict[str, Any]) -> float:
 
 def test_belief_sets_the_parameters_and_truth_the_motion(oval30: Path) -> None:
     """The error is that of feed-forward by the wrong inverse: 500 um times |1 - G / G^|."""
-    believed: dict[str, float | str] = {
-        "bandwidth_hz": 270,
-        "damping": 0.77,
-        "delay_us": 67.5,
-    }
+    believed: dict[str, float | str] = {"bandwidth_hz": 270, "damping": 0.77, "delay_us": 67.5}
     summary = cut(oval30, believed_u=believed)
     w = 2 * np.pi * 270.0
     parameters = summary["parameters"]
@@ -99,9 +78,7 @@ def test_mode_between_scale_and_tip_is_gauged_and_not_measured(oval30: Path) -> 
 def test_mode_on_the_scale_is_measured(oval30: Path) -> None:
     """Then the controller knows of it."""
     summary = cut(oval30, u={"mode_hz": 1500, "mode_damping": 0.01, "mode_on_scale": 1})
-    assert summary["following_error_um"]["max"] == pytest.approx(
-        form_um(summary), rel=0.05
-    )
+    assert summary["following_error_um"]["max"] == pytest.approx(form_um(summary), rel=0.05)
 
 
 def test_tool_bends_under_the_chip(oval30: Path) -> None:

@@ -54,14 +54,7 @@ def test_what_is_learned_keeps_the_form_error(
 ) -> None:
     """The whole cut is gauged, also while the force of the chip rises and falls."""
     machine, summary = LEARN / "machines" / f"{row.machine}.toml", tmp_path / "s.json"
-    words: list[str | Path] = [
-        "--machine",
-        machine,
-        "--rpm",
-        row.rpm,
-        "--summary",
-        summary,
-    ]
+    words: list[str | Path] = ["--machine", machine, "--rpm", row.rpm, "--summary", summary]
     words += ["--feed", row.feed] if row.feed else []
     done = camsim("run", table_of(row.part), *words, "--tolerance-um", str(row.most_um))
     error = json.loads(summary.read_text())["form_error_um"]

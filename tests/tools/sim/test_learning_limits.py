@@ -32,13 +32,9 @@ def test_corrections_stay_within_the_stroke(
     assert summary["learning"]["reason"] == "limited"
 
 
-def test_another_speed_beside_a_mode(
-    table_of: Callable[[str], Path], tmp_path: Path
-) -> None:
+def test_another_speed_beside_a_mode(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """At 3300 r/min harmonic 15 is beside the mode of 800 Hz: it diverged to 36 um."""
-    summary = cut(
-        table_of("oval30"), tmp_path, "mode.toml", "--inject", "spindle-override@2:110"
-    )
+    summary = cut(table_of("oval30"), tmp_path, "mode.toml", "--inject", "spindle-override@2:110")
     assert 15 in summary["learning"]["masked"]
     assert summary["form_error_um"]["max"] < 0.6
 
@@ -62,20 +58,9 @@ friction_m_per_s2 = 15
 bandwidth_hz = {believed_hz}
 damping = {believed_damping}
 """
-SMALL = {
-    "stroke_mm": 2.02,
-    "hz": 190,
-    "damping": 0.52,
-    "believed_hz": 232,
-    "believed_damping": 0.6,
-}
+SMALL = {"stroke_mm": 2.02, "hz": 190, "damping": 0.52, "believed_hz": 232, "believed_damping": 0.6}
 MIDDLE = SMALL | {"stroke_mm": 2.1}
-TOO_SMALL = SMALL | {
-    "hz": 178,
-    "damping": 0.64,
-    "believed_hz": 213,
-    "believed_damping": 0.64,
-}
+TOO_SMALL = SMALL | {"hz": 178, "damping": 0.64, "believed_hz": 213, "believed_damping": 0.64}
 
 
 def just(folder: Path, stroke: dict[str, float]) -> Path:
@@ -87,10 +72,7 @@ def just(folder: Path, stroke: dict[str, float]) -> Path:
 
 @pytest.mark.parametrize(("stroke", "most_um"), [(SMALL, 0.3), (MIDDLE, 0.3)])
 def test_stroke_that_just_suffices(
-    table_of: Callable[[str], Path],
-    tmp_path: Path,
-    stroke: dict[str, float],
-    most_um: float,
+    table_of: Callable[[str], Path], tmp_path: Path, stroke: dict[str, float], most_um: float
 ) -> None:
     """A hundredth or a twentieth of the motion is left for friction and corrections."""
     summary = cut(table_of("oval30"), tmp_path, str(just(tmp_path, stroke)))
@@ -98,17 +80,10 @@ def test_stroke_that_just_suffices(
     assert summary["form_error_um"]["max"] < most_um
 
 
-def test_stroke_that_just_does_not_suffice(
-    table_of: Callable[[str], Path], tmp_path: Path
-) -> None:
+def test_stroke_that_just_does_not_suffice(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """The rehearsal ends with one fault, which names the command of U, and nothing is cut."""
     summary_path = tmp_path / "s.json"
-    words: list[str | Path] = [
-        "--machine",
-        just(tmp_path, TOO_SMALL),
-        "--summary",
-        summary_path,
-    ]
+    words: list[str | Path] = ["--machine", just(tmp_path, TOO_SMALL), "--summary", summary_path]
     done = camsim("run", table_of("oval30"), *words, "--rpm=3000", "--tolerance-um=99")
     assert done.returncode == 1
     lines = done.stderr.splitlines()

@@ -83,9 +83,7 @@ def test_part_of_045_mm_is_cut_on_a_stroke_of_08_mm(mean: Path, machine: Path) -
     assert (summary["end"], summary["is_good"]) == ("done", True)
     assert summary["form_error_um"]["max"] < GOUGE_UM
     assert summary["cut"]["gouge_um"] < GOUGE_UM
-    assert summary["feasibility"]["u_stroke_mm"]["needed"] == pytest.approx(
-        0.45, abs=1e-4
-    )
+    assert summary["feasibility"]["u_stroke_mm"]["needed"] == pytest.approx(0.45, abs=1e-4)
 
 
 def test_retract_that_was_set_is_blamed_itself(mean: Path, machine: Path) -> None:
@@ -112,16 +110,13 @@ def test_both_zeros_give_the_same_surface(mean: Path, tmp_path: Path) -> None:
     long = table_of(tmp_path, "long", "", 1.0)
     rng = np.random.default_rng(5)
     places = "turn,z_mm\n" + "".join(
-        f"{turn},{z}\n"
-        for turn, z in zip(rng.random(500), rng.uniform(0, 30, 500), strict=True)
+        f"{turn},{z}\n" for turn, z in zip(rng.random(500), rng.uniform(0, 30, 500), strict=True)
     )
     tips = []
     for table in (mean, long):
         got = camsim("eval", table, stdin=places)
         lines = list(csv.DictReader(got.stdout.splitlines()))
-        tips.append(
-            np.array([float(one["x_nm"]) - float(one["u_nm"]) for one in lines])
-        )
+        tips.append(np.array([float(one["x_nm"]) - float(one["u_nm"]) for one in lines]))
         if table == mean:
             u = np.array([float(one["u_nm"]) for one in lines])
     assert np.abs(tips[0] - tips[1]).max() <= 0.1
@@ -130,20 +125,14 @@ def test_both_zeros_give_the_same_surface(mean: Path, tmp_path: Path) -> None:
     assert mean.stat().st_size == long.stat().st_size
 
 
-def test_tool_is_never_in_the_part_whatever_fails_when(
-    mean: Path, machine: Path
-) -> None:
+def test_tool_is_never_in_the_part_whatever_fails_when(mean: Path, machine: Path) -> None:
     """Emergency stops all over the approach, engaging, the cut, disengaging.
 
     With and without clearance of X, and at a stroke that leaves U 0.03 mm to retract, half of
     which is the room that its feed-forward needs.
     """
     rng = np.random.default_rng(11)
-    for clearance_nm, stroke_nm in (
-        (0, 800_000),
-        (1_000_000, 800_000),
-        (10**6, 510_000),
-    ):
+    for clearance_nm, stroke_nm in ((0, 800_000), (1_000_000, 800_000), (10**6, 510_000)):
         words: list[str | Path] = [
             "--machine",
             machine,
@@ -181,9 +170,7 @@ def test_tool_runs_in_and_out_through_the_air(tmp_path: Path, machine: Path) -> 
     trace = tmp_path / "trace.csv"
     cut(table, "--machine", machine, "--trace", trace, "--rpm", "1200", "--feed", "2")
     u = [row for row in rows(trace) if 0 <= float(row["z_mm"]) < 2]
-    assert {row["state"] for row in u} == {"cutting"}, (
-        "full amplitude over the whole part"
-    )
+    assert {row["state"] for row in u} == {"cutting"}, "full amplitude over the whole part"
 
 
 def test_ring_helix_has_rings_in_the_air(tmp_path: Path, machine: Path) -> None:
@@ -201,9 +188,7 @@ def test_removal_is_that_of_the_part_alone(tmp_path: Path, machine: Path) -> Non
     run = 'u_zero = "mean"\nrun_in_mm = 3\nrun_out_mm = 2'
     summary = cut(table_of(tmp_path, "run", run), "--machine", machine)
     z = np.linspace(0, 30, 3001)
-    spline = np.polynomial.Polynomial.fit(
-        [0, 10, 20, 30], [60.0, 60.05, 60.04, 59.98], 3
-    )
+    spline = np.polynomial.Polynomial.fit([0, 10, 20, 30], [60.0, 60.05, 60.04, 59.98], 3)
     a, g = spline(z) / 2, 0.8 + 0.1 * z / 30
     blank = a.max() + 0.1
     mean_square = (a - g / 4) ** 2 + (g / 4) ** 2 / 2  # of a cosine oval over the angle
@@ -212,9 +197,7 @@ def test_removal_is_that_of_the_part_alone(tmp_path: Path, machine: Path) -> Non
     assert summary["removal"]["turns"] >= 56
 
 
-def test_all_passes_are_cut_and_gauged_in_one_run(
-    tmp_path: Path, machine: Path
-) -> None:
+def test_all_passes_are_cut_and_gauged_in_one_run(tmp_path: Path, machine: Path) -> None:
     """Each against the drawing and its stock; the last one is the verdict."""
     words = (
         'u_zero = "mean"\nrun_in_mm = 1\nrun_out_mm = 1\ndepth_mm = 0.8\n'
@@ -247,9 +230,7 @@ def test_all_passes_are_cut_and_gauged_in_one_run(
     assert (stopped["end"], len(stopped["passes"])) == ("stopped", 1)
 
 
-def test_next_pass_of_a_cone_begins_without_touching_it(
-    tmp_path: Path, machine: Path
-) -> None:
+def test_next_pass_of_a_cone_begins_without_touching_it(tmp_path: Path, machine: Path) -> None:
     """The second pass returns from the thin end to the thick one: X leaves the cone before Z."""
     words = "[[process.pass]]\nallowance_um = 30\n[[process.pass]]\nallowance_um = 0"
     toml = tmp_path / "cone.toml"
@@ -263,9 +244,7 @@ def test_next_pass_of_a_cone_begins_without_touching_it(
     assert len(summary["passes"]) == 2
 
 
-def test_overruled_feed_and_speed_hold_for_all_passes(
-    tmp_path: Path, machine: Path
-) -> None:
+def test_overruled_feed_and_speed_hold_for_all_passes(tmp_path: Path, machine: Path) -> None:
     """--rpm and --feed are those of every pass."""
     words = "[[process.pass]]\nallowance_um = 30\nfeed_mm = 1\n[[process.pass]]\nallowance_um = 0"
     table = table_of(tmp_path, "two", f'u_zero = "mean"\n{words}')
@@ -282,15 +261,11 @@ def test_feed_follows_its_law_over_the_height(tmp_path: Path, machine: Path) -> 
     law = "[process.feed_law]\nheight_mm = [0, 10, 30]\nfeed_mm = [0.2, 0.6, 0.3]"
     words = f'u_zero = "mean"\n{law}'
     toml = tmp_path / "law.toml"
-    text = PART.format(name="law", process=words, stroke=0.8).replace(
-        "feed_mm = 0.5\n", "", 1
-    )
+    text = PART.format(name="law", process=words, stroke=0.8).replace("feed_mm = 0.5\n", "", 1)
     toml.write_text(text)
     assert mktables([str(toml), "-o", str(tmp_path)]) == 0
     trace = tmp_path / "trace.csv"
-    summary = cut(
-        tmp_path / "law.camtab", "--machine", machine, "--rpm", "2400", "--trace", trace
-    )
+    summary = cut(tmp_path / "law.camtab", "--machine", machine, "--rpm", "2400", "--trace", trace)
     assert summary["is_good"]
     cutting = [row for row in rows(trace) if row["state"] == "cutting"]
     turn = np.array([float(row["turn"]) for row in cutting])

@@ -15,8 +15,7 @@ LEARN = Path(__file__).parents[2] / "learn" / "machines"
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["analog_position", "cam", "default", "piezo", "real", "rough", "step_servo"],
+    "name", ["analog_position", "cam", "default", "piezo", "real", "rough", "step_servo"]
 )
 def test_machines_of_the_simulator_are_found_by_name(name: str) -> None:
     """The name is that of the file, and the machine calls itself so."""
@@ -58,16 +57,12 @@ def test_machine_that_cannot_be_read_is_refused(
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(Path, "read_bytes", refuse)
-    with pytest.raises(
-        CamtoolsError, match="cannot be read: Permission denied; give a readable"
-    ):
+    with pytest.raises(CamtoolsError, match="cannot be read: Permission denied; give a readable"):
         machine_bytes(str(path))
 
 
 @pytest.mark.parametrize(
-    "path",
-    sorted([*MACHINES.glob("*.toml"), *LEARN.glob("*.toml")]),
-    ids=lambda path: path.stem,
+    "path", sorted([*MACHINES.glob("*.toml"), *LEARN.glob("*.toml")]), ids=lambda path: path.stem
 )
 def test_every_machine_file_is_accepted(path: Path, tmp_path: Path) -> None:
     """Camsim reads the machine before it misses the table."""

@@ -33,11 +33,7 @@ def test_the_tip_stays_off_the_blank(
     )
     assert summary.exists(), done.stderr
     columns = columns_of(trace)
-    state, u_mm, x_mm = (
-        columns["state"],
-        columns["in_u_nm"] * 1e-6,
-        columns["in_x_nm"] * 1e-6,
-    )
+    state, u_mm, x_mm = columns["state"], columns["in_u_nm"] * 1e-6, columns["in_x_nm"] * 1e-6
     tip_mm = x_mm - u_mm
     plays = (state == "rehearsing") & (u_mm > 0.1 * u_mm.max())
     blank_mm = tip_mm[state == "cutting"].max() + stock_mm

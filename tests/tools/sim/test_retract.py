@@ -19,15 +19,7 @@ RETRACT_NM = -500_000
 def retract(table: Path, folder: Path, at: str) -> dict[str, float]:
     """Stop a cut and follow U, from the tick before the fault on."""
     trace = folder / "trace.csv"
-    words = (
-        "--rpm",
-        "2500",
-        "--no-learning",
-        "--inject",
-        f"estop@{at}",
-        "--trace",
-        trace,
-    )
+    words = ("--rpm", "2500", "--no-learning", "--inject", f"estop@{at}", "--trace", trace)
     assert camsim("run", table, *words).returncode == 1
     lines = trace.read_text().splitlines()
     rows = list(csv.DictReader(lines[:1] + lines[-4000:]))
@@ -74,13 +66,7 @@ def test_slow_tick_retracts_within_the_stroke_by_single_steps(
     ]
     words += [] if k2_us2 is None else ["--set", f"k2_us2={k2_us2}"]
     done = camsim(
-        "run",
-        table_of("perkins240"),
-        *words,
-        "--inject",
-        f"bus@{at_s}",
-        "--summary",
-        summary,
+        "run", table_of("perkins240"), *words, "--inject", f"bus@{at_s}", "--summary", summary
     )
     assert done.returncode == 1
     assert json.loads(summary.read_text())["faults"] == ["bus"]

@@ -100,17 +100,13 @@ def made(folder: Path, text: str, name: str) -> Path:
     deg = np.arange(0, 360, 1.5)
     points = zip(deg.tolist(), (1e3 * reduction_mm(deg)).tolist(), strict=True)
     rows = [f"{angle!r},0,{um!r}" for angle, um in points]
-    (folder / "mark.csv").write_text(
-        "\n".join(["angle_deg,z_mm,reduction_um", *rows]) + "\n"
-    )
+    (folder / "mark.csv").write_text("\n".join(["angle_deg,z_mm,reduction_um", *rows]) + "\n")
     (folder / f"{name}.toml").write_text(text)
     assert mktables([str(folder / f"{name}.toml"), "-o", str(folder)]) == 0
     return folder / f"{name}.camtab"
 
 
-def skirt(
-    folder: Path, direction: int, mode: str = "uniform", rpm: float = 600
-) -> Path:
+def skirt(folder: Path, direction: int, mode: str = "uniform", rpm: float = 600) -> Path:
     """Return the table of the marked skirt."""
     values = {"last": LAST_MM, "diameter": 2 * RADIUS_MM, "direction": direction}
     return made(folder, SKIRT.format(**values, mode=mode, rpm=rpm), "mark")
@@ -119,9 +115,7 @@ def skirt(
 def surface(table: Path, *words: str, status: int = 0) -> tuple[Floats, Floats, Floats]:
     """Cut a part; return turn, height and radius of its surface."""
     path, summary = table.with_name("s.csv"), table.with_name("s.json")
-    done = camsim(
-        "run", table, "--no-learning", "--surface", path, "--summary", summary, *words
-    )
+    done = camsim("run", table, "--no-learning", "--surface", path, "--summary", summary, *words)
     assert done.returncode == status, done.stderr
     turn, z_mm, radius_mm, *_ = columns_of(path).values()
     return turn, z_mm, radius_mm
@@ -129,9 +123,7 @@ def surface(table: Path, *words: str, status: int = 0) -> tuple[Floats, Floats, 
 
 @pytest.mark.parametrize("direction", SENSES)
 @pytest.mark.parametrize("more", [(), ("--set", "phase_udeg=25000000")])
-def test_marked_skirt_is_the_drawing(
-    tmp_path: Path, direction: int, more: tuple[str, ...]
-) -> None:
+def test_marked_skirt_is_the_drawing(tmp_path: Path, direction: int, more: tuple[str, ...]) -> None:
     """The mark lies at 30 degrees, not at 330, on a part that was turned by M3 or by M4."""
     turn, _, radius_mm = surface(skirt(tmp_path, direction), *more)
     assert turn.size > 10_000
@@ -142,9 +134,7 @@ def test_marked_skirt_is_the_drawing(
 
 
 @pytest.mark.parametrize("direction", SENSES)
-def test_eval_takes_and_gives_the_drawings_angle(
-    tmp_path: Path, direction: int
-) -> None:
+def test_eval_takes_and_gives_the_drawings_angle(tmp_path: Path, direction: int) -> None:
     """Value and both derivatives by the drawing's angle, whatever the sense of the table."""
     turn = np.random.default_rng(30).uniform(-3, 3, 2000)
     text = "turn,z_mm\n" + "".join(f"{one!r},7\n" for one in turn.tolist())
@@ -166,9 +156,7 @@ def test_gauge_sees_a_mirror_image(tmp_path: Path) -> None:
     report["table_crc32"] = int.from_bytes(table.read_bytes()[20:24], "little")
     table.with_suffix(".json").write_text(json.dumps(report))
     summary = table.with_name("s.json")
-    done = camsim(
-        "run", table, "--design", table.with_suffix(".json"), "--summary", summary
-    )
+    done = camsim("run", table, "--design", table.with_suffix(".json"), "--summary", summary)
     assert done.returncode == 1, done.stderr
     assert json.loads(summary.read_text())["form_error_um"]["max"] > 15
 
@@ -208,30 +196,16 @@ def test_program_cuts_the_drawing(tmp_path: Path, direction: int, mode: str) -> 
 @pytest.mark.parametrize(
     ("operation", "direction"), [("grinding", 1), ("grinding", -1), ("turning", -1)]
 )
-def test_two_lobes_at_their_phases(
-    tmp_path: Path, direction: int, operation: str
-) -> None:
+def test_two_lobes_at_their_phases(tmp_path: Path, direction: int, operation: str) -> None:
     """Both discs stand at 40 and -110 degrees; the tool keeps its rake whatever the sense."""
     table = made(tmp_path, CAM.format(direction=direction, operation=operation), "two")
     machine = ROOT / "host_sim" / "machines" / "cam.toml"
-    words = (
-        "--machine",
-        str(machine),
-        "--design",
-        str(table.with_suffix(".json")),
-        "--rpm",
-        "23",
-    )
+    words = ("--machine", str(machine), "--design", str(table.with_suffix(".json")), "--rpm", "23")
     turn, z_mm, radius_mm = surface(table, *words)
-    for low_mm, high_mm, phase_deg, disc_mm, off_mm in (
-        (0, 1, 40, 24, 4),
-        (2, 3, -110, 23, 3),
-    ):
+    for low_mm, high_mm, phase_deg, disc_mm, off_mm in ((0, 1, 40, 24, 4), (2, 3, -110, 23, 3)):
         here = (z_mm > low_mm) & (z_mm < high_mm)
         psi = 2 * np.pi * turn[here] - np.radians(phase_deg)
-        exact_mm = off_mm * np.cos(psi) + np.sqrt(
-            disc_mm**2 - off_mm**2 * np.sin(psi) ** 2
-        )
+        exact_mm = off_mm * np.cos(psi) + np.sqrt(disc_mm**2 - off_mm**2 * np.sin(psi) ** 2)
         assert here.sum() > 1000
         assert np.abs(radius_mm[here] - exact_mm).max() < 2e-4
     cam = json.loads(table.with_name("s.json").read_text())["cam"]
@@ -249,17 +223,13 @@ def test_eval_of_a_lobe_is_the_disc(tmp_path: Path, direction: int) -> None:
     rows = list(csv.DictReader(camsim("eval", table, stdin=text).stdout.splitlines()))
     psi = 2 * np.pi * turn - np.radians(40)
     centre_mm = 4 * np.cos(psi) + np.sqrt(34**2 - 16 * np.sin(psi) ** 2)
-    slope = -4 * np.sin(psi) - 16 * np.sin(psi) * np.cos(psi) / (
-        centre_mm - 4 * np.cos(psi)
-    )
+    slope = -4 * np.sin(psi) - 16 * np.sin(psi) * np.cos(psi) / (centre_mm - 4 * np.cos(psi))
     lift_nm = np.array([float(row["u_nm"]) for row in rows])
     slope_nm = np.array([float(row["u1_nm_per_rad"]) for row in rows])
     swing = np.array([float(row["swing_deg"]) for row in rows])
     assert np.abs(lift_nm - 1e6 * (centre_mm - 30)).max() < 20
     assert np.abs(slope_nm - 1e6 * slope).max() < 1e3
-    np.testing.assert_allclose(
-        swing, np.degrees(np.arctan2(slope, centre_mm)), atol=3e-4
-    )
+    np.testing.assert_allclose(swing, np.degrees(np.arctan2(slope, centre_mm)), atol=3e-4)
 
 
 def test_even_volume_is_as_even_with_m4(tmp_path: Path) -> None:
@@ -268,9 +238,7 @@ def test_even_volume_is_as_even_with_m4(tmp_path: Path) -> None:
     for direction in SENSES:
         table = skirt(tmp_path, direction, "equal-volume", 120)
         surface(table, "--set", "stopped_mrpm=3000")
-        found.append(
-            json.loads((tmp_path / "s.json").read_text())["removal"]["rate_ripple"]
-        )
+        found.append(json.loads((tmp_path / "s.json").read_text())["removal"]["rate_ripple"])
     assert found[1]["mean"] == pytest.approx(found[0]["mean"], rel=0.2)
     assert max(one["mean"] for one in found) < 0.02
 

@@ -26,9 +26,7 @@ CLOCK = re.compile(r'^\t"(wall_time_s|ticks_per_s)":.*$', re.MULTILINE)
 
 def files_of(folder: Path, table: Path, *words: str) -> tuple[Path, Path, Path]:
     """Let the program cut; return its surface, trace and summary."""
-    paths = tuple(
-        folder / name for name in ("surface.csv", "trace.csv", "summary.json")
-    )
+    paths = tuple(folder / name for name in ("surface.csv", "trace.csv", "summary.json"))
     surface, trace, summary = paths
     outs = ("--surface", surface, "--trace", trace, "--summary", summary)
     assert camsim("run", table, *CUT, *words, *outs).returncode in (0, 1)
@@ -106,11 +104,7 @@ def test_machine_by_name_path_text_and_tables(table: Path) -> None:
     [
         (["--trace", "t.csv"], None, "t.csv: results come back in memory"),
         (["--no-such"], None, "unknown option"),
-        (
-            [],
-            Machine("m.toml", "[u]\nbandwidth_hz = -1\n"),
-            "m.toml: line 2: u.bandwidth_hz",
-        ),
+        ([], Machine("m.toml", "[u]\nbandwidth_hz = -1\n"), "m.toml: line 2: u.bandwidth_hz"),
         (["--machine", "x.toml"], Machine("m.toml", ""), "x.toml"),
         (["--set", "k1_ns=x"], None, "--set k1_ns=x"),
         (["--help"], None, "camsim run --help"),
@@ -187,6 +181,4 @@ def test_progress_rises_to_the_end(table: Path) -> None:
     result = simulate(table, rpm=2500, progress=told.append)
     assert told == sorted(told)
     assert 0 < told[-1] <= 1
-    assert (
-        result.form_error_um == json.loads(result.summary_text)["form_error_um"]["max"]
-    )
+    assert result.form_error_um == json.loads(result.summary_text)["form_error_um"]["max"]

@@ -38,11 +38,7 @@ following_limit_nm = 300000
 def flow(pos: float, vel: float, rest: float, time_s: float) -> tuple[float, float]:
     """Return position and speed after a time about a place of rest."""
     q = OMEGA * np.sqrt(1 - DAMPING**2)
-    c, s, decay = (
-        np.cos(q * time_s),
-        np.sin(q * time_s),
-        np.exp(-DAMPING * OMEGA * time_s),
-    )
+    c, s, decay = np.cos(q * time_s), np.sin(q * time_s), np.exp(-DAMPING * OMEGA * time_s)
     off = pos - rest
     b = (vel + DAMPING * OMEGA * off) / q
     moved = decay * (off * c + b * s)

@@ -26,21 +26,13 @@ def radius(gain: float, rho: float, phi_rad: float, turns: int) -> float:
 @pytest.mark.parametrize("turns", [0, 1, 2])
 def test_the_bound_is_where_the_roots_leave_the_circle(turns: int) -> None:
     """MATHS.md (144), half to twice the gain and up to 80 degrees: the bound itself."""
-    for rho, phi_deg in itertools.product(
-        (0.5, 0.8, 1.0, 1.4, 2.0), range(-80, 81, 10)
-    ):
+    for rho, phi_deg in itertools.product((0.5, 0.8, 1.0, 1.4, 2.0), range(-80, 81, 10)):
         phi = np.radians(phi_deg)
         most = 2 * np.sin((np.pi / 2 - abs(phi)) / (2 * turns + 1)) / rho
-        assert (
-            radius(0.98 * most, rho, phi, turns)
-            < 1
-            < radius(1.02 * most, rho, phi, turns)
-        )
+        assert radius(0.98 * most, rho, phi, turns) < 1 < radius(1.02 * most, rho, phi, turns)
 
 
-def drive(
-    s: Complexes, bandwidth_hz: float, damping: float, delay_us: float
-) -> Complexes:
+def drive(s: Complexes, bandwidth_hz: float, damping: float, delay_us: float) -> Complexes:
     """Return the frequency response of a drive."""
     w = 2 * np.pi * bandwidth_hz
     response = np.exp(-s * delay_us * 1e-6) / (1 + 2 * damping * s / w + (s / w) ** 2)
@@ -51,16 +43,12 @@ def off_model(believed: dict[str, float], harmonics: Complexes) -> Complexes:
     """Return the true answer of U over that of the believed drive, both seen from the led angle."""
     s = 2j * np.pi * harmonics / TURN_S
     true = drive(s, 300, 0.7, 75)
-    of_model = drive(
-        s, believed["bandwidth_hz"], believed["damping"], believed["delay_us"]
-    )
+    of_model = drive(s, believed["bandwidth_hz"], believed["damping"], believed["delay_us"])
     return np.asarray(true / of_model, np.complex128)
 
 
 @pytest.mark.parametrize("machine", ["wrong", "perkins", "doubles"])
-def test_layer_1_is_stable_on_the_machines_that_are_believed_wrong(
-    machine: str,
-) -> None:
+def test_layer_1_is_stable_on_the_machines_that_are_believed_wrong(machine: str) -> None:
     """At the harmonics of an ellipse, with the answer of the believed drive and every gain."""
     text = (ROOT / "tests" / "learn" / "machines" / f"{machine}.toml").read_text()
     believed = tomllib.loads(text)["believed"]["u"]
@@ -85,12 +73,8 @@ def test_both_constants_follow_from_the_error_of_one_harmonic() -> None:
     answer = 1 / (1 + 1j * w * (k1 + by1) - w**2 * (k2 + by2))
     error = 1 - (1 + 1j * w * k1 - w**2 * k2) * answer
     v = answer
-    assert np.imag(error * np.conj(v)) / (w * abs(v) ** 2) == pytest.approx(
-        by1, rel=1e-9
-    )
-    assert -np.real(error * np.conj(v)) / (w**2 * abs(v) ** 2) == pytest.approx(
-        by2, rel=1e-9
-    )
+    assert np.imag(error * np.conj(v)) / (w * abs(v) ** 2) == pytest.approx(by1, rel=1e-9)
+    assert -np.real(error * np.conj(v)) / (w**2 * abs(v) ** 2) == pytest.approx(by2, rel=1e-9)
 
 
 def test_a_straight_line_between_two_ticks_costs_62_nanometres() -> None:

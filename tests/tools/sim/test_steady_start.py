@@ -22,20 +22,9 @@ def cut(
     """Cut 30 turns on the loose machine, with keys of its spindle replaced."""
     file, summary = folder / "m.toml", folder / "s.json"
     text = LOOSE.read_text()
-    file.write_text(
-        text.replace("bandwidth_rad_per_s = 5", machine) if machine else text
-    )
-    options: list[str | Path] = [
-        "--machine",
-        file,
-        "--rpm",
-        "3000",
-        "--summary",
-        summary,
-    ]
-    done = camsim(
-        "run", table, *options, "--tolerance-um", "1", "--turns-limit", "30", *words
-    )
+    file.write_text(text.replace("bandwidth_rad_per_s = 5", machine) if machine else text)
+    options: list[str | Path] = ["--machine", file, "--rpm", "3000", "--summary", summary]
+    done = camsim("run", table, *options, "--tolerance-um", "1", "--turns-limit", "30", *words)
     return done, json.loads(summary.read_text())
 
 
@@ -55,27 +44,10 @@ def test_first_turns_without_rehearsal_have_the_ripple_in_force(
 ) -> None:
     """A learned ripple of 1 % is never worse: it left 0.44 and 0.6 um instead of 0.14 and 0.39."""
     machine, summary = LOOSE.with_name("ripple.toml"), tmp_path / "s.json"
-    options: list[str | Path] = [
-        "--machine",
-        machine,
-        "--rpm",
-        rpm,
-        "--summary",
-        summary,
-    ]
-    options += [
-        "--set",
-        "rehearse_turns=0",
-        "--turns-limit",
-        "20",
-        "--tolerance-um",
-        "9",
-    ]
+    options: list[str | Path] = ["--machine", machine, "--rpm", rpm, "--summary", summary]
+    options += ["--set", "rehearse_turns=0", "--turns-limit", "20", "--tolerance-um", "9"]
     largest_um = []
-    for words in (
-        [],
-        ["--set", "ripple_turns=0", "--set", "observer_bandwidth_mHz=200000"],
-    ):
+    for words in ([], ["--set", "ripple_turns=0", "--set", "observer_bandwidth_mHz=200000"]):
         assert camsim("run", table_of("oval30"), *options, *words).returncode == 0
         largest_um.append(json.loads(summary.read_text())["form_error_um"]["max"])
     assert largest_um[0] < min(largest_um[1], 0.15)
@@ -85,10 +57,7 @@ def speeds(trace: Path) -> list[tuple[str, float, float]]:
     """Return state, turn and true speed in turns per second, for windows of a turn."""
     lines = [line.split(",") for line in trace.read_text().splitlines()]
     at = {name: lines[0].index(name) for name in ("t_s", "state", "true_turn")}
-    rows = [
-        (r[at["state"]], float(r[at["true_turn"]]), float(r[at["t_s"]]))
-        for r in lines[1:]
-    ]
+    rows = [(r[at["state"]], float(r[at["true_turn"]]), float(r[at["t_s"]])) for r in lines[1:]]
     found, begin = [], rows[0]
     for row in rows[1:]:
         if row[1] - begin[1] >= 1.0:
@@ -108,9 +77,7 @@ def test_no_turn_of_a_cut_is_unsteady(
     assert done.returncode == 0, done.stderr
     found = speeds(trace)
     change = [abs(b[2] / a[2] - 1) for a, b in pairwise(found)]
-    in_cut = [
-        c for c, row in zip(change, found[1:], strict=True) if row[0] == "cutting"
-    ]
+    in_cut = [c for c, row in zip(change, found[1:], strict=True) if row[0] == "cutting"]
     assert max(in_cut) < AGREEING
     assert max(change[3:]) > 4 * AGREEING  # the run-up itself is not steady
 

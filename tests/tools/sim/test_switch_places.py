@@ -21,11 +21,7 @@ def cut(folder: Path, table: bytes, **settings: int) -> list[Json]:
     """Return what the summary says of the switches of a short cut."""
     path = folder / "part.camtab"
     path.write_bytes(table)
-    words = [
-        word
-        for name, value in settings.items()
-        for word in ("--set", f"{name}={value}")
-    ]
+    words = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
     summary = folder / "s.json"
     machine = folder / "m.toml"
     machine.write_text("[spindle]\nripple = 0\n")
@@ -71,9 +67,7 @@ def test_switches_act_in_the_tick_nearest_to_their_windows(
         assert abs(error["max"]) <= 0.55 * DEG_PER_TICK + run_up_deg
 
 
-def test_height_opens_and_closes_a_switch(
-    tmp_path: Path, generated: GeneratedSkirt
-) -> None:
+def test_height_opens_and_closes_a_switch(tmp_path: Path, generated: GeneratedSkirt) -> None:
     """Two outputs with two windows of the height; one of them covers the whole turn."""
     first, second = cut(
         tmp_path,

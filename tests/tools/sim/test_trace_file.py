@@ -56,9 +56,7 @@ def test_every_number_is_that_of_the_text(text: Path, packed: Path) -> None:
             assert np.array_equal(found[name], np.array(cells[name], dtype=float)), name
 
 
-def test_what_is_told_once_gives_the_other_column_back(
-    text: Path, packed: Path
-) -> None:
+def test_what_is_told_once_gives_the_other_column_back(text: Path, packed: Path) -> None:
     """In whole numbers."""
     names, *rows = (line.split(",") for line in text.read_text("ascii").splitlines())
     for name, (other, n) in TOLD_TWICE.items():
@@ -79,17 +77,10 @@ def test_states_are_those_of_the_firmware() -> None:
     assert dict(enumerate(STATES)) == NAMES["state"]
 
 
-def test_other_tools_read_plain_numbers_within_a_quarter_of_a_digit(
-    packed: Path,
-) -> None:
+def test_other_tools_read_plain_numbers_within_a_quarter_of_a_digit(packed: Path) -> None:
     """Doubles and integers, and words; no decimals, which many do not know."""
     table = pq.read_table(packed, columns=["t_s", "radius_mm", "in_counts", "state"])
-    kinds = [
-        pa.float64(),
-        pa.float64(),
-        pa.int64(),
-        pa.dictionary(pa.int32(), pa.string()),
-    ]
+    kinds = [pa.float64(), pa.float64(), pa.int64(), pa.dictionary(pa.int32(), pa.string())]
     assert table.schema.types == kinds
     exact = read_columns(packed, ["radius_mm"])["radius_mm"]
     assert np.abs(table["radius_mm"].to_numpy() - exact).max() <= 0.25e-9
@@ -126,9 +117,7 @@ def test_it_takes_a_tenth_of_the_text(text: Path, packed: Path) -> None:
 
 
 @pytest.mark.parametrize(("content", "rows"), [(b"", None), (b"tick,t_s,state\n", 0)])
-def test_a_text_without_rows_is_no_error(
-    content: bytes, rows: int | None, tmp_path: Path
-) -> None:
+def test_a_text_without_rows_is_no_error(content: bytes, rows: int | None, tmp_path: Path) -> None:
     """Nothing at all is no file."""
     path = tmp_path / "trace.parquet"
     assert pack_trace(io.BytesIO(content), path) == 0
