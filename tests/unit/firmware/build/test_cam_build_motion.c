@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of motions by time and of what the axes are told, against their formulas in double.
+// Limits of motions by time and of the commands of the axes, against their formulas in double.
 #include "cam_build.h"
 #include "cam_gains.h"
 #include "hal_host.h"
@@ -112,57 +112,60 @@ static double unrest(void)
                 floor(config.spindle.counts_per_turn / 4.0));
 }
 
-static void expect_told(double feed_nm, double clearing_nm)
+static void expect_command(double feed_nm, double x_nm)
 {
     for (uint32_t axis = hal_axis_x; axis <= hal_axis_z; axis++) {
-        const double way_nm = feed_nm + (axis == hal_axis_x ? clearing_nm : 0.0);
+        const double way_nm = feed_nm + (axis == hal_axis_x ? x_nm : 0.0);
         const double by_unrest =
             way_nm * unrest() * 1024.0 / (config.spindle.counts_per_turn * ticks);
         const double v = floor(config.play.leave[axis].speed_q10 / ticks);
         const double change = floor(config.play.leave[axis].acceleration_q10 / ticks);
         const double most = v + v / 16.0 + by_unrest + 3072.0;
-        const double told = 2.0 * (change + by_unrest) + 3072.0;
+        const double most_change = 2.0 * (change + by_unrest) + 3072.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * by_unrest + 8.0, most, config.command.vel_q10[axis]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.04 * by_unrest + 8.0, told, config.command.change_q10[axis]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.04 * by_unrest + 8.0, most_change,
+                                  config.command.change_q10[axis]);
         TEST_ASSERT_EQUAL_INT32(4 * config.play.plan_ticks, config.command.jump_q10[axis]);
     }
 }
 
-/// However far a lag makes the controller read ahead of a spindle that is believed to be wild.
-static void test_told_is_bounded_by_a_quarter_of_a_turn(void)
+/// @return [nm] per turn by which X leaves its clearance
+static double clearing_nm(void)
 {
-    params.xz_lag_ns = 57608496;
-    params.spindle_acceleration_mrad_per_s2 = 2000000000;
-    build(2000);
-    TEST_ASSERT_EQUAL_DOUBLE(config.spindle.counts_per_turn / 4, unrest());
-    expect_told(config.play.feed_nm,
-                config.play.x_clearance_nm * 15.0 / 8.0 / (double)(config.play.engage_q32 >> 32));
+    const double turns = (double)(config.play.engage_q32 >> 32);
+    return config.play.x_clearance_nm * 15.0 / 8.0 / turns;
 }
 
-/// X and Z may change by twice their acceleration and what the encoder makes of their way of a
-/// turn; X also leaves its clearance, at 15 / 8 of its mean speed over the turns of the ramp.
-static void test_told_is_bounded_by_acceleration_and_encoder(void)
+/// X and Z may change by twice their acceleration and by the way of a turn times the unrest of the
+/// encoder; X also leaves its clearance, at 15 / 8 of its mean speed over the turns of the ramp.
+static void test_command_is_bounded_by_acceleration_and_encoder(void)
 {
     for (int i = 0; i < 3; i++) {
+        params = cam_param_defaults();
         params.x_clearance_nm = 0;
         params.feed_nm = 1500000;
         build(rates_hz[i]);
-        expect_told(config.play.feed_nm, config.play.x_clearance_nm * 15.0 / 8.0 /
-                                             (double)(config.play.engage_q32 >> 32));
+        expect_command(config.play.feed_nm, clearing_nm());
         params.x_clearance_nm = 8000000;
         params.engage_turns = 4;
         params.disengage_turns = 7;
         build(rates_hz[i]);
         TEST_ASSERT_EQUAL_INT32(8000000, config.play.x_clearance_nm);
-        expect_told(config.play.feed_nm, 8e6 * 15.0 / 8.0 / 4.0);
+        expect_command(config.play.feed_nm, 8e6 * 15.0 / 8.0 / 4.0);
         params.engage_turns = 5;
         params.disengage_turns = 2;
         params.jump_window_counts = 300;
         params.spindle_acceleration_mrad_per_s2 = 40000000;
         build(rates_hz[i]);
-        expect_told(config.play.feed_nm, 8e6 * 15.0 / 8.0 / 2.0);
-        params = cam_param_defaults();
+        expect_command(config.play.feed_nm, 8e6 * 15.0 / 8.0 / 2.0);
     }
+    // However far a lag makes the controller read ahead of a spindle that is believed to be wild.
+    params = cam_param_defaults();
+    params.xz_lag_ns = 57608496;
+    params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    build(2000);
+    TEST_ASSERT_EQUAL_DOUBLE(config.spindle.counts_per_turn / 4, unrest());
+    expect_command(config.play.feed_nm, clearing_nm());
 }
 
 /// A Z that others move is told where it is; X over it follows its measurement.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Windows of the position switches, to the last digit of what the interrupt gets of them.
+// Windows of the position switches, to the last digit of the interrupt's numbers.
 #include "cam_build_inner.h"
 #include "unity.h"
 
@@ -43,58 +43,42 @@ static void test_outputs_up_to_the_last_in_use_are_built(void)
     TEST_ASSERT_EQUAL_UINT32(8, cam_windows_build(&params, 1, tick_hz).n);
 }
 
-static void test_window_is_as_wide_as_from_its_one_end_to_its_other(void)
-{
-    between(10, 20);
-    TEST_ASSERT_EQUAL_UINT32(turn_q32(10), built(1).width_q32);
-    between(350, 10);
-    TEST_ASSERT_EQUAL_UINT32(turn_q32(20), built(1).width_q32);
-    between(10, 9);
-    TEST_ASSERT_EQUAL_UINT32(turn_q32(359), built(1).width_q32);
-    between(30, 30);
-    TEST_ASSERT_EQUAL_UINT32(0, built(1).width_q32);
-    between(0, 360);
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, built(1).width_q32);
-}
-
 /// Where the interrupt's angle falls with the drawing's, the window begins at its other end.
-static void test_window_begins_at_the_end_that_is_passed_first(void)
+/// Several windows per turn are those of a faster angle, of which a quarter is all. The hysteresis
+/// is at most a quarter of the window.
+static void test_window_and_hysteresis_are_those_of_the_angles(void)
 {
-    between(10, 20);
-    TEST_ASSERT_EQUAL_UINT32(turn_q32(10), built(1).from_q32);
-    TEST_ASSERT_EQUAL_UINT32(0u - turn_q32(20), built(-1).from_q32);
-    TEST_ASSERT_EQUAL_UINT32(turn_q32(10), built(-1).width_q32);
+    static const struct {
+        int32_t on_deg, off_deg, per_turn, sense, hysteresis_udeg;
+        int32_t from_deg; ///< [1 deg of the faster angle]
+        uint32_t width_q32, hysteresis_q32;
+    } rows[] = {
+        {10, 20, 1, 1, 0, 10, 119304647, 0},
+        {10, 20, 1, -1, 1000000, 20, 119304647, per_degree_q32},
+        {350, 10, 1, 1, 0, 350, 238609294, 0},
+        {10, 9, 1, 1, 0, 10, 4283036831u, 0},
+        {30, 30, 1, 1, 0, 30, 0, 0},
+        {0, 360, 1, 1, 0, 0, UINT32_MAX, 0},
+        {10, 20, 4, 1, 5000000, 40, 477218588, 29826161},
+        {10, 110, 4, 1, 0, 40, UINT32_MAX, 0},
+        {10, 20, 1, 1, 2499999, 10, 119304647, 29826150},
+        {10, 20, 1, 1, 5000000, 10, 119304647, 29826161},
+    };
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        between(rows[i].on_deg, rows[i].off_deg);
+        params.switch_3_per_turn = rows[i].per_turn;
+        params.switch_3_hysteresis_udeg = rows[i].hysteresis_udeg;
+        const cam_switch_config_t c = built(rows[i].sense);
+        const uint32_t slack = rows[i].per_turn == 1 ? 0 : 4;
+        TEST_ASSERT_EQUAL_UINT32(rows[i].per_turn, c.per_turn);
+        const uint32_t from_q32 = turn_q32(rows[i].from_deg);
+        TEST_ASSERT_UINT32_WITHIN(slack, rows[i].sense > 0 ? from_q32 : 0u - from_q32, c.from_q32);
+        TEST_ASSERT_UINT32_WITHIN(slack, rows[i].width_q32, c.width_q32);
+        TEST_ASSERT_UINT32_WITHIN(slack, rows[i].hysteresis_q32, c.hysteresis_q32);
+    }
 }
 
-static void test_several_windows_per_turn_are_those_of_a_faster_angle(void)
-{
-    between(10, 20);
-    params.switch_3_per_turn = 4;
-    const cam_switch_config_t c = built(1);
-    TEST_ASSERT_EQUAL_UINT32(4, c.per_turn);
-    TEST_ASSERT_UINT32_WITHIN(4, turn_q32(40), c.from_q32);
-    TEST_ASSERT_UINT32_WITHIN(4, turn_q32(40), c.width_q32);
-    between(10, 110);
-    params.switch_3_per_turn = 4; // more than a quarter of a turn is all of it
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, built(1).width_q32);
-}
-
-static void test_hysteresis_is_at_most_a_quarter_of_the_window(void)
-{
-    between(10, 20);
-    params.switch_3_hysteresis_udeg = 1000000;
-    TEST_ASSERT_EQUAL_UINT32(per_degree_q32, built(1).hysteresis_q32);
-    params.switch_3_hysteresis_udeg = 2499999;
-    TEST_ASSERT_UINT32_WITHIN(13, turn_q32(10) / 4u - 12u, built(1).hysteresis_q32);
-    params.switch_3_hysteresis_udeg = 5000000;
-    TEST_ASSERT_EQUAL_UINT32(turn_q32(10) / 4u, built(1).hysteresis_q32);
-    params.switch_3_per_turn = 4;
-    TEST_ASSERT_EQUAL_UINT32(turn_q32(10) / 4u, built(1).hysteresis_q32);
-    params.switch_3_hysteresis_udeg = 0;
-    TEST_ASSERT_EQUAL_UINT32(0, built(1).hysteresis_q32);
-}
-
-/// A switch is told ahead by its dead time and by half of a tick, for the middle of that.
+/// A switch is commanded ahead by its dead time and by half a tick, for the middle of the tick.
 static void test_dead_time_and_half_a_tick_are_looked_ahead(void)
 {
     between(10, 20);

@@ -2,31 +2,20 @@
 // How far U is commanded with its feed-forward, against the surface that the table was made of.
 #include "cam_command.h"
 #include "cam_feasible.h"
-#include "fixture_image.h"
-#include "unity.h"
+#include "image_bench.h"
 #include <math.h>
 
-static fixture_image_t image;
-static cam_table_t table;
 static cam_params_t params;
-static fixture_part_t part;
 static const double pi = 3.14159265358979323846;
 
-void setUp(void)
+static void load(void)
 {
-    part = fixture_part_short();
+    make();
     params = cam_param_defaults();
     params.u_speed_um_per_s = 10000000;
     params.u_acceleration_mm_per_s2 = 10000000;
     params.spindle_limit_mrpm = 6000000;
     params.spindle_acceleration_mrad_per_s2 = 2000000000;
-}
-
-static void load(void)
-{
-    fixture_image_make(&image, &part);
-    fixture_image_seal(&image);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
 }
 
 static cam_cut_t cut_at(uint32_t mrpm)
@@ -157,18 +146,13 @@ static void test_refused_with_the_numbers(void)
                           cam_feasible_check(&table, &params, f.highest_mrpm + 1u, 20000));
 }
 
-/// @return bound of u''' of G/4 (1 - cos 2 theta), G = 0.3 mm: 2 G
-static double third_nm(void)
-{
-    return 600000.0;
-}
-
-/// The quintics between the knots jump in their third derivative, by a few per cent of it.
+/// u''' of G/4 (1 - cos 2 theta), G = 0.3 mm, is at most 2 G. The quintics between the knots jump
+/// in their third derivative, by a few per cent of it.
 static void test_third_derivative_is_bounded(void)
 {
     load();
-    TEST_ASSERT_TRUE(table.u3_peak_nm_per_rad3 >= third_nm());
-    TEST_ASSERT_TRUE(table.u3_peak_nm_per_rad3 <= 1.15 * third_nm());
+    TEST_ASSERT_TRUE(table.u3_peak_nm_per_rad3 >= 600000);
+    TEST_ASSERT_TRUE(table.u3_peak_nm_per_rad3 <= 1.15 * 600000);
 }
 
 /// Needed are the peaks, allowed the limits with the jerk of a motion by time: 2 a over a window
@@ -197,16 +181,7 @@ static void test_speed_and_acceleration_of_the_command_have_all_their_terms(void
     const double a_most = 20000.0 + k1 * jerk + 2.0 * k2 * jerk * 20000.0;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * a_most, a_most, (double)bend.limit);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * (a + k1 * j), a + k1 * j, (double)bend.needed);
-}
-
-/// Without k1 the acceleration of the command is that of U, u'' omega^2.
-static void test_acceleration_of_the_command_without_k1_is_that_of_u(void)
-{
-    load();
-    params.k2_us2 = 3000000;
-    const cam_cut_t cut = cut_at(3000000);
-    const double omega = 3000.0 * pi / 30.0;
-    const double a = 1e-6 * table.u2_peak_nm_per_rad2 * omega * omega; // [mm/s2]
+    params.k1_ns = 0; // there it is that of U
     TEST_ASSERT_DOUBLE_WITHIN(1e-4 * a, a, (double)cam_command_acceleration_demand(&cut).needed);
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the change from slice to slice demands of U and of the swing, compared with doubles and with
-// the set-points of a simulated cut.
+// Demands of the change from slice to slice on U and on the swing, and of a speed channel on the
+// spindle, compared with doubles and with the set-points of a simulated cut.
 #include "cam_demand.h"
 #include "cam_feasible.h"
 #include "fixture_play.h"
 #include "fixture_shaft.h"
 #include "unity.h"
+#include <math.h>
 #include <stdlib.h>
 
 static fixture_play_t f;
@@ -17,9 +18,14 @@ void setUp(void)
     part = fixture_part_short();
 }
 
+static cam_feasibility_t judge_at(uint32_t mrpm)
+{
+    return cam_feasible(&f.table, &f.params, mrpm, FIXTURE_PLAY_HZ);
+}
+
 static cam_feasibility_t judge(void)
 {
-    return cam_feasible(&f.table, &f.params, 2400000, FIXTURE_PLAY_HZ); // 40 turns per second
+    return judge_at(2400000); // 40 turns per second
 }
 
 static void expect_needed(cam_err_t err, double needed)
@@ -41,8 +47,9 @@ static void init_changing(void)
     f.params.z_speed_um_per_s = 10000000;
 }
 
-/// The sum of u'' omega^2, 2 d2u/dz dphi v omega, the jump within a tick, and du/dz a.
-static void test_acceleration_of_u_has_all_its_terms(void)
+/// The sum of u'' omega^2, 2 d2u/dz dphi v omega, the jump within a tick, and du/dz a; of the
+/// speed, u' omega and du/dz v.
+static void test_acceleration_and_speed_of_u_have_all_their_terms(void)
 {
     init_changing();
     f.params.feed_nm = 100000;
@@ -51,32 +58,26 @@ static void test_acceleration_of_u_has_all_its_terms(void)
     const double omega = 80.0 * pi;
     const double rate = 4000000.0 / 100000.0;               // slices per second
     const double rise = 100.0 * 1600.0 * 1000.0 / 100000.0; // slices per second squared
-    const double turning = (double)f.table.u2_peak_nm_per_rad2 * 1e-6 * omega * omega;
-    const double along = 2.0 * 80000e-6 * rate * omega;
-    expect_needed(cam_err_u_acceleration,
-                  turning + along + 60000e-6 * rate * 20000.0 + 50000e-6 * rise);
+    const double sum = (double)f.table.u2_peak_nm_per_rad2 * 1e-6 * omega * omega +
+                       2.0 * 80000e-6 * rate * omega + 60000e-6 * rate * 20000.0 + 50000e-6 * rise;
+    expect_needed(cam_err_u_acceleration, sum);
     f.params.amplitude_ppm = 500000;
-    expect_needed(cam_err_u_acceleration,
-                  (turning + along + 60000e-6 * rate * 20000.0 + 50000e-6 * rise) / 2.0);
-}
-
-static void test_speed_of_u_has_both_its_terms(void)
-{
+    expect_needed(cam_err_u_acceleration, sum / 2.0);
     init_changing();
     f.params.feed_nm = 1000000;
     f.params.u_speed_um_per_s = 1000;
-    const double needed = (double)f.table.u1_peak_nm_per_rad * 1e-3 * 80.0 * pi + 50.0 * 400.0;
-    expect_needed(cam_err_u_speed, needed);
+    expect_needed(cam_err_u_speed, f.table.u1_peak_nm_per_rad * 1e-3 * omega + 50.0 * 400.0);
 }
 
-/// The largest feed is feasible, and one of 0.2 % more is not; likewise the highest speed.
+/// The largest feed is feasible, and one of 0.2 % more is not; likewise the highest speed. Against
+/// the stroke neither helps.
 static void test_largest_feed_and_highest_speed_are_edges(void)
 {
     init_changing();
     f.table.limit_u_acceleration_mm_per_s2 = 40000;
     f.params.u_acceleration_mm_per_s2 = 40000;
     f.params.feed_nm = 500000;
-    const cam_feasibility_t why = judge();
+    cam_feasibility_t why = judge();
     TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
     TEST_ASSERT_GREATER_THAN_UINT32(10000, why.largest_feed_nm);
     f.params.feed_nm = (int32_t)why.largest_feed_nm;
@@ -84,20 +85,11 @@ static void test_largest_feed_and_highest_speed_are_edges(void)
     f.params.feed_nm += f.params.feed_nm / 500;
     TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, judge().err);
     f.params.feed_nm = 500000;
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_feasible(&f.table, &f.params, why.highest_mrpm, FIXTURE_PLAY_HZ).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge_at(why.highest_mrpm).err);
     TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration,
-                          cam_feasible(&f.table, &f.params,
-                                       why.highest_mrpm + why.highest_mrpm / 500u, FIXTURE_PLAY_HZ)
-                              .err);
-}
-
-/// A smaller feed does not help against the stroke.
-static void test_no_feed_helps_where_the_feed_does_not_count(void)
-{
-    fixture_play_init(&f, &part);
+                          judge_at(why.highest_mrpm + why.highest_mrpm / 500u).err);
     f.params.u_stroke_nm = 100000;
-    const cam_feasibility_t why = judge();
+    why = judge();
     TEST_ASSERT_EQUAL_INT(cam_err_u_stroke, why.err);
     TEST_ASSERT_EQUAL_UINT32(0, why.largest_feed_nm);
     TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
@@ -126,22 +118,13 @@ static void test_swing_has_the_same_terms(void)
     TEST_ASSERT_EQUAL_INT(cam_err_swing_acceleration, why.err);
     TEST_ASSERT_DOUBLE_WITHIN(0.003 * feeding + 2e-3 * turning, turning + feeding,
                               (double)why.needed);
-}
-
-static void test_speed_of_the_swing_is_that_of_its_slope(void)
-{
-    part = fixture_part_swung();
-    fixture_play_init(&f, &part);
-    f.table.swing_change = (cam_change_t){0};
-    f.params.swing_range_mdeg = 30000;
+    f.table.swing_change = (cam_change_t){0}; // the speed is that of the slope
     f.params.swing_speed_mdeg_per_s = 1000;
-    f.params.swing_acceleration_deg_per_s2 = 100000000;
     const double first = f.table.swing.first_mdeg_per_rad;
-    const cam_feasibility_t why = judge();
-    TEST_ASSERT_EQUAL_INT(cam_err_swing_speed, why.err);
-    TEST_ASSERT_DOUBLE_WITHIN(3.0 * 80.0 * pi, (first + 2.0) * 80.0 * pi, (double)why.needed);
-    TEST_ASSERT_GREATER_THAN_UINT32(6000,
-                                    f.table.swing.first_mdeg_per_rad); // so that this is sharp
+    TEST_ASSERT_TRUE(first > 6000.0); // so that this is sharp
+    const cam_feasibility_t slow = judge();
+    TEST_ASSERT_EQUAL_INT(cam_err_swing_speed, slow.err);
+    TEST_ASSERT_DOUBLE_WITHIN(3.0 * omega, (first + 2.0) * omega, (double)slow.needed);
 }
 
 /// The ovality steps by 20 um between two slices.
@@ -209,7 +192,7 @@ static void test_patterns_of_a_low_shaft_do_not_drift(void)
 }
 
 /// What no speed helps against is refused by its own error.
-static void test_what_the_table_cannot_be_cut_with_is_told(void)
+static void test_parameters_that_do_not_fit_the_table_are_refused(void)
 {
     fixture_play_init(&f, &part);
     TEST_ASSERT_EQUAL_INT(cam_ok, judge().err);
@@ -222,4 +205,37 @@ static void test_what_the_table_cannot_be_cut_with_is_told(void)
     TEST_ASSERT_EQUAL_INT(cam_err_override_measured, judge().err);
     f.table.has_stations = true;
     TEST_ASSERT_EQUAL_INT(cam_err_z_stations, judge().err);
+}
+
+/// A loop of 10 rad/s is too slow for the fall of the ratio, 0.75 / rad, at 200 r/min; one of 40
+/// rad/s has set-points beyond the highest speed. Without a modulation any loop will do.
+static void test_modulation_demands_a_fast_spindle(void)
+{
+    const double omega = 200.0 * pi / 30.0;
+    part = fixture_part_modulated();
+    fixture_play_init(&f, &part);
+    f.params.spindle_lag_us = 100000;
+    f.params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    f.params.spindle_limit_mrpm = 60000000;
+    const cam_feasibility_t slow = judge_at(200000);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_loop, slow.err);
+    TEST_ASSERT_EQUAL_INT64(10000, slow.limit);
+    TEST_ASSERT_DOUBLE_WITHIN(20.0, 750.0 * omega, (double)slow.needed);
+    TEST_ASSERT_DOUBLE_WITHIN(200.0, 10.0 / 0.75 * 30e3 / pi, slow.highest_mrpm);
+    f.params.spindle_lag_us = 25000;
+    f.params.spindle_limit_mrpm = 310000; // r is up to 1.425: 285 r/min
+    const cam_feasibility_t why = judge_at(200000);
+    double most = 0.0;
+    for (int i = 0; i < 1000; i++) {
+        double r[3];
+        fixture_ratio(2.0 * pi * i / 1000.0, 0.0, r);
+        most = fmax(most, r[0] + omega * 0.025 * r[0] * r[1]);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_set_point, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(0.003 * 200e3 * most, 200e3 * most, (double)why.needed);
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge_at(why.highest_mrpm).err);
+    part = fixture_part_short();
+    fixture_play_init(&f, &part);
+    f.params.spindle_lag_us = 1000000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge_at(200000).err);
 }

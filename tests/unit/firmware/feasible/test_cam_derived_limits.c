@@ -176,31 +176,24 @@ static void test_usual_observer_is_a_twentieth_of_a_slow_tick(void)
 }
 
 /// Braking tick by tick ends up to an eighth of the acceleration beyond the target
-/// (cam_move_profile.c).
+/// (cam_move_profile.c). test_cam_build_motion.c has the room for the feed-forward. In a stroke
+/// that is shorter than the room U stays where it is.
 static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
 {
+    static const struct {
+        uint32_t tick_hz;
+        int32_t stroke_nm, retract_nm;
+    } rows[] = {{1000, 800000, 400000 - 31251}, {20000, 800000, 400000 - 79}, {1000, 1000, 0}};
     cam_config_t config = {0};
-    params.u_stroke_nm = 800000;
     params.observer_bandwidth_mHz = 50000;
-    params.k1_ns = 0;
-    params.k2_us2 = 0;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 1000, 200000000));
-    TEST_ASSERT_EQUAL_INT64(-(400000 - 31251) * INT64_C(1024), config.play.u_retract_q10);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
-    TEST_ASSERT_EQUAL_INT64(-(400000 - 79) * INT64_C(1024), config.guard.u_retract_q10);
-    params.u_stroke_nm = 1000; // shorter than the room: U stays where it is
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 1000, 200000000));
-    TEST_ASSERT_EQUAL_INT64(0, config.play.u_retract_q10);
-    params.u_stroke_nm =
-        800000; // the feed-forward runs ahead where a short motion turns to braking
-    params.k1_ns = 742723;
-    params.k2_us2 = 281448;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
-    const double a = config.guard.leave.acceleration_q10 / 1024.0; // [nm / tick^2]
-    const double over =
-        68.474; // [ticks^2] passed by a motion that was played: k1 14.854, k2 112.56
-    const double room_nm = 400000.0 + (double)config.guard.u_retract_q10 / 1024.0;
-    TEST_ASSERT_TRUE(room_nm >= 625.0 / 8.0 + a * over && room_nm <= 625.0 + 1.05 * a * over);
+    params.k1_ns = params.k2_us2 = 0;
+    for (int i = 0; i < 3; i++) {
+        params.u_stroke_nm = rows[i].stroke_nm;
+        TEST_ASSERT_EQUAL_INT(
+            cam_ok, cam_build_config(&config, &params, NULL, 0, rows[i].tick_hz, 200000000));
+        TEST_ASSERT_EQUAL_INT64(-rows[i].retract_nm * INT64_C(1024), config.play.u_retract_q10);
+        TEST_ASSERT_EQUAL_INT64(config.play.u_retract_q10, config.guard.u_retract_q10);
+    }
 }
 
 /// 600 Hz and 0.2 % of the counts are 1.6 kHz at 25 counts per tick, 9.6 r/min of 10 000 counts.

@@ -2,7 +2,6 @@
 // Windows that follow from jerks, and gains that are refused, against MATHS.md (212), (213) in
 // double.
 #include "cam_gains.h"
-#include "cam_build.h"
 #include "hal_host.h"
 #include "rig_bench.h"
 #include <math.h>
@@ -86,28 +85,6 @@ static void test_refused_gain_is_named_with_the_largest_that_would_do(void)
     TEST_ASSERT_EQUAL_INT64(2560000, refusal->why.limit); // 0.4 m/s * 3.2 ms / (2 * 250 m/s2)
     TEST_ASSERT_EQUAL_INT32(0, rig.machine.params.k2_us2);
     set(cam_param_k2_us2, 2560000);
-}
-
-/// Of all gains that are accepted the retract's own numbers tell U no more than its speed.
-static void test_accepted_gains_leave_the_retract_within_the_speed_of_u(void)
-{
-    cam_config_t config = {0};
-    for (int32_t k1_ns = 0; k1_ns <= 3000000; k1_ns += 200000) {
-        cam_params_t p = usual();
-        p.k1_ns = k1_ns;
-        if (cam_build_config(&config, &p, NULL, 0, 20000, 200000000) != cam_ok) {
-            TEST_ASSERT_GREATER_THAN_INT32(2000000, k1_ns);
-            continue;
-        }
-        const cam_motion_limits_t *leave = &config.guard.leave;
-        const double n = ldexp(1.0, (int)leave->log2_window);
-        const double k1 = config.command.by_time.k1_q16 / 65536.0;
-        const double begin =
-            leave->acceleration_q10 * (n / 2.0 + k1 + config.command.by_time.k2_q16 / 65536.0 / n);
-        const double end = leave->speed_q10 + leave->acceleration_q10 * fmax(k1 - n / 2.0, 0.0);
-        TEST_ASSERT_TRUE(begin <= 0.76 * config.guard.u.speed_q10);
-        TEST_ASSERT_TRUE(end <= config.guard.u.speed_q10);
-    }
 }
 
 /// The least jerk of an axis is that of the longest window, 64 ticks of U or plans of X and Z:
