@@ -1,134 +1,542 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong outside ends the work of a whole controller in time. Each limit, and where its
-// fault is armed, is judged by test_cam_guard_limits.c.
+// The guard alone: each fault at its limit and one step beyond, in every state, as FAULTS.md has
+// it. Then the retract of a whole controller: no axis exceeds its limits, and a late tick that is
+// no fault causes none.
+#include "cam_build.h"
+#include "cam_guard.h"
 #include "rig_bench.h"
 #include <math.h>
 
-static void expect_within(cam_fault_t fault, uint32_t ticks)
+static cam_config_t config;
+static const cam_guard_config_t *cfg = &config.guard;
+static cam_guard_t guard;
+static cam_sense_t in;
+static cam_angle_t angle;
+static cam_want_t want;
+static cam_motion_t motion;
+
+/// Set up the guard alone, without a controller.
+static void reset(void)
 {
-    const uint32_t passed = fixture_rig_until(&rig, cam_state_fault, ticks + 1u);
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(ticks, passed, cam_fault_name(fault));
-    const cam_status_t status = fixture_rig_status(&rig);
-    TEST_ASSERT_BITS_HIGH_MESSAGE(UINT32_C(1) << fault, status.first_fault, cam_fault_name(fault));
-    TEST_ASSERT_EQUAL_UINT32(1, status.fault_count[fault]);
+    const cam_params_t params = cam_param_defaults();
+    memset(&config, 0, sizeof config);
+    memset(&guard, 0, sizeof guard);
+    memset(&motion, 0, sizeof motion);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_build_config(&config, &params, NULL, 3030000, 20000, 200000000));
+    in = (cam_sense_t){.inputs = hal_in_drive_ready};
+    angle = (cam_angle_t){.speed_q32 = 8947849, .is_synced = true};
+    want = (cam_want_t){.spindle_mrpm = 2500000};
 }
 
-/// Bring the spindle to a speed without a jump, 0.13 s from 2500 r/min to 0.
-static void turn_at(double rpm)
+/// A tick behind a plan. @return what is written
+static cam_want_t tick(void)
 {
-    rig.lathe.is_spindle_held = true;
-    while (fabs(rpm - rig.lathe.rpm) > 1.0 && fixture_rig_state() != cam_state_fault) {
-        rig.lathe.rpm += rpm > rig.lathe.rpm ? 1.0 : -1.0;
-        fixture_rig_tick(&rig);
+    cam_tick_record_t r = {.in = in, .angle = angle, .want = want};
+    r.want.faults |= angle.faults | cam_sense_faults(&in) | cam_guard_plan_isr(&guard, cfg, &r);
+    cam_guard_step_isr(&guard, cfg, &r, &motion);
+    return r.want;
+}
+
+/// Set up a machine in a state without any fault.
+static void begin(cam_state_t state)
+{
+    reset();
+    want.state = motion.state = state;
+    for (int i = 0; i < 3; i++) {
+        (void)tick();
     }
-    rig.lathe.rpm = rpm;
+    TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
 }
 
-static void come_late(void)
+/// Bring the machine to the limit of one fault with `beyond` = 0, or one step beyond it with 1.
+static void cause(cam_fault_t fault, int32_t beyond)
 {
-    hal_host_fault_late(51);
+    const uint32_t mask = beyond != 0 ? UINT32_C(1) << fault : 0u;
+    switch (fault) {
+    case cam_fault_estop:
+        in.inputs |= beyond != 0 ? (uint32_t)hal_in_estop : 0u;
+        break;
+    case cam_fault_drive:
+        in.inputs &= beyond != 0 ? ~(uint32_t)hal_in_drive_ready : UINT32_MAX;
+        break;
+    case cam_fault_bus:
+        in.inputs |= beyond != 0 ? (uint32_t)hal_in_bus_lost : 0u;
+        break;
+    case cam_fault_late_tick:
+    case cam_fault_encoder_jump:
+    case cam_fault_lost_counts:
+    case cam_fault_index_missing:
+        angle.faults = mask;
+        break;
+    case cam_fault_z_range:
+    case cam_fault_table:
+    case cam_fault_swing:
+    case cam_fault_command:
+    case cam_fault_corrupt:
+    case cam_fault_u_travel:
+    case cam_fault_u_runaway:
+    case cam_fault_u_force:
+        want.faults = mask;
+        break;
+    case cam_fault_reverse:
+        angle.speed_q32 = -17896 - beyond;
+        break;
+    case cam_fault_spindle_stopped:
+        angle.speed_q32 = 17895;
+        guard.n_stopped =
+            (want.state == cam_state_homing ? 200000u : 2000u) - cfg->plan_ticks + (uint32_t)beyond;
+        break;
+    case cam_fault_overspeed:
+        angle.speed_q32 = 10844792 + beyond; // 3030 r/min
+        break;
+    case cam_fault_following_error:
+        in.actual_nm[hal_axis_u] = 100000 + beyond;
+        break;
+    case cam_fault_setpoint_speed: // with the speed of the step before: no acceleration
+        guard.u_step_q6 = cfg->u_vel_q6;
+        want.u_set_q6 = guard.u_set_q6 + cfg->u_vel_q6 + beyond;
+        break;
+    case cam_fault_setpoint_acceleration:
+        want.u_set_q6 = guard.u_set_q6 - cfg->u_acc_q6 - beyond;
+        break;
+    case cam_fault_setpoint_range:
+        guard.u_set_q6 = want.u_set_q6 = cfg->u_range_q6 + beyond;
+        break;
+    case cam_n_faults:
+        break;
+    }
 }
 
-static void jump(void)
+/// The table of FAULTS.md, column "armed in", by hand: o off, h homing, r ready, w in work, f
+/// fault, m manual.
+static bool is_armed(cam_fault_t fault, cam_state_t state)
 {
-    hal_host_fault_counts(10);
-}
-
-static void lose_a_count(void)
-{
-    hal_host_fault_counts(-1);
-}
-
-static void lose_the_index(void)
-{
-    hal_host_fault_index_dead(true);
-}
-
-static void stand(void)
-{
-    turn_at(0.0);
-}
-
-static void race(void)
-{
-    turn_at(3020.0); // highest 3000 and one percent
-    fixture_rig_ticks(&rig, 200);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
-    turn_at(3040.0);
-}
-
-static void push_u(void)
-{
-    rig.lathe.error_nm[hal_axis_u] = -100010;
-}
-
-static void push_z(void)
-{
-    rig.lathe.is_held[hal_axis_z] = true;
-    hal_host.in.axis_nm[hal_axis_z] += 150000;
-}
-
-static void test_guard_ends_the_work_for_what_goes_wrong_outside(void)
-{
-    static const struct {
-        cam_state_t state;
-        void (*cause)(void);
-        cam_fault_t fault;
-        uint32_t ticks; ///< a turn is 480, from plan to plan 8
-    } cases[] = {
-        {cam_state_cutting, come_late, cam_fault_late_tick, 1},
-        {cam_state_cutting, jump, cam_fault_encoder_jump, 1},
-        {cam_state_cutting, lose_a_count, cam_fault_lost_counts, 480},
-        {cam_state_cutting, lose_the_index, cam_fault_index_missing, 541},
-        {cam_state_cutting, stand, cam_fault_spindle_stopped, 2000 + 400},
-        {cam_state_homing, stand, cam_fault_spindle_stopped, 200000 + 1000},
-        {cam_state_cutting, race, cam_fault_overspeed, 200},
-        {cam_state_ready, push_u, cam_fault_following_error, 1},
-        {cam_state_cutting, push_z, cam_fault_z_range, 9},
+    static const char *const armed[cam_n_faults] = {
+        [cam_fault_estop] = "hrwfm",
+        [cam_fault_drive] = "hrwfm",
+        [cam_fault_bus] = "hrwfm",
+        [cam_fault_late_tick] = "hrwm",
+        [cam_fault_encoder_jump] = "rw",
+        [cam_fault_lost_counts] = "rw",
+        [cam_fault_index_missing] = "hrw",
+        [cam_fault_reverse] = "w",
+        [cam_fault_spindle_stopped] = "hw",
+        [cam_fault_overspeed] = "w",
+        [cam_fault_following_error] = "rwm",
+        [cam_fault_setpoint_speed] = "rwm",
+        [cam_fault_setpoint_acceleration] = "rwm",
+        [cam_fault_setpoint_range] = "rwm",
+        [cam_fault_z_range] = "w",
+        [cam_fault_table] = "hrwm",
+        [cam_fault_swing] = "w",
+        [cam_fault_command] = "hrwfm",
+        [cam_fault_corrupt] = "",
+        [cam_fault_u_travel] = "hrwfm",
+        [cam_fault_u_runaway] = "hrwfm",
+        [cam_fault_u_force] = "hrwfm",
     };
-    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        setUp();
-        bring(cases[i].state);
-        cases[i].cause();
-        expect_within(cases[i].fault, cases[i].ticks);
+    static const char letter[cam_n_states] = "ohrwwwfwrmw";
+    return strchr(armed[fault], letter[state]) != NULL;
+}
+
+/// After these the drives are disabled at once.
+static bool is_drive_lost(cam_fault_t fault)
+{
+    return fault == cam_fault_drive || fault == cam_fault_u_travel || fault == cam_fault_u_runaway;
+}
+
+/// @return the outputs of a tick in which a fault is armed or not
+static uint32_t outputs_of(cam_fault_t fault, cam_state_t state, bool is_fault)
+{
+    const uint32_t lamp = is_fault || state == cam_state_fault ? (uint32_t)hal_out_fault : 0u;
+    const bool is_cut = state == cam_state_cutting || state == cam_state_holding;
+    const bool is_off = state == cam_state_off || (is_fault && is_drive_lost(fault));
+    const uint32_t in_cut = is_cut && !is_fault ? (uint32_t)hal_out_in_cut : 0u;
+    return lamp | in_cut | (is_off ? 0u : (uint32_t)hal_out_enable);
+}
+
+/// Cause a fault, or bring the machine to its limit: what the tick writes is that of the state.
+static void expect_reaction(cam_fault_t fault, cam_state_t state, int32_t beyond)
+{
+    begin(state);
+    cause(fault, beyond);
+    const cam_want_t safe = tick();
+    const bool is_fault = beyond != 0 && is_armed(fault, state);
+    const bool is_entered = is_fault && state != cam_state_fault;
+    const uint32_t wanted = is_fault ? UINT32_C(1) << fault : 0u;
+    const char *name = cam_fault_name(fault);
+    TEST_ASSERT_EQUAL_HEX32_MESSAGE(wanted, guard.faults, name);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(is_fault ? cam_state_fault : state, safe.state, name);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(is_fault ? 1u : 0u, cam_guard_count(&guard, fault), name);
+    TEST_ASSERT_EQUAL_HEX32_MESSAGE(is_entered ? wanted : 0u, guard.first_faults, name);
+    TEST_ASSERT_EQUAL_HEX32_MESSAGE(outputs_of(fault, state, is_fault), safe.outputs, name);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(is_fault || state == cam_state_fault ? 0 : 2500000,
+                                    safe.spindle_mrpm, name);
+    TEST_ASSERT_EQUAL_INT(state == cam_state_off, safe.is_retracted);
+}
+
+static void test_fault_beyond_its_limit_is_latched_at_once_where_it_is_armed(void)
+{
+    for (int fault = 0; fault < cam_n_faults; fault++) {
+        for (int state = 0; state < cam_n_states; state++) {
+            expect_reaction((cam_fault_t)fault, (cam_state_t)state, 1);
+            expect_reaction((cam_fault_t)fault, (cam_state_t)state, 0);
+        }
+    }
+}
+
+static void test_armed_mask_of_every_state_is_the_manuals(void)
+{
+    for (int state = 0; state < cam_n_states; state++) {
+        for (int fault = 0; fault < cam_n_faults; fault++) {
+            const uint32_t bit = cam_guard_armed((cam_state_t)state) >> fault & 1u;
+            TEST_ASSERT_EQUAL_UINT32(is_armed((cam_fault_t)fault, (cam_state_t)state), bit);
+        }
+    }
+}
+
+/// U that moves by time lags behind drives that differ from what was believed.
+static void test_following_error_out_of_the_cut_has_a_limit_of_its_own(void)
+{
+    cam_guard_config_t wide = *cfg;
+    wide.approach_nm = 150000;
+    for (int i = 0; i < 4; i++) {
+        begin(cam_state_engaging);
+        motion.is_playing = i % 2 != 0;
+        in.actual_nm[hal_axis_u] = i < 2 ? 150000 : 150001;
+        const cam_guard_config_t *const usual = cfg;
+        cfg = &wide;
+        (void)tick();
+        cfg = usual;
+        TEST_ASSERT_EQUAL_HEX32(i == 0 ? 0u : CAM_FAULT_BIT(following_error), guard.faults);
+    }
+}
+
+/// A U that presses on its stop is far from its set-point, and its force is limited.
+static void test_following_error_at_the_stop_is_accepted_in_manual_only(void)
+{
+    for (int i = 0; i < 3; i++) {
+        begin(i < 2 ? cam_state_manual : cam_state_cutting);
+        motion.is_playing = i == 2;
+        motion.u_press_q6 = i == 0 ? 0 : 20000 * 64;
+        in.actual_nm[hal_axis_u] = 10000000;
+        (void)tick();
+        TEST_ASSERT_EQUAL_HEX32(i == 1 ? 0u : CAM_FAULT_BIT(following_error), guard.faults);
+    }
+}
+
+/// A spindle may stand when the work begins; once its encoder has advanced, it must not stand.
+static void test_encoder_that_stands_ends_the_work_where_it_has_advanced(void)
+{
+    for (int state = 0; state < cam_n_states; state++) {
+        begin(cam_state_off);
+        angle.is_still = true;
+        want.state = (cam_state_t)state;
+        (void)tick();
+        TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
+        angle.is_still = false;
+        (void)tick();
+        angle.is_still = true;
+        (void)tick();
+        const bool is_in_work = is_armed(cam_fault_reverse, (cam_state_t)state);
+        TEST_ASSERT_EQUAL_HEX32(is_in_work ? CAM_FAULT_BIT(spindle_stopped) : 0u, guard.faults);
+    }
+}
+
+static void test_limits_of_the_other_sign_are_the_same(void)
+{
+    const struct {
+        int32_t set_q6, before_q6, step_q6, actual_nm;
+        uint32_t fault;
+    } cases[] = {
+        {0, 0, 0, -100001, CAM_FAULT_BIT(following_error)},
+        {cfg->u_acc_q6 + 1, 0, 0, 0, CAM_FAULT_BIT(setpoint_acceleration)},
+        {-cfg->u_vel_q6 - 1, 0, -cfg->u_vel_q6, 0, CAM_FAULT_BIT(setpoint_speed)},
+        {-cfg->u_range_q6 - 1, -cfg->u_range_q6 - 1, 0, 0, CAM_FAULT_BIT(setpoint_range)},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        begin(cam_state_cutting);
+        want.u_set_q6 = cases[i].set_q6;
+        guard.u_set_q6 = cases[i].before_q6;
+        guard.u_step_q6 = cases[i].step_q6;
+        in.actual_nm[hal_axis_u] = cases[i].actual_nm;
+        (void)tick();
+        TEST_ASSERT_EQUAL_HEX32(cases[i].fault, guard.faults);
+    }
+}
+
+/// Checked limits: 1/16 above the parameter and three nanometres.
+static void test_limits_are_those_of_the_parameters(void)
+{
+    TEST_ASSERT_INT32_WITHIN(1, 21253 * 64, cfg->u_vel_q6);   // 400 mm/s at 20 kHz
+    TEST_ASSERT_INT32_WITHIN(7, 667 * 64 + 4, cfg->u_acc_q6); // 250 m/s2: 664.06 + 3
+    TEST_ASSERT_EQUAL_INT32(600000 * 64, cfg->u_range_q6);    // half of 1.2 mm
+}
+
+static void test_fault_with_a_set_point_far_off_writes_from_the_last_good_place(void)
+{
+    static const int32_t far_q6[] = {INT32_MAX, INT32_MIN, 1 << 30, -(1 << 30)};
+    for (int i = 0; i < 4; i++) {
+        begin(cam_state_cutting);
+        want.u_set_q6 = far_q6[i];
+        motion.axis[hal_axis_u].vel_q10 = INT32_MAX; // the feed-forward would multiply it
+        const cam_want_t safe = tick();
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
+        TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(setpoint_speed), guard.faults);
+        TEST_ASSERT_EQUAL_INT32(0, safe.u_set_q6);
+        TEST_ASSERT_EQUAL_INT32(0, motion.axis[hal_axis_u].vel_q10);
+    }
+}
+
+/// At the limit of acceleration the tick of the fault goes on with the speed of the last step and
+/// the acceleration that was told; behind it the acceleration falls within the jerk of the window.
+static void test_retract_goes_on_with_speed_and_acceleration_of_the_last_step(void)
+{
+    begin(cam_state_cutting);
+    const int32_t a_q6 = cfg->u.acceleration_q10 / 16;
+    int32_t at_q6 = 0;
+    for (int32_t n = 1; n <= 5; n++) { // constant acceleration: the end of a step is a/2 faster
+        at_q6 += n * a_q6;
+        want.u_set_q6 = at_q6;
+        motion.axis[hal_axis_u] = (cam_axis_motion_t){.pos_q10 = (int64_t)at_q6 * 16,
+                                                      .vel_q10 = (n * a_q6 + a_q6 / 2) * 16,
+                                                      .acc_q10 = a_q6 * 16};
+        (void)tick();
+        TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
+    }
+    want.u_set_q6 = at_q6 + 6 * a_q6;
+    in.inputs |= hal_in_estop;
+    TEST_ASSERT_EQUAL_INT32(at_q6 + 6 * a_q6, tick().u_set_q6);
+    TEST_ASSERT_EQUAL_INT32(a_q6 * 16, motion.axis[hal_axis_u].acc_q10);
+    want.state = cam_state_fault;
+    int32_t last_q6 = guard.u_set_q6;
+    int32_t step_q6 = 6 * a_q6;
+    int32_t acc_q6 = a_q6;
+    const int32_t jerk_q6 = 2 * a_q6 >> cfg->leave.log2_window;
+    for (int i = 0; i < 40; i++) {
+        const int32_t now_q6 = tick().u_set_q6;
+        const int32_t now_acc_q6 = now_q6 - last_q6 - step_q6;
+        TEST_ASSERT_INT32_WITHIN(jerk_q6 + 4, acc_q6, now_acc_q6);
+        TEST_ASSERT_INT32_WITHIN(2, now_acc_q6, motion.axis[hal_axis_u].acc_q10 / 16);
+        step_q6 = now_q6 - last_q6;
+        last_q6 = now_q6;
+        acc_q6 = now_acc_q6;
+    }
+    TEST_ASSERT_LESS_THAN_INT32(0, step_q6);
+}
+
+/// Faults of one tick are all reported. A drive that is lost while U retracts drops enable at once,
+/// and its return does not set it again.
+static void test_faults_add_up_until_off(void)
+{
+    const uint32_t both = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(encoder_jump);
+    begin(cam_state_cutting);
+    in.inputs |= hal_in_estop;
+    angle.faults = CAM_FAULT_BIT(encoder_jump);
+    (void)tick();
+    want.state = cam_state_fault;
+    TEST_ASSERT_EQUAL_HEX32(hal_out_fault | hal_out_enable, tick().outputs);
+    TEST_ASSERT_EQUAL_HEX32(both, guard.first_faults);
+    in.inputs = 0;
+    for (int i = 0; i < 10; i++) {
+        TEST_ASSERT_EQUAL_HEX32(hal_out_fault, tick().outputs);
+        in.inputs = hal_in_drive_ready;
+    }
+    TEST_ASSERT_EQUAL_HEX32(both, guard.first_faults);
+    TEST_ASSERT_EQUAL_HEX32(both | CAM_FAULT_BIT(drive), guard.faults);
+    for (int i = 0; i < cam_n_faults; i++) {
+        const uint32_t n = guard.faults >> i & 1u;
+        TEST_ASSERT_EQUAL_UINT32(n, cam_guard_count(&guard, (cam_fault_t)i));
+    }
+}
+
+/// The counter of a fault has eight bits.
+static void test_counter_rises_with_every_fault(void)
+{
+    begin(cam_state_ready);
+    for (uint32_t n = 1; n <= 260u; n++) {
+        in.inputs |= hal_in_estop;
+        want.state = cam_state_ready;
+        (void)tick();
+        TEST_ASSERT_EQUAL_UINT32(n % 256u, cam_guard_count(&guard, cam_fault_estop));
+        in.inputs = hal_in_drive_ready;
+        want.state = cam_state_fault;
+        (void)tick();
+        TEST_ASSERT_EQUAL_UINT32(n % 256u, cam_guard_count(&guard, cam_fault_estop));
+        want.state = cam_state_off;
+        TEST_ASSERT_EQUAL_HEX32(0, tick().faults);
     }
 }
 
 /// In ready the spindle may stand: its time counts from the start of the work on.
-static void test_guard_time_of_standing_counts_in_the_work_only(void)
+static void test_time_of_standing_counts_in_the_work_only(void)
 {
-    bring(cam_state_ready);
-    turn_at(0.0);
-    fixture_rig_ticks(&rig, 4000);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
-    fixture_rig_ticks(&rig, 1980);
-    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
-    expect_within(cam_fault_spindle_stopped, 60);
-}
-
-/// A spindle that turns against the cut ends the work as soon as it has begun.
-static void test_guard_ends_a_cut_of_a_spindle_that_turns_back(void)
-{
-    bring(cam_state_ready);
-    turn_at(-20.0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
-    expect_within(cam_fault_reverse, 200);
+    begin(cam_state_ready);
+    angle.speed_q32 = 0;
+    for (int i = 0; i < 4000; i++) {
+        (void)tick();
+    }
+    want.state = cam_state_engaging;
+    int n_plans = 0;
+    while (guard.faults == 0u && n_plans < 1000) {
+        (void)tick();
+        n_plans++;
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(spindle_stopped), guard.faults);
+    TEST_ASSERT_EQUAL_INT(2000 / 8 + 1, n_plans);
 }
 
 /// A fault in the first enabled tick finds U at rest, whatever U did before the last fault.
-static void test_guard_off_forgets_the_motion_before_it(void)
+static void test_off_forgets_the_motion_before_it(void)
 {
-    const cam_config_t *config = g_cam.config.offered;
-    cam_guard_t guard = {.u_set_q6 = 64, .u_step_q6 = 6400, .u_acc_q10 = 1024};
-    cam_motion_t motion = {.state = cam_state_off};
-    cam_tick_record_t r = {.in.inputs = hal_in_drive_ready, .want.state = cam_state_off};
-    cam_guard_step_isr(&guard, &config->guard, &r, &motion);
-    r.want = (cam_want_t){.state = cam_state_manual, .faults = CAM_FAULT_BIT(late_tick)};
-    motion.state = cam_state_manual;
-    cam_guard_step_isr(&guard, &config->guard, &r, &motion);
-    TEST_ASSERT_EQUAL_INT(cam_state_fault, r.want.state);
-    TEST_ASSERT_EQUAL_INT32(0, r.want.u_set_q6);
+    begin(cam_state_off);
+    guard = (cam_guard_t){.u_set_q6 = 64, .u_step_q6 = 6400, .u_acc_q10 = 1024};
+    (void)tick();
+    want = (cam_want_t){.state = cam_state_manual, .faults = CAM_FAULT_BIT(late_tick)};
+    const cam_want_t safe = tick();
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
+    TEST_ASSERT_EQUAL_INT32(0, safe.u_set_q6);
     TEST_ASSERT_EQUAL_INT32(0, motion.axis[hal_axis_u].vel_q10);
     TEST_ASSERT_EQUAL_INT32(0, motion.axis[hal_axis_u].acc_q10);
+}
+
+static const cam_state_t enabled[] = {cam_state_homing, cam_state_ready, cam_state_engaging,
+                                      cam_state_cutting, cam_state_disengaging};
+enum { n_enabled = sizeof enabled / sizeof enabled[0], patience = 20000 };
+
+static bench_t moment; ///< of the cut, from which several tests start
+
+static bool is_enabled(void)
+{
+    return (hal_host.out.outputs & hal_out_enable) != 0u;
+}
+
+/// [nm] places and steps of the axes as they are written.
+typedef struct {
+    double at[hal_n_axes], step[hal_n_axes];
+    double ago[8][hal_n_axes]; ///< steps of the last 8 ticks
+    uint32_t n;
+} motion_t;
+
+static void observe(motion_t *m)
+{
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const double at =
+            i == hal_axis_u ? rig.last.want.u_set_q6 / 64.0 : (double)hal_host.out.axis[i].pos_nm;
+        m->step[i] = at - m->at[i];
+        m->at[i] = at;
+    }
+}
+
+static motion_t start_observing(void)
+{
+    motion_t m = {.at = {0}};
+    observe(&m);
+    fixture_rig_tick(&rig);
+    observe(&m);
+    return m;
+}
+
+enum { window_ticks = 16 * 8 }; ///< over which the acceleration of X and Z changes
+enum { plan_ticks = 8 };        ///< from plan to plan at 20 kHz: X and Z change their speed there
+
+/// One tick in which no axis may exceed its limits, full ones: the defaults at 20 kHz. X and Z have
+/// one speed from plan to plan, so theirs may change by that of a plan, and by no more in 8 ticks.
+static void tick_within_limits(motion_t *m)
+{
+    static const double speed[hal_n_axes] = {20000.0, 5000.0, 10000.0};
+    static const double acceleration[hal_n_axes] = {625.0, 5.0, 5.0};
+    const motion_t before = *m;
+    fixture_rig_tick(&rig);
+    observe(m);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const double slack = i == hal_axis_u ? 0.1 : 2.01; // whole nanometres
+        const double ticks = i == hal_axis_u ? 1.0 : plan_ticks;
+        TEST_ASSERT_TRUE(fabs(m->step[i]) <= speed[i] + slack);
+        TEST_ASSERT_DOUBLE_WITHIN(ticks * acceleration[i] + slack, before.step[i], m->step[i]);
+        if (i != hal_axis_u && m->n >= plan_ticks) {
+            const double then = m->ago[m->n % plan_ticks][i];
+            TEST_ASSERT_DOUBLE_WITHIN(ticks * acceleration[i] + slack, then, m->step[i]);
+        }
+        m->ago[m->n % plan_ticks][i] = m->step[i];
+    }
+    m->n++;
+}
+
+/// Press the emergency stop and follow the retract to its end.
+static void expect_retract(motion_t *m)
+{
+    const motion_t first = *m;
+    hal_host_fault_estop(true);
+    tick_within_limits(m);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
+    TEST_ASSERT_EQUAL_HEX32(hal_out_enable | hal_out_fault, hal_host.out.outputs);
+    uint32_t n = 0;
+    while (is_enabled() && n < patience) {
+        TEST_ASSERT_FALSE(fixture_rig_status(&rig).is_retracted);
+        tick_within_limits(m);
+        n++;
+    }
+    TEST_ASSERT_LESS_THAN_UINT32(patience, n);
+    TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
+    TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
+    TEST_ASSERT_EQUAL_DOUBLE(-500000.0, m->at[hal_axis_u]);
+    // from where X was led in the tick of the fault
+    TEST_ASSERT_DOUBLE_WITHIN(1.0 + 1.01 * fabs(first.step[hal_axis_x]), first.at[hal_axis_x] + 1e6,
+                              m->at[hal_axis_x]);
+    const double brake = m->at[hal_axis_z] - first.at[hal_axis_z];
+    const double v = fabs(first.step[hal_axis_z]);
+    const double coasting = (plan_ticks + 1 + window_ticks / 2) * (v + 1.0);
+    TEST_ASSERT_TRUE(fabs(brake) <= (v + 1.0) * (v + 1.0) / 10.0 + coasting); // v^2 / 2a
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, m->step[i]);
+    }
+}
+
+static void test_reaction_in_every_enabled_state_retracts_within_limits(void)
+{
+    for (uint32_t i = 0; i < n_enabled; i++) {
+        setUp();
+        bring(enabled[i]);
+        fixture_rig_ticks(&rig, 100);
+        motion_t m = start_observing();
+        expect_retract(&m);
+    }
+}
+
+/// From the steepest places of the section, rising and falling, and from its extremes.
+static void test_reaction_from_any_speed_of_u_retracts_within_limits(void)
+{
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
+    for (uint32_t ticks = 0; ticks < 240; ticks += 15) { // a whole period of the oval
+        keep(&moment);
+        motion_t m = start_observing();
+        expect_retract(&m);
+        go_back(&moment);
+        fixture_rig_ticks(&rig, 15);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
+    }
+}
+
+/// The slack of the acceleration check takes a tick off its time, in every phase of the section.
+static void test_late_tick_anywhere_in_the_section_is_that_fault_or_none(void)
+{
+    static const struct {
+        uint32_t percent, faults;
+    } cases[] = {{45, 0}, {80, CAM_FAULT_BIT(late_tick)}};
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
+    for (uint32_t ticks = 0; ticks < 240; ticks += 8) {
+        keep(&moment);
+        for (uint32_t i = 0; i < 2u; i++) {
+            hal_host_fault_late(cases[i].percent);
+            fixture_rig_ticks(&rig, 4);
+            TEST_ASSERT_EQUAL_HEX32(cases[i].faults, fixture_rig_status(&rig).faults);
+            go_back(&moment);
+        }
+        fixture_rig_ticks(&rig, 8);
+    }
 }
