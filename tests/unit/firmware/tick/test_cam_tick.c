@@ -1,25 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole cut tick by tick: what is written.
+// The tick of a whole controller: from power-on every record of a session replays to the bit, the
+// command of U in the cut is the control law in doubles, and a position beyond +-2^30 nm is limited
+// and its drive counts as not ready.
+#include "cam_machine_jog.h"
+#include "fixture_reference.h"
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { log_capacity = 60000 };
+enum { log_capacity = 60000, max_configs = 64, tick_hz = 20000 };
 
 static fixture_rig_t rig;
 static fixture_part_t part;
-static cam_tick_record_t *records;
+static cam_config_t configs[max_configs]; ///< by generation
+static cam_t replayed;
+static cam_tick_record_t *records; ///< the log
 
+/// A controller at power-on, whose records are kept.
 void setUp(void)
 {
+    part = fixture_part_short();
+    memset(&rig, 0, sizeof rig);
+    memset(configs, 0, sizeof configs);
+    rig.lathe.ramp_rpm = 2500.0 * 10.0 / tick_hz;
     records = calloc(log_capacity, sizeof *records);
     TEST_ASSERT_NOT_NULL(records);
-    part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
     rig.log = records;
     rig.log_capacity = log_capacity;
+    hal_host_reset(tick_hz);
+    hal_host.in.axis_nm[hal_axis_x] = 46500000; // not far from the work
+    cam_machine_init(&rig.machine, &g_cam, tick_hz, hal_clock_hz());
+    fixture_encoder_init(&rig.lathe.encoder, rig.machine.params.counts_per_turn, 1, 1000u, 1234);
+    configs[g_cam.config.offered->generation] = *g_cam.config.offered;
 }
 
 void tearDown(void)
@@ -27,87 +42,313 @@ void tearDown(void)
     free(records);
 }
 
-static void cut_whole(void)
+/// Keep the configuration that is offered: the next tick takes it.
+static void keep_config(void)
 {
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_disengaging));
-    TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_ready, 20000));
-    fixture_rig_ticks(&rig, 500);
-    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    const cam_config_t *now = g_cam.config.offered;
+    TEST_ASSERT_LESS_THAN_UINT32(max_configs, now->generation);
+    configs[now->generation] = *now;
+}
+
+static void set(cam_param_id_t id, int32_t value)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&rig.machine, id, value));
+    keep_config();
+    fixture_rig_tick(&rig);
+}
+
+static void select_table(void)
+{
+    fixture_image_make(&rig.image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    keep_config();
+    fixture_rig_tick(&rig);
+}
+
+static void prepare(void)
+{
+    fixture_rig_ticks(&rig, 3);
+    set(cam_param_lead_ns, 50000);
+    set(cam_param_xz_lag_ns, 400000);
+    set(cam_param_k1_ns, 100000);
+    set(cam_param_k2_us2, 1000);
+    set(cam_param_following_limit_nm, 1000000);
+    select_table();
+}
+
+static void cut_with_changes(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 700);
+    set(cam_param_phase_udeg, 1000000);
+    fixture_rig_ticks(&rig, 55);
+    set(cam_param_amplitude_ppm, 800000);
+    fixture_rig_ticks(&rig, 333);
+    hal_host_fault_late(30);
+    fixture_rig_ticks(&rig, 333);
+    set(cam_param_amplitude_ppm, 1100000);
+}
+
+/// Same configurations at the same ticks. All fields but `in` must agree; padding is not compared.
+static void expect_replay(void)
+{
+    memset(&replayed, 0, sizeof replayed);
+    TEST_ASSERT_GREATER_THAN_UINT32(1000, rig.n_log);
     TEST_ASSERT_LESS_THAN_UINT32(log_capacity, rig.n_log);
-}
-
-/// In off U may stand anywhere, and is told the end of its stroke that is nearer.
-static void test_tick_off_tells_u_beyond_its_stroke_the_nearer_end(void)
-{
-    static const int32_t places_nm[] = {600001, 33554431, 33554432, 40000000, INT32_MAX};
-    for (uint32_t i = 0; i < sizeof places_nm / sizeof places_nm[0]; i++) {
-        hal_host.in.axis_nm[hal_axis_u] = places_nm[i];
-        fixture_rig_tick(&rig);
-        TEST_ASSERT_EQUAL_INT32(600000, hal_host.out.axis[hal_axis_u].pos_nm);
-        hal_host.in.axis_nm[hal_axis_u] = -places_nm[i];
-        fixture_rig_tick(&rig);
-        TEST_ASSERT_EQUAL_INT32(-600000, hal_host.out.axis[hal_axis_u].pos_nm);
+    uint32_t n_configs = 0;
+    cam_config_t *half = &replayed.config.half[0];
+    for (uint32_t i = 0; i < rig.n_log; i++) {
+        const cam_tick_record_t *r = &records[i];
+        TEST_ASSERT_EQUAL_UINT32(i, r->tick);
+        if (half->generation != r->config) {
+            *half = configs[r->config];
+            half->play.table = half->play.table != NULL ? &half->table : NULL;
+            n_configs++;
+        }
+        cam_tick_record_t done = {.tick = r->tick, .in = r->in};
+        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);
+        TEST_ASSERT_EQUAL_UINT32(r->config, done.config);
+        TEST_ASSERT_EQUAL_INT64(r->angle.pos_q32, done.angle.pos_q32);
+        TEST_ASSERT_EQUAL_INT32(r->angle.speed_q32, done.angle.speed_q32);
+        TEST_ASSERT_EQUAL_INT32(r->want.z_nm, done.want.z_nm);
+        TEST_ASSERT_EQUAL_INT32(r->want.u_set_q6, done.want.u_set_q6);
+        TEST_ASSERT_EQUAL_INT32(r->want.u_due_q6, done.want.u_due_q6);
+        TEST_ASSERT_EQUAL_MEMORY(r->out, done.out, sizeof done.out);
+        TEST_ASSERT_EQUAL_INT32(r->want.spindle_mrpm, done.want.spindle_mrpm);
+        TEST_ASSERT_EQUAL_HEX32(r->want.outputs, done.want.outputs);
+        TEST_ASSERT_EQUAL_HEX32(r->want.faults, done.want.faults);
+        TEST_ASSERT_EQUAL_INT(r->want.state, done.want.state);
     }
+    TEST_ASSERT_EQUAL_UINT32(rig.machine.generation, n_configs);
 }
 
-static double step_nm(uint32_t i, hal_axis_t axis)
+/// Let the feed rest or go on, as the main loop does.
+static void hold(bool is_held)
 {
-    return (double)records[i].out[axis].pos_nm - records[i - 1u].out[axis].pos_nm;
+    TEST_ASSERT_EQUAL_INT(cam_ok, is_held ? cam_machine_hold(&rig.machine)
+                                          : cam_machine_resume(&rig.machine));
+    keep_config();
+    TEST_ASSERT_LESS_THAN_UINT32(
+        20000, fixture_rig_until(&rig, is_held ? cam_state_holding : cam_state_cutting, 20000));
 }
 
-/// Through engage, cut, disengage and retract no set-point moves or accelerates beyond its limits.
-static void test_tick_whole_cut_never_steps_a_setpoint(void)
+/// With changes of parameters in the cut, overrides, hold, trim and position switches, then a stop,
+/// a fault, its reset and the begin of another cut.
+static void test_session_with_changes_stop_fault_and_reset_replays_bit_for_bit(void)
 {
-    static const double speed[hal_n_axes] = {20000.0, 5000.0, 10000.0};
-    static const double acceleration[hal_n_axes] = {625.0, 5.0, 5.0};
-    cut_whole();
-    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
-        double last_nm = 0.0;
-        for (uint32_t i = 2; i < rig.n_log; i++) {
-            if (records[i - 2u].want.state == cam_state_off) {
-                continue;
+    prepare();
+    set(cam_param_switch_1_per_turn, 2);
+    set(cam_param_switch_1_off_udeg, 90000000);
+    set(cam_param_switch_2_per_turn, 1);
+    set(cam_param_switch_2_off_udeg, 200000000);
+    cut_with_changes();
+    set(cam_param_feed_override_ppm, 500000);
+    fixture_rig_ticks(&rig, 700);
+    set(cam_param_spindle_override_ppm, 900000);
+    set(cam_param_x_trim_nm, -3000);
+    hold(true);
+    fixture_rig_ticks(&rig, 700);
+    hold(false);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    fixture_rig_ticks(&rig, 1500);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    hal_host_fault_estop(true);
+    fixture_rig_ticks(&rig, 4000);
+    hal_host_fault_estop(false);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
+    fixture_rig_ticks(&rig, 3000);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.want.state);
+    set(cam_param_switch_2_per_turn, 0);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_engaging)); // homed anew
+    fixture_rig_ticks(&rig, 3000);
+    TEST_ASSERT_EQUAL_HEX32(0, rig.last.want.faults);
+    uint32_t seen = 0;
+    for (uint32_t i = 0; i < rig.n_log; i++) {
+        seen |= records[i].want.outputs;
+    }
+    TEST_ASSERT_EQUAL_HEX32(3u * hal_out_switch_1, seen & 3u * hal_out_switch_1);
+    expect_replay();
+}
+
+/// The speed of the spindle goes twice per turn from 0.7 to 1.4 of 2000 r/min.
+static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
+{
+    part = fixture_part_modulated();
+    part.spindle_mrpm = 2000000;
+    rig.lathe.ramp_rpm = 50.0;
+    fixture_rig_ticks(&rig, 3);
+    set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
+    set(cam_param_spindle_lag_us, 100);
+    set(cam_param_lead_ns, 50000);
+    set(cam_param_xz_lag_ns, 400000);
+    set(cam_param_k2_us2, 1000);
+    set(cam_param_following_limit_nm, 1000000);
+    select_table();
+    cut_with_changes();
+    int32_t least = INT32_MAX;
+    int32_t most = 0;
+    for (int i = 0; i < 600; i++) {
+        fixture_rig_tick(&rig);
+        least = rig.last.want.spindle_mrpm < least ? rig.last.want.spindle_mrpm : least;
+        most = rig.last.want.spindle_mrpm > most ? rig.last.want.spindle_mrpm : most;
+    }
+    TEST_ASSERT_INT32_WITHIN(60000, 2850000, most);
+    TEST_ASSERT_INT32_WITHIN(60000, 1350000, least);
+    TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_ready, 20000));
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    expect_replay();
+}
+
+/// With homes, a datum and a cut.
+static void test_session_by_hand_replays_bit_for_bit(void)
+{
+    enum { mm = 1000000, manual, home_x, home_u, jog, off, enable, start };
+    cam_machine_t *m = &rig.machine;
+    rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 50000};
+    rig.lathe.home[hal_axis_x] = (ideal_home_t){.side = 1, .edge_nm = 60 * mm, .pitch_nm = mm};
+    hal_host.in.axis_nm[hal_axis_x] = 59900000;
+    fixture_rig_tick(&rig); // takes the configuration of the start
+    set(cam_param_u_home, 2);
+    set(cam_param_x_home, 3);
+    set(cam_param_x_home_nm, 60 * mm);
+    set(cam_param_x_home_slow_um_per_s, 10000);
+    set(cam_param_lead_ns, 50000);
+    set(cam_param_z_datum_nm, mm);
+    select_table();
+    for (uint32_t step = manual; step <= start; step++) {
+        const hal_axis_t axis = step == home_x ? hal_axis_x : hal_axis_u;
+        TEST_ASSERT_EQUAL_INT(cam_ok, step == manual   ? cam_machine_manual(m)
+                                      : step == jog    ? cam_machine_jog(m, hal_axis_z, -3000).err
+                                      : step == off    ? cam_machine_disable(m)
+                                      : step == enable ? cam_machine_enable(m)
+                                      : step == start  ? cam_machine_start(m)
+                                                       : cam_machine_home_axis(m, axis));
+        for (uint32_t i = 1; i <= 5000u; i++) {
+            keep_config();
+            fixture_rig_tick(&rig);
+            if (i % 1000u == 0u) {
+                cam_machine_keep_alive(m);
             }
-            const double nm = step_nm(i, (hal_axis_t)axis);
-            TEST_ASSERT_TRUE(fabs(nm) <= speed[axis] + 2.0);
-            TEST_ASSERT_TRUE(i == 2u || records[i - 3u].want.state == cam_state_off ||
-                             fabs(nm - last_nm) <= acceleration[axis] + 6.0);
-            last_nm = nm;
+            cam_machine_jog_poll(m);
         }
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, rig.last.want.state);
+    TEST_ASSERT_EQUAL_HEX32(3u, fixture_rig_status(&rig).jog.homed); // U and X
+    expect_replay();
+}
+
+static void test_trace_switched_off_and_on_has_a_gap_and_goes_on(void)
+{
+    prepare();
+    set(cam_param_trace_on, 0);
+    const uint32_t n = rig.n_log;
+    const uint32_t tick = fixture_rig_status(&rig).tick;
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_EQUAL_UINT32(n, rig.n_log);
+    set(cam_param_trace_on, 1);
+    TEST_ASSERT_EQUAL_UINT32(n + 1u, rig.n_log);
+    TEST_ASSERT_EQUAL_UINT32(tick + 1001u, rig.last.tick);
+    TEST_ASSERT_EQUAL_UINT32(0, g_cam.trace.n_dropped);
+}
+
+/// Value and derivatives by time [nm, nm/s, nm/s2] at the angle of a record, read ahead.
+static void expected(const cam_tick_record_t *r, double u[3])
+{
+    const cam_channel_t *ch = &rig.machine.table.u;
+    const double ahead = (double)r->angle.pos_q32 + 2.5 * r->angle.speed_q32;
+    const uint32_t theta_q32 = (uint32_t)(uint64_t)(int64_t)floor(ahead);
+    const fixture_value_t v = fixture_reference_surface_at(ch, theta_q32, r->want.z_nm);
+    const double knots_per_s = ldexp(r->angle.speed_q32, (int)ch->log2_knots - 32) * tick_hz;
+    const double nm = ldexp(1.0, -(int)ch->frac_bits);
+    u[0] = (double)v.y * nm + ch->value_offset;
+    u[1] = (double)v.d1 * nm * knots_per_s;
+    u[2] = (double)v.d2 * nm * knots_per_s * knots_per_s;
+}
+
+static void test_command_in_the_cut_is_the_control_law(void)
+{
+    prepare();
+    set(cam_param_lead_ns, 125000);
+    set(cam_param_k1_ns, 742723);
+    set(cam_param_k2_us2, 281448);
+    set(cam_param_following_limit_nm, 10000000);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    rig.n_log = 0;
+    fixture_rig_ticks(&rig, 5000);
+    TEST_ASSERT_EQUAL_UINT32(5000, rig.n_log);
+    const double um_per_s = tick_hz / 1024e3;
+    const double mm_per_s2 = (double)tick_hz * tick_hz / 1024e6;
+    double largest_nm = 0.0;
+    for (uint32_t i = 10; i < rig.n_log; i++) {
+        double u[3];
+        const cam_tick_record_t *r = &records[i];
+        expected(r, u);
+        const hal_setpoint_t *out = &r->out[hal_axis_u];
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, r->want.state);
+        // U's height is linear between two plans, the expected one is not where the feed rises.
+        TEST_ASSERT_DOUBLE_WITHIN(2.5, u[0], r->want.u_set_q6 / 64.0);
+        TEST_ASSERT_DOUBLE_WITHIN(4.0, u[1] * 1e-3, out->vel_q10 * um_per_s);  // of 40 000 um/s
+        TEST_ASSERT_DOUBLE_WITHIN(6.0, u[2] * 1e-6, out->acc_q10 * mm_per_s2); // of 20 000 mm/s2
+        const double forward_nm = 742723e-9 * u[1] + 281448e-12 * u[2];
+        TEST_ASSERT_DOUBLE_WITHIN(8.0, u[0] + forward_nm, out->pos_nm);
+        largest_nm = fabs(forward_nm) > largest_nm ? fabs(forward_nm) : largest_nm;
+    }
+    TEST_ASSERT_TRUE(largest_nm > 20000.0); // the feed-forward is large enough to be judged
+}
+
+static hal_axis_t far_axis; ///< axis whose position far_isr() replaces
+static int32_t far_nm;
+
+/// In the place of cam_isr(): one axis is measured elsewhere.
+static void far_isr(void)
+{
+    hal_host.in.axis_nm[far_axis] = far_nm;
+    cam_isr();
+}
+
+static void measure(hal_axis_t axis, int32_t nm)
+{
+    far_axis = axis;
+    far_nm = nm;
+    rig.isr = far_isr;
+    fixture_rig_tick(&rig);
+}
+
+/// @return whether the last tick sensed drives that are ready, at a position
+static bool is_ready_at(hal_axis_t axis, int32_t nm)
+{
+    TEST_ASSERT_EQUAL_INT32(nm, rig.last.in.actual_nm[axis]);
+    return (rig.last.in.inputs & (uint32_t)hal_in_drive_ready) != 0u;
+}
+
+static void test_position_beyond_a_metre_is_a_drive_that_is_not_ready(void)
+{
+    static const cam_state_t states[] = {cam_state_ready, cam_state_cutting};
+    for (uint32_t i = 0; i < 2u * hal_n_axes; i++) {
+        const hal_axis_t axis = (hal_axis_t)(i / 2u);
+        fixture_rig_init(&rig, &part, tick_hz);
+        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, states[i % 2u]));
+        measure(axis, i % 2u == 0u ? 1 << 30 : INT32_MIN);
+        TEST_ASSERT_FALSE(is_ready_at(axis, i % 2u == 0u ? (1 << 30) - 1 : -(1 << 30)));
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
+        TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(drive), rig.last.want.faults);
+        TEST_ASSERT_BITS_LOW(hal_out_enable, rig.last.want.outputs);
+        rig.isr = NULL;
     }
 }
 
-static void test_tick_cut_visits_every_height_at_full_amplitude(void)
+static void test_enable_is_refused_while_a_position_is_beyond_a_metre(void)
 {
-    cut_whole();
-    int32_t lowest_nm = INT32_MAX;
-    int32_t highest_nm = INT32_MIN;
-    uint32_t n_cutting = 0;
-    for (uint32_t i = 0; i < rig.n_log; i++) {
-        if (records[i].want.state == cam_state_cutting) {
-            n_cutting++;
-            lowest_nm = records[i].want.z_nm < lowest_nm ? records[i].want.z_nm : lowest_nm;
-            highest_nm = records[i].want.z_nm > highest_nm ? records[i].want.z_nm : highest_nm;
-        }
-    }
-    TEST_ASSERT_INT32_WITHIN(200, part.z_first_nm, lowest_nm);
-    TEST_ASSERT_INT32_WITHIN(200, part.z_last_nm, highest_nm);
-    TEST_ASSERT_UINT32_WITHIN(g_cam.config.offered->play.plan_ticks, 12 * 480,
-                              n_cutting); // 10 turns of feed, 2 of ramps
-}
-
-static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_k1_ns, 742723));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_k2_us2, 281448));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_following_limit_nm, 10000000));
-    cut_whole();
-    for (uint32_t i = 0; i < rig.n_log; i++) {
-        if (records[i].want.state == cam_state_cutting) {
-            const hal_setpoint_t *u = &records[i].out[hal_axis_u];
-            const double wanted = records[i].want.u_set_q6 / 64.0 +
-                                  742723e-9 * 20000.0 * u->vel_q10 / 1024.0 +
-                                  (281448e-12 * 4e8 - 1.0 / 48.0) * u->acc_q10 / 1024.0;
-            TEST_ASSERT_DOUBLE_WITHIN(0.6, wanted, u->pos_nm);
-        }
+    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
+        fixture_rig_init(&rig, &part, tick_hz);
+        measure((hal_axis_t)axis, -(1 << 30) - 1);
+        TEST_ASSERT_EQUAL_INT(cam_err_drive, cam_machine_enable(&rig.machine));
+        fixture_rig_ticks(&rig, 100);
+        TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.want.state);
+        far_nm = -(1 << 30); // the first position that is accepted
+        fixture_rig_ticks(&rig, 100);
+        TEST_ASSERT_TRUE(is_ready_at((hal_axis_t)axis, -(1 << 30)));
+        rig.isr = NULL;
     }
 }

@@ -10,14 +10,6 @@ static cam_config_t *in_force(void)
     return &g_cam.config.half[g_cam.config.offered == &g_cam.config.half[0] ? 0 : 1];
 }
 
-/// The drive of the default machine of host_sim: 300 Hz, 0.7.
-static void with_feed_forward(void)
-{
-    set(cam_param_k1_ns, 742723);
-    set(cam_param_k2_us2, 281448);
-    set(cam_param_following_limit_nm, 10000000);
-}
-
 typedef struct {
     int32_t at_nm, step_nm;
     int32_t most_step_nm, most_change_nm;
@@ -57,52 +49,97 @@ static told_t retract(int n)
     return t;
 }
 
-static void test_command_through_faults_at_any_angle_keeps_the_speed_of_u(void)
+/// A drive, and what U's command may do from tick to tick when a fault comes in the cut.
+typedef struct {
+    uint32_t tick_hz;
+    struct {
+        cam_param_id_t id;
+        int32_t value;
+    } set[6];
+    bool is_fastest;                 ///< at the highest speed of the spindle
+    uint32_t ticks, n_places, apart; ///< from the begin of the cut, and from fault to fault
+    int32_t most_step_nm, most_change_nm;
+} course_t;
+
+static const course_t courses[] = {
+    // The drive of the default machine of host_sim: 300 Hz, 0.7.
+    {.tick_hz = 20000,
+     .set = {{cam_param_k1_ns, 742723},
+             {cam_param_k2_us2, 281448},
+             {cam_param_following_limit_nm, 10000000}},
+     .ticks = 2400,
+     .n_places = 15,
+     .apart = 16,
+     .most_step_nm = 20000,
+     .most_change_nm = INT32_MAX},
+    // Without feed-forward it is told its set-point, and so no more than its acceleration.
+    {.tick_hz = 5000,
+     .set = {{cam_param_u_acceleration_mm_per_s2, 20000}}, // 800 nm per tick^2
+     .is_fastest = true,
+     .ticks = 500,
+     .n_places = 120,
+     .apart = 1,
+     .most_step_nm = 80000,
+     .most_change_nm = 850},
+    // At 1 kHz the acceleration of a tick is five times the speed of a tick.
+    {.tick_hz = 1000,
+     .set = {{cam_param_u_speed_um_per_s, 50000},
+             {cam_param_spindle_mrpm, 100000},
+             {cam_param_following_limit_nm, 10000000}},
+     .n_places = 40,
+     .apart = 37,
+     .most_step_nm = 50000,
+     .most_change_nm = INT32_MAX},
+    // A stiff drive of 900 Hz: a window is two ticks, and what the feed-forward adds while the
+    // acceleration of the retract ends is a tenth of the speed.
+    {.tick_hz = 2000,
+     .set = {{cam_param_u_speed_um_per_s, 300000},
+             {cam_param_u_acceleration_mm_per_s2, 2000000},
+             {cam_param_k1_ns, 282942},
+             {cam_param_k2_us2, 31270},
+             {cam_param_spindle_mrpm, 100000},
+             {cam_param_following_limit_nm, 10000000}},
+     .n_places = 20,
+     .apart = 37,
+     .most_step_nm = 150000,
+     .most_change_nm = INT32_MAX},
+};
+
+static void start(const course_t *c)
 {
-    static bench_t bench;
-    with_feed_forward();
-    bring(cam_state_cutting);
-    fixture_rig_ticks(&rig, 2400);
-    keep(&bench);
-    for (uint32_t at = 0; at < 240; at += 16) {
-        go_back(&bench);
-        fixture_rig_ticks(&rig, at);
-        const told_t t = retract(200);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(20000, t.most_step_nm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->command.change_nm, t.most_change_nm);
-        TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
+    fixture_rig_init(&rig, &part, c->tick_hz);
+    for (uint32_t i = 0; i < 6u && c->set[i].value != 0; i++) {
+        set(c->set[i].id, c->set[i].value);
+    }
+    if (c->is_fastest) {
+        set(cam_param_spindle_mrpm, (int32_t)cam_machine_highest_mrpm(&rig.machine));
     }
 }
 
-/// A U without feed-forward is told its set-point, and so no more than its acceleration.
-static void test_command_through_faults_at_any_angle_keeps_the_acceleration_of_u(void)
+static void test_command_through_faults_at_any_angle_keeps_the_limits_of_u(void)
 {
     static bench_t bench;
-    fixture_rig_init(&rig, &part, 5000);
-    set(cam_param_u_acceleration_mm_per_s2, 20000); // 800 nm per tick^2
-    set(cam_param_spindle_mrpm, (int32_t)cam_machine_highest_mrpm(&rig.machine));
-    bring(cam_state_cutting);
-    fixture_rig_ticks(&rig, 500);
-    keep(&bench);
-    for (uint32_t at = 0; at < 120; at++) {
-        go_back(&bench);
-        fixture_rig_ticks(&rig, at);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(850, retract(200).most_change_nm);
+    for (size_t i = 0; i < sizeof courses / sizeof courses[0]; i++) {
+        const course_t *c = &courses[i];
+        start(c);
+        bring(cam_state_cutting);
+        fixture_rig_ticks(&rig, c->ticks);
+        keep(&bench);
+        for (uint32_t at = 0; at < c->n_places; at++) {
+            go_back(&bench);
+            fixture_rig_ticks(&rig, c->apart * at);
+            const told_t t = retract(600);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(c->most_step_nm, t.most_step_nm);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(c->most_change_nm, t.most_change_nm);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(in_force()->command.change_nm, t.most_change_nm);
+            TEST_ASSERT_EQUAL_INT32(0, t.step_nm); // at rest
+        }
     }
 }
 
-static void begin_slowly(void)
+static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing(void)
 {
-    fixture_rig_init(&rig, &part, 1000);
-    set(cam_param_u_speed_um_per_s, 50000);
-    set(cam_param_spindle_mrpm, 100000);
-    set(cam_param_following_limit_nm, 10000000);
-}
-
-/// At 1 kHz the acceleration of a tick is five times the speed of a tick.
-static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract(void)
-{
-    begin_slowly();
+    start(&courses[2]);
     told_t t = begin();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
     for (int i = 0; i < 200; i++) {
@@ -111,32 +148,6 @@ static void test_command_at_1_khz_keeps_the_speed_of_u_in_homing_and_retract(voi
     TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
     TEST_ASSERT_LESS_OR_EQUAL_INT32(12501, t.most_step_nm); // a quarter
     TEST_ASSERT_GREATER_THAN_INT32(12000, t.most_step_nm);
-    for (uint32_t k = 0; k < 40u; k++) {
-        begin_slowly();
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 37u * k);
-        t = retract(100);
-        TEST_ASSERT_EQUAL_INT32(-500000, t.at_nm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(50000, t.most_step_nm);
-    }
-}
-
-/// A stiff drive of 900 Hz at 2 kHz: a window is two ticks, and what the feed-forward adds while
-/// the acceleration of the retract ends is a tenth of the speed.
-static void test_command_of_the_retract_keeps_the_speed_of_u_in_a_short_window(void)
-{
-    for (uint32_t at = 0; at < 20u; at++) {
-        fixture_rig_init(&rig, &part, 2000);
-        set(cam_param_u_speed_um_per_s, 300000);
-        set(cam_param_u_acceleration_mm_per_s2, 2000000);
-        set(cam_param_k1_ns, 282942);
-        set(cam_param_k2_us2, 31270);
-        set(cam_param_spindle_mrpm, 100000);
-        set(cam_param_following_limit_nm, 10000000);
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 37u * at);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(150000, retract(200).most_step_nm);
-    }
 }
 
 /// The stroke ends where U retracts to. Gains of slow drives and of fast ones, with and without an
@@ -161,26 +172,6 @@ static void test_command_stays_within_the_stroke_in_homing_and_retract(void)
         hal_host_fault_estop(true);
         fixture_rig_ticks(&rig, hz / 10);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
-    }
-}
-
-/// The tick of the fault tells the acceleration with which its set-point goes on.
-static void test_fault_tick_tells_the_acceleration_of_its_set_points(void)
-{
-    for (uint32_t at = 0; at < 120; at += 20) {
-        setUp();
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 2400 + at);
-        const double a = rig.last.want.u_set_q6 / 64.0;
-        fixture_rig_tick(&rig);
-        const double b = rig.last.want.u_set_q6 / 64.0;
-        hal_host_fault_estop(true);
-        fixture_rig_tick(&rig);
-        const double c = rig.last.want.u_set_q6 / 64.0;
-        const hal_setpoint_t *told = &hal_host.out.axis[hal_axis_u];
-        TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
-        TEST_ASSERT_DOUBLE_WITHIN(0.1, c - 2.0 * b + a, told->acc_q10 / 1024.0);
-        TEST_ASSERT_DOUBLE_WITHIN(0.1, c - b, told->vel_q10 / 1024.0);
     }
 }
 
@@ -219,8 +210,7 @@ static void test_x_and_z_are_told_the_acceleration_of_their_increments(void)
 static void test_command_of_a_wrong_gain_is_a_fault_and_not_written(void)
 {
     for (int i = 0; i < 2; i++) {
-        setUp();
-        with_feed_forward();
+        start(&courses[0]);
         bring(i == 0 ? cam_state_off : cam_state_cutting);
         fixture_rig_ticks(&rig, 200);
         told_t t = begin();
@@ -265,28 +255,29 @@ static void test_increments_beyond_the_limits_are_a_fault_before_they_are_told(v
     }
 }
 
-/// X leaves a clearance of 5 mm in a turn: a count of the encoder moves it by 0.94 um.
-static void test_steps_of_the_encoder_move_x_off_a_wide_clearance_without_a_fault(void)
+/// X leaves a clearance of 5 mm in a turn: a count of the encoder moves it by 0.94 um. And a fast
+/// observer makes a speed of every count, which the lag of X multiplies.
+static void test_counts_of_the_encoder_move_x_off_a_wide_clearance_without_a_fault(void)
 {
-    fixture_rig_init(&rig, &part, 5000);
-    set(cam_param_engage_turns, 1);
-    set(cam_param_x_clearance_nm, 5000000);
-    set(cam_param_spindle_mrpm, 470700); // no whole number of counts per tick
-    set(cam_param_observer_bandwidth_mHz, 400000);
-    set(cam_param_following_limit_nm, 10000000);
-    bring(cam_state_cutting);
-}
-
-/// A fast observer makes a speed of every count, and the lag of X multiplies it.
-static void test_fast_observer_moves_x_off_a_wide_clearance_without_a_fault(void)
-{
-    set(cam_param_x_clearance_nm, 20000000);
-    set(cam_param_engage_turns, 10);
-    set(cam_param_xz_lag_ns, 6366198);
-    set(cam_param_spindle_mrpm, 1507300);
-    set(cam_param_observer_bandwidth_mHz, 1000000);
-    set(cam_param_following_limit_nm, 10000000);
-    bring(cam_state_ready);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
-    TEST_ASSERT_LESS_THAN_UINT32(200000, fixture_rig_until(&rig, cam_state_cutting, 200000));
+    static const course_t cases[] = {
+        {.tick_hz = 5000,
+         .set = {{cam_param_engage_turns, 1},
+                 {cam_param_x_clearance_nm, 5000000},
+                 {cam_param_spindle_mrpm, 470700}, // no whole number of counts per tick
+                 {cam_param_observer_bandwidth_mHz, 400000},
+                 {cam_param_following_limit_nm, 10000000}}},
+        {.tick_hz = 20000,
+         .set = {{cam_param_x_clearance_nm, 20000000},
+                 {cam_param_engage_turns, 10},
+                 {cam_param_xz_lag_ns, 6366198},
+                 {cam_param_spindle_mrpm, 1507300},
+                 {cam_param_observer_bandwidth_mHz, 1000000},
+                 {cam_param_following_limit_nm, 10000000}}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        start(&cases[i]);
+        bring(cam_state_ready);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+        until(cam_state_cutting);
+    }
 }
