@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Excitation of U by the commands of the slow side, and every way out of it.
+// Excitation of U by the commands of the slow side, and every end of it; the download of its wave
+// into the memory of the recorder.
 #include "cam_machine_identify.h"
 #include "cam_machine_inner.h" // cam_machine_offer_copy
 #include "cam_machine_scope.h"
@@ -12,26 +13,26 @@
 enum { tick_hz = 20000, n = 200, n_periods = 3, fade = 100, place_nm = -300000 };
 
 static fixture_rig_t rig;
+static cam_machine_t *const m = &rig.machine;
 static int32_t wave_nm[n];
 static uint32_t fade_ticks; ///< in which the wave rises, and falls
 
 static int32_t field(uint32_t which)
 {
     int32_t value = 0;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_get(&rig.machine, which, &value));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_get(m, which, &value));
     return value;
 }
 
 static cam_err_t load(uint32_t crc_error)
 {
     const uint8_t *bytes = (const uint8_t *)wave_nm;
-    cam_err_t err = cam_machine_wave_begin(&rig.machine, sizeof wave_nm);
+    cam_err_t err = cam_machine_wave_begin(m, sizeof wave_nm);
     if (err == cam_ok) {
-        err = cam_machine_wave_block(&rig.machine, 0, bytes, sizeof wave_nm);
+        err = cam_machine_wave_block(m, 0, bytes, sizeof wave_nm);
     }
     return err != cam_ok ? err
-                         : cam_machine_wave_end(&rig.machine,
-                                                cam_crc32(0, bytes, sizeof wave_nm) ^ crc_error);
+                         : cam_machine_wave_end(m, cam_crc32(0, bytes, sizeof wave_nm) ^ crc_error);
 }
 
 void setUp(void)
@@ -53,7 +54,7 @@ static cam_state_t state(void)
     return fixture_rig_state();
 }
 
-/// Ticks with the main loop between them; signs of life as long as asked for.
+/// Ticks with the main loop between them, with signs of life or without.
 static void go_on(uint32_t ticks, bool is_alive)
 {
     for (uint32_t i = 0; i < ticks; i++) {
@@ -65,11 +66,17 @@ static void go_on(uint32_t ticks, bool is_alive)
     }
 }
 
-static void begin(void)
+/// In ready, with the wave.
+static void to_ready(void)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
     TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_periods, fade_ticks).err);
+}
+
+static void begin(void)
+{
+    to_ready();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, n_periods, fade_ticks).err);
     go_on(3, true);
     TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
 }
@@ -77,15 +84,15 @@ static void begin(void)
 /// Until the machine has its usual configuration again.
 static void expect_end(cam_excited_t excited, cam_state_t wanted)
 {
-    for (uint32_t i = 0; i < 20000u && rig.machine.identify.phase != cam_identify_none; i++) {
+    for (uint32_t i = 0; i < 20000u && (*m).identify.phase != cam_identify_none; i++) {
         go_on(1, true);
     }
     go_on(2, true);
     TEST_ASSERT_EQUAL_INT(excited, field(cam_scope_field_excited));
     TEST_ASSERT_EQUAL_INT(wanted, state());
-    const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
+    const cam_config_t *cfg = atomic_load(&(*m).core->config.in_use);
     TEST_ASSERT_EQUAL_UINT32(0, cfg->play.excite.n);
-    TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm, cfg->guard.following_nm);
+    TEST_ASSERT_EQUAL_INT32((*m).identify.following_nm, cfg->guard.following_nm);
 }
 
 /// The first period in full begins with the first sample, however many periods it takes to rise.
@@ -116,7 +123,7 @@ static void test_a_wave_is_played_recorded_and_left(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine)); // a cut follows as ever
 }
 
-/// On its way to the place U has nothing of the wave yet.
+/// Until it is at its position U has nothing of the wave.
 static void test_the_way_to_the_place_is_without_the_wave(void)
 {
     begin();
@@ -157,8 +164,7 @@ static void test_stop_on_the_way_to_the_place_ends_it(void)
 /// Hand a wave over, up to where the interrupt has still to obey the request to play it.
 static void request(uint32_t n_asked)
 {
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
-    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    to_ready();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_asked, fade).err);
     fixture_rig_tick(&rig);
     cam_machine_poll(&rig.machine);
@@ -177,9 +183,7 @@ static void test_a_begin_that_was_not_seen_is_not_stopped(void)
     expect_end(cam_excited_done, cam_state_ready);
 }
 
-/// A fault in the tick in which it should begin is told, and an excitation that has ended before
-/// the slow side looked was one.
-static void test_a_begin_that_was_missed_is_told_by_its_end(void)
+static void test_a_begin_that_was_missed_is_known_by_its_end(void)
 {
     request(1);
     fixture_rig_ticks(&rig, 4000);
@@ -195,9 +199,7 @@ static void test_a_begin_that_was_missed_is_told_by_its_end(void)
 /// While the interrupt has not taken the last configuration, nothing begins, and the end waits.
 static void test_begin_and_end_need_room(void)
 {
-    cam_machine_t *m = &rig.machine;
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
-    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    to_ready();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(m, cam_param_phase_udeg, 5));
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_excite(m, 1, fade).err);
     TEST_ASSERT_FALSE(cam_scope_is_on(&m->scope));
@@ -218,9 +220,7 @@ static void test_begin_and_end_need_room(void)
 /// A black box that nobody has read is not overwritten by a wave, and neither is the wave by it.
 static void test_a_box_that_was_not_read_is_in_the_way(void)
 {
-    cam_machine_t *m = &rig.machine;
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
-    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    to_ready();
     m->scope.use = cam_scope_box;
     m->scope.phase = cam_scope_done;
     TEST_ASSERT_EQUAL_INT(cam_err_scope_unread, cam_machine_excite(m, 1, fade).err);
@@ -228,12 +228,10 @@ static void test_a_box_that_was_not_read_is_in_the_way(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
 }
 
-/// Some rows of too many signals do not fit behind the wave: nothing is handed over.
+/// Some rows of too many signals do not fit after the wave: nothing is handed over.
 static void test_a_recording_without_room_begins_nothing(void)
 {
-    cam_machine_t *m = &rig.machine;
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
-    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    to_ready();
     m->scope.n_words = n + 2u; // three signals were chosen
     const uint32_t generation = m->generation;
     TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_machine_excite(m, 1, fade).err);
@@ -287,7 +285,6 @@ static void test_following_error_has_the_room_of_the_larger_side(void)
 
 static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
 {
-    cam_machine_t *m = &rig.machine;
     TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
@@ -308,34 +305,118 @@ static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
     TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_scope_start(m));
 }
 
+/// While it plays, and between the command and the tick that obeys it.
 static void test_nothing_else_is_accepted_meanwhile(void)
 {
-    cam_machine_t *m = &rig.machine;
-    begin();
-    go_on(100, true);
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_start(m));
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_enable(m));
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_scope_start(m));
-    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_wave_begin(m, 64));
-    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
-                          cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
-    TEST_ASSERT_EQUAL_INT(cam_err_state,
-                          cam_machine_select_table(m, rig.image.bytes, rig.image.size));
-    expect_end(cam_excited_done, cam_state_ready);
+    for (int is_pending = 0; is_pending < 2; is_pending++) {
+        const cam_err_t err = is_pending == 0 ? cam_err_state : cam_err_busy;
+        setUp();
+        if (is_pending == 0) {
+            begin();
+            go_on(100, true);
+            TEST_ASSERT_EQUAL_INT(err, cam_machine_enable(m));
+            TEST_ASSERT_EQUAL_INT(err, cam_machine_scope_start(m));
+            TEST_ASSERT_EQUAL_INT(err,
+                                  cam_machine_select_table(m, rig.image.bytes, rig.image.size));
+        } else {
+            to_ready();
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+            TEST_ASSERT_EQUAL_INT(err, cam_machine_disable(m));
+        }
+        TEST_ASSERT_EQUAL_INT(err, cam_machine_start(m));
+        TEST_ASSERT_EQUAL_INT(err, cam_machine_excite(m, 1, fade).err);
+        TEST_ASSERT_EQUAL_INT(err, cam_machine_wave_begin(m, 64));
+        TEST_ASSERT_EQUAL_INT(is_pending == 0 ? cam_err_param_state : cam_err_busy,
+                              cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
+        go_on(3, true);
+        expect_end(cam_excited_done, cam_state_ready);
+    }
 }
 
-static void test_between_two_states_everything_waits(void)
+// Download
+
+/// The wave's step from the last sample to the first is one that no axis could follow.
+static void make_ramp(void)
 {
-    cam_machine_t *m = &rig.machine;
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
-    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_start(m));
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_disable(m));
+    for (int32_t i = 0; i < n; i++) {
+        wave_nm[i] = 100 * (i - 100);
+    }
+}
+
+static void test_downloads_out_of_order_are_refused(void)
+{
+    static const struct {
+        uint32_t offset, at, n;
+        cam_err_t err;
+    } blocks[] = {
+        {4, 0, 4, cam_err_download_order},
+        {0, 0, 3, cam_err_download_order},
+        {0, 0, 0, cam_err_download_order},
+        {0, 0, 400, cam_ok},
+        {0, 0, 400, cam_ok}, // its answer was lost
+        {0, 4, 400, cam_err_download_order},
+        {400, 0, 404, cam_err_download_room},
+        {4000, 0, 4, cam_err_download_room},
+    };
+    const uint8_t *bytes = (const uint8_t *)wave_nm;
+    make_ramp();
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, bytes, 4));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_wave_begin(m, 60));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_wave_begin(m, 66));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_machine_wave_begin(m, UINT32_MAX - 3u));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave_nm));
+    for (uint32_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) {
+        TEST_ASSERT_EQUAL_INT(
+            blocks[i].err,
+            cam_machine_wave_block(m, blocks[i].offset, bytes + blocks[i].at, blocks[i].n));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_err_download_short, cam_machine_wave_end(m, 0));
+    TEST_ASSERT_EQUAL_UINT32(400, m->identify.received);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 400, bytes + 400, 400));
+    const uint32_t crc = cam_crc32(0, bytes, sizeof wave_nm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_end(m, crc));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_end(m, crc));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_on, cam_machine_wave_begin(m, 64));
+}
+
+/// A minute at 20 kHz, its fades included, has 1 200 000 ticks.
+static void test_length_of_an_excitation_is_limited(void)
+{
+    static const struct {
+        uint32_t n_periods, fade_ticks;
+        bool is_good;
+    } cases[] = {{1, 16, true},       {0, 16, false},      {1, 15, false},
+                 {1, 65535, true},    {1, 65536, false},   {5990, 1000, true},
+                 {5990, 1001, false}, {5991, 1000, false}, {UINT32_MAX, 16, false}};
+    make_ramp();
+    to_ready();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const cam_verdict_t found = cam_machine_excite(m, cases[i].n_periods, cases[i].fade_ticks);
+        TEST_ASSERT_NOT_EQUAL_INT(cam_ok, found.err);
+        TEST_ASSERT_EQUAL_INT(!cases[i].is_good, found.err == cam_err_wave_length);
+        TEST_ASSERT_TRUE(cases[i].is_good || found.value == 1200000);
+    }
+}
+
+static void test_a_release_forgets_the_wave(void)
+{
+    make_ramp();
+    to_ready();
+    TEST_ASSERT_NOT_EQUAL_INT(cam_err_wave_none, cam_machine_excite(m, 1, 16).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_release(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_none, cam_machine_excite(m, 1, 16).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave_nm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_release(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order,
+                          cam_machine_wave_block(m, 0, (const uint8_t *)wave_nm, 4));
+}
+
+static void test_what_is_asked_for_comes_before_an_excitation(void)
+{
+    to_ready();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(m));
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_excite(m, 1, fade).err);
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_wave_begin(m, 64));
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
-    go_on(3, true);
-    expect_end(cam_excited_done, cam_state_ready);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The slow side: what it refuses in which state, and that a refusal changes nothing.
+// The slow side: what it refuses in which state or because the machine cannot do it, that a refusal
+// changes nothing, and a start with a spindle that does not turn steadily.
 #include "cam_machine.h"
 #include "cam_machine_jog.h"
 #include "rig_bench.h"
@@ -54,36 +55,46 @@ static void test_fault_is_left_by_reset_after_the_retract_only(void)
     const cam_status_t status = fixture_rig_status(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, status.state);
     TEST_ASSERT_EQUAL_HEX32(0, status.faults);
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop),
-                            status.first_fault); // the cause is still reported
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), status.first_fault); // still reported
     TEST_ASSERT_EQUAL_UINT32(1, status.fault_count[cam_fault_estop]);
     TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
-    TEST_ASSERT_EQUAL_INT(cam_err_estop, cam_machine_enable(&rig.machine));
     hal_host_fault_estop(false);
-    hal_host_fault_drive(true);
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_drive, cam_machine_enable(&rig.machine));
-    hal_host_fault_drive(false);
-    hal_host_fault_bus(true);
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_bus, cam_machine_enable(&rig.machine));
-    hal_host_fault_bus(false);
     fixture_rig_tick(&rig);
     bring(cam_state_cutting); // homes and cuts anew
+}
+
+/// Neither for the work nor by hand, whatever it is that forbids it.
+static void test_inputs_forbid_to_enable(void)
+{
+    static const struct {
+        void (*fail)(bool);
+        cam_err_t err;
+    } inputs[] = {{hal_host_fault_estop, cam_err_estop},
+                  {hal_host_fault_drive, cam_err_drive},
+                  {hal_host_fault_bus, cam_err_bus}};
+    for (uint32_t i = 0; i < sizeof inputs / sizeof inputs[0]; i++) {
+        inputs[i].fail(true);
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_EQUAL_INT(inputs[i].err, cam_machine_enable(&rig.machine));
+        TEST_ASSERT_EQUAL_INT(inputs[i].err, cam_machine_manual(&rig.machine));
+        inputs[i].fail(false);
+    }
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
 }
 
 /// From outside of the stroke the first set-point would be its edge, and U would jump there.
 static void test_enable_is_refused_while_u_stands_outside_its_stroke(void)
 {
     const int32_t half_nm = rig.machine.params.u_stroke_nm / 2;
-    const int32_t sides[] = {1, -1};
-    for (uint32_t i = 0; i < 2u; i++) {
-        hal_host.in.axis_nm[hal_axis_u] = sides[i] * (half_nm + 1);
+    for (int32_t side = -1; side <= 1; side += 2) {
+        hal_host.in.axis_nm[hal_axis_u] = side * (half_nm + 1);
         fixture_rig_tick(&rig);
         const uint32_t n = rig.machine.n_requests;
         TEST_ASSERT_EQUAL_INT(cam_err_u_place, cam_machine_enable(&rig.machine));
+        TEST_ASSERT_EQUAL_INT(cam_err_u_place, cam_machine_manual(&rig.machine));
         TEST_ASSERT_EQUAL_UINT32(n, rig.machine.n_requests);
-        hal_host.in.axis_nm[hal_axis_u] = sides[i] * half_nm;
+        hal_host.in.axis_nm[hal_axis_u] = side * half_nm;
         fixture_rig_tick(&rig);
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
         fixture_rig_tick(&rig);
@@ -124,15 +135,14 @@ static void test_request_serial_wraps_without_losing_a_command(void)
 
 static void test_second_change_before_the_first_was_taken_is_busy(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&rig.machine, cam_param_k1_ns, 5));
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(&rig.machine, cam_param_k1_ns, 6));
+    expect_set(cam_ok, cam_param_k1_ns, 5);
+    expect_set(cam_err_busy, cam_param_k1_ns, 6);
     TEST_ASSERT_EQUAL_INT32(5, rig.machine.params.k1_ns);
-    TEST_ASSERT_EQUAL_INT(cam_err_busy,
-                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    expect_select(cam_err_busy);
     const uint32_t before = fixture_rig_status(&rig).config;
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_UINT32(before + 1u, fixture_rig_status(&rig).config);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&rig.machine, cam_param_k1_ns, 6));
+    expect_set(cam_ok, cam_param_k1_ns, 6);
 }
 
 static void test_parameters_change_only_where_they_may(void)
@@ -158,8 +168,7 @@ static void test_parameters_change_only_where_they_may(void)
         setUp();
     }
     to_fault();
-    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
-                          cam_machine_set_param(&rig.machine, cam_param_k1_ns, 1));
+    expect_set(cam_err_param_state, cam_param_k1_ns, 1);
 }
 
 /// The angle would be another one at once: what it is made of stays as long as it is in force.
@@ -194,12 +203,9 @@ static void test_parameter_errors_leave_everything_as_it_was(void)
 {
     const cam_params_t before = rig.machine.params;
     const uint32_t generation = rig.machine.generation;
-    TEST_ASSERT_EQUAL_INT(cam_err_param_id, cam_machine_set_param(&rig.machine, cam_n_params, 1));
-    TEST_ASSERT_EQUAL_INT(cam_err_param_range,
-                          cam_machine_set_param(&rig.machine, cam_param_lead_ns, -1));
-    TEST_ASSERT_EQUAL_INT(
-        cam_err_param_tick,
-        cam_machine_set_param(&rig.machine, cam_param_observer_bandwidth_mHz, 1600001));
+    expect_set(cam_err_param_id, cam_n_params, 1);
+    expect_set(cam_err_param_range, cam_param_lead_ns, -1);
+    expect_set(cam_err_param_tick, cam_param_observer_bandwidth_mHz, 1600001);
     TEST_ASSERT_EQUAL_MEMORY(&before, &rig.machine.params, sizeof before);
     TEST_ASSERT_EQUAL_UINT32(generation, rig.machine.generation);
 }
@@ -208,13 +214,10 @@ static void test_parameter_errors_leave_everything_as_it_was(void)
 static void test_changes_wait_for_a_pending_command(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
-    TEST_ASSERT_EQUAL_INT(cam_err_busy,
-                          cam_machine_set_param(&rig.machine, cam_param_counts_per_turn, 4096));
-    TEST_ASSERT_EQUAL_INT(cam_err_busy,
-                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    expect_set(cam_err_busy, cam_param_counts_per_turn, 4096);
+    expect_select(cam_err_busy);
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
-                          cam_machine_set_param(&rig.machine, cam_param_counts_per_turn, 4096));
+    expect_set(cam_err_param_state, cam_param_counts_per_turn, 4096);
 }
 
 static void test_without_a_table_nothing_starts(void)
@@ -267,8 +270,7 @@ static void test_select_table_needs_a_good_one_and_the_right_state(void)
     fixture_part_t reversed = part;
     reversed.direction = -1;
     fixture_image_make(&rig.image, &reversed);
-    TEST_ASSERT_EQUAL_INT(cam_err_table_sense,
-                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    expect_select(cam_err_table_sense);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_err_state,
@@ -318,26 +320,213 @@ static void test_poll_tries_again_when_the_interrupt_is_busy(void)
     TEST_ASSERT_FALSE(rig.machine.has_table);
 }
 
+static void home_anew(uint32_t phase)
+{
+    bool was_homing = false;
+    bool was_forgotten = false;
+    cam_status_t status = {0};
+    setUp();
+    bring(cam_state_ready);
+    fixture_rig_ticks(&rig, phase);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home(&rig.machine));
+    for (int i = 0; i < 5000 && !(was_homing && status.state == cam_state_ready); i++) {
+        fixture_rig_tick(&rig);
+        cam_machine_poll(&rig.machine);
+        status = fixture_rig_status(&rig);
+        was_homing = was_homing || status.state == cam_state_homing;
+        was_forgotten = was_forgotten || (was_homing && !status.is_synced);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, status.state);
+    TEST_ASSERT_TRUE(was_homing && was_forgotten && status.is_synced);
+}
+
 /// The command home is an off of a tick or two. The plan forgets the angle, wherever between two
-/// plans that off falls, so that ready always rests on an index that was seen anew.
+/// plans, which are eight ticks apart, that off falls: ready always rests on an index seen anew.
 static void test_home_finds_the_index_anew_in_every_phase_of_the_plan(void)
 {
-    for (uint32_t phase = 0; phase < 16u; phase++) {
-        setUp();
-        bring(cam_state_ready);
-        fixture_rig_ticks(&rig, phase);
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home(&rig.machine));
-        bool was_homing = false;
-        bool was_forgotten = false;
-        cam_status_t status = {0};
-        for (int i = 0; i < 5000 && !(was_homing && status.state == cam_state_ready); i++) {
-            fixture_rig_tick(&rig);
-            cam_machine_poll(&rig.machine);
-            status = fixture_rig_status(&rig);
-            was_homing = was_homing || status.state == cam_state_homing;
-            was_forgotten = was_forgotten || (was_homing && !status.is_synced);
-        }
-        TEST_ASSERT_EQUAL_INT(cam_state_ready, status.state);
-        TEST_ASSERT_TRUE(was_homing && was_forgotten && status.is_synced);
+    for (uint32_t phase = 0; phase < 8u; phase++) {
+        home_anew(phase);
     }
+}
+
+// Limits
+
+/// In ready the spindle turns, so a value that it must not take is refused at once.
+static void test_ready_refuses_what_the_spindle_or_u_cannot_do(void)
+{
+    bring(cam_state_ready);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_retract,
+                          fixture_rig_set(&rig, cam_param_u_retract_nm, -15000000));
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed,
+                          fixture_rig_set(&rig, cam_param_spindle_mrpm, 30000000));
+    set(cam_param_spindle_mrpm, 2600000);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed,
+                          fixture_rig_set(&rig, cam_param_spindle_limit_mrpm, 2500000));
+    set(cam_param_spindle_mrpm, 0);
+    set(cam_param_spindle_limit_mrpm, 2550000);
+    fixture_part_t fast = part;
+    fast.spindle_mrpm = 2600000;
+    static fixture_image_t image;
+    fixture_image_make(&image, &fast);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed,
+                          cam_machine_select_table(&rig.machine, image.bytes, image.size));
+    fixture_rig_ticks(&rig, 3);
+    TEST_ASSERT_EQUAL_INT32(2500000, hal_host.out.spindle_mrpm);
+}
+
+static void test_start_beyond_the_limits_is_refused_before_motion(void)
+{
+    set(cam_param_spindle_mrpm, 3500000);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(&rig.machine));
+    const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
+    TEST_ASSERT_EQUAL_INT64(3500000, why.needed);
+    TEST_ASSERT_EQUAL_INT64(3000000, why.limit);
+    TEST_ASSERT_EQUAL_UINT32(3000000, why.highest_mrpm);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_check_speed(&rig.machine, 0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(&rig.machine, why.highest_mrpm));
+    TEST_ASSERT_EQUAL_UINT32(why.highest_mrpm, cam_machine_highest_mrpm(&rig.machine));
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_state());
+}
+
+static void test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut(void)
+{
+    set(cam_param_u_acceleration_mm_per_s2, 21000);
+    bring(cam_state_cutting); // needs 20 600 at amplitude 1
+    expect_set(cam_err_u_acceleration, cam_param_amplitude_ppm, 1100000);
+    expect_set(cam_ok, cam_param_amplitude_ppm, 900000);
+}
+
+/// With less than its whole lift a lobe would be cut deeper than drawn.
+static void test_lobe_is_cut_with_all_of_its_lift_or_not_at_all(void)
+{
+    part = fixture_part_swung();
+    part.spindle_mrpm = 2500000;
+    fixture_rig_init(&rig, &part, 20000);
+    const int32_t most = 100000000; // of both, as the rig's spindle is fast
+    set(cam_param_swing_speed_mdeg_per_s, most);
+    set(cam_param_swing_acceleration_deg_per_s2, most);
+    set(cam_param_u_retract_nm, -300000);
+    set(cam_param_amplitude_ppm, 999999);
+    TEST_ASSERT_EQUAL_INT(cam_err_cam_amplitude, cam_machine_enable(&rig.machine));
+    const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
+    TEST_ASSERT_EQUAL_INT64(1000000, why.needed);
+    TEST_ASSERT_EQUAL_INT64(999999, why.limit);
+    TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
+    set(cam_param_amplitude_ppm, 0);
+    TEST_ASSERT_EQUAL_INT(cam_err_cam_amplitude, cam_machine_enable(&rig.machine));
+    set(cam_param_amplitude_ppm, 1000000);
+    bring(cam_state_cutting);
+    expect_set(cam_err_cam_amplitude, cam_param_amplitude_ppm, 999999);
+    expect_set(cam_ok, cam_param_amplitude_ppm, 1100000);
+}
+
+/// The ramps of a ring-helix are made for one speed. Another speed is judged anew, and is never
+/// taken during a cut.
+static void test_ring_helix_allows_only_speeds_that_z_can_follow(void)
+{
+    part.is_ring_helix = true;
+    fixture_rig_init(&rig, &part, 20000);
+    set(cam_param_z_acceleration_mm_per_s2, 800);
+    bring(cam_state_ready);
+    const cam_feasibility_t f = cam_machine_feasibility(&rig.machine, 0);
+    TEST_ASSERT_UINT32_WITHIN(2000, 2683000, f.highest_mrpm); // sqrt(800 / 0.4) turns per second
+    TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration,
+                          fixture_rig_set(&rig, cam_param_spindle_mrpm, 2700000));
+    TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration, fixture_rig_set(&rig, cam_param_feed_nm, 200000));
+    set(cam_param_spindle_mrpm, (int32_t)f.highest_mrpm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_cutting, 60000));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
+                          fixture_rig_set(&rig, cam_param_spindle_mrpm, 1000000));
+}
+
+// Steady spindle
+
+/// Let the spindle gain or lose a share per tick for n ticks, with rare rounds of the main loop.
+static void turn(double share, uint32_t n)
+{
+    rig.lathe.is_spindle_held = true;
+    for (uint32_t i = 0; i < n; i++) {
+        rig.lathe.rpm *= 1.0 + share;
+        fixture_rig_tick(&rig);
+        if (i % 100u == 0u) {
+            cam_machine_poll(&rig.machine);
+        }
+    }
+}
+
+/// A start whose spindle falls from 2500 r/min by 0.6 % per turn, which takes 480 ticks.
+static void start_unsteady(void)
+{
+    bring(cam_state_ready);
+    set(cam_param_ripple_turns, 0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    turn(-0.006 / 480, 60000);
+}
+
+static void test_cut_begins_once_the_spindle_is_steady(void)
+{
+    start_unsteady();
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
+    TEST_ASSERT_FALSE(g_cam.motion.is_playing);
+    TEST_ASSERT_GREATER_THAN_UINT32(10000, fixture_rig_status(&rig).steady.waited_ticks);
+    const double ticks_per_turn = 20000 * 60 / (rig.lathe.rpm > 0 ? rig.lathe.rpm : -rig.lathe.rpm);
+    turn(0, (uint32_t)(3.5 * ticks_per_turn)); // the turn in progress, two that agree, a plan
+    TEST_ASSERT_TRUE(g_cam.motion.is_playing);
+    TEST_ASSERT_FALSE(rig.machine.is_unsteady);
+    TEST_ASSERT_EQUAL_UINT32(0, fixture_rig_status(&rig).steady.waited_ticks);
+}
+
+static void test_start_ends_without_a_steady_spindle(void)
+{
+    set(cam_param_stopped_ms, 20); // so the patience is 2 s
+    start_unsteady();
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
+    TEST_ASSERT_FALSE(rig.machine.is_unsteady);
+    turn(-0.006 / 480, 20000);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
+    TEST_ASSERT_TRUE(rig.machine.is_unsteady);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    TEST_ASSERT_EQUAL_UINT32(0, rig.machine.n_parts); // the pass is repeated
+    TEST_ASSERT_TRUE(rig.machine.is_cut_short);
+    turn(0, 2000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    TEST_ASSERT_FALSE(rig.machine.is_unsteady);
+    turn(0, 20000);
+    TEST_ASSERT_TRUE(g_cam.motion.is_playing);
+}
+
+/// A slow spindle is given the time of its turns: 10 r/min, 6 s each.
+static void test_slow_spindle_has_time_for_its_turns(void)
+{
+    set(cam_param_stopped_ms, 10);
+    bring(cam_state_ready);
+    turn(-5.521461 / 6000, 6000); // to 1/250
+    set(cam_param_ripple_turns, 0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    turn(0, 200000); // 10 s, and the patience is 1 s
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_state());
+    turn(0, 120000);
+    TEST_ASSERT_TRUE(g_cam.motion.is_playing);
+}
+
+static void test_ripple_is_learned_before_a_cut_without_rehearsal(void)
+{
+    static const struct {
+        int32_t ripple, rehearse;
+        uint32_t turns;
+    } cases[] = {{0, 0, 1}, {8, 0, 16}, {8, 40, 1}, {1, 0, 9}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        set(cam_param_rehearse_turns, cases[i].rehearse);
+        set(cam_param_ripple_turns, cases[i].ripple);
+        TEST_ASSERT_EQUAL_UINT32(cases[i].turns,
+                                 atomic_load(&g_cam.config.offered)->play.steady_turns);
+    }
+    rig.machine.ilc.ripple.n_mean = 2; // known from an earlier part
+    set(cam_param_ripple_turns, 8);
+    TEST_ASSERT_EQUAL_UINT32(16, atomic_load(&g_cam.config.offered)->play.steady_turns);
+    rig.machine.ilc.blending = 0; // it is in force
+    set(cam_param_rehearse_turns, 0);
+    TEST_ASSERT_EQUAL_UINT32(1, atomic_load(&g_cam.config.offered)->play.steady_turns);
 }

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learning as the slow side of the machine sees it: which values it takes back, when it works.
+// Learning as the slow side of the machine sees it: which values it takes back, when it works, what
+// is handed over, and the parameters shown by turns that the test makes: gains, probe, ripple.
 #include "cam_machine.h"
 #include "cam_machine_inner.h" // cam_machine_offer_copy
 #include "rig_bench.h"
+#include <math.h> // cos, lround, sin
+
+#define TURN 6.283185307179586
 
 enum { tick_us = 50, one_q16 = 65536, spare_ticks = 4, spare_ticks2 = 16 };
+
+static cam_machine_t *const m = &rig.machine;
 
 static cam_err_t set_learned(uint32_t index, int32_t value)
 {
@@ -109,54 +115,77 @@ static void test_the_encoders_error_is_led_to_its_new_value(void)
     }
 }
 
+static void poll(cam_state_t state)
+{
+    cam_machine_ilc_poll(m, state, !cam_machine_status(m).is_u_at_rest);
+}
+
+/// Poll in ready. @return configurations that were handed over
 static uint32_t generations(uint32_t n_polls)
 {
-    const uint32_t before = rig.machine.generation;
+    const uint32_t before = m->generation;
     for (uint32_t i = 0; i < n_polls; i++) {
-        cam_machine_ilc_poll(&rig.machine, cam_state_ready,
-                             !cam_machine_status(&rig.machine).is_u_at_rest);
+        poll(cam_state_ready);
         fixture_rig_ticks(&rig, 2);
     }
-    return rig.machine.generation - before;
+    return m->generation - before;
+}
+
+/// In ready with these parameters, and nothing left to hand over.
+static void settle(int32_t harmonics, int32_t turns)
+{
+    set(cam_param_learn_harmonics, harmonics);
+    set(cam_param_ripple_turns, turns);
+    bring(cam_state_ready);
+    (void)generations(400);
+    TEST_ASSERT_EQUAL_UINT32(0, generations(10));
+}
+
+static const cam_learned_t *offered(void)
+{
+    return &atomic_load(&m->core->config.offered)->learned;
 }
 
 /// Without learning there is nothing to hand over. A value that is set is walked to, one new
 /// configuration for each step that changes something, and none when it is reached.
 static void test_only_what_changes_is_handed_over(void)
 {
-    set(cam_param_learn_harmonics, 0);
-    set(cam_param_ripple_turns, 0);
-    bring(cam_state_ready);
-    (void)generations(400);
-    TEST_ASSERT_EQUAL_HEX8(0, rig.machine.ilc.blending);
-    TEST_ASSERT_EQUAL_UINT32(0, generations(10));
+    settle(0, 0);
+    TEST_ASSERT_EQUAL_HEX8(0, m->ilc.blending);
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_k1, 640));
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
-    const cam_config_t *last = atomic_load(&rig.machine.core->config.offered);
-    TEST_ASSERT_EQUAL_INT32(640, last->learned.k1_q16);
+    TEST_ASSERT_EQUAL_INT32(640, offered()->k1_q16);
     TEST_ASSERT_EQUAL_UINT32(0, generations(100));
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_k2, -320));
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
-    TEST_ASSERT_EQUAL_INT32(-320, atomic_load(&rig.machine.core->config.offered)->learned.k2_q16);
+    TEST_ASSERT_EQUAL_INT32(-320, offered()->k2_q16);
 }
 
 /// A correction of U and a ripple of the spindle alone are handed over, too, without the constants.
 static void test_a_correction_and_a_ripple_are_handed_over(void)
 {
-    set(cam_param_learn_harmonics, 8);
-    set(cam_param_ripple_turns, 64);
-    bring(cam_state_ready);
-    (void)generations(400);
+    settle(8, 64);
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_speed, 1 << 20));
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_correction, 64 * 64));
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(4000));
-    const cam_learned_t *in = &atomic_load(&rig.machine.core->config.offered)->learned;
-    TEST_ASSERT_NOT_EQUAL_INT16(0, in->c[0]);
-    TEST_ASSERT_EQUAL_INT16(0, in->dm[1]);
+    TEST_ASSERT_NOT_EQUAL_INT16(0, offered()->c[0]);
+    TEST_ASSERT_EQUAL_INT16(0, offered()->dm[1]);
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_ripple + 2, 300));
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(4000));
-    in = &atomic_load(&rig.machine.core->config.offered)->learned;
-    TEST_ASSERT_NOT_EQUAL_INT16(0, in->dm[1]);
+    TEST_ASSERT_NOT_EQUAL_INT16(0, offered()->dm[1]);
+}
+
+/// A ripple alone, of the spindle and none of U, is something new, too.
+static void test_what_the_encoder_measures_alone_is_handed_over(void)
+{
+    settle(m->params.learn_harmonics, 4);
+    cam_config_t *copy = cam_config_copy(&m->core->config);
+    copy->learned.dm[1]++; // as an eccentricity would that U does not follow
+    cam_machine_offer_copy(m);
+    fixture_rig_ticks(&rig, 2);
+    m->ilc.blending = cam_ilc_blend_ripple;
+    TEST_ASSERT_GREATER_THAN_UINT32(0, generations(400));
+    TEST_ASSERT_EQUAL_INT16(0, offered()->dm[1]);
 }
 
 /// Each of the three reasons to work suffices: learning of U, of the ripple, a walk not yet ended.
@@ -171,12 +200,10 @@ static void test_each_reason_to_work_suffices(void)
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         set(cam_param_learn_harmonics, cases[i].harmonics);
         set(cam_param_ripple_turns, cases[i].turns);
-        rig.machine.ilc.blending = cases[i].blending;
-        rig.machine.ilc.state = cam_state_off;
-        cam_machine_ilc_poll(&rig.machine, cam_state_ready,
-                             !cam_machine_status(&rig.machine).is_u_at_rest);
-        TEST_ASSERT_EQUAL_UINT8(cases[i].works ? cam_state_ready : cam_state_off,
-                                rig.machine.ilc.state);
+        m->ilc.blending = cases[i].blending;
+        m->ilc.state = cam_state_off;
+        poll(cam_state_ready);
+        TEST_ASSERT_EQUAL_UINT8(cases[i].works ? cam_state_ready : cam_state_off, m->ilc.state);
         fixture_rig_ticks(&rig, 2);
     }
 }
@@ -187,20 +214,18 @@ static void test_walk_waits_for_the_interrupt(void)
     bring(cam_state_ready);
     (void)generations(400);
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_k1, 640));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&rig.machine, cam_param_trace_on, 1));
-    const uint32_t before = rig.machine.generation;
+    expect_set(cam_ok, cam_param_trace_on, 1);
+    const uint32_t before = m->generation;
     for (int i = 0; i < 100; i++) {
-        cam_machine_ilc_poll(&rig.machine, cam_state_ready,
-                             !cam_machine_status(&rig.machine).is_u_at_rest);
+        poll(cam_state_ready);
     }
-    TEST_ASSERT_EQUAL_UINT32(before, rig.machine.generation);
+    TEST_ASSERT_EQUAL_UINT32(before, m->generation);
     TEST_ASSERT_GREATER_THAN_UINT32(0, generations(2000));
 }
 
-/// What is not learned is told with its reason: the first one that holds, in this order.
-static void test_why_nothing_is_learned_is_told(void)
+/// The first reason that holds, in this order.
+static void test_why_nothing_is_learned_is_known(void)
 {
-    cam_machine_t *m = &rig.machine;
     m->params.learn_harmonics = 0;
     TEST_ASSERT_EQUAL_INT(cam_ilc_not_asked, cam_machine_learning(m).reason);
     m->params.learn_harmonics = 8;
@@ -215,24 +240,8 @@ static void test_why_nothing_is_learned_is_told(void)
     TEST_ASSERT_EQUAL_INT(cam_ilc_no_table, cam_machine_learning(m).reason);
 }
 
-/// A ripple alone, of the spindle and none of U, is something new, too.
-static void test_what_the_encoder_measures_alone_is_handed_over(void)
-{
-    set(cam_param_ripple_turns, 4);
-    bring(cam_state_ready);
-    (void)generations(400);
-    TEST_ASSERT_EQUAL_UINT32(0, generations(10));
-    cam_config_t *copy = cam_config_copy(&rig.machine.core->config);
-    copy->learned.dm[1]++; // as an eccentricity would that U does not follow
-    cam_machine_offer_copy(&rig.machine);
-    fixture_rig_ticks(&rig, 2);
-    rig.machine.ilc.blending = cam_ilc_blend_ripple;
-    TEST_ASSERT_GREATER_THAN_UINT32(0, generations(400));
-    TEST_ASSERT_EQUAL_INT16(0, atomic_load(&rig.machine.core->config.offered)->learned.dm[1]);
-}
-
-/// A harmonic is told as far as there is one.
-static void test_harmonics_are_told(void)
+/// As far as there is one.
+static void test_harmonics_are_read(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_correction, 64 * 64));
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_masked, 4));
@@ -245,7 +254,7 @@ static void test_harmonics_are_told(void)
 }
 
 /// Turns of 1000 ticks in a rehearsal, of which nothing but the gather knows.
-/// @return [nm / 64] what the scale cannot tell, of the last turn that counted
+/// @return [nm / 64] error below which the scale sees nothing, of the last turn that counted
 static uint32_t floor_of(int32_t scale_nm)
 {
     enum { n_ticks = 1000, plan_ticks = 8, n_turns = 12 };
@@ -268,8 +277,7 @@ static uint32_t floor_of(int32_t scale_nm)
             record.angle.speed_q32 = step_q32;
             cam_turn_bins_plan_isr(g, &record, &motion);
         }
-        cam_machine_ilc_poll(&rig.machine, cam_state_rehearsing,
-                             !cam_machine_status(&rig.machine).is_u_at_rest);
+        poll(cam_state_rehearsing);
         rig.machine.ilc.blending = 0;
     }
     TEST_ASSERT_TRUE(rig.machine.ilc.n_turns > 0u);
@@ -277,8 +285,124 @@ static uint32_t floor_of(int32_t scale_nm)
 }
 
 /// 78 / 64 quanta by the root of the ticks, and a nanometre.
-static void test_a_coarse_scale_tells_less(void)
+static void test_a_coarse_scale_sees_less(void)
 {
     TEST_ASSERT_UINT32_WITHIN(2, 64 + 78 * 10 / 31, floor_of(10));
     TEST_ASSERT_UINT32_WITHIN(10, 64 + 78 * 1000 / 31, floor_of(1000));
+}
+
+// Turns that the test makes
+
+enum { n_ticks = 400, set_nm = 100000, error_nm = 1000 };
+
+static uint32_t turn; ///< number of the last one
+
+/// Start anew with a drive of which nothing is known.
+static void begin(void)
+{
+    setUp();
+    turn = 0;
+    hal_host.slow.measures_u = true;
+    set(cam_param_k1_ns, 0);
+    set(cam_param_k2_us2, 0);
+    set(cam_param_learn_harmonics, 4);
+}
+
+/// Close a turn in which U moves by a cosine and lags by a sine, and let the slow side treat
+/// it.
+static void play(cam_state_t state)
+{
+    cam_turn_bins_t *g = &rig.machine.core->bins;
+    turn++;
+    const uint32_t bank = turn & 1u;
+    for (uint32_t i = 0; i < n_ticks; i++) {
+        const double at = (i + 0.5) / n_ticks;
+        const uint32_t b = i * cam_turn_bins_n / n_ticks;
+        cam_turn_bin_t *bin = &g->bin[bank * cam_turn_bins_n + b];
+        bin->n++;
+        bin->u_nm += (int32_t)lround(set_nm * cos(TURN * at));
+        bin->error_q6 -= (int32_t)lround(64.0 * error_nm * sin(TURN * at));
+        bin->angle_q24 += (int32_t)lround((at - (double)b / cam_turn_bins_n) * 16777216.0);
+    }
+    g->closed[bank] = (cam_turn_t){.turn = turn,
+                                   .is_steady = true,
+                                   .is_level = true,
+                                   .state = state,
+                                   .speed_q32 = 10737418,
+                                   .scale_q30 = 1 << 30};
+    g->closed_turn[bank] = turn | 1u << 24;
+    g->at_q8 = (turn + 1u) << 8 | 10u;
+    rig.machine.ilc.blending = 0;
+    rig.machine.ilc.good_from = 0;
+    for (int i = 0; i < 40; i++) {
+        poll(state);
+    }
+}
+
+static void play_turns(int n, cam_state_t state)
+{
+    for (int i = 0; i < n; i++) {
+        play(state);
+    }
+}
+
+/// An error of a hundredth, late by a quarter turn, is k1 w = 1 / 100: of that a step of the
+/// rehearsal takes the share that is set, and in the cut its own; of none nothing is learned there.
+static void test_gains_are_those_that_are_set(void)
+{
+    static const struct {
+        cam_param_id_t id;
+        cam_state_t state;
+        int32_t gains_ppm[3];
+    } cases[] = {{cam_param_learn_gain_ppm, cam_state_rehearsing, {150000, 400000, 600000}},
+                 {cam_param_learn_cut_gain_ppm, cam_state_cutting, {0, 100000, 200000}}};
+    for (int i = 0; i < 6; i++) {
+        const bool is_cut = i >= 3;
+        const int32_t gain_ppm = cases[i / 3].gains_ppm[i % 3];
+        begin();
+        set(cases[i / 3].id, gain_ppm);
+        play_turns(is_cut ? 2 : 1, cases[i / 3].state);
+        m->ilc.n_steps = is_cut ? 20 : m->ilc.n_steps; // the larger gain of the first turns is over
+        const int32_t before_q16 = m->ilc.k1_q16;
+        play(cases[i / 3].state);
+        const double due = gain_ppm * 1e-6 * 0.01 * n_ticks / TURN;
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * due + (is_cut ? 1e-4 : 0.0), due,
+                                  (m->ilc.k1_q16 - (is_cut ? before_q16 : 0)) / 65536.0);
+    }
+}
+
+/// The first probe is half of the one that is set, at least three steps of the scale, at each of 4
+/// harmonics and the mean.
+static void test_probe_is_the_one_that_is_set_or_three_steps_of_the_scale(void)
+{
+    static const int32_t cases[][3] = {{2000, 0, 2000}, {2000, 600, 2000}, {2000, 700, 2100}};
+    for (int i = 0; i < 3; i++) {
+        begin();
+        set(cam_param_probe_nm, cases[i][0]);
+        set(cam_param_u_scale_nm, cases[i][1]);
+        play_turns(8, cam_state_rehearsing);
+        TEST_ASSERT_EQUAL_UINT8(cam_ilc_probing, rig.machine.ilc.phase);
+        TEST_ASSERT_UINT32_WITHIN(8, 5u * 32u * (uint32_t)cases[i][2],
+                                  cam_harmonic_correction_sum_q6(&rig.machine.ilc.correction));
+    }
+}
+
+/// A mean of the ripple has the turns that are set, but two at least; of a table that modulates the
+/// speed, or without one, there is none.
+static void test_turns_of_the_ripple_are_those_that_are_set(void)
+{
+    static const struct {
+        int32_t turns;
+        bool is_modulated, has_no_table;
+        uint32_t n_mean;
+    } cases[] = {{0, false, false, 0}, {1, false, false, 2}, {2, false, false, 2},
+                 {3, false, false, 3}, {2, true, false, 0},  {2, false, true, 0}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        begin();
+        set(cam_param_ripple_turns, cases[i].turns);
+        m->table.speed = cases[i].is_modulated ? m->table.u : m->table.speed;
+        m->has_table = !cases[i].has_no_table;
+        play_turns(6, cam_state_ready);
+        TEST_ASSERT_EQUAL_UINT32(cases[i].n_mean, m->ilc.ripple.n_mean);
+    }
 }

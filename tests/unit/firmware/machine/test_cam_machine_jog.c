@@ -1,8 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands of the state manual: their order, limits and refusals.
+// Commands of the state manual: their order, limits and refusals; limits that change while axes
+// move or stand beyond them: no axis leaps, none moves on for ever.
 #include "cam_demand.h"        // cam_demand_clearance_nm
 #include "cam_machine_inner.h" // cam_machine_request
 #include "jog_bench.h"
+
+static void expect_jog(cam_err_t err, hal_axis_t axis, int32_t um_per_s)
+{
+    TEST_ASSERT_EQUAL_INT(err, cam_machine_jog(machine(), axis, um_per_s).err);
+}
+
+static void expect_step(cam_err_t err, hal_axis_t axis, int32_t by_nm)
+{
+    TEST_ASSERT_EQUAL_INT(err, cam_machine_step(machine(), axis, by_nm).err);
+}
+
+static void stop_and_rest(void)
+{
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
+    (void)until_rest();
+}
 
 static void test_commands_by_hand_are_refused_in_every_other_state(void)
 {
@@ -31,8 +49,7 @@ static void test_commands_of_other_states_are_refused_by_hand(void)
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_reset(machine()));
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_manual(machine()));
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_may_exchange(machine()));
-    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
-                          cam_machine_set_param(machine(), cam_param_counts_per_turn, 4096));
+    expect_set(cam_err_param_state, cam_param_counts_per_turn, 4096);
     static const cam_request_t wrong[] = {cam_request_enable, cam_request_start, cam_request_reset,
                                           cam_request_identify, cam_request_manual};
     for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
@@ -60,8 +77,7 @@ static void test_gains_and_limits_of_a_jogged_u_wait_until_it_rests(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_u, 1000).err);
     fixture_rig_ticks(&rig, 100);
     for (uint32_t i = 0; i < n_changes; i++) {
-        TEST_ASSERT_EQUAL_INT(cam_err_busy,
-                              cam_machine_set_param(machine(), changes[i].id, changes[i].value));
+        expect_set(cam_err_busy, changes[i].id, changes[i].value);
     }
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
     (void)until_rest();
@@ -70,25 +86,6 @@ static void test_gains_and_limits_of_a_jogged_u_wait_until_it_rests(void)
     }
     TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT(cam_err_u_speed, cam_machine_check_speed(machine(), 0));
-}
-
-static void test_manual_is_refused_for_what_enable_is(void)
-{
-    hal_host_fault_estop(true);
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_estop, cam_machine_manual(machine()));
-    hal_host_fault_estop(false);
-    hal_host_fault_drive(true);
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_drive, cam_machine_manual(machine()));
-    hal_host_fault_drive(false);
-    hal_host_fault_bus(true);
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_bus, cam_machine_manual(machine()));
-    hal_host_fault_bus(false);
-    hal_host.in.axis_nm[hal_axis_u] = machine()->params.u_stroke_nm;
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_err_u_place, cam_machine_manual(machine()));
 }
 
 /// A drive that takes positions would press with all its force.
@@ -100,8 +97,7 @@ static void test_stop_is_searched_by_a_limited_force_only(void)
         to_manual();
         TEST_ASSERT_EQUAL_INT(cam_err_home_none, cam_machine_home_axis(machine(), hal_axis_u));
     }
-    TEST_ASSERT_EQUAL_INT(cam_err_param_range,
-                          cam_machine_set_param(machine(), cam_param_x_home, 4));
+    expect_set(cam_err_param_range, cam_param_x_home, 4);
 }
 
 static void test_manual_needs_no_table(void)
@@ -151,22 +147,31 @@ static void test_measured_z_is_not_moved_by_hand(void)
     TEST_ASSERT_EQUAL_INT(cam_err_hand_axis, cam_machine_jog(machine(), hal_axis_z, 100).err);
 }
 
+/// An order waits for what is posted and for a stop to be taken, not for the axis to rest.
 static void test_one_order_after_the_other(void)
 {
     set(cam_param_x_home, 2);
     to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(machine(), hal_axis_z, 5 * mm).err);
+    machine()->n_requests++; // something is posted and not carried out
+    expect_jog(cam_err_busy, hal_axis_x, 100);
+    machine()->n_requests--;
+    expect_step(cam_ok, hal_axis_z, 5 * mm);
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(machine()));
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_err_hand_moves, cam_machine_jog(machine(), hal_axis_x, 1).err);
-    TEST_ASSERT_EQUAL_INT(cam_err_hand_moves, cam_machine_step(machine(), hal_axis_z, 1).err);
+    fixture_rig_ticks(&rig, 400);
+    expect_jog(cam_err_hand_moves, hal_axis_x, 1);
+    expect_jog(cam_err_hand_moves, hal_axis_z, -100);
+    expect_step(cam_err_hand_moves, hal_axis_z, 1);
     TEST_ASSERT_EQUAL_INT(cam_err_hand_moves, cam_machine_home_axis(machine(), hal_axis_x));
     TEST_ASSERT_EQUAL_INT(cam_err_hand_moves, cam_machine_zero(machine(), hal_axis_z, 0).err);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
-    fixture_rig_ticks(&rig, 200);
+    expect_jog(cam_err_busy, hal_axis_z, -100);
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_NOT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_z].vel_q10); // it brakes
+    expect_jog(cam_ok, hal_axis_z, -100);
+    stop_and_rest();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
     fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_err_hand_moves, cam_machine_jog(machine(), hal_axis_x, 1).err);
+    expect_jog(cam_err_hand_moves, hal_axis_x, 1);
 }
 
 /// An order that was not taken before the state was left is not begun in the next manual.
@@ -234,30 +239,12 @@ static void test_work_out_of_the_travel_of_x_is_refused(void)
     set(cam_param_rehearse_turns, 0);
     hal_host.in.axis_nm[hal_axis_x] = 46500000;
     bring(cam_state_cutting);
-    TEST_ASSERT_EQUAL_INT(cam_err_travel,
-                          cam_machine_set_param(machine(), cam_param_x_trim_nm, -20000));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_x_trim_nm, -2000));
-}
-
-/// An order waits for what is posted and for a stop to be taken, not for the axis to rest.
-static void test_orders_wait_for_requests_and_not_for_rest(void)
-{
-    to_manual();
-    machine()->n_requests++; // something is posted and not carried out
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_jog(machine(), hal_axis_x, 100).err);
-    machine()->n_requests--;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(machine(), hal_axis_z, 5 * mm).err);
-    fixture_rig_ticks(&rig, 400);
-    TEST_ASSERT_EQUAL_INT(cam_err_hand_moves, cam_machine_jog(machine(), hal_axis_z, -100).err);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
-    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_jog(machine(), hal_axis_z, -100).err);
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_NOT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_z].vel_q10); // it brakes
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_z, -100).err);
+    expect_set(cam_err_travel, cam_param_x_trim_nm, -20000);
+    expect_set(cam_ok, cam_param_x_trim_nm, -2000);
 }
 
 /// Whether U was searched is remembered of U alone, of a search alone and of one that began; what
-/// comes behind it does not make it forgotten.
+/// follows does not make it forgotten.
 static void test_only_a_search_of_u_makes_its_home_lost(void)
 {
     set(cam_param_x_home, 2);
@@ -265,37 +252,92 @@ static void test_only_a_search_of_u_makes_its_home_lost(void)
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
     TEST_ASSERT_FALSE(machine()->offsets.has_searched_u);
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
-    (void)until_rest();
+    stop_and_rest();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_u)); // it is here
     TEST_ASSERT_FALSE(machine()->offsets.has_searched_u);
     (void)until_rest();
     set(cam_param_u_home, 2);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_phase_udeg, 5));
+    expect_set(cam_ok, cam_param_phase_udeg, 5);
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_home_axis(machine(), hal_axis_u));
     TEST_ASSERT_FALSE(machine()->offsets.has_searched_u);
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_u));
     TEST_ASSERT_TRUE(machine()->offsets.has_searched_u);
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
-    (void)until_rest();
+    stop_and_rest();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
     TEST_ASSERT_TRUE(machine()->offsets.has_searched_u);
 }
 
 /// Limits of the travel hold from the home on, which an axis without a home always has.
-static void test_travel_holds_where_the_place_is_known(void)
+static void test_travel_holds_where_the_position_is_known(void)
 {
     set(cam_param_x_low_nm, -2 * mm);
     set(cam_param_x_high_nm, 3 * mm);
     set(cam_param_x_home, 2);
     to_manual();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(machine(), hal_axis_x, 4 * mm).err);
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
-    (void)until_rest();
+    expect_step(cam_ok, hal_axis_x, 4 * mm);
+    stop_and_rest();
     set(cam_param_x_home, 0);
-    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_step(machine(), hal_axis_x, 4 * mm).err);
+    expect_step(cam_err_travel, hal_axis_x, 4 * mm);
+}
+
+// Limits that change
+
+/// Jog an axis for 2000 ticks; it still moves.
+static void jog(hal_axis_t axis, int32_t um_per_s)
+{
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), axis, um_per_s).err);
+    for (uint32_t i = 0; i < 10u; i++) {
+        fixture_rig_ticks(&rig, 200);
+        cam_machine_keep_alive(machine());
+    }
+}
+
+/// They brake with a quarter of their 2 m/s2, that is by 10 nm per tick from plan to plan.
+static void test_x_and_z_brake_to_a_lower_limit(void)
+{
+    static const cam_param_id_t limits[hal_n_axes] = {
+        [hal_axis_x] = cam_param_x_speed_um_per_s, [hal_axis_z] = cam_param_z_speed_um_per_s};
+    for (uint32_t axis = (uint32_t)hal_axis_x; axis <= (uint32_t)hal_axis_z; axis++) {
+        for (int32_t sense = -1; sense <= 1; sense += 2) {
+            setUp();
+            jog((hal_axis_t)axis, 10000 * sense);
+            set(limits[axis], 1000);
+            motion_t seen = motion_of((hal_axis_t)axis);
+            seen.step_nm = 500 * sense;
+            for (uint32_t i = 0; i < 2000u; i++) {
+                fixture_rig_tick(&rig);
+                watch(&seen, (hal_axis_t)axis);
+            }
+            TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(50, labs((long)seen.step_nm));
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(11, seen.most_change_nm);
+        }
+    }
+}
+
+/// The stroke ends no nearer than where U stands; in off it may, and enabling is refused then.
+static void test_stroke_keeps_where_u_stands(void)
+{
+    static const int32_t places_nm[] = {-200000, 200000};
+    for (size_t i = 0; i < 2u; i++) {
+        setUp();
+        to_manual();
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(machine(), hal_axis_u, places_nm[i]).err);
+        TEST_ASSERT_EQUAL_INT(cam_jog_done, until_rest());
+        TEST_ASSERT_EQUAL_INT32(places_nm[i], port_nm(hal_axis_u));
+        expect_set(cam_err_u_place, cam_param_u_stroke_nm, 399998);
+        TEST_ASSERT_EQUAL_INT(cam_param_u_stroke_nm, machine()->refusal.param);
+        TEST_ASSERT_EQUAL_INT64(200000, machine()->refusal.why.needed);
+        TEST_ASSERT_EQUAL_INT64(199999, machine()->refusal.why.limit);
+        set(cam_param_u_stroke_nm, 400000);
+        fixture_rig_ticks(&rig, 100);
+        TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
+        TEST_ASSERT_EQUAL_INT32(places_nm[i], port_nm(hal_axis_u));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+        fixture_rig_ticks(&rig, 20);
+        set(cam_param_u_stroke_nm, 300000);
+        TEST_ASSERT_EQUAL_INT(cam_err_u_place, cam_machine_manual(machine()));
+    }
 }

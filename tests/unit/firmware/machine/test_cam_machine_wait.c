@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // What waits for the interrupt, and each reason for it by itself: for every condition of these
-// decisions two cases that differ in it alone.
+// decisions two cases that differ in it alone. Hold, overrides and trim: states, refusals, what is
+// kept and what is forgotten. What is demanded of the button.
 #include "cam_machine.h"
+#include "cam_machine_inner.h" // cam_machine_acknowledge_config
 #include "cam_machine_jog.h"
 #include "fixture_newer.h"
 #include "rig_bench.h"
 
 enum { n_passes = 2 };
 
+static cam_machine_t *const m = &rig.machine;
+
 static void poll_for(uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
         fixture_rig_tick(&rig);
-        cam_machine_poll(&rig.machine);
+        cam_machine_poll(m);
     }
 }
 
@@ -21,7 +25,6 @@ static void poll_for(uint32_t n)
 static void test_start_waits_for_the_rate_and_for_the_spindle(void)
 {
     bring(cam_state_ready);
-    cam_machine_t *m = &rig.machine;
     m->is_rate_due = true;
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_start(m));
     m->is_rate_due = false;
@@ -49,8 +52,7 @@ static void cut_first_of_two(void)
     static const fixture_pass_t two[n_passes] = {{100000, 300000, 2500000, 0},
                                                  {0, 300000, 2500000, 0}};
     fixture_newer_passes(&rig.image, two, n_passes);
-    cam_machine_t *m = &rig.machine;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_select_table(m, rig.image.bytes, rig.image.size));
+    expect_select(cam_ok);
     fixture_rig_ticks(&rig, 2);
     bring(cam_state_ready);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m));
@@ -58,13 +60,12 @@ static void cut_first_of_two(void)
     TEST_ASSERT_LESS_THAN_UINT32(400000, fixture_rig_until(&rig, cam_state_ready, 400000));
 }
 
-/// Two passes: behind the first one the next is handed over, and a start that comes before the
+/// Two passes: after the first one the next is handed over, and a start that comes before the
 /// interrupt has room for it is busy, whatever else is well.
 static void test_start_waits_for_the_pass(void)
 {
-    cam_machine_t *m = &rig.machine;
     cut_first_of_two();
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(m, cam_param_phase_udeg, 5));
+    expect_set(cam_ok, cam_param_phase_udeg, 5);
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_start(m)); // no room for the next pass yet
     TEST_ASSERT_TRUE(m->is_in_pass);
     TEST_ASSERT_EQUAL_UINT32(0, m->pass);
@@ -74,10 +75,9 @@ static void test_start_waits_for_the_pass(void)
     TEST_ASSERT_EQUAL_UINT32(0, m->n_parts);
 }
 
-/// Behind a pass of a table that is used no longer nothing is handed over.
+/// After a pass of a table that is used no longer nothing is handed over.
 static void test_the_next_pass_needs_the_table(void)
 {
-    cam_machine_t *m = &rig.machine;
     cut_first_of_two();
     m->has_table = false;
     const uint32_t generation = m->generation;
@@ -91,10 +91,9 @@ static void test_the_next_pass_needs_the_table(void)
 /// The part counts once its first pass is ready again, not while that waits for the interrupt.
 static void test_the_part_counts_when_its_first_pass_is_ready(void)
 {
-    cam_machine_t *m = &rig.machine;
     cut_first_of_two();
     m->pass = 1; // as if it had been the last one
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(m, cam_param_phase_udeg, 5));
+    expect_set(cam_ok, cam_param_phase_udeg, 5);
     cam_machine_poll(m);
     TEST_ASSERT_TRUE(m->is_in_pass);
     TEST_ASSERT_EQUAL_UINT32(0, m->n_parts);
@@ -109,7 +108,6 @@ static void test_the_part_counts_when_its_first_pass_is_ready(void)
 /// there was a pass; one that was stopped is not counted.
 static void test_the_end_of_a_pass_is_seen_once(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_cutting);
     poll_for(1);
     TEST_ASSERT_TRUE(m->is_in_pass);
@@ -128,7 +126,6 @@ static void test_the_end_of_a_pass_is_seen_once(void)
 /// Home out of ready enables again by itself, unless a fault came between.
 static void test_home_ends_where_the_state_is_another(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_ready);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home(m));
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m)); // it goes on by itself
@@ -155,7 +152,6 @@ static void test_home_ends_where_the_state_is_another(void)
 /// What the slow side has still to do lets the second half of home wait; then it enables.
 static void test_home_waits_until_all_homes_are_read(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_ready);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home(m));
     fixture_rig_tick(&rig);
@@ -173,7 +169,6 @@ static void test_home_waits_until_all_homes_are_read(void)
 /// Downloads wait for the last command and for the last configuration, each by itself.
 static void test_an_exchange_waits_for_command_and_configuration(void)
 {
-    cam_machine_t *m = &rig.machine;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_may_exchange(m));
     m->n_requests++;
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_may_exchange(m));
@@ -187,19 +182,16 @@ static void test_an_exchange_waits_for_command_and_configuration(void)
 /// In ready a table needs one before it, of the same sense.
 static void test_a_table_in_ready_follows_another_of_its_sense(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_ready);
     m->has_table = false;
-    TEST_ASSERT_EQUAL_INT(cam_err_table_sense,
-                          cam_machine_select_table(m, rig.image.bytes, rig.image.size));
+    expect_select(cam_err_table_sense);
     m->has_table = true;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_select_table(m, rig.image.bytes, rig.image.size));
+    expect_select(cam_ok);
 }
 
 /// A damaged table is dropped at once where nothing is enabled: off, and behind a fault.
 static void test_damage_is_dropped_at_once_in_off_and_fault(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_ready);
     hal_host_fault_estop(true);
     until(cam_state_fault);
@@ -216,7 +208,6 @@ static void test_damage_is_dropped_at_once_in_off_and_fault(void)
 /// cuts nothing short.
 static void test_a_stop_cuts_short_only_what_has_another_end(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_ready);
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_stop(m));
     TEST_ASSERT_FALSE(m->is_cut_short);
@@ -240,10 +231,121 @@ static void test_a_stop_cuts_short_only_what_has_another_end(void)
     TEST_ASSERT_TRUE(m->is_cut_short); // a stop that is refused mends nothing
 }
 
+/// What the commander leaves is stopped when the interrupt has taken the last request, and again
+/// while the stop finds no room.
+static void test_the_stop_of_a_lost_commander_is_not_forgotten(void)
+{
+    bring(cam_state_cutting);
+    m->is_stop_due = true;
+    m->n_requests++;
+    cam_machine_poll(m);
+    TEST_ASSERT_TRUE(m->is_stop_due);
+    m->n_requests--;
+    cam_machine_poll(m);
+    TEST_ASSERT_FALSE(m->is_stop_due);
+    until(cam_state_disengaging);
+}
+
+/// By hand the stop of a lost commander waits for room in the same way.
+static void test_the_stop_of_an_order_waits_for_room(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(m));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(m, hal_axis_x, 1000).err);
+    cam_machine_release_command(m);
+    cam_machine_poll(m); // the interrupt has not taken the order
+    TEST_ASSERT_TRUE(m->is_stop_due);
+    fixture_rig_tick(&rig);
+    cam_machine_poll(m);
+    TEST_ASSERT_FALSE(m->is_stop_due);
+    TEST_ASSERT_EQUAL_INT(cam_jog_rest,
+                          atomic_load(&m->core->config.offered)->play.jog.order.begin);
+}
+
+/// A table that is not there is not judged: after a fault by hand a list that changes nothing is
+/// taken.
+static void test_without_a_table_there_is_nothing_to_judge(void)
+{
+    cam_machine_init(m, &g_cam, 20000, hal_clock_hz());
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(m));
+    fixture_rig_ticks(&rig, 20);
+    hal_host_fault_estop(true);
+    until(cam_state_fault);
+    cam_machine_stage_begin(m);
+    const uint32_t generation = m->generation;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(m));
+    TEST_ASSERT_EQUAL_UINT32(generation + 1u, m->generation);
+    TEST_ASSERT_EQUAL_UINT32(250, cam_machine_feasibility(m, 250).speed_mrpm);
+    TEST_ASSERT_EQUAL_UINT32(m->params.spindle_mrpm, cam_machine_feasibility(m, 0).speed_mrpm);
+}
+
+// Hold, overrides and trim
+
+/// Hold needs a cut, resume a hold; while the feed is held the axes follow the table as in the cut,
+/// and nothing is switched off.
+static void test_hold_needs_a_cut_and_resume_a_hold(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_hold(m));
+    bring(cam_state_ready);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_hold(m));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m));
+    until(cam_state_cutting);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_resume(m));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(m));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(m));
+    until(cam_state_holding);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_disable(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_home(m));
+    fixture_rig_ticks(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(cam_state_holding, fixture_rig_state());
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_resume(m));
+    until(cam_state_cutting);
+    until(cam_state_ready);
+    TEST_ASSERT_EQUAL_UINT32(1, m->n_parts);
+}
+
+/// A rate that the interrupt does not know yet goes with the next configuration, whatever it was
+/// made for.
+static void test_rate_that_is_due_goes_with_any_configuration(void)
+{
+    bring(cam_state_ready);
+    rig.machine.is_rate_due = true;
+    set(cam_param_phase_udeg, 1000);
+    TEST_ASSERT_FALSE(rig.machine.is_rate_due);
+}
+
+static void test_hold_is_forgotten_when_the_cut_ends(void)
+{
+    bring(cam_state_cutting);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(m));
+    until(cam_state_holding);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(m));
+    until(cam_state_ready);
+    poll_for(2);
+    TEST_ASSERT_FALSE(m->is_held);
+    TEST_ASSERT_EQUAL_UINT32(0, m->n_parts); // it was cut short
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(m));
+    until(cam_state_cutting);
+    until(cam_state_ready);
+    TEST_ASSERT_EQUAL_UINT32(1, m->n_parts);
+}
+
+/// While the interrupt has not taken the last configuration, a hold waits and is not lost.
+static void test_hold_is_handed_over_as_soon_as_there_is_room(void)
+{
+    bring(cam_state_cutting);
+    expect_set(cam_ok, cam_param_phase_udeg, 5);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
+    TEST_ASSERT_TRUE(rig.machine.is_rate_due);
+    until(cam_state_holding);
+    TEST_ASSERT_FALSE(rig.machine.is_rate_due);
+}
+
 /// Hold needs a table, a state of the work, and one that does not end it.
 static void test_a_hold_needs_a_table(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_cutting);
     m->has_table = false;
     TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_hold(m));
@@ -260,7 +362,6 @@ static void test_a_hold_needs_a_table(void)
 /// A hold outlives a command that is on its way, and ends with the work.
 static void test_a_hold_ends_with_the_work_only(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_ready);
     m->is_held = true;
     m->n_requests++;
@@ -274,7 +375,6 @@ static void test_a_hold_ends_with_the_work_only(void)
 /// A resume that finds no room is handed over by the next poll, and brings no hold back.
 static void test_a_resume_waits_for_room(void)
 {
-    cam_machine_t *m = &rig.machine;
     bring(cam_state_cutting);
     const cam_config_bank_t *bank = &m->core->config;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(m));
@@ -291,54 +391,118 @@ static void test_a_resume_waits_for_room(void)
     TEST_ASSERT_FALSE(m->is_held);
 }
 
-/// What the commander leaves is stopped when the interrupt has taken the last request, and again
-/// while the stop finds no room.
-static void test_the_stop_of_a_lost_commander_is_not_forgotten(void)
+static void test_changes_in_the_cut_are_bounded(void)
 {
-    cam_machine_t *m = &rig.machine;
+    const int32_t limit_nm = m->params.x_trim_limit_nm;
     bring(cam_state_cutting);
-    m->is_stop_due = true;
-    m->n_requests++;
-    cam_machine_poll(m);
-    TEST_ASSERT_TRUE(m->is_stop_due);
-    m->n_requests--;
-    cam_machine_poll(m);
-    TEST_ASSERT_FALSE(m->is_stop_due);
-    until(cam_state_disengaging);
+    expect_set(cam_err_trim_limit, cam_param_x_trim_nm, -limit_nm - 1);
+    TEST_ASSERT_EQUAL_INT64(limit_nm + 1, m->refusal.why.needed);
+    TEST_ASSERT_EQUAL_INT(cam_err_trim_limit, m->refusal.why.err);
+    TEST_ASSERT_EQUAL_INT(cam_param_x_trim_nm, m->refusal.param);
+    TEST_ASSERT_EQUAL_INT64(limit_nm, m->refusal.why.limit);
+    set(cam_param_x_trim_nm, -limit_nm);
+    set(cam_param_spindle_override_ppm, 1100000);
+    expect_set(cam_err_param_state, cam_param_feed_nm, 100000);
+    expect_set(cam_err_param_range, cam_param_feed_override_ppm, 1500001);
 }
 
-/// By hand the stop of a lost commander waits for room in the same way.
-static void test_the_stop_of_an_order_waits_for_room(void)
+static void test_an_infeasible_override_is_refused_with_numbers(void)
 {
-    cam_machine_t *m = &rig.machine;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(m));
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(m, hal_axis_x, 1000).err);
+    m->params.spindle_limit_mrpm = 2600000;
+    bring(cam_state_ready);
+    expect_set(cam_err_spindle_speed, cam_param_spindle_override_ppm, 1050000);
+    TEST_ASSERT_EQUAL_INT64(2625000, m->refusal.why.needed);
+    TEST_ASSERT_EQUAL_INT64(2600000, m->refusal.why.limit);
+    TEST_ASSERT_EQUAL_INT32(1000000, m->params.spindle_override_ppm);
+}
+
+static void test_a_ring_helix_has_its_own_feed_or_none(void)
+{
+    part.is_ring_helix = true;
+    fixture_rig_init(&rig, &part, 20000);
+    bring(cam_state_cutting);
+    expect_set(cam_err_override_rings, cam_param_feed_override_ppm, 900000);
+    TEST_ASSERT_EQUAL_INT( // Z would exceed its acceleration by the square of that
+        cam_err_override_rings,
+        cam_machine_set_param(&rig.machine, cam_param_spindle_override_ppm, 1100000));
+    set(cam_param_spindle_override_ppm, 900000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
+    until(cam_state_holding);
+}
+
+static void test_parts_are_set_from_0_on(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_set_parts(&rig.machine, -1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.machine.n_parts);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_parts(&rig.machine, 41));
+    bring(cam_state_cutting);
+    until(cam_state_ready);
+    TEST_ASSERT_EQUAL_UINT32(42, rig.machine.n_parts);
+}
+
+// Button and command
+
+/// 20 ms, 50 ms, 2 s and a minute, rounded up to plans of 400 us or of a tick.
+static void test_times_of_the_button_are_plans(void)
+{
+    static const uint32_t cases[][5] = {
+        {20000, 50, 125, 5000, 150000}, {1000, 20, 50, 2000, 60000}, {500, 10, 25, 1000, 30000}};
+    for (uint32_t i = 0; i < 3u; i++) {
+        fixture_rig_init(&rig, &part, cases[i][0]);
+        const cam_acknowledge_config_t cfg = cam_machine_acknowledge_config(&rig.machine);
+        TEST_ASSERT_EQUAL_UINT32(cases[i][1], cfg.settle_plans);
+        TEST_ASSERT_EQUAL_UINT32(cases[i][2], cfg.least_plans);
+        TEST_ASSERT_EQUAL_UINT32(cases[i][3], cfg.most_plans);
+        TEST_ASSERT_EQUAL_UINT32(cases[i][4], cfg.good_plans);
+    }
+}
+
+static void test_waiver_of_the_port_demands_nothing(void)
+{
+    m->rights.port.is_acknowledge_waived = false;
+    TEST_ASSERT_TRUE(cam_machine_acknowledge_config(m).is_demanded);
+    m->rights.port.is_acknowledge_waived = true;
+    TEST_ASSERT_FALSE(cam_machine_acknowledge_config(m).is_demanded);
+}
+
+static void test_button_is_that_of_the_port(void)
+{
+    static const struct {
+        hal_operator_t port;
+        cam_acknowledge_phase_t phase;
+        cam_button_t button;
+        cam_err_t err;
+    } cases[] = {
+        {{.has_acknowledge = true},
+         cam_acknowledge_pressed,
+         cam_button_needed,
+         cam_err_acknowledge},
+        {{.has_acknowledge = true}, cam_acknowledge_given, cam_button_given, cam_ok},
+        {{.has_acknowledge = true}, cam_acknowledge_used, cam_button_given, cam_ok},
+        {{0}, cam_acknowledge_used, cam_button_none, cam_err_acknowledge_none},
+        {{.is_acknowledge_waived = true}, cam_acknowledge_used, cam_button_waived, cam_ok},
+    };
+    cam_status_t status = fixture_rig_status(&rig);
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        m->rights.port = cases[i].port;
+        status.acknowledge.phase = cases[i].phase;
+        TEST_ASSERT_EQUAL_INT(cases[i].button, cam_machine_rights(m, &status).button);
+        TEST_ASSERT_EQUAL_INT(cases[i].err, cam_machine_check_acknowledge(m, &status));
+    }
+}
+
+/// Given up or lost: an enable that waited for the state off does not come by itself.
+static void test_a_loss_forgets_the_enable_that_waits(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&m->rights, 5, true, cam_machine_status(m).tick));
+    m->homes_again = true;
     cam_machine_release_command(m);
-    cam_machine_poll(m); // the interrupt has not taken the order
+    TEST_ASSERT_EQUAL_UINT8(0, m->rights.commander);
     TEST_ASSERT_TRUE(m->is_stop_due);
-    fixture_rig_tick(&rig);
-    cam_machine_poll(m);
+    const cam_status_t status = fixture_rig_status(&rig);
+    cam_machine_rights_poll(m, &status);
+    TEST_ASSERT_FALSE(m->homes_again);
     TEST_ASSERT_FALSE(m->is_stop_due);
-    TEST_ASSERT_EQUAL_INT(cam_jog_rest,
-                          atomic_load(&m->core->config.offered)->play.jog.order.begin);
-}
-
-/// A table that is not there is not judged: behind a fault by hand a list that changes nothing is
-/// taken.
-static void test_without_a_table_there_is_nothing_to_judge(void)
-{
-    cam_machine_t *m = &rig.machine;
-    cam_machine_init(m, &g_cam, 20000, hal_clock_hz());
-    fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(m));
-    fixture_rig_ticks(&rig, 20);
-    hal_host_fault_estop(true);
-    until(cam_state_fault);
-    cam_machine_stage_begin(m);
-    const uint32_t generation = m->generation;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(m));
-    TEST_ASSERT_EQUAL_UINT32(generation + 1u, m->generation);
-    TEST_ASSERT_EQUAL_UINT32(250, cam_machine_feasibility(m, 250).speed_mrpm);
-    TEST_ASSERT_EQUAL_UINT32(m->params.spindle_mrpm, cam_machine_feasibility(m, 0).speed_mrpm);
 }

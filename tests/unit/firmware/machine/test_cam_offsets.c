@@ -13,6 +13,17 @@ static void home_here(hal_axis_t axis)
     fixture_rig_ticks(&rig, 20);
 }
 
+static void disable(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 200);
+}
+
+static int64_t origin_nm(hal_axis_t axis)
+{
+    return cam_offsets_origin_nm(&machine()->offsets, &machine()->params, axis);
+}
+
 /// Each axis has the parameters of its own name.
 static void test_each_axis_has_its_parameters(void)
 {
@@ -74,8 +85,7 @@ static void test_zero_moves_the_part_not_the_axes(void)
         TEST_ASSERT_EQUAL_INT32(x_nm, hal_host.out.axis[hal_axis_x].pos_nm);
         TEST_ASSERT_EQUAL_INT32(z_nm, hal_host.out.axis[hal_axis_z].pos_nm);
         TEST_ASSERT_EQUAL_INT32(-3 * mm, fixture_rig_status(&rig).z_nm);
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
-        fixture_rig_ticks(&rig, 20);
+        disable();
         bring(cam_state_cutting);
         const cam_tick_record_t *r = &rig.last;
         const int32_t shift_x_nm = x_nm - 46 * mm - 40000;
@@ -87,8 +97,9 @@ static void test_zero_moves_the_part_not_the_axes(void)
     }
 }
 
-/// The same cut at another place of the machine: every set-point is off by the datum, to the bit.
-static void test_cut_at_another_place_is_the_same_cut(void)
+/// The same cut at another position of the machine: every set-point is off by the datum, to the
+/// bit.
+static void test_cut_at_another_position_is_the_same_cut(void)
 {
     enum { n = 3000 };
     static hal_setpoint_t plain[n][hal_n_axes];
@@ -137,18 +148,15 @@ static void test_tool_moves_the_part_by_its_offset(void)
 {
     set(cam_param_tool_2_x_nm, 4 * mm);
     set(cam_param_tool_2_z_nm, -7 * mm);
-    const int32_t x_nm = cam_offsets_origin_nm(&machine()->offsets, &machine()->params, hal_axis_x);
-    const int32_t z_nm = cam_offsets_origin_nm(&machine()->offsets, &machine()->params, hal_axis_z);
+    const int64_t x_nm = origin_nm(hal_axis_x);
+    const int64_t z_nm = origin_nm(hal_axis_z);
     to_manual();
     set(cam_param_tool, 2);
-    const cam_params_t *p = &machine()->params;
-    TEST_ASSERT_EQUAL_INT32(x_nm - 4 * mm,
-                            cam_offsets_origin_nm(&machine()->offsets, p, hal_axis_x));
-    TEST_ASSERT_EQUAL_INT32(z_nm + 7 * mm,
-                            cam_offsets_origin_nm(&machine()->offsets, p, hal_axis_z));
+    TEST_ASSERT_EQUAL_INT64(x_nm - 4 * mm, origin_nm(hal_axis_x));
+    TEST_ASSERT_EQUAL_INT64(z_nm + 7 * mm, origin_nm(hal_axis_z));
     // Zero with this tool makes a datum that holds for all of them.
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_zero(machine(), hal_axis_z, 0).err);
-    TEST_ASSERT_EQUAL_INT32(7 * mm, p->z_datum_nm);
+    TEST_ASSERT_EQUAL_INT32(7 * mm, machine()->params.z_datum_nm);
 }
 
 static void test_zero_is_refused_where_it_cannot_be(void)
@@ -177,22 +185,18 @@ static void test_without_homing_required_nothing_is_demanded(void)
 
 static void test_homing_required_refuses_until_every_axis_is_homed(void)
 {
+    static const hal_axis_t axes[] = {hal_axis_x, hal_axis_u};
     set(cam_param_homing_required, 1);
-    bring(cam_state_ready); // no axis has a way of homing: their places are known
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
-    fixture_rig_tick(&rig);
+    bring(cam_state_ready); // no axis has a method of homing: their positions are known
+    disable();
     set(cam_param_x_home, 1);
     set(cam_param_u_home, 1);
-    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
-    to_manual();
-    home_here(hal_axis_x);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
-    fixture_rig_ticks(&rig, 20);
-    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
-    to_manual();
-    home_here(hal_axis_u);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
-    fixture_rig_ticks(&rig, 20);
+    for (uint32_t i = 0; i < 2u; i++) {
+        TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+        to_manual();
+        home_here(axes[i]);
+        disable();
+    }
     bring(cam_state_ready);
 }
 
@@ -242,8 +246,7 @@ static void test_every_pass_lies_in_the_travel_of_x(void)
 {
     static const fixture_pass_t two[] = {{100000, 300000, 2500000, 0}, {0, 300000, 2500000, 0}};
     fixture_newer_passes(&rig.image, two, 2);
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_select_table(machine(), rig.image.bytes, rig.image.size));
+    expect_select(cam_ok);
     fixture_rig_ticks(&rig, 2);
     const cam_table_t *t = &machine()->table;
     const int32_t most_nm = t->x_max_nm + (int32_t)cam_demand_clearance_nm(t, &machine()->params);
@@ -255,14 +258,14 @@ static void test_every_pass_lies_in_the_travel_of_x(void)
 }
 
 /// A home that was found while the interrupt has not taken the last configuration is handed over by
-/// the next poll, and until then the places are not known.
+/// the next poll, and until then the positions are not known.
 static void test_a_home_that_was_found_waits_for_room(void)
 {
     set(cam_param_x_home, 1);
     to_manual();
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_x));
     fixture_rig_ticks(&rig, 40);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_phase_udeg, 5));
+    expect_set(cam_ok, cam_param_phase_udeg, 5);
     cam_machine_jog_poll(machine());
     const cam_status_t status = fixture_rig_status(&rig);
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_check_positions(machine(), &status));
@@ -271,8 +274,8 @@ static void test_a_home_that_was_found_waits_for_room(void)
     TEST_ASSERT_NOT_EQUAL_INT(cam_err_busy, cam_machine_check_positions(machine(), &status));
 }
 
-/// @return [nm] place of X behind an emergency stop in homing, which is reset
-static int32_t x_behind_a_fault_in_homing(void)
+/// @return [nm] position of X after an emergency stop in homing, which is reset
+static int32_t x_after_a_fault_in_homing(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(machine()));
     fixture_rig_ticks(&rig, 200);
@@ -292,22 +295,21 @@ static void test_faults_again_and_again_leave_x_within_its_travel(void)
     set(cam_param_x_clearance_nm, 4 * mm);
     hal_host.in.axis_nm[hal_axis_x] = 60 * mm;
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT32(64 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(64 * mm, x_after_a_fault_in_homing());
     set(cam_param_x_low_nm, 10 * mm);
     set(cam_param_x_high_nm, 70 * mm);
-    TEST_ASSERT_EQUAL_INT32(68 * mm, x_behind_a_fault_in_homing());
-    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
-    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(68 * mm, x_after_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_after_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_after_a_fault_in_homing());
     set(cam_param_x_high_nm, 69 * mm); // it stands beyond, and stays
-    TEST_ASSERT_EQUAL_INT32(70 * mm, x_behind_a_fault_in_homing());
-    set(cam_param_x_home, 1); // not homed: its place is not known
-    TEST_ASSERT_EQUAL_INT32(74 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(70 * mm, x_after_a_fault_in_homing());
+    set(cam_param_x_home, 1); // not homed: its position is not known
+    TEST_ASSERT_EQUAL_INT32(74 * mm, x_after_a_fault_in_homing());
     set(cam_param_x_home_nm, 55 * mm); // by the machine, which counts 19 mm less than the port
     to_manual();
     home_here(hal_axis_x);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
-    fixture_rig_ticks(&rig, 200);
+    disable();
     set(cam_param_x_high_nm, 60 * mm);
-    TEST_ASSERT_EQUAL_INT32(78 * mm, x_behind_a_fault_in_homing());
-    TEST_ASSERT_EQUAL_INT32(79 * mm, x_behind_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(78 * mm, x_after_a_fault_in_homing());
+    TEST_ASSERT_EQUAL_INT32(79 * mm, x_after_a_fault_in_homing());
 }

@@ -2,13 +2,10 @@
 // Several passes of one table: their records, their order, their numbers, what refuses them.
 #include "cam_pass.h"
 #include "fixture_newer.h"
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
+#include "rig_bench.h"
 
-static fixture_rig_t rig;
 static fixture_image_t image;
-static fixture_part_t part;
+static cam_table_t table;
 
 static const fixture_pass_t three[3] = {
     {150000, 200000, 1200000, 0},
@@ -16,22 +13,25 @@ static const fixture_pass_t three[3] = {
     {0, 100000, 2000000, 0},
 };
 
-void setUp(void)
+/// Check a table with n passes.
+static cam_err_t check(const fixture_pass_t *passes, uint32_t n)
 {
-    part = fixture_part_short();
     fixture_image_make(&image, &part);
+    fixture_newer_passes(&image, passes, n);
+    return cam_table_check(image.bytes, image.size, &table);
 }
 
-static cam_err_t check(cam_table_t *table)
+/// Change a word of the table. @return what the check says then
+static cam_err_t check_with(size_t at, uint32_t value)
 {
-    return cam_table_check(image.bytes, image.size, table);
+    fixture_image_put(&image, at, value);
+    fixture_image_seal(&image);
+    return cam_table_check(image.bytes, image.size, &table);
 }
 
 static void test_records_are_taken_in_their_order(void)
 {
-    cam_table_t table;
-    fixture_newer_passes(&image, three, 3);
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
     TEST_ASSERT_EQUAL_UINT32(3, table.n_passes);
     for (int i = 0; i < 3; i++) {
         TEST_ASSERT_EQUAL_INT32(three[i].allowance_nm, table.passes[i].allowance_nm);
@@ -42,17 +42,11 @@ static void test_records_are_taken_in_their_order(void)
 
 static void test_version_belongs_to_the_kinds(void)
 {
-    cam_table_t table;
-    fixture_image_put(&image, fixture_at_version, 0x10001u);
-    fixture_image_seal(&image);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check(&table));
-    fixture_newer_passes(&image, three, 3);
-    fixture_image_put(&image, fixture_at_version, 1u);
-    fixture_image_seal(&image);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check(&table));
-    fixture_image_put(&image, fixture_at_version, 0x20001u);
-    fixture_image_seal(&image);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check(&table));
+    fixture_image_make(&image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check_with(fixture_at_version, 0x10001u));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check_with(fixture_at_version, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check_with(fixture_at_version, 0x20001u));
 }
 
 /// Stock falls from pass to pass to 0; feeds and speeds are those of the parameters.
@@ -60,45 +54,35 @@ static void test_records_out_of_range_are_refused(void)
 {
     static const struct {
         fixture_pass_t pass[2];
-    } bad[] = {
-        {{{100, 100, 1000, 0}, {1, 100, 1000, 0}}}, {{{0, 100, 1000, 0}, {0, 100, 1000, 0}}},
-        {{{-1, 100, 1000, 0}, {0, 100, 1000, 0}}},  {{{10000001, 100, 1000, 0}, {0, 100, 1000, 0}}},
-        {{{100, 0, 1000, 0}, {0, 100, 1000, 0}}},   {{{100, 10000001, 1000, 0}, {0, 100, 1000, 0}}},
-        {{{100, 100, 0, 0}, {0, 100, 1000, 0}}},    {{{100, 100, 60000001, 0}, {0, 100, 1000, 0}}},
-        {{{100, 100, 1000, 1}, {0, 100, 1000, 0}}},
+        cam_err_t err;
+    } cases[] = {
+        {{{100, 100, 1000, 0}, {1, 100, 1000, 0}}, cam_err_image_channel},
+        {{{0, 100, 1000, 0}, {0, 100, 1000, 0}}, cam_err_image_channel},
+        {{{-1, 100, 1000, 0}, {0, 100, 1000, 0}}, cam_err_image_channel},
+        {{{10000001, 100, 1000, 0}, {0, 100, 1000, 0}}, cam_err_image_channel},
+        {{{100, 0, 1000, 0}, {0, 100, 1000, 0}}, cam_err_image_channel},
+        {{{100, 10000001, 1000, 0}, {0, 100, 1000, 0}}, cam_err_image_channel},
+        {{{100, 100, 0, 0}, {0, 100, 1000, 0}}, cam_err_image_channel},
+        {{{100, 100, 60000001, 0}, {0, 100, 1000, 0}}, cam_err_image_channel},
+        {{{100, 100, 1000, 1}, {0, 100, 1000, 0}}, cam_err_image_channel},
+        {{{10000000, 10000000, 60000000, 0}, {0, 1, 1, 0}}, cam_ok},
     };
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        cam_table_t table;
-        fixture_image_make(&image, &part);
-        fixture_newer_passes(&image, bad[i].pass, 2);
-        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check(&table));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        TEST_ASSERT_EQUAL_INT(cases[i].err, check(cases[i].pass, 2));
     }
-}
-
-static void test_the_largest_stock_is_taken(void)
-{
-    static const fixture_pass_t most[2] = {{10000000, 10000000, 60000000, 0}, {0, 1, 1, 0}};
-    cam_table_t table;
-    fixture_newer_passes(&image, most, 2);
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
 }
 
 /// The highest speed is that of the pass that allows the least, wherever it stands.
 static void test_highest_speed_is_that_of_the_pass_that_allows_the_least(void)
 {
-    static const uint32_t feeds_nm[][3] = {
-        {100000, 100000, 400000}, {100000, 400000, 100000}, {400000, 100000, 100000}};
+    cam_params_t params = cam_param_defaults();
+    params.z_speed_um_per_s = 10000;
     for (uint32_t i = 0; i < 3u; i++) {
         fixture_pass_t passes[3] = {three[0], three[1], three[2]};
-        cam_params_t params = cam_param_defaults();
-        params.z_speed_um_per_s = 10000;
-        cam_table_t table;
-        fixture_image_make(&image, &part);
         for (uint32_t k = 0; k < 3u; k++) {
-            passes[k].feed_nm = feeds_nm[i][k];
+            passes[k].feed_nm = k + i == 2u ? 400000 : 100000;
         }
-        fixture_newer_passes(&image, passes, 3);
-        TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
+        TEST_ASSERT_EQUAL_INT(cam_ok, check(passes, 3));
         TEST_ASSERT_UINT32_WITHIN(2000, 1500000, cam_pass_highest_mrpm(&table, &params, 20000));
     }
 }
@@ -106,30 +90,29 @@ static void test_highest_speed_is_that_of_the_pass_that_allows_the_least(void)
 /// test_cam_entry.c has each field.
 static void test_entry_of_passes_is_plain(void)
 {
-    cam_table_t table;
-    fixture_newer_passes(&image, three, 3);
-    fixture_image_put(&image, fixture_image_in(fixture_newer_last(&image), fixture_in_path), 1u);
-    fixture_image_seal(&image);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check(&table));
-    fixture_image_make(&image, &part);
-    fixture_newer_passes(&image, three, 3);
-    fixture_newer_passes(&image, three, 3);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check(&table)); // there twice
-    fixture_image_make(&image, &part);
-    fixture_newer_passes(&image, three, 3);
-    fixture_image_put(&image, fixture_image_in(fixture_newer_last(&image), fixture_in_size), 44u);
-    fixture_image_seal(&image);
-    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, check(&table));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
+    const size_t path = fixture_image_in(fixture_newer_last(&image), fixture_in_path);
+    const size_t size = fixture_image_in(fixture_newer_last(&image), fixture_in_size);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check_with(path, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, check_with(size, 44u));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
+    fixture_newer_passes(&image, three, 3); // there twice
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, cam_table_check(image.bytes, image.size, &table));
+}
+
+static void select_passes(const fixture_pass_t *passes)
+{
+    fixture_rig_init(&rig, &part, 20000);
+    fixture_newer_passes(&rig.image, passes, 3);
+    expect_select(cam_ok);
+    fixture_rig_ticks(&rig, 3);
 }
 
 static void bring_ready(void)
 {
-    fixture_rig_init(&rig, &part, 20000);
-    fixture_newer_passes(&rig.image, three, 3);
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
-    fixture_rig_ticks(&rig, 3);
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    select_passes(three);
+    bring(cam_state_ready);
 }
 
 /// Start, and cut to the end. @return [nm] X and [turns] in the state cutting
@@ -197,27 +180,21 @@ static void test_pass_that_is_stopped_or_fails_is_cut_again(void)
 static void test_parameter_chooses_a_pass_and_zero_begins_anew(void)
 {
     bring_ready();
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_pass, 2));
+    set(cam_param_pass, 2);
     double x_nm;
     double turns;
     for (int i = 0; i < 2; i++) {
         TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
         cut(&x_nm, &turns);
     }
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_pass, 16));
+    set(cam_param_pass, 16);
     TEST_ASSERT_EQUAL_UINT32(2, rig.machine.pass); // the last one
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_pass, 0));
+    set(cam_param_pass, 0);
     TEST_ASSERT_EQUAL_UINT32(0, rig.machine.pass);
-}
-
-/// A set of parameters chooses it as well.
-static void test_staged_pass_is_the_next_one(void)
-{
-    bring_ready();
-    cam_machine_stage_begin(&rig.machine);
+    cam_machine_stage_begin(&rig.machine); // a set of parameters chooses it as well
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage(&rig.machine, cam_param_pass, 2));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stage_commit(&rig.machine));
-    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass); // counted from 0
+    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
 }
 
 /// A choice after the end of a pass is not overtaken by the step to the next one.
@@ -229,11 +206,10 @@ static void test_choice_or_table_after_a_pass_stands(void)
         (void)fixture_rig_until(&rig, cam_state_cutting, 400000);
         (void)fixture_rig_until(&rig, cam_state_ready, 400000);
         if (is_table != 0) {
-            TEST_ASSERT_EQUAL_INT(
-                cam_ok, cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+            expect_select(cam_ok);
             fixture_rig_ticks(&rig, 3);
         } else {
-            TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_pass, 0));
+            set(cam_param_pass, 0);
         }
         cam_machine_poll(&rig.machine);
         TEST_ASSERT_EQUAL_UINT32(0, rig.machine.pass);
@@ -243,9 +219,7 @@ static void test_choice_or_table_after_a_pass_stands(void)
 /// Feed, speed and offset that are set apply to all passes, the offset on top of the stock.
 static void test_parameters_overrule_all_passes(void)
 {
-    cam_table_t table;
-    fixture_newer_passes(&image, three, 3);
-    TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(three, 3));
     cam_params_t params = cam_param_defaults();
     params.feed_nm = 77000;
     params.spindle_mrpm = 900000;
@@ -264,18 +238,14 @@ static void test_infeasible_pass_is_refused_with_its_number(void)
 {
     static const fixture_pass_t fast[3] = {
         {150000, 100000, 1200000, 0}, {20000, 100000, 3100000, 0}, {0, 100000, 2000000, 0}};
-    fixture_rig_init(&rig, &part, 20000);
-    fixture_newer_passes(&rig.image, fast, 3);
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
-    fixture_rig_ticks(&rig, 3);
+    select_passes(fast);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(&rig.machine));
     const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, why.err);
     TEST_ASSERT_EQUAL_UINT32(2, why.pass);
     TEST_ASSERT_EQUAL_UINT32(3100000, why.speed_mrpm);
     TEST_ASSERT_EQUAL_UINT32(3000000, cam_machine_highest_mrpm(&rig.machine));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_mrpm, 2500000));
+    set(cam_param_spindle_mrpm, 2500000);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(&rig.machine, 0));
 }
 
