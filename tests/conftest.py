@@ -13,6 +13,7 @@ import pytest
 from camtools.cli.mktables import main as mktables
 from tests.tools.cases.part_cases import ROOT
 
+pytest_plugins = ["tests.hang"]
 FOLDERS = (ROOT / "tools" / "parts", ROOT / "tests" / "learn" / "parts")
 _TIMES = "camturn/times_s"
 
@@ -25,7 +26,9 @@ def table_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def make(part: str) -> Path:
         path = folder / f"{part}.camtab"
         if not path.exists():
-            [source] = [file for one in FOLDERS if (file := one / f"{part}.toml").exists()]
+            [source] = [
+                file for one in FOLDERS if (file := one / f"{part}.toml").exists()
+            ]
             assert mktables([str(source), "-o", str(folder)]) == 0
         return path
 
@@ -34,7 +37,9 @@ def table_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Take --quick."""
-    parser.addoption("--quick", type=float, metavar="S", help="only tests that last took S or less")
+    parser.addoption(
+        "--quick", type=float, metavar="S", help="only tests that last took S or less"
+    )
 
 
 class _Times:
@@ -53,8 +58,12 @@ class _Times:
         """Leave out what took longer."""
         if self._longest_s is not None:
             longest_s = self._longest_s
-            left_out = [one for one in items if self._known_s.get(one.nodeid, 0.0) > longest_s]
-            items[:] = [one for one in items if self._known_s.get(one.nodeid, 0.0) <= longest_s]
+            left_out = [
+                one for one in items if self._known_s.get(one.nodeid, 0.0) > longest_s
+            ]
+            items[:] = [
+                one for one in items if self._known_s.get(one.nodeid, 0.0) <= longest_s
+            ]
             config.hook.pytest_deselected(items=left_out)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:

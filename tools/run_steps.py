@@ -5,11 +5,16 @@ CTest reports which step begins or has ended, and what a failed one printed. The
 prints the slowest steps, the processor time of all, and how many tests passed: those that a step
 counted in a JUnit file, and one for each other step. build/reports/LABEL.txt has that too, with the
 last line that each step printed. When this program is stopped, it ends the processes of all steps.
+
+No step has a limit of time. A step that neither computes nor prints for minutes hangs: then its
+processes without children are ended, so that only the test fails that one of them runs.
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import fcntl
 import json
 import os
 import re
@@ -18,12 +23,17 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 from xml.etree import ElementTree
 
 import psutil
+
+from checks.patience import SLOWNESS, slowness
+from checks.progress import Watch, tree, waits_for
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
@@ -32,6 +42,9 @@ N_CORES = min(len(os.sched_getaffinity(0)), 8)
 N_SLOWEST = 12
 UNKNOWN = 2  # exit status; CTest itself has 8 for failed steps
 KILL_AFTER_S = 10.0  # between SIGTERM and SIGKILL
+STALL_S = 300.0  # a pytest that works ends its hanging test before that
+LOOK_S = 5.0
+NO_LIMIT = "10000000"  # CTest's own limit of a test [s] cannot be switched off
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h: orphans become children of this process
 END_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -48,6 +61,47 @@ def end_descendants() -> None:
                 continue
         psutil.wait_procs(below, timeout=patience_s or 1.0)
         patience_s = 0.0
+
+
+def end_hanging(ctest: int, watches: dict[int, Watch]) -> None:
+    """End what hangs below CTest: of each step without progress the processes without children.
+
+    Parameters
+    ----------
+    ctest : the number of its process
+    watches : of the steps that run, by the numbers of their processes; kept from call to call
+    """
+    steps = [one.pid for one in tree(ctest)[1:] if one.ppid() == ctest]
+    for ended in watches.keys() - steps:
+        del watches[ended]
+    for pid in steps:
+        watch = watches.setdefault(pid, Watch(pid, STALL_S))
+        if watch.is_stalled():
+            watch.restart()
+            leaves = [one for one in tree(pid) if not one.children()]
+            for leaf in leaves:
+                print(f"hang: {waits_for(leaf)}; ended", flush=True)
+                leaf.kill()
+
+
+@contextlib.contextmanager
+def without_hangs(ctest: int) -> Iterator[None]:
+    """Look for hangs below CTest now and then."""
+    is_over = threading.Event()
+
+    def look() -> None:
+        watches: dict[int, Watch] = {}
+        while not is_over.wait(LOOK_S):
+            with contextlib.suppress(psutil.NoSuchProcess):
+                end_hanging(ctest, watches)
+
+    thread = threading.Thread(target=look)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
 
 
 def counts(report: Path) -> Counter[str]:
@@ -102,49 +156,52 @@ def results(steps: Path) -> list[str]:
     return lines
 
 
-def unknown_step(ctest: tuple[str | Path, ...], names: list[str]) -> str:
-    """Return an error that names a step which there is not, or nothing."""
-    listed = subprocess.check_output((*ctest, "--show-only=json-v1"), text=True)
-    known = [one["name"] for one in json.loads(listed)["tests"]]
-    missing = [name for name in names if name not in known]
-    return f"no step {missing[0]!r}; there are: {', '.join(known)}" if missing else ""
+def steps_of(ctest: tuple[str | Path, ...], label: str) -> list[str]:
+    """Return the names of the steps that have a label."""
+    words = (*ctest, "-L", f"^{label}$", "--show-only=json-v1")
+    listed = subprocess.check_output(words, text=True)
+    return [step["name"] for step in json.loads(listed)["tests"]]
 
 
-def clear_reports(label: str) -> None:
-    """Delete what former runs reported; the report and the pictures of the other command stay."""
-    REPORTS.mkdir(exist_ok=True)
-    kept = ("test.txt", "browser") if label == "verify" else ("verify.txt",)
-    for path in REPORTS.iterdir():
-        if path.name in kept:
-            continue
-        if path.is_dir():
-            shutil.rmtree(path)
-        else:
-            path.unlink()
-
-
-def run_ctest(label: str, names: list[str]) -> int:
+def run_ctest(label: str, names: list[str]) -> tuple[int, list[str]]:
     """Run the steps of a label, or some of them with what they need.
 
     Returns
     -------
     int
         CTest's status; 2 when a step is unknown, and then nothing is run
+    list of str
+        The steps that only tools/verify runs
     """
-    place, log = BUILD / "steps", BUILD / "steps.log"
-    with log.open("w") as said:
-        configure = ("cmake", "-S", ROOT / "tools" / "steps", "-B", place, "--fresh")
-        env = os.environ | {"CAMTURN_CORES": str(N_CORES)}
-        subprocess.run(configure, env=env, stdout=said, stderr=said, check=True)
-    ctest: tuple[str | Path, ...] = ("ctest", "--test-dir", place, "-L", f"^{label}$")
-    if error := unknown_step(ctest, names):
-        print(f"tools/{'verify' if label == 'verify' else 'test'}: {error}", file=sys.stderr)
-        return UNKNOWN
-    clear_reports(label)
+    folder = BUILD / "steps" / label
+    folder.mkdir(parents=True, exist_ok=True)
+    configure = ("cmake", "-S", ROOT / "tools" / "steps", "-B", folder, "--fresh")
+    reports = REPORTS / label
+    env = os.environ | {
+        "CAMTURN_CORES": str(N_CORES),
+        "CAMTURN_REPORTS": str(reports),
+        SLOWNESS: f"{slowness():.2f}",
+    }
+    with (folder / "configure.log").open("w") as log:
+        subprocess.run(configure, env=env, stdout=log, stderr=log, check=True)
+    ctest: tuple[str | Path, ...] = ("ctest", "--test-dir", folder)
+    known, tested = steps_of(ctest, label), steps_of(ctest, "test")
+    only_verified = [name for name in steps_of(ctest, "verify") if name not in tested]
+    if missing := [name for name in names if name not in known]:
+        command = "verify" if label == "verify" else "test"
+        print(
+            f"tools/{command}: no step {missing[0]!r}; there are: {', '.join(known)}",
+            file=sys.stderr,
+        )
+        return UNKNOWN, []
+    shutil.rmtree(reports, ignore_errors=True)
+    reports.mkdir(parents=True)
     chosen = ("-R", f"^({'|'.join(map(re.escape, names))})$") if names else ()
-    whole = ("--output-on-failure", "--test-output-size-passed", "1000000")
-    outputs = ("-j", str(N_CORES), "--output-junit", REPORTS / "steps.xml")
-    return subprocess.run((*ctest, *chosen, *whole, *outputs), check=False).returncode
+    whole = ("--output-on-failure", "--test-output-size-passed", "1000000", "--timeout", NO_LIMIT)
+    outputs = ("-j", str(N_CORES), "--output-junit", reports / "steps.xml")
+    words = (*ctest, "-L", f"^{label}$", *chosen, *whole, *outputs)
+    with subprocess.Popen(words, env=env) as process, without_hangs(process.pid):
+        return process.wait(), only_verified
 
 
 def main(label: str, *names: str) -> int:
@@ -160,14 +217,19 @@ def main(label: str, *names: str) -> int:
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
     for number in END_SIGNALS:
         signal.signal(number, stop)
-    status = run_ctest(label, list(names))
+    REPORTS.mkdir(exist_ok=True)
+    lock = (REPORTS / f"{label}.lock").open("w")
+    fcntl.flock(lock, fcntl.LOCK_EX)  # a second run in this clone waits for the first
+    status, only_verified = run_ctest(label, list(names))
     end_descendants()
-    steps = REPORTS / "steps.xml"
+    steps = REPORTS / label / "steps.xml"
     if status == UNKNOWN or not steps.exists():
         return status or 1
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    lines, n_failed = summary(steps, REPORTS)
+    lines, n_failed = summary(steps, REPORTS / label)
     lines.insert(0, f"processor time {used.ru_utime + used.ru_stime:.0f} s")
+    if label != "verify" and not names:
+        lines.insert(-1, f"only tools/verify checks: {', '.join(only_verified)}")
     (REPORTS / f"{label}.txt").write_text("\n".join([*results(steps), "", *lines, ""]))
     print("\n".join(["", *lines]))
     return 1 if status or n_failed else 0

@@ -130,13 +130,24 @@ camturn_venv_group() {
     camturn_say "installing the Python packages of the group $1"
     touch "$unfinished"
     "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" "$1" >"$venv/$1.txt"
-    if ! "$CAMTURN_PYTHON" -m pip install -q --disable-pip-version-check --no-input \
-        --require-hashes --no-deps --only-binary :all: -r "$venv/$1.txt" </dev/null >&2; then
-        camturn_say "pip could not install the packages of the group $1; when the network is back, just start again"
+    if ! camturn_install "$venv/$1.txt"; then
+        camturn_say "the packages of the group $1 could not be installed; when the network is back, just start again"
         exit 2
     fi
     printf '%s %s' "$(sha256sum <"$lock")" "$("$CAMTURN_PYTHON" -V)" >"$stamp"
     rm "$unfinished"
+}
+
+# camturn_install FILE: install the packages of a list by uv, or by pip where uv does not come through.
+camturn_install() {
+    local how=(--require-hashes --no-deps --only-binary :all: -r "$1") uv=$camturn_root/build/venv/bin/uv
+    local pip=("$CAMTURN_PYTHON" -m pip install -q --no-compile --disable-pip-version-check --no-input)
+    if [[ ! -x $uv ]]; then
+        "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" uv >"$1.uv" &&
+            "${pip[@]}" --require-hashes --no-deps --only-binary :all: -r "$1.uv" </dev/null >&2 || true
+    fi
+    "$uv" pip install -q --no-cache --python "$CAMTURN_PYTHON" "${how[@]}" </dev/null >"$1.log" 2>&1 ||
+        "${pip[@]}" "${how[@]}" </dev/null >&2
 }
 
 # camturn_build PRESET [TARGET]: configure when needed, and build everything or one target.

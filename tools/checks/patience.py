@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long a test waits for an event: until it comes, or until a limit that grows on a slow machine.
+"""How long a test waits for an event: until it comes, at most for longer on a slower machine.
 
 >>> until(lambda: 3, "a three")
 3
@@ -22,9 +22,10 @@ _LIMIT_S = 60.0  # on such a core, for events that usually come within a second
 
 
 def measure() -> float:
-    """Return how many times longer than on an idle reference machine a computation takes, at least 1.
+    """Return how many times slower than an idle reference machine this one is, at least 1.
 
-    The largest of five runs counts, because other programs do not compute all the time.
+    It times a small computation five times. The longest counts, because other programs do not
+    compute all the time.
     """
     longest_s = 0.0
     for _ in range(5):
