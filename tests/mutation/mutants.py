@@ -20,6 +20,8 @@ _LEFT_OUT = [
     r"^\s*(#|///|return \"|\")",  # texts for people
     r"static const char|static inline.*\($|__asm|^\s*case [a-z_]+:$",
 ]
+# A number within a name or a type changes: s(0-1), int(32+1)_t, int0_t.
+_BROKEN = re.compile(r"[A-Za-z_]\(\d+[-+]\d+\)|int(?!(8|16|32|64)_t)-?\d+_t")
 
 
 class Mutant(NamedTuple):
@@ -33,6 +35,11 @@ class Mutant(NamedTuple):
     def __str__(self) -> str:
         """Return place and change."""
         return f"{self.file}:{self.line}: {self.was.strip()} -> {self.becomes.strip()}"
+
+    @property
+    def is_broken(self) -> bool:
+        """Return whether it obviously does not compile."""
+        return _BROKEN.search(self.becomes) is not None and _BROKEN.search(self.was) is None
 
     def applied(self, text: str) -> str:
         """Return the text of the file with the change."""

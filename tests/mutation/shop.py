@@ -121,6 +121,8 @@ class Shop:
 
     def judge(self, mutant: Mutant) -> str:
         """Return `not compiled`, `same code`, `survived`, or `killed by` what."""
+        if mutant.is_broken:
+            return "not compiled"
         path = self._tree / mutant.file
         text, times = path.read_text("utf-8"), path.stat()
         path.write_text(mutant.applied(text), "utf-8")
