@@ -19,7 +19,7 @@ from checks.progress import Watch, tree, waits_for
 STALL_S = float(
     os.environ.get("CAMTURN_STALL_S", "120")
 )  # before run_steps.py ends the process
-_LOOK_S = min(2.0, STALL_S / 4)
+_LOOK_S = min(5.0, STALL_S / 4)
 _MOST_CPU_S = 900.0  # of one test
 
 
@@ -32,37 +32,39 @@ class HangPlugin:
     """Watches each phase of each test."""
 
     def __init__(self) -> None:
-        self._watch = Watch(os.getpid(), STALL_S)
         self._is_in_test = False
+        self._n_phases = 0
         self._why = ""
         signal.signal(signal.SIGUSR2, self._interrupt)
         threading.Thread(target=self._look, daemon=True).start()
 
     def _interrupt(self, _number: int, frame: FrameType | None) -> None:
+        why, self._why = self._why, ""
         if self._is_in_test:
             place = "".join(traceback.format_stack(frame, limit=4))
-            pytest.fail(f"{self._why}\n{place}", pytrace=False)
+            pytest.fail(f"{why}\n{place}", pytrace=False)
 
     def _look(self) -> None:
         pause = threading.Event()
         main = threading.main_thread().ident
+        watch, n_phases = Watch(os.getpid(), STALL_S), 0
         while not pause.wait(_LOOK_S):
-            if not self._is_in_test or main is None:
-                continue
-            if self._watch.is_stalled():
+            if not self._is_in_test or n_phases != self._n_phases or main is None:
+                n_phases = self._n_phases
+                watch.restart()
+            elif watch.is_stalled():
                 others = [waits_for(one) for one in tree(os.getpid())[1:]]
                 self._why = "; ".join(
                     ["the test hangs: no output, no processor time", *others]
                 )
-            elif self._watch.computed_s() > _MOST_CPU_S:
+            elif watch.computed_s() > _MOST_CPU_S:
                 self._why = f"the test computes without end: {_MOST_CPU_S:.0f} s"
-            else:
-                continue
-            self._watch.restart()
-            signal.pthread_kill(main, signal.SIGUSR2)
+            if self._why and main is not None:
+                watch.restart()
+                signal.pthread_kill(main, signal.SIGUSR2)
 
     def _watched(self) -> Generator[None, object, object]:
-        self._watch.restart()
+        self._n_phases += 1
         self._is_in_test = True
         try:
             return (yield)

@@ -166,11 +166,16 @@ camturn_build() {
 camturn_cmake() {
     local dir=$camturn_root/build/$1
     cd "$camturn_root" || return
-    # A build folder that was left half-configured, or that moved with its clone, starts afresh.
+    # The simulator alone needs neither Unity nor the programs of the tests. A build folder that was left
+    # half-configured, or that moved with its clone, starts afresh.
+    local testing=ON
+    [[ ${2-} == simulator ]] && testing=OFF
     if [[ ! -f $dir/build.ninja ]] ||
         ! grep -sqxF "CMAKE_HOME_DIRECTORY:INTERNAL=$camturn_root" "$dir/CMakeCache.txt"; then
         camturn_say "configuring and building build/$1" 2>&3
-        cmake --preset "$1" --fresh || return
+        cmake --preset "$1" --fresh -D "BUILD_TESTING=$testing" || return
+    elif [[ $testing == ON ]] && grep -qxF BUILD_TESTING:BOOL=OFF "$dir/CMakeCache.txt"; then
+        cmake --preset "$1" -D BUILD_TESTING=ON || return
     fi
     cmake --build --preset "$1" -j "$(nproc)" ${2:+--target "$2"}
 }

@@ -7,6 +7,7 @@ Processor time and bytes written are those of a process and all below it, the en
 from __future__ import annotations
 
 import contextlib
+import os
 import time
 from pathlib import Path
 from typing import NamedTuple
@@ -59,7 +60,7 @@ class Watch:
 
     Parameters
     ----------
-    pid : the process
+    pid : the process; of its own, the thread that watches does not count
     stall_s : time without progress, on an idle machine, that is a hang
     """
 
@@ -67,14 +68,19 @@ class Watch:
         self._pid, self._stall_s = pid, limit_s(stall_s)
         self.restart()
 
+    def _work(self) -> Work:
+        done = work(tree(self._pid))
+        own_s = time.thread_time() if self._pid == os.getpid() else 0.0
+        return Work(done.cpu_s - own_s, done.n_written)
+
     def restart(self) -> None:
         """Take the present moment as one of progress."""
         self._since_s = time.monotonic()
-        self._seen = self.start = work(tree(self._pid))
+        self._seen = self._start = self._work()
 
     def is_stalled(self) -> bool:
         """Return whether no progress was made for too long. To be asked every few seconds."""
-        now, now_s = work(tree(self._pid)), time.monotonic()
+        now, now_s = self._work(), time.monotonic()
         computed = now.cpu_s - self._seen.cpu_s >= LEAST_CPU_S or now.cpu_s < self._seen.cpu_s
         if computed or now.n_written != self._seen.n_written:
             self._seen, self._since_s = now, now_s
@@ -82,4 +88,4 @@ class Watch:
 
     def computed_s(self) -> float:
         """Return the processor time since the start or the last restart()."""
-        return work(tree(self._pid)).cpu_s - self.start.cpu_s
+        return self._work().cpu_s - self._start.cpu_s
