@@ -6,10 +6,8 @@
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
-#include <stddef.h> // offsetof
 #include <stdio.h>  // snprintf
 #include <stdlib.h> // labs
-#include <string.h> // memcpy
 
 /// Of the bits each fifth is flipped, which comes to every place of a knot.
 enum { turn_ticks = 480, patience_polls = 40, knot_bits = 96u };
@@ -17,11 +15,7 @@ enum { stride = fixture_rarer > 1 ? fixture_rarer : 5 };
 
 static fixture_rig_t rig;
 static fixture_part_t part;
-static struct {
-    cam_t cam;
-    hal_host_t host;
-    unsigned char rig[sizeof(fixture_rig_t)];
-} kept;
+static fixture_rig_whole_t kept;
 static uint32_t n_by_guard, n_by_check;
 
 /// Set-points of U of the last ticks.
@@ -37,16 +31,12 @@ static void begin(uint32_t spindle_mrpm)
         cam_ok, fixture_rig_set(&rig, cam_param_spindle_acceleration_mrad_per_s2, 2000000000));
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     fixture_rig_ticks(&rig, turn_ticks);
-    memcpy(&kept.cam, &g_cam, sizeof g_cam);
-    memcpy(&kept.host, &hal_host, sizeof hal_host);
-    memcpy(kept.rig, &rig, offsetof(fixture_rig_t, image));
+    fixture_rig_keep(&kept, &rig);
 }
 
 static void go_back(void)
 {
-    memcpy(&g_cam, &kept.cam, sizeof g_cam);
-    memcpy(&hal_host, &kept.host, sizeof hal_host);
-    memcpy(&rig, kept.rig, offsetof(fixture_rig_t, image));
+    fixture_rig_put(&rig, &kept);
     told.u_q6 = g_cam.guard.u_set_q6;
     told.step_q6 = g_cam.guard.u_step_q6;
 }
