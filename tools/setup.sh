@@ -169,7 +169,7 @@ camturn_cmake() {
     # The simulator alone needs neither Unity nor the programs of the tests. A build folder that was left
     # half-configured, or that moved with its clone, starts afresh.
     local testing=ON
-    [[ ${2-} == simulator ]] && testing=OFF
+    [[ ${2-} == @(simulator|judge_library) ]] && testing=OFF
     if [[ ! -f $dir/build.ninja ]] ||
         ! grep -sqxF "CMAKE_HOME_DIRECTORY:INTERNAL=$camturn_root" "$dir/CMakeCache.txt"; then
         camturn_say "configuring and building build/$1" 2>&3
