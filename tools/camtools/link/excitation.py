@@ -9,7 +9,6 @@ camtools.base.errors.CamtoolsError: fade_ticks 15: give 16 .. 65535
 
 from __future__ import annotations
 
-import time
 import zlib
 from collections.abc import Callable, Sequence
 from typing import Literal
@@ -18,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
-from camtools.link.controller import Link
+from camtools.link.controller import PATIENCE_S, PERIOD_S, Link
 from camtools.link.download import bring
 from camtools.link.messages import Refused
 from camtools.link.scope import (
@@ -83,14 +82,19 @@ def download_wave(
 
 
 def _follow(link: Link, timeout_s: float) -> str:
-    """Give signs of life until the excitation has ended; return what came of it."""
-    end_s = time.monotonic() + timeout_s
-    while time.monotonic() < end_s:
+    """Give signs of life until the excitation has ended; return what came of it.
+
+    The controller's own time counts, because a simulated one may run slower than the clock.
+    """
+    end_row = link.status.n_rows + timeout_s / PERIOD_S
+    while link.status.n_rows < end_row:
         require(link, "keep alive", link.ask("keep_alive"))
         excited = EXCITED[get(link, "excited")]
         if excited != "runs" and phase(link) == "done":
             return excited
         link.wait(lambda: False, ALIVE_S)
+        if not link.next_row(PATIENCE_S):
+            raise Refused(f"{link.where}: the status ended during the excitation; excite again")
     raise Refused(f"{link.where}: the excitation has not ended after {timeout_s:.0f} s")
 
 

@@ -8,13 +8,15 @@ that the button can be pressed as well. What was asked is withdrawn then.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from weakref import WeakKeyDictionary, WeakSet
 
 from nicegui import Client, ui
 
+Ask = Callable[[], Awaitable[object]]
 _open: WeakKeyDictionary[Client, WeakSet[ui.dialog]] = WeakKeyDictionary()
+_asks: WeakKeyDictionary[Client, dict[str, Ask]] = WeakKeyDictionary()
 
 
 @contextmanager
@@ -41,7 +43,18 @@ def cancel_button(dialog: ui.dialog, name: str) -> None:
     cancel.props(f"no-caps outline autofocus data-testid={name}-cancel")
 
 
-async def confirmed(title: str, text: str, yes: str) -> bool:
+def asks(name: str, ask: Ask) -> None:
+    """Let a question of this page be asked again after the page was loaded anew."""
+    _asks.setdefault(ui.context.client, {})[name] = ask
+
+
+async def ask_again(client: Client, name: str) -> None:
+    """Ask a question whose page was loaded anew before it was answered."""
+    if (ask := _asks.get(client, {}).get(name)) is not None:
+        await ask()
+
+
+async def confirmed(title: str, text: str, yes: str, name: str = "") -> bool:
     """Ask once before an order that is dangerous, and return whether the answer was yes.
 
     Parameters
@@ -50,9 +63,11 @@ async def confirmed(title: str, text: str, yes: str) -> bool:
         what would be done, and what that means
     yes : str
         words of the button that agrees
+    name : str
+        that of asks(), where the question needs nothing but its page
     """
     with titled_dialog(title, "question") as dialog:
-        ui.label(text)
+        ui.label(text).props(f"data-asks={name}" if name else "")
         with ui.row().classes("op-dialog-buttons"):
             cancel_button(dialog, "question")
             agree = ui.button(yes, on_click=lambda: dialog.submit(True), color=None)

@@ -17,6 +17,7 @@ or ui.markdown.
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,10 +28,11 @@ from nicegui import Client, events, ui
 from camtools.link.rights import sender_text
 from camtools.panel.access.visitor import Visitor, new_visitor
 from camtools.panel.context import AppContext
-from camtools.panel.dialogs import confirmed
+from camtools.panel.dialogs import ask_again, confirmed
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.order import Outcome
 from camtools.panel.page_cleanup import forget_routes
+from camtools.panel.reconnect import repeat_newest
 from camtools.panel.stop_button import FrameStop
 from camtools.panel.views.bus_commander import other_sender
 from camtools.panel.views.state_style import IN_WORK
@@ -43,6 +45,7 @@ _POSITIVE = "#1b7a37"  # 5.4
 _HEAD = f'<link rel="stylesheet" href="{STATIC}/panel.css">'
 _BODY = f'<script src="{STATIC}/panel.js"></script>'
 _SHOW_S = 0.25
+_COMMAND_S = 10.0  # for which the page of the commander may be away
 _ENDS = "Then nobody has command, and the cut ends as with STOP."
 _visitors: dict[str, Visitor] = {}  # by the identifier of their page, while it is there
 
@@ -60,11 +63,18 @@ def _admit(context: AppContext, client: Client) -> Visitor:
 
     def on_connect() -> None:
         context.service.page_connected(visitor)
+        repeat_newest(client)
         client.run_javascript("panelHello()")
 
     def on_disconnect() -> None:
         if not client.has_socket_connection:  # a new one may stand before the old one is given up
             context.service.page_lost(visitor)
+            loop = asyncio.get_running_loop()
+            loop.call_later(_COMMAND_S, lose_if_away, visitor.n_losses)
+
+    def lose_if_away(n_losses: int) -> None:
+        if not visitor.is_here and visitor.n_losses == n_losses:
+            context.commander.lose(visitor, f"the page was away for {_COMMAND_S:.0f} s")
 
     def on_delete() -> None:
         _visitors.pop(client.id, None)
@@ -154,14 +164,19 @@ class _CommandBar:
             ui.notify(news, type="warning", timeout=0, close_button="Close")
         self._news = news
 
-    def _on_hello(self, event: events.GenericEventArguments) -> None:
-        """Take the token and the clock of a page that has connected."""
+    async def _on_hello(self, event: events.GenericEventArguments) -> None:
+        """Take the token and the clock of a page that has connected, and what it continues."""
         told = event.args if isinstance(event.args, dict) else {}
         sent_ms = told.get("sent_ms")
         if isinstance(sent_ms, int | float):
             self._context.service.page_clock(self._visitor, float(sent_ms))
         if told.get("token") and not self._visitor.has_token:
             self._try(told["token"])
+        before = _visitors.get(str(told.get("before")))
+        if before is not None and before is not self._visitor:
+            self._context.commander.pass_on(before, self._visitor)
+            self.show()
+            await ask_again(event.client, str(told.get("asks")))
 
     def _enter_token(self) -> None:
         text = str(self._token.value or "").strip()

@@ -14,7 +14,7 @@ from http import HTTPStatus
 import uvicorn
 from fastapi import FastAPI, Request
 from fastapi.responses import PlainTextResponse
-from nicegui import Client, app, ui
+from nicegui import Client, app, core, ui
 
 from camtools.panel.access.auth_gate import AuthGate
 from camtools.panel.access.connections import MOST_HEADER_BYTES, BoundedProtocol
@@ -26,14 +26,21 @@ from camtools.panel.page_frame import STATIC, STATIC_FOLDER, may_upload
 from camtools.panel.pages import design, operate, runs
 
 MOST_PAGES = 48
-# A page that is away for longer begins anew, without its command. A jog does not wait for that: it
+# A page that is away for longer begins anew. Command is lost earlier (page_frame.py), and a jog
 # ends when its heartbeats do (jog_press.py).
-_RECONNECT_S = 10.0
+_RECONNECT_S = 45.0
+# A page that is too busy to answer for this long is not cut off.
+_PING_S, _ANSWER_S = 4.0, 8.0
 
 
 async def _not_found(_request: Request, _error: Exception) -> PlainTextResponse:
     """Answer in a line; NiceGUI would make a page of it, which stays in memory for a minute."""
     return PlainTextResponse("no such page; / is the operator's page\n", HTTPStatus.NOT_FOUND)
+
+
+def _ping_patiently() -> None:
+    """Set what NiceGUI derives from the time for a reconnect, each time it starts."""
+    core.sio.eio.ping_interval, core.sio.eio.ping_timeout = _PING_S, _ANSWER_S
 
 
 def application(context: AppContext, hosts: Collection[str]) -> AuthGate:
@@ -52,6 +59,7 @@ def application(context: AppContext, hosts: Collection[str]) -> AuthGate:
         gzip_middleware_factory=None,
         show_welcome_message=False,
     )
+    app.on_startup(_ping_patiently)
     app.add_exception_handler(HTTPStatus.NOT_FOUND, _not_found)
     use_nonces()
     keep_traces_few()

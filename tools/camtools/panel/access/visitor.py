@@ -30,6 +30,7 @@ class Visitor:
     has_token: bool = False  # whether the page has shown the token of this start
     is_here: bool = True  # whether the page's connection stands
     was_connected: bool = False  # whether it has stood before
+    n_losses: int = 0  # how often it was lost
     back_at_s: float = -1e9
 
     def __str__(self) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
-from camtools.panel.dialogs import confirmed
+from camtools.panel.dialogs import asks, confirmed
 from camtools.panel.operate.card import card
 from camtools.panel.operate.order_buttons import Orders, Press
 from camtools.panel.orders.snapshot import Snapshot
@@ -38,6 +38,7 @@ class CommandCard:
                 orders.button("Find index", "home", "my_location", self.home)
                 orders.button("By hand", "manual", "pan_tool", self.manual, key="M")
             orders.last_order()
+            asks("start", self.start)
             keys = ui.button("Keys", icon="keyboard", on_click=lambda: self.on_keys())
             keys.props("no-caps outline data-testid=help-open")
 
@@ -68,7 +69,7 @@ class CommandCard:
             return
         text = f"Spindle and axes will move to cut {newest.table_name}. Is the door shut?"
         asked = self._what_starts(newest)
-        if not await confirmed("Start the cut?", text, "Start"):
+        if not await confirmed("Start the cut?", text, "Start", "start"):
             return
         if self._what_starts(self._orders.context.service.snapshot()) != asked:
             self._orders.refuse("start", _CHANGED)

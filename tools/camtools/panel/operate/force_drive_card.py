@@ -7,7 +7,7 @@ from base64 import b64encode
 
 from nicegui import ui
 
-from camtools.panel.dialogs import confirmed
+from camtools.panel.dialogs import asks, confirmed
 from camtools.panel.operate.card import card
 from camtools.panel.operate.order_buttons import Orders
 from camtools.panel.orders.loop_tuner import Tuned
@@ -54,6 +54,7 @@ class ForceDriveCard:
             self._picture.props('alt="Measured and proposed loop of U" data-testid=drive-picture')
             self._picture.set_visibility(False)
         self._card.set_visibility(False)
+        asks("measure_loop", self._measure)
 
     def _why_no_loop(self) -> str:
         newest = self._service.tuned()
@@ -65,7 +66,7 @@ class ForceDriveCard:
             await self._orders.give("push_u", f"push U by {force_n:g} N", force_n=force_n)
 
     async def _measure(self) -> None:
-        if await confirmed("Measure U?", _MOVES, "Measure"):
+        if await confirmed("Measure U?", _MOVES, "Measure", "measure_loop"):
             await self._orders.give("measure_loop", "measure U")
 
     async def _apply(self) -> None:

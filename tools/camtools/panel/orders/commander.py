@@ -88,13 +88,22 @@ class Commander:
         text = "nobody commands" if is_held else "you do not command"
         return self._told("release", visitor, Outcome(is_held, text))
 
-    def lose(self, visitor: Visitor) -> None:
-        """Take note that a page is gone; if it commanded, nobody does."""
+    def lose(self, visitor: Visitor, why: str = "the page was closed") -> None:
+        """Take note that a page is gone; if it commanded, nobody does, and it shows why."""
         with self._lock:
             if self._holder is not visitor:
                 return
             self._holder = None
-        self._told("lose", visitor, Outcome(True, "the page was closed: nobody commands"))
+            self._news[visitor] = f"{why}: nobody commands ({utc(time.time())})"
+        self._told("lose", visitor, Outcome(True, f"{why}: nobody commands"))
+
+    def pass_on(self, before: Visitor, visitor: Visitor) -> None:
+        """Give the command of a page that is gone to the one that was loaded in its place."""
+        with self._lock:
+            if self._holder is not before or before.is_here or not visitor.has_token:
+                return
+            self._holder = visitor
+        self._told("pass_on", visitor, Outcome(True, f"the page of {before} was loaded anew"))
 
     def lose_on_bus(self, why: str, sender: int) -> None:
         """Take note that the panel has lost command over the controller; who commanded is told.

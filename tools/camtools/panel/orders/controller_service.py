@@ -129,6 +129,7 @@ class ControllerService:
     def page_lost(self, visitor: Visitor) -> None:
         """End what the visitor holds; to be called when the connection of his page is lost."""
         visitor.is_here = False
+        visitor.n_losses += 1
         self._presses.drop("the page was closed", visitor)
 
     def close(self) -> None:
@@ -171,6 +172,8 @@ class ControllerService:
             lambda: self._refusal(order.name, visitor),
             order.name in ATTENDED,
         )
+        if job.is_attended:
+            arguments["rests"] = job.leave
         self._thread.give(job)
         return await asyncio.shield(asyncio.wrap_future(job.told))
 

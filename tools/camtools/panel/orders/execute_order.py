@@ -177,7 +177,7 @@ def _push_u(link: Link, arguments: Arguments, say: Say) -> str:
 
 def _measure_loop(link: Link, arguments: Arguments, say: Say) -> str:
     tuner: LoopTuner = arguments["tuner"]
-    return tuner.measure(link, say)
+    return tuner.measure(link, say, arguments["rests"])
 
 
 def _apply_loop(link: Link, arguments: Arguments, say: Say) -> str:

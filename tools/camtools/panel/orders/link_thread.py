@@ -76,6 +76,10 @@ class Job:
     told: Future[Outcome] = field(default_factory=Future)  # gets the outcome
     given_s: float = field(default_factory=time.monotonic)
 
+    def leave(self) -> None:
+        """Let it finish without its visitor, because nothing moves any more."""
+        self.is_attended = False
+
     def tell(self, is_done: bool, text: str) -> None:
         """Say what came of it, once."""
         if not self.told.done():

@@ -19,7 +19,7 @@ from camtools.tune.parameters import settings_of
 from camtools.tune.proposal import proposed, subject_of
 from camtools.tune.pulse import measure_pulse, pulse_lines, pulse_settings
 
-_COMPUTED_S = 600.0
+_LOOK_S = 1.0
 _NAME = "U"
 Say = Callable[[str], None]
 
@@ -95,8 +95,13 @@ class LoopTuner:
         self.newest = Tuned("\n".join(lines), b"", pulse_settings(found))
         return "mass and friction are known; see the report, then apply them"
 
-    def measure(self, link: Link, say: Say) -> str:
+    def measure(self, link: Link, say: Say, rests: Callable[[], None] = lambda: None) -> str:
         """Excite U and propose a loop; the link is served while that is computed.
+
+        Parameters
+        ----------
+        rests : callable
+            called when U stands again; what follows needs nobody at the page
 
         Raises
         ------
@@ -105,18 +110,18 @@ class LoopTuner:
         """
         self.newest = None
         say("the measurement of U")
-        u = ConnectedU(
-            link,
-            keeps_command=True,
-            progress=lambda here, in_all: say(f"the record of U, {here * 100 // in_all} %"),
-        )
-        one = recorded(u, link.where)
+
+        def progress(here: int, in_all: int) -> None:
+            rests()
+            say(f"the record of U, {here * 100 // in_all} %")
+
+        one = recorded(ConnectedU(link, keeps_command=True, progress=progress), link.where)
         say("the loop of U, which is computed")
         pool = ThreadPoolExecutor(1)
         computed = pool.submit(tuned, one, link.where)
         pool.shutdown(wait=False)
-        if not link.wait(computed.done, _COMPUTED_S):
-            raise Refused(f"no loop was found in {_COMPUTED_S:.0f} s; measure again")
+        while not link.wait(computed.done, _LOOK_S):
+            pass  # STOP ends it
         self.newest = computed.result()
         if self.newest.problem:
             raise Refused(self.newest.problem)

@@ -9,8 +9,18 @@ const takeToken = () => {
   history.replaceState(null, "", location.pathname + location.search);
 };
 takeToken();
-window.panelHello = () =>
-  emitEvent("panel_hello", { token: sessionStorage.getItem("camturn.token"), sent_ms: performance.now() });
+// A page that is loaded anew continues the one before: with its command, and with its open question.
+const PAGE = `camturn.page.${location.pathname}`;
+let continues = JSON.parse(sessionStorage.getItem(PAGE) ?? "{}");
+window.addEventListener("pagehide", () => {
+  const asks = document.querySelector("[data-asks]")?.dataset.asks;
+  sessionStorage.setItem(PAGE, JSON.stringify({ before: window.clientId, asks }));
+});
+window.panelHello = () => {
+  const token = sessionStorage.getItem("camturn.token");
+  emitEvent("panel_hello", { token, sent_ms: performance.now(), ...continues });
+  continues = {};
+};
 window.addEventListener("hashchange", () => {
   takeToken();
   window.panelHello();
