@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests in the browser share: Chromium, a panel, a report, and what is kept of a failure.
+"""Shared by the tests in the browser: Chromium, a panel, a report, and pictures of the pages.
 
 An error in the console, an exception that nobody caught or a request that would leave this computer
 fails the test in whose window it came.
 """
 
 import signal
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from types import FrameType
@@ -16,14 +16,14 @@ import pytest
 from playwright.sync_api import Page
 
 from camtools.cli.run import main as run
-from camtools.link.bus import open_bus
-from tests.browser.gallery import FOLDER, Gallery
-from tests.browser.overheard import Overheard
 from tests.browser.panel_session import PanelSession, panel_session
-from tests.browser.windows import Chromium, OpenWindow, Window, chromium
+from tests.browser.windows import Chromium, OpenWindow, Window, chromium, picture_name
+from tests.tools.cases.part_cases import ROOT
 
+PICTURES = ROOT / "build" / "reports" / "browser"
 # No cut ends by itself while a slow computer looks at it: 3000 turns, 75 s of the lathe's time.
 LONG_CUT = ("--", "--set", "feed_nm=20000")
+Keep = Callable[..., None]
 _HAS_FAILED = pytest.StashKey[bool]()
 
 
@@ -39,32 +39,27 @@ def pytest_runtest_makereport(
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Chromium]:
-    """Run Chromium; nothing may have wanted to leave this computer."""
+    """Run Chromium."""
     with chromium() as one:
         yield one
-        assert one.trap.caught == []
 
 
 @pytest.fixture(scope="session")
-def gallery() -> Iterator[Gallery]:
-    """Keep pictures for people to look at."""
-    one = Gallery()
-    yield one
-    one.write_index()
+def keep() -> Keep:
+    """Return a function that keeps a picture of a page for people to look at."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
 
+    def picture(page: Page, text: str, *, is_whole: bool = False) -> None:
+        if is_whole:
+            page.evaluate("scrollTo(0, 0)")  # else what stays in sight lies over the middle
+        path = PICTURES / f"{picture_name(text)}.png"
+        page.screenshot(path=path, full_page=is_whole, animations="disabled")
 
-def _keep_failure(name: str, windows: list[Window]) -> None:
-    """Write what the windows of a failed test show and said."""
-    folder = FOLDER / "failed"
-    folder.mkdir(parents=True, exist_ok=True)
-    for i, window in enumerate(windows):
-        (folder / f"{name}-{i}.log").write_text("\n".join(window.console), "utf-8")
-        for k, page in enumerate(window.page.context.pages):
-            page.screenshot(path=folder / f"{name}-{i}-{k}.png")
+    return picture
 
 
 def _give_back(page: Page) -> None:
-    """Give the command back, which else is lost some seconds behind the page only."""
+    """Give command back, which else is lost some seconds after the page only."""
     if not page.is_closed():
         button = page.get_by_role("button", name="Give command back")
         if button.is_visible():
@@ -72,9 +67,7 @@ def _give_back(page: Page) -> None:
 
 
 @pytest.fixture
-def open_window(
-    request: pytest.FixtureRequest, browser: Chromium, gallery: Gallery
-) -> Iterator[OpenWindow]:
+def open_window(request: pytest.FixtureRequest, browser: Chromium) -> Iterator[OpenWindow]:
     """Open windows with Playwright's options of a context; they close with the test."""
     windows: list[Window] = []
     with ExitStack() as stack:
@@ -88,10 +81,13 @@ def open_window(
             _give_back(window.page)
         problems = [problem for window in windows for problem in window.problems()]
         if problems or request.node.stash.get(_HAS_FAILED, False):
-            _keep_failure(request.node.name, windows)
+            said = [line for window in windows for line in window.console]
             if "session" in request.fixturenames:
-                said = request.getfixturevalue("session").text()
-                (FOLDER / "failed" / f"{request.node.name}.log").write_text(said, "utf-8")
+                said.append(request.getfixturevalue("session").text())
+            print("\n".join(said))
+            for i, page in enumerate(p for w in windows for p in w.page.context.pages):
+                name = picture_name(f"failed {request.node.name} {i}")
+                page.screenshot(path=PICTURES / f"{name}.png")
     assert not problems
 
 
@@ -103,8 +99,13 @@ def report_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def _end(number: int, _frame: FrameType | None) -> None:
+    """End by a signal as by control-C, so that no process remains."""
+    raise KeyboardInterrupt(signal.Signals(number).name)
+
+
 @pytest.fixture(scope="session")
-def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:
     """Run a live lathe and the panel of its controller."""
     before = signal.signal(signal.SIGTERM, _end)
     with panel_session(tmp_path_factory.mktemp("panel"), LONG_CUT) as one:
@@ -113,15 +114,8 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:
 
 
 @pytest.fixture
-def overheard(session: PanelSession) -> Iterator[Overheard]:
-    """Hear the controller on its bus; the test begins and ends in off."""
-    session.calm()
-    one = Overheard(*open_bus(session.live.bus), session.live.node)
-    yield one
-    one.close()
-    session.calm()
-
-
-def _end(number: int, _frame: FrameType | None) -> None:
-    """End by a signal as by control-C, so that no process is left behind."""
-    raise KeyboardInterrupt(signal.Signals(number).name)
+def session(running: PanelSession) -> Iterator[PanelSession]:
+    """Return lathe and panel; the test begins and ends in off."""
+    running.calm()
+    yield running
+    running.calm()

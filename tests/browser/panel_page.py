@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a visitor does on the operator's page, and what is read from it there."""
+"""A visitor's actions on the operator's page."""
 
 import re
 from collections.abc import Callable
@@ -7,15 +7,13 @@ from collections.abc import Callable
 from playwright.sync_api import Locator, Page, expect
 
 from camtools.link.controller import Status
-from tests.browser.overheard import Overheard
+from checks.patience import until
 from tests.browser.panel_session import PanelSession
 
-_POINTS = """element => getElement(Number(element.id.slice(1))).chart.getOption().series
-    .filter(series => series.id.startsWith("turns-")).flatMap(series => series.data)"""
-Point = tuple[float, float]
-_PRESSES = 5
+_PRESSES = 10
 _PRESS_S = 10.0
-_WORDS = {"manual": "by hand"}
+_WORK_S = 300.0  # of a processor, for the longest order
+_ASKED = ("start", "measure_loop", "apply_loop")
 
 
 def look(page: Page, session: PanelSession) -> None:
@@ -26,7 +24,7 @@ def look(page: Page, session: PanelSession) -> None:
 
 
 def take_command(page: Page, session: PanelSession) -> None:
-    """Type the token, and take the command, over from a page that is not given up yet."""
+    """Type the token, and take command, over from a page that is not given up yet."""
     page.get_by_label("token").fill(session.token)
     page.get_by_label("token").press("Enter")
     page.get_by_role("button", name=re.compile("^Take (command|over)$")).click()
@@ -49,33 +47,43 @@ def order(page: Page, name: str) -> Locator:
     return page.get_by_test_id(f"do-{name}")
 
 
-def give(page: Page, overheard: Overheard, name: str, *states: str) -> Status:
-    """Press the button of an order, and wait until the controller is in one of some states.
+def give(page: Page, session: PanelSession, name: str, *states: str) -> Status:
+    """Press the button of an order until it is done, as a person would do it on a slow computer.
 
-    Where the page says that its connection was lost meanwhile, it is pressed again, as a person
-    would do it.
+    Returns the first status in one of some states.
     """
     last = page.get_by_test_id("last-order")
-    said = re.compile(f"^{_WORDS.get(name, name)}: (not )?done")
     for _ in range(_PRESSES):
-        order(page, name).click()
-        if name == "start":
-            page.get_by_test_id("question-yes").click()
-        expect(last).to_have_text(said)
-        if "press again" not in last.inner_text():
-            break
-    return overheard.wait_for_state(*states)
+        if _outcome(page, session, name):
+            expect(last).to_contain_text(": done")
+            return session.wait_for_state(*states)
+    raise AssertionError(last.inner_text())
+
+
+def _outcome(page: Page, session: PanelSession, name: str) -> bool:
+    """Press the button of an order once; return whether the order was done."""
+    last = page.get_by_test_id("last-order")
+    before, n_before = last.inner_text(), len(session.logged())
+
+    def outcomes() -> list[bool]:
+        return [line["is_done"] for line in session.logged()[n_before:] if line["order"] == name]
+
+    order(page, name).click()
+    if name in _ASKED:
+        page.get_by_test_id("question-yes").click()
+    until(
+        lambda: outcomes() or ": not done" in last.inner_text().replace(before, ""),
+        f"an outcome of {name}",
+        _WORK_S,
+    )
+    return any(outcomes())
 
 
 def press_until(page: Page, button: Locator, moves: Callable[[float], bool]) -> None:
     """Hold the button of a jog until the axis moves; it stays held.
 
     A press whose heartbeats came late ends by itself, and is made again, as a person would do it.
-
-    Parameters
-    ----------
-    moves : function
-        waits for the motion for some seconds, and returns whether it came
+    `moves` waits for the motion for some seconds, and returns whether it came.
     """
     for _ in range(_PRESSES):
         button.hover()
@@ -89,9 +97,3 @@ def press_until(page: Page, button: Locator, moves: Callable[[float], bool]) -> 
 def expect_state(page: Page, state: str) -> None:
     """Wait until the page shows a state."""
     expect(page.get_by_test_id("state")).to_have_text(state, ignore_case=True)
-
-
-def points(page: Page) -> set[Point]:
-    """Return angle [degrees] and following error [um] of the points of the unrolled chart."""
-    chart = page.get_by_test_id("error-unrolled")
-    return {(angle, error) for angle, error in chart.evaluate(_POINTS)}

@@ -21,7 +21,8 @@ from camtools.link.bus import open_bus
 from camtools.link.controller import Link, Status
 from camtools.link.live_lathes import LiveLathe, live_lathes
 from camtools.link.rights import May
-from tests.tools.cases.background import PATIENCE_S, Background, background, python
+from checks.patience import limit_s
+from tests.tools.cases.background import Background, background, python
 
 _ENDS = {"fault": "reset", "homing": "disable", "ready": "disable", "manual": "disable"}
 _CALM_S = 0.1
@@ -63,13 +64,13 @@ class PanelSession:
         """Return the controller's status, not older than this call."""
         while self.witness.pump(0):
             pass  # what has come meanwhile
-        assert self.witness.next_row(PATIENCE_S), f"no status:\n{self.lathe.text()}"
+        assert self.witness.next_row(limit_s()), f"no status:\n{self.lathe.text()}"
         return self.witness.status
 
     def wait_for(self, is_so: Callable[[Status], bool]) -> Status:
         """Return the first status of which something is so."""
         status = self.status()
-        is_done = self.witness.wait(lambda: is_so(status), PATIENCE_S)
+        is_done = self.witness.wait(lambda: is_so(status), limit_s())
         assert is_done, f"{status.state} {status.faults}\n{self.lathe.text()}"
         return status
 

@@ -10,9 +10,11 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.accessible import grave_findings
-from tests.browser.gallery import Gallery
+from tests.browser.conftest import Keep
 from tests.browser.panel_session import PanelSession
 from tests.browser.windows import NO_3D, OpenWindow
+
+pytestmark = pytest.mark.long
 
 FEED_MM = 0.5  # coarse, so that a cut is short
 _SECTION = """element => getElement(Number(element.id.slice(1))).chart.getOption().series
@@ -58,7 +60,7 @@ def told_um(text: str) -> float:
 
 
 def test_part_is_edited_cut_and_compared(
-    session: PanelSession, open_window: OpenWindow, gallery: Gallery
+    session: PanelSession, open_window: OpenWindow, keep: Keep
 ) -> None:
     """From a wrong value to two runs side by side."""
     page = open_window(viewport={"width": 1400, "height": 1180}).page
@@ -71,7 +73,7 @@ def test_part_is_edited_cut_and_compared(
     type_field(page, speed, "-1")
     alert = page.get_by_role("alert").filter(has_text=speed)
     expect(alert).to_contain_text("give at least 0.001")
-    gallery.keep(page, "Design, a wrong value")
+    keep(page, "Design, a wrong value")
     type_field(page, speed, "20")
     expect(page.get_by_test_id("verdict")).to_have_text("not feasible")
     settled(page)
@@ -87,7 +89,7 @@ def test_part_is_edited_cut_and_compared(
     line = report.locator("#summary tr", has_text="form error").inner_text()
     assert told_um(line) == pytest.approx(summary["form_error_um"]["max"], rel=0.01)
     assert summary["cut"]["feed_mm"] == FEED_MM
-    gallery.keep(page, "Design, the report below the cut")
+    keep(page, "Design, the report below the cut")
     page.get_by_test_id("cut-machine").click()
     page.locator(".q-menu .q-item").get_by_text("real", exact=True).click()
     other = cut(page, session.log.parent, 2)
@@ -105,7 +107,7 @@ def test_part_is_edited_cut_and_compared(
     for one in (summary, other):
         assert any(x == pytest.approx(one["form_error_um"]["max"], rel=0.02) for x in found), found
     check_reports(page)
-    gallery.keep(page, "Runs, two machines compared", is_whole=True)
+    keep(page, "Runs, two machines compared", is_whole=True)
     assert not grave_findings(page)
 
 

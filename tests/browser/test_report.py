@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report of a cut in a browser: its linked charts against the gauged surface, print, words."""
 
+import itertools
 import json
 import re
 from functools import cache
@@ -12,7 +13,7 @@ from playwright.sync_api import Page, expect
 
 from camtools.base.quantities import Floats
 from tests.browser.accessible import grave_findings
-from tests.browser.gallery import FOLDER, Gallery
+from tests.browser.conftest import PICTURES, Keep
 from tests.browser.windows import NO_3D, PHONE, OpenWindow
 from tests.tools.cases.camsim_cases import columns_of
 
@@ -108,9 +109,8 @@ def check_words(page: Page, report_folder: Path) -> None:
     assert told_um == pytest.approx(summary["form_error_um"]["max"], rel=0.01)
 
 
-def test_part_in_space_is_drawn(
-    report_folder: Path, open_window: OpenWindow, gallery: Gallery
-) -> None:
+@pytest.mark.long
+def test_part_in_space_is_drawn(report_folder: Path, open_window: OpenWindow, keep: Keep) -> None:
     """By WebGL, whose picture is not empty and turns under the pointer."""
     page = open_window(viewport={"width": 320, "height": 320}).page  # the processor draws it all
     open_report(page, report_folder, has_3d=True)
@@ -124,31 +124,31 @@ def test_part_in_space_is_drawn(
     page.mouse.down()
     page.mouse.move(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2, steps=4)
     page.mouse.up()
-    gallery.keep(page, "Report, part in space")
+    keep(page, "Report, part in space")
     assert space.screenshot() != first
 
 
+@pytest.mark.long
 def test_report_without_scripts_has_its_pictures(
-    report_folder: Path, open_window: OpenWindow, gallery: Gallery
+    report_folder: Path, open_window: OpenWindow, keep: Keep
 ) -> None:
     """A reader without JavaScript sees the pictures that print."""
     page = open_window(java_script_enabled=False).page
     page.goto((report_folder / "report.html").as_uri())
-    gallery.keep(page, "Report, without scripts", is_whole=True)
+    keep(page, "Report, without scripts", is_whole=True)
     assert page.locator("#board").is_hidden()
     pictures = page.locator("img:visible")
     assert pictures.count() >= 5
     assert page.locator("#summary").is_visible()
 
 
-def test_report_prints_to_a4(
-    report_folder: Path, open_window: OpenWindow, gallery: Gallery
-) -> None:
+@pytest.mark.long
+def test_report_prints_to_a4(report_folder: Path, open_window: OpenWindow, keep: Keep) -> None:
     """Nothing is wider than the paper, and there are as many pages as a person will turn."""
     page = open_window().page
     open_report(page, report_folder)
     pdf = page.pdf(format="A4", print_background=True, prefer_css_page_size=True)
-    (FOLDER / "report.pdf").write_bytes(pdf)
+    (PICTURES / "report.pdf").write_bytes(pdf)
     n_pages = len(re.findall(rb"/Type\s*/Page\b(?!s)", pdf))
     assert 2 <= n_pages <= MOST_PAGES
     page.emulate_media(media="print")
@@ -161,17 +161,18 @@ def test_report_prints_to_a4(
     assert widest <= 1.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_report_has_no_grave_finding(
-    report_folder: Path, open_window: OpenWindow, gallery: Gallery, scheme: str
+    report_folder: Path, open_window: OpenWindow, keep: Keep, scheme: str
 ) -> None:
     """Axe finds nothing serious, and on a phone nothing is beyond the edge."""
     page = open_window(color_scheme=scheme).page
     open_report(page, report_folder)
-    gallery.keep(page, f"Report, {scheme}", is_whole=True)
+    keep(page, f"Report, {scheme}", is_whole=True)
     assert not grave_findings(page)
     page.set_viewport_size(PHONE)
-    gallery.keep(page, f"Report, phone, {scheme}", is_whole=True)
+    keep(page, f"Report, phone, {scheme}", is_whole=True)
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
 
 
@@ -182,8 +183,11 @@ _INKS = """() => [...document.querySelectorAll(".js-plotly-plot .gtitle, .js-plo
     .map(one => getComputedStyle(one).fill)"""
 
 
-def test_charts_follow_light_and_dark(report_folder: Path, open_window: OpenWindow) -> None:
-    """While the page is open, as the computer changes at sunset: text stays legible."""
+@pytest.mark.long
+def test_charts_follow_the_light_and_bars_cover_no_legend(
+    report_folder: Path, open_window: OpenWindow
+) -> None:
+    """Text stays legible when the scheme changes; bars are shown at the pointer only."""
     page = open_window().page
     open_report(page, report_folder)
     for scheme in ("dark", "light"):
@@ -192,12 +196,6 @@ def test_charts_follow_light_and_dark(report_folder: Path, open_window: OpenWind
         page.wait_for_function(
             f"ink => new Set(({_INKS})()).size === 1 && ({_INKS})()[0] === ink", arg=ink
         )
-
-
-def test_tool_bars_cover_no_legend(report_folder: Path, open_window: OpenWindow) -> None:
-    """They are shown at the pointer only, away from the legend."""
-    page = open_window().page
-    open_report(page, report_folder)
     page.locator("#picture-following").scroll_into_view_if_needed()
     shown = page.locator("#following .modebar-group").first
     expect(shown).to_have_css("opacity", "0")
@@ -205,11 +203,6 @@ def test_tool_bars_cover_no_legend(report_folder: Path, open_window: OpenWindow)
     expect(shown).not_to_have_css("opacity", "0")
     assert page.locator("[data-title*=Share]").count() == 0  # nothing sends a chart away
     for legends, bars in page.evaluate(_BOXES):
-        for legend in legends:
-            for bar in bars:
-                assert (
-                    bar["left"] >= legend["right"]
-                    or bar["right"] <= legend["left"]
-                    or bar["top"] >= legend["bottom"]
-                    or bar["bottom"] <= legend["top"]
-                ), (legend, bar)
+        for a, b in itertools.product(legends, bars):
+            is_beside = b["left"] >= a["right"] or b["right"] <= a["left"]
+            assert is_beside or b["top"] >= a["bottom"] or b["bottom"] <= a["top"], (a, b)

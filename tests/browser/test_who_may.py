@@ -1,57 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Token, command and names of strangers, as visitors meet them in their browsers."""
+"""Token, command, open questions and names of strangers, as visitors meet them."""
 
 import struct
-import threading
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from camtools.link.controller import Link
 from camtools.link.download import download, select_table
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
-from tests.browser.panel_page import press_until
+from tests.browser.panel_page import command, give, order
 from tests.browser.panel_session import PanelSession
 from tests.browser.windows import OpenWindow
 from tests.tools.cases.part_cases import PERKINS
 
-GONE_MS = 30_000  # a page is gone when its connection does not come back
+pytestmark = pytest.mark.long
+
 HOSTILE = "<img src=x onerror=hacked=1>"
 
 
-def command(page: Page, words: str) -> None:
+def press(page: Page, words: str) -> None:
     """Press the frame's button."""
     page.get_by_role("button", name=words).click()
-
-
-@contextmanager
-def commanding(link: Link) -> Iterator[None]:
-    """Take command over as sender 7, and keep it by heartbeats until another takes it over."""
-    is_over = threading.Event()
-
-    def keep() -> None:
-        while not is_over.is_set():
-            link.wait(lambda: False, 0.1)
-
-    link.rights.sender = 7
-    link.rights.take(over=True)
-    thread = threading.Thread(target=keep)
-    thread.start()
-    try:
-        yield
-    finally:
-        is_over.set()
-        thread.join()
-
-
-@pytest.fixture(autouse=True)
-def off(session: PanelSession) -> None:
-    """Begin in off, whatever the test before has left."""
-    session.calm()
 
 
 def test_the_token_leaves_the_address_and_stays_in_its_tab(
@@ -86,53 +57,38 @@ def test_the_command_is_taken_over_visibly_and_free_when_its_page_goes(
     for page in (first, second):
         page.goto(session.url)
     viewer.goto(session.origin)
-    command(first, "Take command")
+    press(first, "Take command")
     expect(first.get_by_text("you command").first).to_be_visible()
     expect(viewer.get_by_text("commands", exact=False).first).to_be_visible()
-    command(second, "Take over")
+    press(second, "Take over")
     second.get_by_test_id("question-yes").click()
     expect(second.get_by_text("you command").first).to_be_visible()
     expect(first.get_by_text("took over command").first).to_be_visible()
     second.close()
     for page in (first, viewer):
-        expect(page.get_by_text("nobody commands").first).to_be_visible(timeout=GONE_MS)
+        expect(page.get_by_text("nobody commands").first).to_be_visible()
     while (orders := [line["order"] for line in session.logged()][-3:])[-1] == "take_over":
         viewer.wait_for_timeout(50)
     assert orders == ["take", "take_over", "lose"]
 
 
-def test_a_jog_ends_with_its_page(session: PanelSession, open_window: OpenWindow) -> None:
-    """The window is closed while the button is held: the axis stands, the log says why."""
+def test_command_and_an_open_question_outlive_the_page(
+    session: PanelSession, open_window: OpenWindow
+) -> None:
+    """A connection that is lost and a page that is loaded anew; the answer then counts."""
     page = open_window().page
-    page.goto(session.url)
-    command(page, "Take command")
-    session.wait_for_state("off")
-    page.get_by_role("button", name="By hand").first.click()
-    session.wait_for_state("manual")
-    before = session.status().signals["x"]
-    button = page.get_by_test_id("jog-xplus")
-    expect(button).to_be_enabled()
-    witness = session.witness
-    press_until(
-        page,
-        button,
-        lambda seconds: witness.wait(
-            lambda: abs(witness.status.signals["x"] - before) > 0.05, seconds
-        ),
-    )
-    page.close()
-    last = None
-    while last != (last := session.status().signals["x"]):
-        session.witness.wait(lambda: False, 0.6)
-    jog = [line for line in session.logged() if line["order"] == "jog_begin"][-1]
-    assert jog["outcome"].endswith(
-        ("the page was closed", "nothing was heard from the page for 250 ms", "released")
-    )
-    again = open_window().page
-    again.goto(session.url)
-    command(again, "Take command")
-    again.get_by_role("button", name="Disable").first.click()
-    session.wait_for_state("off")
+    command(page, session)
+    give(page, session, "enable", "ready")
+    order(page, "start").click()
+    question = page.get_by_test_id("question-yes")
+    expect(question).to_be_visible()
+    page.evaluate("window.socket.io.engine.close()")
+    page.wait_for_function("() => window.did_handshake && window.socket.connected")
+    expect(question).to_be_visible()
+    page.reload()
+    expect(question).to_be_visible()
+    question.click()
+    session.wait_for_state("cutting")
 
 
 def test_a_name_that_is_code_is_shown_as_text(
@@ -156,23 +112,3 @@ def test_a_name_that_is_code_is_shown_as_text(
         download(session.witness, image, lambda stored, seconds: None)
         select_table(session.witness)
         session.witness.rights.release()
-
-
-def test_another_program_that_takes_over_is_seen_and_taken_over_from(
-    session: PanelSession, open_window: OpenWindow
-) -> None:
-    """The page tells the sender, its orders are off; after a question it commands again."""
-    page = open_window().page
-    page.goto(session.url)
-    command(page, "Take command")
-    expect(page.get_by_text("you command").first).to_be_visible()
-    expect(page.get_by_test_id("do-manual")).to_be_enabled()
-    with commanding(session.witness):
-        news = page.get_by_text("sender 7 has taken it over", exact=False).first
-        expect(news).to_be_visible()
-        expect(page.get_by_text("sender 7 commands the controller").first).to_be_visible()
-        expect(page.get_by_test_id("do-manual")).to_be_disabled()
-        command(page, "Take over")
-        page.get_by_test_id("question-yes").click()
-        expect(page.get_by_text("you command").first).to_be_visible()
-        expect(page.get_by_test_id("do-manual")).to_be_enabled()

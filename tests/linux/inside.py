@@ -20,14 +20,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-NODE = 64
 COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
 BLOCK, BLOCK_FLOW = 0x6C0, 0x540
-ENABLE, START, RESET, SET = 1, 3, 5, 6
+ENABLE, START, SET = 1, 3, 6
 BEGIN_DOWNLOAD = 16
 TAKE_COMMAND, HEARTBEAT, GET_CHALLENGE, UNLOCK = 60, 62, 63, 64
 ERR_NOT_COMMANDER, ERR_LOCKED, SENDER = -122, -123, 5
@@ -39,27 +38,7 @@ STATES = (
 BUSY = -3
 FRAME = struct.Struct("<IB3x8s")
 BLOCK_BYTES = 4096
-# asm-generic/socket.h; Python has no names for them
-SO_RCVBUFFORCE, SO_TIMESTAMPNS = 33, 35
-
-
-class Line:
-    """A line of the simulated GPIO chip, in the order of tools/linux_kernel/machine."""
-
-    NAMES = ("ESTOP", "READY", "INDEX", "ENABLE", "FAULT", "INCUT")
-
-    def __init__(self, name: str) -> None:
-        folder = Path(os.environ["CAMTURN_GPIOSIM"]) / f"sim_gpio{self.NAMES.index(name)}"
-        self._value = os.open(folder / "value", os.O_RDONLY)
-        self._pull = folder / "pull"
-
-    def is_high(self) -> bool:
-        """Read the level."""
-        return os.pread(self._value, 1, 0) == b"1"
-
-    def pull(self, is_high: bool) -> None:
-        """Move an input of the controller."""
-        self._pull.write_text("pull-up" if is_high else "pull-down")
+SO_RCVBUFFORCE = 33  # asm-generic/socket.h; Python has no name for it
 
 
 class Bus:
@@ -72,7 +51,6 @@ class Bus:
             self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
         # Room for ten thousand frames and more; root may take it.
         self.socket.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 25)
-        self.socket.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
         self.socket.bind((interface,))
 
     def send(self, can_id: int, data: bytes) -> None:
@@ -88,19 +66,6 @@ class Bus:
             return None
         return can_id, data[:n]
 
-    def stamps_ns(self) -> list[int]:
-        """Return when the frames since the last call came, in CLOCK_MONOTONIC [ns]."""
-        stamps = []
-        shift_ns = time.monotonic_ns() - time.time_ns()
-        self.socket.settimeout(0)
-        try:
-            while True:
-                _, extra, _, _ = self.socket.recvmsg(16, 64)
-                seconds, ns = struct.unpack("qq", extra[0][2])
-                stamps.append(seconds * 1_000_000_000 + ns + shift_ns)
-        except BlockingIOError:
-            return stamps
-
 
 class Session:
     """The processes and what was seen."""
@@ -108,19 +73,15 @@ class Session:
     def __init__(self, setup: dict[str, Any]) -> None:
         self.setup = setup
         self.out = Path(setup["out"])
-        self.seen: dict[str, Any] = {"events": []}
-        self.listen()
+        self.seen: dict[str, Any] = {}
+        self.operator = Bus("vcan0", ANSWER)
+        self.listener = Bus("vcan0", STATE)
         self.children: list[subprocess.Popen[bytes]] = []
         self.machine: subprocess.Popen[bytes] | None = None
         self.controller: subprocess.Popen[bytes] | None = None
         self.number = 0  # session of who has command
         self.is_over = threading.Event()
         threading.Thread(target=self.keep_command, daemon=True).start()
-
-    def listen(self) -> None:
-        """Open the operator's sockets, anew after the interface was down."""
-        self.operator = Bus("vcan0", ANSWER)
-        self.listener = Bus("vcan0", STATE)
 
     # Processes
 
@@ -155,7 +116,6 @@ class Session:
     def stop_controller(self, number: signal.Signals = signal.SIGTERM) -> None:
         """Send the controller a signal and wait for its end."""
         assert self.controller is not None
-        self.event(f"signal {number.name}")
         self.controller.send_signal(number)
         self.seen["controller_status"] = self.controller.wait(10)
 
@@ -168,10 +128,6 @@ class Session:
                 child.wait(20)
 
     # Operator
-
-    def event(self, what: str, faults: int | None = None) -> None:
-        """Remember that something happened now."""
-        self.seen["events"].append({"at_s": time.monotonic(), "what": what, "faults": faults})
 
     def command(self, what: int, parameter: int = 0, value: int = 0) -> int:
         """Give a command as who has command; return the result, after waiting out `busy`."""
@@ -193,8 +149,7 @@ class Session:
         while not self.is_over.wait(0.3):
             if self.number:
                 data = struct.pack("<BBBBI", HEARTBEAT, 0, SENDER, self.number, 0)
-                with suppress(OSError):  # the scenario takes the interface down
-                    bus.send(COMMAND, data)
+                bus.send(COMMAND, data)
 
     def unlock(self) -> None:
         """Answer a challenge by the secret of the configuration."""
@@ -214,21 +169,6 @@ class Session:
         assert answer is not None, f"no answer to command {what}"
         told = struct.unpack_from("<hi", answer[1], 2)
         return int(told[0]), int(told[1])
-
-    def ask_node(self, node: int, what: int) -> int | None:
-        """Give a command to a controller; None when nobody but node 64, the first one, answers."""
-        if node == NODE:
-            return None
-        operator = Bus("vcan0", ANSWER - NODE + node)
-        number, result = 0, None
-        for asked in (TAKE_COMMAND, what):
-            words = struct.pack("<BBBBi", asked, 0, SENDER, number, 0)
-            operator.send(COMMAND - NODE + node, words)
-            answer = operator.receive(1.0)
-            if answer is None:
-                return None
-            result, number = struct.unpack_from("<hi", answer[1], 2)
-        return result
 
     def begin_download(self, image: bytes, n_blocks: int) -> None:
         """Begin a download and send some blocks, by the kernel's own ISO-TP."""
@@ -254,14 +194,13 @@ class Session:
         assert frame is not None, "the controller tells no state"
         return STATES[frame[1][0]], int(struct.unpack_from("<I", frame[1], 4)[0])
 
-    def wait_state(self, *wanted: str, limit_s: float = 20.0) -> str:
-        """Wait until the controller says that it is in one of the states."""
+    def wait_state(self, wanted: str, limit_s: float = 20.0) -> None:
+        """Wait until the controller reports a state; limits are of virtual time."""
         until_s = time.monotonic() + limit_s
         while True:
             state, faults = self.state()
-            if state in wanted:
-                self.event(f"state {state}", faults)
-                return state
+            if state == wanted:
+                return
             assert state != "fault", f"fault {faults:#x} instead of {wanted}"
             assert time.monotonic() < until_s, f"state {state} instead of {wanted}"
 
@@ -271,8 +210,8 @@ class Session:
             result = self.command(SET, index, value)
             assert result == 0, f"parameter {index} = {value}: refused: {result}"
 
-    def bring_to(self, state: str, *machine_words: str) -> None:
-        """Start everything and go on until the controller is in a state."""
+    def start_cut(self, *machine_words: str) -> None:
+        """Start everything until the controller cuts."""
         self.start_machine(*machine_words)
         self.start_controller()
         self.set_parameters()
@@ -280,8 +219,6 @@ class Session:
             result = self.command(command)
             assert result == 0, f"command {command}: refused: {result}"
             self.wait_state(wanted)
-            if wanted == state:
-                return
 
 
 @contextmanager

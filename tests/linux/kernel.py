@@ -2,8 +2,7 @@
 """Where the Linux port meets a kernel: this computer's own, or one in User-Mode Linux.
 
 This computer's own is used where it has vcan and gpio-sim and the user may use them (in practice:
-root); time is then real. Otherwise tools/uml boots a kernel of our own, in virtual time unless a
-test asks for real time.
+root); time is then real. Otherwise tools/uml boots a kernel of our own, in virtual time.
 """
 
 import csv
@@ -19,19 +18,15 @@ from typing import Any
 
 from tests.tools.cases.camsim_cases import ROOT, camsim
 
-HERE = Path(__file__).parent
 UML = ROOT / "tools" / "uml"
 MACHINE = ROOT / "tools" / "linux_kernel" / "machine"
 CONTROLLER = ROOT / "build" / "linux" / "hal" / "linux" / "camturn-linux"
-MACHINE_FILE = HERE / "machine.toml"
+MACHINE_FILE = Path(__file__).parent / "machine.toml"
 SPEED_RPM, FEED_MM = 300, 2
-BUILD_LIMIT_S = 1200
-PLAY_LIMIT_S = 120
-END_S = 60  # more than a kernel takes to end on a busy machine
 
 
 class NoKernelError(Exception):
-    """Neither kernel can be had; the message tells why and what helps."""
+    """Neither kernel can be had; the message names the reason and the remedy."""
 
 
 class BrokenKernelError(Exception):
@@ -65,39 +60,13 @@ class Result:
             return list(csv.DictReader(file))
 
     def log(self, name: str) -> str:
-        """Return what a program said."""
+        """Return the output of a program."""
         return (self.folder / f"{name}.log").read_text()
 
     def report(self) -> str:
-        """Return what is known of a failure: what was said, and what was written down."""
+        """Return what is known of a failure."""
         written = self.folder / "result.json"
         return self.message + (written.read_text() if written.exists() else "nothing written down")
-
-
-@dataclass
-class PortTests:
-    """The port's own tests, running inside, and where their report will be."""
-
-    process: subprocess.Popen[str]
-    report: Path
-    limit_s: int
-
-    def wait(self) -> str:
-        """Wait for their end; return what they said."""
-        return wait_said(self.process, self.limit_s)
-
-
-def wait_said(process: subprocess.Popen[str], limit_s: int) -> str:
-    """Wait for a kernel's end; return what its program said.
-
-    It ends itself after its limit. Should that fail, too, it is killed here, as a failure.
-    """
-    try:
-        return process.communicate(timeout=limit_s + END_S)[0]
-    except subprocess.TimeoutExpired:
-        process.kill()
-        said, _ = process.communicate(timeout=END_S)
-        raise AssertionError(f"the kernel did not end in {limit_s + END_S} s: {said}") from None
 
 
 class Kernel:
@@ -106,35 +75,25 @@ class Kernel:
     def __init__(self, is_own: bool) -> None:
         self.is_own = is_own
 
-    def command(self, out: Path, limit_s: int, is_virtual: bool) -> list[str]:
-        """Return the words in front of a command that is to run there."""
-        if not self.is_own:
-            return ["timeout", str(limit_s), "unshare", "-n", str(MACHINE)]
-        time = ["-v"] if is_virtual else []
-        return [str(UML), "run", *time, "-t", str(limit_s), "-o", str(out)]
-
-    def start(
-        self, out: Path, *words: str, limit_s: int = PLAY_LIMIT_S, is_virtual: bool = True
-    ) -> subprocess.Popen[str]:
-        """Start a command; only files in `out` stay."""
-        command = [*self.command(out, limit_s, is_virtual), *words]
+    def start(self, out: Path, *words: str) -> subprocess.Popen[str]:
+        """Start a command, in virtual time where the kernel can; only files in `out` stay."""
+        there = [str(UML), "run", "-v", "-o", str(out)]
+        command = there if self.is_own else ["unshare", "-n", str(MACHINE)]
         pipe = subprocess.PIPE
-        return subprocess.Popen(command, stdout=pipe, stderr=subprocess.STDOUT, text=True, cwd=ROOT)
+        return subprocess.Popen(
+            [*command, *words], stdout=pipe, stderr=subprocess.STDOUT, text=True, cwd=ROOT
+        )
 
-    def play(self, scenario: str, setup: dict[str, Any], *, is_virtual: bool) -> Result:
-        """Play a scenario of scenarios.py.
+    def play(self, scenario: str, setup: dict[str, Any]) -> Result:
+        """Play a scenario of scenarios.py by its name.
 
-        Parameters
-        ----------
-        scenario : name of its function
-        setup : see inside.Session; `out` is the folder for everything
-        is_virtual : virtual time where the kernel can
+        `setup` is that of inside.Session; its `out` is the folder for everything.
         """
         out = Path(setup["out"])
         (out / "setup.json").write_text(json.dumps(setup))
         words = [sys.executable, "-m", "tests.linux.scenarios", scenario, str(out / "setup.json")]
-        process = self.start(out, *words, is_virtual=is_virtual)
-        message = wait_said(process, PLAY_LIMIT_S)
+        process = self.start(out, *words)
+        message, _ = process.communicate()
         return Result(process.returncode, message, out)
 
 
@@ -143,37 +102,36 @@ def is_direct_possible() -> bool:
     if os.geteuid() != 0 or not shutil.which("unshare"):
         return False
     trial = ["unshare", "-n", str(MACHINE), "true"]
-    done = subprocess.run(trial, capture_output=True, check=False, timeout=END_S)
-    return done.returncode == 0
+    return subprocess.run(trial, capture_output=True, check=False).returncode == 0
+
+
+def uml(*words: str, root: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Run tools/uml of a repository to its end."""
+    command = [str(root / "tools" / "uml"), *words]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def find_kernel() -> Kernel:
-    """Return the kernel to be used; build it when need be, and boot it once.
+    """Return the kernel to be used, booted once; it is not built here.
 
     Raises
     ------
     NoKernelError
-        when there is none; the message is the last line of the attempt
+        There is none.
     BrokenKernelError
-        when it does not boot
+        It does not boot.
     """
     if is_direct_possible():
         return Kernel(is_own=False)
-    built = try_uml("build")
-    if built.returncode != 0:
-        raise NoKernelError(built.stderr.strip().splitlines()[-1])
-    booted = try_uml("run", "true")
+    found = uml("path")
+    if found.returncode != 0:
+        raise NoKernelError(found.stderr.strip().splitlines()[-1])
+    if not Path(found.stdout.strip()).exists():
+        raise NoKernelError("it is not built yet; tools/uml build, or tools/verify, does it")
+    booted = uml("run", "true")
     if booted.returncode != 0:
-        raise BrokenKernelError(f"{built.stdout.strip()} does not boot\n{booted.stderr}")
+        raise BrokenKernelError(f"{found.stdout.strip()} does not boot\n{booted.stderr}")
     return Kernel(is_own=True)
-
-
-def try_uml(*words: str) -> subprocess.CompletedProcess[str]:
-    """Run tools/uml to its end."""
-    command = [str(UML), *words]
-    return subprocess.run(
-        command, capture_output=True, text=True, timeout=BUILD_LIMIT_S, check=False
-    )
 
 
 class InProcess:

@@ -3,13 +3,12 @@
 
 import os
 import shutil
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.linux.kernel import UML
+from tests.linux.kernel import UML, uml
 from tests.tools.cases.camsim_cases import ROOT
 
 FakeKernel = Callable[[str], None]
@@ -22,12 +21,6 @@ PANIC = """\
 """
 CAUSE = "userspace - ptrace set fp regs failed, errno = 14; "
 DEATH = "Kernel panic - not syncing: Attempted to kill init! exitcode=0x0000000b"
-
-
-def uml(*words: str, root: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    """Run tools/uml of a repository."""
-    command = [str(root / "tools" / "uml"), *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
 
 
 def say_version(folder: Path, version: str) -> None:
@@ -106,7 +99,7 @@ def test_kernel_that_hangs_is_ended(fake_kernel: FakeKernel) -> None:
     fake_kernel(script("exec sleep 600"))
     done = uml("run", "-t", "1", "true")
     assert done.returncode == 124
-    assert done.stderr == "camturn: tools/uml: not done after 1 s; give more by -t\n"
+    assert done.stderr == "camturn: tools/uml: nothing was done in 1 s; give more by -t\n"
 
 
 def test_version_configuration_and_each_patch_decide_which_kernel(
