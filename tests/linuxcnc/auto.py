@@ -10,7 +10,7 @@ import sys
 from importlib import import_module
 from typing import Any
 
-LIMIT_S = 5
+LIMIT_S = 600
 
 
 def main(nml_file: str, program: str) -> None:

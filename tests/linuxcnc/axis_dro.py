@@ -19,7 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-LIMIT_S, INI, MM_PER_INCH = 20.0, "lathe.ini", 25.4
+LIMIT_S, INI, MM_PER_INCH = 600.0, "lathe.ini", 25.4
 N_JOINTS = 16  # LinuxCNC has marks of so many; that of U follows
 ROW_OF_U = 4  # after radius, diameter, Z
 END_S = time.monotonic() + LIMIT_S

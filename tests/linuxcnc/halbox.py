@@ -11,18 +11,17 @@ import os
 import shutil
 import subprocess
 import tempfile
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from checks.patience import until
 from tests.tools.cases.part_cases import ROOT
 
 NOBODY = 65534
 PLACES = {b"/usr/lib/linuxcnc/modules": b"./modules", b"/usr/bin/rtapi_app": b"./rtapi_app"}
 KEYS = ("0x48414c32", "0x48484c34")  # HAL's and its owner's shared memory
-LIMIT_S = 30.0
 LOCK = Path(tempfile.gettempdir()) / "camturn-hal.lock"
 
 
@@ -39,7 +38,7 @@ def build(root: Path, folder: Path, *words: str | Path) -> str:
     env = os.environ | {"PYTHONPATH": str(tools / "lib" / "python3" / "dist-packages")}
     done = subprocess.run(
         ["make", f"HALCOMPILE={tools / 'bin' / 'halcompile'}", f"prefix={tools}", *map(str, words)],
-        cwd=folder, env=env, capture_output=True, text=True, timeout=120, check=False,
+        cwd=folder, env=env, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
@@ -75,7 +74,7 @@ class Halbox:
             return subprocess.run(
                 words, cwd=self.folder, env=env, stdin=subprocess.DEVNULL, stdout=said,
                 stderr=said, user=user, group=user, extra_groups=[] if user else None,
-                timeout=LIMIT_S, check=False,
+                check=False,
             ).returncode  # fmt: skip
 
     def load(self, script: str) -> int:
@@ -94,12 +93,15 @@ class Halbox:
         assert self.run("./halcmd", *words, to=answer.name) == 0, self.said() + answer.read_text()
         return answer.read_text()
 
-    def wait(self, pin: str, value: str, limit_s: float = LIMIT_S) -> None:
+    def wait(self, pin: str, value: str) -> None:
         """Wait for a pin to have a value."""
-        end_s = time.monotonic() + limit_s
-        while (found := self.get(pin)) != value:
-            assert time.monotonic() < end_s, f"{pin} = {found}, not {value}: {self.said()}"
-            time.sleep(0.02)
+        self._until(lambda: self.get(pin) == value, f"{pin} = {value}")
+
+    def _until(self, condition: Callable[[], bool], what: str) -> None:
+        try:
+            until(condition, what)
+        except AssertionError as error:
+            raise AssertionError(f"{error}: {self.said()}") from None
 
     def said(self) -> str:
         """Return everything that was printed."""
@@ -108,10 +110,7 @@ class Halbox:
 
     def wait_said(self, text: str) -> None:
         """Wait until a text is printed: HAL prints lines of its threads later, in another one."""
-        end_s = time.monotonic() + LIMIT_S
-        while text not in self.said():
-            assert time.monotonic() < end_s, f"not printed: {text}: {self.said()}"
-            time.sleep(0.02)
+        self._until(lambda: text in self.said(), f"printing {text}")
 
     def stop(self) -> None:
         """End the threads, unload everything."""
@@ -138,14 +137,12 @@ def _fill(folder: Path, root: Path, modules: list[Path]) -> None:
 
 def _remove(folder: Path) -> None:
     """Remove a folder, in which a program that ends may still exchange a file for a moment."""
-    patience_s = time.monotonic() + 5.0
-    while folder.exists():
-        try:
-            shutil.rmtree(folder)
-        except OSError:
-            if time.monotonic() > patience_s:
-                raise
-            time.sleep(0.05)
+
+    def is_gone() -> bool:
+        shutil.rmtree(folder, ignore_errors=True)
+        return not folder.exists()
+
+    until(is_gone, f"the removal of {folder}", 5.0)
 
 
 @contextmanager

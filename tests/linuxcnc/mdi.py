@@ -8,7 +8,7 @@ import sys
 from importlib import import_module
 from typing import Any
 
-LIMIT_S, DONE = 20, 1  # linuxcnc.RCS_DONE
+LIMIT_S, DONE = 600, 1  # linuxcnc.RCS_DONE
 
 
 def main(nml_file: str, blocks: list[str]) -> int:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from checks.patience import limit_s
 from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.replays import Whole, cut, replay
 
@@ -33,6 +34,7 @@ def read(path: Path) -> dict[str, Whole]:
     return whole | {"t_ms": np.array([round(float(row["t_s"]) * 1000) for row in rows])}
 
 
+@pytest.mark.long
 def test_black_box_of_a_fault_is_what_camsim_did(
     box: Halbox, table_of: TableOf, tmp_path: Path
 ) -> None:
@@ -73,7 +75,7 @@ def loaded(box: Halbox, table_of: TableOf) -> Callable[[str], Halbox]:
 
 def _set(box: Halbox, value: int) -> None:
     assert box.load(f"setp camturn.record {value}\n") == 0
-    time.sleep(0.2)
+    time.sleep(limit_s(0.2))
 
 
 def test_recordings_by_command_get_numbered_files(loaded: Callable[[str], Halbox]) -> None:
@@ -81,7 +83,7 @@ def test_recordings_by_command_get_numbered_files(loaded: Callable[[str], Halbox
     box = loaded("recordings=./cut")
     for number in (1, 2):
         _set(box, 1)
-        assert box.get("camturn.recording") == "TRUE"
+        box.wait("camturn.recording", "TRUE")
         _set(box, 0)
         box.wait("camturn.recording", "FALSE")
         found = read(box.folder / f"cut-{number}.csv")
@@ -90,18 +92,20 @@ def test_recordings_by_command_get_numbered_files(loaded: Callable[[str], Halbox
         box.wait_said(f"camturn: ./cut-{number}.csv: {len(found['t_ms'])} rows")
 
 
-def test_recording_without_a_name_is_refused(loaded: Callable[[str], Halbox]) -> None:
-    """With the parameter that is missing."""
-    box = loaded("")
-    _set(box, 1)
-    assert box.get("camturn.recording") == "FALSE"
-    box.wait_said("camturn: record: no file is given; load camturn with recordings=")
-
-
-def test_folder_that_is_not_there_is_reported(loaded: Callable[[str], Halbox]) -> None:
-    """The recording is given up, with the name of the file."""
-    box = loaded("recordings=/nowhere/cut")
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("", "camturn: record: no file is given; load camturn with recordings="),
+        ("recordings=/nowhere/cut", "/nowhere/cut-1.csv: No such file or directory; make room"),
+    ],
+)
+def test_recording_that_cannot_be_kept_is_reported(
+    loaded: Callable[[str], Halbox], words: str, said: str
+) -> None:
+    """Without a name nothing is recorded; without the folder the recording is given up."""
+    box = loaded(words)
     _set(box, 1)
     _set(box, 0)
+    box.wait_said(said)
     box.wait("camturn.recording", "FALSE")
-    box.wait_said("/nowhere/cut-1.csv: No such file or directory; make room there, or")

@@ -2,6 +2,7 @@
 """The sample configuration in the whole of LinuxCNC, without its screen: a program of mkgcode's."""
 
 import os
+import re
 import shutil
 import signal
 import time
@@ -12,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.linuxcnc.halbox import LIMIT_S, Halbox
+from checks.patience import limit_s
+from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.test_recorder import read
 from tests.tools.cases.part_cases import ROOT
 
@@ -24,9 +26,12 @@ PROGRAMS = ("linuxcncsvr", "io", "milltask", "halui")
 PANEL_PINS = Path(__file__).with_name("panel_pins.py")
 AXIS_DRO = Path(__file__).with_name("axis_dro.py")
 AUTO = Path(__file__).with_name("auto.py")
+SLOW = "K0.01"  # the program can be ended in the cut, which takes a minute
 README = ROOT / "hal" / "linuxcnc" / "README.md"
+# Dwells are by the clock of a computer that may be slow, and the waits for an input end with it.
 BLOCKS = (
-    "M3 S500", "G4 P1.5", "M64 P0", "M66 P0 L3 Q10", "G33 Z5 K0.25", "M65 P0", "M66 P0 L4 Q10",
+    "M3 S500", f"G4 P{limit_s(1.5):.1f}", "M64 P0", "M66 P0 L3 Q600", "G33 Z5 K0.25", "M65 P0",
+    "M66 P0 L4 Q600",
 )  # fmt: skip
 
 
@@ -111,14 +116,15 @@ def test_a_program_starts_waits_cuts_and_stops(lathe: Halbox, linuxcnc_root: Pat
     """M64 starts, M66 sees "in cut", G33 moves Z meanwhile, M65 ends it, M66 sees that."""
     execute(lathe, linuxcnc_root, *BLOCKS)
     said = lathe.said().splitlines()
-    assert "M66 P0 L3 Q10: 1 1 1 0.000" in said
+    assert "M66 P0 L3 Q600: 1 1 1 0.000" in said
     assert "G33 Z5 K0.25: 1 1 1 5.000" in said
-    assert "M66 P0 L4 Q10: 1 0 0 5.000" in said
+    assert "M66 P0 L4 Q600: 1 0 0 5.000" in said
     assert lathe.get("camturn.error-number") == "0"
     assert lathe.get("camturn.homed") == "TRUE"
     assert lathe.get("camturn.fault") == "FALSE"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sense", [-1, 1])
 def test_u_is_homed_before_the_first_enable(lathe: Halbox, linuxcnc_root: Path, sense: int) -> None:
     """By its switch at -0.3 mm of the scale, which is -0.5 mm of U; in the wrong sense it fails."""
@@ -147,6 +153,7 @@ def _show_panel(lathe: Halbox, linuxcnc_root: Path) -> None:
     assert lathe.run("./halcmd", "-f", "panel.hal") == 0, lathe.said()
 
 
+@pytest.mark.long
 def test_panel_is_connected(lathe: Halbox, linuxcnc_root: Path) -> None:
     """Every widget has a signal of camturn."""
     _show_panel(lathe, linuxcnc_root)
@@ -157,18 +164,18 @@ def test_panel_is_connected(lathe: Halbox, linuxcnc_root: Path) -> None:
     lathe.wait("pyvcp.homed", "TRUE")
 
 
-def _start_program(lathe: Halbox, linuxcnc_root: Path) -> None:
-    """Run the program printed in the README in AUTO, until it cuts and Z has moved 1 mm."""
+def _start_program(lathe: Halbox, linuxcnc_root: Path, pitch: str = "K0.1") -> None:
+    """Run the program printed in the README in AUTO, until it cuts."""
     text = README.read_text().split("`/tmp/oval.ngc`")[1].split("The button **stop**")[0]
+    text = text[text.index("    M65 P0") :].replace("K0.1", pitch)
+    text = text.replace("G4 P2", f"G4 P{limit_s(2.0):.1f}")
     program = lathe.folder / "oval.ngc"
-    program.write_text(text[text.index("    M65 P0") :])
+    program.write_text(re.sub(r"Q\d+", "Q600", text))
     _control(lathe, linuxcnc_root, AUTO, str(program))
     lathe.wait("camturn.in-cut", "TRUE")
-    end_s = time.monotonic() + LIMIT_S
-    while float(lathe.get("joint.1.motor-pos-cmd")) < 1.0:
-        assert time.monotonic() < end_s, lathe.said()
 
 
+@pytest.mark.long
 def test_printed_program_cuts_to_its_end(lathe: Halbox, linuxcnc_root: Path) -> None:
     """In AUTO, with its explanations: Z is at its end, U has retracted, no fault."""
     _start_program(lathe, linuxcnc_root)
@@ -178,13 +185,14 @@ def test_printed_program_cuts_to_its_end(lathe: Halbox, linuxcnc_root: Path) -> 
         assert lathe.get(pin) == "FALSE"
 
 
+@pytest.mark.long
 def test_lag_of_u_is_measured_in_a_slow_cut(lathe: Halbox, linuxcnc_root: Path) -> None:
     """(u-cmd - u-fb) / u-vel without feed-forward is k1 and lead: RETROFIT, step 6."""
     believed_ns = sum(float(lathe.get(f"camturn.{name}")) for name in ("k1-ns", "lead-ns"))
     for name in ("k1-ns", "k2-us2", "lead-ns"):
         assert lathe.load(f"setp camturn.{name} 0\n") == 0
     assert lathe.load("setp camturn.following-limit-nm 1000000\n") == 0
-    _start_program(lathe, linuxcnc_root)
+    _start_program(lathe, linuxcnc_root, SLOW)
     assert lathe.load("setp camturn.record 1\n") == 0
     time.sleep(1.0)
     assert lathe.load("setp camturn.record 0\n") == 0
@@ -196,11 +204,12 @@ def test_lag_of_u_is_measured_in_a_slow_cut(lathe: Halbox, linuxcnc_root: Path) 
     assert lag_ns == pytest.approx(believed_ns, rel=0.03)  # lathe_sim: steps of 0.1 ms
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("by", ["stop", "abort"])
 def test_cut_is_ended_at_any_time(lathe: Halbox, linuxcnc_root: Path, by: str) -> None:
     """In G33 of a program: U and Z end, and only a new M64 P0 starts camturn again."""
     _show_panel(lathe, linuxcnc_root)
-    _start_program(lathe, linuxcnc_root)
+    _start_program(lathe, linuxcnc_root, SLOW)
     assert lathe.load("unlinkp pyvcp.stop\n") == 0, lathe.said()  # to set its signal here
     if by == "abort":
         _control(lathe, linuxcnc_root, AUTO, "abort")
@@ -212,17 +221,18 @@ def test_cut_is_ended_at_any_time(lathe: Halbox, linuxcnc_root: Path, by: str) -
     assert lathe.get("motion.digital-out-00") == "TRUE"
     lathe.wait("camturn.fault", "TRUE")  # the spindle has stopped before U was out
     lathe.wait_said("camturn: fault spindle_stopped")
-    assert 1.0 <= float(lathe.get("joint.1.motor-pos-cmd")) < 4.0
+    assert 0.0 < float(lathe.get("joint.1.motor-pos-cmd")) < 4.0
     assert lathe.get("camturn.in-cut") == "FALSE"
     assert float(lathe.get("camturn.u")) < -0.4
     _control(lathe, linuxcnc_root, AUTO, "off")
-    execute(lathe, linuxcnc_root, "M3 S500", "G4 P2")
+    execute(lathe, linuxcnc_root, "M3 S500", f"G4 P{limit_s(2.0):.1f}")
     assert lathe.get("camturn.ready") == "TRUE"
     assert lathe.get("camturn.start") == "FALSE"
     _start_program(lathe, linuxcnc_root)
     assert lathe.get("camturn.fault") == "FALSE"
 
 
+@pytest.mark.long
 def test_axis_shows_u_and_whether_it_is_homed(lathe: Halbox, linuxcnc_root: Path) -> None:
     """In the DRO of AXIS itself, started on a virtual screen with the sample configuration."""
     if linuxcnc_root != Path("/") or shutil.which("xvfb-run") is None:
@@ -256,6 +266,7 @@ def mesa(
         yield box
 
 
+@pytest.mark.long
 def test_mesa_configuration_is_taken_by_hal(mesa: Halbox) -> None:
     """Every line of it; the card is written last."""
     assert mesa.get("camturn.tick-hz-used") == "1000"
@@ -266,6 +277,7 @@ def test_mesa_configuration_is_taken_by_hal(mesa: Halbox) -> None:
     assert len(ours) > 5
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mesa", ["u_step.hal"], indirect=True)
 def test_mesa_emergency_stop_reaches_linuxcnc(mesa: Halbox) -> None:
     """Chain and watchdog: each stops LinuxCNC, which remains in emergency stop until its reset."""
@@ -289,6 +301,7 @@ def test_mesa_emergency_stop_reaches_linuxcnc(mesa: Halbox) -> None:
         assert mesa.get("iocontrol.0.emc-enable-in") == "TRUE"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mesa", ["u_step.hal"], indirect=True)
 def test_mesa_step_drive_is_enabled_where_u_stands(mesa: Halbox) -> None:
     """U was moved while off: enable causes no step, and then steps follow the set-point."""
