@@ -178,13 +178,15 @@ def level(offset: int) -> bool:
     return (GPIOSIM / f"sim_gpio{offset}" / "value").read_text().strip() == "1"
 
 
-def wait_until(condition: Callable[[], bool], seconds: float) -> float | None:
-    """Return the seconds until it holds, looking twice a millisecond, or None."""
+def wait_until(
+    condition: Callable[[], bool], seconds: float, every_s: float = 0.0005
+) -> float | None:
+    """Return the seconds until it holds, or None; in virtual time."""
     start_s = time.monotonic()
     while time.monotonic() - start_s < seconds:
         if condition():
             return time.monotonic() - start_s
-        time.sleep(0.0005)
+        time.sleep(every_s)
     return None
 
 
@@ -250,6 +252,6 @@ class Controller:
         self.is_over.set()
         if self.process.poll() is None:
             self.process.send_signal(by)
-        status = self.process.wait(timeout=10)
+        status = self.process.wait()
         self.can.close()
         return status

@@ -107,7 +107,7 @@ def test_frames_that_the_kernel_drops_are_noticed(nodes: Nodes, start: Start) ->
 def refused(program: Path, config: Path) -> str:
     """Return what the program says that does not start; its status is 2."""
     done = subprocess.run(
-        [program, "--config", config], capture_output=True, text=True, check=False, timeout=10
+        [program, "--config", config], capture_output=True, text=True, check=False
     )
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
@@ -259,8 +259,8 @@ def test_unit_takes_enable_down_behind_a_killed_controller(nodes: Nodes, start: 
     controller = start(enable="ENABLE")
     enable(controller, nodes)
     assert level(NAMED_ENABLE)
-    assert subprocess.run(words, capture_output=True, check=False, timeout=10).returncode != 0
+    assert subprocess.run(words, capture_output=True, check=False).returncode != 0
     assert controller.end(signal.SIGKILL) == -signal.SIGKILL
-    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=10)
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert not level(NAMED_ENABLE)

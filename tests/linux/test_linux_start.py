@@ -22,7 +22,7 @@ def run(*words: str | Path, config: Path | None = None) -> subprocess.CompletedP
     if config is not None:
         environment["CAMTURN_CONFIG"] = str(config)
     return subprocess.run(
-        [PROGRAM, *words], env=environment, capture_output=True, text=True, check=False, timeout=20
+        [PROGRAM, *words], env=environment, capture_output=True, text=True, check=False
     )
 
 

@@ -14,11 +14,12 @@ from pathlib import Path
 import pytest
 
 from camtools.base.project_paths import VERSION
+from tests.linux.kernel import UML, Kernel
 from tests.tools.cases.camsim_cases import BUILD, ROOT
 
-LIMIT_S = 600
+pytest_plugins = ["tests.linux.linux_fixtures"]
+
 HERE = Path(__file__).parent
-UML = ROOT / "tools" / "uml"
 TEMPLATE = ROOT / "hal" / "template"
 LINUX = ROOT / "build" / "linux"
 SCRIPTS = tomllib.loads((ROOT / "tools" / "pyproject.toml").read_text())["project"]["scripts"]
@@ -44,7 +45,6 @@ def run(*words: str | Path, cwd: Path = ROOT, status: int = 0) -> str:
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=LIMIT_S,
         check=False,
     )
     assert done.returncode == status, done.stdout
@@ -67,6 +67,7 @@ def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "bin"
 
 
+@pytest.mark.long
 def test_part_is_cut_without_a_clone(scripts: Path, tmp_path: Path) -> None:
     """Generator and simulator come from the package, results go to the working folder."""
     assert run(scripts / "mktables", "--version", cwd=tmp_path) == f"mktables {VERSION}\n"
@@ -82,6 +83,7 @@ def test_part_is_cut_without_a_clone(scripts: Path, tmp_path: Path) -> None:
     assert f"camturn-run {part}" in report.read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_help_names_the_installed_commands(scripts: Path, tmp_path: Path) -> None:
     """Each starts; no help and no complaint speaks of the scripts of a clone."""
     assert run(scripts / "camctl", "--help", cwd=tmp_path).startswith("usage: camctl ")
@@ -96,6 +98,7 @@ def test_help_names_the_installed_commands(scripts: Path, tmp_path: Path) -> Non
     assert not re.search(r"\btools/(?!docs/)", told), told
 
 
+@pytest.mark.long
 def test_missing_extra_is_named(scripts: Path, tmp_path: Path) -> None:
     """A command whose packages are not installed names the remedy."""
     (tmp_path / "nicegui.py").write_text("raise ModuleNotFoundError(name='nicegui')\n")
@@ -134,6 +137,7 @@ def test_port_outside_this_tree(tmp_path: Path) -> None:
     assert (tmp_path / "build" / "hal" / "own" / "firmware").exists()
 
 
+@pytest.mark.long
 @pytest.mark.skipif(shutil.which("arm-none-eabi-gcc") is None, reason="no arm-none-eabi-gcc")
 def test_recipe_for_a_new_port_builds(tmp_path: Path) -> None:
     """The commands of hal/PORTING.md, word by word."""
@@ -147,6 +151,7 @@ def test_recipe_for_a_new_port_builds(tmp_path: Path) -> None:
     assert list((tmp_path / "build").glob("**/libhal_port.a"))
 
 
+@pytest.mark.long
 def test_port_in_a_project_of_its_own(tmp_path: Path) -> None:
     """The project of hal/PORTING.md builds the firmware, and no test of ours becomes its own."""
     shutil.copytree(TEMPLATE, tmp_path / "port")
@@ -161,18 +166,19 @@ def test_port_in_a_project_of_its_own(tmp_path: Path) -> None:
     assert "No tests were found" in run("ctest", "--test-dir", "build", cwd=tmp_path)
 
 
+@pytest.mark.long
+@pytest.mark.kernel
 @pytest.mark.skipif(not (LINUX / "build.ninja").exists(), reason=BUILT)
-def test_debian_package_comes_runs_and_goes(tmp_path: Path) -> None:
+def test_debian_package_comes_runs_and_goes(kernel: Kernel, tmp_path: Path) -> None:
     """Installed in the test kernel, whose changes are lost; root starts what the unit names."""
-    built = subprocess.run([UML, "build"], capture_output=True, text=True, check=False)
-    if built.returncode != 0 and not os.environ.get("CI"):
-        pytest.skip(f"no kernel: {built.stderr.strip()}")
+    if not kernel.is_own:
+        pytest.skip("the test kernel of tools/uml is not used on this computer")
     run("cpack", "-B", tmp_path, cwd=LINUX)
     (package,) = tmp_path.glob("*.deb")
     assert package.name.startswith(f"camturn_{VERSION}_")
     script = ("sh", HERE / "debian.sh", package, tmp_path)
     try:
-        run(UML, "run", "-v", "-t", "120", "-o", tmp_path, *script)
+        run(UML, "run", "-v", "-o", tmp_path, *script)
     except AssertionError as error:
         pytest.fail(f"{error}\n{(tmp_path / 'log').read_text()}")
     said = (tmp_path / "said").read_text()
