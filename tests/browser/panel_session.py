@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from camtools.link.bus import open_bus
-from camtools.link.controller import Link, Status
+from camtools.link.controller import WANTED, Link, Status
 from camtools.link.live_lathes import LiveLathe, live_lathes
 from camtools.link.rights import May
 from checks.patience import limit_s
@@ -127,5 +127,6 @@ def panel_session(
         stack.callback(bus.shutdown)
         witness = Link(bus, where, announced.node)
         witness.rights.on_lost = lambda text, holder: None  # it sends nothing while a page is used
-        witness.listen()
+        is_heard = witness.wait(lambda: witness.status.signals.keys() >= WANTED, limit_s())
+        assert is_heard, lathe.text()
         yield PanelSession(lathe, panel, address[1], address[2], witness, announced, log)

@@ -223,36 +223,28 @@ def test_nothing_is_sent_while_it_listens(nodes: Nodes, start: Start) -> None:
     assert wait_until(lambda: controller.says("bus: all nodes are heard"), 1.0)
 
 
-@pytest.mark.parametrize("by", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("by", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_signal_ends_it_with_the_drives_let_go(
     nodes: Nodes, start: Start, by: signal.Signals
 ) -> None:
-    """The tool leaves the work, the drives stop and lose their voltage, the status is 0."""
+    """The tool leaves the work, the drives stop and lose their voltage, the status is 0.
+
+    A terminal that is closed sends SIGHUP, and its shell another signal.
+    """
     controller = start()
     enable(controller, nodes)
     assert controller.command(START) == OK
     assert wait_until(lambda: level(CUT_LINE), 20.0)
-    assert controller.end(by) == 0
+    if by == signal.SIGHUP:
+        controller.process.send_signal(by)
+        time.sleep(0.005)
+    assert controller.end(signal.SIGTERM if by == signal.SIGHUP else by) == 0
     time.sleep(0.005)
     assert not level(ENABLE_LINE)
     for node in (U, X, Z, SPINDLE):
         assert nodes.drives[node].controls[-2:] == [0x02, 0x00]
         assert nodes.drives[node].status == DISABLED
     assert nodes.drives[U].actual == pytest.approx(-500_000, abs=20)  # a rest of what fades
-
-
-def test_doubled_signal_leaves_the_work_all_the_same(nodes: Nodes, start: Start) -> None:
-    """A terminal that is closed sends one, and its shell another."""
-    controller = start()
-    enable(controller, nodes)
-    assert controller.command(START) == OK
-    assert wait_until(lambda: level(CUT_LINE), 20.0)
-    controller.process.send_signal(signal.SIGHUP)
-    time.sleep(0.005)
-    assert controller.end() == 0
-    assert not level(ENABLE_LINE)
-    assert nodes.drives[U].status == DISABLED
-    assert nodes.drives[U].actual == pytest.approx(-500_000, abs=20)
 
 
 @pytest.mark.parametrize("by", [signal.SIGSEGV, signal.SIGABRT])
