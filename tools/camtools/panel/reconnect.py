@@ -4,6 +4,12 @@
 NiceGUI repeats the messages that the lost connection swallowed, but after the updates that have
 waited meanwhile, so that an old state of an element replaces a newer one: an open question
 vanishes, and a number stays old until it changes again.
+
+>>> from types import SimpleNamespace
+>>> outbox = SimpleNamespace(messages=[("page", "update", {7: "old", "_id": 3})], updates={})
+>>> repeat_newest(SimpleNamespace(outbox=outbox, elements={7: "new"}))
+>>> outbox.updates, outbox.messages
+({7: 'new'}, [])
 """
 
 from __future__ import annotations
