@@ -112,7 +112,7 @@ def uml(*words: str, root: Path = ROOT) -> subprocess.CompletedProcess[str]:
 
 
 def find_kernel() -> Kernel:
-    """Return the kernel to be used, booted once; it is not built here.
+    """Return the kernel to be used, booted once; where CAMTURN_KERNEL is `build`, it is built.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def find_kernel() -> Kernel:
     """
     if is_direct_possible():
         return Kernel(is_own=False)
-    found = uml("path")
+    found = uml("build" if os.environ.get("CAMTURN_KERNEL") == "build" else "path")
     if found.returncode != 0:
         raise NoKernelError(found.stderr.strip().splitlines()[-1])
     if not Path(found.stdout.strip()).exists():

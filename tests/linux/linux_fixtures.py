@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The kernel, the part and the programs that all tests here share."""
 
-import json
 import os
 import shutil
 from collections.abc import Callable, Mapping
@@ -24,7 +23,17 @@ from tests.linux.kernel import (
 from tests.tools.cases.camsim_cases import CAMSIM
 
 BUSY = -25  # cam_err_busy
-Config = Mapping[str, Mapping[str, str | int | bool]]
+CONFIG = """\
+[thread]
+tick_hz = 1000
+[can]
+interface = "vcan0"
+[table]
+file = "{out}/table.camtab"
+[operator]
+acknowledge = "waived"
+secret = "{out}/secret"
+"""
 
 
 @pytest.fixture(scope="session")
@@ -49,14 +58,6 @@ def in_process(
     return InProcess(table_of("perkins240"), tmp_path_factory.mktemp("in_process"))
 
 
-def config_text(config: Config) -> str:
-    """Return a configuration file of camturn-linux."""
-    lines = []
-    for section, keys in config.items():
-        lines += [f"[{section}]", *(f"{key} = {json.dumps(value)}" for key, value in keys.items())]
-    return "\n".join(lines) + "\n"
-
-
 @pytest.fixture
 def play(
     kernel: Kernel, table_of: Callable[[str], Path], in_process: InProcess, tmp_path: Path
@@ -76,15 +77,9 @@ def play(
         out = tmp_path / folder
         out.mkdir()
         shutil.copy(table, out / "table.camtab")
-        base: Config = {
-            "thread": {"tick_hz": 1000},
-            "can": {"interface": "vcan0"},
-            "table": {"file": f"{out}/table.camtab"},
-            "operator": {"acknowledge": "waived", "secret": f"{out}/secret"},
-        }
         (out / "secret").write_text(SECRET)
         (out / "secret").chmod(0o600)
-        (out / "camturn.toml").write_text(config_text(base))
+        (out / "camturn.toml").write_text(CONFIG.format(out=out))
         values = in_process.summary["parameters"] | {"feed_nm": round(feed_mm * 1e6)}
         values |= parameters or {}
         setup = {
