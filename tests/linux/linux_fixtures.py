@@ -38,12 +38,12 @@ secret = "{out}/secret"
 
 @pytest.fixture(scope="session")
 def kernel() -> Kernel:
-    """Return the kernel; without one the tests are skipped, but not where CI runs them."""
+    """Return the kernel; without one the tests are skipped, but not where it is to be built."""
     assert CONTROLLER.exists(), f"{CONTROLLER} is missing: build the preset linux"
     try:
         return find_kernel()
     except NoKernelError as err:
-        if os.environ.get("CI"):
+        if os.environ.get("CAMTURN_KERNEL") == "build":
             raise
         pytest.skip(f"no kernel with vcan and gpio-sim: {err}")
     except BrokenKernelError as err:
