@@ -34,11 +34,38 @@ static int32_t download(uint32_t crc)
     return send(fixture_end, crc);
 }
 
+static void expect_end(cam_err_t err)
+{
+    TEST_ASSERT_EQUAL_INT32(err, send(fixture_end, fixture_download_crc(&d)));
+}
+
+static void expect_download(void)
+{
+    TEST_ASSERT_EQUAL_INT32(cam_ok, download(fixture_download_crc(&d)));
+}
+
+/// Select; the result must be this one, and the table of that name be in use.
+static void expect_select(cam_err_t err, const char *in_use)
+{
+    TEST_ASSERT_EQUAL_INT32(err, send(fixture_select, 0));
+    TEST_ASSERT_EQUAL_STRING(in_use, d.can.rig.machine.table.name);
+}
+
+/// The table of the start must be in force: now, after a select, and after a restart.
+static void expect_old_in_force(void)
+{
+    TEST_ASSERT_EQUAL_PTR(d.can.rig.image.bytes, hal_table_image().bytes);
+    expect_select(cam_ok, "short skirt");
+    fixture_can_start(&d.can);
+    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    fixture_can_loop(&d.can, 1);
+}
+
 static void expect_download_works(void)
 {
-    expect_download(&d);
+    expect_download();
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    expect_select(&d, cam_ok, "other skirt");
+    expect_select(cam_ok, "other skirt");
 }
 
 static void test_a_table_comes_over_the_bus(void)
@@ -62,9 +89,9 @@ static void test_the_sectors_take_turns(void)
     TEST_ASSERT_TRUE(first != hal_table_staged().bytes);
     expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
-    expect_end(&d, cam_ok);
-    expect_select(&d, cam_ok, "third skirt");
-    expect_select(&d, cam_ok, "third skirt"); // the same table is checked anew
+    expect_end(cam_ok);
+    expect_select(cam_ok, "third skirt");
+    expect_select(cam_ok, "third skirt"); // the same table is checked anew
 }
 
 static void test_interrupted_at_every_block(void)
@@ -76,8 +103,8 @@ static void test_interrupted_at_every_block(void)
             fixture_download_send(&d, fixture_end, fixture_download_crc(&d));
         TEST_ASSERT_EQUAL_INT32(cam_err_download_short, answer.result);
         TEST_ASSERT_EQUAL_INT32(n * fixture_block_bytes, answer.value);
-        expect_old_in_force(&d); // which restarts the controller
-        expect_end(&d, cam_err_download_order);
+        expect_old_in_force(); // which restarts the controller
+        expect_end(cam_err_download_order);
         expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
                      fixture_download_bytes(&d, n), 0);
     }
@@ -103,7 +130,7 @@ static void test_interrupted_within_a_block(void)
         TEST_ASSERT_EQUAL_INT32(cam_err_download_order, last_answer().result);
         expect_blocks(&d, i, i + 1u);
     }
-    expect_end(&d, cam_ok);
+    expect_end(cam_ok);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
 }
 
@@ -121,7 +148,7 @@ static void test_a_break_is_answered_with_where_to_go_on(void)
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order, last_answer().result);
     TEST_ASSERT_EQUAL_INT32(2 * fixture_block_bytes, last_answer().value);
     expect_blocks(&d, 2, fixture_download_blocks(&d));
-    expect_end(&d, cam_ok);
+    expect_end(cam_ok);
 }
 
 static void test_a_new_begin_forgets_what_came(void)
@@ -130,9 +157,9 @@ static void test_a_new_begin_forgets_what_came(void)
         expect_begin(&d);
         expect_blocks(&d, 0, n);
     }
-    expect_end(&d, cam_ok);
+    expect_end(cam_ok);
     expect_begin(&d); // a complete download is lost as well
-    expect_old_in_force(&d);
+    expect_old_in_force();
 }
 
 static void test_repeated_blocks_are_accepted_once(void)
@@ -143,7 +170,7 @@ static void test_repeated_blocks_are_accepted_once(void)
     expect_block(&d, cam_ok, 0, fixture_block_bytes, 3 * fixture_block_bytes);
     expect_blocks(&d, 3, fixture_download_blocks(&d));
     expect_block(&d, cam_ok, 0, fixture_block_bytes, (uint32_t)d.other.size);
-    expect_end(&d, cam_ok);
+    expect_end(cam_ok);
     expect_block(&d, cam_err_download_order, 0, fixture_block_bytes, (uint32_t)d.other.size);
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(fixture_select, 0));
 }
@@ -157,7 +184,7 @@ static void test_a_block_repeated_with_other_content_is_refused(void)
                  2 * fixture_block_bytes);
     d.other.bytes[fixture_block_bytes + 9] ^= 1u;
     expect_blocks(&d, 2, fixture_download_blocks(&d));
-    expect_end(&d, cam_ok);
+    expect_end(cam_ok);
 }
 
 static void test_blocks_out_of_order_are_refused(void)
@@ -176,7 +203,7 @@ static void test_blocks_out_of_order_are_refused(void)
         expect_block(&d, cam_err_download_order, wrong[i][0], wrong[i][1], size);
     }
     expect_blocks(&d, 1, fixture_download_blocks(&d));
-    expect_end(&d, cam_ok);
+    expect_end(cam_ok);
 }
 
 static void test_answers_and_flow_control_wait_for_room(void)
@@ -203,7 +230,7 @@ static void expect_wrong(cam_err_t err, uint32_t crc)
 {
     TEST_ASSERT_EQUAL_INT32(err, download(crc));
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order, send(fixture_end, crc));
-    expect_old_in_force(&d);
+    expect_old_in_force();
 }
 
 static void test_damaged_and_wrong_images_are_refused(void)
@@ -232,7 +259,7 @@ static void test_sizes_that_cannot_be_are_refused(void)
         TEST_ASSERT_EQUAL_INT32(cases[i].err, send(fixture_begin, cases[i].size));
     }
     expect_block(&d, cam_err_download_order, 0, 512, 0);
-    expect_old_in_force(&d);
+    expect_old_in_force();
 }
 
 static void test_blocks_beyond_the_end_are_refused(void)
@@ -247,7 +274,7 @@ static void test_blocks_beyond_the_end_are_refused(void)
     expect_block(&d, cam_ok, 512, 488, 1000);
     TEST_ASSERT_EQUAL_INT32(cam_err_image_size,
                             send(fixture_end, cam_crc32(0, d.other.bytes, 1000)));
-    expect_old_in_force(&d);
+    expect_old_in_force();
 }
 
 static void test_a_block_too_long_for_the_controller_is_refused_by_flow_control(void)
@@ -274,14 +301,14 @@ static void test_memory_that_fails_leaves_the_old_table(void)
         expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
                      fixture_download_bytes(&d, n), n * fixture_block_bytes);
     }
-    expect_download(&d);
+    expect_download();
     hal_host.slow.n_store = 0;
     for (int i = 0; i < 2; i++) { // select never takes the old table instead
-        expect_select(&d, cam_err_download_store, "short skirt");
+        expect_select(cam_err_download_store, "short skirt");
     }
     TEST_ASSERT_EQUAL_PTR(d.can.rig.image.bytes, hal_table_image().bytes);
     hal_host.slow.n_store = UINT32_MAX;
-    expect_select(&d, cam_ok, "other skirt");
+    expect_select(cam_ok, "other skirt");
 }
 
 /// The next part: its table comes while the machine is ready, and the next start cuts it.
@@ -292,9 +319,9 @@ static void test_a_download_goes_on_in_ready_and_is_selected_there(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
     fixture_can_loop(&d.can, 2);
     expect_blocks(&d, 2, fixture_download_blocks(&d));
-    expect_end(&d, cam_ok);
+    expect_end(cam_ok);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    expect_select(&d, cam_ok, "other skirt");
+    expect_select(cam_ok, "other skirt");
     fixture_can_loop(&d.can, 2);
     TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&d.can.rig.machine));
@@ -303,33 +330,33 @@ static void test_a_download_goes_on_in_ready_and_is_selected_there(void)
 /// What the running spindle cannot cut is refused before the place in use changes.
 static void test_an_infeasible_table_is_refused_in_ready_and_stays_downloaded(void)
 {
-    expect_download(&d);
+    expect_download();
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
     d.can.rig.machine.params.feed_override_ppm = 1500000;
     d.can.rig.machine.params.z_is_measured = 1; // both together are refused
-    expect_select(&d, cam_err_override_measured, "short skirt");
+    expect_select(cam_err_override_measured, "short skirt");
     TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
     d.can.rig.machine.params.feed_override_ppm = 1000000;
     d.can.rig.machine.params.z_is_measured = 0;
-    expect_select(&d, cam_ok, "other skirt");
+    expect_select(cam_ok, "other skirt");
 }
 
 static void test_the_cut_refuses_everything(void)
 {
-    expect_download(&d);
+    expect_download();
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_cutting));
     TEST_ASSERT_EQUAL_INT32(cam_err_state, send(fixture_begin, (uint32_t)d.other.size));
     expect_block(&d, cam_err_state, 0, fixture_block_bytes, (uint32_t)d.other.size);
-    expect_end(&d, cam_err_state);
-    expect_select(&d, cam_err_state, "short skirt");
+    expect_end(cam_err_state);
+    expect_select(cam_err_state, "short skirt");
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
 }
 
 static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(void)
 {
-    expect_download(&d);
+    expect_download();
     ((uint8_t *)(uintptr_t)hal_table_staged().bytes)[2000] ^= 1u; // the memory loses a bit
-    expect_select(&d, cam_err_image_crc, "short skirt");
+    expect_select(cam_err_image_crc, "short skirt");
     TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
     expect_begin(&d);
 }
@@ -340,10 +367,10 @@ static void test_the_sector_of_the_table_that_the_machine_holds_is_not_emptied(v
 {
     hal_host.slow.table.bytes = d.other.bytes;
     d.other.bytes[0] ^= 1u;
-    expect_select(&d, cam_err_image_magic, "short skirt");
+    expect_select(cam_err_image_magic, "short skirt");
     TEST_ASSERT_EQUAL_INT32(cam_err_state, send(fixture_begin, (uint32_t)d.other.size));
     d.other.bytes[0] ^= 1u;
-    expect_select(&d, cam_ok, "other skirt");
+    expect_select(cam_ok, "other skirt");
     fixture_can_loop(&d.can, 2);
     expect_begin(&d);
 }
@@ -399,7 +426,7 @@ static void test_a_table_is_judged_again_when_it_is_selected(void)
 {
     TEST_ASSERT_EQUAL_INT32(cam_ok, download(fixture_download_crc(&d)));
     trust(true);
-    expect_select(&d, cam_err_sign_none, "short skirt");
+    expect_select(cam_err_sign_none, "short skirt");
 }
 
 static void test_the_table_in_the_flash_is_judged_at_the_start(void)

@@ -34,38 +34,27 @@ static void say(char letter, double t_s)
     TEST_ASSERT_EQUAL_UINT32(1, n_other);
 }
 
-static void say_with(sim_disturb_kind_t kind, uint32_t n)
+/// Missing frames are not sent, repeated ones are the last good one, swapped ones change in pairs.
+static void test_frames_of_a_disturbance(void)
 {
-    for (char c = 'a'; c <= 'h'; c++) {
-        if (c == 'c') {
-            sim_disturb_begin(&disturb, kind, n, 0.0);
+    static const struct {
+        sim_disturb_kind_t kind;
+        uint32_t n;
+        const char *sent;
+    } cases[] = {{sim_disturb_none, 0, "abcdefgh"},
+                 {sim_disturb_missing, 2, "abefgh"},
+                 {sim_disturb_repeated, 2, "abbbefgh"},
+                 {sim_disturb_swapped, 2, "abdcfegh"}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        setUp();
+        for (char c = 'a'; c <= 'h'; c++) {
+            if (c == 'c') {
+                sim_disturb_begin(&disturb, cases[i].kind, cases[i].n, 0.0);
+            }
+            say(c, (c - 'a') * 1e-3);
         }
-        say(c, (c - 'a') * 1e-3);
+        TEST_ASSERT_EQUAL_STRING(cases[i].sent, sent);
     }
-}
-
-static void test_nothing_is_changed_without_a_disturbance(void)
-{
-    say_with(sim_disturb_none, 0);
-    TEST_ASSERT_EQUAL_STRING("abcdefgh", sent);
-}
-
-static void test_missing_frames_are_not_sent(void)
-{
-    say_with(sim_disturb_missing, 2);
-    TEST_ASSERT_EQUAL_STRING("abefgh", sent);
-}
-
-static void test_repeated_frames_are_the_last_good_one(void)
-{
-    say_with(sim_disturb_repeated, 2);
-    TEST_ASSERT_EQUAL_STRING("abbbefgh", sent);
-}
-
-static void test_swapped_frames_change_places_in_pairs(void)
-{
-    say_with(sim_disturb_swapped, 2);
-    TEST_ASSERT_EQUAL_STRING("abdcfegh", sent);
 }
 
 static void test_late_frame_comes_at_its_time(void)

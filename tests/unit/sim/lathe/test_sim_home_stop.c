@@ -119,16 +119,7 @@ static void test_home_is_the_same_from_anywhere(void)
     }
 }
 
-static void test_other_stop_is_found_likewise(void)
-{
-    params.u_home_sense = -1;
-    params.u_home_nm = -650000;
-    begin(0.2);
-    TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
-    TEST_ASSERT_DOUBLE_WITHIN(1000.0, -2000.0, off_nm());
-}
-
-/// Set the loop of the first power-up.
+/// Set the loop of the first power-up, whose set-point leads by far.
 static void weaken(void)
 {
     params.servo_crossover_hz = 30;
@@ -137,30 +128,36 @@ static void weaken(void)
     params.servo_integral_mHz = 3000;
     params.servo_runaway_nm = 5000;
     params.servo_force_limit_mn = 20000;
-    params.servo_continuous_mn = 20000;
     params.u_acceleration_mm_per_s2 = 5000;
     params.u_speed_um_per_s = 5000;
     params.u_home_force_mn = 10000;
 }
 
-/// Its set-point leads by far.
-static void test_weak_loop_finds_its_stop_without_a_fault(void)
+/// The other stop; a weak loop; a hot motor, which has no more than its continuous force.
+static void test_stop_is_found_by_either_sense_and_a_weak_loop(void)
 {
-    weaken();
-    begin(0.2);
-    TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
-    TEST_ASSERT_DOUBLE_WITHIN(1000.0, 1000.0, off_nm());
-    TEST_ASSERT_LESS_OR_EQUAL_INT32((10000 + quantum_mn) * 64, most_q6);
-}
-
-/// A hot motor has no more than its continuous force.
-static void test_stop_is_found_with_the_continuous_force(void)
-{
-    weaken();
-    params.servo_continuous_mn = 8000;
-    begin(0.2);
-    TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
-    TEST_ASSERT_LESS_OR_EQUAL_INT32((8000 + quantum_mn) * 64, most_q6);
+    static const struct {
+        int32_t sense;
+        bool is_weak;
+        int32_t continuous_mn;
+        double off_nm, within_nm;
+        int32_t most_mn;
+    } cases[] = {{-1, false, 0, -2000.0, 1000.0, force_mn},
+                 {1, true, 20000, 1000.0, 1000.0, 10000},
+                 {1, true, 8000, 0.0, 1e6, 8000}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        setUp();
+        params.u_home_sense = cases[i].sense;
+        params.u_home_nm *= cases[i].sense;
+        if (cases[i].is_weak) {
+            weaken();
+            params.servo_continuous_mn = cases[i].continuous_mn;
+        }
+        begin(0.2);
+        TEST_ASSERT_EQUAL_INT(cam_jog_done, home_u());
+        TEST_ASSERT_DOUBLE_WITHIN(cases[i].within_nm, cases[i].off_nm, off_nm());
+        TEST_ASSERT_LESS_OR_EQUAL_INT32((cases[i].most_mn + quantum_mn) * 64, most_q6);
+    }
 }
 
 static void test_without_a_stop_nothing_is_found(void)
