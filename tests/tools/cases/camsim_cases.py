@@ -2,6 +2,7 @@
 """How the tests call the simulator."""
 
 import itertools
+import json
 import os
 import subprocess
 from pathlib import Path
@@ -12,7 +13,6 @@ from pyarrow import csv
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = (ROOT / (os.environ.get("CAMTURN_BUILD") or "build/host")).resolve()
-PATIENCE_S = 150.0  # for a cut, on a computer that does much else
 CAMSIM = BUILD / "host_sim" / "camsim"
 
 
@@ -20,14 +20,22 @@ def camsim(*words: str | Path, stdin: str = "") -> subprocess.CompletedProcess[s
     """Run camsim with some words on its command line."""
     assert CAMSIM.exists(), f"{CAMSIM} is missing: build the preset host, or let tools/test do it"
     command = [str(CAMSIM), *map(str, words)]
-    return subprocess.run(
-        command, input=stdin, capture_output=True, text=True, timeout=PATIENCE_S, check=False
-    )
+    return subprocess.run(command, input=stdin, capture_output=True, text=True, check=False)
 
 
-def columns_of(path: Path) -> dict[str, NDArray[Any]]:
-    """Return the columns of a CSV file that camsim wrote: numbers, and text as it is."""
-    table = csv.read_csv(path)
+def cut(table: Path, folder: Path, *words: str | Path, status: int = 0) -> dict[str, Any]:
+    """Return the summary of a cut, which must end with a status."""
+    path = folder / "summary.json"
+    done = camsim("run", table, *words, "--summary", path)
+    assert done.returncode == status, done.stderr
+    loaded: dict[str, Any] = json.loads(path.read_text())
+    return loaded
+
+
+def columns_of(path: Path, *names: str) -> dict[str, NDArray[Any]]:
+    """Return columns of a CSV file that camsim wrote, all by default; text as it is."""
+    wanted = csv.ConvertOptions(include_columns=list(names))
+    table = csv.read_csv(path, convert_options=wanted)
     return {name: table[name].to_numpy() for name in table.column_names}
 
 

@@ -6,17 +6,7 @@ from pathlib import Path
 import pytest
 
 from camtools.link.messages import NUMBERS
-from camtools.skirt.table.generate import GeneratedSkirt
-from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import camsim, only_error
-
-
-@pytest.fixture
-def table(tmp_path: Path, generated: GeneratedSkirt) -> Path:
-    """Write the table of the Perkins skirt."""
-    path = tmp_path / "perkins.camtab"
-    path.write_bytes(pack(generated.table))
-    return path
 
 
 def test_every_parameter_is_there(table: Path, tmp_path: Path) -> None:

@@ -133,8 +133,15 @@ def test_run_refuses_rings_nearer_than_the_firmware_cuts(
     short = ("--rpm", "900", "--turns-limit", "1")
     for many in (("--feed", "0.000004"), (*words, "--set", "z_is_measured=1")):
         assert "the part has too many turns: " in only_error(camsim("run", rings, *short, *many))
-    for more in ((), ("--set", "z_is_measured=1")):
-        assert camsim("run", rings, *short, "--feed", "0.00007", *more).returncode == 0
+
+
+@pytest.mark.parametrize("more", [(), ("--set", "z_is_measured=1")])
+def test_run_cuts_rings_that_are_far_enough(
+    table_of: Callable[[str], Path], more: tuple[str, ...]
+) -> None:
+    """At 70 nm the part has as many turns as the firmware counts."""
+    words = ("--rpm", "900", "--turns-limit", "1", "--feed", "0.00007", *more)
+    assert camsim("run", table_of("perkins240_ring_helix"), *words).returncode == 0
 
 
 def corrupted(image: bytes) -> dict[str, bytes]:

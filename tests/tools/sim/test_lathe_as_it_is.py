@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Effects of a real lathe in whole cuts: what the gauge sees against what a formula says."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.camsim_cases import cut as camsim_cut
 
-PARTS = Path(__file__).parents[3] / "tests" / "learn" / "parts"
 SWING_UM, OMEGA = 500.0, 2 * np.pi * 100.0  # 1 mm of tool motion twice per turn of 3000 r/min
 BASE: dict[str, dict[str, float | str]] = {
     "spindle": {"limit_rpm": 3500, "ripple": 0},
@@ -26,13 +24,10 @@ def cut(oval30: Path, **sections: dict[str, float | str]) -> dict[str, Any]:
     for name in {**BASE, **sections}:
         keys = {**BASE.get(name, {}), **sections.get(name, {})}
         lines += [f"[{name.replace('_', '.')}]", *(f"{key} = {keys[key]}" for key in keys)]
-    machine, summary = oval30.with_name("m.toml"), oval30.with_name("s.json")
+    machine = oval30.with_name("m.toml")
     machine.write_text("\n".join(lines) + "\n")
-    words: list[str | Path] = ["--machine", machine, "--summary", summary, "--tolerance-um", "999"]
-    done = camsim("run", oval30, *words, "--turns-limit", "65")
-    assert done.returncode == 0, done.stderr
-    loaded: dict[str, Any] = json.loads(summary.read_text())
-    return loaded
+    words = ("--machine", machine, "--tolerance-um", "999", "--turns-limit", "65")
+    return camsim_cut(oval30, oval30.parent, *words)
 
 
 def form_um(summary: dict[str, Any]) -> float:

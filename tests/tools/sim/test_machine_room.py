@@ -11,7 +11,7 @@ import pytest
 
 from camtools.cli.mktables import main as mktables
 from camtools.part.passes import FeedLaw
-from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.camsim_cases import camsim, columns_of
 
 MACHINES = Path(__file__).parents[3] / "host_sim" / "machines"
 PART = """
@@ -69,12 +69,6 @@ def cut(table: Path, *words: str | Path) -> dict[str, Any]:
     assert done.returncode in (0, 1), done.stderr
     loaded: dict[str, Any] = json.loads(path.read_text())
     return loaded
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a file that camsim wrote."""
-    with path.open() as stream:
-        return list(csv.DictReader(stream))
 
 
 def test_part_of_045_mm_is_cut_on_a_stroke_of_08_mm(mean: Path, machine: Path) -> None:
@@ -160,7 +154,7 @@ def test_tool_runs_in_and_out_through_the_air(tmp_path: Path, machine: Path) -> 
     assert summary["is_good"]
     assert summary["form_error_um"]["max"] < GOUGE_UM
     assert summary["cut"]["gouge_um"] < GOUGE_UM
-    heights = np.array([float(row["z_mm"]) for row in rows(surface)])
+    heights = columns_of(surface)["z_mm"]
     assert 0 <= heights.min() < 0.06
     assert 29.94 < heights.max() <= 30
     design = json.loads((tmp_path / "run.json").read_text())["design"]
@@ -169,8 +163,8 @@ def test_tool_runs_in_and_out_through_the_air(tmp_path: Path, machine: Path) -> 
     assert summary["cut"]["planned_turns"] == pytest.approx(72)
     trace = tmp_path / "trace.csv"
     cut(table, "--machine", machine, "--trace", trace, "--rpm", "1200", "--feed", "2")
-    u = [row for row in rows(trace) if 0 <= float(row["z_mm"]) < 2]
-    assert {row["state"] for row in u} == {"cutting"}, "full amplitude over the whole part"
+    state, z = columns_of(trace, "state", "z_mm").values()
+    assert set(state[(z >= 0) & (z < 2)]) == {"cutting"}, "full amplitude over the whole part"
 
 
 def test_ring_helix_has_rings_in_the_air(tmp_path: Path, machine: Path) -> None:
@@ -267,9 +261,8 @@ def test_feed_follows_its_law_over_the_height(tmp_path: Path, machine: Path) -> 
     trace = tmp_path / "trace.csv"
     summary = cut(tmp_path / "law.camtab", "--machine", machine, "--rpm", "2400", "--trace", trace)
     assert summary["is_good"]
-    cutting = [row for row in rows(trace) if row["state"] == "cutting"]
-    turn = np.array([float(row["turn"]) for row in cutting])
-    z = np.array([float(row["z_mm"]) for row in cutting])
+    state, turn, z = columns_of(trace, "state", "turn", "z_mm").values()
+    turn, z = turn[state == "cutting"], z[state == "cutting"]
     whole = np.unwrap(turn, period=1.0)
     at = np.arange(whole[0] + 4, whole[-1] - 4, 0.5)
     feed = np.interp(at + 0.5, whole, z) - np.interp(at - 0.5, whole, z)

@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 
 from tests.tools.cases.camsim_cases import camsim, columns_of
 
-PARTS = Path(__file__).parents[3] / "tests" / "learn" / "parts"
 TICK_S, DELAY_S = 50e-6, 75e-6
 OMEGA, DAMPING = 2 * np.pi * 300.0, 0.7
 BOUND_NM = 0.05

@@ -1,56 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
 """Position switches on the simulated lathe: where they act by the spindle's true angle."""
 
-import json
 from math import degrees
 from pathlib import Path
 
 import pytest
 
 from camtools.base.json_text import Json
-from camtools.skirt.table.generate import GeneratedSkirt
-from camtools.table.image import pack
-from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.camsim_cases import cut
 
 TICK_HZ = 20_000
 RPM = 2470.0  # no whole number of ticks per turn
 DEG_PER_TICK = RPM * 6 / TICK_HZ
 
 
-def cut(folder: Path, table: bytes, **settings: int) -> list[Json]:
-    """Return what the summary says of the switches of a short cut."""
-    path = folder / "part.camtab"
-    path.write_bytes(table)
-    words = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
-    summary = folder / "s.json"
+def switches(table: Path, folder: Path, **settings: int) -> list[Json]:
+    """Return the figures of the switches in the summary of a short cut."""
     machine = folder / "m.toml"
     machine.write_text("[spindle]\nripple = 0\n")
-    command: tuple[str | Path, ...] = (
-        "--machine",
-        machine,
-        "--rpm",
-        str(RPM),
-        "--feed",
-        "2",
-        "--no-learning",
-        *words,
-        "--summary",
-        summary,
-    )
-    done = camsim("run", path, *command)
-    assert done.returncode == 0, done.stderr
-    found: list[Json] = json.loads(summary.read_text())["switches"]
+    words = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
+    options = ("--machine", machine, "--rpm", str(RPM), "--feed", "2", "--no-learning")
+    found: list[Json] = cut(table, folder, *options, *words)["switches"]
     return found
 
 
 @pytest.mark.parametrize("dead_time_ns", [0, 7_300_000])
 def test_switches_act_in_the_tick_nearest_to_their_windows(
-    dead_time_ns: int, tmp_path: Path, generated: GeneratedSkirt
+    dead_time_ns: int, table: Path, tmp_path: Path
 ) -> None:
     """With their dead time, twice per turn; the run-up of the spindle shows in the largest."""
-    [found] = cut(
+    [found] = switches(
+        table,
         tmp_path,
-        pack(generated.table),
         switch_3_per_turn=2,
         switch_3_on_udeg=30_000_000,
         switch_3_off_udeg=75_500_000,
@@ -67,11 +48,11 @@ def test_switches_act_in_the_tick_nearest_to_their_windows(
         assert abs(error["max"]) <= 0.55 * DEG_PER_TICK + run_up_deg
 
 
-def test_height_opens_and_closes_a_switch(tmp_path: Path, generated: GeneratedSkirt) -> None:
+def test_height_opens_and_closes_a_switch(table: Path, tmp_path: Path) -> None:
     """Two outputs with two windows of the height; one of them covers the whole turn."""
-    first, second = cut(
+    first, second = switches(
+        table,
         tmp_path,
-        pack(generated.table),
         switch_1_per_turn=1,
         switch_1_off_udeg=360_000_000,
         switch_1_z_low_nm=10_000_000,
@@ -87,14 +68,3 @@ def test_height_opens_and_closes_a_switch(tmp_path: Path, generated: GeneratedSk
     assert high_mm == pytest.approx(20, abs=fed_mm)
     assert 30 - fed_mm <= second["z_mm"][0] < second["z_mm"][1] <= 40 + fed_mm
     assert second["times_on"] in (4, 5, 6), "10 mm at 2 mm per turn"
-
-
-def test_without_switches_the_summary_does_not_speak_of_them(
-    tmp_path: Path, generated: GeneratedSkirt
-) -> None:
-    """There is no such key, and a cut is that of before."""
-    path = tmp_path / "part.camtab"
-    path.write_bytes(pack(generated.table))
-    summary = tmp_path / "s.json"
-    assert camsim("run", path, "--feed", "2", "--summary", summary).returncode == 0
-    assert "switches" not in json.loads(summary.read_text())
