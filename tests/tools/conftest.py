@@ -7,14 +7,13 @@ from pathlib import Path
 import can
 import pytest
 from hypothesis import settings
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from camtools.link.controller import Link
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt, generate
-from tests.tools.cases.camctl_bench import Bench
-from tests.tools.cases.command_cases import command, end_commands, leave_empty
+from tests.tools.cases.camctl_bench import Act, Bench
+from tests.tools.cases.command_cases import command, signals_kept, undraw
 from tests.tools.cases.linuxcnc import Interpreter, NotHereError, interpreter
 from tests.tools.cases.part_cases import PERKINS, Command, load_part
 
@@ -43,26 +42,27 @@ def generated(perkins: SkirtPart) -> GeneratedSkirt:
 
 @pytest.fixture(scope="session")
 def mktables() -> Command:
-    """Run the command line in a process of its own."""
+    """Return mktables as a shell starts it."""
     return partial(command, "camtools.cli.mktables")
 
 
 @pytest.fixture
 def run(tmp_path: Path) -> Command:
-    """Run tools/run in a process of its own, in a folder of its own."""
+    """Return tools/run as a shell starts it, in a folder of its own."""
     return partial(command, "camtools.cli.run", cwd=tmp_path)
+
+
+@pytest.fixture(autouse=True)
+def _signals() -> Iterator[None]:
+    """Restore the handlers of signals that commands replace."""
+    with signals_kept():
+        yield
 
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave pictures empty, for tests of what else a run tells: drawing takes most of its time."""
-    monkeypatch.setattr(FigureCanvasAgg, "draw", leave_empty)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _commands_end() -> Iterator[None]:
-    yield
-    end_commands()
+    """Leave pictures empty, for tests of other results: drawing takes most of the time."""
+    undraw(monkeypatch)
 
 
 @pytest.fixture
@@ -74,12 +74,12 @@ def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
 
 
 @pytest.fixture
-def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[Bench, int, str], str]:
+def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
     """Return a function that runs what must end with a status, and gives its one line."""
 
-    def run(bench: Bench, status: int, words: str) -> str:
+    def run(bench: Bench, status: int, words: str, on: str = "", act: Act = print) -> str:
         capsys.readouterr()
-        assert bench.run(*words.split())[0] == status
+        assert bench.run(*words.split(), on=on, act=act)[0] == status
         lines = capsys.readouterr().err.splitlines()
         assert len(lines) == 1, lines
         assert lines[0].startswith("camctl: ")

@@ -18,6 +18,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from checks.patience import limit_s
 from tests.tools.cases.part_cases import environment
 
 PATIENCE_S = 150.0
@@ -77,7 +78,7 @@ class Background:
                     if words in self.said[self._n_heard - 1]:
                         return self.said[self._n_heard - 1]
                 assert not self._is_silent, f"ended without {words!r}:\n{self.text()}"
-                assert self._news.wait(PATIENCE_S), f"no {words!r}:\n{self.text()}"
+                assert self._news.wait(limit_s()), f"no {words!r}:\n{self.text()}"
 
     def type(self, line: str) -> None:
         """Type a line."""
@@ -90,11 +91,11 @@ class Background:
         with suppress(ProcessLookupError):
             self.process.send_signal(number)
         with suppress(subprocess.TimeoutExpired):
-            self.process.wait(PATIENCE_S)
+            self.process.wait(limit_s())
         with suppress(ProcessLookupError):
             os.killpg(self.process.pid, signal.SIGKILL)
         status = self.process.wait()
-        self._listener.join(PATIENCE_S)
+        self._listener.join(limit_s())
         assert self.process.stdin is not None and self.process.stdout is not None
         with suppress(BrokenPipeError):
             self.process.stdin.close()

@@ -1,40 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands of camtools in processes of their own, as a shell starts them.
+"""Commands of camtools, called in this process as a shell would start them, or in one of their own.
 
-To import the libraries takes longer than most commands do. So `command` forks them off a process
-that has imported everything already; it starts with the first command and ends with the tests.
 What may depend on how a process begins, as the order of sets does, takes `fresh_command`.
 """
 
 import importlib
-import json
 import os
 import resource
 import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
-from functools import cache
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any, NoReturn
 
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
-from tests.tools.cases.part_cases import ROOT, environment
+from camtools.report import common_pictures
+from camtools.report.page import Picture
+from tests.tools.cases.camsim_cases import BUILD
+from tests.tools.cases.part_cases import environment
 
-IMPORTED = (
-    *(f"camtools.cli.{name}" for name in ("run", "mktables", "mkgcode")),
-    *(
-        f"camtools.{kind}.{name}"
-        for kind in ("skirt", "lobe", "polygon")
-        for name in ("kind", "report")
-    ),
-    # what they import where they need it
-    *("pandas", "plotly.offline", "pyarrow.csv", "pyarrow.dataset", "pyarrow.parquet"),
-)
-LIMIT_S = 120  # a command that goes on for longer is ended by SIGALRM
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def command(
@@ -50,27 +40,24 @@ def command(
     Parameters
     ----------
     largest_file : int
-        Bytes beyond which a file cannot be written, as on a disk that is full.
+        Bytes beyond which a file cannot be written, as on a full disk.
     draws : bool
-        False leaves pictures empty, for tests of what else there is; drawing takes the longest.
+        False leaves pictures empty, for tests of other results; drawing takes the longest.
     """
-    server = _server()
-    with tempfile.TemporaryDirectory() as folder:
-        order: dict[str, Any] = {
-            "module": module,
-            "words": [str(word) for word in words],
-            "cwd": str(cwd or Path.cwd()),
-            "environment": environment() | settings,
-            "largest_file": largest_file,
-            "draws": draws,
-            "output": [f"{folder}/stdout", f"{folder}/stderr"],
-        }
-        _pipe(server.stdin).write(json.dumps(order) + "\n")
-        _pipe(server.stdin).flush()
-        status = _pipe(server.stdout).readline()
-        assert status, "the process that commands are forked off has ended: see its stderr"
-        said = [Path(path).read_text() for path in order["output"]]
-    return subprocess.CompletedProcess([module, *order["words"]], int(status), *said)
+    texts = [str(word) for word in words]
+    main: Callable[[list[str]], int] = importlib.import_module(module).main
+    with pytest.MonkeyPatch.context() as patch, signals_kept(), _outputs() as said:
+        for name, value in ({"CAMTURN_BUILD": str(BUILD)} | settings).items():
+            patch.setenv(name, value)
+        patch.chdir(cwd or Path.cwd())
+        if not draws:
+            undraw(patch)
+        with files_end_at(largest_file):
+            try:
+                status = main(texts)
+            except SystemExit as end:
+                status = int(str(end.code or 0))
+    return subprocess.CompletedProcess([module, *texts], status, *said)
 
 
 def fresh_command(
@@ -83,7 +70,6 @@ def fresh_command(
         env=environment() | settings,
         capture_output=True,
         text=True,
-        timeout=LIMIT_S,
         check=False,
     )
 
@@ -101,61 +87,58 @@ def complaint(
     return line
 
 
-def end_commands() -> None:
-    """End the process that commands are forked off."""
-    if _server.cache_info().currsize:
-        _server().communicate()
-        _server.cache_clear()
+def undraw(patch: pytest.MonkeyPatch) -> None:
+    """Leave pictures empty: they take most of the time of a run."""
+
+    def leave_empty(canvas: FigureCanvasAgg) -> None:
+        canvas.get_renderer()  # type: ignore[no-untyped-call]
+
+    def undrawn(key: str, title: str, text: str, _draw: object) -> Picture:
+        return Picture(key, title, text, Figure)
+
+    patch.setattr(FigureCanvasAgg, "draw", leave_empty)
+    patch.setattr(common_pictures, "Picture", undrawn)
 
 
-def leave_empty(canvas: FigureCanvasAgg) -> None:
-    """Take the place of the drawing of a picture, whose pixels are there all the same."""
-    canvas.get_renderer()  # type: ignore[no-untyped-call]
+@contextmanager
+def signals_kept() -> Iterator[None]:
+    """Restore the handlers of signals that a command replaces."""
+    before = [signal.getsignal(number) for number in SIGNALS]
+    try:
+        yield
+    finally:
+        for number, handler in zip(SIGNALS, before, strict=True):
+            signal.signal(number, handler)
 
 
-@cache
-def _server() -> subprocess.Popen[str]:
-    pipe = subprocess.PIPE
-    env = environment()
-    env["PYTHONPATH"] += f"{os.pathsep}{ROOT}"
-    words = [sys.executable, "-m", "tests.tools.cases.command_cases"]
-    return subprocess.Popen(words, env=env, stdin=pipe, stdout=pipe, text=True)
+@contextmanager
+def files_end_at(n_bytes: int | None) -> Iterator[None]:
+    """Limit the size of every file that this process writes, as a full disk does."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    if n_bytes is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def _pipe(stream: IO[str] | None) -> IO[str]:
-    assert stream is not None
-    return stream
-
-
-def _carry_out(order: Mapping[str, Any]) -> NoReturn:
-    """Become the command."""
-    signal.alarm(LIMIT_S)
-    os.environ.clear()
-    os.environ.update(order["environment"])
-    os.chdir(order["cwd"])
-    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-    for descriptor, path in enumerate(order["output"], start=1):
-        os.dup2(os.open(path, os.O_CREAT | os.O_WRONLY | os.O_APPEND), descriptor)
-    if order["largest_file"] is not None:
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (order["largest_file"],) * 2)
-    if not order["draws"]:
-        setattr(FigureCanvasAgg, "draw", leave_empty)  # noqa: B010 - mypy forbids the assignment
-    sys.argv = [order["module"], *order["words"]]
-    sys.exit(importlib.import_module(order["module"]).main(order["words"]))
-
-
-def _serve() -> None:
-    """Carry out what stdin orders, a line each; tell the exit status of each."""
-    for module in IMPORTED:
-        importlib.import_module(module)
-    for line in sys.stdin:
-        child = os.fork()
-        if child == 0:
-            _carry_out(json.loads(line))
-        _, status = os.waitpid(child, 0)
-        print(os.waitstatus_to_exitcode(status), flush=True)
-
-
-if __name__ == "__main__":
-    _serve()
+@contextmanager
+def _outputs() -> Iterator[list[str]]:
+    """Catch both outputs of this process and its children; the list has them at the end."""
+    said: list[str] = []
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        kept = [os.dup(number) for number in (1, 2)]
+        streams = [open(f"{folder}/{number}", "w", buffering=1) for number in (1, 2)]  # noqa: PTH123, SIM115
+        for number, name in enumerate(("stdout", "stderr"), start=1):
+            getattr(sys, name).flush()
+            os.dup2(streams[number - 1].fileno(), number)
+            patch.setattr(sys, name, streams[number - 1])
+        try:
+            yield said
+        finally:
+            for number, (stream, one) in enumerate(zip(streams, kept, strict=True), start=1):
+                stream.close()
+                os.dup2(one, number)
+                os.close(one)
+                said.append(Path(stream.name).read_text())

@@ -21,7 +21,7 @@ def link(folder: Path, source: str, *options: str) -> Image:
     (folder / "tiny.c").write_text(source, "utf-8")
     words = ("-mcpu=cortex-m7", "-mthumb", "-O2", "-g", "-std=c11", "-ffreestanding", *options)
     link_words = ("-nostdlib", "-Wl,-e,root", "tiny.c", "-lgcc", "-o", "tiny.elf")
-    subprocess.run([GCC, *words, *link_words], cwd=folder, check=True, timeout=60)
+    subprocess.run([GCC, *words, *link_words], cwd=folder, check=True)
     return Image(folder / "tiny.elf")
 
 

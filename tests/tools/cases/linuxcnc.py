@@ -50,7 +50,7 @@ class Interpreter:
     def _run(self, *words: str | Path) -> subprocess.CompletedProcess[str]:
         env = self._environment()
         return subprocess.run(
-            list(map(str, words)), env=env, capture_output=True, text=True, timeout=120, check=False
+            list(map(str, words)), env=env, capture_output=True, text=True, check=False
         )
 
     def rs274(self, program: Path) -> subprocess.CompletedProcess[str]:

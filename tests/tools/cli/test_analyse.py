@@ -2,12 +2,7 @@
 
 import csv
 import json
-import os
 import re
-import signal
-import subprocess
-import sys
-import time
 from itertools import pairwise
 from pathlib import Path
 
@@ -19,7 +14,7 @@ from camtools.study.section import AnalysisWishes, make_analysis
 from camtools.study.section_text import notes, summary
 from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.maths_tables import TABLE_1, TABLE_4
-from tests.tools.cases.part_cases import PERKINS, ROOT, environment, load_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, load_part
 
 WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
 
@@ -164,29 +159,3 @@ def test_part_without_depth_is_refused(tmp_path: Path, capsys: pytest.CaptureFix
     path.write_text(PERKINS.read_text().replace("depth_mm = 0.1", "depth_mm = 0"))
     assert main([str(path), "-o", str(tmp_path / "out")]) == 2
     assert "process.depth_mm: nothing is cut" in capsys.readouterr().err
-
-
-def is_caught(pid: int, number: signal.Signals) -> bool:
-    """Return whether a process has a handler for a signal."""
-    status = Path(f"/proc/{pid}/status").read_text()
-    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
-    return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
-
-
-def test_interrupted_run_leaves_nothing(tmp_path: Path) -> None:
-    """A signal in the middle ends it with 128 + n; the folder stays away."""
-    command = [
-        sys.executable,
-        "-m",
-        "camtools.cli.analyse",
-        str(WEICHAI),
-        "-o",
-        str(tmp_path / "out"),
-    ]
-    with subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE) as process:
-        while not is_caught(process.pid, signal.SIGTERM):
-            time.sleep(0.01)
-        os.kill(process.pid, signal.SIGTERM)
-        status = process.wait(30)
-    assert status in (0, 143)
-    assert status == 0 or not (tmp_path / "out").exists()

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from io import StringIO
 from pathlib import Path
 from typing import NoReturn
@@ -15,16 +14,6 @@ import numpy as np
 import pytest
 
 from camtools.base.command import run_command
-
-
-@pytest.fixture(autouse=True)
-def _handlers() -> Iterator[None]:
-    """Leave the handlers of signals as they were."""
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    before = [signal.getsignal(number) for number in numbers]
-    yield
-    for number, handler in zip(numbers, before, strict=True):
-        signal.signal(number, handler)
 
 
 def _reads() -> int:

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line tools/flash: what it refuses, and what it asks a programmer to do."""
 
-import os
 import re
 import struct
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,9 +13,9 @@ from camtools.cli.flash import FIRMWARE, FIRST_PLACE, LOG, TABLE
 from camtools.skirt.table.generate import GeneratedSkirt
 from camtools.table.image import pack
 from tests.tools.cases.camsim_cases import camsim, only_error
-from tests.tools.cases.part_cases import ROOT, environment
+from tests.tools.cases.command_cases import command
+from tests.tools.cases.part_cases import ROOT
 
-BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
 PROGRAMMERS = ("openocd", "st-flash", "pyocd")
 Flash = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -44,12 +42,8 @@ def flash(tmp_path: Path, firmware: Path) -> Flash:
 
     def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
         (tmp_path / "bin").mkdir(exist_ok=True)
-        settings = {"CAMTURN_BUILD": str(BUILD), "CAMTURN_FIRMWARE": str(firmware)}
-        env = environment() | settings | {"PATH": str(tmp_path / "bin")}
-        command = [sys.executable, "-m", "camtools.cli.flash", *map(str, words)]
-        return subprocess.run(
-            command, env=env, capture_output=True, text=True, timeout=60, check=False
-        )
+        settings = {"CAMTURN_FIRMWARE": str(firmware), "PATH": str(tmp_path / "bin")}
+        return command("camtools.cli.flash", *words, **settings)
 
     return run
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command line tools/run: results complete or not at all, exit status, one line per error."""
 
 import json
@@ -6,14 +7,14 @@ import re
 import shutil
 import signal
 import subprocess
-from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from matplotlib.image import imread
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.output import staged
 from camtools.cli.run import main
 from camtools.part.common import MachineLimits
 from camtools.pipeline.job import RunJob, without_faults
@@ -21,15 +22,13 @@ from camtools.pipeline.load import load
 from camtools.sim.camsim import machine_text, traced_turns, variant_of
 from camtools.sim.machines import machine_bytes
 from camtools.sim.results import read_surface, read_trace
-from tests.tools.cases.camsim_cases import BUILD, CAMSIM
+from tests.tools.cases.camsim_cases import BUILD
+from tests.tools.cases.command_cases import command
 from tests.tools.cases.page_cases import PageReader, map_of
 from tests.tools.cases.part_cases import PERKINS, ROOT, Command, listing
 
-built = pytest.mark.skipif(not CAMSIM.exists(), reason="camsim is not built")
-
-Here = Callable[..., tuple[int, str, str]]
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 WALL_CLOCK = ("wall_time_s", "ticks_per_s", "run_wall_time_s")
+DAY = {"SOURCE_DATE_EPOCH": "1700000000"}
 RESULTS = [
     *(f"cut_{key}.png" for key in ("compare", "following", "height", "learning", "map", "motion")),
     "cut_overview.png",
@@ -47,27 +46,6 @@ RESULTS = [
 ]
 
 
-@pytest.fixture
-def here(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> Iterator[Here]:
-    """Run the command in this process, in a folder of its own; return status and output."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("CAMTURN_BUILD", str(BUILD))
-    handlers = {number: signal.getsignal(number) for number in SIGNALS}
-
-    def start(*words: str) -> tuple[int, str, str]:
-        try:
-            status = main(words)
-        except SystemExit as end:
-            status = int(end.code or 0)
-        return status, *capfd.readouterr()
-
-    yield start
-    for number, handler in handlers.items():
-        signal.signal(number, handler)
-
-
 def complaints(stderr: str) -> list[str]:
     """Return stderr without the lines that tell what is going on."""
     steps = re.compile(
@@ -76,17 +54,36 @@ def complaints(stderr: str) -> list[str]:
     return [line for line in stderr.splitlines() if not steps.match(line)]
 
 
-@built
-def test_default_cut_is_within_a_micrometre(run: Command, tmp_path: Path) -> None:
+class Cut(NamedTuple):
+    """A part whose drawing states a roundness, cut at 2 mm per turn."""
+
+    folder: Path
+    said: subprocess.CompletedProcess[str]
+
+
+@pytest.fixture(scope="module")
+def cut(tmp_path_factory: pytest.TempPathFactory) -> Cut:
+    """Cut in this process, without pictures, and keep the traces as CSV, too."""
+    folder = tmp_path_factory.mktemp("run")
+    text = f"{PERKINS.read_text()}\n[tolerances]\nroundness_um = 1.0\n"
+    (folder / "my part.toml").write_text(text)
+    words = ("my part.toml", "--feed", "2", "--csv", "-o", "ein Ordner für Kolben")
+    done = command("camtools.cli.run", *words, cwd=folder, draws=False, **DAY)
+    assert done.returncode == 0, done.stderr
+    return Cut(folder / "ein Ordner für Kolben", done)
+
+
+def test_cut_is_within_a_micrometre(cut: Cut) -> None:
     """The Perkins skirt at 2500 r/min gives all results, a table on stdout, and status 0."""
-    folder = tmp_path / "ein Ordner für Kolben"
-    done = run("-o", folder)
-    assert (done.returncode, complaints(done.stderr)) == (0, [])
-    assert listing(folder) == RESULTS
+    folder, done = cut
+    assert complaints(done.stderr) == []
+    assert listing(folder) == sorted([*RESULTS, "trace.csv"])
     assert done.stdout.startswith("perkins240: within tolerance\n")
     for words in ("accurate to 0.", "if U were 5 % slower", "on, "):
         assert words in done.stdout
+    assert "cutting 62 turns, " in done.stderr, "with the ramp of the feed"
     summary = json.loads((folder / "summary.json").read_text())
+    assert summary["is_good"] and not summary["sheets_out_of_tolerance"]
     assert summary["form_error_um"]["max"] < 1
     assert summary["table_error_nm"]["u"] <= 1
     assert summary["cut"]["spindle_rpm"] == 2500
@@ -94,7 +91,9 @@ def test_default_cut_is_within_a_micrometre(run: Command, tmp_path: Path) -> Non
     complete, *worse = summary["comparison"]
     assert complete["max_um"] == pytest.approx(summary["form_error_um"]["max"], rel=0.1)
     assert worse[-1]["max_um"] > 25
-    trace, surface = read_trace(folder / "trace.parquet"), read_surface(folder / "surface.csv")
+    trace, surface = (read_trace(folder / "trace.parquet"), read_surface(folder / "surface.csv"))
+    text = read_trace(folder / "trace.csv")
+    assert all(np.array_equal(one, other) for one, other in zip(trace, text, strict=True))
     assert summary["trace"] == {
         "file": "trace.parquet",
         "ticks": trace.t_s.size,
@@ -106,38 +105,43 @@ def test_default_cut_is_within_a_micrometre(run: Command, tmp_path: Path) -> Non
     held = map_of(page.data("part-data"))
     assert np.nanmax(np.abs(held.error_um)) == pytest.approx(largest_um, rel=1e-12)
     assert largest_um == pytest.approx(summary["form_error_um"]["max"], rel=1e-3)
-    assert (folder / "report.html").stat().st_size < 8e6
-
-
-@built
-def test_csv_is_kept_where_it_is_wanted(run: Command, tmp_path: Path) -> None:
-    """Beside the compact trace, with the same numbers; --keep applies only to build/run."""
-    done = run("--feed", "2", "--csv", "-o", tmp_path / "out", draws=False)
-    assert done.returncode == 0, done.stderr
-    ours, text = (read_trace(tmp_path / "out" / f"trace.{end}") for end in ("parquet", "csv"))
-    assert all(np.array_equal(one, other) for one, other in zip(ours, text, strict=True))
-    assert "cutting 62 turns, " in done.stderr, "with the ramp of the feed"
-    refused = run("--keep", "2", "-o", tmp_path / "out")
-    assert refused.returncode == 2
-    assert refused.stderr == "run: --keep: applies only to build/run; leave out -o or --keep\n"
-
-
-def same_picture(one: Path, two: Path) -> bool:
-    """Return whether two pictures show the same; a line may round to another pixel."""
-    a, b = imread(one), imread(two)
-    return a.shape == b.shape and float(np.abs(a - b).mean()) < 1e-3
 
 
 def without_clock(name: str, content: bytes) -> object:
-    """Return a result without what the wall clock and its pictures put into it."""
+    """Return a result without pictures, the option --csv, and what the clock put into it."""
     if name == "summary.json":
         return {k: v for k, v in json.loads(content).items() if k not in WALL_CLOCK}
     if name == "report.html":
-        return re.sub(rb"data:image/png;base64,[\w+/=]*", b"", content)
+        return re.sub(rb"data:image/png;base64,[\w+/=]*| --csv(?=<)", b"", content)
     return content
 
 
-@built
+def test_script_runs_from_anywhere_and_gives_the_same(cut: Cut, tmp_path: Path) -> None:
+    """tools/run works through a symbolic link, from another folder, with spaces.
+
+    Tables, trace, surface and report are the bytes of the cut in this process.
+    """
+    if BUILD != ROOT / "build" / "host":
+        pytest.skip("the script builds build/host")
+    (tmp_path / "my run").symlink_to(ROOT / "tools" / "run")
+    shutil.copy(cut.folder.parent / "my part.toml", tmp_path)
+    words = ["./my run", "my part.toml", "--feed", "2", "-o", "my out"]
+    done = subprocess.run(
+        words, cwd=tmp_path, env=os.environ | DAY, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert " my out/report.html and the other files there\n" in done.stdout
+    assert listing(tmp_path / "my out") == RESULTS
+    assert (tmp_path / "my out" / "report.html").stat().st_size < 8e6
+    for name in RESULTS:
+        one, two = ((folder / name).read_bytes() for folder in (tmp_path / "my out", cut.folder))
+        if name.endswith(".png"):
+            assert one.startswith(b"\x89PNG\r\n\x1a\n") and len(one) > 5000, name
+        else:
+            is_same = without_clock(name, one) == without_clock(name, two)
+            assert is_same, name  # asserted by itself: pytest would show the difference for minutes
+
+
 def test_fault_gives_a_report_and_status_1(run: Command, tmp_path: Path) -> None:
     """An emergency stop in the cut is told by camsim's line, by the table and by the report."""
     done = run("--feed", "2", "-o", "out", "--", "--inject", "estop@0.3", draws=False)
@@ -148,16 +152,6 @@ def test_fault_gives_a_report_and_status_1(run: Command, tmp_path: Path) -> None
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["faults"] == ["estop"]
 
 
-@built
-def test_out_of_tolerance_is_status_1(run: Command, tmp_path: Path) -> None:
-    """A cut that is too far off is reported all the same."""
-    done = run("--feed", "2", "-o", "out", "--", "--no-feed-forward", draws=False)
-    assert done.returncode == 1
-    assert done.stdout.startswith("perkins240: out of tolerance\n")
-    assert "report.html" in listing(tmp_path / "out")
-
-
-@built
 def test_incomplete_part_is_status_1(run: Command, tmp_path: Path) -> None:
     """What was cut is within tolerance, but a part is good only when all of it was cut."""
     done = run("--feed", "2", "-o", "out", "--", "--turns-limit", "10", draws=False)
@@ -168,7 +162,6 @@ def test_incomplete_part_is_status_1(run: Command, tmp_path: Path) -> None:
     assert re.search(r"1\d of \d\d turns were cut\. So far the largest form error", report)
 
 
-@built
 @pytest.mark.parametrize(
     ("words", "named"),
     [
@@ -194,16 +187,19 @@ def test_incomplete_part_is_status_1(run: Command, tmp_path: Path) -> None:
         (["--", "--trace", "t.csv"], "-- --trace: is set by tools/run itself"),
         (["--", "--inject", "flood@1"], "--inject flood@1: no such kind"),
         (["--", "--machine", "missing.toml"], "missing.toml: cannot be opened"),
+        (["--keep", "2"], "run: --keep: applies only to build/run; leave out -o or --keep\n"),
     ],
 )
-def test_wrong_usage_is_one_line(here: Here, tmp_path: Path, words: list[str], named: str) -> None:
+def test_wrong_usage_is_one_line(
+    run: Command, tmp_path: Path, words: list[str], named: str
+) -> None:
     """Bad input gives exit status 2, one line that names it, and no file."""
     (tmp_path / "older").write_text("older, not a folder\n")
     output = [] if "-o" in words else ["-o", "out"]
-    status, out, err = here(*output, *words)
-    assert (status, out) == (2, "")
-    assert len(complaints(err)) == 1
-    assert named in err
+    done = run(*output, *words)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert len(complaints(done.stderr)) == 1
+    assert named in done.stderr
     assert listing(tmp_path) == ["older"]
 
 
@@ -270,46 +266,14 @@ def test_comparison_tells_a_cut_that_ended_early() -> None:
     assert variant_of("x", {"end": "fault", "form_error_um": nothing}) is None
 
 
-@built
-def test_script_runs_from_anywhere_and_gives_the_same(run: Command, tmp_path: Path) -> None:
-    """tools/run works through a symbolic link, from another folder, with spaces.
-
-    Tables, trace, surface and report of two cuts are the same bytes, their pictures show the same.
-    """
-    if BUILD != ROOT / "build" / "host":
-        pytest.skip("the script builds build/host")
-    (tmp_path / "my run").symlink_to(ROOT / "tools" / "run")
-    shutil.copy(PERKINS, tmp_path / "my part.toml")
-    day, words = {"SOURCE_DATE_EPOCH": "1700000000"}, ("my part.toml", "--feed", "2", "-o")
-    done = subprocess.run(
-        ["./my run", *words, "my out"],
-        cwd=tmp_path,
-        env=os.environ | day,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert " my out/report.html and the other files there\n" in done.stdout
-    assert run(*words, "again", **day).returncode == 0
-    for name in RESULTS:
-        one, two = tmp_path / "my out" / name, tmp_path / "again" / name
-        if name.endswith(".png"):
-            is_same = same_picture(one, two)
-        else:
-            a, b = (without_clock(name, path.read_bytes()) for path in (one, two))
-            is_same = a == b  # asserted by itself: pytest would show the difference for minutes
-        assert is_same, name
-
-
 def test_machine_that_is_believed_wrong_learns_and_the_report_shows_it(
     run: Command, tmp_path: Path
 ) -> None:
     """The report of the machine `real` says what was learned, draws it, and what it is worth."""
-    done = run("--machine", "real", "--feed", "1", "-o", "out")
+    done = run("--machine", "real", "--feed", "1", "-o", "out", draws=False)
     assert done.returncode in (0, 1), done.stderr
     assert "\n  learning  " in done.stdout and " on, " in done.stdout
-    assert (tmp_path / "out" / "cut_learning.png").stat().st_size > 5000
+    assert (tmp_path / "out" / "cut_learning.png").exists()
     assert "Error of each turn" in (tmp_path / "out" / "report.html").read_text("utf-8")
     kept = (tmp_path / "out" / "perkins240_machine.toml").read_bytes()
     assert kept == machine_bytes("real")
@@ -320,3 +284,109 @@ def test_machine_that_is_believed_wrong_learns_and_the_report_shows_it(
     names = [one["name"] for one in summary["comparison"]]
     assert names[:2] == ["complete controller", "without learning"]
     assert summary["comparison"][1]["max_um"] > summary["comparison"][0]["max_um"]
+
+
+def test_failed_run_leaves_earlier_results(run: Command, tmp_path: Path) -> None:
+    """What an earlier run wrote stays as it was, byte for byte and nothing beside it."""
+    for name in ("report.html", "summary.json", "notes.txt"):
+        (tmp_path / name).write_text("older")
+    assert run("--rpm", "4000", "-o", tmp_path).returncode == 2
+    assert listing(tmp_path) == ["notes.txt", "report.html", "summary.json"]
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"older"}
+
+
+def test_missing_simulator_is_told(run: Command, tmp_path: Path) -> None:
+    """Without a build the remedy is named."""
+    done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "nowhere"))
+    assert done.returncode == 2
+    assert "cannot be started: No such file or directory; start tools/run" in done.stderr
+    assert listing(tmp_path) == []
+
+
+def test_full_disk_leaves_nothing(run: Command, tmp_path: Path) -> None:
+    """When the trace does not fit, nothing appears and the status is 2."""
+    done = run("--feed", "2", "-o", "out", largest_file=200_000)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "File too large" in done.stderr
+    assert listing(tmp_path) == []
+
+
+def fake_camsim(folder: Path, script: str) -> Path:
+    """Put a script in the place of camsim; return its path."""
+    path = folder / "build" / "host_sim" / "camsim"
+    path.parent.mkdir(parents=True)
+    path.write_text(f"#!/bin/sh\n{script}")
+    path.chmod(0o755)
+    return path
+
+
+def test_interrupted_run_leaves_nothing(run: Command, tmp_path: Path) -> None:
+    """A signal ends the simulator too, removes the stage and the new folder.
+
+    It comes when more of the trace is written than a pipe holds.
+    """
+    script = """[ "$1" = run ] || exit 2
+echo $$ >"$0.pid"
+for trace; do :; done
+exec >"$trace"
+echo tick,t_s,state
+yes 1,0.5,off | head -n 20000
+kill -TERM $PPID
+exec yes 1,0.5,off
+"""
+    camsim = fake_camsim(tmp_path, script)
+    done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "build"))
+    assert done.returncode == 128 + signal.SIGTERM
+    assert done.stderr.endswith("run: interrupted; nothing was written\n")
+    assert listing(tmp_path) == ["build"]
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(camsim.with_name("camsim.pid").read_text()), 0)
+
+
+def test_crashed_simulator_is_told(run: Command, tmp_path: Path) -> None:
+    """A simulator that dies of a signal gives one line and status 2."""
+    fake_camsim(tmp_path, "kill -SEGV $$\n")
+    done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "build"))
+    assert done.returncode == 2
+    assert "camsim: ended by signal 11" in done.stderr
+    assert listing(tmp_path) == ["build"]
+
+
+def test_stage_publishes_over_earlier_files(tmp_path: Path) -> None:
+    """Files of the stage replace those of the same name; others stay."""
+    (tmp_path / "a").write_text("older")
+    (tmp_path / "b").write_text("older")
+    with staged(tmp_path) as stage:
+        (stage.folder / "a").write_text("new")
+        assert (tmp_path / "a").read_text() == "older"
+        stage.publish()
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
+        "a": "new",
+        "b": "older",
+    }
+
+
+def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
+    """When one name cannot be given, none is."""
+    (tmp_path / "b").mkdir()
+    with (
+        pytest.raises(CamtoolsError, match="/b: cannot write: Is a directory; "),
+        staged(tmp_path) as stage,
+    ):
+        (stage.folder / "a").write_text("new")
+        (stage.folder / "b").write_text("new")
+        stage.publish()
+    assert listing(tmp_path) == ["b"]
+
+
+def test_stated_roundness_decides(run: Command, tmp_path: Path) -> None:
+    """Beyond it the part is not good, in every place that tells, though its form error is."""
+    part = tmp_path / "part.toml"
+    part.write_text(f"{PERKINS.read_text()}\n[tolerances]\nroundness_um = 0.001\n")
+    done = run(part, "--feed", "2", "-o", "out", draws=False)
+    assert done.returncode == 1
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["form_error_um"]["max"] < 1
+    assert not summary["is_good"] and summary["sheets_out_of_tolerance"]
+    assert done.stdout.startswith("perkins240: out of tolerance")
+    assert ": out of tolerance</title>" in (tmp_path / "out" / "report.html").read_text().lower()

@@ -18,7 +18,6 @@ def lint(config: Path, tools: Path = TOOLS) -> subprocess.CompletedProcess[str]:
         env=environment() | {"PYTHONPATH": str(tools)},
         capture_output=True,
         text=True,
-        timeout=120,
         check=False,
     )
 

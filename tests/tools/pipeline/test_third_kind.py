@@ -1,7 +1,6 @@
 """A third kind of part is one package: from its file to its report, with no change elsewhere."""
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +14,8 @@ from camtools.cli.run import main as run
 from camtools.pipeline.load import parse
 from camtools.pipeline.registry import kinds
 from camtools.table.image import unpack
-from tests.tools.cases.part_cases import PERKINS, ROOT
+from tests.tools.cases.part_cases import PERKINS
 
-BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
-built = pytest.mark.skipif(not (BUILD / "host_sim" / "camsim").exists(), reason="not built")
 PACKAGE = Path(__file__).parents[1] / "cases" / "third_kind"
 RING = """\
 [part]
@@ -66,7 +63,6 @@ def test_table_of_the_third_kind(ring: Path, capsys: pytest.CaptureFixture[str])
     assert (table.part_name, table.bounds.u_max_nm) == ("ring", 500_001)
 
 
-@built
 def test_cut_of_the_third_kind(ring: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Run makes, cuts, gauges and reports it on the simulator."""
     assert run([str(ring), "--rpm", "500", "-o", "out"]) == 0
