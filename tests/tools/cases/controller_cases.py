@@ -15,16 +15,13 @@ from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.controller_service import ControllerService
 from camtools.panel.orders.order import Order, Outcome
+from checks import patience
+from tests.tools.cases.camctl_bench import pace
 
-PATIENCE_S = 30.0
 
-
-def until(is_true: Callable[[], bool], what: str = "") -> None:
-    """Wait for what must come, however slow the computer is."""
-    end_s = time.monotonic() + PATIENCE_S
-    while not is_true():
-        assert time.monotonic() < end_s, what
-        time.sleep(0.01)
+def until(is_true: Callable[[], object], what: str = "the condition in the traceback") -> None:
+    """Wait for a condition."""
+    patience.until(is_true, what)
 
 
 class Seat:
@@ -56,7 +53,7 @@ class Seat:
 
     def connect(self) -> None:
         """Wait for the status."""
-        until(lambda: self.service.snapshot().is_connected, self.service.snapshot().problem)
+        until(lambda: self.service.snapshot().is_connected, "a connection")
 
     @property
     def state(self) -> str:
@@ -91,5 +88,6 @@ class Seat:
         """Return where an axis is, by a status that is yet to come."""
         name = {"u": "u_actual"}.get(axis, axis)
         seen_s = time.monotonic()
-        until(lambda: self.service.snapshot().at_s > seen_s + 0.35)  # its page comes all 0.25 s
+        # its page comes every 0.25 s
+        until(lambda: self.service.snapshot().at_s > seen_s + 0.35 / pace(), "a page of axes")
         return self.service.snapshot().signals[name]

@@ -10,7 +10,9 @@ from camtools.link.controller import PERIOD_S, Link
 from camtools.link.live_lathes import live_lathes
 from camtools.link.messages import NUMBERS
 from camtools.link.refusal_text import ask_done
-from tests.tools.cases.background import PATIENCE_S, Background, background, python
+from checks.patience import limit_s
+from tests.tools.cases.background import Background, background, python
+from tests.tools.cases.camctl_bench import pace
 
 
 class LiveCase:
@@ -30,7 +32,7 @@ class LiveCase:
     def until(self, *states: str) -> None:
         """Wait for one of some states."""
         status = self.link.status
-        is_there = self.link.wait(lambda: status.state in states, PATIENCE_S)
+        is_there = self.link.wait(lambda: status.state in states, limit_s())
         assert is_there, f"{status.state} {status.faults}\n{self.lathe.text()}"
 
     def order(self, command: str, *states: str) -> None:
@@ -51,14 +53,16 @@ class LiveCase:
 
 @contextmanager
 def live_case(folder: Path, *words: str | Path) -> Iterator[LiveCase]:
-    """Run tools/live with some words.
+    """Run tools/live with some words, more slowly on a slow machine.
 
     Parameters
     ----------
     folder : Path
         empty; this lathe and no other announces itself there
     """
-    with background(*python("camtools.cli.live", *words), XDG_RUNTIME_DIR=str(folder)) as lathe:
+    with background(
+        *python("camtools.cli.live", *words, "--speed-up", str(pace())), XDG_RUNTIME_DIR=str(folder)
+    ) as lathe:
         lathe.wait_for("control-C ends")
         (announced,) = live_lathes(folder / "camturn")
         bus, where = open_bus(announced.bus)

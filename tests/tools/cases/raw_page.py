@@ -13,10 +13,11 @@ from urllib.parse import urlencode, urlsplit
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from websockets.sync.client import ClientConnection, connect
 
+from checks.patience import limit_s
+
 _ELEMENTS = re.compile(r"parseElements\(String\.raw`(.*?)`\)", re.DOTALL)
 _CLIENT = re.compile(r"'client_id': '([0-9a-f-]{36})'")
 _ESCAPES = {"&#36;": "$", "&#96;": "`", "&gt;": ">", "&lt;": "<", "&amp;": "&"}
-PATIENCE_S = 20.0
 
 
 def get(
@@ -24,7 +25,7 @@ def get(
 ) -> tuple[int, bytes]:
     """Ask for a path as it is written, without tidying it; return status and content."""
     place = urlsplit(origin)
-    line = http.client.HTTPConnection(place.hostname or "", place.port, timeout=PATIENCE_S)
+    line = http.client.HTTPConnection(place.hostname or "", place.port, timeout=limit_s())
     try:
         more = {name.replace("_", "-"): value for name, value in headers.items()}
         line.request(method, path, body, more)
@@ -77,7 +78,7 @@ class RawPage:
         place = self.origin.replace("http://", "ws://")
         url = f"{place}/_nicegui_ws/socket.io/?{self.query(**more)}"
         said = self.origin if origin == "" else origin
-        with connect(url, origin=said, open_timeout=PATIENCE_S) as socket:  # type: ignore[arg-type]
+        with connect(url, origin=said, open_timeout=limit_s()) as socket:  # type: ignore[arg-type]
             one = RawSocket(self, socket)
             one.begin()
             yield one
@@ -105,7 +106,7 @@ class RawSocket:
 
     def hear(self) -> str:
         """Return the next message; pings are answered."""
-        while (message := str(self.socket.recv(PATIENCE_S))) == "2":
+        while (message := str(self.socket.recv(limit_s()))) == "2":
             self.socket.send("3")
         return message
 

@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +16,13 @@ import pytest
 from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND, NAMES
 from camtools.link.status_text import COLUMNS
-from tests.tools.cases.camctl_bench import Bench
+from checks.patience import until
+from tests.tools.cases.camctl_bench import Bench, pace
+
+
+def interrupt() -> None:
+    """Press control-C."""
+    signal.raise_signal(signal.SIGINT)
 
 
 def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:
@@ -65,13 +72,13 @@ def test_start_waits_for_the_part(bench: Bench) -> None:
 
 
 def test_control_c_stops_the_cut_and_waits_for_its_end(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
+    bench: Bench, refusal: Callable[..., str]
 ) -> None:
     """The status tells that the part is not whole."""
     bench.do("home")
     bench.do("set", "engage_turns", "100")
-    threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
-    assert refusal(bench, 1, "start") == "camctl: start: stopped by control-C before its end"
+    line = refusal(bench, 1, "start", on="engaging", act=interrupt)
+    assert line == "camctl: start: stopped by control-C before its end"
     assert "state             ready" in bench.do("status")
 
 
@@ -165,8 +172,13 @@ def test_what_must_not_change_in_the_cut_is_refused(
 def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
     """Control-C is how a record without --seconds ends: status 0, all rows written."""
     file = tmp_path / "cut.csv"
-    stop = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
-    stop.start()
+
+    def interrupt_later() -> None:
+        until(lambda: list(tmp_path.iterdir()), "the file that grows")
+        time.sleep(0.5 / pace())
+        interrupt()
+
+    threading.Thread(target=interrupt_later).start()
     assert "rows" in bench.do("record", file)
     lines = file.read_text().splitlines()
     assert len(lines) > 3
@@ -222,11 +234,12 @@ class Terminal(io.StringIO):
 def test_watch_prints_lines_or_draws(bench: Bench) -> None:
     """Without a terminal a line at a time; with one a page that is drawn over."""
     bench.do("home")
-    lines = bench.do("watch", "--seconds", "0.5", "--every", "0.1").splitlines()
+    seconds, every = str(0.5 / pace()), str(0.1 / pace())
+    lines = bench.do("watch", "--seconds", seconds, "--every", every).splitlines()
     assert 1 <= len(lines) <= 6
     assert all(line.startswith("ready") and "following error" in line for line in lines)
     screen = Terminal()
-    words = ["-i", "virtual", "-c", bench.channel, "watch", "--seconds", "0.3"]
+    words = ["-i", "virtual", "-c", bench.channel, "watch", "--seconds", seconds]
     bench.estop(True)
     assert main(words, screen) == 0
     text = screen.getvalue()

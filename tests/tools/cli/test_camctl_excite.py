@@ -3,7 +3,6 @@
 
 import signal
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +14,8 @@ from camtools.link import excitation, scope
 from camtools.link.controller import Link
 from camtools.link.learned_file import LAYOUT
 from camtools.link.messages import COMMAND, Refused
-from tests.tools.cases.camctl_bench import Bench, columns, order
+from checks.patience import until
+from tests.tools.cases.camctl_bench import Bench, act_when, columns, order
 
 N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0
 Refusal = Callable[[Bench, int, str], str]
@@ -108,60 +108,37 @@ def test_an_excitation_needs_ready_and_room(
 
 def excite_until(link: Link, bench: Bench, act: Callable[[], object]) -> str:
     """Begin a long excitation, act in its middle; return what ended it for the tool."""
-    timer = threading.Timer(0.5, act)
-    timer.start()
+    thread = act_when(bench, lambda status: status.state == "identifying", act)
     with pytest.raises(Refused) as refused:
         excitation.excite(link, tone(HEIGHT_NM), 300, place_nm=-300_000)
-    timer.join()
+    thread.join()
     bench.drop = lambda frame: False
     return str(refused.value)
 
 
-def excited(link: Link) -> str:
-    """Wait for the end of an excitation; return what came of it."""
-    for _ in range(200):
-        what = scope.EXCITED[scope.get(link, "excited")]
-        if what != "runs":
-            break
-        time.sleep(0.01)
-    return what
+def lose_commands(bench: Bench, _link: Link) -> None:
+    """Lose every command on the bus from now on."""
+    bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
 
 
-def test_stop_of_somebody_else_ends_it(bench: Bench, link: Link) -> None:
-    """The tool tells that it was cut short; the machine is ready."""
+@pytest.mark.parametrize(
+    ("act", "said"),
+    [
+        (lambda bench, _: order(bench, "stop"), "cut short: stopped"),
+        (lose_commands, ""),
+    ],
+)
+def test_what_ends_an_excitation(
+    bench: Bench, link: Link, act: Callable[[Bench, Link], None], said: str
+) -> None:
+    """The stop of another program, and a tool that is not heard; U rests without a fault."""
     bench.do("home")
-    assert "cut short: stopped" in excite_until(link, bench, lambda: order(bench, "stop"))
-    assert "state             ready" in bench.do("status")
-
-
-def test_disable_ends_it_and_then_switches_off(bench: Bench, link: Link) -> None:
-    """U comes to rest before the drives go off."""
-    bench.do("home")
-    ended = excite_until(link, bench, lambda: order(bench, "disable", link))
-    assert "cut short: stopped" in ended
-    time.sleep(0.3)
-    text = bench.do("status")
-    assert "state             off" in text
-    assert "faults            none" in text
-
-
-def test_a_fault_ends_it(bench: Bench, link: Link) -> None:
-    """The emergency stop retracts U as always."""
-    bench.do("home")
-    assert "cut short: fault" in excite_until(link, bench, lambda: bench.estop(True))
-    assert "state             fault" in bench.do("status")
-
-
-def test_a_lost_tool_ends_it(bench: Bench, link: Link) -> None:
-    """Without signs of life U comes to rest within half a second and the fade."""
-    bench.do("home")
-
-    def cut() -> None:
-        bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
-
-    excite_until(link, bench, cut)
-    assert excited(link) == "silent"
-    assert "state             ready" in bench.do("status")
+    link.rights.on_lost = lambda text, holder: None
+    assert said in excite_until(link, bench, lambda: act(bench, link))
+    until(lambda: "state             ready" in bench.do("status"), "ready")
+    if not said:
+        assert scope.EXCITED[scope.get(link, "excited")] == "silent"
+    assert "faults            none" in bench.do("status")
 
 
 def test_an_interrupted_tool_stops_u(bench: Bench, wave: Path, tmp_path: Path) -> None:
@@ -172,8 +149,7 @@ def test_an_interrupted_tool_stops_u(bench: Bench, wave: Path, tmp_path: Path) -
     status, _ = bench.run("excite", wave, record, "--periods", "1000")
     assert status != 0
     assert not record.exists()
-    time.sleep(0.3)
-    assert "state             ready" in bench.do("status")
+    until(lambda: "state             ready" in bench.do("status"), "ready")
 
 
 def test_learned_values_are_told_and_kept(bench: Bench, tmp_path: Path) -> None:

@@ -10,8 +10,7 @@ from collections.abc import Callable
 import pytest
 
 from camtools.cli.camctl import main
-from camtools.link.messages import COMMAND
-from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.camctl_bench import Bench, act_when, pace
 
 
 def places(bench: Bench) -> dict[str, tuple[float, float, bool]]:
@@ -27,7 +26,7 @@ def test_an_axis_is_jogged_for_a_time_and_by_steps(bench: Bench) -> None:
     x = places(bench)["x"][0]
     assert x == pytest.approx(60, abs=1e-6)
     assert bench.do("jog", "x", "+", "--speed", "5", "--seconds", "0.4").startswith("x ")
-    assert places(bench)["x"][0] - x == pytest.approx(2.0, abs=1.0)
+    assert places(bench)["x"][0] - x == pytest.approx(2.0 * pace(), abs=pace())
     there = places(bench)["x"][0]
     time.sleep(0.1)
     assert places(bench)["x"][0] == there
@@ -40,30 +39,16 @@ def test_an_axis_is_jogged_for_a_time_and_by_steps(bench: Bench) -> None:
 def test_control_c_ends_a_jog_that_is_held(bench: Bench) -> None:
     """The command ends with status 0 and the axis stands."""
     bench.do("manual")
-    stop = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
-    stop.start()
+    z_mm = places(bench)["z"][0]
+    act_when(
+        bench,
+        lambda status: status.signals.get("z", z_mm) > z_mm + 0.3,
+        lambda: signal.raise_signal(signal.SIGINT),
+    )
     assert bench.do("jog", "z", "+", "--speed", "2").startswith("z ")
     z = places(bench)["z"][0]
-    assert 0.3 < z < 2.5
+    assert z_mm + 0.3 < z < z_mm + 2.5
     assert places(bench)["z"][0] == z
-
-
-def test_frames_that_get_lost_stop_the_axis(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
-    """The bus takes no more commands: the axis has stopped a quarter of a second later."""
-    bench.do("manual")
-
-    def cut() -> None:
-        bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
-
-    threading.Timer(0.3, cut).start()
-    assert "no answer, though status comes" in refusal(bench, 1, "jog z + --speed 10 --seconds 5")
-    bench.drop = lambda frame: False
-    z = places(bench)["z"][0]
-    assert z < 8
-    assert places(bench)["z"][0] == z
-    assert "last order: silent" in bench.do("status")
 
 
 def test_axes_are_homed(bench: Bench, refusal: Callable[[Bench, int, str], str]) -> None:

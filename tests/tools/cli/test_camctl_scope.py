@@ -16,7 +16,8 @@ from camtools.link import excitation, scope
 from camtools.link.controller import BLOCK_ID, FD_PART_ID, PART_ID, Link
 from camtools.link.learned_file import N_VALUES
 from camtools.link.messages import ANSWER, COMMAND, Refused, command_bytes
-from tests.tools.cases.camctl_bench import Bench, columns, order
+from checks.patience import limit_s
+from tests.tools.cases.camctl_bench import Bench, columns, order, pass_time
 
 Refusal = Callable[[Bench, int, str], str]
 
@@ -134,9 +135,9 @@ def test_the_black_box_keeps_what_was_before_a_fault(
     box = tmp_path / "box.parquet"
     assert "holds no fault" in refusal(bench, 1, f"blackbox {box}")
     bench.do("home")
-    link.wait(lambda: False, 0.7)
+    pass_time(link, 0.7)
     bench.estop(True)
-    link.wait(lambda: False, 0.3)
+    pass_time(link, 0.3)
     assert "black box         of estop: camctl blackbox FILE" in bench.do("status")
     text = bench.do("blackbox")
     assert "unread: estop" in text
@@ -185,7 +186,7 @@ def record_some(link: Link) -> scope.Recording:
     """Record 600 rows and read them over a sound bus."""
     scope.configure(link, ["tick", "counts"], rows=600)
     scope.start(link)
-    scope.wait(link, 5)
+    scope.wait(link, limit_s())
     return scope.read(link)
 
 
@@ -239,7 +240,7 @@ def test_a_command_ends_a_piece(bench: Bench, link: Link) -> None:
     link.parts.clear()
     read = command_bytes("read_scope", 0, {"offset": 0, "count": 255})
     link.send_frame(COMMAND.frame_id, read)
-    assert link.wait(lambda: len(link.parts) > 10, 1)
+    assert link.wait(lambda: len(link.parts) > 10, limit_s())
     assert link.ask("get_parameter", parameter=0).value == 10000
     link.wait(lambda: False, 0.1)
     assert len(link.parts) < 146

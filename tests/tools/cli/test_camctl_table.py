@@ -2,7 +2,6 @@
 """Tables over the bus by tools/camctl: downloaded, selected, refused, repeated."""
 
 import struct
-import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,15 +11,8 @@ import pytest
 from camtools.cli.mktables import main as mktables
 from camtools.link.controller import BLOCK_ID
 from camtools.link.download import BLOCK_BYTES
-from tests.tools.cases.camctl_bench import ROOT, Bench
-
-
-def named(table: bytes, name: str) -> bytes:
-    """Return the table with another name and a checksum that fits: TABLE_FORMAT.md."""
-    body = bytearray(table)
-    body[32:64] = name.encode().ljust(32, b"\0")
-    struct.pack_into("<I", body, 20, zlib.crc32(body[24:]))
-    return bytes(body)
+from tests.tools.cases.camctl_bench import Bench, named
+from tests.tools.cases.camsim_cases import ROOT
 
 
 @pytest.fixture(scope="module")

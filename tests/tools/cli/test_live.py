@@ -6,8 +6,7 @@ import json
 import os
 import re
 import signal
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
@@ -19,7 +18,9 @@ from camtools.cli.live import main as live_main
 from camtools.link.live_lathes import LiveLathe, live_lathes, only_lathe
 from camtools.pipeline.load import load
 from camtools.pipeline.make_table import make
-from tests.tools.cases.background import PATIENCE_S, Background, background, python
+from checks.patience import until
+from tests.tools.cases.background import Background, background, python
+from tests.tools.cases.camctl_bench import pace
 from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.part_cases import ROOT
 
@@ -30,7 +31,8 @@ class Live(Background):
     """tools/live as a process."""
 
     def __init__(self, *words: str) -> None:
-        super().__init__(python("camtools.cli.live", PART, *words), {})
+        speed = ("--speed-up", str(pace()))
+        super().__init__(python("camtools.cli.live", PART, *words, *speed), {})
         self.wait_for(" real time")
         self.wait_for("for your own programs with python-can: export CAN_INTERFACE=")
         self.wait_for("control-C ends")
@@ -79,22 +81,14 @@ def do(*words: str | Path) -> str:
     return text
 
 
-def succeeds(*words: str) -> bool:
+def succeeds(*words: str | Path) -> bool:
     """Run camctl and return whether it succeeded."""
     return run(*words)[0] == 0
 
 
-def until(is_true: Callable[[], bool]) -> None:
-    """Wait for what must come, however slow the computer is."""
-    end_s = time.monotonic() + PATIENCE_S
-    while not is_true():
-        assert time.monotonic() < end_s
-        time.sleep(0.05)
-
-
-def the_lathe() -> LiveLathe:
-    """Return the one there is."""
-    lathe = only_lathe(None)
+def named_lathe(name: str) -> LiveLathe:
+    """Return a lathe that runs."""
+    lathe = only_lathe(name)
     assert lathe is not None
     return lathe
 
@@ -119,7 +113,7 @@ def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
     made = make(load(PART), PART)
     table = tmp_path / "a.camtab"
     table.write_bytes(made.files(with_plots=False)["perkins240.camtab"])
-    with living("--speed-up", "1.5") as live:
+    with living() as live:
         assert "state             off" in do("status")
         assert "generation 2" in do("table", "download", table, "--select")
         assert do("home") == "home: ready\n"
@@ -127,20 +121,20 @@ def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
         assert do("disable") == "disable: off\n"
         assert do("manual") == "manual: manual\n"
         # A computer that leaves camctl waiting for 250 ms has the axis braked; then it goes on.
-        until(lambda: run("home", "x")[0] == 0)
+        until(lambda: succeeds("home", "x"), "home x")
         assert re.search(r"^x .*, homed$", do("where"), re.MULTILINE)
         assert do("disable") == "disable: off\n"
         assert do("home") == "home: ready\n"
         with cutting() as cut:
             assert "r/min" in do("watch", "--seconds", "1.5", "--every", "0.5")
-            until(lambda: "cutting" in do("status"))
+            until(lambda: "cutting" in do("status"), "cutting")
             look_at_ticks(tmp_path)
             live.do("estop")
-            until(lambda: "faults            estop" in do("status"))
+            until(lambda: "faults            estop" in do("status"), "estop")
             cut.wait_for("camctl: fault: estop")
-        until(lambda: run("blackbox", tmp_path / "box.parquet")[0] == 0)
+        until(lambda: succeeds("blackbox", tmp_path / "box.parquet"), "the black box")
         live.do("release")
-        until(lambda: run("reset")[0] == 0)
+        until(lambda: succeeds("reset"), "reset")
         assert do("home") == "home: ready\n"
         with cutting() as cut:
             cut.wait_for("cutting: ")
@@ -148,10 +142,10 @@ def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
             cut.wait_for("start: the cut was stopped ")
         gauged = re.search(r"form error max ([\d.]+) um", live.wait_for("part 2: "))
         assert gauged is not None and float(gauged[1]) < 1.0
-        until(lambda: "state             ready" in do("status"))
+        until(lambda: "state             ready" in do("status"), "ready")
         assert "error of U" in do("learned")
         # `start` may have been ended before it had given command back, which is then lost.
-        until(lambda: run("disable") == (0, "disable: off\n"))
+        until(lambda: run("disable") == (0, "disable: off\n"), "off")
 
 
 def by_hand() -> list[str]:
@@ -176,38 +170,19 @@ def test_the_manual_from_power_on_to_the_first_cut() -> None:
     with living():
         for one in commands:
             # A late computer has the axis braked after 250 ms, which a second try forgives.
-            until(partial(succeeds, *one.split()))
+            until(partial(succeeds, *one.split()), one)
         assert do("where").count("homed") == 3
         assert do("home") == "home: ready\n"
         assert do("disable") == "disable: off\n"
 
 
-def test_a_lathe_that_is_killed_is_a_fault_of_drives_and_bus() -> None:
-    """The controller goes on and says so; it is left to camctl to look at it."""
-    with living() as live:
-        do("home")
-        os.kill(the_lathe().facts["lathe_pid"], signal.SIGKILL)
-        live.wait_for("was ended by signal 9; the controller continues")
-        until(lambda: "faults            drive, bus" in do("status"))
-        assert run("reset")[0] == 1 or run("enable")[0] == 1, "the drives are still missing"
+def test_two_live_lathes_and_their_deaths(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a name camctl says which there are; each bus is its own.
 
-
-def test_a_controller_that_is_killed_leaves_a_silent_bus(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """The drives brake to rest; camctl has nobody to talk to."""
-    with living() as live:
-        do("home")
-        os.kill(the_lathe().facts["controller_pid"], signal.SIGKILL)
-        live.wait_for("lathe: the controller is gone")
-        live.wait_for("lathe: at rest")
-        assert run("status")[0] == 1
-        assert "live lathe perkins240" in capsys.readouterr().err
-
-
-def test_two_live_lathes_are_told_apart_by_name(capsys: pytest.CaptureFixture[str]) -> None:
-    """Without a name camctl says which there are; each bus is its own."""
-    with living(), living("--name", "other"):
+    A lathe that is killed is a fault of drives and bus, and the controller continues. When a
+    controller is killed, the drives brake to rest; camctl has nobody to talk to.
+    """
+    with living() as live, living("--name", "other") as other:
         assert run("status")[0] == 2
         assert (
             "2 live lathes are running: other, perkins240; give --live NAME"
@@ -219,6 +194,18 @@ def test_two_live_lathes_are_told_apart_by_name(capsys: pytest.CaptureFixture[st
         assert "there is other, perkins240" in capsys.readouterr().err
         assert run("--live", "other", "-i", "virtual", "status")[0] == 2
         assert "has its own bus; leave out interface" in capsys.readouterr().err
+        first = ("--live", "perkins240")
+        do(*first, "home")
+        os.kill(named_lathe("perkins240").facts["lathe_pid"], signal.SIGKILL)
+        live.wait_for("was ended by signal 9; the controller continues")
+        until(lambda: "faults            drive, bus" in do(*first, "status"), "the fault")
+        assert run(*first, "reset")[0] == 1 or run(*first, "enable")[0] == 1, "no drives"
+        os.kill(named_lathe("other").facts["controller_pid"], signal.SIGKILL)
+        other.wait_for("lathe: the controller is gone")
+        other.wait_for("lathe: at rest")
+        capsys.readouterr()
+        assert run("--live", "other", "status")[0] == 1
+        assert "live lathe other" in capsys.readouterr().err
 
 
 def test_what_a_killed_one_left_behind_is_not_believed(folder: Path) -> None:

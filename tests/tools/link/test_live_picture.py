@@ -7,7 +7,7 @@ import numpy as np
 
 from camtools.link.convergence import Convergence
 from camtools.link.progress import cut_progress
-from tests.tools.cases.background import PATIENCE_S
+from checks.patience import limit_s
 from tests.tools.cases.live_cases import live_case
 
 
@@ -33,7 +33,7 @@ def test_a_cut_is_seen_as_it_is(tmp_path: Path) -> None:
         case.order("start", "rehearsing")
         case.until("cutting")
         case.until("ready")
-        assert case.link.wait(lambda: bool(ended), PATIENCE_S)  # its row has more messages
+        assert case.link.wait(lambda: bool(ended), limit_s())  # its row has more messages
     at_s, left_s, fraction = np.array(told).T
     end_s = ended[-1]
     whole_s = end_s - at_s[0]

@@ -14,11 +14,11 @@ from camtools.link import scope
 from camtools.link.controller import Link
 from camtools.link.messages import DATABASE, Refused
 from camtools.link.strobe import Samples, Strobe, best_every
+from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench
 
 MESSAGE = DATABASE.get_message_by_name("Strobe")
 TICK_HZ = 20000
-PATIENCE_S = 30.0
 
 
 def a_link() -> Link:
@@ -28,7 +28,7 @@ def a_link() -> Link:
 
 def until_there(link: Link, strobe: Strobe, n: int) -> Samples:
     """Take frames until so many samples are there."""
-    assert link.wait(lambda: len(strobe.samples().tick) >= n, PATIENCE_S)
+    assert link.wait(lambda: len(strobe.samples().tick) >= n, limit_s())
     return strobe.samples()
 
 
@@ -116,14 +116,15 @@ def test_samples_are_what_the_recorder_has(bench: Bench, link: Link) -> None:
     """Angle, turn, error and state of the very same ticks; both run side by side."""
     bench.do("home")
     strobe = Strobe(link)
+    speed_rpm = link.listen().signals["speed"]
     strobe.follow()
-    assert strobe.every == best_every(TICK_HZ, link.listen().signals["speed"])
+    assert strobe.every == best_every(TICK_HZ, speed_rpm)
     signals = ("angle_q32", "state", "turn", "u_actual_nm", "u_due_q6")
     scope.configure(link, signals, 1, 4000)
     assert link.ask("start").result == "done"
     until_there(link, strobe, 20)
     scope.start(link)
-    scope.wait(link, PATIENCE_S)
+    scope.wait(link, limit_s())
     made = strobe.samples()
     assert made.n_lost == 0
     recording = scope.read(link)  # meanwhile fewer are sent
@@ -150,15 +151,9 @@ def test_it_is_renewed_as_long_as_frames_are_read_and_then_ends(link: Link) -> N
     strobe = Strobe(link)
     link.listen()
     strobe.begin(400)
-    end_s = time.monotonic() + 3.0
-    link.wait(lambda: time.monotonic() > end_s, 4.0)
-    n = len(strobe.samples().tick)
-    assert n >= 100  # of some 150; after 2 s without renewal there would be none
-    time.sleep(2.5)
-    while link.pump(0):
-        pass
+    until_there(link, strobe, 150)  # after 2 s without renewal there would be 100
     strobe.every = 0  # as a program that has died
-    assert link.wait_in_its_time(lambda: time.monotonic() - strobe.last_s > 0.5, 4.0)
+    assert link.wait_in_its_time(lambda: time.monotonic() - strobe.last_s > 0.5, limit_s())
 
 
 def test_what_is_wrong_is_told_in_a_line(bench: Bench, link: Link) -> None:

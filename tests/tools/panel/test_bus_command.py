@@ -13,6 +13,7 @@ from camtools.link.refusal_text import ask_done
 from camtools.link.rights import sender_of, sender_text
 from camtools.panel.views.bus_commander import held_text, other_sender
 from camtools.panel.views.missing import way_on
+from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import Seat, until
 
@@ -103,12 +104,12 @@ def test_stop_needs_no_command_on_the_bus(strict: Bench, first: Seat, stranger: 
     until(lambda: not first.service.snapshot().has_command)
     strict.press()
     ask_done(stranger, "home")
-    assert stranger.wait(lambda: stranger.status.state == "ready", 10)
+    assert stranger.wait(lambda: stranger.status.state == "ready", limit_s())
     stranger.rights.on_lost = lambda text, holder: lost.append(holder)
     lost: list[int] = []
     assert first.ask("disable", first.other).is_done
     # It takes command over for that, and gives it back at once.
-    assert stranger.wait(lambda: len(lost) == 1 and stranger.status.state == "off", 10)
+    assert stranger.wait(lambda: len(lost) == 1 and stranger.status.state == "off", limit_s())
     assert lost[0] in (PANEL, 0)
 
 

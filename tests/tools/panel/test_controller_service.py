@@ -3,8 +3,9 @@
 
 import asyncio
 import random
-import struct
 import zlib
+from collections.abc import Callable
+from pathlib import Path
 
 import can
 import pytest
@@ -13,7 +14,7 @@ from camtools.link.controller import Link
 from camtools.link.messages import COMMAND, Answer, Refused
 from camtools.link.parameters import INFOS
 from camtools.link.refusal_text import ask_done
-from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.camctl_bench import Bench, named
 from tests.tools.cases.controller_cases import Seat, until
 
 
@@ -243,17 +244,9 @@ def test_the_strobe_is_asked_for_while_a_page_looks(seat: Seat) -> None:
 
 
 @pytest.fixture(scope="module")
-def bench_table() -> bytes:
-    """Return a table with another name: TABLE_FORMAT.md."""
-    from camtools.pipeline.load import load
-    from camtools.pipeline.make_table import make
-    from tests.tools.cases.part_cases import PERKINS
-
-    image = make(load(PERKINS), PERKINS).files(with_plots=False)["perkins240.camtab"]
-    body = bytearray(image)
-    body[32:64] = b"other part".ljust(32, b"\0")
-    struct.pack_into("<I", body, 20, zlib.crc32(body[24:]))
-    return bytes(body)
+def bench_table(table_of: Callable[[str], Path]) -> bytes:
+    """Return a table with another name."""
+    return named(table_of("perkins240").read_bytes(), "other part")
 
 
 def test_a_controller_that_falls_silent_is_seen_and_comes_back(

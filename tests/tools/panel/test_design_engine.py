@@ -10,9 +10,9 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.panel.design.preview_engine import Engine, PreviewLimits, Seat
+from checks.patience import limit_s
 from tests.tools.cases.preview_cases import PARTS, text_of
 
-LONG_S = 30.0  # until a test gives up
 Answer = dict[str, Any]
 
 
@@ -34,7 +34,7 @@ class Page:
 
     async def until(self, is_there: Callable[[Answer], bool]) -> Answer:
         """Return the first answer of a kind, and forget all up to it."""
-        async with asyncio.timeout(LONG_S):
+        async with asyncio.timeout(limit_s()):
             while True:
                 for i, answer in enumerate(self.heard):
                     if is_there(answer):
@@ -48,13 +48,14 @@ class Page:
         return await self.until(lambda one: one["stage"] in ("done", "lost"))
 
 
-def acted(limits: PreviewLimits, act: Callable[[Engine], Awaitable[None]]) -> None:
-    """Act with an engine that is closed behind it."""
+def acted(limits: PreviewLimits, *acts: Callable[[Engine], Awaitable[None]]) -> None:
+    """Act with an engine that is closed afterwards."""
 
     async def whole() -> None:
         engine = Engine(limits)
         try:
-            await act(engine)
+            for act in acts:
+                await act(engine)
         finally:
             await engine.close()
         assert not engine._tasks
@@ -65,43 +66,51 @@ def acted(limits: PreviewLimits, act: Callable[[Engine], Awaitable[None]]) -> No
 
 async def idle(engine: Engine) -> asyncio.subprocess.Process:
     """Return the process of an engine that has one, when it waits."""
-    async with asyncio.timeout(LONG_S):
+    async with asyncio.timeout(limit_s()):
         while not engine._idle:
             await asyncio.sleep(0.01)
     return engine._idle[0].process
 
 
-def test_the_newest_change_wins() -> None:
+async def newest_change_wins(engine: Engine) -> None:
     """Of changes that follow each other quickly the last one alone has a table."""
-
-    async def act(engine: Engine) -> None:
-        page = Page(engine)
-        slow = text_of("16v240zj")
-        page.ask(slow)
-        await page.until(lambda one: one["stage"] == "curves")
-        for rpm in (601, 602, 603):
-            page.ask(text_of("perkins240").replace("rpm = 2500", f"rpm = {rpm}"))
-        told = await page.until(lambda one: one["stage"] == "table")
-        assert told["asked_rpm"] == 603
-        last = await page.until(lambda one: one["stage"] == "done")
-        assert not last["is_dropped"]
-        assert page.heard == []  # what was overtaken said nothing more
-
-    acted(PreviewLimits(workers=1), act)
+    page = Page(engine)
+    page.ask(text_of("16v240zj"))
+    await page.until(lambda one: one["stage"] == "curves")
+    for rpm in (601, 602, 603):
+        page.ask(text_of("perkins240").replace("rpm = 2500", f"rpm = {rpm}"))
+    told = await page.until(lambda one: one["stage"] == "table")
+    assert told["asked_rpm"] == 603
+    last = await page.until(lambda one: one["stage"] == "done")
+    assert not last["is_dropped"]
+    assert page.heard == []  # what was overtaken said nothing more
 
 
-def test_a_page_that_waits_is_served_between_those_of_another() -> None:
+async def waiting_page_is_served_between(engine: Engine) -> None:
     """One page that asks without end does not keep the process for itself."""
+    greedy, other = Page(engine), Page(engine)
+    greedy.ask(text_of("perkins240"))
+    other.ask(text_of("p3g-25"))
+    greedy.ask(text_of("perkins240"), 5.0)
+    assert (await other.until(lambda one: one["stage"] == "curves"))["kind"] == "polygon"
+    await greedy.until(lambda one: one["stage"] == "table")
 
-    async def act(engine: Engine) -> None:
-        greedy, other = Page(engine), Page(engine)
-        greedy.ask(text_of("perkins240"))
-        other.ask(text_of("p3g-25"))
-        greedy.ask(text_of("perkins240"), 5.0)
-        assert (await other.until(lambda one: one["stage"] == "curves"))["kind"] == "polygon"
-        await greedy.until(lambda one: one["stage"] == "table")
 
-    acted(PreviewLimits(workers=1), act)
+async def edits_are_done_one_after_the_other(engine: Engine) -> None:
+    """None is dropped for a newer one, and one that cannot be done says why."""
+    page = Page(engine)
+    text = "[process]\nfeed_mm = 0.1 # per turn\n"
+    many = [page.seat.edit(text, ["process", "feed_mm"], n) for n in range(5)]
+    found = await asyncio.gather(*many)
+    assert found == [text.replace("0.1", str(n)) for n in range(5)]
+    with pytest.raises(CamtoolsError, match="change it in the text"):
+        await page.seat.edit("a = 1\n", ["a", "b"], 1)
+
+
+def test_one_process_serves_every_page() -> None:
+    """The newest change wins, pages take turns, and no edit is dropped."""
+    acts = (newest_change_wins, waiting_page_is_served_between, edits_are_done_one_after_the_other)
+    acted(PreviewLimits(workers=1), *acts)
 
 
 def test_a_process_that_dies_is_replaced() -> None:
@@ -160,18 +169,3 @@ def test_memory_is_limited_and_nothing_is_written() -> None:
         assert line.split()[3:5] == ["0", "0"]
 
     acted(PreviewLimits(workers=1, memory_mb=1024), act)
-
-
-def test_edits_are_done_one_after_the_other() -> None:
-    """None is dropped for a newer one, and one that cannot be done says why."""
-
-    async def act(engine: Engine) -> None:
-        page = Page(engine)
-        text = "[process]\nfeed_mm = 0.1 # per turn\n"
-        many = [page.seat.edit(text, ["process", "feed_mm"], n) for n in range(5)]
-        found = await asyncio.gather(*many)
-        assert found == [text.replace("0.1", str(n)) for n in range(5)]
-        with pytest.raises(CamtoolsError, match="change it in the text"):
-            await page.seat.edit("a = 1\n", ["a", "b"], 1)
-
-    acted(PreviewLimits(workers=1), act)

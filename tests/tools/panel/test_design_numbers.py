@@ -16,37 +16,19 @@ from camtools.panel.design.preview_values import N_ANGLES, motion_of
 from camtools.pipeline.exact import ExactTurn, SpeedRatio
 from camtools.pipeline.load import parse
 from camtools.pipeline.make_table import make
-from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.camsim_cases import camsim, cut
 from tests.tools.cases.preview_cases import PARTS, answers, problems, stage, text_of
 
 KINDS = ("perkins240", "camshaft", "p4c-35", "thrust90", "cam-345")
-Tables = Callable[[str], Path]
-
-
-@pytest.fixture(scope="module")
-def tables(tmp_path_factory: pytest.TempPathFactory) -> Tables:
-    """Return the folder with the files of a table, as mktables writes them."""
-    folder = tmp_path_factory.mktemp("tables")
-
-    def made(name: str) -> Path:
-        place = folder / name
-        if not place.exists():
-            place.mkdir()
-            loaded = parse(text_of(name).encode(), f"{name}.toml", PARTS)
-            for file, data in make(loaded, name).files(with_plots=False).items():
-                (place / file).write_bytes(data)
-            (place / "machine.toml").write_text(loaded.kind.machine(loaded.part))
-        return place
-
-    return made
+TableOf = Callable[[str], Path]
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_size_is_that_of_the_file(name: str, tables: Tables) -> None:
+def test_size_is_that_of_the_file(name: str, table_of: TableOf) -> None:
     """Bytes, slices and knots are those of the image that mktables writes, and of its summary."""
     told = stage(answers(text_of(name)), "table")["table"]
-    image = (tables(name) / f"{name}.camtab").read_bytes()
-    summary = json.loads((tables(name) / f"{name}.json").read_bytes())
+    image = table_of(name).read_bytes()
+    summary = json.loads(table_of(name).with_suffix(".json").read_bytes())
     assert told["bytes"] == len(image) == summary["table_bytes"]
     u = summary["channels"]["u"]
     shown = told["channels"][0]
@@ -55,19 +37,15 @@ def test_size_is_that_of_the_file(name: str, tables: Tables) -> None:
 
 
 @pytest.mark.parametrize("name", ["perkins240", "p4c-35"])
-def test_limits_and_highest_speed_are_the_controllers(name: str, tables: Tables) -> None:
+def test_limits_and_highest_speed_are_the_controllers(
+    name: str, table_of: TableOf, tmp_path: Path
+) -> None:
     """What camsim's controller needs of each limit, and the highest speed that it takes."""
     told = stage(answers(text_of(name)), "table")
-    folder = tables(name)
-    words: list[str | Path] = [
-        "--machine",
-        folder / "machine.toml",
-        "--turns-limit",
-        "1",
-        "--no-learning",
-    ]
-    camsim("run", folder / f"{name}.camtab", *words, "--summary", folder / "s.json")
-    theirs = json.loads((folder / "s.json").read_bytes())["feasibility"]
+    loaded = parse(text_of(name).encode(), f"{name}.toml", PARTS)
+    (tmp_path / "machine.toml").write_text(loaded.kind.machine(loaded.part))
+    words = ("--machine", tmp_path / "machine.toml", "--turns-limit", "1", "--no-learning")
+    theirs = cut(table_of(name), tmp_path, *words, "--tolerance-um", "99")["feasibility"]
     # 0.1 r/min: the search in the simulator ends there
     assert told["highest_rpm"] == pytest.approx(theirs["highest_rpm"], abs=0.1)
     ours = {one["field"]: one for one in told["margins"] if one["name"].startswith("u_")}
@@ -77,10 +55,10 @@ def test_limits_and_highest_speed_are_the_controllers(name: str, tables: Tables)
         assert ours[field]["needed"] == pytest.approx(theirs[field]["needed"], rel=4e-3)
 
 
-def evaluated(folder: Path, name: str, turn: np.ndarray, z_mm: float) -> np.ndarray:
+def evaluated(table: Path, turn: np.ndarray, z_mm: float) -> np.ndarray:
     """Return u [um] of the table at angles, by camsim eval."""
     points = "turn,z_mm\n" + "".join(f"{one:.12f},{z_mm}\n" for one in turn)
-    done = camsim("eval", folder / f"{name}.camtab", stdin=points)
+    done = camsim("eval", table, stdin=points)
     assert done.returncode == 0, done.stderr
     rows = [line.split(",") for line in done.stdout.splitlines()[1:]]
     return np.array([float(row[2]) for row in rows]) * 1e-3
@@ -89,12 +67,12 @@ def evaluated(folder: Path, name: str, turn: np.ndarray, z_mm: float) -> np.ndar
 @pytest.mark.parametrize(
     ("name", "z_mm"), [("perkins240", 47.0), ("thrust90", 20.0), ("camshaft", 11.0)]
 )
-def test_motion_is_the_difference_of_set_points(name: str, z_mm: float, tables: Tables) -> None:
+def test_motion_is_the_difference_of_set_points(name: str, z_mm: float, table_of: TableOf) -> None:
     """Velocity, acceleration and jerk are the finite differences of what camsim eval tells of U."""
     shown = stage(answers(text_of(name), height_mm=z_mm), "curves")
     assert shown["height_mm"] == z_mm
     turn = np.arange(N_ANGLES) / N_ANGLES
-    u_um = evaluated(tables(name), name, turn, z_mm)
+    u_um = evaluated(table_of(name), turn, z_mm)
     if name == "camshaft":
         u_um = -u_um  # eval tells the lift, away from the axis
     motion = {key: np.array(values) for key, values in shown["motion"].items()}

@@ -9,6 +9,7 @@ from camtools.link.controller import Link
 from camtools.panel.access.visitor import Visitor
 from camtools.panel.orders.link_thread import Job, LinkThread
 from camtools.panel.orders.snapshot import Snapshot
+from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import until
 
@@ -33,7 +34,7 @@ def test_what_was_given_as_a_connection_broke_is_not_carried_out_on_the_next(
             patch.setattr(thread, "snapshot", lambda: Snapshot(is_connected=True))
             thread.give(job)
         is_there = True
-        told = job.told.result(30)
+        told = job.told.result(limit_s())
         assert not told.is_done and told.text.startswith("not sent: ")
         until(lambda: thread.snapshot().is_connected)
         assert thread.snapshot().state == "off"

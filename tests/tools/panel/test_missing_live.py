@@ -5,36 +5,31 @@ For each situation the order that leads on is refused, its first missing item te
 when it is done; when nothing is missing the order is accepted.
 """
 
-import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from camtools.link.bus import open_bus
-from camtools.link.controller import Link
-from camtools.link.live_lathes import live_lathes
 from camtools.link.manual_axes import AXES, carry_out
-from camtools.link.messages import NUMBERS, Refused
+from camtools.link.messages import Refused
 from camtools.link.parameters import get_all
 from camtools.link.refusal_text import ask_done
 from camtools.panel.views.missing import Way, way_on
-from tests.tools.cases.background import PATIENCE_S, Background, background, python
+from checks.patience import limit_s, until
+from tests.tools.cases.live_cases import LiveCase, live_case
 
 # What is missing does not depend on how fast axes search.
 PACES = {"{}_jog_um_per_s": 100_000, "{}_home_um_per_s": 100_000, "{}_home_slow_um_per_s": 20_000}
 QUICK = {name.format(axis): value for axis in "xz" for name, value in PACES.items()}
 
 
-class Bench:
-    """A live lathe, and a link to it."""
+class Bench(LiveCase):
+    """A live lathe, and the parameters of its controller."""
 
-    def __init__(self, lathe: Background, link: Link) -> None:
-        self.lathe, self.link = lathe, link
-        # Who waits for the lathe's words sends no heartbeats; the next order takes command anew.
-        self.link.rights.on_lost = lambda text, holder: None
-        self.values = get_all(link)
+    def __init__(self, case: LiveCase) -> None:
+        super().__init__(case.lathe, case.link)
+        self.values = get_all(self.link)
 
     def way(self) -> Way:
         """Return what is missing by a status that is yet to come."""
@@ -53,15 +48,9 @@ class Bench:
         self.link.wait(lambda: False, 0.1)
 
     def set(self, **values: int) -> None:
-        """Set parameters."""
-        for name, value in values.items():
-            ask_done(self.link, "set_parameter", NUMBERS["parameter"][name], value=value)
+        """Set parameters and read them all."""
+        super().set(**values)
         self.values = get_all(self.link)
-
-    def until(self, state: str) -> None:
-        """Wait for a state."""
-        status = self.link.status
-        assert self.link.wait(lambda: status.state == state, PATIENCE_S), status.state
 
     def refused(self, result: str) -> None:
         """Give the order that leads on; it must be refused for a reason, and something missing."""
@@ -80,11 +69,13 @@ class Bench:
         """Home an axis by hand; on a computer that is too busy to keep the order alive, again."""
         ask_done(self.link, "manual")
         self.until("manual")
-        end_s = time.monotonic() + PATIENCE_S
-        while time.monotonic() < end_s:
+
+        def is_done() -> bool:
             with suppress(Refused):
-                if carry_out(self.link, "home_axis", axis) == "done":
-                    break
+                return carry_out(self.link, "home_axis", axis) == "done"
+            return False
+
+        until(is_done, f"home {axis}")
         ask_done(self.link, "disable", AXES[axis])
         self.until("off")
 
@@ -92,14 +83,8 @@ class Bench:
 @pytest.fixture
 def bench(tmp_path: Path) -> Iterator[Bench]:
     """Run a live lathe of its own."""
-    with background(*python("camtools.cli.live"), XDG_RUNTIME_DIR=str(tmp_path)) as lathe:
-        lathe.wait_for("control-C ends")
-        (announced,) = live_lathes(tmp_path / "camturn")
-        bus, where = open_bus(announced.bus)
-        try:
-            yield Bench(lathe, Link(bus, where, announced.node))
-        finally:
-            bus.shutdown()
+    with live_case(tmp_path) as case:
+        yield Bench(case)
 
 
 def test_what_is_missing_is_what_the_firmware_refuses(bench: Bench) -> None:
@@ -132,6 +117,6 @@ def test_what_is_missing_is_what_the_firmware_refuses(bench: Bench) -> None:
     bench.until("fault")
     assert "estop" in bench.missing()
     bench.happens("release")
-    assert bench.link.wait(lambda: bench.missing() == [], PATIENCE_S)
+    assert bench.link.wait(lambda: bench.missing() == [], limit_s())
     bench.goes_on("off")
     bench.goes_on("ready")

@@ -26,6 +26,7 @@ from camtools.panel.runs.options import RunOptions
 from camtools.panel.runs.run_queue import MOST_WAITING, RunQueue
 from camtools.panel.runs.store import DONE, FAILED, OWN, STOPPED, WAITING, RunStore
 from camtools.sim.machines import names
+from checks.patience import limit_s
 
 SUMMARY = {
     "run_wall_time_s": 2.0,
@@ -144,13 +145,13 @@ def cut(store: RunStore, *many: RunOptions, stop: bool = False) -> list[str]:
             folder = store.new("skirt", "x", options, at_s=time.time(), files=given)
             queue.add(folder, options)
         if stop:
-            async with asyncio.timeout(20):
+            async with asyncio.timeout(limit_s()):
                 while queue.progress.left_s is None:
                     await asyncio.sleep(0.01)
             assert queue.running is not None
             queue.stop(queue.waiting[0])
             queue.stop(queue.running.name)
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(limit_s()):
             while queue.running or queue.waiting:
                 await asyncio.sleep(0.01)
         await queue.close()
