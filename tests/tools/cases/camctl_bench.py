@@ -30,7 +30,7 @@ BENCH = BUILD / "tests" / "camctl" / "can_bench"
 FRAME = struct.Struct("<IB3x64s")
 CLASSIC_BYTES = 8
 Act = Callable[[], object]
-_MOST_SLOW = 3.0  # beyond it the pages of the status come later than the tools expect
+_MOST_SLOW = 2.0  # beyond it the pages of the status come later than the tools expect
 ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID = range(0x10000, 0x10004)
 
 
@@ -104,11 +104,12 @@ class Bench:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
         )
-        self._stopping = False
+        self._stopping, self._speaks = False, threading.Event()
         self.ended: list[Refused] = []
         self._threads = [threading.Thread(target=loop) for loop in (self._forth, self._back)]
         for thread in self._threads:
             thread.start()
+        assert self._speaks.wait(limit_s()), "no frame of the firmware"
 
     def _write(self, identifier: int, data: bytes) -> None:
         assert self._process.stdin is not None
@@ -124,6 +125,7 @@ class Bench:
     def _back(self) -> None:
         assert self._process.stdout is not None
         while len(record := self._process.stdout.read(FRAME.size)) == FRAME.size:
+            self._speaks.set()
             identifier, n, data = FRAME.unpack(record)
             own = identifier - 64 + self.node
             is_fd = n > CLASSIC_BYTES

@@ -31,7 +31,7 @@ def test_an_axis_is_jogged_for_a_time_and_by_steps(bench: Bench) -> None:
     time.sleep(0.1)
     assert places(bench)["x"][0] == there
     assert bench.do("jog", "x", "--step", "-0.125") == f"x {there - 0.125:.6f} mm\n"
-    bench.do("jog", "z", "-", "--seconds", "0.2")
+    bench.do("jog", "z", "-", "--seconds", str(0.2 / pace()))
     assert places(bench)["z"][0] < -0.05
     assert bench.do("disable") == "disable: off\n"
 

@@ -42,8 +42,8 @@ def flash(tmp_path: Path, firmware: Path) -> Flash:
 
     def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
         (tmp_path / "bin").mkdir(exist_ok=True)
-        settings = {"CAMTURN_FIRMWARE": str(firmware), "PATH": str(tmp_path / "bin")}
-        return command("camtools.cli.flash", *words, **settings)
+        path = str(tmp_path / "bin")
+        return command("camtools.cli.flash", *words, CAMTURN_FIRMWARE=str(firmware), PATH=path)
 
     return run
 

@@ -28,7 +28,7 @@ from tests.tools.cases.page_cases import PageReader, map_of
 from tests.tools.cases.part_cases import PERKINS, ROOT, Command, listing
 
 WALL_CLOCK = ("wall_time_s", "ticks_per_s", "run_wall_time_s")
-DAY = {"SOURCE_DATE_EPOCH": "1700000000"}
+DAY = "1700000000"  # SOURCE_DATE_EPOCH
 RESULTS = [
     *(f"cut_{key}.png" for key in ("compare", "following", "height", "learning", "map", "motion")),
     "cut_overview.png",
@@ -68,7 +68,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> Cut:
     text = f"{PERKINS.read_text()}\n[tolerances]\nroundness_um = 1.0\n"
     (folder / "my part.toml").write_text(text)
     words = ("my part.toml", "--feed", "2", "--csv", "-o", "ein Ordner für Kolben")
-    done = command("camtools.cli.run", *words, cwd=folder, draws=False, **DAY)
+    done = command("camtools.cli.run", *words, cwd=folder, draws=False, SOURCE_DATE_EPOCH=DAY)
     assert done.returncode == 0, done.stderr
     return Cut(folder / "ein Ordner für Kolben", done)
 
@@ -126,9 +126,8 @@ def test_script_runs_from_anywhere_and_gives_the_same(cut: Cut, tmp_path: Path) 
     (tmp_path / "my run").symlink_to(ROOT / "tools" / "run")
     shutil.copy(cut.folder.parent / "my part.toml", tmp_path)
     words = ["./my run", "my part.toml", "--feed", "2", "-o", "my out"]
-    done = subprocess.run(
-        words, cwd=tmp_path, env=os.environ | DAY, capture_output=True, text=True, check=False
-    )
+    env = os.environ | {"SOURCE_DATE_EPOCH": DAY}
+    done = subprocess.run(words, cwd=tmp_path, env=env, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert " my out/report.html and the other files there\n" in done.stdout
     assert listing(tmp_path / "my out") == RESULTS
