@@ -34,12 +34,14 @@ def _assert_recorded(measured: dict[str, float]) -> None:
     assert not changed
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_the_simulator_still_gives_the_recorded_figures(case: Case) -> None:
     """Table and cut of a case come out as recorded, on any machine."""
     _assert_recorded(measure(case))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("core", CORES)
 def test_the_cores_still_give_the_recorded_figures(core: str) -> None:
     """The budget tests of the emulated cores counted what is recorded."""

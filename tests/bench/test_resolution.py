@@ -35,6 +35,7 @@ def recorded(name: str) -> Lines:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 
+@pytest.mark.long
 def test_the_first_table_is_recorded(table: Path, shape: Shape) -> None:
     """Every row is what camsim and its equation give: `tests/bench/resolution --record`."""
     found = []
@@ -55,6 +56,7 @@ def test_bounds_hold(exact_um: float) -> None:
             assert float(found) >= share * float(bound), (what, value)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("port", "rpm"), [(0, 2500), (1, 1000), (4, 2500)])
 def test_ports_are_recorded(table: Path, port: int, rpm: int) -> None:
     """Some cells of the second table; the command that writes it makes them all."""

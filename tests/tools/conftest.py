@@ -9,11 +9,12 @@ import pytest
 from hypothesis import settings
 
 from camtools.link.controller import Link
-from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
-from camtools.skirt.table.generate import GeneratedSkirt, generate
+from camtools.skirt.table.generate import GeneratedSkirt
 from tests.tools.cases.camctl_bench import Act, Bench
 from tests.tools.cases.command_cases import command, signals_kept, undraw
+from tests.tools.cases.cut_cases import geometry_of_part, skirt_of
 from tests.tools.cases.linuxcnc import Interpreter, NotHereError, interpreter
 from tests.tools.cases.part_cases import PERKINS, Command, load_part
 
@@ -29,15 +30,15 @@ def perkins() -> SkirtPart:
 
 
 @pytest.fixture(scope="session")
-def geometry(perkins: SkirtPart) -> Geometry:
-    """Make its exact geometry."""
-    return make_geometry(perkins)
+def geometry() -> Geometry:
+    """Return its exact geometry."""
+    return geometry_of_part("perkins240")
 
 
 @pytest.fixture(scope="session")
-def generated(perkins: SkirtPart) -> GeneratedSkirt:
-    """Make its table at 1 nm."""
-    return generate(perkins, 1.0)
+def generated() -> GeneratedSkirt:
+    """Return its table at 1 nm."""
+    return skirt_of("perkins240")
 
 
 @pytest.fixture(scope="session")

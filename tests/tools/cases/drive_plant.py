@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import expm
+from scipy.signal import lfilter, ss2tf
 
 from camtools.base.quantities import Floats
 from camtools.identify.multisine import Wave
@@ -79,10 +80,24 @@ def _rub(state: Floats, kick: Floats, share: Floats) -> None:
     state[:, 3] += share * loss
 
 
+def _linear(plant: Plant, u_nm: Floats, steps: int, dt_s: float) -> Floats:
+    """Return the positions of a drive without friction."""
+    n = 4 if plant.mode_hz > 0 else 2
+    flow, given = _flow(plant, dt_s)
+    seen = np.array([[1.0, 0.0, 1.0, 0.0]])[:, :n]
+    up, down = ss2tf(flow[:n, :n], given[:n, None], seen, np.zeros((1, 1)))
+    lag, quantum = round(plant.delay_us * 1e-6 / dt_s), max(plant.quantum_nm, 1e-9)
+    held = np.concatenate([np.zeros(lag), np.repeat(np.round(u_nm / quantum) * quantum, steps)])
+    moved = lfilter(up[0], down, held[: u_nm.size * steps])[::steps]
+    return np.asarray(np.round(moved / quantum) * quantum)
+
+
 def played(plants: list[Plant], u_nm: Floats, tick_hz: float) -> Floats:
     """Return the measured positions at the ticks, shape (plants, ticks)."""
     steps = int(np.ceil(1 / tick_hz / STEP_S - 1e-9))
     dt_s = 1 / tick_hz / steps
+    if not any(plant.friction_m_s2 for plant in plants):
+        return np.array([_linear(plant, u_nm, steps, dt_s) for plant in plants])
     flows, inputs = zip(*(_flow(plant, dt_s) for plant in plants), strict=True)
     flow, given = np.array(flows), np.array(inputs)
     kick = np.array([plant.friction_m_s2 for plant in plants]) * 1e9 * dt_s / 2

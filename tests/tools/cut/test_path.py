@@ -7,13 +7,14 @@ import pytest
 from camtools.base.errors import CamtoolsError
 from camtools.cut.path import LEAST_RAMP, ToolPath, highest_rpm, largest_feed_mm, ramp_of, step_of
 from camtools.part.common import MachineLimits
-from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import generate
 from camtools.skirt.tool.turning import path_of
 from camtools.study.path import csv, make_study
 from camtools.table.image import pack, unpack
-from tests.tools.cases.part_cases import PERKINS, load_part, parse_part
+from tests.tools.cases.cut_cases import geometry_of_part
+from tests.tools.cases.part_cases import PERKINS, parse_part
 
 # turns since the start, height of the ring-helix (0.2 mm), height of a plain helix (0.1 mm)
 GOLDEN = """\
@@ -36,21 +37,13 @@ PLAIN = ToolPath("helix", 0.0, 62.0, 0.1)
 
 
 def test_worked_numbers() -> None:
-    """Both columns of heights come out to the printed digits."""
+    """Heights to the printed digits; m rings take 2 m - 1 turns; the rest is a shorter step."""
     rows = [line.split() for line in GOLDEN.splitlines()]
     turns = np.array([float(row[0]) for row in rows])
     for column, path in ((1, RING), (2, PLAIN)):
         assert [f"{z:.6f}" for z in path.height_mm(turns)] == [row[column] for row in rows]
-
-
-def test_m_rings_take_2m_minus_1_turns() -> None:
-    """The path begins and ends with a ring; average feed is half the distance."""
     assert (RING.n_rings, RING.turns, PLAIN.turns) == (311, 621.0, 620.0)
     assert RING.height_mm(np.array([620.0, 621.0])).tolist() == [62.0, 62.0]
-
-
-def test_a_rest_of_the_skirt_gets_its_ring() -> None:
-    """A height range that is no whole number of sections ends with a shorter step."""
     path = ToolPath("ring-helix", 0.0, 0.5, 0.2)
     assert (path.n_rings, path.turns) == (4, 7.0)
     assert path.height_mm(np.array([4.5, 6.0, 6.9])).tolist() == [0.4, 0.5, 0.5]
@@ -93,8 +86,9 @@ def test_highest_speed_is_the_edge(speed_mm_s: float, acceleration_mm_s2: float)
 
 
 def test_ramp_is_the_shortest() -> None:
-    """Z's acceleration is used to the full."""
+    """Z's acceleration is used to the full; slowly turned parts have room for a 256th of a turn."""
     limits = MachineLimits()
+    assert ramp_of(0.1, 10, limits) == LEAST_RAMP == 1 / 256
     ramp = ramp_of(0.2, 2500, limits)
     acceleration = 0.2 * (2500 / 60) ** 2 / (ramp * (1 - ramp))
     assert acceleration == pytest.approx(limits.z_acceleration_mm_s2)
@@ -108,22 +102,9 @@ def test_spacing_of_the_tracks() -> None:
     assert set(np.round(np.diff(PLAIN.tracks_mm(0.25)), 9).tolist()) == {0.1}
 
 
-def test_worst_scallop_is_four_times_that_of_a_plain_helix() -> None:
-    """Of the same number of turns: dZ^2 / (8 r) against (dZ/2)^2 / (8 r)."""
-    z = np.linspace(1, 61, 60_001)
-    highest = [
-        max(float(path.scallop_mm(angle, z, 0.8).max()) for angle in np.arange(64) / 64)
-        for path in (RING, PLAIN)
-    ]
-    assert highest[0] == pytest.approx(0.2**2 / (8 * 0.8), rel=1e-6)
-    assert highest[1] == pytest.approx(0.1**2 / (8 * 0.8), rel=1e-6)
-    assert highest[0] / highest[1] == pytest.approx(4, rel=1e-6)
-
-
 def test_papers_helix_points_are_ours_within_a_nanometre() -> None:
     """Blending the rings linearly, as the paper does, is within dZ^2 / 8 max |d2 rho / dz2|."""
-    part = load_part(PERKINS)
-    geometry = make_geometry(part)
+    geometry = geometry_of_part("perkins240")
     curvature = float(np.abs(geometry.radius_mm(np.linspace(0, 62, 6201), 2)).max())
     s = np.linspace(0, 1, 121)
     low = rho(geometry, s, np.full(121, 10.0))
@@ -159,10 +140,7 @@ def test_comparison_of_paths() -> None:
     assert ring.scallop_um.mean() == pytest.approx(0.2**2 / (24 * 0.8) / 2 * 1000, rel=0.03)
     assert ring.z_acceleration_mm_s2 == pytest.approx(2000)
     assert ring.z_speed_mm_s == pytest.approx(0.2 * 1000 / 60 / (1 - ring.path.ramp))
-
-
-def test_comparison_turns_as_fast_as_z_can() -> None:
-    """Where Z cannot follow a ring-helix it is compared at its highest speed."""
+    # where Z cannot follow a ring-helix it is compared at its highest speed
     ring, half, _ = make_study(0.0, 62.0, 1.0, 2500.0, 0.8, MachineLimits()).rows
     assert ring.rpm == pytest.approx(highest_rpm(1.0, MachineLimits()))
     assert half.rpm == 2500
@@ -177,22 +155,19 @@ def test_path_of_a_part() -> None:
     assert path.ramp == ramp_of(0.1, 2500, MachineLimits())
 
 
-@pytest.mark.parametrize(
-    ("lines", "told"),
-    [
+def test_bad_paths_are_refused() -> None:
+    """Field, value and remedy stand in one line."""
+    for lines, told in (
         ('path = "spiral"', "process.path = 'spiral': Input should be 'helix', 'ring-helix' or"),
         (
             'path = "ring-helix"\nmode = "equal-volume"',
             "process.path = 'ring-helix': needs a constant spindle speed",
         ),
-    ],
-)
-def test_bad_paths_are_refused(lines: str, told: str) -> None:
-    """Field, value and remedy stand in one line."""
-    with pytest.raises(CamtoolsError) as info:
-        with_process(lines)
-    assert told in str(info.value)
-    assert ";" in str(info.value)
+    ):
+        with pytest.raises(CamtoolsError) as info:
+            with_process(lines)
+        assert told in str(info.value)
+        assert ";" in str(info.value)
 
 
 def test_table_tells_the_controller_its_path() -> None:
@@ -205,8 +180,8 @@ def test_table_tells_the_controller_its_path() -> None:
     assert [unpack(image).is_ring_helix for image in images] == [True, False]
 
 
-def test_no_table_for_a_path_that_z_cannot_follow() -> None:
-    """The line has the numbers, the highest speed and the largest feed that would do."""
+def test_no_table_for_a_path_that_z_cannot_follow(perkins: SkirtPart) -> None:
+    """Numbers, the highest speed and the largest feed that would do; mkgcode for stepped paths."""
     with pytest.raises(CamtoolsError) as info:
         generate(with_limits(z_acceleration_mm_s2=400))
     assert str(info.value) == (
@@ -216,6 +191,9 @@ def test_no_table_for_a_path_that_z_cannot_follow() -> None:
     )
     with pytest.raises(CamtoolsError, match=r"mm/s of Z, z_speed_mm_s is 4; turn at 2"):
         generate(with_limits(z_speed_mm_s=4))
+    process = perkins.process.model_copy(update={"path": "stepped", "spindle_rpm": 500.0})
+    with pytest.raises(CamtoolsError, match=r"process\.path: .*mkgcode.*ring-helix"):
+        generate(perkins.model_copy(update={"process": process}))
 
 
 def with_limits(**limits: float) -> SkirtPart:
@@ -240,17 +218,20 @@ def test_largest_feed_is_the_edge(rpm: float, speed_mm_s: float, acceleration_mm
         ramp_of(feed_mm * 1.0001, rpm, limits)
 
 
-def test_ramp_is_at_least_a_256th_of_a_turn() -> None:
-    """As the firmware's: slowly turned parts have room for it."""
-    assert ramp_of(0.1, 10, MachineLimits()) == LEAST_RAMP == 1 / 256
-
-
-def test_stepped_path_keeps_the_section_during_a_turn() -> None:
-    """As printed Z stands for every turn and jumps at its end; the last turn is at the last z."""
+def test_stepped_path() -> None:
+    """Z stands for every turn and jumps at its end, which must be possible; scallop of a helix."""
     path = ToolPath("stepped", 1.0, 1.5, 0.2)
     assert (path.n_rings, path.turns) == (4, 4.0)
     turns = np.array([0.0, 0.5, 0.999, 1.0, 1.999, 2.0, 3.0, 3.999, 4.0, 9.0])
     assert path.height_mm(turns) == pytest.approx([1, 1, 1, 1.2, 1.2, 1.4, 1.5, 1.5, 1.5, 1.5])
+    with pytest.raises(CamtoolsError, match=r"turn at 2121\.3 r/min at most, feed less") as info:
+        step_of(0.1, 2500.0, MachineLimits())
+    assert "14.1 ms" in str(info.value)
+    assert step_of(0.1, 2121.3, MachineLimits())[0] <= 0.5
+    path = ToolPath("stepped", 0.0, 2.0, 0.1)
+    z = np.linspace(0.5, 1.5, 2001)
+    for angle in (0.0, 0.3, 0.7):
+        assert path.scallop_mm(angle, z, 0.8).max() == pytest.approx(0.1**2 / 6.4, rel=1e-3)
 
 
 def test_step_is_the_quickest_within_the_limits() -> None:
@@ -269,29 +250,6 @@ def test_step_is_the_quickest_within_the_limits() -> None:
         assert speed.max() == pytest.approx(v, rel=1e-3)
         assert np.abs(bend).max() == pytest.approx(2000, rel=1e-2)
         assert share == pytest.approx(rpm / 60 * (feed_mm / v + v / 2000), rel=1e-12)
-
-
-def test_step_that_is_none_is_refused() -> None:
-    """More than half a turn for a step: refused with the highest speed, which then does."""
-    with pytest.raises(CamtoolsError, match=r"turn at 2121\.3 r/min at most, feed less") as info:
-        step_of(0.1, 2500.0, MachineLimits())
-    assert "14.1 ms" in str(info.value)
-    assert step_of(0.1, 2121.3, MachineLimits())[0] <= 0.5
-
-
-def test_stepped_path_has_the_scallop_of_a_helix_of_its_lead() -> None:
-    """Everywhere the largest is D^2 / 8 r, as of a helix of the same lead."""
-    path = ToolPath("stepped", 0.0, 2.0, 0.1)
-    z = np.linspace(0.5, 1.5, 2001)
-    for angle in (0.0, 0.3, 0.7):
-        assert path.scallop_mm(angle, z, 0.8).max() == pytest.approx(0.1**2 / 6.4, rel=1e-3)
-
-
-def test_controller_is_not_asked_to_step(perkins: SkirtPart) -> None:
-    """A table of a stepped path is refused; the message names what plays it."""
-    process = perkins.process.model_copy(update={"path": "stepped", "spindle_rpm": 500.0})
-    with pytest.raises(CamtoolsError, match=r"process\.path: .*mkgcode.*ring-helix"):
-        generate(perkins.model_copy(update={"process": process}))
 
 
 def test_analysis_has_the_steps_beside_the_paths() -> None:

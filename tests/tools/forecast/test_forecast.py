@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command: draws, cuts, tells; goes on where it was stopped; refuses in one line."""
+"""tools/forecast: it draws, cuts and reports; goes on where it was stopped; refuses in one line."""
 
 import json
 import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats
 from camtools.cli.forecast import main
 from camtools.forecast import parallel_cuts
 from camtools.forecast.job import ForecastPlan, Question, plan_of
@@ -22,7 +22,9 @@ from camtools.forecast.one_cut import CutOutcome, cut_batch
 from camtools.forecast.parallel_cuts import cut_all
 from camtools.forecast.store import Store
 from camtools.sim.simulate import simulate
-from tests.tools.cases.background import PATIENCE_S
+from checks.patience import until
+from tests.tools.cases.camsim_cases import camsim
+from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.part_cases import PERKINS, environment
 
 CUT = ("--turns", "2", "--workers", "1")
@@ -54,11 +56,11 @@ def test_rows_are_the_cuts_of_the_machines(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     """Each row of the table is what a cut on that machine comes to, with the belief unchanged."""
-    assert run(tmp_path / "out", *vary(tmp_path), "--runs", "9") == 0
+    assert run(tmp_path / "out", *vary(tmp_path), "--runs", "5") == 0
     told = capsys.readouterr()
     assert "perkins240 on perkins240_machine.toml: form error\n" in told.out
     rows = pq.read_table(tmp_path / "out" / "runs.parquet").to_pylist()
-    assert [row["run"] for row in rows] == list(range(9))
+    assert [row["run"] for row in rows] == list(range(5))
     assert all(65 <= row["u.delay_us"] <= 85 for row in rows)
     table = tmp_path_factory.mktemp("table") / "part.camtab"
     made = plan(1).task
@@ -82,41 +84,41 @@ def test_error_grows_with_what_is_not_known(tmp_path: Path) -> None:
     assert found["within_tolerance"]["share"] == 0
 
 
-def test_same_command_gives_the_same_and_cuts_nothing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The store has all cuts; the files are the same to the byte."""
-    assert run(tmp_path / "o", *vary(tmp_path), "--runs", "5") == 0
-    first = {name.name: name.read_bytes() for name in (tmp_path / "o").glob("*.*")}
-    assert set(first) == {"forecast.json", "forecast.png", "runs.parquet"}
-    assert len(list((tmp_path / "o" / "store").iterdir())) == 1
-    capsys.readouterr()
-    assert run(tmp_path / "o", *vary(tmp_path), "--runs", "5") == 0
-    assert capsys.readouterr().err == "forecast: 5 of 5 cuts are already done\n"
-    assert first == {name.name: name.read_bytes() for name in (tmp_path / "o").glob("*.*")}
-
-
 @pytest.mark.usefixtures("undrawn")
-def test_more_runs_add_to_those_that_are_there(
+def test_same_command_gives_the_same_and_more_runs_add(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What a longer forecast finds is what it finds when it begins anew."""
-    assert run(tmp_path / "a", *vary(tmp_path), "--runs", "8") == 0
-    assert run(tmp_path / "a", *vary(tmp_path), "--runs", "20") == 0
-    assert "forecast: 8 of 20 cuts are already done\n" in capsys.readouterr().err
-    assert run(tmp_path / "b", *vary(tmp_path), "--runs", "20") == 0
+    """The store has all cuts; the files are the same to the byte, as those begun anew are."""
+    out = tmp_path / "a"
+    assert run(out, *vary(tmp_path), "--runs", "3") == 0
+    first = {name.name: name.read_bytes() for name in out.glob("*.*")}
+    assert set(first) == {"forecast.json", "forecast.png", "runs.parquet"}
+    assert len(list((out / "store").iterdir())) == 1
+    capsys.readouterr()
+    assert run(out, *vary(tmp_path), "--runs", "3") == 0
+    assert capsys.readouterr().err == "forecast: 3 of 3 cuts are already done\n"
+    assert first == {name.name: name.read_bytes() for name in out.glob("*.*")}
+    assert run(out, *vary(tmp_path), "--runs", "12") == 0
+    assert "forecast: 3 of 12 cuts are already done\n" in capsys.readouterr().err
+    assert run(tmp_path / "b", *vary(tmp_path), "--runs", "12") == 0
     one, other = ((tmp_path / name / "runs.parquet").read_bytes() for name in "ab")
     assert one == other
 
 
+SPEED = '[u.speed_mm_per_s]\ndistribution = "uniform"\nlow = {}\nhigh = {}\n'
+
+
+@pytest.mark.usefixtures("undrawn")
 def test_cuts_that_fail_are_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A stroke that is too small for some machines: refused cuts are shown and out of tolerance."""
-    text = '[u.speed_mm_per_s]\ndistribution = "uniform"\nlow = 20\nhigh = 100\n'
+    """A drive too slow for some machines: failed cuts are shown and out of tolerance.
+
+    What is believed stays, so the controller starts. That all cuts fail is an error with the reason
+    of the first; the cuts are kept.
+    """
     machine = tmp_path / "m.toml"
     machine.write_text("[encoder]\ncounts_per_turn = 65536\n")
     words = ["--machine", str(machine), "--runs", "16", "--tolerance-um", "50"]
-    # What is believed stays, so the controller starts: a drive too slow for it makes the error.
-    assert run(tmp_path / "o", *vary(tmp_path, text), *words) == 0
+    assert run(tmp_path / "o", *vary(tmp_path, SPEED.format(20, 100)), *words) == 0
     found = json.loads((tmp_path / "o" / "forecast.json").read_text())
     assert sum(found["ends"].values()) == 16
     failed = 16 - found["ends"]["gauged"]
@@ -124,6 +126,13 @@ def test_cuts_that_fail_are_counted(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert found["within_tolerance"]["share"] <= 1 - failed / 16
     assert found["form_error_um"][-1]["value_um"] is None
     assert "cuts, counted as out of tolerance" in capsys.readouterr().out
+    out = tmp_path / "none"
+    assert run(out, *vary(tmp_path, SPEED.format(1, 2)), "--runs", "2") == 2
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert told.startswith("forecast: none of 2 cuts was gauged; the first: ")
+    assert "fault following_error" in told
+    assert len(Store(out / "store").found) == 2
+    assert not (out / "runs.parquet").exists()
 
 
 @pytest.mark.parametrize(
@@ -150,7 +159,7 @@ def test_refusals_write_nothing(
     assert not (tmp_path / "o").exists()
 
 
-def test_number_no_machine_may_have_is_refused(
+def test_what_no_machine_may_have_and_foreign_files_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The ends of a distribution are asked of the simulator before anything is cut."""
@@ -159,12 +168,6 @@ def test_number_no_machine_may_have_is_refused(
     line = capsys.readouterr().err
     assert f"{tmp_path}/v.toml: u.damping: low reaches to 0.01: u.damping = 0.01: " in line
     assert not (tmp_path / "o").exists()
-
-
-def test_foreign_file_in_the_store_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """It is named, with what to do."""
     (tmp_path / "o" / "store").mkdir(parents=True)
     (tmp_path / "o" / "store" / "x.parquet").write_bytes(b"nothing")
     assert run(tmp_path / "o", "--runs", "1") == 2
@@ -177,17 +180,6 @@ def test_worker_with_another_simulator_is_refused() -> None:
     assert "another simulator" in str(cut_batch(task, [""]))
     with pytest.raises(CamtoolsError, match="build the same version"):
         cut_all(task, [""], lambda _: None, n_workers=1)
-
-
-def test_all_cuts_failing_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The reason of the first is told; the cuts are kept."""
-    text = '[u.speed_mm_per_s]\ndistribution = "uniform"\nlow = 1\nhigh = 2\n'
-    assert run(tmp_path / "o", *vary(tmp_path, text), "--runs", "2") == 2
-    told = capsys.readouterr().err.splitlines()[-1]
-    assert told.startswith("forecast: none of 2 cuts was gauged; the first: ")
-    assert "fault following_error" in told
-    assert len(Store(tmp_path / "o" / "store").found) == 2
-    assert not (tmp_path / "o" / "runs.parquet").exists()
 
 
 @pytest.fixture
@@ -227,11 +219,11 @@ def test_scheduler_without_a_worker_is_refused() -> None:
 
 def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
     """Outcomes of a scheduler's workers, of several threads each, are those of this process."""
-    asked = plan(24)
+    asked = plan(16)
     there: list[CutOutcome] = []
     cut_all(asked.task, asked.texts, there.extend, scheduler=scheduler)
     here = cut_batch(asked.task, asked.texts[:8])
-    assert len(there) == 24
+    assert len(there) == 16
     by_key = {one.key: one for one in there}
     for one in here:
         assert isinstance(one, CutOutcome)
@@ -240,26 +232,133 @@ def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
 
 def test_interrupted_forecast_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Ctrl-C reaches all processes: status 130, one line, a whole store; then the rest is cut."""
-    words = [str(PERKINS), "--runs", "400", "--workers", "2", "-o", str(tmp_path / "o")]
-    command = [sys.executable, "-m", "camtools.cli.forecast", *words, "--turns", "5"]
+    words = [str(PERKINS), "--runs", "200", "--workers", "2", "-o", str(tmp_path / "o")]
+    command = [
+        sys.executable,
+        "-m",
+        "camtools.cli.forecast",
+        *words,
+        "--turns",
+        "1",
+        "--set",
+        "rehearse_turns=0",
+    ]
     store = tmp_path / "o" / "store"
     with subprocess.Popen(
         command, env=environment(), start_new_session=True, stderr=subprocess.PIPE, text=True
     ) as process:
-        deadline = time.monotonic() + PATIENCE_S
-        while len(list(store.glob("*.parquet"))) < 1 and time.monotonic() < deadline:
-            time.sleep(0.05)
+        until(lambda: list(store.glob("*.parquet")), "a cut in the store")
         os.killpg(process.pid, signal.SIGINT)
-        told = process.communicate(timeout=PATIENCE_S)[1].splitlines()
+        told = process.communicate()[1].splitlines()
     assert process.returncode == 130, told
     assert (
         told[-1] == "forecast: interrupted; finished cuts are kept; repeat the command to continue"
     )
     assert all(line.startswith("forecast: ") for line in told), told
     n_kept = len(Store(store).found)
-    assert 8 <= n_kept < 400
+    assert 8 <= n_kept < 200
     assert list((tmp_path / "o").iterdir()) == [store]
     words[2] = str(n_kept + 8)
-    assert main([*words, "--turns", "5"]) == 0
+    assert main([*words, "--turns", "1", "--set", "rehearse_turns=0"]) == 0
     assert "cuts are already done" in capsys.readouterr().err.splitlines()[0]
     assert pq.read_table(tmp_path / "o" / "runs.parquet").num_rows == n_kept + 8
+
+
+TURNS, DRAWN, MACHINES = 10, 128, 64
+# The part's own machine: the limits of the part file, every other number by default.
+KNOWN = {
+    "spindle": {"limit_rpm": 3000, "ripple": 0.002},
+    "u": {"speed_mm_per_s": 400, "acceleration_mm_per_s2": 250000, "stroke_mm": 1.2},
+}
+BELIEVED = """\
+[believed.u]
+bandwidth_hz = 300
+damping = 0.7
+delay_us = 75
+mass_kg = 1.5
+friction_m_per_s2 = 0
+scale_latency_us = 0
+scale_error_nm = 0
+mode_2_hz = 0
+[believed.spindle]
+bandwidth_rad_per_s = 40
+ripple = 0.002
+ripple_2 = 0
+runout_um = 0
+runout_2_um = 0
+[believed.encoder]
+eccentricity_counts = 0
+[believed.cut]
+kc_n_per_mm2 = 0
+tool_stiffness_n_per_um = 0
+"""
+
+
+def within_three(rng: np.random.Generator) -> float:
+    """Draw a normal number until it is within three standard deviations."""
+    while abs(drawn := rng.normal()) > 3:
+        pass
+    return float(drawn)
+
+
+def machine(rng: np.random.Generator) -> str:
+    """Return the machine file of a lathe as a builder may get it: what FORECAST.md calls usual."""
+    numbers = {
+        "spindle": {
+            "bandwidth_rad_per_s": 40 * 1.5 ** within_three(rng),
+            "ripple": 0.002 * 1.5 ** within_three(rng),
+            "ripple_2": rng.uniform(0, 0.0005),
+            "ripple_per_turn_2": rng.uniform(0.3, 3),
+            "runout_um": rng.uniform(0, 0.1),
+            "runout_2_um": rng.uniform(0, 0.03),
+        },
+        "encoder": {"eccentricity_counts": abs(0.1 * within_three(rng))},
+        "u": {
+            "bandwidth_hz": 300 * (1 + 0.05 * within_three(rng)),
+            "damping": 0.7 * (1 + 0.05 * within_three(rng)),
+            "delay_us": 75 * (1 + 0.05 * within_three(rng)),
+            "mass_kg": 1.5 * (1 + 0.05 * within_three(rng)),
+            "friction_m_per_s2": rng.uniform(0, 5),
+            "scale_latency_us": abs(0.25 * within_three(rng)),
+            "scale_error_nm": rng.uniform(0, 20),
+            "mode_2_hz": rng.uniform(1500, 4000),
+            "mode_2_share": rng.uniform(0.1, 0.5),
+        },
+        "cut": {
+            "kc_n_per_mm2": rng.uniform(400, 900),
+            "radial_share": rng.uniform(0.2, 0.5),
+            "tool_stiffness_n_per_um": rng.uniform(50, 200),
+        },
+    }
+    lines = []
+    for table, keys in numbers.items():
+        lines.append(f"[{table}]")
+        lines += [f"{key} = {value}" for key, value in (KNOWN.get(table, {}) | keys).items()]
+    return "\n".join(lines) + "\n" + BELIEVED
+
+
+def errors_um(folder: Path) -> Floats:
+    """Cut on independent machines; return their form errors."""
+    table = written(made_of("perkins240"), folder)
+    rng, found = np.random.default_rng(31), []
+    for _ in range(MACHINES):
+        (folder / "m.toml").write_text(machine(rng))
+        words = ("--machine", folder / "m.toml", "--summary", folder / "s.json")
+        camsim("run", table, *words, "--turns-limit", str(TURNS))
+        found.append(json.loads((folder / "s.json").read_text())["form_error_um"]["max"])
+    return np.array(found)
+
+
+@pytest.mark.long
+def test_independent_machines_are_as_forecast(tmp_path: Path) -> None:
+    """Their median is that of the forecast, and nine of ten are below its 90 %.
+
+    Of 64 machines 57.6 +- 2.4 are below the true quantile; that of 128 others is uncertain by 1.7.
+    """
+    words = ("--turns", str(TURNS), "--runs", str(DRAWN), "-o", str(tmp_path / "o"))
+    assert main([str(PERKINS), *words]) == 0
+    about = json.loads((tmp_path / "o" / "forecast.json").read_text())
+    median, ninety, *_ = about["form_error_um"]
+    found = errors_um(tmp_path)
+    assert np.median(found) == pytest.approx(median["value_um"], rel=0.15)
+    assert 51 <= np.count_nonzero(found <= ninety["value_um"]) <= 63

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings of other instruments: constants within their deviations, and when no model holds."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -29,19 +31,19 @@ def smooth_noise(seed: int, rms: float, width: int = 21) -> Floats:
 def oscillator(force_n: Floats, cubic: float = 0.0) -> Floats:
     """Return the position [m] of mass, damper and spring, by Runge and Kutta."""
 
-    def slope(state: Floats, force: float) -> Floats:
-        x, v = state
-        return np.array([v, (force - VISCOUS * v - STIFFNESS * x - cubic * x**3) / MASS_KG])
+    def bend(x: float, v: float, force: float) -> float:
+        return (force - VISCOUS * v - STIFFNESS * x - cubic * x**3) / MASS_KG
 
-    h, state, found = 1 / RATE_HZ, np.zeros(2), []
-    for now, after in zip(force_n, np.append(force_n[1:], 0.0), strict=True):
-        found.append(state[0])
+    h, x, v, found = 1 / RATE_HZ, 0.0, 0.0, []
+    for now, after in pairwise([*force_n.tolist(), 0.0]):
+        found.append(x)
         middle = (now + after) / 2
-        a = slope(state, now)
-        b = slope(state + h / 2 * a, middle)
-        c = slope(state + h / 2 * b, middle)
-        d = slope(state + h * c, after)
-        state = state + h / 6 * (a + 2 * b + 2 * c + d)
+        a = bend(x, v, now)
+        b = bend(x + h / 2 * v, v + h / 2 * a, middle)
+        c = bend(x + h / 2 * v + h * h / 4 * a, v + h / 2 * b, middle)
+        d = bend(x + h * v + h * h / 2 * b, v + h * c, after)
+        x += h * v + h * h / 6 * (a + b + c)
+        v += h / 6 * (a + 2 * b + 2 * c + d)
     return np.array(found)
 
 
@@ -106,7 +108,7 @@ def test_spring_that_hardens_is_not_linear() -> None:
 
 
 def test_other_responses_are_not_of_this_model() -> None:
-    """A second resonance is left over by far more than its deviations; noise has no coherence."""
+    """A second resonance, noise, a resonance that is smeared by a recording that is too short."""
     force_n = smooth_noise(7, 20.0, 101)
     second = np.convolve(force_n, np.sin(np.arange(4000) * 0.08) * 1e-8, "full")[: force_n.size]
     found = identify_record(force_record(force_n, oscillator(force_n) + second, 1e-3, 8))
@@ -114,6 +116,9 @@ def test_other_responses_are_not_of_this_model() -> None:
     unrelated = np.random.default_rng(8).normal(0, 1e-6, force_n.size)
     with pytest.raises(CamtoolsError, match="lines have a coherence above"):
         identify_record(force_record(force_n, unrelated, 0.0, 0))
+    force_n = smooth_noise(9, 20.0, 101)[:20_000]
+    found = identify_record(force_record(force_n, oscillator(force_n), 1e-3, 9))
+    assert any("Hz wide, but lines are" in one for one in found.problems)
 
 
 def drive_record(plant: Plant, u_nm: Floats, seed: int) -> ForeignRecord:
@@ -137,7 +142,7 @@ def test_held_command_of_a_wide_band() -> None:
     assert "held" in "\n".join(record_lines(found, record))
 
 
-@pytest.mark.parametrize("friction_m_s2", [0.0, 3.0, 15.0])
+@pytest.mark.parametrize("friction_m_s2", [0.0, 3.0, pytest.param(15.0, marks=pytest.mark.long)])
 def test_friction_is_not_linear(friction_m_s2: float) -> None:
     """Coulomb friction of 2 and 8 % of a command of constant amplitude; none is linear."""
     u_nm = smooth_noise(13, 50_000.0)[:20_000]
@@ -200,15 +205,12 @@ def test_actuator_that_saturates_is_not_linear() -> None:
     assert any("of the acceleration, acts like" in one for one in found[3]), found[3]
 
 
-def test_resonance_narrower_than_the_lines() -> None:
-    """The recording is too short, so that the lines smear it."""
-    force_n = smooth_noise(9, 20.0, 101)[:20_000]
-    found = identify_record(force_record(force_n, oscillator(force_n), 1e-3, 9))
-    assert any("Hz wide, but lines are" in one for one in found.problems)
-
-
-def test_volts_have_a_gain_in_um() -> None:
-    """A drive of 10 mm per 10 V."""
+def test_units_are_those_of_the_header() -> None:
+    """Decimal commas, capitals and other units; a drive of 10 mm per 10 V."""
+    found = parse_record("\n".join(GOOD), "scope.csv")
+    assert found.rate_hz == pytest.approx(10_000)
+    assert found.u[1] == pytest.approx(1.5e-3)
+    assert found.y[1] == pytest.approx(1e-6)
     assert constants_of(np.array([1e3, 0.7, 3e-4, 0.0]), "command_v")["gain um/V"] == 1000
 
 
@@ -218,14 +220,6 @@ GOOD = ["time_ms;Command_mm;position_um"] + [f"{i / 10};{i % 7},5;{i % 5}" for i
 def text_with(line: int, content: str) -> str:
     """Return a good file with one line replaced."""
     return "\n".join([*GOOD[: line - 1], content, *GOOD[line:]])
-
-
-def test_units_are_those_of_the_header() -> None:
-    """Decimal commas, capitals and other units."""
-    found = parse_record("\n".join(GOOD), "scope.csv")
-    assert found.rate_hz == pytest.approx(10_000)
-    assert found.u[1] == pytest.approx(1.5e-3)
-    assert found.y[1] == pytest.approx(1e-6)
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def test_pistons_are_read_as_before() -> None:
         parse_part(GOOD.encode(), "c.toml")
 
 
-@pytest.mark.parametrize("kind", ['"Cam"', '["cam"]', "1", "{}"])
+@pytest.mark.parametrize("kind", ['"gear"', '["cam"]', "1", "{}"])
 def test_a_wrong_kind_is_all_that_is_told(kind: str) -> None:
     """Nobody knows which keys belong to it: the rest of a cam is no mistake in a piston."""
     with pytest.raises(CamtoolsError) as info:
@@ -84,11 +84,6 @@ dwell_deg = 20
 fall_deg = 80
 """
 BAD = [
-    (
-        GOOD.replace('kind = "cam"', 'kind = "gear"'),
-        "part.kind = 'gear'",
-        "'piston', 'cam' or 'polygon'",
-    ),
     (GOOD.replace("base_radius_mm = 20", ""), "cam.base_radius_mm", "add it"),
     (GOOD.replace("roller_radius_mm = 10", "roller_radius_mm = 0"), "cam.roller_rad", "at least"),
     (GOOD.replace("z_mm = [0, 12]", "z_mm = [0]"), f"{LOBE}.z_mm", "at least 2 entries"),
@@ -123,11 +118,7 @@ BAD = [
     (with_law(LIST.replace("315", "361")), f"{LOBE}.angle_deg", "list one turn"),
     (DISC.replace("offset_mm = 5", "offset_mm = 4"), f"{LOBE}.disc_radius_mm = 25", "make them eq"),
     (DISC.replace("wheel_radius_mm = 200", ""), "cam.wheel_radius_mm: is missing", "add it"),
-    (
-        DISC.replace('"grinding"', '"milling"'),
-        "process.operation",
-        "'turning', 'grinding' or 'plunge-grinding'",
-    ),
+    (DISC.replace('"grinding"', '"milling"'), "process.operation", "or 'plunge-grinding'"),
     (DISC.replace('"constant-surface"', '"even"'), "process.speed", "'uniform' or 'constant-sur"),
     (GOOD.replace("= 60\n\n[machine", "= 0\n\n[machine"), "process.spindle_rpm = 0", "at least 1"),
     (GOOD.replace("swing_deg = 30", "swing_deg = 90"), "machine.limits.swing_deg", "at most 80"),

@@ -18,16 +18,25 @@ from camtools.lobe.kind import KIND
 from camtools.lobe.plunge import left_by_wear_um
 from camtools.lobe.summary import make_lobe_summary
 from camtools.ngc.lobe_program import LobeJob, lobe_program
+from camtools.pipeline.make_table import Made
 from camtools.table.channel import ImageError
 from camtools.table.image import pack, unpack
 from camtools.table.quantise import with_bounds
-from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of
-from tests.tools.cases.lobe_cases import cam, evaluate
+from tests.tools.cases.camsim_cases import ROOT, camsim, columns_of, only_error
+from tests.tools.cases.cut_cases import made_of, written
+from tests.tools.cases.lobe_cases import MACHINE, cam, evaluate
 
 TEXT = (ROOT / "tools" / "parts" / "camshaft-plunge.toml").read_text()
 # two narrow lobes at a high speed, so that a cut is short
 SHORT = re.sub(r"\[\[cam.lobe\]\]\nz_mm = \[62.*?\n\n", "", TEXT, flags=re.DOTALL)
 SHORT = SHORT.replace("spindle_rpm = 40", "spindle_rpm = 90")
+
+
+@pytest.fixture(scope="module")
+def made() -> GeneratedLobes:
+    """Return the table of the part."""
+    found: GeneratedLobes = made_of("camshaft-plunge").table
+    return found
 
 
 def text_of(text: str, **keys: object) -> str:
@@ -42,9 +51,7 @@ def run(
     folder: Path, made: GeneratedLobes, wear_um: float
 ) -> tuple[dict[str, Any], dict[str, Floats]]:
     """Return summary and trace of a cut whose wheel wears."""
-    image = folder / "p.camtab"
-    image.write_bytes(pack(made.table))
-    (folder / "p.json").write_text(json.dumps(make_lobe_summary(made)))
+    image = written(Made(KIND, made), folder)
     machine = KIND.machine(made.part).split("[wheel]")[0]
     machine = re.sub(r"(?m)^ripple = .*$", "ripple = 0.0", machine)
     (folder / "m.toml").write_text(f"{machine}[wheel]\nwear_um_per_lobe = {wear_um!r}\n")
@@ -108,9 +115,8 @@ def test_bound_of_what_the_worn_wheel_leaves_holds() -> None:
     assert left_um.min() > -1e-6 and left_um.max() == pytest.approx(bound, rel=1e-6)
 
 
-def test_eval_speaks_of_the_station(tmp_path: Path) -> None:
+def test_eval_speaks_of_the_station(made: GeneratedLobes, tmp_path: Path) -> None:
     """X of a lobe rests on the drawing's base during the spark-out; u is the lift by then."""
-    made = generate_lobes(cam(TEXT))
     plan = made.plunge
     assert plan is not None
     first = made.table.lobes[1].z_first_nm
@@ -152,15 +158,17 @@ def test_keys_that_do_not_belong_together_are_refused(old: str, new: str, told: 
         cam(TEXT.replace(old, new))
 
 
-def test_no_program_is_written_for_a_plunge_cut() -> None:
-    """It would feed Z over the lobe."""
+def test_no_program_is_written_for_a_plunge_cut(made: GeneratedLobes, tmp_path: Path) -> None:
+    """It would feed Z over the lobe; a measured Z does not tell the turns."""
+    image = written(Made(KIND, made), tmp_path)
+    line = only_error(camsim("run", image, "--machine", MACHINE, "--set", "z_is_measured=1"))
+    assert "a measured Z cannot" in line
     with pytest.raises(CamtoolsError, match="plunge-grinding"):
         lobe_program(LobeJob(cam(TEXT), 0.001, False))
 
 
-def test_format_takes_stations_of_lobes_alone(tmp_path: Path) -> None:
+def test_format_takes_stations_of_lobes_alone(made: GeneratedLobes, tmp_path: Path) -> None:
     """What the check of the generator and that of the firmware refuse; both take the table."""
-    made = generate_lobes(cam(TEXT))
     table = made.table
     assert unpack(pack(table)).has_stations
     way = table.way
@@ -177,18 +185,8 @@ def test_format_takes_stations_of_lobes_alone(tmp_path: Path) -> None:
     assert done.returncode == 2 and "channel" in done.stderr
 
 
-def test_measured_z_is_refused(tmp_path: Path) -> None:
-    """It does not tell the turns."""
-    image = tmp_path / "p.camtab"
-    image.write_bytes(pack(generate_lobes(cam(TEXT)).table))
-    machine = ROOT / "host_sim" / "machines" / "cam.toml"
-    done = camsim("run", image, "--machine", machine, "--set", "z_is_measured=1")
-    assert done.returncode == 2 and "a measured Z cannot" in done.stderr
-
-
-def test_summary_tells_the_turns() -> None:
+def test_summary_tells_the_turns(made: GeneratedLobes) -> None:
     """Stock, infeed and spark-out of a lobe; the gauge is told that the wheel stands."""
-    made = generate_lobes(cam(TEXT))
     found = make_lobe_summary(made)["plunge"]
     assert found["infeed_turns"] == 10 and found["spark_out_turns"] == 3
     assert found["turns_per_lobe"] == 10 + 1 + 3 + 2 * found["clearing_turns"]

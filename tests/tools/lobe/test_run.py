@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from camtools.cli.run import main as run
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.motion import example_lobe
 from camtools.lobe.report import band, draw_rake, make_lobe_report, speed_of_contact
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.report.text import page_text
 from camtools.sim.results import STATES, CutTrace, GaugedSurface
-from tests.tools.cases.part_cases import ROOT, Command
+from tests.tools.cases.part_cases import ROOT
 from tests.tools.cases.report_cases import without_scripts
 
 PARTS = ROOT / "tools" / "parts"
@@ -26,10 +27,15 @@ PICTURES = (
 )
 
 
-def test_disc_is_ground_and_reported(run: Command, tmp_path: Path) -> None:
-    """All results appear, the profile is good, the page holds every picture and no link."""
-    done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT)
-    assert done.returncode == 0, done.stderr
+@pytest.mark.usefixtures("undrawn")
+def test_disc_is_ground_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """All results appear, the profile is good, the page holds every picture and no link.
+
+    --rpm is the speed on the base circle: the law of a constant surface speed is made for it.
+    """
+    words = [str(PARTS / "cam-disc.toml"), "--rpm", "90", "-o", str(tmp_path / "out"), *SHORT]
+    assert run(words) == 0
+    shown = capsys.readouterr().out
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
     tables = [f"cam-disc{end}" for end in (".camtab", ".json", "_machine.toml", "_table.c")]
     results = ["report.html", "summary.json", "surface.csv", "trace.parquet", "cam-disc_table.h"]
@@ -41,39 +47,33 @@ def test_disc_is_ground_and_reported(run: Command, tmp_path: Path) -> None:
     assert summary["table_error"]["u_nm"] <= 10
     assert summary["comparison"][0]["name"] == "complete controller"
     assert summary["comparison"][-1]["max_um"] > 10
+    speed = summary["cam"]["surface_speed_mm_s"]["base_circle"]
+    assert speed == pytest.approx(1.5 * 2 * np.pi * 20, rel=1e-5)
     page = without_scripts((tmp_path / "out" / "report.html").read_text())
     assert page.count("data:image/png;base64,") == len(PICTURES) + 1  # and the sheet
     assert "WITHIN TOLERANCE" in page and "The wheel is a whole cylinder" in page
-    assert done.stdout.startswith("cam-disc: within tolerance\n")
-    assert "base circle 125.7 mm/s" in done.stdout and "µ" not in done.stdout
+    assert shown.startswith("cam-disc: within tolerance\n")
+    assert "base circle 188.5 mm/s" in shown and "µ" not in shown
 
 
-def test_rpm_is_the_speed_on_the_base_circle(run: Command, tmp_path: Path) -> None:
-    """The law of a constant surface speed is made anew for it; the table carries it."""
-    done = run(PARTS / "cam-disc.toml", "--rpm", "30", "-o", "out", *SHORT, draws=False)
-    assert done.returncode == 0, done.stderr
-    cam = json.loads((tmp_path / "out" / "summary.json").read_text())["cam"]
-    assert cam["surface_speed_mm_s"]["base_circle"] == pytest.approx(np.pi * 20, rel=1e-5)
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    ("part", "picture"),
+    [("cam-disc", "fault"), pytest.param("cam-345", "rake", marks=pytest.mark.long)],
+)
+def test_fault_is_told_and_drawn(
+    part: str, picture: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An emergency stop ends the cut with status 1 and a page that explains it.
 
-
-def test_turned_cam_is_reported_with_its_rake(run: Command, tmp_path: Path) -> None:
-    """The swing is measured: its picture and its row are there; another test draws it."""
-    done = run(PARTS / "cam-345.toml", "-o", "out", *SHORT, draws=False)
-    assert done.returncode == 0, done.stderr
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["form_error_um"]["max"] <= 0.05
-    assert summary["cam"]["rake_deg"]["max"] <= 0.02
-    assert (tmp_path / "out" / "cut_rake.png").exists()
-    assert "effective rake" in done.stdout
-
-
-def test_fault_is_told_and_drawn(run: Command, tmp_path: Path) -> None:
-    """An emergency stop ends the cut with status 1 and a page that explains it."""
-    done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT, "--inject", "estop@1")
-    assert done.returncode == 1, done.stderr
+    The swing of a turned cam is measured: its picture and its row are there.
+    """
+    words = [str(PARTS / f"{part}.toml"), "-o", str(tmp_path / "out"), *SHORT]
+    assert run([*words, "--set", "rehearse_turns=0", "--inject", "estop@1.5"]) == 1
     page = (tmp_path / "out" / "report.html").read_text()
     assert "FAULT: ESTOP" in page and "What happened" in page
-    assert (tmp_path / "out" / "cut_fault.png").exists()
+    assert (tmp_path / "out" / f"cut_{picture}.png").exists()
+    assert ("effective rake" in capsys.readouterr().out) is (part == "cam-345")
 
 
 @pytest.mark.parametrize(
@@ -85,12 +85,13 @@ def test_fault_is_told_and_drawn(run: Command, tmp_path: Path) -> None:
     ],
 )
 def test_bad_request_leaves_nothing(
-    words: list[str], named: str, run: Command, tmp_path: Path
+    words: list[str], named: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """One line says what is wrong; status 2, no folder."""
-    done = run(PARTS / "cam-disc.toml", "-o", "out", *words)
-    lines = [line for line in done.stderr.splitlines() if not line.startswith("run: making")]
-    assert done.returncode == 2 and named in lines[-1], done.stderr
+    assert run([str(PARTS / "cam-disc.toml"), "-o", str(tmp_path / "out"), *words]) == 2
+    error = capfd.readouterr().err
+    lines = [line for line in error.splitlines() if not line.startswith("run: making")]
+    assert named in lines[-1], error
     assert not (tmp_path / "out").exists()
 
 
@@ -133,8 +134,8 @@ TURNED = {
 }  # fmt: skip
 
 
-def test_rake_is_told_beside_that_without_swing(turned: GeneratedLobes) -> None:
-    """The larger of both sides is the bound; the rest of the summary is that of a turned cam."""
+def test_rake_and_lobes_have_their_rows(turned: GeneratedLobes) -> None:
+    """The larger of both sides is the bound; a lobe that was not reached is called so."""
     rows = dict(lobe_rows(made_up(turned, TURNED)))
     assert rows["effective rake"] == "constant within 0.002°; without the swing -19.97 .. 19.96°"
     assert rows["cut"].startswith("cam turned, tip of radius 0.4 mm, at 60 r/min, feed 0.1 mm")
@@ -142,10 +143,6 @@ def test_rake_is_told_beside_that_without_swing(turned: GeneratedLobes) -> None:
     outcome = made_up(turned, TURNED)
     text = page_text(outcome, lobe_rows(outcome), "out", 2.0)
     assert "required U stroke" in text and "constant within 0.002 deg" in text
-
-
-def test_lobes_are_told_apart(turned: GeneratedLobes) -> None:
-    """Each lobe has its row; one that was not reached says so."""
     missing = {"z_first_mm": 14, "z_last_mm": 20, "samples": 0}
     rows = dict(lobe_rows(made_up(turned, TURNED | {"lobes": [LOBE, missing]})))
     assert rows["lobe 0"] == "0 .. 12 mm: max 500 nm, rms 100 nm"
@@ -170,16 +167,12 @@ def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedLobes) -> None:
     assert "Effective rake" in page and "The tip of the tool is a circle" in page
 
 
-def test_band_holds_the_extremes_of_each_bin() -> None:
-    """Two values at one angle are both ends of the band there; empty bins are left out."""
+def test_data_of_pictures(turned: GeneratedLobes) -> None:
+    """Bins hold their extremes; the contact's speed is r omega, on the nose ds/dtheta."""
     degrees, least, most = band(np.array([0.5, 0.5001, 1.0]), np.array([-1.0, 2.0, 3.0]))
     assert degrees.tolist() == [0.25, 180.25]
     assert least.tolist() == [3.0, -1.0]
     assert most.tolist() == [3.0, 2.0]
-
-
-def test_speed_of_contact_is_that_of_the_notes(turned: GeneratedLobes) -> None:
-    """On the base circle r omega, on the nose ds/dtheta of MATHS.md (31)."""
     lobe = turned.lobes[0]
     found = speed_of_contact(lobe, np.radians([180.0, 0.0]), np.array([2.0, 1.0]))
     assert found.tolist() == pytest.approx([40.0, 28.0])

@@ -11,14 +11,16 @@ import pytest
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import Floats
-from camtools.cli.mktables import main
+from camtools.cli.run import main as run
 from camtools.lobe.generate import generate_lobes
+from camtools.lobe.kind import KIND
 from camtools.lobe.lift import Listed
 from camtools.lobe.motion import make_lobes
 from camtools.lobe.smooth_list import band_for
+from camtools.pipeline.make_table import Made
 from camtools.table.points import PointedTurn
-from tests.tools.cases.lobe_cases import cam
-from tests.tools.cases.part_cases import ROOT, Command
+from tests.tools.cases.lobe_cases import QUICK, cam
+from tests.tools.cases.part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
 TURNED = (PARTS / "cam-345.toml").read_text()
@@ -113,13 +115,13 @@ def test_no_curve_in_the_band_is_smoother() -> None:
         assert roughness(other) > roughness(found)
 
 
-def test_residuals_and_peaks_are_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """JSON, text and picture of mktables: residuals, acceleration and jerk before and after."""
+def test_residuals_and_peaks_are_shown(tmp_path: Path) -> None:
+    """JSON, text and picture of a table: residuals, acceleration and jerk before and after."""
     listed = rounded(polynomial)
     text = with_list(listed, "smooth_um = 0.5\n")
-    (tmp_path / "c.toml").write_text(text)
-    assert main([str(tmp_path / "c.toml"), "-o", str(tmp_path), "--plot"]) == 0
-    [one] = json.loads((tmp_path / "cam-345.json").read_text())["lobes"]
+    made = Made(KIND, KIND.make(cam(text)))
+    assert "smoothing" in KIND.plots(made.table)
+    [one] = KIND.summary(made.table)["lobes"]
     off_um = 1000 * (law_of(text).evaluate(np.radians(DEG)).lift - listed)
     found = one["smoothing"]
     assert found["largest_um"] == pytest.approx(np.abs(off_um).max(), abs=1e-6)
@@ -131,38 +133,34 @@ def test_residuals_and_peaks_are_shown(tmp_path: Path, capsys: pytest.CaptureFix
     assert acceleration["after"] == pytest.approx(exact, rel=0.02)
     assert acceleration["before"] > 1.1 * exact and jerk["before"] > 3 * jerk["after"]
     line = f"list smoothed within 0.5 um: largest residual 0.5 um at {DEG[at]:g} degrees, rms "
-    shown = capsys.readouterr().out
-    assert line in shown and "  smoothing takes 0.5 um of the tolerance of 1 um\n" in shown
-    assert (tmp_path / "cam-345_smoothing.png").read_bytes()[1:4] == b"PNG"
+    assert line in made.text()
+    assert "  smoothing takes 0.5 um of the tolerance of 1 um\n" in made.text()
 
 
-def test_report_has_picture_and_row(run: Command, tmp_path: Path) -> None:
-    """The page of a cut shows residuals and names the peaks."""
-    (tmp_path / "c.toml").write_text(with_list(rounded(polynomial), "smooth_um = 0.5\n"))
-    done = run("c.toml", "--feed", "4", "-o", "out", draws=False)
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "out" / "cut_smoothing.png").exists()
-    page = (tmp_path / "out" / "report.html").read_text()
-    assert "Smoothing of a list" in page and "list smoothed within 0.5 um" in page
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["form_error_um"]["tolerance"] == pytest.approx(0.5, abs=1e-4)
-    share = "smoothing takes 0.5 um of the tolerance of 1 um"
-    assert f"against the smoothed drawing (500 nm left: {share})" in done.stdout
-
-
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(("asked", "left_um"), [("1.2", 0.7), ("0.4", None)])
 def test_smoothing_takes_its_share_of_a_given_tolerance(
-    run: Command, tmp_path: Path, asked: str, left_um: float | None
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], asked: str, left_um: float | None
 ) -> None:
-    """Of --tolerance-um as of the part's own; nothing left is refused."""
-    (tmp_path / "c.toml").write_text(with_list(rounded(polynomial), "smooth_um = 0.5\n"))
-    words = ("c.toml", "--feed", "4", "-o", "out", "--", "--tolerance-um", asked)
-    done = run(*words, draws=False)
+    """Of --tolerance-um as of the part's own; nothing left is refused. The page has the picture."""
+    text = with_list(rounded(polynomial), "smooth_um = 0.5\n", GROUND)
+    (tmp_path / "c.toml").write_text(text)
+    out = tmp_path / "out"
+    quick = (*QUICK[:-1], "--set", "rehearse_turns=0")
+    words = ("--feed", "4", "-o", str(out), "--", "--tolerance-um", asked, *quick)
+    status = run([str(tmp_path / "c.toml"), *words])
+    shown = capsys.readouterr()
     if left_um is None:
-        assert done.returncode == 2 and "--tolerance-um 0.4: smoothing takes 0.5 um" in done.stderr
+        assert status == 2 and "--tolerance-um 0.4: smoothing takes 0.5 um" in shown.err
         return
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert status == 0, shown.err
+    summary = json.loads((out / "summary.json").read_text())
     assert summary["form_error_um"]["tolerance"] == pytest.approx(left_um, abs=1e-4)
+    assert (out / "cut_smoothing.png").exists()
+    page = (out / "report.html").read_text()
+    assert "Smoothing of a list" in page and "list smoothed within 0.5 um" in page
+    share = "smoothing takes 0.5 um of the tolerance of 1.2 um"
+    assert f"against the smoothed drawing (700 nm left: {share})" in shown.out
 
 
 def test_rounded_list_is_warned_about() -> None:
@@ -181,7 +179,7 @@ def test_rounded_list_is_warned_about() -> None:
     assert law_of(TURNED.replace(LAW, listed)).needed is None
 
 
-@pytest.mark.parametrize(("step_deg", "step_mm"), [(0.1, 0.001), (0.5, 0.005), (2.0, 0.005)])
+@pytest.mark.parametrize(("step_deg", "step_mm"), [(0.25, 0.001), (0.5, 0.005), (2.0, 0.005)])
 def test_band_of_the_warning_suits_any_table(step_deg: float, step_mm: float) -> None:
     """Fine angles, coarse lifts, few points: the band named brings the acceleration of the law."""
     deg = np.arange(-180, 180, step_deg)
@@ -193,7 +191,7 @@ def test_band_of_the_warning_suits_any_table(step_deg: float, step_mm: float) ->
 
 
 def test_refusals_that_are_noise_name_a_band_that_works() -> None:
-    """A hollow flank, and an acceleration beyond the machine: with the band named both are made."""
+    """With the form error where it is beyond that; none without noise."""
     hollow = with_list(rounded(polynomial, 0.002), text=GROUND)
     with pytest.raises(GeometryError, match="is hollow with a radius") as refused:
         make_lobes(cam(hollow))
@@ -203,10 +201,6 @@ def test_refusals_that_are_noise_name_a_band_that_works() -> None:
     with pytest.raises(CamtoolsError, match="swing_acceleration_deg_s2 = 100000") as weak:
         generate_lobes(cam(with_list(rounded(polynomial))))
     assert "; the list is noisy: cam.lobe.0.smooth_um = " in weak.value.lines[0]
-
-
-def test_refusal_by_coarse_lifts_names_a_form_error_too() -> None:
-    """A band beyond the form error is refused, so both keys are named."""
     listed = rounded(polynomial, 0.005)
     with pytest.raises(GeometryError, match="or smooth the noise of the list: ") as refused:
         make_lobes(cam(with_list(listed, text=GROUND)))
@@ -217,10 +211,6 @@ def test_refusal_by_coarse_lifts_names_a_form_error_too() -> None:
     make_lobes(cam(allowing(text, float(found[2]))))
     with pytest.raises(GeometryError, match=r"leaves nothing of process\.form_error_um = 1;"):
         make_lobes(cam(text))
-
-
-def test_no_band_is_named_for_a_lift_that_is_hollow_by_itself() -> None:
-    """Without noise there is nothing to smooth."""
     steep = lobe(polynomial, np.radians(DEG * 70 / 55))[0]
     with pytest.raises(GeometryError, match="is hollow with a radius") as refused:
         make_lobes(cam(with_list(steep, text=GROUND)))
@@ -308,11 +298,7 @@ def test_units_that_contradict_are_refused(tmp_path: Path) -> None:
             'lift_unit = "inch"\n',
             "line 1: the header names a unit of length",
         ),
-        (
-            "",
-            f"largest_lift_mm = {LIFT_MM}\n",
-            "shares of 0 .. 8, not 0 .. 1; give shares of 0 .. 1",
-        ),
+        ("", f"largest_lift_mm = {LIFT_MM}\n", "shares of 0 .. 8, not 0 .. 1; give shares of 0"),
         ("", 'degrees_of = "crank"\n', "the turn is not closed"),
     ):
         with pytest.raises(GeometryError) as refused:

@@ -54,8 +54,9 @@ def row_of(key: str, item: str) -> Row:
     return next(row for row in chapter.rows if item in (row.item, row.shows))
 
 
-def test_refit_is_best_with_a_tool_that_swings() -> None:
-    """Fig 8 of S2: the more points are left out the worse with a rigid tool, else the better."""
+@pytest.mark.long
+def test_rows_of_the_refit() -> None:
+    """Fig 8 of S2, Table 2 before the refit, and the conditions of the test."""
     row = row_of("S2", "Fig 8")
     rigid, soft, stiff = re.findall(
         r"(\d\.\d\d), (\d\.\d\d), (\d\.\d\d) um", row.ours + row.difference
@@ -64,18 +65,10 @@ def test_refit_is_best_with_a_tool_that_swings() -> None:
     for swung in (soft, stiff):
         assert sorted(swung, reverse=True) == list(swung)
     assert stiff < soft
-
-
-def test_section_before_the_refit_swings_at_the_corner() -> None:
-    """Table 2, before: cut with a tool of 800 Hz, off the drawing by up to 2.5 um at its angles."""
     found = [row["before_um"] for row in rows("s2_table_2.csv")]
     drawn = [-175 * np.sin(np.radians(deg)) ** 2 for deg in (10, 20, 30, 40, 48)]
     assert 0.5 < np.abs(np.subtract(found, drawn)).max() < 2.5
     assert row_of("S2", "Table 2, before").ours == ", ".join(f"{um:.2f}" for um in found) + " um"
-
-
-def test_conditions_of_the_test_are_those_of_the_part() -> None:
-    """The row names what is cut with, and that only the speed is the paper's."""
     part = tomllib.loads((ROOT / "tools" / "parts" / "weichai3a_measured.toml").read_text())
     process, row = part["process"], row_of("S2", "conditions of the test")
     words = f"{process['spindle_rpm']} r/min, feed {process['feed_mm']} mm, depth "
@@ -83,6 +76,7 @@ def test_conditions_of_the_test_are_those_of_the_part() -> None:
     assert "are not known here" in row.difference
 
 
+@pytest.mark.long
 def test_pictures_of_the_path_show_what_their_rows_state() -> None:
     """S3: 4 rings, or all 22 at 10 mm on 210 mm, and the turns between them, of 72 points."""
     for item, n_rings, is_part in (("Fig 7", 4, True), ("Fig 8", None, False)):
@@ -95,21 +89,19 @@ def test_pictures_of_the_path_show_what_their_rows_state() -> None:
     assert (int(on_rings), int(on_helices)) == (22 * 72 + 1, 21 * 72)
 
 
-def test_page_names_what_is_not_compared() -> None:
-    """Flow charts and the axis with two motors have their rows, and why nothing is compared."""
-    text = PAGE.read_text().split("## What is not compared")[1].split("\n## ")[0]
-    assert "| axis with two linear motors | its data are not known" in text
-    assert "| flow charts | they show steps, no numbers" in text
-
-
+@pytest.mark.long
 def test_page_is_what_the_command_writes() -> None:
     """The comparisons in PAPERS.md are recomputed, every digit and every word."""
     text = PAGE.read_text()
     told = page(all_chapters())
+    missing = text.split("## What is not compared")[1].split("\n## ")[0]
+    assert "| axis with two linear motors | its data are not known" in missing
+    assert "| flow charts | they show steps, no numbers" in missing
     begin = text.index("## S0, S1:")
     assert text[begin : begin + len(told)] == told
 
 
+@pytest.mark.long
 def test_every_item_of_the_list_has_its_row() -> None:
     """Each figure and table of the papers stands in the page once, with files that are made."""
     for chapter in all_chapters():
@@ -121,6 +113,7 @@ def test_every_item_of_the_list_has_its_row() -> None:
             assert "" not in row
 
 
+@pytest.mark.long
 def test_measured_table_comes_out() -> None:
     """Ovality 0.35, trim 0.1 mm and (3, 3) give the paper's Table 2 within a micrometre."""
     assert [f"{um:.2f}" for um in corner.measured_um()] == [
@@ -151,19 +144,9 @@ def test_points_of_the_helix_are_those_of_the_sections() -> None:
     matrix = helix.point_matrix(4, 0.2)
     assert matrix.shape == (7 * helix.N_POINTS + 1, 8)
     turns = matrix[:, 2] / 360
-    golden = {
-        0: 0,
-        1: 0,
-        1.25: 0.05,
-        1.5: 0.1,
-        1.75: 0.15,
-        2: 0.2,
-        2.5: 0.2,
-        3: 0.2,
-        3.5: 0.3,
-        4: 0.4,
-    }
-    for turn, z_mm in golden.items():
+    golden_turns = [0, 1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5, 4]
+    golden_mm = [0, 0, 0.05, 0.1, 0.15, 0.2, 0.2, 0.2, 0.3, 0.4]
+    for turn, z_mm in zip(golden_turns, golden_mm, strict=True):
         assert matrix[int(np.argmin(np.abs(turns - turn))), 3] == pytest.approx(z_mm, abs=1e-12)
     assert np.hypot(matrix[:, 5], matrix[:, 6]) == pytest.approx(matrix[:, 4], abs=1e-12)
     is_ring = matrix[:, 1] == 0
@@ -178,6 +161,7 @@ def test_points_of_the_helix_are_those_of_the_sections() -> None:
         assert helix.diameters_mm(z_mm)[1][70] / 2 == pytest.approx(joint, abs=1e-8)
 
 
+@pytest.mark.long
 def test_records_are_cut_as_calculated() -> None:
     """Each of the three records, cut on the simulator, is its spline within 0.1 um everywhere."""
     for record, largest in zip(corner.gauged(), (0.44, 1.38, 2.96), strict=True):
@@ -187,6 +171,7 @@ def test_records_are_cut_as_calculated() -> None:
         assert row["after_cut_um"] == pytest.approx(row["after_spline_um"], abs=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_command_makes_every_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tables and pictures of all rows, and the page."""

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A sheet whose every answer is known in closed form, and what is said where there is none."""
+"""Sheets whose every answer is known in closed form, and sections of a real cut, recomputed."""
 
 import json
+from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scipy.interpolate import CubicSpline
 
 from camtools.base.quantities import Floats
 from camtools.part.tolerances import FormTolerances, Tolerances
@@ -18,6 +20,7 @@ from camtools.report.sheet_page import sheet_pages
 from camtools.report.sheet_plots import draw_lines, draw_section
 from camtools.report.text import verdict_of
 from camtools.roundness.waves import transmission
+from camtools.sim.camsim import Simulator
 from camtools.sim.results import (
     PLACES,
     AnyCut,
@@ -28,7 +31,12 @@ from camtools.sim.results import (
     GaugedSections,
     GaugedSurface,
 )
+from camtools.sim.sections import read_sections
+from camtools.sim.trace_file import read_columns
+from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
+from tests.tools.cases.camsim_cases import CAMSIM, camsim, only_error
+from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.report_cases import made_up_summary
 
 A_MM, G_MM, PHASE_DEG = 46.0, 0.2, 12.0  # long half axis, ovality, direction of the long axis
@@ -148,8 +156,8 @@ def test_roundness_of_the_deviation_is_the_known_one() -> None:
     assert centre.radius_mm == pytest.approx(A_MM - G_MM / 4 + MEAN_MM, abs=1e-7)
 
 
-def test_harmonics_are_the_known_ones(sheets: Sheets) -> None:
-    """Each wave has its amplitude and crest, unfiltered, all others nothing."""
+def test_harmonics_straightness_and_taper(sheets: Sheets) -> None:
+    """Unfiltered waves, STRt 1 um of a parabola of 1 um, opposite slopes add to the taper."""
     known = {1: (C_MM, C_RAD), 2: (OVAL_MM, OVAL_RAD), 5: (FIVE_MM, 0), 50: (FIFTY_MM, 0)}
     for wave in sheets.sections[0].section.off_waves:
         amplitude_mm, crest_rad = known.get(wave.order, (0.0, None))
@@ -157,6 +165,13 @@ def test_harmonics_are_the_known_ones(sheets: Sheets) -> None:
         if crest_rad is not None:
             turned = np.exp(1j * (np.radians(wave.phase_deg) * wave.order - crest_rad))
             assert turned == pytest.approx(1, abs=1e-6)
+    for one in sheets.lines:
+        found = by_name(one.features)
+        assert found["straightness of the deviation STRt, LS"].actual == pytest.approx(1, abs=1e-5)
+        assert found["straightness of the deviation STRt, MZ"].actual == pytest.approx(1, abs=1e-5)
+        assert found["STRq, LS"].actual == pytest.approx(2 / np.sqrt(45), rel=3e-3)
+    assert [one.actual for one in sheets.tapers] == pytest.approx([2.4, -0.6], abs=1e-9)
+    assert sheets.tapers[0].name == "taper 0°/180° over 60 mm, off the drawing"
 
 
 def test_form_is_judged_unfiltered_and_nothing_else_without_a_tolerance(sheets: Sheets) -> None:
@@ -219,19 +234,8 @@ def test_tolerances_of_a_part_file(perkins: SkirtPart) -> None:
         FormTolerances.model_validate({"ovality_um": 2.0})
 
 
-def test_straightness_and_taper_are_the_known_ones(sheets: Sheets) -> None:
-    """A parabola of 1 um has STRt 1 um by LS and MZ; slopes of opposite lines add to the taper."""
-    for one in sheets.lines:
-        found = by_name(one.features)
-        assert found["straightness of the deviation STRt, LS"].actual == pytest.approx(1, abs=1e-5)
-        assert found["straightness of the deviation STRt, MZ"].actual == pytest.approx(1, abs=1e-5)
-        assert found["STRq, LS"].actual == pytest.approx(2 / np.sqrt(45), rel=3e-3)
-    assert [one.actual for one in sheets.tapers] == pytest.approx([2.4, -0.6], abs=1e-9)
-    assert sheets.tapers[0].name == "taper 0°/180° over 60 mm, off the drawing"
-
-
-def test_sections_that_are_not_whole_are_named_not_judged() -> None:
-    """A part of a turn makes no roundness; without sections there are no sheets."""
+def test_sections_without_roundness() -> None:
+    """A part of a turn is named, not judged; a lobe has no axes; along the normal."""
     found = make_sheets(cut_of(GaugedSections((section(), section(2, 3000)), ())), OVAL)
     assert found is not None
     assert ([one.name for one in found.sections], found.missing) == (
@@ -239,10 +243,6 @@ def test_sections_that_are_not_whole_are_named_not_judged() -> None:
         ["height 20 mm"],
     )
     assert make_sheets(cut_of(GaugedSections()), OVAL) is None
-
-
-def test_what_does_not_apply_is_left_out_and_said() -> None:
-    """A lobe has neither axes nor a roundness as it is; its deviation is along the normal."""
     lobe = Subject(False, False, "long and short axis: a lobe is no oval", ("lobe 0",))
     found = make_sheets(cut_of(GaugedSections((section(),), ())), lobe)
     assert found is not None
@@ -326,3 +326,110 @@ def test_bars_begin_at_the_floor_that_is_named(sheets: Sheets) -> None:
         assert tall == [1, 2, 5, 50]
         assert f"floor of {low:g} µm" in axes.get_xlabel()
         assert len(draw_lines(sheets).axes) == 5
+
+
+HEIGHTS_MM = (0.8, 2.4)
+TURNS = 32
+
+
+class RealCut(NamedTuple):
+    """A short cut of the Perkins skirt on the default machine."""
+
+    folder: Path
+    gauged: GaugedSections
+    turn: Floats  # of every tick of cutting
+    z_mm: Floats
+    error_mm: Floats
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory: pytest.TempPathFactory) -> RealCut:
+    """Cut the first turns of the skirt, traced."""
+    folder = tmp_path_factory.mktemp("sections")
+    written(made_of("perkins240"), folder)
+    words = ["--sections", "sections.csv", "--sections-mm", ",".join(map(str, HEIGHTS_MM))]
+    words += ["--turns-limit", str(TURNS), "--no-learning"]
+    simulator = Simulator(CAMSIM, folder, "perkins240.camtab")
+    assert simulator.run_traced(words, "trace.parquet", is_quiet=True) == 0
+    names = ("true_turn", "true_z_mm", "error_nm")
+    found = read_columns(folder / "trace.parquet", ("state", *names))
+    rows = found["state"].astype(str) == "cutting"
+    turn, z_mm, error_nm = (found[name][rows].astype(np.float64) for name in names)
+    return RealCut(folder, read_sections(folder / "sections.csv"), turn, z_mm, error_nm * 1e-6)
+
+
+def of_trace(real: RealCut, z_mm: float) -> Floats:
+    """Return the deviation all round at a height: one spline along all turns, then the height."""
+    error = CubicSpline(real.turn, real.error_mm)
+    height = CubicSpline(real.turn, real.z_mm)
+    first, last = int(np.ceil(real.turn[0])), int(np.floor(real.turn[-1])) - 1
+    turns = np.arange(first, last)[:, None] + PHI / (2 * np.pi)
+    heights, errors = height(turns), error(turns)
+    found = [np.interp(z_mm, heights[:, k], errors[:, k]) for k in range(PLACES)]
+    return np.array(found)
+
+
+def test_sections_are_those_of_the_trace(real: RealCut) -> None:
+    """All 3600 places within 0.05 nm of a spline along the ticks, at both heights."""
+    assert [one.is_whole for one in real.gauged.sections] == [True, True]
+    for one in real.gauged.sections:
+        off_mm = one.deviation_mm - of_trace(real, one.z_mm)
+        assert np.abs(off_mm).max() < 5e-8
+        assert np.ptp(one.deviation_mm) > 2e-5  # there is something to be found
+        assert one.turn == pytest.approx(PHI / (2 * np.pi), abs=1e-8)
+
+
+def test_radius_is_that_of_the_drawing_and_the_deviation(real: RealCut, geometry: Geometry) -> None:
+    """The radius less the deviation is the ellipse of the generator at that height."""
+    for one in real.gauged.sections:
+        drawn_mm = geometry.radius_mm(one.z_mm) - geometry.delta(PHI, one.z_mm).delta
+        assert one.radius_mm - one.deviation_mm == pytest.approx(drawn_mm, abs=5e-9)
+    for line in real.gauged.lines:
+        at = np.full(line.z_mm.size, np.radians(line.angle_deg))
+        drawn_mm = geometry.radius_mm(line.z_mm) - geometry.delta(at, line.z_mm).delta
+        assert line.radius_mm - line.deviation_mm == pytest.approx(drawn_mm, abs=5e-9)
+
+
+def test_lines_are_those_of_the_trace(real: RealCut) -> None:
+    """Along the height at four angles, within 0.05 nm; engaging turns are not in them."""
+    assert [one.angle_deg for one in real.gauged.lines] == [0.0, 90.0, 180.0, 270.0]
+    error, height = CubicSpline(real.turn, real.error_mm), CubicSpline(real.turn, real.z_mm)
+    for line in real.gauged.lines:
+        turns = np.arange(np.ceil(real.turn[0]), real.turn[-1] - 1)
+        turns += line.angle_deg / 360
+        turns = turns[turns > real.turn[1]]
+        inside = (line.z_mm > height(turns[0])) & (line.z_mm < height(turns[-1]))
+        assert inside.sum() > 0.9 * line.z_mm.size
+        expected = np.interp(line.z_mm[inside], height(turns), error(turns))
+        assert line.deviation_mm[inside] == pytest.approx(expected, abs=5e-8)
+        assert real.z_mm[0] <= line.z_mm[0] and line.z_mm[-1] <= real.z_mm[-1]
+
+
+def test_file_has_the_same_bytes_again(real: RealCut) -> None:
+    """The same cut writes the same file; without heights there are five."""
+    table, other = real.folder / "perkins240.camtab", real.folder / "again.csv"
+    words = ("--turns-limit", str(TURNS), "--no-learning", "--sections", other)
+    heights = ",".join(map(str, HEIGHTS_MM))
+    assert camsim("run", table, *words, "--sections-mm", heights).returncode == 0
+    assert other.read_bytes() == (real.folder / "sections.csv").read_bytes()
+    words = ("--feed", "1", "--no-learning", "--sections", other)
+    assert camsim("run", table, *words).returncode == 0
+    found = read_sections(other)
+    assert [one.z_mm for one in found.sections] == pytest.approx([6.2, 18.6, 31, 43.4, 55.8])
+    assert all(one.is_whole for one in found.sections)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--sections-mm", "5"), "no file for them"),
+        (("--sections", "s.csv", "--sections-mm", "5,4"), "no rising heights"),
+        (("--sections", "s.csv", "--sections-mm", "5,x"), "no rising heights"),
+        (("--sections", "s.csv", "--sections-mm", "5,"), "no rising heights"),
+        (("--sections", "s.csv", "--sections-mm", "99"), "beyond the part"),
+        (("--sections", "s.csv", "--sections-mm", ",".join(map(str, range(17)))), "1 .. 16"),
+    ],
+)
+def test_wrong_heights_are_refused(real: RealCut, words: tuple[str, ...], told: str) -> None:
+    """Heights without a file, not rising, no numbers, beyond the part, or too many."""
+    assert told in only_error(camsim("run", real.folder / "perkins240.camtab", *words))

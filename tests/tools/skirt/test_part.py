@@ -1,4 +1,5 @@
-"""Part files: what is read, and what is refused with which words."""
+# SPDX-License-Identifier: Apache-2.0
+"""Part files of skirts: what is read, and what is refused with which words."""
 
 import os
 import re
@@ -7,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
+from camtools.part.common import DEFAULT_ALPHA_RAD_S2
 from camtools.part.file import MAX_FILE_BYTES
 from camtools.part.model import rising
 from camtools.skirt.part.part_file import SkirtPart
-from tests.tools.cases.part_cases import PERKINS, load_part, parse_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part
 
 GOOD = PERKINS.read_text()
 
@@ -35,16 +37,6 @@ def with_line(key: str, value: str, table: str = "") -> str:
 def without_line(key: str, table: str = "") -> str:
     """Return the good file with one line taken out."""
     return with_line(key, "@", table).replace(f"{key} = @", "")
-
-
-def test_perkins_file_is_read() -> None:
-    """The shipped part has the drawing's numbers and says that they are reconstructed."""
-    part = load_part(PERKINS)
-    assert part.piston.profile.height_mm == [0, 10, 20, 30, 40, 50, 62]
-    assert part.piston.ovality is not None
-    assert part.piston.ovality.ovality_mm == [0.15, 0.20, 0.30]
-    assert part.part.source.startswith("Reconstructed")
-    assert part.process.direction == 1
 
 
 def test_defaults_are_the_documented_ones() -> None:
@@ -186,3 +178,105 @@ def test_heights_as_far_apart_as_they_must_be_are_taken() -> None:
     """Whatever their binary fractions: 4.1 - 3.1 is below 1, 0.12 - 0.11 below 0.01."""
     for heights in ([3.1, 4.1], [0.11, 0.12, 1.11]):
         assert rising(heights) == heights
+
+
+ARC = 'shape = "ellipse-arc"\ntrim_mm = 0.3\njoint_deg = 50\n'
+REFIT = ARC + "[piston.section.refit]\n"
+SECTION, LIMITS = "piston.section", "machine.limits"
+
+
+def with_section(text: str) -> str:
+    """Return the good file with another section."""
+    return GOOD.replace('shape = "ellipse"\n', text)
+
+
+def with_process(text: str) -> str:
+    """Return the good file with lines added to [process]."""
+    return GOOD.replace("direction = 1\n", f"direction = 1\n{text}\n")
+
+
+def with_limits(text: str) -> str:
+    """Return the good file with lines added to [machine.limits]."""
+    return f"{GOOD.rstrip()}\n{text}\n"
+
+
+def parsed(text: str) -> SkirtPart:
+    """Return the part of a text."""
+    return parse_part(text.encode(), "p.toml")
+
+
+def test_sections_and_spindles_have_their_defaults() -> None:
+    """Refits, a CSV file beside the part, the spindle's acceleration by torque and inertia."""
+    section = parsed(with_section(ARC)).piston.section
+    assert (section.base, section.refit, section.eccentricity_mm) == ("cosine", None, None)
+    refit = parsed(with_section(REFIT)).piston.section.refit
+    assert refit is not None
+    assert (refit.spline, refit.delete, refit.ends) == ("quintic", "optimise", "mirror")
+    lists = ARC.replace("0.3", "[0.1, 0.2, 0.3]").replace("50", "[48, 50, 52]")
+    assert parsed(with_section(lists)).piston.section.joint_deg == [48, 50, 52]
+    part = load_part(ROOT / "tools" / "parts" / "scan90.toml")
+    assert part.piston.ovality is None
+    assert part.piston.section.csv is not None
+    assert Path(part.piston.section.csv) == ROOT / "tools" / "parts" / "scan90.csv"
+    given = parsed(with_limits("spindle_acceleration_rad_s2 = 750")).machine.limits
+    derived = parsed(
+        with_limits("spindle_torque_nm = 60\nspindle_inertia_kgm2 = 0.2")
+    ).machine.limits
+    assert given.alpha_rad_s2 == 750
+    assert derived.alpha_rad_s2 == 300
+    assert parsed(GOOD).machine.limits.alpha_rad_s2 == DEFAULT_ALPHA_RAD_S2
+
+
+BOTH = "spindle_torque_nm = 5\nspindle_inertia_kgm2 = 1\n"
+BAD_SECTIONS = [
+    (with_section('shape = "ellipse-arc"\n'), f"{SECTION}.trim_mm", "add it"),
+    (with_section(ARC.replace("0.3", '"a"')), f"{SECTION}.trim_mm = 'a'", "without quotes"),
+    (with_section(ARC.replace("0.3", "[0.3]")), f"{SECTION}.trim_mm", "at least 2 entries"),
+    (with_section(ARC.replace("0.3", "[1, 2]")), f"{SECTION}.trim_mm = [1.0, 2.0]", "one for each"),
+    (with_section(ARC.replace("0.3", "nan")), f"{SECTION}.trim_mm = nan", "finite"),
+    (with_section(ARC.replace("50", "5")), f"{SECTION}.joint_deg = 5", "at least 10"),
+    (with_section(ARC.replace("50", "[40, 85, 50]")), f"{SECTION}.joint_deg.1", "at most 80"),
+    (with_section(ARC + 'base = "arc"\n'), f"{SECTION}.base = 'arc'", "'cosine', 'ellipse' or"),
+    (with_section(ARC + "beta = 1\n"), f"{SECTION}.beta = 1", "double-ellipse"),
+    (with_section(ARC + "eccentricity_mm = inf\n"), f"{SECTION}.eccentricity_mm", "finite"),
+    (with_section(ARC + "harmonics = 3\n"), f"{SECTION}.harmonics = 3", 'shape = "table"'),
+    (with_section('shape = "cosine"\ntrim_mm = 1\n'), f"{SECTION}.trim_mm = 1", "ellipse-arc"),
+    (with_section('shape = "table"\n'), f"{SECTION}.csv", "add it"),
+    (with_section('shape = "table"\ncsv = ""\n'), f"{SECTION}.csv = ''", "at least 1 char"),
+    (with_section('shape = "table"\ncsv = "a"\n'), "piston.ovality", "remove [piston.ovality]"),
+    (with_section(REFIT + "delete = [3, 9]\n"), f"{SECTION}.refit.delete.1 = 9", "at most 6"),
+    (with_section(REFIT + "delete = [3]\n"), f"{SECTION}.refit.delete", "at least 2 entries"),
+    (with_section(REFIT + 'delete = "all"\n'), f"{SECTION}.refit.delete = 'all'", "'optimise'"),
+    (with_section(REFIT + 'ends = "free"\n'), f"{SECTION}.refit.ends = 'free'", "or 'as-paper'"),
+    (with_process('mode = "even"'), "process.mode = 'even'", "'uniform' or 'equal-volume'"),
+    (with_process("parts = 1"), "process.parts = 1", "at least 2"),
+    (
+        GOOD.replace("form_error_um = 0.2", "form_error_um = 0"),
+        "process.form_error_um = 0",
+        "at least 0.01",
+    ),
+    (
+        with_process('mode = "equal-volume"').replace("depth_mm = 0.1", "depth_mm = 0"),
+        "process.mode = 'equal-volume'",
+        "depth_mm above 0",
+    ),
+    (with_limits("spindle_torque_nm = 5"), f"{LIMITS}.spindle_torque_nm", "inertia"),
+    (with_limits(BOTH + "spindle_acceleration_rad_s2 = 5"), f"{LIMITS}.spindle_torque_nm", "alone"),
+    (with_limits("spindle_acceleration_rad_s2 = 0"), f"{LIMITS}.spindle_acc", "at least 1"),
+]
+
+
+@pytest.mark.parametrize(("text", "field", "remedy"), BAD_SECTIONS)
+def test_bad_section_is_named(text: str, field: str, remedy: str) -> None:
+    """One of the lines, the first where there is one only, names field and remedy."""
+    lines = lines_of(text)
+    first = next((line for line in lines if line.startswith(f"p.toml: {field}")), None)
+    assert first is not None, lines
+    assert remedy in first.split("; ", 1)[1]
+
+
+def test_missing_ovality_is_told() -> None:
+    """A section that is not measured needs its ovality."""
+    head, _, tail = GOOD.partition("[piston.ovality]")
+    text = head + tail[tail.index("[piston.section]") :]
+    assert any("piston.ovality: is missing; add it" in line for line in lines_of(text))

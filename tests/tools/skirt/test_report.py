@@ -1,6 +1,8 @@
-"""The report: what is read, what is drawn, what is said, on cuts made up for the test."""
+# SPDX-License-Identifier: Apache-2.0
+"""The report of a skirt: what is read, drawn and said, on cuts made up for the test."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -30,15 +32,28 @@ from camtools.sim.results import (
     CutTrace,
     CutVariant,
     GaugedSurface,
+    Removal,
+    read_removal,
     read_surface,
     read_trace,
 )
+from camtools.skirt.geometry.composite import fold
 from camtools.skirt.report import surface_plots
+from camtools.skirt.report.corner_plot import around_joint, draw_corner, lines_at
+from camtools.skirt.report.equal_volume import limited_turns, uniform_twin
+from camtools.skirt.report.equal_volume_plots import (
+    draw_even,
+    draw_ripple,
+    ripple_by_turn,
+    turn_near,
+)
 from camtools.skirt.report.motion_plot import hardest_turn
-from camtools.skirt.report.outcome import SkirtOutcome
+from camtools.skirt.report.outcome import Even, SkirtOutcome
 from camtools.skirt.report.page import make_report
+from camtools.skirt.report.shape_plot import draw_skirt, enlargement_of, radius_grid
 from camtools.skirt.report.text import rows_of
 from camtools.skirt.table.generate import GeneratedSkirt
+from tests.tools.cases.cut_cases import skirt_of
 from tests.tools.cases.part_cases import ROOT
 from tests.tools.cases.report_cases import (
     LAST_CUT,
@@ -78,12 +93,6 @@ def good(generated: GeneratedSkirt) -> SkirtOutcome:
 
 
 @pytest.fixture(scope="module")
-def good_files(good: SkirtOutcome) -> dict[str, bytes]:
-    """Draw its report."""
-    return make_report(good)
-
-
-@pytest.fixture(scope="module")
 def faulty(generated: GeneratedSkirt) -> SkirtOutcome:
     """Return a cut that an emergency stop ended."""
     trace = made_up_trace(generated.geometry, fault_at=6000)
@@ -91,9 +100,12 @@ def faulty(generated: GeneratedSkirt) -> SkirtOutcome:
     return SkirtOutcome(generated, made_up_summary(**FAULTY), surface, trace)
 
 
-def test_trace_is_read_by_the_names_of_its_columns(tmp_path: Path) -> None:
-    """Columns may stand in any order among others; states become numbers."""
-    path = tmp_path / "trace.csv"
+def test_files_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
+    """Columns may stand in any order among others; states become numbers.
+
+    A header alone, as after a fault before the cut, is no error; a missing column is named.
+    """
+    path = tmp_path / "surface.csv"
     path.write_text(
         "tick,t_s,turn,z_mm,u_set_nm,u_act_nm,state,faults,u_due_nm,error_nm,speed_q32,in_x_nm\n"
         "0,0.5,1.25,10,100,90,cutting,0x0000,110,-7,2147483648,46000000\n"
@@ -105,18 +117,13 @@ def test_trace_is_read_by_the_names_of_its_columns(tmp_path: Path) -> None:
     assert trace.turns_per_tick.tolist() == [0.5, 0.5]
     assert trace.speed_rpm == pytest.approx([300, 300])
     assert trace.x_nm.tolist() == [46e6, 46e6]
-
-
-def test_files_without_rows_are_empty_arrays(tmp_path: Path) -> None:
-    """A header alone, as after a fault before the cut, is no error."""
-    path = tmp_path / "surface.csv"
+    path.write_text(
+        "turn,t_s,z_mm,volume_mm3,rate_mm3_s,power_w,rate_force_n,chip_force_n\n1,2,3,4,5,6,7,8\n"
+    )
+    found = read_removal(path)
+    assert (found.t_s[0], found.turn[0], found.chip_force_n[0]) == (2, 1, 8)
     path.write_text("turn,z_mm,radius_mm,error_nm\n")
     assert read_surface(path).turn.size == 0
-
-
-def test_missing_column_is_named(tmp_path: Path) -> None:
-    """A file of another version is refused in one line."""
-    path = tmp_path / "surface.csv"
     path.write_text("turn,z_mm\n0,0\n")
     with pytest.raises(InputError, match=r"surface\.csv: has no column radius_mm; build"):
         read_surface(path)
@@ -130,56 +137,36 @@ def test_round_limits_enclose(value: float) -> None:
     assert f"{nice_limit(value):e}"[0] in "125"
 
 
-def test_map_shows_the_worst_point_of_each_cell() -> None:
+def test_map_shows_the_worst_point_of_each_cell(good: SkirtOutcome) -> None:
     """Of several points in a cell the largest magnitude wins, whatever the order."""
     surface = GaugedSurface(*np.array([[0.5, 0.5, 0.5], [1, 1, 1], [46, 46, 46], [0.1, -0.3, 0.2]]))
     grid = surface_plots.error_grid(surface, (0.0, 62.0), 64)
     assert grid[1, 180] == -0.3
     assert np.isnan(grid).sum() == grid.size - 1
-
-
-def test_map_of_a_whole_cut_has_no_gaps(good: SkirtOutcome) -> None:
-    """The simulator's cells and those of the map fit together."""
     grid = surface_plots.error_grid(good.surface, (0.0, 62.0), map_rows(62, 0.1))
-    assert not np.isnan(grid).any()
+    assert not np.isnan(grid).any()  # the simulator's cells and those of the map fit together
 
 
-def test_section_is_that_of_the_height(good: SkirtOutcome) -> None:
-    """A section holds the worst point of each direction within its band, by rising angle."""
+def test_data_of_pictures_are_those_of_the_cut(good: SkirtOutcome) -> None:
+    """Sections by angle, bands by height, following error, the hardest turn, states over time."""
     near = surface_plots.section_at(good.surface, 31.0, 0.4)
     assert near.turn.size == surface_plots.N_BINS
     assert (np.diff(near.turn) > 0).all()
     assert np.abs(near.z_mm - 31).max() <= 0.4
     assert surface_plots.closed(near).turn[-1] == near.turn[0] + 1
-
-
-def test_bands_by_height_enclose_the_error(good: SkirtOutcome) -> None:
-    """Range and rms of four sine lobes are those of a sine."""
     z_mm, least, most, rms = surface_plots.bands_by_height(good.surface, (0.0, 62.0))
     assert z_mm[0] == pytest.approx(0.25)
     assert most == pytest.approx(0.04, rel=1e-3)
     assert least == pytest.approx(-0.04, rel=1e-3)
     assert rms == pytest.approx(0.04 / np.sqrt(2), rel=1e-3)
-
-
-def test_following_error_is_of_the_cut_only(good: SkirtOutcome) -> None:
-    """The constant 20 nm of the made-up trace come back at every angle."""
     degrees, least, most, mean = report_motion.following_by_angle(good.trace)
     assert degrees.size == 360
     for curve in (least, most, mean):
         assert curve == pytest.approx(0.02)
-
-
-def test_hardest_turn_is_whole_and_last(good: SkirtOutcome) -> None:
-    """Ovality rises with height, so the last whole turn of cutting is shown."""
     rows = hardest_turn(good.trace, good.generated.geometry)
     turns = good.trace.turn[rows]
     assert np.ptp(turns) == pytest.approx(1, abs=2 * TURNS_PER_TICK)
     assert np.floor(turns[0]) == np.floor(LAST_CUT * TURNS_PER_TICK) - 1
-
-
-def test_states_over_time(good: SkirtOutcome) -> None:
-    """Stretches of one state follow each other without gap."""
     spans = report_motion.state_spans(good.trace)
     assert [STATES[number] for _, _, number in spans] == [
         "homing",
@@ -190,9 +177,10 @@ def test_states_over_time(good: SkirtOutcome) -> None:
     assert all(before[1] == after[0] for before, after in pairwise(spans))
 
 
-def test_good_report_has_every_picture(good_files: dict[str, bytes]) -> None:
+@pytest.mark.usefixtures("undrawn")
+def test_good_report_has_every_picture(good: SkirtOutcome) -> None:
     """A whole cut gives all pictures, embedded, and a page that needs nothing from outside."""
-    files = good_files
+    files = make_report(good)
     assert sorted(files) == [
         *(f"cut_{key}.png" for key in ("compare", "following", "height", "map", "motion")),
         *("cut_overview.png", "cut_sections.png", "cut_sequence.png", "cut_skirt.png"),
@@ -211,37 +199,24 @@ def test_faulty_report_tells_what_happened(faulty: SkirtOutcome) -> None:
     files = make_report(faulty)
     assert "cut_fault.png" in files
     page = files["report.html"].decode()
-    for words in ("FAULT: ESTOP", "emergency-stop chain is open", "0.3000 s after the start"):
-        assert words in page
     for words in (
-        "The drives were disabled after 45.5 ms",
-        "drive",
-        "Simulated disturbances",
-        "angle 90.0°",
+        *("FAULT: ESTOP", "emergency-stop chain is open", "0.3000 s after the start", "drive"),
+        *("The drives were disabled after 45.5 ms", "Simulated disturbances", "angle 90.0°"),
     ):
         assert words in page
 
 
-def test_time_to_clear_comes_from_the_trace(faulty: SkirtOutcome) -> None:
-    """0.2 mm at 10 um per tick are 20 ticks and the one after."""
+def test_reaction_to_a_fault(faulty: SkirtOutcome) -> None:
+    """0.2 mm at 10 um per tick take 21 ticks; no retract is claimed where there was none."""
     assert clear_after_s(faulty) == pytest.approx(21 * TICK_S)
-
-
-def test_tool_that_was_out_already_is_told_so(faulty: SkirtOutcome) -> None:
-    """A fault far from the work claims no retract time."""
     trace = faulty.trace._replace(error_nm=np.full(faulty.trace.t_s.size, 2e6))
-    outcome = SkirtOutcome(faulty.generated, faulty.summary, faulty.surface, trace)
-    assert "already out of the work" in dict(fault_story(outcome))["reaction"]
+    assert "already out of the work" in dict(fault_story(replace(faulty, trace=trace)))["reaction"]
+    for fault in ("drive", "u_travel", "u_runaway"):
+        summary = faulty.summary | {"first_faults": [fault], "faults": [fault]}
+        assert "cannot retract" in dict(fault_story(replace(faulty, summary=summary)))["reaction"]
 
 
-@pytest.mark.parametrize("fault", ["drive", "u_travel", "u_runaway"])
-def test_drive_fault_claims_no_retract(faulty: SkirtOutcome, fault: str) -> None:
-    """What cannot be retracted is not told as retracted."""
-    summary = faulty.summary | {"first_faults": [fault], "faults": [fault]}
-    outcome = SkirtOutcome(faulty.generated, summary, faulty.surface, faulty.trace)
-    assert "cannot retract" in dict(fault_story(outcome))["reaction"]
-
-
+@pytest.mark.usefixtures("undrawn")
 def test_cut_without_surface_and_trace_still_reports(faulty: SkirtOutcome) -> None:
     """A fault before the first chip leaves a page without pictures of the surface."""
     nothing = {"max": None, "rms": None, "tolerance": 5.0}
@@ -272,15 +247,11 @@ def test_verdict(good: SkirtOutcome, changes: dict[str, Any], kind: str, title: 
     assert (verdict.kind, verdict.title) == (kind, title)
 
 
-def test_margins_are_shares_of_the_limit(good: SkirtOutcome) -> None:
-    """39.3 of 400 are 9.8 percent, and accelerations are shown in m/s2."""
+def test_text_of_a_good_cut(good: SkirtOutcome) -> None:
+    """Margins are shares, the table is aligned ASCII, a trace of the first turns named."""
     margins = margins_of(good)
     assert [one.percent for one in margins] == [pytest.approx(9.825)] * 4
     assert margins[2].needed == "0.0393 m/s²"
-
-
-def test_terminal_table_is_aligned_ascii(good: SkirtOutcome) -> None:
-    """All values start in one column, and every terminal can show them."""
     lines = page_text(good, rows_of(good), "out", 4.0).splitlines()
     assert lines[0] == "perkins240: within tolerance"
     starts = {re.match(r"  \S.*?  +", line).end() for line in lines[1:]}  # type: ignore[union-attr]
@@ -288,6 +259,10 @@ def test_terminal_table_is_aligned_ascii(good: SkirtOutcome) -> None:
     assert all(line.isascii() for line in lines)
     assert len(lines) == len(rows_of(good)) + 6
     assert plain("µ²°±").isascii()
+    whole = trace_text(good)
+    part = trace_text(SkirtOutcome(good.generated, good.summary, good.surface, good.trace, False))
+    assert "holds all" in whole
+    assert "first 0.5 s only" in part
 
 
 def test_every_fault_of_the_firmware_has_its_facts() -> None:
@@ -298,16 +273,172 @@ def test_every_fault_of_the_firmware_has_its_facts() -> None:
     assert set(names) == set(fault_facts())
 
 
-def test_windowed_trace_is_said_so(good: SkirtOutcome) -> None:
-    """The report tells when the trace holds the first turns only."""
-    whole = trace_text(good)
-    part = trace_text(SkirtOutcome(good.generated, good.summary, good.surface, good.trace, False))
-    assert "holds all" in whole
-    assert "first 0.5 s only" in part
-
-
 def test_bars_of_cuts_without_error() -> None:
     """An error of exactly 0 does not break the logarithmic scale."""
     with drawing():
         png = png_of(draw_variants((CutVariant("a", 0.0, 0.0), CutVariant("b", 1.0, 1.0)), 5.0))
     assert png.startswith(b"\x89PNG")
+
+
+@pytest.fixture(scope="module")
+def weichai() -> GeneratedSkirt:
+    """Return the table of a part with a corner."""
+    return skirt_of("weichai3a")
+
+
+def made_up_removal(ripple: float) -> Removal:
+    """Return slices of 62 turns, 120 each, with a rate that goes twice per turn."""
+    turn = np.arange(62 * 120) / 120 + 1 / 240
+    rate = 20 * (1 - ripple / 2 * np.cos(4 * np.pi * turn))
+    force = 10 - 3 * np.cos(4 * np.pi * turn)
+    return Removal(turn * 0.25, turn, turn, rate, 0.7 * rate, 16 * rate, force)
+
+
+def made_up_even(ours: float, theirs: float) -> Even:
+    """Return both ways of turning with given ripples."""
+
+    def summary(ripple: float) -> dict[str, object]:
+        spread = {"mean": ripple, "min": ripple, "max": ripple}
+        chip = {"mean": 0.6, "min": 0.6, "max": 0.6}
+        removal = {"rate_ripple": spread, "chip_force_ripple": chip}
+        return {"removal": removal, "form_error_um": {"max": 0.05, "rms": 0.01}}
+
+    removals = made_up_removal(ours), made_up_removal(theirs)
+    return Even(summary(ours), summary(theirs), *removals)
+
+
+def test_joint_is_seen_from_all_quadrants() -> None:
+    """The four corners of a section fold onto one."""
+    turn = np.array([47, 133, 227, 313]) / 360
+    np.testing.assert_allclose(around_joint(turn, 48.0), -1, atol=1e-9)
+    assert float(np.degrees(fold(np.radians(227.0))[0])) == pytest.approx(47)
+
+
+def test_lines_show_what_the_refit_costs(weichai: GeneratedSkirt) -> None:
+    """Drawing and refit are apart by the deviation that mktables tells, at the joint."""
+    corner = weichai.geometry.corner
+    assert corner is not None
+    lines = lines_at(weichai.geometry, corner, corner.worst_mm, 800.0)
+    off_um = lines.refit_um - lines.drawn_um
+    told = next(one for one in corner.candidates if (one.s1, one.s2) == (3, 3))
+    assert float(np.abs(off_um).max()) == pytest.approx(told.deviation_um, rel=1e-3)
+    assert lines.deg[int(np.argmax(off_um))] == pytest.approx(48, abs=0.05)
+    peak = float(lines.acceleration_m_s2.max()) * 1000
+    assert peak == pytest.approx(told.acceleration_mm_s2, rel=1e-4)
+
+
+def on_the_refit(generated: GeneratedSkirt) -> tuple[GaugedSurface, CutTrace]:
+    """Return a surface and a trace made up on a part's own geometry."""
+    geometry = generated.geometry
+    z_mm, turn = np.meshgrid(np.linspace(0, 80, 100), (np.arange(720) + 0.5) / 720, indexing="ij")
+    z, phi = z_mm.ravel(), turn.ravel()
+    exact = geometry.radius_mm(z) - geometry.delta(2 * np.pi * phi, z).delta
+    surface = GaugedSurface(phi, z, exact, np.zeros(z.size))
+    return surface, made_up_trace(geometry)
+
+
+def test_picture_of_a_corner(weichai: GeneratedSkirt) -> None:
+    """It differs when the cut does; a trace that never cut leaves the lines of the drawing."""
+    surface, trace = on_the_refit(weichai)
+    off = surface._replace(error_um=surface.error_um + 5.0)
+    idle = trace._replace(state=np.where(trace.state == CUTTING, 0.0, trace.state))
+    with drawing():
+        one, other, bare = (
+            png_of(draw_corner(*cut, weichai.geometry, 800.0))
+            for cut in ((surface, trace), (off, trace), (surface, idle))
+        )
+    assert one != other
+    assert bare[1:4] == b"PNG"
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_part_with_a_corner_gets_its_picture(weichai: GeneratedSkirt) -> None:
+    """The report of such a part shows the corner."""
+    surface, trace = on_the_refit(weichai)
+    outcome = SkirtOutcome(weichai, made_up_summary(), surface, trace)
+    files = make_report(outcome)
+    assert "cut_corner.png" in files
+    rows = {row.name: row.value for row in rows_of(outcome)}
+    assert (
+        "(3, 3) points left out: deviates from the drawing by at most 16.3 µm"
+        in rows["refit of the corner"]
+    )
+    assert "The corner" in files["report.html"].decode()
+
+
+def test_skirt_in_space_is_enlarged_once(generated: GeneratedSkirt) -> None:
+    """A real part is enlarged thirtyfold, one that is enlarged already not again."""
+    assert (enlargement_of(1.0), enlargement_of(30.0), enlargement_of(100.0)) == (30, 1, 1)
+    surface = made_up_surface(generated.geometry)
+    heights, turns, radius = radius_grid(surface, generated.geometry)
+    exact = generated.geometry.radius_mm(heights[:, None]) - (
+        generated.geometry.delta(2 * np.pi * turns, heights[:, None]).delta
+    )
+    np.testing.assert_allclose(radius, exact, atol=2e-3)
+    few = GaugedSurface(*(column[:50] for column in surface))
+    with drawing():
+        assert png_of(draw_skirt(few, generated.geometry, 1.0))[1:4] == b"PNG"
+
+
+def test_ripple_is_that_of_each_turn() -> None:
+    """(Largest - least) / mean, turn by turn, with the turn's height."""
+    z_mm, ripple = ripple_by_turn(made_up_removal(0.3))
+    assert z_mm.size == 62
+    np.testing.assert_allclose(ripple, 0.3, rtol=2e-3)
+    near = turn_near(made_up_removal(0.3), 27.0)
+    assert near.turn.size == 120
+    assert abs(float(near.z_mm.mean()) - 27.0) <= 0.5
+
+
+def made_up_outcome(modulated: GeneratedSkirt, even: Even) -> SkirtOutcome:
+    """Return a good cut with an even removal rate, beside uniform turning."""
+    geometry = modulated.geometry
+    one = {"needed": 499.0, "limit": 500.0, "margin": 1.0}
+    summary = made_up_summary()
+    summary["feasibility"]["spindle_acceleration_rad_s2"] = one
+    surface, trace = made_up_surface(geometry), made_up_trace(geometry)
+    return SkirtOutcome(modulated, summary, surface, trace, even=even)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt) -> None:
+    """Two pictures, the rows of ripple and force, the spindle's margin."""
+    outcome = made_up_outcome(modulated, made_up_even(0.04, 0.66))
+    files = make_report(outcome)
+    assert {"cut_even.png", "cut_ripple.png"} <= files.keys()
+    rows = {row.name: row.value for row in rows_of(outcome)}
+    assert "at mean 2500 r/min" in rows["cut"]
+    assert "mean 4.0 %, max 4.0 %" in rows["ripple of the removal rate"]
+    assert "no speed law changes it" in rows["ripple of the chip force"]
+    assert "spindle acceleration" in {margin.name for margin in margins_of(outcome)}
+    assert modulated.speed is not None
+    with drawing():
+        assert png_of(draw_even(made_up_even(0.0, 0.66), modulated.speed, 230.0))
+        assert png_of(draw_ripple(made_up_even(0.0, 0.66), modulated.speed))
+
+
+def test_ripple_that_is_unknown_or_does_not_apply(
+    modulated: GeneratedSkirt, generated: GeneratedSkirt
+) -> None:
+    """What was not measured has a row that says so; uniform parts have no rows of it, no margin."""
+    even = made_up_even(0.04, 0.66)
+    even.summary["removal"] = {"turns": 0.0}
+    rows = {row.name: row.value for row in rows_of(made_up_outcome(modulated, even))}
+    told = "unknown: no whole turn at full feed was cut"
+    assert rows["ripple of the removal rate"] == told
+    assert "ripple of the chip force" not in rows
+    geometry = generated.geometry
+    outcome = SkirtOutcome(
+        generated, made_up_summary(), made_up_surface(geometry), made_up_trace(geometry)
+    )
+    assert not [row for row in rows_of(outcome) if "ripple" in row.name]
+    assert "spindle acceleration" not in {margin.name for margin in margins_of(outcome)}
+
+
+def test_twin_is_the_same_part_at_constant_speed(modulated: GeneratedSkirt) -> None:
+    """Only the speed channel goes."""
+    twin = uniform_twin(modulated)
+    assert twin.speed is None
+    assert len(twin.table.channels) == 2
+    assert twin.table.spindle_mrpm == modulated.table.spindle_mrpm
+    assert limited_turns(2001.0) == ["--turns-limit", "2000"]

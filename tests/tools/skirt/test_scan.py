@@ -1,7 +1,9 @@
-"""Measured sections: reading, filtering, and the surface through the points."""
+# SPDX-License-Identifier: Apache-2.0
+"""Measured sections: files of instruments, filtering, the surface through the points, tables."""
 
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError, GeometryError
-from camtools.cli.mktables import main as mktables
+from camtools.base.quantities import Floats
 from camtools.skirt.geometry.scan import (
     Scan,
     filtered,
@@ -21,9 +23,12 @@ from camtools.skirt.geometry.scan import (
 )
 from camtools.skirt.geometry.scan_text import HEADER, MAX_POINTS, read_scan_text
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
-from tests.tools.cases.part_cases import ROOT, load_part
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.generate import generate
+from tests.tools.cases.cut_cases import PARTS, cut, made_skirt, written
+from tests.tools.cases.part_cases import load_part
 
-MEASURED = ROOT / "tools" / "parts" / "scan90.toml"
+MEASURED = PARTS / "scan90.toml"
 ANGLES = range(0, 360, 10)
 SINGLE = "single_height = true"
 
@@ -44,13 +49,6 @@ def geometry_of(folder: Path, scan: str, more: str = "") -> Geometry:
     (folder / "scan90.csv").write_text(scan)
     (folder / "part.toml").write_text(text)
     return make_geometry(load_part(folder / "part.toml"))
-
-
-def test_surface_runs_through_all_points() -> None:
-    """Unfiltered points of every height lie on the surface."""
-    scan = joined(read_scan_text(ROOT / "tools" / "parts" / "scan90.csv")).scan
-    found = scan_surface(scan).delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
-    np.testing.assert_allclose(found, scan.reduction_mm, atol=1e-13)
 
 
 @settings(max_examples=20)
@@ -78,16 +76,12 @@ def test_heights_are_joined_linearly_or_smoothly(tmp_path: Path) -> None:
     assert middle[2] - middle[0] == pytest.approx(0.06, abs=1e-12)
 
 
-def test_one_height_must_be_asked_for(tmp_path: Path) -> None:
-    """A file that was cut short has one height, too; what it lacks is not made up in silence."""
+def test_scan_that_may_be_cut_short_is_refused(tmp_path: Path) -> None:
+    """One height must be asked for, and the last line must end: 1.2 may be the begin of 1.25."""
     with pytest.raises(GeometryError, match=r"has one height only, 30 mm; .*single_height = true"):
         geometry_of(tmp_path, csv_of((30.0,)))
     with pytest.raises(GeometryError, match="is true, but the file has 2 heights"):
         geometry_of(tmp_path, csv_of((0.0, 60.0)), SINGLE)
-
-
-def test_file_that_stops_within_a_line_is_refused(tmp_path: Path) -> None:
-    """1.2 may be the begin of 1.25: the line has no end."""
     scan = csv_of((0.0, 60.0))
     with pytest.raises(CamtoolsError, match=r"line 73 = '350,60.*may have been cut short"):
         geometry_of(tmp_path, scan[:-2])
@@ -95,7 +89,7 @@ def test_file_that_stops_within_a_line_is_refused(tmp_path: Path) -> None:
         geometry_of(tmp_path, scan[:-1])
 
 
-def test_what_the_scan_covers_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_the_scan_covers_is_told(tmp_path: Path) -> None:
     """Heights, points, and the widest gap that the curve bridges."""
     scan = csv_of((0.0, 60.0))
     rows = [
@@ -110,8 +104,7 @@ def test_what_the_scan_covers_is_told(tmp_path: Path, capsys: pytest.CaptureFixt
         ),
     ):
         geometry_of(tmp_path, text, "overshoot_um = 50")
-        assert mktables([str(tmp_path / "part.toml"), "-o", str(tmp_path)]) == 0
-        shown = capsys.readouterr().out
+        shown = made_skirt(load_part(tmp_path / "part.toml")).text()
         assert told in re.sub(r"at most [\d.]+ um beyond", "at most 0 um beyond", shown)
 
 
@@ -128,10 +121,28 @@ def test_filter_keeps_waves_and_removes_noise(tmp_path: Path) -> None:
     assert geometry_of(tmp_path, csv_of(), SINGLE).off_points_um == pytest.approx(0, abs=1e-9)
 
 
-def test_ovality_is_a_difference_of_diameters() -> None:
-    """Odd waves cancel in a diameter; the oval of 0.1 mm remains."""
-    spline = ovality_of(parse_scan(csv_of((0.0, 60.0)), "s.csv"))
-    assert float(spline(30.0)) == pytest.approx(0.2, abs=1e-9)
+def test_scans_come_from_files_only(tmp_path: Path) -> None:
+    """A device, a pipe and a file without end are not read; a spreadsheet's mark is no matter.
+
+    Ovality is a difference of diameters, in which odd waves cancel.
+    """
+    pipe, table = tmp_path / "pipe.csv", tmp_path / "scan.csv"
+    os.mkfifo(pipe)
+    table.write_bytes(b"0" * (100 * MAX_POINTS + 1))
+    for path, problem in (
+        (tmp_path, "Is a directory"),
+        (Path("/dev/null"), "not a file"),
+        (table, "larger than 20000000 bytes"),
+        (pipe, "not a file"),
+    ):
+        with pytest.raises(CamtoolsError) as info:
+            read_scan_text(path)
+        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, "
+        assert info.value.lines == [f"{told}with its path relative to the part file"]
+    table.write_text(csv_of((0.0, 60.0)), encoding="utf-8-sig")
+    scan = joined(read_scan_text(table)).scan
+    assert scan.z_mm.tolist() == [0, 60]
+    assert float(ovality_of(scan)(30.0)) == pytest.approx(0.2, abs=1e-9)
 
 
 GOOD = csv_of((0.0, 60.0))
@@ -173,20 +184,247 @@ def test_too_many_waves_are_refused(tmp_path: Path) -> None:
         geometry_of(tmp_path, GOOD, "harmonics = 18")
 
 
-def test_scans_come_from_files_only(tmp_path: Path) -> None:
-    """A device, a pipe and a file without end are not read; a spreadsheet's mark is no matter."""
-    pipe, table = tmp_path / "pipe.csv", tmp_path / "scan.csv"
-    os.mkfifo(pipe)
-    table.write_bytes(b"0" * (100 * MAX_POINTS + 1))
-    for path, problem in (
-        (tmp_path, "Is a directory"),
-        (Path("/dev/null"), "not a file"),
-        (table, "larger than 20000000 bytes"),
-        (pipe, "not a file"),
-    ):
-        with pytest.raises(CamtoolsError) as info:
-            read_scan_text(path)
-        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, "
-        assert info.value.lines == [f"{told}with its path relative to the part file"]
-    table.write_text(GOOD, encoding="utf-8-sig")
-    assert joined(read_scan_text(table)).scan.z_mm.tolist() == [0, 60]
+RADIUS_MM = 40.0
+HEIGHTS_MM = (0.0, 8.0, 16.0, 24.0)
+PART = """\
+[part]
+name = "points"
+kind = "piston"
+source = "Invented."
+
+[piston.profile]
+height_mm = [0, 24]
+diameter_mm = [80, 80]
+
+[piston.section]
+shape = "table"
+csv = "points.csv"
+{more}
+
+[process]
+spindle_rpm = 600
+feed_mm = 0.5
+direction = {direction}
+"""
+
+
+def reduction_mm(deg: Floats, z_mm: Floats) -> Floats:
+    """Return a section without any symmetry; its waves change linearly with height."""
+    phi, share = np.radians(deg), z_mm / 24
+    oval = 0.06 * (1 - np.cos(2 * phi)) * (1 + share)
+    return np.asarray(oval + 0.01 * np.sin(3 * phi + 0.4) * (1 - share) + 0.004 * np.cos(phi - 1))
+
+
+def rows_of(own_angles: Callable[[int], Floats]) -> list[tuple[float, float, float]]:
+    """Return angle, height and reduction [mm] of all points."""
+    return [
+        (deg, z_mm, float(reduction_mm(np.array(deg), np.array(z_mm))))
+        for i, z_mm in enumerate(HEIGHTS_MM)
+        for deg in own_angles(i).tolist()
+    ]
+
+
+def every_5_deg(_: int) -> Floats:
+    """Return the same angles for every height."""
+    return np.arange(0.0, 360, 5)
+
+
+def own(i: int) -> Floats:
+    """Return angles that differ in number and place from height to height, uneven ones too."""
+    n = (72, 80, 97, 120)[i]
+    even = 360 * np.arange(n) / n
+    return np.asarray(np.mod(even + 1.3 * i + np.sin(np.radians(2 * even)), 360))
+
+
+def points_of(folder: Path, text: str, more: str = "", direction: int = 1) -> Geometry:
+    """Return the geometry of a part with this scan beside it."""
+    (folder / "points.csv").write_text(text)
+    (folder / "points.toml").write_text(PART.format(more=more, direction=direction))
+    return make_geometry(load_part(folder / "points.toml"))
+
+
+def text_of(header: str, line: str, factor: float, comma: str = ".") -> str:
+    """Return the points in a format: `line` has places for angle, height and value."""
+    rows = [line.format(a, z, factor * mm) for a, z, mm in rows_of(every_5_deg)]
+    return "\n".join([header, *(row.replace(".", comma) for row in rows)]) + "\n"
+
+
+FORMATS = {
+    "um": text_of("angle_deg,z_mm,reduction_um", "{:.1f},{:.1f},{:.9f}", 1000),
+    "mm": text_of("angle_deg, z_mm, reduction_mm", "{:.1f}, {:.1f}, {:.12f}", 1),
+    "semicolon": text_of("angle_deg;z_mm;reduction_um", "{:.1f};{:.1f};{:.9f}", 1000),
+    "decimal comma": text_of("angle_deg;z_mm;reduction_um", "{:.1f};{:.1f};{:.9f}", 1000, ","),
+    "tabs": text_of("angle_deg\tz_mm\treduction_mm", "{:.1f}\t{:.1f}\t{:.12f}", 1),
+    "blanks": text_of("angle_deg  z_mm  reduction_um", "  {:6.1f}   {:.1f} {:14.9f} ", 1000),
+    "windows": text_of("angle_deg,z_mm,reduction_um", "{:.1f},{:.1f},{:.9f}\r", 1000),
+}
+
+
+FORMATS["radius"] = "\n".join(
+    ["angle_deg z_mm radius_mm"]
+    + [f"{a} {z} {RADIUS_MM - mm:.12f}" for a, z, mm in rows_of(every_5_deg)]
+    + [""]
+)
+
+
+@pytest.mark.parametrize("name", list(FORMATS))
+def test_every_format_gives_the_same_section(tmp_path: Path, name: str) -> None:
+    """Unit and separator stand in the header; the surface is the formula at every point.
+
+    Radii, as a measuring machine gives them, are taken off the profile.
+    """
+    geometry = points_of(tmp_path, FORMATS[name])
+    deg, z_mm = np.arange(0.0, 360, 5), np.array(HEIGHTS_MM)[:, None]
+    got = geometry.delta(np.radians(deg), z_mm).delta
+    np.testing.assert_allclose(got, reduction_mm(deg, z_mm), atol=1e-11)
+    assert geometry.joined_um == 0
+
+
+def test_a_closed_turn_is_the_same_section(tmp_path: Path) -> None:
+    """360 degrees may stand beside 0 or instead of it; the section is the same to the bit."""
+    text = FORMATS["um"]
+    first = [line for line in text.splitlines() if line.startswith("0.0,")]
+    ends = [line.replace("0.0,", "360.0,", 1) for line in first]
+    tables = []
+    for one in (text, text + "\n".join(ends) + "\n", text.replace("\n0.0,", "\n360.0,")):
+        points = points_of(tmp_path, one).delta(np.linspace(0, 7, 99), 8.3).delta
+        tables.append(points.tobytes())
+    assert tables[0] == tables[1] == tables[2]
+    with pytest.raises(CamtoolsError, match="360 degrees differ by 5 um from 0 degrees"):
+        changed = f"360,0,{float(first[0].split(',')[2]) + 5}\n"
+        points_of(tmp_path, text + changed)
+
+
+def own_text() -> str:
+    """Return points at each height's own angles."""
+    rows = [f"{a!r},{z!r},{1000 * mm!r}" for a, z, mm in rows_of(own)]
+    return "\n".join(["angle_deg,z_mm,reduction_um", *rows]) + "\n"
+
+
+@pytest.mark.parametrize("more", ["", "harmonics = 3"])
+def test_heights_may_have_angles_of_their_own(tmp_path: Path, more: str) -> None:
+    """The surface is the formula between the points too, within the stated error; filtered too."""
+    geometry = points_of(tmp_path, own_text(), more)
+    assert 0 < geometry.joined_um < 1e-3
+    assert geometry.off_points_um is not None
+    assert geometry.off_points_um < 2e-3
+    deg, z_mm = np.linspace(0, 360, 1441), np.array(HEIGHTS_MM)[:, None]
+    got = geometry.delta(np.radians(deg), z_mm).delta
+    assert 1e3 * np.abs(got - reduction_mm(deg, z_mm)).max() < 5e-3
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_cut_from_uneven_points_is_the_formula(tmp_path: Path, direction: int) -> None:
+    """What the simulator leaves of the work is the measured section, with M3 and with M4."""
+    points_of(tmp_path, own_text(), direction=direction)
+    made = made_skirt(load_part(tmp_path / "points.toml"))
+    turn, z_mm, radius_mm, *_ = cut(written(made, tmp_path)).surface.values()
+    off_um = 1e3 * np.abs(radius_mm - RADIUS_MM + reduction_mm(360 * turn, z_mm))
+    assert off_um.max() < 0.3
+
+
+def test_noise_at_angles_of_its_own_is_refused(tmp_path: Path) -> None:
+    """No common angles follow points that lie closer than the samples are."""
+    noise = np.random.default_rng(1).normal(0, 2, (2, 20))
+    angles = [np.append(0.01 * np.arange(6), 25.0 * np.arange(1, 15)), 18.0 * np.arange(20)]
+    rows = [
+        f"{a!r},{z},{um!r}"
+        for z, deg, ums in zip((0, 24), angles, noise.tolist(), strict=True)
+        for a, um in zip(deg.tolist(), ums, strict=True)
+    ]
+    with pytest.raises(CamtoolsError, match="heights have different angles") as info:
+        text = "\n".join(["angle_deg,z_mm,reduction_um", *rows, ""])
+        points_of(tmp_path, text)
+    assert "; measure all heights at the same angles" in info.value.lines[0]
+
+
+def test_gaps_without_points(tmp_path: Path) -> None:
+    """Half a turn may not swing, and the remedy helps; a gap of 30 degrees is bridged well."""
+    half = rows_of(lambda _: np.arange(0.0, 181, 5))
+    text = "angle_deg,z_mm,reduction_mm\n" + "".join(f"{a},{z},{r}\n" for a, z, r in half)
+    with pytest.raises(CamtoolsError, match="no points from 180 to 0 degrees") as info:
+        points_of(tmp_path, text)
+    remedy = re.search(r"overshoot_um = [0-9.e+]+", info.value.lines[0])
+    assert remedy, info.value.lines
+    points_of(tmp_path, text, remedy[0])
+    rows = rows_of(lambda _: np.concatenate([[0.0, 10, 20, 30], np.arange(60.0, 360, 5)]))
+    text = "angle_deg,z_mm,reduction_mm\n" + "".join(f"{a},{z},{r}\n" for a, z, r in rows)
+    found = points_of(tmp_path, text).surface.delta(np.radians(np.array([45.0])), 8.0).delta
+    assert abs(float(found[0]) - float(reduction_mm(np.array(45.0), np.array(8.0)))) < 3e-4
+
+
+def true_um(phi: Floats, z_mm: Floats) -> Floats:
+    """Return the section that is measured: an oval with waves of three and five."""
+    oval = (50 + 0.4 * z_mm) * (1 - np.cos(2 * phi))
+    return np.asarray(oval + 1.5 * np.cos(3 * phi) + 0.6 * np.cos(5 * phi + z_mm / 40))
+
+
+def scan_part(
+    folder: Path, n: int, z_mm: list[float], noise_um: float, **keys: object
+) -> SkirtPart:
+    """Return a part of n noisy points at each height."""
+    noise = np.random.default_rng(7)
+    lines = ["angle_deg,z_mm,reduction_um"]
+    deg = 360 * np.arange(n) / n
+    for z in z_mm:
+        um = true_um(np.radians(deg), np.full(n, z)) + noise_um * noise.standard_normal(n)
+        lines += [f"{a:.6f},{z},{value:.4f}" for a, value in zip(deg, um, strict=True)]
+    (folder / "long.csv").write_text("\n".join(lines) + "\n")
+    tree = load_part(MEASURED).model_dump()
+    tree["piston"]["section"] = {"shape": "table", "csv": str(folder / "long.csv")} | keys
+    return SkirtPart.model_validate(tree)
+
+
+def test_remedy_of_a_long_scan_makes_the_table(tmp_path: Path) -> None:
+    """The number of waves that the message names is taken, and the cut is the true section."""
+    with pytest.raises(GeometryError, match="no table through all points of the scan") as info:
+        generate(scan_part(tmp_path, 360, [0.0], 0.05, single_height=True))
+    told = re.search(r"set harmonics = (\d+): .* within ([\d.]+) um", str(info.value))
+    assert told is not None
+    keys = {"single_height": True, "harmonics": int(told[1])}
+    part = scan_part(tmp_path, 360, [0.0], 0.05, **keys)
+    made = made_skirt(part)
+    geometry = made.table.geometry
+    assert geometry.off_points_um == pytest.approx(float(told[2]), rel=0.01)
+    found = cut(written(made, tmp_path), "--turns-limit", "20")
+    turn, z_mm, radius_mm, *_ = found.surface.values()
+    off_um = 1e3 * (geometry.radius_mm(z_mm) - radius_mm) - true_um(2 * np.pi * turn, 0 * z_mm)
+    assert np.abs(off_um).max() < 0.15  # filtered noise, control
+    assert found.summary["control_error_um"]["max"] < 0.05 < found.form_um
+
+
+@pytest.mark.long
+def test_long_scan_of_one_height_is_read_and_gauged(tmp_path: Path) -> None:
+    """Of 3600 points the wanted waves are kept; the gauge holds all points, in less than a MB."""
+    part = scan_part(tmp_path, 3600, [0.0], 0.05, harmonics=15, single_height=True)
+    table = written(made_skirt(part), tmp_path)
+    assert table.with_suffix(".json").stat().st_size < 1_000_000
+    assert "control error" in cut(table, "--turns-limit", "20").done.stdout
+
+
+def test_a_jump_between_heights_is_refused(tmp_path: Path) -> None:
+    """A spline over the height would leave both heights' points by more than 1 um."""
+    rows = ["angle_deg,z_mm,reduction_um"]
+    for z, um in ((0, 0.0), (15, 0.0), (20, 60.0), (40, 60.0), (60, 60.0)):
+        rows += [f"{deg},{z},{um}" for deg in range(0, 360, 15)]
+    (tmp_path / "jump.csv").write_text("\n".join(rows) + "\n")
+    tree = load_part(MEASURED).model_dump()
+    tree["piston"]["section"] = {"shape": "table", "csv": str(tmp_path / "jump.csv")}
+    with pytest.raises(GeometryError, match=r"the section at 0 degrees goes .* um beyond both"):
+        make_geometry(SkirtPart.model_validate(tree))
+    tree["piston"]["section"]["interpolation"] = "pchip"
+    geometry = make_geometry(SkirtPart.model_validate(tree))
+    between = geometry.delta(np.radians([0.0, 17.0, 200.0]), np.linspace(0, 60, 601)[:, None]).delta
+    assert between.min() >= -1e-9
+    assert between.max() <= 0.06 + 1e-9
+    rising = geometry.delta(np.array([0.3]), np.linspace(15, 20, 101)[:, None]).delta
+    assert (np.diff(rising[:, 0]) >= 0).all()
+
+
+def test_every_way_between_heights_meets_the_points(tmp_path: Path) -> None:
+    """At the measured heights the surface is the points, whatever is between."""
+    phi, z = np.radians(360 * np.arange(48) / 48), np.array([[0.0], [12], [30], [44], [60]])
+    for interpolation in ("linear", "pchip", "akima", "spline"):
+        part = scan_part(tmp_path, 48, z[:, 0].tolist(), 0.0, interpolation=interpolation)
+        found = make_geometry(part).delta(phi, z).delta
+        np.testing.assert_allclose(found, true_um(phi, z) * 1e-3, atol=1e-7)

@@ -1,11 +1,45 @@
-"""Sections against the worked numbers of MATHS.md (1) .. (5)."""
+# SPDX-License-Identifier: Apache-2.0
+"""Sections, profiles, sides and motion of skirts against the worked numbers of MATHS.md."""
+
+import json
+import re
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from camtools.skirt.geometry.sections import DoubleEllipse, Ellipse, Section, make_section
+from camtools.base.errors import CamtoolsError, GeometryError
+from camtools.base.quantities import Floats
+from camtools.skirt.geometry.profile import ovality_spline, profile_spline
+from camtools.skirt.geometry.sections import (
+    SMOOTH_DEG,
+    DoubleEllipse,
+    Ellipse,
+    PowerOval,
+    Section,
+    make_section,
+)
+from camtools.skirt.geometry.skirt_geometry import Geometry, OvalSurface, make_geometry
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.part.profile_keys import Ovality, Profile
+from camtools.skirt.tool.turning import turning_at
+from tests.tools.cases.camsim_cases import camsim, only_error
+from tests.tools.cases.cut_cases import (
+    PARTS,
+    cut,
+    evaluated,
+    geometry_of_part,
+    made_of,
+    made_skirt,
+    tip_mm,
+    written,
+)
+from tests.tools.cases.part_cases import parse_part
 
 A_MM = 46.0
 DEGREES = [0, 10, 15, 30, 45, 60, 75, 90]
@@ -33,7 +67,6 @@ EXACT_LESS_COSINE = [  # G, largest difference nm, at degrees, first term of the
     (0.38, "294.903", "44.9506", "294.293"),
     (0.4, "326.798", "44.9480", "326.087"),
 ]
-
 radii = st.floats(10, 200)
 ovalities = st.floats(0.001, 2)
 betas = st.floats(-6.25, 6.25)
@@ -45,16 +78,6 @@ def test_delta_has_the_printed_values(name: str) -> None:
     """Radius reductions at a = 46, G = 0.2 are those of the table of values."""
     delta = SHAPES[name].evaluate(np.radians(DEGREES), A_MM, 0.2).delta
     assert [f"{mm:.9f}" for mm in delta] == TABLE_VALUES[name].split()
-
-
-def test_polar_radius_has_the_printed_values() -> None:
-    """The exact polar radius is the printed one, from the direct formula too."""
-    printed = "46.000000000 45.996975068 45.993280835 45.974938737 45.949918390 45.924938848"
-    phi, b = np.radians(DEGREES[:6]), A_MM - 0.1
-    direct = A_MM * b / np.sqrt((b * np.cos(phi)) ** 2 + (A_MM * np.sin(phi)) ** 2)
-    ours = A_MM - Ellipse().evaluate(phi, A_MM, 0.2).delta
-    assert [f"{mm:.9f}" for mm in ours] == printed.split()
-    np.testing.assert_allclose(ours, direct, atol=1e-13)
 
 
 @pytest.mark.parametrize(("g_mm", "most_nm", "at_degrees", "series_nm"), EXACT_LESS_COSINE)
@@ -71,35 +94,8 @@ def test_exact_lies_inside_cosine(
     assert f"{3 * g_mm**2 / (32 * A_MM) * 1e6:.3f}" == series_nm
 
 
-def test_second_derivatives_at_the_axes_are_the_closed_forms() -> None:
-    """Curvature is a(a^2-b^2)/b^2 at the long, -b(a^2-b^2)/a^2 at the short axis; beta likewise."""
-    g, b = 0.3, A_MM - 0.15
-    d2 = Ellipse().evaluate(np.array([0, np.pi / 2]), A_MM, g).d2
-    np.testing.assert_allclose(
-        d2, [A_MM * (A_MM**2 - b**2) / b**2, -b * (A_MM**2 - b**2) / A_MM**2], rtol=1e-12
-    )
-    d2 = DoubleEllipse(2.0).evaluate(np.array([0, np.pi / 2]), A_MM, g).d2
-    np.testing.assert_allclose(d2, [g * (1 + 8 / 25), -g * (1 - 8 / 25)], rtol=1e-12)
-
-
-def test_beta_adds_one_fiftieth_of_the_ovality_at_45_degrees() -> None:
-    """The double ellipse is deeper by G beta / 50 at 45 degrees and the same at the axes."""
-    phi = np.radians([0.0, 45.0, 90.0])
-    extra = DoubleEllipse(3.0).evaluate(phi, A_MM, 0.2).delta
-    extra = extra - DoubleEllipse(0.0).evaluate(phi, A_MM, 0.2).delta
-    np.testing.assert_allclose(extra, [0, 0.2 * 3 / 50, 0], atol=1e-16)
-
-
 def _sections(beta: float) -> list[Section]:
     return [Ellipse(), DoubleEllipse(beta)]
-
-
-@given(angles, radii, ovalities, betas)
-def test_sections_have_two_fold_symmetry(phi: float, a: float, g: float, beta: float) -> None:
-    """delta(phi) = delta(pi - phi) = delta(phi + pi) for every shape."""
-    for section in _sections(beta):
-        values = section.evaluate(np.array([phi, np.pi - phi, phi + np.pi]), a, g).delta
-        np.testing.assert_allclose(values, values[0], atol=1e-13)
 
 
 @given(radii, ovalities, betas)
@@ -125,3 +121,398 @@ def test_derivatives_are_those_of_the_value(phi: float, a: float, g: float, beta
         for order in range(3):
             slope = float(weights @ around[order])
             assert slope == pytest.approx(float(here[order + 1][0]), abs=1e-7 * g * (1 + abs(beta)))
+
+
+GIVEN_MM = [5.0, 15.0, 25.0, 35.0, 45.0, 56.0]
+SPLINE = [  # derivative, heights, a(z) or its derivative there
+    (0, GIVEN_MM, "45.983096898 45.998129455 45.998135281 45.983079419 45.953359542 45.903454932"),
+    (1, GIVEN_MM, "0.002253450 0.000748721 -0.000748332 -0.002255392 -0.003692600 -0.005382370"),
+    (
+        2,
+        [0.0, 10, 20, 30, 40, 50, 62],
+        "-1.436120e-04 -1.518917e-04 -1.488211e-04 -1.528239e-04 -1.398831e-04 -1.576435e-04 "
+        "-1.429044e-04",
+    ),
+]
+# n, G, f Hz, v, acc, jerk of the cosine form; v, acc at 0, acc at 90 of the ellipse (a = 46)
+PEAKS = """
+650 0.2 21.6667 6.80678 926.646 126150 6.80680 929.677 -923.627
+650 0.3 21.6667 10.21018 1389.969 189224 10.21023 1396.798 -1383.178
+650 0.38 21.6667 12.93289 1760.628 239684 12.93300 1771.596 -1749.735
+800 0.2 26.6667 8.37758 1403.677 235188 8.37760 1408.268 -1399.103
+800 0.3 26.6667 12.56637 2105.516 352783 12.56644 2115.859 -2095.228
+800 0.38 26.6667 15.91740 2666.986 446858 15.91754 2683.602 -2650.485
+1500 0.2 50.0000 15.70796 4934.802 1.55031e+06 15.70800 4950.941 -4918.722
+1500 0.3 50.0000 23.56194 7402.203 2.32547e+06 23.56207 7438.568 -7366.036
+1500 0.38 50.0000 29.84513 9376.124 2.9456e+06 29.84539 9434.537 -9318.113
+2500 0.2 83.3333 26.17994 13707.784 7.17738e+06 26.18000 13752.613 -13663.117
+2500 0.3 83.3333 39.26991 20561.676 1.07661e+07 39.27012 20662.688 -20461.212
+2500 0.38 83.3333 49.74188 26044.789 1.3637e+07 49.74231 26207.047 -25883.647
+""".strip().splitlines()
+
+
+@pytest.mark.parametrize(("nu", "z_mm", "printed"), SPLINE)
+def test_spline_is_golden(nu: int, z_mm: list[float], printed: str, perkins: SkirtPart) -> None:
+    """a(z), a'(z) between the nodes and a''(z) at them have the printed values.
+
+    The printed moments are those of end slopes that are not rounded.
+    """
+    curve = (91.737 - 92.0) / 2 / (62 - 20) ** 2  # of the parabola about height 20
+    slopes = {"end_slopes": [-40 * curve, 84 * curve]} if nu == 2 else {}
+    profile = Profile.model_validate(perkins.piston.profile.model_dump() | slopes)
+    form = ".6e" if nu == 2 else ".9f"
+    assert [f"{value:{form}}" for value in profile_spline(profile)(z_mm, nu=nu)] == printed.split()
+
+
+def test_ends_ovality_and_axes_are_golden(geometry: Geometry) -> None:
+    """End slopes, G(5) and G(41) of the part; X and U at the height of each turn."""
+    ends = geometry.radius_mm([0.0, 62.0], 1)
+    np.testing.assert_allclose(ends, [0.0029818594, -0.0062619048], atol=1e-15)
+    np.testing.assert_allclose(geometry.ovality_mm([5.0, 41.0]), [0.1625, 0.25], atol=1e-15)
+    turns = np.array([0.0, 0.25, 200.0, 620.0])
+    motion = turning_at(geometry, 2500.0, 0.1 * turns, turns)
+    np.testing.assert_allclose(motion.x_mm[[0, 2, 3]], [45.97, 46.0, 45.8685])
+    np.testing.assert_allclose(motion.u_mm[[0, 1]], [0, 0.15 / 2 + 0.025 * 0.0025 / 2], atol=1e-12)
+
+
+def test_natural_spline_has_no_end_moments() -> None:
+    """A natural spline is straight at its ends and agrees with a library spline of diameters."""
+    heights, diameters = [0.0, 20, 50, 80, 140, 210], [239.3, 239.36, 239.42, 239.44, 239.36, 239]
+    spline = profile_spline(Profile(height_mm=heights, diameter_mm=diameters, spline="natural"))
+    np.testing.assert_allclose(spline([0, 210], nu=2), 0, atol=1e-15)
+    whole = CubicSpline(np.array(heights), diameters, bc_type="natural")
+    np.testing.assert_allclose(2 * spline(65), whole(65), rtol=1e-14)
+
+
+@pytest.mark.parametrize("n_points", [2, 3, 4])
+def test_few_ovality_points_still_make_a_spline(n_points: int) -> None:
+    """Two points give a line, three a parabola, four a cubic."""
+    z = np.arange(n_points) * 10.0
+    ovality = Ovality(
+        height_mm=z.tolist(),
+        ovality_mm=((z / 10) ** (n_points - 1)).tolist(),
+        interpolation="spline",
+    )
+    assert float(ovality_spline(ovality)(7.0)) == pytest.approx(0.7 ** (n_points - 1))
+
+
+@pytest.mark.parametrize("row", PEAKS)
+def test_motion_peaks_are_golden(row: str) -> None:
+    """Frequency, velocity, acceleration and jerk of U have the printed peaks."""
+    n, g, f, v, acc, jerk, exact_v, acc_0, acc_90 = row.split()
+    turns = np.linspace(0, 1, 36_001)
+    flat = make_flat(float(g))
+    cosine = turning_at(flat["cosine"], float(n), 0.0, turns)
+    exact = turning_at(flat["ellipse"], float(n), 0.0, turns)
+    assert f"{2 * float(n) / 60:.4f}" == f
+    assert f"{cosine.velocity_mm_s.max():.5f}" == v
+    assert f"{cosine.acceleration_mm_s2.max():.3f}" == acc
+    assert f"{cosine.jerk_mm_s3.max():.6g}" == jerk
+    assert f"{exact.velocity_mm_s.max():.5f}" == exact_v
+    assert f"{exact.acceleration_mm_s2[0]:.3f}" == acc_0
+    assert f"{exact.acceleration_mm_s2[9000]:.3f}" == acc_90
+
+
+def make_flat(g_mm: float) -> dict[str, Geometry]:
+    """Return cylinders of a = 46 mm with constant ovality, ellipse and cosine form."""
+    radius = profile_spline(Profile(height_mm=[0, 10], diameter_mm=[92, 92]))
+    ovality = ovality_spline(Ovality(height_mm=[0, 10], ovality_mm=[g_mm, g_mm]))
+    laws: dict[str, Section] = {"ellipse": Ellipse(), "cosine": DoubleEllipse()}
+    return {
+        name: Geometry(radius, ovality, OvalSurface(law, radius, ovality), 0.0, 10.0)
+        for name, law in laws.items()
+    }
+
+
+def test_magnified_parts(perkins: SkirtPart) -> None:
+    """30 times all, or the ovality alone, as in the papers; inside out is refused."""
+    geometry = geometry_of_part("perkins240_x30")
+    assert 2 * float(geometry.radius_mm(62.0)) == pytest.approx(84.11, abs=1e-12)
+    assert float(geometry.ovality_mm(62.0)) == pytest.approx(9.0, abs=1e-12)
+    assert 2 * float(geometry.radius_mm(20.0)) == pytest.approx(92.0, abs=1e-12)
+    magnify = {"factor": 30.0, "of": "ovality"}
+    part = SkirtPart.model_validate(perkins.model_dump() | {"magnify": magnify})
+    geometry = make_geometry(part)
+    assert 2 * float(geometry.radius_mm(62.0)) == pytest.approx(91.737, abs=1e-12)
+    assert float(geometry.ovality_mm(62.0)) == pytest.approx(9.0, abs=1e-12)
+    short_mm = float(geometry.radius_mm(62.0) - geometry.delta(np.pi / 2, 62.0).delta)
+    assert short_mm == pytest.approx(91.737 / 2 - 4.5, abs=1e-12)
+    assert part.magnify is not None
+    assert part.magnify.words == "ovality enlarged 30 times"
+    part = SkirtPart.model_validate(perkins.model_dump() | {"magnify": {"factor": 1000.0}})
+    with pytest.raises(GeometryError, match=r"magnify\.factor.*half axis"):
+        make_geometry(part)
+
+
+def changed(part: SkirtPart, **piston: object) -> SkirtPart:
+    """Return the part with other tables of [piston]."""
+    tree = part.model_dump()
+    tree["piston"] |= piston
+    return SkirtPart.model_validate(tree)
+
+
+def test_overshooting_ovality_spline_is_refused(perkins: SkirtPart) -> None:
+    """A spline that would fall below zero between its points is refused, naming the field."""
+    steep = {"height_mm": [0, 20, 30, 62], "ovality_mm": [0.3, 0.0, 0.0, 0.3]}
+    part = changed(perkins, ovality={**steep, "interpolation": "spline"})
+    with pytest.raises(GeometryError, match=r"piston\.ovality\.interpolation.*falls to -") as info:
+        make_geometry(part)
+    assert info.value.field == "piston.ovality.interpolation"
+
+
+Law = Callable[[Floats, Floats, Floats], Floats]
+THRUST, TWIST = PARTS / "thrust90.toml", PARTS / "twist80.toml"
+
+
+def smooth_step(s: Floats) -> Floats:
+    """Return the smooth smooth_step of degree seven."""
+    s = np.clip(s, 0, 1)
+    return np.asarray(35 * s**4 - 84 * s**5 + 70 * s**6 - 20 * s**7)
+
+
+def double_ellipse(deg: Floats, g_mm: Floats, beta: Floats) -> Floats:
+    """Return MATHS.md (4), as printed there."""
+    phi = np.radians(deg)
+    found = g_mm / 4 * ((1 - np.cos(2 * phi)) + beta / 25 * (1 - np.cos(4 * phi)))
+    return np.asarray(found)
+
+
+def thrust_mm(deg: Floats, z_mm: Floats) -> Floats:
+    """Return the radius of thrust90.toml."""
+    heights, ends = [0, 10, 22, 34, 46, 56], [0, 28, 56]
+    radius = CubicSpline(heights, np.array([89.932, 89.966, 89.98, 89.968, 89.928, 89.872]) / 2)
+    g_mm, drop_mm = np.interp(z_mm, ends, [0.24, 0.30, 0.40]), np.interp(z_mm, ends, [20, 12, 30])
+    thrust = double_ellipse(deg, g_mm, np.interp(z_mm, ends, [0.6, 1.0, 1.4]))
+    drop_mm = drop_mm / 1000
+    other = drop_mm + double_ellipse(deg, g_mm - 2 * drop_mm, np.full_like(g_mm, 0.4))
+    off_pin_deg = 90 - np.abs(np.mod(deg, 360) - 180)  # above 0: anti-thrust
+    share = smooth_step(off_pin_deg / 30 + 0.5)
+    return np.asarray(radius(z_mm) - (1 - share) * thrust - share * other)
+
+
+def power(deg: Floats, g_mm: Floats, exponent: Floats) -> Floats:
+    """Return G/2 |sin|^p, below 15 degrees by the cubic through x, x^2, x^3, x^4 at p/2."""
+    t, m = np.sin(np.radians(deg)) ** 2, exponent / 2
+    x = t / np.sin(np.radians(15)) ** 2
+    p = [x, x**2, x**3, x**4]  # Newton's form over m = 1, 2, 3, 4
+    d1 = [p[1] - p[0], p[2] - p[1], p[3] - p[2]]
+    d2 = [d1[1] - d1[0], d1[2] - d1[1]]
+    near = p[0] + (m - 1) * (d1[0] + (m - 2) / 2 * (d2[0] + (m - 3) / 3 * (d2[1] - d2[0])))
+    near = near * np.sin(np.radians(15)) ** (2 * m)
+    return np.asarray(g_mm / 2 * np.where(x < 1, near, np.abs(t) ** m))
+
+
+def power_of_sine(deg: Floats, g_mm: Floats, exponent: Floats) -> Floats:
+    """Return G/2 |sin|^p, the drawing."""
+    return np.asarray(g_mm / 2 * np.abs(np.sin(np.radians(deg))) ** exponent)
+
+
+def twist_mm(deg: Floats, z_mm: Floats, law: Law = power) -> Floats:
+    """Return the radius of twist80.toml, as its table plays it or by the law of its drawing."""
+    heights, ends = [0, 12, 25, 38, 50], [0, 25, 50]
+    radius = CubicSpline(heights, np.array([79.94, 79.972, 79.98, 79.968, 79.93]) / 2)
+    over = {
+        "g": PchipInterpolator(ends, [0.16, 0.20, 0.28])(z_mm),
+        "p": PchipInterpolator(ends, [2.4, 3.2, 4.0])(z_mm),
+        "phase": PchipInterpolator(ends, [-4, 0, 4])(z_mm),
+        "other": np.interp(z_mm, [0, 50], [0.20, 0.36]),
+    }
+    deg = deg - over["phase"]
+    here, other = law(deg, over["g"], over["p"]), law(deg, over["other"], over["p"])
+    share = smooth_step((90 - np.abs(np.mod(deg - 90, 360) - 180)) / 30 + 0.5)
+    return np.asarray(radius(z_mm) - (1 - share) * here - share * other)
+
+
+FORMULAS = {"thrust90": (THRUST, thrust_mm, 56.0), "twist80": (TWIST, twist_mm, 50.0)}
+DRAWN: dict[str, Callable[[Floats, Floats], Floats]] = {
+    "thrust90": thrust_mm,
+    "twist80": partial(twist_mm, law=power_of_sine),
+}
+
+
+@pytest.mark.parametrize("name", list(FORMULAS))
+def test_geometry_is_the_formula(name: str) -> None:
+    """Radius everywhere within rounding; three derivatives are those of finite differences."""
+    _, formula, last_mm = FORMULAS[name]
+    geometry = geometry_of_part(name)
+    rng = np.random.default_rng(90)
+    deg, z_mm = rng.uniform(-400, 400, 20_000), rng.uniform(0, last_mm, 20_000)
+    u = geometry.delta(np.radians(deg), z_mm)
+    np.testing.assert_allclose(geometry.radius_mm(z_mm) - u.delta, formula(deg, z_mm), atol=1e-12)
+    h = np.degrees(1e-5)
+    low, high = (geometry.delta(np.radians(deg + k * h), z_mm) for k in (-1, 1))
+    for n, most in enumerate((1e-8, 1e-7, 1e-2)):  # the third derivative has corners
+        slope = (high[n] - low[n]) / 2e-5
+        assert np.abs(slope - u[n + 1]).max() < most
+
+
+@pytest.mark.parametrize(("name", "direction"), [("thrust90", 1), ("twist80", -1)])
+def test_cut_part_is_the_formula(tmp_path: Path, name: str, direction: int) -> None:
+    """Table and cut agree with the formula, the gauge with the drawing, with M3 and with M4."""
+    path, formula, last_mm = FORMULAS[name]
+    text = re.sub(r"(?m)^direction = .*\n", "", path.read_text())
+    text = text.replace("feed_mm = 0.1", f"feed_mm = 1\ndirection = {direction}")
+    made = made_skirt(parse_part(text.encode(), "part.toml"))
+    found = cut(written(made, tmp_path), "--tolerance-um", "0.5")
+    turn, z_mm, radius_mm, error_nm = found.surface.values()
+    exact_mm = DRAWN[name](360 * turn, z_mm)
+    assert turn.size > 20_000
+    assert np.abs(radius_mm - exact_mm).max() < 0.5e-3
+    # heights of the file are rounded to 1 nm, angles to 6e-8 turn
+    assert np.abs(radius_mm - error_nm * 1e-6 - exact_mm).max() < 6e-8
+    rng = np.random.default_rng(80)
+    turn, z_mm = rng.uniform(-3, 3, 2000), np.round(rng.uniform(0, last_mm, 2000), 6)
+    values = evaluated(tmp_path, made.table.table, turn, z_mm)
+    assert np.abs(tip_mm(values) - formula(360 * turn, z_mm)).max() < 2e-6
+
+
+@given(st.floats(2, 8))
+def test_power_is_smooth_and_near_the_power_of_the_sine(exponent: float) -> None:
+    """Exact from 15 degrees on; below within 1.8e-4 of the ovality; even powers exactly."""
+    deg = np.linspace(-90, 90, 3601)
+    exact = 0.5 * np.abs(np.sin(np.radians(deg))) ** exponent
+    got = PowerOval(exponent).evaluate(np.radians(deg), 46.0, 1.0)
+    off = np.abs(got.delta - exact)
+    assert off[np.abs(deg) >= SMOOTH_DEG].max() < 1e-15
+    assert off.max() < 1.8e-4
+    edge = np.radians(SMOOTH_DEG + np.array([-1e-7, 1e-7]))
+    around = PowerOval(exponent).evaluate(edge, 46.0, 1.0)
+    for n in range(4):
+        assert abs(np.diff(around[n])[0]) < 1e-5 * max(1.0, float(np.abs(got[n]).max()))
+    assert (np.diff(got.delta[deg >= 0]) >= -1e-7).all()  # of an oval of 1 mm
+
+
+@pytest.mark.parametrize("exponent", [2.0, 4.0, 6.0, 8.0])
+def test_even_powers_need_no_smoothing(exponent: float) -> None:
+    """A power of the square is a polynomial already."""
+    phi = np.linspace(-1, 1, 999)
+    got = PowerOval(exponent).evaluate(phi, 46.0, 0.3).delta
+    np.testing.assert_allclose(got, 0.15 * np.sin(phi) ** exponent, atol=1e-16)
+
+
+def geometry_of_text(text: str) -> Geometry:
+    """Return the geometry of a part file's text."""
+    return make_geometry(parse_part(text.encode(), "p.toml"))
+
+
+def test_sides_hold_exactly_outside_the_zones() -> None:
+    """At 0 .. 75 degrees only the thrust side counts, at 105 .. 255 only the other."""
+    text = THRUST.read_text()
+    both = geometry_of_text(text)
+    one = geometry_of_text(re.sub(r"(?s)\[piston.antithrust\].*?\n\n", "", text))
+    phi = np.radians(np.linspace(-75, 75, 301))
+    np.testing.assert_array_equal(both.delta(phi, 28.0).delta, one.delta(phi, 28.0).delta)
+    far = np.radians(np.linspace(105, 255, 301))
+    other = 0.012 + double_ellipse(np.degrees(far), np.array(0.276), np.array(0.4))
+    np.testing.assert_allclose(both.delta(far, 28.0).delta, other, atol=1e-15)
+    pin = both.delta(np.radians([90.0, 270.0]), 28.0)
+    np.testing.assert_allclose(pin.delta, 0.15, atol=1e-15)  # the short axis is common
+    np.testing.assert_allclose(pin.d1, 0, atol=1e-14)
+
+
+def test_sides_with_a_step_are_bridged(tmp_path: Path) -> None:
+    """An ovality and an angle of its own: the middle of a zone has the mean of both laws."""
+    text = THRUST.read_text().replace("beta = 0.4", "beta = 0.4\nphase_deg = 6")
+    text = text.replace("drop_mm = ", "ovality_mm = [0.2, 0.2, 0.2]\ndrop_mm = ")
+    geometry = geometry_of_text(text)
+    deg = np.array([90.0, 270.0])
+    thrust = double_ellipse(deg, np.array(0.30), np.array(1.0))
+    other = 0.012 + double_ellipse(deg - 6, np.array(0.2), np.array(0.4))
+    got = geometry.delta(np.radians(deg), 28.0).delta
+    np.testing.assert_allclose(got, (thrust + other) / 2, atol=1e-15)
+    dense = np.radians(np.linspace(60, 120, 60_001))
+    u = geometry.delta(dense, 28.0)
+    slope = np.gradient(u.d1, dense[1] - dense[0])
+    assert np.abs(slope - u.d2)[1:-1].max() < 1e-4  # no jump of the slope anywhere in the zone
+    table = written(made_skirt(parse_part(text.encode(), "part.toml")), tmp_path)
+    told = json.loads(table.with_suffix(".json").read_text())["sides"]
+    heights = np.linspace(0, 56, 100)
+    g_mm, drop_mm = np.interp(heights, [0, 28, 56], [0.24, 0.3, 0.4]), [20, 12, 30]
+    sides = np.interp(heights, [0, 28, 56], drop_mm) / 1000 + double_ellipse(
+        np.array(84.0), np.array(0.2), np.array(0.4)
+    )
+    assert told["meet"] == "short-axis"
+    assert told["step_um"] == pytest.approx(1e3 * np.abs(g_mm / 2 - sides).max(), rel=1e-3)
+    cut(table, "--feed", "2")
+
+
+def test_a_scan_is_turned_by_its_phase(tmp_path: Path) -> None:
+    """phase_deg moves every point of a measured section, whatever its shape."""
+    source = PARTS / "scan90.toml"
+    csv = f'csv = "{source.with_name("scan90.csv")}"'
+    text = source.read_text().replace('csv = "scan90.csv"', csv)
+    part = parse_part(
+        text.replace("harmonics = 15", "phase_deg = 25\nharmonics = 15").encode(), "p"
+    )
+    phi, z_mm = np.linspace(0, 7, 500), np.array([[3.0], [40.0]])
+    got = make_geometry(part).delta(phi + np.radians(25), z_mm)
+    want = geometry_of_part("scan90").delta(phi, z_mm)
+    np.testing.assert_allclose(got.delta, want.delta, atol=1e-15)
+    cut(written(made_skirt(part), tmp_path), "--feed", "1", "--tolerance-um", "0.5")
+
+
+BROKEN = {
+    "law": ('"law": "double-ellipse"', '"law": "oval"', 'design.sides.0.law = "oval": must be ell'),
+    "sides": (
+        '"sides": [',
+        '"sides": 1, "others": [',
+        "design.sides: must be a list of one",
+    ),
+    "blend": ('"blend_rad": 0.5', '"blend_rad": -0.5', "design.middle_rad, blend_rad: must be num"),
+    "drop": ('"drop_mm"', '"fall_mm"', "design.sides.0.drop_mm"),
+}
+
+
+@pytest.mark.parametrize("name", list(BROKEN))
+def test_broken_design_is_refused_by_the_gauge(name: str, tmp_path: Path) -> None:
+    """One line that names file and field, and nothing is cut."""
+    old, new, problem = BROKEN[name]
+    table = written(made_of("thrust90"), tmp_path)
+    report = table.with_suffix(".json")
+    text = json.dumps(json.loads(report.read_text()))
+    assert old in text
+    report.write_text(text.replace(old, new))
+    line = only_error(camsim("run", table))
+    assert f"{report}: {problem}" in line
+    assert line.endswith("make the table again with tools/mktables, or give --design")
+
+
+LAW = 'shape = "double-ellipse"\nbeta = [0.6, 1.0, 1.4]'
+ARC = 'shape = "ellipse-arc"\ntrim_mm = 0.1\njoint_deg = 50'
+DROP = "drop_mm = [0.020, 0.012, 0.030]"
+OTHER = "piston.antithrust"
+BAD = {
+    "shape": (LAW, ARC, "has no sides: the table [piston.antithrust] is for ovals"),
+    "cover": ("56]\ndrop_mm", "50]\ndrop_mm", f"{OTHER}.height_mm = "),
+    "length": (DROP, "drop_mm = [0.02, 0.01]", "has 2 entries, height_mm has 3"),
+    "lists": ("beta = [0.6, 1.0, 1.4]", "beta = [0.6, 1.0]", "piston.section.beta = "),
+    "least": ("[0.020,", "[0.200,", "leaves an ovality of -0.16 mm at height 0 mm; drop less"),
+    "needed": ("blend_deg = 30", 'meet = "long-axis"', f"{OTHER}.ovality_mm"),
+    "foreign": ("beta = 0.4", "exponent = 3", f"{OTHER}.exponent = 3.0: has no meaning"),
+    "blend": ("blend_deg = 30", "blend_deg = 1", f"{OTHER}.blend_deg = 1"),
+    "power": (LAW, 'shape = "power"', "piston.section.exponent"),
+    "exponent": (LAW, 'shape = "power"\nexponent = 1.5', "piston.section.exponent = 1.5"),
+}
+
+
+@pytest.mark.parametrize("name", list(BAD))
+def test_bad_sides_are_refused(name: str) -> None:
+    """One line that names field and value, and what to do."""
+    old, new, problem = BAD[name]
+    text = THRUST.read_text()
+    assert old in text
+    with pytest.raises(CamtoolsError) as info:
+        geometry_of_text(text.replace(old, new))
+    assert any(problem in line for line in info.value.lines), info.value.lines
+    assert all(";" in line for line in info.value.lines)
+
+
+def test_a_list_of_a_side_that_overshoots_may_be_allowed() -> None:
+    """What the refusal of a spline names as a remedy is a key that helps."""
+    text = THRUST.read_text().replace(DROP, 'drop_mm = [0, 0.05, 0]\ninterpolation = "spline"')
+    text = text.replace("height_mm = [0, 28, 56]\ndrop_mm", "height_mm = [0, 10, 56]\ndrop_mm")
+    with pytest.raises(CamtoolsError) as info:
+        geometry_of_text(text)
+    remedy = re.search(r"overshoot_um = \d+", info.value.lines[0])
+    assert remedy, info.value.lines
+    geometry_of_text(text.replace("blend_deg", f"{remedy[0]}\nblend_deg"))

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camtools.skirt.table.generate import GeneratedSkirt
@@ -56,6 +56,7 @@ def assert_same(one: Table, other: Table) -> None:
                 assert getattr(a, field.name) == getattr(b, field.name)
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 10_000), st.integers(2, 9), st.integers(2, 5))
 def test_image_round_trip(seed: int, n_slices: int, log2_knots: int) -> None:
     """Unpacking what was packed gives the same table, and packing again the same bytes."""
@@ -92,17 +93,12 @@ def test_flipped_bit_is_refused(data: st.DataObject) -> None:
         unpack(bytes(image))
 
 
-@pytest.mark.parametrize("length", [0, 1, 127, 128, 400, -1, -32])
-def test_truncated_image_is_refused(length: int) -> None:
-    """An image that lost its end is refused."""
+@pytest.mark.parametrize("length", [0, 1, 127, 128, 400, -1, -32, 32])
+def test_image_of_another_size_is_refused(length: int) -> None:
+    """An image that lost its end, or has bytes behind it, is refused."""
+    image = pack(small_table())
     with pytest.raises(ImageError, match="size"):
-        unpack(pack(small_table())[:length])
-
-
-def test_extended_image_is_refused() -> None:
-    """An image with bytes behind its end is refused."""
-    with pytest.raises(ImageError, match="image_size"):
-        unpack(pack(small_table()) + bytes(32))
+        unpack(image + bytes(32) if length == 32 else image[:length])
 
 
 def resealed(image: bytearray) -> bytes:

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tables of parts and their cuts: each part of the repository is made once in a process."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from subprocess import CompletedProcess
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camtools.base.quantities import Floats
+from camtools.cut.correction import Correction
+from camtools.pipeline.load import Loaded, load
+from camtools.pipeline.make_table import Made, make
+from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
+from camtools.skirt.kind import KIND
+from camtools.skirt.part.part_file import SkirtPart
+from camtools.skirt.table.generate import GeneratedSkirt
+from camtools.table.image import Table, pack
+from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.part_cases import ROOT, load_part
+
+PARTS = ROOT / "tools" / "parts"
+NM = 1e-6  # mm
+
+
+@cache
+def made_of(name: str) -> Made:
+    """Return the table of a part of tools/parts."""
+    path = PARTS / f"{name}.toml"
+    return make(load(path), path)
+
+
+def skirt_of(name: str) -> GeneratedSkirt:
+    """Return the table of a skirt of tools/parts."""
+    made: GeneratedSkirt = made_of(name).table
+    return made
+
+
+@cache
+def geometry_of_part(name: str) -> Geometry:
+    """Return the geometry of a skirt of tools/parts."""
+    return make_geometry(load_part(PARTS / f"{name}.toml"))
+
+
+def made_skirt(
+    part: SkirtPart, tolerance_nm: float | None = None, correction: Correction | None = None
+) -> Made:
+    """Return the table of a skirt."""
+    loaded = Loaded(KIND, part)
+    return make(loaded, "a.toml", tolerance_nm=tolerance_nm, correction=correction)
+
+
+def written(made: Made, folder: Path) -> Path:
+    """Write the files of a table into a folder; return the table."""
+    folder.mkdir(exist_ok=True)
+    for name, data in made.files(with_plots=False).items():
+        (folder / name).write_bytes(data)
+    return folder / f"{made.table.part.part.name}.camtab"
+
+
+def evaluated(folder: Path, table: Table, turn: Floats, z_mm: Floats) -> dict[str, Floats]:
+    """Return the columns that the firmware's own evaluation gives at points."""
+    path = folder / "evaluated.camtab"
+    path.write_bytes(pack(table))
+    rows = "".join(f"{t!r},{z!r}\n" for t, z in zip(turn.tolist(), z_mm.tolist(), strict=True))
+    done = camsim("eval", path, stdin=f"turn,z_mm\n{rows}")
+    assert done.returncode == 0, done.stderr
+    head, *lines = done.stdout.splitlines()
+    values = np.array([line.split(",") for line in lines], dtype=np.float64)
+    return dict(zip(head.split(","), values.T, strict=True))
+
+
+def tip_mm(values: dict[str, Floats]) -> Floats:
+    """Return where evaluated tables put the tip of the tool."""
+    return np.asarray((values["x_nm"] - values["u_nm"]) * NM)
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A cut that the simulator made of a table."""
+
+    done: CompletedProcess[str]
+    folder: Path
+
+    @property
+    def status(self) -> int:
+        """Return the exit status."""
+        return self.done.returncode
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """Return the summary."""
+        found: dict[str, Any] = json.loads((self.folder / "summary.json").read_text())
+        return found
+
+    @property
+    def form_um(self) -> float:
+        """Return the largest form error."""
+        return float(self.summary["form_error_um"]["max"])
+
+    @cached_property
+    def surface(self) -> dict[str, NDArray[Any]]:
+        """Return the columns of the surface: turn, z_mm, radius_mm, error_nm, maybe control_nm."""
+        return columns_of(self.folder / "surface.csv")
+
+
+def cut(table: Path, *words: str | Path, status: int | None = 0) -> Cut:
+    """Cut a table, in its folder; the cut ends with a status, by default that of a good part."""
+    folder = table.parent
+    files = ("--summary", folder / "summary.json", "--surface", folder / "surface.csv")
+    done = camsim("run", table, *files, *words)
+    assert status is None or done.returncode == status, (done.stdout, done.stderr)
+    return Cut(done, folder)
+
+
+def cut_made(made: Made, folder: Path, *words: str | Path, status: int | None = 0) -> Cut:
+    """Cut a part on its own machine, to its own tolerance."""
+    table = written(made, folder)
+    part = made.table.part
+    machine = folder / "machine.toml"
+    machine.write_text(made.kind.machine(part))
+    tolerance = repr(made.kind.form_error_um(part))
+    return cut(table, "--machine", machine, "--tolerance-um", tolerance, *words, status=status)
+
+
+TableOf = Callable[[str], Path]
