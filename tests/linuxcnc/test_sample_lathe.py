@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from checks.patience import limit_s
 from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.test_recorder import read
 from tests.tools.cases.part_cases import ROOT
@@ -28,9 +27,11 @@ AXIS_DRO = Path(__file__).with_name("axis_dro.py")
 AUTO = Path(__file__).with_name("auto.py")
 SLOW = "K0.01"  # the program can be ended in the cut, which takes a minute
 README = ROOT / "hal" / "linuxcnc" / "README.md"
-# Dwells are by the clock of a computer that may be slow, and the waits for an input end with it.
+# In place of the dwell of the printed program, which is by the clock: waits for camturn.ready.
+READY = "M66 P1 L3 Q600"
+READY_HAL = "net panel-ready camturn.ready => motion.digital-in-01\n"
 BLOCKS = (
-    "M3 S500", f"G4 P{limit_s(1.5):.1f}", "M64 P0", "M66 P0 L3 Q600", "G33 Z5 K0.25", "M65 P0",
+    "M3 S500", READY, "M64 P0", "M66 P0 L3 Q600", "G33 Z5 K0.25", "M65 P0",
     "M66 P0 L4 Q600",
 )  # fmt: skip
 
@@ -57,6 +58,8 @@ def _settings(box: Halbox, table: Path, hal: Path = SIM / "lathe.hal") -> None:
 def lathe(box: Halbox, linuxcnc_root: Path, table_of: Callable[[str], Path]) -> Iterator[Halbox]:
     """Return the simulated lathe."""
     _settings(box, table_of("perkins240"))
+    with (box.folder / "lathe.hal").open("a") as file:
+        file.write(READY_HAL)
     with _started(box, linuxcnc_root):
         yield box
 
@@ -168,7 +171,7 @@ def _start_program(lathe: Halbox, linuxcnc_root: Path, pitch: str = "K0.1") -> N
     """Run the program printed in the README in AUTO, until it cuts."""
     text = README.read_text().split("`/tmp/oval.ngc`")[1].split("The button **stop**")[0]
     text = text[text.index("    M65 P0") :].replace("K0.1", pitch)
-    text = text.replace("G4 P2", f"G4 P{limit_s(2.0):.1f}")
+    text = text.replace("G4 P2", READY)
     program = lathe.folder / "oval.ngc"
     program.write_text(re.sub(r"Q\d+", "Q600", text))
     _control(lathe, linuxcnc_root, AUTO, str(program))
@@ -225,7 +228,7 @@ def test_cut_is_ended_at_any_time(lathe: Halbox, linuxcnc_root: Path, by: str) -
     assert lathe.get("camturn.in-cut") == "FALSE"
     assert float(lathe.get("camturn.u")) < -0.4
     _control(lathe, linuxcnc_root, AUTO, "off")
-    execute(lathe, linuxcnc_root, "M3 S500", f"G4 P{limit_s(2.0):.1f}")
+    execute(lathe, linuxcnc_root, "M3 S500", READY)
     assert lathe.get("camturn.ready") == "TRUE"
     assert lathe.get("camturn.start") == "FALSE"
     _start_program(lathe, linuxcnc_root)
