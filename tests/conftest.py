@@ -26,9 +26,7 @@ def table_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def make(part: str) -> Path:
         path = folder / f"{part}.camtab"
         if not path.exists():
-            [source] = [
-                file for one in FOLDERS if (file := one / f"{part}.toml").exists()
-            ]
+            [source] = [file for one in FOLDERS if (file := one / f"{part}.toml").exists()]
             assert mktables([str(source), "-o", str(folder)]) == 0
         return path
 
@@ -37,9 +35,7 @@ def table_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Take --quick."""
-    parser.addoption(
-        "--quick", type=float, metavar="S", help="only tests that last took S or less"
-    )
+    parser.addoption("--quick", type=float, metavar="S", help="only tests that last took S or less")
 
 
 class _Times:
@@ -58,12 +54,8 @@ class _Times:
         """Leave out what took longer."""
         if self._longest_s is not None:
             longest_s = self._longest_s
-            left_out = [
-                one for one in items if self._known_s.get(one.nodeid, 0.0) > longest_s
-            ]
-            items[:] = [
-                one for one in items if self._known_s.get(one.nodeid, 0.0) <= longest_s
-            ]
+            left_out = [one for one in items if self._known_s.get(one.nodeid, 0.0) > longest_s]
+            items[:] = [one for one in items if self._known_s.get(one.nodeid, 0.0) <= longest_s]
             config.hook.pytest_deselected(items=left_out)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:

@@ -16,9 +16,7 @@ import pytest
 
 from checks.progress import Watch, tree, waits_for
 
-STALL_S = float(
-    os.environ.get("CAMTURN_STALL_S", "120")
-)  # before run_steps.py ends the process
+STALL_S = float(os.environ.get("CAMTURN_STALL_S", "120"))  # before run_steps.py ends the process
 _LOOK_S = min(5.0, STALL_S / 4)
 _MOST_CPU_S = 900.0  # of one test
 
@@ -54,9 +52,7 @@ class HangPlugin:
                 watch.restart()
             elif watch.is_stalled():
                 others = [waits_for(one) for one in tree(os.getpid())[1:]]
-                self._why = "; ".join(
-                    ["the test hangs: no output, no processor time", *others]
-                )
+                self._why = "; ".join(["the test hangs: no output, no processor time", *others])
             elif watch.computed_s() > _MOST_CPU_S:
                 self._why = f"the test computes without end: {_MOST_CPU_S:.0f} s"
             if self._why and main is not None:

@@ -59,9 +59,7 @@ def is_running(pid: int) -> bool:
 
 def pid_in(file: Path) -> int:
     """Wait until a file has the number of a process; return it."""
-    return int(
-        until(lambda: file.exists() and file.read_text().strip(), f"{file.name}")
-    )
+    return int(until(lambda: file.exists() and file.read_text().strip(), f"{file.name}"))
 
 
 def test_tests_of_all_steps_are_counted(tmp_path: Path) -> None:
