@@ -88,8 +88,7 @@ static void test_u_plays_in_full_while_x_is_clear_by_half_the_stroke(void)
     }
 }
 
-/// After a rehearsal U waits at 0, to the last digit, until the cut is laid; then it settles. With
-/// a measured Z it is within a nanometre of 0.
+/// After a rehearsal U waits at 0, to the last digit, until the cut is laid; then it settles.
 static void test_u_rests_before_the_cut_and_settles_before_the_feed(void)
 {
     static const int32_t settling_turns[] = {12, 0};

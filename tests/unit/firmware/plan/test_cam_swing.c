@@ -6,7 +6,8 @@
 #include "fixture_play.h"
 #include "fixture_random.h"
 #include "unity.h"
-#include <math.h> // fabs
+#include <math.h>   // fabs
+#include <stdlib.h> // abs
 
 #define TURN 4294967296.0
 #define PI 3.14159265358979323846
@@ -117,7 +118,7 @@ static void test_swing_nears_zero_within_its_limits_from_anywhere(void)
     }
 }
 
-/// A plan judges the drive in the tick before its line ends, 7 ticks behind the start of the line.
+/// A plan judges the drive in the tick before its line ends, 7 ticks after the start of the line.
 static void test_drive_beyond_its_limit_is_a_fault(void)
 {
     const cam_play_config_t *cfg = &f.config.play;
@@ -130,6 +131,25 @@ static void test_drive_beyond_its_limit_is_a_fault(void)
     const uint32_t fault = CAM_FAULT_BIT(swing);
     TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_check_isr(&s, cfg, due_q32 + limit_q32 + 1));
     TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_check_isr(&s, cfg, due_q32 - limit_q32 - 1));
+}
+
+/// The drive follows its lines, a lag behind, until it is blocked.
+static void test_blocked_drive_is_seen_within_one_plan(void)
+{
+    enum { lag_ticks = 25 };
+    int32_t lagged_q32[lag_ticks] = {0};
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    int32_t beyond = 0; // [ticks] since it is off by more than the limit
+    for (uint32_t i = 0; i < 100000u && f.want.faults == 0u; i++) {
+        const int32_t set_q32 = (int32_t)llround(tick_turn() * TURN);
+        const int32_t due_q32 = lagged_q32[i % lag_ticks];
+        lagged_q32[i % lag_ticks] = set_q32;
+        f.in.swing_q32 = i < 300u ? due_q32 : f.in.swing_q32;
+        const int32_t off_q32 = due_q32 - f.in.swing_q32;
+        beyond += abs(off_q32) > f.config.play.swing.following_q32 ? 1 : 0;
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(swing), f.want.faults);
+    TEST_ASSERT_INT32_WITHIN(FIXTURE_PLAN_TICKS / 2 + 1, FIXTURE_PLAN_TICKS / 2 + 1, beyond);
 }
 
 static void test_cut_waits_for_the_swing_to_come_to_rest(void)
