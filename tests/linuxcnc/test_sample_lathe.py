@@ -184,8 +184,9 @@ def test_printed_program_cuts_to_its_end(lathe: Halbox, linuxcnc_root: Path) -> 
     _start_program(lathe, linuxcnc_root)
     lathe.wait("halui.program.is-idle", "TRUE")
     assert float(lathe.get("joint.1.motor-pos-cmd")) == 5.0
-    for pin in ("camturn.start", "camturn.in-cut", "camturn.fault", "spindle.0.on"):
-        assert lathe.get(pin) == "FALSE"
+    for pin in ("camturn.start", "camturn.in-cut", "spindle.0.on"):
+        lathe.wait(pin, "FALSE")
+    assert lathe.get("camturn.fault") == "FALSE", lathe.said()
 
 
 @pytest.mark.long
