@@ -65,14 +65,6 @@ static void probe(int32_t first, int32_t second)
     cam_harmonic_correction_probe(&s, 2, 3, of(before.re - 128 * second, before.im));
 }
 
-static void test_probe_learns_how_u_answers(void)
-{
-    probe(1000, 1000);
-    TEST_ASSERT_EQUAL_INT16(4096, s.gain[3].re_q12);
-    TEST_ASSERT_EQUAL_INT16(0, s.gain[3].im_q12);
-    TEST_ASSERT_EQUAL_UINT32(0, s.masked);
-}
-
 /// A third probe, five times as large as the first, of harmonic 3.
 static void probe_again(int32_t third)
 {
@@ -80,25 +72,31 @@ static void probe_again(int32_t third)
     cam_harmonic_correction_probe(&s, 3, 3, of(64 * 900 - 320 * third, 64 * -700));
 }
 
-static void test_larger_probe_unmasks_what_agrees_with_the_one_before(void)
+/// Too small an answer masks the harmonic, and one that is out of proportion; a third, larger probe
+/// unmasks what agrees with the one before, and changes nothing that is known.
+static void test_probe_learns_how_u_answers(void)
 {
-    probe(500, 800);
-    TEST_ASSERT_EQUAL_UINT32(1u << 3, s.masked);
-    probe_again(900);
-    TEST_ASSERT_EQUAL_UINT32(0, s.masked);
-    TEST_ASSERT_INT16_WITHIN(1, 3686, s.gain[3].re_q12);
-    setUp();
-    probe(300, 500);
-    probe_again(800); // still out of proportion
-    TEST_ASSERT_EQUAL_UINT32(1u << 3, s.masked);
-}
-
-static void test_larger_probe_does_not_change_what_was_known(void)
-{
-    probe(1000, 1000);
-    probe_again(500);
-    TEST_ASSERT_EQUAL_UINT32(0, s.masked);
-    TEST_ASSERT_EQUAL_INT16(4096, s.gain[3].re_q12);
+    static const struct {
+        int32_t first, second, third; ///< [per mille] answers; 0: no third probe
+        bool is_masked;
+        int16_t gain_q12;
+    } cases[] = {
+        {1000, 1000, 0, false, 4096}, {1000, 1000, 500, false, 4096}, {105, 105, 0, false, 430},
+        {95, 95, 0, true, 0},         {810, 1000, 0, false, 4096},    {790, 1000, 0, true, 0},
+        {500, 800, 0, true, 0},       {500, 800, 900, false, 3686},   {300, 500, 800, true, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        setUp();
+        probe(cases[i].first, cases[i].second);
+        if (cases[i].third > 0) {
+            probe_again(cases[i].third);
+        }
+        TEST_ASSERT_EQUAL_HEX32(cases[i].is_masked ? 1u << 3 : 0u, s.masked);
+        if (!cases[i].is_masked) {
+            TEST_ASSERT_INT16_WITHIN(1, cases[i].gain_q12, s.gain[3].re_q12);
+            TEST_ASSERT_EQUAL_INT16(0, s.gain[3].im_q12);
+        }
+    }
 }
 
 /// Harmonic k answers by one.
@@ -118,33 +116,6 @@ static void test_probe_without_a_correction_keeps_the_answer(void)
     s.gain[3].re_q12 = 1234;
     cam_harmonic_correction_probe(&s, 0, 3, of(640, 0));
     TEST_ASSERT_EQUAL_INT16(1234, s.gain[3].re_q12);
-}
-
-static void test_guard_keeps_the_older_of_two_equals(void)
-{
-    answer(2);
-    learn(2, of(640, 0));
-    learn(2, of(640, 0));
-    cam_harmonic_correction_restore(&s);
-    expect(of(0, 0), s.c_q6[2]);
-}
-
-static void test_probe_masks_what_answers_too_little(void)
-{
-    probe(95, 95);
-    TEST_ASSERT_EQUAL_UINT32(1u << 3, s.masked);
-    setUp();
-    probe(105, 105);
-    TEST_ASSERT_EQUAL_UINT32(0, s.masked);
-}
-
-static void test_probe_masks_what_answers_out_of_proportion(void)
-{
-    probe(790, 1000);
-    TEST_ASSERT_EQUAL_UINT32(1u << 3, s.masked);
-    setUp();
-    probe(810, 1000);
-    TEST_ASSERT_EQUAL_UINT32(0, s.masked);
 }
 
 static void test_learn_adds_its_part_of_the_error(void)
@@ -210,19 +181,37 @@ static void test_learn_scales_a_change_to_the_room(void)
     expect(of(800, 0), s.c_q6[2]);
 }
 
+/// An error that is more than half as much again as the best brings the best back, of two equals
+/// the older one, and halves the steps. Below the floor it does not, nor does it for the mean.
 static void test_guard_goes_back_to_the_best_and_halves(void)
 {
-    answer(2);
-    learn(2, of(6400, 0)); // best: 0 corrected
-    learn(2, of(3200, 0)); // best: 3200
-    expect(of(4800, 0), s.c_q6[2]);
-    learn(2, of(4803, 0)); // more than half as much again
-    expect(of(3200, 0), s.c_q6[2]);
-    TEST_ASSERT_EQUAL_UINT8(1, s.n_halved[2]);
-    TEST_ASSERT_EQUAL_UINT32(3200, s.best_q6[2]);
-    learn(2, of(4800, 0)); // just half as much again: learned, by half
-    expect(of(4400, 0), s.c_q6[2]);
-    TEST_ASSERT_EQUAL_UINT8(1, s.n_halved[2]);
+    static const struct {
+        uint32_t k;
+        int32_t error[4], c;
+        uint32_t best, n_halved;
+    } cases[] = {
+        {2, {6400, 3200}, 4800, 3200, 0},
+        {2, {6400, 3200, 4803}, 3200, 3200, 1},
+        {2, {6400, 3200, 4803, 4800}, 4400, 3200, 1}, // just half as much again: learned, by half
+        {2, {640, 640, 1100}, 0, 640, 1},
+        {1, {640, 1100}, 0, 640, 1},
+        {2, {6, 96}, 51, 6, 0}, // one and a half times the floor
+        {2, {6, 96, 99}, 0, 6, 1},
+        {0, {640, 64000}, 32320, UINT32_MAX, 0},
+        {2, {640, 64000}, 32320, 128000, 0}, // a new cause, of which half may have shown
+        {2, {640, 64000, 192000}, 128320, 128000, 0},
+        {2, {640, 6400, 64000}, 320, 12800, 1}, // doubles again
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        setUp();
+        answer(cases[i].k);
+        for (size_t j = 0; j < 4u && cases[i].error[j] != 0; j++) {
+            learn(cases[i].k, of(cases[i].error[j], 0));
+        }
+        expect(of(cases[i].c, 0), s.c_q6[cases[i].k]);
+        TEST_ASSERT_EQUAL_UINT32(cases[i].best, s.best_q6[cases[i].k]);
+        TEST_ASSERT_EQUAL_UINT8(cases[i].n_halved, s.n_halved[cases[i].k]);
+    }
 }
 
 static void test_guard_masks_at_the_fourth_time(void)
@@ -240,57 +229,17 @@ static void test_guard_masks_at_the_fourth_time(void)
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, s.best_q6[2]);
 }
 
-/// An error that doubles in a turn has a new cause: the guard compares with it from then on. One
-/// that doubles again comes from learning itself.
+/// An error that doubles in a turn has a new cause: the guard compares with it from then on.
 static void test_guard_starts_anew_when_the_cause_is_new(void)
 {
     answer(2);
     learn(2, of(640, 0));
     learn(2, of(64000, 0));
-    expect(of(32320, 0), s.c_q6[2]);
-    TEST_ASSERT_EQUAL_UINT32(128000, s.best_q6[2]); // half of it may have shown
     learn(2, of(192000, 0));
-    TEST_ASSERT_EQUAL_UINT8(0, s.n_halved[2]);
     for (uint32_t i = 1; i <= 4; i++) {
         learn(2, of(193000, 0));
         TEST_ASSERT_EQUAL_UINT8(i, s.n_halved[2]);
     }
-    setUp();
-    answer(2);
-    learn(2, of(640, 0));
-    learn(2, of(6400, 0));
-    learn(2, of(64000, 0)); // doubles again
-    TEST_ASSERT_EQUAL_UINT8(1, s.n_halved[2]);
-    expect(of(320, 0), s.c_q6[2]);
-}
-
-static void test_guard_asks_for_no_less_than_the_floor(void)
-{
-    answer(2);
-    learn(2, of(6, 0));
-    learn(2, of(96, 0)); // one and a half times the floor
-    TEST_ASSERT_EQUAL_UINT8(0, s.n_halved[2]);
-    learn(2, of(99, 0));
-    TEST_ASSERT_EQUAL_UINT8(1, s.n_halved[2]);
-}
-
-static void test_mean_is_not_guarded(void)
-{
-    answer(0);
-    learn(0, of(640, 0));
-    learn(0, of(64000, 0));
-    expect(of(32320, 0), s.c_q6[0]);
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, s.best_q6[0]);
-}
-
-static void test_the_first_harmonic_is_guarded(void)
-{
-    answer(1);
-    learn(1, of(640, 0));
-    learn(1, of(1100, 0));
-    expect(of(0, 0), s.c_q6[1]);
-    TEST_ASSERT_EQUAL_UINT8(1, s.n_halved[1]);
-    TEST_ASSERT_EQUAL_UINT32(640, s.best_q6[1]);
 }
 
 static void test_best_ages_by_a_sixteenth(void)

@@ -121,69 +121,41 @@ static void test_correction_is_led_by_points(void)
     }
 }
 
-/// 100 urad in the rehearsal, 10 in the cut. What the encoder shows is taken off before the
-/// observer; what of it is not the encoder's own is the true deviation.
+/// 100 urad in the rehearsal, 10 in the cut; on a steep shape no farther than U can follow; and
+/// where the spindle turns slowly, no farther than the observer can. What the encoder shows is
+/// taken off before the observer; what of it is not the encoder's own is the true deviation.
 static void test_ripple_is_led_by_points(void)
 {
     static const struct {
         cam_state_t state;
-        int16_t most;
-    } cases[] = {{cam_state_rehearsing, 131}, {cam_state_cutting, 13}, {cam_state_ready, 600}};
-    for (int i = 0; i < 3; i++) {
+        int16_t of_angle, of_observer, shown, is; ///< [2^-23 turn] steps, and the points they reach
+    } cases[] = {
+        {cam_state_rehearsing, INT16_MAX, INT16_MAX, 131, 131},
+        {cam_state_cutting, INT16_MAX, INT16_MAX, 13, 13},
+        {cam_state_ready, INT16_MAX, INT16_MAX, 600, 400},
+        {cam_state_rehearsing, 7, INT16_MAX, 7, 7},
+        {cam_state_cutting, 7, INT16_MAX, 7, 7},
+        {cam_state_ready, 7, INT16_MAX, 600, 400},
+        {cam_state_rehearsing, INT16_MAX, 20, 20, 20},
+        {cam_state_cutting, INT16_MAX, 20, 13, 13},
+        {cam_state_ready, INT16_MAX, 20, 20, 20},
+        {cam_state_engaging, INT16_MAX, 20, 20, 20},
+        {cam_state_off, INT16_MAX, 20, 600, 400},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         setUp();
+        s.angle_step_q23 = cases[i].of_angle;
+        s.observer_step_q23 = cases[i].of_observer;
         t.state = (uint8_t)cases[i].state;
         t.blending = cam_ilc_blend_ripple;
         t.ripple.n_mean = 4;
         t.ripple.mean[0].re = 600;
         s.eccentricity.re = 200 * 512;
         walk(usual_q8);
-        TEST_ASSERT_INT16_WITHIN(1, cases[i].most, in.dm[0]);
-        TEST_ASSERT_INT16_WITHIN(1, cases[i].most < 400 ? cases[i].most : 400, in.d[0]);
-        TEST_ASSERT_EQUAL_HEX8(i < 2 ? cam_ilc_blend_ripple : 0, t.blending);
+        TEST_ASSERT_INT16_WITHIN(1, cases[i].shown, in.dm[0]);
+        TEST_ASSERT_INT16_WITHIN(1, cases[i].is, in.d[0]);
+        TEST_ASSERT_EQUAL_HEX8(cases[i].shown < 600 ? cam_ilc_blend_ripple : 0, t.blending);
         TEST_ASSERT_EQUAL_UINT32(usual_q8 + 20u, t.blend_from_q8);
-    }
-}
-
-/// On a steep shape a step moves U far: in the work no step is larger than U can follow.
-static void test_ripple_steps_no_farther_than_u_can_follow(void)
-{
-    static const struct {
-        cam_state_t state;
-        int16_t most;
-    } cases[] = {{cam_state_rehearsing, 7}, {cam_state_cutting, 7}, {cam_state_ready, 600}};
-    for (int i = 0; i < 3; i++) {
-        setUp();
-        s.angle_step_q23 = 7;
-        t.state = (uint8_t)cases[i].state;
-        t.blending = cam_ilc_blend_ripple;
-        t.ripple.n_mean = 4;
-        t.ripple.mean[0].re = 600;
-        walk(usual_q8);
-        TEST_ASSERT_INT16_WITHIN(1, cases[i].most, in.d[0]);
-        TEST_ASSERT_INT16_WITHIN(1, cases[i].most, in.dm[0]);
-    }
-}
-
-/// A step makes the observed speed waver, so that it is smaller where the spindle turns slowly.
-static void test_ripple_steps_no_farther_than_the_observer_can_follow(void)
-{
-    static const struct {
-        cam_state_t state;
-        int16_t most;
-    } cases[] = {{cam_state_rehearsing, 20},
-                 {cam_state_cutting, 13},
-                 {cam_state_ready, 20},
-                 {cam_state_engaging, 20},
-                 {cam_state_off, 600}};
-    for (int i = 0; i < 5; i++) {
-        setUp();
-        s.observer_step_q23 = 20;
-        t.state = (uint8_t)cases[i].state;
-        t.blending = cam_ilc_blend_ripple;
-        t.ripple.n_mean = 4;
-        t.ripple.mean[0].re = 600;
-        walk(usual_q8);
-        TEST_ASSERT_INT16_WITHIN(1, cases[i].most, in.dm[0]);
     }
 }
 

@@ -1,21 +1,302 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a lesson compares with, and how much of an error a step removes.
+// What a turn shows: whether it counts, its harmonics by its ticks, its gaps, its feed, its phase.
+// What a step compares with, and how much of an error it removes.
 #include "cam_ilc_update.h"
-#include "unity.h"
-#include <math.h> // cos, lround
+#include "ilc_bench.h"
 
-static cam_ilc_t t;
-static cam_ilc_setup_t s;
+enum { usual_turns = 2 }; ///< the first one tells only the speed
 
-void setUp(void)
+static void begin(void)
 {
-    t = (cam_ilc_t){.phase = cam_ilc_shape};
-    s = (cam_ilc_setup_t){.gain_q16 = 32768, .cut_gain_q16 = 9830, .n_harmonics = 8};
+    setUp();
+    play_turns(usual_turns);
+    TEST_ASSERT_EQUAL_UINT32(1, t.n_turns);
+}
+
+/// Play one turn. @return whether it counted
+static bool counts(void)
+{
+    const uint32_t before = t.n_turns;
+    play();
+    return t.n_turns != before;
+}
+
+/// Each single exception is enough.
+static void test_a_turn_that_is_not_like_the_others_does_not_count(void)
+{
+    begin();
+    TEST_ASSERT_TRUE(counts());
+    how.is_steady = false;
+    TEST_ASSERT_FALSE(counts());
+    how.is_steady = true;
+    TEST_ASSERT_TRUE(counts());
+    how.scale_q30 = (1 << 27) - 1; // an eighth of the amplitude is the least
+    TEST_ASSERT_FALSE(counts());
+    how.scale_q30 = 1 << 27;
+    TEST_ASSERT_TRUE(counts());
+    s.reason = cam_ilc_not_asked;
+    TEST_ASSERT_FALSE(counts());
+    s.reason = cam_ilc_all;
+    s.n_harmonics = 0;
+    TEST_ASSERT_FALSE(counts());
+}
+
+/// A turn that tells nothing is given back at once, so that the slow side is free for the next.
+static void test_a_turn_that_tells_nothing_is_given_back_at_once(void)
+{
+    begin();
+    how.is_steady = false;
+    n_polls = 1;
+    play();
+    const uint32_t bank = how.turn & 1u;
+    TEST_ASSERT_EQUAL_UINT32(0, g.bin[bank * cam_turn_bins_n].n);
+    TEST_ASSERT_EQUAL_UINT32((how.turn + 2u) | 1u << 24, g.cleared[bank]);
+    n_polls = 40;
+    how.is_steady = true;
+    TEST_ASSERT_TRUE(counts());
+}
+
+/// While what the last step changed is not yet in force, or before the first turn in which it all
+/// is, a turn tells nothing of the next step.
+static void test_a_turn_counts_when_the_drive_has_settled(void)
+{
+    begin();
+    t.good_from = how.turn + 2u;
+    TEST_ASSERT_FALSE(counts());
+    TEST_ASSERT_TRUE(counts());
+    t.good_from = 0xFFFFFFu; // turns are numbered modulo 2^24
+    TEST_ASSERT_TRUE(counts());
+}
+
+/// A speed that changes by a 128th runs up.
+static void test_a_turn_of_another_speed_than_the_last_does_not_count(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        begin();
+        how.speed_q32 += sign * (usual_speed_q32 / 120);
+        TEST_ASSERT_FALSE(counts());
+        TEST_ASSERT_TRUE(counts());
+        how.speed_q32 += sign * (usual_speed_q32 / 140);
+        TEST_ASSERT_TRUE(counts());
+    }
+}
+
+static void test_slow_and_fast_turns_are_told(void)
+{
+    begin();
+    how.speed_q32 = 1 << 12;
+    TEST_ASSERT_FALSE(counts());
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_slow_turn, t.hindrance);
+    how.is_steady = false; // as while the amplitude falls: the reason stays
+    (void)counts();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_slow_turn, t.hindrance);
+    how.is_steady = true;
+    how.speed_q32 = (1 << 12) + 1;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_all, t.hindrance);
+    TEST_ASSERT_TRUE(counts());
+    n_ticks = 12; // 10 or 11 bins from one to the next, where 8 are the most
+    TEST_ASSERT_FALSE(counts());
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_fast_turn, t.hindrance);
+}
+
+/// A harmonic needs 24 ticks in its period, but for those of the oval, the first two, which do
+/// with 9.
+static void test_harmonics_are_as_many_as_the_ticks_tell(void)
+{
+    static const struct {
+        uint32_t ticks, harmonics;
+    } cases[] = {{15, 0}, {16, 1}, {17, 1}, {18, 2}, {47, 2},
+                 {48, 2}, {71, 2}, {72, 3}, {96, 4}, {400, 4}};
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        begin();
+        n_ticks = cases[i].ticks;
+        play();
+        TEST_ASSERT_EQUAL_UINT8(cases[i].harmonics, t.n_orders);
+    }
+    begin();
+    s.n_harmonics = 16;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(16, t.n_orders);
+}
+
+/// Of few ticks the bins between them are filled by straight lines: the error stays what it is.
+static void test_gaps_are_filled_by_straight_lines(void)
+{
+    begin();
+    n_ticks = 32;
+    play();
+    TEST_ASSERT_UINT32_WITHIN(10, 707, t.error_nm);
+    TEST_ASSERT_UINT32_WITHIN(64 * 1000, 64 * usual_set_nm, t.larger);
+    TEST_ASSERT_EQUAL_INT32(0, t.true_q36); // it tells no ripple
+}
+
+/// At half the amplitude the same error would be twice as large at the full one.
+static void test_errors_are_those_at_full_amplitude(void)
+{
+    begin();
+    how.scale_q30 = 1 << 29;
+    play();
+    TEST_ASSERT_UINT32_WITHIN(3, 1414, t.error_nm);
+}
+
+/// 78 / 64 times what the scale and the counts of the encoder make of a tick, over the root of the
+/// ticks, and a nanometre.
+static void test_the_floor_is_what_scale_and_encoder_cannot_tell(void)
+{
+    begin();
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64, t.floor_q6);
+    s.scale_nm = 100;
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64 + 78 * 100 / 20, t.floor_q6);
+    s.scale_nm = 0;
+    s.count_urad = 1000; // of 100 um: 100 nm
+    play();
+    TEST_ASSERT_UINT32_WITHIN(4, 64 + 78 * 100 / 20, t.floor_q6);
+    how.scale_q30 = 1 << 29;
+    s.count_urad = 0;
+    play();
+    TEST_ASSERT_EQUAL_UINT32(128, t.floor_q6);
+}
+
+/// The corrections may grow until their sum is the bound.
+static void test_room_is_what_the_bound_leaves(void)
+{
+    begin();
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64 * 30000, t.room_q6);
+    t.correction.c_q6[5] = (cam_complex_t){.im = -64 * 13000};
+    play();
+    TEST_ASSERT_EQUAL_UINT32(64 * 17000, t.room_q6);
+    s.most_q6 = 64 * 12000;
+    play();
+    TEST_ASSERT_EQUAL_UINT32(0, t.room_q6);
+}
+
+/// A cut at another speed than that of the rehearsal keeps what is in force, and goes on learning
+/// when the speed comes back. Without a probe there is nothing to keep.
+static void test_another_speed_freezes_a_cut(void)
+{
+    begin();
+    how.state = cam_state_cutting;
+    play_turns(2);
+    how.speed_q32 = usual_speed_q32 / 100 * 103;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    t.correction.is_probed = true;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_frozen, t.phase);
+    TEST_ASSERT_FALSE(counts());
+    how.speed_q32 = usual_speed_q32 / 100 * 101;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    TEST_ASSERT_TRUE(counts());
+}
+
+/// Once two turns at the other speed agree, learning goes on there. The responses follow from the
+/// constants of the drive: a first-order lag of a radian at the old speed.
+static void test_two_turns_that_agree_end_the_freeze(void)
+{
+    begin();
+    how.state = cam_state_cutting;
+    play_turns(2);
+    t.correction.is_probed = true;
+    t.correction.gain[1] = (cam_gain_t){.re_q12 = 2048, .im_q12 = -2048}; // 1 / (1 + j)
+    s.k1_q16 = (int32_t)lround(65536.0 * 4294967296.0 / (6.283185307 * usual_speed_q32));
+    how.speed_q32 = usual_speed_q32 / 4 * 3;
+    play(); // it changes too fast to count as even
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_frozen, t.phase);
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_frozen, t.phase);
+    play();
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    TEST_ASSERT_EQUAL_INT32(how.speed_q32, t.speed_q32);
+    TEST_ASSERT_INT32_WITHIN(8, 2621, t.correction.gain[1].re_q12); // 1 / (1 + 0.75 j)
+    TEST_ASSERT_INT32_WITHIN(8, -1966, t.correction.gain[1].im_q12);
+}
+
+/// A mode between two harmonics of the old speed leaves its response unknown at the new one: there
+/// learning ends, and goes on elsewhere.
+static void test_a_mode_ends_learning_where_it_lies(void)
+{
+    begin();
+    how.state = cam_state_cutting;
+    play_turns(2);
+    t.correction.is_probed = true;
+    for (int k = 1; k < 5; k++) {
+        t.correction.gain[k] = (cam_gain_t){.re_q12 = (int16_t)(k < 3 ? 4096 : 2048)};
+    }
+    s.k1_q16 = 0;
+    how.speed_q32 = usual_speed_q32 / 4 * 5; // harmonics 1.25, 2.5, 3.75, 5 of the old speed
+    play_turns(3);
+    TEST_ASSERT_EQUAL_UINT8(cam_ilc_cutting, t.phase);
+    TEST_ASSERT_EQUAL_HEX32(1u << 2, t.correction.masked);
+    TEST_ASSERT_INT32_WITHIN(8, 4096, t.correction.gain[1].re_q12);
+    TEST_ASSERT_INT32_WITHIN(8, 2048, t.correction.gain[4].re_q12);
+}
+
+/// In the cut a feed that changes by more than a 64th lets the larger gain hold anew.
+static void test_a_feed_that_changes_begins_the_steps_anew(void)
+{
+    begin();
+    how.z_end_nm = 6400;
+    how.state = cam_state_cutting;
+    play_turns(4);
+    TEST_ASSERT_EQUAL_UINT8(4, t.n_steps);
+    how.z_begin_nm = -99;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(5, t.n_steps);
+    how.z_begin_nm = -99 - 105;
+    play();
+    TEST_ASSERT_EQUAL_UINT8(1, t.n_steps);
+}
+
+/// The correction turns with the shape that the operator turns, by 2^-12 turn at least.
+static void test_the_phase_of_the_operator_turns_the_correction(void)
+{
+    begin();
+    t.correction.c_q6[2] = (cam_complex_t){.re = 64000};
+    how.phase_q32 = (1 << 20) - 1;
+    play();
+    TEST_ASSERT_EQUAL_INT32(64000, t.correction.c_q6[2].re);
+    TEST_ASSERT_EQUAL_UINT32(0, t.phase_q32);
+    how.phase_q32 = 1 << 29; // an eighth of a turn is a quarter of harmonic 2
+    play();
+    TEST_ASSERT_INT32_WITHIN(64, 0, t.correction.c_q6[2].re);
+    TEST_ASSERT_INT32_WITHIN(64, -64000, t.correction.c_q6[2].im);
+    TEST_ASSERT_EQUAL_UINT32(1u << 29, t.phase_q32);
+    TEST_ASSERT_EQUAL_HEX8(cam_ilc_blend_correction, walked & cam_ilc_blend_correction);
+    how.phase_q32 = 0;
+    play();
+    TEST_ASSERT_INT32_WITHIN(128, 64000, t.correction.c_q6[2].re);
+}
+
+/// At another speed nothing of the correction holds: a rehearsal there begins without it.
+static void test_a_rehearsal_at_another_speed_forgets_the_correction(void)
+{
+    for (int percent = 101; percent <= 103; percent += 2) {
+        begin();
+        t.correction.is_probed = true;
+        t.correction.c_q6[2] = (cam_complex_t){.re = 64000};
+        how.state = cam_state_ready;
+        play();
+        how.state = cam_state_rehearsing;
+        how.speed_q32 = usual_speed_q32 / 100 * percent;
+        play_turns(2);
+        TEST_ASSERT_EQUAL_UINT8(percent == 103 ? cam_ilc_settling : cam_ilc_shape, t.phase);
+        TEST_ASSERT_EQUAL(percent == 101, t.correction.is_probed);
+        TEST_ASSERT_EQUAL(percent == 103, t.correction.c_q6[2].re == 0);
+        TEST_ASSERT_EQUAL_INT32(how.speed_q32, t.speed_q32);
+        play();
+        TEST_ASSERT_EQUAL_UINT8(percent == 103 ? cam_ilc_drive : cam_ilc_shape, t.phase);
+    }
 }
 
 /// A 1024th of what there was in the rehearsal, a 16th in the cut, not less than the scale tells.
 static void test_guard_compares_above_a_part_of_the_first_error(void)
 {
+    t.phase = cam_ilc_shape;
     t.begun_nm = 16000;
     t.floor_q6 = 999;
     TEST_ASSERT_EQUAL_UINT32(1000, cam_ilc_update_guarded_q6(&t));
@@ -34,17 +315,11 @@ static void test_a_speed_is_another_beyond_two_percent(void)
     TEST_ASSERT_TRUE(cam_ilc_update_is_other_speed(&t, 979999));
 }
 
-static void test_phase_begins_with_no_steps(void)
-{
-    t.n_steps = 9;
-    cam_ilc_update_phase(&t, cam_ilc_probing);
-    TEST_ASSERT_EQUAL_UINT8(cam_ilc_probing, t.phase);
-    TEST_ASSERT_EQUAL_UINT8(0, t.n_steps);
-}
-
 /// In the cut the larger gain holds for 16 steps; where nothing is learned there, none does.
 static void test_gain_is_that_of_the_phase(void)
 {
+    t.phase = cam_ilc_shape;
+    s.cut_gain_q16 = 9830;
     TEST_ASSERT_EQUAL_INT32(32768, cam_ilc_update_gain_q16(&t, &s));
     t.n_steps = 16;
     TEST_ASSERT_EQUAL_INT32(32768, cam_ilc_update_gain_q16(&t, &s));
@@ -70,81 +345,55 @@ static void test_drive_is_told_by_a_large_motion(void)
     TEST_ASSERT_FALSE(cam_ilc_update_is_for_drive(&t));
 }
 
-/// U moves by 1000 nm in harmonic 1, and its error is 10 nm there.
-static void test_a_harmonic_is_taken_at_its_size(void)
+/// A turn of which harmonic 1 is next: U moves by 1000 nm, with an error in phase.
+static void begin_harmonic(cam_ilc_phase_t phase, double error_q6)
 {
     static cam_turn_bin_t bins[cam_turn_bins_n];
     for (int i = 0; i < cam_turn_bins_n; i++) {
-        const double at = 2.0 * 3.14159265358979323846 * i / cam_turn_bins_n;
+        const double at = TURN * (i + 0.5) / cam_turn_bins_n;
         bins[i] = (cam_turn_bin_t){.n = 1};
         bins[i].u_nm = (int32_t)lround(1000.0 * cos(at));
-        bins[i].error_q6 = (int32_t)lround(640.0 * cos(at));
+        bins[i].error_q6 = (int32_t)lround(error_q6 * cos(at));
     }
-    t.bin = bins;
-    t.k = 1;
-    t.scale_q30 = 1 << 30;
-    t.turn_speed_q32 = 1 << 22;
-    t.phase = cam_ilc_drive;
-    t.set_square = -500000;
-    cam_ilc_update_harmonic(&t, &s);
-    TEST_ASSERT_UINT32_WITHIN(200, 64000, t.larger);
-    TEST_ASSERT_INT64_WITHIN(3000, 500000, t.set_square);
-    TEST_ASSERT_UINT64_WITHIN(3000, 640 * 640 / 2, t.square);
-    t.scale_q30 = 1 << 29; // at half the amplitude it would be twice that at the full one
-    cam_ilc_update_harmonic(&t, &s);
-    TEST_ASSERT_UINT32_WITHIN(400, 128000, t.larger);
+    t = (cam_ilc_t){.phase = (uint8_t)phase,
+                    .bin = bins,
+                    .k = 1,
+                    .scale_q30 = 1 << 30,
+                    .turn_speed_q32 = 1 << 22,
+                    .largest = 64000,
+                    .room_q6 = 1 << 24};
+    t.correction.is_probed = true;
+    t.correction.gain[1] = (cam_gain_t){.re_q12 = 4096};
+    t.correction.best_q6[1] = UINT32_MAX;
 }
 
 /// What a large harmonic shares with the drive's constants it learns by half the gain.
 static void test_large_harmonics_share_their_gain(void)
 {
-    static cam_turn_bin_t bins[cam_turn_bins_n];
-    cam_complex_t learned[2];
-    for (uint32_t i = 0; i < 2u; i++) {
-        for (int k = 0; k < cam_turn_bins_n; k++) {
-            const double at = 2.0 * 3.14159265358979323846 * (k + 0.5) / cam_turn_bins_n;
-            bins[k].u_nm = (int32_t)lround(1000.0 * cos(at));
-            bins[k].error_q6 = (int32_t)lround(64000.0 * cos(at));
-        }
-        t = (cam_ilc_t){.phase = cam_ilc_shape,
-                        .bin = bins,
-                        .k = 1,
-                        .scale_q30 = 1 << 30,
-                        .turn_speed_q32 = 1 << 22,
-                        .largest = i == 0u ? 64000 : 64000 * 10,
-                        .room_q6 = 1 << 24};
-        t.correction.is_probed = true;
-        t.correction.gain[1] = (cam_gain_t){.re_q12 = 4096};
-        t.correction.best_q6[1] = UINT32_MAX;
-        cam_ilc_update_harmonic(&t, &s);
-        learned[i] = t.correction.c_q6[1];
-    }
-    TEST_ASSERT_INT32_WITHIN(400, 32000, learned[1].re);
-    TEST_ASSERT_INT32_WITHIN(200, 16000, learned[0].re);
+    begin_harmonic(cam_ilc_shape, 64000.0);
+    cam_ilc_update_harmonic(&t, &s);
+    TEST_ASSERT_INT32_WITHIN(200, 16000, t.correction.c_q6[1].re);
+    begin_harmonic(cam_ilc_shape, 64000.0);
+    t.largest = 640000;
+    cam_ilc_update_harmonic(&t, &s);
+    TEST_ASSERT_INT32_WITHIN(400, 32000, t.correction.c_q6[1].re);
 }
 
 /// In the cut the work changes: the best error that was seen counts for less from turn to turn,
 /// unless the error grows, as when learning diverges.
 static void test_best_error_ages_in_the_cut_alone(void)
 {
-    static cam_turn_bin_t bins[cam_turn_bins_n];
-    for (int k = 0; k < cam_turn_bins_n; k++) {
-        const double at = 2.0 * 3.14159265358979323846 * (k + 0.5) / cam_turn_bins_n;
-        bins[k] = (cam_turn_bin_t){.n = 1, .error_q6 = (int32_t)lround(16500.0 * cos(at))};
-    }
+    static const struct {
+        cam_ilc_phase_t phase;
+        uint32_t last_q6, best_q6;
+    } cases[] = {{cam_ilc_shape, 16100, 16000},
+                 {cam_ilc_cutting, 17000, 17001},
+                 {cam_ilc_cutting, 16100, 16000}};
     for (int i = 0; i < 3; i++) {
-        t = (cam_ilc_t){.phase = i > 0 ? cam_ilc_cutting : cam_ilc_shape,
-                        .bin = bins,
-                        .k = 1,
-                        .scale_q30 = 1 << 30,
-                        .turn_speed_q32 = 1 << 22,
-                        .largest = 64000,
-                        .room_q6 = 1 << 24};
-        t.correction.is_probed = true;
-        t.correction.gain[1] = (cam_gain_t){.re_q12 = 4096};
+        begin_harmonic(cases[i].phase, 16500.0);
         t.correction.best_q6[1] = 16000;
-        t.correction.last_q6[1] = i == 1 ? 17000 : 16100;
+        t.correction.last_q6[1] = cases[i].last_q6;
         cam_ilc_update_harmonic(&t, &s);
-        TEST_ASSERT_EQUAL_UINT32(i == 1 ? 17001 : 16000, t.correction.best_q6[1]);
+        TEST_ASSERT_EQUAL_UINT32(cases[i].best_q6, t.correction.best_q6[1]);
     }
 }

@@ -121,23 +121,6 @@ static void test_turns_of_any_part_fit(void)
     TEST_ASSERT_EQUAL_INT32(2000000000, height_nm(&rings, 1000000001.0));
 }
 
-/// Z's speed never jumps: between neighbours of 2^-20 turn it changes by the acceleration alone.
-static void test_speed_never_jumps(void)
-{
-    const cam_rings_t rings = cam_feed_rings(10000000, 100000000, 60000, 60);
-    const double r = rings.ramp_q32 / turn_q32;
-    double before_nm = 0.0;
-    double step_nm = 0.0;
-    for (int64_t done_q32 = 0; done_q32 <= INT64_C(3) << 32; done_q32 += 1 << 20) {
-        const double z_nm = height_nm(&rings, (double)done_q32 / turn_q32);
-        const double share = 1.0 / 4096.0;
-        const double most_nm = 1e7 * share * share / (r * (1.0 - r));
-        TEST_ASSERT_DOUBLE_WITHIN(most_nm + 2.0, step_nm, z_nm - before_nm);
-        step_nm = z_nm - before_nm;
-        before_nm = z_nm;
-    }
-}
-
 static void test_early_end_is_behind_a_ring(void)
 {
     const int64_t turn = INT64_C(1) << 32;

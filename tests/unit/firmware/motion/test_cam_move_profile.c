@@ -70,16 +70,6 @@ static void test_move_takes_the_highest_speed_from_which_it_can_brake(void)
     TEST_ASSERT_EQUAL_INT32(limits.speed_q10, m.vel_q10);
 }
 
-static void test_move_from_motion_turns_round_and_arrives(void)
-{
-    for (int32_t vel = -2000000; vel <= 2000000; vel += 250000) {
-        cam_axis_motion_t m = {.vel_q10 = vel};
-        (void)drive(&m, 1000000, 100000);
-        m = (cam_axis_motion_t){.vel_q10 = vel};
-        (void)drive(&m, -1000000, 100000);
-    }
-}
-
 static void test_move_faster_than_allowed_brakes_to_the_limit(void)
 {
     cam_axis_motion_t m = {.vel_q10 = 3 * limits.speed_q10};

@@ -122,19 +122,19 @@ static void test_build_feed_and_speed_of_the_parameters_overrule_the_table(void)
 /// A tool that engages from inside the stock would dive into it.
 static void test_build_x_keeps_clear_of_the_stock(void)
 {
+    static const struct {
+        int32_t depth_nm, asked_nm, clearance_nm;
+    } cases[] = {{999999, 1000000, 1000000},
+                 {6000000, 1000000, 6000000},
+                 {6000000, 7000000, 7000000},
+                 {INT32_MAX, 7000000, 100000000}};
     table.u_min_nm = 0;
-    table.depth_nm = 999999;
-    build(20000);
-    TEST_ASSERT_EQUAL_INT32(1000000, config.play.x_clearance_nm);
-    table.depth_nm = 6000000;
-    build(20000);
-    TEST_ASSERT_EQUAL_INT32(6000000, config.play.x_clearance_nm);
-    params.x_clearance_nm = 7000000;
-    build(20000);
-    TEST_ASSERT_EQUAL_INT32(7000000, config.play.x_clearance_nm);
-    table.depth_nm = INT32_MAX;
-    build(20000);
-    TEST_ASSERT_EQUAL_INT32(100000000, config.play.x_clearance_nm);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        table.depth_nm = (uint32_t)cases[i].depth_nm;
+        params.x_clearance_nm = cases[i].asked_nm;
+        build(20000);
+        TEST_ASSERT_EQUAL_INT32(cases[i].clearance_nm, config.play.x_clearance_nm);
+    }
 }
 
 /// At envelope 0 the follower stands over the base circle: without the lift it would cut the nose.
@@ -152,7 +152,6 @@ static void test_build_cam_keeps_clear_of_its_lobes(void)
     table.angle.knots = &some;
     build(20000);
     TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm); // of 1.25 times its amplitude
-    TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm);
     TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.play.u_retract_q10);
     TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.guard.u_retract_q10);
 }

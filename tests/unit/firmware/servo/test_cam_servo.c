@@ -77,17 +77,6 @@ static void test_response_is_the_bilinear_transform(void)
     }
 }
 
-/// Up to the crossover the transform hardly differs from what it transforms.
-static void test_response_is_the_continuous_one_up_to_the_crossover(void)
-{
-    static const int periods[] = {5, 20, 67, 200, 469};
-    for (int i = 0; i < 5; i++) {
-        const double complex s = I * 2.0 * PI * periods[i];
-        const double complex right = response(s, s, 2.0 * PI * p.notch_hz);
-        expect_response(right, measured(3000.0, periods[i], 20000), 1e-2);
-    }
-}
-
 static void test_response_at_other_rates_masses_and_loops(void)
 {
     p.notch_hz = 0;

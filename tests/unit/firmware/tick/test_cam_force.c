@@ -20,15 +20,10 @@ static double pos_nm, vel_nm_per_s, waiting_n, push_n, drag_n_s_per_m;
 static int32_t line_nm; ///< end of the travel
 static bool is_on, is_frozen, is_reversed, is_blocked;
 
-static void configure(cam_param_id_t id, int32_t value)
+static cam_params_t p;
+
+static void configure(void)
 {
-    cam_params_t p = cam_param_defaults();
-    p.servo_crossover_hz = 430;
-    p.servo_pole_hz = 4000;
-    p.servo_force_delay_ns = 75000;
-    if (id != cam_n_params) {
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, id, value));
-    }
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
     line_nm = p.u_stroke_nm / 2 + cfg.guard.approach_nm;
 }
@@ -37,7 +32,11 @@ void setUp(void)
 {
     hal_host_reset(20000);
     hal_host.slow.force.quantum_un = 20000;
-    configure(cam_n_params, 0);
+    p = cam_param_defaults();
+    p.servo_crossover_hz = 430;
+    p.servo_pole_hz = 4000;
+    p.servo_force_delay_ns = 75000;
+    configure();
     force = (cam_force_t){0};
     r = (cam_tick_record_t){0};
     m = (cam_motion_t){.state = cam_state_ready};
@@ -121,12 +120,12 @@ static void test_weak_force_is_supervised_more_closely(void)
     } cases[] = {
         {0, 200000, 37527.0}, {0, 600000, 50000.0}, {0, 100000, 18763.5}, {70000, 200000, 70000.0}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        cam_params_t p = cam_param_defaults();
+        p = cam_param_defaults();
         p.servo_crossover_hz = 400;
         p.u_acceleration_mm_per_s2 = 60000;
         p.servo_runaway_nm = cases[i].set_nm;
         p.servo_force_limit_mn = cases[i].limit_mn;
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
+        configure();
         TEST_ASSERT_DOUBLE_WITHIN(1e-3 * cases[i].accepted_nm, cases[i].accepted_nm,
                                   cfg.force.runaway_q6 / 64.0);
     }
@@ -135,12 +134,12 @@ static void test_weak_force_is_supervised_more_closely(void)
 /// 400 N s/m hold 1.5 kg at 50 mm/s under 20 N, as the observer expects.
 static void test_drag_is_no_unknown_force(void)
 {
-    cam_params_t p = cam_param_defaults();
+    p = cam_param_defaults();
     p.servo_crossover_hz = 400;
     p.servo_drag_mn_s_per_m = 400000;
     p.u_acceleration_mm_per_s2 = 50000;
     p.servo_runaway_nm = 1000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
+    configure();
     drag_n_s_per_m = 400.0;
     m.state = cam_state_manual; // it leaves its stroke
     is_on = true;
@@ -199,13 +198,13 @@ static void test_frozen_scale_is_found_when_the_force_must_move_u(void)
 static void test_turning_back_within_a_step_of_the_scale_is_no_frozen_scale(void)
 {
     const double nm_per_s2 = 20.0 / MASS_KG * 1e9;
-    cam_params_t p = cam_param_defaults();
+    p = cam_param_defaults();
     p.servo_crossover_hz = 1;
     p.servo_integral_mHz = 1000;
     p.u_acceleration_mm_per_s2 = 15000;
     p.servo_force_limit_mn = 30000;
     p.u_scale_nm = 1000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
+    configure();
     m.axis[hal_axis_u].acc_q10 = (int32_t)(nm_per_s2 * TICK_S * TICK_S * 1024.0);
     is_on = true;
     pos_nm = 980.0;
@@ -216,26 +215,26 @@ static void test_turning_back_within_a_step_of_the_scale_is_no_frozen_scale(void
     TEST_ASSERT_DOUBLE_WITHIN(980.0, 980.0 / 2.0, pos_nm);
 }
 
+/// In manual the way back must be open.
 static void test_travel_ends_beyond_the_following_error(void)
 {
-    let_settle();
-    pos_nm = line_nm;
-    force.pos_q24 = (int64_t)line_nm << 24; // arrived there slowly
-    force.vel_q24 = 0;
-    TEST_ASSERT_EQUAL_HEX32(0, tick(line_nm));
-    pos_nm = line_nm + 1;
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_travel), tick(line_nm));
-    setUp();
-    let_settle();
-    pos_nm = -line_nm - 1;
-    force.pos_q24 = -(((int64_t)line_nm + 1) << 24);
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(u_travel), tick(-line_nm));
-    setUp();
-    let_settle();
-    m.state = cam_state_manual; // there the way back must be open
-    pos_nm = line_nm + 1;
-    force.pos_q24 = ((int64_t)line_nm + 1) << 24;
-    TEST_ASSERT_EQUAL_HEX32(0, tick(line_nm));
+    static const struct {
+        int32_t beyond_nm;
+        cam_state_t state;
+        uint32_t faults;
+    } cases[] = {{0, cam_state_ready, 0},
+                 {1, cam_state_ready, CAM_FAULT_BIT(u_travel)},
+                 {1, cam_state_manual, 0}};
+    for (uint32_t i = 0; i < 6u; i++) {
+        const int32_t sign = i < 3u ? 1 : -1;
+        setUp();
+        let_settle();
+        m.state = cases[i % 3u].state;
+        pos_nm = sign * (line_nm + cases[i % 3u].beyond_nm);
+        force.pos_q24 = (int64_t)pos_nm * (1 << 24); // arrived there slowly
+        force.vel_q24 = 0;
+        TEST_ASSERT_EQUAL_HEX32(cases[i % 3u].faults, tick(sign * line_nm));
+    }
 }
 
 /// With half of 600 N 1.5 kg brake at 200 m/s2: from 200 mm/s within 0.1 mm.
@@ -276,7 +275,8 @@ static void test_limit_switch_stops_u_and_in_manual_lets_it_go_back(void)
 
 static void test_force_at_its_limit_for_too_long_is_a_fault(void)
 {
-    configure(cam_param_servo_runaway_nm, 10000000);
+    p.servo_runaway_nm = 10000000;
+    configure();
     let_settle();
     is_blocked = true;
     pos_nm = -300000.0; // so far off that the force reaches its limit
@@ -288,7 +288,8 @@ static void test_force_at_its_limit_for_too_long_is_a_fault(void)
 static void test_u_at_its_stop_presses_with_limited_force_and_is_no_fault(void)
 {
     enum { press_q6 = 20000 * 64 };
-    configure(cam_param_servo_runaway_nm, 10000);
+    p.servo_runaway_nm = 10000;
+    configure();
     force.servo.most_q6 = press_q6;
     m.u_press_q6 = press_q6;
     m.state = cam_state_manual;
@@ -316,7 +317,7 @@ static void test_shift_of_the_origin_is_no_motion(void)
 
 static void test_delay_of_the_force_includes_the_latency_of_the_output(void)
 {
-    cam_params_t p = cam_param_defaults();
+    p = cam_param_defaults();
     cam_servo_config_t made;
     cam_param_id_t which = cam_n_params;
     p.servo_crossover_hz = 300;
@@ -328,26 +329,25 @@ static void test_delay_of_the_force_includes_the_latency_of_the_output(void)
     TEST_ASSERT_EQUAL_INT(cam_param_servo_force_delay_ns, which);
 }
 
+/// 1.5 kg at 250 m/s2, and with friction, drag at 400 mm/s and a spring over half of 1 mm.
 static void test_limits_of_u_fit_the_force(void)
 {
-    cam_params_t p = cam_param_defaults(); // 1.5 kg at 250 m/s2
     cam_servo_config_t made;
     cam_param_id_t which = cam_n_params;
+    p = cam_param_defaults();
     p.servo_crossover_hz = 300;
-    p.servo_force_limit_mn = 375000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
-    p.servo_force_limit_mn = 374999;
-    TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made, &which));
-    p.servo_friction_mn = 5000;
-    p.servo_drag_mn_s_per_m = 20000; // at 400 mm/s
-    p.u_speed_um_per_s = 400000;
-    p.servo_stiffness_n_per_m = 4000; // over half of 1 mm
-    p.u_stroke_nm = 1000000;
-    p.servo_force_limit_mn = 375000 + 5000 + 8000 + 2000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
-    p.servo_force_limit_mn--;
-    TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made, &which));
-    TEST_ASSERT_EQUAL_INT64(390000, cam_servo_needed_mn(&p));
+    for (int i = 0; i < 2; i++) {
+        p.servo_force_limit_mn = i == 0 ? 375000 : 375000 + 5000 + 8000 + 2000;
+        TEST_ASSERT_EQUAL_INT64(p.servo_force_limit_mn, cam_servo_needed_mn(&p));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
+        p.servo_force_limit_mn--;
+        TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made, &which));
+        p.servo_friction_mn = 5000;
+        p.servo_drag_mn_s_per_m = 20000;
+        p.u_speed_um_per_s = 400000;
+        p.servo_stiffness_n_per_m = 4000;
+        p.u_stroke_nm = 1000000;
+    }
 }
 
 /// 1 mN accelerates 31 g by 129 nm per tick^2 at 500 Hz, more than 2^7.
@@ -358,7 +358,7 @@ static void test_mass_too_light_for_the_observer_at_a_slow_rate_is_refused(void)
         cam_err_t err;
     } cases[] = {{500, 31, cam_err_servo}, {500, 32, cam_ok}, {884, 10, cam_ok}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        cam_params_t p = cam_param_defaults();
+        p = cam_param_defaults();
         p.servo_crossover_hz = 10;
         p.servo_pole_hz = 100;
         p.servo_integral_mHz = 1000;
