@@ -10,6 +10,15 @@
 
 enum { set = 6, get_minimum = 9, get_maximum };
 
+static fixture_can_t f;
+
+void setUp(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_can_init(&f, &part, 20000);
+    fixture_can_start(&f);
+}
+
 static void expect_info(cam_param_id_t id, int32_t min, int32_t def, int32_t max, bool is_hard)
 {
     const cam_param_info_t *info = cam_param_info(id);
@@ -40,21 +49,14 @@ static void test_no_value_beyond_is_taken_and_the_refusal_names_the_builder(void
 
 static void test_defaults_of_a_port_are_led_into_them(void)
 {
-    fixture_part_t part = fixture_part_short();
-    static fixture_rig_t rig;
-    fixture_rig_init(&rig, &part, 20000);
     hal_host.slow.measures_u = true; // learning is on by default, the following limit derived
-    cam_machine_init(&rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
-    TEST_ASSERT_EQUAL_INT32(4, rig.machine.params.learn_harmonics);
-    TEST_ASSERT_EQUAL_INT32(1000, rig.machine.params.following_limit_nm);
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_INT32(4, f.rig.machine.params.learn_harmonics);
+    TEST_ASSERT_EQUAL_INT32(1000, f.rig.machine.params.following_limit_nm);
 }
 
 static void test_over_the_bus_the_refusal_brings_the_range(void)
 {
-    fixture_part_t part = fixture_part_short();
-    static fixture_can_t f;
-    fixture_can_init(&f, &part, 20000);
-    fixture_can_start(&f);
     expect_answer(&f, cam_err_hard_limit, 800000, set, cam_param_u_stroke_nm, 900000);
     const hal_can_frame_t last = fixture_can_sent(0x5C0);
     const fixture_answer_t answer = fixture_can_answer(&last);
@@ -64,10 +66,6 @@ static void test_over_the_bus_the_refusal_brings_the_range(void)
 
 static void test_kept_parameters_beyond_them_are_left_at_their_defaults(void)
 {
-    fixture_part_t part = fixture_part_short();
-    static fixture_can_t f;
-    fixture_can_init(&f, &part, 20000);
-    fixture_can_start(&f);
     cam_machine_t *m = &f.rig.machine;
     m->params.u_stroke_nm = 1200000; // as an image without the limits has kept it
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_save_params(m));

@@ -28,6 +28,19 @@ static void go_on(bool is_alive)
     }
 }
 
+static void set_place(int32_t nm)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, nm));
+}
+
+static int32_t field(uint32_t which)
+{
+    int32_t value = -1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_get(&rig.machine, which, &value));
+    return value;
+}
+
 static cam_err_t set_unit(int32_t unit)
 {
     return cam_machine_scope_set(&rig.machine, cam_scope_field_wave_unit, unit);
@@ -97,11 +110,8 @@ static void expect_end(cam_excited_t excited, cam_state_t state)
     for (uint32_t i = 0; i < 20u; i++) {
         go_on(true);
     }
-    int32_t value = 0;
     TEST_ASSERT_EQUAL_INT(cam_identify_none, rig.machine.identify.phase);
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_scope_get(&rig.machine, cam_scope_field_excited, &value));
-    TEST_ASSERT_EQUAL_INT(excited, value);
+    TEST_ASSERT_EQUAL_INT(excited, field(cam_scope_field_excited));
     TEST_ASSERT_EQUAL_INT(state, fixture_rig_state());
 }
 
@@ -228,11 +238,9 @@ static void test_wave_beyond_the_force_limit_or_out_of_the_stroke_is_refused(voi
     wave_mn[5] = -limit_mn;
     load();
     const int32_t end_nm = rig.machine.params.u_stroke_nm / 2;
-    TEST_ASSERT_EQUAL_INT(
-        cam_ok, cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, -end_nm - 1));
+    set_place(-end_nm - 1);
     expect_refused(cam_err_wave_stroke, -end_nm - 1);
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, -end_nm));
+    set_place(-end_nm);
     expect_refused(cam_ok, 0); // whatever its speed and acceleration would be as nanometres
 }
 
@@ -243,8 +251,7 @@ static void test_x_must_be_clear_of_all_of_us_travel(void)
     const int32_t clear_nm =
         (int32_t)(cfg->play.x_clear_q10 / 1024) - rig.machine.params.x_clearance_nm / 2;
     const int32_t travel_nm = rig.machine.params.u_stroke_nm / 2 + cfg->guard.approach_nm;
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, -300000));
+    set_place(-300000);
     g_cam.motion.axis[hal_axis_x].pos_q10 = (int64_t)(clear_nm + travel_nm - 1) * 1024;
     fixture_rig_ticks(&rig, 2);
     expect_refused(cam_err_wave_clear, clear_nm + travel_nm);
@@ -257,27 +264,19 @@ static void test_x_must_be_clear_of_all_of_us_travel(void)
 
 static void test_unit_is_one_of_two_and_a_force_needs_its_port(void)
 {
-    int32_t unit = 0;
     TEST_ASSERT_EQUAL_INT(cam_err_scope_range, set_unit(2));
     TEST_ASSERT_EQUAL_INT(cam_err_scope_range, set_unit(-1));
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_scope_get(&rig.machine, cam_scope_field_wave_unit, &unit));
-    TEST_ASSERT_EQUAL_INT32(1, unit);
+    TEST_ASSERT_EQUAL_INT32(1, field(cam_scope_field_wave_unit));
     TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
     hal_host.slow.force.quantum_un = 0;
     TEST_ASSERT_EQUAL_INT(cam_err_wave_unit, set_unit(1));
     TEST_ASSERT_EQUAL_INT(cam_ok, set_unit(0));
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_scope_get(&rig.machine, cam_scope_field_wave_unit, &unit));
-    TEST_ASSERT_EQUAL_INT32(0, unit);
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_wave_unit));
 }
 
 /// A tool that knows nothing of forces downloads nanometres.
 static void test_samples_of_the_next_wave_are_nanometres(void)
 {
-    int32_t unit = 1;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(&rig.machine, sizeof wave_mn));
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_machine_scope_get(&rig.machine, cam_scope_field_wave_unit, &unit));
-    TEST_ASSERT_EQUAL_INT32(0, unit);
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_wave_unit));
 }

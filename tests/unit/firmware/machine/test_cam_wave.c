@@ -93,42 +93,37 @@ static void test_force_is_within_its_limit(void)
     expect_force(cam_err_wave_force, INT32_MAX, 0);
 }
 
-/// The steps of the samples, and what the gain adds by its own speed to the largest of them.
-static void test_speed_is_that_of_the_wave_and_its_fade(void)
+/// Speed: the steps of the samples, and what the gain adds by its own speed to the largest of them.
+/// Acceleration: the bends of the samples, twice the step times the speed of the gain, and the wave
+/// times its acceleration. The rounding up of a share of nothing is in both.
+static void test_speed_and_acceleration_are_those_of_the_wave_and_its_fade(void)
 {
-    range.step_nm = 999;
-    expect(cam_ok, 0, 0);
-    range.step_nm = 1000; // and the rounding up of a share of nothing
-    expect(cam_err_wave_speed, 20001, 0);
-    range.step_nm = 500;
-    fade.speed_q10 = (1 << 30) / 40; // of 20000 nm
-    expect(cam_ok, 0, 0);
-    range.step_nm = 501;
-    expect(cam_err_wave_speed, 20020, 0);
-    range.step_nm = 500;
-    range.high_nm = 20100;
-    expect(cam_err_wave_speed, 20050, 0);
-}
-
-/// The bends of the samples, twice the step times the speed of the gain, and the wave times its
-/// acceleration.
-static void test_acceleration_has_its_three_terms(void)
-{
-    range.bend_nm = 99;
-    expect(cam_ok, 0, 0);
-    range.bend_nm = 100; // nm / tick^2: 40 m/s2
-    expect(cam_err_wave_acceleration, 40000, 0);
-    range.bend_nm = 20;
-    fade.acceleration_q10 = (1 << 30) / 250; // 80 nm of 20000
-    expect(cam_err_wave_acceleration, 40000, 0);
-    range.bend_nm = 19;
-    expect(cam_ok, 0, 0);
-    fade.acceleration_q10 = 0;
-    range.bend_nm = 20;
-    fade.speed_q10 = (1 << 30) / 50; // 400 nm / tick of the wave, 20 of 1000
-    expect(cam_ok, 0, 0);
-    range.bend_nm = 80;
-    expect(cam_err_wave_acceleration, 40000, 0);
-    range.bend_nm = 79;
-    expect(cam_ok, 0, 0);
+    enum { one = 1 << 30 };
+    static const struct {
+        int64_t high_nm, step_nm, bend_nm;
+        int32_t fade_speed_q10, fade_acceleration_q10;
+        cam_err_t err;
+        int32_t value;
+    } cases[] = {
+        {10000, 999, 20, 0, 0, cam_ok, 0},
+        {10000, 1000, 20, 0, 0, cam_err_wave_speed, 20001},
+        {10000, 500, 20, one / 40, 0, cam_ok, 0}, // of 20000 nm
+        {10000, 501, 20, one / 40, 0, cam_err_wave_speed, 20020},
+        {20100, 500, 20, one / 40, 0, cam_err_wave_speed, 20050},
+        {10000, 500, 99, 0, 0, cam_ok, 0},
+        {10000, 500, 100, 0, 0, cam_err_wave_acceleration, 40000},        // nm / tick^2: 40 m/s2
+        {10000, 500, 20, 0, one / 250, cam_err_wave_acceleration, 40000}, // 80 nm of 20000
+        {10000, 500, 19, 0, one / 250, cam_ok, 0},
+        {10000, 500, 20, one / 50, 0, cam_ok, 0}, // 400 nm / tick of the wave, 20 of 1000
+        {10000, 500, 80, one / 50, 0, cam_err_wave_acceleration, 40000},
+        {10000, 500, 79, one / 50, 0, cam_ok, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        range.high_nm = cases[i].high_nm;
+        range.step_nm = cases[i].step_nm;
+        range.bend_nm = cases[i].bend_nm;
+        fade.speed_q10 = cases[i].fade_speed_q10;
+        fade.acceleration_q10 = cases[i].fade_acceleration_q10;
+        expect(cases[i].err, cases[i].value, 0);
+    }
 }

@@ -45,17 +45,22 @@ static uint32_t ask(uint32_t tick)
     return challenge;
 }
 
-static void test_the_first_to_take_has_command_and_another_is_told_no(void)
+static void test_the_first_to_take_has_command_until_it_is_taken_over(void)
 {
+    static const uint8_t others[][2] = {{9, 1}, {12, 2}, {12, 0}}; // sender, session
     TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 0, 0));
     take(12, 0);
     TEST_ASSERT_TRUE(cam_rights_is_commander(&r, 12, 1));
     TEST_ASSERT_EQUAL_INT(cam_err_not_commander, cam_rights_take(&r, 9, false, 0));
     TEST_ASSERT_EQUAL_INT(cam_err_not_commander, cam_rights_take(&r, 12, false, 0));
-    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 9, 1));
-    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 2));
-    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 0));
+    for (uint32_t i = 0; i < 3u; i++) {
+        TEST_ASSERT_FALSE(cam_rights_is_commander(&r, others[i][0], others[i][1]));
+    }
     TEST_ASSERT_EQUAL_UINT32(0, r.n_take_overs);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 0));
+    TEST_ASSERT_EQUAL_UINT32(1, r.n_take_overs);
+    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 1));
+    TEST_ASSERT_TRUE(cam_rights_is_commander(&r, 9, 2));
 }
 
 static void test_a_sender_has_a_number_of_its_own(void)
@@ -63,15 +68,6 @@ static void test_a_sender_has_a_number_of_its_own(void)
     TEST_ASSERT_EQUAL_INT(cam_err_frame, cam_rights_take(&r, 0, true, 0));
     TEST_ASSERT_EQUAL_INT(cam_err_frame, cam_rights_take(&r, 255, true, 0));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 254, true, 0));
-}
-
-static void test_a_take_over_counts_and_ends_the_old_session(void)
-{
-    take(12, 0);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 0));
-    TEST_ASSERT_EQUAL_UINT32(1, r.n_take_overs);
-    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 1));
-    TEST_ASSERT_TRUE(cam_rights_is_commander(&r, 9, 2));
 }
 
 static void test_a_session_is_never_0_and_not_the_last_one(void)
@@ -139,8 +135,9 @@ static void expect_locked_until_the_key_is_turned(uint32_t tick)
     TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
 }
 
-/// Whoever takes command, takes it over, or has it behind a loss, finds it locked: the setter who
-/// left the key on did not unlock for him. Neither did one who left it on at power-on.
+/// Whoever takes command, takes it over, or has it after a loss, finds it locked: the setter who
+/// left the key on did not unlock for him. Neither did one who left it on at power-on, or who
+/// turned it while nobody had command.
 static void test_a_key_that_was_left_on_unlocks_nobody(void)
 {
     take(12, 0); // before the first look at the key
@@ -148,6 +145,7 @@ static void test_a_key_that_was_left_on_unlocks_nobody(void)
     cam_rights_lock(&r);
     expect_locked_until_the_key_is_turned(1); // lock holds until then as well
     cam_rights_release(&r);
+    turn_anew(2);
     take(9, 2);
     expect_locked_until_the_key_is_turned(2);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 12, true, 3));
@@ -155,22 +153,6 @@ static void test_a_key_that_was_left_on_unlocks_nobody(void)
     TEST_ASSERT_TRUE(cam_rights_poll(&r, hal_in_key, 4u + hz));
     take(9, 4u + hz);
     expect_locked_until_the_key_is_turned(4u + hz);
-}
-
-/// A key that is turned while nobody commands is turned for nobody.
-static void test_a_key_that_is_turned_before_the_session_does_not_count(void)
-{
-    turn_anew(0);
-    take(12, 1);
-    expect_locked_until_the_key_is_turned(1);
-}
-
-static void test_a_key_input_without_a_key_switch_is_nothing(void)
-{
-    begin(false, true);
-    take(12, 0);
-    (void)cam_rights_poll(&r, hal_in_key, 1);
-    TEST_ASSERT_EQUAL_INT(cam_err_locked, cam_rights_check_level(&r));
 }
 
 static void test_the_level_ends_with_command(void)
@@ -182,19 +164,26 @@ static void test_the_level_ends_with_command(void)
     TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
     take(12, hz + 1u);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(hz + 1u)), hz + 1u));
-    (void)cam_rights_poll(&r, 0, hz + 2u); // the key is turned off, the answer still holds
+    turn_anew(hz + 2u); // the key takes nothing from an answer
+    (void)cam_rights_poll(&r, 0, hz + 2u);
     TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, hz + 2u));
     TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
 }
 
+/// The seconds that are left are rounded up, never below 0, and none of a locked machine.
 static void test_the_level_ends_after_ten_minutes(void)
 {
+    static const uint32_t left[][2] = {
+        {5, 600}, {600u * hz, 1}, {4u + 600u * hz, 1}, {6u + 600u * hz, 0}};
     take(12, 0);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 1));
     turn_anew(5);
-    TEST_ASSERT_EQUAL_UINT32(600, cam_rights_level_left_s(&r, 5));
+    for (uint32_t i = 0; i < 4u; i++) { // not polled since
+        TEST_ASSERT_EQUAL_UINT32(left[i][1], cam_rights_level_left_s(&r, left[i][0]));
+    }
     cam_rights_hear(&r, 600u * hz);
-    TEST_ASSERT_EQUAL_UINT32(1, cam_rights_level_left_s(&r, 600u * hz));
     (void)cam_rights_poll(&r, hal_in_key, 5u + 600u * hz);
     TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
     (void)cam_rights_poll(&r, hal_in_key, 6u + 600u * hz);
@@ -243,42 +232,26 @@ static void test_challenges_depend_on_when_the_commander_was_heard(void)
     TEST_ASSERT_NOT_EQUAL(first, ask(500));
 }
 
-static void test_a_port_with_neither_key_nor_secret_is_never_unlocked(void)
+static void test_level_of_a_port_without_key_or_secret(void)
 {
-    uint32_t challenge = 0;
-    begin(false, false);
-    take(12, 0);
-    (void)cam_rights_poll(&r, hal_in_key, 1);
-    TEST_ASSERT_EQUAL_INT(cam_err_lock_none, cam_rights_check_level(&r));
-    TEST_ASSERT_EQUAL_INT(cam_err_lock_none, cam_rights_challenge(&r, 1, &challenge));
-    begin(true, false);
-    TEST_ASSERT_EQUAL_INT(cam_err_locked, cam_rights_challenge(&r, 1, &challenge));
+    static const struct {
+        bool has_key, has_secret;
+        cam_err_t level, challenge;
+    } cases[] = {{false, false, cam_err_lock_none, cam_err_lock_none},
+                 {true, false, cam_err_locked, cam_err_locked},
+                 {false, true, cam_err_locked, cam_ok}};
+    for (uint32_t i = 0; i < 3u; i++) {
+        uint32_t challenge = 0;
+        begin(cases[i].has_key, cases[i].has_secret);
+        take(12, 0);
+        (void)cam_rights_poll(&r, cases[i].has_key ? 0u : hal_in_key, 1);
+        TEST_ASSERT_EQUAL_INT(cases[i].level, cam_rights_check_level(&r));
+        TEST_ASSERT_EQUAL_INT(cases[i].challenge, cam_rights_challenge(&r, 1, &challenge));
+    }
 }
 
 static void test_a_program_that_calls_the_machine_itself_is_unlocked(void)
 {
     r.is_bus_calling = false;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
-}
-
-/// Who was unlocked by a challenge stays so when the key is turned on and off again.
-static void test_a_key_takes_nothing_from_a_challenge(void)
-{
-    take(12, 0);
-    cam_rights_hear(&r, 1000);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(1000)), 1000));
-    turn_anew(1001);
-    TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
-    (void)cam_rights_poll(&r, 0, 1002);
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
-}
-
-/// The seconds that are left never count below 0, and a locked machine has none.
-static void test_what_is_left_of_a_level_ends_at_0(void)
-{
-    take(12, 0);
-    TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 1));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(1000)), 1000));
-    TEST_ASSERT_EQUAL_UINT32(1, cam_rights_level_left_s(&r, 1000 + 599999));
-    TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 1000 + 600001)); // not polled since
 }

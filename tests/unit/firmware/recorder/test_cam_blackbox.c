@@ -140,35 +140,6 @@ static void test_a_restart_finds_the_box_again(void)
     }
 }
 
-/// Whatever a file may hold, the box is sound or it is not taken, and no word is out of reach.
-static void test_a_damaged_head_is_passed_over(void)
-{
-    (void)fail();
-    const uint32_t n_kept = hal_host.slow.n_kept;
-    int32_t *head = hal_scope_memory().words;
-    for (uint32_t i = 0; i < 14u; i++) {
-        static const int32_t bad[] = {-1, INT32_MIN, 0x7FFFFFFF, 1000000};
-        for (uint32_t k = 0; k < 4u; k++) {
-            const int32_t good = head[i];
-            head[i] = bad[k];
-            cam_scope_init(scope(), hal_scope_memory(), tick_hz);
-            if (cam_blackbox_restore(scope(), n_kept)) {
-                for (uint32_t at = 0; at < scope()->ring.n_rows * n_signals; at += 997u) {
-                    (void)word(at / n_signals, at % n_signals);
-                }
-            }
-            head[i] = good;
-        }
-    }
-    static const uint32_t sizes[] = {0, 1, 13, 14, 15, 1000, UINT32_MAX};
-    for (uint32_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        cam_scope_init(scope(), hal_scope_memory(), tick_hz);
-        TEST_ASSERT_FALSE(cam_blackbox_restore(scope(), sizes[i]));
-    }
-    cam_scope_init(scope(), hal_scope_memory(), tick_hz / 2);
-    TEST_ASSERT_FALSE(cam_blackbox_restore(scope(), n_kept)); // of another rate
-}
-
 /// Record five rows by command, and let ten minutes pass, less `left` ticks, without anybody who
 /// reads them.
 static void record_and_wait(uint32_t left)

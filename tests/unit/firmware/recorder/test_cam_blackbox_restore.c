@@ -107,12 +107,25 @@ static void test_each_word_of_a_head_is_limited(void)
     }
 }
 
+/// Whatever a head may hold, the box is sound or it is not taken, and no word is out of reach.
+static void test_any_head_is_sound_or_refused(void)
+{
+    static const uint32_t values[] = {UINT32_MAX, 0x80000000u, 0x7FFFFFFFu, 1000000};
+    for (uint32_t i = 0; i < n_head * 4u; i++) {
+        const bool is_taken = is_believed(i / 4u, values[i % 4u]);
+        for (uint32_t at = 0; is_taken && at < scope.ring.n_rows * n_signals; at++) {
+            TEST_ASSERT_EQUAL_UINT32(4, cam_scope_span(&scope, at * 4u, 4).n);
+        }
+    }
+}
+
 static void test_as_many_words_as_the_rows_need_are_in_the_memory(void)
 {
-    TEST_ASSERT_FALSE(cam_blackbox_restore(&scope, n_kept - 1));
+    static const uint32_t wrong[] = {0, 1, 13, n_head, n_kept - 1, n_kept + n_signals, UINT32_MAX};
+    for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        TEST_ASSERT_FALSE(cam_blackbox_restore(&scope, wrong[i]));
+    }
     TEST_ASSERT_TRUE(cam_blackbox_restore(&scope, n_kept + n_signals - 1));
-    TEST_ASSERT_FALSE(cam_blackbox_restore(&scope, n_kept + n_signals));
-    TEST_ASSERT_FALSE(cam_blackbox_restore(&scope, n_head));
     cam_scope_init(&scope, (hal_memory_t){.words = words, .n_words = n_kept}, tick_hz);
     TEST_ASSERT_TRUE(cam_blackbox_restore(&scope, n_kept));
     cam_scope_init(&scope, (hal_memory_t){.words = words, .n_words = n_kept - 1}, tick_hz);
