@@ -67,13 +67,6 @@ static void start(uint32_t tick)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_begin(&scope, &scope.set, cam_scope_user, 0, tick));
 }
 
-static void test_fields_of_a_wave_are_zero_without_one(void)
-{
-    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_place_nm));
-    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_excited));
-    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_n_fall));
-}
-
 static void test_rows_hold_the_chosen_signals_in_the_order_of_the_list(void)
 {
     set(cam_scope_field_signals, 1 << cam_scope_tick | 1 << cam_scope_u_actual_nm);
@@ -191,12 +184,14 @@ static void test_fields_are_checked(void)
         {cam_scope_field_signals, INT32_MIN, cam_err_scope_range},
         {cam_scope_field_every, 0, cam_err_scope_range},
         {cam_scope_field_every, 1000001, cam_err_scope_range},
+        {cam_scope_field_every, 1, cam_ok},
         {cam_scope_field_every, 1000000, cam_ok},
         {cam_scope_field_rows, -1, cam_err_scope_range},
         {cam_scope_field_from_state, -2, cam_err_scope_range},
         {cam_scope_field_from_state, cam_n_states, cam_err_scope_range},
         {cam_scope_field_before, 7, cam_ok},
         {cam_scope_field_before, -1, cam_err_scope_range},
+        {cam_scope_field_trigger, cam_trigger_now, cam_ok},
         {cam_scope_field_trigger, cam_trigger_fault, cam_ok},
         {cam_scope_field_trigger, cam_trigger_n, cam_err_scope_range},
         {cam_scope_field_trigger, -1, cam_err_scope_range},
@@ -220,6 +215,8 @@ static void test_fields_are_checked(void)
     }
     TEST_ASSERT_EQUAL_UINT32(7, scope.set.before);
     TEST_ASSERT_TRUE(scope.set.trigger.falls);
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_place_nm)); // no wave is played
+    TEST_ASSERT_EQUAL_INT32(0, field(cam_scope_field_excited) | field(cam_scope_field_n_fall));
     int32_t value = 1;
     TEST_ASSERT_EQUAL_INT(cam_err_scope_field, cam_scope_get(&scope, cam_scope_n_fields, &value));
     TEST_ASSERT_EQUAL_INT32(0, value);
@@ -545,6 +542,14 @@ static void test_angle_fires_once_per_turn_in_its_sense_alone(void)
         const uint64_t way = (uint64_t)step * 1000u - step / 3u; // behind the first pass
         TEST_ASSERT_EQUAL_UINT32(1u + (uint32_t)(way >> 32), n_up);
         TEST_ASSERT_EQUAL_UINT32(0, n_down);
+    }
+}
+
+static void test_angle_fires_in_the_tick_that_is_exactly_there(void)
+{
+    for (int32_t sense = -1; sense <= 1; sense += 2) {
+        TEST_ASSERT_TRUE(fires(angle(77, sense < 0), 77 - sense, 77));
+        TEST_ASSERT_FALSE(fires(angle(77, sense < 0), 77, 77 + sense));
     }
 }
 
