@@ -48,6 +48,7 @@ RAMS = ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES))
 NOWHERE = 0xFFFFFFFE  # no code there: only hooks end a slice
 PATTERN = b"\xa5"
 WFI = b"\x30\xbf"
+HELD_CYCLES = 24
 MASKS = (
     arm.UC_ARM_REG_PRIMASK,
     arm.UC_ARM_REG_BASEPRI,
@@ -82,6 +83,8 @@ class Chip(Devices):
         told the reason of a reset before it takes effect
     is_fault_of_flips : bool
         a load of a RAM's double error is a bus fault, too
+    naps : int
+        interrupts after which the main loop sleeps on, as a slow one would: it is most of the work
     """
 
     def __init__(self, image: Image, *, hse_hz: int) -> None:
@@ -93,6 +96,7 @@ class Chip(Devices):
         self._stall: tuple[int | None, int] = (None, 0)
         self._intr: int | None = None
         self._is_asleep = False
+        self.naps = self._naps = 7
         self._torn_hooks: list[int] = []
         self._flipped_hooks: list[int] = []
         self.is_fault_of_flips = False
@@ -104,11 +108,10 @@ class Chip(Devices):
         self.clock.know_barriers(image.barriers)
         self.exceptions = Exceptions(self.uc, self.nvic)
         self.on_request, self.pwr.on_ready = self._ask, self._check_ram
-        # Looked up at every access, and for every slice of instructions.
+        # Looked up at every access.
         self._gate_at_kb = {
             kb: GATES[model.name] for kb, model in self.bus.by_kb.items() if model.name in GATES
         }
-        self._next_events = [device.next_event for device in self.timed]
         self._map()
         self.load_flash()
 
@@ -303,7 +306,7 @@ class Chip(Devices):
     def reset(self, reason: str) -> None:
         """Reset as for a reason of rcc.RESET_FLAGS, and start at the reset vector."""
         self._asked = None
-        self._is_asleep = False
+        self._is_asleep, self._naps = False, 0
         self.resets.append(reason)
         self.on_reset(reason)
         for model in self.bus.models:
@@ -352,28 +355,27 @@ class Chip(Devices):
             else:
                 self._execute(deadline)
 
-    def _next_event(self) -> int:
-        return min([next_event() for next_event in self._next_events])
-
     def _settle(self) -> int:
         """Do what is due: devices, resets, exceptions. Return when the next device is due."""
-        due = self._next_event()
+        due = min([device.due for device in self.timed])
         if due <= self.clock.now:
             for device in self.timed:
-                if device.next_event() <= self.clock.now:
+                if device.due <= self.clock.now:
                     device.advance()
-            due = self._next_event()
+            due = min([device.due for device in self.timed])
         if self._failure is not None:
             raise self._failure
         if self._asked is not None:
             self.reset(self._asked)
-            due = self._next_event()
+            due = min([device.due for device in self.timed])
         if self._is_asleep and self.nvic.wakes():
             self._is_asleep = False
         if not self._is_asleep:
             number = self.exceptions.due()
             if number is not None:
                 self._pc = self.exceptions.enter(number, self._pc)
+            elif self.exceptions.is_held:  # until the core no longer masks it
+                due = min(due, self.clock.now + HELD_CYCLES)
         return due
 
     def _execute(self, deadline: int) -> None:
@@ -389,9 +391,12 @@ class Chip(Devices):
             raise self._failure
         if self._intr == EXCEPTION_EXIT:
             self._pc = self.exceptions.leave(self._pc | 1)
+            if not self.nvic.active and self._naps:
+                self._naps -= 1
+                self._is_asleep = True
         elif self._intr is not None:
             self._fail(UnmodelledError(f"exception {self._intr} of Unicorn"), self._pc)
         elif self.clock.now < self.clock.deadline:
             if self.read_memory(self._pc - 2, 2) != WFI:
                 self._fail(UnmodelledError("stopped for no reason"), self._pc)
-            self._is_asleep = True
+            self._is_asleep, self._naps = True, self.naps

@@ -3,8 +3,10 @@
 
 import os
 import subprocess
+import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from tests.stm32.board import FULL, STEP_PM
@@ -23,10 +25,17 @@ SENSES = (
 )  # fmt: skip
 
 
-def make_table(path: Path) -> bytes:
-    """Write the table of the short part; return its bytes."""
+@cache
+def _folder() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="camturn-stm32-")
+
+
+@cache
+def short_table() -> Path:
+    """Return the table of the short part, made once."""
+    path = Path(_folder().name) / "short.camtab"
     subprocess.run([REPLAY, "image", path], check=True)
-    return path.read_bytes()
+    return path
 
 
 def build_with(setting: str, value: str) -> Path:

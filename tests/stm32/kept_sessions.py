@@ -8,7 +8,6 @@ made; what it does to the session ends with the child.
 
 import json
 import os
-import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -16,31 +15,49 @@ from pathlib import Path
 import pytest
 from _pytest.runner import runtestprotocol
 
-from tests.stm32.host import make_table
+from tests.stm32.remote import DISABLE
 from tests.stm32.session import Session
-
-
-def _new() -> Session:
-    with tempfile.TemporaryDirectory() as folder:
-        return Session(make_table(Path(folder) / "short.camtab"))
 
 
 @cache
 def _started() -> Session:
-    session = _new()
+    session = Session()
     session.start()
     return session
 
 
 @cache
 def _ready() -> Session:
-    session = _new()
+    session = _started()
+    _started.cache_clear()  # it goes on
     session.make_ready()
     session.turn_spindle()
     return session
 
 
+@cache
+def _cut() -> Session:
+    session = _ready()
+    _ready.cache_clear()
+    session.cut()
+    session.remote.do(DISABLE)
+    session.remote.wait_for("off", 0.1)
+    return session
+
+
 KEPT: dict[str, Callable[[], Session]] = {"started": _started, "ready": _ready}
+STAGES = ("started", "ready", "cut")
+HERE = Path(__file__).parent
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Have the session of this folder's tests go on from stage to stage."""
+
+    def stage(item: pytest.Item) -> list[bool]:
+        names = getattr(item, "fixturenames", ()) if HERE in item.path.parents else ()
+        return [name in names for name in STAGES[::-1]]
+
+    items.sort(key=stage)
 
 
 @pytest.fixture
@@ -53,6 +70,12 @@ def started() -> Session:
 def ready() -> Session:
     """Return a session of the ideal machine, homed, its spindle at speed."""
     return _ready()
+
+
+@pytest.fixture
+def cut() -> Session:
+    """Return a session from power-on through a cut to off, for all tests: none changes it."""
+    return _cut()
 
 
 def _in_child(item: pytest.Item, out: int) -> None:

@@ -93,7 +93,9 @@ class Remote:
             tuple(name.removeprefix("fault_") for name in faults),
         )
 
-    def command(self, command: int, index: int = 0, value: int = 0) -> tuple[int, int]:
+    def command(
+        self, command: int, index: int = 0, value: int = 0, *, is_pressed: bool = True
+    ) -> tuple[int, int]:
         """Send a command as who has command; return result and value of its answer."""
         result = self.raw(command, index, value)
         if result[0] == ERR_NOT_COMMANDER:  # not taken yet, or lost while the test did other things
@@ -103,7 +105,7 @@ class Remote:
                 self.chip.gpio.drive(KEY, level)
                 self.chip.run(self.chip.seconds(0.002))
             result = self.raw(command, index, value)
-        if result[0] == ERR_ACKNOWLEDGE:
+        if result[0] == ERR_ACKNOWLEDGE and is_pressed:
             self.press()
             result = self.raw(command, index, value)
         return result
@@ -218,8 +220,10 @@ class Remote:
 
     def lines(self) -> list[str]:
         """Return the lines on the serial line, once the last one has ended."""
-        self.chip.run(self.chip.seconds(0.02))
-        return self.chip.usart3.lines()
+        usart = self.chip.usart3
+        self.chip.run(self.chip.seconds(2e-3))
+        assert self.chip.run_until(lambda: usart.is_idle, self.chip.seconds(0.5)), "no line ends"
+        return usart.lines()
 
     def set(self, name: str, value: int) -> None:
         """Set a parameter."""

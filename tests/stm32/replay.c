@@ -25,7 +25,7 @@ static fixture_image_t image;
 static void thin_barrel(double z_nm, double x[3])
 {
     const double off = z_nm - 400000.0;
-    x[0] = 5e5 - 2e-8 * off * off;
+    x[0] = 1.2e5 - 2e-8 * off * off;
     x[1] = -4e-8 * off;
     x[2] = -4e-8;
 }
@@ -34,7 +34,8 @@ static int write_image(const char *path)
 {
     fixture_part_t part = fixture_part_short();
     part.x = thin_barrel;
-    part.x_offset_nm = 500000;
+    part.x_offset_nm = 120000;
+    part.feed_nm = 250000;
     fixture_image_make(&image, &part);
     FILE *file = fopen(path, "wb");
     if (file == NULL) {

@@ -4,9 +4,9 @@
 from pathlib import Path
 
 from tests.stm32.board import TICK_HZ, Board
-from tests.stm32.host import IMAGE
+from tests.stm32.host import IMAGE, short_table
 from tests.stm32.image import Image
-from tests.stm32.remote import ENABLE, PARAMS, Remote
+from tests.stm32.remote import ENABLE, PARAMS, START, Remote
 from tests.stm32.tick_trace import Record, Trace
 
 # An ideal machine: one tick of dead time, quick axes, a way into the work that X can take. It has
@@ -15,9 +15,9 @@ SETTINGS = {
     "rehearse_turns": 0,
     "learn_harmonics": 0,
     "ripple_turns": 0,
-    "engage_turns": 3,
-    "x_clearance_nm": 200_000,
-    "disengage_turns": 3,
+    "engage_turns": 1,
+    "x_clearance_nm": 100_000,
+    "disengage_turns": 1,
     "feed_ramp_turns": 1,
     "x_acceleration_mm_per_s2": 20_000,
     "switch_1_per_turn": 2,
@@ -31,7 +31,7 @@ SETTINGS = {
 
 
 class Session:
-    """One life of a board.
+    """One life of a board, with the short part's table or another one.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Session:
 
     def __init__(
         self,
-        table: bytes | None,
+        table: bytes | None = None,
         *,
         hse_hz: int = 8_000_000,
         image: Path = IMAGE,
@@ -51,11 +51,10 @@ class Session:
     ) -> None:
         self.board = Board(Image(image), hse_hz=hse_hz, tick_hz=tick_hz)
         self.chip = self.board.chip
-        if table is not None:
-            self.board.write_table(table)
+        self.board.write_table(short_table().read_bytes() if table is None else table)
         self.remote = Remote(self.board)
         self.records: list[Record] = []
-        self.changes: list[str] = []
+        self.changes = [f"table {short_table()}"]
         self._trace = Trace(self.chip)
         self._tick_of_board = self.chip.tim[4].on_update
         self.chip.tim[4].on_update = self._tick
@@ -80,13 +79,18 @@ class Session:
         self.board.power_on()
         self.remote.started()
 
+    def cut(self) -> None:
+        """Cut a whole part with a machine that is ready."""
+        self.remote.do(START)
+        self.remote.wait_for("cutting", 2.0)
+        self.remote.wait_for("ready", 2.0)
+
     def make_ready(self) -> None:
-        """Power on, set up and home."""
-        self.start()
+        """Set up and home."""
         self.set_up()
         self.remote.do(ENABLE)
         self.remote.wait_for("ready", 1.0)
 
     def turn_spindle(self) -> None:
         """Bring the spindle of a machine that is ready to its speed."""
-        self.chip.run(self.chip.seconds(0.07))
+        self.chip.run(self.chip.seconds(0.02))

@@ -8,7 +8,7 @@ import pytest
 from camtools.base.project_paths import VERSION
 from tests.stm32.board import READY
 from tests.stm32.emulator import DTCM, DTCM_BYTES
-from tests.stm32.host import make_table
+from tests.stm32.host import short_table
 from tests.stm32.models.core import HARD_FAULT
 from tests.stm32.models.gpio import OUTPUT
 from tests.stm32.models.rcc import RESET_FLAGS
@@ -21,12 +21,6 @@ STACK_BYTES = 16 * 1024  # at the bottom of DTCM
 SAFE = (0, 0, 0, 0)
 PUT_S = 0.9  # by which the watchdog of a second is put forward
 HANG = b"\x30\xbf\xfd\xe7"  # sleeps for ever: wfi, and back to it
-
-
-@pytest.fixture(scope="module")
-def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """Return a good table."""
-    return make_table(tmp_path_factory.mktemp("table") / "short.camtab")
 
 
 # Every kind of damage is tried in tests/unit/firmware/table.
@@ -42,16 +36,16 @@ def outputs_since(session: Session, at: int) -> list[str]:
 
 
 @pytest.mark.parametrize("case", BAD_TABLES)
-def test_bad_table_starts_refuses_and_says_why(table: bytes, case: str) -> None:
+def test_bad_table_starts_refuses_and_says_why(case: str) -> None:
     """Status, answer and line name the error; a good table then needs no new start."""
     spoil, name = BAD_TABLES[case]
+    table = short_table().read_bytes()
     session = Session(spoil(table))
     remote = session.remote
     session.board.power_on()
     status = remote.started()
     assert (status.state, status.table) == ("off", ERR[name])
     assert remote.command(ENABLE) == (ERR[name], 0)
-    session.chip.run(session.chip.seconds(0.05))
     assert remote.status().state == "off"
     assert not any(event.what == "enable 1" for event in session.board.events)
     told = [line for line in remote.lines() if line.startswith("table: ")]
@@ -61,15 +55,11 @@ def test_bad_table_starts_refuses_and_says_why(table: bytes, case: str) -> None:
     session.board.write_table(table)
     remote.do(SELECT)
     assert remote.status().table == 0
-    remote.do(ENABLE)
-    remote.wait_for("homing", 0.1)
 
 
 def test_tick_overrun_retracts_and_locks(ready: Session) -> None:
     """A tick that takes 60 us: fault in the next one, retract, no enable until a reset."""
     remote, chip = ready.remote, ready.chip
-    remote.do(START)
-    remote.wait_for("cutting", 1.0)
     chip.stall(TIM5_CNT, chip.seconds(60e-6))
     at = chip.clock.now
     chip.run(chip.seconds(200e-6))
@@ -88,7 +78,7 @@ def test_tick_overrun_retracts_and_locks(ready: Session) -> None:
     chip.reset("pin")
     assert remote.started().reset == "pin"
     assert "start: reset pin" in remote.lines()
-    remote.do(ENABLE)
+    assert remote.command(ENABLE, is_pressed=False)[0] == ERR["acknowledge"]
 
 
 def test_late_set_points_lock_too(ready: Session) -> None:
@@ -169,21 +159,23 @@ def test_reset_in_the_cut_is_safe_and_told(ready: Session, reason: str, text: st
     assert "enable 1" not in outputs_since(ready, at)
 
 
-@pytest.mark.parametrize(
-    ("rdp", "wpsn", "level", "is_protected", "brown_out"),
-    [(0xAA, 0xFF, 0, 0, 0), (0xBB, 0xFC, 1, 1, 3), (0x00, 0xFE, 1, 0, 1), (0xCC, 0xFC, 2, 1, 2)],
+PROTECTION = (  # RDP, WPSN; level, firmware protected, brown-out level
+    *((0xAA, 0xFF, 0, 0, 0), (0xBB, 0xFC, 1, 1, 3), (0x00, 0xFE, 1, 0, 1), (0xCC, 0xFC, 2, 1, 2)),
 )
-def test_protection_of_the_chip_is_told_at_the_start(
-    table: bytes, rdp: int, wpsn: int, level: int, is_protected: int, brown_out: int
-) -> None:
+
+
+def test_protection_of_the_chip_is_reported_at_the_start(started: Session) -> None:
     """By the option bytes: any RDP but two is level 1, a bit of 0 protects one of two sectors."""
-    session = Session(table)
-    session.board.power_on()
-    session.chip.flash.v |= {"optsr_cur": 0x031600F0 | rdp << 8 | brown_out << 2, "wpsn_cur1": wpsn}
-    session.remote.started()
-    line = f"level {level}, write protection of the firmware {is_protected}, "
-    line += f"brown-out level {brown_out} (UPDATE.md)"
-    assert f"port: read-out protection {line}" in session.remote.lines()
+    chip = started.chip
+    for rdp, wpsn, level, is_protected, brown_out in PROTECTION:
+        started.board.power_on()
+        chip.usart3.sent.clear()
+        options = 0x031600F0 | rdp << 8 | brown_out << 2
+        chip.flash.v |= {"optsr_cur": options, "wpsn_cur1": wpsn}
+        line = f"port: read-out protection level {level}, write protection of the firmware "
+        line += f"{is_protected}, brown-out level {brown_out} (UPDATE.md)"
+        started.remote.started()
+        assert line in started.remote.lines()
 
 
 @pytest.mark.parametrize(
@@ -191,12 +183,10 @@ def test_protection_of_the_chip_is_told_at_the_start(
     [("tick", "window", 100e-6, 206e-6), ("main loop", "watchdog", PUT_S + 0.05, PUT_S + 0.15)],
 )
 def test_watchdog_ends_a_hang(
-    started: Session, victim: str, dog: str, least_s: float, most_s: float
+    ready: Session, victim: str, dog: str, least_s: float, most_s: float
 ) -> None:
     """Whoever hangs, the outputs let go in the time of its watchdog, and the reason is told."""
-    remote, chip, board = started.remote, started.chip, started.board
-    remote.do(ENABLE)
-    remote.wait_for("homing", 0.1)
+    remote, chip, board = ready.remote, ready.chip, ready.board
     chip.usart3.sent.clear()
     vectors = chip.nvic.v["vtor"]
     handler = int.from_bytes(chip.read_memory(vectors + 4 * (16 + 30), 4), "little") & ~1
@@ -227,36 +217,23 @@ def test_window_watchdog_ends_ticks_that_come_too_fast(ready: Session) -> None:
     assert chip.gpio.level("PE13") == 0
 
 
-def test_missing_clock_at_start(table: bytes) -> None:
-    """Without the HSE it runs from the HSI at the same frequencies, and enables nothing."""
-    session = Session(table, hse_hz=0)
-    session.board.power_on()
-    assert session.remote.started().state == "off"
-    assert session.chip.rcc.core_hz() == 480_000_000
-    assert session.remote.command(ENABLE)[0] == ERR["drive"]
-
-
-def test_cut_wire_reads_as_not_ready(table: bytes) -> None:
+def test_cut_wire_reads_as_not_ready(started: Session) -> None:
     """Nobody drives the pins of the chains: their pull-down resistors say no."""
-    session = Session(table)
-    session.board.power_on()
     for name in (READY, "PE10"):
-        port, pin = session.chip.gpio.pin(name)
+        port, pin = started.chip.gpio.pin(name)
         del port.outside[pin]
-    session.remote.started()
-    assert session.remote.command(ENABLE)[0] == ERR["estop"]
-    session.chip.gpio.drive("PE10", 1)
-    session.chip.run(session.chip.seconds(1e-3))
-    assert session.remote.command(ENABLE)[0] == ERR["drive"]
+    started.chip.run(started.chip.seconds(1e-3))
+    assert started.remote.command(ENABLE)[0] == ERR["estop"]
+    started.chip.gpio.drive("PE10", 1)
+    started.chip.run(started.chip.seconds(1e-3))
+    assert started.remote.command(ENABLE)[0] == ERR["drive"]
 
 
-def test_power_on_is_told_from_brown_out_and_flags_are_cleared(table: bytes) -> None:
-    """Power-on sets the flag of a brown-out too; what is told once is cleared for the next time."""
+def test_power_on_is_told_from_brown_out_and_flags_are_cleared(started: Session) -> None:
+    """Power-on sets the flag of a brown-out too; what is reported is cleared for the next time."""
     assert RESET_FLAGS["power_on"] & RESET_FLAGS["brown_out"] == RESET_FLAGS["brown_out"]
-    session = Session(table)
-    session.board.power_on()
-    assert session.remote.started().reset == "power_on"
-    assert session.chip.rcc.v["rsr"] == 0
+    assert started.remote.newest().reset == "power_on"
+    assert started.chip.rcc.v["rsr"] == 0
 
 
 def test_enable_wants_the_button_and_limits_want_the_key(started: Session) -> None:
@@ -269,5 +246,3 @@ def test_enable_wants_the_button_and_limits_want_the_key(started: Session) -> No
     gpio.drive(KEY, 1)
     started.chip.run(started.chip.seconds(2e-3))
     assert remote.raw(SET, stroke, 1_300_000)[0] == 0
-    remote.press()
-    assert remote.raw(ENABLE)[0] == 0

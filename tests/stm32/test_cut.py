@@ -6,16 +6,7 @@ from itertools import pairwise
 import pytest
 
 from tests.stm32.board import COUNTS_PER_TURN, INDEX_AT, Outputs
-from tests.stm32.host import (
-    MOST_UM_PER_S,
-    internal_word,
-    make_table,
-    positions,
-    replay,
-    steps,
-    words,
-)
-from tests.stm32.remote import DISABLE, START
+from tests.stm32.host import MOST_UM_PER_S, internal_word, positions, replay, steps, words
 from tests.stm32.session import Session
 from tests.stm32.tick_trace import Record
 
@@ -24,22 +15,6 @@ STEP_CYCLES = 14_400  # 30 us
 IN_CUT, FAULT, ENABLE_BIT = 4, 2, 1
 SWITCH_1 = 1 << 8
 CLEARED = (0, 0, 0, 0)  # /CLR of the AD5754R is low while enable is
-
-
-@pytest.fixture(scope="module")
-def cut(tmp_path_factory: pytest.TempPathFactory) -> Session:
-    """Return a session from power-on through a cut to off."""
-    table_path = tmp_path_factory.mktemp("table") / "short.camtab"
-    session = Session(make_table(table_path))
-    session.changes.append(f"table {table_path}")
-    session.make_ready()
-    session.turn_spindle()
-    session.remote.do(START)
-    session.remote.wait_for("cutting", 2.0)
-    session.remote.wait_for("ready", 2.0)
-    session.remote.do(DISABLE)
-    session.remote.wait_for("off", 0.1)
-    return session
 
 
 def ticks_of(cut: Session) -> list[tuple[Record, Outputs]]:
@@ -53,7 +28,7 @@ def test_cut_is_whole(cut: Session) -> None:
     assert states == ["homing", "ready", "engaging", "cutting", "disengaging", "ready", "off"]
     assert cut.remote.newest().faults == ()
     assert cut.n_dropped() == 0
-    assert len(cut.records) > 10_000
+    assert sum(seen.in_cut for _, seen in ticks_of(cut)) > 2000
     assert [record["tick"] for record in cut.records] == list(range(len(cut.records)))
     in_cut = [record for record, seen in ticks_of(cut) if seen.in_cut]
     assert {seen.words[3] for _, seen in ticks_of(cut) if seen.in_cut} == {0x4000}  # 2500 of 5000
@@ -72,7 +47,7 @@ def test_senses_are_those_of_the_machine(cut: Session) -> None:
     turn_counts = COUNTS_PER_TURN / 24 / 20  # of one tick, at the highest speed
     assert abs(last["counts"] - (counts - start)) <= turn_counts
     assert last["index_counts"] == (last["n_index"] - 1) * COUNTS_PER_TURN + INDEX_AT - start
-    assert last["n_index"] > 20
+    assert last["n_index"] > 8
     assert last["u_nm"] == 100 * u_counts
     assert last["z_nm"] == 1000 * z_counts
 
@@ -104,9 +79,8 @@ def test_position_switches_follow_the_angle(cut: Session) -> None:
     assert n_on / len(in_cut) == pytest.approx(1 / 6, abs=0.02)
     heights = [record["out_z_nm"] for record, seen in in_cut if seen.switches & 0x80]
     assert heights
-    assert 390_000 < min(heights) < 455_000
-    assert 545_000 < max(heights) < 610_000
-    assert {seen.switches for _, seen in ticks_of(cut)[-10:]} == {0}, "off behind the end"
+    assert 390_000 < min(heights) < max(heights) < 610_000
+    assert {seen.switches for _, seen in ticks_of(cut)[-10:]} == {0}, "off after the end"
 
 
 def test_every_step_is_the_hosts(cut: Session) -> None:

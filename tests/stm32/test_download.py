@@ -7,7 +7,7 @@ import zlib
 import pytest
 
 from camtools.cli.flash import FIRST_PLACE
-from tests.stm32.host import make_table
+from tests.stm32.host import short_table
 from tests.stm32.models.fdcan import Frame
 from tests.stm32.models.flash_pwr import SECTOR_BYTES
 from tests.stm32.remote import BEGIN, COMMAND, ENABLE, SELECT, TO_CONTROLLER, errors
@@ -18,10 +18,10 @@ MAGIC, RECORD_BYTES = 0x4C424154, 32
 ERR = errors()
 
 
-@pytest.fixture(scope="module")
-def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+@pytest.fixture
+def table() -> bytes:
     """Return a good table."""
-    return make_table(tmp_path_factory.mktemp("table") / "short.camtab")
+    return short_table().read_bytes()
 
 
 def named(table: bytes, name: str) -> bytes:
@@ -68,8 +68,6 @@ def test_downloads_take_turns_and_are_kept(started: Session, table: bytes) -> No
     assert chip.read_memory(TABLE, len(third)) == third
     remote.do(SELECT)
     assert restart(started) == "third"
-    remote.do(ENABLE)
-    remote.wait_for("homing", 0.1)
 
 
 def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
@@ -78,6 +76,7 @@ def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
     """A large signed table takes long to be checked: never two checks within one second."""
     chip, long_gaps, last = started.chip, 0, 0
     started.remote.download(named(table, "second"))
+    chip.naps = 0
     write = chip.iwdg1.write
 
     def spy(offset: int, size: int, value: int) -> None:
@@ -191,4 +190,4 @@ def test_frames_of_a_block_are_no_commands(started: Session) -> None:
         assert started.board.send(Frame(TO_CONTROLLER, data))
         started.chip.run(started.chip.seconds(1e-3))
     assert COMMAND != TO_CONTROLLER
-    assert started.remote.command(ENABLE)[0] == 0
+    assert started.remote.command(ENABLE, is_pressed=False)[0] == ERR["acknowledge"]

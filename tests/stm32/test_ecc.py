@@ -21,6 +21,7 @@ KEEP = range(0x2001FF00, 0x20020000)
 BOOT = range(FLASH, FLASH + 0x400)
 DATA = (0x20004000, 0x2001FEFF)  # of the DTCM, above the stack
 IN_ITCM, IN_AXI = "stm_tick_isr", "cam_report_send"  # functions that run all the time
+ALL_CODE_S = 12e-3  # in which all of them run
 LDR_LITERAL = 9  # first five bits of the instruction
 SAFE = (0, 0, 0, 0)
 ANYTHING = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
@@ -73,7 +74,7 @@ def words_of(memories: tuple[tuple[int, int], ...]) -> set[int]:
 
 def test_power_on_writes_all_ram_with_64_bit_stores_first() -> None:
     """Both TCMs and the AXI SRAM, the place of the halt text included."""
-    session = Session(None)
+    session = Session()
     session.board.power_on()
     start = StartUp(session.chip)
     start.watch()
@@ -89,11 +90,6 @@ def test_software_reset_spares_the_text_of_a_halt(started: Session) -> None:
     assert set(start.early) <= set(KEEP)
     assert start.doubles >= words_of(RAMS) - set(KEEP)
     assert not start.of_boot & set(KEEP)
-
-
-def test_monitors_of_the_ram_in_use_are_enabled(started: Session) -> None:
-    """AXI SRAM, ITCM and both halves of the DTCM; nothing runs in the trace's RAM."""
-    assert [started.chip.ramecc.v[f"cr{i}"] for i in MONITORS] == [0x38] * 4 + [0]
 
 
 def loaded(session: Session, areas: list[tuple[int, int]], duration_s: float) -> list[int]:
@@ -129,31 +125,37 @@ def literal(session: Session, function: str) -> int:
         for i, half in enumerate(halves)
         if half >> 11 == LDR_LITERAL
     }
-    return loaded(session, [(word, word + 3) for word in likely], 12e-3)[0]
+    return loaded(session, [(word, word + 3) for word in likely], ALL_CODE_S)[0]
+
+
+def memory_lines_of(signals: dict[str, float]) -> list[str]:
+    """Return what `camctl status` shows of the memory."""
+    status = Status(defaultdict(float, signals))
+    return [line for line in report(status) if line.startswith("memory")]
 
 
 def memory_lines(session: Session) -> list[str]:
-    """Return what `camctl status` shows of the memory, from the next page that tells it."""
-    frames = session.remote.frames(DETAIL)
+    """Return the same for the next page of the memory, once all code has run."""
+    frames, chip = session.remote.frames(DETAIL), session.chip
+    chip.run(chip.seconds(ALL_CODE_S))
     frames.clear()
-    chip = session.chip
     assert chip.run_until(lambda: bool(frames) and frames[-1].data[0] == 4, chip.seconds(0.3))
     page = DATABASE.get_message_by_name("Detail").decode_simple(frames[-1].data)
-    signals = {name: float(str(value)) for name, value in page.items()}
-    status = Status(defaultdict(float, signals))
-    return [line for line in report(status) if line.startswith("memory")]
+    return memory_lines_of({name: float(str(value)) for name, value in page.items()})
 
 
 def test_corrected_errors_are_counted_and_shown(started: Session) -> None:
     """One in each memory; a cell that stays flipped counts once, another one counts again."""
     chip = started.chip
-    assert memory_lines(started) == []
+    enabled = [chip.ramecc.v[f"cr{i}"] for i in MONITORS]
+    assert enabled == [0x38] * 4 + [0], "all RAM but the trace's"
+    assert memory_lines_of({}) == []
     first, second = data_words(started)[:2]
     for word in (first, literal(started, IN_ITCM), literal(started, IN_AXI)):
         chip.ramecc.flip(word, 1)
     for address in (TABLE + 64, FLASH + 0x40000):
         chip.flash.load_flipped(address)
-    assert memory_lines(started) == ["memory            5 errors corrected"]
+    chip.run(chip.seconds(ALL_CODE_S))
     chip.ramecc.repair(first)
     chip.ramecc.flip(second, 1)
     assert memory_lines(started) == ["memory            6 errors corrected"]
@@ -179,7 +181,7 @@ def test_double_error_in_the_cut_halts_with_its_address(ready: Session, is_fault
     """Whether the load raises a bus fault too, or the monitor's interrupt alone."""
     chip = ready.chip
     ready.remote.do(START)
-    ready.remote.wait_for("cutting", 1.0)
+    ready.remote.wait_for("engaging", 1.0)
     word = data_words(ready)[0]
     chip.is_fault_of_flips = is_fault
     at = chip.clock.now

@@ -76,7 +76,7 @@ def test_clock_tree_refuses_what_the_manual_forbids(rcc: Rcc) -> None:
 
 def settle(pwr: Pwr) -> None:
     """Let the voltage settle."""
-    pwr.clock.now = pwr.next_event()
+    pwr.clock.now = pwr.due
     pwr.advance()
 
 
@@ -121,12 +121,12 @@ def test_window_watchdog_bites_late_and_early(clock: InsnClock, rcc: Rcc) -> Non
     rcc.write(0xA0, 4, 1)
     wwdg.write(4, 4, 0x44)
     wwdg.write(0, 4, 0xC5)
-    assert wwdg.next_event() == 6 * 4096
+    assert wwdg.due == 6 * 4096
     clock.now = 4096
     assert wwdg.read(0, 4) == 0xC4
     wwdg.write(0, 4, 0xC5)
-    assert wwdg.next_event() == 7 * 4096
-    clock.now = wwdg.next_event()
+    assert wwdg.due == 7 * 4096
+    clock.now = wwdg.due
     wwdg.advance()
     assert bites == [7 * 4096]
     clock.now += 1

@@ -46,10 +46,9 @@ def record(text: bytes, number: int) -> bytes:
     return text + b"\xff" * (-len(text) % WORD) + seal
 
 
-def test_parameters_are_kept_whenever_the_supply_falls() -> None:
+def test_parameters_are_kept_whenever_the_supply_falls(started: Session) -> None:
     """Cut in the first word and in the seal: the old ones; whole: the new ones."""
-    session = Session(None)
-    restart(session)
+    session = started
     assert told(session) == "params: no parameters are kept - defaults in use"
     session.remote.set("lead_ns", 61_000)
     session.remote.do(SAVE)
@@ -68,9 +67,9 @@ def test_parameters_are_kept_whenever_the_supply_falls() -> None:
     assert session.remote.command(GET, LEAD) == (0, 63_000)
 
 
-def test_log_goes_round_and_survives_a_cut_erase() -> None:
+def test_log_goes_round_and_survives_a_cut_erase(started: Session) -> None:
     """The sector is full: the other one is erased; cut there, the newest of the full one counts."""
-    session = Session(None)
+    session = started
     body = b"version = 9\nlead_ns = 71000\n"
     text = body + f"crc32 = {zlib.crc32(body)}\n".encode()
     one = record(text, 1)

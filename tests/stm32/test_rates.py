@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import pytest
 
-from tests.stm32.host import ROOT, build_with, make_table
+from tests.stm32.host import ROOT, build_with
 from tests.stm32.remote import ENABLE
 from tests.stm32.session import Session
 
+pytestmark = pytest.mark.long  # it builds two images
 CORE_HZ = 480_000_000
 TIM5_CNT = 0x40000C24
 RATES = (5_000, 50_000)
@@ -20,11 +21,11 @@ STOP_S = {5_000: (600e-6, 650e-6), 50_000: (80e-6, 138e-6)}
 
 
 @pytest.fixture(scope="module", params=RATES)
-def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Session:
+def session(request: pytest.FixtureRequest) -> Session:
     """Return a session that is ready, at each of the rates."""
     image = build_with("BOARD_TICK_HZ", f"{request.param}u")
-    table = make_table(tmp_path_factory.mktemp("table") / "short.camtab")
-    session = Session(table, image=image, tick_hz=request.param)
+    session = Session(image=image, tick_hz=request.param)
+    session.start()
     session.make_ready()
     return session
 

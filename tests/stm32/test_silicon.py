@@ -7,22 +7,15 @@ A start or a download shows some of it as an error of a model; the rest is told 
 import pytest
 
 from tests.stm32.board import TABLE
-from tests.stm32.host import IMAGE, make_table
+from tests.stm32.host import IMAGE, short_table
 from tests.stm32.image import Image
 from tests.stm32.models.flash_pwr import LOCK, RDPERR, RDSERR, SNECCERR, SYSTEM_MEMORY
-from tests.stm32.remote import BEGIN, ENABLE, errors
+from tests.stm32.remote import BEGIN, ENABLE
 from tests.stm32.session import Session
 
-ERR = errors()
 MIDDLE = 2048  # of the internal DAC: U = 0
 MOST_BOOT_BYTES = 512
 BOOT = {"stm_reset", "stm_boot_fill", "on_boot_fault"}
-
-
-@pytest.fixture(scope="module")
-def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """Return a good table."""
-    return make_table(tmp_path_factory.mktemp("table") / "short.camtab")
 
 
 def test_core_reads_ahead_neither_in_system_memory_nor_in_the_code_in_flash(
@@ -37,12 +30,10 @@ def test_core_reads_ahead_neither_in_system_memory_nor_in_the_code_in_flash(
     assert mpu.invites(TABLE)
 
 
-def test_download_outlives_flags_that_are_no_errors_of_its_own(
-    started: Session, table: bytes
-) -> None:
+def test_download_outlives_flags_that_are_no_errors_of_its_own(started: Session) -> None:
     """A read of system memory and a corrected bit set flags; flash is written all the same."""
     started.chip.flash.noise = RDPERR | RDSERR | SNECCERR
-    started.remote.use(table)
+    started.remote.use(short_table().read_bytes())
 
 
 def test_keys_are_given_to_a_locked_bank_only(started: Session) -> None:
@@ -52,26 +43,18 @@ def test_keys_are_given_to_a_locked_bank_only(started: Session) -> None:
 
 
 @pytest.mark.parametrize("torn_at", [0, 64, 4096])
-def test_torn_table_is_refused_and_does_not_stop_the_start(table: bytes, torn_at: int) -> None:
+def test_torn_table_is_refused_and_the_next_is_used(started: Session, torn_at: int) -> None:
     """A programmer was interrupted: words that cannot be read end the table, not the controller."""
-    session = Session(table)
-    session.chip.flash.tear({TABLE + torn_at})
-    session.board.power_on()
-    status = session.remote.started()
+    started.chip.flash.tear({TABLE + torn_at})
+    started.board.power_on()
+    status = started.remote.started()
     assert status.state == "off"
     assert status.table < 0
-    assert session.remote.command(ENABLE)[0] == status.table
-    assert session.chip.resets == ["power_on"]
-
-
-def test_download_follows_a_torn_table(table: bytes) -> None:
-    """The other place takes a table, which is then in use."""
-    session = Session(table)
-    session.chip.flash.tear({TABLE + 64})
-    session.board.power_on()
-    session.remote.started()
-    session.remote.use(table)
-    session.remote.do(ENABLE)
+    assert started.remote.command(ENABLE)[0] == status.table
+    assert started.chip.resets == ["power_on"] * 2
+    if torn_at == 64:
+        started.remote.use(short_table().read_bytes())
+        assert started.remote.status().table == 0
 
 
 def test_u_of_the_internal_converter_begins_in_the_middle(started: Session) -> None:
@@ -89,13 +72,12 @@ def test_select_of_the_converter_is_high_long_enough(started: Session) -> None:
     assert started.chip.spi3.select_high_s() == pytest.approx(350e-9)
 
 
-def test_trace_output_is_let_go_at_once(table: bytes) -> None:
+def test_trace_output_is_let_go_at_once(started: Session) -> None:
     """PB3 is the trace's output after a reset; a receiver of the spindle's B drives it."""
-    session = Session(table)
-    session.board.power_on()
-    port, pin = session.chip.gpio.pin("PB3")
+    started.board.power_on()
+    port, pin = started.chip.gpio.pin("PB3")
     assert port.function(pin) == 0
-    assert session.chip.run_until(lambda: port.function(pin) is None, 200)
+    assert started.chip.run_until(lambda: port.function(pin) is None, 200)
 
 
 def test_only_the_start_up_lies_in_flash() -> None:

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 import pytest
 
 from tests.stm32.board import FORCE_MN, LIMITS, signed16
-from tests.stm32.host import build_with, make_table
-from tests.stm32.remote import ENABLE, START
+from tests.stm32.host import build_with
+from tests.stm32.remote import ENABLE
 from tests.stm32.session import Session
 
+pytestmark = pytest.mark.long  # it builds an image
 CYCLES_PER_US = 480
 TIM1_CNT = 0x24
 LATENCY_US = 2.5  # BOARD_FORCE_NS
@@ -58,10 +59,9 @@ class Meter:
 
 
 @pytest.fixture(scope="module")
-def cut(tmp_path_factory: pytest.TempPathFactory) -> tuple[Session, Meter]:
+def cut() -> tuple[Session, Meter]:
     """Return a session from power-on through a cut, its U a mass that the image's forces move."""
-    path = tmp_path_factory.mktemp("table") / "short.camtab"
-    session = Session(make_table(path), image=build_with("BOARD_U_FORCE_MN", str(FORCE_MN)))
+    session = Session(image=build_with("BOARD_U_FORCE_MN", str(FORCE_MN)))
     session.board.has_u_force = True
     session.start()
     session.set_up()
@@ -72,9 +72,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> tuple[Session, Meter]:
     session.turn_spindle()
     meter = Meter()
     meter.connect(session)
-    session.remote.do(START)
-    session.remote.wait_for("cutting", 2.0)
-    session.remote.wait_for("ready", 2.0)
+    session.cut()
     return session, meter
 
 

@@ -5,27 +5,24 @@ from itertools import pairwise
 
 import pytest
 
-from tests.stm32.host import build_with, make_table, positions, replay, steps
-from tests.stm32.remote import START
+from tests.stm32.host import build_with, positions, replay, steps
 from tests.stm32.session import Session
 
+pytestmark = pytest.mark.long  # it builds an image
 ENABLE_BIT = 1
 HIGH_CYCLES = 240  # 500 ns
 TICK_CYCLES = 24_000
 
 
 @pytest.fixture(scope="module")
-def cut(tmp_path_factory: pytest.TempPathFactory) -> Session:
+def cut() -> Session:
     """Return a session from power-on through a cut, its U driven by steps of 100 nm."""
-    path = tmp_path_factory.mktemp("table") / "short.camtab"
-    session = Session(make_table(path), image=build_with("BOARD_U_STEP_PM", "100000"))
+    session = Session(image=build_with("BOARD_U_STEP_PM", "100000"))
     session.board.has_u_steps = True
-    session.changes.append(f"table {path}")
+    session.start()
     session.make_ready()
     session.turn_spindle()
-    session.remote.do(START)
-    session.remote.wait_for("cutting", 2.0)
-    session.remote.wait_for("ready", 2.0)
+    session.cut()
     return session
 
 

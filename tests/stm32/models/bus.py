@@ -6,9 +6,8 @@ test (`UnmodelledError`). So a port cannot rely on something that nobody has wri
 """
 
 import ctypes
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
 WORD = 0xFFFFFFFF
 NEVER = 2**63
@@ -54,69 +53,32 @@ class InsnClock(ctypes.Structure):
 
 @dataclass(frozen=True)
 class Reg:
-    """One 32-bit register.
+    """One 32-bit register, named as in the manual.
 
-    Attributes
-    ----------
-    name : str
-        lower case, as in the manual
-    reset : int
-        value after reset
-    writable : int
-        bits that software may change; a 1 written to any other bit that does not read 1 is an error
-    ignored : int
-        bits that the hardware sets and software may write back
-    write : callable or None
-        called with the old and the new value instead of storing it; events and interrupts are
-        then looked at before the next instruction, unless the register is quiet
-    read : callable or None
-        called instead of returning what is stored
-    sizes : tuple of int
-        [bytes] accepted widths of an access
-    is_quiet : bool
-        a store brings about no event and no interrupt, so nobody needs to look
+    A 1 written to a bit that is neither writable nor ignored, and does not read 1, is an error.
+    The device's methods _write_NAME(name, old, new) and _read_NAME(name) act instead of a plain
+    store and load; `rule` is their NAME where several registers share them.
     """
 
     name: str
     reset: int = 0
     writable: int = WORD
-    ignored: int = 0
-    write: Callable[[int, int], None] | None = None
-    read: Callable[[], int] | None = None
-    sizes: tuple[int, ...] = (4,)
-    is_quiet: bool = False
-
-
-class Model(Protocol):
-    """What the bus asks of a device."""
-
-    name: str
-    base: int
-    size: int
-
-    def read(self, offset: int, size: int) -> int:
-        """Return what a load gives."""
-
-    def write(self, offset: int, size: int, value: int) -> None:
-        """Do what a store does."""
-
-    def reset(self) -> None:
-        """Take the state behind a system reset."""
-
-    def next_event(self) -> int:
-        """Return when [cycles] advance() has something to do, NEVER for not at all."""
-
-    def advance(self) -> None:
-        """Do what is due at the clock's time."""
+    ignored: int = 0  # bits that the hardware sets and software may write back
+    rule: str = ""
+    sizes: tuple[int, ...] = (4,)  # [bytes] of accesses
 
 
 class Device:
-    """A block of registers; subclasses fill `regs` (offset -> Reg) and add behaviour."""
+    """A block of registers; subclasses define them and add behaviour.
+
+    `due` is when [cycles] advance() has something to do, NEVER for not at all.
+    """
 
     def __init__(self, name: str, base: int, clock: InsnClock, size: int = 0x400) -> None:
         self.name, self.base, self.size, self.clock = name, base, size, clock
         self.regs: dict[int, Reg] = {}
         self.v: dict[str, int] = {}
+        self.due = NEVER
 
     def define(self, regs: dict[int, Reg]) -> None:
         """Add registers by offset and give them their values after reset."""
@@ -124,12 +86,9 @@ class Device:
         self.v |= {reg.name: reg.reset for reg in regs.values()}
 
     def reset(self) -> None:
-        """Take the values behind a system reset."""
+        """Take the values after a system reset."""
         self.v = {reg.name: reg.reset for reg in self.regs.values()}
-
-    def next_event(self) -> int:
-        """Return when [cycles] advance() has something to do."""
-        return NEVER
+        self.due = NEVER
 
     def advance(self) -> None:
         """Do what is due at the clock's time."""
@@ -145,8 +104,9 @@ class Device:
     def read(self, offset: int, size: int) -> int:
         """Return what a load gives."""
         reg = self._reg(offset, size)
-        value = self.v[reg.name] if reg.read is None else reg.read()
-        return value >> 8 * (offset & 3) & ((1 << 8 * size) - 1)
+        act = getattr(self, f"_read_{reg.rule or reg.name}", None)
+        value = self.v[reg.name] if act is None else act(reg.name)
+        return int(value) >> 8 * (offset & 3) & ((1 << 8 * size) - 1)
 
     def write(self, offset: int, size: int, value: int) -> None:
         """Do what a store does; a narrow one keeps the other bytes of the register."""
@@ -159,12 +119,12 @@ class Device:
         if foreign:
             raise UnmodelledError(f"{self.name}.{reg.name}: nobody models bits 0x{foreign:x}")
         new = (new & reg.writable) | (old & ~reg.writable)
-        if reg.write is None:
+        act = getattr(self, f"_write_{reg.rule or reg.name}", None)
+        if act is None:
             self.v[reg.name] = new
         else:
-            reg.write(old, new)
-            if not reg.is_quiet:
-                self.clock.wake()
+            act(reg.name, old, new)
+            self.clock.deadline = min(self.clock.deadline, max(self.due, self.clock.now))
 
 
 class Bus:
@@ -172,24 +132,22 @@ class Bus:
 
     Attributes
     ----------
-    models : list of Model
-        all of them
     by_kb : dict
         kilobyte of the address space -> its device
     """
 
     def __init__(self) -> None:
-        self.models: list[Model] = []
-        self.by_kb: dict[int, Model] = {}
+        self.models: list[Device] = []
+        self.by_kb: dict[int, Device] = {}
 
-    def add(self, model: Model) -> None:
+    def add(self, model: Device) -> None:
         """Place a device; its size is a multiple of 1 KB."""
         for kb in range(model.base >> 10, (model.base + model.size) >> 10):
             assert kb not in self.by_kb, f"{model.name} overlaps {self.by_kb[kb].name}"
             self.by_kb[kb] = model
         self.models.append(model)
 
-    def _model(self, address: int) -> Model:
+    def _model(self, address: int) -> Device:
         model = self.by_kb.get(address >> 10)
         if model is None:
             raise UnmodelledError(f"no device at 0x{address:08x}")

@@ -68,6 +68,7 @@ class Nvic(Device):
         self.enabled: set[int] = set()
         self.on_reset_request: Callable[[], None] = lambda: None
         self.mpu = Mpu()
+        self._write_mpu = self.mpu.write
         self.define(self._scb() | self.mpu.registers() | self._nvic() | self._systick())
 
     def reset(self) -> None:
@@ -130,17 +131,15 @@ class Nvic(Device):
             0xD80: ("ccsidr", 0xF00FE019),
         }
         regs = {at: Reg(name, value, 0) for at, (name, value) in fixed.items()}
-        regs[0xD04] = Reg(
-            "icsr", 0, 1 << 27 | 1 << 25, write=self._write_icsr, read=self._read_icsr
-        )
-        regs[0xD08] = Reg("vtor", 0, 0xFFFFFF80, write=self._write_vtor)
-        regs[0xD0C] = Reg("aircr", 0xFA050000, write=self._write_aircr)
+        regs[0xD04] = Reg("icsr", 0, 1 << 27 | 1 << 25)
+        regs[0xD08] = Reg("vtor", 0, 0xFFFFFF80)
+        regs[0xD0C] = Reg("aircr", 0xFA050000)
         regs[0xD10] = Reg("scr", 0, 0)
         regs[0xD14] = Reg("ccr", 0x40200, 0x70318)
         regs |= {0xD14 + 4 * i: Reg(f"shpr{i}", sizes=(1, 2, 4)) for i in (1, 2, 3)}
         regs[0xD24] = Reg("shcsr", 0, 0x70000)
         for at, name in ((0xD28, "cfsr"), (0xD2C, "hfsr")):
-            regs[at] = Reg(name, write=self._clear_by_one(name))
+            regs[at] = Reg(name, rule="by_one")
         regs |= {0xD34: Reg("mmfar"), 0xD38: Reg("bfar")}
         regs[0xD84] = Reg("csselr", 0, 1)
         regs[0xD88] = Reg("cpacr", 0, 0xF << 20)
@@ -155,7 +154,7 @@ class Nvic(Device):
         regs: dict[int, Reg] = {}
         for i in range(IRQ_WORDS):
             for at, name in ((0x100, "iser"), (0x180, "icer"), (0x200, "ispr"), (0x280, "icpr")):
-                regs[at + 4 * i] = Reg(f"{name}{i}", write=self._write_irqs(name, i))
+                regs[at + 4 * i] = Reg(f"{name}{i}", rule="irqs")
         ipr = {0x400 + 4 * i: Reg(f"ipr{i}", sizes=(1, 2, 4)) for i in range((N_IRQS + 3) // 4)}
         return regs | ipr
 
@@ -163,38 +162,37 @@ class Nvic(Device):
         """SysTick must stay off: the image has no use for it."""
         return {0x10: Reg("syst_csr", 0, 0), 0x14: Reg("syst_rvr", 0, 0xFFFFFF)}
 
-    def _write_irqs(self, name: str, word: int) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            irqs = {32 * word + bit for bit in range(32) if new >> bit & 1}
-            if name == "iser":
-                foreign = irqs - set(self.lines)
-                if foreign:
-                    raise UnmodelledError(f"nvic: no device raises interrupts {sorted(foreign)}")
-                self.enabled |= irqs
-            elif name == "icer":
-                self.enabled -= irqs
-            elif name == "ispr":
-                self.pending |= {irq + FIRST_IRQ for irq in irqs}
-            else:
-                self.pending -= {irq + FIRST_IRQ for irq in irqs}
-            self.v[f"iser{word}"] = sum(1 << irq % 32 for irq in self.enabled if irq // 32 == word)
+    def _write_irqs(self, name: str, old: int, new: int) -> None:
+        kind, word = name[:4], int(name[4:])
+        irqs = {32 * word + bit for bit in range(32) if new >> bit & 1}
+        if kind == "iser":
+            foreign = irqs - set(self.lines)
+            if foreign:
+                raise UnmodelledError(f"nvic: no device raises interrupts {sorted(foreign)}")
+            self.enabled |= irqs
+        elif kind == "icer":
+            self.enabled -= irqs
+        elif kind == "ispr":
+            self.pending |= {irq + FIRST_IRQ for irq in irqs}
+        else:
+            self.pending -= {irq + FIRST_IRQ for irq in irqs}
+        self.v[f"iser{word}"] = sum(1 << irq % 32 for irq in self.enabled if irq // 32 == word)
+        self.clock.wake()
 
-        return write
-
-    def _read_icsr(self) -> int:
+    def _read_icsr(self, name: str) -> int:
         return self.active[-1] if self.active else 0
 
-    def _write_icsr(self, old: int, new: int) -> None:
+    def _write_icsr(self, name: str, old: int, new: int) -> None:
         raise UnmodelledError("scb.icsr: exceptions pended by software")
 
-    def _write_vtor(self, old: int, new: int) -> None:
+    def _write_vtor(self, name: str, old: int, new: int) -> None:
         if new & 0x3FF:
             raise UnmodelledError(
                 f"scb.vtor 0x{new:x}: 166 vectors need an address of a multiple of 1024"
             )
         self.v["vtor"] = new
 
-    def _write_aircr(self, old: int, new: int) -> None:
+    def _write_aircr(self, name: str, old: int, new: int) -> None:
         if new >> 16 != VECTKEY:
             raise UnmodelledError(f"scb.aircr 0x{new:x} without its key")
         if new & 0xFF & ~SYSRESETREQ:
@@ -203,11 +201,8 @@ class Nvic(Device):
         if new & SYSRESETREQ:
             self.on_reset_request()
 
-    def _clear_by_one(self, name: str) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            self.v[name] = old & ~new
-
-        return write
+    def _write_by_one(self, name: str, old: int, new: int) -> None:
+        self.v[name] = old & ~new
 
 
 class Dwt(Device):
@@ -216,25 +211,18 @@ class Dwt(Device):
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("dwt", 0xE0001000, clock, 0x1000)
         self._zero_at = 0
-        self.define(
-            {
-                0x000: Reg("ctrl", 0x40000000, 1, write=self._write_ctrl),
-                0x004: Reg("cyccnt", 0, write=self._write_cyccnt, read=self.cycles),
-                0xFB0: Reg("lar"),
-            }
-        )
+        self.define({0x000: Reg("ctrl", 0x40000000, 1), 0x004: Reg("cyccnt"), 0xFB0: Reg("lar")})
 
-    def cycles(self) -> int:
-        """Return the counter."""
+    def _read_cyccnt(self, name: str) -> int:
         running = self.v["ctrl"] & 1
         return (self.clock.now - self._zero_at) & WORD if running else self.v["cyccnt"]
 
-    def _write_ctrl(self, old: int, new: int) -> None:
-        frozen = self.cycles()
+    def _write_ctrl(self, name: str, old: int, new: int) -> None:
+        frozen = self._read_cyccnt(name)
         self.v["ctrl"] = new
-        self._write_cyccnt(0, frozen)
+        self._write_cyccnt(name, 0, frozen)
 
-    def _write_cyccnt(self, old: int, new: int) -> None:
+    def _write_cyccnt(self, name: str, old: int, new: int) -> None:
         self.v["cyccnt"] = new
         self._zero_at = self.clock.now - new
 
@@ -244,15 +232,17 @@ class Exceptions:
 
     def __init__(self, uc: Uc, nvic: Nvic) -> None:
         self.uc, self.nvic = uc, nvic
+        self.is_held = False  # an exception is due, but masked
 
     def due(self) -> int | None:
         """Return the exception that the core takes before its next instruction."""
         best = self.nvic.best()
+        self.is_held = False
         if best is None:
             return None
         masks = (arm.UC_ARM_REG_PRIMASK, arm.UC_ARM_REG_BASEPRI, arm.UC_ARM_REG_FAULTMASK)
-        is_masked = self.nvic.is_masked(best, *(self.uc.reg_read(mask) for mask in masks))
-        return None if is_masked else best
+        self.is_held = self.nvic.is_masked(best, *(self.uc.reg_read(mask) for mask in masks))
+        return None if self.is_held else best
 
     def _word(self, address: int) -> int:
         return int.from_bytes(self.uc.mem_read(address, 4), "little")

@@ -101,4 +101,4 @@ class Devices:
         devices += [*self.tim.values(), *self.pulses.values(), *self.gpio.ports.values()]
         for device in devices:
             self.bus.add(device)
-        self.timed = [d for d in devices if type(d).next_event is not Device.next_event]
+        self.timed = [d for d in devices if type(d).advance is not Device.advance]

@@ -74,9 +74,9 @@ class Ccu(Device):
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("fdcan ccu", 0x4000A800, clock)
         self.can_configure: Callable[[], bool] = lambda: False
-        self.define({0x04: Reg("ccfg", 0x00000004, 0x000FFFDF, write=self._write_ccfg)})
+        self.define({0x04: Reg("ccfg", 0x00000004, 0x000FFFDF)})
 
-    def _write_ccfg(self, old: int, new: int) -> None:
+    def _write_ccfg(self, name: str, old: int, new: int) -> None:
         if not self.can_configure():
             raise UnmodelledError("fdcan ccu.ccfg written without INIT and CCE of FDCAN1")
         self.v["ccfg"] = new
@@ -104,7 +104,7 @@ class Fdcan(Device):
         self.sent: defaultdict[int, list[Frame]] = defaultdict(list)
         self.lost = 0
         self._queue: deque[int] = deque()
-        self._done_at = self._back_at = NEVER
+        self._done_at = self._back_at = self.due = NEVER
         self._rx_put = self._rx_get = self._rx_fill = self._tx_put = 0
         guarded = 0xFFFFFFFF
         self.define(
@@ -112,16 +112,16 @@ class Fdcan(Device):
                 0x00: Reg("crel", 0x32141218, 0),
                 0x04: Reg("endn", 0x87654321, 0),
                 0x0C: Reg("dbtp", 0x00000A33, 0x009F1FFF),
-                0x10: Reg("test", 0, LBCK, write=self._write_test),
+                0x10: Reg("test", 0, LBCK),
                 0x14: Reg("rwd", 0, 0xFF),
-                0x18: Reg("cccr", INIT, 0xF7FF, write=self._write_cccr),
+                0x18: Reg("cccr", INIT, 0xF7FF),
                 0x1C: Reg("nbtp", 0x06000A03, 0xFFFFFF7F),
                 0x20: Reg("tscc", 0, 0),
                 0x28: Reg("tocc", 0xFFFF0000, 0),
                 0x40: Reg("ecr", 0, 0),
                 0x44: Reg("psr", 0x707, 0),
                 0x48: Reg("tdcr", 0, 0x7F7F),
-                0x50: Reg("ir", 0, 0x3FCFFFFF, write=self._write_ir),
+                0x50: Reg("ir", 0, 0x3FCFFFFF),
                 0x54: Reg("ie", 0, 0),
                 0x58: Reg("ils", 0, 0),
                 0x5C: Reg("ile", 0, 0),
@@ -130,16 +130,16 @@ class Fdcan(Device):
                 0x88: Reg("xidfc", 0, 0x007FFFFC),
                 0x90: Reg("xidam", 0x1FFFFFFF, 0x1FFFFFFF),
                 0xA0: Reg("rxf0c", 0, guarded),
-                0xA4: Reg("rxf0s", 0, 0, read=self._read_rxf0s),
-                0xA8: Reg("rxf0a", 0, 0x3F, write=self._write_rxf0a),
+                0xA4: Reg("rxf0s", 0, 0),
+                0xA8: Reg("rxf0a", 0, 0x3F),
                 0xAC: Reg("rxbc", 0, 0xFFFC),
                 0xB0: Reg("rxf1c", 0, 0),
                 0xBC: Reg("rxesc", 0, 0x777),
                 0xC0: Reg("txbc", 0, 0x7F3FFFFC),
-                0xC4: Reg("txfqs", 0, 0, read=self._read_txfqs),
+                0xC4: Reg("txfqs", 0, 0),
                 0xC8: Reg("txesc", 0, 0x7),
-                0xCC: Reg("txbrp", 0, 0, read=self._read_txbrp),
-                0xD0: Reg("txbar", 0, write=self._write_txbar),
+                0xCC: Reg("txbrp", 0, 0),
+                0xD0: Reg("txbar", 0),
                 0xD8: Reg("txbto", 0, 0),
                 0xDC: Reg("txbcf", 0, 0),
                 0xE0: Reg("txbtie", 0, 0),
@@ -156,7 +156,7 @@ class Fdcan(Device):
 
     def _leave(self) -> None:
         self._queue.clear()
-        self._done_at = NEVER
+        self._done_at, self.due = NEVER, self._back_at
         self._rx_put = self._rx_get = self._rx_fill = self._tx_put = 0
 
     def write(self, offset: int, size: int, value: int) -> None:
@@ -196,7 +196,7 @@ class Fdcan(Device):
 
     # Registers
 
-    def _write_cccr(self, old: int, new: int) -> None:
+    def _write_cccr(self, name: str, old: int, new: int) -> None:
         if new & CCE and not (old & INIT and new & INIT):
             new &= ~CCE  # CCE needs INIT to have been read back as set
         if new & INIT:
@@ -207,13 +207,14 @@ class Fdcan(Device):
             idle_bits = 129 * 11
             cycles = int(idle_bits * self.rcc.core_hz() / self.bit_hz())
             self._back_at = self.clock.now + cycles
+            self.due = min(self._done_at, self._back_at)
         if not new & TEST:
             self.v["test"] = 0
         if not new & INIT and bool(new & MON) != self._is_looped():
             raise UnmodelledError("fdcan1: MON without LBCK, or LBCK without MON")
         self.v["cccr"] = new
 
-    def _write_test(self, old: int, new: int) -> None:
+    def _write_test(self, name: str, old: int, new: int) -> None:
         if not self.v["cccr"] & TEST:
             raise UnmodelledError("fdcan1.test written while TEST is 0")
         self.v["test"] = new
@@ -221,7 +222,7 @@ class Fdcan(Device):
     def _is_looped(self) -> bool:
         return bool(self.v["test"] & LBCK)
 
-    def _write_ir(self, old: int, new: int) -> None:
+    def _write_ir(self, name: str, old: int, new: int) -> None:
         self.v["ir"] = old & ~new
 
     def _is_on_bus(self) -> bool:
@@ -232,14 +233,18 @@ class Fdcan(Device):
     def _rx_words(self) -> tuple[int, int, int]:
         """Return first word, words per element, number of elements."""
         config = self.v["rxf0c"]
-        return (config & 0xFFFC) // 4, 2 + DATA_BYTES[self.v["rxesc"] & 7] // 4, config >> 16 & 127
+        return (
+            (config & 0xFFFC) // 4,
+            2 + DATA_BYTES[self.v["rxesc"] & 7] // 4,
+            config >> 16 & 127,
+        )
 
-    def _read_rxf0s(self) -> int:
+    def _read_rxf0s(self, name: str) -> int:
         full = self._rx_fill == self._rx_words()[2] and self._rx_fill > 0
         lost = bool(self.v["ir"] & RF0L)
         return self._rx_fill | self._rx_get << 8 | self._rx_put << 16 | full << 24 | lost << 25
 
-    def _write_rxf0a(self, old: int, new: int) -> None:
+    def _write_rxf0a(self, name: str, old: int, new: int) -> None:
         if not self._rx_fill or new != self._rx_get:
             raise UnmodelledError(
                 f"fdcan1.rxf0a: element {new} acknowledged, {self._rx_get} is due"
@@ -296,18 +301,18 @@ class Fdcan(Device):
         config = self.v["txbc"]
         if config >> 16 & 0x3F or config >> 30 & 1:
             raise UnmodelledError("fdcan1: dedicated transmit buffers or queue mode")
-        return (config & 0xFFFC) // 4, 2 + DATA_BYTES[self.v["txesc"] & 7] // 4, config >> 24 & 63
+        return ((config & 0xFFFC) // 4, 2 + DATA_BYTES[self.v["txesc"] & 7] // 4, config >> 24 & 63)
 
-    def _read_txfqs(self) -> int:
+    def _read_txfqs(self, name: str) -> int:
         _, _, n = self._tx_words()
         free = n - len(self._queue)
         get = self._queue[0] if self._queue else self._tx_put
         return free | get << 8 | self._tx_put << 16 | (free == 0) << 21
 
-    def _read_txbrp(self) -> int:
+    def _read_txbrp(self, name: str) -> int:
         return sum(1 << element for element in self._queue)
 
-    def _write_txbar(self, old: int, new: int) -> None:
+    def _write_txbar(self, name: str, old: int, new: int) -> None:
         if not self._is_on_bus():
             return
         _, _, n = self._tx_words()
@@ -320,6 +325,7 @@ class Fdcan(Device):
     def _begin(self) -> None:
         if self._queue and self._done_at == NEVER:
             self._done_at = self.clock.now + self._cycles(len(self._frame(self._queue[0]).data))
+            self.due = min(self._done_at, self._back_at)
 
     def _frame(self, element: int) -> Frame:
         first, words, _ = self._tx_words()
@@ -330,10 +336,6 @@ class Fdcan(Device):
         n = min(DLC_BYTES[t1 >> 16 & 15], 64 if is_fd else 8)
         content = b"".join(word.to_bytes(4, "little") for word in data)
         return Frame(t0 >> 18 & 0x7FF, content[:n], is_fd, self.clock.now)
-
-    def next_event(self) -> int:
-        """Return when the frame on the bus ends, or the silence behind a bus-off."""
-        return min(self._done_at, self._back_at)
 
     def advance(self) -> None:
         """End the frame on the bus, begin the next one; come back from bus-off."""
@@ -348,13 +350,14 @@ class Fdcan(Device):
             else:
                 self.sent[frame.id].append(frame)
             self._begin()
+        self.due = min(self._done_at, self._back_at)
 
     def go_bus_off(self) -> None:
         """Let the bus fail until the image clears INIT again and 129 times 11 bits have passed."""
         self.v["psr"] |= BUS_OFF
         self.v["cccr"] |= INIT
         self._queue.clear()
-        self._done_at = self._back_at = NEVER
+        self._done_at = self._back_at = self.due = NEVER
 
 
 def _dlc(data: bytes) -> int:

@@ -92,10 +92,10 @@ class Flash(Device):
             at = 0x100 * bank
             self.define(
                 {
-                    at + 0x04: Reg(f"keyr{bank}", write=self._write_key(bank)),
-                    at + 0x0C: Reg(f"cr{bank}", LOCK | 3 << 4, write=self._write_cr(bank)),
-                    at + 0x10: Reg(f"sr{bank}", 0, 0, read=self._read_sr(bank)),
-                    at + 0x14: Reg(f"ccr{bank}", 0, FLAGS, write=self._write_ccr(bank)),
+                    at + 0x04: Reg(f"keyr{bank}", rule="key"),
+                    at + 0x0C: Reg(f"cr{bank}", LOCK | 3 << 4, rule="cr"),
+                    at + 0x10: Reg(f"sr{bank}", 0, 0, rule="sr"),
+                    at + 0x14: Reg(f"ccr{bank}", 0, FLAGS, rule="ccr"),
                     at + 0x60: Reg(f"ecc_fa{bank}", 0, 0),  # flash word of the bank
                 }
             )
@@ -105,18 +105,13 @@ class Flash(Device):
         super().reset()
         self._keys, self._busy_until, self._flags = [[], []], [0, 0], [0, 0]
 
-    def _read_sr(self, bank: int) -> Callable[[], int]:
-        def read() -> int:
-            self.clock.skip_to(self._busy_until[bank])
-            return (QW if self.clock.now < self._busy_until[bank] else 0) | self._flags[bank]
+    def _read_sr(self, name: str) -> int:
+        bank = int(name[-1])
+        self.clock.skip_to(self._busy_until[bank])
+        return (QW if self.clock.now < self._busy_until[bank] else 0) | self._flags[bank]
 
-        return read
-
-    def _write_ccr(self, bank: int) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            self._flags[bank] &= ~new
-
-        return write
+    def _write_ccr(self, name: str, old: int, new: int) -> None:
+        self._flags[int(name[-1])] &= ~new
 
     def _require_quiet(self, bank: int) -> None:
         """Raise when the core may read ahead in a bank that is to work: it would wait for it."""
@@ -135,35 +130,31 @@ class Flash(Device):
         if self.clock.now < self._busy_until[bank]:
             raise UnmodelledError(f"flash: bank {bank + 1} is busy")
 
-    def _write_key(self, bank: int) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            if not self.v[f"cr{bank}"] & LOCK:
-                raise UnmodelledError(f"flash: keys for bank {bank + 1}, which is not locked")
-            self._keys[bank].append(new)
-            if tuple(self._keys[bank]) == KEYS:
-                self.v[f"cr{bank}"] &= ~LOCK
-            elif self._keys[bank] != [KEYS[0]]:
-                raise UnmodelledError("flash: wrong key, locked until a reset")
+    def _write_key(self, name: str, old: int, new: int) -> None:
+        bank = int(name[-1])
+        if not self.v[f"cr{bank}"] & LOCK:
+            raise UnmodelledError(f"flash: keys for bank {bank + 1}, which is not locked")
+        self._keys[bank].append(new)
+        if tuple(self._keys[bank]) == KEYS:
+            self.v[f"cr{bank}"] &= ~LOCK
+        elif self._keys[bank] != [KEYS[0]]:
+            raise UnmodelledError("flash: wrong key, locked until a reset")
 
-        return write
-
-    def _write_cr(self, bank: int) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            if old & LOCK:
-                raise UnmodelledError(f"flash.cr{bank} is locked")
-            self._require_idle(bank)
-            if new & ~(LOCK | PG | SER | 3 << 4 | START | 7 << 8):
-                raise UnmodelledError(f"flash.cr{bank} 0x{new:x}")
-            if new & LOCK:
-                self._keys[bank] = []
-            self.v[f"cr{bank}"] = new & ~START
-            self._pg_at[bank] = self.clock.now
-            if new & (PG | START):
-                self._require_quiet(bank)
-            if new & START:
-                self._erase(bank, new)
-
-        return write
+    def _write_cr(self, name: str, old: int, new: int) -> None:
+        bank = int(name[-1])
+        if old & LOCK:
+            raise UnmodelledError(f"flash.{name} is locked")
+        self._require_idle(bank)
+        if new & ~(LOCK | PG | SER | 3 << 4 | START | 7 << 8):
+            raise UnmodelledError(f"flash.{name} 0x{new:x}")
+        if new & LOCK:
+            self._keys[bank] = []
+        self.v[name] = new & ~START
+        self._pg_at[bank] = self.clock.now
+        if new & (PG | START):
+            self._require_quiet(bank)
+        if new & START:
+            self._erase(bank, new)
 
     def _is_cut(self) -> bool:
         if self.left is None:
@@ -232,10 +223,6 @@ class Flash(Device):
         self._flags[bank] |= flag
         self.v[f"ecc_fa{bank}"] = at // WORD_BYTES
 
-    def next_event(self) -> int:
-        """Return when an operation ends."""
-        return min((at for at in self._busy_until if at > self.clock.now), default=NEVER)
-
     def check(self, axi_hz: int, scale: int) -> None:
         """Raise when flash cannot be read at this clock."""
         latency, delay = self.v["acr"] & 15, self.v["acr"] >> 4 & 3
@@ -262,15 +249,15 @@ class Syscfg(Device):
         super().__init__("syscfg", 0x58000400, clock)
         self.is_on_its_way = False
         self.on_boost: Callable[[], None] = lambda: None
-        self.define({0x2C: Reg("pwrcr", 0, 1, write=self._write_pwrcr, read=self._read_pwrcr)})
+        self.define({0x2C: Reg("pwrcr", 0, 1)})
 
-    def _write_pwrcr(self, old: int, new: int) -> None:
+    def _write_pwrcr(self, name: str, old: int, new: int) -> None:
         self.v["pwrcr"] = new
         if old != new:
             self.is_on_its_way = True
             self.on_boost()
 
-    def _read_pwrcr(self) -> int:
+    def _read_pwrcr(self, name: str) -> int:
         self.is_on_its_way = False
         return self.v["pwrcr"]
 
@@ -303,16 +290,13 @@ class Pwr(Device):
         self.syscfg = syscfg
         self.on_ready: Callable[[], None] = lambda: None
         syscfg.on_boost = self._unsettle
-        self._settled_at = NEVER
         self._is_locked = False  # CR3 was written since power-on
         self.define(
             {
                 0x00: Reg("cr1", 0xF000C000, 0x0007C3FF),
-                0x04: Reg("csr1", 0x4000, 0, read=self._read_csr1),
-                0x0C: Reg("cr3", 0x00000006, 0x7, write=self._write_cr3),
-                0x18: Reg(
-                    "d3cr", 0x4000, 0xC000, 1 << 13, write=self._write_d3cr, read=self._read_d3cr
-                ),
+                0x04: Reg("csr1", 0x4000, 0),
+                0x0C: Reg("cr3", 0x00000006, 0x7),
+                0x18: Reg("d3cr", 0x4000, 0xC000, 1 << 13),
             }
         )
 
@@ -320,7 +304,6 @@ class Pwr(Device):
         """Take the values behind a system reset; CR3 is kept until the power goes."""
         cr3 = self.v["cr3"]
         super().reset()
-        self._settled_at = NEVER
         if self._is_locked:
             self.v |= {"cr3": cr3, "csr1": 1 << 13 | 0x4000}
 
@@ -334,7 +317,7 @@ class Pwr(Device):
         if not self.v["csr1"] >> 13 & 1:
             return 3
         scale = SCALE[self.v["csr1"] >> 14 & 3]
-        is_boosted = self.syscfg.v["pwrcr"] & 1 and self._settled_at == NEVER
+        is_boosted = self.syscfg.v["pwrcr"] & 1 and self.due == NEVER
         return 0 if scale == 1 and is_boosted else scale
 
     def check(self, core_hz: int) -> None:
@@ -342,16 +325,16 @@ class Pwr(Device):
         if core_hz > CORE_MHZ[self.scale()] * 10**6:
             raise UnmodelledError(f"pwr: core at {core_hz} Hz with voltage scale {self.scale()}")
 
-    def _write_cr3(self, old: int, new: int) -> None:
+    def _write_cr3(self, name: str, old: int, new: int) -> None:
         if self._is_locked and (old ^ new) & 7:
             raise UnmodelledError("pwr.cr3: written a second time since power-on")
         if new & 3 != 2:
             raise UnmodelledError("pwr.cr3: supply other than the LDO")
         self._is_locked = True
         self.v["cr3"] = new
-        self._settled_at = min(self._settled_at, self.clock.now + SETTLE_CYCLES)
+        self.due = min(self.due, self.clock.now + SETTLE_CYCLES)
 
-    def _write_d3cr(self, old: int, new: int) -> None:
+    def _write_d3cr(self, name: str, old: int, new: int) -> None:
         if not new >> 14 & 3:
             raise UnmodelledError("pwr.d3cr: reserved value of VOS")
         if not self.v["csr1"] & 1 << 13:
@@ -360,31 +343,27 @@ class Pwr(Device):
         self._unsettle()
 
     def _unsettle(self) -> None:
-        self._settled_at = self.clock.now + SETTLE_CYCLES
+        self.due = self.clock.now + SETTLE_CYCLES
+        self.clock.wake()
 
     def _skip(self) -> None:
-        if self._settled_at != NEVER:
-            self.clock.skip_to(self._settled_at)
+        if self.due != NEVER:
+            self.clock.skip_to(self.due)
 
-    def _read_csr1(self) -> int:
+    def _read_csr1(self, name: str) -> int:
         self._skip()
         return self.v["csr1"]
 
-    def _read_d3cr(self) -> int:
+    def _read_d3cr(self, name: str) -> int:
         if self.syscfg.is_on_its_way:
             raise UnmodelledError("pwr.d3cr: VOSRDY read before ODEN has arrived: read it back")
         self._skip()
-        is_ready = self._settled_at == NEVER and self.v["csr1"] & 1 << 13
+        is_ready = self.due == NEVER and self.v["csr1"] & 1 << 13
         return self.v["d3cr"] | (1 << 13 if is_ready else 0)
-
-    def next_event(self) -> int:
-        """Return when the voltage has settled."""
-        return self._settled_at
 
     def advance(self) -> None:
         """Let the voltage settle."""
-        if self.clock.now >= self._settled_at:
-            self._settled_at = NEVER
-            if not self.v["csr1"] & 1 << 13:
-                self.on_ready()
-            self.v["csr1"] = 1 << 13 | (self.v["d3cr"] & 0xC000)
+        self.due = NEVER
+        if not self.v["csr1"] & 1 << 13:
+            self.on_ready()
+        self.v["csr1"] = 1 << 13 | (self.v["d3cr"] & 0xC000)

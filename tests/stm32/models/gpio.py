@@ -42,15 +42,15 @@ class GpioPort(Device):
         halves = (2, 4)
         self.define(
             {
-                0x00: Reg("moder", reset["moder"], write=self._store("moder")),
+                0x00: Reg("moder", reset["moder"], rule="level"),
                 0x04: Reg("otyper", 0, 0),
                 0x08: Reg("ospeedr", reset.get("ospeedr", 0)),
-                0x0C: Reg("pupdr", reset.get("pupdr", 0), write=self._store("pupdr")),
-                0x10: Reg("idr", 0, 0, read=self._read_idr, sizes=halves),
-                0x14: Reg("odr", 0, 0xFFFF, write=self._store("odr"), sizes=halves),
-                0x18: Reg("bsrr", 0, write=self._write_bsrr, sizes=halves, is_quiet=True),
-                0x20: Reg("afrl", 0, write=self._store("afrl")),
-                0x24: Reg("afrh", 0, write=self._store("afrh")),
+                0x0C: Reg("pupdr", reset.get("pupdr", 0), rule="level"),
+                0x10: Reg("idr", 0, 0, sizes=halves),
+                0x14: Reg("odr", 0, 0xFFFF, rule="level", sizes=halves),
+                0x18: Reg("bsrr", 0, sizes=halves),
+                0x20: Reg("afrl", 0, rule="level"),
+                0x24: Reg("afrh", 0, rule="level"),
             }
         )
         self._levels = [self.level(pin) for pin in range(16)]
@@ -99,20 +99,17 @@ class GpioPort(Device):
             self._levels[pin] = level
             self.on_change(pin, level)
 
-    def _store(self, name: str) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            self.v[name] = new
-            self._tell()
+    def _write_level(self, name: str, old: int, new: int) -> None:
+        self.v[name] = new
+        self._tell()
 
-        return write
-
-    def _write_bsrr(self, old: int, new: int) -> None:
+    def _write_bsrr(self, name: str, old: int, new: int) -> None:
         odr = (self.v["odr"] & ~(new >> 16)) | (new & 0xFFFF)
         if odr != self.v["odr"]:
             self.v["odr"] = odr
             self._tell()
 
-    def _read_idr(self) -> int:
+    def _read_idr(self, name: str) -> int:
         bits = (self.level(pin) << pin for pin in range(16) if self.mode(pin) != ANALOGUE)
         return sum(bits)
 

@@ -15,13 +15,12 @@ class Iwdg(Device):
     def __init__(self, clock: InsnClock, rcc: Rcc, on_bite: Callable[[], None]) -> None:
         super().__init__("iwdg1", 0x58004800, clock)
         self.rcc, self.on_bite = rcc, on_bite
-        self._bites_at = NEVER
         self._can_write = False
         self.define(
             {
-                0x00: Reg("kr", 0, 0xFFFF, write=self._write_kr),
-                0x04: Reg("pr", 0, 7, write=self._write_locked("pr")),
-                0x08: Reg("rlr", 0xFFF, 0xFFF, write=self._write_locked("rlr")),
+                0x00: Reg("kr", 0, 0xFFFF),
+                0x04: Reg("pr", 0, 7, rule="locked"),
+                0x08: Reg("rlr", 0xFFF, 0xFFF, rule="locked"),
                 0x0C: Reg("sr", 0, 0),  # updates take effect at once here
                 0x10: Reg("winr", 0xFFF, 0),
             }
@@ -30,39 +29,30 @@ class Iwdg(Device):
     def reset(self) -> None:
         """Stop: only a reset can."""
         super().reset()
-        self._bites_at = NEVER
         self._can_write = False
 
     @property
     def is_running(self) -> bool:
         """Whether it was started since the last reset."""
-        return self._bites_at != NEVER
+        return self.due != NEVER
 
     def put_forward(self, cycles: int) -> None:
         """Let it bite sooner, unless somebody feeds it."""
-        self._bites_at -= cycles
+        self.due -= cycles
 
-    def _write_kr(self, old: int, new: int) -> None:
+    def _write_kr(self, name: str, old: int, new: int) -> None:
         if new not in (KEY_START, KEY_RELOAD, KEY_ACCESS):
             raise UnmodelledError(f"iwdg1.kr: 0x{new:x}")
         self._can_write = new == KEY_ACCESS
         if new == KEY_START or (new == KEY_RELOAD and self.is_running):
             steps = (self.v["rlr"] + 1) * (4 << min(self.v["pr"], 6))
-            self._bites_at = self.clock.now + steps * self.rcc.core_hz() // LSI_HZ
+            self.due = self.clock.now + steps * self.rcc.core_hz() // LSI_HZ
 
-    def _write_locked(self, name: str) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            if not self._can_write:
-                raise UnmodelledError(f"iwdg1.{name} written without its key")
-            self.v[name] = new
-
-        return write
-
-    def next_event(self) -> int:
-        """Return when it bites."""
-        return self._bites_at
+    def _write_locked(self, name: str, old: int, new: int) -> None:
+        if not self._can_write:
+            raise UnmodelledError(f"iwdg1.{name} written without its key")
+        self.v[name] = new
 
     def advance(self) -> None:
-        """Bite when nobody came in time."""
-        if self.clock.now >= self._bites_at:
-            self.on_bite()
+        """Bite: nobody came in time."""
+        self.on_bite()

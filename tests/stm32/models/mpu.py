@@ -60,24 +60,24 @@ class Mpu:
         return bool(self._control & 1)
 
     def registers(self) -> dict[int, Reg]:
-        """Return the unit's registers; a region is selected by its number in MPU_RBAR."""
+        """Return the unit's registers."""
         return {
             0xD90: Reg("mpu_type", N_REGIONS << 8, 0),
-            0xD94: Reg("mpu_ctrl", 0, 7, write=self._write_ctrl),
-            0xD9C: Reg("mpu_rbar", write=self._write_rbar),
-            0xDA0: Reg("mpu_rasr", write=self._write_rasr),
+            0xD94: Reg("mpu_ctrl", 0, 7, rule="mpu"),
+            0xD9C: Reg("mpu_rbar", rule="mpu"),
+            0xDA0: Reg("mpu_rasr", rule="mpu"),
         }
 
-    def _write_ctrl(self, old: int, new: int) -> None:
-        self._control = new
-
-    def _write_rbar(self, old: int, new: int) -> None:
-        if not new & VALID or new & 15 >= N_REGIONS:
+    def write(self, name: str, old: int, new: int) -> None:
+        """Do what a store does; a region is selected by its number in MPU_RBAR."""
+        if name == "mpu_ctrl":
+            self._control = new
+        elif name == "mpu_rasr":
+            self._regions[self._selected] = Region(self._base, new)
+        elif not new & VALID or new & 15 >= N_REGIONS:
             raise UnmodelledError(f"mpu.rbar 0x{new:x}: without the number of its region")
-        self._selected, self._base = new & 15, new & ~31
-
-    def _write_rasr(self, old: int, new: int) -> None:
-        self._regions[self._selected] = Region(self._base, new)
+        else:
+            self._selected, self._base = new & 15, new & ~31
 
     def invites(self, address: int) -> bool:
         """Return whether the core may read or fetch ahead here: the last region decides."""

@@ -39,49 +39,44 @@ class PulseTimer(Device):
         self.rcc = rcc
         self.on_edge: Callable[[int, int], None] = lambda at, level: None
         self._edges: list[tuple[int, int]] = []  # of the train that runs, not yet told
-        self._ends = NEVER
         self._repetitions = 0
         self._level: int | None = None  # None: not driven
         rcc.before_change.append(self._refuse_change)
         self.define(
             {
-                0x00: Reg("cr1", 0, CEN | URS | OPM, write=self._write_cr1, read=self._read_cr1),
-                0x10: Reg("sr", 0, UIF, write=self._write_sr),
-                0x14: Reg("egr", 0, UG, write=self._write_egr),
-                0x16 + 2 * channel: Reg(self._ccmr, 0, 0x10070, write=self._write_idle(self._ccmr)),
-                0x20: Reg("ccer", 0, (CC1E | CC1P) << self._at, write=self._write_idle("ccer")),
+                0x00: Reg("cr1", 0, CEN | URS | OPM),
+                0x10: Reg("sr", 0, UIF),
+                0x14: Reg("egr", 0, UG),
+                0x16 + 2 * channel: Reg(self._ccmr, 0, 0x10070, rule="idle"),
+                0x20: Reg("ccer", 0, (CC1E | CC1P) << self._at, rule="idle"),
                 0x28: Reg("psc", 0, 0),
-                0x2C: Reg("arr", TOP, TOP, write=self._write_idle("arr")),
+                0x2C: Reg("arr", TOP, TOP, rule="idle"),
                 0x30: Reg("rcr", 0, 0xFF),
-                0x30 + 4 * channel: Reg(self._ccr, 0, TOP, write=self._write_idle(self._ccr)),
-                0x44: Reg("bdtr", 0, MOE, write=self._write_idle("bdtr")),
+                0x30 + 4 * channel: Reg(self._ccr, 0, TOP, rule="idle"),
+                0x44: Reg("bdtr", 0, MOE, rule="idle"),
             }
         )
 
     def reset(self) -> None:
         """Stop and let go of the pin."""
         super().reset()
-        self._edges, self._ends, self._repetitions, self._level = [], NEVER, 0, None
+        self._edges, self._repetitions, self._level = [], 0, None
 
     def is_running(self) -> bool:
         """Return whether a train is on its way."""
         self.catch_up()
-        return self._ends != NEVER
+        return self.due != NEVER
 
     def catch_up(self) -> None:
         """Tell the edges that have come until now."""
         while self._edges and self._edges[0][0] <= self.clock.now:
             at, self._level = self._edges.pop(0)
             self.on_edge(at, self._level)
-        if self._ends <= self.clock.now:
-            self._ends = NEVER
+        if self.due <= self.clock.now:
+            self.due = NEVER
             self.v["cr1"] &= ~CEN
             self.v["sr"] |= UIF
             self._repetitions = self.v["rcr"]
-
-    def next_event(self) -> int:
-        """Return when the train ends."""
-        return self._ends
 
     def advance(self) -> None:
         """End the train."""
@@ -116,7 +111,7 @@ class PulseTimer(Device):
             begin = self.clock.now + i * period * ratio
             self._edges.append((round(begin + compare * ratio), active))
             self._edges.append((round(begin + period * ratio), rest))
-        self._ends = self._edges[-1][0]
+        self.due = self._edges[-1][0]
         if not self._is_driven():
             self._edges = []
 
@@ -126,20 +121,17 @@ class PulseTimer(Device):
         if self.is_running():
             raise UnmodelledError(f"{self.name}: the clock changes in a train")
 
-    def _write_idle(self, name: str) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            if self.is_running():
-                raise UnmodelledError(f"{self.name}.{name} written in a train")
-            self.v[name] = new
-            self._show()
+    def _write_idle(self, name: str, old: int, new: int) -> None:
+        if self.is_running():
+            raise UnmodelledError(f"{self.name}.{name} written in a train")
+        self.v[name] = new
+        self._show()
 
-        return write
-
-    def _read_cr1(self) -> int:
+    def _read_cr1(self, name: str) -> int:
         self.catch_up()
         return self.v["cr1"]
 
-    def _write_cr1(self, old: int, new: int) -> None:
+    def _write_cr1(self, name: str, old: int, new: int) -> None:
         if self.is_running():
             raise UnmodelledError(f"{self.name}.cr1 written in a train")
         self.v["cr1"] = new
@@ -148,10 +140,10 @@ class PulseTimer(Device):
                 raise UnmodelledError(f"{self.name}: pulses without end")
             self._start()
 
-    def _write_sr(self, old: int, new: int) -> None:
+    def _write_sr(self, name: str, old: int, new: int) -> None:
         self.v["sr"] = old & new
 
-    def _write_egr(self, old: int, new: int) -> None:
+    def _write_egr(self, name: str, old: int, new: int) -> None:
         if self.is_running():
             raise UnmodelledError(f"{self.name}: UG ends the train")
         self._repetitions = self.v["rcr"]

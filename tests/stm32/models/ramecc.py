@@ -47,13 +47,10 @@ class Ramecc(Device):
         for i in MONITORS:
             at = 0x20 * i
             self.define({at: Reg(f"cr{i}", 0, 0x3C), at + 8: Reg(f"far{i}", 0, 0)})
-            self.define({at + 4: Reg(f"sr{i}", 0, 7, write=self._write_sr(i))})
+            self.define({at + 4: Reg(f"sr{i}", 0, 7, rule="sr")})
 
-    def _write_sr(self, monitor: int) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            self.v[f"sr{monitor}"] = old & new
-
-        return write
+    def _write_sr(self, name: str, old: int, new: int) -> None:
+        self.v[name] = old & new
 
     def irq(self) -> bool:
         """Return whether the interrupt's line is up."""

@@ -78,29 +78,28 @@ class Rcc(Device):
         self.before_change: list[Callable[[], None]] = []
         self.on_css: Callable[[], None] = lambda: None
         self.check_supply: Callable[[int, int], None] = lambda core_hz, axi_hz: None
-        self._ready_at = NEVER
         self._core_hz = self._timer_hz = self._apb3_hz = 0  # 0: to be computed
         self.define(
             {
-                0x00: Reg("cr", CR_RESET, 0x010D0019, write=self._write_cr, read=self._read_cr),
-                0x10: Reg("cfgr", 0, 0x00008007, write=self._write_cfgr),
-                0x18: Reg("d1cfgr", 0, 0x0F7F, write=self._write_divisor("d1cfgr")),
-                0x1C: Reg("d2cfgr", 0, 0x0770, write=self._write_divisor("d2cfgr")),
-                0x20: Reg("d3cfgr", 0, 0x0070, write=self._write_divisor("d3cfgr")),
-                0x28: Reg("pllckselr", 0x02020200, 0x03F3F3F3, write=self._write_pll("pllckselr")),
-                0x2C: Reg("pllcfgr", 0x01FF0000, 0x01FF0FFF, write=self._write_pll("pllcfgr")),
-                0x30: Reg("pll1divr", 0x01010280, 0x7F7FFFFF, write=self._write_pll("pll1divr")),
-                0x34: Reg("pll1fracr", 0, 0xFFF8, write=self._write_pll("pll1fracr")),
+                0x00: Reg("cr", CR_RESET, 0x010D0019),
+                0x10: Reg("cfgr", 0, 0x00008007),
+                0x18: Reg("d1cfgr", 0, 0x0F7F, rule="divisor"),
+                0x1C: Reg("d2cfgr", 0, 0x0770, rule="divisor"),
+                0x20: Reg("d3cfgr", 0, 0x0070, rule="divisor"),
+                0x28: Reg("pllckselr", 0x02020200, 0x03F3F3F3, rule="pll"),
+                0x2C: Reg("pllcfgr", 0x01FF0000, 0x01FF0FFF, rule="pll"),
+                0x30: Reg("pll1divr", 0x01010280, 0x7F7FFFFF, rule="pll"),
+                0x34: Reg("pll1fracr", 0, 0xFFF8, rule="pll"),
                 0x4C: Reg("d1ccipr", 0, 0),
                 0x50: Reg("d2ccip1r", 0, 0x30007000),
                 0x54: Reg("d2ccip2r", 0, 0x00000007),
                 0x58: Reg("d3ccipr", 0, 0),
                 0x60: Reg("cier", 0, 0),
                 0x64: Reg("cifr", 0, 0),
-                0x68: Reg("cicr", 0, 0x7FF, write=self._write_cicr),
-                0x74: Reg("csr", 0, 1, write=self._write_csr),
+                0x68: Reg("cicr", 0, 0x7FF),
+                0x74: Reg("csr", 0, 1),
                 0xA0: Reg("gcr", 0, 1),
-                0xD0: Reg("rsr", 0, RMVF, write=self._write_rsr),
+                0xD0: Reg("rsr", 0, RMVF),
             }
             | {offset: Reg(name) for name, offset in GATES.items()}
         )
@@ -109,7 +108,6 @@ class Rcc(Device):
         """Reset everything but the flags of earlier resets, and add those of this one."""
         flags = self.v["rsr"] if reason != "power_on" else 0
         self.reset()
-        self._ready_at = NEVER
         self._forget()
         self.v["rsr"] = flags | RESET_FLAGS[reason]
 
@@ -217,7 +215,7 @@ class Rcc(Device):
             raise UnmodelledError("rcc: APB1 or APB2 above 120 MHz")
         self.check_supply(self.core_hz(), self.ahb_hz())
 
-    def _write_cr(self, old: int, new: int) -> None:
+    def _write_cr(self, name: str, old: int, new: int) -> None:
         if old & CSSON and not new & CSSON:
             new |= CSSON  # set by software only
         if old & HSEON and (old ^ new) & HSEBYP:
@@ -230,11 +228,11 @@ class Rcc(Device):
         self.v["cr"] = new
         self._check()
         if self._awaited():
-            self._ready_at = self.clock.now + READY_CYCLES
+            self.due = self.clock.now + READY_CYCLES
 
-    def _read_cr(self) -> int:
-        if self._ready_at != NEVER:
-            self.clock.skip_to(self._ready_at)
+    def _read_cr(self, name: str) -> int:
+        if self.due != NEVER:
+            self.clock.skip_to(self.due)
         return self.v["cr"]
 
     def _awaited(self) -> int:
@@ -246,15 +244,9 @@ class Rcc(Device):
             bits |= PLL1RDY
         return bits
 
-    def next_event(self) -> int:
-        """Return when the next oscillator is ready."""
-        return self._ready_at
-
     def advance(self) -> None:
         """Report oscillators ready."""
-        if self.clock.now < self._ready_at:
-            return
-        self._ready_at = NEVER
+        self.due = NEVER
         self._forget()
         if self._awaited() & PLL1RDY:
             self._check_pll()
@@ -276,15 +268,12 @@ class Rcc(Device):
         if p_code and not p_code & 1:
             raise UnmodelledError("rcc: DIVP1 odd")
 
-    def _write_pll(self, name: str) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            if self.v["cr"] & PLL1ON and old != new:
-                raise UnmodelledError(f"rcc.{name} changed while PLL1 is on")
-            self.v[name] = new
+    def _write_pll(self, name: str, old: int, new: int) -> None:
+        if self.v["cr"] & PLL1ON and old != new:
+            raise UnmodelledError(f"rcc.{name} changed while PLL1 is on")
+        self.v[name] = new
 
-        return write
-
-    def _write_cfgr(self, old: int, new: int) -> None:
+    def _write_cfgr(self, name: str, old: int, new: int) -> None:
         code = new & 7
         ready = {SW_HSI: HSIRDY, SW_HSE: HSERDY, SW_PLL1: PLL1RDY}.get(code)
         if ready is None or not self.v["cr"] & ready:
@@ -293,21 +282,18 @@ class Rcc(Device):
         self.v["cfgr"] = (new & ~0x38) | code << 3
         self._check()
 
-    def _write_divisor(self, name: str) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            self._change()
-            self.v[name] = new
-            self._check()
+    def _write_divisor(self, name: str, old: int, new: int) -> None:
+        self._change()
+        self.v[name] = new
+        self._check()
 
-        return write
-
-    def _write_cicr(self, old: int, new: int) -> None:
+    def _write_cicr(self, name: str, old: int, new: int) -> None:
         self.v["cifr"] &= ~new
 
-    def _write_csr(self, old: int, new: int) -> None:
+    def _write_csr(self, name: str, old: int, new: int) -> None:
         self.v["csr"] = 3 if new & 1 else 0
 
-    def _write_rsr(self, old: int, new: int) -> None:
+    def _write_rsr(self, name: str, old: int, new: int) -> None:
         if new & RMVF:
             self.v["rsr"] = 0
 

@@ -15,7 +15,7 @@ from tests.stm32.models.rcc import Rcc
 
 SPE, MASRX, CSTART, CSUSP, SSI = 1 << 0, 1 << 8, 1 << 9, 1 << 10, 1 << 12
 RXP, TXP, DXP, EOT, TXTF, OVR, MODF, SUSP, TXC = (1 << i for i in (0, 1, 2, 3, 4, 6, 9, 11, 12))
-MASTER, CPHA, CPOL, SSM, SSOE, SSOM = 1 << 22, 1 << 24, 1 << 25, 1 << 26, 1 << 29, 1 << 30
+MASTER, CPHA, CPOL, SSM, SSOE, SSOM = (1 << 22, 1 << 24, 1 << 25, 1 << 26, 1 << 29, 1 << 30)
 FULL_DUPLEX, TRANSMIT_ONLY = 0, 1
 FIFO_BYTES = 16
 
@@ -37,26 +37,19 @@ class Spi(Device):
         self._rx: deque[int] = deque()
         self._left = 0  # frames of the transfer still to come
         self._flags = 0
-        self._done_at = NEVER
         self._ended_at = -NEVER  # the last transfer
         self._shifting = 0
         self.define(
             {
-                0x00: Reg(
-                    "cr1",
-                    0,
-                    SPE | MASRX | CSTART | CSUSP | SSI,
-                    write=self._write_cr1,
-                    is_quiet=True,
-                ),
-                0x04: Reg("cr2", 0, 0xFFFF, write=self._write_idle("cr2")),
-                0x08: Reg("cfg1", 0x00070007, 0x701F01FF, write=self._write_off("cfg1")),
-                0x0C: Reg("cfg2", 0, 0xE74600FF, write=self._write_off("cfg2")),
+                0x00: Reg("cr1", 0, SPE | MASRX | CSTART | CSUSP | SSI),
+                0x04: Reg("cr2", 0, 0xFFFF, rule="idle"),
+                0x08: Reg("cfg1", 0x00070007, 0x701F01FF, rule="off"),
+                0x0C: Reg("cfg2", 0, 0xE74600FF, rule="off"),
                 0x10: Reg("ier", 0, 0),
-                0x14: Reg("sr", 0x1002, 0, read=self._read_sr),
-                0x18: Reg("ifcr", 0, 0xFF8, write=self._write_ifcr, is_quiet=True),
-                0x20: Reg("txdr", 0, write=self._write_txdr, sizes=(1, 2, 4), is_quiet=True),
-                0x30: Reg("rxdr", 0, 0, read=self._read_rxdr, sizes=(1, 2, 4)),
+                0x14: Reg("sr", 0x1002, 0),
+                0x18: Reg("ifcr", 0, 0xFF8),
+                0x20: Reg("txdr", 0, sizes=(1, 2, 4)),
+                0x30: Reg("rxdr", 0, 0, sizes=(1, 2, 4)),
                 0x50: Reg("i2scfgr", 0, 0),
             }
         )
@@ -66,7 +59,7 @@ class Spi(Device):
         super().reset()
         self._tx.clear()
         self._rx.clear()
-        self._left, self._flags, self._done_at = 0, 0, NEVER
+        self._left, self._flags = 0, 0
 
     def bits(self) -> int:
         """Return the size of a frame."""
@@ -100,7 +93,7 @@ class Spi(Device):
     def _packet(self) -> int:
         return (self.v["cfg1"] >> 5 & 15) + 1
 
-    def _write_cr1(self, old: int, new: int) -> None:
+    def _write_cr1(self, name: str, old: int, new: int) -> None:
         self.v["cr1"] = new & ~CSTART
         if not new & SPE:
             since = self.clock.now - self._ended_at
@@ -108,7 +101,7 @@ class Spi(Device):
                 raise UnmodelledError(f"{self.name}: switched off within a clock after EOT")
             self._tx.clear()
             self._rx.clear()
-            self._left, self._flags, self._done_at = 0, 0, NEVER
+            self._left, self._flags, self.due = 0, 0, NEVER
             return
         cfg2 = self.v["cfg2"]
         if not cfg2 & MASTER or cfg2 & SSM or not cfg2 & SSOE:
@@ -123,23 +116,17 @@ class Spi(Device):
                 raise UnmodelledError(f"{self.name}: transfer without end (TSIZE 0)")
             self._begin_frame()
 
-    def _write_off(self, name: str) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            if self.v["cr1"] & SPE:
-                raise UnmodelledError(f"{self.name}.{name} written while the SPI is on")
-            self.v[name] = new
+    def _write_off(self, name: str, old: int, new: int) -> None:
+        if self.v["cr1"] & SPE:
+            raise UnmodelledError(f"{self.name}.{name} written while the SPI is on")
+        self.v[name] = new
 
-        return write
+    def _write_idle(self, name: str, old: int, new: int) -> None:
+        if self.v["cr1"] & SPE and self._left:
+            raise UnmodelledError(f"{self.name}.{name} written in a transfer")
+        self.v[name] = new
 
-    def _write_idle(self, name: str) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            if self.v["cr1"] & SPE and self._left:
-                raise UnmodelledError(f"{self.name}.{name} written in a transfer")
-            self.v[name] = new
-
-        return write
-
-    def _write_txdr(self, old: int, new: int) -> None:
+    def _write_txdr(self, name: str, old: int, new: int) -> None:
         if not self.v["cr1"] & SPE:
             raise UnmodelledError(f"{self.name}.txdr written while the SPI is off")
         if len(self._tx) >= self._capacity():
@@ -149,17 +136,17 @@ class Spi(Device):
         self._tx.append(new & ((1 << self.bits()) - 1))
         self._begin_frame()
 
-    def _read_rxdr(self) -> int:
+    def _read_rxdr(self, name: str) -> int:
         if not self._rx:
             raise UnmodelledError(f"{self.name}.rxdr read while it is empty")
         return self._rx.popleft()
 
-    def _write_ifcr(self, old: int, new: int) -> None:
+    def _write_ifcr(self, name: str, old: int, new: int) -> None:
         self._flags &= ~new
 
-    def _read_sr(self) -> int:
+    def _read_sr(self, name: str) -> int:
         if self._left and not self._tx:  # the last frame is on the line
-            self.clock.skip_to(self._done_at)
+            self.clock.skip_to(self.due)
         sr = self._flags
         room = self._capacity() - len(self._tx)
         to_come = self._left > len(self._tx) or not self._left
@@ -170,22 +157,15 @@ class Spi(Device):
         return sr | self._left << 16
 
     def _begin_frame(self) -> None:
-        if self._done_at == NEVER and self._left and self._tx:
+        if self.due == NEVER and self._left and self._tx:
             self._shifting = self._tx.popleft()
             idle = (self.v["cfg2"] & 15) + (self.v["cfg2"] >> 4 & 15)
             cycles = (self.bits() + idle) * self.rcc.core_hz() // self.bit_hz()
-            self._done_at = self.clock.now + cycles
-            self.clock.wake()
-
-    def next_event(self) -> int:
-        """Return when the frame on the line ends."""
-        return self._done_at
+            self.due = self.clock.now + cycles
 
     def advance(self) -> None:
         """End the frame on the line, begin the next one."""
-        if self.clock.now < self._done_at:
-            return
-        self._done_at = NEVER
+        self.due = NEVER
         back = self.exchange(self._shifting, self.bits())
         if self._comm() == TRANSMIT_ONLY:
             pass
@@ -327,8 +307,8 @@ class Dac1(Device):
         self.on_output: Callable[[int | None], None] = lambda code: None
         self.define(
             {
-                0x00: Reg("cr", 0, 0x3F, write=self._write_cr),
-                0x08: Reg("dhr12r1", 0, 0xFFF, write=self._write_dhr, is_quiet=True),
+                0x00: Reg("cr", 0, 0x3F),
+                0x08: Reg("dhr12r1", 0, 0xFFF),
                 0x2C: Reg("dor1", 0, 0),
                 0x34: Reg("sr", 0, 0),
                 0x3C: Reg("mcr", 0, 0x7),
@@ -342,14 +322,14 @@ class Dac1(Device):
         if was_on:
             self.on_output(None)
 
-    def _write_cr(self, old: int, new: int) -> None:
+    def _write_cr(self, name: str, old: int, new: int) -> None:
         if old & self.EN and (old ^ new) & self.TSEL:
             raise UnmodelledError("dac1.cr: trigger selected while the channel is on")
         self.v["cr"] = new
         if (old ^ new) & self.EN:
             self.on_output(self.v["dor1"] if new & self.EN else None)
 
-    def _write_dhr(self, old: int, new: int) -> None:
+    def _write_dhr12r1(self, name: str, old: int, new: int) -> None:
         self.v["dhr12r1"] = new
         if self.v["cr"] & (self.EN | self.TEN) == self.EN:
             self._take_over()

@@ -16,6 +16,7 @@ CEN, UDIS, URS, DIR, ARPE = 1 << 0, 1 << 1, 1 << 2, 1 << 4, 1 << 7
 UIF = 1 << 0
 UIE = 1 << 0
 ENCODER_3 = 3
+SR = 0x10
 PWM_1, PWM_2 = 6, 7
 
 
@@ -51,29 +52,28 @@ class Timer(Device):
         self._count = 0
         self._rest = 0  # of the division by the prescaler, in units of 1 / core_hz
         self._psc = self._arr = 0
-        self._event: int | None = None  # None: to be computed
         self._compare = {3: 0, 4: 0}
         self._reference = {3: 0, 4: 0}
         self._outputs = {3: 0, 4: 0}
         rcc.before_change.append(self._before_change)
         self.define(
             {
-                0x00: Reg("cr1", 0, CEN | UDIS | URS | DIR | ARPE, write=self._write_cr1),
+                0x00: Reg("cr1", 0, CEN | UDIS | URS | DIR | ARPE),
                 0x04: Reg("cr2", 0, 0x70),
-                0x08: Reg("smcr", 0, 0x10007, write=self._write_smcr),
-                0x0C: Reg("dier", 0, UIE, write=self._write_dier),
-                0x10: Reg("sr", 0, 0x1E1F, WORD, write=self._write_sr, is_quiet=True),
-                0x14: Reg("egr", 0, 1, write=self._write_egr),
+                0x08: Reg("smcr", 0, 0x10007),
+                0x0C: Reg("dier", 0, UIE),
+                0x10: Reg("sr", 0, 0x1E1F, WORD),
+                0x14: Reg("egr", 0, 1),
                 0x18: Reg("ccmr1", 0, 0xF3F3),
-                0x1C: Reg("ccmr2", 0, 0x0101FFFF, write=self._write_ccmr2),
-                0x20: Reg("ccer", 0, 0xBBBB, write=self._write_ccer),
-                0x24: Reg("cnt", 0, self.top, write=self._write_cnt, read=self.count),
+                0x1C: Reg("ccmr2", 0, 0x0101FFFF),
+                0x20: Reg("ccer", 0, 0xBBBB),
+                0x24: Reg("cnt", 0, self.top),
                 0x28: Reg("psc", 0, 0xFFFF),
-                0x2C: Reg("arr", self.top, self.top, write=self._write_arr),
-                0x34: Reg("ccr1", 0, self.top, read=self._read_ccr(1)),
-                0x38: Reg("ccr2", 0, self.top, read=self._read_ccr(2)),
-                0x3C: Reg("ccr3", 0, self.top, write=self._write_ccr(3), read=self._read_ccr(3)),
-                0x40: Reg("ccr4", 0, self.top, write=self._write_ccr(4), read=self._read_ccr(4)),
+                0x2C: Reg("arr", self.top, self.top),
+                0x34: Reg("ccr1", 0, self.top, rule="ccr"),
+                0x38: Reg("ccr2", 0, self.top, rule="ccr"),
+                0x3C: Reg("ccr3", 0, self.top, rule="ccr"),
+                0x40: Reg("ccr4", 0, self.top, rule="ccr"),
                 0x60: Reg("af1", 0, 0),
                 0x68: Reg("tisel", 0, 0),
             }
@@ -87,7 +87,6 @@ class Timer(Device):
         super().reset()
         self._since, self._count, self._rest = self.clock.now, 0, 0
         self._psc, self._arr = 0, self.top
-        self._event = None
         self._compare = {3: 0, 4: 0}
         self._reference = {3: 0, 4: 0}
         self._outputs = {3: 0, 4: 0}
@@ -98,12 +97,18 @@ class Timer(Device):
 
     def write(self, offset: int, size: int, value: int) -> None:
         """Do what a store does."""
-        self._event = None
         super().write(offset, size, value)
+        if offset != SR:
+            self._look()
+
+    def _look(self) -> None:
+        """Have advance() called before the next instruction."""
+        self.due = 0
+        self.clock.wake()
 
     def _before_change(self) -> None:
         self._sync()
-        self._event = None
+        self._look()
 
     # Counting
 
@@ -141,12 +146,6 @@ class Timer(Device):
         mode = self._output_mode(channel)
         return mode is not None and bool(self.v["ccer"] >> 4 * (channel - 1) & 1)
 
-    def next_event(self) -> int:
-        """Return when an output changes or the counter wraps, whoever wants to know."""
-        if self._event is None:
-            self._event = self._find_event()
-        return self._event
-
     def _find_event(self) -> int:
         wants_update = self.v["dier"] & UIE
         channels = [c for c in (3, 4) if self._output_mode(c) in (PWM_1, PWM_2)]
@@ -159,8 +158,8 @@ class Timer(Device):
     def advance(self) -> None:
         """Wrap, and move the outputs."""
         if not self._is_counting():
+            self.due = NEVER
             return
-        self._event = None
         self._sync()
         if self._count > self._arr:
             self._count %= self._arr + 1
@@ -168,6 +167,7 @@ class Timer(Device):
             self.v["sr"] |= 0 if self.v["cr1"] & UDIS else UIF
             self.on_update()
         self._compare_outputs()
+        self.due = self._find_event()
 
     def _update(self) -> None:
         """Load the shadow registers."""
@@ -256,25 +256,25 @@ class Timer(Device):
 
     # Registers
 
-    def _write_cr1(self, old: int, new: int) -> None:
+    def _write_cr1(self, name: str, old: int, new: int) -> None:
         if new & DIR:
             raise UnmodelledError(f"{self.name}: counting down")
         self._sync()
         self.v["cr1"] = new | (old & DIR)
 
-    def _write_smcr(self, old: int, new: int) -> None:
+    def _write_smcr(self, name: str, old: int, new: int) -> None:
         if new not in (0, ENCODER_3):
             raise UnmodelledError(f"{self.name}.smcr 0x{new:x}")
         self._sync()
         self.v["smcr"] = new
 
-    def _write_dier(self, old: int, new: int) -> None:
+    def _write_dier(self, name: str, old: int, new: int) -> None:
         self.v["dier"] = new
 
-    def _write_sr(self, old: int, new: int) -> None:
+    def _write_sr(self, name: str, old: int, new: int) -> None:
         self.v["sr"] = old & new  # cleared by writing 0
 
-    def _write_egr(self, old: int, new: int) -> None:
+    def _write_egr(self, name: str, old: int, new: int) -> None:
         if not new & 1:
             return
         self._sync()
@@ -284,42 +284,43 @@ class Timer(Device):
             self.v["sr"] |= UIF
         self._compare_outputs()
 
-    def _write_ccmr2(self, old: int, new: int) -> None:
+    def _write_ccmr2(self, name: str, old: int, new: int) -> None:
         self.v["ccmr2"] = new
         self._compare_outputs()
 
-    def _write_ccer(self, old: int, new: int) -> None:
+    def _write_ccer(self, name: str, old: int, new: int) -> None:
         self.v["ccer"] = new
         for channel in (3, 4):
             if self._is_on_output(channel):
                 self._outputs[channel] = self._level(channel)
                 self.on_output(channel, self._outputs[channel])
 
-    def _write_cnt(self, old: int, new: int) -> None:
+    def _write_cnt(self, name: str, old: int, new: int) -> None:
         self._sync()
         self._count, self._rest = new, 0
 
-    def _write_arr(self, old: int, new: int) -> None:
+    def _write_arr(self, name: str, old: int, new: int) -> None:
         self._sync()
         self.v["arr"] = new
         if not self.v["cr1"] & ARPE:
             self._arr = new
 
-    def _write_ccr(self, channel: int) -> Callable[[int, int], None]:
-        def write(old: int, new: int) -> None:
-            self.v[f"ccr{channel}"] = new
-            is_preloaded = self.v["ccmr2"] >> (8 * (channel - 3) + 3) & 1
-            if not is_preloaded and self._output_mode(channel) is not None:
-                self._compare[channel] = new
-                self._compare_outputs()
+    def _write_ccr(self, name: str, old: int, new: int) -> None:
+        self.v[name] = new
+        channel = int(name[3])
+        if channel < 3:
+            return
+        is_preloaded = self.v["ccmr2"] >> (8 * (channel - 3) + 3) & 1
+        if not is_preloaded and self._output_mode(channel) is not None:
+            self._compare[channel] = new
+            self._compare_outputs()
 
-        return write
+    def _read_ccr(self, name: str) -> int:
+        channel = int(name[3])
+        word = self.v["ccmr1" if channel < 3 else "ccmr2"] >> 8 * ((channel - 1) % 2)
+        if word & 3:  # reading a capture clears its flag
+            self.v["sr"] &= ~(1 << channel)
+        return self.v[name] & WORD
 
-    def _read_ccr(self, channel: int) -> Callable[[], int]:
-        def read() -> int:
-            word = self.v["ccmr1" if channel < 3 else "ccmr2"] >> 8 * ((channel - 1) % 2)
-            if word & 3:  # reading a capture clears its flag
-                self.v["sr"] &= ~(1 << channel)
-            return self.v[f"ccr{channel}"] & WORD
-
-        return read
+    def _read_cnt(self, name: str) -> int:
+        return self.count()

@@ -20,11 +20,7 @@ class Wwdg(Device):
         self.rcc, self.on_bite = rcc, on_bite
         self._started_at = self._fed_at = NEVER
         self.define(
-            {
-                0x00: Reg("cr", 0x7F, 0xFF, write=self._write_cr, read=self._read_cr),
-                0x04: Reg("cfr", 0x7F, 0x7F),
-                0x08: Reg("sr", 0, 0),
-            }
+            {0x00: Reg("cr", 0x7F, 0xFF), 0x04: Reg("cfr", 0x7F, 0x7F), 0x08: Reg("sr", 0, 0)}
         )
 
     def reset(self) -> None:
@@ -47,10 +43,10 @@ class Wwdg(Device):
         steps = self._steps_until(self.clock.now) - self._steps_until(self._fed_at)
         return (self.v["cr"] & 0x7F) - steps
 
-    def _read_cr(self) -> int:
+    def _read_cr(self, name: str) -> int:
         return WDGA | self._left() if self.is_running else self.v["cr"]
 
-    def _write_cr(self, old: int, new: int) -> None:
+    def _write_cr(self, name: str, old: int, new: int) -> None:
         if not self.rcc.is_on(("apb3enr", 6)):
             raise UnmodelledError("wwdg1 written without its clock")
         if new & WDGA and not self.rcc.v["gcr"] & 1:
@@ -60,17 +56,14 @@ class Wwdg(Device):
             self._started_at = self.clock.now
         self.v["cr"] = new
         self._fed_at = self.clock.now
+        self.due = self._bites_at() if self.is_running else NEVER
         if is_early or not new & LOWEST:
             self.on_bite()
 
-    def next_event(self) -> int:
-        """Return when it bites."""
-        if not self.is_running:
-            return NEVER
+    def _bites_at(self) -> int:
         steps = self._steps_until(self._fed_at) + (self.v["cr"] & 0x7F) - LOWEST + 1
         return self._started_at + steps * self._step_cycles()
 
     def advance(self) -> None:
-        """Bite when nobody came in time."""
-        if self.clock.now >= self.next_event():
-            self.on_bite()
+        """Bite: nobody came in time."""
+        self.on_bite()
