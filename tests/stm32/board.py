@@ -76,45 +76,23 @@ class Event:
 
 
 class Board:
-    """Chip, converters, machine, and what happened.
-
-    Attributes
-    ----------
-    tick_hz : int
-        rate at which the image was built to run
-    ticks : list of Outputs
-        per tick of TIM4, taken at the start of the next
-    tick_at : list of int
-        [cycles] when the tick behind each of them started
-    events : list of Event
-        levels of the outputs when they change, frames to the AD5754R, resets
-    steppers : dict of Stepper
-        step inputs of the drives X, Z and U
-    has_u_steps : bool
-        the drive of U follows its steps, not its voltage
-    has_u_force : bool
-        channel A is the force of U, a mass that its brake holds while it is not enabled
-    rpm : float
-        of the spindle
-    is_held : bool
-        the spindle keeps its speed whatever it is told
-    is_stamped : bool
-        A and B are wired to TIM5 as well
-    at_pa4 : list of tuple
-        instant [cycles] and code of each change of the internal DAC's output; None: it is off
-    """
+    """Chip, converters, machine, and what happened."""
 
     def __init__(self, image: Image, *, hse_hz: int = HSE_HZ, tick_hz: int = TICK_HZ) -> None:
-        self.tick_hz = tick_hz
+        self.tick_hz = tick_hz  # rate at which the image was built to run
         self.dac = Ad5754r()
-        self.ticks: list[Outputs] = []
-        self.tick_at: list[int] = []
+        self.ticks: list[Outputs] = []  # per tick of TIM4, taken at the start of the next
+        self.tick_at: list[int] = []  # [cycles] when the tick of each of them started
+        # levels of the outputs when they change, frames to the AD5754R, resets
         self.events: list[Event] = []
-        self.steppers = {name: Stepper() for name in STEPS}
-        self.rpm = 0.0
-        self.is_held = False
-        self.is_stamped = True
-        self.has_u_steps = self.has_u_force = False
+        self.steppers = {name: Stepper() for name in STEPS}  # step inputs of the drives X, Z and U
+        self.rpm = 0.0  # of the spindle
+        self.is_held = False  # the spindle keeps its speed whatever the command
+        self.is_stamped = True  # A and B are wired to TIM5 as well
+        self.has_u_steps = False  # the drive of U follows its steps, not its voltage
+        # channel A is the force of U, a mass that its brake holds while it is not enabled
+        self.has_u_force = False
+        # instant [cycles] and code of each change of the internal DAC's output; None: it is off
         self.at_pa4: list[tuple[int, int | None]] = []
         self._turns = 0.1  # angle
         self._u_counts = self._z_counts = 0

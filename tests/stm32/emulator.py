@@ -71,35 +71,23 @@ def build_hook() -> ctypes.CDLL:
 
 
 class Chip(Devices):
-    """The microcontroller.
-
-    Attributes
-    ----------
-    clock : InsnClock
-        time in cycles of the core
-    resets : list of str
-        reason of every reset since the object exists
-    on_reset : callable
-        told the reason of a reset before it takes effect
-    is_fault_of_flips : bool
-        a load of a RAM's double error is a bus fault, too
-    naps : int
-        interrupts after which the main loop sleeps on, as a slow one would: it is most of the work
-    """
+    """The microcontroller; its `clock` counts cycles of the core."""
 
     def __init__(self, image: Image, *, hse_hz: int) -> None:
         self.image = image
-        self.resets: list[str] = []
+        self.resets: list[str] = []  # reason of every reset since the object exists
+        # called with the reason of a reset before it takes effect
         self.on_reset: Callable[[str], None] = lambda reason: None
         self._failure: Exception | None = None
         self._asked: str | None = None
         self._stall: tuple[int | None, int] = (None, 0)
         self._intr: int | None = None
         self._is_asleep = False
+        # interrupts after which the main loop sleeps on, as a slow one would; it is most work
         self.naps = self._naps = 7
         self._torn_hooks: list[int] = []
         self._flipped_hooks: list[int] = []
-        self.is_fault_of_flips = False
+        self.is_fault_of_flips = False  # a load of a RAM's double error is a bus fault, too
         self._pc = 0
         self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)

@@ -31,15 +31,7 @@ SETTINGS = {
 
 
 class Session:
-    """One life of a board, with the short part's table or another one.
-
-    Attributes
-    ----------
-    records : list of Record
-        what the image says of its ticks
-    changes : list of str
-        new configurations in their order, as replay.c wants them
-    """
+    """One life of a board, with the short part's table or another one."""
 
     def __init__(
         self,
@@ -53,7 +45,8 @@ class Session:
         self.chip = self.board.chip
         self.board.write_table(short_table().read_bytes() if table is None else table)
         self.remote = Remote(self.board)
-        self.records: list[Record] = []
+        self.records: list[Record] = []  # what the image says of its ticks
+        # new configurations in their order, as replay.c wants them
         self.changes = [f"table {short_table()}"]
         self._trace = Trace(self.chip)
         self._tick_of_board = self.chip.tim[4].on_update

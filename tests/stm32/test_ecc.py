@@ -28,23 +28,13 @@ ANYTHING = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
 
 
 class StartUp:
-    """Accesses to RAM until the monitors are enabled.
-
-    Attributes
-    ----------
-    doubles : set of int
-        words that a 64-bit store has written
-    early : list of int
-        words that were read, or written otherwise, before that
-    of_boot : set of int
-        words that the code in flash has written
-    """
+    """Accesses to RAM until the monitors are enabled."""
 
     def __init__(self, chip: Chip) -> None:
         self.chip = chip
-        self.doubles: set[int] = set()
-        self.early: list[int] = []
-        self.of_boot: set[int] = set()
+        self.doubles: set[int] = set()  # words that a 64-bit store has written
+        self.early: list[int] = []  # words that were read, or written otherwise, before that
+        self.of_boot: set[int] = set()  # words that the code in flash has written
 
     def watch(self) -> None:
         """Run the start-up."""

@@ -128,17 +128,11 @@ class Device:
 
 
 class Bus:
-    """Finds the device of an address, at a grain of 1 KB.
-
-    Attributes
-    ----------
-    by_kb : dict
-        kilobyte of the address space -> its device
-    """
+    """Finds the device of an address, at a grain of 1 KB."""
 
     def __init__(self) -> None:
         self.models: list[Device] = []
-        self.by_kb: dict[int, Device] = {}
+        self.by_kb: dict[int, Device] = {}  # kilobyte of the address space -> its device
 
     def add(self, model: Device) -> None:
         """Place a device; its size is a multiple of 1 KB."""

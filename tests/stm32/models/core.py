@@ -46,28 +46,18 @@ def is_double_store(instruction: bytes) -> bool:
 
 
 class Nvic(Device):
-    """The system control space: which exception is due, and what may be written there.
-
-    Attributes
-    ----------
-    lines : dict
-        interrupt number -> callable that tells whether the device raises its line
-    pending, active : set of int
-        exception numbers; `active` in the order of their entry
-    mpu : Mpu
-        the memory protection unit
-    on_reset_request : callable
-        called when the image asks for a reset
-    """
+    """The system control space: which exception is due, and what may be written there."""
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("system control space", 0xE000E000, clock, 0x1000)
+        # interrupt number -> callable that tells whether the device raises its line
         self.lines: dict[int, Callable[[], bool]] = {}
-        self.pending: set[int] = set()
+        self.pending: set[int] = set()  # exception numbers; `active` in the order of their entry
         self.active: list[int] = []
         self.enabled: set[int] = set()
+        # called when the image asks for a reset
         self.on_reset_request: Callable[[], None] = lambda: None
-        self.mpu = Mpu()
+        self.mpu = Mpu()  # the memory protection unit
         self._write_mpu = self.mpu.write
         self.define(self._scb() | self.mpu.registers() | self._nvic() | self._systick())
 

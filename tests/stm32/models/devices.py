@@ -40,17 +40,10 @@ GATES: dict[str, tuple[str, int]] = {
 
 
 class Devices:
-    """All of them, by name.
-
-    Attributes
-    ----------
-    on_request : callable
-        told the reason when a device asks for a reset
-    timed : list of Device
-        those that have something to do at a time of their own
-    """
+    """All of them, by name."""
 
     def __init__(self, clock: InsnClock, hse_hz: int) -> None:
+        # called with the reason when a device asks for a reset
         self.on_request: Callable[[str], None] = lambda reason: None
         self.clock, self.bus = clock, Bus()
         self.rcc = Rcc(clock, hse_hz)
@@ -101,4 +94,5 @@ class Devices:
         devices += [*self.tim.values(), *self.pulses.values(), *self.gpio.ports.values()]
         for device in devices:
             self.bus.add(device)
+        # those that have something to do at a time of their own
         self.timed = [d for d in devices if type(d).advance is not Device.advance]

@@ -62,17 +62,13 @@ class Ccu(Device):
     """The clock calibration unit before both nodes; bypassed, it passes the kernel clock on.
 
     Unless bypassed, nothing gets through: RM0433 56.4; Zephyr and ST's HAL set BCC.
-
-    Attributes
-    ----------
-    can_configure : callable
-        whether FDCAN1 has INIT and CCE set
     """
 
     BYPASS, DIVIDER = 1 << 6, 15 << 16
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("fdcan ccu", 0x4000A800, clock)
+        # whether FDCAN1 has INIT and CCE set
         self.can_configure: Callable[[], bool] = lambda: False
         self.define({0x04: Reg("ccfg", 0x00000004, 0x000FFFDF)})
 
@@ -87,22 +83,14 @@ class Ccu(Device):
 
 
 class Fdcan(Device):
-    """One node, and the bench at the other end.
-
-    Attributes
-    ----------
-    sent : dict of list of Frame
-        what came out, by identifier
-    lost : int
-        frames that found receive FIFO 0 full
-    """
+    """One node, and the bench at the other end."""
 
     def __init__(self, clock: InsnClock, rcc: Rcc, ram: MessageRam, ccu: Ccu) -> None:
         super().__init__("fdcan1", 0x4000A000, clock)
         self.rcc, self.ram, self.ccu = rcc, ram, ccu
         ccu.can_configure = self._can_configure
-        self.sent: defaultdict[int, list[Frame]] = defaultdict(list)
-        self.lost = 0
+        self.sent: defaultdict[int, list[Frame]] = defaultdict(list)  # what came out, by identifier
+        self.lost = 0  # frames that found receive FIFO 0 full
         self._queue: deque[int] = deque()
         self._done_at = self._back_at = self.due = NEVER
         self._rx_put = self._rx_get = self._rx_fill = self._tx_put = 0

@@ -46,36 +46,20 @@ ERASED = b"\xff"
 
 
 class Flash(Device):
-    """Access control, and two banks that erase sectors and program flash words.
-
-    Attributes
-    ----------
-    load, save : callable
-        how a debugger reads and writes flash
-    left : int or None
-        operations until the supply falls, in the middle of the last
-    on_cut : callable
-        the supply falls
-    invites : callable
-        whether the core may read ahead at an address
-    torn : set of int
-        addresses of flash words that cannot be read
-    on_torn : callable
-        told when that set has changed
-    noise : int
-        error flags that every operation sets, though it succeeds
-    """
+    """Access control, and two banks that erase sectors and program flash words."""
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("flash", 0x52002000, clock)
+        # how a debugger reads and writes flash
         self.load: Callable[[int, int], bytes] = lambda address, size: b""
         self.save: Callable[[int, bytes], None] = lambda address, content: None
-        self.left: int | None = None
-        self.on_cut: Callable[[], None] = lambda: None
+        self.left: int | None = None  # operations until the supply falls, in the middle of the last
+        self.on_cut: Callable[[], None] = lambda: None  # the supply falls
+        # whether the core may read ahead at an address
         self.invites: Callable[[int], bool] = lambda address: False
-        self.torn: set[int] = set()
-        self.on_torn: Callable[[], None] = lambda: None
-        self.noise = 0
+        self.torn: set[int] = set()  # addresses of flash words that cannot be read
+        self.on_torn: Callable[[], None] = lambda: None  # called when that set has changed
+        self.noise = 0  # error flags that every operation sets, though it succeeds
         self._ghost = random.Random(60449)
         self._flags = [0, 0]
         self._pg_at = [0, 0]
@@ -235,20 +219,13 @@ class Flash(Device):
 
 
 class Syscfg(Device):
-    """The boost for 480 MHz (ODEN) and nothing else.
-
-    Attributes
-    ----------
-    is_on_its_way : bool
-        a store to PWRCR that has not been read back may not have arrived
-    on_boost : callable
-        told when ODEN has changed
-    """
+    """The boost for 480 MHz (ODEN) and nothing else."""
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("syscfg", 0x58000400, clock)
+        # a store to PWRCR that has not been read back may not have arrived
         self.is_on_its_way = False
-        self.on_boost: Callable[[], None] = lambda: None
+        self.on_boost: Callable[[], None] = lambda: None  # called when ODEN has changed
         self.define({0x2C: Reg("pwrcr", 0, 1)})
 
     def _write_pwrcr(self, name: str, old: int, new: int) -> None:
@@ -277,17 +254,12 @@ class Dbgmcu(Device):
 
 
 class Pwr(Device):
-    """Power control: LDO, voltage scaling, brown-out detector's interrupt not used.
-
-    Attributes
-    ----------
-    on_ready : callable
-        told when the voltage is valid for the first time since power-on: RAM may be written
-    """
+    """Power control: LDO, voltage scaling, brown-out detector's interrupt not used."""
 
     def __init__(self, clock: InsnClock, syscfg: Syscfg) -> None:
         super().__init__("pwr", 0x58024800, clock)
         self.syscfg = syscfg
+        # called when the voltage is valid for the first time since power-on: RAM may be written
         self.on_ready: Callable[[], None] = lambda: None
         syscfg.on_boost = self._unsettle
         self._is_locked = False  # CR3 was written since power-on

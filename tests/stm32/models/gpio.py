@@ -17,27 +17,17 @@ RESET = {
 
 
 class GpioPort(Device):
-    """One port of 16 pins.
-
-    Attributes
-    ----------
-    outside : dict
-        pin number -> level that the board drives, for inputs
-    board_pull : dict
-        pin number -> level of a resistor on the board
-    alternate : dict
-        pin number -> level that the peripheral of its alternate function drives
-    on_change : callable
-        told pin number and level when the level of a pin changes
-    """
+    """One port of 16 pins."""
 
     def __init__(self, clock: InsnClock, letter: str) -> None:
         i = ord(letter) - ord("A")
         super().__init__(f"gpio{letter.lower()}", 0x58020000 + 0x400 * i, clock)
         reset = RESET.get(letter, {"moder": WORD})
-        self.outside: dict[int, int] = {}
-        self.board_pull: dict[int, int] = {}
+        self.outside: dict[int, int] = {}  # pin number -> level that the board drives, for inputs
+        self.board_pull: dict[int, int] = {}  # pin number -> level of a resistor on the board
+        # pin number -> level that the peripheral of its alternate function drives
         self.alternate: dict[int, int] = {}
+        # called with pin number and level when the level of a pin changes
         self.on_change: Callable[[int, int], None] = lambda pin, level: None
         halves = (2, 4)
         self.define(

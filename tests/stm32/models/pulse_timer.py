@@ -22,13 +22,7 @@ TOP = 0xFFFF
 
 
 class PulseTimer(Device):
-    """One timer.
-
-    Attributes
-    ----------
-    on_edge : callable
-        told time [cycles] and level of every edge of the channel, 1 or 3
-    """
+    """One timer."""
 
     def __init__(
         self, clock: InsnClock, rcc: Rcc, name: str, base: int, *, channel: int = 1
@@ -37,6 +31,7 @@ class PulseTimer(Device):
         self._ccmr, self._ccr = f"ccmr{(channel + 1) // 2}", f"ccr{channel}"
         self._at = 4 * (channel - 1)  # of the channel's bits in CCER
         self.rcc = rcc
+        # called with time [cycles] and level of every edge of the channel, 1 or 3
         self.on_edge: Callable[[int, int], None] = lambda at, level: None
         self._edges: list[tuple[int, int]] = []  # of the train that runs, not yet told
         self._repetitions = 0

@@ -29,20 +29,13 @@ def place(address: int) -> tuple[int, int]:
 
 
 class Ramecc(Device):
-    """The monitors.
-
-    Attributes
-    ----------
-    flipped : dict
-        address of a word -> how many of its bits are wrong, one or two
-    on_flipped : callable
-        told when these have changed
-    """
+    """The monitors."""
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("ramecc1", 0x52009000, clock)
+        # address of a word -> how many of its bits are wrong, one or two
         self.flipped: dict[int, int] = {}
-        self.on_flipped: Callable[[], None] = lambda: None
+        self.on_flipped: Callable[[], None] = lambda: None  # called when these have changed
         self.define({0x00: Reg("ier", 0, 0)})  # interrupts are enabled monitor by monitor
         for i in MONITORS:
             at = 0x20 * i

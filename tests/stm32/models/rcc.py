@@ -58,25 +58,16 @@ def apb_divisor(code: int) -> int:
 
 
 class Rcc(Device):
-    """RCC; every other model asks it for its clock.
-
-    Attributes
-    ----------
-    hse_hz : int
-        frequency at the pin OSC_IN; 0: dead
-    before_change : list of callable
-        told before a frequency changes, so that counters count up to now at the old one
-    on_css : callable
-        told when the clock security system has found the HSE dead: the NMI
-    check_supply : callable
-        given the frequencies of core and AXI in Hz before they come into force; raises
-    """
+    """RCC; every other model asks it for its clock."""
 
     def __init__(self, clock: InsnClock, hse_hz: int) -> None:
         super().__init__("rcc", 0x58024400, clock)
-        self.hse_hz = hse_hz
+        self.hse_hz = hse_hz  # frequency at the pin OSC_IN; 0: dead
+        # called before a frequency changes, so that counters count up to now at the old one
         self.before_change: list[Callable[[], None]] = []
+        # called when the clock security system has found the HSE dead: the NMI
         self.on_css: Callable[[], None] = lambda: None
+        # given the frequencies of core and AXI in Hz before they come into force; raises
         self.check_supply: Callable[[int, int], None] = lambda core_hz, axi_hz: None
         self._core_hz = self._timer_hz = self._apb3_hz = 0  # 0: to be computed
         self.define(

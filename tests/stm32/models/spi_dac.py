@@ -21,17 +21,12 @@ FIFO_BYTES = 16
 
 
 class Spi(Device):
-    """A master.
-
-    Attributes
-    ----------
-    exchange : callable
-        given a frame and its number of bits, returns the frame that comes back
-    """
+    """A master."""
 
     def __init__(self, clock: InsnClock, rcc: Rcc, name: str, base: int) -> None:
         super().__init__(name, base, clock)
         self.rcc = rcc
+        # given a frame and its number of bits, returns the frame that comes back
         self.exchange: Callable[[int, int], int] = lambda frame, bits: 0
         self._tx: deque[int] = deque()
         self._rx: deque[int] = deque()
@@ -181,30 +176,20 @@ class Spi(Device):
 
 
 class Ad5754r:
-    """Four DACs of 16 bits: input registers, DAC registers, ranges, power.
-
-    Attributes
-    ----------
-    words : list of int
-        DAC registers of A .. D: what the outputs show when powered
-    inputs : list of int
-        input registers of A .. D, taken over by /LDAC
-    frames : list of int
-        every frame since power-on
-    ranges : list of int
-        range code of A .. D: 0 .. 2 unipolar, 3 +-5 V, 4 +-10 V, 5 +-10.8 V
-    """
+    """Four DACs of 16 bits: input registers, DAC registers, ranges, power."""
 
     DAC, RANGE, POWER, CONTROL = 0, 1, 2, 3
     NOP, SETTINGS, CLEAR, LOAD = 0, 1, 4, 5
     ALL = 4
 
     def __init__(self) -> None:
-        self.frames: list[int] = []
+        self.frames: list[int] = []  # every frame since power-on
         self.power_on()
 
     def power_on(self) -> None:
         """Take the values behind power-on: all outputs off."""
+        # of A .. D: DAC registers, which the outputs show when powered, and input registers;
+        # range codes: 0 .. 2 unipolar, 3 +-5 V, 4 +-10 V, 5 +-10.8 V
         self.words, self.inputs, self.ranges = [0] * 4, [0] * 4, [0] * 4
         self.power, self.settings = 0, 0
         self.is_ldac_low = self.is_clear_low = False
@@ -292,11 +277,6 @@ class Dac1(Device):
 
     Whether the output register follows a store while the channel is off, the manual leaves open:
     here it does not (embassy 1676).
-
-    Attributes
-    ----------
-    on_output : callable
-        told the code that the output shows when it changes, None when the channel is off
     """
 
     TIM4_TRGO = 3
@@ -304,6 +284,7 @@ class Dac1(Device):
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("dac1", 0x40007400, clock)
+        # called with the code that the output shows when it changes, None when the channel is off
         self.on_output: Callable[[int | None], None] = lambda code: None
         self.define(
             {

@@ -18,22 +18,12 @@ class Times:
 
 @dataclass
 class Stepper:
-    """One axis.
+    """One axis."""
 
-    Attributes
-    ----------
-    position : int
-        [steps] sum of all pulses that came while the drive was enabled
-    n_ignored : int
-        pulses that came while it was not
-    shortest : Times
-        of all signals since power-on
-    """
-
-    position: int = 0
-    n_ignored: int = 0
+    position: int = 0  # [steps] sum of all pulses that came while the drive was enabled
+    n_ignored: int = 0  # pulses that came while it was not
     direction: int = 0
-    shortest: Times = field(default_factory=Times)
+    shortest: Times = field(default_factory=Times)  # of all signals since power-on
     _level: int = 0
     _rose_at: int = -FAR
     _fell_at: int = -FAR

@@ -21,17 +21,7 @@ PWM_1, PWM_2 = 6, 7
 
 
 class Timer(Device):
-    """One timer.
-
-    Attributes
-    ----------
-    on_trigger : callable
-        called at a rising edge of the trigger output
-    on_update : callable
-        called when the counter wraps, before the interrupt
-    on_output : callable
-        told channel and level when the level of an output changes
-    """
+    """One timer."""
 
     def __init__(
         self,
@@ -45,8 +35,11 @@ class Timer(Device):
     ) -> None:
         super().__init__(name, base, clock)
         self.rcc, self.top = rcc, (1 << bits) - 1
+        # called at a rising edge of the trigger output
         self.on_trigger: Callable[[], None] = lambda: None
+        # called when the counter wraps, before the interrupt
         self.on_update: Callable[[], None] = lambda: None
+        # called with channel and level when the level of an output changes
         self.on_output: Callable[[int, int], None] = lambda channel, level: None
         self._since = 0  # [cycles] instant of _count and _rest
         self._count = 0

@@ -12,18 +12,12 @@ RXNE, TC, TXE, TEACK, REACK, TXFE = 1 << 5, 1 << 6, 1 << 7, 1 << 21, 1 << 22, 1 
 
 
 class Usart(Device):
-    """Collects what is sent.
-
-    Attributes
-    ----------
-    sent : bytearray
-        bytes whose stop bit has passed
-    """
+    """Collects what is sent."""
 
     def __init__(self, clock: InsnClock, rcc: Rcc) -> None:
         super().__init__("usart3", 0x40004800, clock)
         self.rcc = rcc
-        self.sent = bytearray()
+        self.sent = bytearray()  # bytes whose stop bit has passed
         self._received: deque[int] = deque()
         self._waiting: deque[int] = deque()
         self._shifting: int | None = None
