@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A table comes over the bus into the other place in flash, and the supply falls on the way."""
+"""Tables and parameters come over the bus into flash, and the supply falls on the way.
+
+A table goes into the place that is not in use. tests/unit/stm32/test_stm_params.c interrupts the
+log of the parameters at every operation; here the image itself is interrupted: in the first word,
+in the seal, and in the erase before the log goes round.
+"""
 
 import struct
 import zlib
+from collections.abc import Callable
 
 import pytest
 
@@ -10,11 +16,24 @@ from camtools.cli.flash import FIRST_PLACE
 from tests.stm32.host import short_table
 from tests.stm32.models.fdcan import Frame
 from tests.stm32.models.flash_pwr import SECTOR_BYTES
-from tests.stm32.remote import BEGIN, COMMAND, ENABLE, SELECT, TO_CONTROLLER, errors
+from tests.stm32.remote import (
+    BEGIN,
+    COMMAND,
+    ENABLE,
+    GET,
+    PARAMS,
+    REVERT,
+    SAVE,
+    SELECT,
+    TO_CONTROLLER,
+    errors,
+)
 from tests.stm32.session import Session
 
 OTHER, LOG, TABLE = 0x08040000, 0x080E0000, 0x08100000
-MAGIC, RECORD_BYTES = 0x4C424154, 32
+PARAMS_LOG = 0x081C0000
+MAGIC, PARAMS_MAGIC, RECORD_BYTES = 0x4C424154, 0x4D524150, 32
+LEAD = PARAMS.index("lead_ns")
 ERR = errors()
 
 
@@ -32,23 +51,33 @@ def named(table: bytes, name: str) -> bytes:
     return bytes(body)
 
 
-def record(name: int, number: int) -> bytes:
+def record(name: int, number: int, magic: int = MAGIC) -> bytes:
     """Return a record of the log that names a place."""
-    words = (MAGIC, name, number)
+    words = (magic, name, number)
     return struct.pack("<8I", *words, *(~word & 0xFFFFFFFF for word in words), 0, 0)
 
 
-def told(session: Session) -> str:
-    """Return the name of the table that the newest line says is in use."""
-    lines = [line for line in session.remote.lines() if line.startswith("table: ")]
-    return lines[-1].removeprefix("table: ").removesuffix(" in use")
+def params_record(text: bytes, number: int) -> bytes:
+    """Return a record of the log of parameters: text, filled up to flash words, and its seal."""
+    return text + b"\xff" * (-len(text) % RECORD_BYTES) + record(number, len(text), PARAMS_MAGIC)
+
+
+def newest(session: Session, subject: str) -> str:
+    """Return what the newest line about a subject reports."""
+    lines = [line for line in session.remote.lines() if line.startswith(subject)]
+    return lines[-1].removeprefix(f"{subject}: ")
+
+
+def table_in_use(session: Session) -> str:
+    """Return the name of the table that is in use by the newest line."""
+    return newest(session, "table").removesuffix(" in use")
 
 
 def restart(session: Session) -> str:
     """Switch the supply off and on; return the name of the table that is in use then."""
     session.board.power_on()
     session.remote.started()
-    return told(session)
+    return table_in_use(session)
 
 
 def test_downloads_take_turns_and_are_kept(started: Session, table: bytes) -> None:
@@ -57,7 +86,7 @@ def test_downloads_take_turns_and_are_kept(started: Session, table: bytes) -> No
     old = chip.read_memory(TABLE, len(table))
     second, third = named(table, "second"), named(table, "third")
     remote.download(second)
-    assert told(started) == "short skirt"
+    assert table_in_use(started) == "short skirt"
     assert chip.read_memory(OTHER, len(second)) == second
     assert chip.read_memory(LOG, RECORD_BYTES) == b"\xff" * RECORD_BYTES
     remote.do(SELECT)
@@ -93,14 +122,15 @@ def test_the_watchdog_is_fed_between_the_two_checks_of_a_select(
     assert long_gaps == 1  # after the first check, which takes 1.1 ms; other loops up to 0.1 ms
 
 
-def give_until_dark(session: Session, table: bytes) -> None:
-    """Download and select until the supply falls."""
-    remote, chip = session.remote, session.chip
-    n = len(chip.resets)
+def until_dark(session: Session, operation: int, act: Callable[[], None]) -> None:
+    """Act until the supply falls in an operation of the flash, and wait for the next start."""
+    n = len(session.chip.resets)
+    session.chip.flash.left = operation
     try:
-        remote.use(table)
+        act()
     except AssertionError:
-        assert len(chip.resets) > n, "the download failed, but not for want of power"
+        assert len(session.chip.resets) > n, "refused, but not for want of power"
+    session.remote.started()
 
 
 @pytest.mark.parametrize("operation", [1, 100, "commit"])
@@ -110,11 +140,10 @@ def test_power_lost_on_the_way_leaves_the_old_table(
     """In the erase, in programming, in the record itself: old table, and the next one works."""
     n_words = (len(table) + 31) // 32
     chip = started.chip
-    chip.flash.left = 2 + n_words if operation == "commit" else int(operation)
-    give_until_dark(started, named(table, "second"))
+    at = 2 + n_words if operation == "commit" else int(operation)
+    until_dark(started, at, lambda: started.remote.use(named(table, "second")))
     assert chip.resets.count("power_on") == 2
-    started.remote.started()
-    assert told(started) == "short skirt"
+    assert table_in_use(started) == "short skirt"
     started.remote.use(named(table, "third"))
     assert restart(started) == "third"
 
@@ -191,3 +220,44 @@ def test_frames_of_a_block_are_no_commands(started: Session) -> None:
         started.chip.run(started.chip.seconds(1e-3))
     assert COMMAND != TO_CONTROLLER
     assert started.remote.command(ENABLE, is_pressed=False)[0] == ERR["acknowledge"]
+
+
+def test_parameters_are_kept_whenever_the_supply_falls(started: Session) -> None:
+    """Cut in the first word and in the seal: the old ones; whole: the new ones."""
+    assert newest(started, "params") == "no parameters are kept - defaults in use"
+    started.remote.set("lead_ns", 61_000)
+    started.remote.do(SAVE)
+    text = started.chip.read_memory(PARAMS_LOG, SECTOR_BYTES).split(b"\ncrc32", 1)[0].decode()
+    assert "\nlead_ns = 61000\n" in text
+    n_words = len(params_record(text.encode() + b"\ncrc32 = 0123456789\n", 1)) // RECORD_BYTES
+    for operation in (1, n_words):
+        started.remote.set("lead_ns", 62_000)
+        until_dark(started, operation, lambda: started.remote.do(SAVE))
+        assert started.remote.command(GET, LEAD) == (0, 61_000)
+        assert newest(started, "params").startswith("version 1 in use")
+    started.remote.set("lead_ns", 63_000)
+    started.remote.do(SAVE)
+    started.remote.set("lead_ns", 64_000)
+    started.remote.do(REVERT)
+    assert started.remote.command(GET, LEAD) == (0, 63_000)
+
+
+def test_log_goes_round_and_survives_a_cut_erase(started: Session) -> None:
+    """The sector is full: the other one is erased; cut there, the newest of the full one counts."""
+    body = b"version = 9\nlead_ns = 71000\n"
+    text = body + f"crc32 = {zlib.crc32(body)}\n".encode()
+    one = params_record(text, 1)
+    n = SECTOR_BYTES // len(one)
+    started.chip.write_flash(PARAMS_LOG, b"".join(params_record(text, i + 1) for i in range(n)))
+    started.chip.write_flash(PARAMS_LOG + SECTOR_BYTES, params_record(b"old", 0) * 3)
+    restart(started)
+    assert "not among those kept" in newest(started, "params")
+    until_dark(started, 1, lambda: started.remote.do(SAVE))
+    assert started.remote.command(GET, LEAD) == (0, 71_000)
+    started.remote.set("lead_ns", 72_000)
+    started.remote.do(SAVE)
+    restart(started)
+    assert started.remote.command(GET, LEAD) == (0, 72_000)
+    assert b"\nlead_ns = 72000\n" in started.chip.read_memory(
+        PARAMS_LOG + SECTOR_BYTES, SECTOR_BYTES
+    )
