@@ -13,9 +13,17 @@ from collections.abc import Callable
 import pytest
 
 from camtools.cli.flash import FIRST_PLACE
-from tests.stm32.host import short_table
+from tests.stm32.host import IMAGE, short_table
+from tests.stm32.image import Image
 from tests.stm32.models.fdcan import Frame
-from tests.stm32.models.flash_pwr import SECTOR_BYTES
+from tests.stm32.models.flash_pwr import (
+    LOCK,
+    RDPERR,
+    RDSERR,
+    SECTOR_BYTES,
+    SNECCERR,
+    SYSTEM_MEMORY,
+)
 from tests.stm32.remote import (
     BEGIN,
     COMMAND,
@@ -34,6 +42,8 @@ OTHER, LOG, TABLE = 0x08040000, 0x080E0000, 0x08100000
 PARAMS_LOG = 0x081C0000
 MAGIC, PARAMS_MAGIC, RECORD_BYTES = 0x4C424154, 0x4D524150, 32
 LEAD = PARAMS.index("lead_ns")
+MOST_BOOT_BYTES = 512
+BOOT = {"stm_reset", "stm_boot_fill", "on_boot_fault"}
 ERR = errors()
 
 
@@ -261,3 +271,49 @@ def test_log_goes_round_and_survives_a_cut_erase(started: Session) -> None:
     assert b"\nlead_ns = 72000\n" in started.chip.read_memory(
         PARAMS_LOG + SECTOR_BYTES, SECTOR_BYTES
     )
+
+
+def test_core_reads_ahead_neither_in_system_memory_nor_in_the_code_in_flash(
+    started: Session,
+) -> None:
+    """The protection unit forbids both; tables are read ahead, which is what the cache is for."""
+    mpu = started.chip.nvic.mpu
+    forbidden = [SYSTEM_MEMORY + i for i in range(0, 1 << 20, 1 << 16)]
+    forbidden += [0x08000000 + i for i in range(0, 2 << 17, 1 << 14)]
+    assert mpu.invites(0x08000000 + (2 << 17))
+    assert not any(mpu.invites(address) for address in forbidden)
+    assert mpu.invites(TABLE)
+
+
+def test_download_outlives_flags_that_are_no_errors_of_its_own(started: Session) -> None:
+    """A read of system memory and a corrected bit set flags; flash is written all the same."""
+    started.chip.flash.noise = RDPERR | RDSERR | SNECCERR
+    started.remote.use(short_table().read_bytes())
+
+
+def test_keys_are_given_to_a_locked_bank_only(started: Session) -> None:
+    """A bank that is open already, as a debugger leaves it, is used as it is."""
+    started.chip.flash.v["cr0"] &= ~LOCK
+    started.remote.do(BEGIN, value=4096)
+
+
+@pytest.mark.parametrize("torn_at", [0, 64, 4096])
+def test_torn_table_is_refused_and_the_next_is_used(started: Session, torn_at: int) -> None:
+    """A programmer was interrupted: words that cannot be read end the table, not the controller."""
+    started.chip.flash.tear({TABLE + torn_at})
+    started.board.power_on()
+    status = started.remote.started()
+    assert status.state == "off"
+    assert status.table < 0
+    assert started.remote.command(ENABLE)[0] == status.table
+    assert started.chip.resets == ["power_on"] * 2
+    if torn_at == 64:
+        started.remote.use(short_table().read_bytes())
+        assert started.remote.status().table == 0
+
+
+def test_only_the_start_up_lies_in_flash() -> None:
+    """Neither main() nor the main loop: flash may be erased while they run."""
+    image = Image(IMAGE)
+    assert image.functions[".boot"] == BOOT
+    assert image.sizes[".boot"] <= MOST_BOOT_BYTES

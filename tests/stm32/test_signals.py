@@ -15,6 +15,7 @@ from tests.stm32.session import Session
 
 ERR = errors()
 DRIVE_READY = 1 << 1
+MIDDLE = 2048  # of the internal DAC: U = 0
 AFTER_RESET = {"PA13", "PA14", "PB4"}  # the debug port's, RM0433 11.3.1
 # UM2407: USB with its power switch and overcurrent, ST-LINK, LEDs, button, Ethernet.
 UM2407 = {
@@ -149,3 +150,26 @@ def test_rates_are_those_of_the_manual(session: Session) -> None:
     assert chip.fdcan1.data_bit_hz() == 2_000_000
     assert 0.75 <= chip.fdcan1.sample_point() <= 0.875
     assert chip.spi3.bit_hz() == 20_000_000
+
+
+def test_u_of_the_internal_converter_begins_in_the_middle(started: Session) -> None:
+    """PA4 floats until it shows the middle: 0 V would be full negative U."""
+    codes = [code for _, code in started.board.at_pa4]
+    assert MIDDLE in codes
+    shown = started.board.at_pa4[: codes.index(MIDDLE) + 1]
+    first = next(at for at, code in shown if code is not None)
+    assert shown[-1][0] - first < started.chip.seconds(1e-6)
+    assert set(codes[codes.index(MIDDLE) :]) == {MIDDLE}
+
+
+def test_select_of_the_converter_is_high_long_enough(started: Session) -> None:
+    """Seven clocks of 50 ns between two frames, where its data sheet asks for 100 ns."""
+    assert started.chip.spi3.select_high_s() == pytest.approx(350e-9)
+
+
+def test_trace_output_is_let_go_at_once(started: Session) -> None:
+    """PB3 is the trace's output after a reset; a receiver of the spindle's B drives it."""
+    started.board.power_on()
+    port, pin = started.chip.gpio.pin("PB3")
+    assert port.function(pin) == 0
+    assert started.chip.run_until(lambda: port.function(pin) is None, 200)
