@@ -201,23 +201,6 @@ class Remote:
         self.download(table)
         self.do(SELECT)
 
-    def table_name(self) -> str:
-        """Return the name of the table in use, as the status reports it from now on."""
-        self.frames(DETAIL).clear()
-        names = [f"table_name_{i}" for i in range(6)]
-        detail = DATABASE.get_message_by_name("Detail")
-        words: dict[str, object] = {}
-
-        def is_whole() -> bool:
-            for frame in self.frames(DETAIL):
-                words.update(detail.decode_simple(frame.data))
-            self.frames(DETAIL).clear()
-            return words.keys() >= set(names)
-
-        assert self.chip.run_until(is_whole, self.chip.seconds(0.5)), "no name comes"
-        parts = [int(str(words[name])).to_bytes(6, "little") for name in names]
-        return b"".join(parts).rstrip(b"\0").decode()
-
     def lines(self) -> list[str]:
         """Return the lines on the serial line, once the last one has ended."""
         usart = self.chip.usart3

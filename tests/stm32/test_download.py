@@ -100,7 +100,7 @@ def test_downloads_take_turns_and_are_kept(started: Session, table: bytes) -> No
     assert chip.read_memory(OTHER, len(second)) == second
     assert chip.read_memory(LOG, RECORD_BYTES) == b"\xff" * RECORD_BYTES
     remote.do(SELECT)
-    assert remote.table_name() == "second"
+    assert table_in_use(started) == "second"
     assert chip.read_memory(TABLE, len(table)) == old
     assert restart(started) == "second"
     remote.download(third)
