@@ -95,9 +95,10 @@ class GpioPort(Device):
 
     def _write_bsrr(self, name: str, old: int, new: int) -> None:
         odr = (self.v["odr"] & ~(new >> 16)) | (new & 0xFFFF)
-        if odr != self.v["odr"]:
-            self.v["odr"] = odr
-            self._tell()
+        changed, self.v["odr"] = odr ^ self.v["odr"], odr
+        for pin in range(changed.bit_length()):
+            if changed >> pin & 1:
+                self._tell_pin(pin)
 
     def _read_idr(self, name: str) -> int:
         bits = (self.level(pin) << pin for pin in range(16) if self.mode(pin) != ANALOGUE)
