@@ -57,7 +57,7 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
     // half of the greatest deceleration, twice
     const int64_t braking_nm =
         cam_units_scale(p->servo_force_limit_mn, INT64_C(1000000000), tick2 * p->servo_mass_g);
-    c->motion_q24 = (int32_t)motion_q24;
+    c->motion_q24 = cam_sat_i32(motion_q24); // cut where there is no loop
     c->pos_q18 = (int32_t)(omega_q24 >> 5);
     c->vel_q24 = (int32_t)((omega_q24 * omega_q24) >> 24);
     c->runaway_q6 = runaway_q6(p, c);

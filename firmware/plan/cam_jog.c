@@ -181,7 +181,8 @@ static bool has_left_stop(const cam_jog_t *h, const cam_jog_config_t *cfg,
     const int32_t back_nm = cam_wrap_sub(h->stood_nm, r->in.actual_nm[hal_axis_u]);
     const int64_t u_q10 =
         cam_wrap_add_i64(m->axis[hal_axis_u].pos_q10, ((int64_t)o->home_nm - h->stood_nm) * 1024);
-    return o->sense * back_nm >= left_nm && (o->has_index || o->sense * u_q10 <= cfg->u_end_q10);
+    const bool is_in_stroke = o->sense > 0 ? u_q10 <= cfg->u_end_q10 : u_q10 >= -cfg->u_end_q10;
+    return (int64_t)o->sense * back_nm >= left_nm && (o->has_index || is_in_stroke);
 }
 
 /// @return whether the axis is on the switch, or U at the stop, that the order searches

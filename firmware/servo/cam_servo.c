@@ -5,6 +5,9 @@
 /// Limits act on the high words of sums: a comparison of 64 bits takes three times as long. A
 /// limited result lies within the last 2^18 of the limit.
 /// @return floor(v / 2^18), limited to -2^28 .. 2^28 - 1
+/*@ assigns \result \from v_q24;
+    ensures word: -0x10000000 <= \result < 0x10000000;
+*/
 static int32_t force_q6(int64_t v_q24)
 {
     const uint32_t high =
@@ -39,9 +42,17 @@ static int32_t pi_lead_q6(cam_servo_t *s, const cam_servo_config_t *cfg, int32_t
 }
 
 /// MATHS.md (235), transposed. @return [mN / 64] below 2^30
+/*@ requires valid: \valid(s) && \valid_read(by);
+    requires force: -0x10000000 <= x_q6 < 0x10000000;
+    assigns \result, s->first_q36, s->second_q36 \from *s, *by, x_q6;
+    ensures word: -0x40000000 <= \result < 0x40000000;
+    ensures first: -0x4000000000000000 <= s->first_q36 <= 0x4000000000000000;
+    ensures second: -0x1400000000000000 <= s->second_q36 <= 0x1400000000000000;
+*/
 static int32_t notched_q6(cam_servo_t *s, const cam_servo_notch_t *by, int32_t x_q6)
 {
     const int64_t y_q36 = (int64_t)by->b0_q30 * x_q6 + s->first_q36;
+    //@ assert sign: y_q36 < 0 || y_q36 >= 0;
     const uint32_t high =
         (uint32_t)cam_clamp_i32((int32_t)(y_q36 >> 32), -(1 << 28), (1 << 28) - 1);
     const int32_t y_q6 = (int32_t)(high << 2 | (uint32_t)(uint64_t)y_q36 >> 30);
@@ -71,6 +82,11 @@ static int32_t limited_q6(const cam_servo_t *s, const cam_servo_config_t *cfg, i
 }
 
 /// The thermal model, MATHS.md (237).
+/*@ requires valid: \valid(s) && \valid_read(cfg);
+    assigns s->heat_q54, s->is_hot \from *s, *cfg;
+    ensures heat: -0x400000000000000 <= s->heat_q54 <= 0x4400000000000000;
+    ensures flag: s->is_hot == 0 || s->is_hot == 1;
+*/
 static void heat(cam_servo_t *s, const cam_servo_config_t *cfg)
 {
     const int32_t share_q11 =
@@ -83,6 +99,11 @@ static void heat(cam_servo_t *s, const cam_servo_config_t *cfg)
 
 /// Accept the integral unless it would push further into a limit.
 /// @param cut_q6  what the limits took from the force
+/*@ requires valid: \valid(s);
+    assigns s->sum_q38, s->is_limited \from *s, sum_q38, cut_q6;
+    ensures sum: -0x1000000000000000 <= s->sum_q38 < 0x1000000000000000;
+    ensures flag: s->is_limited == 0 || s->is_limited == 1;
+*/
 static void integrate(cam_servo_t *s, int64_t sum_q38, int32_t cut_q6)
 {
     const bool is_winding = cut_q6 != 0 && (cut_q6 ^ s->error_q6) >= 0;

@@ -5,9 +5,14 @@
 /// Inverse of a second-order drive, MATHS.md (56) and (189). Limited to 2^30, far beyond every
 /// stroke: a command that large is refused.
 /// @return [nm / 64]
+/*@ requires valid: \valid_read(by) && \valid_read(u);
+    assigns \result \from *by, *u;
+    ensures word: -0x40000000 <= \result < 0x40000000;
+*/
 static int32_t feed_forward_q6(const cam_u_gains_t *by, const cam_axis_motion_t *u)
 {
     const int64_t more_q26 = (int64_t)by->k1_q16 * u->vel_q10 + (int64_t)by->k2_q16 * u->acc_q10;
+    //@ assert sign: more_q26 < 0 || more_q26 >= 0;
     const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32, beyond every stroke
     const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
     const uint32_t low = (uint32_t)(uint64_t)more_q26;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_force.h"
-#include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_sat_i32
+#include "cam_fix.h" // cam_clamp_i32, cam_is_within, cam_sat_i32, cam_wrap_add_i64, ..
 
 /// @return [nm / 64] within the range of a word
 static int32_t to_q6(int32_t nm)
@@ -41,7 +41,8 @@ static int32_t net_force_q6(const cam_force_config_t *cfg, const cam_tick_record
     return cam_sat_sub(r->force_q6, cam_sat_i32((spring_q24 >> 18) + (drag_q22 >> 16)));
 }
 
-/// Compare the reading with the observer, then move the observer to the next tick.
+/// Compare the reading with the observer, then move the observer to the next tick. It wraps only
+/// 500 m away, where the deviation has long been a fault unless U presses on its stop.
 /// @return [nm / 64] reading minus observer
 static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t read_nm,
                        int32_t net_q6)
@@ -51,10 +52,11 @@ static int32_t observe(cam_force_t *f, const cam_force_config_t *cfg, int32_t re
         f->pos_q24 = read_q24;
         f->vel_q24 = 0;
     }
-    const int32_t off_q6 = cam_sat_i32((read_q24 - f->pos_q24) >> 18);
+    const int32_t off_q6 = cam_sat_i32(cam_wrap_sub_i64(read_q24, f->pos_q24) >> 18);
     const int64_t push_q30 = (int64_t)off_q6 * cfg->vel_q24 + (int64_t)net_q6 * cfg->motion_q24;
-    f->pos_q24 += f->vel_q24 + (int64_t)off_q6 * cfg->pos_q18;
-    f->vel_q24 += push_q30 >> 6;
+    const int64_t step_q24 = cam_wrap_add_i64(f->vel_q24, (int64_t)off_q6 * cfg->pos_q18);
+    f->pos_q24 = cam_wrap_add_i64(f->pos_q24, step_q24);
+    f->vel_q24 = cam_wrap_add_i64(f->vel_q24, push_q30 >> 6);
     return off_q6;
 }
 
@@ -99,7 +101,7 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
         f->n_limited = 0;
         return 0;
     }
-    const int32_t vel_nm = cam_sat_i32((f->vel_q24 + (1 << 23)) >> 24);
+    const int32_t vel_nm = cam_sat_i32(cam_wrap_add_i64(f->vel_q24, 1 << 23) >> 24);
     const bool is_lost = m->state != cam_state_manual && is_beyond(cfg, read_nm, vel_nm);
     const uint32_t travel = is_lost || is_at_line(r->in.inputs, m) ? CAM_FAULT_BIT(u_travel) : 0u;
     if (m->u_press_q6 != 0) { // pressing on its stop, U looks blocked or not measured
@@ -113,5 +115,5 @@ uint32_t cam_force_watch_isr(cam_force_t *f, const cam_force_config_t *cfg,
 
 void cam_force_shift_isr(cam_force_t *f, int32_t by_nm)
 {
-    f->pos_q24 += (int64_t)by_nm * (INT64_C(1) << 24);
+    f->pos_q24 = cam_wrap_add_i64(f->pos_q24, (int64_t)by_nm * (INT64_C(1) << 24));
 }

@@ -23,8 +23,12 @@ ROOMS = ("base", "table", "servo", "motion", "record", "plan", "tick")  # that t
 FOLDERS = ("tests/proof/eva", "tests/proof", *(f"firmware/{room}" for room in ROOMS))
 INCLUDES = " ".join(f"-I{name}" for name in (*FOLDERS, "hal/include"))
 PROVER_S = 10.0  # on an idle reference machine; the goals that are proved take below 0.3 s
+SERVO = ("force_q6", "notched_q6", "integrate", "heat", "feed_forward_q6")
 # Functions that Eva takes by their contracts, which WP or another driver of Eva has shown.
-BY_CONTRACT = ("cam_eval_height", "cam_lobes_slice", "cam_envelope_smooth_q30", "inverse_q30")
+BY_CONTRACT = (
+    *("cam_eval_height", "cam_lobes_slice", "cam_envelope_smooth_q30", "inverse_q30"),
+    *SERVO,
+)
 # What WP proves: a file with contracts, and of which functions; all of them where none is named.
 WP = {
     "base": ("cam_fix.h", ()),
@@ -41,10 +45,13 @@ MACHINES = {"32": "gcc_x86_32", "64": "gcc_x86_64"}
 EVA = {
     "height": ("cam_eval_height", "cam_lobes_slice"),
     "envelope": ("cam_envelope_smooth_q30", "inverse_q30"),
+    "servo": SERVO,
     "slot": (),
     "tick": (),
     "bare": (),
 }
+# Sources whose static functions are shown: the driver includes them.
+PARTS = {"envelope": ("cam_envelope.c",), "servo": ("cam_servo.c", "cam_axis_command.c")}
 
 
 class Result(NamedTuple):
@@ -129,8 +136,8 @@ def analyse(driver: str, bits: str) -> Result:
     """Analyse a driver by Eva."""
     taken = [one for one in BY_CONTRACT if one not in EVA[driver]]
     files = [*(HERE / "eva" / f"{name}.c" for name in ("world", "hal", driver)), *sources()]
-    if driver == "envelope":  # its source is part of the driver
-        files = [one for one in files if one.name != "cam_envelope.c"]
+    own = PARTS.get(driver, ())
+    files = [one for one in files if one.name not in own]
     text = frama_c(
         *common(MACHINES[bits]),
         *(one.relative_to(ROOT) if one.is_relative_to(ROOT) else one for one in files),

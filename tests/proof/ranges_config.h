@@ -136,7 +136,8 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(n_play, 0, UINT32_MAX)                                                                       \
     X(fade.speed_q10, 0, Q30)                                                                      \
     X(fade.acceleration_q10, 0, Q30)                                                               \
-    X(place_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)
+    X(place_q10, -(INT64_C(1) << 35), INT64_C(1) << 35)                                            \
+    X(is_force, 0, 1)
 
 #define ORDER(X)                                                                                   \
     X(serial, 0, UINT32_MAX)                                                                       \
@@ -150,7 +151,8 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(low_q10, -(INT64_C(1) << 45), INT64_C(1) << 45)                                              \
     X(high_q10, -(INT64_C(1) << 45), INT64_C(1) << 45)                                             \
     X(distance_q10, -(INT64_C(1) << 45), INT64_C(1) << 45)                                         \
-    X(home_nm, -15000000, 15000000)
+    X(home_nm, -15000000, 15000000)                                                                \
+    X(press_q6, 0, 64 * 200000)
 
 #define GUARD_CONFIG(X)                                                                            \
     X(overspeed_q32, 0, INT32_MAX)                                                                 \
@@ -186,6 +188,36 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(vel_q10[i], 0, INT32_MAX)                                                                    \
     X(change_q10[i], 0, INT32_MAX)                                                                 \
     X(jump_q10[i], 0, INT32_MAX)
+
+#define FORCE_CONFIG(X)                                                                            \
+    X(is_used, 0, 1)                                                                               \
+    X(servo.kp_q18, 0, Q30)                                                                        \
+    X(servo.kd_q18, 0, Q30)                                                                        \
+    X(servo.pole_q18, 0, 1 << 18)                                                                  \
+    X(servo.ki_q32, 0, Q30)                                                                        \
+    X(servo.notch.b0_q30, 0, Q30)                                                                  \
+    X(servo.notch.b1_q30, -2 * Q30, 0)                                                             \
+    X(servo.notch.b2_q30, -Q30, Q30)                                                               \
+    X(servo.notch.minus_a2_q30, -Q30, Q30)                                                         \
+    X(servo.mass_q14, 0, Q30)                                                                      \
+    X(servo.drag_q14, 0, Q30)                                                                      \
+    X(servo.stiffness_q18, 0, Q30)                                                                 \
+    X(servo.friction_q12, 0, 200000 * 4096)                                                        \
+    X(servo.limit_q6, 0, cam_servo_most_q6)                                                        \
+    X(servo.rate_q6, 0, 1 << 29)                                                                   \
+    X(servo.continuous_q6, 0, cam_servo_most_q6)                                                   \
+    X(servo.per_continuous, 0, INT32_MAX)                                                          \
+    X(servo.cooling_q32, 0, 1 << 27)                                                               \
+    X(servo.ahead.steps_q16, -16 * 65536, 0)                                                       \
+    X(servo.ahead.half_square_q16, 0, 1 << 23)                                                     \
+    X(servo.ahead.third_q28, -Q30 - Q30 / 2, 0)                                                    \
+    X(motion_q24, 0, INT32_MAX)                                                                    \
+    X(pos_q18, 0, 1 << 18)                                                                         \
+    X(vel_q24, 0, 1 << 22)                                                                         \
+    X(moving_q6, 0, INT32_MAX)                                                                     \
+    X(runaway_q6, 0, INT32_MAX)                                                                    \
+    X(travel_nm, 0, Q30 - 1)                                                                       \
+    X(braking_nm, 0, INT32_MAX)
 
 #define ACKNOWLEDGE_CONFIG(X)                                                                      \
     X(is_demanded, 0, 1)                                                                           \

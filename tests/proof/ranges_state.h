@@ -35,10 +35,23 @@
     X(is_acknowledged, 0, 1)                                                                       \
     X(u_speed_q10, 0, 1 << 29)                                                                     \
     X(is_filtering, 0, 1)                                                                          \
+    X(u_press_q6, 0, 64 * 200000)                                                                  \
     X(x_left_q10, -(INT64_C(1) << 41), INT64_C(1) << 41)                                           \
     X(phase_step_q32, -(1 << 22), 1 << 22)                                                         \
     X(swing.is_new, 0, 1)                                                                          \
     X(swing.is_there, 0, 1)
+
+#define FORCE(X)                                                                                   \
+    X(is_on, 0, 1)                                                                                 \
+    X(servo.sum_q38, -(Q30 << 30), (Q30 << 30) - 1)                                                \
+    X(servo.lead_q6, -(1 << 28), (1 << 28) - 1)                                                    \
+    X(servo.most_q6, 0, 64 * 200000)                                                               \
+    X(servo.first_q36, -(Q30 << 32), Q30 << 32)                                                    \
+    X(servo.second_q36, -5 * (Q30 << 28), 5 * (Q30 << 28))                                         \
+    X(servo.force_q6, -cam_servo_most_q6, cam_servo_most_q6)                                       \
+    X(servo.heat_q54, -(Q30 << 28), (Q30 << 32) + (Q30 << 28))                                     \
+    X(servo.is_limited, 0, 1)                                                                      \
+    X(servo.is_hot, 0, 1)
 
 #define PLAY(X) X(excite.at, 0, WAVE_SAMPLES - 1)
 
@@ -74,7 +87,8 @@
 #define SENSED(X)                                                                                  \
     X(in.actual_nm[0], -Q30, Q30 - 1)                                                              \
     X(in.actual_nm[1], -Q30, Q30 - 1)                                                              \
-    X(in.actual_nm[2], -Q30, Q30 - 1)
+    X(in.actual_nm[2], -Q30, Q30 - 1)                                                              \
+    X(force_q6, -cam_servo_most_q6, cam_servo_most_q6)
 
 #define FEED_MOTION(X)                                                                             \
     X(rate_q30, 0, Q30 + Q30 / 2)                                                                  \

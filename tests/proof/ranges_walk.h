@@ -91,6 +91,9 @@ static inline void walk_config(cam_config_t *cfg)
     walk_play_config(&cfg->play);
     walk_guard_config(&cfg->guard);
     walk_tell_config(&cfg->command);
+#define P cfg->force
+    FORCE_CONFIG(EACH)
+#undef P
     for (int i = 0; i < cam_n_switches; i++) {
 #define P cfg->switches.each[i]
         SWITCH_CONFIG(EACH)
@@ -136,6 +139,9 @@ static inline void walk_state(cam_t *c)
     walk_motion(&c->motion);
 #define P c->play
     PLAY(EACH)
+#undef P
+#define P c->force
+    FORCE(EACH)
 #undef P
 #define P c->command
     COMMAND(EACH)

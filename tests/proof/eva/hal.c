@@ -33,6 +33,8 @@ uint32_t hal_inputs_read_isr(void)
 
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint) {}
 
+void hal_force_write_isr(int32_t force_q6) {}
+
 void hal_swing_write_isr(const hal_swing_t *setpoint) {}
 
 void hal_spindle_write_isr(int32_t speed_mrpm) {}

@@ -87,6 +87,7 @@ static void make_state(void)
     UNKNOWN(c.guard);
     UNKNOWN(c.motion);
     UNKNOWN(c.command);
+    UNKNOWN(c.force);
     UNKNOWN(c.play);
     UNKNOWN(c.switches);
     UNKNOWN(c.jog);

@@ -310,6 +310,21 @@ static void test_index_after_the_stop_is_the_home(void)
     TEST_ASSERT_EQUAL_INT32(100000, r.in.actual_nm[hal_axis_u]);
 }
 
+/// Readings and positions at the ends of their words: two metres back, and far out of the stroke.
+static void test_distance_from_the_stop_has_no_limit(void)
+{
+    for (int has_index = 0; has_index <= 1; has_index++) {
+        (void)search(-1, has_index != 0, 0);
+        (void)press(press_q6, 1000);
+        h.stood_nm = has_index != 0 ? 1 << 30 : 0;
+        r.in.actual_nm[hal_axis_u] = -(1 << 30);
+        m.axis[hal_axis_u].pos_q10 = INT64_MIN;
+        m.axis[hal_axis_u].vel_q10 = 512;
+        (void)plan();
+        TEST_ASSERT_EQUAL_INT(has_index != 0 ? cam_jog_index : cam_jog_release, h.phase);
+    }
+}
+
 /// Only a home of U lifts the limit of the force: U may still press on its stop.
 static void test_force_stays_limited_until_a_home_is_found(void)
 {

@@ -371,3 +371,28 @@ static void test_mass_too_light_for_the_observer_at_a_slow_rate_is_refused(void)
         TEST_ASSERT_TRUE(cases[i].err == cam_ok || which == cam_param_servo_mass_g);
     }
 }
+
+/// U that presses on its stop may be far from its observer for any time.
+static void test_observer_that_is_farther_off_than_its_word_wraps(void)
+{
+    is_on = true;
+    m.state = cam_state_manual;
+    m.u_press_q6 = 64;
+    force.pos_q24 = INT64_MAX;
+    force.vel_q24 = INT64_MAX;
+    TEST_ASSERT_EQUAL_HEX32(0, tick(0));
+    TEST_ASSERT_EQUAL_INT64(-2 - (INT64_C(1) << 31) * cfg.force.pos_q18, force.pos_q24);
+    force.pos_q24 = INT64_MAX;
+    cam_force_shift_isr(&force, 1);
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN + (1 << 24) - 1, force.pos_q24);
+}
+
+/// Without a loop the mass is not checked; at 625 Hz, 10 g would leave nothing of the word.
+static void test_acceleration_of_a_light_mass_without_a_loop_fits_its_word(void)
+{
+    cam_params_t p = cam_param_defaults();
+    p.servo_mass_g = 10;
+    p.observer_bandwidth_mHz = 1000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 625, 200000000));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, cfg.force.motion_q24);
+}

@@ -21,12 +21,14 @@ enum { n_draws = 20000 / fixture_rarer, n_session_steps = 150 };
 
 static cam_config_t config;
 static fixture_random_t source;
-static int n_built;
+static int n_built, n_loops;
 
 void setUp(void)
 {
     source = (fixture_random_t){.state = 18u};
     n_built = 0;
+    n_loops = 0;
+    hal_host_reset(20000);
 }
 
 static void refuse(const char *name, int64_t value, int64_t low, int64_t high)
@@ -74,6 +76,29 @@ static cam_params_t any_params(uint32_t tick_hz)
     }
     params.observer_bandwidth_mHz = (int32_t)drawn(1000, tick_hz * INT64_C(80));
     return params;
+}
+
+/// @return a number from 0 on whose size is any
+static int32_t sized(int64_t high)
+{
+    const int64_t most = INT64_C(1) << fixture_random_range(&source, 0, 30);
+    return (int32_t)drawn(0, most < high ? most : high);
+}
+
+/// Parameters of a position loop; half of them fit one another.
+static void any_loop(cam_params_t *p, uint32_t tick_hz)
+{
+    p->servo_pole_hz = (int32_t)drawn(10, tick_hz / 5u);
+    p->servo_crossover_hz = sized(p->servo_pole_hz < 5000 ? p->servo_pole_hz : 5000);
+    p->servo_integral_mHz = sized(p->servo_crossover_hz < 1000 ? p->servo_crossover_hz * 1000 : 0);
+    p->servo_notch_hz = drawn(0, 1) == 0 ? 0 : (int32_t)drawn(tick_hz / 1000u + 1u, tick_hz / 4u);
+    p->servo_notch_pole_permille = (int32_t)drawn(1, 2000);
+    p->servo_notch_zero_permille = (int32_t)drawn(0, p->servo_notch_pole_permille);
+    p->servo_continuous_mn = (int32_t)drawn(300000, 4000000);
+    p->servo_force_limit_mn = 4000000;
+    p->servo_mass_g = 10 + sized(99990);
+    p->servo_stiffness_n_per_m = sized(100000000);
+    p->servo_drag_mn_s_per_m = sized(10000000);
 }
 
 static void any_channel(cam_channel_t *ch, bool is_around)
@@ -135,17 +160,21 @@ static void test_every_configuration_is_within_the_ranges_of_the_proof(void)
     for (int i = 0; i < n_draws; i++) {
         const uint32_t tick_hz = rates_hz[i % 7];
         const uint32_t clock_hz = i % 3 == 0 ? 1000000u : 480000000u;
-        const cam_params_t params = any_params(tick_hz);
+        cam_params_t params = any_params(tick_hz);
+        hal_host.slow.force.quantum_un = i % 2 == 0 ? 0u : 20000u;
+        any_loop(&params, tick_hz);
         const cam_table_t table = any_table();
         const uint32_t most_mrpm = (uint32_t)drawn(1, cam_table_max_mrpm);
         if (cam_build_config(&config, &params, &table, most_mrpm, tick_hz, clock_hz) == cam_ok) {
             cam_config_learn(&config);
             n_built++;
+            n_loops += config.force.is_used && config.force.servo.limit_q6 > 0 ? 1 : 0;
             walk_config(&config);
             expect_relations(&config);
         }
     }
     TEST_ASSERT_GREATER_THAN(n_draws / 100, n_built);
+    TEST_ASSERT_GREATER_THAN(n_draws / 1000, n_loops);
 }
 
 static fixture_rig_t rig;
@@ -306,9 +335,21 @@ static void cut(uint32_t tick_hz)
     until(cam_state_ready);
 }
 
-static void run_session(const fixture_part_t *part, uint32_t tick_hz, int n_steps)
+/// U takes forces from a loop that is weak, because the axes follow their set-points.
+static void take_forces(void)
+{
+    hal_host.slow.force.quantum_un = 20000;
+    (void)fixture_rig_set(&rig, cam_param_servo_integral_mHz, 0);
+    (void)fixture_rig_set(&rig, cam_param_servo_pole_hz, 100);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_servo_crossover_hz, 1));
+}
+
+static void run_session(const fixture_part_t *part, uint32_t tick_hz, int n_steps, bool has_force)
 {
     fixture_rig_init(&rig, part, tick_hz);
+    if (has_force) {
+        take_forces();
+    }
     cut(tick_hz);
     for (int i = 0; i < n_steps; i++) {
         const int64_t what = fixture_random_range(&source, 0, 15);
@@ -338,7 +379,9 @@ static void test_every_tick_leaves_the_state_within_the_ranges_of_the_proof(void
     const uint32_t n_sessions = fixture_rarer == 1 ? 9u : 6u;
     for (uint32_t i = 0; i < n_sessions; i++) {
         const uint32_t rates_hz[] = {1000u, 5000u, 20000u};
-        run_session(&parts[i % 3u], rates_hz[i / 3u], n_session_steps);
+        run_session(&parts[i % 3u], rates_hz[i / 3u], n_session_steps, i % 2u != 0u);
+        n_loops += g_cam.force.servo.heat_q54 != 0 ? 1 : 0;
     }
     TEST_ASSERT_EQUAL_HEX32((1u << cam_n_states) - 1u, visited);
+    TEST_ASSERT_GREATER_THAN(1, n_loops);
 }
