@@ -4,14 +4,12 @@
 #ifndef LIN_DISK_BENCH_H
 #define LIN_DISK_BENCH_H
 
-#include "common_error.h" // common_error_t
-#include "unity.h"        // TEST_ASSERT_NOT_NULL
-#include <stdio.h>        // fopen
-#include <string.h>       // strstr
-#include <sys/stat.h>     // mkdir
-#include <unistd.h>       // unlink
+#include "unity.h"    // TEST_ASSERT_NOT_NULL
+#include <stdio.h>    // fopen
+#include <string.h>   // strstr
+#include <sys/stat.h> // mkdir
+#include <unistd.h>   // unlink
 
-static common_error_t error;
 extern char folder[], path[100], fresh[110];
 extern int n_good_syncs; ///< fsync() confirms that many times more, then fails
 

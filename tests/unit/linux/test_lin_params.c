@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's kept parameters: their file, and a disk or a folder that does not take it.
 #include "lin_params.h"
+#include "common_error.h"
 #include "lin_disk_bench.h"
+#include <errno.h>       // EROFS
+#include <sys/syscall.h> // SYS_access
 
 static bool is_read_only;
+
+static common_error_t error;
 
 void suiteSetUp(void)
 {
