@@ -390,7 +390,7 @@ static void test_observer_that_is_farther_off_than_its_word_wraps(void)
 /// Without a loop the mass is not checked; at 625 Hz, 10 g would leave nothing of the word.
 static void test_acceleration_of_a_light_mass_without_a_loop_fits_its_word(void)
 {
-    cam_params_t p = cam_param_defaults();
+    p = cam_param_defaults();
     p.servo_mass_g = 10;
     p.observer_bandwidth_mHz = 1000;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 625, 200000000));
