@@ -94,8 +94,8 @@ double sim_cut_averaging_rpm(const sim_cut_t *cut)
 
 const char *sim_cut_end_name(const sim_cut_t *cut)
 {
-    static const char *const name[] = {"running", "done", "fault",   "timeout",
-                                       "refused", "lost", "unsteady"};
+    static const char *const name[] = {"running", "done",    "fault",
+                                       "timeout", "refused", "unsteady"};
     return cut->end == sim_cut_done && cut->is_stopped ? "stopped" : name[cut->end];
 }
 

@@ -157,7 +157,7 @@ double sim_cut_rpm(const sim_cut_t *cut);
 /// they do
 double sim_cut_averaging_rpm(const sim_cut_t *cut);
 
-/// @return "done", "stopped", "fault", "timeout", "refused", "lost" or "unsteady"
+/// @return "done", "stopped", "fault", "timeout", "refused" or "unsteady"
 const char *sim_cut_end_name(const sim_cut_t *cut);
 
 #endif

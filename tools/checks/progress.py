@@ -2,6 +2,9 @@
 """Detects hangs without a clock that judges: processes that neither compute nor print for minutes.
 
 Processor time and bytes written are those of a process and all below it, the ended ones included.
+
+>>> Watch(os.getpid()).is_stalled()
+False
 """
 
 from __future__ import annotations

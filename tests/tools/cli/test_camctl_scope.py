@@ -36,13 +36,25 @@ def test_signals_of_ticks_are_recorded(bench: Bench, tmp_path: Path) -> None:
     assert again.read_bytes() == record.read_bytes()
 
 
-def test_a_recording_waits_for_its_state(bench: Bench, tmp_path: Path) -> None:
+def home_when_armed(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Order home once the recorder runs and has recorded for a tenth of a second."""
+    start = scope.start
+
+    def start_then_home(link: Link) -> None:
+        start(link)
+        pass_time(link, 0.1)
+        threading.Thread(target=order, args=[bench, "home"]).start()
+
+    monkeypatch.setattr(scope, "start", start_then_home)
+
+
+def test_a_recording_waits_for_its_state(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """From the first tick of homing to its last."""
     record = tmp_path / "record.csv"
-    timer = threading.Timer(0.3, order, [bench, "home"])
-    timer.start()
+    home_when_armed(bench, monkeypatch)
     bench.do("scope", record, "--signals", "state", "--from-state", "homing")
-    timer.join()
     states = columns(record)["state"]
     assert set(states) == {"1"}
     assert len(states) > 100
@@ -71,14 +83,14 @@ def test_bad_recordings_are_refused(bench: Bench, tmp_path: Path, refusal: Refus
     assert not record.exists()
 
 
-def test_a_trigger_has_rows_before_it(bench: Bench, tmp_path: Path) -> None:
+def test_a_trigger_has_rows_before_it(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The state's trigger is in the row of time 0; Parquet and CSV hold the same numbers."""
     record, other = tmp_path / "record.csv", tmp_path / "record.parquet"
-    timer = threading.Timer(0.5, order, [bench, "home"])
-    timer.start()
+    home_when_armed(bench, monkeypatch)
     words = ("--signals", "state,angle_q32,u_actual_nm", "--trigger", "state=homing")
     bench.do("scope", record, *words, "--before", "0.02", "--seconds", "0.05", "--keep")
-    timer.join()
     told = columns(record)
     times = np.array(told["t_s"], np.float64)
     at = told["state"].index("1")

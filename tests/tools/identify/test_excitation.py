@@ -23,6 +23,7 @@ from camtools.link.controller import Link
 from camtools.link.messages import Refused
 from camtools.sim.machines import machine_bytes, names
 from camtools.table.image import pack
+from checks.patience import limit_s
 from tests.tools.cases.camctl_bench import Bench, ready
 from tests.tools.cases.cut_cases import skirt_of
 
@@ -312,7 +313,7 @@ def test_a_fault_ends_the_excitation_with_its_name(
 
     def fault(link: Link, _timeout_s: float) -> str:
         bench.estop(is_pressed=True)
-        assert link.wait(lambda: link.status.state == "fault", 5.0)
+        assert link.wait(lambda: link.status.state == "fault", limit_s(5.0))
         return "fault"
 
     monkeypatch.setattr("camtools.link.excitation._follow", fault)
