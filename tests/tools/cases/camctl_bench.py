@@ -23,20 +23,19 @@ from camtools.link.messages import COMMAND, Refused, command_bytes
 from camtools.link.refusal_text import ask_done
 from camtools.link.rights import sender_of
 from camtools.link.shared_session import SharedSession
-from checks.patience import limit_s, slowness, until
+from checks.patience import limit_s, until
 from tests.tools.cases.camsim_cases import BUILD
 
 BENCH = BUILD / "tests" / "camctl" / "can_bench"
 FRAME = struct.Struct("<IB3x64s")
 CLASSIC_BYTES = 8
 Act = Callable[[], object]
-_MOST_SLOW = 2.0  # beyond it the pages of the status come later than the tools expect
 ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID = range(0x10000, 0x10004)
 
 
 def pace() -> float:
-    """Return the virtual seconds of a second: fewer on a slow machine, which answers late."""
-    return 1 / min(slowness(), _MOST_SLOW)
+    """Return the virtual seconds of a second: a recording cannot be read from a slower lathe."""
+    return 1.0
 
 
 def pass_time(link: Link, seconds: float) -> None:

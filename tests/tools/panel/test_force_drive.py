@@ -143,6 +143,7 @@ def test_a_pulse_tells_mass_and_friction(seat: LiveSeat) -> None:
     until(lambda: seat.parameters() == before | dict(found.settings), "mass and friction are set")
 
 
+@pytest.mark.long
 def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:
     """The second report shows the loop that the first one proposed."""
     assert "nothing is proposed" in seat.refused("apply_loop")
@@ -174,6 +175,7 @@ def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:
     assert found_of(again.text, measured) == pytest.approx(crossover_hz, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_loop_without_the_margins_is_shown_and_not_applied(
     seat: LiveSeat, monkeypatch: pytest.MonkeyPatch
 ) -> None:

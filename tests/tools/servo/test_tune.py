@@ -310,6 +310,7 @@ def test_a_simulated_machine_gets_the_loop_that_was_proposed(
     }.items()  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_loop_is_set_over_can_and_measured(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
