@@ -143,7 +143,7 @@ camturn_install() {
     local how=(--require-hashes --no-deps --only-binary :all: -r "$1") uv=$camturn_root/build/venv/bin/uv
     local pip=("$CAMTURN_PYTHON" -m pip install -q --no-compile --disable-pip-version-check --no-input)
     if [[ ! -x $uv ]]; then
-        "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" uv >"$1.uv" &&
+        "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" install >"$1.uv" &&
             "${pip[@]}" --require-hashes --no-deps --only-binary :all: -r "$1.uv" </dev/null >&2 || true
     fi
     "$uv" pip install -q --no-cache --python "$CAMTURN_PYTHON" "${how[@]}" </dev/null >"$1.log" 2>&1 ||

@@ -45,14 +45,18 @@ function(cam_monocypher_fetch)
     file(WRITE ${dir}/requirement.txt
         "pymonocypher==${monocypher_version} --hash=sha256:${monocypher_sha256}\n")
     message(STATUS "Monocypher: from the Python package pymonocypher ${monocypher_version}")
-    execute_process(
-        COMMAND ${CAM_PYTHON} -m pip download -q --disable-pip-version-check --no-input --no-deps
-            --no-binary pymonocypher --require-hashes -r ${dir}/requirement.txt -d ${dir}
-        RESULT_VARIABLE status)
+    foreach(isolation IN ITEMS --no-build-isolation --use-pep517) # the first is quicker by far
+        execute_process(
+            COMMAND ${CAM_PYTHON} -m pip download -q --disable-pip-version-check --no-input --no-deps
+                --no-binary pymonocypher --require-hashes -r ${dir}/requirement.txt -d ${dir} ${isolation}
+            RESULT_VARIABLE status ERROR_VARIABLE said)
+        if(status EQUAL 0)
+            break()
+        endif()
+    endforeach()
     if(NOT status EQUAL 0)
-        message(FATAL_ERROR "Monocypher: ${CAM_PYTHON} -m pip could not get pymonocypher ${monocypher_version}. Install python3-pip, "
-            "or put "
-            "monocypher.c and monocypher.h of Monocypher 4.0.3 into ${monocypher_dir}, or configure "
+        message(FATAL_ERROR "${said}\nMonocypher: ${CAM_PYTHON} -m pip could not get pymonocypher ${monocypher_version}. Install python3-pip, "
+            "or put monocypher.c and monocypher.h of Monocypher 4.0.3 into ${monocypher_dir}, or configure "
             "with -D CAM_MONOCYPHER=DIR")
     endif()
     file(ARCHIVE_EXTRACT INPUT ${dir}/${package}.tar.gz DESTINATION ${dir})
