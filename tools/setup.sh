@@ -9,6 +9,10 @@ camturn_root=$(cd -P "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd
 # many there are would show in last digits.
 export OPENBLAS_NUM_THREADS=1
 
+# Python compiles a module once, into build/, whatever the environment asks for.
+unset PYTHONDONTWRITEBYTECODE
+export PYTHONPYCACHEPREFIX=$camturn_root/build/pycache
+
 # cmake unpacks archives by wrong names in a path with an umlaut, when the locale is C.
 export LC_ALL=C.UTF-8
 

@@ -87,8 +87,7 @@ endif()
 if(NOT CMAKE_SCRIPT_MODE_FILE)
     add_library(monocypher STATIC ${monocypher_dir}/monocypher.c)
     target_include_directories(monocypher SYSTEM PUBLIC ${monocypher_dir})
-    if(CMAKE_CROSSCOMPILING) # small, and it does not tell where it was taken from
-        target_compile_options(monocypher PRIVATE -Os -ffile-prefix-map=${monocypher_dir}=monocypher)
-        target_compile_definitions(monocypher PRIVATE BLAKE2_NO_UNROLLING)
-    endif()
+    # Small, and it does not tell where it was taken from.
+    target_compile_options(monocypher PRIVATE -Os -ffile-prefix-map=${monocypher_dir}=monocypher)
+    target_compile_definitions(monocypher PRIVATE BLAKE2_NO_UNROLLING)
 endif()
