@@ -29,7 +29,7 @@ static struct {
 } saved;
 static bool is_used[n_words], is_unreadable[n_words];
 static int n_left; // operations until the supply falls in the last of them, 0: it stays
-static int n_operations;
+static uint32_t n_idles;
 static torn_t torn;
 static jmp_buf supply_falls;
 static struct {
@@ -43,7 +43,6 @@ static uint32_t word_of(uint32_t address)
 
 static bool is_cut(void)
 {
-    n_operations++;
     n_left--;
     return n_left == 0;
 }
@@ -91,7 +90,12 @@ static void tear(uint32_t i, const uint8_t *bytes)
     longjmp(supply_falls, 1);
 }
 
-void hal_idle(void) {} // the watchdog that it feeds bites nobody here
+/// Feeds the watchdog: between the checks of a table before and after its record is written, since
+/// two of them may take longer than a second.
+void hal_idle(void)
+{
+    n_idles++;
+}
 
 bool stm_flash_program(uint32_t address, const uint8_t *bytes, uint32_t n)
 {
@@ -118,7 +122,8 @@ static bool download(uint8_t version)
     for (uint32_t at = 0; at < (uint32_t)table_bytes && is_good; at += piece) {
         is_good = hal_table_write(at, bytes, piece);
     }
-    return is_good && hal_table_commit();
+    const uint32_t n_before = n_idles;
+    return is_good && hal_table_commit() && n_idles > n_before;
 }
 
 /// @return whether the table in use is whole and of this byte

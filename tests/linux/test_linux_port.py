@@ -141,7 +141,8 @@ def test_drive_in_fault_and_emergency_message(nodes: Nodes, start: Start) -> Non
     enable(controller, nodes)
     nodes.extra.append((0x080 + U, bytes.fromhex("1186010000000000")))
     nodes.drives[U].status = FAULT
-    assert wait_until(lambda: not level(ENABLE_LINE), 0.01)
+    seconds = wait_until(lambda: not level(ENABLE_LINE), 0.01)
+    assert seconds is not None and seconds <= 0.003
     assert wait_until(
         lambda: controller.says("node 2 (drive u) is not ready: error code 8611h"), 0.1
     )

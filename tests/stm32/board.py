@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine around the chip, wired as hal/stm32h743/README.md says.
 
-An ideal machine: the spindle follows the voltage of channel D on a ramp, U stands where channel A
-tells it at the start of every tick, or is a mass that its force moves, X and Z stand where their
-steps have led them; everything stands still while the enable line is low. Signals reach the chip
-only through pins that are switched to the right function.
+An ideal machine: the spindle follows the voltage of channel D on a ramp, U takes the position of
+channel A at the start of every tick, or is a mass that its force moves, X and Z follow their steps;
+everything stands still while the enable line is low. Signals reach the chip only through pins that
+are switched to the right function.
 """
 
 import math
@@ -44,19 +44,13 @@ U_COUNT_NM, Z_COUNT_NM = 100, 1000
 STEP_PM = {"X": 50_000, "Z": 500_000, "U": 100_000}  # U: if it is built with steps
 FORCE_MN = 345_000  # at +10 V of channel A, if it is built with forces
 MASS_KG = 1.5
-RANGE_10V = 4
 SYNC_HIGH_S = 100e-9  # data sheet of the AD5754R, timing characteristics: /SYNC high in writes
 ANALOGUE = 3  # mode of a pin
 
 
-def signed16(word: int) -> int:
-    """Return the number behind a two's complement word."""
-    return word - 0x10000 if word & 0x8000 else word
-
-
 @dataclass(frozen=True)
 class Outputs:
-    """What a machine sees of the chip during one tick, behind /LDAC."""
+    """The outputs of the chip during one tick, after /LDAC."""
 
     words: tuple[int, ...]
     internal: int
@@ -69,7 +63,7 @@ class Outputs:
 
 @dataclass(frozen=True)
 class Event:
-    """Something that a meter on the board notices."""
+    """A change that a meter on the board notices."""
 
     at: int
     what: str
@@ -162,8 +156,8 @@ class Board:
                 self.chip.pulses[timer].catch_up()
                 self.steppers[axis].turn(self.chip.clock.now, level)
 
-    def _drive_ldac(self, channel: int, level: int) -> None:
-        if channel == 3 and self.chip.gpio.has_function("PD14", 2):
+    def _drive_ldac(self, level: int) -> None:
+        if self.chip.gpio.has_function("PD14", 2):
             port, pin = self.chip.gpio.pin("PD14")
             port.drive_alternate(pin, level)
 
@@ -172,27 +166,18 @@ class Board:
         is_seen = port.mode(pin) == ANALOGUE
         self.at_pa4.append((self.chip.clock.now, code if is_seen else None))
 
-    def _exchange(self, frame: int, bits: int) -> int:
+    def _exchange(self, frame: int) -> int:
         spi, gpio = self.chip.spi3, self.chip.gpio
         for name in ("PC10", "PC12", "PA15"):
             gpio.require(name, 6)
-        is_quick = spi.bit_hz() > 30e6 or spi.select_high_s() < SYNC_HIGH_S
-        if spi.mode() not in (1, 2) or not spi.pulses_select() or is_quick:
+        if spi.bit_hz() > 30e6 or spi.select_high_s() < SYNC_HIGH_S:
             raise UnmodelledError("the AD5754R does not understand this SPI")
         self._note(f"frame {frame:06x}")
-        return self.dac.exchange(frame, bits)
-
-    def volts(self, channel: int) -> float:
-        """Return the voltage of an output of the AD5754R."""
-        if not self.dac.is_on(channel):
-            return 0.0
-        if self.dac.ranges[channel] != RANGE_10V:
-            raise UnmodelledError(f"AD5754R: range {self.dac.ranges[channel]} of channel {channel}")
-        return signed16(self.dac.words[channel]) * 10 / 32768
+        return self.dac.exchange(frame)
 
     def wanted(self, channel: int) -> float:
-        """Return what a drive makes of its voltage: [nm] or [r/min / 1000]."""
-        return self.volts(channel) / 10 * FULL[channel]
+        """Return the command of a drive by its voltage: [nm] or [r/min / 1000]."""
+        return self.dac.volts(channel) / 10 * FULL[channel]
 
     # The machine
 
@@ -258,7 +243,7 @@ class Board:
 
     def _push(self) -> float:
         """Let the force act for a tick; return where U stands then."""
-        newton = self.volts(0) / 10 * FORCE_MN / 1000
+        newton = self.dac.volts(0) / 10 * FORCE_MN / 1000
         self._u_nm_per_tick += newton / MASS_KG * 1e9 / self.tick_hz**2
         self._u_nm += self._u_nm_per_tick
         return self._u_nm

@@ -35,8 +35,8 @@ from unicorn.unicorn_py3.unicorn import uclib
 from tests.stm32.image import Image
 from tests.stm32.models.bus import InsnClock, UnmodelledError
 from tests.stm32.models.core import Exceptions, is_double_store
-from tests.stm32.models.devices import GATES, Devices
-from tests.stm32.models.flash_pwr import WORD_BYTES
+from tests.stm32.models.devices import Devices
+from tests.stm32.models.flash_pwr import DBECCERR, WORD_BYTES
 
 HERE = Path(__file__).resolve().parent
 FLASH, FLASH_BYTES = 0x08000000, 0x200000
@@ -49,12 +49,7 @@ NOWHERE = 0xFFFFFFFE  # no code there: only hooks end a slice
 PATTERN = b"\xa5"
 WFI = b"\x30\xbf"
 HELD_CYCLES = 24
-MASKS = (
-    arm.UC_ARM_REG_PRIMASK,
-    arm.UC_ARM_REG_BASEPRI,
-    arm.UC_ARM_REG_FAULTMASK,
-    arm.UC_ARM_REG_CONTROL,
-)
+MASKS = (arm.UC_ARM_REG_PRIMASK, arm.UC_ARM_REG_FAULTMASK, arm.UC_ARM_REG_CONTROL)
 EXCEPTION_EXIT = 8  # Unicorn's number of a branch to EXC_RETURN
 
 
@@ -85,8 +80,7 @@ class Chip(Devices):
         self._is_asleep = False
         # interrupts after which the main loop sleeps on, as a slow one would; it is most work
         self.naps = self._naps = 7
-        self._torn_hooks: list[int] = []
-        self._flipped_hooks: list[int] = []
+        self._hooks: list[int] = []
         self.is_fault_of_flips = False  # a load of a RAM's double error is a bus fault, too
         self._pc = 0
         self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
@@ -96,10 +90,6 @@ class Chip(Devices):
         self.clock.know_barriers(image.barriers)
         self.exceptions = Exceptions(self.uc, self.nvic)
         self.on_request, self.pwr.on_ready = self._ask, self._check_ram
-        # Looked up at every access.
-        self._gate_at_kb = {
-            kb: GATES[model.name] for kb, model in self.bus.by_kb.items() if model.name in GATES
-        }
         self._map()
         self.load_flash()
 
@@ -138,8 +128,7 @@ class Chip(Devices):
         uc.hook_add(UC_HOOK_CODE, self._on_null_code, None, 0, NULL_BYTES - 1)
         self.flash.load, self.flash.save = self.read_memory, self.write_flash
         self.flash.on_cut = lambda: self._ask("power_on")
-        self.flash.on_torn = self._watch_torn
-        self.ramecc.on_flipped = self._watch_flipped
+        self.flash.on_torn = self.ramecc.on_flipped = self._watch
 
     def load_flash(self) -> None:
         """Erase all flash and write the image into it."""
@@ -185,23 +174,18 @@ class Chip(Devices):
             if base + offset == self._stall[0]:
                 self.clock.now += self._stall[1]
                 self._stall = (None, 0)
-            self._require_clock(base + offset)
-            return self.bus.read(base + offset, size)
+            device = self.device_at(base + offset)
+            return device.read(base + offset - device.base, size)
         except Exception as error:
             self._fail(error, base + offset)
             return 0
 
     def _store(self, uc: Uc, offset: int, size: int, value: int, base: int) -> None:
         try:
-            self._require_clock(base + offset)
-            self.bus.write(base + offset, size, value)
+            device = self.device_at(base + offset)
+            device.write(base + offset - device.base, size, value)
         except Exception as error:
             self._fail(error, base + offset)
-
-    def _require_clock(self, address: int) -> None:
-        gate = self._gate_at_kb.get(address >> 10)
-        if gate is not None and not self.rcc.is_on(gate):
-            raise UnmodelledError(f"{self.bus.name_at(address)} used without its clock")
 
     def _fail(self, error: Exception, address: int) -> None:
         pc = self.uc.reg_read(arm.UC_ARM_REG_PC)
@@ -210,10 +194,6 @@ class Chip(Devices):
             self._failure = UnmodelledError(where)
             self._failure.__cause__ = error
         self.clock.wake()
-
-    def where(self) -> str:
-        """Return the function that the core is in."""
-        return self.function_at(self._pc)
 
     def function_at(self, address: int) -> str:
         """Return the symbol before an address."""
@@ -251,28 +231,23 @@ class Chip(Devices):
         except Exception as error:
             self._fail(error, address)
 
-    def _watch_torn(self) -> None:
-        for hook in self._torn_hooks:
-            self.uc.hook_del(hook)
-        self._torn_hooks = [
-            self.uc.hook_add(UC_HOOK_MEM_READ, self._on_torn, None, word, word + WORD_BYTES - 1)
-            for word in sorted(self.flash.torn)
-        ]
+    def _watch(self) -> None:
+        """Have the hooks called at the words that cannot be read, and at those with wrong bits."""
+        while self._hooks:
+            self.uc.hook_del(self._hooks.pop())
+        anything = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
+        for kind, hook, words, size in (
+            (UC_HOOK_MEM_READ, self._on_torn, self.flash.torn, WORD_BYTES),
+            (anything, self._on_flipped, self.ramecc.flipped, 4),
+        ):
+            for word in sorted(words):
+                self._hooks.append(self.uc.hook_add(kind, hook, None, word, word + size - 1))
 
     def _on_torn(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object
     ) -> None:
-        self.flash.load_torn(address)
+        self.flash.note_ecc(address, DBECCERR)
         self.nvic.fail_load(uc.reg_read(arm.UC_ARM_REG_FAULTMASK))
-
-    def _watch_flipped(self) -> None:
-        for hook in self._flipped_hooks:
-            self.uc.hook_del(hook)
-        anything = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
-        self._flipped_hooks = [
-            self.uc.hook_add(anything, self._on_flipped, None, word, word + 3)
-            for word in self.ramecc.flipped
-        ]
 
     def _on_flipped(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object
@@ -297,7 +272,7 @@ class Chip(Devices):
         self._is_asleep, self._naps = False, 0
         self.resets.append(reason)
         self.on_reset(reason)
-        for model in self.bus.models:
+        for model in self.models:
             if model is not self.rcc:
                 model.reset()
         self.rcc.restart(reason)
@@ -356,7 +331,7 @@ class Chip(Devices):
         if self._asked is not None:
             self.reset(self._asked)
             due = min([device.due for device in self.timed])
-        if self._is_asleep and self.nvic.wakes():
+        if self._is_asleep and self.nvic.best() is not None:
             self._is_asleep = False
         if not self._is_asleep:
             number = self.exceptions.due()

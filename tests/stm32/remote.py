@@ -38,7 +38,7 @@ BEGIN, END, BLOCK = (
 )
 SAVE, REVERT = _COMMANDS["save_parameters"], _COMMANDS["revert_parameters"]
 TAKE = _COMMANDS["take_command"]
-COMMAND, ANSWER, STATE, SPINDLE = _id("Command"), _id("Answer"), _id("State"), _id("Spindle")
+COMMAND, ANSWER, STATE, SPINDLE = (_id("Command"), _id("Answer"), _id("State"), _id("Spindle"))
 DETAIL, TO_CONTROLLER, FLOW = _id("Detail"), _id("Block"), _id("BlockFlow")
 PARAMS = [name for _, name in sorted(_table("Command", "parameter").items())]
 ERR_BUSY = -25
@@ -151,7 +151,7 @@ class Remote:
         """Wait for the first status behind a reset, and return it."""
         n = len(self.frames(STATE))
         assert self.chip.run_until(lambda: len(self.frames(STATE)) > n, 200_000_000), (
-            f"no status comes, the image is in {self.chip.where()}"
+            f"no status comes, the image is in {self.chip.function_at(self.chip.pc)}"
         )
         return self.newest()
 

@@ -13,6 +13,7 @@ from camtools.link.status_text import report
 from tests.stm32.board import TABLE
 from tests.stm32.emulator import FLASH, RAMS, Chip
 from tests.stm32.models.core import is_double_store
+from tests.stm32.models.flash_pwr import SNECCERR
 from tests.stm32.models.ramecc import MONITORS
 from tests.stm32.remote import DATABASE, DETAIL, START
 from tests.stm32.session import Session
@@ -43,7 +44,9 @@ class StartUp:
         is_on = self.chip.run_until(lambda: self.chip.ramecc.v["cr4"] != 0, 10_000_000)
         for hook in hooks:
             uc.hook_del(hook)
-        assert is_on, f"no monitor is enabled, the image is in {self.chip.where()}"
+        assert is_on, (
+            f"no monitor is enabled, the image is in {self.chip.function_at(self.chip.pc)}"
+        )
 
     def _note(self, uc: Uc, access: int, address: int, size: int, value: int, user: object) -> None:
         pc = uc.reg_read(arm.UC_ARM_REG_PC)
@@ -138,13 +141,13 @@ def test_corrected_errors_are_counted_and_shown(started: Session) -> None:
     """One in each memory; a cell that stays flipped counts once, another one counts again."""
     chip = started.chip
     enabled = [chip.ramecc.v[f"cr{i}"] for i in MONITORS]
-    assert enabled == [0x38] * 4 + [0], "all RAM but the trace's"
+    assert enabled == [0x38] * 4, "all RAM but the trace's"
     assert memory_lines_of({}) == []
     first, second = data_words(started)[:2]
     for word in (first, literal(started, IN_ITCM), literal(started, IN_AXI)):
         chip.ramecc.flip(word, 1)
     for address in (TABLE + 64, FLASH + 0x40000):
-        chip.flash.load_flipped(address)
+        chip.flash.note_ecc(address, SNECCERR)
     chip.run(chip.seconds(ALL_CODE_S))
     chip.ramecc.repair(first)
     chip.ramecc.flip(second, 1)
@@ -180,19 +183,19 @@ def test_double_error_in_the_cut_halts_with_its_address(ready: Session, is_fault
     assert chip.ramecc.flipped == {}  # start-up has written it
 
 
-@pytest.mark.parametrize("function", [IN_ITCM, IN_AXI])
-def test_double_error_in_code_halts_with_its_address(ready: Session, function: str) -> None:
-    """ITCM and AXI SRAM are corrected in double words, whose address is reported."""
-    word = literal(ready, function)
+@pytest.mark.parametrize("function", [IN_ITCM, IN_AXI, None])
+def test_double_error_halts_with_its_address(ready: Session, function: str | None) -> None:
+    """ITCM and AXI SRAM are corrected in double words, whose address is reported.
+
+    In a table that is read: a bus fault; the start then refuses the table and stays.
+    """
+    word = TABLE + 96 if function is None else literal(ready, function)
     at = ready.chip.clock.now
-    ready.chip.ramecc.flip(word, 2)
+    if function is None:
+        ready.chip.flash.tear({word})
+    else:
+        ready.chip.ramecc.flip(word, 2)
     expect_halt(ready, at, word & ~7)
-
-
-def test_double_error_of_flash_halts_with_its_address(ready: Session) -> None:
-    """In a table that is read: a bus fault; the start then refuses the table and stays."""
-    at = ready.chip.clock.now
-    ready.chip.flash.tear({TABLE + 96})
-    expect_halt(ready, at, TABLE + 96)
-    assert ready.chip.resets[-1] == "software"
-    assert ready.remote.status().table < 0
+    if function is None:
+        assert ready.chip.resets[-1] == "software"
+        assert ready.remote.status().table < 0

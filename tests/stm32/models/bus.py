@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every device model stands on: registers that are known bit by bit, and the clock.
+"""Registers that are known bit by bit, and the clock: the basis of every device model.
 
-A model lists its registers; whatever it does not list does not exist, and an access to it ends the
-test (`UnmodelledError`). So a port cannot rely on something that nobody has written down here.
+A model lists the registers and bits that the port uses, as in stm_reg.h, and the rules of the
+manual for them; any other access ends the test (`UnmodelledError`).
 """
 
 import ctypes
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 WORD = 0xFFFFFFFF
@@ -65,7 +65,6 @@ class Reg:
     writable: int = WORD
     ignored: int = 0  # bits that the hardware sets and software may write back
     rule: str = ""
-    sizes: tuple[int, ...] = (4,)  # [bytes] of accesses
 
 
 class Device:
@@ -79,11 +78,18 @@ class Device:
         self.regs: dict[int, Reg] = {}
         self.v: dict[str, int] = {}
         self.due = NEVER
+        self._loads: dict[str, Callable[[str], int]] = {}
+        self._stores: dict[str, Callable[[str, int, int], None]] = {}
 
     def define(self, regs: dict[int, Reg]) -> None:
         """Add registers by offset and give them their values after reset."""
         self.regs |= regs
-        self.v |= {reg.name: reg.reset for reg in regs.values()}
+        for reg in regs.values():
+            self.v[reg.name] = reg.reset
+            load = getattr(self, f"_read_{reg.rule or reg.name}", None)
+            store = getattr(self, f"_write_{reg.rule or reg.name}", None)
+            self._loads |= {reg.name: load} if load else {}
+            self._stores |= {reg.name: store} if store else {}
 
     def reset(self) -> None:
         """Take the values after a system reset."""
@@ -94,69 +100,28 @@ class Device:
         """Do what is due at the clock's time."""
 
     def _reg(self, offset: int, size: int) -> Reg:
-        reg = self.regs.get(offset & ~3)
-        if reg is None:
-            raise UnmodelledError(f"{self.name}: no register at offset 0x{offset:x}")
-        if size not in reg.sizes or offset % size:
-            raise UnmodelledError(f"{self.name}.{reg.name}: access of {size} bytes at 0x{offset:x}")
+        reg = self.regs.get(offset)
+        if reg is None or size != 4:
+            raise UnmodelledError(f"{self.name}: no register of {size} bytes at 0x{offset:x}")
         return reg
 
     def read(self, offset: int, size: int) -> int:
         """Return what a load gives."""
-        reg = self._reg(offset, size)
-        act = getattr(self, f"_read_{reg.rule or reg.name}", None)
-        value = self.v[reg.name] if act is None else act(reg.name)
-        return int(value) >> 8 * (offset & 3) & ((1 << 8 * size) - 1)
+        name = self._reg(offset, size).name
+        act = self._loads.get(name)
+        return self.v[name] if act is None else act(name)
 
     def write(self, offset: int, size: int, value: int) -> None:
-        """Do what a store does; a narrow one keeps the other bytes of the register."""
+        """Do what a store does."""
         reg = self._reg(offset, size)
         old = self.v[reg.name]
-        shift = 8 * (offset & 3)
-        mask = ((1 << 8 * size) - 1) << shift
-        new = (old & ~mask) | (value << shift & mask)
-        foreign = new & ~reg.writable & ~reg.ignored & ~old
+        foreign = value & ~reg.writable & ~reg.ignored & ~old
         if foreign:
             raise UnmodelledError(f"{self.name}.{reg.name}: nobody models bits 0x{foreign:x}")
-        new = (new & reg.writable) | (old & ~reg.writable)
-        act = getattr(self, f"_write_{reg.rule or reg.name}", None)
+        new = (value & reg.writable) | (old & ~reg.writable)
+        act = self._stores.get(reg.name)
         if act is None:
             self.v[reg.name] = new
         else:
             act(reg.name, old, new)
             self.clock.deadline = min(self.clock.deadline, max(self.due, self.clock.now))
-
-
-class Bus:
-    """Finds the device of an address, at a grain of 1 KB."""
-
-    def __init__(self) -> None:
-        self.models: list[Device] = []
-        self.by_kb: dict[int, Device] = {}  # kilobyte of the address space -> its device
-
-    def add(self, model: Device) -> None:
-        """Place a device; its size is a multiple of 1 KB."""
-        for kb in range(model.base >> 10, (model.base + model.size) >> 10):
-            assert kb not in self.by_kb, f"{model.name} overlaps {self.by_kb[kb].name}"
-            self.by_kb[kb] = model
-        self.models.append(model)
-
-    def _model(self, address: int) -> Device:
-        model = self.by_kb.get(address >> 10)
-        if model is None:
-            raise UnmodelledError(f"no device at 0x{address:08x}")
-        return model
-
-    def name_at(self, address: int) -> str:
-        """Return the name of the device at an address."""
-        return self._model(address).name
-
-    def read(self, address: int, size: int) -> int:
-        """Load from a device."""
-        model = self._model(address)
-        return model.read(address - model.base, size)
-
-    def write(self, address: int, size: int, value: int) -> None:
-        """Store into a device."""
-        model = self._model(address)
-        model.write(address - model.base, size, value)

@@ -3,19 +3,18 @@
 
 from collections.abc import Callable
 
-from tests.stm32.models.bus import Bus, Device, InsnClock
+from tests.stm32.models.bus import Device, InsnClock, UnmodelledError
 from tests.stm32.models.core import NMI, Dwt, Nvic
 from tests.stm32.models.fdcan import Ccu, Fdcan, MessageRam
 from tests.stm32.models.flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
 from tests.stm32.models.gpio import Gpio
-from tests.stm32.models.iwdg import Iwdg
 from tests.stm32.models.pulse_timer import PulseTimer
 from tests.stm32.models.ramecc import Ramecc
 from tests.stm32.models.rcc import Rcc
 from tests.stm32.models.spi_dac import Dac1, Spi
 from tests.stm32.models.timers import Timer
 from tests.stm32.models.usart import Usart
-from tests.stm32.models.wwdg import Wwdg
+from tests.stm32.models.watchdogs import Iwdg, Wwdg
 
 IRQ_TIM4, IRQ_ECC = 30, 145
 REVISION_V = 0x2003
@@ -35,7 +34,7 @@ GATES: dict[str, tuple[str, int]] = {
     **{f"tim{i}": ("apb2enr", i + 1) for i in (16, 17)},
     "wwdg1": ("apb3enr", 6),
     "syscfg": ("apb4enr", 1),
-    **{f"gpio{chr(ord('a') + i)}": ("ahb4enr", i) for i in range(11)},
+    **{f"gpio{chr(ord('a') + i)}": ("ahb4enr", i) for i in range(5)},
 }
 
 
@@ -45,18 +44,17 @@ class Devices:
     def __init__(self, clock: InsnClock, hse_hz: int) -> None:
         # called with the reason when a device asks for a reset
         self.on_request: Callable[[str], None] = lambda reason: None
-        self.clock, self.bus = clock, Bus()
+        self.clock = clock
         self.rcc = Rcc(clock, hse_hz)
         self.syscfg, self.flash = Syscfg(clock), Flash(clock)
         self.pwr = Pwr(clock, self.syscfg)
         self.dbgmcu, self.ramecc = Dbgmcu(clock, REVISION_V), Ramecc(clock)
         self.gpio = Gpio(clock)
-        bases = {2: 0x40000000, 3: 0x40000400, 4: 0x40000800, 5: 0x40000C00}
+        bases = {1: 0x40010000, 2: 0x40000000, 3: 0x40000400, 4: 0x40000800, 5: 0x40000C00}
         self.tim = {
-            i: Timer(clock, self.rcc, f"tim{i}", base, bits=32 if i in (2, 5) else 16)
+            i: Timer(clock, self.rcc, f"tim{i}", base, 32 if i in (2, 5) else 16)
             for i, base in bases.items()
         }
-        self.tim[1] = Timer(clock, self.rcc, "tim1", 0x40010000, advanced=True)
         bases = {16: 0x40014400, 17: 0x40014800}
         self.pulses = {i: PulseTimer(clock, self.rcc, f"tim{i}", bases[i]) for i in bases}
         self.pulses[8] = PulseTimer(clock, self.rcc, "tim8", 0x40010400, channel=3)
@@ -79,7 +77,7 @@ class Devices:
         self.rcc.on_css = lambda: self.nvic.pending.add(NMI)
         self.rcc.check_supply = self._check_supply
         self.flash.invites = self.nvic.mpu.invites
-        self.tim[4].on_trigger = lambda: self.dac1.trigger(Dac1.TIM4_TRGO)
+        self.tim[4].on_trigger = self.dac1.trigger
 
     def _check_supply(self, core_hz: int, axi_hz: int) -> None:
         self.pwr.check(core_hz)
@@ -92,7 +90,22 @@ class Devices:
         devices += [self.can_ram, self.ccu, self.fdcan1, self.usart3]
         devices += [self.iwdg1, self.wwdg1, self.nvic, self.dwt]
         devices += [*self.tim.values(), *self.pulses.values(), *self.gpio.ports.values()]
+        # kilobyte of the address space -> its device and the gate of its clock
+        self.at_kb: dict[int, tuple[Device, tuple[str, int] | None]] = {}
         for device in devices:
-            self.bus.add(device)
+            for kb in range(device.base >> 10, (device.base + device.size) >> 10):
+                assert kb not in self.at_kb, f"{device.name} overlaps {self.at_kb[kb][0].name}"
+                self.at_kb[kb] = device, GATES.get(device.name)
+        self.models = devices
         # those that have something to do at a time of their own
         self.timed = [d for d in devices if type(d).advance is not Device.advance]
+
+    def device_at(self, address: int) -> Device:
+        """Return the device of an address; raise where there is none or its clock is off."""
+        found = self.at_kb.get(address >> 10)
+        if found is None:
+            raise UnmodelledError("no device")
+        device, gate = found
+        if gate is not None and not self.rcc.is_on(gate):
+            raise UnmodelledError(f"{device.name} used without its clock")
+        return device

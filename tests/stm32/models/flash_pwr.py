@@ -3,46 +3,33 @@
 
 Flash: erase and programming of the sectors that hold no code, quicker than the device (2 ms and
 20 us). What a cut-off operation leaves is half done, and flash words at its edge are torn: a load
-from them is an error on the bus. What the core reads ahead by itself is modelled as far as it does
-harm here: in the system memory it sets error flags, in the bank at work it would wait for the end
-of the operation. The supply is the LDO; its scale follows the request after a time. What a
-frequency needs of wait states and voltage is checked whenever a frequency comes into force.
+from them is an error on the bus. A bank at work must not invite the core to read ahead in it, which
+would wait for the end of the operation. The supply is the LDO; its scale follows the request after
+a time. Wait states and voltage are checked whenever a frequency comes into force.
 
-Sources beyond the manual: read ahead of system memory, Zephyr issue 60449 and pull request 60765,
-hubris 1905; a store that overtakes PG, embassy 1014 and 2539, stm32h7xx-hal 383; torn words, Zephyr
-33140 and 34374, PX4 27642; keys for an open bank, and ODEN read back, as in ST's HAL.
+Sources beyond the manual: a store that overtakes PG, embassy 1014 and 2539, stm32h7xx-hal 383; torn
+words, Zephyr 33140 and 34374, PX4 27642; keys for an open bank, and ODEN read back, as in ST's HAL.
 """
 
-import random
 from collections.abc import Callable
 
 from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 
 SETTLE_CYCLES = 3000
-# Voltage scale -> (highest AXI clock [MHz], wait states, programming delay WRHIGHFREQ), from the
-# table "FLASH recommended number of wait states and programming delay".
-WAIT_STATES = {
-    0: ((70, 0, 0), (140, 1, 1), (185, 2, 1), (210, 2, 2), (225, 3, 2), (240, 4, 2)),
-    1: ((70, 0, 0), (140, 1, 1), (185, 2, 1), (210, 2, 2), (225, 3, 2)),
-    2: ((55, 0, 0), (110, 1, 1), (165, 2, 1), (225, 3, 2)),
-    3: ((45, 0, 0), (90, 1, 1), (135, 2, 1), (180, 3, 2), (225, 4, 2)),
-}
-CORE_MHZ = {0: 480, 1: 400, 2: 300, 3: 200}
-SCALE = {3: 1, 2: 2, 1: 3}  # of the code of VOS
-
-
+CORE_MHZ = {0: 480, 1: 400, 3: 200}  # by voltage scale
+UNWAITED_MHZ = 45  # highest AXI clock without wait states in any scale ..
+AXI_MHZ = {0: 240, 1: 225, 3: 225}  # .. and with LATENCY 4 and WRHIGHFREQ 2 by voltage scale
 FLASH = 0x08000000
 BANK_BYTES, SECTOR_BYTES, WORD_BYTES = 1 << 20, 1 << 17, 32
 CODE_SECTORS = 2  # at the start of bank 1
-KEYS = (0x45670123, 0xCDEF89AB)
-LOCK, PG, SER, START = 1 << 0, 1 << 1, 1 << 2, 1 << 7
+KEYS = [0x45670123, 0xCDEF89AB]
+LOCK, PG, SER, PSIZE, START = 1 << 0, 1 << 1, 1 << 2, 3 << 4, 1 << 7
 QW = 1 << 2
 PGSERR, RDPERR, RDSERR, SNECCERR, DBECCERR = 1 << 18, 1 << 23, 1 << 24, 1 << 25, 1 << 26
 FLAGS = 0x07EF0000  # all that FLASH_CCR clears
-SYSTEM_MEMORY = 0x1FF00000
-GHOST_IN = 8  # one of so many operations is met by a read ahead of system memory
 ERASE_CYCLES, PROGRAM_CYCLES = 960_000, 9_600
 ERASED = b"\xff"
+ACTVOSRDY = VOSRDY = 1 << 13
 
 
 class Flash(Device):
@@ -60,7 +47,6 @@ class Flash(Device):
         self.torn: set[int] = set()  # addresses of flash words that cannot be read
         self.on_torn: Callable[[], None] = lambda: None  # called when that set has changed
         self.noise = 0  # error flags that every operation sets, though it succeeds
-        self._ghost = random.Random(60449)
         self._flags = [0, 0]
         self._pg_at = [0, 0]
         self._keys: list[list[int]] = [[], []]
@@ -77,7 +63,12 @@ class Flash(Device):
             self.define(
                 {
                     at + 0x04: Reg(f"keyr{bank}", rule="key"),
-                    at + 0x0C: Reg(f"cr{bank}", LOCK | 3 << 4, rule="cr"),
+                    at + 0x0C: Reg(
+                        f"cr{bank}",
+                        LOCK | PSIZE,
+                        LOCK | PG | SER | PSIZE | START | 7 << 8,
+                        rule="cr",
+                    ),
                     at + 0x10: Reg(f"sr{bank}", 0, 0, rule="sr"),
                     at + 0x14: Reg(f"ccr{bank}", 0, FLAGS, rule="ccr"),
                     at + 0x60: Reg(f"ecc_fa{bank}", 0, 0),  # flash word of the bank
@@ -97,19 +88,6 @@ class Flash(Device):
     def _write_ccr(self, name: str, old: int, new: int) -> None:
         self._flags[int(name[-1])] &= ~new
 
-    def _require_quiet(self, bank: int) -> None:
-        """Raise when the core may read ahead in a bank that is to work: it would wait for it."""
-        start = FLASH + bank * BANK_BYTES
-        for address in range(start, start + BANK_BYTES, SECTOR_BYTES):
-            if self.invites(address):
-                raise UnmodelledError(f"flash: bank {bank + 1} works, reads ahead at 0x{address:x}")
-
-    def _read_ahead(self, bank: int) -> None:
-        """Set the flags that an operation of a bank finds set."""
-        self._flags[bank] |= self.noise
-        if self.invites(SYSTEM_MEMORY) and self._ghost.randrange(GHOST_IN) == 0:
-            self._flags = [flags | RDPERR | RDSERR for flags in self._flags]
-
     def _require_idle(self, bank: int) -> None:
         if self.clock.now < self._busy_until[bank]:
             raise UnmodelledError(f"flash: bank {bank + 1} is busy")
@@ -119,9 +97,9 @@ class Flash(Device):
         if not self.v[f"cr{bank}"] & LOCK:
             raise UnmodelledError(f"flash: keys for bank {bank + 1}, which is not locked")
         self._keys[bank].append(new)
-        if tuple(self._keys[bank]) == KEYS:
+        if self._keys[bank] == KEYS:
             self.v[f"cr{bank}"] &= ~LOCK
-        elif self._keys[bank] != [KEYS[0]]:
+        elif self._keys[bank] != KEYS[:1]:
             raise UnmodelledError("flash: wrong key, locked until a reset")
 
     def _write_cr(self, name: str, old: int, new: int) -> None:
@@ -129,14 +107,14 @@ class Flash(Device):
         if old & LOCK:
             raise UnmodelledError(f"flash.{name} is locked")
         self._require_idle(bank)
-        if new & ~(LOCK | PG | SER | 3 << 4 | START | 7 << 8):
-            raise UnmodelledError(f"flash.{name} 0x{new:x}")
         if new & LOCK:
             self._keys[bank] = []
         self.v[name] = new & ~START
         self._pg_at[bank] = self.clock.now
-        if new & (PG | START):
-            self._require_quiet(bank)
+        start = FLASH + bank * BANK_BYTES
+        for address in range(start, start + BANK_BYTES, SECTOR_BYTES):
+            if new & (PG | START) and self.invites(address):
+                raise UnmodelledError(f"flash: bank {bank + 1} works, reads ahead at 0x{address:x}")
         if new & START:
             self._erase(bank, new)
 
@@ -154,7 +132,7 @@ class Flash(Device):
         sector = control >> 8 & 7
         if not control & SER or control & PG or bank * 8 + sector < CODE_SECTORS:
             raise UnmodelledError(f"flash: erase with cr{bank} 0x{control:x}")
-        self._read_ahead(bank)
+        self._flags[bank] |= self.noise
         address = FLASH + bank * BANK_BYTES + sector * SECTOR_BYTES
         if self._is_cut():
             self.save(address, ERASED * (SECTOR_BYTES // 2))
@@ -176,7 +154,7 @@ class Flash(Device):
         if size != 4 or self.load(address, left) != ERASED * left:
             raise UnmodelledError(f"flash: 0x{address:08x} is not erased, or out of order")
         if left == 4:
-            self._read_ahead(bank)
+            self._flags[bank] |= self.noise
             if self._is_cut():
                 self.save(word + 8, ERASED * 20)
                 self.tear({word})
@@ -194,15 +172,8 @@ class Flash(Device):
             self.torn = left
             self.on_torn()
 
-    def load_torn(self, address: int) -> None:
-        """Note that a load found a word beyond correction."""
-        self._note_ecc(address, DBECCERR)
-
-    def load_flipped(self, address: int) -> None:
-        """Note that a load found a word with one wrong bit, which was corrected."""
-        self._note_ecc(address, SNECCERR)
-
-    def _note_ecc(self, address: int, flag: int) -> None:
+    def note_ecc(self, address: int, flag: int) -> None:
+        """Note that a load found a word with a wrong bit (SNECCERR) or beyond correction."""
         bank, at = divmod(address - FLASH, BANK_BYTES)
         self._flags[bank] |= flag
         self.v[f"ecc_fa{bank}"] = at // WORD_BYTES
@@ -210,12 +181,9 @@ class Flash(Device):
     def check(self, axi_hz: int, scale: int) -> None:
         """Raise when flash cannot be read at this clock."""
         latency, delay = self.v["acr"] & 15, self.v["acr"] >> 4 & 3
-        for mhz, wait_states, needed in WAIT_STATES[scale]:
-            if axi_hz <= mhz * 10**6:
-                if latency < wait_states or delay < needed:
-                    raise UnmodelledError(f"flash.acr 0x{self.v['acr']:x} at {axi_hz} Hz")
-                return
-        raise UnmodelledError(f"AXI at {axi_hz} Hz with voltage scale {scale}")
+        has_waits = latency >= 4 and delay >= 2
+        if axi_hz > (AXI_MHZ[scale] if has_waits else UNWAITED_MHZ) * 10**6:
+            raise UnmodelledError(f"flash.acr 0x{self.v['acr']:x} at {axi_hz} Hz, scale {scale}")
 
 
 class Syscfg(Device):
@@ -254,7 +222,7 @@ class Dbgmcu(Device):
 
 
 class Pwr(Device):
-    """Power control: LDO, voltage scaling, brown-out detector's interrupt not used."""
+    """Power control: the LDO and its voltage scales 1, with the boost 0, and after power-on 3."""
 
     def __init__(self, clock: InsnClock, syscfg: Syscfg) -> None:
         super().__init__("pwr", 0x58024800, clock)
@@ -265,19 +233,18 @@ class Pwr(Device):
         self._is_locked = False  # CR3 was written since power-on
         self.define(
             {
-                0x00: Reg("cr1", 0xF000C000, 0x0007C3FF),
                 0x04: Reg("csr1", 0x4000, 0),
                 0x0C: Reg("cr3", 0x00000006, 0x7),
-                0x18: Reg("d3cr", 0x4000, 0xC000, 1 << 13),
+                0x18: Reg("d3cr", 0x4000, 0xC000, VOSRDY),
             }
         )
 
     def reset(self) -> None:
-        """Take the values behind a system reset; CR3 is kept until the power goes."""
+        """Take the values after a system reset; CR3 is kept until the power goes."""
         cr3 = self.v["cr3"]
         super().reset()
         if self._is_locked:
-            self.v |= {"cr3": cr3, "csr1": 1 << 13 | 0x4000}
+            self.v |= {"cr3": cr3, "csr1": ACTVOSRDY | 0x4000}
 
     def power_cycle(self) -> None:
         """Forget the supply configuration, which can be written once after each power-on."""
@@ -285,12 +252,10 @@ class Pwr(Device):
         self.reset()
 
     def scale(self) -> int:
-        """Return the voltage scale in force, 0 (boosted) .. 3."""
-        if not self.v["csr1"] >> 13 & 1:
+        """Return the voltage scale in force."""
+        if self.v["csr1"] & (ACTVOSRDY | 3 << 14) != ACTVOSRDY | 3 << 14:
             return 3
-        scale = SCALE[self.v["csr1"] >> 14 & 3]
-        is_boosted = self.syscfg.v["pwrcr"] & 1 and self.due == NEVER
-        return 0 if scale == 1 and is_boosted else scale
+        return 0 if self.syscfg.v["pwrcr"] & 1 and self.due == NEVER else 1
 
     def check(self, core_hz: int) -> None:
         """Raise when the core is too fast for the voltage."""
@@ -298,7 +263,7 @@ class Pwr(Device):
             raise UnmodelledError(f"pwr: core at {core_hz} Hz with voltage scale {self.scale()}")
 
     def _write_cr3(self, name: str, old: int, new: int) -> None:
-        if self._is_locked and (old ^ new) & 7:
+        if self._is_locked and old != new:
             raise UnmodelledError("pwr.cr3: written a second time since power-on")
         if new & 3 != 2:
             raise UnmodelledError("pwr.cr3: supply other than the LDO")
@@ -309,7 +274,7 @@ class Pwr(Device):
     def _write_d3cr(self, name: str, old: int, new: int) -> None:
         if not new >> 14 & 3:
             raise UnmodelledError("pwr.d3cr: reserved value of VOS")
-        if not self.v["csr1"] & 1 << 13:
+        if not self.v["csr1"] & ACTVOSRDY:
             raise UnmodelledError("pwr.d3cr: VOS changed before the voltage is valid")
         self.v["d3cr"] = new
         self._unsettle()
@@ -330,12 +295,12 @@ class Pwr(Device):
         if self.syscfg.is_on_its_way:
             raise UnmodelledError("pwr.d3cr: VOSRDY read before ODEN has arrived: read it back")
         self._skip()
-        is_ready = self.due == NEVER and self.v["csr1"] & 1 << 13
-        return self.v["d3cr"] | (1 << 13 if is_ready else 0)
+        is_ready = self.due == NEVER and self.v["csr1"] & ACTVOSRDY
+        return self.v["d3cr"] | (VOSRDY if is_ready else 0)
 
     def advance(self) -> None:
         """Let the voltage settle."""
         self.due = NEVER
-        if not self.v["csr1"] & 1 << 13:
+        if not self.v["csr1"] & ACTVOSRDY:
             self.on_ready()
-        self.v["csr1"] = 1 << 13 | (self.v["d3cr"] & 0xC000)
+        self.v["csr1"] = ACTVOSRDY | (self.v["d3cr"] & 0xC000)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """GPIO ports (RM0433, section 11): modes, alternate functions, levels at the pins.
 
-A pin that nobody drives follows its pull resistor, the board's before the chip's; `levels` is what
-a meter at the pin would read. Pins are named like "PE13". Open drain is not modelled.
+A pin that nobody drives follows its pull resistor, the board's before the chip's; `level`
+returns the reading of a meter at the pin. Pins are named like "PE13".
 """
 
 from collections.abc import Callable
@@ -29,27 +29,26 @@ class GpioPort(Device):
         self.alternate: dict[int, int] = {}
         # called with pin number and level when the level of a pin changes
         self.on_change: Callable[[int, int], None] = lambda pin, level: None
-        halves = (2, 4)
         self.define(
             {
                 0x00: Reg("moder", reset["moder"], rule="level"),
-                0x04: Reg("otyper", 0, 0),
                 0x08: Reg("ospeedr", reset.get("ospeedr", 0)),
                 0x0C: Reg("pupdr", reset.get("pupdr", 0), rule="level"),
-                0x10: Reg("idr", 0, 0, sizes=halves),
-                0x14: Reg("odr", 0, 0xFFFF, rule="level", sizes=halves),
-                0x18: Reg("bsrr", 0, sizes=halves),
+                0x10: Reg("idr", 0, 0),
+                0x14: Reg("odr", 0, 0),
+                0x18: Reg("bsrr"),
                 0x20: Reg("afrl", 0, rule="level"),
                 0x24: Reg("afrh", 0, rule="level"),
             }
         )
         self._levels = [self.level(pin) for pin in range(16)]
+        self._idr: int | None = None  # None: to be computed
 
     def reset(self) -> None:
         """Let go of all pins."""
         super().reset()
         self.alternate.clear()
-        self._tell()
+        self._notice()
 
     def mode(self, pin: int) -> int:
         """Return the two bits of MODER."""
@@ -72,44 +71,41 @@ class GpioPort(Device):
     def drive(self, pin: int, level: int) -> None:
         """Let the board drive a pin."""
         self.outside[pin] = level
-        self._tell_pin(pin)
+        self._notice(1 << pin)
 
     def drive_alternate(self, pin: int, level: int) -> None:
-        """Let the peripheral behind a pin drive it."""
+        """Let the peripheral of a pin drive it."""
         self.alternate[pin] = level
-        self._tell_pin(pin)
+        self._notice(1 << pin)
 
-    def _tell(self) -> None:
-        for pin in range(16):
-            self._tell_pin(pin)
-
-    def _tell_pin(self, pin: int) -> None:
-        level = self.level(pin)
-        if level != self._levels[pin]:
-            self._levels[pin] = level
-            self.on_change(pin, level)
+    def _notice(self, changed: int = 0xFFFF) -> None:
+        self._idr = None
+        for pin in range(changed.bit_length()):
+            if changed >> pin & 1 and self.level(pin) != self._levels[pin]:
+                self._levels[pin] = self.level(pin)
+                self.on_change(pin, self._levels[pin])
 
     def _write_level(self, name: str, old: int, new: int) -> None:
         self.v[name] = new
-        self._tell()
+        self._notice()
 
     def _write_bsrr(self, name: str, old: int, new: int) -> None:
         odr = (self.v["odr"] & ~(new >> 16)) | (new & 0xFFFF)
         changed, self.v["odr"] = odr ^ self.v["odr"], odr
-        for pin in range(changed.bit_length()):
-            if changed >> pin & 1:
-                self._tell_pin(pin)
+        self._notice(changed)
 
     def _read_idr(self, name: str) -> int:
-        bits = (self.level(pin) << pin for pin in range(16) if self.mode(pin) != ANALOGUE)
-        return sum(bits)
+        if self._idr is None:
+            pins = (pin for pin in range(16) if self.mode(pin) != ANALOGUE)
+            self._idr = sum(self.level(pin) << pin for pin in pins)
+        return self._idr
 
 
 class Gpio:
     """All ports, and pins by name."""
 
     def __init__(self, clock: InsnClock) -> None:
-        self.ports = {letter: GpioPort(clock, letter) for letter in "ABCDEFGHIJK"}
+        self.ports = {letter: GpioPort(clock, letter) for letter in "ABCDE"}
 
     def pin(self, name: str) -> tuple[GpioPort, int]:
         """Return port and number of a pin like "PE13"."""

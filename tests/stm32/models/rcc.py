@@ -3,7 +3,7 @@
 
 Oscillators and PLL1 are ready a fixed time after they are switched on. What the manual forbids is
 an error: a PLL changed while it runs, a switch to a clock that is not ready, frequencies beyond the
-supply's range. PLL2, PLL3, the low-power gates and the peripheral resets are not modelled.
+supply's range. The system clock is the HSI or PLL1.
 """
 
 from collections.abc import Callable
@@ -11,17 +11,13 @@ from collections.abc import Callable
 from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 
 HSI_HZ = 64_000_000
-CSI_HZ = 4_000_000
 LSI_HZ = 32_000
 READY_CYCLES = 5000
-
-HSION, HSIRDY, HSIDIVF, HSEON, HSERDY, HSEBYP, CSSON, PLL1ON, PLL1RDY = (
-    1 << i for i in (0, 2, 5, 16, 17, 18, 19, 24, 25)
-)
-HSIDIV = 3 << 3
-CR_RESET = HSION | HSIRDY | HSIDIVF
+HSI_READY = 1 << 0 | 1 << 2 | 1 << 5  # on and ready, undivided
+HSEON, HSERDY, HSEBYP, CSSON, PLL1ON, PLL1RDY = (1 << i for i in (16, 17, 18, 19, 24, 25))
 HSECSSF = 1 << 10
 RMVF = 1 << 16
+SW_HSI, SW_PLL1 = 0, 3
 
 # Reset flags in RCC_RSR by the reason of a reset (table "Reset source identification").
 CPU, D1, D2, BOR, PIN, POR, SFT, IWDG1, WWDG1 = (
@@ -35,8 +31,6 @@ RESET_FLAGS = {
     "watchdog": CPU | PIN | IWDG1,
     "window": CPU | PIN | WWDG1,
 }
-
-SW_HSI, SW_CSI, SW_HSE, SW_PLL1 = 0, 1, 2, 3
 GATES = {
     "ahb4enr": 0xE0,
     "apb3enr": 0xE4,
@@ -69,26 +63,20 @@ class Rcc(Device):
         self.on_css: Callable[[], None] = lambda: None
         # given the frequencies of core and AXI in Hz before they come into force; raises
         self.check_supply: Callable[[int, int], None] = lambda core_hz, axi_hz: None
-        self._core_hz = self._timer_hz = self._apb3_hz = 0  # 0: to be computed
+        self._hz: dict[str, int] = {}  # what has been computed since the last store
         self.define(
             {
-                0x00: Reg("cr", CR_RESET, 0x010D0019),
-                0x10: Reg("cfgr", 0, 0x00008007),
+                0x00: Reg("cr", HSI_READY, HSEON | HSEBYP | CSSON | PLL1ON),
+                0x10: Reg("cfgr", 0, 7),
                 0x18: Reg("d1cfgr", 0, 0x0F7F, rule="divisor"),
                 0x1C: Reg("d2cfgr", 0, 0x0770, rule="divisor"),
                 0x20: Reg("d3cfgr", 0, 0x0070, rule="divisor"),
                 0x28: Reg("pllckselr", 0x02020200, 0x03F3F3F3, rule="pll"),
                 0x2C: Reg("pllcfgr", 0x01FF0000, 0x01FF0FFF, rule="pll"),
                 0x30: Reg("pll1divr", 0x01010280, 0x7F7FFFFF, rule="pll"),
-                0x34: Reg("pll1fracr", 0, 0xFFF8, rule="pll"),
-                0x4C: Reg("d1ccipr", 0, 0),
-                0x50: Reg("d2ccip1r", 0, 0x30007000),
-                0x54: Reg("d2ccip2r", 0, 0x00000007),
-                0x58: Reg("d3ccipr", 0, 0),
-                0x60: Reg("cier", 0, 0),
+                0x50: Reg("d2ccip1r", 0, 1 << 28),  # SPI1..3: PLL1Q; FDCAN: HSE or PLL1Q
                 0x64: Reg("cifr", 0, 0),
                 0x68: Reg("cicr", 0, 0x7FF),
-                0x74: Reg("csr", 0, 1),
                 0xA0: Reg("gcr", 0, 1),
                 0xD0: Reg("rsr", 0, RMVF),
             }
@@ -99,14 +87,14 @@ class Rcc(Device):
         """Reset everything but the flags of earlier resets, and add those of this one."""
         flags = self.v["rsr"] if reason != "power_on" else 0
         self.reset()
-        self._forget()
+        self._hz.clear()
         self.v["rsr"] = flags | RESET_FLAGS[reason]
 
     def write(self, offset: int, size: int, value: int) -> None:
         """Do what a store does; any of them may change a frequency."""
-        self._forget()
+        self._hz.clear()
         super().write(offset, size, value)
-        self._forget()
+        self._hz.clear()
 
     def is_on(self, gate: tuple[str, int]) -> bool:
         """Return whether a peripheral has its clock; gate: enable register and bit."""
@@ -114,36 +102,34 @@ class Rcc(Device):
 
     # Frequencies
 
-    def _hsi_hz(self) -> int:
-        return HSI_HZ >> (self.v["cr"] >> 3 & 3)
+    def _known(self, name: str, compute: Callable[[], int]) -> int:
+        if name not in self._hz:
+            self._hz[name] = compute()
+        return self._hz[name]
 
-    def _source_hz(self, code: int) -> int:
-        return (self._hsi_hz(), CSI_HZ, self.hse_hz, 0)[code]
+    def _reference_hz(self) -> int:
+        source_hz = {0: HSI_HZ, 2: self.hse_hz}.get(self.v["pllckselr"] & 3, 0)
+        return source_hz // max(1, self.v["pllckselr"] >> 4 & 63)
 
     def _vco_hz(self) -> int:
-        divider = self.v["pllckselr"] >> 4 & 63
-        if divider == 0:
-            return 0
-        reference_hz = self._source_hz(self.v["pllckselr"] & 3) // divider
-        return reference_hz * ((self.v["pll1divr"] & 0x1FF) + 1)
+        return self._reference_hz() * ((self.v["pll1divr"] & 0x1FF) + 1)
 
     def pll1_hz(self, output: str) -> int:
-        """Return the frequency of an output of PLL1, "p", "q" or "r"; 0 when it is off."""
-        i = "pqr".index(output)
+        """Return the frequency of an output of PLL1, "p" or "q"; 0 when it is off."""
+        i = "pq".index(output)
         is_running = self.v["cr"] & PLL1RDY and self.v["pllcfgr"] >> (16 + i) & 1
-        divider = (self.v["pll1divr"] >> (9, 16, 24)[i] & 0x7F) + 1
+        divider = (self.v["pll1divr"] >> (9, 16)[i] & 0x7F) + 1
         return self._vco_hz() // divider if is_running else 0
 
-    def system_hz(self, sws: int | None = None) -> int:
-        """Return the frequency of sys_ck, as selected or with another code of SW."""
-        code = self.v["cfgr"] >> 3 & 7 if sws is None else sws
-        return self.pll1_hz("p") if code == SW_PLL1 else self._source_hz(code)
+    def system_hz(self) -> int:
+        """Return the frequency of sys_ck."""
+        return self.pll1_hz("p") if self.v["cfgr"] >> 3 & 7 == SW_PLL1 else HSI_HZ
 
     def core_hz(self) -> int:
         """Return the frequency of the core."""
-        if self._core_hz == 0:
-            self._core_hz = self.system_hz() // ahb_divisor(self.v["d1cfgr"] >> 8 & 15)
-        return self._core_hz
+        return self._known(
+            "core", lambda: self.system_hz() // ahb_divisor(self.v["d1cfgr"] >> 8 & 15)
+        )
 
     def ahb_hz(self) -> int:
         """Return the frequency of AXI and all AHB."""
@@ -155,51 +141,31 @@ class Rcc(Device):
 
     def apb3_hz(self) -> int:
         """Return the frequency of APB3."""
-        if self._apb3_hz == 0:
-            self._apb3_hz = self.ahb_hz() // apb_divisor(self.v["d1cfgr"] >> 4 & 7)
-        return self._apb3_hz
+        return self._known("apb3", lambda: self.ahb_hz() // apb_divisor(self.v["d1cfgr"] >> 4 & 7))
+
+    def _timers(self) -> int:
+        codes = {self.v["d2cfgr"] >> 4 & 7, self.v["d2cfgr"] >> 8 & 7}
+        if len(codes) > 1:
+            raise UnmodelledError("rcc: APB1 and APB2 with different prescalers")
+        divisor = apb_divisor(codes.pop())
+        return self.ahb_hz() // divisor * (1 if divisor == 1 else 2)
 
     def timer_hz(self) -> int:
         """Return the frequency of the timers on APB1 and APB2, which must be equal here."""
-        if self._timer_hz == 0:
-            codes = {self.v["d2cfgr"] >> 4 & 7, self.v["d2cfgr"] >> 8 & 7}
-            if len(codes) > 1 or self.v["cfgr"] >> 15 & 1:
-                raise UnmodelledError("rcc: APB1 and APB2 with different prescalers, or TIMPRE")
-            divisor = apb_divisor(codes.pop())
-            self._timer_hz = self.ahb_hz() // divisor * (1 if divisor == 1 else 2)
-        return self._timer_hz
-
-    def _forget(self) -> None:
-        self._core_hz = self._timer_hz = self._apb3_hz = 0
-
-    def spi3_hz(self) -> int:
-        """Return the kernel clock of SPI1..3."""
-        if self.v["d2ccip1r"] >> 12 & 7:
-            raise UnmodelledError("rcc: SPI123SEL other than PLL1Q")
-        return self.pll1_hz("q")
+        return self._known("timer", self._timers)
 
     def fdcan_hz(self) -> int:
         """Return the kernel clock of the FDCANs."""
-        code = self.v["d2ccip1r"] >> 28 & 3
-        if code > 1:
-            raise UnmodelledError("rcc: FDCANSEL other than HSE and PLL1Q")
-        return self.pll1_hz("q") if code else self.hse_hz
-
-    def usart3_hz(self) -> int:
-        """Return the kernel clock of USART3."""
-        code = self.v["d2ccip2r"] & 7
-        if code not in (0, 3):
-            raise UnmodelledError("rcc: USART234578SEL other than APB1 and HSI")
-        return self._hsi_hz() if code else self.apb1_hz()
+        return self.pll1_hz("q") if self.v["d2ccip1r"] >> 28 & 1 else self.hse_hz
 
     # Registers
 
     def _change(self) -> None:
-        for tell in self.before_change:
-            tell()
+        for prepare in self.before_change:
+            prepare()
 
     def _check(self) -> None:
-        self._forget()
+        self._hz.clear()
         if self.system_hz() == 0:
             raise UnmodelledError("rcc: the system clock stands still")
         if max(self.apb1_hz(), self.ahb_hz() // apb_divisor(self.v["d2cfgr"] >> 8 & 7)) > 120e6:
@@ -207,16 +173,12 @@ class Rcc(Device):
         self.check_supply(self.core_hz(), self.ahb_hz())
 
     def _write_cr(self, name: str, old: int, new: int) -> None:
-        if old & CSSON and not new & CSSON:
-            new |= CSSON  # set by software only
         if old & HSEON and (old ^ new) & HSEBYP:
             raise UnmodelledError("rcc.cr: HSEBYP changed while the HSE is on")
-        if (old ^ new) & HSIDIV and self.v["cfgr"] >> 3 & 7 == SW_HSI:
-            self._change()
-        for on, ready in ((HSION, HSIRDY), (HSEON, HSERDY), (PLL1ON, PLL1RDY)):
+        for on, ready in ((HSEON, HSERDY), (PLL1ON, PLL1RDY)):
             if not new & on:
                 new &= ~ready
-        self.v["cr"] = new
+        self.v["cr"] = new | old & CSSON  # set by software only
         self._check()
         if self._awaited():
             self.due = self.clock.now + READY_CYCLES
@@ -228,17 +190,13 @@ class Rcc(Device):
 
     def _awaited(self) -> int:
         cr = self.v["cr"]
-        bits = HSIRDY if cr & HSION and not cr & HSIRDY else 0
-        if cr & HSEON and not cr & HSERDY and self.hse_hz:
-            bits |= HSERDY
-        if cr & PLL1ON and not cr & PLL1RDY and self._vco_hz():
-            bits |= PLL1RDY
-        return bits
+        bits = HSERDY if cr & HSEON and not cr & HSERDY and self.hse_hz else 0
+        return bits | (PLL1RDY if cr & PLL1ON and not cr & PLL1RDY and self._vco_hz() else 0)
 
     def advance(self) -> None:
         """Report oscillators ready."""
         self.due = NEVER
-        self._forget()
+        self._hz.clear()
         if self._awaited() & PLL1RDY:
             self._check_pll()
         self.v["cr"] |= self._awaited()
@@ -246,11 +204,9 @@ class Rcc(Device):
             self._lose_hse()
 
     def _check_pll(self) -> None:
-        source = self.v["pllckselr"] & 3
-        reference_hz = self._source_hz(source) // (self.v["pllckselr"] >> 4 & 63)
         low, high = ((1, 2), (2, 4), (4, 8), (8, 16))[self.v["pllcfgr"] >> 2 & 3]
-        if not low * 10**6 <= reference_hz <= high * 10**6:
-            raise UnmodelledError(f"rcc: PLL1RGE does not fit a reference of {reference_hz} Hz")
+        if not low * 10**6 <= self._reference_hz() <= high * 10**6:
+            raise UnmodelledError(f"rcc: PLL1RGE does not fit {self._reference_hz()} Hz")
         wide = not self.v["pllcfgr"] >> 1 & 1
         low, high = (192, 960) if wide else (150, 420)
         if not low * 10**6 <= self._vco_hz() <= high * 10**6:
@@ -266,8 +222,7 @@ class Rcc(Device):
 
     def _write_cfgr(self, name: str, old: int, new: int) -> None:
         code = new & 7
-        ready = {SW_HSI: HSIRDY, SW_HSE: HSERDY, SW_PLL1: PLL1RDY}.get(code)
-        if ready is None or not self.v["cr"] & ready:
+        if code not in (SW_HSI, SW_PLL1) or (code == SW_PLL1 and not self.v["cr"] & PLL1RDY):
             raise UnmodelledError(f"rcc.cfgr: switch to clock {code}, which is not ready")
         self._change()
         self.v["cfgr"] = (new & ~0x38) | code << 3
@@ -281,9 +236,6 @@ class Rcc(Device):
     def _write_cicr(self, name: str, old: int, new: int) -> None:
         self.v["cifr"] &= ~new
 
-    def _write_csr(self, name: str, old: int, new: int) -> None:
-        self.v["csr"] = 3 if new & 1 else 0
-
     def _write_rsr(self, name: str, old: int, new: int) -> None:
         if new & RMVF:
             self.v["rsr"] = 0
@@ -293,12 +245,11 @@ class Rcc(Device):
     def fail_hse(self) -> None:
         """Let the HSE stop; with the security system on, take the HSI and raise the NMI."""
         self._change()
-        was_on = self.v["cr"] & HSERDY
+        was_watched = self.v["cr"] & HSERDY and self.v["cr"] & CSSON
         self.hse_hz = 0
-        if self.v["cr"] & CSSON and was_on:
-            self._lose_hse()
-        else:
+        if not was_watched:
             raise UnmodelledError("rcc: the HSE died and nobody watches it")
+        self._lose_hse()
 
     def _lose_hse(self) -> None:
         self.v["cr"] &= ~(HSEON | HSERDY)
@@ -306,6 +257,6 @@ class Rcc(Device):
             self.v["cr"] &= ~(PLL1ON | PLL1RDY)
         self.v["cfgr"] &= ~0x3F  # HSI
         self.v["cifr"] |= HSECSSF
-        self._forget()
+        self._hz.clear()
         self.on_css()
         self.clock.wake()

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""SPI3 as a master (RM0433, section 50), the AD5754R behind it (its data sheet), and DAC1.
+"""SPI3 as a master (RM0433, section 50), the AD5754R at it (its data sheet), and DAC1.
 
-The SPI shifts frames of the size set, at the kernel clock divided by MBR, out of a FIFO of 16
-bytes; a frame of more than 16 bits takes four. Modelled: full duplex or transmit only, one transfer
-of TSIZE frames per CSTART, hardware slave select with or without pulses. Frames come out whole, at
-their end. Switched off within a clock after EOT, it cuts the last pulse off (ES0392).
+The SPI shifts frames of 24 bits, at the kernel clock divided by MBR, out of a FIFO that takes four.
+Modelled: full duplex or transmit only, one transfer of TSIZE frames per CSTART, hardware slave
+select with pulses. Frames come out whole, at their end. Switched off within a clock after EOT, it
+cuts the last pulse off (ES0392).
 """
 
 from collections import deque
@@ -13,11 +13,13 @@ from collections.abc import Callable
 from tests.stm32.models.bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 from tests.stm32.models.rcc import Rcc
 
-SPE, MASRX, CSTART, CSUSP, SSI = 1 << 0, 1 << 8, 1 << 9, 1 << 10, 1 << 12
-RXP, TXP, DXP, EOT, TXTF, OVR, MODF, SUSP, TXC = (1 << i for i in (0, 1, 2, 3, 4, 6, 9, 11, 12))
-MASTER, CPHA, CPOL, SSM, SSOE, SSOM = (1 << 22, 1 << 24, 1 << 25, 1 << 26, 1 << 29, 1 << 30)
-FULL_DUPLEX, TRANSMIT_ONLY = 0, 1
-FIFO_BYTES = 16
+SPE, CSTART = 1 << 0, 1 << 9
+EOT, TXTF = 1 << 3, 1 << 4
+BITS = 24
+# Master, clock idle low and data on its rising edge, slave select by hardware with pulses.
+CFG2 = 1 << 22 | 1 << 24 | 1 << 29 | 1 << 30 | 1 << 31
+TRANSMIT_ONLY, MIDI, MSSI = 1 << 17, 15 << 4, 15
+FIFO_FRAMES = 4
 
 
 class Spi(Device):
@@ -26,8 +28,8 @@ class Spi(Device):
     def __init__(self, clock: InsnClock, rcc: Rcc, name: str, base: int) -> None:
         super().__init__(name, base, clock)
         self.rcc = rcc
-        # given a frame and its number of bits, returns the frame that comes back
-        self.exchange: Callable[[int, int], int] = lambda frame, bits: 0
+        # given a frame, returns the frame that comes back
+        self.exchange: Callable[[int], int] = lambda frame: 0
         self._tx: deque[int] = deque()
         self._rx: deque[int] = deque()
         self._left = 0  # frames of the transfer still to come
@@ -36,57 +38,34 @@ class Spi(Device):
         self._shifting = 0
         self.define(
             {
-                0x00: Reg("cr1", 0, SPE | MASRX | CSTART | CSUSP | SSI),
-                0x04: Reg("cr2", 0, 0xFFFF, rule="idle"),
-                0x08: Reg("cfg1", 0x00070007, 0x701F01FF, rule="off"),
-                0x0C: Reg("cfg2", 0, 0xE74600FF, rule="off"),
-                0x10: Reg("ier", 0, 0),
-                0x14: Reg("sr", 0x1002, 0),
-                0x18: Reg("ifcr", 0, 0xFF8),
-                0x20: Reg("txdr", 0, sizes=(1, 2, 4)),
-                0x30: Reg("rxdr", 0, 0, sizes=(1, 2, 4)),
-                0x50: Reg("i2scfgr", 0, 0),
+                0x00: Reg("cr1", 0, SPE | CSTART),
+                0x04: Reg("cr2", 0, 0xFFFF),
+                0x08: Reg("cfg1", 0x00070007, 0x70000000 | 31, rule="off"),
+                0x0C: Reg("cfg2", 0, CFG2 | TRANSMIT_ONLY | MIDI | MSSI, rule="off"),
+                0x14: Reg("sr", 0, 0),
+                0x18: Reg("ifcr", 0, EOT | TXTF),
+                0x20: Reg("txdr"),
+                0x30: Reg("rxdr", 0, 0),
             }
         )
 
     def reset(self) -> None:
         """Drop what is on its way."""
         super().reset()
+        self._drop()
+
+    def _drop(self) -> None:
         self._tx.clear()
         self._rx.clear()
-        self._left, self._flags = 0, 0
-
-    def bits(self) -> int:
-        """Return the size of a frame."""
-        return (self.v["cfg1"] & 31) + 1
+        self._left, self._flags, self.due = 0, 0, NEVER
 
     def bit_hz(self) -> int:
         """Return the rate of bits."""
-        return self.rcc.spi3_hz() >> ((self.v["cfg1"] >> 28 & 7) + 1)
-
-    def mode(self) -> int:
-        """Return the number of the SPI mode: 2 CPOL + CPHA."""
-        cfg2 = self.v["cfg2"]
-        return (2 if cfg2 & CPOL else 0) + (1 if cfg2 & CPHA else 0)
-
-    def pulses_select(self) -> bool:
-        """Return whether the slave select rises between two frames."""
-        return bool(self.v["cfg2"] & SSOE and self.v["cfg2"] & SSOM and self.select_high_s() > 0)
+        return self.rcc.pll1_hz("q") >> ((self.v["cfg1"] >> 28 & 7) + 1)
 
     def select_high_s(self) -> float:
-        """Return how long it is high then: the time between frames but for one clock (MIDI > 1)."""
-        midi = self.v["cfg2"] >> 4 & 15
-        return max(0, midi - 1) / self.bit_hz()
-
-    def _comm(self) -> int:
-        return self.v["cfg2"] >> 17 & 3
-
-    def _capacity(self) -> int:
-        size = 1 if self.bits() <= 8 else 2 if self.bits() <= 16 else 4
-        return FIFO_BYTES // size
-
-    def _packet(self) -> int:
-        return (self.v["cfg1"] >> 5 & 15) + 1
+        """Return the time of a high slave select: that between frames but for one clock."""
+        return max(0, (self.v["cfg2"] >> 4 & 15) - 1) / self.bit_hz()
 
     def _write_cr1(self, name: str, old: int, new: int) -> None:
         self.v["cr1"] = new & ~CSTART
@@ -94,21 +73,13 @@ class Spi(Device):
             since = self.clock.now - self._ended_at
             if old & SPE and since * self.bit_hz() < self.rcc.core_hz():
                 raise UnmodelledError(f"{self.name}: switched off within a clock after EOT")
-            self._tx.clear()
-            self._rx.clear()
-            self._left, self._flags, self.due = 0, 0, NEVER
+            self._drop()
             return
-        cfg2 = self.v["cfg2"]
-        if not cfg2 & MASTER or cfg2 & SSM or not cfg2 & SSOE:
+        is_bits = self.v["cfg1"] & 31 == BITS - 1
+        if self.v["cfg2"] & CFG2 != CFG2 or not is_bits or not self.v["cr2"]:
             raise UnmodelledError(f"{self.name}: anything but a master with hardware slave select")
-        if self._comm() not in (FULL_DUPLEX, TRANSMIT_ONLY):
-            raise UnmodelledError(f"{self.name}: COMM {self._comm()}")
-        if new & CSUSP:
-            raise UnmodelledError(f"{self.name}: suspension")
         if new & CSTART and self._left == 0:
-            self._left = self.v["cr2"] & 0xFFFF
-            if self._left == 0:
-                raise UnmodelledError(f"{self.name}: transfer without end (TSIZE 0)")
+            self._left = self.v["cr2"]
             self._begin_frame()
 
     def _write_off(self, name: str, old: int, new: int) -> None:
@@ -116,19 +87,13 @@ class Spi(Device):
             raise UnmodelledError(f"{self.name}.{name} written while the SPI is on")
         self.v[name] = new
 
-    def _write_idle(self, name: str, old: int, new: int) -> None:
-        if self.v["cr1"] & SPE and self._left:
-            raise UnmodelledError(f"{self.name}.{name} written in a transfer")
-        self.v[name] = new
+    def _write_cr2(self, name: str, old: int, new: int) -> None:
+        self._write_off(name, old, new)
 
     def _write_txdr(self, name: str, old: int, new: int) -> None:
-        if not self.v["cr1"] & SPE:
-            raise UnmodelledError(f"{self.name}.txdr written while the SPI is off")
-        if len(self._tx) >= self._capacity():
-            raise UnmodelledError(
-                f"{self.name}.txdr written while the FIFO is full: a frame is lost"
-            )
-        self._tx.append(new & ((1 << self.bits()) - 1))
+        if not self.v["cr1"] & SPE or len(self._tx) >= FIFO_FRAMES:
+            raise UnmodelledError(f"{self.name}.txdr written while off or full: a frame is lost")
+        self._tx.append(new & ((1 << BITS) - 1))
         self._begin_frame()
 
     def _read_rxdr(self, name: str) -> int:
@@ -142,32 +107,20 @@ class Spi(Device):
     def _read_sr(self, name: str) -> int:
         if self._left and not self._tx:  # the last frame is on the line
             self.clock.skip_to(self.due)
-        sr = self._flags
-        room = self._capacity() - len(self._tx)
-        to_come = self._left > len(self._tx) or not self._left
-        sr |= TXP if room >= self._packet() and to_come else 0
-        sr |= RXP if len(self._rx) >= self._packet() else 0
-        sr |= DXP if sr & TXP and sr & RXP else 0
-        sr |= TXC if self._left == 0 else 0
-        return sr | self._left << 16
+        return self._flags
 
     def _begin_frame(self) -> None:
         if self.due == NEVER and self._left and self._tx:
             self._shifting = self._tx.popleft()
             idle = (self.v["cfg2"] & 15) + (self.v["cfg2"] >> 4 & 15)
-            cycles = (self.bits() + idle) * self.rcc.core_hz() // self.bit_hz()
-            self.due = self.clock.now + cycles
+            self.due = self.clock.now + (BITS + idle) * self.rcc.core_hz() // self.bit_hz()
 
     def advance(self) -> None:
         """End the frame on the line, begin the next one."""
         self.due = NEVER
-        back = self.exchange(self._shifting, self.bits())
-        if self._comm() == TRANSMIT_ONLY:
-            pass
-        elif len(self._rx) < self._capacity():
+        back = self.exchange(self._shifting)
+        if not self.v["cfg2"] & TRANSMIT_ONLY:
             self._rx.append(back)
-        else:
-            self._flags |= OVR
         self._left -= 1
         if self._left == 0:
             self._flags |= EOT | TXTF
@@ -176,28 +129,30 @@ class Spi(Device):
 
 
 class Ad5754r:
-    """Four DACs of 16 bits: input registers, DAC registers, ranges, power."""
+    """Four DACs of 16 bits: input registers, DAC registers, range, power."""
 
-    DAC, RANGE, POWER, CONTROL = 0, 1, 2, 3
-    NOP, SETTINGS, CLEAR, LOAD = 0, 1, 4, 5
-    ALL = 4
+    DAC, RANGE, POWER, CONTROL, READ = 0, 1, 2, 3, 16
+    NOP, SETTINGS, LOAD = 0, 1, 5
+    ALL, RANGE_10V = 4, 4
 
     def __init__(self) -> None:
-        self.frames: list[int] = []  # every frame since power-on
         self.power_on()
 
     def power_on(self) -> None:
-        """Take the values behind power-on: all outputs off."""
-        # of A .. D: DAC registers, which the outputs show when powered, and input registers;
-        # range codes: 0 .. 2 unipolar, 3 +-5 V, 4 +-10 V, 5 +-10.8 V
-        self.words, self.inputs, self.ranges = [0] * 4, [0] * 4, [0] * 4
-        self.power, self.settings = 0, 0
+        """Take the values after power-on: all outputs off."""
+        # of A .. D: DAC registers, which the outputs show when powered, and input registers
+        self.words, self.inputs = [0] * 4, [0] * 4
+        self.power = self.range = 0
         self.is_ldac_low = self.is_clear_low = False
         self._answer = 0
 
-    def is_on(self, channel: int) -> bool:
-        """Return whether an output is powered; if not it is tied to ground."""
-        return bool(self.power >> channel & 1)
+    def volts(self, channel: int) -> float:
+        """Return the voltage of an output; one that is not powered is tied to ground."""
+        if not self.power >> channel & 1:
+            return 0.0
+        if self.range != self.RANGE_10V:
+            raise UnmodelledError(f"AD5754R: range {self.range}")
+        return signed16(self.words[channel]) * 10 / 32768
 
     def ldac(self, level: int) -> None:
         """Move the pin /LDAC; a falling edge takes all input registers over."""
@@ -206,81 +161,50 @@ class Ad5754r:
             self._load()
 
     def clear(self, level: int) -> None:
-        """Move the pin /CLR; while it is low, the outputs stay at the clear code."""
+        """Move the pin /CLR; while it is low, the outputs stay at 0 V."""
         self.is_clear_low = not level
         if self.is_clear_low:
-            self.inputs = [self._clear_code()] * 4
-            self.words = list(self.inputs)
+            self.words, self.inputs = [0] * 4, [0] * 4
 
     def _load(self) -> None:
         """Take all input registers over, unless /CLR holds the outputs."""
         if not self.is_clear_low:
             self.words = list(self.inputs)
 
-    def exchange(self, frame: int, bits: int) -> int:
+    def exchange(self, frame: int) -> int:
         """Take a frame between two edges of /SYNC; return what SDO shifted out meanwhile."""
-        if bits != 24 or frame >> 22 & 1:
-            raise UnmodelledError(f"AD5754R: frame 0x{frame:x} of {bits} bits")
-        self.frames.append(frame)
         answer, self._answer = self._answer, 0
-        register, address, data = frame >> 19 & 7, frame >> 16 & 7, frame & 0xFFFF
-        if frame >> 23:
-            self._answer = (frame & 0xFF0000) | self._stored(register, address)
-        else:
-            self._write(register, address, data)
-        return answer
-
-    def _stored(self, register: int, address: int) -> int:
-        if register == self.DAC:
-            return self.words[address & 3]
-        if register == self.RANGE:
-            return self.ranges[address & 3]
-        return self.power if register == self.POWER else self.settings
-
-    def _write(self, register: int, address: int, data: int) -> None:
-        channels = range(4) if address == self.ALL else (address,)
-        if register == self.DAC and address <= self.ALL:
-            for channel in channels:
-                self.inputs[channel] = data
+        register, address, data = frame >> 19, frame >> 16 & 7, frame & 0xFFFF
+        if register == self.READ | self.POWER:
+            self._answer = (frame & 0xFF0000) | self.power
+        elif register == self.DAC and address < self.ALL:
+            self.inputs[address] = data
             if self.is_ldac_low:
                 self._load()
-        elif register == self.RANGE and address <= self.ALL and data <= 5:
-            for channel in channels:
-                self.ranges[channel] = data
+        elif register == self.RANGE and address == self.ALL:
+            self.range = data
         elif register == self.POWER and address == 0:
             self.power = data
-        elif register == self.CONTROL:
-            self._control(address, data)
-        else:
-            raise UnmodelledError(
-                f"AD5754R: register {register}, address {address}, data 0x{data:x}"
-            )
-
-    def _control(self, address: int, data: int) -> None:
-        if address == self.SETTINGS:
-            self.settings = data & 15
-        elif address == self.CLEAR:
-            self.inputs = [self._clear_code()] * 4
-            self.words = list(self.inputs)
-        elif address == self.LOAD:
+        elif (register, address) == (self.CONTROL, self.LOAD):
             self._load()
-        elif address != self.NOP:
-            raise UnmodelledError(f"AD5754R: control function {address}")
+        elif register != self.CONTROL or address > self.SETTINGS or data & 2:  # CLR select
+            raise UnmodelledError(f"AD5754R: frame 0x{frame:06x}")
+        return answer
 
-    def _clear_code(self) -> int:
-        """Return 0 V, or with CLR select the middle (unipolar) or negative full scale."""
-        return 0x8000 if self.settings >> 1 & 1 else 0
+
+def signed16(word: int) -> int:
+    """Return the number of a two's complement word."""
+    return word - 0x10000 if word & 0x8000 else word
 
 
 class Dac1(Device):
-    """The chip's own DAC1 (RM0433, section 26): channel 1 by trigger or at once.
+    """The chip's own DAC1 (RM0433, section 26): channel 1 by the trigger of TIM4 or at once.
 
     Whether the output register follows a store while the channel is off, the manual leaves open:
     here it does not (embassy 1676).
     """
 
-    TIM4_TRGO = 3
-    EN, TEN, TSEL = 1 << 0, 1 << 1, 15 << 2
+    EN, TEN, TSEL_TIM4 = 1 << 0, 1 << 1, 3 << 2
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("dac1", 0x40007400, clock)
@@ -288,11 +212,9 @@ class Dac1(Device):
         self.on_output: Callable[[int | None], None] = lambda code: None
         self.define(
             {
-                0x00: Reg("cr", 0, 0x3F),
+                0x00: Reg("cr", 0, self.EN | self.TEN | self.TSEL_TIM4),
                 0x08: Reg("dhr12r1", 0, 0xFFF),
                 0x2C: Reg("dor1", 0, 0),
-                0x34: Reg("sr", 0, 0),
-                0x3C: Reg("mcr", 0, 0x7),
             }
         )
 
@@ -304,7 +226,7 @@ class Dac1(Device):
             self.on_output(None)
 
     def _write_cr(self, name: str, old: int, new: int) -> None:
-        if old & self.EN and (old ^ new) & self.TSEL:
+        if old & self.EN and (old ^ new) & self.TSEL_TIM4:
             raise UnmodelledError("dac1.cr: trigger selected while the channel is on")
         self.v["cr"] = new
         if (old ^ new) & self.EN:
@@ -319,8 +241,7 @@ class Dac1(Device):
         self.v["dor1"] = self.v["dhr12r1"]
         self.on_output(self.v["dor1"])
 
-    def trigger(self, source: int) -> None:
-        """Let a trigger come."""
-        both = self.EN | self.TEN
-        if self.v["cr"] & both == both and self.v["cr"] >> 2 & 15 == source:
+    def trigger(self) -> None:
+        """Let the trigger of TIM4 come."""
+        if self.v["cr"] == self.EN | self.TEN | self.TSEL_TIM4:
             self._take_over()
