@@ -4,9 +4,9 @@
 // presses the emergency stop (data 1) or releases it, bench_button likewise the button acknowledge,
 // and bench_key turns the key switch, which is on at the start and turned anew for each commander.
 // From bench_force on the port has an output of force; U still follows its set-points.
-// Its words are the virtual seconds of a second, and maybe a secret: then the controller demands
-// the button, and the secret unlocks it. On a computer that is too busy for this pace virtual time
-// falls behind and does not catch up, which no tool could follow. Ends with its input.
+// Its word may be a secret: then the controller demands the button, and the secret unlocks it. On a
+// computer that is too busy for real time virtual time falls behind and does not catch up, which no
+// tool could follow. Ends with its input.
 #include "cam_machine_scope.h" // cam_machine_blackbox
 #include "fixture_can.h"
 #include "hal_host.h"
@@ -14,7 +14,6 @@
 #include "sim_pace.h"     // sim_pace_tick
 #include <errno.h>        // errno
 #include <poll.h>         // poll
-#include <stdlib.h>       // strtod
 #include <string.h>       // memcpy
 #include <unistd.h>       // read, write
 
@@ -115,8 +114,8 @@ int main(int n_words, char **words)
 {
     const fixture_part_t part = fixture_part_short();
     fixture_can_init(&f, &part, tick_hz);
-    if (n_words > 2) {
-        demand(words[2]);
+    if (n_words > 1) {
+        demand(words[1]);
     }
     start();
     cam_machine_blackbox(&f.rig.machine);
@@ -126,7 +125,7 @@ int main(int n_words, char **words)
     f.rig.lathe.home[hal_axis_u] = (ideal_home_t){.side = 1, .edge_nm = 100000};
     (void)fixture_rig_set(&f.rig, cam_param_lead_ns, 1000000000 / tick_hz);
     sim_pace_t pace;
-    sim_pace_init(&pace, tick_hz, n_words > 1 ? strtod(words[1], NULL) : 1.0);
+    sim_pace_init(&pace, tick_hz, 1.0);
     for (uint32_t i = 0;; i++) {
         if (i % look_ticks == 0u && !listen()) {
             return 0;

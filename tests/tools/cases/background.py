@@ -21,8 +21,6 @@ from pathlib import Path
 from checks.patience import limit_s
 from tests.tools.cases.part_cases import environment
 
-PATIENCE_S = 150.0
-
 
 class Background:
     """A command in a group of processes of its own, in the session of the test.

@@ -33,11 +33,6 @@ Act = Callable[[], object]
 ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID = range(0x10000, 0x10004)
 
 
-def pace() -> float:
-    """Return the virtual seconds of a second: a recording cannot be read from a slower lathe."""
-    return 1.0
-
-
 def pass_time(link: Link, seconds: float) -> None:
     """Wait while virtual time passes, by the rows of the status."""
     end = link.status.n_rows + seconds / PERIOD_S
@@ -98,7 +93,7 @@ class Bench:
         self.drop: Callable[[can.Message], bool] = lambda frame: False
         self._bus = can.Bus(interface="virtual", channel=channel)
         self._process = subprocess.Popen(
-            [str(BENCH), str(pace()), *([secret] if secret else [])],
+            [str(BENCH), *([secret] if secret else [])],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -148,7 +143,7 @@ class Bench:
         """Press the button acknowledge, as somebody at the machine does."""
         for is_pressed in (True, False):
             self._write(BUTTON_ID, bytes([is_pressed]))
-            time.sleep(0.2 / pace())
+            time.sleep(0.2)
 
     def turn_key(self, is_on: bool) -> None:
         """Turn the key switch, which is on at the start."""

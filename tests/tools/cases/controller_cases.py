@@ -16,7 +16,6 @@ from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.controller_service import ControllerService
 from camtools.panel.orders.order import Order, Outcome
 from checks import patience
-from tests.tools.cases.camctl_bench import pace
 
 
 def until(is_true: Callable[[], object], what: str = "the condition in the traceback") -> None:
@@ -89,5 +88,5 @@ class Seat:
         name = {"u": "u_actual"}.get(axis, axis)
         seen_s = time.monotonic()
         # its page comes every 0.25 s
-        until(lambda: self.service.snapshot().at_s > seen_s + 0.35 / pace(), "a page of axes")
+        until(lambda: self.service.snapshot().at_s > seen_s + 0.35, "a page of axes")
         return self.service.snapshot().signals[name]

@@ -12,7 +12,6 @@ from camtools.link.messages import NUMBERS
 from camtools.link.refusal_text import ask_done
 from checks.patience import limit_s
 from tests.tools.cases.background import Background, background, python
-from tests.tools.cases.camctl_bench import pace
 
 
 class LiveCase:
@@ -53,16 +52,15 @@ class LiveCase:
 
 @contextmanager
 def live_case(folder: Path, *words: str | Path) -> Iterator[LiveCase]:
-    """Run tools/live with some words, more slowly on a slow machine.
+    """Run tools/live with some words.
 
     Parameters
     ----------
     folder : Path
         empty; this lathe and no other announces itself there
     """
-    with background(
-        *python("camtools.cli.live", *words, "--speed-up", str(pace())), XDG_RUNTIME_DIR=str(folder)
-    ) as lathe:
+    live = python("camtools.cli.live", *words)
+    with background(*live, XDG_RUNTIME_DIR=str(folder)) as lathe:
         lathe.wait_for("control-C ends")
         (announced,) = live_lathes(folder / "camturn")
         bus, where = open_bus(announced.bus)

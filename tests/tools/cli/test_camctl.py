@@ -17,7 +17,7 @@ from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND, NAMES
 from camtools.link.status_text import COLUMNS
 from checks.patience import until
-from tests.tools.cases.camctl_bench import Bench, pace
+from tests.tools.cases.camctl_bench import Bench
 
 
 def interrupt() -> None:
@@ -175,7 +175,7 @@ def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
 
     def interrupt_later() -> None:
         until(lambda: list(tmp_path.iterdir()), "the file that grows")
-        time.sleep(0.5 / pace())
+        time.sleep(0.5)
         interrupt()
 
     threading.Thread(target=interrupt_later).start()
@@ -234,7 +234,7 @@ class Terminal(io.StringIO):
 def test_watch_prints_lines_or_draws(bench: Bench) -> None:
     """Without a terminal a line at a time; with one a page that is drawn over."""
     bench.do("home")
-    seconds, every = str(0.5 / pace()), str(0.1 / pace())
+    seconds, every = "0.5", "0.1"
     lines = bench.do("watch", "--seconds", seconds, "--every", every).splitlines()
     assert 1 <= len(lines) <= 6
     assert all(line.startswith("ready") and "following error" in line for line in lines)

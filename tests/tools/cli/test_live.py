@@ -6,7 +6,7 @@ import json
 import os
 import re
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
@@ -16,11 +16,8 @@ import pytest
 from camtools.cli.camctl import main as camctl
 from camtools.cli.live import main as live_main
 from camtools.link.live_lathes import LiveLathe, live_lathes, only_lathe
-from camtools.pipeline.load import load
-from camtools.pipeline.make_table import make
 from checks.patience import until
 from tests.tools.cases.background import Background, background, python
-from tests.tools.cases.camctl_bench import pace
 from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.part_cases import ROOT
 
@@ -30,9 +27,9 @@ PART = ROOT / "tools" / "parts" / "perkins240.toml"
 class Live(Background):
     """tools/live as a process."""
 
-    def __init__(self, *words: str) -> None:
-        speed = ("--speed-up", str(pace()))
-        super().__init__(python("camtools.cli.live", PART, *words, *speed), {})
+    def __init__(self, folder: Path, *words: str) -> None:
+        more = {"XDG_RUNTIME_DIR": str(folder)}
+        super().__init__(python("camtools.cli.live", PART, *words), more)
         self.wait_for(" real time")
         self.wait_for("for your own programs with python-can: export CAN_INTERFACE=")
         self.wait_for("control-C ends")
@@ -44,10 +41,12 @@ class Live(Background):
 
 
 @contextmanager
-def living(*words: str) -> Iterator[Live]:
+def living(folder: Path, *words: str) -> Iterator[Live]:
     """Run tools/live, which must leave neither process nor file behind."""
-    live = Live(*words)
-    lathes = [one for one in live_lathes() if one.facts["pid"] == live.process.pid]
+    live = Live(folder, *words)
+    lathes = [
+        one for one in live_lathes(folder / "camturn") if one.facts["pid"] == live.process.pid
+    ]
     try:
         yield live
     finally:
@@ -68,6 +67,22 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     assert not list(tmp_path.glob("camturn/*"))
 
 
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Live]]:
+    """Run one lathe for the tests of a session; each begins and ends in off."""
+    folder = tmp_path_factory.mktemp("live")
+    with living(folder) as live:
+        yield folder, live
+    assert not list(folder.glob("camturn/*"))
+
+
+@pytest.fixture
+def live(shared: tuple[Path, Live], folder: Path, monkeypatch: pytest.MonkeyPatch) -> Live:
+    """Return that lathe, which commands find."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(shared[0]))
+    return shared[1]
+
+
 def run(*words: str | Path) -> tuple[int, str]:
     """Run camctl without naming a bus."""
     out = io.StringIO()
@@ -82,7 +97,7 @@ def do(*words: str | Path) -> str:
 
 
 def succeeds(*words: str | Path) -> bool:
-    """Run camctl and return whether it succeeded."""
+    """Run camctl; return whether it succeeded."""
     return run(*words)[0] == 0
 
 
@@ -105,47 +120,38 @@ def look_at_ticks(folder: Path) -> None:
     assert len(rows.read_text("ascii").splitlines()) > 50
 
 
-def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
+def test_a_session_as_an_operator_has_it(
+    live: Live, tmp_path: Path, table_of: Callable[[str], Path]
+) -> None:
     """From the download to a fault and its reset, all by camctl without an option.
 
     The feed is so slow that no cut is done before somebody has looked at it.
     """
-    made = make(load(PART), PART)
-    table = tmp_path / "a.camtab"
-    table.write_bytes(made.files(with_plots=False)["perkins240.camtab"])
-    with living() as live:
-        assert "state             off" in do("status")
-        assert "generation 2" in do("table", "download", table, "--select")
-        assert do("home") == "home: ready\n"
-        assert do("feed", "0.05") == "feed = 0.05 mm\n"
-        assert do("disable") == "disable: off\n"
-        assert do("manual") == "manual: manual\n"
-        # A computer that leaves camctl waiting for 250 ms has the axis braked; then it goes on.
-        until(lambda: succeeds("home", "x"), "home x")
-        assert re.search(r"^x .*, homed$", do("where"), re.MULTILINE)
-        assert do("disable") == "disable: off\n"
-        assert do("home") == "home: ready\n"
-        with cutting() as cut:
-            assert "r/min" in do("watch", "--seconds", "1.5", "--every", "0.5")
-            until(lambda: "cutting" in do("status"), "cutting")
-            look_at_ticks(tmp_path)
-            live.do("estop")
-            until(lambda: "faults            estop" in do("status"), "estop")
-            cut.wait_for("camctl: fault: estop")
-        until(lambda: succeeds("blackbox", tmp_path / "box.parquet"), "the black box")
-        live.do("release")
-        until(lambda: succeeds("reset"), "reset")
-        assert do("home") == "home: ready\n"
-        with cutting() as cut:
-            cut.wait_for("cutting: ")
-            do("stop")
-            cut.wait_for("start: the cut was stopped ")
-        gauged = re.search(r"form error max ([\d.]+) um", live.wait_for("part 2: "))
-        assert gauged is not None and float(gauged[1]) < 1.0
-        until(lambda: "state             ready" in do("status"), "ready")
-        assert "error of U" in do("learned")
-        # `start` may have been ended before it had given command back, which is then lost.
-        until(lambda: run("disable") == (0, "disable: off\n"), "off")
+    assert "state             off" in do("status")
+    assert "generation 2" in do("table", "download", table_of("perkins240"), "--select")
+    assert do("home") == "home: ready\n"
+    assert do("feed", "0.05") == "feed = 0.05 mm\n"
+    with cutting() as cut:
+        assert "r/min" in do("watch", "--seconds", "1.5", "--every", "0.5")
+        until(lambda: "cutting" in do("status"), "cutting")
+        look_at_ticks(tmp_path)
+        live.do("estop")
+        until(lambda: "faults            estop" in do("status"), "estop")
+        cut.wait_for("camctl: fault: estop")
+    until(lambda: succeeds("blackbox", tmp_path / "box.parquet"), "the black box")
+    live.do("release")
+    until(lambda: succeeds("reset"), "reset")
+    assert do("home") == "home: ready\n"
+    with cutting() as cut:
+        cut.wait_for("cutting: ")
+        do("stop")
+        cut.wait_for("start: the cut was stopped ")
+    gauged = re.search(r"form error max ([\d.]+) um", live.wait_for("part 2: "))
+    assert gauged is not None and float(gauged[1]) < 1.0
+    until(lambda: "state             ready" in do("status"), "ready")
+    assert "error of U" in do("learned")
+    # `start` may have been ended before it had given command back, which is then lost.
+    until(lambda: run("disable") == (0, "disable: off\n"), "off")
 
 
 def by_hand() -> list[str]:
@@ -163,26 +169,27 @@ def by_hand() -> list[str]:
     return [one.removeprefix("tools/camctl ") for one in found]
 
 
-def test_the_manual_from_power_on_to_the_first_cut() -> None:
+def test_the_manual_from_power_on_to_the_first_cut(live: Live) -> None:
     """Its commands by hand, as they are printed, succeed on a live lathe."""
     commands = by_hand()
     assert {"home u", "home x", "home z", "zero z --height 0"} <= set(commands)
-    with living():
-        for one in commands:
-            # A late computer has the axis braked after 250 ms, which a second try forgives.
-            until(partial(succeeds, *one.split()), one)
-        assert do("where").count("homed") == 3
-        assert do("home") == "home: ready\n"
-        assert do("disable") == "disable: off\n"
+    for one in commands:
+        # A late computer has the axis braked after 250 ms, which a second try forgives.
+        until(partial(succeeds, *one.split()), one)
+    assert len(re.findall(r", homed$", do("where"), re.MULTILINE)) == 3
+    assert do("home") == "home: ready\n"
+    assert do("disable") == "disable: off\n"
 
 
-def test_two_live_lathes_and_their_deaths(capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_live_lathes_and_their_deaths(
+    shared: tuple[Path, Live], live: Live, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Without a name camctl says which there are; each bus is its own.
 
     A lathe that is killed is a fault of drives and bus, and the controller continues. When a
     controller is killed, the drives brake to rest; camctl has nobody to talk to.
     """
-    with living() as live, living("--name", "other") as other:
+    with living(shared[0], "--name", "other") as other:
         assert run("status")[0] == 2
         assert (
             "2 live lathes are running: other, perkins240; give --live NAME"

@@ -11,7 +11,9 @@ import pytest
 from cantools.database.can import Database, Message
 
 from camtools.cli.can_source import generate, main
+from camtools.link.faults import FAULTS
 from camtools.link.learned_file import LAYOUT
+from camtools.link.messages import FAULT_TEXTS
 
 ROOT = Path(__file__).resolve().parents[3]
 DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"
@@ -69,94 +71,85 @@ def enumerators(text: str, type_name: str, prefix: str) -> dict[int, str]:
     return found
 
 
-def test_states_are_those_of_the_firmware(database: Database) -> None:
-    """Every state has its name, and there are no others."""
-    text = header_of("cam_state.h")
-    states = enumerators(text, "cam_state_t", "cam_state_")
-    count = next(number for number, name in states.items() if name == "cam_n_states")
-    del states[count]
-    assert choices(database.get_message_by_name("State"), "state") == states
+# Each table of numbers: a message and its signal, or a value table; and the enumeration in C.
+ENUMERATIONS = [
+    ("State.state", "cam_state.h", "cam_state_t", "cam_state_"),
+    ("State.reset_reason", "hal.h", "hal_reset_t", "hal_reset_"),
+    ("Detail.params_kept", "cam_machine.h", "cam_kept_t", "cam_kept_"),
+    ("Detail.learn_phase", "cam_ilc.h", "cam_ilc_phase_t", "cam_ilc_"),
+    ("Detail.learn_reason", "cam_ilc.h", "cam_ilc_reason_t", "cam_ilc_"),
+    ("Detail.hand_phase", "cam_config.h", "cam_jog_phase_t", "cam_jog_"),
+    ("Detail.hand_end", "cam_config.h", "cam_jog_end_t", "cam_jog_"),
+    ("Detail.recorder_use", "cam_scope.h", "cam_scope_use_t", "cam_scope_"),
+    ("Detail.recorder_phase", "cam_scope.h", "cam_scope_phase_t", "cam_scope_"),
+    ("scope_use", "cam_scope.h", "cam_scope_use_t", "cam_scope_"),
+    ("scope_phase", "cam_scope.h", "cam_scope_phase_t", "cam_scope_"),
+    ("scope_end", "cam_scope.h", "cam_scope_end_t", "cam_scope_"),
+    ("trigger", "cam_scope.h", "cam_trigger_kind_t", "cam_trigger_"),
+    ("excited", "cam_machine.h", "cam_excited_t", "cam_excited_"),
+    ("refusal_field", "cam_machine.h", "cam_refusal_field_t", "cam_refusal_"),
+]
+MACROS = [
+    ("Command.parameter", "cam_param.h", "CAM_PARAMS"),
+    ("Answer.parameter", "cam_param.h", "CAM_PARAMS"),
+    ("scope_signal", "cam_scope.h", "CAM_SCOPE_SIGNALS"),
+    ("scope_field", "cam_scope.h", "CAM_SCOPE_FIELDS"),
+]
 
 
-def test_errors_are_those_of_the_firmware(database: Database) -> None:
+def numbered(database: Database, name: str) -> dict[int, str]:
+    """Return the names of a value table, or of a signal: "Message.signal"."""
+    message, _, signal = name.rpartition(".")
+    if message:
+        return choices(database.get_message_by_name(message), signal)
+    assert database.dbc is not None
+    return {int(number): str(word) for number, word in database.dbc.value_tables[name].items()}
+
+
+@pytest.mark.parametrize(("name", "header", "type_name", "prefix"), ENUMERATIONS)
+def test_names_are_those_of_an_enumeration(
+    database: Database, name: str, header: str, type_name: str, prefix: str
+) -> None:
+    """Every enumerator has its name, and there are no others; their number is none of them."""
+    text = HAL.read_text("utf-8") if header == HAL.name else header_of(header)
+    words = enumerators(text, type_name, prefix)
+    if re.match(r"(cam_)?n(_|$)", list(words.values())[-1]):
+        words.popitem()
+    assert words and numbered(database, name) == words
+
+
+@pytest.mark.parametrize(("name", "header", "macro"), MACROS)
+def test_names_are_those_of_a_list(database: Database, name: str, header: str, macro: str) -> None:
+    """Numbers follow the order of the list."""
+    told = [row[0] for row in rows(header, macro)]
+    assert len(told) > 10
+    assert numbered(database, name) == dict(enumerate(told))
+
+
+@pytest.mark.parametrize("name", ["Answer.result", "State.table_result"])
+def test_errors_are_those_of_the_firmware(database: Database, name: str) -> None:
     """Results of commands and of the table's check are cam_err_t."""
     text = header_of("cam_err.h")
     errors = {int(number): name for name, number in re.findall(r"X\((\w+), +(-\d+),", text)}
     assert len(errors) > 30
-    errors[0] = "done"
-    assert choices(database.get_message_by_name("Answer"), "result") == errors
-    assert choices(database.get_message_by_name("State"), "table_result") == errors
-
-
-def test_reset_reasons_are_those_of_the_port(database: Database) -> None:
-    """hal_reset_t by its names."""
-    reasons = enumerators(HAL.read_text("utf-8"), "hal_reset_t", "hal_reset_")
-    assert choices(database.get_message_by_name("State"), "reset_reason") == reasons
+    assert numbered(database, name) == errors | {0: "done"}
 
 
 def test_faults_are_those_of_the_firmware(database: Database) -> None:
-    """One signal for each fault, with its text, and no other."""
-    state = database.get_message_by_name("State")
-    texts = {
-        signal.name.removeprefix("fault_"): str(signal.comment)
-        for signal in state.signals
-        if signal.name.startswith("fault_")
-    }
+    """One signal for each fault, with its text, and no other; a title, a cause and a remedy."""
     told = {
         name: f"{what[0].upper()}{what[1:]}." for name, what in rows("cam_state.h", "CAM_FAULTS")
     }
     assert len(told) > 10
-    assert texts == told
-
-
-def test_parameters_are_those_of_the_firmware(database: Database) -> None:
-    """Indices of commands and answers are in the order of CAM_PARAMS."""
-    names = {i: row[0] for i, row in enumerate(rows("cam_param.h", "CAM_PARAMS"))}
-    assert len(names) > 30
-    for message in ("Command", "Answer"):
-        assert choices(database.get_message_by_name(message), "parameter") == names
-
-
-def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> None:
-    """Signals and fields are lists of cam_scope.h; phases, ends and reasons enumerations."""
-    assert database.dbc is not None
-    tables = {
-        name: {int(number): str(word) for number, word in table.items()}
-        for name, table in database.dbc.value_tables.items()
-    }
-    for name, macro in (("scope_signal", "SIGNALS"), ("scope_field", "FIELDS")):
-        told = [row[0] for row in rows("cam_scope.h", f"CAM_SCOPE_{macro}")]
-        assert len(told) > 10
-        assert tables[name] == dict(enumerate(told))
-    refusals = enumerators(header_of("cam_machine.h"), "cam_refusal_field_t", "cam_refusal_")
-    assert refusals.popitem()[1] == "cam_n_refusals"
-    assert tables["refusal_field"] == refusals
-    scope, identify = header_of("cam_scope.h"), header_of("cam_machine.h")
-    assert tables["scope_phase"] == enumerators(scope, "cam_scope_phase_t", "cam_scope_")
-    assert tables["scope_end"] == enumerators(scope, "cam_scope_end_t", "cam_scope_")
-    assert tables["scope_use"] == enumerators(scope, "cam_scope_use_t", "cam_scope_")
-    triggers = enumerators(scope, "cam_trigger_kind_t", "cam_trigger_")
-    assert triggers.popitem()[1] == "n"
-    assert tables["trigger"] == triggers
-    assert tables["excited"] == enumerators(identify, "cam_excited_t", "cam_excited_")
-    detail, teach = database.get_message_by_name("Detail"), header_of("cam_ilc.h")
-    kept = enumerators(header_of("cam_machine.h"), "cam_kept_t", "cam_kept_")
-    assert choices(detail, "params_kept") == kept
-    for name in ("use", "phase"):
-        assert choices(detail, f"recorder_{name}") == tables[f"scope_{name}"]
-    for name in ("phase", "reason"):
-        words = enumerators(teach, f"cam_ilc_{name}_t", "cam_ilc_")
-        assert words.popitem()[1].startswith("n_")
-        assert choices(detail, f"learn_{name}") == words
-
-
-def test_orders_by_hand_are_those_of_the_firmware(database: Database) -> None:
-    """Phases and ends of the hands are enumerations of cam_config.h."""
-    detail, order = database.get_message_by_name("Detail"), header_of("cam_config.h")
-    for name in ("phase", "end"):
-        words = enumerators(order, f"cam_jog_{name}_t", "cam_jog_")
-        assert words.popitem()[1].startswith("n_")
-        assert choices(detail, f"hand_{name}") == words
+    signals = database.get_message_by_name("State").signals
+    texts = {one.name: str(one.comment) for one in signals if one.name.startswith("fault_")}
+    assert texts == {f"fault_{name}": text for name, text in told.items()}
+    assert list(FAULTS) == list(told) == list(FAULT_TEXTS)
+    for fault in FAULTS.values():
+        assert fault.title and not fault.title.endswith(".")
+        for text in (fault.cause, fault.remedy):
+            assert len(text) > 15 and text.endswith(".") and text[0].isupper()
+            assert not re.search(r"[`\[\]]", text), "marks of Markdown are gone"
 
 
 def test_kept_values_are_those_of_learning() -> None:
@@ -227,19 +220,16 @@ def test_same_dbc_gives_the_same_bytes_without_floating_point() -> None:
     assert "int camturn_state_pack(" in first[1]
 
 
-@pytest.mark.parametrize("text", ["BO_ rubbish", 'BO_ 1 A: 8 X\n SG_ a : 60|8@1+ (1,0) [0|0] "" X'])
+@pytest.mark.parametrize(
+    "text", ["", "BO_ rubbish", 'BO_ 1 A: 8 X\n SG_ a : 60|8@1+ (1,0) [0|0] "" X']
+)
 def test_bad_dbc_is_bad_input(
     text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What is no DBC ends with status 2 and one line."""
+    """What is missing or no DBC ends with status 2 and one line that has the path."""
     file = tmp_path / "bad.dbc"
-    file.write_text(text)
+    if text:
+        file.write_text(text)
     assert main([str(file), str(tmp_path)]) == 2
     assert "bad.dbc" in capsys.readouterr().err
     assert not (tmp_path / "bad.c").exists()
-
-
-def test_missing_dbc_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The path is told."""
-    assert main([str(tmp_path / "none.dbc"), str(tmp_path)]) == 2
-    assert "none.dbc" in capsys.readouterr().err

@@ -14,7 +14,6 @@ from camtools.link.controller import Link
 from camtools.link.live_lathes import live_lathes
 from camtools.link.parameters import INFOS
 from camtools.panel.views.force_drive import has_force_drive, loop_text
-from tests.tools.cases.camctl_bench import pace
 from tests.tools.cases.controller_cases import Seat, until
 from tests.tools.cases.live_cases import LiveCase, live_case
 
@@ -110,19 +109,19 @@ def test_u_comes_to_rest_with_its_visitor(seat: LiveSeat, end: str) -> None:
         while seat.state != "identifying":
             assert not measured.done(), (await measured).text
             await asyncio.sleep(0.01)
-        await asyncio.sleep(0.3 / pace())
+        await asyncio.sleep(0.3)
         done = act(seat)
         if asyncio.iscoroutine(done):
             await done
         return (await measured).text
 
     assert asyncio.run(session()).startswith(says)
-    assert seat.live.link.wait(lambda: seat.live.link.status.state == "ready", _REST_S / pace())
+    assert seat.live.link.wait(lambda: seat.live.link.status.state == "ready", _REST_S)
 
     def stands() -> bool:
         seat.live.link.next_row(1.0)
         rest = signals["u_set"]
-        seat.live.link.wait(lambda: False, 0.3 / pace())
+        seat.live.link.wait(lambda: False, 0.3)
         return bool(signals["u_set"] == rest)
 
     until(stands, "U has gone back and rests")

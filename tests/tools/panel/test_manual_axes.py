@@ -6,7 +6,6 @@ import time
 
 import pytest
 
-from tests.tools.cases.camctl_bench import pace
 from tests.tools.cases.controller_cases import Seat, until
 
 
@@ -25,7 +24,7 @@ def test_an_axis_moves_while_the_button_is_held(seat: Seat) -> None:
 
     async def press() -> tuple[str, str]:
         jog = asyncio.create_task(seat.order("jog_begin", press=1, axis="x", mm_per_s=5.0))
-        await hold(seat, 1, 0.4 / pace())
+        await hold(seat, 1, 0.4)
         busy = (await seat.order("zero", axis="x", mm=1.0)).text
         await seat.order("jog_end", press=1)
         return (await jog).text, busy
