@@ -1,6 +1,6 @@
 """What the tests of the tools share."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from camtools.link.controller import Link
 from camtools.skirt.geometry.skirt_geometry import Geometry
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.skirt.table.generate import GeneratedSkirt
-from tests.tools.cases.camctl_bench import Act, Bench
+from tests.tools.cases.camctl_bench import SECRET, Act, Bench, Refusal
 from tests.tools.cases.command_cases import command, signals_kept, undraw
 from tests.tools.cases.cut_cases import geometry_of_part, skirt_of
 from tests.tools.cases.linuxcnc import Interpreter, NotHereError, interpreter
@@ -75,7 +75,15 @@ def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
 
 
 @pytest.fixture
-def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+def strict(request: pytest.FixtureRequest) -> Iterator[Bench]:
+    """Return a controller with a button, a key switch and a secret."""
+    one = Bench(request.node.name, secret=SECRET)
+    yield one
+    one.close()
+
+
+@pytest.fixture
+def refusal(capsys: pytest.CaptureFixture[str]) -> Refusal:
     """Return a function that runs what must end with a status, and gives its one line."""
 
     def run(bench: Bench, status: int, words: str, on: str = "", act: Act = print) -> str:

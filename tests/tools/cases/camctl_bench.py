@@ -30,6 +30,8 @@ BENCH = BUILD / "tests" / "camctl" / "can_bench"
 FRAME = struct.Struct("<IB3x64s")
 CLASSIC_BYTES = 8
 Act = Callable[[], object]
+Refusal = Callable[..., str]
+SECRET = "of this machine alone"
 ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID = range(0x10000, 0x10004)
 
 

@@ -8,7 +8,6 @@ import re
 import signal
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,7 +16,7 @@ from camtools.cli.camctl import main
 from camtools.link.messages import COMMAND, NAMES
 from camtools.link.status_text import COLUMNS
 from checks.patience import until
-from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.camctl_bench import Bench, Refusal
 
 
 def interrupt() -> None:
@@ -71,9 +70,7 @@ def test_start_waits_for_the_part(bench: Bench) -> None:
     assert bench.do("home") == "home: ready\n"
 
 
-def test_control_c_stops_the_cut_and_waits_for_its_end(
-    bench: Bench, refusal: Callable[..., str]
-) -> None:
+def test_control_c_stops_the_cut_and_waits_for_its_end(bench: Bench, refusal: Refusal) -> None:
     """The status tells that the part is not whole."""
     bench.do("home")
     bench.do("set", "engage_turns", "100")
@@ -82,7 +79,7 @@ def test_control_c_stops_the_cut_and_waits_for_its_end(
     assert "state             ready" in bench.do("status")
 
 
-def test_a_fault_is_told_and_left(bench: Bench, refusal: Callable[[Bench, int, str], str]) -> None:
+def test_a_fault_is_told_and_left(bench: Bench, refusal: Refusal) -> None:
     """Emergency stop: enable says why not; in ready it is a fault, shown with its meaning."""
     bench.estop(True)
     assert "emergency stop    yes" in bench.do("status")  # a tick has seen it
@@ -101,7 +98,7 @@ def test_a_fault_is_told_and_left(bench: Bench, refusal: Callable[[Bench, int, s
     assert next(text for status, text in answers if status == 0) == "reset: off\n"
 
 
-def test_wrong_state_is_refused(bench: Bench, refusal: Callable[[Bench, int, str], str]) -> None:
+def test_wrong_state_is_refused(bench: Bench, refusal: Refusal) -> None:
     """The line names the state and what to do in it."""
     for command, remedy in (
         ("start", "home first"),
@@ -115,9 +112,7 @@ def test_wrong_state_is_refused(bench: Bench, refusal: Callable[[Bench, int, str
     assert refusal(bench, 1, "home u").endswith("state ready; disable, then give manual first")
 
 
-def test_parameters_are_read_and_set_with_their_range(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_parameters_are_read_and_set_with_their_range(bench: Bench, refusal: Refusal) -> None:
     """By name; a value beyond the range is told the range, also beyond 32 bits."""
     assert (
         bench.do("get", "counts_per_turn", "lead_ns")
@@ -140,9 +135,7 @@ def test_parameters_are_read_and_set_with_their_range(
     assert "no parameter" in refusal(bench, 2, "list x?x")
 
 
-def test_quick_values_have_units_and_ranges(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_quick_values_have_units_and_ranges(bench: Bench, refusal: Refusal) -> None:
     """Speed, feed, amplitude and phase in the operator's units."""
     assert bench.do("feed", "0.15") == "feed = 0.15 mm\n"
     assert bench.do("get", "feed_nm") == "feed_nm = 150000\n"
@@ -155,18 +148,6 @@ def test_quick_values_have_units_and_ranges(
         "spindle speed 3500 r/min exceeds spindle_limit 3000 r/min; "
         "the highest feasible speed is 3000 r/min"
     )
-
-
-def test_what_must_not_change_in_the_cut_is_refused(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
-    """Phase follows the operator while cutting, the programmed speed does not."""
-    bench.do("home")
-    bench.do("set", "engage_turns", "100")
-    with bench.cutting():
-        line = refusal(bench, 1, "speed 1000")
-        assert "spindle_mrpm cannot change in this state; only phase, amplitude, trim" in line
-        assert bench.do("phase", "5") == "phase = 5 deg\n"
 
 
 def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
@@ -257,9 +238,7 @@ def test_no_controller_is_told_with_what_to_check(capsys: pytest.CaptureFixture[
         assert "--bitrate" in line
 
 
-def test_an_answer_that_does_not_come_is_told_from_silence(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_an_answer_that_does_not_come_is_told_from_silence(bench: Bench, refusal: Refusal) -> None:
     """Status comes, the command gets lost."""
     bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
     assert "no answer, though status comes" in refusal(bench, 1, "stop")
@@ -288,11 +267,10 @@ def test_a_bus_that_cannot_be_opened_is_bad_input(
         *([], ["fly"], ["speed"], ["speed", "fast"], ["table"]),
         *(["speed", "nan"], ["speed", "inf"], ["amplitude", "nan"], ["phase", "--", "-inf"]),
         *(["watch", "--every", "0"], ["watch", "--every", "nan"], ["watch", "--seconds", "-1"]),
-        *(
-            ["record", "x.csv", "--seconds", "0"],
-            ["--node", "0", "status"],
-            ["-n", "128", "status"],
-        ),
+        *(["record", "x.csv", "--seconds", "0"], ["--node", "0", "status"]),
+        *(["-n", "128", "status"], ["jog"], ["jog", "w", "+"], ["jog", "x", "up"], ["home", "y"]),
+        *(["jog", "x", "+", "--speed", "0"], ["jog", "x", "--step", "nan"], ["tool", "5"]),
+        ["zero", "u", "--height", "1"],
     ],
 )
 def test_wrong_usage_is_status_2(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,14 +2,15 @@
 """What changes in the cut, with tools/camctl, against the firmware with an ideal machine."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
-from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.camctl_bench import Bench, Refusal
 
 
-def test_feed_is_overridden_held_and_goes_on(bench: Bench, tmp_path: Path) -> None:
-    """The state tells of the hold; the part ends whole and is counted."""
+def test_feed_is_overridden_held_and_goes_on(
+    bench: Bench, refusal: Refusal, tmp_path: Path
+) -> None:
+    """The state tells of the hold; the part ends whole and is counted; the speed stays."""
     bench.do("home")
     assert bench.do("parts", "7") == "parts = 7\n"
     assert bench.do("override", "feed", "20") == "override feed = 20 %\n"
@@ -17,6 +18,9 @@ def test_feed_is_overridden_held_and_goes_on(bench: Bench, tmp_path: Path) -> No
         assert bench.do("hold").startswith("hold: ")
         held = [bench.do("status") for _ in range(20)]
         assert any("holding" in text for text in held)
+        line = refusal(bench, 1, "speed 1000")
+        assert "spindle_mrpm cannot change in this state; only phase, amplitude, trim" in line
+        assert bench.do("phase", "5") == "phase = 5 deg\n"
         assert bench.do("resume").startswith("resume: ")
         assert bench.do("override", "feed", "150") == "override feed = 150 %\n"
         assert bench.do("override", "spindle", "90") == "override spindle = 90 %\n"
@@ -41,9 +45,7 @@ def test_a_cut_that_is_stopped_elsewhere_fails(bench: Bench) -> None:
     assert bench.do("parts") == "parts = 0\n"
 
 
-def test_trim_is_of_diameter_or_radius(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_trim_is_of_diameter_or_radius(bench: Bench, refusal: Refusal) -> None:
     """A diameter counts twice; beyond the limit the refusal has the numbers."""
     assert bench.do("trim", "diameter", "-0.012") == "trim: diameter -0.012 mm, radius -0.006 mm\n"
     assert bench.do("get", "x_trim_nm") == "x_trim_nm = -6000\n"
@@ -52,9 +54,7 @@ def test_trim_is_of_diameter_or_radius(
     assert bench.do("trim", "radius") == "trim: diameter 0.4 mm, radius 0.2 mm\n"
 
 
-def test_what_is_out_of_place_is_refused(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_what_is_out_of_place_is_refused(bench: Bench, refusal: Refusal) -> None:
     """No hold without a cut, no resume without a hold, no override out of range."""
     for state in ("off", "ready"):
         refused = f"refused: state {state}; nothing is being cut"

@@ -15,10 +15,9 @@ from camtools.link.controller import Link
 from camtools.link.learned_file import LAYOUT
 from camtools.link.messages import COMMAND, Refused
 from checks.patience import until
-from tests.tools.cases.camctl_bench import Bench, act_when, columns, order
+from tests.tools.cases.camctl_bench import Bench, Refusal, act_when, columns, order
 
 N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0
-Refusal = Callable[[Bench, int, str], str]
 
 
 def tone(amplitude_nm: float, line: int = 2) -> npt.NDArray[np.int64]:

@@ -5,12 +5,10 @@ import re
 import signal
 import threading
 import time
-from collections.abc import Callable
 
 import pytest
 
-from camtools.cli.camctl import main
-from tests.tools.cases.camctl_bench import Bench, act_when
+from tests.tools.cases.camctl_bench import Bench, Refusal, act_when
 
 
 def places(bench: Bench) -> dict[str, tuple[float, float, bool]]:
@@ -51,7 +49,7 @@ def test_control_c_ends_a_jog_that_is_held(bench: Bench) -> None:
     assert places(bench)["z"][0] == z
 
 
-def test_axes_are_homed(bench: Bench, refusal: Callable[[Bench, int, str], str]) -> None:
+def test_axes_are_homed(bench: Bench, refusal: Refusal) -> None:
     """By switch and index, by switch, and where it stands; what is not homed refuses the cut."""
     bench.do("set", "homing_required", "1")
     for name, value in (
@@ -76,9 +74,7 @@ def test_axes_are_homed(bench: Bench, refusal: Callable[[Bench, int, str], str])
     assert bench.do("start").splitlines()[-1].startswith("start: part cut, ")
 
 
-def test_a_home_that_is_not_found_says_why(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_a_home_that_is_not_found_says_why(bench: Bench, refusal: Refusal) -> None:
     """Z has no switch; after its travel the axis stands, and is not homed."""
     bench.do("manual")
     assert "home axis: refused: home none; set u_home" in refusal(bench, 1, "home z")
@@ -88,10 +84,11 @@ def test_a_home_that_is_not_found_says_why(
     assert not places(bench)["z"][2]
 
 
-def test_zero_and_tools_move_the_part(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
-    """The datum follows from a diameter and a height; a tool adds its offsets; nothing moves."""
+def test_zero_and_tools_move_the_part(bench: Bench, refusal: Refusal) -> None:
+    """The datum follows from a diameter and a height; a tool adds its offsets; nothing moves.
+
+    What is out of range is refused with the range, of the datum or the parameter.
+    """
     before = places(bench)
     assert "datum -19.994000 mm" in bench.do("zero", "x", "--diameter", "80.012")
     assert "datum 12.000000 mm" in bench.do("zero", "z", "--height", "12")
@@ -107,11 +104,14 @@ def test_zero_and_tools_move_the_part(
     assert "no tool is in use" in bench.do("tool", "0")
     assert "give --diameter" in refusal(bench, 2, "zero x --height 3")
     assert "give the number of a tool" in refusal(bench, 2, "tool --x 3")
+    assert "tool_2_x_nm is -500000000 .. 500000000" in refusal(bench, 1, "tool 2 --x 1e12")
+    bench.do("manual")
+    bench.do("jog", "z", "--step", f"{-0.5 - before['z'][0]}")
+    line = refusal(bench, 1, "zero z --height 1000")
+    assert "z_datum would leave -1000 .. 1000 mm" in line
 
 
-def test_limits_of_speed_and_travel_are_told(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_limits_of_speed_and_travel_are_told(bench: Bench, refusal: Refusal) -> None:
     """In millimetres, as the command; a jog to the limit stands there."""
     assert "state off; give manual first" in refusal(bench, 1, "jog x + --speed 1")
     bench.do("set", "z_low_nm", "-1000000")
@@ -124,51 +124,10 @@ def test_limits_of_speed_and_travel_are_told(
     assert "no --speed" in refusal(bench, 2, "jog z --step 1 --speed 3")
 
 
-def test_an_emergency_stop_ends_a_jog(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_an_emergency_stop_ends_a_jog(bench: Bench, refusal: Refusal) -> None:
     """The command ends with status 1 and names the fault."""
     bench.do("manual")
     threading.Timer(0.3, bench.estop, [True]).start()
     line = refusal(bench, 1, "jog z + --speed 5 --seconds 5")
     assert "state" in line
     assert "state             fault" in bench.do("status")
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        *(["jog"], ["jog", "w", "+"], ["jog", "x", "up"], ["jog", "x", "+", "--speed", "0"]),
-        *(
-            ["home", "y"],
-            ["zero", "u", "--height", "1"],
-            ["tool", "5"],
-            ["jog", "x", "--step", "nan"],
-        ),
-    ],
-)
-def test_wrong_usage_by_hand_is_status_2(
-    words: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    """One line that names the help."""
-    with pytest.raises(SystemExit) as stop:
-        main(words)
-    assert stop.value.code == 2
-    assert "--help" in capsys.readouterr().err
-
-
-def test_a_datum_out_of_range_is_refused_with_its_range(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
-    """The controller answers once, and nobody waits for more."""
-    bench.do("manual")
-    bench.do("jog", "z", "--step", f"{-0.5 - places(bench)['z'][0]}")
-    line = refusal(bench, 1, "zero z --height 1000")
-    assert "z_datum would leave -1000 .. 1000 mm" in line
-
-
-def test_an_offset_beyond_the_message_is_refused_with_the_range_of_the_parameter(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
-    """In the parameter's words."""
-    assert "tool_2_x_nm is -500000000 .. 500000000" in refusal(bench, 1, "tool 2 --x 1e12")

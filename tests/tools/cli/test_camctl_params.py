@@ -2,14 +2,13 @@
 """All parameters as a file and in the controller's memory, and refusals with their numbers."""
 
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from camtools.link.messages import NAMES
 from camtools.link.parameters import INFOS
-from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.camctl_bench import Bench, Refusal
 
 
 def test_parameters_are_those_of_the_dbc() -> None:
@@ -19,7 +18,7 @@ def test_parameters_are_those_of_the_dbc() -> None:
 
 
 def test_a_file_is_saved_compared_and_loaded(
-    bench: Bench, refusal: Callable[[Bench, int, str], str], tmp_path: Path
+    bench: Bench, refusal: Refusal, tmp_path: Path
 ) -> None:
     """A saved file is equal; after a change it differs by one line, and load brings it back."""
     file = tmp_path / "machine.toml"
@@ -65,7 +64,7 @@ def test_a_file_with_errors_changes_nothing(
 
 
 def test_a_load_that_is_refused_half_way_changes_nothing(
-    bench: Bench, refusal: Callable[[Bench, int, str], str], tmp_path: Path
+    bench: Bench, refusal: Refusal, tmp_path: Path
 ) -> None:
     """One parameter of the encoder in ready: the trims in front of it do not change either."""
     file = tmp_path / "mixed.toml"
@@ -82,7 +81,7 @@ def test_a_load_that_is_refused_half_way_changes_nothing(
 
 
 def test_what_is_kept_is_told_and_brought_back(
-    bench: Bench, refusal: Callable[[Bench, int, str], str], tmp_path: Path
+    bench: Bench, refusal: Refusal, tmp_path: Path
 ) -> None:
     """Keep, change, revert, defaults; in ready nothing is kept."""
     assert "not kept: a restart uses the defaults" in bench.do("status")
@@ -102,9 +101,7 @@ def test_what_is_kept_is_told_and_brought_back(
     assert "save parameters: refused: state" in refusal(bench, 1, "params keep")
 
 
-def test_a_refusal_names_demand_limit_and_what_is_feasible(
-    bench: Bench, refusal: Callable[[Bench, int, str], str]
-) -> None:
+def test_a_refusal_names_demand_limit_and_what_is_feasible(bench: Bench, refusal: Refusal) -> None:
     """In ready a limit below the demand; the table's limit; a lead beyond the history."""
     bench.do("home")
     line = refusal(bench, 1, "set u_acceleration_mm_per_s2 15000")

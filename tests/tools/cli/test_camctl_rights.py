@@ -3,7 +3,7 @@
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import can
@@ -18,19 +18,8 @@ from camtools.link.rights import CommandHeld, CommandLost, May, sender_of
 from camtools.link.shared_session import SharedSession
 from checks.patience import limit_s
 from tests.tools.cases.background import background, python
-from tests.tools.cases.camctl_bench import Bench, keeping, order
+from tests.tools.cases.camctl_bench import SECRET, Bench, Refusal, keeping, order
 from tests.tools.cases.live_cases import LiveCase, live_case
-
-Refusal = Callable[[Bench, int, str], str]
-SECRET = "of this machine alone"
-
-
-@pytest.fixture
-def strict(request: pytest.FixtureRequest) -> Iterator[Bench]:
-    """Return a controller that demands the button, and has a secret."""
-    one = Bench(request.node.name, secret=SECRET)
-    yield one
-    one.close()
 
 
 @pytest.fixture
@@ -167,7 +156,9 @@ def test_the_secret_unlocks_by_itself_and_until_it_is_locked(
     assert "nobody turned the key switch; give --secret FILE" in refusal(strict, 1, "unlock")
 
 
-def test_unlock_without_a_secret_waits_for_the_key(bench: Bench, refusal: Refusal) -> None:
+def test_unlock_without_a_secret_waits_for_the_key(
+    bench: Bench, secret: Path, refusal: Refusal
+) -> None:
     """Which counts for the commander in whose time it is turned, and for what he does meanwhile."""
     bench.turn_key(False)
     assert "refused: locked; turn the key switch" in refusal(bench, 1, "set u_stroke_nm 1000000")
@@ -176,14 +167,8 @@ def test_unlock_without_a_secret_waits_for_the_key(bench: Bench, refusal: Refusa
     assert told.startswith("unlock: turn the key switch at the machine off and on, within 60 s\n")
     assert "\nunlock: unlocked by the key switch, for " in told
     assert told.endswith("unlock: locked again\n")
-
-
-def test_a_port_without_a_secret_says_so(bench: Bench, secret: Path, refusal: Refusal) -> None:
-    """Only its key switch unlocks it."""
-    bench.turn_key(False)
-    assert "the port has no secret; turn the key switch" in refusal(
-        bench, 1, f"--secret {secret} unlock"
-    )
+    line = refusal(bench, 1, f"--secret {secret} unlock")
+    assert "the port has no secret; turn the key switch" in line
 
 
 def test_enable_waits_for_the_button(strict: Bench, refusal: Refusal) -> None:
@@ -196,6 +181,7 @@ def test_enable_waits_for_the_button(strict: Bench, refusal: Refusal) -> None:
     assert strict.do("home") == "home: ready\n"
 
 
+@pytest.mark.long
 def test_a_camctl_that_is_stopped_loses_the_cut(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -224,6 +210,7 @@ def test_a_camctl_that_is_stopped_loses_the_cut(
         assert not case.link.status.faults
 
 
+@pytest.mark.long
 def test_nothing_moves_before_somebody_presses_the_button(tmp_path: Path) -> None:
     """Nobody at the live lathe: enable waits for the press that is typed, limits for the key."""
     with live_case(tmp_path, "--operator", "absent") as case:

@@ -2,7 +2,6 @@
 """Tables over the bus by tools/camctl: downloaded, selected, refused, repeated."""
 
 import struct
-from collections.abc import Callable
 from pathlib import Path
 
 import can
@@ -11,7 +10,7 @@ import pytest
 from camtools.cli.mktables import main as mktables
 from camtools.link.controller import BLOCK_ID
 from camtools.link.download import BLOCK_BYTES
-from tests.tools.cases.camctl_bench import Bench, named
+from tests.tools.cases.camctl_bench import Bench, Refusal, named
 from tests.tools.cases.camsim_cases import ROOT
 
 
@@ -80,7 +79,7 @@ def test_lost_frames_are_repeated(bench: Bench, other: Path) -> None:
 def test_a_download_that_cannot_go_on_leaves_the_old_table(
     bench: Bench,
     other: Path,
-    refusal: Callable[[Bench, int, str], str],
+    refusal: Refusal,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The line says that nothing is lost; a damaged table is refused by the controller."""
@@ -99,7 +98,7 @@ def test_a_download_that_cannot_go_on_leaves_the_old_table(
 
 
 def test_files_that_are_no_tables_are_bad_input(
-    bench: Bench, tmp_path: Path, refusal: Callable[[Bench, int, str], str]
+    bench: Bench, tmp_path: Path, refusal: Refusal
 ) -> None:
     """Neither a missing file nor a text is sent."""
     assert "check the path" in refusal(bench, 2, f"table download {tmp_path / 'none'}")

@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line tools/mkgcode: programs read back, files whole or absent, refusals."""
 
-import os
 import re
-import signal
-import threading
 import tracemalloc
 from dataclasses import replace
 from functools import partial
@@ -17,7 +14,6 @@ from camtools.ngc.gcode_words import CLEARANCE_MM, ENGAGE_TURNS
 from camtools.skirt.geometry.blank import section_cut
 from camtools.skirt.geometry.skirt_geometry import Geometry, make_geometry
 from camtools.skirt.tool.turning import path_of
-from checks.patience import until
 from tests.tools.cases.command_cases import command, fresh_command
 from tests.tools.cases.linuxcnc import AXES, Interpreter
 from tests.tools.cases.maths_tables import TABLE_4
@@ -214,30 +210,6 @@ def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     assert again.read_bytes() == first
 
 
-def test_interrupted_program_leaves_nothing(tmp_path: Path) -> None:
-    """A signal while blocks are written: no new file, an older program as it was."""
-    part = changed(tmp_path, PERKINS, feed_mm="0.0005")  # some 15 million blocks
-    folder = tmp_path / "out"
-    folder.mkdir()
-    (folder / "part.ngc").write_text("old")
-
-    def interrupt() -> None:
-        def size() -> int:
-            return sum(path.stat().st_size for path in folder.glob(".run.*/part.ngc"))
-
-        until(lambda: size() > 1_000_000, "blocks")
-        os.kill(os.getpid(), signal.SIGTERM)
-
-    thread = threading.Thread(target=interrupt)
-    thread.start()
-    done = mkgcode(part, "-o", folder / "part.ngc", "--axes", "cxzu")
-    thread.join()
-    assert done.returncode == 128 + signal.SIGTERM
-    assert done.stderr == "mkgcode: interrupted; nothing was written\n"
-    assert [path.name for path in folder.iterdir()] == ["part.ngc"]
-    assert (folder / "part.ngc").read_text() == "old"
-
-
 def test_memory_does_not_grow_with_the_program(tmp_path: Path) -> None:
     """Eight times the blocks take at most 100 kB more."""
     peaks_bytes = []
@@ -248,15 +220,6 @@ def test_memory_does_not_grow_with_the_program(tmp_path: Path) -> None:
         peaks_bytes.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks_bytes[1] - peaks_bytes[0] < 100_000
-
-
-def test_full_disk_leaves_nothing(tmp_path: Path) -> None:
-    """A program that does not fit is refused with status 2 and leaves no file."""
-    program = tmp_path / "p.ngc"
-    done = mkgcode(PERKINS, "-o", program, "--axes", "cxzu", largest_file=100_000)
-    assert done.returncode == 2
-    assert "cannot write: File too large" in done.stderr
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -270,6 +233,7 @@ def test_full_disk_leaves_nothing(tmp_path: Path) -> None:
         (("--chord-um", "inf"), r"--chord-um inf: must be"),
         (("--axes", "xy"), r"argument --axes: invalid choice: 'xy'"),
         (("--chords", "1"), r"unrecognized arguments: --chords"),
+        (("-o", "/"), r"/: is a folder; give the name of a file"),
     ],
 )
 def test_bad_options_are_refused(tmp_path: Path, words: tuple[str, ...], told: str) -> None:
@@ -326,28 +290,3 @@ def test_impossible_parts_are_refused(
     assert done.returncode == 2
     assert re.fullmatch(rf"mkgcode: .*part\.toml: .*{told}.*\n", done.stderr)
     assert not (tmp_path / "p.ngc").exists()
-
-
-def test_a_folder_is_no_program(tmp_path: Path) -> None:
-    """The name of a folder is refused before anything is worked out."""
-    done = mkgcode(PERKINS, "-o", tmp_path)
-    assert done.returncode == 2
-    assert "is a folder; give the name of a file" in done.stderr
-
-
-def test_only_files_are_replaced(tmp_path: Path) -> None:
-    """A pipe, also behind a link, stays what it is; a link to a file stays a link."""
-    pipe, link, program = tmp_path / "pipe", tmp_path / "link", tmp_path / "part.ngc"
-    os.mkfifo(pipe)
-    link.symlink_to(pipe)
-    for path in (pipe, link):
-        done = mkgcode(PERKINS, "-o", path)
-        told = f"mkgcode: {path}: cannot write: not a regular file; give the name of a file\n"
-        assert (done.returncode, done.stderr) == (2, told)
-    assert pipe.is_fifo()
-    link.unlink()
-    link.symlink_to(program)
-    assert mkgcode(PERKINS, "-o", link).returncode == 0
-    assert link.is_symlink()
-    assert program.read_text().endswith("M2\n")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "part.ngc", "pipe"]

@@ -14,19 +14,10 @@ from camtools.link.rights import sender_of, sender_text
 from camtools.panel.views.bus_commander import held_text, other_sender
 from camtools.panel.views.missing import way_on
 from checks.patience import limit_s
-from tests.tools.cases.camctl_bench import Bench
+from tests.tools.cases.camctl_bench import SECRET, Bench
 from tests.tools.cases.controller_cases import Seat, until
 
 PANEL = sender_of("panel")
-SECRET = "of this machine alone"
-
-
-@pytest.fixture
-def strict(request: pytest.FixtureRequest) -> Iterator[Bench]:
-    """Return a controller with a button, a key switch and a secret."""
-    one = Bench(request.node.name, secret=SECRET)
-    yield one
-    one.close()
 
 
 @pytest.fixture
