@@ -17,12 +17,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from camtools.link.bus import open_bus
-from camtools.link.controller import WANTED, Link, Status
+from camtools.link.controller import Link, Status
 from camtools.link.live_lathes import LiveLathe, live_lathes
 from camtools.link.rights import May
 from checks.patience import limit_s
 from tests.tools.cases.background import Background, background, python
+from tests.tools.cases.live_cases import live_case
 
 _ENDS = {"fault": "reset", "homing": "disable", "ready": "disable", "manual": "disable"}
 _CALM_S = 0.1
@@ -112,21 +112,13 @@ def panel_session(
         options of tools/live and tools/panel
     """
     log = folder / "commands.jsonl"
-    live_command = python("camtools.cli.live", *live_words)
     panel_command = python(
         "camtools.cli.panel", "--port", "0", "--log", log, "--keep", folder, *panel_words
     )
     with ExitStack() as stack:
-        lathe = stack.enter_context(background(*live_command, XDG_RUNTIME_DIR=str(folder)))
-        lathe.wait_for("control-C ends")
+        case = stack.enter_context(live_case(folder, *live_words))
         panel = stack.enter_context(background(*panel_command, XDG_RUNTIME_DIR=str(folder)))
         address = _ADDRESS.search(panel.wait_for("#token="))
         assert address is not None, panel.text()
         (announced,) = live_lathes(folder / "camturn")
-        bus, where = open_bus(announced.bus)
-        stack.callback(bus.shutdown)
-        witness = Link(bus, where, announced.node)
-        witness.rights.on_lost = lambda text, holder: None  # it sends nothing while a page is used
-        is_heard = witness.wait(lambda: witness.status.signals.keys() >= WANTED, limit_s())
-        assert is_heard, lathe.text()
-        yield PanelSession(lathe, panel, address[1], address[2], witness, announced, log)
+        yield PanelSession(case.lathe, panel, address[1], address[2], case.link, announced, log)

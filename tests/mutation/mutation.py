@@ -27,9 +27,11 @@ JUDGED = ("firmware/", "hal/", "host_sim/", "tests/unit/", "tests/scenarios/", "
 
 
 def explained() -> set[tuple[str, ...]]:
-    """Return file, line before, line and changed line of each mutant that no test can notice."""
+    """Return file, line before or "", line and changed line of each mutant that no test notices."""
     entries = tomllib.loads((HERE / "explained.toml").read_text("utf-8"))["mutant"]
-    return {tuple(one[key] for key in ("file", "after", "was", "becomes")) for one in entries}
+    return {
+        tuple(one.get(key, "") for key in ("file", "after", "was", "becomes")) for one in entries
+    }
 
 
 class Verdicts:
@@ -55,8 +57,10 @@ class Verdicts:
 
     def _is_explained(self, mutant: Mutant) -> bool:
         lines = ["", *(self._tree / mutant.file).read_text("utf-8").splitlines()]
-        texts = (lines[mutant.line - 1], mutant.was, mutant.becomes)
-        return (mutant.file, *(text.strip() for text in texts)) in self._explained
+        before, was, becomes = (
+            text.strip() for text in (lines[mutant.line - 1], mutant.was, mutant.becomes)
+        )
+        return any((mutant.file, one, was, becomes) in self._explained for one in ("", before))
 
     def fill(self, shop: Shop, n_wanted: int) -> None:
         """Judge mutants in a shop until enough count."""

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from camtools.link.bus import open_bus
-from camtools.link.controller import PERIOD_S, Link
+from camtools.link.controller import PERIOD_S, WANTED, Link
 from camtools.link.live_lathes import live_lathes
 from camtools.link.messages import NUMBERS
 from camtools.link.refusal_text import ask_done
@@ -68,7 +68,8 @@ def live_case(folder: Path, *words: str | Path) -> Iterator[LiveCase]:
             link = Link(bus, where, announced.node)
             # Who waits for the lathe's words sends no heartbeats; the next order takes command.
             link.rights.on_lost = lambda text, holder: None
-            link.listen()
+            is_heard = link.wait(lambda: link.status.signals.keys() >= WANTED, limit_s())
+            assert is_heard, lathe.text()
             yield LiveCase(lathe, link)
         finally:
             bus.shutdown()

@@ -12,7 +12,6 @@ from camtools.cli.analyse import main, skirt_products
 from camtools.skirt.part.part_file import SkirtPart
 from camtools.study.section import AnalysisWishes, make_analysis
 from camtools.study.section_text import notes, summary
-from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.maths_tables import TABLE_1, TABLE_4
 from tests.tools.cases.part_cases import PERKINS, ROOT, load_part
 
@@ -128,29 +127,6 @@ def test_uniform_part_is_not_judged_by_equal_parts(perkins: SkirtPart) -> None:
     assert "by --parts or process.parts" in asked
     none = told_of(even, AnalysisWishes(slice_volume_mm3=1e-6))
     assert "30 equal parts: no number of parts is possible" in none
-
-
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (["--height", "63"], "--height 63.0: lies outside the part; give 0 .. 62 mm"),
-        (["--height", "nan"], "--height nan"),
-        (["--step-deg", "7"], "--step-deg 7.0: does not divide 90 degrees"),
-        (["--parts", "1"], "--parts 1: out of range; give 2 .. 1000"),
-        (["--rpm", "0"], "--rpm 0.0: out of range"),
-        (["--kc-n-mm2", "inf"], "--kc-n-mm2 inf: out of range"),
-        (["--cycle-us", "x"], "argument --cycle-us"),
-        (["--turns", "0"], "--turns 0"),
-        (["--slice-volume-mm3", "-1"], "--slice-volume-mm3 -1.0"),
-        (["--nose-mm", "0"], "--nose-mm 0.0: out of range; give 0.01 .. 100"),
-    ],
-)
-def test_bad_wishes_are_refused(
-    words: list[str], named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """One line that names the option; nothing written."""
-    assert named in complaint(main, [str(PERKINS), "-o", str(tmp_path / "out"), *words], capsys)
-    assert not (tmp_path / "out").exists()
 
 
 def test_part_without_depth_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

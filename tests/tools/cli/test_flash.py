@@ -58,40 +58,39 @@ def install(folder: Path, name: str, status: int = 0) -> Path:
     return notes
 
 
-def test_openocd_writes_both_in_one_go(
-    flash: Flash, tmp_path: Path, firmware: Path, table: Path
-) -> None:
-    """Firmware and table go to their addresses, are verified, and the firmware starts."""
-    notes = install(tmp_path, "openocd")
-    done = flash("--firmware", "--table", table)
-    assert done.returncode == 0, done.stderr
-    assert notes.read_text().splitlines() == [
+_PYOCD = ("flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address")
+# What a programmer is asked to do; with the table its record, that it is in use, is written.
+ORDERS = {
+    ("openocd", "--firmware"): (
         *("-f", "board/st_nucleo_h743zi.cfg"),
-        *("-c", f"program {{{firmware}}} verify 0x08000000"),
-        *("-c", f"program {{{table}}} verify 0x08100000"),
-        *("-c", f"program {{{FIRST_PLACE}}} verify 0x080E0000"),
+        *("-c", "program {FIRMWARE} verify 0x08000000"),
+        *("-c", "program {TABLE} verify 0x08100000"),
+        *("-c", "program {PLACE} verify 0x080E0000"),
         *("-c", "reset run", "-c", "shutdown"),
-    ]
+    ),
+    ("st-flash", ""): (
+        *("--connect-under-reset", "write", "TABLE", "0x08100000"),
+        *("--connect-under-reset", "--reset", "write", "PLACE", "0x080E0000"),
+    ),
+    ("pyocd", "--firmware"): (
+        *(*_PYOCD, "0x08000000", "FIRMWARE", *_PYOCD, "0x08100000", "TABLE"),
+        *(*_PYOCD, "0x080E0000", "PLACE"),
+    ),
+}
 
 
-def test_a_new_part_leaves_the_firmware_alone(flash: Flash, tmp_path: Path, table: Path) -> None:
-    """With --table only, the table and the record that it is in use; then the reset."""
-    notes = install(tmp_path, "st-flash")
-    assert flash("--table", table).returncode == 0
-    assert notes.read_text().splitlines() == [
-        *("--connect-under-reset", "write", str(table), "0x08100000"),
-        *("--connect-under-reset", "--reset", "write", str(FIRST_PLACE), "0x080E0000"),
-    ]
-
-
-def test_pyocd_writes_each_file(flash: Flash, tmp_path: Path, firmware: Path, table: Path) -> None:
-    """Both files are raw, so each needs its address."""
-    notes = install(tmp_path, "pyocd")
-    assert flash("--firmware", "--table", table).returncode == 0
-    common = ["flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address"]
-    firmware_words = [*common, "0x08000000", str(firmware)]
-    table_words = [*common, "0x08100000", str(table), *common, "0x080E0000", str(FIRST_PLACE)]
-    assert notes.read_text().splitlines() == [*firmware_words, *table_words]
+@pytest.mark.parametrize(("programmer", "more"), ORDERS)
+def test_files_go_to_their_addresses(
+    flash: Flash, tmp_path: Path, firmware: Path, table: Path, programmer: str, more: str
+) -> None:
+    """Each is verified, and the firmware starts; a new part leaves the firmware alone."""
+    notes = install(tmp_path, programmer)
+    done = flash(*more.split(), "--table", table)
+    assert done.returncode == 0, done.stderr
+    told = notes.read_text()
+    for name, file in (("FIRMWARE", firmware), ("TABLE", table), ("PLACE", FIRST_PLACE)):
+        told = told.replace(str(file), name)
+    assert told.splitlines() == list(ORDERS[programmer, more])
 
 
 @pytest.mark.parametrize("programmer", PROGRAMMERS)

@@ -21,7 +21,6 @@ from camtools.link.scope import Recording
 from checks.patience import until
 from tests.tools.cases.camctl_bench import Bench, ready
 from tests.tools.cases.camsim_cases import camsim
-from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.drive_plant import Plant, faded, played
 from tests.tools.cases.part_cases import PERKINS
 
@@ -163,36 +162,6 @@ def test_recording_of_another_instrument(
     path.write_text("time_s,command_um\n0,1\n")
     assert run("--record", path)[0] == 2
     assert "line 1: needs one column of the position" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        ("--machine default --form-error-um 1", "--form-error-um: needs a part: add PART"),
-        ("", "one of the arguments --machine --bus --record is required"),
-        (
-            "--machine nowhere",
-            "--machine nowhere: no such machine; give one of analog_position, cam,",
-        ),
-        ("--machine default --apply", "--apply: needs a folder for the machine file"),
-        ("--machine default --rpm 900", "--rpm: needs a part: add PART.toml"),
-        ("--record a.csv --apply", "--apply: has no effect with --record; leave it out"),
-        ("--machine default --channel can0", "--channel: needs a bus: use --bus instead of"),
-        ("--machine default --rms-um 0", "argument --rms-um: 0: give a number above 0"),
-        ("--machine default --periods 2", "argument --periods: 2: give 3 .. 100"),
-        ("--machine default --highest-hz 20", "--highest-hz 20: give at least 50"),
-        ("--machine default nopart.toml", "nopart.toml: cannot be read"),
-        (
-            "--machine default --rms-um 70",
-            "--rms-um 70: too large: acceleration of U 3.664e+05 mm/s2, 0.8 of 2.5e+05 are allowed",
-        ),
-        ("--bus --interface nobus", "interface nobus: unknown to python-can"),
-    ],
-)
-def test_bad_input_is_one_line(words: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """It names the place, the value and the remedy; status 2."""
-    line = complaint(main, words.split(), capsys)
-    assert line.startswith(f"identify: {says}"), line
 
 
 def test_part_that_the_machine_cannot_cut_is_refused(

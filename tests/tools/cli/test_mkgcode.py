@@ -223,28 +223,6 @@ def test_memory_does_not_grow_with_the_program(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--from-mm", "-1"), r"--from-mm -1: must be a height of the part; give 0 \.\. 62 mm"),
-        (("--to-mm", "62.5"), r"--to-mm 62\.5: must be a height"),
-        (("--to-mm", "nan"), r"--to-mm nan: must be a height"),
-        (("--from-mm", "9", "--to-mm", "9"), r"--to-mm 9: must be at least 0\.01 mm above"),
-        (("--chord-um", "0"), r"--chord-um 0: must be 0\.002 \.\. 1000; give micrometres"),
-        (("--chord-um", "inf"), r"--chord-um inf: must be"),
-        (("--axes", "xy"), r"argument --axes: invalid choice: 'xy'"),
-        (("--chords", "1"), r"unrecognized arguments: --chords"),
-        (("-o", "/"), r"/: is a folder; give the name of a file"),
-    ],
-)
-def test_bad_options_are_refused(tmp_path: Path, words: tuple[str, ...], told: str) -> None:
-    """One line, what is wrong and what to give, status 2, no file."""
-    done = mkgcode(PERKINS, "-o", tmp_path / "p.ngc", *words)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert re.fullmatch(rf"mkgcode: .*{told}.*\n", done.stderr)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
     ("name", "changes", "axes", "told"),
     [
         ("perkins240", {"path": '"ring-helix"'}, "xz", r"process\.path: .*G33; give --axes cxzu"),

@@ -13,6 +13,7 @@ import pytest
 from camtools.cli.panel import main
 from camtools.link.live_lathes import announced
 from tests.tools.cases.background import background, python
+from tests.tools.cases.command_cases import complaint
 from tests.tools.cases.raw_page import RawPage, get
 
 
@@ -28,15 +29,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     assert not list(runtime.glob("camturn/*"))
 
 
-def complaint(capsys: pytest.CaptureFixture[str], folder: Path, *words: str | Path) -> str:
-    """Run what must end with status 2 and one line, which is returned."""
-    log = folder / "a.jsonl"
-    try:
-        status = main(["--port", "0", "--log", str(log), *map(str, words)])
-    except SystemExit as end:
-        status = int(end.code or 0)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert status == 2 and line.startswith("panel: "), line
+def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str | Path) -> str:
+    """Return the one line of what must be refused."""
+    first = ["--port", "0", "--log", str(folder / "a.jsonl")]
+    line = complaint(main, [*first, *map(str, words)], capsys)
+    assert line.startswith("panel: "), line
     return line.removeprefix("panel: ")
 
 
@@ -59,7 +56,7 @@ def test_what_is_wrong_is_one_line(
     folder: Path, words: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """It names the option and the remedy; nothing was started."""
-    assert said in complaint(capsys, folder, *words)
+    assert said in refused(capsys, folder, *words)
 
 
 @pytest.mark.parametrize(
@@ -78,7 +75,7 @@ def test_a_token_file_that_protects_nothing_is_refused(
     path = folder / "token"
     path.write_text(text, "utf-8")
     path.chmod(mode)
-    line = complaint(capsys, folder, "--token-file", path)
+    line = refused(capsys, folder, "--token-file", path)
     assert said in line and text not in line
 
 
@@ -86,7 +83,7 @@ def test_a_port_in_use_is_told(folder: Path, capsys: pytest.CaptureFixture[str])
     """With the remedy."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        line = complaint(capsys, folder, "--port", str(port))
+        line = refused(capsys, folder, "--port", str(port))
     assert line == f"127.0.0.1 port {port}: Address already in use; give another --port or --listen"
 
 
@@ -100,7 +97,7 @@ def test_of_two_live_lathes_one_must_be_named(
     with ExitStack() as stack:
         for name in ("one", "two"):
             stack.enter_context(announced(runtime, name, facts))
-        assert "2 live lathes are running: one, two; give --live NAME" in complaint(capsys, folder)
+        assert "2 live lathes are running: one, two; give --live NAME" in refused(capsys, folder)
 
 
 def test_its_end_leaves_nothing_behind(folder: Path) -> None:

@@ -222,22 +222,3 @@ def test_command_writes_table_and_picture(
     assert [float(row["scallop_max_um"]) for row in rows] == pytest.approx(
         [0.7813, 0.1953, 0.7813], abs=1e-3
     )
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["--nose-mm", "200"], "--nose-mm 200.0: out of range; give 0.01 .. 100"),
-        (["--rpm", "0"], "--rpm 0.0: out of range; give 1 .. 60000"),
-        (["--rpm", "5000"], 'process.path = "ring-helix": needs at least 2777.77778 mm/s2 of Z'),
-    ],
-)
-def test_command_refuses(
-    words: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Status 2, one line, no folder."""
-    assert main([str(PART), "-o", str(tmp_path / "out"), *words]) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1
-    assert told in lines[0]
-    assert not (tmp_path / "out").exists()

@@ -5,8 +5,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +21,7 @@ from camtools.forecast.parallel_cuts import cut_all
 from camtools.forecast.store import Store
 from camtools.sim.simulate import simulate
 from checks.patience import until
+from tests.tools.cases.background import python
 from tests.tools.cases.camsim_cases import camsim
 from tests.tools.cases.cut_cases import made_of, written
 from tests.tools.cases.part_cases import PERKINS, environment
@@ -135,30 +134,6 @@ def test_cuts_that_fail_are_counted(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert not (out / "runs.parquet").exists()
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["--runs", "0"], "forecast: --runs 0: out of range; give 1 .. 1000000"),
-        (["--seed", "-1"], "forecast: --seed -1: out of range"),
-        (["--turns", "nan"], "forecast: --turns nan: must be a finite number above 0"),
-        (["--tolerance-um", "0"], "forecast: --tolerance-um 0.0: must be a finite number"),
-        (["--machine", "nowhere"], "forecast: --machine nowhere: no such machine"),
-        (["--vary", "/nowhere.toml"], "forecast: /nowhere.toml: cannot be read: No such file"),
-        (["--set", "k1_ns"], "forecast: --set k1_ns: give PARAM=VALUE"),
-        (["--rpm", "9000"], "forecast: --rpm 9000: infeasible"),
-    ],
-)
-def test_refusals_write_nothing(
-    words: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """One line, status 2, no folder."""
-    assert main([str(PERKINS), *words, "-o", str(tmp_path / "o")]) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1, lines
-    assert lines[0].startswith(told)
-    assert not (tmp_path / "o").exists()
-
-
 def test_what_no_machine_may_have_and_foreign_files_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -182,17 +157,6 @@ def test_worker_with_another_simulator_is_refused() -> None:
         cut_all(task, [""], lambda _: None, n_workers=1)
 
 
-@pytest.fixture
-def scheduler() -> Iterator[str]:
-    """Start a Dask cluster in a process that is not ours, as on other computers."""
-    from distributed import LocalCluster
-
-    with LocalCluster(
-        n_workers=1, threads_per_worker=2, dashboard_address="127.0.0.1:0", silence_logs=50
-    ) as cluster:
-        yield cluster.scheduler_address
-
-
 def test_scheduler_that_does_not_answer_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -206,22 +170,25 @@ def test_scheduler_that_does_not_answer_is_refused(
     assert not (tmp_path / "o").exists()
 
 
-def test_scheduler_without_a_worker_is_refused() -> None:
-    """The line tells how to start one."""
+def test_cluster_cuts_the_same() -> None:
+    """Outcomes of a scheduler's workers, of several threads each, are those of this process.
+
+    The cluster is in processes that are not ours, as on other computers; without a worker it is
+    refused, and the line tells how to start one.
+    """
     from distributed import LocalCluster
 
-    asked = plan(1)
-    with LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=50) as cluster:
-        address = cluster.scheduler_address
-        with pytest.raises(CamtoolsError, match="has no worker; start `dask worker"):
-            cut_all(asked.task, asked.texts, lambda _: None, scheduler=address)
-
-
-def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
-    """Outcomes of a scheduler's workers, of several threads each, are those of this process."""
     asked = plan(16)
     there: list[CutOutcome] = []
-    cut_all(asked.task, asked.texts, there.extend, scheduler=scheduler)
+    with LocalCluster(
+        n_workers=0, threads_per_worker=2, dashboard_address="127.0.0.1:0", silence_logs=50
+    ) as cluster:
+        address = cluster.scheduler_address
+        with pytest.raises(CamtoolsError, match="has no worker; start `dask worker"):
+            cut_all(asked.task, asked.texts, there.extend, scheduler=address)
+        cluster.scale(1)
+        cluster.wait_for_workers(1)
+        cut_all(asked.task, asked.texts, there.extend, scheduler=address)
     here = cut_batch(asked.task, asked.texts[:8])
     assert len(there) == 16
     by_key = {one.key: one for one in there}
@@ -230,19 +197,12 @@ def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
         assert by_key[one.key]._replace(wall_s=0) == one._replace(wall_s=0)
 
 
+@pytest.mark.long
 def test_interrupted_forecast_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Ctrl-C reaches all processes: status 130, one line, a whole store; then the rest is cut."""
     words = [str(PERKINS), "--runs", "200", "--workers", "2", "-o", str(tmp_path / "o")]
-    command = [
-        sys.executable,
-        "-m",
-        "camtools.cli.forecast",
-        *words,
-        "--turns",
-        "1",
-        "--set",
-        "rehearse_turns=0",
-    ]
+    short = ("--turns", "1", "--set", "rehearse_turns=0")
+    command = python("camtools.cli.forecast", *words, *short)
     store = tmp_path / "o" / "store"
     with subprocess.Popen(
         command, env=environment(), start_new_session=True, stderr=subprocess.PIPE, text=True
@@ -259,7 +219,7 @@ def test_interrupted_forecast_goes_on(tmp_path: Path, capsys: pytest.CaptureFixt
     assert 8 <= n_kept < 200
     assert list((tmp_path / "o").iterdir()) == [store]
     words[2] = str(n_kept + 8)
-    assert main([*words, "--turns", "1", "--set", "rehearse_turns=0"]) == 0
+    assert main([*words, *short]) == 0
     assert "cuts are already done" in capsys.readouterr().err.splitlines()[0]
     assert pq.read_table(tmp_path / "o" / "runs.parquet").num_rows == n_kept + 8
 

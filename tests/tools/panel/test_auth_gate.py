@@ -70,47 +70,80 @@ class Visit:
         asyncio.run(door(scope, receive, send))
 
 
-def status(path: str, method: str = "GET", **headers: str) -> int:
-    """Return the status of a request with our Host and some more headers."""
-    more = {name.replace("_", "-"): value for name, value in headers.items()}
-    return Visit(path, {"host": HOST} | more, method).status
-
-
-@pytest.mark.parametrize("method", ["GET", "HEAD", "WS", "POST"])
-@pytest.mark.parametrize(
-    "host",
-    ["evil.example", "evil.example:8417", "127.0.0.1", "127.0.0.1:80", "localhost.evil:8417"],
+PLACES = {"GET": "/", "HEAD": "/", "WS": SOCKET, "POST": UPLOAD}
+FAIR = {"origin": ORIGIN, "content-length": "10"}
+LINK = {"sec-fetch-mode": "navigate", "sec-fetch-dest": "document"}
+OTHER_UPLOAD = UPLOAD.replace(CLIENT, CLIENT[::-1].replace("-", "0")[:36])
+# DNS rebinding: the page of a stranger has the stranger's name, wherever it leads.
+STRANGERS = (
+    "evil.example",
+    "evil.example:8417",
+    "127.0.0.1",
+    "127.0.0.1:80",
+    "localhost.evil:8417",
 )
-def test_a_name_that_was_made_to_point_here_is_refused(method: str, host: str) -> None:
-    """DNS rebinding: the page of a stranger has the stranger's name, wherever it leads."""
-    path = {"WS": SOCKET, "POST": UPLOAD}.get(method, "/")
-    assert Visit(path, {"host": host, "origin": f"http://{host}"}, method).status == 403
+# A page of another port of this computer is another site, too.
+ORIGINS = ("http://evil.example", "null", "https://127.0.0.1:8417", "http://127.0.0.1:8418", "")
+# Method, path, headers beside our Host, and the status of the answer.
+VISITS: list[tuple[str, str, dict[str, str], int]] = [
+    *(
+        (method, path, {"host": host, "origin": f"http://{host}"}, 403)
+        for method, path in PLACES.items()
+        for host in STRANGERS
+    ),
+    *(
+        (method, PLACES[method], {"origin": origin, "content-length": "0"}, 403)
+        for method in ("GET", "WS", "POST")
+        for origin in (*ORIGINS, "file://")
+    ),
+    # Browsers send our origin to a websocket; what has none is no page.
+    ("WS", SOCKET, {"origin": ORIGIN}, 101),
+    ("WS", SOCKET, {}, 403),
+    ("WS", "/", {"origin": ORIGIN}, 403),
+    # No method that changes anything; nothing is posted but uploads, and socket.io is not polled.
+    *(
+        (method, "/", {"origin": ORIGIN}, 405)
+        for method in ("PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT")
+    ),
+    *(
+        ("POST", path, {"origin": ORIGIN, "content-length": "0"}, 403)
+        for path in ("/", "/design", SOCKET, f"{UPLOAD}/../8", "/_nicegui/client/x/upload/7")
+    ),
+    ("GET", SOCKET, {}, 403),
+    # An upload needs our origin, the token of the page in its path, and a fair size.
+    ("POST", UPLOAD, FAIR, 200),
+    ("POST", UPLOAD, {"content-length": "10"}, 403),
+    ("POST", OTHER_UPLOAD, FAIR, 403),
+    *(
+        ("POST", UPLOAD, FAIR | {"content-length": length}, 413)
+        for length in (str(MOST_UPLOAD_BYTES + 1), "-1", "x", "", "9" * 5000, "\u00b2")
+    ),
+    # Other sites may link here; no picture, script, frame or fetch of theirs gets an answer.
+    *(
+        ("GET", "/", LINK | {"sec-fetch-site": site} | more, wanted)
+        for site in ("cross-site", "same-site")
+        for more, wanted in (
+            ({}, 200),
+            ({"sec-fetch-dest": "iframe"}, 403),
+            ({"sec-fetch-mode": "no-cors", "sec-fetch-dest": "image"}, 403),
+        )
+    ),
+    ("GET", "/", {"sec-fetch-site": "same-origin", "sec-fetch-mode": "cors"}, 200),
+]
+
+
+@pytest.mark.parametrize(("method", "path", "headers", "wanted"), VISITS)
+def test_only_our_own_pages_are_served(
+    method: str, path: str, headers: dict[str, str], wanted: int
+) -> None:
+    """Each visit has its answer."""
+    assert Visit(path, {"host": HOST} | headers, method).status == wanted
+
+
+@pytest.mark.parametrize(("method", "path"), PLACES.items())
+def test_a_visit_without_a_host_is_refused(method: str, path: str) -> None:
+    """Whatever it asks for."""
     assert Visit(path, {}, method).status == 403
-
-
-@pytest.mark.parametrize(
-    "origin",
-    [
-        "http://evil.example",
-        "null",
-        "https://127.0.0.1:8417",
-        "http://127.0.0.1:8418",
-        "",
-        "file://",
-    ],
-)
-@pytest.mark.parametrize("method", ["GET", "WS", "POST"])
-def test_what_comes_from_another_origin_is_refused(method: str, origin: str) -> None:
-    """Also a page of another port of this computer is another site."""
-    path = {"WS": SOCKET, "POST": UPLOAD}.get(method, "/")
-    assert status(path, method, origin=origin, content_length="0") == 403
-
-
-def test_a_websocket_needs_our_origin_and_its_own_path() -> None:
-    """Browsers always send it; what has none is no page."""
-    assert status(SOCKET, "WS", origin=ORIGIN) == 101
-    assert status(SOCKET, "WS") == 403
-    assert status("/", "WS", origin=ORIGIN) == 403
 
 
 def test_a_header_that_comes_twice_is_not_believed() -> None:
@@ -130,51 +163,11 @@ def test_a_header_that_comes_twice_is_not_believed() -> None:
     assert asyncio.run(visit()) == 403
 
 
-@pytest.mark.parametrize("method", ["PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"])
-def test_no_method_that_changes_anything(method: str) -> None:
-    """With our origin, too."""
-    assert status("/", method, origin=ORIGIN) == 405
-
-
-@pytest.mark.parametrize(
-    "path", ["/", "/design", SOCKET, f"{UPLOAD}/../8", "/_nicegui/client/x/upload/7"]
-)
-def test_nothing_is_posted_but_uploads(path: str) -> None:
-    """The polling of socket.io would be a POST that carries orders: it does not exist here."""
-    assert status(path, "POST", origin=ORIGIN, content_length="0") == 403
-
-
-def test_socket_io_is_not_polled() -> None:
-    """Nor read by GET."""
-    assert status(SOCKET) == 403
-
-
-def test_an_upload_needs_origin_token_and_a_fair_size() -> None:
-    """The token: of the page whose identifier is in the path."""
-    fair = {"origin": ORIGIN, "content_length": "10"}
-    assert status(UPLOAD, "POST", **fair) == 200
-    assert status(UPLOAD, "POST", content_length="10") == 403
-    other = UPLOAD.replace(CLIENT, CLIENT[::-1].replace("-", "0")[:36])
-    assert status(other, "POST", **fair) == 403
-    for length in (str(MOST_UPLOAD_BYTES + 1), "-1", "x", "", "9" * 5000, "\u00b2"):
-        assert status(UPLOAD, "POST", origin=ORIGIN, content_length=length) == 413
-
-
 def test_an_upload_that_lies_about_its_size_is_broken_off() -> None:
     """What comes is counted, whatever was announced."""
     headers = {"host": HOST, "origin": ORIGIN, "content-length": "10"}
     body = (b"x" * (MOST_UPLOAD_BYTES // 2 + 1),) * 2
     assert Visit(UPLOAD, headers, "POST", body).status == 413
-
-
-@pytest.mark.parametrize("site", ["cross-site", "same-site"])
-def test_other_sites_may_link_here_and_nothing_else(site: str) -> None:
-    """No picture, script, frame or fetch of another site gets an answer, so none fills memory."""
-    link = {"sec_fetch_site": site, "sec_fetch_mode": "navigate", "sec_fetch_dest": "document"}
-    assert status("/", **link) == 200
-    assert status("/", **link | {"sec_fetch_dest": "iframe"}) == 403
-    assert status("/", **link | {"sec_fetch_mode": "no-cors", "sec_fetch_dest": "image"}) == 403
-    assert status("/", sec_fetch_site="same-origin", sec_fetch_mode="cors") == 200
 
 
 def test_when_too_many_pages_are_open_no_more_are_made() -> None:

@@ -3,10 +3,7 @@
 
 import errno
 import json
-import resource
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from io import FileIO
 from pathlib import Path
 
@@ -20,6 +17,7 @@ from camtools.panel.orders.command_log import CommandLog
 from camtools.panel.orders.commander import Commander
 from camtools.panel.orders.jog_press import LATE_S, SILENT_S, Presses
 from camtools.panel.orders.order import Outcome
+from tests.tools.cases.command_cases import files_end_at
 
 DONE = Outcome(True, "done")
 
@@ -168,17 +166,6 @@ def test_the_log_is_its_owners_alone_and_bounded(tmp_path: Path) -> None:
         *("time", "visitor", "address", "order", "arguments", "is_done", "outcome")
     }
     CommandLog(path).close()
-
-
-@contextmanager
-def files_end_at(n_bytes: int) -> Iterator[None]:
-    """Let no file of this process grow beyond a size, as a full disc does."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def test_a_full_disc_is_told_and_spoils_no_line_but_its_own(tmp_path: Path) -> None:

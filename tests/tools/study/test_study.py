@@ -96,28 +96,6 @@ def test_command_writes_tables_and_pictures(
     assert "lobe 2, height 10 .. 13 mm: lift 6 mm" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["--height", "3"], "--height 3.0: has no meaning for a cam; leave it out"),
-        (["--parts", "30"], "--parts 30: has no meaning for a cam"),
-        (["--nose-mm", "2"], "--nose-mm 2.0: has no meaning for a cam"),
-        (["--step-deg", "7"], "--step-deg 7.0: does not divide 90 degrees"),
-        (["--step-deg", "nan"], "--step-deg nan: out of range"),
-        (["--rpm", "0"], "--rpm 0.0: out of range; give 1 .. 60000"),
-    ],
-)
-def test_wishes_that_a_cam_does_not_take(
-    words: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """One line with the option, status 2, nothing written."""
-    assert main([str(PARTS / "cam-345.toml"), "-o", str(tmp_path / "out"), *words]) == 2
-    error = capsys.readouterr().err
-    assert told in error
-    assert len(error.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
-
-
 def of(part: str, height_mm: float, spindle_rpm: float) -> Study:
     """Return the study of a part of the repository."""
     corner = geometry_of_part(part).corner
