@@ -31,10 +31,11 @@ with staged(folder) as stage, growing(folder / "log.txt") as stream:
 as_root = pytest.mark.skipif(os.geteuid() != 0, reason="another user's link needs root")
 
 
-def published(folder: Path) -> None:
-    """Publish one file by a stage."""
+def published(folder: Path, *more: str) -> None:
+    """Publish files by a stage."""
     with staged(folder) as stage:
-        (stage.folder / "a.txt").write_text("new")
+        for name in ("a.txt", *more):
+            (stage.folder / name).write_text("new")
         stage.publish()
 
 
@@ -44,12 +45,26 @@ def grown(folder: Path) -> None:
         stream.write("new")
 
 
-def written(folder: Path) -> None:
-    """Write one file whole."""
-    write_all(folder, {"a.txt": b"new"})
+def written(folder: Path, *more: str) -> None:
+    """Write files whole."""
+    write_all(folder, dict.fromkeys(("a.txt", *more), b"new"))
 
 
 WAYS = [published, grown, written]
+
+
+@pytest.mark.parametrize("way", [published, written])
+def test_files_of_one_name_are_replaced_together(tmp_path: Path, way: Callable[..., None]) -> None:
+    """Others stay; when one name cannot be given, as that of a folder, none is."""
+    for name in ("a.txt", "c.txt"):
+        (tmp_path / name).write_text("old")
+    (tmp_path / "b.txt").mkdir()
+    with pytest.raises(CamtoolsError, match=r"/b\.txt: cannot write: Is a directory; "):
+        way(tmp_path, "b.txt")
+    assert {path.name for path in tmp_path.iterdir()} == {"a.txt", "b.txt", "c.txt"}
+    assert (tmp_path / "a.txt").read_text() == "old"
+    way(tmp_path)
+    assert [(tmp_path / name).read_text() for name in ("a.txt", "c.txt")] == ["new", "old"]
 
 
 @as_root

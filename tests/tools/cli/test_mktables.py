@@ -175,16 +175,6 @@ def test_full_disk_leaves_the_old_set(mktables: Command, tmp_path: Path) -> None
     assert {path.read_text() for path in tmp_path.iterdir()} == {"older"}
 
 
-def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
-    """When one name cannot be given, none is."""
-    (tmp_path / "b").mkdir()
-    (tmp_path / "a").write_text("older")
-    with pytest.raises(CamtoolsError, match="Is a directory"):
-        write_all(tmp_path, {"a": b"new", "b": b"new"})
-    assert listing(tmp_path) == ["a", "b"]
-    assert (tmp_path / "a").read_text() == "older"
-
-
 @pytest.mark.parametrize("target", ["missing", "older", "pipe", "folder", "circle"])
 def test_symbolic_links_stay(tmp_path: Path, target: str) -> None:
     """The file that a link points to is replaced, in its own folder; nothing else ever is."""

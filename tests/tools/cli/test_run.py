@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.output import staged
 from camtools.cli.run import main
 from camtools.part.common import MachineLimits
 from camtools.pipeline.job import RunJob, without_faults
@@ -294,14 +293,6 @@ def test_failed_run_leaves_earlier_results(run: Command, tmp_path: Path) -> None
     assert {path.read_text() for path in tmp_path.iterdir()} == {"older"}
 
 
-def test_missing_simulator_is_told(run: Command, tmp_path: Path) -> None:
-    """Without a build the remedy is named."""
-    done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "nowhere"))
-    assert done.returncode == 2
-    assert "cannot be started: No such file or directory; start tools/run" in done.stderr
-    assert listing(tmp_path) == []
-
-
 def test_full_disk_leaves_nothing(run: Command, tmp_path: Path) -> None:
     """When the trace does not fit, nothing appears and the status is 2."""
     done = run("--feed", "2", "-o", "out", largest_file=200_000)
@@ -342,40 +333,24 @@ exec yes 1,0.5,off
         os.kill(int(camsim.with_name("camsim.pid").read_text()), 0)
 
 
-def test_crashed_simulator_is_told(run: Command, tmp_path: Path) -> None:
-    """A simulator that dies of a signal gives one line and status 2."""
-    fake_camsim(tmp_path, "kill -SEGV $$\n")
+@pytest.mark.parametrize(
+    ("script", "told"),
+    [
+        ("", "cannot be started: No such file or directory; start tools/run"),
+        ("kill -SEGV $$\n", "camsim: ended by signal 11"),
+    ],
+)
+def test_simulator_that_does_not_run_is_told(
+    run: Command, tmp_path: Path, script: str, told: str
+) -> None:
+    """Without a build, and when it dies of a signal: one line, status 2."""
+    if script:
+        fake_camsim(tmp_path, script)
+    before = listing(tmp_path)
     done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "build"))
     assert done.returncode == 2
-    assert "camsim: ended by signal 11" in done.stderr
-    assert listing(tmp_path) == ["build"]
-
-
-def test_stage_publishes_over_earlier_files(tmp_path: Path) -> None:
-    """Files of the stage replace those of the same name; others stay."""
-    (tmp_path / "a").write_text("older")
-    (tmp_path / "b").write_text("older")
-    with staged(tmp_path) as stage:
-        (stage.folder / "a").write_text("new")
-        assert (tmp_path / "a").read_text() == "older"
-        stage.publish()
-    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
-        "a": "new",
-        "b": "older",
-    }
-
-
-def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
-    """When one name cannot be given, none is."""
-    (tmp_path / "b").mkdir()
-    with (
-        pytest.raises(CamtoolsError, match="/b: cannot write: Is a directory; "),
-        staged(tmp_path) as stage,
-    ):
-        (stage.folder / "a").write_text("new")
-        (stage.folder / "b").write_text("new")
-        stage.publish()
-    assert listing(tmp_path) == ["b"]
+    assert told in done.stderr
+    assert listing(tmp_path) == before
 
 
 def test_stated_roundness_decides(run: Command, tmp_path: Path) -> None:
