@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The firmware with main()'s loop around an ideal machine. CAN frames come on standard input and
 // leave on standard output, 72 bytes each: id, bytes, data. A frame with the id `bench_estop`
-// presses the emergency stop (data 1) or releases it, bench_button likewise the button acknowledge,
-// and bench_key turns the key switch, which is on at the start and turned anew for each commander.
-// From bench_force on the port has an output of force; U still follows its set-points.
-// Its word may be a secret: then the controller demands the button, and the secret unlocks it. On a
-// computer that is too busy for real time virtual time falls behind and does not catch up, which no
-// tool could follow. Ends with its input.
+// presses the emergency stop (data 1) or releases it, bench_button likewise the button acknowledge;
+// bench_drive and bench_bus fail a drive and the bus of the drives, and bench_key turns the key
+// switch, which is on at the start and turned anew for each commander. From bench_force on the port
+// has an output of force; U still follows its set-points. Its word may be a secret: then the
+// controller demands the button, and the secret unlocks it. On a computer that is too busy for real
+// time virtual time falls behind and does not catch up, which no tool could follow. Ends with its
+// input.
 #include "cam_machine_scope.h" // cam_machine_blackbox
 #include "fixture_can.h"
 #include "hal_host.h"
@@ -19,7 +20,7 @@
 
 enum { tick_hz = 20000, look_ticks = 5, frame_bytes = 8 + hal_can_max_bytes };
 
-enum { bench_estop = 0x10000, bench_button, bench_key, bench_force };
+enum { bench_estop = 0x10000, bench_button, bench_key, bench_force, bench_drive, bench_bus };
 
 static fixture_can_t f;
 static sim_operator_t people; // turns the key anew for each commander
@@ -52,6 +53,12 @@ static void take(const uint8_t *bytes)
         break;
     case bench_key:
         people.is_key_on = is_on;
+        break;
+    case bench_drive:
+        hal_host_fault_drive(is_on);
+        break;
+    case bench_bus:
+        hal_host_fault_bus(is_on);
         break;
     case bench_force:
         hal_host.slow.force.quantum_un = 20000;

@@ -32,7 +32,8 @@ CLASSIC_BYTES = 8
 Act = Callable[[], object]
 Refusal = Callable[..., str]
 SECRET = "of this machine alone"
-ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID = range(0x10000, 0x10004)
+ESTOP_ID, BUTTON_ID, KEY_ID, FORCE_ID, DRIVE_ID, BUS_ID = range(0x10000, 0x10006)
+FAULTS = {"estop": ESTOP_ID, "drive": DRIVE_ID, "bus": BUS_ID}
 
 
 def pass_time(link: Link, seconds: float) -> None:
@@ -139,7 +140,11 @@ class Bench:
 
     def estop(self, is_pressed: bool) -> None:
         """Press or release the emergency stop."""
-        self._write(ESTOP_ID, bytes([is_pressed]))
+        self.fault("estop", is_there=is_pressed)
+
+    def fault(self, name: str, *, is_there: bool) -> None:
+        """Cause a fault of FAULTS, or end it."""
+        self._write(FAULTS[name], bytes([is_there]))
 
     def press(self) -> None:
         """Press the button acknowledge, as somebody at the machine does."""

@@ -4,6 +4,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from camtools.link.convergence import Convergence
 from camtools.link.progress import cut_progress
@@ -11,6 +12,7 @@ from checks.patience import limit_s
 from tests.tools.cases.live_cases import live_case
 
 
+@pytest.mark.long
 def test_a_cut_is_seen_as_it_is(tmp_path: Path) -> None:
     """Lessons fall, the time left comes true."""
     with live_case(tmp_path, "--machine", "real") as case:

@@ -16,7 +16,8 @@ from camtools.panel.design.preview_values import N_ANGLES, motion_of
 from camtools.pipeline.exact import ExactTurn, SpeedRatio
 from camtools.pipeline.load import parse
 from camtools.pipeline.make_table import make
-from tests.tools.cases.camsim_cases import camsim, cut
+from tests.tools.cases.camsim_cases import cut
+from tests.tools.cases.cut_cases import evaluated, made_of
 from tests.tools.cases.preview_cases import PARTS, answers, problems, stage, text_of
 
 KINDS = ("perkins240", "camshaft", "p4c-35", "thrust90", "cam-345")
@@ -55,24 +56,16 @@ def test_limits_and_highest_speed_are_the_controllers(
         assert ours[field]["needed"] == pytest.approx(theirs[field]["needed"], rel=4e-3)
 
 
-def evaluated(table: Path, turn: np.ndarray, z_mm: float) -> np.ndarray:
-    """Return u [um] of the table at angles, by camsim eval."""
-    points = "turn,z_mm\n" + "".join(f"{one:.12f},{z_mm}\n" for one in turn)
-    done = camsim("eval", table, stdin=points)
-    assert done.returncode == 0, done.stderr
-    rows = [line.split(",") for line in done.stdout.splitlines()[1:]]
-    return np.array([float(row[2]) for row in rows]) * 1e-3
-
-
 @pytest.mark.parametrize(
     ("name", "z_mm"), [("perkins240", 47.0), ("thrust90", 20.0), ("camshaft", 11.0)]
 )
-def test_motion_is_the_difference_of_set_points(name: str, z_mm: float, table_of: TableOf) -> None:
+def test_motion_is_the_difference_of_set_points(name: str, z_mm: float, tmp_path: Path) -> None:
     """Velocity, acceleration and jerk are the finite differences of what camsim eval tells of U."""
     shown = stage(answers(text_of(name), height_mm=z_mm), "curves")
     assert shown["height_mm"] == z_mm
     turn = np.arange(N_ANGLES) / N_ANGLES
-    u_um = evaluated(table_of(name), turn, z_mm)
+    table = made_of(name).table.table
+    u_um = evaluated(tmp_path, table, turn, np.full(N_ANGLES, z_mm))["u_nm"] * 1e-3
     if name == "camshaft":
         u_um = -u_um  # eval tells the lift, away from the axis
     motion = {key: np.array(values) for key, values in shown["motion"].items()}

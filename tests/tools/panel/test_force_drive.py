@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The loop of a U that takes forces is measured and set from the panel, on a live lathe."""
+"""The loop of a U that takes forces is measured and set from the panel."""
 
 import asyncio
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import can
 import pytest
 
 from camtools.base.project_paths import ROOT
@@ -14,6 +15,7 @@ from camtools.link.controller import Link
 from camtools.link.live_lathes import live_lathes
 from camtools.link.parameters import INFOS
 from camtools.panel.views.force_drive import has_force_drive, loop_text
+from tests.tools.cases.camctl_bench import Bench
 from tests.tools.cases.controller_cases import Seat, until
 from tests.tools.cases.live_cases import LiveCase, live_case
 
@@ -63,7 +65,7 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveSeat]:
 
 
 @pytest.fixture
-def seat(shared: LiveSeat) -> LiveSeat:
+def live_seat(shared: LiveSeat) -> LiveSeat:
     """Return the service in ready, the boss in command."""
     shared.commander.take_over(shared.boss)
     shared.boss.is_here, shared.boss.was_connected, shared.boss.back_at_s = True, True, -1e9
@@ -71,6 +73,14 @@ def seat(shared: LiveSeat) -> LiveSeat:
         until(lambda: shared.ask("enable").is_done, "enable")
     shared.wait_for("ready")
     return shared
+
+
+@pytest.fixture
+def link_of(shared_bench: Bench) -> Iterator[Link]:
+    """Return a link of the test's own to the bench."""
+    bus = can.Bus(interface="virtual", channel=shared_bench.channel)
+    yield Link(bus, shared_bench.channel)
+    bus.shutdown()
 
 
 def found_of(report: str, words: str) -> float:
@@ -91,7 +101,7 @@ async def measured_works(seat: LiveSeat) -> set[str]:
     return works
 
 
-_ENDS: dict[str, tuple[Callable[[LiveSeat], object], str]] = {
+_ENDS: dict[str, tuple[Callable[[Seat], object], str]] = {
     "stop": (lambda seat: seat.order("stop", seat.other), "interrupted by stop"),
     "page closed": (lambda seat: seat.service.page_lost(seat.boss), "interrupted: the connection"),
     "command lost": (lambda seat: seat.commander.lose(seat.boss), "interrupted: you do not"),
@@ -99,10 +109,22 @@ _ENDS: dict[str, tuple[Callable[[LiveSeat], object], str]] = {
 
 
 @pytest.mark.parametrize("end", _ENDS)
-def test_u_comes_to_rest_with_its_visitor(seat: LiveSeat, end: str) -> None:
-    """STOP, a page that closes and command that is lost end the excitation; no loop is kept."""
+def test_u_comes_to_rest_with_its_visitor(
+    shared_bench: Bench, seat: Seat, link_of: Link, end: str
+) -> None:
+    """STOP, a page that closes and command that is lost end the excitation; no loop is kept.
+
+    No force, and one above the limit, do not begin.
+    """
     act, says = _ENDS[end]
-    signals = seat.live.link.status.signals
+    shared_bench.take_forces()
+    for name, value in _WEAK.items():
+        seat.do("set", name=name, value=value)
+    seat.do("home")
+    seat.wait_for("ready")
+    assert "give a force above 0 N" in seat.refused("push_u", force_n=0.0)
+    assert "servo_force_limit_mn" in seat.refused("push_u", force_n=700.0)
+    signals = link_of.listen().signals
 
     async def session() -> str:
         measured = asyncio.create_task(seat.order("measure_loop"))
@@ -116,59 +138,60 @@ def test_u_comes_to_rest_with_its_visitor(seat: LiveSeat, end: str) -> None:
         return (await measured).text
 
     assert asyncio.run(session()).startswith(says)
-    assert seat.live.link.wait(lambda: seat.live.link.status.state == "ready", _REST_S)
+    assert link_of.wait(lambda: link_of.status.state == "ready", _REST_S)
 
     def stands() -> bool:
-        seat.live.link.next_row(1.0)
+        link_of.next_row(1.0)
         rest = signals["u_set"]
-        seat.live.link.wait(lambda: False, 0.3)
+        link_of.wait(lambda: False, 0.3)
         return bool(signals["u_set"] == rest)
 
     until(stands, "U has gone back and rests")
     assert seat.service.tuned() is None
 
 
-def test_a_pulse_tells_mass_and_friction(seat: LiveSeat) -> None:
-    """Apply sets both; no force, and one above the limit, are refused."""
-    assert "give a force above 0 N" in seat.refused("push_u", force_n=0.0)
-    assert "servo_force_limit_mn" in seat.refused("push_u", force_n=700.0)
-    seat.do("push_u", force_n=15.0)
-    found = seat.service.tuned()
+@pytest.mark.long
+def test_a_pulse_tells_mass_and_friction(live_seat: LiveSeat) -> None:
+    """Apply sets both."""
+    live_seat.do("push_u", force_n=15.0)
+    found = live_seat.service.tuned()
     assert found is not None and found.text.startswith("a positive force moves the scale up")
     assert found.settings["servo_mass_g"] == pytest.approx(1500, rel=0.04)
     assert found.settings["servo_friction_mn"] == pytest.approx(4500, rel=0.1)
-    before = seat.parameters()
-    seat.do("apply_loop")
-    until(lambda: seat.parameters() == before | dict(found.settings), "mass and friction are set")
+    before = live_seat.parameters()
+    live_seat.do("apply_loop")
+    until(
+        lambda: live_seat.parameters() == before | dict(found.settings), "mass and friction are set"
+    )
 
 
 @pytest.mark.long
-def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:
+def test_a_loop_is_measured_applied_and_measured_again(live_seat: LiveSeat) -> None:
     """The second report shows the loop that the first one proposed."""
-    assert "nothing is proposed" in seat.refused("apply_loop")
-    assert has_force_drive(seat.parameters())
-    works = asyncio.run(measured_works(seat))
+    assert "nothing is proposed" in live_seat.refused("apply_loop")
+    assert has_force_drive(live_seat.parameters())
+    works = asyncio.run(measured_works(live_seat))
     assert any(re.fullmatch(r"the record of U, \d+ %", work) for work in works)
     assert "the loop of U, which is computed" in works
-    tuned = seat.service.tuned()
+    tuned = live_seat.service.tuned()
     assert tuned is not None and tuned.picture.startswith(b"\x89PNG") and not tuned.problem
     assert found_of(tuned.text, "mass_kg") == pytest.approx(1.5, rel=0.02)
     measured = r"as it is \(measured\): crossover"
     assert found_of(tuned.text, measured) == pytest.approx(60.0, rel=0.1)
-    assert seat.state == "ready" and seat.service.snapshot().has_command
-    before, proposed = seat.parameters(), dict(tuned.settings)
+    assert live_seat.state == "ready" and live_seat.service.snapshot().has_command
+    before, proposed = live_seat.parameters(), dict(tuned.settings)
     assert proposed["servo_mass_g"] == pytest.approx(1500, rel=0.02)
     assert "servo_force_limit_mn" not in proposed
-    applied = seat.do("apply_loop")
+    applied = live_seat.do("apply_loop")
     assert applied.startswith(f"{len(proposed)} parameters are set, the drives are off")
-    until(lambda: seat.parameters() == before | proposed, "the loop is set, and nothing else")
-    assert "nothing is proposed" in seat.refused("apply_loop")
-    seat.wait_for("off")
-    assert "the state is off" in seat.refused("measure_loop")
-    until(lambda: seat.ask("enable").is_done, "enable")
-    seat.wait_for("ready")
-    seat.do("measure_loop")
-    again = seat.service.tuned()
+    until(lambda: live_seat.parameters() == before | proposed, "the loop is set, and nothing else")
+    assert "nothing is proposed" in live_seat.refused("apply_loop")
+    live_seat.wait_for("off")
+    assert "the state is off" in live_seat.refused("measure_loop")
+    until(lambda: live_seat.ask("enable").is_done, "enable")
+    live_seat.wait_for("ready")
+    live_seat.do("measure_loop")
+    again = live_seat.service.tuned()
     assert again is not None
     crossover_hz = found_of(tuned.text, "crossover:")
     assert found_of(again.text, measured) == pytest.approx(crossover_hz, rel=0.1)
@@ -176,16 +199,16 @@ def test_a_loop_is_measured_applied_and_measured_again(seat: LiveSeat) -> None:
 
 @pytest.mark.long
 def test_a_loop_without_the_margins_is_shown_and_not_applied(
-    seat: LiveSeat, monkeypatch: pytest.MonkeyPatch
+    live_seat: LiveSeat, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The constants are there, and why no loop is proposed."""
     poor = "margins at 0.7 of the mass: unstable"
     monkeypatch.setattr("camtools.tune.proposal.refusal", lambda judged, *, is_proposal: poor)
-    assert seat.refused("measure_loop") == poor
-    tuned = seat.service.tuned()
+    assert live_seat.refused("measure_loop") == poor
+    tuned = live_seat.service.tuned()
     assert tuned is not None and tuned.problem == poor and not tuned.picture
     assert "mass_kg" in tuned.text and "proposed" not in tuned.text
-    assert "nothing is proposed" in seat.refused("apply_loop")
+    assert "nothing is proposed" in live_seat.refused("apply_loop")
 
 
 def test_the_card_is_for_a_force_drive_and_says_what_is_to_be_set() -> None:

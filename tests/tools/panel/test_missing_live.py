@@ -1,35 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is missing, compared with what the firmware of a live lathe really refuses.
+"""What is missing, compared with what the firmware really refuses.
 
 For each situation the order that leads on is refused, its first missing item tells why and vanishes
 when it is done; when nothing is missing the order is accepted.
 """
 
-from collections.abc import Iterator
-from contextlib import suppress
-from pathlib import Path
-
-import pytest
-
+from camtools.link.controller import Link
 from camtools.link.manual_axes import AXES, carry_out
-from camtools.link.messages import Refused
+from camtools.link.messages import NUMBERS
 from camtools.link.parameters import get_all
 from camtools.link.refusal_text import ask_done
 from camtools.panel.views.missing import Way, way_on
-from checks.patience import limit_s, until
-from tests.tools.cases.live_cases import LiveCase, live_case
+from checks.patience import limit_s
+from tests.tools.cases.camctl_bench import FAULTS, Bench
 
-# What is missing does not depend on how fast axes search.
-PACES = {"{}_jog_um_per_s": 100_000, "{}_home_um_per_s": 100_000, "{}_home_slow_um_per_s": 20_000}
-QUICK = {name.format(axis): value for axis in "xz" for name, value in PACES.items()}
+# By switch, as they stand, by switch: each axis has its place, and the part stays where it was.
+HOMES = {"u_home": 2, "z_home": 1, "x_home": 2, "x_home_nm": 61_000_000, "homing_required": 1}
 
 
-class Bench(LiveCase):
-    """A live lathe, and the parameters of its controller."""
+class Operator:
+    """Gives the orders that lead on, with the parameters of the controller."""
 
-    def __init__(self, case: LiveCase) -> None:
-        super().__init__(case.lathe, case.link)
-        self.values = get_all(self.link)
+    def __init__(self, link: Link) -> None:
+        self.link, self.values = link, get_all(link)
 
     def way(self) -> Way:
         """Return what is missing by a status that is yet to come."""
@@ -41,16 +34,16 @@ class Bench(LiveCase):
         """Return the names of what is missing."""
         return [item.key for item in self.way().missing]
 
-    def happens(self, word: str) -> None:
-        """Let something happen to the lathe."""
-        self.lathe.type(word)
-        self.lathe.wait_for(f"{word}: done")
-        self.link.wait(lambda: False, 0.1)
-
     def set(self, **values: int) -> None:
         """Set parameters and read them all."""
-        super().set(**values)
+        for name, value in values.items():
+            ask_done(self.link, "set_parameter", NUMBERS["parameter"][name], value=value)
         self.values = get_all(self.link)
+
+    def until(self, state: str) -> None:
+        """Wait for a state."""
+        status = self.link.status
+        assert self.link.wait(lambda: status.state == state, limit_s()), status.state
 
     def refused(self, result: str) -> None:
         """Give the order that leads on; it must be refused for a reason, and something missing."""
@@ -66,57 +59,44 @@ class Bench(LiveCase):
         self.until(state)
 
     def home(self, axis: str) -> None:
-        """Home an axis by hand; on a computer that is too busy to keep the order alive, again."""
+        """Home an axis by hand."""
         ask_done(self.link, "manual")
         self.until("manual")
-
-        def is_done() -> bool:
-            with suppress(Refused):
-                return carry_out(self.link, "home_axis", axis) == "done"
-            return False
-
-        until(is_done, f"home {axis}")
+        assert carry_out(self.link, "home_axis", axis) == "done"
         ask_done(self.link, "disable", AXES[axis])
         self.until("off")
 
 
-@pytest.fixture
-def bench(tmp_path: Path) -> Iterator[Bench]:
-    """Run a live lathe of its own."""
-    with live_case(tmp_path) as case:
-        yield Bench(case)
-
-
-def test_what_is_missing_is_what_the_firmware_refuses(bench: Bench) -> None:
+def test_what_is_missing_is_what_the_firmware_refuses(bench: Bench, link: Link) -> None:
     """Inputs, then homes that are demanded, then the whole way to a part, a fault and back."""
-    bench.set(**QUICK)
-    for word, key in (("estop", "estop"), ("drive", "drive"), ("bus", "bus")):
-        bench.happens(word)
-        assert bench.missing()[0] == key
-        bench.refused(key)
-        bench.happens("release")
-        assert bench.missing() == []
-    bench.set(u_stroke_nm=1000)
-    assert bench.missing() == [] and bench.link.ask("enable").result == "u_stroke"
-    bench.set(u_stroke_nm=1_200_000, homing_required=1)
+    operator = Operator(link)
+    for name in FAULTS:
+        bench.fault(name, is_there=True)
+        assert link.wait(lambda: operator.missing()[:1] == [name], limit_s())  # noqa: B023
+        operator.refused(name)
+        bench.fault(name, is_there=False)
+        assert link.wait(lambda: operator.missing() == [], limit_s())
+    operator.set(u_stroke_nm=1000)
+    assert operator.missing() == [] and link.ask("enable").result == "u_stroke"
+    operator.set(u_stroke_nm=1_200_000, **HOMES)
     left = ["home_u", "home_x", "home_z"]
     for axis in ("u", "x", "z"):
-        assert bench.missing() == left
+        assert operator.missing() == left
         left = left[1:]
-        bench.refused("not_homed")
-        bench.home(axis)
-    bench.goes_on("homing")
-    assert bench.missing()[:1] in (["turn"], ["index"], [])
-    bench.until("ready")
-    bench.goes_on("engaging")
-    bench.until("cutting")
-    ask_done(bench.link, "hold")
-    bench.until("holding")
-    bench.goes_on("cutting")
-    bench.happens("estop")
-    bench.until("fault")
-    assert "estop" in bench.missing()
-    bench.happens("release")
-    assert bench.link.wait(lambda: bench.missing() == [], limit_s())
-    bench.goes_on("off")
-    bench.goes_on("ready")
+        operator.refused("not_homed")
+        operator.home(axis)
+    operator.goes_on("homing")
+    assert operator.missing()[:1] in (["turn"], ["index"], [])
+    operator.until("ready")
+    operator.goes_on("engaging")
+    operator.until("cutting")
+    ask_done(link, "hold")
+    operator.until("holding")
+    operator.goes_on("cutting")
+    bench.fault("estop", is_there=True)
+    operator.until("fault")
+    assert "estop" in operator.missing()
+    bench.fault("estop", is_there=False)
+    assert link.wait(lambda: operator.missing() == [], limit_s())
+    operator.goes_on("off")
+    operator.goes_on("ready")
