@@ -64,17 +64,6 @@ static const sim_frame_t *said(uint32_t id)
     return NULL;
 }
 
-static void test_enabled_axis_goes_where_it_is_told(void)
-{
-    enable();
-    for (int i = 0; i < 100; i++) {
-        tick(0x0F, 100000, 0);
-    }
-    TEST_ASSERT_EQUAL_INT32(100000, (int32_t)common_get_u32(said(0x182)->data + 2));
-    TEST_ASSERT_EQUAL_INT32((int32_t)X_NM, (int32_t)common_get_u32(said(0x183)->data + 2));
-    TEST_ASSERT_DOUBLE_WITHIN(1.0, 100000.0, bus.sample.u_nm);
-}
-
 static void test_axis_moves_as_in_a_run_with_the_same_commands(void)
 {
     sim_drive_t reference;

@@ -76,27 +76,6 @@ static void test_dead_time_of_whole_ticks_is_found_in_spite_of_rounding(void)
     TEST_ASSERT_FALSE(drive.is_split);
 }
 
-/// The firmware relies on c = u + k1 u' + k2 u'', read ahead by the dead time and half a tick.
-static void test_inverse_of_the_drive_makes_it_follow(void)
-{
-    config.delay_us = 75.0;
-    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
-    const double w = SIM_TWO_PI * config.bandwidth_hz;
-    const double f = SIM_TWO_PI * 83.333;
-    const double a_nm = 75000.0;
-    double worst_nm = 0.0;
-    for (int i = 0; i < 4000; i++) {
-        const double t_s = i * PERIOD_S;
-        const double off_micro = fabs(drive.pos_micro - a_nm * sin(f * t_s));
-        worst_nm = i > 2000 && off_micro > worst_nm ? off_micro : worst_nm;
-        const double ahead = f * (t_s + 75e-6 + 0.5 * PERIOD_S);
-        const double command = a_nm * ((1.0 - f * f / (w * w)) * sin(ahead) +
-                                       2.0 * config.damping * f / w * cos(ahead));
-        sim_drive_step(&drive, (int32_t)lround(command), true);
-    }
-    TEST_ASSERT_TRUE(worst_nm < 8.0);
-}
-
 static void test_limits_are_kept_and_the_way_is_right(void)
 {
     config.speed_units_per_s = 100.0;
@@ -127,37 +106,6 @@ static void test_disabled_drive_brakes_to_rest_and_holds(void)
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, drive.vel_micro_per_s);
     TEST_ASSERT_DOUBLE_WITHIN(160.0, 3200.0, drive.pos_micro); // v^2 / 2a, ends inside a tick
-}
-
-/// Whatever its input says at enable, a relative drive stands still, and then moves by the change.
-static void test_relative_drive_counts_from_its_command_at_enable(void)
-{
-    config.is_relative = 1.0;
-    config.delay_us = 120.0;
-    sim_drive_init(&drive, &config, 3000.0, PERIOD_S);
-    for (int turn = 0; turn < 2; turn++) {
-        const double stands = drive.pos_micro;
-        for (int i = 0; i < 100; i++) {
-            sim_drive_step(&drive, 70000 * (turn + 1), i >= 50);
-            TEST_ASSERT_DOUBLE_WITHIN(1e-6, stands, drive.pos_micro);
-        }
-        for (int i = 0; i < 4000; i++) {
-            sim_drive_step(&drive, 70000 * (turn + 1) + 500, true);
-        }
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3, stands + 500.0, drive.pos_micro);
-        for (int i = 0; i < 100; i++) {
-            sim_drive_step(&drive, 0, false);
-        }
-    }
-}
-
-static void test_blocked_drive_stands_still(void)
-{
-    sim_drive_init(&drive, &config, 500.0, PERIOD_S);
-    drive.is_blocked = true;
-    sim_drive_step(&drive, 100000, true);
-    sim_drive_linger(&drive, PERIOD_S, true);
-    TEST_ASSERT_TRUE(drive.pos_micro == 500.0);
 }
 
 static void test_quantum_rounds_command_and_measurement(void)
@@ -258,28 +206,4 @@ static void test_disabled_drive_ignores_the_force_and_brakes(void)
         sim_drive_step(&drive, 0, false);
     }
     TEST_ASSERT_TRUE(drive.vel_micro_per_s == 0.0);
-}
-
-/// 30 N compress a stop of 10 N/um by 3 um; a push back leaves it at once.
-static void test_stop_holds_the_mass_and_lets_it_go(void)
-{
-    begin_force();
-    config.stop_units = 0.1;
-    for (int side = -1; side <= 1; side += 2) {
-        sim_drive_init(&drive, &config, 0.0, PERIOD_S);
-        sim_drive_push(&drive, side * 30.0);
-        double most_micro = 0.0;
-        for (int i = 0; i < 4000; i++) {
-            sim_drive_step(&drive, 0, true);
-            most_micro = fmax(most_micro, fabs(drive.pos_micro));
-        }
-        TEST_ASSERT_DOUBLE_WITHIN(1.0, side * 103e3, drive.pos_micro);
-        TEST_ASSERT_TRUE(most_micro < 130e3); // 63 mm/s, at 2600 rad/s
-        sim_drive_push(&drive, side * -30.0);
-        for (int i = 0; i < 100; i++) {
-            sim_drive_step(&drive, 0, true);
-        }
-        const double freed_nm = travel_nm(30.0, 100 * PERIOD_S);
-        TEST_ASSERT_DOUBLE_WITHIN(0.2 * freed_nm, 103e3 - freed_nm, side * drive.pos_micro);
-    }
 }

@@ -49,22 +49,6 @@ static void test_tip_swings_as_the_frequency_response_says(void)
     }
 }
 
-static void test_constant_acceleration_moves_the_tip_back(void)
-{
-    const double w = SIM_TWO_PI * config.hz;
-    config.damping = 0.5;
-    config.share = 0.8;
-    sim_mode_init(&mode, &config);
-    for (int i = 0; i < 400; i++) { // 100 m/s2
-        const double from_s = i * STEP_S;
-        const double to_s = from_s + STEP_S;
-        const sim_mode_travel_t way = {{50e9 * from_s * from_s, 50e9 * to_s * to_s},
-                                       {100e9 * from_s, 100e9 * to_s}};
-        sim_mode_step(&mode, &way, STEP_S);
-    }
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, -0.8 * 100e9 / (w * w), sim_mode_tip_micro(&mode));
-}
-
 static void test_pieces_make_the_same_way_as_the_whole(void)
 {
     sim_mode_t whole;

@@ -34,13 +34,6 @@ static void test_step_near_set_speed_is_an_exponential(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 - exp(-40.0 * 0.025), spindle.speed_rad_per_s);
 }
 
-static void test_step_settles_at_both_senses(void)
-{
-    run(-261.8, 40000, PERIOD_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -261.8, spindle.speed_rad_per_s);
-    TEST_ASSERT_TRUE(spindle.turn < 0.0);
-}
-
 static void test_step_run_up_angle_does_not_depend_on_the_period(void)
 {
     spindle.ripple = 0.0;
@@ -72,11 +65,4 @@ static void test_true_speed_ripples_with_its_amplitude_and_period(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 99.8, sim_spindle_true_rad_per_s(&spindle));
     spindle.turn = 7.5;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, sim_spindle_true_rad_per_s(&spindle));
-}
-
-static void test_step_at_rest_stays_at_rest(void)
-{
-    const double turn = spindle.turn;
-    run(0.0, 1000, PERIOD_S);
-    TEST_ASSERT_TRUE(spindle.turn == turn);
 }

@@ -52,16 +52,6 @@ static void test_default_file_is_the_built_in_machine(void)
     TEST_ASSERT_EQUAL_STRING(built_in.name, config.name);
 }
 
-static void test_other_machines_are_accepted(void)
-{
-    static const char *const paths[] = {HOST_SIM_DIR "/machines/rough.toml",
-                                        HOST_SIM_DIR "/machines/piezo.toml",
-                                        HOST_SIM_DIR "/machines/real.toml"};
-    for (int i = 0; i < 3; i++) {
-        TEST_ASSERT_TRUE_MESSAGE(sim_config_load(&config, paths[i], &error), error.text);
-    }
-}
-
 static void test_load_takes_comments_blanks_and_indentation(void)
 {
     TEST_ASSERT_TRUE_MESSAGE(
