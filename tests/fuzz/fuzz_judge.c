@@ -4,6 +4,9 @@
 #include "hal_host.h"    // hal_host
 #include <string.h>      // memset
 
+/// Faults that leave a drive without power.
+#define LET_GO (CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(u_runaway) | CAM_FAULT_BIT(u_travel))
+
 enum { tolerance = 16 };    ///< the guard accepts a sixteenth beyond speed and acceleration
 enum { rounding_nm = 8 };   ///< of set-points to whole nanometres, twice differenced
 enum { learned_nm = 1000 }; ///< by which learning may move the command of U at once
@@ -86,7 +89,6 @@ static void judge_state(fuzz_judge_t *j, const cam_tick_record_t *r)
     const cam_want_t *want = &r->want;
     const bool is_enabled = (hal_host.out.outputs & hal_out_enable) != 0u;
     const bool is_fault = want->state == cam_state_fault;
-    const uint32_t no_power = CAM_FAULT_BIT(drive);
     const uint32_t request = r->in.request & 0xFFu;
     const bool is_ordered = r->in.request != j->request &&
                             (request == cam_request_enable || request == cam_request_manual);
@@ -103,7 +105,7 @@ static void judge_state(fuzz_judge_t *j, const cam_tick_record_t *r)
     } else if (!is_fault) {
         FUZZ_EXPECT(is_enabled, "no enable in %s", cam_state_name(want->state));
     } else {
-        const bool may_drop = (want->faults & no_power) != 0u || want->is_retracted;
+        const bool may_drop = (want->faults & LET_GO) != 0u || want->is_retracted;
         FUZZ_EXPECT(is_enabled || may_drop, "enable dropped before the retract ended");
         FUZZ_EXPECT(!is_enabled || !may_drop, "enabled in a fault without need");
         FUZZ_EXPECT(is_enabled <= j->was_enabled || j->state == cam_state_off,
@@ -184,7 +186,7 @@ static void judge_fault(fuzz_judge_t *j, const cam_tick_record_t *r)
         j->outwards_nm = outwards_nm(j);
     }
     j->n_fault++;
-    if ((r->want.faults & CAM_FAULT_BIT(drive)) != 0u) {
+    if ((r->want.faults & LET_GO) != 0u) {
         return; // a drive without power goes nowhere
     }
     FUZZ_EXPECT(j->n_fault <= j->patience || r->want.is_retracted,

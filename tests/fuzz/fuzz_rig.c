@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz_rig.h"
+#include "cam_config.h"      // cam_config_t
 #include "cam_machine_jog.h" // cam_machine_manual
 #include "fixture_image.h"   // fixture_image_make
 #include "fixture_part.h"    // fixture_part_short
@@ -22,7 +23,7 @@ typedef struct {
     fuzz_rig_t rig;
 } copy_t;
 
-static copy_t copies[n_rates][fuzz_rig_n_parts][n_states][2];
+static copy_t copies[n_rates][fuzz_rig_n_parts][n_states][2][2];
 static fixture_image_t images[fuzz_rig_n_parts];
 
 /// Rates, with the spindle's speed at which a turn has 50 ticks or more.
@@ -73,6 +74,25 @@ bool fuzz_rig_is_traced(void)
     return is_on > 0;
 }
 
+#define VISIT(name, member, low, high)                                                             \
+    FUZZ_EXPECT((int64_t)(member) >= (low) && (int64_t)(member) <= (high), name " is %lld",        \
+                (long long)(member));
+#include "ranges_walk.h"
+
+/// The configuration changes rarely: it is looked at once for each number of it.
+static void walk(void)
+{
+    static uint32_t walked;
+    cam_config_t *const first = &g_cam.config.half[0];
+    cam_config_t *const in_use =
+        atomic_load(&g_cam.config.in_use) == first ? first : &g_cam.config.half[1];
+    if (in_use->generation != walked) {
+        walk_config(in_use);
+        walked = in_use->generation;
+    }
+    walk_state(&g_cam);
+}
+
 static void trace(void)
 {
     if (fuzz_rig_is_traced()) {
@@ -91,6 +111,7 @@ void fuzz_rig_tick(void)
     ideal_machine_move(&fuzz_rig.lathe);
     hal_host_tick();
     trace();
+    walk();
     fuzz_rig.judge.x_shift_nm =
         cam_offsets_shift_nm(&fuzz_rig.machine.offsets, &fuzz_rig.machine.params, hal_axis_x);
     fuzz_judge_tick(&fuzz_rig.judge, &fuzz_rig.machine.params, fuzz_rig.machine.version,
@@ -113,13 +134,14 @@ static void set(cam_param_id_t id, int32_t value)
     fuzz_rig_tick();
 }
 
-static void begin(uint32_t rate, uint32_t part, bool has_button)
+static void begin(uint32_t rate, const fuzz_start_t *start)
 {
     const uint32_t hz = rates[rate].tick_hz;
+    const uint32_t part = start->part;
     memset(&fuzz_rig, 0, sizeof fuzz_rig);
     hal_host_reset(hz);
-    hal_host.slow.people.has_acknowledge = has_button;
-    hal_host.slow.people.is_acknowledge_waived = !has_button;
+    hal_host.slow.people.has_acknowledge = start->has_button;
+    hal_host.slow.people.is_acknowledge_waived = !start->has_button;
     hal_host.in.axis_nm[hal_axis_x] = 47 * mm;
     size_t size;
     const void *image = fuzz_rig_image(part, &size);
@@ -131,7 +153,7 @@ static void begin(uint32_t rate, uint32_t part, bool has_button)
     cam_can_init(&fuzz_rig.can, &fuzz_rig.machine);
     FUZZ_EXPECT(fuzz_rig.machine.has_table, "start: no table");
     fuzz_judge_begin(&fuzz_rig.judge, hz, cam_table_rise_nm(&fuzz_rig.machine.table));
-    fuzz_rig.judge.has_button = has_button;
+    fuzz_rig.judge.has_button = start->has_button;
     fuzz_rig_tick();
     set(cam_param_trace_on, 0);
     set(cam_param_lead_ns, (int32_t)(1000000000u / hz));
@@ -144,6 +166,13 @@ static void begin(uint32_t rate, uint32_t part, bool has_button)
     }
     if (part == modulated) {
         set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
+    }
+    if (start->takes_force) {
+        hal_host.slow.force.quantum_un = 20000;
+        set(cam_param_servo_integral_mHz, 0);
+        set(cam_param_servo_pole_hz, 100);
+        set(cam_param_servo_runaway_nm, cam_param_info(cam_param_servo_runaway_nm)->max);
+        set(cam_param_servo_crossover_hz, 1);
     }
 }
 
@@ -219,9 +248,10 @@ void fuzz_rig_start(fuzz_start_t start)
 {
     be_quiet();
     const uint32_t rate = rate_of(start.tick_hz);
-    copy_t *c = &copies[rate][start.part][place_of(start.state)][start.has_button ? 1 : 0];
+    copy_t *c = &copies[rate][start.part][place_of(start.state)][start.has_button ? 1 : 0]
+                       [start.takes_force ? 1 : 0];
     if (!c->is_made) {
-        begin(rate, start.part, start.has_button);
+        begin(rate, &start);
         if (start.has_button && start.state != cam_state_off) {
             fuzz_rig_press(start.tick_hz / 5u);
         }

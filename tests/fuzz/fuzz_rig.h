@@ -17,6 +17,7 @@ typedef struct {
     uint32_t part;     ///< below fuzz_rig_n_parts
     cam_state_t state; ///< off, ready, cutting or manual
     bool has_button;   ///< the button acknowledge is wired, and was pressed for a state but off
+    bool takes_force;  ///< U takes forces, from a loop that is weak, as the axes need none
 } fuzz_start_t;
 
 enum { fuzz_rig_n_parts = 3 }; ///< the short skirt, the modulated skirt, the camshaft
@@ -50,7 +51,8 @@ void fuzz_rig_start(fuzz_start_t start);
 /// @return whether everything is told, to understand what was found: CAM_FUZZ_TRACE=1
 bool fuzz_rig_is_traced(void);
 
-/// One tick and the judge's verdict on it.
+/// One tick, the judge's verdict on it, and the ranges of the proof (tests/proof), within which its
+/// state must be.
 void fuzz_rig_tick(void);
 
 /// n times what main() does in its loop.

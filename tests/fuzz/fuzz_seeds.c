@@ -86,8 +86,8 @@ static void put_images(void)
 static void put_session(const char *name, uint8_t start, const uint8_t (*orders)[session_order],
                         size_t n)
 {
-    uint8_t bytes[256] = {start, strncmp(name, "pressed", 7) == 0 ? 1 : 0,
-                          strncmp(name, "wild", 4) == 0 ? 1 : 0};
+    uint8_t bytes[256] = {start, strncmp(name, "pressed", 7) == 0, strncmp(name, "wild", 4) == 0,
+                          strncmp(name, "forced", 6) == 0};
     memcpy(bytes + 4, orders, n * session_order);
     put("session", name, bytes, 4 + n * session_order);
 }
@@ -115,6 +115,11 @@ static void put_sessions(void)
     static const uint8_t pressed[][4] = {{4, 12, 0, 0},   {10, 0, 0, 0}, {0, 0, 200, 1},
                                          {12, 0, 0, 255}, {4, 14, 0, 0}, {0, 0, 0, 2},
                                          {10, 4, 0, 0},   {4, 12, 0, 0}, {10, 6, 0, 0}};
+    // Order 14: X is clear of the part, or U plays a wave. Parameter 12: a rehearsal of 8 turns.
+    static const uint8_t forced[][4] = {
+        {14, 254, 0, 0}, {11, 12, 8, 192}, {10, 0, 0, 0},  {0, 0, 80, 2},  {0, 0, 80, 2},
+        {14, 254, 0, 0}, {7, 0, 199, 0},   {7, 0, 199, 0}, {7, 0, 199, 0}, {10, 3, 0, 0},
+        {0, 0, 80, 2},   {10, 2, 0, 0},    {0, 0, 80, 2}};
 #define NAMED(orders, start)                                                                       \
     {                                                                                              \
 #orders, orders, sizeof(orders) / sizeof((orders)[0]), start                               \
@@ -125,9 +130,9 @@ static void put_sessions(void)
         size_t n;
         uint8_t start;
     } sessions[] = {NAMED(whole_cut, 0), NAMED(held, 8), NAMED(stopped, 8), NAMED(by_hand, 12),
-                    NAMED(weak, 8),      NAMED(wild, 4), NAMED(pressed, 0)};
+                    NAMED(weak, 8),      NAMED(wild, 4), NAMED(pressed, 0), NAMED(forced, 0)};
 #undef NAMED
-    for (uint32_t i = 0; i < 4u * fuzz_rig_n_parts * 7u; i++) {
+    for (uint32_t i = 0; i < 4u * fuzz_rig_n_parts * 8u; i++) {
         const uint32_t rate = i % 4u;
         const uint32_t part = i / 4u % fuzz_rig_n_parts;
         const uint32_t which = i / 4u / fuzz_rig_n_parts;

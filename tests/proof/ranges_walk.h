@@ -2,7 +2,7 @@
 /// ranges_walk: goes through every member that ranges_config.h and ranges_state.h name. Before it
 /// is included, VISIT(name, member, lowest, highest) says what is done with each of them: the proof
 /// lets it be any number of its range, and looks behind the tick whether it is within it again;
-/// test_cam_ranges.c looks at it behind every tick of its sessions.
+/// tests/fuzz looks at it after every tick of its sessions.
 #ifndef PROOF_RANGES_WALK_H
 #define PROOF_RANGES_WALK_H
 

@@ -2,6 +2,8 @@
 // A session: commands, parameters, senses and faults in any order, as the operator, the machine and
 // bad luck would give them. The input is a start and orders of four bytes each, so that what the
 // mutator adds or takes away leaves the others what they were.
+#include "cam_machine_identify.h"
+#include "cam_machine_scope.h"
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"
@@ -102,6 +104,26 @@ static void sense(uint8_t what, int16_t value)
     }
 }
 
+/// In off, where X is free, move it clear of the part; in ready let U play a wave.
+static void excite(int32_t place_nm)
+{
+    static int32_t wave_nm[200];
+    const uint8_t *bytes = (const uint8_t *)wave_nm;
+    for (int32_t i = 0; i < 200; i++) {
+        wave_nm[i] = i < 100 ? 100 * i : 100 * (200 - i);
+    }
+    cam_machine_t *m = &fuzz_rig.machine;
+    hal_host.in.axis_nm[hal_axis_x] += 100000000;
+    fuzz_try(cam_machine_set_param(m, cam_param_trace_on, 1)); // the recorder needs it
+    fuzz_let_pass(16);
+    if (cam_machine_wave_begin(m, sizeof wave_nm) == cam_ok) {
+        fuzz_try(cam_machine_wave_block(m, 0, bytes, sizeof wave_nm));
+        fuzz_try(cam_machine_wave_end(m, cam_crc32(0, bytes, sizeof wave_nm)));
+        (void)!cam_machine_scope_set(m, cam_scope_field_place_nm, place_nm);
+        (void)cam_machine_excite(m, 3, 100);
+    }
+}
+
 static void carry_out(fuzz_order_t order)
 {
     const uint8_t which = order.which;
@@ -124,12 +146,16 @@ static void carry_out(fuzz_order_t order)
         sense(which, value);
         break;
     default:
-        stage(which, code);
+        if (which == 254u) {
+            excite(value * 32);
+        } else {
+            stage(which, code);
+        }
         break;
     }
 }
 
-static void start(uint8_t how, bool has_button)
+static void start(uint8_t how, bool has_button, bool takes_force)
 {
     static const uint32_t rates[] = {1000, 2000, 5000, 20000};
     static const cam_state_t states[] = {cam_state_off, cam_state_ready, cam_state_cutting,
@@ -137,6 +163,7 @@ static void start(uint8_t how, bool has_button)
     fuzz_rig_start((fuzz_start_t){.tick_hz = rates[how % 4u],
                                   .part = how / 16u % fuzz_rig_n_parts,
                                   .has_button = has_button,
+                                  .takes_force = takes_force,
                                   .state = states[how / 4u % 4u]});
     fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_x_high_nm, 50000000));
     fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_x_low_nm, 45900000));
@@ -149,9 +176,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return -1;
     }
     const uint8_t how = fuzz_u8(&b);
-    start(how, fuzz_u8(&b) == 1u);
-    fuzz_rig.judge.is_wild = fuzz_u8(&b) == 1u;
-    (void)fuzz_u8(&b);
+    const bool has_button = fuzz_u8(&b) == 1u;
+    const bool is_wild = fuzz_u8(&b) == 1u;
+    start(how, has_button, fuzz_u8(&b) == 1u);
+    fuzz_rig.judge.is_wild = is_wild;
     fuzz_orders_play(&b, most_ticks, carry_out);
     return 0;
 }

@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Configurations of any parameters, for any table and rate of the tick, lie within the ranges from
-// which the proof of the interrupt starts (tests/proof). So do those of a controller that is in
-// use, with its orders by hand, its wave and what it has learned, and its state behind every tick.
+// which the proof of the interrupt starts (tests/proof), and so does its first state. tests/fuzz
+// looks at the configurations and states of sessions.
 #include "cam_build.h"
 #include "cam_config.h"
 #include "cam_entry.h"
-#include "cam_machine_jog.h"
-#include "cam_machine_identify.h"
-#include "cam_machine.h"
-#include "cam_machine_scope.h"
 #include "cam_param.h"
 #include "cam_table.h"
 #include "fixture_random.h"
-#include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <stdio.h> // snprintf
 
-enum { n_draws = 20000 / fixture_rarer, n_session_steps = 150 };
+enum { n_draws = 20000 / fixture_rarer };
 
 static cam_config_t config;
 static fixture_random_t source;
@@ -177,211 +172,8 @@ static void test_every_configuration_is_within_the_ranges_of_the_proof(void)
     TEST_ASSERT_GREATER_THAN(n_draws / 1000, n_loops);
 }
 
-static fixture_rig_t rig;
-static uint32_t visited; // bit of a state
-
-static void walk_configuration(void)
+static void test_first_tick_starts_within_the_ranges_of_the_proof(void)
 {
-    cam_config_t *in_use = &g_cam.config.half[0];
-    walk_config(atomic_load(&g_cam.config.in_use) == in_use ? in_use : in_use + 1);
-}
-
-/// The main loop is slower than the ticks, as on a machine, and comes round in every tick of a plan
-/// of eight.
-static void pass(uint32_t n)
-{
-    enum { ticks_per_round = 5 };
-    static uint32_t n_passed;
-    for (uint32_t i = 0; i < n; i++) {
-        fixture_rig_tick(&rig);
-        n_passed++;
-        if (n_passed % ticks_per_round == 0u) {
-            cam_machine_poll(&rig.machine);
-        }
-        cam_machine_keep_alive(&rig.machine);
-        walk_state(&g_cam);
-        visited |= UINT32_C(1) << (uint32_t)rig.last.want.state;
-    }
-}
-
-static void excite(void)
-{
-    static int32_t wave_nm[200];
-    const uint8_t *bytes = (const uint8_t *)wave_nm;
-    for (int i = 0; i < 200; i++) {
-        wave_nm[i] = i < 100 ? 100 * i : 100 * (200 - i);
-    }
-    hal_host.in.axis_nm[hal_axis_x] += 100000000; // clear of the part
-    pass(20);
-    if (cam_machine_wave_begin(&rig.machine, sizeof wave_nm) == cam_ok &&
-        cam_machine_wave_block(&rig.machine, 0, bytes, sizeof wave_nm) == cam_ok &&
-        cam_machine_wave_end(&rig.machine, cam_crc32(0, bytes, sizeof wave_nm)) == cam_ok) {
-        const int32_t place_nm = (int32_t)drawn(-600000, 600000);
-        (void)!cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, place_nm);
-        (void)cam_machine_excite(&rig.machine, 3, 100);
-    }
-}
-
-/// A command, one in four at a wrong time.
-static void command(void)
-{
-    cam_machine_t *m = &rig.machine;
-    const hal_axis_t axis = (hal_axis_t)fixture_random_range(&source, 0, hal_n_axes - 1);
-    const int32_t value = (int32_t)fixture_random_range(&source, -60000, 60000);
-    switch (fixture_random_range(&source, 0, 13)) {
-    case 0:
-        (void)!cam_machine_manual(m);
-        break;
-    case 1:
-        (void)!cam_machine_disable(m);
-        break;
-    case 2:
-        (void)!cam_machine_start(m);
-        break;
-    case 3:
-        (void)!cam_machine_stop(m);
-        break;
-    case 4:
-    case 5:
-        (void)!cam_machine_reset(m);
-        break;
-    case 6:
-        (void)cam_machine_jog(m, axis, value);
-        break;
-    case 7:
-        (void)cam_machine_step(m, axis, value * 1000);
-        break;
-    case 8:
-        (void)!cam_machine_home_axis(m, axis);
-        break;
-    case 9:
-        (void)!cam_machine_hold(m);
-        break;
-    case 10:
-        (void)!cam_machine_resume(m);
-        break;
-    case 11:
-        excite();
-        break;
-    default:
-        (void)!cam_machine_enable(m);
-        break;
-    }
-}
-
-static void set_any_parameter(void)
-{
-    const cam_param_id_t id = (cam_param_id_t)fixture_random_range(&source, 0, cam_n_params - 1);
-    const cam_param_info_t *info = cam_param_info(id);
-    const int64_t fine = fixture_random_range(&source, -1000, 1000);
-    const int64_t near = info->def + fine * (((int64_t)info->max - info->min) / 100000);
-    (void)!cam_machine_set_param(&rig.machine, id, (int32_t)near);
-}
-
-static void disturb(void)
-{
-    const bool is_on = fixture_random_range(&source, 0, 3) == 0;
-    switch (fixture_random_range(&source, 0, 7)) {
-    case 0:
-        hal_host_fault_estop(is_on);
-        break;
-    case 1:
-        hal_host_fault_drive(is_on);
-        break;
-    case 2:
-        hal_host_fault_late((uint32_t)fixture_random_range(&source, 0, 100));
-        break;
-    case 3:
-        hal_host_fault_counts((int32_t)fixture_random_range(&source, -3000, 3000));
-        break;
-    case 4:
-        rig.lathe.error_nm[hal_axis_u] =
-            is_on ? (int32_t)fixture_random_range(&source, INT32_MIN, INT32_MAX) : 0;
-        break;
-    case 5:
-        rig.lathe.home[hal_axis_u].side = is_on ? -1 : 1;
-        break;
-    case 6:
-        rig.lathe.is_held[hal_axis_z] = is_on;
-        break;
-    default:
-        rig.lathe.is_swing_held = is_on;
-        break;
-    }
-}
-
-static void until(cam_state_t state)
-{
-    for (int i = 0; i < 1000 && rig.last.want.state != state; i++) {
-        pass(20);
-    }
-}
-
-/// A rehearsal, and a cut with a hold, from its begin to its end.
-static void cut(uint32_t tick_hz)
-{
-    (void)!cam_machine_set_param(&rig.machine, cam_param_rehearse_turns, 1);
-    pass(10);
-    (void)!cam_machine_enable(&rig.machine);
-    until(cam_state_ready);
-    pass(tick_hz / 4u); // the spindle runs up
-    (void)!cam_machine_start(&rig.machine);
-    until(cam_state_cutting);
-    (void)!cam_machine_hold(&rig.machine);
-    until(cam_state_holding);
-    (void)!cam_machine_resume(&rig.machine);
-    pass(tick_hz / 10u);
-    (void)!cam_machine_stop(&rig.machine);
-    until(cam_state_ready);
-}
-
-/// U takes forces from a loop that is weak, because the axes follow their set-points.
-static void take_forces(void)
-{
-    hal_host.slow.force.quantum_un = 20000;
-    (void)fixture_rig_set(&rig, cam_param_servo_integral_mHz, 0);
-    (void)fixture_rig_set(&rig, cam_param_servo_pole_hz, 100);
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_servo_crossover_hz, 1));
-}
-
-static void run_session(const fixture_part_t *part, uint32_t tick_hz, int n_steps, bool has_force)
-{
-    fixture_rig_init(&rig, part, tick_hz);
-    if (has_force) {
-        take_forces();
-    }
-    cut(tick_hz);
-    for (int i = 0; i < n_steps; i++) {
-        const int64_t what = fixture_random_range(&source, 0, 15);
-        if (what < 8) {
-            command();
-        } else if (what < 10) {
-            set_any_parameter();
-        } else if (what == 10) {
-            disturb();
-        } else {
-            hal_host_fault_estop(false);
-            hal_host_fault_drive(false);
-            rig.lathe.error_nm[hal_axis_u] = 0;
-        }
-        pass((uint32_t)fixture_random_range(&source, 1, 120));
-        walk_configuration();
-    }
-}
-
-static void test_every_tick_leaves_the_state_within_the_ranges_of_the_proof(void)
-{
-    const fixture_part_t parts[] = {fixture_part_short(), fixture_part_modulated(),
-                                    fixture_part_swung()};
     static cam_t fresh;
     walk_state(&fresh);
-    // Every part at the slow rates reaches all states; ticks of the fastest are the host's to try.
-    const uint32_t n_sessions = fixture_rarer == 1 ? 9u : 6u;
-    for (uint32_t i = 0; i < n_sessions; i++) {
-        const uint32_t rates_hz[] = {1000u, 5000u, 20000u};
-        run_session(&parts[i % 3u], rates_hz[i / 3u], n_session_steps, i % 2u != 0u);
-        n_loops += g_cam.force.servo.heat_q54 != 0 ? 1 : 0;
-    }
-    TEST_ASSERT_EQUAL_HEX32((1u << cam_n_states) - 1u, visited);
-    TEST_ASSERT_GREATER_THAN(1, n_loops);
 }
