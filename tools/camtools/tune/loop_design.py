@@ -164,28 +164,46 @@ def _least(values: Reals, crossings: NDArray[np.bool_]) -> Reals:
     return least
 
 
-def _judge(opened: Complexes) -> tuple[Reals, Reals, NDArray[np.bool_]]:
-    """Return gain margins in dB, phase margins in degrees, and stability, by Nyquist.
+def _judged(
+    opened: Complexes, masses: tuple[float, ...] = (1.0,)
+) -> tuple[list[Reals], list[Reals]]:
+    """Return gain margins in dB and phase margins in degrees, for each relative mass.
+
+    A mass moves the level alone.
+    """
+    level, imag = 20.0 * np.log10(np.abs(opened)), opened.imag
+    is_crossing = (imag[..., 1:] * imag[..., :-1] < 0.0) & (opened.real[..., 1:] < 0.0)
+    # Between two lines the level at the crossing is linear, and so is the angle at 0 dB.
+    part = imag[..., :-1] / (imag[..., :-1] - imag[..., 1:] + 1e-300)
+    step = np.diff(level)
+    at_crossing = level[..., :-1] + part * step
+    angle = np.degrees(np.unwrap(np.angle(-opened), axis=-1))
+    turn, gains, phases = np.diff(angle), [], []
+    for mass in masses:
+        lighter_db = 20.0 * np.log10(mass)
+        here = level - lighter_db
+        gains.append(_least(at_crossing - lighter_db, is_crossing))
+        at_unity = angle[..., :-1] - here[..., :-1] / (step - 1e-300) * turn
+        wrapped = (at_unity + 180.0) % 360.0 - 180.0
+        phases.append(_least(wrapped, here[..., 1:] * here[..., :-1] < 0.0))
+    return gains, phases
+
+
+def _is_stable(opened: Complexes) -> NDArray[np.bool_]:
+    """Return stability, by Nyquist.
 
     No pole is to the right, so that 1 + L turns back by what L has turned from 0 Hz to the first
     line: at most 270 degrees, by integral and mass. The first line is below drag and stiffness, or
     above them.
     """
-    level, imag = 20.0 * np.log10(np.abs(opened)), opened.imag
-    turned = np.degrees(np.unwrap(np.angle(1.0 + opened), axis=-1))
-    is_crossing = (imag[..., 1:] * imag[..., :-1] < 0.0) & (opened.real[..., 1:] < 0.0)
-    # Between two lines the level at the crossing is linear, and so is the angle at 0 dB.
-    part = imag[..., :-1] / (imag[..., :-1] - imag[..., 1:] + 1e-300)
-    gain = _least(level[..., :-1] + part * np.diff(level), is_crossing)
-    angle = np.degrees(np.unwrap(np.angle(-opened), axis=-1))
-    share = level[..., :-1] / (level[..., :-1] - level[..., 1:] + 1e-300)
-    at_unity = angle[..., :-1] + share * np.diff(angle)
-    wrapped = (at_unity + 180.0) % 360.0 - 180.0
-    phase = _least(wrapped, level[..., 1:] * level[..., :-1] < 0.0)
-    first = np.degrees(np.angle(opened[..., 0]))
+    angle = np.angle(1.0 + opened)
+    step = np.diff(angle)
+    turned = (step - 2.0 * np.pi * np.round(step / (2.0 * np.pi))).sum(axis=-1)
+    start, first = np.degrees(angle[..., 0]), np.degrees(np.angle(opened[..., 0]))
     first -= np.where(first > 45.0, 360.0, 0.0)
-    turned -= 360.0 * np.round((turned[..., :1] - first[..., None]) / 360.0)
-    return gain, phase, np.abs(turned[..., -1]) < 30.0
+    end = start - 360.0 * np.round((start - first) / 360.0) + np.degrees(turned)
+    stable: NDArray[np.bool_] = np.abs(end) < 30.0
+    return stable
 
 
 def open_loop(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
@@ -217,8 +235,8 @@ def margins(loop: Loop, plant: Plant, mass: float = 1.0) -> Margins:
         The real mass, relative to that of the plant.
     """
     opened = open_loop(np.array(astuple(loop)), plant, response_grid(plant), mass)
-    gain, phase, is_stable = _judge(opened)
-    return Margins(float(gain), float(phase), bool(is_stable))
+    [gain], [phase] = _judged(opened)
+    return Margins(float(gain), float(phase), bool(_is_stable(opened)))
 
 
 def closed_compliance(loops: Reals, plant: Plant, hz: Reals, mass: float = 1.0) -> Complexes:
@@ -253,15 +271,6 @@ def _with_depth(found: Reals) -> Reals:
     return np.concatenate([found[:5], found[5:6] * found[6:], found[6:]])
 
 
-def _lacks(opened: Complexes) -> Reals:
-    """Return how much the margins of loops lack, as a share of the least, and more if unstable."""
-    gain, phase, is_stable = _judge(opened)
-    lack = np.maximum(0.0, 1.03 - gain / LEAST_GAIN_DB)
-    lack += np.maximum(0.0, 1.03 - phase / LEAST_PHASE_DEG)
-    lacking: Reals = lack + np.where(is_stable, 0.0, 3.0)
-    return lacking
-
-
 def _cost(found: Reals, plant: Plant) -> Reals:
     """Return the logarithm of the peak after a step of force, and more for what is missing."""
     loops = _with_depth(found)
@@ -269,11 +278,13 @@ def _cost(found: Reals, plant: Plant) -> Reals:
     step = np.abs(step_response(loops, plant, 5.0)) * 1e7
     late = step[..., int(BACK_S / 0.1 * step.shape[-1]) :].max(axis=-1)
     cost = np.log(step.max(axis=-1)) + 0.5 * np.log(np.maximum(1.0, late / 0.08))
-    for mass in MASSES:
-        cost += 10.0 * _lacks(opened / mass)
+    for mass, gain, phase in zip(MASSES, *_judged(opened, MASSES), strict=True):
+        lack = np.maximum(0.0, 1.03 - gain / LEAST_GAIN_DB)
+        lack += np.maximum(0.0, 1.03 - phase / LEAST_PHASE_DEG)
+        cost += 10.0 * (lack + np.where(_is_stable(opened / mass), 0.0, 3.0))
     cost += 10.0 * np.maximum(0.0, word_shares(loops, plant) - _MOST_SHARE).sum(axis=0)
     for mass in EXTREME_MASSES:
-        cost += np.where(_judge(opened / mass)[2], 0.0, 5.0)
+        cost += np.where(_is_stable(opened / mass), 0.0, 5.0)
     total: Reals = cost
     return total
 
