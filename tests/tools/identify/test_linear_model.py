@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings of other instruments: constants within their deviations, and when no model holds."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from camtools.base.quantities import Floats
 from camtools.identify.foreign_record import ForeignRecord, parse_record
 from camtools.identify.linear_model import LinearModel, identify_record
 from camtools.identify.record_report import constants_of, record_lines, record_numbers
-from tests.tools.cases.drive_plant import Plant, played
+from tests.tools.cases.drive_plant import Plant, limited_m, oscillator_m, played
 
 RATE_HZ, SLOW_HZ = 10_000.0, 1000.0
 N = 120_000
@@ -29,22 +27,8 @@ def smooth_noise(seed: int, rms: float, width: int = 21) -> Floats:
 
 
 def oscillator(force_n: Floats, cubic: float = 0.0) -> Floats:
-    """Return the position [m] of mass, damper and spring, by Runge and Kutta."""
-
-    def bend(x: float, v: float, force: float) -> float:
-        return (force - VISCOUS * v - STIFFNESS * x - cubic * x**3) / MASS_KG
-
-    h, x, v, found = 1 / RATE_HZ, 0.0, 0.0, []
-    for now, after in pairwise([*force_n.tolist(), 0.0]):
-        found.append(x)
-        middle = (now + after) / 2
-        a = bend(x, v, now)
-        b = bend(x + h / 2 * v, v + h / 2 * a, middle)
-        c = bend(x + h / 2 * v + h * h / 4 * a, v + h / 2 * b, middle)
-        d = bend(x + h * v + h * h / 2 * b, v + h * c, after)
-        x += h * v + h * h / 6 * (a + b + c)
-        v += h / 6 * (a + 2 * b + 2 * c + d)
-    return np.array(found)
+    """Return the position [m] of mass, damper and spring."""
+    return oscillator_m(force_n, 1 / RATE_HZ, MASS_KG, VISCOUS, STIFFNESS, cubic)
 
 
 def force_record(force_n: Floats, y: Floats, noise: float, seed: int) -> ForeignRecord:
@@ -177,19 +161,6 @@ def saturated(force_n: Floats, most_n: float) -> Floats:
     return oscillator(np.clip(force_n, -most_n, most_n))
 
 
-def position_loop(u_m: Floats, most_m_s2: float) -> Floats:
-    """Return the position [m] of a drive of 300 Hz that accelerates at most so much, by Euler."""
-    n_steps, y, v, found = 20, 0.0, 0.0, []
-    w, h = 2 * np.pi * 300.0, 1 / RATE_HZ / 20
-    for i in range(u_m.size):
-        found.append(y)
-        for _ in range(n_steps):
-            a = w * w * (u_m[i] - y) - 1.4 * w * v
-            v += h * min(max(a, -most_m_s2), most_m_s2)
-            y += h * v
-    return np.array(found)
-
-
 def test_actuator_that_saturates_is_not_linear() -> None:
     """A force clipped at 1.8 times its rms, and an acceleration clipped inside of a loop."""
     force_n = smooth_noise(15, 20.0, 101)
@@ -198,7 +169,7 @@ def test_actuator_that_saturates_is_not_linear() -> None:
     for share in (10.0, 1.8):
         record = force_record(force_n, saturated(force_n, share * 20.0), 1e-3, 17)
         found.append(identify_record(record).problems)
-        y_m = position_loop(u_m, 60.0 * share)
+        y_m = limited_m(u_m, RATE_HZ, 60.0 * share)
         found.append(identify_record(ForeignRecord(RATE_HZ, u_m, y_m, "command_m")).problems)
     assert found[:2] == [[], []]
     assert any("of the command, acts like" in one for one in found[2]), found[2]

@@ -26,8 +26,9 @@ from camtools.tune.loop_design import Loop, Plant
 from camtools.tune.measured_loop import OpenLoop, figures, text_of
 from tests.tools.cases.camctl_bench import Bench, ready
 from tests.tools.cases.command_cases import complaint
+from tests.tools.cases.drive_plant import Drive, library
 from tests.tools.cases.live_cases import live_case
-from tests.tools.servo.test_servo_loop import QUICK, STEP_HZ, Drive, closed, library, opened
+from tests.tools.servo.test_servo_loop import QUICK, STEP_HZ, closed, opened
 
 DRIVE = """\
 mass_kg = 1.5
@@ -83,9 +84,7 @@ def proposal(tmp_path_factory: pytest.TempPathFactory) -> Proposal:
     return Proposal(text, file, {"step_hz": STEP_HZ, "scale_delay_ns": 0} | values)
 
 
-def test_firmware_with_the_written_parameters_does_what_the_report_says(
-    proposal: Proposal,
-) -> None:
+def test_firmware_with_the_written_parameters_does_what_the_report_says(proposal: Proposal) -> None:
     """Peak and end of a step, least stiffness, noise; the feed-forward has the drive's delay."""
     text, values = proposal.text, proposal.values
     hold_and_lag_ns = 25e3 + 1e9 / (2 * math.pi * 1500)

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from camtools.tune.drive import Drive
-from camtools.tune.loop_design import best
 from camtools.tune.parameters import parameters_of
 from tests.tools.cases.camsim_cases import camsim, columns_of
+from tests.tools.cases.drive_plant import designed
 
 MASS_KG = 1.5
 PUSH_N = 10.0
@@ -51,7 +51,7 @@ def loop_of(amplifier_hz: float, delay_us: float, share: float) -> str:
         mass_kg=MASS_KG, amplifier_hz=amplifier_hz, delay_us=delay_us, tick_hz=20000.0,
         mode_hz=1200.0, mode_share=share,
     )  # fmt: skip
-    values = parameters_of(best(drive.plant), drive)
+    values = parameters_of(designed(drive.plant), drive)
     loop = [
         name for name in values if any(k in name for k in ("cross", "lead", "pole", "int", "notch"))
     ]
@@ -73,8 +73,7 @@ def machine(
 
 
 @pytest.mark.parametrize(
-    ("amplifier_hz", "delay_us", "share", "most_um"),
-    [(1500, 25, -0.2, 2.2), (1500, 75, 1.0, 6.0)],
+    ("amplifier_hz", "delay_us", "share", "most_um"), [(1500, 25, -0.2, 2.2), (1500, 75, 1.0, 6.0)]
 )
 def test_step_of_force_in_the_cut(
     table_of: Callable[[str], Path], tmp_path: Path,

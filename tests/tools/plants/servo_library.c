@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One position loop for Python: test_servo_loop.py.
+// One position loop for Python: drive_plant.py.
 #include "cam_servo_design.h"
 #include <string.h> // memcpy
 
