@@ -258,10 +258,7 @@ def test_laws_at_the_ends_of_what_a_machine_can_do() -> None:
     assert 9 < law.peaks[0] < 10
 
 
-@pytest.mark.parametrize(
-    ("rpm", "blended", "best"),
-    [(250, 0.139, 0.064), (600, 0.544, 0.484)],
-)
+@pytest.mark.parametrize(("rpm", "blended", "best"), [(250, 0.139, 0.064), (600, 0.544, 0.484)])
 def test_optimised_law_beats_partial_modulation(rpm: float, blended: float, best: float) -> None:
     """What README tells of the papers' section on a lathe of 500 rad/s2."""
     assert largest_partial(PAPERS, LATHE, rpm * RPM).ripple == pytest.approx(blended, abs=0.003)

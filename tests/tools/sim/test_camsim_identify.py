@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""camsim identify: what U plays is the file, and nothing is written of what was cut short."""
+"""camsim identify: what U plays is the file, and nothing is written of what was cut short.
+
+A pulse of force moves U as Newton's law says.
+"""
 
 from pathlib import Path
 
@@ -7,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from tests.tools.cases.camsim_cases import camsim, only_error
+from tests.tools.cases.camsim_cases import ROOT, camsim, only_error
 
 N, PERIODS, FADE, PLACE_NM = 2000, 3, 1000, -200_000
 Rows = dict[str, npt.NDArray[np.float64]]
@@ -19,14 +22,14 @@ def tones(*lines: tuple[int, float]) -> npt.NDArray[np.int64]:
     return np.rint(sum(a * np.sin(k * turn + k) for k, a in lines)).astype(np.int64)
 
 
-def wave_file(folder: Path, samples: npt.NDArray[np.int64]) -> Path:
+def wave_file(folder: Path, samples: npt.NDArray[np.int64], head: str = "u_nm") -> Path:
     """Write a wave."""
     path = folder / "wave.csv"
-    path.write_text("u_nm\n" + "".join(f"{value}\n" for value in samples))
+    path.write_text(f"{head}\n" + "".join(f"{value}\n" for value in samples))
     return path
 
 
-def words(table: Path, wave: Path, record: Path, *more: str) -> list[str | Path]:
+def words(table: Path, wave: Path, record: Path, *more: str | Path) -> list[str | Path]:
     """Return the command line of an excitation."""
     shape = ("--periods", str(PERIODS), "--fade-ticks", str(FADE), "--place-nm", str(PLACE_NM))
     return ["identify", table, "--wave", wave, "--record", record, *shape, *more]
@@ -159,3 +162,76 @@ def test_without_wave_or_record_the_help_is_named(table: Path) -> None:
     """Both are needed."""
     assert "--wave and --record are needed" in only_error(camsim("identify", table))
     assert "--record F.csv" in camsim("identify", "--help").stdout
+
+
+FORCE = ROOT / "tests" / "scenarios" / "cases" / "machines" / "force.toml"
+PULSE_TICKS, PULSE_S, REST_TICKS = 160, 8e-3, 20
+FORCE_N, MASS_KG = 10.0, 1.5
+WEAK = ("--set", "servo_integral_mHz=1000", "--set", "servo_crossover_hz=1")
+
+
+def pushed(table: Path, folder: Path, force_n: npt.ArrayLike, *more: str | Path) -> tuple[int, str]:
+    """Push U once with forces, on the machine of the scenarios; return status and words."""
+    wave = wave_file(folder, np.rint(1000 * np.asarray(force_n)).astype(np.int64), "force_mn")
+    shape = ("--periods", "1", "--fade-ticks", "16", "--signals", "u_set_q6,u_actual_nm,u_force_q6")
+    record = ("--wave", wave, "--record", folder / "record.csv")
+    done = camsim("identify", table, *record, *shape, *more)
+    return done.returncode, done.stderr
+
+
+def lathe(folder: Path, friction_m_per_s2: float) -> Path:
+    """Write the force machine with another friction."""
+    old, path = "friction_m_per_s2 = 3\n", folder / "force.toml"
+    text = FORCE.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, f"friction_m_per_s2 = {friction_m_per_s2}\n"), "utf-8")
+    return path
+
+
+def pulse(force_n: float) -> npt.NDArray[np.float64]:
+    """Return +, -, -, + of 8 ms each, between 1 ms without force."""
+    rest = np.zeros(REST_TICKS)
+    return np.r_[rest, force_n * np.repeat([1.0, -1.0, -1.0, 1.0], PULSE_TICKS), rest]
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize(("friction_m_per_s2", "accuracy"), [(0, 0.005), (3, 0.02)])
+def test_pulse_moves_u_by_its_force_alone(
+    table: Path, tmp_path: Path, sense: int, friction_m_per_s2: float, accuracy: float
+) -> None:
+    """With a loop of 1 Hz; without friction U gets as far as F t^2 / m, and back; it was ready."""
+    force_n = pulse(sense * FORCE_N)
+    machine = ("--machine", lathe(tmp_path, friction_m_per_s2))
+    assert pushed(table, tmp_path, force_n, *machine, *WEAK) == (0, "")
+    rows = np.genfromtxt(tmp_path / "record.csv", delimiter=",", names=True)[-force_n.size :]
+    assert not rows["u_set_q6"].any()
+    u_um = sense * (rows["u_actual_nm"] - rows["u_actual_nm"][0]) * 1e-3
+    faster, slower = (FORCE_N / MASS_KG + way * friction_m_per_s2 for way in (-1, 1))
+    peak_um = 0.5e6 * faster * PULSE_S**2 * (1 + faster / slower)  # until it stands
+    assert u_um.max() == pytest.approx(peak_um, rel=accuracy)
+    if friction_m_per_s2 == 0:
+        assert abs(u_um[-1]) < 0.02 * u_um.max()
+    assert rows["u_force_q6"][1:] / 64e3 == pytest.approx(force_n[:-1], abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("force_n", "more", "status", "why"),
+    [
+        ([0] * 20 + [600.001] * 20, (), 2, "servo_force_limit_mn is 600000"),
+        ([0] * 10, (), 2, "--wave: refused"),
+        (pulse(120), WEAK, 1, "a fault"),  # 5 mm out of a stroke of 2 mm
+    ],
+)
+def test_force_that_u_cannot_take_leaves_no_record(
+    table: Path,
+    tmp_path: Path,
+    force_n: npt.ArrayLike,
+    more: tuple[str, ...],
+    status: int,
+    why: str,
+) -> None:
+    """One line each; nor does a U that takes positions."""
+    assert "U takes positions" in pushed(table, tmp_path, [0] * 40)[1]
+    found, said = pushed(table, tmp_path, force_n, "--machine", lathe(tmp_path, 0), *more)
+    assert found == status and why in said and len(said.splitlines()) == 1
+    assert not (tmp_path / "record.csv").exists()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """U about its mean, run-in and run-out: cuts on the simulated lathe, judged by the drawing."""
 
-import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -78,45 +77,6 @@ def test_part_of_045_mm_is_cut_on_a_stroke_of_08_mm(mean: Path, machine: Path) -
     assert summary["form_error_um"]["max"] < GOUGE_UM
     assert summary["cut"]["gouge_um"] < GOUGE_UM
     assert summary["feasibility"]["u_stroke_mm"]["needed"] == pytest.approx(0.45, abs=1e-4)
-
-
-def test_retract_that_was_set_is_blamed_itself(mean: Path, machine: Path) -> None:
-    """A value that does not fit is refused by its name, with what it needs."""
-    done = camsim("run", mean, "--machine", machine, "--set", "u_retract_nm=-300000")
-    assert done.returncode == 2
-    assert "retract" in done.stderr
-    assert "0.525" in done.stderr
-
-
-def test_stroke_is_refused_with_what_the_mean_would_need(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """About the long axis half of the stroke is wasted, and the message says so."""
-    toml = tmp_path / "long.toml"
-    toml.write_text(PART.format(name="long", process="", stroke=0.8))
-    assert mktables([str(toml), "-o", str(tmp_path)]) == 2
-    told = capsys.readouterr().err
-    assert 'process.u_zero = "mean", which needs 0.45' in told
-
-
-def test_both_zeros_give_the_same_surface(mean: Path, tmp_path: Path) -> None:
-    """X less U of both tables agree at random places to their rounding."""
-    long = table_of(tmp_path, "long", "", 1.0)
-    rng = np.random.default_rng(5)
-    places = "turn,z_mm\n" + "".join(
-        f"{turn},{z}\n" for turn, z in zip(rng.random(500), rng.uniform(0, 30, 500), strict=True)
-    )
-    tips = []
-    for table in (mean, long):
-        got = camsim("eval", table, stdin=places)
-        lines = list(csv.DictReader(got.stdout.splitlines()))
-        tips.append(np.array([float(one["x_nm"]) - float(one["u_nm"]) for one in lines]))
-        if table == mean:
-            u = np.array([float(one["u_nm"]) for one in lines])
-    assert np.abs(tips[0] - tips[1]).max() <= 0.1
-    assert -u.min() == pytest.approx(225e3, abs=500)
-    assert u.max() < 225e3 + 1
-    assert mean.stat().st_size == long.stat().st_size
 
 
 def test_tool_is_never_in_the_part_whatever_fails_when(mean: Path, machine: Path) -> None:

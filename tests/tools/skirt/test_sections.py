@@ -453,11 +453,7 @@ def test_a_scan_is_turned_by_its_phase(tmp_path: Path) -> None:
 
 BROKEN = {
     "law": ('"law": "double-ellipse"', '"law": "oval"', 'design.sides.0.law = "oval": must be ell'),
-    "sides": (
-        '"sides": [',
-        '"sides": 1, "others": [',
-        "design.sides: must be a list of one",
-    ),
+    "sides": ('"sides": [', '"sides": 1, "others": [', "design.sides: must be a list of one"),
     "blend": ('"blend_rad": 0.5', '"blend_rad": -0.5', "design.middle_rad, blend_rad: must be num"),
     "drop": ('"drop_mm"', '"fall_mm"', "design.sides.0.drop_mm"),
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line of camsim run: results, determinism, and everything that must be refused."""
+"""The commands of camsim: results, determinism, and everything that must be refused."""
 
 import csv
 import json
@@ -10,11 +10,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from tests.tools.cases.camsim_cases import CAMSIM, camsim, first_difference, only_error
+from camtools.link.messages import NUMBERS
+from camtools.skirt.geometry.skirt_geometry import Geometry
+from tests.tools.cases.camsim_cases import CAMSIM, ROOT, camsim, first_difference, only_error
 
 CUT = ("--rpm", "2500", "--feed", "1")
+HEADER = "turn,z_mm"
+COLUMNS = "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped"
+NM_PER_MM = 1e6
 
 
 def summary_of(table: Path, path: Path, *words: str) -> dict[str, Any]:
@@ -51,7 +58,7 @@ def test_cut_that_nothing_gauged_is_not_good(table: Path, tmp_path: Path) -> Non
 
 
 def test_run_is_deterministic(table: Path, tmp_path: Path) -> None:
-    """Give the same bytes twice, but for the wall clock."""
+    """The same bytes twice, but for the wall clock; columns are those that programs rely on."""
     names = ("trace", "surface", "summary")
     for turn in ("a", "b"):
         outputs = [w for n in names for w in (f"--{n}", str(tmp_path / f"{turn}.{n}"))]
@@ -62,53 +69,76 @@ def test_run_is_deterministic(table: Path, tmp_path: Path) -> None:
     for summary in (a, b):
         del summary["wall_time_s"], summary["ticks_per_s"]
     assert a == b
+    trace, surface = ((tmp_path / f"a.{name}").read_text() for name in names[:2])
+    assert trace.startswith("tick,t_s,turn,z_mm,u_set_nm,u_act_nm,state,faults")
+    assert surface.startswith("turn,z_mm,radius_mm,error_nm\n") and surface.count("\n") > 100
 
 
-def test_outputs_begin_with_the_promised_columns(table: Path, tmp_path: Path) -> None:
-    """Keep the columns that other programs rely on."""
-    trace, surface = tmp_path / "t.csv", tmp_path / "s.csv"
-    words = ("--turns-limit", "3", "--trace", trace, "--surface", surface)
-    assert camsim("run", table, *CUT, *words).returncode == 0
-    promised = "tick,t_s,turn,z_mm,u_set_nm,u_act_nm,state,faults"
-    assert trace.read_text().startswith(promised)
-    assert surface.read_text().splitlines()[0] == "turn,z_mm,radius_mm,error_nm"
-    assert len(surface.read_text().splitlines()) > 100
+REFUSED = [
+    ("run", "--rpm 0", "--rpm"),
+    ("run", "--rpm -2500", "--rpm"),
+    ("run", "--rpm nan", "--rpm"),
+    ("run", "--rpm fast", "--rpm"),
+    ("run", "--rpm", "--rpm: value missing"),
+    ("run", "--summary=", "--summary: empty; give F.json"),
+    ("run", "-xy", "-xy: unknown option"),
+    ("run", "--progress=3", "--progress=3: unknown option"),
+    ("run", "--feed 0", "--feed"),
+    ("run", "--feed -0.1", "--feed"),
+    ("run", "--feed inf", "--feed"),
+    ("run", "--rpm 5000", "3000"),
+    ("run", "--feed 70", "feed"),
+    ("run", "--seed x", "--seed"),
+    ("run", "--slice-us 0", "--slice-us"),
+    ("run", "--slice-us x", "--slice-us"),
+    ("run", "--kc-n-mm2 -1", "--kc-n-mm2"),
+    ("run", "--machine none.toml", "none.toml"),
+    ("run", "--inject earthquake@1", "earthquake"),
+    ("run", "--inject acknowledge@1:0.5", "acknowledge@1:0.5: cannot happen here"),
+    ("run", "--inject key@1:1", "key@1:1: cannot happen here"),
+    ("run", "--inject node-dead@0:2", "cannot happen here; camsim run --help"),
+    ("run", "--set no_such=1", "no_such"),
+    ("run", "--set lead_ns=-1", "lead_ns"),
+    ("run", "--frobnicate", "--frobnicate: unknown option; see camsim run --help"),
+    ("run", "surplus", "one TABLE"),
+    ("bus", "", "no --can"),
+    ("bus", "--can", "--can: value missing"),
+    ("bus", "--can nocan7", "nocan7: no such interface"),
+    ("bus", "--can lo --rpm 300", "set it in the controller"),
+    ("bus", "--can lo --set k1_ns=1", "set it in the controller"),
+    ("bus", "--can lo --sections s.csv", "an option of camsim run only"),
+    ("bus", "--can lo --tick-hz 20", "100 .. 4000"),
+    ("bus", "--can lo --encoder-modulus 100.5", "not whole"),
+    ("bus", "--can lo --without w", "encoder, u, x, z or spindle"),
+    ("bus", "--can lo --inject late-tick@0:100", "cannot happen here"),
+    ("bus", "--can lo --inject node-fault@0:1", "a drive, 2 .. 5"),
+    ("bus", "--can lo --inject fire@0", "camsim bus --help"),
+    ("bus", "--can lo --nonsense", "bus: --nonsense: unknown option"),
+    ("bus", "--can vcan0 --machine {real}", "the drives on the bus take positions"),
+    ("params", "", "params: s.json: an output of camsim run; leave it out"),
+]
 
 
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (("--rpm", "0"), "--rpm"),
-        (("--rpm", "-2500"), "--rpm"),
-        (("--rpm", "nan"), "--rpm"),
-        (("--rpm", "fast"), "--rpm"),
-        (("--rpm",), "--rpm: value missing"),
-        (("--summary=",), "--summary: empty; give F.json"),
-        (("-xy",), "-xy: unknown option"),
-        (("--progress=3",), "--progress=3: unknown option"),
-        (("--feed", "0"), "--feed"),
-        (("--feed", "-0.1"), "--feed"),
-        (("--feed", "inf"), "--feed"),
-        (("--rpm", "5000"), "3000"),
-        (("--feed", "70"), "feed"),
-        (("--seed", "x"), "--seed"),
-        (("--machine", "none.toml"), "none.toml"),
-        (("--inject", "earthquake@1"), "earthquake"),
-        (("--inject", "acknowledge@1:0.5"), "acknowledge@1:0.5: cannot happen here"),
-        (("--inject", "key@1:1"), "key@1:1: cannot happen here"),
-        (("--set", "no_such=1"), "no_such"),
-        (("--set", "lead_ns=-1"), "lead_ns"),
-        (("--frobnicate",), "--frobnicate: unknown option; see camsim run --help"),
-        (("surplus",), "one TABLE"),
-    ],
-)
-def test_run_refuses_bad_options(
-    table: Path, tmp_path: Path, words: tuple[str, ...], named: str
+@pytest.mark.parametrize(("command", "words", "told"), REFUSED)
+def test_bad_words_are_refused(
+    command: str, words: str, told: str, table: Path, tmp_path: Path
 ) -> None:
-    """Refuse with one line that names the option or the numbers, and write nothing."""
-    out = tmp_path / "s.json"
-    assert named in only_error(camsim("run", table, "--summary", out, *words))
+    """One line names the option or the numbers; nothing is written."""
+    real = ROOT / "host_sim" / "machines" / "real.toml"
+    given = [word.format(real=real) for word in words.split()]
+    out = "s.json" if command == "params" else tmp_path / "s.json"
+    done = camsim(command, table, "--summary", out, *given)
+    assert told in only_error(done)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_table_and_help() -> None:
+    """Each command names the table that is missing; help goes to standard output."""
+    assert "bus: give one TABLE" in only_error(camsim("bus", "--can", "vcan0"))
+    assert "table" in only_error(camsim("run")).lower()
+    assert "none.camtab" in only_error(camsim("run", "none.camtab"))
+    done = camsim("bus", "--help")
+    assert done.returncode == 0 and "--gpiochip" in done.stdout
 
 
 @pytest.mark.parametrize(
@@ -167,12 +197,6 @@ def test_run_refuses_a_damaged_table(table: Path, tmp_path: Path, what: str) -> 
     bad.write_bytes(corrupted(table.read_bytes())[what])
     for command in ("run", "eval"):
         assert "bad.camtab" in only_error(camsim(command, bad, stdin="turn,z_mm\n0,0\n"))
-
-
-def test_run_refuses_a_missing_table(tmp_path: Path) -> None:
-    """Name the file that is not there."""
-    assert "none.camtab" in only_error(camsim("run", tmp_path / "none.camtab"))
-    assert "table" in only_error(camsim("run")).lower()
 
 
 @pytest.mark.parametrize("what", ["pipe", "folder"])
@@ -236,13 +260,11 @@ def test_run_measures_what_is_removed(table: Path, tmp_path: Path) -> None:
 
 
 def test_run_takes_other_slices(table: Path, tmp_path: Path) -> None:
-    """Longer slices are fewer; senseless ones are refused."""
+    """Longer slices are fewer."""
     slices = tmp_path / "r.csv"
     summary_of(table, tmp_path / "s.json", *CUT, "--slice-us", "2000", "--removal", str(slices))
     t_s = [float(line.split(",")[0]) for line in slices.read_text().splitlines()[1:]]
     assert t_s[1] - t_s[0] == pytest.approx(0.002, abs=1e-9)
-    for option in (("--slice-us", "0"), ("--slice-us", "x"), ("--kc-n-mm2", "-1")):
-        assert option[0] in only_error(camsim("run", table, *option))
 
 
 @pytest.mark.parametrize("option", ["--trace", "--surface", "--summary", "--removal"])
@@ -268,3 +290,87 @@ def test_run_leaves_nothing_when_the_disk_is_full(table: Path, tmp_path: Path) -
     )  # fmt: skip
     assert "t.csv" in only_error(done)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_every_parameter_is_there(table: Path, tmp_path: Path) -> None:
+    """In the order of the list, behind the tick rate; what is set counts."""
+    machine = tmp_path / "m.toml"
+    machine.write_text("[machine]\ntick_hz = 25000\n[controller]\nk1_ns = 700000\n", "ascii")
+    done = camsim("params", table, "--machine", machine, "--set", "lead_ns=5000")
+    assert done.returncode == 0, done.stderr
+    header, *rows = done.stdout.splitlines()
+    found = dict(row.split(",") for row in rows)
+    assert header == "name,value"
+    assert list(found) == ["tick_hz", "planned_turns", "planned_s", *NUMBERS["parameter"]]
+    # 62 mm at 0.1 mm, and half of the feed's ramp of 30 turns at each end.
+    assert found["planned_turns"] == "680"
+    assert (found["tick_hz"], found["k1_ns"], found["lead_ns"]) == ("25000", "700000", "5000")
+    assert "k1_ns = -1: out of range" in only_error(camsim("params", table, "--set", "k1_ns=-1"))
+
+
+@pytest.mark.parametrize("mass_kg", [0.2, 10, 40])
+def test_loop_of_any_slide_fits_the_controller(table: Path, tmp_path: Path, mass_kg: float) -> None:
+    """The loop that follows from a force drive, however heavy, is accepted."""
+    machine = tmp_path / "m.toml"
+    drive = f'[u]\nkind = "force"\nmass_kg = {mass_kg}\ndelay_us = 5\namplifier_hz = 3000\n'
+    limits = "acceleration_mm_per_s2 = 50000\nforce_limit_n = 3000\n"
+    machine.write_text(drive + limits, "ascii")
+    done = camsim("run", table, "--machine", machine, "--feed", "1", "--turns-limit", "1")
+    assert "refused" not in done.stderr
+    assert done.returncode == 0, done.stderr
+
+
+def evaluate(
+    table: Path, turn: NDArray[np.float64], z_mm: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the rows that camsim eval gives for some points, shape (n, 8)."""
+    rows = "".join(f"{t!r},{z!r}\n" for t, z in zip(turn.tolist(), z_mm.tolist(), strict=True))
+    done = camsim("eval", table, stdin=f"{HEADER}\n{rows}")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0] == COLUMNS
+    return np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
+
+
+def test_eval_is_within_1_nm_of_exact_geometry(table: Path, geometry: Geometry) -> None:
+    """Judge the firmware's u and x on random points of the whole skirt, many turns out."""
+    rng = np.random.default_rng(240)
+    turn, z_mm = rng.uniform(-50, 50, 20_000), rng.uniform(0, 62, 20_000)
+    got = evaluate(table, turn, z_mm)
+    phi_rad = 2 * np.pi * (turn - np.floor(turn))
+    exact = geometry.delta(phi_rad, z_mm)
+    assert np.abs(got[:, 2] - exact.delta * NM_PER_MM).max() <= 1.0
+    assert np.abs(got[:, 5] - geometry.radius_mm(z_mm) * NM_PER_MM).max() <= 1.0
+    for column, derivative in ((3, exact.d1), (4, exact.d2)):
+        off = np.abs(got[:, column] - derivative * NM_PER_MM).max()
+        assert off <= 1e-3 * np.abs(derivative * NM_PER_MM).max()
+
+
+def test_eval_wraps_and_flags_heights_outside(table: Path) -> None:
+    """See the same value every turn, and clamped heights marked."""
+    turn = np.array([0.1, 1.1, -0.9, 0.1, 0.1, 0.1, 0.1])
+    z_mm = np.array([30, 30, 30, -0.001, 0, 62, 62.001])
+    got = evaluate(table, turn, z_mm)
+    assert got[0, 2] == pytest.approx(got[1, 2], abs=1e-2)
+    assert got[0, 2] == pytest.approx(got[2, 2], abs=1e-2)
+    assert got[:, 7].tolist() == [0, 0, 0, 1, 0, 0, 1]
+    assert got[3, 2] == got[4, 2]
+    assert got[6, 2] == got[5, 2]
+    assert np.all(got[:, 6] == 1), "no speed channel: ratio 1"
+
+
+@pytest.mark.parametrize(
+    ("points", "place"),
+    [
+        ("", "empty"),
+        ("z_mm,turn\n0,1\n", "line 1"),
+        (f"{HEADER}\n0,20\n0.1\n", "line 3"),
+        (f"{HEADER}\n0,20,7\n", "line 2"),
+        (f"{HEADER}\nabc,20\n", "line 2"),
+        (f"{HEADER}\n0,nan\n", "line 2"),
+        (f"{HEADER}\ninf,20\n", "line 2"),
+    ],
+)
+def test_eval_refuses_malformed_points(table: Path, points: str, place: str) -> None:
+    """Name the line of a malformed point and leave with status 2."""
+    assert place in only_error(camsim("eval", table, stdin=points))
