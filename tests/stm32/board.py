@@ -27,7 +27,6 @@ TICK_HZ = 20_000
 TIMER_HZ = 240_000_000
 TICK_CLOCKS = TIMER_HZ // TICK_HZ  # of TIM5
 RAMP_RPM_PER_S = 1_000_000
-SWITCHES = tuple(f"PE{pin}" for pin in range(8))
 OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
 STEPS = {  # timer, steps with their alternate function, direction
     "X": (16, "PB8", 1, "PB6"),
@@ -184,8 +183,8 @@ class Board:
     def _tick(self) -> None:
         gpio = self.chip.gpio
         self.tick_at.append(self.chip.clock.now)
-        enable, fault, in_cut = (gpio.level(name) for name in OUTPUTS)
-        switches = sum(gpio.level(name) << i for i, name in enumerate(SWITCHES))
+        pins = gpio.ports["E"].pins
+        enable, fault, in_cut, switches = pins >> 13 & 1, pins >> 14 & 1, pins >> 15, pins & 0xFF
         for timer in self.chip.pulses.values():
             timer.catch_up()
         x, z, u = (self.steppers[name].position for name in STEPS)

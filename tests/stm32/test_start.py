@@ -201,8 +201,7 @@ def test_inputs_without_a_wire_allow_nothing(started: Session) -> None:
     assert remote.raw(SET, stroke, 1_300_000)[0] == ERR["locked"]
     assert remote.raw(ENABLE)[0] == ERR["acknowledge"]
     for name in (READY, "PE10"):
-        port, pin = chip.gpio.pin(name)
-        del port.outside[pin]
+        chip.gpio.drive(name, None)
     chip.gpio.drive(KEY, 1)
     chip.run(chip.seconds(2e-3))
     assert remote.raw(SET, stroke, 1_300_000)[0] == 0

@@ -115,13 +115,17 @@ class Device:
         """Do what a store does."""
         reg = self._reg(offset, size)
         old = self.v[reg.name]
-        foreign = value & ~reg.writable & ~reg.ignored & ~old
-        if foreign:
-            raise UnmodelledError(f"{self.name}.{reg.name}: nobody models bits 0x{foreign:x}")
-        new = (value & reg.writable) | (old & ~reg.writable)
+        kept = ~reg.writable
+        if value & kept:
+            foreign = value & kept & ~reg.ignored & ~old
+            if foreign:
+                raise UnmodelledError(f"{self.name}.{reg.name}: nobody models bits 0x{foreign:x}")
+        new = (value & reg.writable) | (old & kept)
         act = self._stores.get(reg.name)
         if act is None:
             self.v[reg.name] = new
-        else:
-            act(reg.name, old, new)
-            self.clock.deadline = min(self.clock.deadline, max(self.due, self.clock.now))
+            return
+        act(reg.name, old, new)
+        clock = self.clock
+        if self.due < clock.deadline:
+            clock.deadline = max(self.due, clock.now)

@@ -18,6 +18,7 @@ from tests.stm32.models.watchdogs import Iwdg, Wwdg
 
 IRQ_TIM4, IRQ_ECC = 30, 145
 REVISION_V = 0x2003
+ALWAYS_ON = ("cr", 0)  # as long as the HSI
 GATES: dict[str, tuple[str, int]] = {
     "tim2": ("apb1lenr", 0),
     "tim3": ("apb1lenr", 1),
@@ -90,22 +91,24 @@ class Devices:
         devices += [self.can_ram, self.ccu, self.fdcan1, self.usart3]
         devices += [self.iwdg1, self.wwdg1, self.nvic, self.dwt]
         devices += [*self.tim.values(), *self.pulses.values(), *self.gpio.ports.values()]
-        # kilobyte of the address space -> its device and the gate of its clock
-        self.at_kb: dict[int, tuple[Device, tuple[str, int] | None]] = {}
+        self.at_kb: dict[int, Device] = {}  # by kilobyte of the address space
         for device in devices:
             for kb in range(device.base >> 10, (device.base + device.size) >> 10):
-                assert kb not in self.at_kb, f"{device.name} overlaps {self.at_kb[kb][0].name}"
-                self.at_kb[kb] = device, GATES.get(device.name)
+                assert kb not in self.at_kb, f"{device.name} overlaps {self.at_kb[kb].name}"
+                self.at_kb[kb] = device
         self.models = devices
         # those that have something to do at a time of their own
         self.timed = [d for d in devices if type(d).advance is not Device.advance]
 
     def device_at(self, address: int) -> Device:
         """Return the device of an address; raise where there is none or its clock is off."""
-        found = self.at_kb.get(address >> 10)
-        if found is None:
-            raise UnmodelledError("no device")
-        device, gate = found
-        if gate is not None and not self.rcc.is_on(gate):
-            raise UnmodelledError(f"{device.name} used without its clock")
+        kb = address >> 10
+        device = self.rcc.reachable.get(kb)
+        if device is None:
+            if kb not in self.at_kb:
+                raise UnmodelledError("no device")
+            device, (register, bit) = self.at_kb[kb], GATES.get(self.at_kb[kb].name, ALWAYS_ON)
+            if not self.rcc.v[register] >> bit & 1:
+                raise UnmodelledError(f"{device.name} used without its clock")
+            self.rcc.reachable[kb] = device
         return device

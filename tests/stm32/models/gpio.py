@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """GPIO ports (RM0433, section 11): modes, alternate functions, levels at the pins.
 
-A pin that nobody drives follows its pull resistor, the board's before the chip's; `level`
-returns the reading of a meter at the pin. Pins are named like "PE13".
+A pin that nobody drives follows its pull resistor, the board's before the chip's; `pins`
+are the readings of meters at them. Pins are named like "PE13".
 """
 
 from collections.abc import Callable
@@ -41,14 +41,15 @@ class GpioPort(Device):
                 0x24: Reg("afrh", 0, rule="level"),
             }
         )
-        self._levels = [self.level(pin) for pin in range(16)]
-        self._idr: int | None = None  # None: to be computed
+        self.pins = 0  # levels, a bit each
+        self._readable = 0  # pins that IDR shows
+        self._notice()
 
     def reset(self) -> None:
         """Let go of all pins."""
         super().reset()
         self.alternate.clear()
-        self._notice()
+        self._write_level("moder", 0, self.v["moder"])
 
     def mode(self, pin: int) -> int:
         """Return the two bits of MODER."""
@@ -59,8 +60,8 @@ class GpioPort(Device):
         word = self.v["afrl"] if pin < 8 else self.v["afrh"]
         return word >> 4 * (pin % 8) & 15 if self.mode(pin) == ALTERNATE else None
 
-    def level(self, pin: int) -> int:
-        """Return the level at the pin; an undriven one without any resistor reads 0."""
+    def _driven(self, pin: int) -> int:
+        """Return the level that a pin takes; an undriven one without any resistor reads 0."""
         if self.mode(pin) == OUTPUT:
             return self.v["odr"] >> pin & 1
         if self.mode(pin) == ALTERNATE and pin in self.alternate:
@@ -68,9 +69,10 @@ class GpioPort(Device):
         pull = int(self.v["pupdr"] >> 2 * pin & 3 == 1)
         return self.outside.get(pin, self.board_pull.get(pin, pull))
 
-    def drive(self, pin: int, level: int) -> None:
-        """Let the board drive a pin."""
-        self.outside[pin] = level
+    def drive(self, pin: int, level: int | None) -> None:
+        """Let the board drive a pin, or cut its wire."""
+        self.outside.pop(pin, None)
+        self.outside |= {} if level is None else {pin: level}
         self._notice(1 << pin)
 
     def drive_alternate(self, pin: int, level: int) -> None:
@@ -79,14 +81,14 @@ class GpioPort(Device):
         self._notice(1 << pin)
 
     def _notice(self, changed: int = 0xFFFF) -> None:
-        self._idr = None
         for pin in range(changed.bit_length()):
-            if changed >> pin & 1 and self.level(pin) != self._levels[pin]:
-                self._levels[pin] = self.level(pin)
-                self.on_change(pin, self._levels[pin])
+            if changed >> pin & 1 and self._driven(pin) != self.pins >> pin & 1:
+                self.pins ^= 1 << pin
+                self.on_change(pin, self.pins >> pin & 1)
 
     def _write_level(self, name: str, old: int, new: int) -> None:
         self.v[name] = new
+        self._readable = sum(1 << pin for pin in range(16) if self.mode(pin) != ANALOGUE)
         self._notice()
 
     def _write_bsrr(self, name: str, old: int, new: int) -> None:
@@ -95,10 +97,7 @@ class GpioPort(Device):
         self._notice(changed)
 
     def _read_idr(self, name: str) -> int:
-        if self._idr is None:
-            pins = (pin for pin in range(16) if self.mode(pin) != ANALOGUE)
-            self._idr = sum(self.level(pin) << pin for pin in pins)
-        return self._idr
+        return self.pins & self._readable
 
 
 class Gpio:
@@ -114,10 +113,10 @@ class Gpio:
     def level(self, name: str) -> int:
         """Return the level at a pin."""
         port, pin = self.pin(name)
-        return port.level(pin)
+        return port.pins >> pin & 1
 
-    def drive(self, name: str, level: int) -> None:
-        """Let the board drive a pin."""
+    def drive(self, name: str, level: int | None) -> None:
+        """Let the board drive a pin, or cut its wire."""
         port, pin = self.pin(name)
         port.drive(pin, level)
 

@@ -43,8 +43,8 @@ class Ramecc(Device):
 
     def irq(self) -> bool:
         """Return whether the interrupt's line is up."""
-        v = self.v
-        return any(v[f"sr{i}"] & DEDF and v[f"cr{i}"] & DEIE for i in MONITORS)
+        v, has_errors = self.v, bool(self.flipped)
+        return has_errors and any(v[f"sr{i}"] & DEDF and v[f"cr{i}"] & DEIE for i in MONITORS)
 
     def flip(self, address: int, n_bits: int) -> None:
         """Make bits of a word wrong, until it is written."""

@@ -63,7 +63,8 @@ class Rcc(Device):
         self.on_css: Callable[[], None] = lambda: None
         # given the frequencies of core and AXI in Hz before they come into force; raises
         self.check_supply: Callable[[int, int], None] = lambda core_hz, axi_hz: None
-        self._hz: dict[str, int] = {}  # what has been computed since the last store
+        self._hz: dict[str, int] = {}  # frequencies computed since the last store
+        self.reachable: dict[int, Device] = {}  # devices by kilobyte, found on since then
         self.define(
             {
                 0x00: Reg("cr", HSI_READY, HSEON | HSEBYP | CSSON | PLL1ON),
@@ -87,25 +88,20 @@ class Rcc(Device):
         """Reset everything but the flags of earlier resets, and add those of this one."""
         flags = self.v["rsr"] if reason != "power_on" else 0
         self.reset()
-        self._hz.clear()
+        self._forget()
         self.v["rsr"] = flags | RESET_FLAGS[reason]
 
     def write(self, offset: int, size: int, value: int) -> None:
         """Do what a store does; any of them may change a frequency."""
-        self._hz.clear()
+        self._forget()
         super().write(offset, size, value)
-        self._hz.clear()
+        self._forget()
 
-    def is_on(self, gate: tuple[str, int]) -> bool:
-        """Return whether a peripheral has its clock; gate: enable register and bit."""
-        return bool(self.v[gate[0]] >> gate[1] & 1)
+    def _forget(self) -> None:
+        self._hz.clear()
+        self.reachable.clear()
 
     # Frequencies
-
-    def _known(self, name: str, compute: Callable[[], int]) -> int:
-        if name not in self._hz:
-            self._hz[name] = compute()
-        return self._hz[name]
 
     def _reference_hz(self) -> int:
         source_hz = {0: HSI_HZ, 2: self.hse_hz}.get(self.v["pllckselr"] & 3, 0)
@@ -116,10 +112,12 @@ class Rcc(Device):
 
     def pll1_hz(self, output: str) -> int:
         """Return the frequency of an output of PLL1, "p" or "q"; 0 when it is off."""
-        i = "pq".index(output)
-        is_running = self.v["cr"] & PLL1RDY and self.v["pllcfgr"] >> (16 + i) & 1
-        divider = (self.v["pll1divr"] >> (9, 16)[i] & 0x7F) + 1
-        return self._vco_hz() // divider if is_running else 0
+        if output not in self._hz:
+            i = "pq".index(output)
+            is_running = self.v["cr"] & PLL1RDY and self.v["pllcfgr"] >> (16 + i) & 1
+            divider = (self.v["pll1divr"] >> (9, 16)[i] & 0x7F) + 1
+            self._hz[output] = self._vco_hz() // divider if is_running else 0
+        return self._hz[output]
 
     def system_hz(self) -> int:
         """Return the frequency of sys_ck."""
@@ -127,9 +125,9 @@ class Rcc(Device):
 
     def core_hz(self) -> int:
         """Return the frequency of the core."""
-        return self._known(
-            "core", lambda: self.system_hz() // ahb_divisor(self.v["d1cfgr"] >> 8 & 15)
-        )
+        if "core" not in self._hz:
+            self._hz["core"] = self.system_hz() // ahb_divisor(self.v["d1cfgr"] >> 8 & 15)
+        return self._hz["core"]
 
     def ahb_hz(self) -> int:
         """Return the frequency of AXI and all AHB."""
@@ -141,18 +139,17 @@ class Rcc(Device):
 
     def apb3_hz(self) -> int:
         """Return the frequency of APB3."""
-        return self._known("apb3", lambda: self.ahb_hz() // apb_divisor(self.v["d1cfgr"] >> 4 & 7))
-
-    def _timers(self) -> int:
-        codes = {self.v["d2cfgr"] >> 4 & 7, self.v["d2cfgr"] >> 8 & 7}
-        if len(codes) > 1:
-            raise UnmodelledError("rcc: APB1 and APB2 with different prescalers")
-        divisor = apb_divisor(codes.pop())
-        return self.ahb_hz() // divisor * (1 if divisor == 1 else 2)
+        return self.ahb_hz() // apb_divisor(self.v["d1cfgr"] >> 4 & 7)
 
     def timer_hz(self) -> int:
         """Return the frequency of the timers on APB1 and APB2, which must be equal here."""
-        return self._known("timer", self._timers)
+        if "timer" not in self._hz:
+            codes = {self.v["d2cfgr"] >> 4 & 7, self.v["d2cfgr"] >> 8 & 7}
+            if len(codes) > 1:
+                raise UnmodelledError("rcc: APB1 and APB2 with different prescalers")
+            divisor = apb_divisor(codes.pop())
+            self._hz["timer"] = self.ahb_hz() // divisor * (1 if divisor == 1 else 2)
+        return self._hz["timer"]
 
     def fdcan_hz(self) -> int:
         """Return the kernel clock of the FDCANs."""
