@@ -42,28 +42,6 @@ static void test_a_rehearsal_goes_through_its_phases(void)
     TEST_ASSERT_UINT32_WITHIN(3000, 3000000, status().speed_mrpm);
 }
 
-static void test_the_next_part_begins_with_what_was_learned(void)
-{
-    learn_plant_turns(&p, cam_state_rehearsing, 40);
-    learn_plant_turns(&p, cam_state_ready, 3);
-    learn_plant_turns(&p, cam_state_rehearsing, 6);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_shape, status().phase);
-    TEST_ASSERT_TRUE(p.rms_um < 0.1);
-}
-
-static void test_learning_goes_on_once_another_speed_is_steady(void)
-{
-    learn_plant_turns(&p, cam_state_rehearsing, 40);
-    learn_plant_turns(&p, cam_state_cutting, 3);
-    p.what.rpm = 2800.0;
-    learn_plant_turns(&p, cam_state_cutting, 2);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_frozen, status().phase);
-    learn_plant_turns(&p, cam_state_cutting, 40);
-    TEST_ASSERT_EQUAL_INT32(cam_ilc_cutting, status().phase);
-    TEST_ASSERT_TRUE(p.rms_um < 0.1);
-    TEST_ASSERT_UINT32_WITHIN(3000, 2800000, status().speed_mrpm);
-}
-
 static void test_a_fault_in_the_probe_leaves_no_probe(void)
 {
     while (status().phase != cam_ilc_probing || p.ilc.n_steps < 2u) {

@@ -229,19 +229,6 @@ static void test_guard_masks_at_the_fourth_time(void)
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, s.best_q6[2]);
 }
 
-/// An error that doubles in a turn has a new cause: the guard compares with it from then on.
-static void test_guard_starts_anew_when_the_cause_is_new(void)
-{
-    answer(2);
-    learn(2, of(640, 0));
-    learn(2, of(64000, 0));
-    learn(2, of(192000, 0));
-    for (uint32_t i = 1; i <= 4; i++) {
-        learn(2, of(193000, 0));
-        TEST_ASSERT_EQUAL_UINT8(i, s.n_halved[2]);
-    }
-}
-
 static void test_best_ages_by_a_sixteenth(void)
 {
     s.best_q6[1] = 1600;
@@ -263,14 +250,6 @@ static void test_restore_goes_back_where_something_is_known(void)
     cam_harmonic_correction_restore(&s);
     expect(of(3200, 0), s.c_q6[2]);
     expect(of(77, 78), s.c_q6[5]);
-}
-
-static void test_sum_is_that_of_all_magnitudes(void)
-{
-    s.c_q6[0] = of(-100, 0);
-    s.c_q6[1] = of(300, -400);
-    s.c_q6[cam_harmonics_most] = of(0, 1000);
-    TEST_ASSERT_EQUAL_UINT32(1600, cam_harmonic_correction_sum_q6(&s));
 }
 
 static void test_turn_takes_what_is_kept_along_and_leaves_the_mean(void)

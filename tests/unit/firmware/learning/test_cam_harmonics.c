@@ -95,15 +95,6 @@ static void test_turned_is_a_multiplication_by_a_unit(void)
     }
 }
 
-static void test_axes_of_the_circle_are_exact(void)
-{
-    static const int32_t cosines[] = {1 << 24, 0, -(1 << 24), 0};
-    for (uint32_t i = 0; i < 8u; i++) {
-        TEST_ASSERT_EQUAL_INT32(cosines[i % 4u], cam_cos_q24(64u * i));
-        TEST_ASSERT_EQUAL_INT32(cosines[i % 4u], cam_sin_q24(64u * i + 64u));
-    }
-}
-
 /// A cosine in 2^30ths, and the harmonic and the point by which it alone makes that point.
 typedef struct {
     int64_t cosine;
