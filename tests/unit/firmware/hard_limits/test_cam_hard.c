@@ -3,7 +3,6 @@
 // hard_limits.h, in front of the one that all others use.
 #include "cam_machine.h"
 #include "cam_param.h"
-#include "expect_can.h"
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -57,7 +56,9 @@ static void test_defaults_of_a_port_are_led_into_them(void)
 
 static void test_over_the_bus_the_refusal_brings_the_range(void)
 {
-    expect_answer(&f, cam_err_hard_limit, 800000, set, cam_param_u_stroke_nm, 900000);
+    const fixture_answer_t refused = fixture_can_command(&f, set, cam_param_u_stroke_nm, 900000);
+    TEST_ASSERT_EQUAL_INT32(cam_err_hard_limit, refused.result);
+    TEST_ASSERT_EQUAL_INT32(800000, refused.value);
     const hal_can_frame_t last = fixture_can_sent(0x5C0);
     const fixture_answer_t answer = fixture_can_answer(&last);
     TEST_ASSERT_EQUAL_UINT32(get_maximum, answer.command);

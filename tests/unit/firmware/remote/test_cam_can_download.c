@@ -2,69 +2,168 @@
 // Download of a table over CAN: complete ones, interruptions at and within blocks, repetitions and
 // wrong orders, downloads that are refused, signed tables. What is refused leaves the old table in
 // force.
-#include "expect_can.h"
+#define OWN_SET_UP
+#include "can_bench.h"
 #include "fixture_sign.h"
-#include "hal_host.h"
-#include "unity.h"
+#include <string.h> // memcpy
 
-enum { enable = 1 };
+/// Number of the answer to a block; [bytes] of the image in each block.
+enum { block = 18, block_bytes = 512 };
 
-static fixture_download_t d;
+static fixture_image_t other;
 
+/// Make the other table anew, with a name of eleven characters.
+static void name_other(const char *name)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_image_make(&other, &part);
+    memcpy(other.bytes + fixture_at_name, name, 11);
+    fixture_image_seal(&other);
+}
+
+/// Called by Unity before each test.
 void setUp(void)
 {
-    fixture_download_init(&d);
+    name_other("other skirt");
+    begin();
+    run();
+    fixture_can_loop(&f, 1);
+}
+
+static uint32_t n_blocks(void)
+{
+    return ((uint32_t)other.size + block_bytes - 1u) / block_bytes;
+}
+
+static uint32_t other_crc(void)
+{
+    return cam_crc32(0, other.bytes, other.size);
+}
+
+/// @return [bytes] of block i
+static uint32_t bytes_of(uint32_t i)
+{
+    const uint32_t left = (uint32_t)other.size - i * block_bytes;
+    return left < block_bytes ? left : block_bytes;
+}
+
+/// A frame of a block arrives, and main() runs through its loop once.
+static void send_frame(const uint8_t *data, uint32_t n)
+{
+    hal_can_frame_t frame = {.id = 0x6C0, .n = n};
+    memcpy(frame.data, data, n);
+    (void)hal_host_can_receive(&frame);
+    fixture_can_loop(&f, 1);
+}
+
+/// A message of ISO-TP arrives, except for its last n_held_back frames.
+static void send_message(const uint8_t *message, uint32_t length, uint32_t n_held_back)
+{
+    const uint32_t n_frames = 1u + length / 7u - n_held_back; // six bytes in the first
+    uint8_t data[8] = {(uint8_t)length};
+    if (length < 8u) {
+        memcpy(data + 1, message, length);
+        send_frame(data, 8);
+        return;
+    }
+    data[0] = (uint8_t)(0x10u | length >> 8);
+    data[1] = (uint8_t)length;
+    memcpy(data + 2, message, 6);
+    send_frame(data, 8);
+    for (uint32_t i = 1; i < n_frames; i++) {
+        const uint32_t at = 6u + 7u * (i - 1u);
+        const uint32_t n = length - at < 7u ? length - at : 7u;
+        data[0] = (uint8_t)(0x20u | i % 16u);
+        memcpy(data + 1, message + at, n);
+        send_frame(data, 1u + n);
+    }
+}
+
+/// Send n bytes of the other table from an offset on, except for the last n_held_back frames.
+static void send_block(uint32_t offset, uint32_t n, uint32_t n_held_back)
+{
+    uint8_t message[4 + block_bytes];
+    for (uint32_t i = 0; i < 4u; i++) {
+        message[i] = (uint8_t)(offset >> (8u * i));
+    }
+    memcpy(message + 4, other.bytes + offset, n);
+    send_message(message, 4u + n, n_held_back);
+}
+
+/// The newest answer is that to a block, and has this result.
+static void expect_block_answer(cam_err_t err)
+{
+    TEST_ASSERT_EQUAL_UINT32(block, last_answer().command);
+    TEST_ASSERT_EQUAL_INT32(err, last_answer().result);
+}
+
+/// Send a block; the answer must have this result and report `received` bytes.
+static void expect_block(cam_err_t err, uint32_t offset, uint32_t n, uint32_t received)
+{
+    send_block(offset, n, 0);
+    expect_block_answer(err);
+    TEST_ASSERT_EQUAL_INT32(received, last_answer().value);
+}
+
+/// Send the blocks from .. to - 1; each must be accepted.
+static void expect_blocks(uint32_t from, uint32_t to)
+{
+    for (uint32_t i = from; i < to; i++) {
+        const uint32_t offset = i * block_bytes;
+        expect_block(cam_ok, offset, bytes_of(i), offset + bytes_of(i));
+    }
+}
+
+/// Begin a download of the other table, which must be accepted.
+static void expect_begin(void)
+{
+    TEST_ASSERT_EQUAL_INT32(cam_ok, result_of(begin_download, 0, (int32_t)other.size));
 }
 
 static int32_t send(uint8_t command, uint32_t value)
 {
-    return fixture_download_send(&d, command, value).result;
-}
-
-static fixture_answer_t last_answer(void)
-{
-    return fixture_download_answer();
+    return result_of(command, 0, (int32_t)value);
 }
 
 /// Send all of the other table. @return the result of its end
 static int32_t download(uint32_t crc)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, fixture_download_blocks(&d));
-    return send(fixture_end, crc);
+    expect_begin();
+    expect_blocks(0, n_blocks());
+    return send(end_download, crc);
 }
 
 static void expect_end(cam_err_t err)
 {
-    TEST_ASSERT_EQUAL_INT32(err, send(fixture_end, fixture_download_crc(&d)));
+    TEST_ASSERT_EQUAL_INT32(err, send(end_download, other_crc()));
 }
 
 static void expect_download(void)
 {
-    TEST_ASSERT_EQUAL_INT32(cam_ok, download(fixture_download_crc(&d)));
+    TEST_ASSERT_EQUAL_INT32(cam_ok, download(other_crc()));
 }
 
 /// Select; the result must be this one, and the table of that name be in use.
 static void expect_select(cam_err_t err, const char *in_use)
 {
-    TEST_ASSERT_EQUAL_INT32(err, send(fixture_select, 0));
-    TEST_ASSERT_EQUAL_STRING(in_use, d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_INT32(err, send(select_table, 0));
+    TEST_ASSERT_EQUAL_STRING(in_use, f.rig.machine.table.name);
 }
 
 /// The table of the start must be in force: now, after a select, and after a restart.
 static void expect_old_in_force(void)
 {
-    TEST_ASSERT_EQUAL_PTR(d.can.rig.image.bytes, hal_table_image().bytes);
+    TEST_ASSERT_EQUAL_PTR(f.rig.image.bytes, hal_table_image().bytes);
     expect_select(cam_ok, "short skirt");
-    fixture_can_start(&d.can);
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    fixture_can_loop(&d.can, 1);
+    run();
+    TEST_ASSERT_EQUAL_STRING("short skirt", f.rig.machine.table.name);
+    fixture_can_loop(&f, 1);
 }
 
 static void expect_download_works(void)
 {
     expect_download();
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_STRING("short skirt", f.rig.machine.table.name);
     expect_select(cam_ok, "other skirt");
 }
 
@@ -72,23 +171,23 @@ static void test_a_table_comes_over_the_bus(void)
 {
     expect_download_works();
     TEST_ASSERT_EQUAL_STRING("table: other skirt in use", fixture_can_line(0));
-    TEST_ASSERT_EQUAL_UINT32(2, d.can.can.store.generation);
-    fixture_can_loop(&d.can, 2);
+    TEST_ASSERT_EQUAL_UINT32(2, f.can.store.generation);
+    fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(enable, 0));
-    fixture_can_start(&d.can);
-    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+    run();
+    TEST_ASSERT_EQUAL_STRING("other skirt", f.rig.machine.table.name);
 }
 
 static void test_the_sectors_take_turns(void)
 {
     expect_download_works();
     const void *first = hal_table_image().bytes;
-    fixture_can_loop(&d.can, 2);
-    fixture_download_name(&d, "third skirt");
-    expect_begin(&d);
+    fixture_can_loop(&f, 2);
+    name_other("third skirt");
+    expect_begin();
     TEST_ASSERT_TRUE(first != hal_table_staged().bytes);
-    expect_blocks(&d, 0, fixture_download_blocks(&d));
-    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+    expect_blocks(0, n_blocks());
+    TEST_ASSERT_EQUAL_STRING("other skirt", f.rig.machine.table.name);
     expect_end(cam_ok);
     expect_select(cam_ok, "third skirt");
     expect_select(cam_ok, "third skirt"); // the same table is checked anew
@@ -96,17 +195,16 @@ static void test_the_sectors_take_turns(void)
 
 static void test_interrupted_at_every_block(void)
 {
-    for (uint32_t n = 0; n < fixture_download_blocks(&d); n++) {
-        expect_begin(&d);
-        expect_blocks(&d, 0, n);
+    for (uint32_t n = 0; n < n_blocks(); n++) {
+        expect_begin();
+        expect_blocks(0, n);
         const fixture_answer_t answer =
-            fixture_download_send(&d, fixture_end, fixture_download_crc(&d));
+            fixture_can_command(&f, end_download, 0, (int32_t)other_crc());
         TEST_ASSERT_EQUAL_INT32(cam_err_download_short, answer.result);
-        TEST_ASSERT_EQUAL_INT32(n * fixture_block_bytes, answer.value);
+        TEST_ASSERT_EQUAL_INT32(n * block_bytes, answer.value);
         expect_old_in_force(); // which restarts the controller
         expect_end(cam_err_download_order);
-        expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
-                     fixture_download_bytes(&d, n), 0);
+        expect_block(cam_err_download_order, n * block_bytes, bytes_of(n), 0);
     }
     expect_download_works();
 }
@@ -115,113 +213,113 @@ static void test_interrupted_at_every_block(void)
 /// and is sent again.
 static void test_interrupted_within_a_block(void)
 {
-    const uint32_t n_blocks = fixture_download_blocks(&d);
-    const uint32_t broken[] = {0, n_blocks / 2u, n_blocks - 1u};
-    expect_begin(&d);
+    const uint32_t broken[] = {0, n_blocks() / 2u, n_blocks() - 1u};
+    expect_begin();
     for (uint32_t k = 0; k < 3u; k++) {
         const uint32_t i = broken[k];
-        uint8_t message[4 + fixture_block_bytes];
-        const uint32_t n = fixture_download_make(message, d.other.bytes, i * fixture_block_bytes,
-                                                 fixture_download_bytes(&d, i));
-        expect_blocks(&d, k == 0u ? 0 : broken[k - 1u] + 1u, i);
-        fixture_download_message(&d, message, n, 1);
-        fixture_can_loop(&d.can, 20003);
-        TEST_ASSERT_EQUAL_UINT32(fixture_block, last_answer().command);
-        TEST_ASSERT_EQUAL_INT32(cam_err_download_order, last_answer().result);
-        expect_blocks(&d, i, i + 1u);
+        expect_blocks(k == 0u ? 0 : broken[k - 1u] + 1u, i);
+        send_block(i * block_bytes, bytes_of(i), 1);
+        fixture_can_loop(&f, 20003);
+        expect_block_answer(cam_err_download_order);
+        expect_blocks(i, i + 1u);
     }
     expect_end(cam_ok);
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_STRING("short skirt", f.rig.machine.table.name);
 }
 
 static void test_a_break_is_answered_with_where_to_go_on(void)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, 2);
-    uint8_t message[4 + fixture_block_bytes];
-    const uint32_t n =
-        fixture_download_make(message, d.other.bytes, 2 * fixture_block_bytes, fixture_block_bytes);
-    fixture_download_message(&d, message, n, 3);
+    expect_begin();
+    expect_blocks(0, 2);
+    send_block(2 * block_bytes, block_bytes, 3);
     static const uint8_t wrong[8] = {0x20};
-    (void)fixture_download_frame(&d, wrong, 8);
-    TEST_ASSERT_EQUAL_UINT32(fixture_block, last_answer().command);
-    TEST_ASSERT_EQUAL_INT32(cam_err_download_order, last_answer().result);
-    TEST_ASSERT_EQUAL_INT32(2 * fixture_block_bytes, last_answer().value);
-    expect_blocks(&d, 2, fixture_download_blocks(&d));
+    send_frame(wrong, 8);
+    expect_block_answer(cam_err_download_order);
+    TEST_ASSERT_EQUAL_INT32(2 * block_bytes, last_answer().value);
+    expect_blocks(2, n_blocks());
     expect_end(cam_ok);
 }
 
 static void test_a_new_begin_forgets_what_came(void)
 {
-    for (uint32_t n = 0; n <= fixture_download_blocks(&d); n++) {
-        expect_begin(&d);
-        expect_blocks(&d, 0, n);
+    for (uint32_t n = 0; n <= n_blocks(); n++) {
+        expect_begin();
+        expect_blocks(0, n);
     }
     expect_end(cam_ok);
-    expect_begin(&d); // a complete download is lost as well
+    expect_begin(); // a complete download is lost as well
     expect_old_in_force();
 }
 
 static void test_repeated_blocks_are_accepted_once(void)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, 3);
-    expect_block(&d, cam_ok, 2 * fixture_block_bytes, fixture_block_bytes, 3 * fixture_block_bytes);
-    expect_block(&d, cam_ok, 0, fixture_block_bytes, 3 * fixture_block_bytes);
-    expect_blocks(&d, 3, fixture_download_blocks(&d));
-    expect_block(&d, cam_ok, 0, fixture_block_bytes, (uint32_t)d.other.size);
+    expect_begin();
+    expect_blocks(0, 3);
+    expect_block(cam_ok, 2 * block_bytes, block_bytes, 3 * block_bytes);
+    expect_block(cam_ok, 0, block_bytes, 3 * block_bytes);
+    expect_blocks(3, n_blocks());
+    expect_block(cam_ok, 0, block_bytes, (uint32_t)other.size);
     expect_end(cam_ok);
-    expect_block(&d, cam_err_download_order, 0, fixture_block_bytes, (uint32_t)d.other.size);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, send(fixture_select, 0));
+    expect_block(cam_err_download_order, 0, block_bytes, (uint32_t)other.size);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, send(select_table, 0));
 }
 
 static void test_a_block_repeated_with_other_content_is_refused(void)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, 2);
-    d.other.bytes[fixture_block_bytes + 9] ^= 1u;
-    expect_block(&d, cam_err_download_order, fixture_block_bytes, fixture_block_bytes,
-                 2 * fixture_block_bytes);
-    d.other.bytes[fixture_block_bytes + 9] ^= 1u;
-    expect_blocks(&d, 2, fixture_download_blocks(&d));
+    expect_begin();
+    expect_blocks(0, 2);
+    other.bytes[block_bytes + 9] ^= 1u;
+    expect_block(cam_err_download_order, block_bytes, block_bytes, 2 * block_bytes);
+    other.bytes[block_bytes + 9] ^= 1u;
+    expect_blocks(2, n_blocks());
     expect_end(cam_ok);
 }
 
 static void test_blocks_out_of_order_are_refused(void)
 {
-    enum { size = fixture_block_bytes };
+    enum { size = block_bytes };
     static const uint32_t wrong[][2] = {
         {2 * size, size},
         {size - 32, size}, // overlaps the last block
         {size, 31},        // not a multiple of hal_table_grain
         {0, 0},
     };
-    expect_begin(&d);
-    expect_block(&d, cam_err_download_order, size, size, 0);
-    expect_blocks(&d, 0, 1);
+    expect_begin();
+    expect_block(cam_err_download_order, size, size, 0);
+    expect_blocks(0, 1);
     for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        expect_block(&d, cam_err_download_order, wrong[i][0], wrong[i][1], size);
+        expect_block(cam_err_download_order, wrong[i][0], wrong[i][1], size);
     }
-    expect_blocks(&d, 1, fixture_download_blocks(&d));
+    expect_blocks(1, n_blocks());
     expect_end(cam_ok);
 }
 
 static void test_answers_and_flow_control_wait_for_room(void)
 {
-    expect_begin(&d);
-    fixture_can_loop(&d.can, 1);
+    expect_begin();
+    fixture_can_loop(&f, 1);
     hal_host.slow.n_room = 0;
-    uint8_t message[4 + 32];
-    const uint32_t length = fixture_download_make(message, d.other.bytes, 0, 32);
-    fixture_download_message(&d, message, length, 0); // all frames are queued at once
-    fixture_can_loop(&d.can, 5);
-    TEST_ASSERT_EQUAL_UINT32(0, d.can.can.store.received);
+    send_block(0, 32, 0); // all frames are queued at once
+    fixture_can_loop(&f, 5);
+    TEST_ASSERT_EQUAL_UINT32(0, f.can.store.received);
     hal_host.slow.n_room = 1; // room for the flow control only
-    fixture_can_loop(&d.can, 5);
-    TEST_ASSERT_EQUAL_UINT32(32, d.can.can.store.received);
+    fixture_can_loop(&f, 5);
+    TEST_ASSERT_EQUAL_UINT32(32, f.can.store.received);
     hal_host.slow.n_room = 1;
-    cam_can_poll(&d.can.can);
-    TEST_ASSERT_EQUAL_UINT32(fixture_block, last_answer().command);
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(block, last_answer().command);
+}
+
+static void test_blocks_of_an_old_session_are_refused(void)
+{
+    expect_begin();
+    expect_blocks(0, 1);
+    fixture_can_take(&f);
+    send_block(block_bytes, bytes_of(1), 0);
+    expect_block_answer(cam_err_not_commander);
+    TEST_ASSERT_EQUAL_UINT32(block_bytes, f.can.store.received);
+    expect_begin();
+    expect_blocks(0, 1);
 }
 
 // Refused
@@ -229,21 +327,21 @@ static void test_answers_and_flow_control_wait_for_room(void)
 static void expect_wrong(cam_err_t err, uint32_t crc)
 {
     TEST_ASSERT_EQUAL_INT32(err, download(crc));
-    TEST_ASSERT_EQUAL_INT32(cam_err_download_order, send(fixture_end, crc));
+    TEST_ASSERT_EQUAL_INT32(cam_err_download_order, send(end_download, crc));
     expect_old_in_force();
 }
 
 static void test_damaged_and_wrong_images_are_refused(void)
 {
-    expect_wrong(cam_err_download_crc, fixture_download_crc(&d) ^ 1u);
-    d.other.bytes[3000] ^= 4u;
-    expect_wrong(cam_err_image_crc, fixture_download_crc(&d));
-    d.other.bytes[3000] ^= 4u;
-    fixture_image_put(&d.other, fixture_at_version, 2);
-    fixture_image_seal(&d.other);
-    expect_wrong(cam_err_image_version, fixture_download_crc(&d));
-    d.other.bytes[0] ^= 1u;
-    expect_wrong(cam_err_image_magic, fixture_download_crc(&d));
+    expect_wrong(cam_err_download_crc, other_crc() ^ 1u);
+    other.bytes[3000] ^= 4u;
+    expect_wrong(cam_err_image_crc, other_crc());
+    other.bytes[3000] ^= 4u;
+    fixture_image_put(&other, fixture_at_version, 2);
+    fixture_image_seal(&other);
+    expect_wrong(cam_err_image_version, other_crc());
+    other.bytes[0] ^= 1u;
+    expect_wrong(cam_err_image_magic, other_crc());
 }
 
 static void test_sizes_that_cannot_be_are_refused(void)
@@ -256,32 +354,32 @@ static void test_sizes_that_cannot_be_are_refused(void)
                  {hal_host_place_bytes + 1, cam_err_download_room},
                  {UINT32_MAX, cam_err_download_room}};
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        TEST_ASSERT_EQUAL_INT32(cases[i].err, send(fixture_begin, cases[i].size));
+        TEST_ASSERT_EQUAL_INT32(cases[i].err, send(begin_download, cases[i].size));
     }
-    expect_block(&d, cam_err_download_order, 0, 512, 0);
+    expect_block(cam_err_download_order, 0, 512, 0);
     expect_old_in_force();
 }
 
 static void test_blocks_beyond_the_end_are_refused(void)
 {
-    TEST_ASSERT_EQUAL_INT32(cam_ok, send(fixture_begin, 1000));
-    expect_block(&d, cam_ok, 0, 512, 512);
-    expect_block(&d, cam_err_download_room, 512, 489, 512);
-    expect_block(&d, cam_err_download_room, 1024, 8, 512);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, send(begin_download, 1000));
+    expect_block(cam_ok, 0, 512, 512);
+    expect_block(cam_err_download_room, 512, 489, 512);
+    expect_block(cam_err_download_room, 1024, 8, 512);
     uint8_t message[8] = {0xFF, 0xFF, 0xFF, 0xFF, 1};
-    fixture_download_message(&d, message, 8, 0);
+    send_message(message, 8, 0);
     TEST_ASSERT_EQUAL_INT32(cam_err_download_room, last_answer().result);
-    expect_block(&d, cam_ok, 512, 488, 1000);
+    expect_block(cam_ok, 512, 488, 1000);
     TEST_ASSERT_EQUAL_INT32(cam_err_image_size,
-                            send(fixture_end, cam_crc32(0, d.other.bytes, 1000)));
+                            send(end_download, cam_crc32(0, other.bytes, 1000)));
     expect_old_in_force();
 }
 
 static void test_a_block_too_long_for_the_controller_is_refused_by_flow_control(void)
 {
-    expect_begin(&d);
+    expect_begin();
     static const uint8_t data[8] = {0x10, 0, 0, 0, 0x10, 0x05}; // 4101
-    (void)fixture_download_frame(&d, data, 8);
+    send_frame(data, 8);
     const hal_can_frame_t frame = fixture_can_sent(0x540);
     TEST_ASSERT_EQUAL_UINT32(3, frame.n);
     TEST_ASSERT_EQUAL_HEX8(0x32, frame.data[0]);
@@ -290,23 +388,21 @@ static void test_a_block_too_long_for_the_controller_is_refused_by_flow_control(
 static void test_memory_that_fails_leaves_the_old_table(void)
 {
     hal_host.slow.n_store = 0;
-    TEST_ASSERT_EQUAL_INT32(cam_err_download_room, send(fixture_begin, (uint32_t)d.other.size));
-    for (uint32_t n = 0; n < fixture_download_blocks(&d); n++) {
+    TEST_ASSERT_EQUAL_INT32(cam_err_download_room, send(begin_download, (uint32_t)other.size));
+    for (uint32_t n = 0; n < n_blocks(); n++) {
         hal_host.slow.n_store = 1u + n;
-        expect_begin(&d);
-        expect_blocks(&d, 0, n);
-        expect_block(&d, cam_err_download_store, n * fixture_block_bytes,
-                     fixture_download_bytes(&d, n), n * fixture_block_bytes);
+        expect_begin();
+        expect_blocks(0, n);
+        expect_block(cam_err_download_store, n * block_bytes, bytes_of(n), n * block_bytes);
         hal_host.slow.n_store = UINT32_MAX;
-        expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
-                     fixture_download_bytes(&d, n), n * fixture_block_bytes);
+        expect_block(cam_err_download_order, n * block_bytes, bytes_of(n), n * block_bytes);
     }
     expect_download();
     hal_host.slow.n_store = 0;
     for (int i = 0; i < 2; i++) { // select never takes the old table instead
         expect_select(cam_err_download_store, "short skirt");
     }
-    TEST_ASSERT_EQUAL_PTR(d.can.rig.image.bytes, hal_table_image().bytes);
+    TEST_ASSERT_EQUAL_PTR(f.rig.image.bytes, hal_table_image().bytes);
     hal_host.slow.n_store = UINT32_MAX;
     expect_select(cam_ok, "other skirt");
 }
@@ -314,39 +410,39 @@ static void test_memory_that_fails_leaves_the_old_table(void)
 /// The next part: its table comes while the machine is ready, and the next start cuts it.
 static void test_a_download_goes_on_in_ready_and_is_selected_there(void)
 {
-    expect_begin(&d);
-    expect_blocks(&d, 0, 2);
-    TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
-    fixture_can_loop(&d.can, 2);
-    expect_blocks(&d, 2, fixture_download_blocks(&d));
+    expect_begin();
+    expect_blocks(0, 2);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
+    fixture_can_loop(&f, 2);
+    expect_blocks(2, n_blocks());
     expect_end(cam_ok);
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_STRING("short skirt", f.rig.machine.table.name);
     expect_select(cam_ok, "other skirt");
-    fixture_can_loop(&d.can, 2);
+    fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_state());
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&d.can.rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&f.rig.machine));
 }
 
 /// What the running spindle cannot cut is refused before the place in use changes.
 static void test_an_infeasible_table_is_refused_in_ready_and_stays_downloaded(void)
 {
     expect_download();
-    TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
-    d.can.rig.machine.params.feed_override_ppm = 1500000;
-    d.can.rig.machine.params.z_is_measured = 1; // both together are refused
+    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
+    f.rig.machine.params.feed_override_ppm = 1500000;
+    f.rig.machine.params.z_is_measured = 1; // both together are refused
     expect_select(cam_err_override_measured, "short skirt");
-    TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
-    d.can.rig.machine.params.feed_override_ppm = 1000000;
-    d.can.rig.machine.params.z_is_measured = 0;
+    TEST_ASSERT_EQUAL_PTR(f.rig.machine.table.image, hal_table_image().bytes);
+    f.rig.machine.params.feed_override_ppm = 1000000;
+    f.rig.machine.params.z_is_measured = 0;
     expect_select(cam_ok, "other skirt");
 }
 
 static void test_the_cut_refuses_everything(void)
 {
     expect_download();
-    TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_cutting));
-    TEST_ASSERT_EQUAL_INT32(cam_err_state, send(fixture_begin, (uint32_t)d.other.size));
-    expect_block(&d, cam_err_state, 0, fixture_block_bytes, (uint32_t)d.other.size);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
+    TEST_ASSERT_EQUAL_INT32(cam_err_state, send(begin_download, (uint32_t)other.size));
+    expect_block(cam_err_state, 0, block_bytes, (uint32_t)other.size);
     expect_end(cam_err_state);
     expect_select(cam_err_state, "short skirt");
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_state());
@@ -357,22 +453,22 @@ static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(vo
     expect_download();
     ((uint8_t *)(uintptr_t)hal_table_staged().bytes)[2000] ^= 1u; // the memory loses a bit
     expect_select(cam_err_image_crc, "short skirt");
-    TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
-    expect_begin(&d);
+    TEST_ASSERT_EQUAL_PTR(f.rig.machine.table.image, hal_table_image().bytes);
+    expect_begin();
 }
 
 /// The sector in use has changed, but its table was refused: the machine still cuts that of the
 /// other sector, which therefore is not emptied.
 static void test_the_sector_of_the_table_that_the_machine_holds_is_not_emptied(void)
 {
-    hal_host.slow.table.bytes = d.other.bytes;
-    d.other.bytes[0] ^= 1u;
+    hal_host.slow.table.bytes = other.bytes;
+    other.bytes[0] ^= 1u;
     expect_select(cam_err_image_magic, "short skirt");
-    TEST_ASSERT_EQUAL_INT32(cam_err_state, send(fixture_begin, (uint32_t)d.other.size));
-    d.other.bytes[0] ^= 1u;
+    TEST_ASSERT_EQUAL_INT32(cam_err_state, send(begin_download, (uint32_t)other.size));
+    other.bytes[0] ^= 1u;
     expect_select(cam_ok, "other skirt");
-    fixture_can_loop(&d.can, 2);
-    expect_begin(&d);
+    fixture_can_loop(&f, 2);
+    expect_begin();
 }
 
 // Signed, see test_cam_signature_check.c: judged at the end, at select and at the start
@@ -388,43 +484,43 @@ static void trust(bool is_required)
 
 static int32_t download_and_select(void)
 {
-    const int32_t result = download(fixture_download_crc(&d));
-    const int32_t selected = result == cam_ok ? send(fixture_select, 0) : result;
-    fixture_can_loop(&d.can, 2);
+    const int32_t result = download(other_crc());
+    const int32_t selected = result == cam_ok ? send(select_table, 0) : result;
+    fixture_can_loop(&f, 2);
     return selected;
 }
 
 static void test_a_signed_table_comes_over_the_bus(void)
 {
     trust(true);
-    fixture_sign(&d.other, &keys);
+    fixture_sign(&other, &keys);
     TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
     TEST_ASSERT_EQUAL_STRING("table: other skirt in use, signed by key 3784728ae7309eab",
                              fixture_can_line(0));
-    fixture_can_start(&d.can); // and lies there after a restart, with its signature
-    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT(cam_signature_check_signed, d.can.rig.machine.signature.kind);
+    run(); // and lies there after a restart, with its signature
+    TEST_ASSERT_EQUAL_STRING("other skirt", f.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_INT(cam_signature_check_signed, f.rig.machine.signature.kind);
 }
 
 static void test_a_table_without_its_signature_is_refused_at_the_end(void)
 {
     trust(true);
     TEST_ASSERT_EQUAL_INT32(cam_err_sign_none, download_and_select());
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_STRING("short skirt", f.rig.machine.table.name);
     trust(false);
     TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
     TEST_ASSERT_EQUAL_STRING("table: other skirt in use, not signed", fixture_can_line(0));
-    fixture_download_name(&d, "third skirt");
+    name_other("third skirt");
     const fixture_keys_t others = fixture_keys(2);
-    fixture_sign(&d.other, &others);
+    fixture_sign(&other, &others);
     TEST_ASSERT_EQUAL_INT32(cam_err_sign_key, download_and_select());
-    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_STRING("other skirt", f.rig.machine.table.name);
 }
 
 /// What came while nothing was required does not pass a select once it is.
 static void test_a_table_is_judged_again_when_it_is_selected(void)
 {
-    TEST_ASSERT_EQUAL_INT32(cam_ok, download(fixture_download_crc(&d)));
+    TEST_ASSERT_EQUAL_INT32(cam_ok, download(other_crc()));
     trust(true);
     expect_select(cam_err_sign_none, "short skirt");
 }
@@ -432,8 +528,8 @@ static void test_a_table_is_judged_again_when_it_is_selected(void)
 static void test_the_table_in_the_flash_is_judged_at_the_start(void)
 {
     trust(true);
-    fixture_can_start(&d.can);
-    TEST_ASSERT_FALSE(d.can.rig.machine.has_table);
+    run();
+    TEST_ASSERT_FALSE(f.rig.machine.has_table);
     TEST_ASSERT_EQUAL_STRING("table: the table is not signed, but must be here: sign it with "
                              "tools/keys - home refused until a table is written",
                              fixture_can_line(0));
@@ -445,12 +541,12 @@ static void test_no_signature_of_before_follows_a_table_without_one(void)
 {
     trust(false);
     for (int i = 0; i < 2; i++) { // both sectors
-        fixture_sign(&d.other, &keys);
+        fixture_sign(&other, &keys);
         TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
     }
-    d.other.size -= fixture_block_size;
+    other.size -= fixture_block_size;
     TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
-    TEST_ASSERT_EQUAL_INT(cam_signature_check_unsigned, d.can.rig.machine.signature.kind);
+    TEST_ASSERT_EQUAL_INT(cam_signature_check_unsigned, f.rig.machine.signature.kind);
 }
 
 /// There is no counter against it: an older table of the same key is as good as a newer one.
@@ -459,9 +555,9 @@ static void test_an_older_signed_table_is_taken_again(void)
     static const char *const names[] = {"other skirt", "newer skirt", "other skirt"};
     trust(true);
     for (uint32_t i = 0; i < 3u; i++) {
-        fixture_download_name(&d, names[i]);
-        fixture_sign(&d.other, &keys);
+        name_other(names[i]);
+        fixture_sign(&other, &keys);
         TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
-        TEST_ASSERT_EQUAL_STRING(names[i], d.can.rig.machine.table.name);
+        TEST_ASSERT_EQUAL_STRING(names[i], f.rig.machine.table.name);
     }
 }

@@ -78,12 +78,12 @@ static uint32_t ask_by(uint8_t command, uint32_t offset, uint32_t count)
 static void record(void)
 {
     const int32_t signals = 1 << cam_scope_tick | 1 << cam_scope_u_actual_nm;
-    expect_answer(&f, cam_ok, signals, set_scope, cam_scope_field_signals, signals);
-    expect_answer(&f, cam_ok, n_rows, set_scope, cam_scope_field_rows, n_rows);
-    expect_answer(&f, cam_ok, 0, start_scope, 0, 0);
+    expect_answer(cam_ok, signals, set_scope, cam_scope_field_signals, signals);
+    expect_answer(cam_ok, n_rows, set_scope, cam_scope_field_rows, n_rows);
+    expect_answer(cam_ok, 0, start_scope, 0, 0);
     fixture_can_loop(&f, n_rows + 10);
-    expect_answer(&f, cam_ok, cam_scope_done, get_scope, cam_scope_field_phase, 0);
-    expect_answer(&f, cam_ok, n_rows, get_scope, cam_scope_field_n_rows, 0);
+    expect_answer(cam_ok, cam_scope_done, get_scope, cam_scope_field_phase, 0);
+    expect_answer(cam_ok, n_rows, get_scope, cam_scope_field_n_rows, 0);
     forget();
 }
 
@@ -126,7 +126,7 @@ static void test_pieces_over_fd_are_the_same_words(void)
     TEST_ASSERT_EQUAL_UINT32(read_scope_fd, fixture_can_answer(&last).command);
     (void)ask_by(read_scope_fd, 3, 255);
     expect_parts(3, 597, 63); // where it ends
-    expect_answer(&f, cam_err_scope_range, 0, read_scope_fd, 3, 600 | 1 << 24);
+    expect_answer(cam_err_scope_range, 0, read_scope_fd, 3, 600 | 1 << 24);
 }
 
 /// A ring that has wrapped is sent in the order of time, by both commands.
@@ -140,10 +140,10 @@ static void test_pieces_of_a_ring_are_in_order(void)
     const cam_scope_t *s = &f.rig.machine.scope;
     for (uint32_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
         const int32_t value = fields[i][1];
-        expect_answer(&f, cam_ok, value, set_scope, (uint8_t)fields[i][0], value);
+        expect_answer(cam_ok, value, set_scope, (uint8_t)fields[i][0], value);
     }
-    expect_answer(&f, cam_ok, 0, start_scope, 0, 0);
-    expect_answer(&f, cam_err_scope_on, 0, read_scope, 0, 1 << 24);
+    expect_answer(cam_ok, 0, start_scope, 0, 0);
+    expect_answer(cam_err_scope_on, 0, read_scope, 0, 1 << 24);
     fixture_can_loop(&f, 1800);
     TEST_ASSERT_EQUAL_INT(cam_scope_full, s->end);
     TEST_ASSERT_GREATER_THAN_UINT32(0, s->ring.oldest);
@@ -171,9 +171,9 @@ static void ask_for_piece(uint32_t n)
 static void test_release_gives_the_recording_up(void)
 {
     record();
-    expect_answer(&f, cam_ok, 0, release_scope, 0, 0);
-    expect_answer(&f, cam_ok, cam_scope_idle, get_scope, cam_scope_field_phase, 0);
-    expect_answer(&f, cam_err_scope_range, 0, read_scope, 0, 1 << 24);
+    expect_answer(cam_ok, 0, release_scope, 0, 0);
+    expect_answer(cam_ok, cam_scope_idle, get_scope, cam_scope_field_phase, 0);
+    expect_answer(cam_err_scope_range, 0, read_scope, 0, 1 << 24);
 }
 
 static void test_a_full_queue_delays_a_piece(void)
@@ -225,11 +225,11 @@ static void test_a_block_ends_a_piece(void)
 
 static void test_words_that_are_not_there_are_refused(void)
 {
-    expect_answer(&f, cam_err_scope_range, 0, read_scope, 0, 1 << 24);
+    expect_answer(cam_err_scope_range, 0, read_scope, 0, 1 << 24);
     record();
-    expect_answer(&f, cam_err_scope_range, 0, read_scope, 3, 600 | 1 << 24);
-    expect_answer(&f, cam_err_scope_range, 0, read_scope, 3, 0); // no words are asked for
-    expect_answer(&f, cam_err_scope_range, 0, read_scope, 3, -1);
+    expect_answer(cam_err_scope_range, 0, read_scope, 3, 600 | 1 << 24);
+    expect_answer(cam_err_scope_range, 0, read_scope, 3, 0); // no words are asked for
+    expect_answer(cam_err_scope_range, 0, read_scope, 3, -1);
 }
 
 static void test_fields_and_learned_values_have_their_errors(void)
@@ -256,8 +256,8 @@ static void test_fields_and_learned_values_have_their_errors(void)
         {cam_err_download_order, 0, end_wave, 0, 0},
     };
     for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        expect_answer(&f, (cam_err_t)cases[i].result, cases[i].value, cases[i].command,
-                      cases[i].index, cases[i].sent);
+        expect_answer((cam_err_t)cases[i].result, cases[i].value, cases[i].command, cases[i].index,
+                      cases[i].sent);
     }
 }
 
@@ -280,14 +280,14 @@ static void test_blocks_of_a_wave_and_of_a_table_are_told_apart(void)
         {.id = 0x6C0, .n = 8, .data = {0x10, 8, 0, 0, 0, 0, 1, 2}},
         {.id = 0x6C0, .n = 3, .data = {0x21, 3, 4}},
     };
-    expect_answer(&f, cam_ok, 0, begin_wave, 0, 64);
+    expect_answer(cam_ok, 0, begin_wave, 0, 64);
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order, send_block(&odd, 1).result); // no whole sample
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order, send_block(&less, 1).result);
     TEST_ASSERT_EQUAL_UINT32(18, last_answer().command);
-    expect_answer(&f, cam_err_download_short, 0, end_wave, 0, 0);
+    expect_answer(cam_err_download_short, 0, end_wave, 0, 0);
     TEST_ASSERT_EQUAL_INT32(cam_ok, send_block(word, 2).result);
     TEST_ASSERT_EQUAL_UINT32(4, f.rig.machine.identify.received);
-    expect_answer(&f, cam_ok, 0, begin_download, 0, 4096);
+    expect_answer(cam_ok, 0, begin_download, 0, 4096);
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order, send_block(word, 2).result); // no whole grain
     TEST_ASSERT_EQUAL_INT32(0, last_answer().value);
 }
@@ -296,7 +296,7 @@ static void test_a_sign_of_life_is_taken(void)
 {
     fixture_rig_ticks(&f.rig, 100);
     f.rig.machine.identify.alive_tick = 0;
-    expect_answer(&f, cam_ok, 0, keep_alive, 3, 0);
+    expect_answer(cam_ok, 0, keep_alive, 3, 0);
     TEST_ASSERT_UINT32_WITHIN(2, fixture_rig_status(&f.rig).tick,
                               f.rig.machine.identify.alive_tick);
 }
@@ -306,7 +306,7 @@ static void test_a_sign_of_life_is_taken(void)
 /// Ask for a sample of every so many ticks.
 static void sample(int32_t every)
 {
-    expect_answer(&f, cam_ok, every, strobe, 0, every);
+    expect_answer(cam_ok, every, strobe, 0, every);
 }
 
 static void test_frames_are_the_records_of_their_ticks(void)
@@ -366,7 +366,7 @@ static void test_a_distance_out_of_range_is_answered_with_the_range(void)
     static const int32_t bad[] = {1, 39, 20001, INT32_MAX, -1, INT32_MIN};
     for (uint32_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         forget();
-        expect_answer(&f, cam_err_param_range, 0, strobe, 0, bad[i]);
+        expect_answer(cam_err_param_range, 0, strobe, 0, bad[i]);
         go_on(2);
         TEST_ASSERT_EQUAL_UINT32(3, n_answers);
     }

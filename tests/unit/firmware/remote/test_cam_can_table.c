@@ -23,7 +23,7 @@ static void expect_no_table(cam_err_t err)
     fixture_can_loop(&f, 201);
     const hal_can_frame_t frame = fixture_can_sent(0x1C0);
     TEST_ASSERT_EQUAL_INT32(err, fixture_can_i16(&frame, 2));
-    expect_answer(&f, err, 0, enable, 0, 0);
+    expect_answer(err, 0, enable, 0, 0);
 }
 
 /// The controller starts, refuses to home, and reports why.
