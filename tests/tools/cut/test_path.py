@@ -155,21 +155,6 @@ def test_path_of_a_part() -> None:
     assert path.ramp == ramp_of(0.1, 2500, MachineLimits())
 
 
-def test_bad_paths_are_refused() -> None:
-    """Field, value and remedy stand in one line."""
-    for lines, told in (
-        ('path = "spiral"', "process.path = 'spiral': Input should be 'helix', 'ring-helix' or"),
-        (
-            'path = "ring-helix"\nmode = "equal-volume"',
-            "process.path = 'ring-helix': needs a constant spindle speed",
-        ),
-    ):
-        with pytest.raises(CamtoolsError) as info:
-            with_process(lines)
-        assert told in str(info.value)
-        assert ";" in str(info.value)
-
-
 def test_table_tells_the_controller_its_path() -> None:
     """The table of a ring-helix is that of a helix but for the path; it is read back."""
     ring = generate(with_process('path = "ring-helix"')).table

@@ -31,7 +31,7 @@ from tests.tools.cases.cut_cases import (
     skirt_of,
     written,
 )
-from tests.tools.cases.part_cases import PERKINS, ROOT, load_part, parse_part
+from tests.tools.cases.part_cases import PERKINS, ROOT, load_part
 
 NM = 1e6
 
@@ -215,24 +215,6 @@ def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
         coarse(example_part(), tmp_path, "--machine", worn, "--set", "x_trim_nm=-25000").form_um
         < 0.1
     )
-
-
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        ("nose_radius_mm = 0.005", "nose_radius_mm = 0.005: must be 0 or at least 0.01 mm"),
-        ("nose_radius_mm = -1", "nose_radius_mm = -1: "),
-        ("clearance_deg = 0", "clearance_deg = 0: "),
-        ("wear_um = -1", "wear_um = -1: "),
-        ("radius = 1", "radius = 1: unknown key"),
-    ],
-)
-def test_a_wrong_tool_is_refused_by_name(line: str, message: str) -> None:
-    """One line with field, value and remedy."""
-    with pytest.raises(CamtoolsError) as info:
-        parse_part(f"{PERKINS.read_text()}\n[tool]\n{line}\n".encode(), "p.toml")
-    [told] = info.value.lines
-    assert told.startswith(f"p.toml: tool.{message}") and "; " in told
 
 
 RINGS = """\
