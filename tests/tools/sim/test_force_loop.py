@@ -72,6 +72,7 @@ def machine(
     return file
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("amplifier_hz", "delay_us", "share", "most_um"), [(1500, 25, -0.2, 2.2), (1500, 75, 1.0, 6.0)]
 )

@@ -151,7 +151,7 @@ def test_missing_stroke_is_named_in_advance(table_of: TableOf, tmp_path: Path) -
     )
 
 
-@pytest.mark.parametrize(("rpm", "turns"), [(40, 22), (72, 40)])
+@pytest.mark.parametrize(("rpm", "turns"), [(40, 22), pytest.param(72, 40, marks=pytest.mark.long)])
 def test_a_slow_cam_is_learned(table_of: TableOf, tmp_path: Path, rpm: float, turns: int) -> None:
     """30 000 and 16 667 ticks a turn: from micrometres to a tenth within some turns."""
     machine, believed = tmp_path / "m.toml", "[believed.u]\nbandwidth_hz = 270\n"

@@ -194,7 +194,8 @@ def test_program_cuts_the_drawing(tmp_path: Path, direction: int, mode: str) -> 
 
 
 @pytest.mark.parametrize(
-    ("operation", "direction"), [("grinding", 1), ("grinding", -1), ("turning", -1)]
+    ("operation", "direction"),
+    [pytest.param("grinding", 1, marks=pytest.mark.long), ("grinding", -1), ("turning", -1)],
 )
 def test_two_lobes_at_their_phases(tmp_path: Path, direction: int, operation: str) -> None:
     """Both discs stand at 40 and -110 degrees; the tool keeps its rake whatever the sense."""
