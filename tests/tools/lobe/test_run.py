@@ -56,11 +56,9 @@ def test_disc_is_ground_and_reported(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "base circle 188.5 mm/s" in shown and "µ" not in shown
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize(
-    ("part", "picture"),
-    [("cam-disc", "fault"), pytest.param("cam-345", "rake", marks=pytest.mark.long)],
-)
+@pytest.mark.parametrize(("part", "picture"), [("cam-disc", "fault"), ("cam-345", "rake")])
 def test_fault_is_told_and_drawn(
     part: str, picture: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
