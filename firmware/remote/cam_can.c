@@ -258,15 +258,21 @@ static void send_sample(cam_can_t *r, uint32_t tick)
 
 // The loop
 
-/// Take a frame. Any command but strobe, and any block, ends the piece of a recording that is being
-/// sent.
+/// @return whether a frame is a command that others send at any time: it lets a piece go on
+static bool is_beside_reading(const hal_can_frame_t *frame)
+{
+    const uint8_t command = frame->n > 0u ? frame->data[at_command] : 0u;
+    return command == CAMTURN_COMMAND_COMMAND_STROBE_CHOICE ||
+           command == CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE;
+}
+
+/// Take a frame. Any command but strobe and heartbeat, and any block, ends the piece of a recording
+/// that is being sent.
 /// @return false when a pending message did not fit
 static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick)
 {
     if (frame->id == CAMTURN_COMMAND_FRAME_ID) {
-        const bool is_strobe =
-            frame->n > 0u && frame->data[at_command] == CAMTURN_COMMAND_COMMAND_STROBE_CHOICE;
-        r->reading.is_on = r->reading.is_on && is_strobe;
+        r->reading.is_on = r->reading.is_on && is_beside_reading(frame);
         take_command(r, frame);
     } else if (frame->id == CAMTURN_BLOCK_FRAME_ID) {
         r->reading.is_on = false;

@@ -10,7 +10,7 @@
 ///   sender does not have it (cam_rights.h), with cam_err_command if it is unknown. Frames with
 ///   other ids are ignored.
 /// - read_scope alone is answered later, when its data has been sent (cam_reading.h). A block, or
-///   any command but strobe, aborts it unanswered.
+///   any command but strobe and heartbeat, aborts it unanswered.
 /// - Answers that do not fit the transmit queue are kept, and nothing is read until they are sent.
 /// - A silent bus also stops the commander's heartbeats: a second later the cut ends as by stop.
 /// - A table that fails its check does not keep the controller from starting. Until one is

@@ -197,6 +197,9 @@ static void test_a_command_ends_a_piece_and_a_new_recording_too(void)
     fixture_can_receive(0x700, 8, get_scope, cam_scope_field_every, 0);
     go_on(5);
     TEST_ASSERT_TRUE(f.can.reading.is_on);
+    fixture_can_receive(0x640, 8, beat, 0, 0);
+    go_on(5);
+    TEST_ASSERT_TRUE(f.can.reading.is_on);
     fixture_can_receive(0x640, 8, get_scope, cam_scope_field_every, 0);
     go_on(400);
     TEST_ASSERT_EQUAL_UINT32(0, last.id);
