@@ -147,15 +147,6 @@ static void test_home_homes_and_homes_anew(void)
     loop_until(cam_state_ready);
 }
 
-static void test_get_knows_every_parameter(void)
-{
-    cam_params_t usual = cam_param_defaults();
-    usual.ripple_turns = 8;
-    for (int i = 0; i < cam_n_params; i++) {
-        expect_answer(cam_ok, cam_param_get(&usual, (cam_param_id_t)i), get, (uint8_t)i, 0);
-    }
-}
-
 static void test_unknown_commands_have_an_error_of_their_own(void)
 {
     static const uint8_t commands[][2] = {{0, 3}, {18, 0}, {199, 0}, {255, 255}};
@@ -201,18 +192,6 @@ static void test_bus_off_stops_nothing_and_ends(void)
 }
 
 // All parameters
-
-static void test_staged_parameters_come_into_force_by_commit(void)
-{
-    expect_answer(cam_err_params_begin, 0, stage, cam_param_lead_ns, 62000);
-    expect_answer(cam_err_params_begin, 0, commit, 0, 0);
-    expect_answer(cam_ok, 0, begin_params, 0, 0);
-    expect_answer(cam_ok, 62000, stage, cam_param_lead_ns, 62000);
-    expect_answer(cam_err_param_id, 0, stage, 255, 1);
-    TEST_ASSERT_EQUAL_INT32(100000, f.rig.machine.params.lead_ns);
-    expect_answer(cam_ok, 1, commit, 0, 0);
-    TEST_ASSERT_EQUAL_INT32(62000, f.rig.machine.params.lead_ns);
-}
 
 static void test_saved_parameters_are_reverted_to(void)
 {
