@@ -12,7 +12,7 @@ The folder must be empty; lathe and panel see no other live lathe of this comput
 import json
 import re
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,35 +30,52 @@ _ADDRESS = re.compile(r"(http://\S+)/#token=(\S+)")
 
 
 @dataclass
-class PanelSession:
-    """Lathe and panel while both run.
+class Panel:
+    """A panel while it runs.
 
     Attributes
     ----------
-    lathe, panel : Background
-        tools/live, to which faults are typed, and tools/panel
+    panel : Background
+        tools/panel
     origin, token : str
-        where the panel is served, without a path, and what its commands need
-    witness : Link
-        a link of the test's own: what it hears the panel has not touched
-    live : LiveLathe
-        by which others of this user find the controller
+        where it is served, without a path, and what its commands need
     log : Path
-        of the panel's commands; beside it are the folders parts and runs
+        of its commands; beside it are the folders parts and runs
     """
 
-    lathe: Background
     panel: Background
     origin: str
     token: str
-    witness: Link
-    live: LiveLathe
     log: Path
 
     @property
     def url(self) -> str:
         """The address that gives the token to the page."""
         return f"{self.origin}/#token={self.token}"
+
+    def logged(self) -> list[dict[str, Any]]:
+        """Return the lines of the log of commands."""
+        lines = self.log.read_text("utf-8").splitlines() if self.log.exists() else []
+        return [json.loads(line) for line in lines]
+
+
+@dataclass
+class PanelSession(Panel):
+    """Lathe and panel while both run.
+
+    Attributes
+    ----------
+    lathe : Background
+        tools/live, to which faults are typed
+    witness : Link
+        a link of the test's own: what it hears the panel has not touched
+    live : LiveLathe
+        by which others of this user find the controller
+    """
+
+    lathe: Background
+    witness: Link
+    live: LiveLathe
 
     def status(self) -> Status:
         """Return the controller's status, not older than this call."""
@@ -88,14 +105,20 @@ class PanelSession:
             self.witness.rights.release()
             self.witness.wait(lambda: False, _CALM_S)
 
-    def logged(self) -> list[dict[str, Any]]:
-        """Return the lines of the panel's log of commands."""
-        lines = self.log.read_text("utf-8").splitlines() if self.log.exists() else []
-        return [json.loads(line) for line in lines]
-
     def text(self) -> str:
         """Return all that lathe and panel have said."""
         return f"--- lathe\n{self.lathe.text()}\n--- panel\n{self.panel.text()}\n"
+
+
+@contextmanager
+def panel_alone(folder: Path, *words: str | Path) -> Iterator[Panel]:
+    """Run tools/panel with some options on a free port; it finds the live lathe of a folder."""
+    log = folder / "commands.jsonl"
+    command = python("camtools.cli.panel", "--port", "0", "--log", log, "--keep", folder, *words)
+    with background(*command, XDG_RUNTIME_DIR=str(folder)) as panel:
+        address = _ADDRESS.search(panel.wait_for("#token="))
+        assert address is not None, panel.text()
+        yield Panel(panel, address[1], address[2], log)
 
 
 @contextmanager
@@ -111,14 +134,8 @@ def panel_session(
     live_words, panel_words : list of str or Path
         options of tools/live and tools/panel
     """
-    log = folder / "commands.jsonl"
-    panel_command = python(
-        "camtools.cli.panel", "--port", "0", "--log", log, "--keep", folder, *panel_words
-    )
-    with ExitStack() as stack:
-        case = stack.enter_context(live_case(folder, *live_words))
-        panel = stack.enter_context(background(*panel_command, XDG_RUNTIME_DIR=str(folder)))
-        address = _ADDRESS.search(panel.wait_for("#token="))
-        assert address is not None, panel.text()
+    with live_case(folder, *live_words) as case, panel_alone(folder, *panel_words) as one:
         (announced,) = live_lathes(folder / "camturn")
-        yield PanelSession(case.lathe, panel, address[1], address[2], case.link, announced, log)
+        yield PanelSession(
+            one.panel, one.origin, one.token, one.log, case.lathe, case.link, announced
+        )

@@ -136,29 +136,6 @@ def test_unknown_stack_is_refused(
 
 @needs_gcc
 @pytest.mark.parametrize(
-    "table", ["tbb [pc, r0]\n2: .byte", "tbh [pc, r0, lsl #1]\n2: .hword"], ids=["tbb", "tbh"]
-)
-def test_jump_tables_are_followed(tmp_path: Path, table: str) -> None:
-    """A loop that one case of a switch closes is a loop."""
-    ways = "(3f - 2b) / 2, (4f - 2b) / 2"
-    source = assembled(f"1: cmp r0, #1\nbhi 4f\n{table} {ways}\n3: b 1b\n4: bx lr")
-    image = link(tmp_path, source)
-    assert "has no bound: root" in only_problem(examined(image))
-    assert examined(image, "root").problems == []
-
-
-@needs_gcc
-def test_constants_after_a_jump_table_are_no_targets(tmp_path: Path) -> None:
-    """The compiler may put constants of the function directly after the table."""
-    source = assembled(
-        "cmp r0, #1\nbhi 4f\ntbb [pc, r0]\n1: .byte (2f - 1b) / 2, (3f - 1b) / 2\n"
-        ".byte 0, 0xC6\n.word 0x200E13D0\n2: nop\n3: nop\n4: bx lr"
-    )
-    assert examined(link(tmp_path, source)).problems == []
-
-
-@needs_gcc
-@pytest.mark.parametrize(
     "body", ["return n < 2 ? n : root(n - 1) + root(n - 2);", "return deeper(n) * 3;"]
 )
 def test_recursion_is_refused(tmp_path: Path, body: str) -> None:
@@ -172,66 +149,69 @@ def test_recursion_is_refused(tmp_path: Path, body: str) -> None:
     assert any("recursion" in problem and "root" in problem for problem in report.problems)
 
 
-@needs_gcc
-@pytest.mark.parametrize(
-    ("source", "problem"),
-    [
-        ("int (*volatile f)(int); int root(int n) { return f(n) + 1; }", "indirect call"),
-        ("int (*volatile f)(int); int root(int n) { return f(n); }", "indirect jump"),
-        (assembled("ldr pc, [r0]"), "indirect jump"),
-        (assembled("ldmia r0, {r1, pc}"), "indirect jump"),
-        (assembled("tbb [r1, r0]"), "indirect jump"),
-        (assembled("tbb [pc, r0]\nnop"), "jump table not found"),
-        (
-            """__attribute__((naked, used)) void other(void) { __asm volatile("nop\\nbx lr"); }
-            __attribute__((naked, used)) void root(void) { __asm volatile("b other + 2"); }""",
-            "leads to what is no function",
-        ),
-    ],
-)
-def test_unknown_targets_are_refused(tmp_path: Path, source: str, problem: str) -> None:
-    """Pointers, whether called or jumped to, and jumps into the middle of a function."""
-    assert only_problem(examined(link(tmp_path, source))).endswith(problem)
+def switch(table: str) -> str:
+    """Return a root() with a jump table, one case of which closes a loop."""
+    ways = "(3f - 2b) / 2, (4f - 2b) / 2"
+    return assembled(f"1: cmp r0, #1\nbhi 4f\n{table} {ways}\n3: b 1b\n4: bx lr")
 
 
-@needs_gcc
-@pytest.mark.parametrize("ending", ["popeq {r4, pc}", "bxeq lr", "beq other"])
-def test_conditional_ends_are_passed(tmp_path: Path, ending: str) -> None:
-    """A return or a jump to another function in an IT block may be skipped, into a loop."""
+def conditional(ending: str) -> str:
+    """Return a root() that leaves its loop in an IT block, which may be skipped."""
     other = '__attribute__((noinline, used)) void other(void) { __asm volatile("nop"); }'
-    source = other + assembled(f"1: cmp r0, #0\nit eq\n{ending}\nb 1b")
-    assert "has no bound: root" in only_problem(examined(link(tmp_path, source)))
+    return other + assembled(f"1: cmp r0, #0\nit eq\n{ending}\nb 1b")
 
 
-@needs_gcc
-def test_jumps_back_are_loops_only_if_they_come_round(tmp_path: Path) -> None:
-    """The compiler puts rare code at the end of a function, from where it jumps back."""
-    source = assembled("cbz r0, 2f\n1: bx lr\n2: nop\nb 1b")
-    assert examined(link(tmp_path, source)).problems == []
-
-
-@needs_gcc
-def test_loop_without_bound_is_refused(tmp_path: Path) -> None:
-    """The report says which function the loop stands in, and its line."""
-    image = link(tmp_path, LOOP)
-    assert "has no bound: root (tiny.c:1)" in only_problem(examined(image))
-    assert examined(image, "root").loops == ["root (tiny.c:1): the test says so"]
-
-
-@needs_gcc
-def test_loop_with_two_entries_is_found(tmp_path: Path) -> None:
-    """Whichever entry comes first."""
-    source = assembled("cbz r0, 2f\n1: subs r0, #1\n2: adds r0, #2\nbne 1b\nbx lr")
-    assert "has no bound" in only_problem(examined(link(tmp_path, source)))
-
-
-@needs_gcc
-def test_inlined_loop_is_known_by_the_function_that_writes_it(tmp_path: Path) -> None:
-    """A bound belongs to the source function, wherever the compiler puts its loop."""
-    source = """
-        volatile int g[8];
+# What leads where: a source, its one problem or "", and the function whose bound solves it.
+FLOWS = [
+    (switch("tbb [pc, r0]\n2: .byte"), "has no bound: root", "root"),
+    (switch("tbh [pc, r0, lsl #1]\n2: .hword"), "has no bound: root", "root"),
+    # The compiler may put constants of the function directly after the table.
+    (
+        assembled(
+            "cmp r0, #1\nbhi 4f\ntbb [pc, r0]\n1: .byte (2f - 1b) / 2, (3f - 1b) / 2\n"
+            ".byte 0, 0xC6\n.word 0x200E13D0\n2: nop\n3: nop\n4: bx lr"
+        ),
+        "",
+        "",
+    ),
+    # Pointers, whether called or jumped to, and jumps into the middle of a function.
+    ("int (*volatile f)(int); int root(int n) { return f(n) + 1; }", "indirect call", ""),
+    ("int (*volatile f)(int); int root(int n) { return f(n); }", "indirect jump", ""),
+    (assembled("ldr pc, [r0]"), "indirect jump", ""),
+    (assembled("ldmia r0, {r1, pc}"), "indirect jump", ""),
+    (assembled("tbb [r1, r0]"), "indirect jump", ""),
+    (assembled("tbb [pc, r0]\nnop"), "jump table not found", ""),
+    (
+        """__attribute__((naked, used)) void other(void) { __asm volatile("nop\\nbx lr"); }
+        __attribute__((naked, used)) void root(void) { __asm volatile("b other + 2"); }""",
+        "leads to what is no function",
+        "",
+    ),
+    *((conditional(end), "bound: root", "") for end in ("popeq {r4, pc}", "bxeq lr", "beq other")),
+    # The compiler puts rare code at the end of a function, from where it jumps back.
+    (assembled("cbz r0, 2f\n1: bx lr\n2: nop\nb 1b"), "", ""),
+    (LOOP, "has no bound: root (tiny.c:1)", "root"),
+    # Two entries, whichever comes first.
+    (assembled("cbz r0, 2f\n1: subs r0, #1\n2: adds r0, #2\nbne 1b\nbx lr"), "has no bound", ""),
+    # A bound belongs to the source function, wherever the compiler puts its loop.
+    (
+        """volatile int g[8];
         static inline void fill(int n) { for (int i = 0; i < n; i++) { g[i] = i; } }
-        void root(int n) { fill(n & 7); }"""
+        void root(int n) { fill(n & 7); }""",
+        "root: loop",
+        "fill",
+    ),
+]
+
+
+@needs_gcc
+@pytest.mark.parametrize(("source", "problem", "bounded"), FLOWS)
+def test_calls_jumps_and_loops_are_followed(
+    tmp_path: Path, source: str, problem: str, bounded: str
+) -> None:
+    """What cannot be followed, or has no bound, is refused."""
     image = link(tmp_path, source)
-    assert "root: loop" in only_problem(examined(image))
-    assert examined(image, "fill").problems == []
+    if problem:
+        assert problem in only_problem(examined(image))
+    if bounded or not problem:
+        assert examined(image, bounded).problems == []

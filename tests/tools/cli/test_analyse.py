@@ -97,6 +97,7 @@ def test_corner_is_studied_too() -> None:
     assert len(rows(found["refit_candidates.csv"])) == 16
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command writes tables and pictures and tells the essentials."""
     assert main([str(PERKINS), "-o", str(tmp_path / "out")]) == 0

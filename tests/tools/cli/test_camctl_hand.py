@@ -9,6 +9,7 @@ import time
 import pytest
 
 from tests.tools.cases.camctl_bench import Bench, Refusal, act_when
+from tests.tools.cases.camsim_cases import ROOT
 
 
 def places(bench: Bench) -> dict[str, tuple[float, float, bool]]:
@@ -131,3 +132,33 @@ def test_an_emergency_stop_ends_a_jog(bench: Bench, refusal: Refusal) -> None:
     line = refusal(bench, 1, "jog z + --speed 5 --seconds 5")
     assert "state" in line
     assert "state             fault" in bench.do("status")
+
+
+def by_hand() -> list[str]:
+    """Return the commands of the manual's section on axes by hand, without tools/camctl."""
+    manual = (ROOT / "tools" / "docs" / "CAMCTL.md").read_text("utf-8")
+    section = manual.partition("\n## By hand, from power-on to the first cut\n")[2]
+    block = section.partition("\n## ")[0]
+    lines = [line.partition("#") for line in block.splitlines() if line.startswith("    ")]
+    found = []
+    for line, _, comment in lines:
+        # Nobody is there to press control-C.
+        end = " --seconds 0.3" if comment.startswith(" until control-C") else ""
+        found += [f"{one.strip()}{end}" for one in line.split("&&")]
+    assert all(one.startswith("tools/camctl ") for one in found)
+    return [one.removeprefix("tools/camctl ") for one in found]
+
+
+def test_the_manual_from_power_on_to_the_first_cut(bench: Bench) -> None:
+    """Its commands by hand succeed as they are printed; they leave the axes where they belong."""
+    commands = by_hand()
+    assert {"home u", "home x", "home z", "zero z --height 0"} <= set(commands)
+    for name, value in (("u_home", 2), ("x_home", 2), ("x_home_nm", 61_000_000), ("z_home", 1)):
+        bench.do("set", name, str(value))
+    for one in commands:
+        bench.do(*one.split())
+    now = places(bench)
+    assert all(homed for _, _, homed in now.values())
+    radius_mm = now["x"][1] - now["u"][0]
+    assert (radius_mm, now["z"][1]) == pytest.approx((40.006, 0.0), abs=2e-6)
+    assert "state             off" in bench.do("status")

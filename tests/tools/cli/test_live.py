@@ -8,7 +8,6 @@ import re
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -27,9 +26,8 @@ PART = ROOT / "tools" / "parts" / "perkins240.toml"
 class Live(Background):
     """tools/live as a process."""
 
-    def __init__(self, folder: Path, *words: str) -> None:
-        more = {"XDG_RUNTIME_DIR": str(folder)}
-        super().__init__(python("camtools.cli.live", PART, *words), more)
+    def __init__(self, *words: str) -> None:
+        super().__init__(python("camtools.cli.live", PART, *words), {})
         self.wait_for(" real time")
         self.wait_for("for your own programs with python-can: export CAN_INTERFACE=")
         self.wait_for("control-C ends")
@@ -41,12 +39,10 @@ class Live(Background):
 
 
 @contextmanager
-def living(folder: Path, *words: str) -> Iterator[Live]:
+def living(*words: str) -> Iterator[Live]:
     """Run tools/live, which must leave neither process nor file behind."""
-    live = Live(folder, *words)
-    lathes = [
-        one for one in live_lathes(folder / "camturn") if one.facts["pid"] == live.process.pid
-    ]
+    live = Live(*words)
+    lathes = [one for one in live_lathes() if one.facts["pid"] == live.process.pid]
     try:
         yield live
     finally:
@@ -67,20 +63,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     assert not list(tmp_path.glob("camturn/*"))
 
 
-@pytest.fixture(scope="module")
-def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Live]]:
-    """Run one lathe for the tests of a session; each begins and ends in off."""
-    folder = tmp_path_factory.mktemp("live")
-    with living(folder) as live:
-        yield folder, live
-    assert not list(folder.glob("camturn/*"))
-
-
 @pytest.fixture
-def live(shared: tuple[Path, Live], folder: Path, monkeypatch: pytest.MonkeyPatch) -> Live:
-    """Return that lathe, which commands find."""
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(shared[0]))
-    return shared[1]
+def live(folder: Path) -> Iterator[Live]:
+    """Run a lathe."""
+    with living() as one:
+        yield one
 
 
 def run(*words: str | Path) -> tuple[int, str]:
@@ -154,42 +141,14 @@ def test_a_session_as_an_operator_has_it(
     until(lambda: run("disable") == (0, "disable: off\n"), "off")
 
 
-def by_hand() -> list[str]:
-    """Return the commands of the manual's section on axes by hand, without tools/camctl."""
-    manual = (ROOT / "tools" / "docs" / "CAMCTL.md").read_text("utf-8")
-    section = manual.partition("\n## By hand, from power-on to the first cut\n")[2]
-    block = section.partition("\n## ")[0]
-    lines = [line.partition("#") for line in block.splitlines() if line.startswith("    ")]
-    found = []
-    for line, _, comment in lines:
-        # Nobody is there to press control-C.
-        end = " --seconds 0.3" if comment.startswith(" until control-C") else ""
-        found += [f"{one.strip()}{end}" for one in line.split("&&")]
-    assert all(one.startswith("tools/camctl ") for one in found)
-    return [one.removeprefix("tools/camctl ") for one in found]
-
-
-def test_the_manual_from_power_on_to_the_first_cut(live: Live) -> None:
-    """Its commands by hand, as they are printed, succeed on a live lathe."""
-    commands = by_hand()
-    assert {"home u", "home x", "home z", "zero z --height 0"} <= set(commands)
-    for one in commands:
-        # A late computer has the axis braked after 250 ms, which a second try forgives.
-        until(partial(succeeds, *one.split()), one)
-    assert len(re.findall(r", homed$", do("where"), re.MULTILINE)) == 3
-    assert do("home") == "home: ready\n"
-    assert do("disable") == "disable: off\n"
-
-
-def test_two_live_lathes_and_their_deaths(
-    shared: tuple[Path, Live], live: Live, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.long
+def test_two_live_lathes_and_their_deaths(live: Live, capsys: pytest.CaptureFixture[str]) -> None:
     """Without a name camctl says which there are; each bus is its own.
 
     A lathe that is killed is a fault of drives and bus, and the controller continues. When a
     controller is killed, the drives brake to rest; camctl has nobody to talk to.
     """
-    with living(shared[0], "--name", "other") as other:
+    with living("--name", "other") as other:
         assert run("status")[0] == 2
         assert (
             "2 live lathes are running: other, perkins240; give --live NAME"

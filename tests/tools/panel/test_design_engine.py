@@ -107,34 +107,48 @@ async def edits_are_done_one_after_the_other(engine: Engine) -> None:
         await page.seat.edit("a = 1\n", ["a", "b"], 1)
 
 
-def test_one_process_serves_every_page() -> None:
-    """The newest change wins, pages take turns, and no edit is dropped."""
-    acts = (newest_change_wins, waiting_page_is_served_between, edits_are_done_one_after_the_other)
-    acted(PreviewLimits(workers=1), *acts)
+async def memory_is_limited_and_nothing_is_written(engine: Engine) -> None:
+    """Send hostile parts: each ends as a problem of its own, whatever it asks for."""
+    nested = "a = " + "[" * 100_000
+    many = text_of("camshaft").replace("z_mm = [0, 3]", "z_mm = [" + "0," * 200_000 + "3]")
+    long_name = "[part]\nname = " + '"' + "x" * 900_000 + '"\n'
+    page = Page(engine)
+    for text in (nested, many, long_name, "\x00", "\ud800", "[part]\nkind = 1\n", "x" * 2**21):
+        page.ask(text)
+        await page.until(lambda one: one["stage"] in ("problems", "lost"))
+        await asyncio.sleep(0)
+    page.ask(text_of("perkins240"))
+    await page.done()
+    limits = Path(f"/proc/{(await idle(engine)).pid}/limits").read_text()
+    [line] = [one for one in limits.splitlines() if one.startswith("Max file size")]
+    assert line.split()[3:5] == ["0", "0"]
 
 
-def test_a_process_that_dies_is_replaced() -> None:
+async def process_that_dies_is_replaced(engine: Engine) -> None:
     """Killed while it waits or while it computes: the page is served again."""
+    page = Page(engine)
+    page.ask(text_of("perkins240"))
+    assert (await page.done())["stage"] == "done"
+    process = await idle(engine)
+    process.kill()
+    await process.wait()
+    page.ask(text_of("perkins240"), 3.0)
+    assert (await page.done())["stage"] == "done"
+    page.ask(text_of("16v240zj"))
+    await page.until(lambda one: one["stage"] == "curves")
+    engine._busy[0].process.kill()
+    lost = await page.done()
+    assert lost["stage"] == "lost"
+    assert "started anew" in lost["problems"][0]["text"]
+    page.ask(text_of("perkins240"), 4.0)
+    assert (await page.done())["stage"] == "done"
 
-    async def act(engine: Engine) -> None:
-        page = Page(engine)
-        page.ask(text_of("perkins240"))
-        assert (await page.done())["stage"] == "done"
-        process = await idle(engine)
-        process.kill()
-        await process.wait()
-        page.ask(text_of("perkins240"), 3.0)
-        assert (await page.done())["stage"] == "done"
-        page.ask(text_of("16v240zj"))
-        await page.until(lambda one: one["stage"] == "curves")
-        engine._busy[0].process.kill()
-        lost = await page.done()
-        assert lost["stage"] == "lost"
-        assert "started anew" in lost["problems"][0]["text"]
-        page.ask(text_of("perkins240"), 4.0)
-        assert (await page.done())["stage"] == "done"
 
-    acted(PreviewLimits(workers=1), act)
+def test_one_process_serves_every_page() -> None:
+    """The newest change wins, pages take turns, no edit is dropped, and what dies is replaced."""
+    acts = (newest_change_wins, waiting_page_is_served_between, edits_are_done_one_after_the_other)
+    last = (memory_is_limited_and_nothing_is_written, process_that_dies_is_replaced)
+    acted(PreviewLimits(workers=1, memory_mb=1024), *acts, *last)
 
 
 def test_what_takes_too_long_is_given_up() -> None:
@@ -148,24 +162,3 @@ def test_what_takes_too_long_is_given_up() -> None:
         assert "takes more than 0.4 s" in lost["problems"][0]["text"]
 
     acted(PreviewLimits(workers=1, time_s=0.4), act)
-
-
-def test_memory_is_limited_and_nothing_is_written() -> None:
-    """A hostile part ends as a problem of its own, whatever it asks for."""
-    nested = "a = " + "[" * 100_000
-    many = text_of("camshaft").replace("z_mm = [0, 3]", "z_mm = [" + "0," * 200_000 + "3]")
-    long_name = "[part]\nname = " + '"' + "x" * 900_000 + '"\n'
-
-    async def act(engine: Engine) -> None:
-        page = Page(engine)
-        for text in (nested, many, long_name, "\x00", "\ud800", "[part]\nkind = 1\n", "x" * 2**21):
-            page.ask(text)
-            await page.until(lambda one: one["stage"] in ("problems", "lost"))
-            await asyncio.sleep(0)
-        page.ask(text_of("perkins240"))
-        await page.done()
-        limits = Path(f"/proc/{(await idle(engine)).pid}/limits").read_text()
-        [line] = [one for one in limits.splitlines() if one.startswith("Max file size")]
-        assert line.split()[3:5] == ["0", "0"]
-
-    acted(PreviewLimits(workers=1, memory_mb=1024), act)

@@ -87,6 +87,7 @@ def test_figures_and_words() -> None:
     assert sorted(products("camshaft")[1]) == names
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_command_writes_tables_and_pictures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
