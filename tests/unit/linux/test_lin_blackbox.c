@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // The file of the black box: kept, found again, forgotten, and what else may lie there.
 #include "lin_blackbox.h"
-#include "unity.h"
-#include <stdio.h>  // fopen, snprintf
-#include <stdlib.h> // mkdtemp
-#include <string.h> // memcpy
-#include <unistd.h> // access, rmdir, truncate, unlink
+#include "lin_disk_bench.h"
 
-static char folder[32], table[64], file[96];
+static char file[120];
 static common_error_t e;
+
+void suiteSetUp(void)
+{
+    disk_open();
+    (void)snprintf(file, sizeof file, "%s.blackbox", path);
+}
+
+int suiteTearDown(int n_failures)
+{
+    (void)unlink(file);
+    disk_close();
+    return n_failures;
+}
 
 void setUp(void)
 {
-    (void)snprintf(folder, sizeof folder, "/tmp/lin_blackbox.XXXXXX");
-    TEST_ASSERT_NOT_NULL(mkdtemp(folder));
-    (void)snprintf(table, sizeof table, "%s/table", folder);
-    (void)snprintf(file, sizeof file, "%s.blackbox", table);
-    lin_blackbox_open(table, &e);
-}
-
-void tearDown(void)
-{
     (void)unlink(file);
-    (void)rmdir(folder);
+    lin_blackbox_open(path, &e);
 }
 
 static void test_without_a_file_there_is_memory_and_nothing_kept(void)
@@ -41,7 +41,7 @@ static void test_words_that_are_kept_are_at_the_begin_after_a_restart(void)
     lin_blackbox_keep(&words[1000], 3000, &e);
     TEST_ASSERT_EQUAL_STRING("", e.text);
     memset(words, 0, 5000 * sizeof *words);
-    lin_blackbox_open(table, &e);
+    lin_blackbox_open(path, &e);
     TEST_ASSERT_EQUAL_STRING("", e.text);
     TEST_ASSERT_EQUAL_UINT32(3000, lin_blackbox_memory().n_kept);
     for (int32_t i = 0; i < 3000; i++) {
@@ -67,7 +67,7 @@ static void test_a_file_of_another_kind_is_told_and_not_taken(void)
         TEST_ASSERT_NOT_NULL(f);
         (void)fclose(f);
         TEST_ASSERT_EQUAL_INT(0, truncate(file, sizes[i]));
-        lin_blackbox_open(table, &e);
+        lin_blackbox_open(path, &e);
         TEST_ASSERT_NOT_NULL(strstr(e.text, "not a black box; remove it"));
         TEST_ASSERT_EQUAL_UINT32(0, lin_blackbox_memory().n_kept);
     }
@@ -75,7 +75,8 @@ static void test_a_file_of_another_kind_is_told_and_not_taken(void)
 
 static void test_a_folder_that_is_gone_is_told(void)
 {
-    (void)rmdir(folder);
+    TEST_ASSERT_EQUAL_INT(0, rmdir(folder));
     lin_blackbox_keep(lin_blackbox_memory().words, 10, &e);
     TEST_ASSERT_NOT_NULL(strstr(e.text, file));
+    TEST_ASSERT_EQUAL_INT(0, mkdir(folder, 0700));
 }

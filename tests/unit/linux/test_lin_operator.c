@@ -1,30 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's button, key and secret: what the configuration says, and whom the file lets in.
 #include "lin_operator.h"
-#include "unity.h"
-#include <stdio.h>    // snprintf
-#include <stdlib.h>   // mkdtemp
-#include <string.h>   // memcmp
-#include <sys/stat.h> // chmod
-#include <unistd.h>   // symlink, unlink
+#include "lin_disk_bench.h"
 
 static lin_config_t config;
 static common_error_t e;
-static char folder[] = "/tmp/test_lin_operator_XXXXXX";
-
 void suiteSetUp(void)
 {
-    if (mkdtemp(folder) == NULL) {
-        abort();
-    }
+    disk_open();
 }
 
 int suiteTearDown(int n_failures)
 {
-    char file[sizeof config.secret_file];
-    (void)snprintf(file, sizeof file, "%s/secret", folder);
-    (void)unlink(file);
-    (void)rmdir(folder);
+    disk_close();
     return n_failures;
 }
 
@@ -36,7 +24,7 @@ void setUp(void)
 
 static void write_secret(const char *text, mode_t mode)
 {
-    (void)snprintf(config.secret_file, sizeof config.secret_file, "%s/secret", folder);
+    (void)snprintf(config.secret_file, sizeof config.secret_file, "%s", path);
     (void)unlink(config.secret_file); // one that may only be read would stay
     FILE *file = fopen(config.secret_file, "w");
     TEST_ASSERT_NOT_NULL(file);
@@ -108,7 +96,7 @@ static void test_what_is_no_file_of_its_own_is_refused(void)
     char link[sizeof config.secret_file];
     write_secret("0123456789abcdef", 0600);
     (void)snprintf(link, sizeof link, "%s/link", folder);
-    TEST_ASSERT_EQUAL_INT(0, symlink("secret", link));
+    TEST_ASSERT_EQUAL_INT(0, symlink(path, link));
     memcpy(config.secret_file, link, sizeof link);
     refused("link: ");
     (void)unlink(link);

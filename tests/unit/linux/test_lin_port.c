@@ -2,38 +2,27 @@
 // Small parts of the Linux port: due times, places of lines, the phases of the end, the reason of a
 // halt.
 #include "hal/hal.h"
+#include "lin_disk_bench.h"
 #include "lin_halt_text.h"
 #include "lin_period.h"
 #include "lin_place.h"
 #include "lin_stop.h"
-#include "unity.h"
-#include <errno.h>  // EBUSY
-#include <stdio.h>  // fopen
-#include <stdlib.h> // mkdtemp
-#include <string.h> // strstr
-#include <unistd.h> // unlink
+#include <errno.h> // EBUSY
 
 static common_error_t error;
-static char folder[] = "/tmp/test_lin_port.XXXXXX";
-static char path[100];
-
 void suiteSetUp(void)
 {
-    if (mkdtemp(folder) == NULL) {
-        abort();
-    }
-    (void)snprintf(path, sizeof path, "%s/table", folder);
+    disk_open();
 }
 
 void setUp(void)
 {
-    (void)unlink(path);
+    disk_begin();
 }
 
 int suiteTearDown(int n_failures)
 {
-    setUp();
-    (void)rmdir(folder);
+    disk_close();
     return n_failures;
 }
 
