@@ -110,26 +110,24 @@ def test_virtual_time_gives_the_same_bytes_twice(kernel: Kernel, play: Play) -> 
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("inject", "faults", "within_s"),
+    ("inject", "within_s"),
     [
-        ("heartbeat-lost@0.2:2", {"bus", "drive"}, 0.11),
-        ("encoder-repeated@0.2:1", {"encoder_jump"}, 0.003),
-        ("encoder-swapped@0.2:1", {"encoder_jump"}, 0.004),
-        ("encoder-late@0.2:1700", {"encoder_jump"}, 0.004),
+        ("encoder-repeated@0.2:1", 0.003),
+        ("encoder-swapped@0.2:1", 0.004),
+        ("encoder-late@0.2:1700", 0.004),
     ],
 )
-def test_trouble_on_the_bus_ends_in_its_fault(
-    inject: str, faults: set[str], within_s: float, kernel: Kernel, play: Play
+def test_wrong_frames_of_the_encoder_end_in_its_fault(
+    inject: str, within_s: float, kernel: Kernel, play: Play
 ) -> None:
     """The fault is latched in time, the tool leaves the work, the drives rest disabled."""
     result = play("cut_on", "--inject", inject, feed_mm=10)
     assert result.summary["end"] == "fault" and result.seen["state"] == "fault"
-    assert set(result.summary["faults"]) & faults, result.summary["faults"]
+    assert "encoder_jump" in result.summary["faults"]
     after_s = fault_after_s(result, 0.2)
-    gouge_um = result.summary["cut"]["gouge_um"]
     print(f"{inject}: {result.summary['faults']} after {after_s * 1e3:.1f} ms")
     if "drive" not in result.summary["faults"]:  # else nothing can be retracted
-        assert gouge_um < 1
+        assert result.summary["cut"]["gouge_um"] < 1
     if kernel.is_own:
         assert 0 <= after_s <= within_s
 

@@ -26,7 +26,7 @@ INDEX_WIDTH = 3  # .. and ends so many counts later
 TICK_HZ = 20_000
 TIMER_HZ = 240_000_000
 TICK_CLOCKS = TIMER_HZ // TICK_HZ  # of TIM5
-RAMP_RPM_PER_S = 1_000_000
+RAMP_COUNTS = 0.4  # change of the spindle's counts from tick to tick, within the guard's window
 OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
 STEPS = {  # timer, steps with their alternate function, direction
     "X": (16, "PB8", 1, "PB6"),
@@ -199,7 +199,7 @@ class Board:
     def _turn_spindle(self, enable: int) -> None:
         if not self.is_held:
             left = (self.wanted(3) / 1000 if enable else 0.0) - self.rpm
-            ramp_rpm = RAMP_RPM_PER_S / self.tick_hz
+            ramp_rpm = RAMP_COUNTS / COUNTS_PER_TURN * 60 * self.tick_hz
             self.rpm += max(-ramp_rpm, min(ramp_rpm, left))
         self._turn(self.rpm / 60 / self.tick_hz)
 

@@ -128,7 +128,7 @@ def steps(axis: str, value_nm: int) -> int:
 
 
 def positions(axis: str, setpoints: Iterable[int], enabled: Iterable[int]) -> list[int]:
-    """Return where a drive stands behind every tick, by the rules of stm_steps.h.
+    """Return where a drive stands after every tick, by the rules of stm_steps.h.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ enum { n_barriers = 8192 };
 /// Shared with bus.py (InsnClock), same order.
 typedef struct {
     uint64_t now;      ///< [cycles] since power-on, sleep included
-    uint64_t deadline; ///< [cycles] the instruction that would begin at or behind it does not run
+    uint64_t deadline; ///< [cycles] the instruction that would begin at or after it does not run
     int (*stop)(void *engine);
     uint64_t barrier_at;           ///< [cycles] when the last instruction DSB began
     uint32_t barriers[n_barriers]; ///< addresses of all of them, each at its place

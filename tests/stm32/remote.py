@@ -148,7 +148,7 @@ class Remote:
         assert self.chip.run_until(is_retracted, self.chip.seconds(seconds)), "no retract ends"
 
     def started(self) -> Status:
-        """Wait for the first status behind a reset, and return it."""
+        """Wait for the first status after a reset, and return it."""
         n = len(self.frames(STATE))
         assert self.chip.run_until(lambda: len(self.frames(STATE)) > n, 200_000_000), (
             f"no status comes, the image is in {self.chip.function_at(self.chip.pc)}"

@@ -84,7 +84,7 @@ def test_position_switches_follow_the_angle(cut: Session) -> None:
 
 
 def test_every_step_is_the_hosts(cut: Session) -> None:
-    """X and Z stand behind every tick where the host's set-points lead, to the step."""
+    """X and Z follow the host's set-points in every tick, to the step."""
     host = replay(cut.records, cut.changes, n_before=1)
     enabled = [done.outputs & ENABLE_BIT for done in host]
     for i, axis in enumerate(("X", "Z")):
@@ -96,7 +96,7 @@ def test_every_step_is_the_hosts(cut: Session) -> None:
 
 
 def test_steps_are_the_set_points(cut: Session) -> None:
-    """Only a tick in which the direction turns is behind its set-point; the next one is not."""
+    """Only a tick in which the direction turns lags its set-point; the next one does not."""
     in_cut = [(record, seen) for record, seen in ticks_of(cut) if seen.in_cut]
     first, start = in_cut[0]
     for i, (axis, name) in enumerate((("X", "out_x_nm"), ("Z", "out_z_nm"))):
@@ -126,7 +126,7 @@ def test_steps_keep_the_times_of_a_drive(cut: Session) -> None:
         assert stepper.shortest.hold > 240
 
 
-def test_all_outputs_step_30_us_behind_the_tick(cut: Session) -> None:
+def test_all_outputs_step_30_us_after_the_tick(cut: Session) -> None:
     """Four frames per tick, all in before /LDAC falls, always at the same time."""
     events, starts = cut.board.events, cut.board.tick_at
     steps = [event.at for event in events if event.what == "step" and event.at > starts[0]]
