@@ -70,12 +70,6 @@ static void test_move_takes_the_highest_speed_from_which_it_can_brake(void)
     TEST_ASSERT_EQUAL_INT32(limits.speed_q10, m.vel_q10);
 }
 
-static void test_move_faster_than_allowed_brakes_to_the_limit(void)
-{
-    cam_axis_motion_t m = {.vel_q10 = 3 * limits.speed_q10};
-    (void)drive(&m, INT64_C(4000000000), 100000);
-}
-
 /// A speed that one step reaches: the last step is no faster, and a speed beyond the limit by less
 /// than a step falls to the limit, not through 0.
 static void test_move_slower_than_a_step_of_acceleration_keeps_its_speed(void)
@@ -87,18 +81,6 @@ static void test_move_slower_than_a_step_of_acceleration_keeps_its_speed(void)
         TEST_ASSERT_TRUE(m.vel_q10 >= 0 && m.vel_q10 <= slow.speed_q10);
     }
     TEST_ASSERT_EQUAL_INT64(60500, m.pos_q10);
-}
-
-static void test_move_random_starts_and_targets_always_arrive(void)
-{
-    fixture_random_t dice = {.state = 5};
-    for (int i = 0; i < 2000; i++) {
-        cam_axis_motion_t m = {
-            .pos_q10 = fixture_random_range(&dice, -600000000, 600000000),
-            .vel_q10 = (int32_t)fixture_random_range(&dice, -limits.speed_q10, limits.speed_q10),
-        };
-        (void)drive(&m, fixture_random_range(&dice, -600000000, 600000000), 20000);
-    }
 }
 
 /// Of any limits, a step of acceleration above the speed as well, no step is faster than the speed,

@@ -59,6 +59,14 @@ static void test_of_another_sender_only_reading_and_stop_are_obeyed(void)
     TEST_ASSERT_EQUAL_UINT32(session, f.rig.machine.rights.session);
 }
 
+static void test_an_old_session_is_void(void)
+{
+    const uint8_t old = session;
+    fixture_can_take(&f);
+    TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, by(me, old, enable, 0).result);
+    expect_answer(cam_ok, 0, enable, 0, 0);
+}
+
 static void test_take_command_answers_who_has_it_or_the_session(void)
 {
     fixture_answer_t answer = by(other, 0, take, 0);
