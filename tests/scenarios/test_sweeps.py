@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Faults at many moments of a cut: a stuck encoder, an emergency stop with a slow drive."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.scenarios.cuts import Outcome
+
+TableOf = Callable[[str], Path]
+GOUGE_UM = 3.0
+STUCK_TURNS = (2.03, 2.21, 2.37, 2.44, 2.71, 2.86)  # after the full amplitude is reached
+CUTS = [
+    *(("perkins240", rpm) for rpm in (20, 50, 110, 230, 400, 700, 1100, 1900, 3000)),
+    *(("perkins240_equal_volume", rpm) for rpm in (60, 230)),
+    pytest.param("perkins240", 10, marks=pytest.mark.long),
+    pytest.param("perkins240_equal_volume", 25, marks=pytest.mark.long),
+]
+ESTOPS_S = [0.03 + 0.0137 * i for i in range(8)]
+SLOW = """[machine]
+name = "slow"
+tick_hz = {}
+[u]
+bandwidth_hz = {}
+damping = {}
+friction_m_per_s2 = {}
+stroke_mm = {}
+"""
+
+
+@pytest.mark.parametrize(("part", "rpm"), CUTS)
+def test_stuck_encoder_costs_no_part(table_of: TableOf, part: str, rpm: int) -> None:
+    """The fault is latched, and the tool was nowhere deeper than 3 um below the drawing."""
+    words = ("--rpm", str(rpm), "--feed", "1", "--set", "rehearse_turns=0", "--inject")
+    for turns in STUCK_TURNS:
+        cut = Outcome(table_of(part), *words, f"encoder-stuck@{turns * 60.0 / rpm}")
+        assert cut.status == 1, cut.message
+        assert {"spindle_stopped", "encoder_jump"} & set(cut.summary["first_faults"])
+        assert cut.summary["cut"]["gouge_um"] <= GOUGE_UM
+
+
+@pytest.mark.parametrize("stroke_mm", [0.63, 0.75, 0.9, 1.0])
+@pytest.mark.parametrize(
+    "drive", [(10000, 85, 0.7, 1.0), (10000, 85, 1.0, 0.0), (4000, 120, 0.5, 1.0)]
+)
+def test_slow_drive_keeps_a_short_stroke(
+    table_of: TableOf, tmp_path: Path, drive: tuple[float, ...], stroke_mm: float
+) -> None:
+    """A cut ends without a fault, and an emergency stop at any time without a second one."""
+    machine = tmp_path / "slow.toml"
+    machine.write_text(SLOW.format(*drive, stroke_mm), encoding="utf-8")
+    words = ("--machine", machine, "--rpm", "300", "--feed", "4")
+    for inject in ((), *(("--inject", f"estop@{at_s}") for at_s in ESTOPS_S)):
+        cut = Outcome(table_of("perkins240"), *words, *inject)
+        assert cut.status == len(inject) // 2, cut.message
+        assert cut.summary["faults"] == ["estop"][: len(inject)]
