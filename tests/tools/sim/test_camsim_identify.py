@@ -190,8 +190,10 @@ def lathe(folder: Path, friction_m_per_s2: float) -> Path:
 
 def pulse(force_n: float) -> npt.NDArray[np.float64]:
     """Return +, -, -, + of 8 ms each, between 1 ms without force."""
-    rest = np.zeros(REST_TICKS)
-    return np.r_[rest, force_n * np.repeat([1.0, -1.0, -1.0, 1.0], PULSE_TICKS), rest]
+    senses = np.repeat(
+        [0.0, 1.0, -1.0, -1.0, 1.0, 0.0], [REST_TICKS, *[PULSE_TICKS] * 4, REST_TICKS]
+    )
+    return np.asarray(force_n * senses)
 
 
 @pytest.mark.parametrize("sense", [1, -1])
