@@ -286,6 +286,7 @@ static void test_trace_and_no_table(void)
     params.encoder_sign = -1;
     config.generation = 4711;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, hz, clock_hz));
+    TEST_ASSERT_NULL(config.play.table);
     TEST_ASSERT_GREATER_THAN_UINT32(0, config.trace_room);
     TEST_ASSERT_EQUAL_INT64(INT64_C(-500000) * 1024, config.play.u_retract_q10);
     TEST_ASSERT_EQUAL_INT32(1 << 30, config.play.phase_q32); // in the sense of the drawing

@@ -63,29 +63,6 @@ static void test_constants_of_the_drive_stay_within_what_can_be_learned(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_phase, INT32_MAX));
 }
 
-/// Each kind of value has a range of its own; what is beyond leaves the old one.
-static void test_values_beyond_their_range_leave_the_old_ones(void)
-{
-    static const struct {
-        uint32_t index;
-        int32_t good, bad[2];
-    } cases[] = {
-        {cam_ilc_value_speed, 1 << 26, {(1 << 26) + 1, -1}},
-        {cam_ilc_value_masked, 5, {1 << 29, INT32_MIN}},
-        {cam_ilc_value_correction, cam_ilc_most_nm * 64, {cam_ilc_most_nm * 64 + 1, INT32_MIN}},
-        {cam_ilc_value_gain + 1, INT16_MIN, {INT16_MIN - 1, INT16_MAX + 1}},
-        {cam_ilc_value_ripple, cam_ripple_most, {cam_ripple_most + 1, INT32_MAX}},
-    };
-    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cases[i].index, cases[i].good));
-        for (int k = 0; k < 2; k++) {
-            TEST_ASSERT_EQUAL_INT(cam_err_param_range,
-                                  set_learned(cases[i].index, cases[i].bad[k]));
-            TEST_ASSERT_EQUAL_INT32(cases[i].good, learned(cases[i].index));
-        }
-    }
-}
-
 /// A constant of the drive or a delay that is set anew ends what was learned on top of it; another
 /// parameter does not.
 static void test_new_constants_of_the_drive_forget_what_was_learned(void)
@@ -238,19 +215,6 @@ static void test_why_nothing_is_learned_is_known(void)
     TEST_ASSERT_EQUAL_INT(cam_ilc_modulated, cam_machine_learning(m).reason);
     m->has_table = false;
     TEST_ASSERT_EQUAL_INT(cam_ilc_no_table, cam_machine_learning(m).reason);
-}
-
-/// As far as there is one.
-static void test_harmonics_are_read(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_correction, 64 * 64));
-    TEST_ASSERT_EQUAL_INT(cam_ok, set_learned(cam_ilc_value_masked, 4));
-    TEST_ASSERT_EQUAL_INT32(64 * 64, cam_ilc_harmonic(&rig.machine.ilc, 0).correction_q6.re);
-    TEST_ASSERT_FALSE(cam_ilc_harmonic(&rig.machine.ilc, 1).is_masked);
-    TEST_ASSERT_TRUE(cam_ilc_harmonic(&rig.machine.ilc, 2).is_masked);
-    const cam_ilc_harmonic_t beyond = cam_ilc_harmonic(&rig.machine.ilc, cam_ilc_terms);
-    TEST_ASSERT_EQUAL_INT32(0, beyond.correction_q6.re);
-    TEST_ASSERT_FALSE(beyond.is_masked);
 }
 
 /// Turns of 1000 ticks in a rehearsal, of which nothing but the gather knows.

@@ -65,16 +65,6 @@ static void test_build_times_and_gains_are_ticks(void)
     }
 }
 
-static void test_build_limits_too_fast_for_a_slow_tick_are_lowered(void)
-{
-    params.u_speed_um_per_s = 10000000;
-    params.u_acceleration_mm_per_s2 = 10000000;
-    params.observer_bandwidth_mHz = 25000;
-    build(500);
-    TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.u.speed_q10);
-    TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.u.acceleration_q10);
-}
-
 /// Parameters are the drawing's angles, the configuration counts in the sense of cutting.
 static void test_build_angles_turn_and_wrap(void)
 {
@@ -154,12 +144,6 @@ static void test_build_cam_keeps_clear_of_its_lobes(void)
     TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm); // of 1.25 times its amplitude
     TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.play.u_retract_q10);
     TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.guard.u_retract_q10);
-}
-
-static void test_build_without_a_table_has_none(void)
-{
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
-    TEST_ASSERT_NULL(config.play.table);
 }
 
 static void test_build_a_hold_is_compensated_where_there_is_feed_forward(void)
