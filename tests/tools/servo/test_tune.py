@@ -315,14 +315,15 @@ def test_a_loop_is_set_over_can_and_measured(
 ) -> None:
     """From a weak loop on; the report of the second run has the margins of the loop that was set.
 
-    A drive file gives the limits of the force.
+    A drive file gives the limits of the force. The lathe runs at half the speed of the clock, as on a
+    slow machine.
     """
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     machine, limits = tmp_path / "weak.toml", tmp_path / "coil.toml"
     machine.write_text(_MACHINE.read_text("utf-8") + _WEAK, "utf-8")
     limits.write_text("force_limit_n = 450.0\ncontinuous_n = 200.0\n")
     words = [str(limits), "--bus", "-o", str(tmp_path / "out")]
-    with live_case(tmp_path, "--machine", machine) as live:
+    with live_case(tmp_path, "--machine", machine, "--speed-up", "0.5") as live:
         live.order("enable", "ready")
         live.link.rights.release()
         assert main([*words, "--apply"]) == 0
