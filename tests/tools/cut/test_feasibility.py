@@ -206,7 +206,10 @@ def test_skirts_are_judged_alike() -> None:
     assert slower.decides == "u_acceleration_mm_s2"
 
 
-@pytest.mark.parametrize("text", [NARROW, TURNED], ids=["ground", "turned"])
+@pytest.mark.parametrize(
+    "text",
+    [pytest.param(NARROW, id="ground"), pytest.param(TURNED, id="turned", marks=pytest.mark.long)],
+)
 def test_firmware_and_tool_judge_alike(text: str, tmp_path: Path) -> None:
     """Largest feed within 2 %, told before motion; the cut at it has no fault."""
     table = written(Made(KIND, made(text)), tmp_path)
