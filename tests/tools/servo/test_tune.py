@@ -315,8 +315,8 @@ def test_a_loop_is_set_over_can_and_measured(
 ) -> None:
     """From a weak loop on; the report of the second run has the margins of the loop that was set.
 
-    A drive file gives the limits of the force. The lathe runs at half the speed of the clock, as on a
-    slow machine.
+    A drive file gives the limits of the force. The lathe runs at half the speed of the clock, as on
+    a slow machine.
     """
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     machine, limits = tmp_path / "weak.toml", tmp_path / "coil.toml"
