@@ -104,9 +104,9 @@ def _end(number: int, _frame: FrameType | None) -> None:
     raise KeyboardInterrupt(signal.Signals(number).name)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:
-    """Run a live lathe and the panel of its controller."""
+    """Run a live lathe and the panel of its controller for the tests of a file."""
     before = signal.signal(signal.SIGTERM, _end)
     with panel_session(tmp_path_factory.mktemp("panel"), LONG_CUT) as one:
         yield one
