@@ -128,6 +128,7 @@ def test_c_program_finds_the_library(tmp_path: Path) -> None:
     assert run(tmp_path / "installed" / "bin" / "camsim", "--version") == f"camsim {VERSION}\n"
 
 
+@pytest.mark.long
 def test_port_outside_this_tree(tmp_path: Path) -> None:
     """A folder anywhere is a port: hal/template has every function that the firmware calls."""
     shutil.copytree(TEMPLATE, tmp_path / "my port")

@@ -81,7 +81,9 @@ def test_a_page_that_is_known_by_its_identifier_cannot_be_stolen(session: Panel)
         until_logged(session, "release", 1)
 
 
-@pytest.mark.parametrize("path", ["/", "/design", "/runs"])
+@pytest.mark.parametrize(
+    "path", ["/", *(pytest.param(one, marks=pytest.mark.long) for one in ("/design", "/runs"))]
+)
 def test_a_viewer_who_sends_every_event_of_his_page_does_nothing(session: Panel, path: str) -> None:
     """Hidden and disabled buttons, too: rights are checked where orders are carried out."""
     page = RawPage(session.origin, path)
@@ -180,6 +182,7 @@ def is_closed(line: socket.socket) -> bool:
         return True
 
 
+@pytest.mark.long
 def test_idle_connections_are_bounded_and_ended(session: Panel) -> None:
     """Who sends a byte at a time, or nothing, is dropped; then others are served again."""
     place = urlsplit(session.origin)

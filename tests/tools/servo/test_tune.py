@@ -379,21 +379,28 @@ def test_a_stiff_loop_is_refused_for_a_pulse(capsys: pytest.CaptureFixture[str])
     assert len(lines) == 1 and "servo_force_limit_mn is 600000" in lines[0], lines
 
 
+@pytest.mark.parametrize(
+    ("crossover_hz", "says"),
+    [
+        (0, "servo_crossover_hz = 0: U takes positions, or"),
+        pytest.param(50, "no force was recorded, so its U takes positions", marks=pytest.mark.long),
+    ],
+)
 def test_a_drive_that_takes_positions_is_refused(
-    bench: Bench, capsys: pytest.CaptureFixture[str]
+    bench: Bench, capsys: pytest.CaptureFixture[str], crossover_hz: int, says: str
 ) -> None:
     """By its parameters before it moves, or by the force that was not recorded."""
     words = ["--bus", "--interface", "virtual", "--channel", bench.channel]
     ready(bench)
-    for crossover_hz, says in (
-        (0, "servo_crossover_hz = 0: U takes positions, or"),
-        (50, "no force was recorded, so its U takes positions"),
-    ):
-        bench.do("set", "servo_crossover_hz", str(crossover_hz))
-        capsys.readouterr()
-        assert main(words) == 2
-        lines = capsys.readouterr().err.splitlines()
-        assert len(lines) == 1 and says in lines[0] and "use tools/identify" in lines[0], lines
+    bench.do("set", "servo_crossover_hz", str(crossover_hz))
+    capsys.readouterr()
+    assert main(words) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1 and says in lines[0] and "use tools/identify" in lines[0], lines
+
+
+def test_a_machine_that_takes_positions_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    """By its parameters."""
     assert main(["--machine", "default"]) == 2
     assert "tune: default: servo_crossover_hz = 0" in capsys.readouterr().err
 
