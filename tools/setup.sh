@@ -13,6 +13,9 @@ export OPENBLAS_NUM_THREADS=1
 unset PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX=$camturn_root/build/pycache
 
+# Results are equal to the bit by the project's own options alone.
+unset CFLAGS CPPFLAGS LDFLAGS
+
 # cmake unpacks archives by wrong names in a path with an umlaut, when the locale is C.
 export LC_ALL=C.UTF-8
 
@@ -161,7 +164,7 @@ camturn_build() {
         flock 9
         if ! camturn_cmake "$@" 3>&2 >"$log" 2>&1; then
             cat "$log" >&2
-            camturn_say "build/$1 failed (see above, or build/$1.log)"
+            camturn_say "build/$1 failed (see above, or build/$1.log); rm -r build/$1 if a file in it is damaged"
             exit 1
         fi
     ) 9>"$camturn_root/build/$1.lock"
@@ -171,10 +174,10 @@ camturn_cmake() {
     local dir=$camturn_root/build/$1
     cd "$camturn_root" || return
     # The simulator alone needs neither Unity nor the programs of the tests. A build folder that was left
-    # half-configured, or that moved with its clone, starts afresh.
+    # half-configured or is damaged, or that moved with its clone, starts afresh.
     local testing=ON
     [[ ${2-} == @(simulator|judge_library) ]] && testing=OFF
-    if [[ ! -f $dir/build.ninja ]] ||
+    if ! ninja -C "$dir" -t query all >/dev/null 2>&1 ||
         ! grep -sqxF "CMAKE_HOME_DIRECTORY:INTERNAL=$camturn_root" "$dir/CMakeCache.txt"; then
         camturn_say "configuring and building build/$1" 2>&3
         cmake --preset "$1" --fresh -D "BUILD_TESTING=$testing" || return

@@ -258,8 +258,8 @@ static void send_sample(cam_can_t *r, uint32_t tick)
 
 // The loop
 
-/// @return whether a frame is a command that others send at any time: it lets a piece go on
-static bool is_beside_reading(const hal_can_frame_t *frame)
+/// @return whether a command may arrive while a piece is sent without ending it
+static bool is_allowed_while_reading(const hal_can_frame_t *frame)
 {
     const uint8_t command = frame->n > 0u ? frame->data[at_command] : 0u;
     return command == CAMTURN_COMMAND_COMMAND_STROBE_CHOICE ||
@@ -272,7 +272,7 @@ static bool is_beside_reading(const hal_can_frame_t *frame)
 static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick)
 {
     if (frame->id == CAMTURN_COMMAND_FRAME_ID) {
-        r->reading.is_on = r->reading.is_on && is_beside_reading(frame);
+        r->reading.is_on = r->reading.is_on && is_allowed_while_reading(frame);
         take_command(r, frame);
     } else if (frame->id == CAMTURN_BLOCK_FRAME_ID) {
         r->reading.is_on = false;

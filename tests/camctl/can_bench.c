@@ -5,9 +5,9 @@
 // bench_drive and bench_bus fail a drive and the bus of the drives, and bench_key turns the key
 // switch, which is on at the start and turned anew for each commander. From bench_force on the port
 // has an output of force; U still follows its set-points. Its word may be a secret: then the
-// controller demands the button, and the secret unlocks it. On a computer that is too busy for real
-// time virtual time falls behind and does not catch up, which no tool could follow. Ends with its
-// input.
+// controller demands the button, and the secret unlocks it. On a busy
+// computer virtual time falls behind the clock; it never runs faster to catch up, since no tool
+// could follow it then. Ends with its input.
 #include "cam_machine_scope.h" // cam_machine_blackbox
 #include "fixture_can.h"
 #include "hal_host.h"

@@ -79,7 +79,7 @@ bool fuzz_rig_is_traced(void)
                 (long long)(member));
 #include "ranges_walk.h"
 
-/// The configuration changes rarely: it is looked at once for each number of it.
+/// The configuration changes rarely: each generation of it is checked once.
 static void walk(void)
 {
     static uint32_t walked;

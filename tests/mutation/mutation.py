@@ -91,6 +91,13 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--files", nargs="+", help="draw from these files only")
     parser.add_argument("--tree", type=Path, default=ROOT, help="another clone to judge")
     asked = parser.parse_args(words)
+    if asked.count < 1 or asked.jobs < 1:
+        parser.error("--count and --jobs: give at least 1")
+    if not (asked.tree / "firmware").is_dir():
+        parser.error(f"--tree {asked.tree}: give a clone of this project")
+    for name in asked.files or ():
+        if name not in sources(asked.tree):
+            parser.error(f"--files {name}: give sources such as firmware/tick/cam_tick.c")
     tree, verify = asked.tree.resolve(), ROOT / "build" / "verify"
     folders = [tree / "build" / "mutation" / str(i) for i in range(asked.jobs)]
     verify.mkdir(parents=True, exist_ok=True)

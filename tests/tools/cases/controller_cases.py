@@ -2,7 +2,6 @@
 """A service of the panel with visitors, over a bus within this process."""
 
 import asyncio
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -48,7 +47,8 @@ class Seat:
     def _open(self) -> Link:
         if not self.is_bus_there:
             raise CamtoolsError(["no bus: start tools/live"])
-        return Link(can.Bus(interface="virtual", channel=self.channel), "the bench")
+        self._link = Link(can.Bus(interface="virtual", channel=self.channel), "the bench")
+        return self._link
 
     def connect(self) -> None:
         """Wait for the status."""
@@ -86,7 +86,7 @@ class Seat:
     def place(self, axis: str = "x") -> float:
         """Return where an axis is, by a status that is yet to come."""
         name = {"u": "u_actual"}.get(axis, axis)
-        seen_s = time.monotonic()
-        # its page comes every 0.25 s
-        until(lambda: self.service.snapshot().at_s > seen_s + 0.35, "a page of axes")
+        status = self._link.status
+        n_rows = status.n_rows + 40  # its page comes every 25 rows
+        until(lambda: status.n_rows >= n_rows, "a page of axes")
         return self.service.snapshot().signals[name]

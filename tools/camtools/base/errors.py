@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 
 _MAX_VALUE_CHARS = 60
-_NOT_SHOWABLE = re.compile(r"[^\x20-\x7e]")
 _ONLY_NUMBERS = re.compile(r"(?:[-+0-9.eE,; \t]|nan|inf)*")
 
 
@@ -35,8 +34,12 @@ def numbers_shown(line: str) -> str | None:
 
 
 def one_line(text: str) -> str:
-    """Return text with every character that could break a terminal line replaced by '?'."""
-    return _NOT_SHOWABLE.sub("?", text)
+    """Return text with every character that could break a terminal line replaced by '?'.
+
+    >>> one_line("Drehbänke" + chr(27) + "[2J")
+    'Drehbänke?[2J'
+    """
+    return "".join(one if one.isprintable() else "?" for one in text)
 
 
 class CamtoolsError(Exception):

@@ -30,6 +30,7 @@ _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 _PREFIX, _SUFFIX = ".run.", ".tmp"
 _NEW_S = 1.0  # between making and locking a hidden folder nobody else may remove it
 _MOST_LINKS = 40  # as the kernel
+_MOST_TRIES = 9
 
 
 @contextmanager
@@ -126,6 +127,16 @@ def _hidden(folder: Path) -> Iterator[Path]:
             shutil.rmtree(place, ignore_errors=True)
 
 
+def _begun(stack: ExitStack, output: Path) -> Path:
+    """Make a folder and a hidden one in it, again where another run removes the empty one."""
+    for _ in range(_MOST_TRIES):
+        with suppress(FileNotFoundError):
+            stack.enter_context(_made(output))
+            return stack.enter_context(_hidden(output))
+    stack.enter_context(_made(output))
+    return stack.enter_context(_hidden(output))
+
+
 def _rename(finished: Mapping[Path, Path]) -> None:
     """Give every finished file its name, or none of them."""
     targets = {path: _target(name) for path, name in finished.items()}
@@ -202,8 +213,7 @@ def staged(output: Path) -> Iterator[Stage]:
     with ExitStack() as stack:
         try:
             with signals_held():
-                stack.enter_context(_made(output))
-                folder = stack.enter_context(_hidden(output))
+                folder = _begun(stack, output)
         except OSError as error:
             raise cannot_write(output, error) from error
         yield Stage(output, folder)

@@ -11,7 +11,7 @@ import contextlib
 import time
 from collections.abc import Callable, Iterator
 
-from camtools.link.controller import Link
+from camtools.link.controller import PERIOD_S, Link
 from camtools.link.messages import NAMES, Refused
 from camtools.link.refusal_text import ask_done
 from camtools.link.settings import parameter
@@ -19,7 +19,7 @@ from camtools.link.settings import parameter
 AXES = {"u": 0, "x": 1, "z": 2}
 REPEAT_S = 0.1  # an order holds for 250 ms
 USUAL_MM_PER_S = 1.0
-_BEGIN_S, _PAGES_S = 1.0, 1.0
+_BEGIN_S, _PAGES_S = 1.0, 1.0  # of the controller's own time
 _LONGEST_S = 3600.0
 END_TEXTS = {
     "interrupted": "interrupted; the axis has stopped",
@@ -83,7 +83,7 @@ def _braked(link: Link) -> Iterator[None]:
 def _orders(link: Link) -> float:
     """Return the number of orders that were begun, as a page tells that is yet to come."""
     link.status.signals.pop("hand_orders", None)
-    if not link.wait(lambda: "hand_orders" in link.status.signals, _PAGES_S):
+    if not link.wait_in_its_time(lambda: "hand_orders" in link.status.signals, _PAGES_S):
         link.listen()
     return link.status.signals["hand_orders"]
 
@@ -106,7 +106,7 @@ def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
     before = _orders(link)
     with _braked(link):
         ask_done(link, command, AXES[axis], **value)
-        begun_s = time.monotonic()
+        begun_s, rows = time.monotonic(), link.status.n_rows
         is_begun, due_s = False, begun_s + REPEAT_S
         while time.monotonic() - begun_s < _LONGEST_S:
             link.wait(lambda: False, min(REPEAT_S, max(0.0, due_s - time.monotonic())))
@@ -118,7 +118,7 @@ def carry_out(link: Link, command: str, axis: str, **value: float) -> str:
             if not is_begun and link.status.signals.get("hand_orders", before) != before:
                 is_begun = True
                 link.status.signals.pop("hand_end", None)  # a page of before tells another order's
-            if not is_begun and time.monotonic() - begun_s > _BEGIN_S:
+            if not is_begun and (link.status.n_rows - rows) * PERIOD_S > _BEGIN_S:
                 raise Refused(
                     f"{command.replace('_', ' ')} {axis}: the order did not start; try again"
                 )

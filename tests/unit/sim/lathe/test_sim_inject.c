@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hal_host.h" // hal_host
 #include "sim_port.h"
+#include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <string.h> // strstr
 
@@ -69,11 +71,43 @@ static void test_parse_refuses_what_is_wrong(void)
     refused("late-tick@1:0", "takes percent");
 }
 
+static void test_apply_reaches_the_port(void)
+{
+    happen("estop@0");
+    happen("drive@0");
+    happen("bus@0");
+    TEST_ASSERT_EQUAL_HEX32(hal_in_estop | hal_in_bus_lost, hal_host.in.inputs);
+    happen("late-tick@0:80");
+    TEST_ASSERT_EQUAL_UINT32(8000u, hal_host.late_clocks);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 40e-6, port.late_s);
+}
+
+static void test_apply_reaches_the_clock(void)
+{
+    happen("clock-drift@0:-1000");
+    happen("tick-jitter@0:40");
+    happen("tick-burst@0:30");
+    happen("tick-twice@0:5");
+    TEST_ASSERT_TRUE(port.clock.drift == -1e-3 && port.clock.jitter == 0.4);
+    TEST_ASSERT_TRUE(port.clock.burst == 0.3 && port.clock.twice == 0.05);
+}
+
 /// @return the encoder's reading a hundredth of a turn further on
 static hal_encoder_t read_on(void)
 {
     port.lathe.spindle.turn += 0.01; // 100 counts
     return sim_lathe_encoder(&port.lathe);
+}
+
+static void test_apply_reaches_the_encoder(void)
+{
+    const uint32_t counts = sim_lathe_encoder(&port.lathe).counts;
+    happen("lost-counts@0:7");
+    TEST_ASSERT_EQUAL_UINT32(counts + 100u - 7u, read_on().counts);
+    happen("encoder-jump@0:9");
+    TEST_ASSERT_EQUAL_UINT32(counts + 200u + 2u, read_on().counts);
+    happen("encoder-stuck@0");
+    TEST_ASSERT_EQUAL_UINT32(counts + 200u + 2u, read_on().counts);
 }
 
 static void test_index_copies_the_counter_with_its_faults_until_it_dies(void)
@@ -90,4 +124,22 @@ static void test_index_copies_the_counter_with_its_faults_until_it_dies(void)
     const hal_encoder_t dead = sim_lathe_encoder(&port.lathe);
     TEST_ASSERT_EQUAL_UINT32(behind.n_index, dead.n_index);
     TEST_ASSERT_EQUAL_UINT32(behind.index_counts, dead.index_counts);
+}
+
+static void test_apply_reaches_the_lathe(void)
+{
+    happen("z-offset@0:-0.5");
+    sim_port_sense(&port);
+    TEST_ASSERT_EQUAL_INT32(-500000, hal_host.in.axis_nm[hal_axis_z]);
+    happen("u-block@0");
+    TEST_ASSERT_TRUE(port.lathe.drive[hal_axis_u].is_blocked);
+    happen("swing-block@0");
+    TEST_ASSERT_TRUE(port.lathe.drive[sim_lathe_swing].is_blocked);
+    happen("spindle-speed@0:60");
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -SIM_TWO_PI,
+                              port.lathe.forced_rad_per_s); // sense of cutting is -1
+    happen("spindle-stop@0");
+    TEST_ASSERT_TRUE(port.lathe.is_speed_forced && port.lathe.forced_rad_per_s == 0.0);
+    happen("reverse@0");
+    TEST_ASSERT_TRUE(port.lathe.is_reversed);
 }
