@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from checks.patience import until
 from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.test_recorder import read
 from tests.tools.cases.part_cases import ROOT
@@ -313,13 +314,13 @@ def test_mesa_step_drive_is_enabled_where_u_stands(mesa: Halbox) -> None:
     values = "unlinkp camturn.drive-enable\nsets u-fb 0.1\nsets u-step-fb 0.03\n"
     assert mesa.load((off + values).format("hm2_5i25.0")) == 0, mesa.said()
 
-    def command_mm() -> float:
-        time.sleep(0.05)
-        return float(mesa.get("hm2_5i25.0.stepgen.02.position-cmd"))
+    def commands(mm: float) -> None:
+        command = "hm2_5i25.0.stepgen.02.position-cmd"
+        until(lambda: float(mesa.get(command)) == pytest.approx(mm), f"{mm} mm")
 
-    assert command_mm() == pytest.approx(0.03)
+    commands(0.03)
     assert mesa.load("sets u-enable 1\nsets u-fb 0.2\nsets u-step-fb 0.13\n") == 0
-    assert command_mm() == pytest.approx(0.13)
+    commands(0.13)
     assert float(mesa.get("u-offset.out")) == pytest.approx(-0.07)
     assert mesa.load("unlinkp camturn.u-cmd\nsets u-cmd 0.3\n") == 0  # by hand: RETROFIT, step 5
-    assert command_mm() == pytest.approx(0.23)
+    commands(0.23)

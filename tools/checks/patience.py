@@ -19,7 +19,7 @@ SLOWNESS = "CAMTURN_SLOWNESS"  # environment: tools/run_steps.py measures once f
 _REFERENCE_S = 0.4  # that measure() takes on an idle core of a 2020 server
 _N_STEPS = 5_600_000
 _MOST = 20.0
-_LIMIT_S = 60.0  # on such a core, for events that usually come within a second
+_LIMIT_S = 300.0  # on such a core: long, since other programs may begin during the tests
 
 
 def measure() -> float:

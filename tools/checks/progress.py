@@ -45,7 +45,8 @@ def work(processes: list[psutil.Process]) -> Work:
     for process in processes:
         with contextlib.suppress(*_GONE):
             cpu_s += sum(process.cpu_times()[:4])
-            n_written += process.io_counters().write_chars
+            if hasattr(process, "io_counters"):  # some kernels do not count
+                n_written += process.io_counters().write_chars
     return Work(cpu_s, n_written)
 
 
