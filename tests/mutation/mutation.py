@@ -95,9 +95,8 @@ def main(words: list[str] | None = None) -> int:
         parser.error("--count and --jobs: give at least 1")
     if not (asked.tree / "firmware").is_dir():
         parser.error(f"--tree {asked.tree}: give a clone of this project")
-    for name in asked.files or ():
-        if name not in sources(asked.tree):
-            parser.error(f"--files {name}: give sources such as firmware/tick/cam_tick.c")
+    if unknown := set(asked.files or ()) - set(sources(asked.tree)):
+        parser.error(f"--files {min(unknown)}: give sources such as firmware/tick/cam_tick.c")
     tree, verify = asked.tree.resolve(), ROOT / "build" / "verify"
     folders = [tree / "build" / "mutation" / str(i) for i in range(asked.jobs)]
     verify.mkdir(parents=True, exist_ok=True)

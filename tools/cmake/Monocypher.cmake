@@ -45,7 +45,7 @@ function(cam_monocypher_fetch)
     file(WRITE ${dir}/requirement.txt
         "pymonocypher==${monocypher_version} --hash=sha256:${monocypher_sha256}\n")
     message(STATUS "Monocypher: from the Python package pymonocypher ${monocypher_version}")
-    foreach(isolation IN ITEMS --no-build-isolation --use-pep517) # the first is quicker by far
+    foreach(isolation IN ITEMS --no-build-isolation "") # the first is quicker by far
         execute_process(
             COMMAND ${CAM_PYTHON} -m pip download -q --disable-pip-version-check --no-input --no-deps
                 --no-binary pymonocypher --require-hashes -r ${dir}/requirement.txt -d ${dir} ${isolation}

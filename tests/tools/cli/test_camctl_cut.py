@@ -10,7 +10,7 @@ from tests.tools.cases.camctl_bench import Bench, Refusal
 def test_feed_is_overridden_held_and_goes_on(
     bench: Bench, refusal: Refusal, tmp_path: Path
 ) -> None:
-    """The state tells of the hold; the part ends whole and is counted; the speed stays."""
+    """The state shows the hold; the part ends whole and is counted; the speed stays."""
     bench.do("home")
     assert bench.do("parts", "7") == "parts = 7\n"
     assert bench.do("override", "feed", "20") == "override feed = 20 %\n"

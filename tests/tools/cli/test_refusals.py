@@ -102,13 +102,13 @@ REFUSALS = {
 
 
 @pytest.mark.parametrize(
-    ("command", "words", "told"),
+    ("command", "words", "message"),
     [(command, *row) for command, rows in REFUSALS.items() for row in rows],
 )
 def test_what_is_wrong_is_one_line(
     command: str,
     words: str,
-    told: str,
+    message: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -117,5 +117,5 @@ def test_what_is_wrong_is_one_line(
     monkeypatch.chdir(tmp_path)
     name, *first = command.split()
     line = complaint(import_module(f"camtools.cli.{name}").main, [*first, *words.split()], capsys)
-    assert line.startswith(f"{name}: ") and told in line
+    assert line.startswith(f"{name}: ") and message in line
     assert listing(tmp_path) == []

@@ -174,7 +174,7 @@ def test_cluster_cuts_the_same() -> None:
     """Outcomes of a scheduler's workers, of several threads each, are those of this process.
 
     The cluster is in processes that are not ours, as on other computers; without a worker it is
-    refused, and the line tells how to start one.
+    refused, and the line says how to start one.
     """
     from distributed import LocalCluster
 

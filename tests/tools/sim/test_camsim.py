@@ -293,7 +293,7 @@ def test_run_leaves_nothing_when_the_disk_is_full(table: Path, tmp_path: Path) -
 
 
 def test_every_parameter_is_there(table: Path, tmp_path: Path) -> None:
-    """In the order of the list, behind the tick rate; what is set counts."""
+    """After the tick rate, in the order of the list, with the values that were set."""
     machine = tmp_path / "m.toml"
     machine.write_text("[machine]\ntick_hz = 25000\n[controller]\nk1_ns = 700000\n", "ascii")
     done = camsim("params", table, "--machine", machine, "--set", "lead_ns=5000")

@@ -30,7 +30,6 @@ _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 _PREFIX, _SUFFIX = ".run.", ".tmp"
 _NEW_S = 1.0  # between making and locking a hidden folder nobody else may remove it
 _MOST_LINKS = 40  # as the kernel
-_MOST_TRIES = 9
 
 
 @contextmanager
@@ -129,12 +128,10 @@ def _hidden(folder: Path) -> Iterator[Path]:
 
 def _begun(stack: ExitStack, output: Path) -> Path:
     """Make a folder and a hidden one in it, again where another run removes the empty one."""
-    for _ in range(_MOST_TRIES):
+    while True:
+        stack.enter_context(_made(output))
         with suppress(FileNotFoundError):
-            stack.enter_context(_made(output))
             return stack.enter_context(_hidden(output))
-    stack.enter_context(_made(output))
-    return stack.enter_context(_hidden(output))
 
 
 def _rename(finished: Mapping[Path, Path]) -> None:
