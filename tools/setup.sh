@@ -191,6 +191,6 @@ camturn_cmake() {
 camturn_setup() {
     camturn_apt gcc libc6-dev cmake ninja-build git pkg-config xz-utils libcjson-dev libinih-dev
     camturn_venv "$@"
-    export PYTHONPATH=$camturn_root/tools:$camturn_root${PYTHONPATH:+:$PYTHONPATH}
+    export PYTHONPATH=$camturn_root/tools:$camturn_root # another one would come before build/venv
     export CAMTURN_BUILD=$camturn_root/build/host
 }

@@ -46,6 +46,7 @@ def test_the_first_table_is_recorded(table: Path, shape: Shape) -> None:
     assert found == recorded("resolution")
 
 
+@pytest.mark.long
 def test_bounds_hold(exact_um: float) -> None:
     """No row is worse than its bound and what is left anyway; those of X and the delay are met."""
     for what, value, found, bound in recorded("resolution")[1:]:

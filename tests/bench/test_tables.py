@@ -51,6 +51,7 @@ def test_table_is_small_and_keeps_what_its_header_promises(name: str, tmp_path: 
     assert (bounds.u_min_nm, bounds.u_max_nm) == pytest.approx((low, high), abs=20)
 
 
+@pytest.mark.long
 def test_making_a_table_loads_what_it_needs(tmp_path: Path) -> None:
     """What draws, reports and speaks to controllers costs a table's maker no start-up time."""
     code = "import sys; from camtools.cli.mktables import main; main(sys.argv[1:]); "

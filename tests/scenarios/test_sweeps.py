@@ -29,6 +29,7 @@ stroke_mm = {}
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("part", "rpm"), CUTS)
 def test_stuck_encoder_costs_no_part(table_of: TableOf, part: str, rpm: int) -> None:
     """The fault is latched, and the tool was nowhere deeper than 3 um below the drawing."""
@@ -40,6 +41,7 @@ def test_stuck_encoder_costs_no_part(table_of: TableOf, part: str, rpm: int) -> 
         assert cut.summary["cut"]["gouge_um"] <= GOUGE_UM
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stroke_mm", [0.63, 0.75, 0.9, 1.0])
 @pytest.mark.parametrize(
     "drive", [(10000, 85, 0.7, 1.0), (10000, 85, 1.0, 0.0), (4000, 120, 0.5, 1.0)]

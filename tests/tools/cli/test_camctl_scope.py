@@ -103,6 +103,7 @@ def test_a_trigger_has_rows_before_it(
     assert json.loads(table.schema.metadata[ABOUT.encode()])["n_before"] == 400
 
 
+@pytest.mark.long
 def test_turns_are_drawn_over_each_other(bench: Bench, tmp_path: Path) -> None:
     """Numbered recordings from one angle on, each with its picture."""
     bench.do("home")
@@ -219,6 +220,7 @@ def test_lost_and_damaged_messages_are_asked_for_again(bench: Bench, link: Link)
     assert n_parts > 600 * 8 / 7 + 100
 
 
+@pytest.mark.long
 def test_a_reader_goes_on_where_the_bus_was_lost(bench: Bench, link: Link) -> None:
     """The bus dies in the middle: what is there stays, another link brings the rest."""
     sound = record_some(link)
@@ -242,6 +244,7 @@ def test_a_reader_goes_on_where_the_bus_was_lost(bench: Bench, link: Link) -> No
     assert np.array_equal(whole.rows, sound.rows)
 
 
+@pytest.mark.long
 def test_a_wave_is_brought_over_a_bad_bus(bench: Bench, link: Link) -> None:
     """Lost blocks are repeated; what has no room is refused."""
     lose(bench, 1500, {BLOCK_ID})

@@ -47,6 +47,7 @@ def test_a_table_is_downloaded_and_selected(bench: Bench, other: Path) -> None:
     assert "other part" in bench.do("table", "info")
 
 
+@pytest.mark.long
 def test_neighbours_on_one_bus_do_not_hear_one_another(bench: Bench, other: Path) -> None:
     """Each is commanded and gets its table by its own number; the next numbers are the hardest."""
     after, before = Bench(bench.channel, 65), Bench(bench.channel, 63)

@@ -73,6 +73,7 @@ def test_constants_are_found_and_applied(machine: Path, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "lathe_identified.txt").read_text() in text
 
 
+@pytest.mark.long
 def test_form_error_is_that_of_a_cut(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """What is expected with the believed constants is what the simulator gauges."""
     machine = tmp_path / "m.toml"
@@ -98,6 +99,7 @@ def off_inverse(settings: dict[str, float], hz: float) -> float:
     return float(abs(set_to * np.exp(s * lead_s) / true - 1))
 
 
+@pytest.mark.long
 def test_drive_that_rings_is_fitted_beside_its_mode(tmp_path: Path) -> None:
     """The fit without a mode is 10 % off; what is set suits harmonic 2 of 3000 r/min, or a part.
 

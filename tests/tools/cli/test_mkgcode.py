@@ -202,6 +202,7 @@ def test_full_program_by_linuxcnc(
     assert np.abs(at["X"][cut] - u - geometry.radius_mm(z) + delta).max() < 3e-6
 
 
+@pytest.mark.long
 def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     """A program is the same from run to run."""
     words = ("--axes", "cxzu", "--to-mm", "1")

@@ -264,6 +264,7 @@ def test_comparison_tells_a_cut_that_ended_early() -> None:
     assert variant_of("x", {"end": "fault", "form_error_um": nothing}) is None
 
 
+@pytest.mark.long
 def test_machine_that_is_believed_wrong_learns_and_the_report_shows_it(
     run: Command, tmp_path: Path
 ) -> None:

@@ -114,6 +114,7 @@ def scallop_error_um(one: PathCut, z_error: float) -> float:
     return float(half_mm / NOSE_MM * (z_error + 0.5) + 2 * one.form_error_um)
 
 
+@pytest.mark.long
 def test_scallops_are_the_predicted_ones(measured: Measured) -> None:
     """At every angle, within what Z's error, the form error and the map's spacing come to."""
     _, (ring, half, same) = measured
@@ -141,6 +142,7 @@ def test_times_are_those_of_the_turns(measured: Measured) -> None:
     assert times == pytest.approx([turn * 60 / 500 for turn in turns], rel=1e-3)
 
 
+@pytest.mark.long
 def test_map_is_that_of_the_exact_tracks(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Circles on the exact tracks of a helix, cut out of the exact surface, to 0.03 um."""
     out = tmp_path / "scallop.csv"

@@ -109,6 +109,7 @@ def test_highest_speed_meets_its_limit() -> None:
     assert best.rpm < highest_speed(peaks._replace(feed_mm=0.001), limits).rpm
 
 
+@pytest.mark.long
 def test_feed_too_fast_for_the_gaps_is_refused() -> None:
     """With needed, limit, and a speed and a feed each of which is accepted; 1 % more is not."""
     line = refusal(with_feed(SURFACE, 0.9))
@@ -163,6 +164,7 @@ def test_laws_of_neighbours_are_made_for_each_alone(phase_deg: int, rpm: int) ->
     assert 40 < together <= 60
 
 
+@pytest.mark.long
 def test_highest_surface_speed_of_a_shaft_is_accepted() -> None:
     """Also where U decides; a tenth more is not."""
     weak = PAIR.replace("u_acceleration_mm_s2 = 20000", "u_acceleration_mm_s2 = 1200")
@@ -206,6 +208,7 @@ def test_skirts_are_judged_alike() -> None:
     assert slower.decides == "u_acceleration_mm_s2"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "text",
     [pytest.param(NARROW, id="ground"), pytest.param(TURNED, id="turned", marks=pytest.mark.long)],

@@ -243,6 +243,7 @@ def test_effects_are_those_of_a_known_function() -> None:
     assert found[2].first_order == pytest.approx(0.0, abs=0.06)
 
 
+@pytest.mark.long
 def test_ishigami_has_its_printed_shares() -> None:
     """MATHS.md (165): T. Ishigami and T. Homma (1990): 0.314, 0.442 and 0 of the variance alone."""
     angles = np.random.default_rng(2).uniform(-np.pi, np.pi, (2048, 3))

@@ -51,6 +51,7 @@ def plan(n_runs: int, **changed: object) -> ForecastPlan:
     return plan_of(question)
 
 
+@pytest.mark.long
 def test_rows_are_the_cuts_of_the_machines(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
@@ -170,6 +171,7 @@ def test_scheduler_that_does_not_answer_is_refused(
     assert not (tmp_path / "o").exists()
 
 
+@pytest.mark.long
 def test_cluster_cuts_the_same() -> None:
     """Outcomes of a scheduler's workers, of several threads each, are those of this process.
 

@@ -134,6 +134,7 @@ def test_default_machine_with_friction(at_20_khz: Plays, at_10_khz: Plays) -> No
     assert found.problems(Limits()) == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("plant", RINGING)
 def test_mode_is_said_to_bias_the_fit_and_by_how_much(plant: Plant, at_20_khz: Plays) -> None:
     """The reported bias is the true one; the drive beside its mode is found."""
@@ -151,6 +152,7 @@ def test_mode_is_said_to_bias_the_fit_and_by_how_much(plant: Plant, at_20_khz: P
     assert found.bias[LEAD] == pytest.approx(lead_s, abs=3e-6)
 
 
+@pytest.mark.long
 def test_standard_deviations_are_honest(at_20_khz: Plays) -> None:
     """Over many records of noise, errors are as large as is said: chi squared of each constant."""
     rng, squares = np.random.default_rng(3), []

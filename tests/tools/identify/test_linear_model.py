@@ -44,6 +44,7 @@ def named(found: LinearModel, record: ForeignRecord) -> dict[str, tuple[float, f
     return {name: (one["found"], one["deviation"]) for name, one in rows.items()}
 
 
+@pytest.mark.long
 def test_position_drive_of_any_gain() -> None:
     """A drive of 300 Hz moved by another model: 1 % of gain, k1 and k2, and the delay with hold."""
     plant = Plant(gain=0.9, delay_us=100)
@@ -66,6 +67,7 @@ def test_position_drive_of_any_gain() -> None:
     assert values["delay ns"][0] == pytest.approx(plant.lead_s(RATE_HZ) * 1e9, abs=3000)
 
 
+@pytest.mark.long
 def test_deviations_are_honest() -> None:
     """Errors of mass, damping and stiffness are as large as is said: chi squared over records."""
     force_n = smooth_noise(3, 20.0, 101)
@@ -80,6 +82,7 @@ def test_deviations_are_honest() -> None:
     assert np.all(chi > 0.2) and np.all(chi < 4), chi
 
 
+@pytest.mark.long
 def test_spring_that_hardens_is_not_linear() -> None:
     """A cubic spring under a growing force; the same one without the cubic term is linear."""
     force_n = smooth_noise(5, 60.0, 101)
@@ -112,6 +115,7 @@ def drive_record(plant: Plant, u_nm: Floats, seed: int) -> ForeignRecord:
     return ForeignRecord(RATE_HZ, u_nm * 1e-9, noisy * 1e-9, "command_nm")
 
 
+@pytest.mark.long
 def test_held_command_of_a_wide_band() -> None:
     """White noise held for each step: neither the hold nor what it folds back is a misfit."""
     plant = Plant(hz=1200.0, damping=0.3, delay_us=37.5)
@@ -135,6 +139,7 @@ def test_friction_is_not_linear(friction_m_s2: float) -> None:
     assert all(one.startswith("friction") for one in found.problems)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.0, 0.03])
 def test_asymmetrical_drive_is_not_linear(share: float) -> None:
     """A motor that pulls more than it pushes answers at twice the frequency."""
@@ -161,6 +166,7 @@ def saturated(force_n: Floats, most_n: float) -> Floats:
     return oscillator(np.clip(force_n, -most_n, most_n))
 
 
+@pytest.mark.long
 def test_actuator_that_saturates_is_not_linear() -> None:
     """A force clipped at 1.8 times its rms, and an acceleration clipped inside of a loop."""
     force_n = smooth_noise(15, 20.0, 101)

@@ -146,6 +146,7 @@ def test_samples_are_what_the_recorder_has(bench: Bench, link: Link) -> None:
     assert made.is_synced.all() and not made.is_saturated.any()
 
 
+@pytest.mark.long
 def test_it_is_renewed_as_long_as_frames_are_read_and_then_ends(link: Link) -> None:
     """No more samples 2 s after the last frame was read, and all of them while one reads."""
     strobe = Strobe(link)

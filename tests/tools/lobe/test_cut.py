@@ -71,6 +71,7 @@ def test_ground_profile_is_far_within_a_micrometre(
     assert np.abs(error_nm).max() < 150
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changes", "words", "n_samples"),
     [
@@ -106,6 +107,7 @@ def test_each_lobe_is_gauged_by_itself(
     assert summary["is_good"]
 
 
+@pytest.mark.long
 def test_surface_speed_is_constant_as_far_as_the_spindle_can(
     table_of: TableOf, tmp_path: Path
 ) -> None:
@@ -132,6 +134,7 @@ def test_gauge_sees_what_the_controller_leaves_out(table_of: TableOf, tmp_path: 
     assert 30 < summary["form_error_um"]["max"] < 100
 
 
+@pytest.mark.long
 def test_phase_turns_the_cam_on_its_shaft(tmp_path: Path) -> None:
     """The gauge stands still where the drawing has the nose: 5 degrees of phase are millimetres."""
     table = changed(tmp_path, ('law = "poly345"', 'law = "poly345"\nphase_deg = 35'))
@@ -282,6 +285,7 @@ def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
     assert line.startswith("camsim: --feed 10: infeasible:") and "at most --feed 5" in line
 
 
+@pytest.mark.long
 def test_speed_that_counts_as_stopped_is_not_recommended(tmp_path: Path) -> None:
     """Of the two remedies only the feed is left, and works; where less counts, the speed, too."""
     table = changed(
@@ -379,6 +383,7 @@ def swing_of_table(folder: Path, turn: NDArray[Any], z_mm: NDArray[Any]) -> NDAr
     return evaluated(folder, made_of("cam-345").table.table, np.mod(turn, 1), z_mm)["swing_deg"]
 
 
+@pytest.mark.long
 def test_tool_swings_as_the_table_wants(whole: Columns, tmp_path: Path) -> None:
     """Set-points to 6e-4 degrees, index edges included; the drive to 6e-3, where it jumps."""
     in_cut = np.flatnonzero(whole["state"] == "cutting")[::3]

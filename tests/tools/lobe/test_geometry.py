@@ -269,6 +269,7 @@ CUT = {name: WIDE.replace(LAW, law) for name, law in LAWS.items()}
 CUT |= {"flat, turned": flat(TURNED), "flat, ground": flat(GROUND)}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CUT)
 def test_simulator_knows_the_law_from_its_own_equations(name: str, tmp_path: Path) -> None:
     """Table by the generator, gauge by closed forms and an envelope written apart from it."""
@@ -363,6 +364,7 @@ def rubs(lobe: ShaftLobe, clearance_deg: float, heel_mm: float, direction: int) 
     return False
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("heel_mm", "direction"), [(1.0, 1), (5.0, -1)])
 def test_needed_clearance_against_brute_force(heel_mm: float, direction: int) -> None:
     """A tenth of a degree more clears the hollow flank, a tenth less lies in it."""

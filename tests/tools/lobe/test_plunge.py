@@ -64,6 +64,7 @@ def run(
     return json.loads((folder / "s.json").read_text()), trace
 
 
+@pytest.mark.long
 def test_infeed_and_spark_out_are_exact_by_the_turn(tmp_path: Path) -> None:
     """Measured from the trace: Z stands, X falls by the infeed in each turn, then rests."""
     text = SHORT.replace("spindle_rpm = 90", "spindle_rpm = 90\ndirection = -1")
@@ -89,6 +90,7 @@ def test_infeed_and_spark_out_are_exact_by_the_turn(tmp_path: Path) -> None:
         assert stands.sum() > 0.8 * plan.stay_turns / plan.turns(2) * turn.size
 
 
+@pytest.mark.long
 def test_wear_shows_when_nothing_follows_it(tmp_path: Path) -> None:
     """The same table on a wheel that does not wear: the second lobe is cut too deep by the step."""
     made = generate_lobes(cam(SHORT))

@@ -147,6 +147,7 @@ def test_rake_and_lobes_have_their_rows(turned: GeneratedLobes) -> None:
     assert rows["lobe 1"] == "14 .. 20 mm: not cut"
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedLobes) -> None:
     """With the trace's swing the picture is there, and its numbers are those of the exact angle."""

@@ -137,6 +137,7 @@ def test_residuals_and_peaks_are_shown(tmp_path: Path) -> None:
     assert "  smoothing takes 0.5 um of the tolerance of 1 um\n" in made.text()
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(("asked", "left_um"), [("1.2", 0.7), ("0.4", None)])
 def test_smoothing_takes_its_share_of_a_given_tolerance(

@@ -245,6 +245,7 @@ def check_lift(result: GeneratedLobes, places: list[tuple[float, float]], folder
     assert np.abs(off_deg).max() <= 1.05e-4
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("text", [TEXT, GROUND_TEXT], ids=["turned", "ground"])
 @pytest.mark.parametrize(("places", "n_profiles"), SHAFTS)
 def test_shafts_are_exact_on_every_lobe_and_between(
@@ -285,6 +286,7 @@ def test_speed_of_each_lobe_goes_to_the_mean_in_the_gap(tmp_path: Path) -> None:
     assert np.abs(lift[5] - lift[6]).max() * NM > 1
 
 
+@pytest.mark.long
 def test_too_many_profiles_are_told_how_many_would_do() -> None:
     """1 MiB at 2048 knots is 42 patterns; what is asked for is taken."""
     [lobe] = make_lobes(example_lobe())

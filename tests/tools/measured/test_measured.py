@@ -93,6 +93,7 @@ def test_formula_is_found(place: tuple[Floats, Floats], most_um: float) -> None:
     assert np.abs(left_um(gauged(place))).max() < most_um
 
 
+@pytest.mark.long
 def test_noise_is_not_copied() -> None:
     """With 0.2 um of noise per point no more than an eighth of it is left, rms."""
     off = left_um(gauged(traces(np.linspace(*ENDS, 32)), 0.2))
@@ -306,6 +307,7 @@ def refused(rounds: Rounds, number: int, capsys: pytest.CaptureFixture[str], sur
     return line
 
 
+@pytest.mark.long
 def test_two_rounds_take_the_error_away(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Two rounds leave a twentieth of 2 um; the controller's own error stays as it was.
 

@@ -81,6 +81,7 @@ def test_a_page_that_is_known_by_its_identifier_cannot_be_stolen(session: Panel)
         until_logged(session, "release", 1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "path", ["/", *(pytest.param(one, marks=pytest.mark.long) for one in ("/design", "/runs"))]
 )
@@ -198,6 +199,7 @@ def test_idle_connections_are_bounded_and_ended(session: Panel) -> None:
     assert get(session.origin, "/panel/panel.js")[0] == 200
 
 
+@pytest.mark.long
 def test_pages_that_never_connect_are_bounded(session: Panel) -> None:
     """Their number ends, the memory that they take with it; those that are open go on."""
     page = RawPage(session.origin)

@@ -85,6 +85,7 @@ def same(one: object, other: object) -> bool:
     return repr(one) == repr(other)
 
 
+@pytest.mark.long
 @settings(max_examples=120, suppress_health_check=[HealthCheck.too_slow])
 @given(changes())
 def test_a_change_keeps_the_rest_byte_for_byte(change: tuple[str, FormField, Any]) -> None:

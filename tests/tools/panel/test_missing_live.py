@@ -5,6 +5,8 @@ For each situation the order that leads on is refused, its first missing item te
 when it is done; when nothing is missing the order is accepted.
 """
 
+import pytest
+
 from camtools.link.controller import Link
 from camtools.link.manual_axes import AXES, carry_out
 from camtools.link.messages import NUMBERS
@@ -67,6 +69,7 @@ class Operator:
         self.until("off")
 
 
+@pytest.mark.long
 def test_what_is_missing_is_what_the_firmware_refuses(bench: Bench, link: Link) -> None:
     """Inputs, then homes that are demanded, then the whole way to a part, a fault and back."""
     operator = Operator(link)

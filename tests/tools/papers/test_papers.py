@@ -125,6 +125,7 @@ def test_measured_table_comes_out() -> None:
     assert max(map(abs, off)) <= 0.75
 
 
+@pytest.mark.long
 def test_jerk_is_the_difference_of_the_acceleration() -> None:
     """The drawn jerk of Figs 2, 3 and 6 is the slope of the drawn acceleration."""
     joint = corner.theory().joint
@@ -139,6 +140,7 @@ def test_jerk_is_the_difference_of_the_acceleration() -> None:
     assert jerks.size >= 10  # constant between two points, another one in each degree
 
 
+@pytest.mark.long
 def test_points_of_the_helix_are_those_of_the_sections() -> None:
     """Rings stand at the sections, turns join them, the radius is that of the drawn section."""
     matrix = helix.point_matrix(4, 0.2)

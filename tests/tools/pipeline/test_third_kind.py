@@ -63,6 +63,7 @@ def test_table_of_the_third_kind(ring: Path, capsys: pytest.CaptureFixture[str])
     assert (table.part_name, table.bounds.u_max_nm) == ("ring", 500_001)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_cut_of_the_third_kind(ring: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Run makes, cuts, gauges and reports it on the simulator."""

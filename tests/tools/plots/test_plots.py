@@ -65,6 +65,7 @@ def test_turns_are_counted_in_both_senses(sense: int) -> None:
     assert np.array_equal(wraps, np.flatnonzero(np.diff(turns)))
 
 
+@pytest.mark.long
 def test_the_same_recording_gives_the_same_picture() -> None:
     """Byte for byte, over time and over the angle; a trigger changes it."""
     t_s = np.arange(N) / 20000 - 0.005

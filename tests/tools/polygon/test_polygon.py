@@ -78,6 +78,7 @@ def test_regular_polygon_is_a_core_with_a_border(n: int, radius: float) -> None:
     assert np.abs(r - there).max() < _SAME_MM
 
 
+@pytest.mark.long
 def test_random_convex_polygons() -> None:
     """Corners anywhere on an ellipse round the axis, one radius for all."""
     rng = np.random.default_rng(32711)
@@ -152,6 +153,7 @@ SHARP = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("drawing", SHARP.values(), ids=SHARP.keys())
 @pytest.mark.parametrize("blend_um", [0.3, 5.0])
 def test_deviation_is_what_is_allowed(drawing: Outline, blend_um: float) -> None:
@@ -264,6 +266,7 @@ def test_firmware_plays_the_drawing(made: GeneratedPolygon, tmp_path: Path) -> N
     assert np.abs(off_um).max() <= made.blended.deviation_um + 1.2e-3
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("name", "feed_mm"), [("p3g-25", "2"), pytest.param("p4c-35", "0.2", marks=pytest.mark.long)]
@@ -328,6 +331,7 @@ def test_taper_makes_all_sections_alike() -> None:
     assert made.deviation_um <= 2.0 * (1 + 1e-6) < 1.05 * made.blended.deviation_um * last[0]
 
 
+@pytest.mark.long
 def test_too_sharp_names_the_blend_that_would_do(tmp_path: Path) -> None:
     """With the advised blend the part is accepted; with a little less it is not."""
     lines = 'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\nblend_um = {}\n'
@@ -381,6 +385,7 @@ def test_wrong_part_files(lines: str, message: str) -> None:
     assert line.startswith(f"a.toml: {message}") and "; " in line
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("direction", [1, -1])
 def test_both_senses_cut_the_drawing(direction: int, tmp_path: Path) -> None:
     """Four sides without symmetry, turned with M3 and with M4, are those of the drawing."""
@@ -474,6 +479,7 @@ def test_passes(tmp_path: Path) -> None:
         loaded(path)
 
 
+@pytest.mark.long
 def test_motion_about_the_mean_is_drawn_from_there(tmp_path: Path) -> None:
     """U of the picture is the reduction less its middle, as the trace has it."""
     text = (PARTS / "p3g-25.toml").read_text().replace("[0, 30]", "[0, 2]")

@@ -130,6 +130,7 @@ CASES = pytest.mark.parametrize(
 BACK = round(0.02 * STEP_HZ)
 
 
+@pytest.mark.long
 @CASES
 def test_step_of_force_stays_below_its_peak_and_is_back_after_20_ms(
     plant: Plant, most_um: float
@@ -225,6 +226,7 @@ RECORDS = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.long
 @RECORDS
 def test_deviations_cover_the_truth(plant: Plant, friction_n: float, quantum_nm: float) -> None:
     """Each constant is within three deviations, and the deviations are small."""

@@ -84,6 +84,7 @@ def proposal(tmp_path_factory: pytest.TempPathFactory) -> Proposal:
     return Proposal(text, file, {"step_hz": STEP_HZ, "scale_delay_ns": 0} | values)
 
 
+@pytest.mark.long
 def test_firmware_with_the_written_parameters_does_what_the_report_says(proposal: Proposal) -> None:
     """Peak and end of a step, least stiffness, noise; the feed-forward has the drive's delay."""
     text, values = proposal.text, proposal.values
@@ -268,6 +269,7 @@ def values_over(link: Link, names: Iterable[str]) -> dict[str, int]:
             for name in names}  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mode", ["", _MODE])
 def test_the_set_point_shows_mass_delay_and_mode(mode: str, tmp_path: Path) -> None:
     """Mass within 2 %, the delays within 5 us, a mode only where there is one; by all lines."""
@@ -293,6 +295,7 @@ def test_a_weak_loop_keeps_u_within_its_travel(tmp_path: Path) -> None:
     assert measured(file).fit.mass_kg == pytest.approx(1.5, rel=0.03)
 
 
+@pytest.mark.long
 def test_a_simulated_machine_gets_the_loop_that_was_proposed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

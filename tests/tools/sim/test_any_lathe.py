@@ -6,6 +6,7 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from tests.tools.cases.camsim_cases import camsim
 
@@ -69,6 +70,7 @@ def numbers(value: object) -> list[float]:
     return [value] if isinstance(value, float) else []
 
 
+@pytest.mark.long
 def test_any_machine_is_cut_on_or_refused(table: Path, tmp_path: Path) -> None:
     """No crash, no number that is none, one line where the machine is refused."""
     rng, ends = np.random.default_rng(15), []

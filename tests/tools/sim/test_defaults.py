@@ -59,6 +59,7 @@ def machine(folder: Path, tick_hz: int, counts: int, more: str = "") -> Path:
     return path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("counts", [4096, 10_000, 65_536, 1_000_000])
 @pytest.mark.parametrize("tick_hz", [1000, 5000, 20_000])
 def test_no_speed_is_taken_for_a_jump(

@@ -73,6 +73,7 @@ def machine_of(path: Path, folder: Path) -> str:
     return made.kind.machine(made.table.part)
 
 
+@pytest.mark.long
 def test_ripple_is_learned_on_a_flank_of_nine_mm_per_rad(tmp_path: Path) -> None:
     """A step of the learned angle moves U by its slope, and must not exceed its acceleration."""
     machine = machine_of(ROOT / "tools" / "parts" / "p4c-35.toml", tmp_path)
@@ -83,6 +84,7 @@ def test_ripple_is_learned_on_a_flank_of_nine_mm_per_rad(tmp_path: Path) -> None
     assert found.with_um < 12.1 < 20 < found.without_um  # 12 um are the blends
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed_rpm", [150.0, 600.0])
 def test_ripple_is_learned_on_three_steep_corners(tmp_path: Path, speed_rpm: float) -> None:
     """At 600 r/min the part itself takes 82 % of the acceleration."""

@@ -97,6 +97,7 @@ def test_step_of_force_in_the_cut(
     assert late <= before + 0.1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("scale_nm", "most_um"), [(10, 0.05), (100, 0.15), (1000, 1.0)])
 def test_wrong_mass_after_a_rehearsal(
     oval30: Path, tmp_path: Path, scale_nm: float, most_um: float
@@ -114,6 +115,7 @@ def test_wrong_mass_after_a_rehearsal(
         assert np.abs(error_nm).max() / 1e3 <= most_um
 
 
+@pytest.mark.long
 def test_slow_loop_learns_only_below_half_its_crossover(oval30: Path, tmp_path: Path) -> None:
     """A mode on the scale leaves 66 Hz; learned at 3000 r/min the part had 98 um."""
     lathe, summary = tmp_path / "slow.toml", tmp_path / "summary.json"

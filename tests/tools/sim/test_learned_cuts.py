@@ -151,6 +151,7 @@ def test_missing_stroke_is_named_in_advance(table_of: TableOf, tmp_path: Path) -
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("rpm", "turns"), [(40, 22), pytest.param(72, 40, marks=pytest.mark.long)])
 def test_a_slow_cam_is_learned(table_of: TableOf, tmp_path: Path, rpm: float, turns: int) -> None:
     """30 000 and 16 667 ticks a turn: from micrometres to a tenth within some turns."""
@@ -359,6 +360,7 @@ CASES: dict[str, tuple[str, tuple[str, ...], float]] = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", CASES)
 def test_the_tip_stays_off_the_blank(table_of: TableOf, tmp_path: Path, case: str) -> None:
     """While U plays, the tip stays outside of the largest radius that is cut and its stock."""

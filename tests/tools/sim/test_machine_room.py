@@ -210,6 +210,7 @@ def test_overruled_feed_and_speed_hold_for_all_passes(tmp_path: Path, machine: P
     assert "pass 1: --rpm 3500: infeasible" in done.stderr
 
 
+@pytest.mark.long
 def test_feed_follows_its_law_over_the_height(tmp_path: Path, machine: Path) -> None:
     """Z per turn in the trace is the feed at that height, within what the law changes in a turn."""
     law = "[process.feed_law]\nheight_mm = [0, 10, 30]\nfeed_mm = [0.2, 0.6, 0.3]"

@@ -68,6 +68,7 @@ def test_slow_tick_retracts_within_the_stroke_by_single_steps(
     assert json.loads(summary.read_text())["faults"] == ["bus"]
 
 
+@pytest.mark.long
 def test_retract_costs_what_the_manual_states(table: Path) -> None:
     """No step of the command is beyond U's speed; way and time are those of FAULTS.md."""
     stops = [retract(table, f"{2.0 + i * 0.0005:.4f}") for i in range(24)]

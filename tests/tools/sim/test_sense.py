@@ -193,6 +193,7 @@ def test_program_cuts_the_drawing(tmp_path: Path, direction: int, mode: str) -> 
         np.testing.assert_allclose(parts, parts.mean(), rtol=2e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("operation", "direction"),
     [pytest.param("grinding", 1, marks=pytest.mark.long), ("grinding", -1), ("turning", -1)],
@@ -233,6 +234,7 @@ def test_eval_of_a_lobe_is_the_disc(tmp_path: Path, direction: int) -> None:
     np.testing.assert_allclose(swing, np.degrees(np.arctan2(slope, centre_mm)), atol=3e-4)
 
 
+@pytest.mark.long
 def test_even_volume_is_as_even_with_m4(tmp_path: Path) -> None:
     """The law of the speed is mirrored with the section: the ripple of both senses is the same."""
     found = []

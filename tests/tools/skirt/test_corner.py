@@ -102,6 +102,7 @@ def test_both_branches_at_the_joint() -> None:
     assert float(PAPER.reduction(np.pi / 2).delta) == pytest.approx(0.59, abs=1e-13)
 
 
+@pytest.mark.long
 def test_large_bore_sections() -> None:
     """Sections of the 16V240ZJ-like part between and at its nodes."""
     corner = geometry_of_part("16v240zj").corner
@@ -389,6 +390,7 @@ def test_surface_is_the_refit_at_every_height(large_bore: Geometry) -> None:
     np.testing.assert_array_equal(large_bore.surface.delta(phi, 250.0).delta, top)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("trim", "joint", "refit_keys"),
     [

@@ -67,6 +67,7 @@ def test_part_is_cut_within_its_stated_form_error(name: str, tmp_path: Path) -> 
     assert summary["cut"]["turns"] == pytest.approx(summary["cut"]["planned_turns"], abs=0.1)
 
 
+@pytest.mark.long
 def test_equal_volume_evens_the_removal_rate(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """Rate and power become even on the workpiece, the chip force does not; no form is lost."""
     plain = made_skirt(parse_part(EVEN.replace('"equal-volume"', '"uniform"').encode(), "u.toml"))
@@ -286,6 +287,7 @@ def measure(result: GeneratedSkirt, folder: Path) -> tuple[float, float]:
     return float(off.min()), float(off.max())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rpm", "alpha", "bandwidth"),
     [
@@ -304,6 +306,7 @@ def test_ripple_is_promised_within_a_point(
     assert high < 0.2  # it is promised with the worst phase of the spindle's own ripple
 
 
+@pytest.mark.long
 def test_papers_own_speed_is_played_within_a_percent(tmp_path: Path) -> None:
     """Mean 1667 r/min, 2500 at the long axis of their section."""
     result = made(PAPERS)

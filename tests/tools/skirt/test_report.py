@@ -400,6 +400,7 @@ def made_up_outcome(modulated: GeneratedSkirt, even: Even) -> SkirtOutcome:
     return SkirtOutcome(modulated, summary, surface, trace, even=even)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt) -> None:
     """Two pictures, the rows of ripple and force, the spindle's margin."""

@@ -369,6 +369,7 @@ def test_mean_feed_is_height_over_turns() -> None:
     assert part.process.feed_mm == pytest.approx(64 / turns, rel=1e-8)
 
 
+@pytest.mark.long
 def test_way_is_the_solution_of_its_equation() -> None:
     """Z over the turns by Runge-Kutta of dZ/dt = f(Z), MATHS.md (103)."""
     law, ends = FeedLaw(**LAW), (0.0, 62.0)

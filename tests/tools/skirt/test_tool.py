@@ -177,6 +177,7 @@ def coarse(part: SkirtPart, folder: Path, *words: str | Path, status: int = 0) -
     return cut(written(made_skirt(part, 10.0), folder), "--feed", "1", *words, status=status)
 
 
+@pytest.mark.long
 def test_the_gauge_shows_a_nose_that_the_table_does_not_know(tmp_path: Path) -> None:
     """A cone cut with 0.8 mm: 13 um too deep by a table for a point, by its own table none."""
     pointed = steep(0.0)
@@ -346,6 +347,7 @@ SECTIONS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "heel_mm", "direction"),
     [
@@ -391,6 +393,7 @@ def test_a_hexagon_is_refused_with_the_angle_that_does(tmp_path: Path) -> None:
         check_heel(geometry, Tool(clearance_deg=least_deg - 0.21), 1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", ["perkins240", "perkins240_x30", "weichai3a", "16v240zj", "scan90"]
 )

@@ -115,6 +115,7 @@ def rows(text: str) -> list[dict[str, str]]:
     return list(csv.DictReader(StringIO(text)))
 
 
+@pytest.mark.long
 def test_comparison_stands_beside_the_paper(papers: Study) -> None:
     """Cubic agrees with the paper's plot, quintic does not; both pictures are drawn."""
     cubic, quintic, deleted, mirrored = rows(comparison_csv(papers))
