@@ -125,6 +125,7 @@ def test_scallops_are_the_predicted_ones(measured: Measured) -> None:
     assert scallop_error_um(half, 0.0) < 0.04
 
 
+@pytest.mark.long
 def test_ring_helix_leaves_nearly_four_times_the_scallop_of_a_helix(measured: Measured) -> None:
     """Of as many turns; opposite the long axis both leave the same."""
     _, (ring, half, same) = measured

@@ -81,6 +81,7 @@ def closed(
     return seen
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mass_kg", [pytest.param(5.0, marks=pytest.mark.long), 60.0])
 def test_proposal_for_a_heavy_slide_fits_the_words_of_the_firmware(mass_kg: float) -> None:
     """Integral and lead of a heavy slide are limited by what the firmware holds."""
@@ -143,6 +144,7 @@ def test_step_of_force_stays_below_its_peak_and_is_back_after_20_ms(
         assert np.abs(seen[BACK:]).max() <= 0.1
 
 
+@pytest.mark.long
 @CASES
 def test_step_of_force_at_rest_in_friction(plant: Plant, most_um: float) -> None:
     """Friction halves the peak and holds the mass there until the integral has passed it."""

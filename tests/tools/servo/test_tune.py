@@ -422,6 +422,7 @@ def test_a_refused_loop_is_not_set(tmp_path: Path, capsys: pytest.CaptureFixture
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_given_parameters_are_set_with_the_delay_that_was_measured(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

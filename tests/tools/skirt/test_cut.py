@@ -90,6 +90,7 @@ def test_equal_volume_evens_the_removal_rate(modulated: GeneratedSkirt, tmp_path
     assert even["cut"]["seconds"] == pytest.approx(rough["cut"]["seconds"], rel=2e-3)
 
 
+@pytest.mark.long
 def test_spindle_stays_within_its_acceleration(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """The set-points of the trace, seen as a speed, never exceed what the spindle can do."""
     words = ("--turns-limit", "8", "--trace", tmp_path / "t.csv")
@@ -206,6 +207,7 @@ def test_points_are_the_drawing_of_a_measured_part(tmp_path: Path) -> None:
     assert found.summary["control_error_um"]["max"] < 0.05
 
 
+@pytest.mark.long
 def test_optimise_obeys_the_deviation() -> None:
     """Of all within the bound it takes the least peak; by default 3/4 of form_error_um."""
     for bound_um, expected in ((4.6, (0, 3)), (9.5, (1, 1))):
