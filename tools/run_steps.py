@@ -39,6 +39,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 REPORTS = BUILD / "reports"
 N_CORES = min(len(os.sched_getaffinity(0)), 8)
+STEPS_PER_CORE = 3  # of tools/verify, whose campaigns are the load of the step "busy"
 N_SLOWEST = 12
 UNKNOWN = 2  # exit status; CTest itself has 8 for failed steps
 KILL_AFTER_S = 10.0  # between SIGTERM and SIGKILL
@@ -198,7 +199,8 @@ def run_ctest(label: str, names: list[str]) -> tuple[int, list[str]]:
     reports.mkdir(parents=True)
     chosen = ("-R", f"^({'|'.join(map(re.escape, names))})$") if names else ()
     whole = ("--output-on-failure", "--test-output-size-passed", "1000000", "--timeout", NO_LIMIT)
-    outputs = ("-j", str(N_CORES), "--output-junit", reports / "steps.xml")
+    n_steps = N_CORES * (STEPS_PER_CORE if label == "verify" else 1)
+    outputs = ("-j", str(n_steps), "--output-junit", reports / "steps.xml")
     words = (*ctest, "-L", f"^{label}$", *chosen, *whole, *outputs)
     with subprocess.Popen(words, env=env) as process, without_hangs(process.pid):
         return process.wait(), only_verified
