@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
 #include "cam_angle.h"          // CAM_TURN_Q32
-#include "cam_build_inner.h"    // cam_build_motion, cam_windows_build
+#include "cam_build_inner.h"    // cam_build_motion
 #include "cam_changes.h"        // cam_changes_build
 #include "cam_demand.h"         // cam_demand_half_stroke_nm
 #include "cam_derived_limits.h" // cam_derived_limits_jump_counts
@@ -349,7 +349,6 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
-    config->switches = cam_windows_build(params, sense, tick_hz);
     config->command.by_time.k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
     config->command.by_time.k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
     config->command.friction_q6 = params->u_friction_nm * 64;

@@ -3,7 +3,7 @@
 #include "cam_fix.h"  // cam_clamp_i32
 #include "cam_hard.h" // CAM_HARD_LEAST
 #include <stddef.h>   // NULL, offsetof
-#include <string.h>   // strcmp, memcpy
+#include <string.h>   // memcpy, strcmp, strlen, strncmp
 
 /// Ranges and defaults of the list, within the hard limits.
 #define MOST_OF(a, b) ((a) > (b) ? (a) : (b))
@@ -53,6 +53,18 @@ cam_param_id_t cam_param_find(const char *name)
         id++;
     }
     return (cam_param_id_t)id;
+}
+
+#define RETIRED_NAME(start) #start,
+
+bool cam_param_is_retired(const char *name)
+{
+    static const char *const retired[] = {CAM_RETIRED_PARAMS(RETIRED_NAME)};
+    bool is_retired = false;
+    for (uint32_t i = 0; i < sizeof retired / sizeof retired[0]; i++) {
+        is_retired = is_retired || strncmp(name, retired[i], strlen(retired[i])) == 0;
+    }
+    return is_retired;
 }
 
 cam_params_t cam_param_defaults(void)

@@ -11,17 +11,6 @@
 #include <stdint.h>  // int32_t
 
 // clang-format off
-/// Parameters of position switch n, in the order of cam_windows.c.
-#define CAM_SWITCH_PARAMS(X, n) \
-    X(switch_##n##_per_turn,          0,          0,         64, "windows per turn, evenly spaced; 0: the output stays off") \
-    X(switch_##n##_on_udeg,  -180000000,          0,  360000000, "drawing's angle at which the window begins, as that angle rises") \
-    X(switch_##n##_off_udeg, -180000000,          0,  360000000, "drawing's angle at which it ends") \
-    X(switch_##n##_hysteresis_udeg,   0,          0,    5000000, "the spindle must move away from a switching angle by this before the next change") \
-    X(switch_##n##_dead_time_ns,      0,          0,   20000000, "dead time of the switched device; the output changes this much ahead") \
-    X(switch_##n##_z_low_nm, -1000000000,         0, 1000000000, "lowest height at which it is on, in the work only; equal heights: on at all heights") \
-    X(switch_##n##_z_high_nm, -1000000000,        0, 1000000000, "highest height at which it is on") \
-    X(switch_##n##_sense,            -1,          0,          1, "1: on while the spindle turns in the sense of cutting only, -1: against it only, 0: in both")
-
 #define CAM_PARAMS(X) \
     X(counts_per_turn,               64,      10000,   16777216, "encoder counts per turn, four per line") \
     X(encoder_sign,                  -1,          1,          1, "-1 when counts fall while the spindle turns in its positive sense; 0 is refused") \
@@ -78,14 +67,6 @@
     X(ripple_turns,                   0,          0,         64, "turns whose mean is the learned ripple of the spindle, one counts as two; 0: it is not learned") \
     X(eccentricity_nturn,             0,          0,    1000000, "amplitude of the encoder's error once per turn") \
     X(eccentricity_udeg,     -180000000,          0,  180000000, "drawing's angle at which that error is 0 and rises") \
-    CAM_SWITCH_PARAMS(X, 1) \
-    CAM_SWITCH_PARAMS(X, 2) \
-    CAM_SWITCH_PARAMS(X, 3) \
-    CAM_SWITCH_PARAMS(X, 4) \
-    CAM_SWITCH_PARAMS(X, 5) \
-    CAM_SWITCH_PARAMS(X, 6) \
-    CAM_SWITCH_PARAMS(X, 7) \
-    CAM_SWITCH_PARAMS(X, 8) \
     X(u_jog_um_per_s,                 1,       2000,    1000000, "highest jog speed of U") \
     X(x_jog_um_per_s,                 1,      10000,    1000000, "highest jog speed of X") \
     X(z_jog_um_per_s,                 1,      10000,    1000000, "highest jog speed of Z") \
@@ -160,6 +141,10 @@
     X(x_trim_nm) X(feed_override_ppm) X(spindle_override_ppm) X(x_datum_nm) X(z_datum_nm) X(tool) \
     X(tool_1_x_nm) X(tool_1_z_nm) X(tool_2_x_nm) X(tool_2_z_nm) \
     X(tool_3_x_nm) X(tool_3_z_nm) X(tool_4_x_nm) X(tool_4_z_nm)
+
+/// Beginnings of the names of retired parameters: texts that have them are read, these lines are
+/// reported and ignored.
+#define CAM_RETIRED_PARAMS(X) X(switch_)
 // clang-format on
 
 /// Index of a parameter, in the order of the list.
@@ -192,6 +177,9 @@ bool cam_param_is_locked(cam_param_id_t id);
 
 /// @return id of the parameter with that name, cam_n_params when there is none
 cam_param_id_t cam_param_find(const char *name);
+
+/// @return whether a name begins as that of a retired parameter
+bool cam_param_is_retired(const char *name);
 
 /// @return all parameters at their defaults
 cam_params_t cam_param_defaults(void);

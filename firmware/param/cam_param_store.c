@@ -142,7 +142,7 @@ static uint32_t checked(const char *text, uint32_t n)
     return 0;
 }
 
-/// Set a parameter from its line, or count the line as unknown or unfit.
+/// Set a parameter from its line, or count the line as retired, unknown or unfit.
 /// @param is_there  for each parameter: set when it has a line
 static void take_line(cam_param_store_found_t *found, const kept_line_t *line, cam_params_t *params,
                       bool *is_there)
@@ -151,6 +151,10 @@ static void take_line(cam_param_store_found_t *found, const kept_line_t *line, c
     while (id < (uint32_t)cam_n_params &&
            !is_called(line, cam_param_info((cam_param_id_t)id)->name)) {
         id++;
+    }
+    if (id == (uint32_t)cam_n_params && cam_param_is_retired(line->text)) {
+        found->n_retired++;
+        return;
     }
     if (id == (uint32_t)cam_n_params) {
         const uint32_t most = (uint32_t)sizeof found->unknown - 1u;

@@ -31,7 +31,8 @@ typedef struct {
     cam_err_t err;          ///< cam_ok, cam_err_params_none or cam_err_params_damaged
     bool is_torn;           ///< a later save is incomplete
     uint32_t version;       ///< of the parameters
-    uint32_t n_unknown;     ///< lines with parameters unknown to this image
+    uint32_t n_retired;     ///< lines with retired parameters
+    uint32_t n_unknown;     ///< lines with other parameters unknown to this image
     uint32_t n_unfit;       ///< values out of their range
     uint32_t n_missing;     ///< parameters of this image without a line
     cam_param_id_t unfit;   ///< the first one out of range; cam_n_params: none

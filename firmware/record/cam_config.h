@@ -259,26 +259,6 @@ typedef struct {
     uint32_t limited_ticks; ///< the force may be at its limit for this long
 } cam_force_config_t;
 
-enum { cam_n_switches = 8 }; ///< position switches
-
-/// Window of one position switch (cam_switch.h).
-typedef struct {
-    uint32_t per_turn;           ///< windows per turn, 0: never on
-    uint32_t from_q32;           ///< [turn / 2^32] begin of the window, times per_turn
-    uint32_t width_q32;          ///< ... its width likewise
-    uint32_t hysteresis_q32;     ///< [turn / 2^32] below a quarter of a turn
-    int32_t ahead_q16;           ///< [ticks] dead time of what is switched, and half a tick
-    bool is_anywhere;            ///< there is no window of the height
-    int32_t z_low_nm, z_high_nm; ///< [nm] that window, both ends included
-    int32_t sense;               ///< 1, -1: on in this sense of rotation only; 0: in both
-} cam_switch_config_t;
-
-/// All position switches.
-typedef struct {
-    uint32_t n; ///< number up to the last one in use
-    cam_switch_config_t each[cam_n_switches];
-} cam_switches_config_t;
-
 /// Everything that a tick reads without changing it.
 typedef struct {
     cam_spindle_config_t spindle;
@@ -286,7 +266,6 @@ typedef struct {
     cam_play_config_t play;
     cam_guard_config_t guard;
     cam_axis_command_config_t command;
-    cam_switches_config_t switches;
     cam_table_t table;   ///< play.table points here
     uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
     uint32_t generation; ///< rises with every hand-over

@@ -90,6 +90,7 @@ void cam_log_text_params(const cam_machine_t *machine)
     add_number(&line, "params: version ", kept->version);
     add(&line, kept->is_torn ? " in use, what was to be saved after it is not whole" : " in use");
     hal_text(line.text);
+    say_some(kept->n_retired, "", " retired and ignored");
     say_some(kept->n_unknown, kept->unknown, " unknown to this firmware and left out, first ");
     say_some(kept->n_unfit, name_of(kept->unfit), " out of range and left at default, first ");
     say_some(kept->n_missing, name_of(kept->missing), " not among those kept, at default, first ");

@@ -50,7 +50,6 @@ static void send_state(const cam_report_t *r, const cam_table_store_t *store,
         .state = (uint8_t)status->state,
         .reset_reason = (uint8_t)((uint32_t)r->start.reset & 0xFFu),
         .table_result = (int16_t)store->err,
-        .switches = (uint8_t)(status->outputs / hal_out_switch_1 & 0xFFu),
     };
 #define FAULT_BIT(name, what)                                                                      \
     m.fault_##name = (uint8_t)(status->faults >> (uint32_t)cam_fault_##name & 1u);

@@ -79,7 +79,6 @@ static void decide_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
         cam_guard_refuse_isr(&c->guard, &cfg->guard, r, &c->motion);
         cam_axis_command_nearest_isr(&c->command, &cfg->command, r, &c->motion);
     }
-    r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
 }
 
 static void actuate_isr(cam_t *c, const cam_tick_record_t *r)

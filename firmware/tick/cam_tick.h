@@ -23,7 +23,6 @@
 #include "cam_play.h"         // cam_play_t
 #include "cam_record.h"       // cam_motion_t, cam_tick_record_t
 #include "cam_spindle.h"      // cam_spindle_t
-#include "cam_switch.h"       // cam_switches_t
 #include "cam_axis_command.h" // cam_axis_command_t
 #include "cam_trace.h"        // cam_trace_t
 #include <stdatomic.h>        // request, status sequence
@@ -36,7 +35,6 @@ typedef struct {
     cam_play_t play;
     cam_guard_t guard;
     cam_axis_command_t command;
-    cam_switches_t switches;
     cam_force_t force;   ///< where U takes forces
     cam_motion_t motion; ///< set-points and their increments
     cam_plan_t plan;

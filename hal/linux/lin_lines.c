@@ -28,8 +28,7 @@ static uint32_t out_bit(int line)
     case lin_line_in_cut:
         return hal_out_in_cut;
     default:
-        return line >= lin_line_switch_1 ? (uint32_t)hal_out_switch_1 << (line - lin_line_switch_1)
-                                         : 0u;
+        return 0;
     }
 }
 

@@ -41,7 +41,6 @@ pin out bit drive_enable "the drives are enabled and hold their axes";
 pin out bit fault "a fault is latched";
 pin out bit ready "the angle is known, start is accepted";
 pin out bit in_cut "the tool cuts at full amplitude (M66 P0 L3)";
-pin out bit position_switch-#[8] "position switches";
 pin out u32 state_number "0 off 1 homing 2 ready 3 engaging 4 cutting 5 disengaging 6 fault 7 rehearsing 8 identifying 9 manual 10 holding";
 pin out u32 fault_mask "latched faults, a mask in the order of firmware/FAULTS.md";
 pin out s32 error_number "last refusal, 0: none (firmware/base/cam_err.h)";
@@ -232,9 +231,6 @@ FUNCTION(update)
     drive_enable = out.is_enabled;
     fault = out.is_fault;
     in_cut = out.is_in_cut;
-    for (int i = 0; i < lcn_n_switches; i++) {
-        position_switch(i) = (out.switches >> i & 1u) != 0u;
-    }
 }
 
 FUNCTION(poll)

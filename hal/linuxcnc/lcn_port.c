@@ -292,5 +292,4 @@ void hal_outputs_write_isr(uint32_t bits)
     port.out.is_enabled = (bits & hal_out_enable) != 0u;
     port.out.is_fault = (bits & hal_out_fault) != 0u;
     port.out.is_in_cut = (bits & hal_out_in_cut) != 0u;
-    port.out.switches = bits / hal_out_switch_1;
 }

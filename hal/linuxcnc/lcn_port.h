@@ -15,9 +15,6 @@
 /// Axes, as in hal/hal.h.
 enum { lcn_u, lcn_x, lcn_z, lcn_n_axes };
 
-/// Position switches.
-enum { lcn_n_switches = 8 };
-
 /// Load parameters of the component, constant.
 typedef struct {
     uint32_t tick_hz;             ///< [Hz] rate of the thread, 500 .. 100 000
@@ -56,7 +53,6 @@ typedef struct {
     bool is_fault;               ///< a fault is latched
     bool is_in_cut;              ///< the tool cuts at full amplitude
     bool arms_index;             ///< set index-enable
-    uint32_t switches;           ///< bit i: position switch i + 1 is on
 } lcn_out_t;
 
 /// Initialise. Call once, before any other function here.

@@ -365,7 +365,6 @@ void hal_outputs_write_isr(uint32_t bits)
 {
     GPIOE->BSRR = STM_BSRR(stm_pin_enable, (bits & hal_out_enable) != 0u) |
                   STM_BSRR(stm_pin_fault, (bits & hal_out_fault) != 0u) |
-                  STM_BSRR(stm_pin_in_cut, (bits & hal_out_in_cut) != 0u) |
-                  STM_BSRR_SWITCHES(bits / hal_out_switch_1 & 0xFFu);
+                  STM_BSRR(stm_pin_in_cut, (bits & hal_out_in_cut) != 0u);
     stm_steps_enable_isr((bits & hal_out_enable) != 0u);
 }

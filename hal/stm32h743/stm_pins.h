@@ -10,12 +10,11 @@
 
 /// Lines on port E.
 enum {
-    stm_pin_switch_1 = 0, ///< PE0 .. PE7 out, 1: the position switch is on
-    stm_pin_estop = 10,   ///< PE10 in, 1: the chain is closed
-    stm_pin_ready = 12,   ///< PE12 in, 1: all drives ready
-    stm_pin_enable = 13,  ///< PE13 out, 1: the drives hold their axes; 0 clears the AD5754R to 0 V
-    stm_pin_fault = 14,   ///< PE14 out, 1: fault
-    stm_pin_in_cut = 15,  ///< PE15 out, 1: in cut
+    stm_pin_estop = 10,  ///< PE10 in, 1: the chain is closed
+    stm_pin_ready = 12,  ///< PE12 in, 1: all drives ready
+    stm_pin_enable = 13, ///< PE13 out, 1: the drives hold their axes; 0 clears the AD5754R to 0 V
+    stm_pin_fault = 14,  ///< PE14 out, 1: fault
+    stm_pin_in_cut = 15, ///< PE15 out, 1: in cut
 };
 
 /// Lines on port D.
@@ -40,17 +39,12 @@ enum {
 /// The bit of register BSRR that sets or resets a pin.
 #define STM_BSRR(pin, is_set) (1u << ((is_set) ? (uint32_t)(pin) : (uint32_t)(pin) + 16u))
 
-/// The bits of register BSRR that set or reset the pins of the position switches.
-/// @param on  bit i: switch i is on
-#define STM_BSRR_SWITCHES(on) ((on) << stm_pin_switch_1 | (~(on)&0xFFu) << (stm_pin_switch_1 + 16))
-
 /// Safe levels, for BSRR: enable low, fault high, all others low; and the bits of MODER that make
 /// these pins outputs. Source: RM0433 11.4.
 #define STM_SAFE_LEVELS                                                                            \
-    (STM_BSRR(stm_pin_enable, 0) | STM_BSRR(stm_pin_fault, 1) | STM_BSRR(stm_pin_in_cut, 0) |      \
-     STM_BSRR_SWITCHES(0u))
-#define STM_OUTPUT_MODES_MASK 0xFC00FFFFu // pins 0 .. 7, 13 .. 15
-#define STM_OUTPUT_MODES 0x54005555u
+    (STM_BSRR(stm_pin_enable, 0) | STM_BSRR(stm_pin_fault, 1) | STM_BSRR(stm_pin_in_cut, 0))
+#define STM_OUTPUT_MODES_MASK 0xFC000000u // pins 13 .. 15
+#define STM_OUTPUT_MODES 0x54000000u
 
 /// Bits of port B's MODER that make PB3 an input when cleared. After a reset PB3 is the output of
 /// the debug unit's trace, while the receiver of spindle B drives it. RM0433 11.3.1, 60.4.

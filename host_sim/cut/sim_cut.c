@@ -150,7 +150,6 @@ static void observe(sim_cut_t *cut)
     const uint64_t n_before = s->work.n;
     sim_session_touch(s, &at, is_cutting, cut->firmware.following_nm);
     count_turn(cut, n_before);
-    sim_switches_tick(&cut->switches, at.t_s, at.turn, s->z_mm, sim_port_switches());
     sim_lathe_bite(&cut->port.lathe, sim_session_depth_mm(s));
     cut->has_slice = s->is_cutting && s->design.shape != sim_shape_lobes && measure_removal(cut);
 }

@@ -15,7 +15,6 @@
 #include "sim_port.h"     // sim_port_t
 #include "sim_removal.h"  // sim_removal_t
 #include "sim_session.h"  // sim_session_t
-#include "sim_switches.h" // sim_switches_t
 #include "sim_turns.h"    // sim_turns_t
 #include <stdbool.h>      // bool
 #include <stdint.h>       // uint64_t
@@ -69,10 +68,9 @@ typedef struct {
     sim_cut_options_t options; ///< those of the session are in force there
     sim_session_t session;
     sim_port_t port;
-    sim_removal_t removal;   ///< skirts only
-    sim_turns_t turns;       ///< error of each turn
-    sim_switches_t switches; ///< action of the position switches
-    bool has_slice;          ///< the last tick finished a slice of removal
+    sim_removal_t removal; ///< skirts only
+    sim_turns_t turns;     ///< error of each turn
+    bool has_slice;        ///< the last tick finished a slice of removal
     sim_firmware_t firmware;
     cam_params_t params; ///< as set
     cam_params_t here;   ///< with the values of the present pass

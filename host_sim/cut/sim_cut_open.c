@@ -299,28 +299,6 @@ static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, commo
     return sim_slow_check(&cut->session.table, &cut->params, &cut->feasibility, e);
 }
 
-/// @return a parameter of position switch i, by the id of the first switch
-static double switch_param(const cam_params_t *params, uint32_t i, cam_param_id_t of_first)
-{
-    const uint32_t n =
-        (uint32_t)cam_param_switch_2_per_turn - (uint32_t)cam_param_switch_1_per_turn;
-    return cam_param_get(params, (cam_param_id_t)((uint32_t)of_first + i * n));
-}
-
-/// The windows of the parameters, sim_switches_n of them; those not in use are 0.
-static void switch_windows(const cam_params_t *params, sim_switch_window_t *to)
-{
-    static const double deg_per_turn = 360.0;
-    for (uint32_t i = 0; i < sim_switches_n; i++) {
-        to[i] = (sim_switch_window_t){
-            .per_turn = switch_param(params, i, cam_param_switch_1_per_turn),
-            .on_turn = switch_param(params, i, cam_param_switch_1_on_udeg) * 1e-6 / deg_per_turn,
-            .off_turn = switch_param(params, i, cam_param_switch_1_off_udeg) * 1e-6 / deg_per_turn,
-            .dead_time_s = switch_param(params, i, cam_param_switch_1_dead_time_ns) * 1e-9,
-        };
-    }
-}
-
 /// Derive times and slices from the firmware's speed.
 static void plan(sim_cut_t *cut)
 {
@@ -328,9 +306,6 @@ static void plan(sim_cut_t *cut)
     sim_cut_plan_pass(cut);
     // Twice the planned time, and a minute for spin-up and homing.
     cut->max_s = s->options.max_s > 0.0 ? s->options.max_s : 2.0 * sim_cut_planned_s(cut) + 60.0;
-    sim_switch_window_t windows[sim_switches_n];
-    switch_windows(&cut->params, windows);
-    sim_switches_init(&cut->switches, windows);
     sim_turns_init(&cut->turns, cut->params.engage_turns, cut->params.rehearse_turns,
                    cut->params.disengage_turns);
     s->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;

@@ -108,11 +108,6 @@ void sim_port_advance(sim_port_t *p)
     }
 }
 
-uint32_t sim_port_switches(void)
-{
-    return hal_host.out.outputs / hal_out_switch_1 & 0xFFu;
-}
-
 void sim_port_inject(sim_port_t *p, const sim_inject_t *inject, int direction)
 {
     switch (inject->kind) {

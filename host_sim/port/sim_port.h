@@ -47,9 +47,6 @@ void sim_port_advance(sim_port_t *p);
 /// @param direction  +1 or -1: sense of cutting
 void sim_port_inject(sim_port_t *p, const sim_inject_t *inject, int direction);
 
-/// @return bit i: the last tick switched position switch i + 1 on
-uint32_t sim_port_switches(void);
-
 /// @return [degrees] set-point of the swing in the last tick
 static inline double sim_port_swing_set_deg(const sim_port_t *p)
 {

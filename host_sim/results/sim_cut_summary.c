@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut_summary.h"
-#include "hal/version.h"        // CAMTURN_VERSION
-#include "sim_cut_pass.h"       // sim_cut_pass_result
-#include "sim_learn_summary.h"  // sim_learn_summary
-#include "sim_switch_summary.h" // sim_switch_summary
-#include "sim_lobe_summary.h"   // sim_lobe_summary
-#include "sim_summary.h"        // sim_summary_number
-#include "sim_units.h"          // SIM_TWO_PI
-#include <string.h>             // strrchr
+#include "hal/version.h"       // CAMTURN_VERSION
+#include "sim_cut_pass.h"      // sim_cut_pass_result
+#include "sim_learn_summary.h" // sim_learn_summary
+#include "sim_lobe_summary.h"  // sim_lobe_summary
+#include "sim_summary.h"       // sim_summary_number
+#include "sim_units.h"         // SIM_TWO_PI
+#include <string.h>            // strrchr
 
 /// @return the file name only, because folders differ between computers and runs
 static const char *base_name(const char *path)
@@ -220,7 +219,6 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
     add_faults(root, cut);
     sim_summary_errors(root, &cut->session);
     sim_learn_summary(root, cut);
-    sim_switch_summary(root, &cut->switches);
     add_cut(root, cut);
     add_passes(root, cut);
     add_counts(root, cut);

@@ -35,7 +35,7 @@ typedef struct {
     bool is_given[cam_n_params];
 } sim_wishes_t;
 
-/// Store one parameter.
+/// Store one parameter. A retired one is ignored, the first with a line on standard error.
 /// @param name    name of a parameter of cam_param.h
 /// @param value   whole number within its range
 /// @param origin  for the message: file and section, or the option

@@ -149,21 +149,6 @@ bool budget_session_rehearse(fixture_rig_t *rig, void (*isr)(void))
            fixture_rig_until(rig, cam_state_ready, 60000) < 60000u;
 }
 
-bool budget_session_switches(fixture_rig_t *rig, void (*isr)(void))
-{
-    static const int32_t value[] = {
-        [0] = 2, [2] = 90000000, [3] = 1000000, [4] = 5000000, [6] = 1000000000, [7] = 0};
-    const fixture_part_t part = fixture_part_short();
-    bool is_good = budget_session_open(rig, isr, &part);
-    for (int32_t i = 0; i < 8 * cam_n_switches; i++) {
-        is_good = is_good && set(rig, (cam_param_id_t)((int32_t)cam_param_switch_1_per_turn + i),
-                                 value[i % 8]);
-    }
-    is_good = is_good && fixture_rig_bring(rig, cam_state_cutting);
-    fixture_rig_ticks(rig, 2000);
-    return is_good && g_cam.switches.left_q32[cam_n_switches - 1] != 0u;
-}
-
 bool budget_session_hold(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_short();

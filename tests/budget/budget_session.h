@@ -52,10 +52,6 @@ bool budget_session_modulated(fixture_rig_t *rig, void (*isr)(void));
 /// From off through a rehearsal and the cut behind it to ready. @return true when it ended so
 bool budget_session_rehearse(fixture_rig_t *rig, void (*isr)(void));
 
-/// From off into a cut with eight position switches whose windows end at the same angles, so that
-/// all change in one tick. @return true when they have changed
-bool budget_session_switches(fixture_rig_t *rig, void (*isr)(void));
-
 /// From off into a cut that is held, goes on and is stopped, to ready. @return true when it ended
 /// so
 bool budget_session_hold(fixture_rig_t *rig, void (*isr)(void));

@@ -18,7 +18,7 @@ typedef enum {
     stage_angle,   ///< counts and index -> angle and speed
     stage_play,    ///< sequence, set-points
     stage_guard,   ///< limits, faults, retract
-    stage_command, ///< set-points as the drives want them, last limits, switches
+    stage_command, ///< set-points as the drives want them, last limits
     stage_actuate, ///< all writes
     stage_plan,    ///< every n-th tick: what changes slowly
     stage_publish, ///< learning, trace and status, the interrupt's end

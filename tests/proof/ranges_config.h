@@ -226,17 +226,6 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(most_plans, 0, UINT32_MAX)                                                                   \
     X(good_plans, 0, UINT32_MAX)
 
-#define SWITCH_CONFIG(X)                                                                           \
-    X(per_turn, 0, 64)                                                                             \
-    X(from_q32, 0, UINT32_MAX)                                                                     \
-    X(width_q32, 0, UINT32_MAX)                                                                    \
-    X(hysteresis_q32, 0, UINT32_MAX)                                                               \
-    X(ahead_q16, 0, INT32_MAX)                                                                     \
-    X(is_anywhere, 0, 1)                                                                           \
-    X(z_low_nm, INT32_MIN, INT32_MAX)                                                              \
-    X(z_high_nm, INT32_MIN, INT32_MAX)                                                             \
-    X(sense, -1, 1)
-
 #define CHANNEL(X)                                                                                 \
     X(n_slices, 2, 4096)                                                                           \
     X(frac_bits, 0, 8)                                                                             \
@@ -251,8 +240,6 @@ enum { WAVE_SAMPLES = 4096 };        ///< of a wave that U plays
     X(pattern, 0, 4095)                                                                            \
     X(changes_per_nm_q48, 0, UINT32_MAX)
 
-#define WHOLE_CONFIG(X)                                                                            \
-    X(play.jog.u_end_q10, 0, INT64_C(1) << 34)                                                     \
-    X(switches.n, 0, cam_n_switches)
+#define WHOLE_CONFIG(X) X(play.jog.u_end_q10, 0, INT64_C(1) << 34)
 
 #endif

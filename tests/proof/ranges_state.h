@@ -60,8 +60,6 @@
     X(u.nm, -(1 << 25), (1 << 25) - 1)                                                             \
     X(u.step_nm, -(1 << 26), 1 << 26)
 
-#define SWITCHES(X) X(next, 0, cam_n_switches - 1)
-
 #define JOG(X)                                                                                     \
     X(phase, 0, cam_jog_n_phases - 1)                                                              \
     X(end, 0, cam_jog_n_ends - 1)                                                                  \

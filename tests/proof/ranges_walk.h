@@ -94,11 +94,6 @@ static inline void walk_config(cam_config_t *cfg)
 #define P cfg->force
     FORCE_CONFIG(EACH)
 #undef P
-    for (int i = 0; i < cam_n_switches; i++) {
-#define P cfg->switches.each[i]
-        SWITCH_CONFIG(EACH)
-#undef P
-    }
 #define P (*cfg)
     WHOLE_CONFIG(EACH)
 #undef P
@@ -148,9 +143,6 @@ static inline void walk_state(cam_t *c)
 #undef P
 #define P c->acknowledge
     ACKNOWLEDGE(EACH)
-#undef P
-#define P c->switches
-    SWITCHES(EACH)
 #undef P
 #define P c->jog
     JOG(EACH)

@@ -56,7 +56,6 @@ class Outputs:
     enable: int
     fault: int
     in_cut: int
-    switches: int
     steps: tuple[int, int, int]  # positions of X, Z and U
 
 
@@ -184,12 +183,12 @@ class Board:
         gpio = self.chip.gpio
         self.tick_at.append(self.chip.clock.now)
         pins = gpio.ports["E"].pins
-        enable, fault, in_cut, switches = pins >> 13 & 1, pins >> 14 & 1, pins >> 15, pins & 0xFF
+        enable, fault, in_cut = pins >> 13 & 1, pins >> 14 & 1, pins >> 15
         for timer in self.chip.pulses.values():
             timer.catch_up()
         x, z, u = (self.steppers[name].position for name in STEPS)
         words, dor1 = tuple(self.dac.words), self.chip.dac1.v["dor1"]
-        self.ticks.append(Outputs(words, dor1, enable, fault, in_cut, switches, (x, z, u)))
+        self.ticks.append(Outputs(words, dor1, enable, fault, in_cut, (x, z, u)))
         self._turn_spindle(enable)
         if enable:
             self._move_axes()

@@ -23,13 +23,6 @@ SETTINGS = {
     "disengage_turns": 1,
     "feed_ramp_turns": 1,
     "x_acceleration_mm_per_s2": 20_000,
-    "switch_1_per_turn": 2,
-    "switch_1_on_udeg": 30_000_000,
-    "switch_1_off_udeg": 60_000_000,
-    "switch_8_per_turn": 1,
-    "switch_8_off_udeg": 180_000_000,
-    "switch_8_z_low_nm": 400_000,
-    "switch_8_z_high_nm": 600_000,
 }
 
 

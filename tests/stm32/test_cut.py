@@ -13,7 +13,6 @@ from tests.stm32.tick_trace import Record
 TICK_CYCLES = 24_000
 STEP_CYCLES = 14_400  # 30 us
 IN_CUT, FAULT, ENABLE_BIT = 4, 2, 1
-SWITCH_1 = 1 << 8
 CLEARED = (0, 0, 0, 0)  # /CLR of the AD5754R is low while enable is
 
 
@@ -62,25 +61,7 @@ def test_every_dac_word_is_the_hosts(cut: Session) -> None:
         assert seen.words == (words(done) if seen.enable else CLEARED), f"tick {record['tick']}"
         assert seen.internal == internal_word(done.setpoints[0])
         lines = ENABLE_BIT * seen.enable + FAULT * seen.fault + IN_CUT * seen.in_cut
-        assert lines + SWITCH_1 * seen.switches == done.outputs
-
-
-def test_position_switches_follow_the_angle(cut: Session) -> None:
-    """PE0 is high in its two windows by the board's own encoder, PE7 at its heights only."""
-    in_cut = [(record, seen) for record, seen in ticks_of(cut) if seen.in_cut]
-    n_on = 0
-    for record, seen in in_cut:
-        turn = (record["counts"] - record["index_counts"]) / COUNTS_PER_TURN
-        half = 2 * turn % 1  # the window is 1/6 .. 1/3 of it
-        if min(abs(half - 1 / 6), abs(half - 1 / 3)) > 0.002:
-            assert seen.switches & 1 == (1 / 6 < half < 1 / 3)
-        n_on += seen.switches & 1
-        assert seen.switches & 0x7E == 0
-    assert n_on / len(in_cut) == pytest.approx(1 / 6, abs=0.02)
-    heights = [record["out_z_nm"] for record, seen in in_cut if seen.switches & 0x80]
-    assert heights
-    assert 390_000 < min(heights) < max(heights) < 610_000
-    assert {seen.switches for _, seen in ticks_of(cut)[-10:]} == {0}, "off after the end"
+        assert lines == done.outputs
 
 
 def test_every_step_is_the_hosts(cut: Session) -> None:

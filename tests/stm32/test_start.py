@@ -104,22 +104,13 @@ def test_protection_of_the_chip_is_reported(started: Session) -> None:
         assert line in started.remote.lines()
 
 
-def pins_of(cell: str) -> list[str]:
-    """Return the pins that a cell of the wiring table names, "PE0 .. PE7" one by one."""
-    pins = re.findall(r"P[A-K]\d+", cell)
-    if ".." in cell:
-        first, last = (int(pin[2:]) for pin in pins)
-        pins = [f"{pins[0][:2]}{i}" for i in range(first, last + 1)]
-    return pins
-
-
 def test_only_the_wired_pins_are_used_and_none_of_the_board(started: Session) -> None:
     """Pins in use are those of the wiring table, once each; the Nucleo's own parts keep theirs."""
     wiring = (
         (ROOT / "hal/stm32h743/README.md").read_text().split("## Wiring")[1].split("\n\n## ")[0]
     )
     cells = [row.split("|")[2] for row in wiring.splitlines() if row.startswith("| ")]
-    wired = [pin for cell in cells for pin in pins_of(cell)]
+    wired = [pin for cell in cells for pin in re.findall(r"P[A-K]\d+", cell)]
     used = {
         f"P{letter}{pin}"
         for letter, port in started.chip.gpio.ports.items()

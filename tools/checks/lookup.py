@@ -36,9 +36,7 @@ as [camturn.dbc](camturn.dbc) has them. [README.md](README.md) describes how the
 _TITLES = {
     "axis_u": "Axis U",
     "axes_x_z": "Axes X and Z",
-    "switches": "Position switches, N = 1 .. 8",
 }
-_SWITCH = len([name for name in INFOS if name.startswith("switch_1_")])
 
 
 def table(rows: Iterable[Sequence[str]]) -> str:
@@ -56,8 +54,6 @@ def _operator_names() -> set[str]:
 
 def _parameter_row(name: str, info: Info, *, is_operators: bool) -> Sequence[str]:
     number = str(list(INFOS).index(name))
-    if name.startswith("switch_1_"):
-        name, number = name.replace("_1_", "_N_"), f"{number} + {_SWITCH} (N - 1)"
     span = f"{info.low} .. {info.high}"
     return f"`{name}`", number, str(info.default), span, "yes" * is_operators, info.what
 
@@ -67,9 +63,8 @@ def parameters_page() -> str:
     operators = _operator_names()
     groups: dict[str, list[Sequence[str]]] = {}
     for name, info in INFOS.items():
-        if not re.match("switch_[2-9]", name):
-            row = _parameter_row(name, info, is_operators=name in operators)
-            groups.setdefault(group_of(name), []).append(row)
+        row = _parameter_row(name, info, is_operators=name in operators)
+        groups.setdefault(group_of(name), []).append(row)
     head = ("parameter", "no.", "default", "range", "operator", "meaning")
     return _PARAMETERS + "".join(
         f"\n## {_TITLES.get(group, group.capitalize())}\n\n{table([head, *rows])}"

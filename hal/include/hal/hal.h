@@ -41,11 +41,9 @@ enum {
 
 /// Bits of hal_outputs_write_isr().
 enum {
-    hal_out_enable = 1u << 0,  ///< 1: the drives are enabled and hold their axes
-    hal_out_fault = 1u << 1,   ///< 1: a fault is latched
-    hal_out_in_cut = 1u << 2,  ///< 1: the tool cuts at full amplitude
-    hal_out_switch_1 = 0x100u, ///< 1: position switch 1 is on; switches 2 .. 8 are the next bits.
-                               ///< A port without pins for them ignores them
+    hal_out_enable = 1u << 0, ///< 1: the drives are enabled and hold their axes
+    hal_out_fault = 1u << 1,  ///< 1: a fault is latched
+    hal_out_in_cut = 1u << 2, ///< 1: the tool cuts at full amplitude
 };
 
 /// One reading of the spindle encoder; all members are sampled at the same instant. The counter may

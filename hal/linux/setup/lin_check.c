@@ -197,6 +197,9 @@ bool lin_check_load(lin_config_t *config, const char *path, common_error_t *e)
 void lin_check_warn(const lin_config_t *c, lin_check_report_t *report)
 {
     const lin_load_t load = lin_load_of(c);
+    if (c->has_retired) {
+        report("warning: gpio.switch_1 .. switch_8: retired and ignored; remove them");
+    }
     if (!lin_line_is_there(c, lin_line_estop)) {
         report(
             "warning: gpio.estop = \"none\": the emergency stop is not detected; for trials only");

@@ -72,14 +72,6 @@ static const common_setting_t settings[] = {
     LINE("enable", lin_line_enable),
     LINE("fault", lin_line_fault),
     LINE("in_cut", lin_line_in_cut),
-    LINE("switch_1", lin_line_switch_1 + 0),
-    LINE("switch_2", lin_line_switch_1 + 1),
-    LINE("switch_3", lin_line_switch_1 + 2),
-    LINE("switch_4", lin_line_switch_1 + 3),
-    LINE("switch_5", lin_line_switch_1 + 4),
-    LINE("switch_6", lin_line_switch_1 + 5),
-    LINE("switch_7", lin_line_switch_1 + 6),
-    LINE("switch_8", lin_line_switch_1 + 7),
     OPERATOR_LINE("acknowledge", lin_line_acknowledge),
     OPERATOR_LINE("key", lin_line_key),
     TEXT("operator", "secret", secret_file, lin_path_max),
@@ -124,15 +116,7 @@ lin_config_t lin_config_defaults(void)
                  [lin_line_key] = NONE,
                  [lin_line_enable] = {"ENABLE", false},
                  [lin_line_fault] = {"FAULT", false},
-                 [lin_line_in_cut] = {"INCUT", false},
-                 [lin_line_switch_1] = NONE,
-                 [lin_line_switch_1 + 1] = NONE,
-                 [lin_line_switch_1 + 2] = NONE,
-                 [lin_line_switch_1 + 3] = NONE,
-                 [lin_line_switch_1 + 4] = NONE,
-                 [lin_line_switch_1 + 5] = NONE,
-                 [lin_line_switch_1 + 6] = NONE,
-                 [lin_line_switch_1 + 7] = NONE},
+                 [lin_line_in_cut] = {"INCUT", false}},
         .table_file = "/var/lib/camturn/table.camtab",
         .table_max_bytes = 1048576,
         .params_file = "/var/lib/camturn/parameters.toml",
@@ -142,11 +126,9 @@ lin_config_t lin_config_defaults(void)
 const char *lin_line_name(lin_line_t line)
 {
     static const char *const names[lin_n_lines] = {
-        "gpio.estop",    "gpio.ready",    "gpio.index",    "gpio.home_u",   "gpio.home_x",
-        "gpio.home_z",   "gpio.index_u",  "gpio.index_x",  "gpio.index_z",  "operator.acknowledge",
-        "operator.key",  "gpio.enable",   "gpio.fault",    "gpio.in_cut",   "gpio.switch_1",
-        "gpio.switch_2", "gpio.switch_3", "gpio.switch_4", "gpio.switch_5", "gpio.switch_6",
-        "gpio.switch_7", "gpio.switch_8"};
+        "gpio.estop",   "gpio.ready",   "gpio.index",   "gpio.home_u",  "gpio.home_x",
+        "gpio.home_z",  "gpio.index_u", "gpio.index_x", "gpio.index_z", "operator.acknowledge",
+        "operator.key", "gpio.enable",  "gpio.fault",   "gpio.in_cut"};
     return names[line];
 }
 
@@ -168,12 +150,25 @@ int64_t lin_config_age_us(const lin_encoder_config_t *config, int64_t tick_hz)
                                    : default_age_ticks * INT64_C(1000000) / tick_hz;
 }
 
+/// Ignore the lines of the position switches, which are retired; refuse all other keys.
+static bool take_other(const common_settings_t *s, const char *section, const char *key,
+                       const char *text)
+{
+    static const char retired[] = "switch_";
+    if (strcmp(section, "gpio") != 0 || strncmp(key, retired, sizeof retired - 1u) != 0) {
+        return common_settings_refuse(s, section, key, text, "unknown key; correct or remove it");
+    }
+    ((lin_config_t *)s->into)->has_retired = true;
+    return true;
+}
+
 bool lin_config_read(lin_config_t *config, const char *path, common_error_t *e)
 {
     common_settings_t all = {.path = path,
                              .list = settings,
                              .n = n_settings,
                              .into = config,
+                             .take_other = take_other,
                              .is_strict = true,
                              .value_width = 80,
                              .e = e};

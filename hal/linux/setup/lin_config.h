@@ -24,8 +24,6 @@ typedef enum {
     lin_line_enable,
     lin_line_fault,
     lin_line_in_cut,
-    lin_line_switch_1, ///< the other seven follow
-    lin_line_switch_8 = lin_line_switch_1 + 7,
     lin_n_lines
 } lin_line_t;
 
@@ -82,6 +80,7 @@ typedef struct {
     common_keys_t trust;                                      ///< all keys, after loading
     bool is_trust_required;
     char params_file[lin_path_max + 1]; ///< "": parameters are not stored
+    bool has_retired;                   ///< the file has retired keys, which are ignored
 } lin_config_t;
 
 /// @return the default values

@@ -22,7 +22,7 @@ enum { head_bytes = 4, most_ticks = 4000 };
     X(x_trim_nm) X(feed_override_ppm) X(spindle_override_ppm) X(phase_udeg) X(amplitude_ppm) \
     X(x_datum_nm) X(z_datum_nm) X(tool) X(tool_1_x_nm) X(tool_2_z_nm) X(spindle_mrpm) X(feed_nm) \
     X(rehearse_turns) X(homing_required) X(u_home) X(x_home) X(z_home) X(x_jog_um_per_s) \
-    X(u_home_nm) X(switch_1_per_turn) X(switch_3_per_turn) X(x_home_nm) X(x_home_travel_nm) \
+    X(u_home_nm) X(x_home_nm) X(x_home_travel_nm) \
     X(x_low_nm) X(x_high_nm) X(z_low_nm) X(z_high_nm) X(u_jog_um_per_s) X(z_jog_um_per_s) \
     X(u_home_um_per_s) X(u_home_sense) X(x_home_sense) X(z_home_sense) X(x_home_um_per_s) \
     X(z_home_um_per_s) X(u_retract_nm) X(x_clearance_nm) X(engage_turns) X(disengage_turns) \

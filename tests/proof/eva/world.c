@@ -89,7 +89,6 @@ static void make_state(void)
     UNKNOWN(c.command);
     UNKNOWN(c.force);
     UNKNOWN(c.play);
-    UNKNOWN(c.switches);
     UNKNOWN(c.jog);
     UNKNOWN(c.acknowledge);
     UNKNOWN(c.bins);

@@ -40,6 +40,15 @@ def test_a_file_is_saved_compared_and_loaded(
     assert f"0 of {len(INFOS)} parameters changed" in bench.do("params", "load", file)
 
 
+def test_a_file_of_an_older_version_names_what_is_retired(bench: Bench, tmp_path: Path) -> None:
+    """One line for all retired parameters; the others are loaded."""
+    file = tmp_path / "old.toml"
+    file.write_text("[switches]\nswitch_1_per_turn = 2\nswitch_8_sense = 1\n[u]\nk1_ns = 30\n")
+    retired, *_, last = bench.do("params", "load", file).splitlines()
+    assert retired == f"{file}: retired and ignored: 2 parameters, first switch_1_per_turn"
+    assert last == f"{file}: 1 of 1 parameters changed"
+
+
 def test_a_file_with_errors_changes_nothing(
     bench: Bench, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

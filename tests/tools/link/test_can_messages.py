@@ -49,11 +49,9 @@ def header_of(name: str) -> str:
 
 
 def rows(header: str, macro: str) -> list[list[str]]:
-    """Return the arguments of every X() of an X-macro, those of each position switch in turn."""
+    """Return the arguments of every X() of an X-macro."""
     text = header_of(header)
     body = text.split(f"#define {macro}(X)")[1].split("\n\n")[0]
-    one = text.rpartition("#define CAM_SWITCH_PARAMS(X, n) \\\n")[2].split("\n\n")[0]
-    body = re.sub(r"CAM_SWITCH_PARAMS\(X, (\d)\)", lambda n: one.replace("##n##", n[1]), body)
     found = re.findall(r"X\(([^\n]*)\)\s*\\?\n?", body + "\n")
     return [[word.strip().strip('"') for word in row.split(",")] for row in found]
 

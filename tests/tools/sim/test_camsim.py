@@ -308,6 +308,18 @@ def test_every_parameter_is_there(table: Path, tmp_path: Path) -> None:
     assert "k1_ns = -1: out of range" in only_error(camsim("params", table, "--set", "k1_ns=-1"))
 
 
+def test_retired_parameters_are_ignored_with_one_line(table: Path, tmp_path: Path) -> None:
+    """A machine file of an older version still gives its other parameters."""
+    machine = tmp_path / "old.toml"
+    machine.write_text("[controller]\nswitch_1_per_turn = 2\nk1_ns = 700000\n", "ascii")
+    done = camsim("params", table, "--machine", machine, "--set", "switch_8_sense=1")
+    assert done.returncode == 0, done.stderr
+    assert "k1_ns,700000\n" in done.stdout
+    assert [line for line in done.stderr.splitlines() if "retired" in line] == [
+        "camsim: --set: switch_8_sense: retired and ignored"
+    ]
+
+
 @pytest.mark.parametrize("mass_kg", [0.2, 10, 40])
 def test_loop_of_any_slide_fits_the_controller(table: Path, tmp_path: Path, mass_kg: float) -> None:
     """The loop that follows from a force drive, however heavy, is accepted."""

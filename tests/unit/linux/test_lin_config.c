@@ -236,6 +236,19 @@ static void test_what_is_doubtful_is_told(void)
         0, strncmp(told[2], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
 }
 
+/// A file of an older version still loads; one line names what is retired. Other keys are refused.
+static void test_retired_keys_are_ignored_with_a_warning(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load("[operator]\nacknowledge = \"ACK\"\n[gpio]\n"
+                                  "switch_1 = \"none\"\nswitch_8_active_low = true\n"),
+                             error.text);
+    n_told = 0;
+    lin_check_warn(&config, tell);
+    TEST_ASSERT_EQUAL_UINT32(1, n_told);
+    TEST_ASSERT_NOT_NULL(strstr(told[0], "warning: gpio.switch_1 .. switch_8: retired"));
+    refused("[can]\nswitch_1 = 3\n", "can.switch_1 = 3: unknown key");
+}
+
 static void test_file_that_is_not_there_or_no_text_is_refused(void)
 {
     TEST_ASSERT_FALSE(lin_check_load(&config, "/nowhere/camturn.toml", &error));

@@ -44,9 +44,9 @@ def table(pairs: Mapping[str, tuple[int, int]], heads: tuple[str, str]) -> list[
     return [f"{name:<{max(width, 12)}}{a:>12}{b:>12}" for name, a, b in rows]
 
 
-def _read(path: Path) -> dict[str, int]:
+def _read(path: Path, say: Say) -> dict[str, int]:
     try:
-        return parse(read_limited(path, _MOST_BYTES), str(path))
+        return parse(read_limited(path, _MOST_BYTES), str(path), say)
     except OSError as error:
         raise CamtoolsError([f"{path}: {error.strerror}; check the path"]) from error
 
@@ -66,7 +66,7 @@ def _save(link: Link, path: Path, say: Say) -> None:
 
 
 def _load(link: Link, path: Path, say: Say) -> None:
-    values = _read(path)
+    values = _read(path, say)
     try:
         changes = set_all(link, values)
     except Refused as refused:
@@ -77,7 +77,7 @@ def _load(link: Link, path: Path, say: Say) -> None:
 
 
 def _diff(link: Link, path: Path, say: Say) -> None:
-    values = _read(path)
+    values = _read(path, say)
     is_whole = len(values) == len(INFOS)
     if is_whole and int(link.listen().signals["params_checksum"]) == checksum(values):
         say(f"{path}: equal, checksum {checksum(values):08x}")

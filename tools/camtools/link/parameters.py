@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from camtools.base.errors import CamtoolsError
@@ -41,7 +41,6 @@ _GROUPS = {
     "swing": ("swing",),
     "cut": ("phase", "amplitude", "engage", "disengage", "feed", "pass"),
     "tools": ("tool",),
-    "switches": ("switch",),
     "other": ("",),
 }
 KEEP_S = 30.0  # flash may have to be erased
@@ -69,20 +68,18 @@ class Info:
 
 def infos_of(text: str) -> dict[str, Info]:
     """Return the parameters of the text of cam_param.h, in their order."""
-    found = re.findall(r"#define (CAM_\w*PARAMS)\(X(?:, n)?\) \\\n((?:[^\n]*\\\n)*[^\n]*)", text)
-    bodies = {name: body.replace("\\\n", "\n") for name, body in found}
-    body = re.sub(
-        r"(CAM_\w+)\(X, (\w+)\)",
-        lambda call: bodies[call[1]].replace("##n##", call[2]).replace("##n", call[2]),
-        bodies["CAM_PARAMS"],
-    )
+    body = text.split("#define CAM_PARAMS(X)")[1].split("\n\n")[0]
     return {
         name: Info(int(low), int(default), int(high), what)
         for name, low, default, high, what in _ROW.findall(body)
     }
 
 
-INFOS = infos_of(_HEADER.read_text("utf-8"))
+_TEXT = _HEADER.read_text("utf-8")
+INFOS = infos_of(_TEXT)
+_RETIRED = tuple(
+    re.findall(r"X\((\w+)\)", _TEXT.split("#define CAM_RETIRED_PARAMS")[1].split("\n")[0])
+)
 
 
 def group_of(name: str) -> str:
@@ -132,8 +129,17 @@ def problem_of(name: str, value: object) -> str:
     return ""
 
 
-def parse(data: bytes, name: str) -> dict[str, int]:
+def parse(data: bytes, name: str, note: Callable[[str], object] = lambda _: None) -> dict[str, int]:
     """Return the parameters of a file, in the order of the controller; groups have no meaning.
+
+    Parameters
+    ----------
+    data : bytes
+        TOML.
+    name : str
+        Of the file, for messages.
+    note : function
+        Gets a line where the file has retired parameters, which are ignored.
 
     Raises
     ------
@@ -146,15 +152,21 @@ def parse(data: bytes, name: str) -> dict[str, int]:
     except ValueError as error:
         text = f"{name}: no parameters: {error}; save them by camctl params save"
         raise CamtoolsError([text]) from error
+    retired: list[str] = []
     problems, values = [], {}
     for group, key, value in _flat(told):
         if key in _KEPT and not group:
+            continue
+        if key.startswith(_RETIRED):
+            retired.append(key)
             continue
         problem = f"{key}: appears twice; give it once" if key in values else problem_of(key, value)
         problems += [f"{name}: {problem}"] if problem else []
         values[key] = value
     if problems or not values:
         raise CamtoolsError(problems or [f"{name}: no parameters; give NAME = VALUE"])
+    if retired:
+        note(f"{name}: retired and ignored: {len(retired)} parameters, first {retired[0]}")
     return {key: int(str(values[key])) for key in INFOS if key in values}
 
 

@@ -25,7 +25,7 @@ _AT = (
     "limit_u_low limit_u_high"
 )
 INPUTS = dict(enumerate(_AT.split()))
-OUTPUTS = {0: "enable", 1: "fault", 2: "in_cut"} | {8 + i: f"switch_{i + 1}" for i in range(8)}
+OUTPUTS = {0: "enable", 1: "fault", 2: "in_cut"}
 BITS = {"faults": dict(enumerate(FAULTS)), "inputs": INPUTS, "outputs": OUTPUTS}
 _TURN = 2.0**32
 _S_PER_MIN = 60.0

@@ -134,7 +134,6 @@ def report(status: Status) -> list[str]:
     table_err = NAMES["result"].get(int(s["table_result"]), str(int(s["table_result"])))
     yes = {0.0: "no", 1.0: "yes"}
     cut = cut_progress(status.state, s)
-    switches = [str(n + 1) for n in range(8) if int(s["switches"]) >> n & 1]
     return [
         f"state             {status.state}",
         f"faults            {', '.join(status.faults) or 'none'}",
@@ -149,7 +148,6 @@ def report(status: Status) -> list[str]:
         f"following error   {s['following_error'] * 1e3:+.3f} um",
         f"emergency stop    {yes[s['is_estop']]}; drives ready: {yes[s['is_drive_ready']]}"
         + ("; a node of the field bus is silent" if s["is_bus_lost"] else ""),
-        *([f"position switches {', '.join(switches)} on"] if switches else []),
         *hands_report(status),
         *([f"pass              {s['pass']:.0f} of {s['passes']:.0f}"] if s["passes"] else []),
         *([f"cut               {cut.text}"] if status.state in (*IN_CUT, "ready") else []),

@@ -42,7 +42,6 @@ from camtools.report.motion import draw_motion
 from camtools.report.page import Caption, Page, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import sheet_pages
-from camtools.report.switches import SWITCHES_TEXT
 from camtools.sim.results import CUTTING, CutTrace
 
 _N_BINS = 720
@@ -93,7 +92,6 @@ _TEXTS = {
         "the remaining error of the swing drive and its set-points, enlarged.",
     ),
     "learning": CONVERGENCE_TEXT,
-    "switches": SWITCHES_TEXT,
     "following": (
         "Following error of U",
         "Difference between the actual and the demanded position of U; the band covers every turn. "

@@ -14,7 +14,6 @@ from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.list_report import smoothing_of, smoothing_takes_um, smoothing_texts
 from camtools.lobe.plunge import left_by_wear_um
 from camtools.report.learning_text import learning_rows
-from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair, form_text
 from camtools.sim.results import Cut
 
@@ -136,7 +135,6 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
         *_rake_rows(found),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *learning_rows(summary),
-        *switch_rows(summary),
         ReportRow("table", f"{summary['table_bytes']} bytes, accurate to {made.lift.error:.2g} nm"),
         ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
         ReportRow("computing time", f"{summary['wall_time_s']:.2f} s for the cut with its trace"),

@@ -23,7 +23,6 @@ from camtools.report.motion import draw_motion
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import sheet_pages
-from camtools.report.switches import SWITCHES_TEXT
 from camtools.sim.results import GaugedSurface
 from camtools.skirt.report import surface_plots
 
@@ -62,7 +61,6 @@ _TEXTS = {
         "peaks are the required values in the table of machine limits above.",
     ),
     "learning": CONVERGENCE_TEXT,
-    "switches": SWITCHES_TEXT,
     "following": (
         "Following error of U",
         "Difference between the actual and the demanded position of U; the band covers every turn "

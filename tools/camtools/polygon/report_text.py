@@ -12,7 +12,6 @@ from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.part import PolygonSection
 from camtools.polygon.summary import blend_text, make_polygon_summary, section_text
 from camtools.report.learning_text import learning_rows
-from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 from camtools.skirt.report.text import pass_rows
@@ -58,7 +57,6 @@ def polygon_rows(outcome: PolygonCut) -> list[ReportRow]:
         ReportRow("blends", blend_text(about)),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *learning_rows(summary),
-        *switch_rows(summary),
         tool_row(summary, made.part.tool, made.heel),
         track_row(summary, made.part.tool),
         ReportRow("table", f"{summary['table_bytes']} bytes, accurate to {worst_nm:.2g} nm"),

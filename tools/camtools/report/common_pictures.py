@@ -14,7 +14,6 @@ from camtools.report.compare import draw_variants
 from camtools.report.learning import convergence
 from camtools.report.motion import draw_fault, draw_following, draw_sequence
 from camtools.report.page import Picture
-from camtools.report.switches import switches
 from camtools.sim.results import CUTTING, FAULT, AnyCut
 
 Drawers = Mapping[str, Callable[[], Figure]]
@@ -37,7 +36,7 @@ COMPARE_TEXT = (
 def common_drawers(outcome: AnyCut, angle: str) -> dict[str, Callable[[], Figure]]:
     """Return what can be drawn of any cut, against the spindle's angle of this name."""
     trace, variants = outcome.trace, outcome.variants
-    drawers = convergence(outcome.summary) | switches(outcome.summary)
+    drawers = convergence(outcome.summary)
     if (trace.state == FAULT).any():
         retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
         drawers["fault"] = lambda: draw_fault(trace, retract_s)

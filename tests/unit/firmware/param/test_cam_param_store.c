@@ -111,6 +111,23 @@ static void test_read_a_text_of_another_image_takes_what_it_knows(void)
     TEST_ASSERT_EQUAL_INT32(1, params.encoder_sign);
 }
 
+/// Retired parameters of an older image are counted apart and hide no unknown one.
+static void test_read_a_text_with_retired_parameters_counts_them(void)
+{
+    const cam_param_store_found_t found = read_lines("version = 9\n"
+                                                     "k1_ns = 77\n"
+                                                     "switch_1_per_turn = 2\n"
+                                                     "switch_8_z_high_nm = -1000000000\n"
+                                                     "switches = 1\n");
+    TEST_ASSERT_EQUAL_INT(cam_ok, found.err);
+    TEST_ASSERT_EQUAL_UINT32(2, found.n_retired);
+    TEST_ASSERT_EQUAL_UINT32(1, found.n_unknown);
+    TEST_ASSERT_EQUAL_STRING("switches", found.unknown);
+    TEST_ASSERT_EQUAL_UINT32(0, found.n_unfit);
+    TEST_ASSERT_EQUAL_UINT32(cam_n_params - 1u, found.n_missing);
+    TEST_ASSERT_EQUAL_INT32(77, params.k1_ns);
+}
+
 static void test_checksum_differs_by_every_parameter(void)
 {
     const uint32_t before = cam_param_store_checksum(&params);

@@ -94,6 +94,7 @@ static void test_parameters_have_a_line_as_they_were_found(void)
 static void test_parameters_that_are_not_used_have_a_line(void)
 {
     machine.kept = (cam_param_store_found_t){.version = 12,
+                                             .n_retired = 64,
                                              .n_unknown = 1,
                                              .n_unfit = 20,
                                              .n_missing = 300,
@@ -101,19 +102,21 @@ static void test_parameters_that_are_not_used_have_a_line(void)
                                              .missing = cam_param_k1_ns,
                                              .unknown = "colour"};
     cam_log_text_params(&machine);
-    TEST_ASSERT_EQUAL_UINT32(4, hal_host.n_lines);
-    TEST_ASSERT_EQUAL_STRING("params: version 12 in use", line_before(3));
+    TEST_ASSERT_EQUAL_UINT32(5, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_STRING("params: version 12 in use", line_before(4));
+    TEST_ASSERT_EQUAL_STRING("params: 64 retired and ignored", line_before(3));
     TEST_ASSERT_EQUAL_STRING("params: 1 unknown to this firmware and left out, first colour",
                              line_before(2));
     TEST_ASSERT_EQUAL_STRING("params: 20 out of range and left at default, first feed_nm",
                              line_before(1));
     TEST_ASSERT_EQUAL_STRING("params: 300 not among those kept, at default, first k1_ns",
                              line_before(0));
+    machine.kept.n_retired = 0;
     machine.kept.n_unknown = 0;
     machine.kept.n_missing = 1;
     machine.kept.missing = cam_n_params; // which has no name
     cam_log_text_params(&machine);
-    TEST_ASSERT_EQUAL_UINT32(7, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_UINT32(8, hal_host.n_lines);
     TEST_ASSERT_EQUAL_STRING("params: 1 not among those kept, at default, first ", line_before(0));
 }
 

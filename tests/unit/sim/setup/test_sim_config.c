@@ -148,6 +148,15 @@ static void test_load_takes_firmware_parameters(void)
     TEST_ASSERT_FALSE(config.controller.is_given[cam_param_k2_us2]);
 }
 
+/// A file of an older version still loads.
+static void test_load_ignores_retired_parameters(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(
+        load("[controller]\nswitch_8_z_low_nm = -3\nswitch_1_sense = 1\nk1_ns = 7\n"), error.text);
+    TEST_ASSERT_EQUAL_INT32(7, config.controller.value[cam_param_k1_ns]);
+    refused("[controller]\nswitch = 1\n", "no such parameter");
+}
+
 static void test_load_refuses_what_is_wrong(void)
 {
     refused("[u]\nbandwith_hz = 300\n", "u.bandwith_hz = 300: unknown");

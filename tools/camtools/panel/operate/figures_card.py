@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers of spindle, U, X and Z, the angle as a dial, homes, switches and the tool."""
+"""Numbers of spindle, U, X and Z, the angle as a dial, homes and the tool."""
 
 from __future__ import annotations
 
@@ -59,7 +59,6 @@ class FiguresCard:
         for one, figure in self._figures:
             figure.show(one.text(s))
         self._dial.show(s.get("angle") if s.get("is_synced") else None)
-        on = ", ".join(map(str, numbers.switches_on(s))) or "none"
         tool = f"tool {int(s['tool'])}" if s.get("tool") else "no tool chosen"
-        parts = [numbers.homed_text(s), f"position switches on: {on}", tool, numbers.pass_text(s)]
+        parts = [numbers.homed_text(s), tool, numbers.pass_text(s)]
         self._notes.set_text("; ".join(part for part in parts if part) + ". X at U = 0.")

@@ -133,13 +133,14 @@ def _set(link: Link, arguments: Arguments, _say: Say) -> str:
 
 def _params_load(link: Link, arguments: Arguments, say: Say) -> str:
     name = one_line(arguments["name"])[:_MOST_NAME]
-    values = parse(arguments["text"], name)
+    notes: list[str] = []
+    values = parse(arguments["text"], name, notes.append)
     say(f"parameters of {name}")
     changes = set_all(link, values)
     told = ", ".join(f"{key} {old} -> {new}" for key, (old, new) in list(changes.items())[:8])
     more = f" and {len(changes) - 8} more" if len(changes) > 8 else ""
     head = f"{name}: {len(changes)} of {len(values)} parameters changed"
-    return f"{head}: {told}{more}" if changes else head
+    return "; ".join([f"{head}: {told}{more}" if changes else head, *notes])
 
 
 def _memory(action: str) -> Action:

@@ -102,16 +102,6 @@ def homed_text(signals: Mapping[str, float]) -> str:
     return ", ".join(f"{axis} {'homed' if is_so else 'not homed'}" for axis, is_so in marks)
 
 
-def switches_on(signals: Mapping[str, float]) -> list[int]:
-    """Return the numbers of the position switches that are on.
-
-    >>> switches_on({"switches": 5.0})
-    [1, 3]
-    """
-    bits = int(signals.get("switches", 0.0))
-    return [n + 1 for n in range(8) if bits >> n & 1]
-
-
 def pass_text(signals: Mapping[str, float]) -> str:
     """Return the pass that is cut, or that the next start cuts; "" for a table of one.
 

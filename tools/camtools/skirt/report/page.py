@@ -15,7 +15,6 @@ from camtools.report.motion import draw_motion
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.report.sheet import Subject
 from camtools.report.sheet_page import SheetPages, sheet_pages
-from camtools.report.switches import SWITCHES_TEXT
 from camtools.skirt.geometry.smooth_points import (
     smoothed_curves,
     smoothing_takes_um,
@@ -79,7 +78,6 @@ _TEXTS = {
         "that the band is too wide for the shape.",
     ),
     "learning": CONVERGENCE_TEXT,
-    "switches": SWITCHES_TEXT,
     "motion": (
         "Motion of U over one turn",
         "U swings in and out twice per turn; the measured points must lie on the drawn curve in "

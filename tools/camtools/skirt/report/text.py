@@ -5,7 +5,6 @@ from __future__ import annotations
 from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
 from camtools.report.learning_text import learning_rows
-from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair, form_text
 from camtools.skirt.geometry.profile import notable_overshoots
 from camtools.skirt.geometry.smooth_points import (
@@ -156,7 +155,6 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *pass_rows(summary),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *learning_rows(summary),
-        *switch_rows(summary),
         *_corner_rows(outcome),
         *_filter_rows(outcome),
         *(ReportRow("overshoot", text) for text in notable_overshoots(piston)),
