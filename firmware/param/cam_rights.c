@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_rights.h"
-#include "monocypher.h" // crypto_blake2b_keyed
+#include "cam_blake2b.h" // cam_blake2b_keyed
 
 void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_hz)
 {
@@ -71,16 +71,12 @@ void cam_rights_lock(cam_rights_t *r)
 /// @return         first four bytes, the lowest first, of the words' keyed BLAKE2b
 static uint32_t keyed(const cam_rights_t *r, const uint32_t *words, uint32_t n_words)
 {
-    enum { most_words = 3, word_bytes = 4, hash_bytes = 64 };
+    enum { most_words = 3, word_bytes = 4 };
     uint8_t bytes[most_words * word_bytes];
-    uint8_t hash[hash_bytes];
     for (uint32_t i = 0; i < n_words * word_bytes; i++) {
         bytes[i] = (uint8_t)(words[i / word_bytes] >> (8u * (i % word_bytes)) & 0xFFu);
     }
-    crypto_blake2b_keyed(hash, sizeof hash, r->port.secret, r->port.n_secret, bytes,
-                         (size_t)n_words * word_bytes);
-    return (uint32_t)hash[0] | (uint32_t)hash[1] << 8 | (uint32_t)hash[2] << 16 |
-           (uint32_t)hash[3] << 24;
+    return cam_blake2b_keyed(r->port.secret, r->port.n_secret, bytes, n_words * word_bytes);
 }
 
 cam_err_t cam_rights_challenge(cam_rights_t *r, uint32_t tick, uint32_t *challenge)

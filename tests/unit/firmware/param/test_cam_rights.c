@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who commands, and the level: pure, in ticks of 1 kHz.
+#include "cam_blake2b.h" // cam_blake2b_keyed
 #include "cam_rights.h"
-#include "monocypher.h"
 #include "unity.h"
 
 enum { hz = 1000 };
@@ -32,10 +32,7 @@ static uint32_t answer_to(uint32_t challenge)
 {
     const uint8_t bytes[4] = {(uint8_t)challenge, (uint8_t)(challenge >> 8),
                               (uint8_t)(challenge >> 16), (uint8_t)(challenge >> 24)};
-    uint8_t hash[64];
-    crypto_blake2b_keyed(hash, sizeof hash, secret, sizeof secret, bytes, sizeof bytes);
-    return (uint32_t)hash[0] | (uint32_t)hash[1] << 8 | (uint32_t)hash[2] << 16 |
-           (uint32_t)hash[3] << 24;
+    return cam_blake2b_keyed(secret, sizeof secret, bytes, sizeof bytes);
 }
 
 static uint32_t ask(uint32_t tick)
