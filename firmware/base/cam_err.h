@@ -7,11 +7,12 @@
 
 // clang-format off
 /// X(name, number, text). The numbers are part of the CAN protocol (camturn.dbc): a number is never
-/// changed or used again. A text is one clause without a full stop.
+/// changed or used again; those from -130 to -134 were of signed tables. A text is one clause without
+/// a full stop.
 #define CAM_ERRORS(X) \
     /* Image (cam_table_check), in the order of the checks */ \
     X(image_address,          -1, "the image is not aligned to 4 bytes") \
-    X(image_size,             -2, "the image is cut off, or bytes follow its end") \
+    X(image_size,             -2, "the image is cut off or too long (a signature?): make the table again") \
     X(image_magic,            -3, "this is not a cam table") \
     X(image_order,            -4, "the table has another byte order") \
     X(image_version,          -5, "this firmware does not know the version of the table") \
@@ -108,12 +109,6 @@
     X(lock_none,            -124, "locked for good: the port has neither a key switch nor a secret") \
     X(unlock,               -125, "the answer does not match the last challenge, which is now void") \
     X(hard_limit,           -126, "the value exceeds the limits that the port's builder fixed when its image was built") \
-    /* Signature of a table (cam_signature_check.h) */ \
-    X(sign_none,            -130, "the table is not signed, but must be here: sign it with tools/keys") \
-    X(sign_block,           -131, "the table's signature has another format: sign it again with tools/keys") \
-    X(sign_key,             -132, "the table is signed by a key that is not trusted here") \
-    X(sign_wrong,           -133, "the table's signature is wrong: the table was changed after it was signed") \
-    X(sign_no_keys,         -134, "signed tables are required here, but the port names no public key") \
     /* Timed moves and their feed-forward (cam_gains.h); length of a cut (cam_feasible.h) */ \
     X(gain,                 -135, "the command to U, feed-forward included, would exceed its limits") \
     X(jerk,                 -136, "the jerk is so small that its window does not fit") \

@@ -77,16 +77,14 @@ static cam_err_t check_exchange(cam_machine_t *m, const cam_table_t *table)
 cam_err_t cam_machine_check_table(cam_machine_t *m, const void *image, size_t size)
 {
     cam_table_t table;
-    cam_signature_check_t signature;
-    const cam_err_t err = cam_signature_check_table(image, size, &table, &signature);
+    const cam_err_t err = cam_table_check(image, size, &table);
     return err == cam_ok ? check_exchange(m, &table) : err;
 }
 
 cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
 {
     cam_table_t table;
-    cam_signature_check_t signature;
-    cam_err_t err = cam_signature_check_table(image, size, &table, &signature);
+    cam_err_t err = cam_table_check(image, size, &table);
     if (err != cam_ok) {
         if (m->has_table && image == m->table.image) { // the table in use was overwritten
             report_damage(m);
@@ -99,7 +97,6 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     }
     if (err == cam_ok) {
         m->table = table;
-        m->signature = signature;
         m->has_table = true;
         m->is_in_pass = false; // passes of the old table do not count
         m->n_checked = 0;

@@ -9,19 +9,18 @@
 #ifndef CAM_MACHINE_H
 #define CAM_MACHINE_H
 
-#include "cam_err.h"             // cam_err_t
-#include "cam_feasible.h"        // cam_feasibility_t
-#include "cam_offsets.h"         // cam_offsets_t
-#include "cam_param_store.h"     // cam_param_store_found_t
-#include "cam_param.h"           // cam_params_t
-#include "cam_rights.h"          // cam_rights_t
-#include "cam_scope.h"           // cam_scope_t
-#include "cam_strobe.h"          // cam_strobe_t
-#include "cam_table.h"           // cam_table_t
-#include "cam_ilc.h"             // cam_ilc_t, cam_ilc_status_t
-#include "cam_signature_check.h" // cam_signature_check_t
-#include "cam_status.h"          // cam_t, cam_status_t
-#include <stdbool.h>             // bool
+#include "cam_err.h"         // cam_err_t
+#include "cam_feasible.h"    // cam_feasibility_t
+#include "cam_offsets.h"     // cam_offsets_t
+#include "cam_param_store.h" // cam_param_store_found_t
+#include "cam_param.h"       // cam_params_t
+#include "cam_rights.h"      // cam_rights_t
+#include "cam_scope.h"       // cam_scope_t
+#include "cam_strobe.h"      // cam_strobe_t
+#include "cam_table.h"       // cam_table_t
+#include "cam_ilc.h"         // cam_ilc_t, cam_ilc_status_t
+#include "cam_status.h"      // cam_t, cam_status_t
+#include <stdbool.h>         // bool
 
 /// Details of a refused change or command.
 typedef struct {
@@ -114,44 +113,43 @@ typedef struct {
 } cam_rights_status_t;
 
 /// State of the slow side. The room remote may also use rights, scope and strobe, and read
-/// has_table, table, signature, params, staged, version, checksum, pass, n_parts, is_held, tick_hz,
+/// has_table, table, params, staged, version, checksum, pass, n_parts, is_held, tick_hz,
 /// refusal, kept, identify.received and the harmonics of ilc.
 typedef struct {
-    cam_t *core;                     ///< state of the interrupt
-    cam_params_t params;             ///< as last set
-    uint32_t version;                ///< of params: rises from that of the kept ones on
-    uint32_t checksum;               ///< of params (cam_param_store_checksum())
-    cam_param_store_found_t kept;    ///< kept parameters; .err also covers their hand-over
-    uint32_t kept_checksum;          ///< of the kept parameters, when kept.err is cam_ok
-    cam_params_t staged;             ///< staged parameters
-    uint32_t staged_version;         ///< version when staging began; UINT32_MAX: nothing staged
-    cam_refusal_t refusal;           ///< of the last refused change or command
-    cam_table_t table;               ///< valid when has_table
-    cam_signature_check_t signature; ///< of the table, valid when has_table
-    bool has_table;                  ///< a valid table is in use
-    uint32_t tick_hz, clock_hz;      ///< from the port
-    uint32_t generation;             ///< number of the newest configuration
-    uint32_t n_requests;             ///< serial number of the last request
-    bool homes_again;                ///< enable when the state is off
-    uint32_t pass;                   ///< current pass, or the next one that start cuts; from 0
-    bool is_in_pass;                 ///< start was accepted and the end of the pass not yet seen
-    bool is_cut_short;               ///< stopped early: start repeats the pass
-    bool is_unsteady;                ///< the last start ended because the spindle was not steady
-    uint32_t n_parts;                ///< completed parts
-    bool is_held;                    ///< feed hold
-    bool is_rate_due;                ///< a change of the hold is not yet handed over
-    uint32_t limit_mrpm;             ///< [r/min / 1000] overspeed of the newest configuration
-    uint32_t n_checked;              ///< [bytes] progress of the background check of the table
-    uint32_t checked_crc;            ///< CRC-32 of the bytes so far
-    cam_scope_t scope;               ///< recorder
-    cam_strobe_t strobe;             ///< samples of the live display
-    bool has_box;                    ///< the idle recorder works as black box
-    bool is_box_kept;                ///< the completed black box was handed to the port
-    cam_identify_t identify;         ///< excitation of U
-    cam_ilc_t ilc;                   ///< learning
-    cam_offsets_t offsets;           ///< offsets and homes
-    cam_rights_t rights;             ///< rights to command and to change limits
-    bool is_stop_due;                ///< command was lost: stop the motion
+    cam_t *core;                  ///< state of the interrupt
+    cam_params_t params;          ///< as last set
+    uint32_t version;             ///< of params: rises from that of the kept ones on
+    uint32_t checksum;            ///< of params (cam_param_store_checksum())
+    cam_param_store_found_t kept; ///< kept parameters; .err also covers their hand-over
+    uint32_t kept_checksum;       ///< of the kept parameters, when kept.err is cam_ok
+    cam_params_t staged;          ///< staged parameters
+    uint32_t staged_version;      ///< version when staging began; UINT32_MAX: nothing staged
+    cam_refusal_t refusal;        ///< of the last refused change or command
+    cam_table_t table;            ///< valid when has_table
+    bool has_table;               ///< a valid table is in use
+    uint32_t tick_hz, clock_hz;   ///< from the port
+    uint32_t generation;          ///< number of the newest configuration
+    uint32_t n_requests;          ///< serial number of the last request
+    bool homes_again;             ///< enable when the state is off
+    uint32_t pass;                ///< current pass, or the next one that start cuts; from 0
+    bool is_in_pass;              ///< start was accepted and the end of the pass not yet seen
+    bool is_cut_short;            ///< stopped early: start repeats the pass
+    bool is_unsteady;             ///< the last start ended because the spindle was not steady
+    uint32_t n_parts;             ///< completed parts
+    bool is_held;                 ///< feed hold
+    bool is_rate_due;             ///< a change of the hold is not yet handed over
+    uint32_t limit_mrpm;          ///< [r/min / 1000] overspeed of the newest configuration
+    uint32_t n_checked;           ///< [bytes] progress of the background check of the table
+    uint32_t checked_crc;         ///< CRC-32 of the bytes so far
+    cam_scope_t scope;            ///< recorder
+    cam_strobe_t strobe;          ///< samples of the live display
+    bool has_box;                 ///< the idle recorder works as black box
+    bool is_box_kept;             ///< the completed black box was handed to the port
+    cam_identify_t identify;      ///< excitation of U
+    cam_ilc_t ilc;                ///< learning
+    cam_offsets_t offsets;        ///< offsets and homes
+    cam_rights_t rights;          ///< rights to command and to change limits
+    bool is_stop_due;             ///< command was lost: stop the motion
 } cam_machine_t;
 
 /// Initialize interrupt and slow side, state off. Call before the tick starts.
@@ -161,12 +159,12 @@ typedef struct {
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz);
 
 /// Check an image and use it as the table.
-/// @param size  [bytes] of the image and the signature that follows it
-/// @return cam_ok; an error of the image or its signature; cam_err_state when neither off nor
+/// @param size  [bytes] of the image
+/// @return cam_ok; an error of the image; cam_err_state when neither off nor
 ///         ready; in ready also a feasibility error, or cam_err_table_sense for the other sense of
 ///         rotation; cam_err_busy. On error the old table stays in force, unless the bad image has
 ///         overwritten it: that counts as damage found by cam_machine_poll()
-/// Context: takes as long as cam_signature_check_table().
+/// Context: takes as long as cam_table_check().
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
 /// Set a parameter. Changes allowed by state:

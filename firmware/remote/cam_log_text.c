@@ -155,26 +155,6 @@ void cam_log_text_scales(const cam_machine_t *machine)
     }
 }
 
-/// Append who signed the table; "not signed" only if the port names keys.
-static void add_signature(line_t *line, const cam_signature_check_t *trust)
-{
-    static const char digits[] = "0123456789abcdef";
-    static const char *const kinds[cam_signature_check_signed + 1] = {
-        [cam_signature_check_unsigned] = "",
-        [cam_signature_check_unchecked] = ", signature not checked, it names key ",
-        [cam_signature_check_signed] = ", signed by key ",
-    };
-    add(line, kinds[trust->kind]);
-    if (trust->kind == cam_signature_check_unsigned && hal_trust().n_keys > 0u) {
-        add(line, ", not signed");
-    }
-    for (uint32_t i = 0; trust->kind != cam_signature_check_unsigned && i < sizeof trust->key_id;
-         i++) {
-        const char text[3] = {digits[trust->key_id[i] >> 4], digits[trust->key_id[i] & 15u], '\0'};
-        add(line, text);
-    }
-}
-
 /// Report a speed of the table in use at which the encoder's counts do not average.
 static void say_counts(const cam_machine_t *machine)
 {
@@ -200,7 +180,6 @@ void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store)
         add(&line, "table: ");
         add(&line, store->machine->table.name);
         add(&line, " in use");
-        add_signature(&line, &store->machine->signature);
         hal_text(line.text);
         say_counts(store->machine);
     } else {

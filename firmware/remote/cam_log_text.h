@@ -35,9 +35,8 @@ void cam_log_text_params(const cam_machine_t *machine);
 /// "form error by the steps of the outputs: 0.040 um; a count of the encoder is 94.2 nm of U".
 void cam_log_text_scales(const cam_machine_t *machine);
 
-/// Report the result of the last check of the table, for example "table: perkins240 in use, signed
-/// by key 0123456789abcdef"; "not signed" is added only if the port names keys. A second line names
-/// a speed at which the encoder's counts do not average, and a better one.
+/// Report the result of the last check of the table, for example "table: perkins240 in use". A
+/// second line names a speed at which the encoder's counts do not average, and a better one.
 void cam_log_text_table(cam_log_text_t *l, const cam_table_store_t *store);
 
 /// Report a command that its sender may not give, at most once a second.

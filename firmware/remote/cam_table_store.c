@@ -20,10 +20,8 @@ static cam_err_t select_in_place(cam_machine_t *m)
     uint32_t size = place.size;
     if (place.size >= cam_table_header_size) {
         const uint32_t stored = cam_table_store_word((const uint8_t *)place.bytes + at_image_size);
-        const uint8_t *bytes = place.bytes;
         if (stored >= cam_table_header_size && stored < place.size) {
-            const bool is_signed = cam_signature_block_follows(bytes, stored, place.size);
-            size = stored + (is_signed ? (uint32_t)cam_signature_block_size : 0u);
+            size = stored;
         }
     }
     return cam_machine_select_table(m, place.bytes, size);
@@ -140,8 +138,7 @@ cam_err_t cam_table_store_end(cam_table_store_t *s, uint32_t crc)
         return cam_err_download_crc;
     }
     cam_table_t table;
-    cam_signature_check_t signature;
-    err = cam_signature_check_table(staged.bytes, s->size, &table, &signature);
+    err = cam_table_check(staged.bytes, s->size, &table);
     s->is_checked = err == cam_ok;
     return err;
 }

@@ -4,7 +4,7 @@
 ///     begin(size) -> block, block, .. -> end(crc) -> select
 ///
 /// Only select replaces the table in use, and only by a download that is complete (CRC-32) and
-/// passed cam_signature_check_table(). Any error before, or a new begin, leaves the old table in
+/// passed cam_table_check(). Any error before, or a new begin, leaves the old table in
 /// force. All steps need the state off or ready, in which no tick reads a table; in ready the new
 /// table must also turn in the same sense and be feasible. All functions: slow side, main() only.
 #ifndef CAM_TABLE_STORE_H
@@ -42,7 +42,7 @@ typedef struct {
 /// @return as cam_machine_select_table(); cam_err_no_table if the slot is empty;
 ///         cam_err_download_store if the port could not store the download: the old table stays in
 ///         force, and every further select tries again until a new download begins
-/// Context: lasts as long as cam_signature_check_table() and, after a download, hal_table_commit().
+/// Context: lasts as long as cam_table_check() and, after a download, hal_table_commit().
 CAM_MUST_USE cam_err_t cam_table_store_select(cam_table_store_t *s);
 
 /// @return whether an error of cam_table_store_select() is temporary (state, busy, store), not the
@@ -70,8 +70,8 @@ CAM_MUST_USE cam_err_t cam_table_store_block(cam_table_store_t *s, const uint8_t
 /// @param crc  CRC-32 of all bytes of the image, as sent
 /// @return cam_ok: the next select takes the table; cam_err_state, _busy, cam_err_download_order,
 ///         _short: the download may go on; cam_err_download_crc or an error of
-///         cam_signature_check_table(): the download has to begin anew
-/// Context: lasts as long as cam_signature_check_table().
+///         cam_table_check(): the download has to begin anew
+/// Context: lasts as long as cam_table_check().
 CAM_MUST_USE cam_err_t cam_table_store_end(cam_table_store_t *s, uint32_t crc);
 
 #endif

@@ -58,24 +58,6 @@ static uint32_t word_at(const uint8_t *image, size_t at)
     return word;
 }
 
-bool cam_signature_block_follows(const uint8_t *image, size_t image_size, size_t room)
-{
-    static const uint8_t magic[8] = {0x43, 0x41, 0x4D, 0x53, 0x49, 0x47, 0x1A, 0x0A};
-    return image_size <= room && room - image_size >= (size_t)cam_signature_block_size &&
-           memcmp(&image[image_size], magic, sizeof magic) == 0;
-}
-
-bool cam_signature_block_is_sound(const uint8_t *block, size_t image_size)
-{
-    bool is_sound = word_at(block, cam_signature_block_at_version) == 1u &&
-                    word_at(block, cam_signature_block_at_image_size) == image_size;
-    for (size_t i = cam_signature_block_at_zeros; i < (size_t)cam_signature_block_signed_size;
-         i++) {
-        is_sound = is_sound && block[i] == 0u;
-    }
-    return is_sound;
-}
-
 /// Check magic, byte order, version, size and CRC, before any other field is trusted.
 static cam_err_t check_frame(const uint8_t *image, size_t offered)
 {
@@ -84,10 +66,6 @@ static cam_err_t check_frame(const uint8_t *image, size_t offered)
         return cam_err_image_size;
     }
     const size_t stored = word_at(image, at_image_size);
-    const bool is_signed = stored >= (size_t)cam_table_header_size && stored < offered &&
-                           offered - stored == (size_t)cam_signature_block_size &&
-                           cam_signature_block_follows(image, stored, offered);
-    const size_t size = is_signed ? stored : offered;
     if (memcmp(image, magic, sizeof magic) != 0) {
         return cam_err_image_magic;
     }
@@ -98,10 +76,10 @@ static cam_err_t check_frame(const uint8_t *image, size_t offered)
     if (version != version_1_0 && version != version_1_1) {
         return cam_err_image_version;
     }
-    if (stored != size || size % cam_entry_align != 0u) {
+    if (stored != offered || offered % cam_entry_align != 0u) {
         return cam_err_image_size;
     }
-    return cam_crc32(0, image + crc_from, size - crc_from) == word_at(image, at_crc)
+    return cam_crc32(0, image + crc_from, offered - crc_from) == word_at(image, at_crc)
                ? cam_ok
                : cam_err_image_crc;
 }

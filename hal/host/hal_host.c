@@ -48,11 +48,6 @@ bool hal_measures_u(void)
     return hal_host.slow.measures_u;
 }
 
-hal_trust_t hal_trust(void)
-{
-    return hal_host.slow.trust;
-}
-
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     return hal_host.slow.scale[axis];
@@ -122,8 +117,7 @@ bool hal_table_begin(uint32_t size)
     if (size > hal_host_place_bytes || !stores()) {
         return false;
     }
-    const uint32_t behind = hal_host_place_bytes - size;
-    (void)memset(slot, 0xFF, size + (behind < hal_table_behind ? behind : hal_table_behind));
+    (void)memset(slot, 0xFF, size);
     hal_host.slow.staged = (hal_image_t){.bytes = slot, .size = hal_host_place_bytes};
     return true;
 }

@@ -338,13 +338,6 @@ bool hal_measures_u(void)
     return port.bus.drive[hal_axis_u].node.id != 0u;
 }
 
-hal_trust_t hal_trust(void)
-{
-    return (hal_trust_t){.keys = port.config.trust.bytes,
-                         .n_keys = port.config.trust.n,
-                         .is_required = port.config.is_trust_required};
-}
-
 /// U takes positions.
 hal_force_t hal_force(void)
 {

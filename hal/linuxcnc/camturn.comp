@@ -54,10 +54,6 @@ function update "one tick: in the fast thread, after the encoder's function";
 function poll "the main loop: in a thread of 1 ms or slower, or after update in the same thread";
 modparam dummy table """
 \\fBtable=\\fRabsolute path of a .camtab file. Without a valid one the component does not load.""";
-modparam dummy trust_keys """
-\\fBtrust_keys=\\fRpublic keys for table signatures, 64 digits each, separated by commas.""";
-modparam dummy trust_required """
-\\fBtrust_required=1\\fR: a table without a signature of one of these keys is refused.""";
 modparam dummy tick_hz """\\fBtick_hz=\\fRrate of the thread of \\fBcamturn.update\\fR [Hz], 500 .. 100 000.""";
 modparam dummy measures_u """\\fBmeasures_u=1\\fR: u-fb is a measurement; enables learning of the drive's errors.""";
 modparam dummy measures_x """\\fBmeasures_x=1\\fR: x-fb is a measurement.""";
@@ -82,10 +78,6 @@ static char *table = "";
 RTAPI_MP_STRING(table, "absolute path of a .camtab file");
 static char *recordings = "";
 RTAPI_MP_STRING(recordings, "start of the names of recordings");
-static char *trust_keys = "";
-RTAPI_MP_STRING(trust_keys, "public keys for table signatures");
-static int trust_required = 0;
-RTAPI_MP_INT(trust_required, "1: tables without a signature of one of them are refused");
 static int tick_hz = 1000;
 RTAPI_MP_INT(tick_hz, "rate of the thread of camturn.update [Hz]");
 static int measures_u = 0;
@@ -167,12 +159,6 @@ EXTRA_SETUP()
                         tick_hz);
         return -EINVAL;
     }
-    common_keys_t trust = {.n = 0};
-    if (!common_keys_add(&trust, trust_keys) || (trust_required != 0 && trust.n == 0)) {
-        rtapi_print_msg(RTAPI_MSG_ERR, "camturn: trust_keys=%.80s: %s\n", trust_keys,
-                        COMMON_KEYS_REMEDY ", or omit trust_required");
-        return -EINVAL;
-    }
     if (check_force() != 0) {
         return -EINVAL;
     }
@@ -181,8 +167,6 @@ EXTRA_SETUP()
         .is_measured = {measures_u != 0, measures_x != 0, measures_z != 0},
         .force_quantum_un = (uint32_t)u_force_quantum_un,
         .force_latency_ns = (uint32_t)u_force_latency_ns,
-        .trust = trust,
-        .is_trust_required = trust_required != 0,
         .is_waived = waive_acknowledge != 0,
         .is_nominal = nominal_time != 0,
     };

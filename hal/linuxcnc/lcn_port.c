@@ -117,13 +117,6 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     return (hal_axis_scale_t){0};
 }
 
-hal_trust_t hal_trust(void)
-{
-    return (hal_trust_t){.keys = port.setup.trust.bytes,
-                         .n_keys = port.setup.trust.n,
-                         .is_required = port.setup.is_trust_required};
-}
-
 hal_memory_t hal_scope_memory(void)
 {
     return lcn_record_memory();

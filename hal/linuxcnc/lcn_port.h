@@ -7,10 +7,9 @@
 #ifndef LCN_PORT_H
 #define LCN_PORT_H
 
-#include "common_keys.h" // common_keys_t
-#include "lcn_index.h"   // lcn_counters_t
-#include <stdbool.h>     // bool
-#include <stdint.h>      // int32_t, int64_t, uint32_t
+#include "lcn_index.h" // lcn_counters_t
+#include <stdbool.h>   // bool
+#include <stdint.h>    // int32_t, int64_t, uint32_t
 
 /// Axes, as in hal/hal.h.
 enum { lcn_u, lcn_x, lcn_z, lcn_n_axes };
@@ -21,8 +20,6 @@ typedef struct {
     bool is_measured[lcn_n_axes]; ///< the axis has feedback; false: its position is the set-point
     uint32_t force_quantum_un;    ///< [uN] smallest change of U's force; 0: U takes positions
     uint32_t force_latency_ns;    ///< [ns] from the latch of U's scale to the change of the force
-    common_keys_t trust;          ///< public keys for table signatures
-    bool is_trust_required;       ///< tables without a signature by one of them are refused
     bool is_waived;               ///< the pin acknowledge is not needed
     bool is_nominal;              ///< time is counted in ticks (simulation)
 } lcn_setup_t;

@@ -44,12 +44,6 @@ hal_force_t hal_force(void)
     return mps2_machine.slow.force;
 }
 
-/// No keys: the simulator checks the tables.
-hal_trust_t hal_trust(void)
-{
-    return (hal_trust_t){.n_keys = 0};
-}
-
 /// No acknowledge: an emulated machine cannot hurt anybody.
 hal_operator_t hal_operator(void)
 {
@@ -110,8 +104,7 @@ bool hal_table_begin(uint32_t size)
         return false;
     }
     staged = mps2_machine.slow.table.bytes == slots[0] ? slots[1] : slots[0];
-    const uint32_t behind = mps2_place_bytes - size;
-    (void)memset(staged, 0xFF, size + (behind < hal_table_behind ? behind : hal_table_behind));
+    (void)memset(staged, 0xFF, size);
     return true;
 }
 

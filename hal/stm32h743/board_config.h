@@ -81,19 +81,6 @@
 /// reached. Leave out axes without a switch: they would always read as reached.
 #define BOARD_HOME_SWITCHES 0
 
-/// Public keys of accepted table signatures, as printed by `tools/keys show --c`, and their number:
-/// at most 4. For the private keys see TABLE_FORMAT.md, "Signature".
-#define BOARD_TRUST_N_KEYS 0
-#define BOARD_TRUST_KEYS                                                                           \
-    {                                                                                              \
-        0                                                                                          \
-    }
-
-/// 1: refuse tables not signed with one of these keys. 0: accept unsigned tables, but still refuse
-/// a wrong signature. Use read-out protection with it (UPDATE.md): anyone who can write the flash
-/// can change this setting.
-#define BOARD_TRUST_REQUIRED 0
-
 /// 1: an acknowledge button on the machine is wired to PD12 and closes to +3.3 V. It must be
 /// pressed before the machine can move after power-on, an emergency stop or a fault. Without a
 /// wire, or with 0, nothing can be enabled.

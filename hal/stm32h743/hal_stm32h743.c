@@ -19,6 +19,10 @@
 #include "stm_timers.h"
 #include "stm_watch.h"
 
+#if defined(BOARD_TRUST_N_KEYS) && BOARD_TRUST_N_KEYS > 0
+#error "tables are no longer signed: remove BOARD_TRUST_* from board_config.h"
+#endif
+
 /// Results of hal_init() when the machine cannot be used.
 enum { no_revision = -1, no_clock = -2, no_dac = -3, no_can = -4 };
 
@@ -254,17 +258,6 @@ bool hal_has_swing(void)
 bool hal_measures_u(void)
 {
     return BOARD_HAS_U_SCALE != 0;
-}
-
-hal_trust_t hal_trust(void)
-{
-    static const uint8_t keys[][32] = {BOARD_TRUST_KEYS};
-    _Static_assert(BOARD_TRUST_N_KEYS <= (int)(sizeof keys / sizeof keys[0]),
-                   "BOARD_TRUST_KEYS has fewer keys than BOARD_TRUST_N_KEYS says");
-    _Static_assert(BOARD_TRUST_REQUIRED == 0 || BOARD_TRUST_N_KEYS > 0,
-                   "BOARD_TRUST_REQUIRED without a key refuses every table: give BOARD_TRUST_KEYS");
-    return (hal_trust_t){
-        .keys = keys[0], .n_keys = BOARD_TRUST_N_KEYS, .is_required = BOARD_TRUST_REQUIRED != 0};
 }
 
 hal_memory_t hal_scope_memory(void)

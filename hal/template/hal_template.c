@@ -37,13 +37,6 @@ bool hal_measures_u(void)
     return false;
 }
 
-/// Return the public keys for table signatures, and whether a signature is required. The machine
-/// builder sets them; no command may change them.
-hal_trust_t hal_trust(void)
-{
-    return (hal_trust_t){.keys = NULL, .n_keys = 0, .is_required = false};
-}
-
 /// Return the resolution of the output (a DAC code or a step) and of the measurement (a count of
 /// the scale) in picometres, and the speed at the highest step rate.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)

@@ -38,7 +38,6 @@ enum {
 
 /// The commands; argv[0] is the command's name.
 int camsim_eval(int argc, char **argv);
-int camsim_verify(int argc, char **argv);
 int camsim_run(int argc, char **argv);
 int camsim_bus(int argc, char **argv);
 int camsim_identify(int argc, char **argv);

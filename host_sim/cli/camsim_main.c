@@ -8,7 +8,6 @@ static const char help[] =
     "camsim: the camturn controller on a simulated lathe\n"
     "\n"
     "  camsim eval TABLE < points.csv > values.csv   the firmware's own evaluation of a table\n"
-    "  camsim verify TABLE [KEY.pub ...]             checks its signature, as a controller does\n"
     "  camsim run TABLE [options]                    a whole cut in virtual time\n"
     "  camsim bus TABLE --can IFACE [options]        the machine as nodes of a CAN bus\n"
     "  camsim identify TABLE --wave F --record F     U plays a wave and is recorded\n"
@@ -42,9 +41,8 @@ static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"eval", camsim_eval},     {"verify", camsim_verify},     {"run", camsim_run},
-    {"bus", camsim_bus},       {"identify", camsim_identify}, {"live", camsim_live},
-    {"params", camsim_params},
+    {"eval", camsim_eval},         {"run", camsim_run},   {"bus", camsim_bus},
+    {"identify", camsim_identify}, {"live", camsim_live}, {"params", camsim_params},
 };
 
 int main(int argc, char **argv)
@@ -65,7 +63,7 @@ int main(int argc, char **argv)
     }
     common_error_t e;
     (void)common_error(&e,
-                       "%.40s: no such command; use eval, verify, run, bus, identify, live or "
+                       "%.40s: no such command; use eval, run, bus, identify, live or "
                        "params; see camsim --help",
                        argc > 1 ? command : "(nothing)");
     return camsim_complain(&e);

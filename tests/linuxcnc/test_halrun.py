@@ -9,8 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.cli import keys
-from camtools.table.signature import read_private, sign
 from checks.patience import limit_s
 from tests.linuxcnc.halbox import Halbox
 from tests.linuxcnc.replays import COMMANDED, Cut, Whole, cut, replay
@@ -131,45 +129,6 @@ def test_table_is_changed_while_hal_runs(box: Halbox, table_of: TableOf) -> None
     part.unlink()
     set_and_wait(box, "reload-table", "reloading")
     assert "No such file or directory" in box.said()
-
-
-@pytest.fixture(scope="module")
-def keys_of(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, str]]:
-    """Return two pairs of keys: the file of the private one, the digits of the public one."""
-    folder, made = tmp_path_factory.mktemp("keys"), {}
-    for name in ("ours", "foreign"):
-        assert keys.main(["make", str(folder / name)]) == 0
-        made[name] = folder / f"{name}.pem", (folder / f"{name}.pub").read_text().strip()
-    return made
-
-
-TRUST = (
-    ("ours", "trust_keys={foreign},{ours} trust_required=1", ""),
-    ("foreign", "trust_keys={ours}", "signed by a key that is not trusted here"),
-    ("", "trust_keys={ours}", ""),
-    ("", "trust_keys={ours} trust_required=1", "./part.camtab: refused: "),
-    ("ours", "trust_required=1", "trust_keys=: give public keys as tools/keys show prints"),
-    ("ours", "trust_keys=0011", "trust_keys=0011: give public keys as tools/keys show"),
-    ("ours", "trust_keys={weak}", "none of them weak"),
-)  # who signed the table, parameters of loadrt, what a refusal says
-
-
-@pytest.mark.long
-def test_trusted_keys_decide_which_tables_are_taken(
-    box: Halbox, table_of: TableOf, keys_of: dict[str, tuple[Path, str]]
-) -> None:
-    """By the parameters of loadrt; a refusal says why, and the component does not load."""
-    digits = {name: public for name, (_, public) in keys_of.items()} | {"weak": "0" * 64}
-    for signed_by, words, said in TRUST:
-        image = table_of("perkins240").read_bytes()
-        if signed_by:
-            image = sign(image, read_private(keys_of[signed_by][0]))
-        (box.folder / "part.camtab").write_bytes(image)
-        line = LOAD.format("./part.camtab").strip() + " " + words.format_map(digits) + "\n"
-        (box.folder / "said.txt").unlink(missing_ok=True)
-        assert (box.load(line) == 0) == (said == ""), words
-        assert said in box.said()
-        box.stop()
 
 
 def names_in_documents() -> set[str]:

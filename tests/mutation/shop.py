@@ -49,7 +49,7 @@ class Shop:
             shutil.rmtree(old) if old.is_dir() else old.unlink()
         words = ["cp", "-p", "--parents", "-t", str(folder), *tracked(tree)]
         subprocess.run(words, cwd=tree, check=True)
-        for made in (tree / "build" / name for name in ("_unity", "_monocypher", "venv")):
+        for made in (tree / "build" / name for name in ("_unity", "venv")):
             if made.exists() and not (link := folder / "build" / made.name).exists():
                 link.symlink_to(made.resolve())
         if self._clean.exists():  # the last run may have ended within a mutant

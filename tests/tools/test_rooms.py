@@ -39,10 +39,7 @@ DESIGN = {
     "firmware/build": ("firmware/feasible",),
     "firmware/learning": ("firmware/record",),
     "firmware/recorder": ("firmware/record",),
-    "firmware/signature": ("firmware/table",),
-    "firmware/machine": (
-        *("firmware/build", "firmware/learning", "firmware/recorder", "firmware/signature"),
-    ),
+    "firmware/machine": ("firmware/build", "firmware/learning", "firmware/recorder"),
     "firmware/remote": ("firmware/machine",),
     "firmware": ("firmware/remote",),
     "host_sim/base": ("hal/common",),

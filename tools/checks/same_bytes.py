@@ -22,7 +22,6 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.project_paths import ROOT
 
 FAILED = 1
-MONOCYPHER = ROOT / "build" / "_monocypher"
 VENV = ROOT / "build" / "venv"
 
 
@@ -48,7 +47,7 @@ def other_folder(temporary: Path, root: Path = ROOT) -> Path:
 
 
 def _copy(unity: Path, folder: Path) -> None:
-    """Copy sources, Unity, Monocypher and Python packages to where a build looks for them."""
+    """Copy sources, Unity and Python packages to where a build looks for them."""
 
     def not_sources(inside: str, names: list[str]) -> set[str]:
         builds = {"build"} if Path(inside) == ROOT else set()
@@ -56,8 +55,6 @@ def _copy(unity: Path, folder: Path) -> None:
 
     shutil.copytree(ROOT, folder, ignore=not_sources, symlinks=True)
     shutil.copytree(unity, folder / "build" / "_unity")
-    if MONOCYPHER.is_dir():
-        shutil.copytree(MONOCYPHER, folder / "build" / "_monocypher")
     if VENV.is_dir():
         (folder / "build" / "venv").symlink_to(VENV)
 

@@ -4,8 +4,8 @@ cmake_minimum_required(VERSION 3.25)
 
 # What a C11 compiler without an operating system brings, plus memcpy() and its kin.
 set(system_headers stdint stdbool stddef stdatomic stdalign stdnoreturn limits inttypes string)
-# The contract, what is made of camturn.dbc, and the cryptography of the slow side.
-set(foreign_headers hal/hal.h hal/version.h camturn.h monocypher.h)
+# The contract, and what is made of camturn.dbc.
+set(foreign_headers hal/hal.h hal/version.h camturn.h)
 set(forbidden_words float double malloc calloc realloc free)
 
 set(findings "")

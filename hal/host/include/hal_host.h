@@ -68,7 +68,6 @@ typedef struct {
         hal_force_t force;   ///< returned by hal_force()
         hal_axis_scale_t scale[hal_n_axes]; ///< returned by hal_axis_scale()
         hal_operator_t people;              ///< returned by hal_operator()
-        hal_trust_t trust;                  ///< returned by hal_trust()
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps

@@ -134,18 +134,6 @@ typedef struct {
 /// [bytes] Programming unit of the flash; pieces of a download are multiples of it.
 enum { hal_table_grain = 32 };
 
-/// [bytes] that a port erases after the end of an image, up to the end of the slot. Otherwise the
-/// signature of the previous image could follow an unsigned image of the same size.
-enum { hal_table_behind = 128 };
-
-/// Keys that tables must be signed with. The keys are public but must be protected from change:
-/// whoever can replace them can load any table.
-typedef struct {
-    const uint8_t *keys; ///< n_keys public keys of 32 bytes, Ed25519 (RFC 8032)
-    uint32_t n_keys;     ///< 0: signatures are not checked
-    bool is_required;    ///< tables without a signature by one of the keys are refused
-} hal_trust_t;
-
 /// [bytes] Largest set of parameters that a port must store.
 enum { hal_params_most_bytes = 16384 };
 
@@ -252,16 +240,12 @@ hal_start_t hal_start(void);
 /// by the test.
 hal_image_t hal_table_image(void);
 
-/// @return the keys for table signatures, constant after hal_init(). Set by the machine builder; no
-/// command changes them. Simulator: set by the test or options, else no keys, none required.
-hal_trust_t hal_trust(void);
-
 // A download goes to a second slot while the first is in use. The next four functions are called
 // only in the states off and ready, in which no tick reads a table. They may block, but cam_isr()
 // and the watchdog's supervision of main() must continue.
 
-/// Erase the slot that is not in use, for an image and hal_table_behind. An unfinished download is
-/// lost; the slot in use is not touched.
+/// Erase the slot that is not in use, for an image. An unfinished download is lost; the slot in use
+/// is not touched.
 /// @param size  [bytes] of the image
 /// @return      false if the image does not fit or the slot cannot be erased
 /// Context: main(); with flash up to several seconds.

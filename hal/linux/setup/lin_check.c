@@ -157,24 +157,6 @@ static bool check_load(const lin_config_t *c, const char *path, common_error_t *
     return common_error(e, "%s: %s", path, why.text);
 }
 
-/// Collect the keys. If signatures are required, there must be at least one.
-static bool collect_keys(lin_config_t *c, const char *path, common_error_t *e)
-{
-    c->trust = (common_keys_t){.n = 0};
-    for (int i = 0; i < (int)common_keys_most; i++) {
-        if (!common_keys_add(&c->trust, c->trust_key[i])) {
-            return common_error(
-                e, "%s: trust.key_%d = \"%s\": not a valid public key; " COMMON_KEYS_REMEDY, path,
-                i + 1, c->trust_key[i]);
-        }
-    }
-    return !c->is_trust_required || c->trust.n > 0u ||
-           common_error(e,
-                        "%s: trust.required = true: every table is refused without a key; give "
-                        "trust.key_1, or false",
-                        path);
-}
-
 bool lin_check_load(lin_config_t *config, const char *path, common_error_t *e)
 {
     const lin_config_t *c = config;
@@ -191,7 +173,7 @@ bool lin_check_load(lin_config_t *config, const char *path, common_error_t *e)
     }
     return check_lines(c, path, e) && check_nodes(c, path, e) && check_encoder(c, path, e) &&
            check_age(c, path, e) && check_drives(c, path, e) && check_times(c, path, e) &&
-           check_load(c, path, e) && collect_keys(config, path, e);
+           check_load(c, path, e);
 }
 
 void lin_check_warn(const lin_config_t *c, lin_check_report_t *report)

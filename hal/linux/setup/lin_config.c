@@ -77,11 +77,6 @@ static const common_setting_t settings[] = {
     TEXT("operator", "secret", secret_file, lin_path_max),
     TEXT("table", "file", table_file, lin_path_max),
     WHOLE("table", "max_bytes", table_max_bytes, 1024, 67108864),
-    TEXT("trust", "key_1", trust_key[0], common_keys_digits),
-    TEXT("trust", "key_2", trust_key[1], common_keys_digits),
-    TEXT("trust", "key_3", trust_key[2], common_keys_digits),
-    TEXT("trust", "key_4", trust_key[3], common_keys_digits),
-    FLAG("trust", "required", is_trust_required),
     TEXT("parameters", "file", params_file, lin_path_max),
 };
 enum { n_settings = sizeof settings / sizeof settings[0] };

@@ -6,7 +6,6 @@
 
 #include "hal/hal.h"      // hal_n_axes
 #include "common_error.h" // common_error_t
-#include "common_keys.h"  // common_keys_t
 #include <stdbool.h>      // bool
 #include <stdint.h>       // int64_t, uint32_t
 
@@ -76,9 +75,6 @@ typedef struct {
     char secret_file[lin_path_max + 1]; ///< "": none
     char table_file[lin_path_max + 1];
     int64_t table_max_bytes;
-    char trust_key[common_keys_most][common_keys_digits + 1]; ///< "": none
-    common_keys_t trust;                                      ///< all keys, after loading
-    bool is_trust_required;
     char params_file[lin_path_max + 1]; ///< "": parameters are not stored
     bool has_retired;                   ///< the file has retired keys, which are ignored
 } lin_config_t;

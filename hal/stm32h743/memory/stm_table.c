@@ -131,9 +131,7 @@ bool hal_table_begin(uint32_t size)
     if (size == 0u || size > (uint32_t)stm_other_bytes || !make_room_in_log()) {
         return false;
     }
-    const uint32_t behind = (uint32_t)stm_other_bytes - size;
-    is_begun = stm_flash_erase((uint32_t)place(1u - in_use).bytes,
-                               size + (behind < hal_table_behind ? behind : hal_table_behind));
+    is_begun = stm_flash_erase((uint32_t)place(1u - in_use).bytes, size);
     return is_begun;
 }
 

@@ -275,48 +275,10 @@ static void test_file_with_a_nul_byte_is_refused(void)
     TEST_ASSERT_NOT_NULL(strstr(error.text, ":2: contains a NUL byte; give a text file"));
 }
 
-#define KEY_A "00112233445566778899aabbccddeeff00112233445566778899AABBCCDDEEFF"
-#define KEY_B "ff112233445566778899aabbccddeeff00112233445566778899aabbccddee00"
-
-static void test_trusted_keys_arrive_in_order_whichever_places_are_used(void)
+/// Keys of signed tables, which earlier versions had: nobody shall believe that they are checked.
+static void test_retired_keys_are_refused(void)
 {
-    TEST_ASSERT_TRUE(load("[table]\nmax_bytes = 1024\n"));
-    TEST_ASSERT_EQUAL_UINT32(0, config.trust.n);
-    TEST_ASSERT_FALSE(config.is_trust_required);
-    TEST_ASSERT_TRUE_MESSAGE(
-        load("[trust]\nkey_2 = \"" KEY_A "\"\nkey_4 = \"" KEY_B "\"\nrequired = true\n"),
-        error.text);
-    TEST_ASSERT_EQUAL_UINT32(2, config.trust.n);
-    TEST_ASSERT_TRUE(config.is_trust_required);
-    static const uint8_t head_a[] = {0x00, 0x11, 0x22, 0x33};
-    static const uint8_t end_a[] = {0xcc, 0xdd, 0xee, 0xff};
-    TEST_ASSERT_EQUAL_MEMORY(head_a, config.trust.bytes, 4);
-    TEST_ASSERT_EQUAL_MEMORY(end_a, &config.trust.bytes[common_keys_bytes - 4], 4);
-    TEST_ASSERT_EQUAL_HEX8(0xff, config.trust.bytes[common_keys_bytes]);
-}
-
-static void test_what_is_no_trusted_key_is_refused(void)
-{
-    refused("[trust]\nkey_1 = \"0011\"\n",
-            "trust.key_1 = \"0011\": not a valid public key; give public");
-    refused("[trust]\nkey_3 = \"g0112233445566778899aabbccddeeff"
-            "00112233445566778899aabbccddeeff\"\n",
-            "trust.key_3 = \"g011");
-    refused("[trust]\nkey_1 = \"" KEY_A "0\"\n", "at most 64 characters");
-    refused("[trust]\nkey_5 = \"" KEY_A "\"\n", "unknown key");
-    refused("[trust]\nkey_1 = \"00000000000000000000000000000000"
-            "00000000000000000000000000000000\"\n",
-            "none of them weak");
-    refused("[trust]\nkey_1 = 1\n", "give one \"text\"");
-    refused("[trust]\nrequired = 1\n", "give true or false");
-}
-
-/// It would refuse every table, and nobody would know why before the first download.
-static void test_a_signature_that_nobody_could_give_is_not_required(void)
-{
-    refused("[trust]\nrequired = true\n",
-            "trust.required = true: every table is refused without a key");
-    refused("[trust]\nrequired = true\nkey_1 = \" \"\n", "give trust.key_1, or false");
+    refused("[trust]\nkey_1 = \"\"\n", ":1: [trust]: unknown section; correct or remove it");
 }
 
 static void test_wrong_settings_of_the_operator_are_refused(void)

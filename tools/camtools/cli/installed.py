@@ -1,7 +1,7 @@
 """The commands of an installed package: each script of tools/pyproject.toml starts here.
 
->>> remedy("keys")
-"pip install 'camturn[sign]'"
+>>> remedy("panel")
+"pip install 'camturn[panel]'"
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from pathlib import Path
 
 from camtools.base.project_paths import VERSION
 
-_EXTRAS = {"keys": "sign", "mktables": "sign", "panel": "panel", "forecast": "forecast"}
+_EXTRAS = ("panel", "forecast")
 
 
 def remedy(command: str) -> str:
     """Return how to get the packages that a command needs on top."""
-    extra = f"[{_EXTRAS[command]}]" if command in _EXTRAS else ""
+    extra = f"[{command}]" if command in _EXTRAS else ""
     return f"pip install 'camturn{extra}'"
 
 

@@ -58,12 +58,6 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         help=f"points per turn, {MIN_POINTS} .. {MAX_POINTS} (default: the knots for xyva, 360 for "
         "text)",
     )
-    parser.add_argument(
-        "--sign",
-        type=Path,
-        metavar="KEY.pem",
-        help="sign the table with a private key of tools/keys",
-    )
     return parser.parse_args(argv)
 
 
@@ -96,12 +90,6 @@ def _run(arguments: argparse.Namespace) -> int:
     made = make(loaded, arguments.part, tolerance_nm=arguments.tolerance_nm, correction=correction)
     exported = _exported(arguments, made.table.table)
     files = made.files(with_plots=arguments.plot) | exported
-    if arguments.sign is not None:
-        # Only those who sign need the package cryptography.
-        from camtools.table.signature import read_private, sign
-
-        key = read_private(arguments.sign)
-        files |= {name: sign(data, key) for name, data in files.items() if name.endswith(".camtab")}
     write_all(arguments.output, files)
     sys.stdout.write(made.text())
     return 0

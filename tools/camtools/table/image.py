@@ -58,7 +58,6 @@ from camtools.table.records import (
 )
 
 MAGIC = b"CAMTAB\x1a\n"
-SIGNATURE_MAGIC, SIGNATURE_SIZE = b"CAMSIG\x1a\n", 128
 BYTE_ORDER, VERSION, NEWER_VERSION = 0x01020304, (1, 0), (1, 1)
 
 
@@ -198,12 +197,6 @@ def _demand(condition: bool, rule: str) -> None:
         raise ImageError(rule)
 
 
-def without_signature(data: bytes, image_size: int) -> bytes:
-    """Return an image without the signature block behind it, if there is one."""
-    is_signed = len(data) - image_size == SIGNATURE_SIZE and image_size >= HEADER_SIZE
-    return data[:image_size] if is_signed and data[image_size:][:8] == SIGNATURE_MAGIC else data
-
-
 def unpack(image: bytes) -> Table:
     """Return the table of an image, checked as the firmware checks it.
 
@@ -214,13 +207,12 @@ def unpack(image: bytes) -> Table:
     """
     _demand(len(image) >= HEADER_SIZE, "size: shorter than a header")
     header = fields_of(HEADER, image, 0)
-    image = without_signature(image, header["image_size"])
     _demand(header["magic"] == MAGIC, "magic: not a cam table")
     _demand(header["byte_order"] == BYTE_ORDER, "byte_order: image of another byte order")
     version = header["version_major"], header["version_minor"]
     _demand(version in (VERSION, NEWER_VERSION), "version: neither 1.0 nor 1.1")
     is_whole = header["image_size"] == len(image) and len(image) % ALIGN == 0
-    _demand(is_whole, "image_size: not that of the file")
+    _demand(is_whole, "image_size: not that of the file, which is cut off or has a signature")
     _demand(header["crc32"] == crc32_of(image), "crc32: the image is damaged")
     table = _table_of(header)
     n_channels = header["n_channels"]

@@ -414,13 +414,10 @@ static void test_states_and_faults_have_their_lines(void)
     TEST_ASSERT_EQUAL_STRING("fault estop: emergency stop", fixture_can_line(0));
 }
 
-/// What a check of a table may refuse: its image and its signature.
+/// What a check of a table may refuse.
 static void test_every_text_fits_a_line(void)
 {
-    for (int err = 0; err > -140; err--) {
-        if (err < -19 && err > -130) {
-            continue;
-        }
+    for (int err = 0; err > -20; err--) {
         char line[200];
         (void)snprintf(line, sizeof line, "table: %s - home refused until a table is written",
                        cam_err_text((cam_err_t)err));

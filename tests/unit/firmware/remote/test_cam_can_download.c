@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Download of a table over CAN: complete ones, interruptions at and within blocks, repetitions and
-// wrong orders, downloads that are refused, signed tables. What is refused leaves the old table in
-// force.
+// wrong orders, downloads that are refused. What is refused leaves the old table in force.
 #define OWN_SET_UP
 #include "can_bench.h"
-#include "fixture_sign.h"
 #include <string.h> // memcpy
 
 /// Number of the answer to a block; [bytes] of the image in each block.
@@ -469,95 +467,4 @@ static void test_the_sector_of_the_table_that_the_machine_holds_is_not_emptied(v
     expect_select(cam_ok, "other skirt");
     fixture_can_loop(&f, 2);
     expect_begin();
-}
-
-// Signed, see test_cam_signature_check.c: judged at the end, at select and at the start
-
-static fixture_keys_t keys;
-
-static void trust(bool is_required)
-{
-    keys = fixture_keys(1);
-    hal_host.slow.trust =
-        (hal_trust_t){.keys = keys.public, .n_keys = 1, .is_required = is_required};
-}
-
-static int32_t download_and_select(void)
-{
-    const int32_t result = download(other_crc());
-    const int32_t selected = result == cam_ok ? send(select_table, 0) : result;
-    fixture_can_loop(&f, 2);
-    return selected;
-}
-
-static void test_a_signed_table_comes_over_the_bus(void)
-{
-    trust(true);
-    fixture_sign(&other, &keys);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
-    TEST_ASSERT_EQUAL_STRING("table: other skirt in use, signed by key 3784728ae7309eab",
-                             fixture_can_line(0));
-    run(); // and lies there after a restart, with its signature
-    TEST_ASSERT_EQUAL_STRING("other skirt", f.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT(cam_signature_check_signed, f.rig.machine.signature.kind);
-}
-
-static void test_a_table_without_its_signature_is_refused_at_the_end(void)
-{
-    trust(true);
-    TEST_ASSERT_EQUAL_INT32(cam_err_sign_none, download_and_select());
-    TEST_ASSERT_EQUAL_STRING("short skirt", f.rig.machine.table.name);
-    trust(false);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
-    TEST_ASSERT_EQUAL_STRING("table: other skirt in use, not signed", fixture_can_line(0));
-    name_other("third skirt");
-    const fixture_keys_t others = fixture_keys(2);
-    fixture_sign(&other, &others);
-    TEST_ASSERT_EQUAL_INT32(cam_err_sign_key, download_and_select());
-    TEST_ASSERT_EQUAL_STRING("other skirt", f.rig.machine.table.name);
-}
-
-/// What came while nothing was required does not pass a select once it is.
-static void test_a_table_is_judged_again_when_it_is_selected(void)
-{
-    TEST_ASSERT_EQUAL_INT32(cam_ok, download(other_crc()));
-    trust(true);
-    expect_select(cam_err_sign_none, "short skirt");
-}
-
-static void test_the_table_in_the_flash_is_judged_at_the_start(void)
-{
-    trust(true);
-    run();
-    TEST_ASSERT_FALSE(f.rig.machine.has_table);
-    TEST_ASSERT_EQUAL_STRING("table: the table is not signed, but must be here: sign it with "
-                             "tools/keys - home refused until a table is written",
-                             fixture_can_line(0));
-    TEST_ASSERT_EQUAL_INT32(cam_err_sign_none, send(enable, 0));
-}
-
-/// The sector still holds the signed table of before, and the new one is as long as that was.
-static void test_no_signature_of_before_follows_a_table_without_one(void)
-{
-    trust(false);
-    for (int i = 0; i < 2; i++) { // both sectors
-        fixture_sign(&other, &keys);
-        TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
-    }
-    other.size -= fixture_block_size;
-    TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
-    TEST_ASSERT_EQUAL_INT(cam_signature_check_unsigned, f.rig.machine.signature.kind);
-}
-
-/// There is no counter against it: an older table of the same key is as good as a newer one.
-static void test_an_older_signed_table_is_taken_again(void)
-{
-    static const char *const names[] = {"other skirt", "newer skirt", "other skirt"};
-    trust(true);
-    for (uint32_t i = 0; i < 3u; i++) {
-        name_other(names[i]);
-        fixture_sign(&other, &keys);
-        TEST_ASSERT_EQUAL_INT32(cam_ok, download_and_select());
-        TEST_ASSERT_EQUAL_STRING(names[i], f.rig.machine.table.name);
-    }
 }

@@ -44,7 +44,7 @@ static void expect_homing(void)
     TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_state());
 }
 
-/// In a larger sector, and in one that it fills.
+/// In a larger sector, whatever follows it there, and in one that it fills.
 static void test_a_good_table_is_taken(void)
 {
     TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_can_line(0));
