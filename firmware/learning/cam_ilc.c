@@ -332,8 +332,6 @@ cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup
         .speed_mrpm = (uint32_t)((int64_t)t->speed_q32 * hz * 60000 >> 32),
         .ripple_turns = t->ripple.n_mean,
         .ripple_nturn = (uint32_t)((uint64_t)ripple_q23 * 1000000000u >> 23),
-        .scale_re_q32 = t->ripple.scale.re,
-        .scale_im_q32 = t->ripple.scale.im,
     };
 }
 

@@ -7,7 +7,7 @@
 /// A rehearsal settles, learns the drive's constants (layer 1), probes U's response at every
 /// harmonic, then removes the remaining error (layer 2). The cut continues both with a small
 /// learning gain. Learned values are kept between parts and can be read and set by index.
-/// Equations and stability: MATHS.md (140) .. (147). Context of all functions: slow side, one
+/// Equations and stability: MATHS.md (140) .. (146). Context of all functions: slow side, one
 /// caller.
 #ifndef CAM_ILC_H
 #define CAM_ILC_H
@@ -80,8 +80,6 @@ typedef struct {
     uint32_t speed_mrpm;     ///< [r/min / 1000] speed of the learning, 0: never
     uint32_t ripple_turns;   ///< turns in the mean of the ripple in force
     uint32_t ripple_nturn;   ///< [turn / 10^9] sum of its amplitudes
-    int32_t scale_re_q32;    ///< [turn / 2^32] the part of order 1 common to two speeds: the
-    int32_t scale_im_q32;    ///< encoder's, for eccentricity_nturn and _udeg; 0: not known
 } cam_ilc_status_t;
 
 /// State of a harmonic.

@@ -82,25 +82,6 @@ uint32_t cam_ripple_sum(const cam_ripple_t *r)
     return sum;
 }
 
-/// @return the part that does not fall with the square of the speed: (a v^2 - b w^2) / (v^2 - w^2)
-static cam_complex_t constant_part(cam_complex_t a, int64_t v, cam_complex_t b, int64_t w)
-{
-    const int64_t v2 = (v >> 8) * (v >> 8) >> 4;
-    const int64_t w2 = (w >> 8) * (w >> 8) >> 4;
-    const int64_t d = v2 - w2;
-    return (cam_complex_t){.re = cam_sat_i32((a.re * v2 - b.re * w2) / d),
-                           .im = cam_sat_i32((a.im * v2 - b.im * w2) / d)};
-}
-
-/// Separate the encoder from the spindle by two means whose speeds differ by more than a tenth.
-static void separate(cam_ripple_t *r, cam_complex_t before, int32_t speed_q32)
-{
-    const int64_t other = r->speed_q32;
-    if (other > 0 && cam_abs_i64(speed_q32 - other) > other / 10) {
-        r->scale = constant_part(cam_ripple_order(r, 1), speed_q32, before, other);
-    }
-}
-
 /// @return [turn / 2^32] order 1, real, that a drift of the speed causes in the mean: d / (2 pi^2),
 ///         d the change of the speed per turn; order k has 1 / k^2 of it
 static int64_t drift_q32(const cam_ripple_t *r)
@@ -128,7 +109,6 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int3
     if (r->n < n_turns) {
         return false;
     }
-    const cam_complex_t before = cam_ripple_order(r, 1);
     const int64_t drift = drift_q32(r) * r->n;
     const int64_t least = (int64_t)least_q32 * r->n;
     for (int64_t k = 1; k <= cam_harmonics_most; k++) {
@@ -141,9 +121,7 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int3
             r->mean[k - 1].im = mean_of(sum.im, r->n);
         }
     }
-    separate(r, before, speed_q36 >> 4);
     r->n_mean = r->n;
-    r->speed_q32 = speed_q36 >> 4;
     cam_ripple_drop(r);
     return true;
 }

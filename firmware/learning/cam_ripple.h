@@ -4,7 +4,7 @@
 /// The deviation of a revolution is the measured angle minus that of a uniform rotation of the same
 /// duration, by the ticks in each bin. The mean over several revolutions is the ripple that the
 /// encoder shows, its own eccentricity included, which is a parameter. Nothing is fed back.
-/// Source: MATHS.md (146), (147). Context: slow side.
+/// Source: MATHS.md (146). Context: slow side.
 #ifndef CAM_RIPPLE_H
 #define CAM_RIPPLE_H
 
@@ -31,9 +31,6 @@ typedef struct {
     int32_t last_q36;           ///< ... and of the last one
     uint32_t n;                 ///< turns in the sum
     uint32_t n_mean;            ///< turns in the mean, 0: none
-    int32_t speed_q32;          ///< [turn / 2^32 per tick] of the mean
-    cam_complex_t scale;        ///< [turn / 2^32] the part of order 1 that does not fall with the
-                                ///< square of the speed
 } cam_ripple_t;
 
 /// Convert the sums of angle of a revolution to the deviation from uniform rotation, in place.

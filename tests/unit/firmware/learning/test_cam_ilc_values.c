@@ -125,7 +125,6 @@ static void test_status_is_told_in_the_units_of_people(void)
     t.correction.c_q6[0] = (cam_complex_t){.re = 64};
     t.ripple.mean[0].re = 300;
     t.ripple.mean[15].im = -400;
-    t.ripple.scale = (cam_complex_t){.re = 11, .im = -12};
     t.n_turns = 13;
     t.n_orders = 14;
     t.error_nm = 15;
@@ -136,8 +135,6 @@ static void test_status_is_told_in_the_units_of_people(void)
     TEST_ASSERT_UINT32_WITHIN(1, 3000000, told.speed_mrpm);
     TEST_ASSERT_EQUAL_UINT32(501, told.correction_nm);
     TEST_ASSERT_UINT32_WITHIN(1, 83446, told.ripple_nturn); // 700 / 2^23 turn
-    TEST_ASSERT_EQUAL_INT32(11, told.scale_re_q32);
-    TEST_ASSERT_EQUAL_INT32(-12, told.scale_im_q32);
     TEST_ASSERT_EQUAL_UINT32(13, told.n_turns);
     TEST_ASSERT_EQUAL_UINT32(14, told.n_harmonics);
     TEST_ASSERT_EQUAL_UINT32(15, told.error_nm);

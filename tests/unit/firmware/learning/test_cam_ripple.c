@@ -62,21 +62,6 @@ static void test_orders_are_found_and_a_drift_of_the_speed_is_none(void)
     }
 }
 
-/// A ripple of torque falls with the square of the speed, an error of the scale stays.
-static void test_two_speeds_tell_the_scale_from_the_spindle(void)
-{
-    cam_ripple_t r = {0};
-    const int32_t of_spindle = q32(4e-5);
-    const int32_t of_scale = q32(1e-5);
-    const int32_t slow_q36 = 1 << 26;
-    cam_ripple_add(&r, 1, (cam_complex_t){.re = of_spindle + of_scale});
-    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, slow_q36));
-    TEST_ASSERT_EQUAL_INT32(0, r.scale.re);
-    cam_ripple_add(&r, 1, (cam_complex_t){.re = of_spindle / 4 + of_scale});
-    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, 2 * slow_q36));
-    TEST_ASSERT_INT32_WITHIN(q32(1e-6), of_scale, r.scale.re);
-}
-
 static void test_a_turn_with_a_hole_or_a_jump_is_refused(void)
 {
     fill(0.0);
@@ -114,7 +99,6 @@ static void test_a_mean_is_made_of_its_turns_and_begins_anew(void)
     }
     TEST_ASSERT_EQUAL_INT32(12 * 512, cam_ripple_order(&r, 3).re); // 11.5, rounded
     TEST_ASSERT_EQUAL_INT32(-8 * 512, cam_ripple_order(&r, 3).im);
-    TEST_ASSERT_EQUAL_INT32(1 << 22, r.speed_q32);
     cam_ripple_add(&r, 3, (cam_complex_t){.re = 512 * 100});
     TEST_ASSERT_FALSE(cam_ripple_close(&r, 3, least, 1 << 27));
     cam_ripple_drop(&r);
@@ -124,7 +108,6 @@ static void test_a_mean_is_made_of_its_turns_and_begins_anew(void)
     TEST_ASSERT_EQUAL_INT32(4 * 512, cam_ripple_order(&r, 3).re);
     TEST_ASSERT_EQUAL_INT32(3 * 512, cam_ripple_order(&r, 3).im);
     TEST_ASSERT_EQUAL_UINT32(1, r.n_mean);
-    TEST_ASSERT_EQUAL_INT32(1 << 21, r.speed_q32);
     TEST_ASSERT_EQUAL_INT32(0, r.sum[2].re);
 }
 
@@ -158,26 +141,6 @@ static void test_drift_is_taken_off_by_the_square_of_the_order(void)
     for (uint32_t k = 1; k <= 16u; k++) {
         TEST_ASSERT_INT32_WITHIN(400, (int32_t)lround(first / (k * k)), cam_ripple_order(&r, k).re);
         TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, k).im);
-    }
-}
-
-/// The encoder is told from the spindle by speeds that differ by more than a tenth, either way.
-static void test_speeds_within_a_tenth_tell_nothing_of_the_scale(void)
-{
-    static const struct {
-        int32_t speed_q36;
-        bool is_told;
-    } cases[] = {{110 << 20, false}, {111 << 20, true}, {90 << 20, false}, {89 << 20, true}};
-    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        cam_ripple_t r = {0};
-        cam_ripple_add(&r, 1, (cam_complex_t){.im = 1 << 19});
-        TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, 100 << 20));
-        cam_ripple_add(&r, 1, (cam_complex_t){.im = 1 << 19});
-        TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, cases[i].speed_q36));
-        TEST_ASSERT_EQUAL(cases[i].is_told, r.scale.im != 0);
-        if (cases[i].is_told) { // what is the same at both speeds is the encoder's
-            TEST_ASSERT_INT32_WITHIN(64, 1 << 19, r.scale.im);
-        }
     }
 }
 
