@@ -22,20 +22,16 @@ static uint32_t skip_at(int32_t speed_q32)
     return (1u << (uint32_t)cam_clamp_i32(log2, 0, most)) - 1u;
 }
 
-static void open_turn(cam_turn_bins_t *g, uint32_t turn, const cam_tick_record_t *r,
-                      const cam_motion_t *m)
+static void open_turn(cam_turn_bins_t *g, uint32_t turn, const cam_tick_record_t *r)
 {
     const uint32_t cleared = atomic_load_explicit(&g->cleared[turn & 1u], CAM_ORDER_ACQUIRE);
     g->is_clean = cleared == numbered(turn);
     cam_turn_t *now = &g->now;
     now->turn = turn;
-    now->config_begin = r->config;
     now->state = r->want.state;
     now->is_steady = true;
     now->is_level = true;
     now->z_begin_nm = r->want.z_nm;
-    now->height_begin_q32 = m->height_q32;
-    now->n_plans = 0;
     now->skip = skip_at(r->angle.speed_q32);
 }
 
@@ -57,18 +53,15 @@ void cam_turn_bins_plan_isr(cam_turn_bins_t *g, const cam_tick_record_t *r, cons
     cam_turn_t *now = &g->now;
     if (turn != now->turn) {
         close_turn(g, turn);
-        open_turn(g, turn, r, m);
+        open_turn(g, turn, r);
     }
     now->is_steady =
         now->is_steady && m->is_playing && m->phase_step_q32 == 0 && r->want.state == now->state;
     now->is_level = now->is_level && m->scale_step_q30 == 0;
-    now->config_end = r->config;
     now->speed_q32 = r->angle.speed_q32;
     now->scale_q30 = m->scale_q30;
     now->phase_q32 = m->phase_q32;
     now->z_end_nm = r->want.z_nm;
-    now->height_end_q32 = m->height_q32;
-    now->n_plans++;
     atomic_store_explicit(&g->z_vel_q10, m->axis[hal_axis_z].vel_q10, memory_order_relaxed);
     cam_fence_release_isr(); // what was closed is complete before the turn is seen to be over
     atomic_store_explicit(&g->at_q8, at_q8, CAM_ORDER_RELEASE);

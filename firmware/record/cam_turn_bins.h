@@ -62,19 +62,16 @@ typedef struct {
 
 /// Description of a turn whose bank is closed.
 typedef struct {
-    uint32_t turn;                     ///< number of the turn, modulo 2^24
-    uint32_t config_begin, config_end; ///< generation of the configuration, first and last plan
-    cam_state_t state;                 ///< of all of it, where is_steady
-    bool is_steady;                    ///< U played the table in all of it in one state, while
-                                       ///< the phase was constant
-    bool is_level;                     ///< amplitude and envelope were constant
-    int32_t speed_q32;                 ///< [turn / 2^32 per tick] at its last plan
-    int32_t scale_q30;                 ///< [1] amplitude * envelope at its last plan
-    int32_t phase_q32;                 ///< [turn / 2^32] the spindle's angle minus the table's
-    int32_t z_begin_nm, z_end_nm;      ///< [nm] height played in its first and last plan
-    int64_t height_begin_q32, height_end_q32; ///< [slices] U's height on the table likewise
-    uint32_t n_plans;                         ///< plans in it
-    uint32_t skip; ///< ticks left out after each that counts: 0, 1, 3 .. 63
+    uint32_t turn;                ///< number of the turn, modulo 2^24
+    cam_state_t state;            ///< of all of it, where is_steady
+    bool is_steady;               ///< U played the table in all of it in one state, while
+                                  ///< the phase was constant
+    bool is_level;                ///< amplitude and envelope were constant
+    int32_t speed_q32;            ///< [turn / 2^32 per tick] at its last plan
+    int32_t scale_q30;            ///< [1] amplitude * envelope at its last plan
+    int32_t phase_q32;            ///< [turn / 2^32] the spindle's angle minus the table's
+    int32_t z_begin_nm, z_end_nm; ///< [nm] height played in its first and last plan
+    uint32_t skip;                ///< ticks left out after each that counts: 0, 1, 3 .. 63
 } cam_turn_t;
 
 /// Bins and their turns. Zero-initialised: empty. A bank counts only after the slow side has

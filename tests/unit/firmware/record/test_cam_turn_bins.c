@@ -20,7 +20,6 @@ void setUp(void)
 {
     memset(&g, 0, sizeof g);
     record = (cam_tick_record_t){
-        .config = 7,
         .in.actual_nm = {-310},
         .want = {.state = cam_state_rehearsing, .u_due_q6 = -64 * 300 + 5},
     };
@@ -40,7 +39,6 @@ static void tick(int32_t step_q32)
     if (++n_ticks % plan_ticks == 0u) {
         record.angle.speed_q32 = step_q32;
         record.want.z_nm += 10;
-        motion.height_q32 += 1000;
         cam_turn_bins_plan_isr(&g, &record, &motion);
     }
 }
@@ -122,11 +120,8 @@ static void test_a_turn_is_gathered_whole_and_alone(void)
         }
         TEST_ASSERT_UINT32_WITHIN(1, ticks_per_turn, n);
         TEST_ASSERT_TRUE(turn.is_steady);
-        const int32_t n_steps = (int32_t)turn.n_plans - 1;
-        TEST_ASSERT_EQUAL_INT32(10 * n_steps, turn.z_end_nm - turn.z_begin_nm);
-        TEST_ASSERT_EQUAL_INT64(1000 * n_steps, turn.height_end_q32 - turn.height_begin_q32);
+        TEST_ASSERT_INT32_WITHIN(10, 490, turn.z_end_nm - turn.z_begin_nm); // 49 or 50 plans
         TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, turn.state);
-        TEST_ASSERT_EQUAL_UINT32(7, turn.config_begin);
         TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
     }
 }
@@ -162,12 +157,10 @@ static void test_a_turn_in_motion_is_not_steady(void)
     motion.phase_step_q32 = 1;
     turn_on(0.1);
     motion.phase_step_q32 = 0;
-    record.config = 9;
     bool was_seen = false;
     for (int i = 0; i < 3 && !was_seen; i++) {
         TEST_ASSERT_NOT_NULL(take_next());
         was_seen = !turn.is_steady;
-        TEST_ASSERT_TRUE(!was_seen || (turn.config_begin == 7u && turn.config_end == 9u));
         TEST_ASSERT_TRUE(cam_turn_bins_release(&g));
     }
     TEST_ASSERT_TRUE(was_seen);
