@@ -4,16 +4,6 @@
 #include "cam_real.h" // cam_real_t
 #include <stdbool.h>  // bool
 
-const char *cam_servo_refused_name(cam_servo_refused_t which)
-{
-    static const char *const names[] = {"none",
-#define NAME(name) #name,
-                                        CAM_SERVO_PARAMS(NAME)
-#undef NAME
-    };
-    return names[which];
-}
-
 /// Bounds of parameters by others.
 static cam_servo_refused_t check_bounds(const cam_servo_params_t *p)
 {

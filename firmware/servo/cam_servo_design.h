@@ -61,7 +61,4 @@ typedef enum {
 CAM_MUST_USE cam_servo_refused_t cam_servo_design(const cam_servo_params_t *p,
                                                   cam_servo_config_t *cfg);
 
-/// @return name of a parameter as above, "none" for none
-const char *cam_servo_refused_name(cam_servo_refused_t which);
-
 #endif

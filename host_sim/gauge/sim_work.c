@@ -147,8 +147,3 @@ double sim_work_roundness_um(const sim_work_t *w)
     }
     return worst_um;
 }
-
-double sim_work_row_mm(const sim_work_t *w, size_t i_row)
-{
-    return w->z_first_mm + ((double)i_row + 0.5) / w->rows_per_mm;
-}

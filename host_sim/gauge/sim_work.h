@@ -90,7 +90,4 @@ double sim_work_rms_um(const sim_work_t *w);
 /// @return [um] largest roundness of all rows, 0 without samples
 double sim_work_roundness_um(const sim_work_t *w);
 
-/// @return [mm] middle height of a row
-double sim_work_row_mm(const sim_work_t *w, size_t i_row);
-
 #endif

@@ -16,8 +16,8 @@ EXPORTED const char *servo_fields(void)
 #undef NAME
 }
 
-/// Make the loop and start it at rest at 0. @return the parameter that is refused, or "none"
-EXPORTED const char *servo_open(const int32_t *values)
+/// Make the loop and start it at rest at 0. @return the parameter that is refused, counted from 1
+EXPORTED int32_t servo_open(const int32_t *values)
 {
     cam_servo_params_t params;
     memcpy(&params, values, sizeof params);
@@ -25,7 +25,7 @@ EXPORTED const char *servo_open(const int32_t *values)
     const cam_servo_input_t rest = {.set_q6 = 0};
     servo = (cam_servo_t){0};
     cam_servo_start_isr(&servo, &config, &rest);
-    return cam_servo_refused_name(refused);
+    return (int32_t)refused;
 }
 
 /// @return [mN / 64]

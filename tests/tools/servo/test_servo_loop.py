@@ -56,7 +56,7 @@ def opened(values: dict[str, int]) -> None:
     """Start the loop."""
     names = library().servo_fields().decode().split()
     row = (ctypes.c_int32 * len(names))(*(values[name] for name in names))
-    assert library().servo_open(row) == b"none"
+    assert library().servo_open(row) == 0
 
 
 def closed(
