@@ -4,7 +4,7 @@
 #include "hal/hal.h"
 #include "mps2_machine.h"
 #include "mps2_semihost.h"
-#include <string.h> // memcpy, memset, strlen
+#include <string.h> // strlen
 
 /// Exit status after hal_halt(); a real machine would restart.
 enum { status_halt = 98 };
@@ -31,17 +31,17 @@ bool hal_has_swing(void)
 
 bool hal_has_edge_time(void)
 {
-    return mps2_machine.slow.has_edge_time;
+    return false;
 }
 
 bool hal_measures_u(void)
 {
-    return mps2_machine.slow.measures_u;
+    return false;
 }
 
 hal_force_t hal_force(void)
 {
-    return mps2_machine.slow.force;
+    return (hal_force_t){0};
 }
 
 /// No acknowledge: an emulated machine cannot hurt anybody.
@@ -91,84 +91,56 @@ hal_start_t hal_start(void)
 
 hal_image_t hal_table_image(void)
 {
-    return mps2_machine.slow.table;
+    return (hal_image_t){0};
 }
 
-/// Two table slots in RAM; a download goes to the one that is not in use.
-_Alignas(hal_table_grain) static uint8_t slots[2][mps2_place_bytes];
-static uint8_t *staged; ///< slot of the download, NULL: none begun
+// Images call cam_machine.h and read no bus: nothing is downloaded or kept.
 
 bool hal_table_begin(uint32_t size)
 {
-    if (size > mps2_place_bytes) {
-        return false;
-    }
-    staged = mps2_machine.slow.table.bytes == slots[0] ? slots[1] : slots[0];
-    (void)memset(staged, 0xFF, size);
-    return true;
+    (void)size;
+    return false;
 }
 
 bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
 {
-    if (staged == NULL || offset > mps2_place_bytes || n > mps2_place_bytes - offset) {
-        return false;
-    }
-    (void)memcpy(staged + offset, bytes, n);
-    return true;
+    (void)offset;
+    (void)bytes;
+    (void)n;
+    return false;
 }
 
 hal_image_t hal_table_staged(void)
 {
-    return (hal_image_t){.bytes = staged, .size = staged != NULL ? mps2_place_bytes : 0};
+    return (hal_image_t){0};
 }
 
 bool hal_table_commit(void)
 {
-    const bool is_begun = staged != NULL;
-    mps2_machine.slow.table = is_begun ? hal_table_staged() : mps2_machine.slow.table;
-    staged = NULL;
-    return is_begun;
+    return false;
 }
-
-static char params[hal_params_most_bytes]; ///< in RAM
-static uint32_t n_params;
 
 hal_params_t hal_params_kept(void)
 {
-    return (hal_params_t){.bytes = params, .size = n_params};
+    return (hal_params_t){0};
 }
 
 bool hal_params_keep(const void *bytes, uint32_t size)
 {
-    if (size == 0u || size > sizeof params) {
-        return false;
-    }
-    (void)memcpy(params, bytes, size);
-    n_params = size;
-    return true;
-}
-
-bool mps2_machine_can_receive(const hal_can_frame_t *frame)
-{
-    if (mps2_machine.slow.n_received - mps2_machine.slow.n_read == mps2_can_frames) {
-        return false;
-    }
-    mps2_machine.slow.received[mps2_machine.slow.n_received++ % mps2_can_frames] = *frame;
-    return true;
+    (void)bytes;
+    (void)size;
+    return false;
 }
 
 bool hal_can_read(hal_can_frame_t *frame)
 {
-    if (mps2_machine.slow.n_received == mps2_machine.slow.n_read) {
-        return false;
-    }
-    *frame = mps2_machine.slow.received[mps2_machine.slow.n_read++ % mps2_can_frames];
-    return true;
+    (void)frame;
+    return false;
 }
 
 bool hal_can_write(const hal_can_frame_t *frame)
 {
-    mps2_machine.slow.sent[mps2_machine.slow.n_sent++ % mps2_can_frames] = *frame;
+    (void)frame;
     return true;
 }
 

@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// mps2_machine: the machine of the emulated boards: a structure in RAM.
 ///
-/// The machine model sets `in` and `slow` and reads `out`; it is part of the image, stepped once a
-/// period in mps2_machine_step_isr(). (Similar to hal_host_t, but a port must not include headers
+/// The machine model sets `in` and reads `out`; it is part of the image, stepped once a period in
+/// mps2_machine_step_isr(). (Similar to hal_host_t, but a port must not include headers
 /// of another one.)
 #ifndef MPS2_MACHINE_H
 #define MPS2_MACHINE_H
 
 #include "hal/hal.h" // hal_encoder_t, hal_setpoint_t
-#include <stdbool.h> // bool
 #include <stdint.h>  // int32_t, uint32_t
 
-enum { mps2_can_frames = 16 }; ///< depth of the queues, a power of two
-
 enum { mps2_scope_words = 1 << 14 }; ///< memory for the recorder: 64 KiB
-
-enum { mps2_place_bytes = 1 << 19 }; ///< [bytes] of a table slot
 
 /// The machine's side of the port.
 typedef struct {
@@ -33,23 +28,10 @@ typedef struct {
         hal_swing_t swing;
         uint32_t n_swing; ///< number of set-points of the swing so far
     } out;
-    struct {                                       ///< data of the slow-side functions
-        hal_image_t table;                         ///< bytes == NULL: no table
-        hal_can_frame_t received[mps2_can_frames]; ///< ring, newest at n_received - 1
-        hal_can_frame_t sent[mps2_can_frames];     ///< ring, newest at n_sent - 1
-        uint32_t n_received, n_read, n_sent;
-        hal_force_t force;  ///< returned by hal_force()
-        bool has_edge_time; ///< `in.encoder.edge_clock` is kept up to date
-        bool measures_u;    ///< `in.axis_nm[hal_axis_u]` is a measurement
-    } slow;
 } mps2_machine_t;
 
 /// The machine; one per image.
 extern mps2_machine_t mps2_machine;
-
-/// Receive a CAN frame. @return false if the queue is full and the frame is lost
-/// Context: machine model.
-bool mps2_machine_can_receive(const hal_can_frame_t *frame);
 
 // Image provides
 
