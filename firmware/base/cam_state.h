@@ -80,7 +80,6 @@ typedef enum {
     X(table, "table damaged")                                                                      \
     X(swing, "the tool's swing does not follow")                                                   \
     X(command, "an axis command exceeds its limits")                                               \
-    X(corrupt, "reserved: no fault of this firmware")                                              \
     X(u_travel, "U is at the end of its travel or cannot stop before it")                          \
     X(u_runaway, "U does not move as its force asks")                                              \
     X(u_force, "the force of U was at its limit for too long")

@@ -73,7 +73,6 @@ static void cause(cam_fault_t fault, int32_t beyond)
     case cam_fault_table:
     case cam_fault_swing:
     case cam_fault_command:
-    case cam_fault_corrupt:
     case cam_fault_u_travel:
     case cam_fault_u_runaway:
     case cam_fault_u_force:
@@ -131,7 +130,6 @@ static bool is_armed(cam_fault_t fault, cam_state_t state)
         [cam_fault_table] = "hrwm",
         [cam_fault_swing] = "w",
         [cam_fault_command] = "hrwfm",
-        [cam_fault_corrupt] = "",
         [cam_fault_u_travel] = "hrwfm",
         [cam_fault_u_runaway] = "hrwfm",
         [cam_fault_u_force] = "hrwfm",
