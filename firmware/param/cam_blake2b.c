@@ -58,7 +58,8 @@ static void take_block(uint64_t h[8], const uint8_t block[block_bytes], uint64_t
     uint64_t m[n_words] = {0};
     uint64_t v[n_words];
     for (uint32_t i = 0; i < (uint32_t)block_bytes; i++) {
-        m[i / 8u] |= (uint64_t)block[i] << (8u * (i % 8u));
+        const uint32_t shift = 8u * (i % 8u);
+        m[i / 8u] |= (uint64_t)block[i] << shift;
     }
     for (uint32_t i = 0; i < 8u; i++) {
         v[i] = h[i];
