@@ -132,7 +132,7 @@ camturn_venv_group() {
         rm -rf "$venv"
         mkdir "$venv"
         touch "$unfinished"
-        "$(camturn_python)" -m venv "$venv"
+        "$(camturn_python)" -m venv --without-pip "$venv"
     fi
     camturn_say "installing the Python packages of the group $1"
     touch "$unfinished"
@@ -145,10 +145,21 @@ camturn_venv_group() {
     rm "$unfinished"
 }
 
+# Print pip's wheel, which comes with Python's ensurepip or Debian's python3-venv. It runs unpacked:
+# unpacking it costs more processor time than all packages of the group base.
+camturn_pip() {
+    local wheels=("$("$CAMTURN_PYTHON" -c 'import ensurepip; print(*ensurepip.__path__)')"/_bundled/pip-*.whl
+        /usr/share/python-wheels/pip-*.whl) wheel
+    for wheel in "${wheels[@]}"; do
+        [[ ! -e $wheel ]] || break
+    done
+    printf '%s/pip' "$wheel"
+}
+
 # camturn_install FILE: install the packages of a list by uv, or by pip where uv does not come through.
 camturn_install() {
     local how=(--require-hashes --no-deps --only-binary :all: -r "$1") uv=$camturn_root/build/venv/bin/uv
-    local pip=("$CAMTURN_PYTHON" -m pip install -q --no-compile --disable-pip-version-check --no-input)
+    local pip=("$CAMTURN_PYTHON" "$(camturn_pip)" install -q --no-compile --disable-pip-version-check --no-input)
     if [[ ! -x $uv ]]; then
         "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" install >"$1.uv" &&
             "${pip[@]}" --require-hashes --no-deps --only-binary :all: -r "$1.uv" </dev/null >&2 || true

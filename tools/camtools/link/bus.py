@@ -27,7 +27,7 @@ from can.interfaces import BACKENDS
 from camtools.base.errors import CamtoolsError
 
 NO_BUS = "give --interface and --channel, or set CAN_INTERFACE and CAN_CHANNEL, or start tools/live"
-_PIP = "install it: build/venv/bin/pip install "
+_PIP = "install it: build/venv/bin/uv pip install "
 # Python packages that a driver of python-can needs besides.
 _PACKAGES = {
     "canalystii": "canalystii",
