@@ -75,6 +75,9 @@ void camsim_options_help(void);
 /// Open the first n outputs. @return false and *e on the first that cannot be written
 bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_error_t *e);
 
+/// Name the first retired parameter that an option or the machine file gives.
+void camsim_warn_of_retired(const camsim_options_t *o);
+
 /// Warn when the gauge has no design to compare with.
 void camsim_warn_of_design(const camsim_options_t *o);
 

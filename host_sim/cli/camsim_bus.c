@@ -95,6 +95,7 @@ int camsim_bus(int argc, char **argv)
         camsim_bus_options_help();
         return camsim_done;
     }
+    camsim_warn_of_retired(&b.options.common);
     sim_file_t file;
     const char *path = b.options.common.table_path;
     if (!sim_file_read(&file, path, camsim_max_table_bytes, &e)) {

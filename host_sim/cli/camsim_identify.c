@@ -251,6 +251,7 @@ int camsim_identify(int argc, char **argv)
         camsim_help("camsim identify", "TABLE --wave F.csv --record F.csv", help, set);
         return camsim_done;
     }
+    camsim_warn_of_retired(&o.common);
     int32_t *wave = read_wave(o.wave_path, &o.identify, &e);
     if (wave == NULL) {
         return camsim_complain(&e);

@@ -140,6 +140,7 @@ int camsim_live(int argc, char **argv)
         camsim_help("camsim live", "TABLE --role ROLE --wire FD", help, set);
         return camsim_done;
     }
+    camsim_warn_of_retired(&o.common);
     (void)signal(SIGPIPE, SIG_IGN); // failed writes show that the reader has gone
     return live(&o, &l, &e);
 }

@@ -203,6 +203,16 @@ bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_
     return sim_out_open_all(outs, o->out_path, option, n, e);
 }
 
+void camsim_warn_of_retired(const camsim_options_t *o)
+{
+    const common_error_t *option = &o->cut.wishes.retired;
+    const common_error_t *file = &o->cut.session.config.controller.retired;
+    const common_error_t *first = option->text[0] != '\0' ? option : file;
+    if (first->text[0] != '\0') {
+        (void)fprintf(stderr, "camsim: %s\n", first->text);
+    }
+}
+
 void camsim_warn_of_design(const camsim_options_t *o)
 {
     if (o->cut.session.design_path == NULL) {

@@ -47,6 +47,7 @@ int camsim_params(int argc, char **argv)
         camsim_help("camsim params", "TABLE", help, (camsim_set_t){.n = 0});
         return camsim_done;
     }
+    camsim_warn_of_retired(&o);
     sim_file_t file;
     if (!sim_file_read(&file, o.table_path, camsim_max_table_bytes, &e)) {
         return camsim_complain(&e);

@@ -137,6 +137,7 @@ int camsim_run(int argc, char **argv)
         camsim_options_help();
         return camsim_done;
     }
+    camsim_warn_of_retired(&r.options);
     sim_file_t file;
     const char *path = r.options.table_path;
     if (!sim_file_read(&file, path, camsim_max_table_bytes, &e)) {

@@ -3,24 +3,15 @@
 #include "cam_derived_limits.h" // cam_derived_limits_usual_mHz
 #include "sim_units.h"          // SIM_TWO_PI, sim_floor
 #include <math.h>               // ceil, floor, fmax, fmin, pow
-#include <stdatomic.h>          // atomic_flag
-#include <stdio.h>              // fprintf
-
-/// Report the first retired parameter of this process.
-static void ignore(const char *name, const char *origin)
-{
-    static atomic_flag is_reported = ATOMIC_FLAG_INIT;
-    if (!atomic_flag_test_and_set(&is_reported)) {
-        (void)fprintf(stderr, "camsim: %s: %.60s: retired and ignored\n", origin, name);
-    }
-}
 
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
                     common_error_t *e)
 {
     const cam_param_id_t id = cam_param_find(name);
     if (id >= cam_n_params && cam_param_is_retired(name)) {
-        ignore(name, origin);
+        if (w->retired.text[0] == '\0') {
+            (void)common_error(&w->retired, "%s: %.60s: retired and ignored", origin, name);
+        }
         return true;
     }
     if (id >= cam_n_params) {

@@ -33,9 +33,10 @@
 typedef struct {
     int32_t value[cam_n_params];
     bool is_given[cam_n_params];
+    common_error_t retired; ///< names the first retired parameter, which is ignored; "": none
 } sim_wishes_t;
 
-/// Store one parameter. A retired one is ignored, the first with a line on standard error.
+/// Store one parameter. A retired one is ignored.
 /// @param name    name of a parameter of cam_param.h
 /// @param value   whole number within its range
 /// @param origin  for the message: file and section, or the option
