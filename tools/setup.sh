@@ -13,6 +13,9 @@ export OPENBLAS_NUM_THREADS=1
 unset PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX=$camturn_root/build/pycache
 
+# Our modules only: another path would come before the packages of build/venv.
+export PYTHONPATH=$camturn_root/tools:$camturn_root
+
 # Results are equal to the bit by the project's own options alone.
 unset CFLAGS CPPFLAGS LDFLAGS
 
@@ -145,27 +148,30 @@ camturn_venv_group() {
     rm "$unfinished"
 }
 
-# Print pip's wheel, which comes with Python's ensurepip or Debian's python3-venv. It runs unpacked:
-# unpacking it costs more processor time than all packages of the group base.
+# Of a list take what it pins, as wheels.
+camturn_pinned=(--require-hashes --no-deps --only-binary :all:)
+
+# camturn_pip FILE: install the packages of a list by pip out of the wheel that comes with Python's
+# ensurepip or Debian's python3-venv. Unpacking pip costs more processor time than all packages of the
+# group base.
 camturn_pip() {
-    local wheels=("$("$CAMTURN_PYTHON" -c 'import ensurepip; print(*ensurepip.__path__)')"/_bundled/pip-*.whl
-        /usr/share/python-wheels/pip-*.whl) wheel
-    for wheel in "${wheels[@]}"; do
+    local bundled wheel
+    bundled=$("$CAMTURN_PYTHON" -c 'import ensurepip; print(*ensurepip.__path__)')/_bundled
+    for wheel in "$bundled"/pip-*.whl /usr/share/python-wheels/pip-*.whl; do
         [[ ! -e $wheel ]] || break
     done
-    printf '%s/pip' "$wheel"
+    "$CAMTURN_PYTHON" "$wheel/pip" install -q --no-compile --disable-pip-version-check --no-input \
+        "${camturn_pinned[@]}" -r "$1" </dev/null >&2
 }
 
 # camturn_install FILE: install the packages of a list by uv, or by pip where uv does not come through.
 camturn_install() {
-    local how=(--require-hashes --no-deps --only-binary :all: -r "$1") uv=$camturn_root/build/venv/bin/uv
-    local pip=("$CAMTURN_PYTHON" "$(camturn_pip)" install -q --no-compile --disable-pip-version-check --no-input)
+    local uv=$camturn_root/build/venv/bin/uv
     if [[ ! -x $uv ]]; then
-        "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" install >"$1.uv" &&
-            "${pip[@]}" --require-hashes --no-deps --only-binary :all: -r "$1.uv" </dev/null >&2 || true
+        "$CAMTURN_PYTHON" "$camturn_root/tools/locked.py" install >"$1.uv" && camturn_pip "$1.uv" || true
     fi
-    "$uv" pip install -q --no-cache --python "$CAMTURN_PYTHON" "${how[@]}" </dev/null >"$1.log" 2>&1 ||
-        "${pip[@]}" "${how[@]}" </dev/null >&2
+    "$uv" pip install -q --no-cache --python "$CAMTURN_PYTHON" "${camturn_pinned[@]}" -r "$1" \
+        </dev/null >"$1.log" 2>&1 || camturn_pip "$1"
 }
 
 # camturn_build PRESET [TARGET]: configure when needed, and build everything or one target.
@@ -202,6 +208,5 @@ camturn_cmake() {
 camturn_setup() {
     camturn_apt gcc libc6-dev cmake ninja-build git pkg-config xz-utils libcjson-dev libinih-dev
     camturn_venv "$@"
-    export PYTHONPATH=$camturn_root/tools:$camturn_root # another one would come before build/venv
     export CAMTURN_BUILD=$camturn_root/build/host
 }

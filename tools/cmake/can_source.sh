@@ -6,5 +6,4 @@ set -euo pipefail
 # shellcheck source-path=SCRIPTDIR/.. source=../setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../setup.sh"
 camturn_venv base
-export PYTHONPATH=$camturn_root/tools
 exec "$CAMTURN_PYTHON" -m camtools.cli.can_source "$@"
