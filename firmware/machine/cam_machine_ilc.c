@@ -173,12 +173,10 @@ static cam_ilc_setup_t setup_of(const cam_machine_t *m)
 
 void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
 {
-    if (id == cam_param_k1_ns || id == cam_param_k2_us2 || id == cam_param_lead_ns ||
-        id == cam_param_u_scale_latency_ns || id == cam_param_u_friction_nm) {
+    if (cam_param_has(id, cam_flag_unlearn)) {
         cam_ilc_forget(&m->ilc);
     }
-    if (id == cam_param_eccentricity_nturn || id == cam_param_eccentricity_udeg ||
-        id == cam_param_ripple_turns) {
+    if (cam_param_has(id, cam_flag_ripple)) {
         m->ilc.blending |= cam_ilc_blend_ripple;
     }
 }

@@ -17,25 +17,12 @@
 static bool may_change(cam_param_id_t id, cam_state_t state)
 {
     if (state == cam_state_ready || state == cam_state_manual) {
-        return id != cam_param_counts_per_turn && id != cam_param_encoder_sign &&
-               id != cam_param_index_offset_udeg && id != cam_param_observer_bandwidth_mHz &&
-               id != cam_param_z_is_measured;
+        return !cam_param_has(id, cam_flag_off);
     }
     if (cam_state_is_in_work(state)) {
-        return id == cam_param_phase_udeg || id == cam_param_amplitude_ppm ||
-               id == cam_param_x_trim_nm || id == cam_param_feed_override_ppm ||
-               id == cam_param_spindle_override_ppm;
+        return cam_param_has(id, cam_flag_cut);
     }
     return state == cam_state_off;
-}
-
-/// @return whether U must be at rest for the change. The feed-forward of a U at rest is 0, so its
-///         gains change without a step; and U at rest is within any limits.
-static bool needs_rest(cam_param_id_t id)
-{
-    return id == cam_param_k1_ns || id == cam_param_k2_us2 || id == cam_param_u_stroke_nm ||
-           id == cam_param_u_speed_um_per_s || id == cam_param_u_acceleration_mm_per_s2 ||
-           id == cam_param_u_jerk_m_per_s3;
 }
 
 /// @return whether a parameter changes
@@ -88,7 +75,7 @@ static cam_err_t check_state(cam_machine_t *m, const cam_params_t *params, cam_p
         if (is_set && !may_change(id, status->state)) {
             return refuse(m, cam_err_param_state, id, 0, 0);
         }
-        if (is_set && is_moving && needs_rest(id)) {
+        if (is_set && is_moving && cam_param_has(id, cam_flag_rest)) {
             return cam_err_busy;
         }
     }
@@ -119,7 +106,7 @@ static cam_err_t check_level(cam_machine_t *m, const cam_params_t *from, const c
     const cam_err_t err = cam_rights_check_level(&m->rights);
     for (uint32_t i = 0; err != cam_ok && i < (uint32_t)cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
-        if (cam_param_is_locked(id) && (id == named || is_change(from, to, id))) {
+        if (!cam_param_has(id, cam_flag_operator) && (id == named || is_change(from, to, id))) {
             return refuse(m, err, id, 0, 0);
         }
     }
@@ -243,13 +230,6 @@ cam_params_t cam_machine_defaults(uint32_t tick_hz)
     return params;
 }
 
-/// An override is for an attended part, so it is never kept or restored.
-static void forget_overrides(cam_params_t *params)
-{
-    params->feed_override_ppm = cam_param_info(cam_param_feed_override_ppm)->def;
-    params->spindle_override_ppm = cam_param_info(cam_param_spindle_override_ppm)->def;
-}
-
 bool cam_machine_load_params(cam_machine_t *m)
 {
     const hal_params_t kept = hal_params_kept();
@@ -257,7 +237,7 @@ bool cam_machine_load_params(cam_machine_t *m)
     m->staged_version = NO_VERSION;
     m->checksum = cam_param_store_checksum(&params);
     m->kept = cam_param_store_read(&kept, &params);
-    forget_overrides(&params);
+    cam_param_forget(&params);
     if (m->kept.err == cam_ok) {
         m->kept.err = cam_machine_hand_over(m, &params, NULL, 0);
     }
@@ -275,7 +255,7 @@ cam_err_t cam_machine_save_params(cam_machine_t *m)
 {
     static char text[cam_param_store_most_bytes];
     cam_params_t params = m->params;
-    forget_overrides(&params);
+    cam_param_forget(&params);
     cam_err_t err = cam_machine_may_exchange(m);
     if (err == cam_ok && cam_machine_status(m).state != cam_state_off) {
         err = cam_err_state;
@@ -309,7 +289,7 @@ cam_err_t cam_machine_revert_params(cam_machine_t *m)
     const hal_params_t kept = hal_params_kept();
     cam_params_t params = cam_machine_defaults(m->tick_hz);
     const cam_param_store_found_t found = cam_param_store_read(&kept, &params);
-    forget_overrides(&params);
+    cam_param_forget(&params);
     return found.err == cam_ok ? apply(m, &params, cam_n_params) : found.err;
 }
 

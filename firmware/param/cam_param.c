@@ -13,13 +13,17 @@
 #define PARAM_DEF(name, min, def, max)                                                             \
     LEAST_OF(MOST_OF(def, PARAM_MIN(name, min)), PARAM_MAX(name, max))
 
-#define PARAM_INFO(name, min, def, max, what)                                                      \
-    {#name, PARAM_MIN(name, min), PARAM_DEF(name, min, def, max), PARAM_MAX(name, max),            \
+#define PARAM_INFO(name, min, def, max, flags, what)                                               \
+    {#name,                                                                                        \
+     PARAM_MIN(name, min),                                                                         \
+     PARAM_DEF(name, min, def, max),                                                               \
+     PARAM_MAX(name, max),                                                                         \
+     flags,                                                                                        \
      CAM_HARD_IS_SET(cam_param_##name)},
 static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
 
 /// All fields are int32 in the order of the list, so the index of a parameter gives its offset.
-#define PARAM_CHECK(name, min, def, max, what)                                                     \
+#define PARAM_CHECK(name, min, def, max, flags, what)                                              \
     _Static_assert(PARAM_MIN(name, min) <= PARAM_MAX(name, max),                                   \
                    #name ": CAM_HARD_LIMITS leaves no value of its range");                        \
     _Static_assert(offsetof(cam_params_t, name) ==                                                 \
@@ -38,12 +42,9 @@ const cam_param_info_t *cam_param_info(cam_param_id_t id)
     return (unsigned)id < cam_n_params ? &infos[id] : NULL;
 }
 
-#define OPERATOR_PARAM(name) [cam_param_##name] = true,
-
-bool cam_param_is_locked(cam_param_id_t id)
+bool cam_param_has(cam_param_id_t id, cam_flag_t flag)
 {
-    static const bool is_operators[cam_n_params] = {CAM_OPERATOR_PARAMS(OPERATOR_PARAM)};
-    return (unsigned)id < cam_n_params && !is_operators[id];
+    return ((uint32_t)infos[id].flags & (uint32_t)flag) != 0u;
 }
 
 cam_param_id_t cam_param_find(const char *name)
@@ -89,6 +90,15 @@ void cam_param_learn(cam_params_t *params, bool measures_u)
     cam_param_fit(params);
 }
 
+void cam_param_forget(cam_params_t *params)
+{
+    for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
+        if (cam_param_has((cam_param_id_t)id, cam_flag_transient)) {
+            assign(params, id, infos[id].def);
+        }
+    }
+}
+
 void cam_param_fit(cam_params_t *params)
 {
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
@@ -110,9 +120,8 @@ cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
     if (info == NULL) {
         return cam_err_param_id;
     }
-    const bool is_sign = id == cam_param_encoder_sign || id == cam_param_u_home_sense ||
-                         id == cam_param_x_home_sense || id == cam_param_z_home_sense;
-    if (value < info->min || value > info->max || (is_sign && value == 0)) {
+    const bool is_no_sign = value == 0 && cam_param_has(id, cam_flag_sign);
+    if (value < info->min || value > info->max || is_no_sign) {
         return info->is_hard ? cam_err_hard_limit : cam_err_param_range;
     }
     assign(params, (uint32_t)id, value);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Make the look-up pages of parameters and CAN messages of their sources, or compare them.
+r"""Make look-up pages and lists of camturn.dbc of their sources, or compare them.
 
 >>> print(table([("a", "b"), ("1", "2|3")]), end="")
 | a | b |
@@ -11,13 +11,13 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
-from cantools.database.can import Message, Signal
+from cantools.database.can import Database, Message, Signal
 
 from camtools.base.project_paths import ROOT
-from camtools.link.messages import DATABASE, NAMES
 from camtools.link.parameters import INFOS, Info, group_of
+from checks.dbc_lists import DBC, dbc_text, errors
 from checks.page_command import page_command
 
 _NOTE = "`build/venv/bin/python -m checks.lookup --write` (in tools/) generates the page.\n"
@@ -25,8 +25,11 @@ _PARAMETERS = f"""# Parameters of the controller
 
 For whoever sets up a machine: every parameter with default, range and meaning, as
 [cam_param.h](param/cam_param.h) has them. Values are whole numbers in the unit at the end of the
-name; `tools/camctl list` prints those in force. An operator may change those marked "yes"; all
-others need the unlocked level ([rights](README.md#rights)). "no." is the index on the bus.
+name; `tools/camctl list` prints those in force. "no." is the index on the bus. Parameters change in
+the states off, ready and manual, in the unlocked level ([rights](README.md#rights)). Flags:
+`operator`: also without that level; `cut`: also in the work; `off`: in off only; `rest`: only while
+U rests; `unlearn`: ends what was learned of U's drive; `ripple`: blends the learned ripple anew;
+`sign`: 0 is refused; `transient`: the controller does not keep it.
 {_NOTE}"""
 _MESSAGES = f"""# CAN messages
 
@@ -46,87 +49,98 @@ def table(rows: Iterable[Sequence[str]]) -> str:
     return f"{head}|{'---|' * len(lines[0])}\n{''.join(body)}"
 
 
-def _operator_names() -> set[str]:
-    header = (ROOT / "firmware" / "param" / "cam_param.h").read_text("utf-8")
-    listed = header.split("#define CAM_OPERATOR_PARAMS(X)")[1].split("// clang-format")[0]
-    return set(re.findall(r"X\((\w+)\)", listed))
-
-
-def _parameter_row(name: str, info: Info, *, is_operators: bool) -> Sequence[str]:
+def _parameter_row(name: str, info: Info) -> Sequence[str]:
     number = str(list(INFOS).index(name))
     span = f"{info.low} .. {info.high}"
-    return f"`{name}`", number, str(info.default), span, "yes" * is_operators, info.what
+    return f"`{name}`", number, str(info.default), span, ", ".join(info.flags), info.what
 
 
 def parameters_page() -> str:
     """Return the text of PARAMETERS.md."""
-    operators = _operator_names()
     groups: dict[str, list[Sequence[str]]] = {}
     for name, info in INFOS.items():
-        row = _parameter_row(name, info, is_operators=name in operators)
-        groups.setdefault(group_of(name), []).append(row)
-    head = ("parameter", "no.", "default", "range", "operator", "meaning")
+        groups.setdefault(group_of(name), []).append(_parameter_row(name, info))
+    head = ("parameter", "no.", "default", "range", "flags", "meaning")
     return _PARAMETERS + "".join(
         f"\n## {_TITLES.get(group, group.capitalize())}\n\n{table([head, *rows])}"
         for group, rows in groups.items()
     )
 
 
-def _sent_with(signal: Signal) -> str:
+def _names(message: Message, signal: str) -> dict[int, str]:
+    choices = message.get_signal_by_name(signal).choices
+    return {int(number): str(name) for number, name in (choices or {}).items()}
+
+
+def _sent_with(signal: Signal, message: Message) -> str:
     """Return the pages or commands with which a signal is sent."""
     numbers = sorted(signal.multiplexer_ids or [])
     if signal.multiplexer_signal == "page":
         return ", ".join(map(str, numbers))
-    return ", ".join(NAMES["command"][n] for n in numbers) if len(numbers) < 9 else "other commands"
+    if len(numbers) > 8:
+        return "other commands"
+    return ", ".join(_names(message, "command")[n] for n in numbers)
 
 
-def _signal_row(signal: Signal) -> Sequence[str]:
+def _signal_row(signal: Signal, message: Message) -> Sequence[str]:
     unit = " ".join([f"{signal.scale:.6g}"] * (signal.scale != 1) + [signal.unit or ""])
     last = signal.start + signal.length - 1
     bits = f"{signal.start} .. {last}" if signal.length > 1 else str(last)
-    return f"`{signal.name}`", _sent_with(signal), bits, unit.strip(), str(signal.comment or "")
+    sent_with = _sent_with(signal, message)
+    return f"`{signal.name}`", sent_with, bits, unit.strip(), str(signal.comment or "")
 
 
 def _message_text(message: Message) -> str:
     signals = [one for one in message.signals if not re.search("(name|bytes)_[1-9]$", one.name)]
     signals.sort(key=lambda one: (min(one.multiplexer_ids or [-1]), one.start))
-    rows = [("signal", "with", "bits", "unit", "meaning"), *map(_signal_row, signals)]
-    return f"\n## {message.name}, 0x{message.frame_id:03X}\n\n{message.comment}\n\n{table(rows)}"
+    rows = [_signal_row(one, message) for one in signals]
+    head = ("signal", "with", "bits", "unit", "meaning")
+    return (
+        f"\n## {message.name}, 0x{message.frame_id:03X}\n\n"
+        f"{message.comment}\n\n{table([head, *rows])}"
+    )
 
 
-def _results() -> str:
-    header = (ROOT / "firmware" / "base" / "cam_err.h").read_text("utf-8")
-    rows = re.findall(r'X\((\w+), +(-\d+), +"([^"]*)"', header)
-    cells = [(number, f"`{name}`", text) for name, number, text in rows]
-    return f"\n## Results\n\n{table([('result', 'name', 'meaning'), *cells])}"
-
-
-def _names() -> str:
-    assert DATABASE.dbc is not None
-    shown = {name: names for name, names in NAMES.items() if name not in ("parameter", "result")}
-    tables: dict[str, Mapping[int, object]] = {**shown, **DATABASE.dbc.value_tables}
+def _names_of_values(database: Database) -> str:
+    assert database.dbc is not None
+    tables = {
+        signal.name: _names(message, signal.name)
+        for message in database.messages
+        for signal in message.signals
+        if signal.choices and signal.name not in ("parameter", "result", "table_result")
+    }
     lines = [
         f"- `{title}`: {', '.join(f'{number} {names[number]}' for number in sorted(names))}\n"
-        for title, names in tables.items()
+        for title, names in (tables | dict(database.dbc.value_tables)).items()
     ]
     return f"\n## Names of values\n\n{''.join(lines)}"
 
 
-def messages_page() -> str:
+def messages_page(dbc: str) -> str:
     """Return the text of MESSAGES.md."""
-    return _MESSAGES + "".join(map(_message_text, DATABASE.messages)) + _names() + _results()
+    database = Database()
+    database.add_dbc_string(dbc)
+    results = [(number, f"`{name}`", what) for number, name, what in errors()]
+    return (
+        _MESSAGES
+        + "".join(map(_message_text, database.messages))
+        + _names_of_values(database)
+        + f"\n## Results\n\n{table([('result', 'name', 'meaning'), *results])}"
+    )
 
 
 def pages() -> dict[str, str]:
-    """Return the texts of both pages by their paths in the project."""
+    """Return the texts of the DBC and of both pages by their paths in the project."""
+    dbc = dbc_text()
     return {
+        DBC: dbc,
         "firmware/PARAMETERS.md": parameters_page(),
-        "firmware/remote/can/MESSAGES.md": messages_page(),
+        "firmware/remote/can/MESSAGES.md": messages_page(dbc),
     }
 
 
 def main(words: list[str] | None = None) -> int:
-    """Compare both pages with their sources, or write them anew."""
+    """Compare the DBC and both pages with their sources, or write them anew."""
     return page_command("lookup", __doc__, ROOT, pages, words)
 
 

@@ -14,11 +14,11 @@ from camtools.cli.can_source import generate, main
 from camtools.link.faults import FAULTS
 from camtools.link.learned_file import LAYOUT
 from camtools.link.messages import FAULT_TEXTS
+from camtools.link.parameters import INFOS
 
 ROOT = Path(__file__).resolve().parents[3]
 DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"
 FIRMWARE = ROOT / "firmware"
-HAL = ROOT / "hal" / "include" / "hal" / "hal.h"
 QUICK = {
     "speed": ("spindle_mrpm", 1e-3),
     "feed": ("feed_nm", 1e-6),
@@ -42,107 +42,9 @@ def choices(message: Message, signal: str) -> dict[int, str]:
     return {int(number): str(name) for number, name in table.items()}
 
 
-def header_of(name: str) -> str:
-    """Return the text of a header of the firmware, whichever room it is in."""
-    [path] = FIRMWARE.rglob(name)
-    return path.read_text("utf-8")
-
-
-def rows(header: str, macro: str) -> list[list[str]]:
-    """Return the arguments of every X() of an X-macro."""
-    text = header_of(header)
-    body = text.split(f"#define {macro}(X)")[1].split("\n\n")[0]
-    found = re.findall(r"X\(([^\n]*)\)\s*\\?\n?", body + "\n")
-    return [[word.strip().strip('"') for word in row.split(",")] for row in found]
-
-
-def enumerators(text: str, type_name: str, prefix: str) -> dict[int, str]:
-    """Return the enumerators of a C enumeration by their numbers, without their prefix."""
-    body = text.split(f"}} {type_name};")[0].rpartition("typedef enum")[2]
-    body = re.sub(r"//[^\n]*", "", body)
-    number, found = -1, {}
-    for name, value in re.findall(
-        r"(\w+)\s*(?:=\s*(-?\d+))?\s*[,}\n]", body.split("{", 1)[1] + ","
-    ):
-        number = int(value) if value else number + 1
-        found[number] = name.removeprefix(prefix)
-    return found
-
-
-# Each table of numbers: a message and its signal, or a value table; and the enumeration in C.
-ENUMERATIONS = [
-    ("State.state", "cam_state.h", "cam_state_t", "cam_state_"),
-    ("State.reset_reason", "hal.h", "hal_reset_t", "hal_reset_"),
-    ("Detail.params_kept", "cam_machine.h", "cam_kept_t", "cam_kept_"),
-    ("Detail.learn_phase", "cam_ilc.h", "cam_ilc_phase_t", "cam_ilc_"),
-    ("Detail.learn_reason", "cam_ilc.h", "cam_ilc_reason_t", "cam_ilc_"),
-    ("Detail.hand_phase", "cam_config.h", "cam_jog_phase_t", "cam_jog_"),
-    ("Detail.hand_end", "cam_config.h", "cam_jog_end_t", "cam_jog_"),
-    ("Detail.recorder_use", "cam_scope.h", "cam_scope_use_t", "cam_scope_"),
-    ("Detail.recorder_phase", "cam_scope.h", "cam_scope_phase_t", "cam_scope_"),
-    ("scope_use", "cam_scope.h", "cam_scope_use_t", "cam_scope_"),
-    ("scope_phase", "cam_scope.h", "cam_scope_phase_t", "cam_scope_"),
-    ("scope_end", "cam_scope.h", "cam_scope_end_t", "cam_scope_"),
-    ("trigger", "cam_scope.h", "cam_trigger_kind_t", "cam_trigger_"),
-    ("excited", "cam_machine.h", "cam_excited_t", "cam_excited_"),
-    ("refusal_field", "cam_machine.h", "cam_refusal_field_t", "cam_refusal_"),
-]
-MACROS = [
-    ("Command.parameter", "cam_param.h", "CAM_PARAMS"),
-    ("Answer.parameter", "cam_param.h", "CAM_PARAMS"),
-    ("scope_signal", "cam_scope.h", "CAM_SCOPE_SIGNALS"),
-    ("scope_field", "cam_scope.h", "CAM_SCOPE_FIELDS"),
-]
-
-
-def numbered(database: Database, name: str) -> dict[int, str]:
-    """Return the names of a value table, or of a signal: "Message.signal"."""
-    message, _, signal = name.rpartition(".")
-    if message:
-        return choices(database.get_message_by_name(message), signal)
-    assert database.dbc is not None
-    return {int(number): str(word) for number, word in database.dbc.value_tables[name].items()}
-
-
-@pytest.mark.parametrize(("name", "header", "type_name", "prefix"), ENUMERATIONS)
-def test_names_are_those_of_an_enumeration(
-    database: Database, name: str, header: str, type_name: str, prefix: str
-) -> None:
-    """Every enumerator has its name, and there are no others; their number is none of them."""
-    text = HAL.read_text("utf-8") if header == HAL.name else header_of(header)
-    words = enumerators(text, type_name, prefix)
-    if re.match(r"(cam_)?n(_|$)", list(words.values())[-1]):
-        words.popitem()
-    assert words and numbered(database, name) == words
-
-
-@pytest.mark.parametrize(("name", "header", "macro"), MACROS)
-def test_names_are_those_of_a_list(database: Database, name: str, header: str, macro: str) -> None:
-    """Numbers follow the order of the list."""
-    told = [row[0] for row in rows(header, macro)]
-    assert len(told) > 10
-    assert numbered(database, name) == dict(enumerate(told))
-
-
-@pytest.mark.parametrize("name", ["Answer.result", "State.table_result"])
-def test_errors_are_those_of_the_firmware(database: Database, name: str) -> None:
-    """Results of commands and of the table's check are cam_err_t."""
-    text = header_of("cam_err.h")
-    errors = {int(number): name for name, number in re.findall(r"X\((\w+), +(-\d+),", text)}
-    assert len(errors) > 30
-    assert numbered(database, name) == errors | {0: "done"}
-
-
-def test_faults_are_those_of_the_firmware(database: Database) -> None:
-    """One signal for each fault, with its text, and no other; a title, a cause and a remedy."""
-    told = {
-        name: f"{what[0].upper()}{what[1:]}." for name, what in rows("cam_state.h", "CAM_FAULTS")
-    }
-    assert len(told) > 10
-    signals = database.get_message_by_name("State").signals
-    texts = {one.name: str(one.comment) for one in signals if one.name.startswith("fault_")}
-    assert texts == {f"fault_{name}": text for name, text in told.items()}
-    assert list(FAULTS) == list(told) == list(FAULT_TEXTS)
+def test_every_fault_is_explained() -> None:
+    """FAULTS.md has the faults of the firmware in order, each with title, cause and remedy."""
+    assert list(FAULTS) == list(FAULT_TEXTS)
     for fault in FAULTS.values():
         assert fault.title and not fault.title.endswith(".")
         for text in (fault.cause, fault.remedy):
@@ -152,7 +54,8 @@ def test_faults_are_those_of_the_firmware(database: Database) -> None:
 
 def test_kept_values_are_those_of_learning() -> None:
     """The file of learned values has the groups of cam_ilc.h, each as long as there."""
-    body = header_of("cam_ilc.h").split("    cam_ilc_value_speed,")[1].split("};")[0]
+    header = FIRMWARE / "learning" / "cam_ilc.h"
+    body = header.read_text("utf-8").split("    cam_ilc_value_speed,")[1].split("};")[0]
     numbers = {"cam_ilc_value_speed": 0, "cam_ilc_terms": 17, "cam_ilc_harmonics": 16}
     last = 0
     for name, value in re.findall(r"(\w+)(?: = ([^,\n]*))?,?\n", body):
@@ -162,18 +65,21 @@ def test_kept_values_are_those_of_learning() -> None:
         numbers[name] = last
     begins = [value for name, value in numbers.items() if "_value_" in name]
     assert last == sum(LAYOUT.values())
-    assert [b - a for a, b in itertools.pairwise([*begins, last])] == list(LAYOUT.values())
-    told = [name.removeprefix("cam_ilc_value_") for name in numbers if "_value_" in name]
+    assert [b - a for a, b in itertools.pairwise([*begins, last])] == list(
+        LAYOUT.values()
+    )
+    told = [
+        name.removeprefix("cam_ilc_value_") for name in numbers if "_value_" in name
+    ]
     assert told == [name.rpartition("_")[0] for name in LAYOUT]
 
 
 def test_quick_commands_have_the_ranges_of_their_parameters(database: Database) -> None:
     """Speed, feed, amplitude, phase: factor and range are those of the parameter behind."""
-    ranges = {row[0]: (int(row[1]), int(row[3])) for row in rows("cam_param.h", "CAM_PARAMS")}
     command = database.get_message_by_name("Command")
     for name, (parameter, factor) in QUICK.items():
         signal = command.get_signal_by_name(name)
-        low, high = ranges[parameter]
+        low, high = INFOS[parameter].low, INFOS[parameter].high
         assert signal.scale == pytest.approx(factor)
         assert signal.minimum == pytest.approx(low * factor)
         assert signal.maximum == pytest.approx(high * factor)
@@ -194,7 +100,19 @@ def test_every_message_and_unit_is_told(database: Database) -> None:
     """Messages carry a comment; ids are those of node 64 and collide with no PDO of others."""
     assert all(message.comment for message in database.messages)
     ids = {message.frame_id for message in database.messages}
-    assert ids == {0x640, 0x5C0, 0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x440, 0x340, 0x240, 0x540, 0x6C0}
+    assert ids == {
+        0x640,
+        0x5C0,
+        0x1C0,
+        0x2C0,
+        0x3C0,
+        0x4C0,
+        0x440,
+        0x340,
+        0x240,
+        0x540,
+        0x6C0,
+    }
 
 
 def test_nodes_of_every_number_stand_on_one_bus(database: Database) -> None:
@@ -211,7 +129,9 @@ def test_same_dbc_gives_the_same_bytes_without_floating_point() -> None:
     first, second = generate(text, "camturn"), generate(text, "camturn")
     assert first == second
     for made in first:
-        assert not re.search(r"\b(double|float|20\d\d \d|version)\b", made.split("*/", 1)[1])
+        assert not re.search(
+            r"\b(double|float|20\d\d \d|version)\b", made.split("*/", 1)[1]
+        )
         assert not re.search(r"cantools version|\b20[2-9]\d\b", made)
         assert "phys_range" not in made
     assert "int camturn_state_pack(" in first[0]

@@ -25,7 +25,7 @@ from camtools.link.messages import NUMBERS
 from camtools.link.refusal_text import ask_done
 
 _HEADER = ROOT / "firmware" / "param" / "cam_param.h"
-_ROW = re.compile(r'X\((\w+),\s*(-?\d+),\s*(-?\d+),\s*(-?\d+),\s*"([^"]*)"')
+_ROW = re.compile(r'X\((\w+),\s*(-?\d+),\s*(-?\d+),\s*(-?\d+),([^"]*),\s*"([^"]*)"')
 _HEAD = """\
 # Parameters of a camturn controller, {origin}.
 # tools/camctl params load brings them into force, all of them or none. Values are whole numbers in
@@ -58,11 +58,12 @@ _KEPT = ("version", "crc32")
 
 @dataclass(frozen=True)
 class Info:
-    """What is known of a parameter: its range, its default, and what it means."""
+    """Range, default, flags (those of cam_flag_t) and meaning of a parameter."""
 
     low: int
     default: int
     high: int
+    flags: tuple[str, ...]
     what: str
 
 
@@ -70,8 +71,10 @@ def infos_of(text: str) -> dict[str, Info]:
     """Return the parameters of the text of cam_param.h, in their order."""
     body = text.split("#define CAM_PARAMS(X)")[1].split("\n\n")[0]
     return {
-        name: Info(int(low), int(default), int(high), what)
-        for name, low, default, high, what in _ROW.findall(body)
+        name: Info(
+            int(low), int(default), int(high), tuple(re.findall(r"cam_flag_(\w+)", flags)), what
+        )
+        for name, low, default, high, flags, what in _ROW.findall(body)
     }
 
 
@@ -124,7 +127,7 @@ def problem_of(name: str, value: object) -> str:
     if not isinstance(value, int) or isinstance(value, bool):
         return f"{name} = {value}: give a whole number"
     info = INFOS[name]
-    if not info.low <= value <= info.high or (name == "encoder_sign" and value == 0):
+    if not info.low <= value <= info.high or ("sign" in info.flags and value == 0):
         return f"{name} = {value}: out of range; give {info.low} .. {info.high}"
     return ""
 

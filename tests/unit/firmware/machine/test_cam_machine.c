@@ -187,11 +187,7 @@ static void test_what_makes_the_angle_changes_in_off_only(void)
         for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
             const int32_t old = cam_param_get(&rig.machine.params, (cam_param_id_t)id);
             const cam_err_t err = cam_machine_set_param(&rig.machine, (cam_param_id_t)id, old);
-            const bool is_of_angle = id == (uint32_t)cam_param_counts_per_turn ||
-                                     id == (uint32_t)cam_param_encoder_sign ||
-                                     id == (uint32_t)cam_param_index_offset_udeg ||
-                                     id == (uint32_t)cam_param_observer_bandwidth_mHz ||
-                                     id == (uint32_t)cam_param_z_is_measured;
+            const bool is_of_angle = cam_param_has((cam_param_id_t)id, cam_flag_off);
             TEST_ASSERT_EQUAL_INT_MESSAGE(is_of_angle ? cam_err_param_state : cam_ok, err,
                                           cam_param_info((cam_param_id_t)id)->name);
             fixture_rig_tick(&rig);
