@@ -26,20 +26,12 @@ static void answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcome
         .value = outcome.value,
         .minimum = outcome.value,
         .maximum = outcome.value,
-        .speed = outcome.value,
-        .feed = outcome.value,
-        .amplitude = outcome.value,
-        .phase = outcome.value,
-        .feed_override = outcome.value,
-        .spindle_override = outcome.value,
-        .trim = outcome.value,
         .parts = outcome.value,
         .received = (uint32_t)outcome.value,
         .crc = (uint32_t)outcome.value,
         .jog_speed = outcome.value,
         .place = outcome.value,
         .datum = outcome.value,
-        .tool = outcome.value,
         .challenge = (uint32_t)outcome.value,
     };
     hal_can_frame_t *frame = &r->answers[r->n_answers];
@@ -65,54 +57,6 @@ static bool send_answers(cam_can_t *r)
 
 // Commands
 
-/// Right that a command requires.
-typedef enum {
-    right_none,     ///< reading, and stop
-    right_command,  ///< the current session
-    right_unlocked, ///< the current session in the unlocked level
-} right_t;
-
-/// @return the right that a command requires: command unless it is listed
-static right_t right_of(uint8_t command)
-{
-    switch (command) {
-    case CAMTURN_COMMAND_COMMAND_STOP_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_GET_PARAMETER_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_GET_MINIMUM_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_GET_MAXIMUM_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_GET_SCOPE_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_FD_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_GET_LEARNED_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_GET_PLACE_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_GET_PARTS_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_GET_REFUSAL_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_STROBE_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_TAKE_COMMAND_CHOICE:
-        return right_none;
-    case CAMTURN_COMMAND_COMMAND_SELECT_TABLE_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
-    case CAMTURN_COMMAND_COMMAND_SET_LEARNED_CHOICE:
-        return right_unlocked;
-    default:
-        return right_command;
-    }
-}
-
-/// @return whether the sender of a command may give it
-static cam_err_t admit(const cam_rights_t *rights, const struct camturn_command_t *m)
-{
-    const right_t right = right_of(m->command);
-    if (right == right_none) {
-        return cam_ok;
-    }
-    if (!cam_rights_is_commander(rights, m->sender, m->session)) {
-        return cam_err_not_commander;
-    }
-    return right == right_unlocked ? cam_rights_check_level(rights) : cam_ok;
-}
-
 /// Note the commander as heard if a command is of the current session.
 static void hear(cam_can_t *r, const struct camturn_command_t *m)
 {
@@ -124,12 +68,12 @@ static void hear(cam_can_t *r, const struct camturn_command_t *m)
 
 /// Execute a command if its sender may give it, and answer it. The commander counts as heard again
 /// at the end: a long command does not cost it command, though its next frame waits.
-static void give(cam_can_t *r, struct camturn_command_t *m)
+static void give(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_rights_t *rights = &r->machine->rights;
     rights->is_bus_calling = true;
     hear(r, m);
-    const cam_err_t refusal = admit(rights, m);
+    const cam_err_t refusal = cam_can_admit(rights, m);
     cam_outcome_t outcome = refusal == cam_ok ? cam_can_carry_out(r, m) : cam_outcome(refusal);
     if (outcome.err == cam_err_not_commander) {
         outcome.value = (int32_t)rights->commander;

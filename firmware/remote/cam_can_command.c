@@ -38,11 +38,9 @@ static cam_outcome_t with_range(cam_outcome_t outcome, cam_param_id_t id)
     return outcome;
 }
 
-/// Set a parameter; the answer echoes its id and gives the value in force.
-static cam_outcome_t set(cam_can_t *r, struct camturn_command_t *m, cam_param_id_t id,
-                         int32_t value)
+/// Set a parameter; the answer gives the value in force.
+static cam_outcome_t set(cam_can_t *r, cam_param_id_t id, int32_t value)
 {
-    m->parameter = (uint8_t)id;
     return with_range(get(r, id, cam_machine_set_param(r->machine, id, value)), id);
 }
 
@@ -150,12 +148,22 @@ static cam_outcome_t get_scope(const cam_can_t *r, uint32_t field, cam_err_t err
     return (cam_outcome_t){.err = err != cam_ok ? err : got, .value = value};
 }
 
+static cam_outcome_t set_scope(const cam_can_t *r, uint32_t field, int32_t value)
+{
+    return get_scope(r, field, cam_machine_scope_set(r->machine, field, value));
+}
+
 /// @return a learned value with the error of setting it, or else of reading it
 static cam_outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t err)
 {
     int32_t value = 0;
     const cam_err_t got = cam_machine_get_learned(r->machine, index, &value);
     return (cam_outcome_t){.err = err != cam_ok ? err : got, .value = value};
+}
+
+static cam_outcome_t set_learned(const cam_can_t *r, uint32_t index, int32_t value)
+{
+    return get_learned(r, index, cam_machine_set_learned(r->machine, index, value));
 }
 
 /// Begin sending a piece of the recording; unless it is refused, the answer follows it.
@@ -199,178 +207,120 @@ static cam_outcome_t challenge(cam_can_t *r, uint32_t tick)
     return (cam_outcome_t){.err = err, .value = (int32_t)number};
 }
 
-// The commands, in groups: each group offers a command that is not its own to the next one.
+// The commands
 
-static cam_outcome_t carry_out_rights(cam_can_t *r, const struct camturn_command_t *m)
+/// Right that a command requires.
+typedef enum {
+    right_none,     ///< reading, and stop
+    right_command,  ///< the current session
+    right_unlocked, ///< the current session in the unlocked level
+} right_t;
+
+// clang-format off
+/// X(name, right, statement): every command, the right that it requires, and what executes it and
+/// sets the outcome. The machine checks the state, for callers other than this one, too.
+#define COMMANDS(X) \
+    X(ENABLE,            command,  out = explained(r, cam_machine_enable(machine))) \
+    X(HOME,              command,  out = explained(r, cam_machine_home(machine))) \
+    X(DISABLE,           command,  out.err = cam_machine_disable(machine)) \
+    X(START,             command,  out = explained(r, cam_machine_start(machine))) \
+    X(STOP,              none,     out.err = cam_machine_stop(machine)) \
+    X(RESET,             command,  out.err = cam_machine_reset(machine)) \
+    X(HOLD,              command,  out.err = cam_machine_hold(machine)) \
+    X(RESUME,            command,  out.err = cam_machine_resume(machine)) \
+    X(SET_PARAMETER,     command,  out = set(r, id, m->value)) \
+    X(GET_PARAMETER,     none,     out = get(r, id, cam_ok)) \
+    X(GET_MINIMUM,       none,     out = limit(id, true)) \
+    X(GET_MAXIMUM,       none,     out = limit(id, false)) \
+    X(GET_REFUSAL,       none,     out = get_refusal(&machine->refusal, m->parameter)) \
+    X(BEGIN_PARAMETERS,  command,  cam_machine_stage_begin(machine); out = with_version(r, cam_ok)) \
+    X(STAGE_PARAMETER,   command,  out = stage(r, id, m->value)) \
+    X(COMMIT_PARAMETERS, command,  out = with_version(r, cam_machine_stage_commit(machine))) \
+    X(SAVE_PARAMETERS,   command,  out = with_version(r, cam_machine_save_params(machine))) \
+    X(RESTORE_DEFAULTS,  command,  out = with_version(r, cam_machine_restore_defaults(machine))) \
+    X(REVERT_PARAMETERS, command,  out = with_version(r, cam_machine_revert_params(machine))) \
+    X(SET_PARTS,         command,  out = with_parts(r, cam_machine_set_parts(machine, m->parts))) \
+    X(GET_PARTS,         none,     out = with_parts(r, cam_ok)) \
+    /* Downloads */ \
+    X(SELECT_TABLE,      unlocked, out.err = cam_can_select(r)) \
+    X(BEGIN_DOWNLOAD,    unlocked, out = begin_download(r, m->size, false)) \
+    X(END_DOWNLOAD,      unlocked, out = cam_can_received(r, cam_table_store_end(&r->store, m->crc))) \
+    X(BEGIN_WAVE,        command,  out = begin_download(r, m->size, true)) \
+    X(END_WAVE,          command,  out = cam_can_received(r, cam_machine_wave_end(machine, m->crc))) \
+    /* Axes by hand */ \
+    X(MANUAL,            command,  out.err = cam_machine_manual(machine)) \
+    X(JOG,               command,  out = outcome_of(cam_machine_jog(machine, axis, m->jog_speed))) \
+    X(STEP,              command,  out = outcome_of(cam_machine_step(machine, axis, m->step))) \
+    X(HOME_AXIS,         command,  out.err = cam_machine_home_axis(machine, axis)) \
+    X(ZERO_X,            command,  out = outcome_of(cam_machine_zero(machine, hal_axis_x, m->diameter))) \
+    X(ZERO_Z,            command,  out = outcome_of(cam_machine_zero(machine, hal_axis_z, m->height))) \
+    X(GET_PLACE,         none,     out = place_of(r, axis)) \
+    /* Recorder, excitation and learning */ \
+    X(SET_SCOPE,         command,  out = set_scope(r, m->parameter, m->value)) \
+    X(GET_SCOPE,         none,     out = get_scope(r, m->parameter, cam_ok)) \
+    X(START_SCOPE,       command,  out.err = cam_machine_scope_start(machine)) \
+    X(STOP_SCOPE,        command,  cam_machine_scope_stop(machine)) \
+    X(RELEASE_SCOPE,     command,  out.err = cam_machine_release(machine)) \
+    X(READ_SCOPE,        none,     out = read_scope(r, m, false)) \
+    X(READ_SCOPE_FD,     none,     out = read_scope(r, m, true)) \
+    X(STROBE,            none,     out = strobe(r, m->every)) \
+    X(EXCITE,            command,  out = outcome_of(cam_machine_excite(machine, m->periods, m->fade))) \
+    X(KEEP_ALIVE,        command,  cam_machine_keep_alive(machine)) \
+    X(GET_LEARNED,       none,     out = get_learned(r, m->parameter, cam_ok)) \
+    X(SET_LEARNED,       unlocked, out = set_learned(r, m->parameter, m->value)) \
+    /* Rights; the commander has been heard already */ \
+    X(TAKE_COMMAND,      none,     out = take_session(r, m)) \
+    X(RELEASE_COMMAND,   command,  cam_machine_release_command(machine)) \
+    X(HEARTBEAT,         command,  out.err = cam_ok) \
+    X(GET_CHALLENGE,     command,  out = challenge(r, tick)) \
+    X(UNLOCK,            command,  out.err = cam_rights_unlock(rights, m->unlock_answer, tick)) \
+    X(LOCK,              command,  cam_rights_lock(rights))
+// clang-format on
+
+#define RIGHT(name, right, statement)                                                              \
+    case CAMTURN_COMMAND_COMMAND_##name##_CHOICE:                                                  \
+        return right_##right;
+
+/// @return the right that a command requires; of an unknown one the right to command
+static right_t right_of(uint8_t command)
 {
-    cam_rights_t *rights = &r->machine->rights;
-    const uint32_t tick = cam_machine_status(r->machine).tick;
-    switch (m->command) {
-    case CAMTURN_COMMAND_COMMAND_TAKE_COMMAND_CHOICE:
-        return take_session(r, m);
-    case CAMTURN_COMMAND_COMMAND_RELEASE_COMMAND_CHOICE:
-        cam_machine_release_command(r->machine);
-        return cam_outcome(cam_ok);
-    case CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE: // the commander has been heard already
-        return cam_outcome(cam_ok);
-    case CAMTURN_COMMAND_COMMAND_GET_CHALLENGE_CHOICE:
-        return challenge(r, tick);
-    case CAMTURN_COMMAND_COMMAND_UNLOCK_CHOICE:
-        return cam_outcome(cam_rights_unlock(rights, m->unlock_answer, tick));
-    case CAMTURN_COMMAND_COMMAND_LOCK_CHOICE:
-        cam_rights_lock(rights);
-        return cam_outcome(cam_ok);
+    switch (command) {
+        COMMANDS(RIGHT)
     default:
-        return cam_outcome(cam_err_command);
+        return right_command;
     }
 }
 
-/// Recorder, excitation and learning.
-static cam_outcome_t carry_out_scope(cam_can_t *r, const struct camturn_command_t *m)
+cam_err_t cam_can_admit(const cam_rights_t *rights, const struct camturn_command_t *m)
+{
+    const right_t right = right_of(m->command);
+    if (right == right_none) {
+        return cam_ok;
+    }
+    if (!cam_rights_is_commander(rights, m->sender, m->session)) {
+        return cam_err_not_commander;
+    }
+    return right == right_unlocked ? cam_rights_check_level(rights) : cam_ok;
+}
+
+#define EXECUTE(name, right, statement)                                                            \
+    case CAMTURN_COMMAND_COMMAND_##name##_CHOICE:                                                  \
+        statement;                                                                                 \
+        break;
+
+cam_outcome_t cam_can_carry_out(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
-    switch (m->command) {
-    case CAMTURN_COMMAND_COMMAND_SET_SCOPE_CHOICE:
-        return get_scope(r, m->parameter, cam_machine_scope_set(machine, m->parameter, m->value));
-    case CAMTURN_COMMAND_COMMAND_GET_SCOPE_CHOICE:
-        return get_scope(r, m->parameter, cam_ok);
-    case CAMTURN_COMMAND_COMMAND_START_SCOPE_CHOICE:
-        return cam_outcome(cam_machine_scope_start(machine));
-    case CAMTURN_COMMAND_COMMAND_STOP_SCOPE_CHOICE:
-        cam_machine_scope_stop(machine);
-        return cam_outcome(cam_ok);
-    case CAMTURN_COMMAND_COMMAND_RELEASE_SCOPE_CHOICE:
-        return cam_outcome(cam_machine_release(machine));
-    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE:
-        return read_scope(r, m, false);
-    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_FD_CHOICE:
-        return read_scope(r, m, true);
-    case CAMTURN_COMMAND_COMMAND_STROBE_CHOICE:
-        return strobe(r, m->every);
-    case CAMTURN_COMMAND_COMMAND_EXCITE_CHOICE:
-        return outcome_of(cam_machine_excite(machine, m->periods, m->fade));
-    case CAMTURN_COMMAND_COMMAND_KEEP_ALIVE_CHOICE:
-        cam_machine_keep_alive(machine);
-        return cam_outcome(cam_ok);
-    case CAMTURN_COMMAND_COMMAND_GET_LEARNED_CHOICE:
-        return get_learned(r, m->parameter, cam_ok);
-    case CAMTURN_COMMAND_COMMAND_SET_LEARNED_CHOICE:
-        return get_learned(r, m->parameter,
-                           cam_machine_set_learned(machine, m->parameter, m->value));
-    default:
-        return carry_out_rights(r, m);
-    }
-}
-
-/// Downloads, jogging and the number of parts.
-static cam_outcome_t carry_out_jog(cam_can_t *r, const struct camturn_command_t *m)
-{
-    cam_machine_t *machine = r->machine;
-    const hal_axis_t axis = (hal_axis_t)m->parameter;
-    switch (m->command) {
-    case CAMTURN_COMMAND_COMMAND_SELECT_TABLE_CHOICE:
-        return cam_outcome(cam_can_select(r));
-    case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
-        return begin_download(r, m->size, false);
-    case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
-        return cam_can_received(r, cam_table_store_end(&r->store, m->crc));
-    case CAMTURN_COMMAND_COMMAND_BEGIN_WAVE_CHOICE:
-        return begin_download(r, m->size, true);
-    case CAMTURN_COMMAND_COMMAND_END_WAVE_CHOICE:
-        return cam_can_received(r, cam_machine_wave_end(machine, m->crc));
-    case CAMTURN_COMMAND_COMMAND_JOG_CHOICE:
-        return outcome_of(cam_machine_jog(machine, axis, m->jog_speed));
-    case CAMTURN_COMMAND_COMMAND_STEP_CHOICE:
-        return outcome_of(cam_machine_step(machine, axis, m->step));
-    case CAMTURN_COMMAND_COMMAND_HOME_AXIS_CHOICE:
-        return cam_outcome(cam_machine_home_axis(machine, axis));
-    case CAMTURN_COMMAND_COMMAND_ZERO_X_CHOICE:
-        return outcome_of(cam_machine_zero(machine, hal_axis_x, m->diameter));
-    case CAMTURN_COMMAND_COMMAND_ZERO_Z_CHOICE:
-        return outcome_of(cam_machine_zero(machine, hal_axis_z, m->height));
-    case CAMTURN_COMMAND_COMMAND_GET_PLACE_CHOICE:
-        return place_of(r, axis);
-    case CAMTURN_COMMAND_COMMAND_SET_PARTS_CHOICE:
-        return with_parts(r, cam_machine_set_parts(machine, m->parts));
-    case CAMTURN_COMMAND_COMMAND_GET_PARTS_CHOICE:
-        return with_parts(r, cam_ok);
-    default:
-        return carry_out_scope(r, m);
-    }
-}
-
-/// States of the machine, and parameters other than by setting one.
-static cam_outcome_t carry_out_state(cam_can_t *r, const struct camturn_command_t *m)
-{
-    cam_machine_t *machine = r->machine;
-    switch (m->command) {
-    case CAMTURN_COMMAND_COMMAND_ENABLE_CHOICE:
-        return explained(r, cam_machine_enable(machine));
-    case CAMTURN_COMMAND_COMMAND_HOME_CHOICE:
-        return explained(r, cam_machine_home(machine));
-    case CAMTURN_COMMAND_COMMAND_DISABLE_CHOICE:
-        return cam_outcome(cam_machine_disable(machine));
-    case CAMTURN_COMMAND_COMMAND_START_CHOICE:
-        return explained(r, cam_machine_start(machine));
-    case CAMTURN_COMMAND_COMMAND_STOP_CHOICE:
-        return cam_outcome(cam_machine_stop(machine));
-    case CAMTURN_COMMAND_COMMAND_RESET_CHOICE:
-        return cam_outcome(cam_machine_reset(machine));
-    case CAMTURN_COMMAND_COMMAND_HOLD_CHOICE:
-        return cam_outcome(cam_machine_hold(machine));
-    case CAMTURN_COMMAND_COMMAND_RESUME_CHOICE:
-        return cam_outcome(cam_machine_resume(machine));
-    case CAMTURN_COMMAND_COMMAND_MANUAL_CHOICE:
-        return cam_outcome(cam_machine_manual(machine));
-    case CAMTURN_COMMAND_COMMAND_BEGIN_PARAMETERS_CHOICE:
-        cam_machine_stage_begin(machine);
-        return with_version(r, cam_ok);
-    case CAMTURN_COMMAND_COMMAND_COMMIT_PARAMETERS_CHOICE:
-        return with_version(r, cam_machine_stage_commit(machine));
-    case CAMTURN_COMMAND_COMMAND_SAVE_PARAMETERS_CHOICE:
-        return with_version(r, cam_machine_save_params(machine));
-    case CAMTURN_COMMAND_COMMAND_RESTORE_DEFAULTS_CHOICE:
-        return with_version(r, cam_machine_restore_defaults(machine));
-    case CAMTURN_COMMAND_COMMAND_REVERT_PARAMETERS_CHOICE:
-        return with_version(r, cam_machine_revert_params(machine));
-    default:
-        return carry_out_jog(r, m);
-    }
-}
-
-cam_outcome_t cam_can_carry_out(cam_can_t *r, struct camturn_command_t *m)
-{
+    cam_rights_t *rights = &machine->rights;
+    const uint32_t tick = cam_machine_status(machine).tick;
     const cam_param_id_t id = (cam_param_id_t)m->parameter;
+    const hal_axis_t axis = (hal_axis_t)m->parameter;
+    cam_outcome_t out = cam_outcome(cam_ok);
     switch (m->command) {
-    case CAMTURN_COMMAND_COMMAND_SET_PARAMETER_CHOICE:
-        return set(r, m, id, m->value);
-    case CAMTURN_COMMAND_COMMAND_SET_SPEED_CHOICE:
-        return set(r, m, cam_param_spindle_mrpm, m->speed);
-    case CAMTURN_COMMAND_COMMAND_SET_FEED_CHOICE:
-        return set(r, m, cam_param_feed_nm, m->feed);
-    case CAMTURN_COMMAND_COMMAND_SET_AMPLITUDE_CHOICE:
-        return set(r, m, cam_param_amplitude_ppm, m->amplitude);
-    case CAMTURN_COMMAND_COMMAND_SET_PHASE_CHOICE:
-        return set(r, m, cam_param_phase_udeg, m->phase);
-    case CAMTURN_COMMAND_COMMAND_SET_FEED_OVERRIDE_CHOICE:
-        return set(r, m, cam_param_feed_override_ppm, m->feed_override);
-    case CAMTURN_COMMAND_COMMAND_SET_SPINDLE_OVERRIDE_CHOICE:
-        return set(r, m, cam_param_spindle_override_ppm, m->spindle_override);
-    case CAMTURN_COMMAND_COMMAND_SET_TRIM_CHOICE:
-        return set(r, m, cam_param_x_trim_nm, m->trim);
-    case CAMTURN_COMMAND_COMMAND_SET_TOOL_CHOICE:
-        return set(r, m, cam_param_tool, m->tool);
-    case CAMTURN_COMMAND_COMMAND_STAGE_PARAMETER_CHOICE:
-        return stage(r, id, m->value);
-    case CAMTURN_COMMAND_COMMAND_GET_PARAMETER_CHOICE:
-        return get(r, id, cam_ok);
-    case CAMTURN_COMMAND_COMMAND_GET_MINIMUM_CHOICE:
-        return limit(id, true);
-    case CAMTURN_COMMAND_COMMAND_GET_MAXIMUM_CHOICE:
-        return limit(id, false);
-    case CAMTURN_COMMAND_COMMAND_GET_REFUSAL_CHOICE:
-        return get_refusal(&r->machine->refusal, m->parameter);
+        COMMANDS(EXECUTE)
     default:
-        return carry_out_state(r, m);
+        out.err = cam_err_command;
+        break;
     }
+    return out;
 }

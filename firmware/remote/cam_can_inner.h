@@ -24,9 +24,12 @@ static inline cam_outcome_t cam_outcome(cam_err_t err)
     return (cam_outcome_t){.err = err};
 }
 
-/// Execute a command.
-/// @param m  its parameter becomes that of the answer
-cam_outcome_t cam_can_carry_out(cam_can_t *r, struct camturn_command_t *m);
+/// @return whether the sender of a command may give it: cam_ok, cam_err_not_commander,
+///         cam_err_locked or cam_err_lock_none
+cam_err_t cam_can_admit(const cam_rights_t *rights, const struct camturn_command_t *m);
+
+/// Execute a command that was admitted.
+cam_outcome_t cam_can_carry_out(cam_can_t *r, const struct camturn_command_t *m);
 
 /// @return an error with the number of bytes stored
 cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err);

@@ -14,17 +14,10 @@ from camtools.cli.can_source import generate, main
 from camtools.link.faults import FAULTS
 from camtools.link.learned_file import LAYOUT
 from camtools.link.messages import FAULT_TEXTS
-from camtools.link.parameters import INFOS
 
 ROOT = Path(__file__).resolve().parents[3]
 DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"
 FIRMWARE = ROOT / "firmware"
-QUICK = {
-    "speed": ("spindle_mrpm", 1e-3),
-    "feed": ("feed_nm", 1e-6),
-    "amplitude": ("amplitude_ppm", 1e-4),
-    "phase": ("phase_udeg", 1e-6),
-}
 
 
 @pytest.fixture(scope="module")
@@ -72,17 +65,6 @@ def test_kept_values_are_those_of_learning() -> None:
         name.removeprefix("cam_ilc_value_") for name in numbers if "_value_" in name
     ]
     assert told == [name.rpartition("_")[0] for name in LAYOUT]
-
-
-def test_quick_commands_have_the_ranges_of_their_parameters(database: Database) -> None:
-    """Speed, feed, amplitude, phase: factor and range are those of the parameter behind."""
-    command = database.get_message_by_name("Command")
-    for name, (parameter, factor) in QUICK.items():
-        signal = command.get_signal_by_name(name)
-        low, high = INFOS[parameter].low, INFOS[parameter].high
-        assert signal.scale == pytest.approx(factor)
-        assert signal.minimum == pytest.approx(low * factor)
-        assert signal.maximum == pytest.approx(high * factor)
 
 
 def test_commands_and_answers_agree(database: Database) -> None:

@@ -17,7 +17,7 @@ from camtools.base.argument_types import finite, whole
 from camtools.base.command import Interrupted, Parser
 from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link, Status
-from camtools.link.messages import NAMES, Refused, value_text
+from camtools.link.messages import NAMES, Refused
 from camtools.link.progress import IN_CUT, cut_progress
 from camtools.link.refusal_text import ask_done
 from camtools.link.settings import (
@@ -28,6 +28,7 @@ from camtools.link.settings import (
     set_parts,
     set_trim,
     trim_text,
+    value_text,
 )
 
 Say = Callable[[str], None]

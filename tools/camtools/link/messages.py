@@ -5,8 +5,6 @@ The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are
 
 >>> NAMES["state"][4]
 'cutting'
->>> value_text("speed", 2500.0)
-'2500 r/min'
 """
 
 from __future__ import annotations
@@ -68,12 +66,6 @@ class Refused(Exception):  # noqa: N818 - a controller that says no is no error 
     """The controller said no, or nothing; the text is one line for people."""
 
 
-def value_text(signal: str, value: float) -> str:
-    """Return a value of a command with the unit of its signal."""
-    unit = COMMAND.get_signal_by_name(signal).unit
-    return f"{value:.10g}" + (f" {unit}" if unit else "")
-
-
 @dataclass(frozen=True)
 class Answer:
     """What a controller answered.
@@ -103,8 +95,9 @@ def _check_range(name: str, value: float) -> None:
     low, high = signal.minimum, signal.maximum
     assert low is not None and high is not None
     if not low <= value <= high:
-        span = f"{low:.10g} .. {value_text(name, high)}"
-        raise CamtoolsError([f"{name} = {value_text(name, value)}: out of range; give {span}"])
+        unit = f" {signal.unit}" if signal.unit else ""
+        span = f"{low:.10g} .. {high:.10g}{unit}"
+        raise CamtoolsError([f"{name} = {value:.10g}{unit}: out of range; give {span}"])
 
 
 def command_bytes(

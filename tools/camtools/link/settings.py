@@ -9,11 +9,34 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link
-from camtools.link.messages import NUMBERS, value_text
-from camtools.link.refusal_text import ask_done
+from camtools.link.messages import NUMBERS, Refused
+from camtools.link.parameters import INFOS
+from camtools.link.refusal_text import ask_done, explain
 
+
+@dataclass(frozen=True)
+class Setting:
+    """A parameter in the unit of operators."""
+
+    parameter: str
+    unit: str
+    per_unit: float  # units of the parameter
+
+
+SETTINGS = {
+    "speed": Setting("spindle_mrpm", "r/min", 1e3),
+    "feed": Setting("feed_nm", "mm", 1e6),
+    "amplitude": Setting("amplitude_ppm", "%", 1e4),
+    "phase": Setting("phase_udeg", "deg", 1e6),
+    "feed_override": Setting("feed_override_ppm", "%", 1e4),
+    "spindle_override": Setting("spindle_override_ppm", "%", 1e4),
+    "trim": Setting("x_trim_nm", "mm", 1e6),
+}
 OVERRIDES = ("feed", "spindle")
 MEASURES = ("diameter", "radius")
 N_TOOLS = 4
@@ -24,18 +47,57 @@ def parameter(link: Link, name: str) -> float:
     return ask_done(link, "get_parameter", NUMBERS["parameter"][name]).value
 
 
+def _set(link: Link, name: str, value: int, shown: str) -> float:
+    """Set a parameter; return the value in force.
+
+    Raises
+    ------
+    Refused
+        It is refused; the text names the setting as shown.
+    """
+    answer = link.ask("set_parameter", parameter=NUMBERS["parameter"][name], value=value)
+    if answer.result != "done":
+        raise Refused(f"set {shown}: {explain(link, answer)}")
+    return answer.value
+
+
+def value_text(name: str, value: float) -> str:
+    """Return a value of a setting with its unit.
+
+    >>> value_text("speed", 2500.0)
+    '2500 r/min'
+    """
+    return f"{value:.10g} {SETTINGS[name].unit}"
+
+
+def _set_in_unit(link: Link, name: str, value: float) -> float:
+    """Set a parameter in the unit of operators; return the value in force.
+
+    Raises
+    ------
+    CamtoolsError
+        The value is out of the parameter's range.
+    """
+    setting = SETTINGS[name]
+    info = INFOS[setting.parameter]
+    low, high = info.low / setting.per_unit, info.high / setting.per_unit
+    if not low <= value <= high:
+        given, span = value_text(name, value), f"{low:.10g} .. {value_text(name, high)}"
+        raise CamtoolsError([f"{name} = {given}: out of range; give {span}"])
+    shown = f"{name.replace('_', ' ')} = {value:.9g}"
+    wanted = round(value * setting.per_unit)
+    return _set(link, setting.parameter, wanted, shown) / setting.per_unit
+
+
 def set_quick(link: Link, name: str, value: float) -> str:
-    """Set speed, feed, amplitude or phase; return what is so now."""
-    answer = ask_done(link, f"set_{name}", 0, **{name: value})
-    return f"{name} = {value_text(name, answer.value)}"
+    """Set speed, feed, amplitude or phase; return the value in force."""
+    return f"{name} = {value_text(name, _set_in_unit(link, name, value))}"
 
 
 def set_override(link: Link, what: str, percent: float) -> str:
-    """Set the override of feed or spindle; return what is so now."""
+    """Set the override of feed or spindle; return the one in force."""
     name = f"{what}_override"
-    index = NUMBERS["parameter"][f"{name}_ppm"]
-    answer = ask_done(link, f"set_{name}", index, **{name: percent})
-    return f"override {what} = {value_text(name, answer.value)}"
+    return f"override {what} = {value_text(name, _set_in_unit(link, name, percent))}"
 
 
 def radius_of(measure: str, value_mm: float) -> float:
@@ -49,10 +111,8 @@ def trim_text(radius_mm: float) -> str:
 
 
 def set_trim(link: Link, measure: str, value_mm: float) -> str:
-    """Set the trim of X; return what is so now."""
-    wanted_mm = radius_of(measure, value_mm)
-    answer = ask_done(link, "set_trim", NUMBERS["parameter"]["x_trim_nm"], trim=wanted_mm)
-    return trim_text(answer.value)
+    """Set the trim of X; return the one in force."""
+    return trim_text(_set_in_unit(link, "trim", radius_of(measure, value_mm)))
 
 
 def set_parts(link: Link, number: int) -> str:
@@ -61,17 +121,16 @@ def set_parts(link: Link, number: int) -> str:
 
 
 def set_tool(link: Link, number: int) -> str:
-    """Choose the tool whose offsets count, 0: none; return what is so now."""
-    ask_done(link, "set_tool", tool=number)
+    """Choose the tool whose offsets apply, 0: none; return it."""
+    _set(link, "tool", number, f"tool = {number}")
     return f"tool {number} is in use" if number else "no tool is in use"
 
 
 def set_tool_offset(link: Link, number: int, axis: str, mm: float) -> str:
-    """Set an offset of a tool, along x or z; return what is so now."""
-    index = NUMBERS["parameter"][f"tool_{number}_{axis}_nm"]
-    nm = min(max(round(mm * NM_PER_MM), -(2**31)), 2**31 - 1)  # the controller tells its range
-    answer = ask_done(link, "set_parameter", index, value=nm)
-    return f"tool {number}: {axis} {answer.value / NM_PER_MM:.6f} mm"
+    """Set an offset of a tool, along x or z; return the one in force."""
+    nm = min(max(round(mm * NM_PER_MM), -(2**31)), 2**31 - 1)  # the controller gives its range
+    value = _set(link, f"tool_{number}_{axis}_nm", nm, f"tool {number} {axis} = {mm:.9g}")
+    return f"tool {number}: {axis} {value / NM_PER_MM:.6f} mm"
 
 
 def set_zero(link: Link, axis: str, mm: float) -> str:

@@ -77,9 +77,8 @@ static void test_a_value_out_of_range_is_answered_with_the_range(void)
     } cases[] = {
         {set, cam_param_phase_udeg, INT32_MIN, 0, cam_param_phase_udeg, -180000000, 180000000},
         {set, cam_param_encoder_sign, 0, 1, cam_param_encoder_sign, -1, 1},
-        {set_speed, 0, -1, 0, cam_param_spindle_mrpm, 0, 60000000},
-        {set_spindle_override, 0, 1300000, 1000000, cam_param_spindle_override_ppm, 500000,
-         1200000},
+        {set, cam_param_spindle_override_ppm, 1300000, 1000000, cam_param_spindle_override_ppm,
+         500000, 1200000},
         {stage, cam_param_lead_ns, -1, 100000, cam_param_lead_ns, 0, 20000000},
     };
     expect_answer(cam_ok, 0, begin_params, 0, 0);
@@ -109,28 +108,6 @@ static void test_a_range_without_room_is_kept(void)
     hal_host.slow.n_room = 1;
     cam_can_poll(&f.can);
     TEST_ASSERT_EQUAL_UINT32(get, last_answer().command);
-}
-
-/// Each sets its parameter, and the answer has its number.
-static void test_quick_commands_set_their_parameters(void)
-{
-    static const struct {
-        uint8_t command, param;
-        int32_t value;
-    } cases[] = {
-        {set_speed, cam_param_spindle_mrpm, 1200500},
-        {set_feed, cam_param_feed_nm, 150000},
-        {set_amplitude, cam_param_amplitude_ppm, 500000},
-        {set_phase, cam_param_phase_udeg, -90000000},
-        {set_feed_override, cam_param_feed_override_ppm, 750000},
-        {set_spindle_override, cam_param_spindle_override_ppm, 900000},
-        {set_trim, cam_param_x_trim_nm, -12345},
-    };
-    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const cam_param_id_t id = (cam_param_id_t)cases[i].param;
-        expect_answer(cam_ok, cases[i].value, cases[i].command, cases[i].param, cases[i].value);
-        TEST_ASSERT_EQUAL_INT32(cases[i].value, cam_param_get(&f.rig.machine.params, id));
-    }
 }
 
 static void test_home_homes_and_homes_anew(void)
@@ -286,7 +263,7 @@ static void test_home_zero_and_tool_change_the_position(void)
     TEST_ASSERT_EQUAL_HEX32(7, fixture_rig_status(&f.rig).jog.homed);
     TEST_ASSERT_EQUAL_INT32(40006000, done(zero_x, 0, 80012000));
     TEST_ASSERT_EQUAL_INT32(-5, done(zero_z, 0, -5));
-    TEST_ASSERT_EQUAL_INT32(3, done(set_tool, 0, 3));
+    TEST_ASSERT_EQUAL_INT32(3, done(set, cam_param_tool, 3));
     TEST_ASSERT_EQUAL_INT32(3, f.rig.machine.params.tool);
 }
 
@@ -297,7 +274,7 @@ static void test_wrong_axes_and_values_are_refused_with_the_limit(void)
     TEST_ASSERT_EQUAL_INT32(cam_err_hand_axis, result_of(jog, 3, 1));
     TEST_ASSERT_EQUAL_INT32(cam_err_hand_axis, result_of(get_position, 200, 0));
     expect_answer(cam_err_hand_speed, 10000, jog, x_axis, INT32_MIN);
-    TEST_ASSERT_EQUAL_INT32(cam_err_param_range, result_of(set_tool, 0, 5));
+    TEST_ASSERT_EQUAL_INT32(cam_err_param_range, result_of(set, cam_param_tool, 5));
     fixture_can_loop(&f, 100);
     TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());
 }

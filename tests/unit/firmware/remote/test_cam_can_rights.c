@@ -25,7 +25,7 @@ static hal_can_frame_t page(void)
 /// @return whether there is such a command
 static bool exists(uint8_t command)
 {
-    static const uint8_t gaps[] = {38, 39, 47, 48, 49};
+    static const uint8_t gaps[] = {11, 12, 13, 14, 36, 38, 39, 42, 43, 44, 47, 48, 49};
     return command <= last_command && memchr(gaps, command, sizeof gaps) == NULL;
 }
 
@@ -331,11 +331,6 @@ static void test_never_in_the_work(void)
         expect_answer(may ? cam_ok : cam_err_param_state, value, set, (uint8_t)id, value);
         fixture_can_loop(&f, 2);
     }
-    expect_answer(cam_err_param_state, 0, set_speed, cam_param_spindle_mrpm, 1000000);
-    expect_answer(cam_err_param_state, 0, set_feed, cam_param_feed_nm, 100000);
-    expect_answer(cam_ok, 900000, set_amplitude, cam_param_amplitude_ppm, 900000);
-    fixture_can_loop(&f, 2);
-    expect_answer(cam_ok, 1000, set_phase, cam_param_phase_udeg, 1000);
     expect_answer(cam_err_state, 0, home, 0, 0);
     expect_answer(cam_err_state, 0, select_table, 0, 0);
     expect_answer(cam_err_state, 0, begin_download, 0, 1000);
