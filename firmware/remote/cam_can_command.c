@@ -59,6 +59,12 @@ static cam_outcome_t with_version(const cam_can_t *r, cam_err_t err)
     return (cam_outcome_t){.err = err, .value = (int32_t)r->machine->version};
 }
 
+static cam_outcome_t begin_params(const cam_can_t *r)
+{
+    cam_machine_stage_begin(r->machine);
+    return with_version(r, cam_ok);
+}
+
 /// @return a field of the last refusal, saturated, with units as in cam_feasibility_t
 static cam_outcome_t get_refusal(const cam_refusal_t *last, uint32_t field)
 {
@@ -211,14 +217,14 @@ static cam_outcome_t challenge(cam_can_t *r, uint32_t tick)
 
 /// Right that a command requires.
 typedef enum {
+    right_command,  ///< the current session; an unknown command, too
     right_none,     ///< reading, and stop
-    right_command,  ///< the current session
     right_unlocked, ///< the current session in the unlocked level
 } right_t;
 
 // clang-format off
-/// X(name, right, statement): every command, the right that it requires, and what executes it and
-/// sets the outcome. The machine checks the state, for callers other than this one, too.
+/// X(name, right, action): every command, the right that it requires, and the expression that
+/// executes it and sets the outcome. The machine checks the state, for callers other than this one, too.
 #define COMMANDS(X) \
     X(ENABLE,            command,  out = explained(r, cam_machine_enable(machine))) \
     X(HOME,              command,  out = explained(r, cam_machine_home(machine))) \
@@ -233,7 +239,7 @@ typedef enum {
     X(GET_MINIMUM,       none,     out = limit(id, true)) \
     X(GET_MAXIMUM,       none,     out = limit(id, false)) \
     X(GET_REFUSAL,       none,     out = get_refusal(&machine->refusal, m->parameter)) \
-    X(BEGIN_PARAMETERS,  command,  cam_machine_stage_begin(machine); out = with_version(r, cam_ok)) \
+    X(BEGIN_PARAMETERS,  command,  out = begin_params(r)) \
     X(STAGE_PARAMETER,   command,  out = stage(r, id, m->value)) \
     X(COMMIT_PARAMETERS, command,  out = with_version(r, cam_machine_stage_commit(machine))) \
     X(SAVE_PARAMETERS,   command,  out = with_version(r, cam_machine_save_params(machine))) \
@@ -277,23 +283,13 @@ typedef enum {
     X(LOCK,              command,  cam_rights_lock(rights))
 // clang-format on
 
-#define RIGHT(name, right, statement)                                                              \
-    case CAMTURN_COMMAND_COMMAND_##name##_CHOICE:                                                  \
-        return right_##right;
-
-/// @return the right that a command requires; of an unknown one the right to command
-static right_t right_of(uint8_t command)
-{
-    switch (command) {
-        COMMANDS(RIGHT)
-    default:
-        return right_command;
-    }
-}
+#define RIGHT(name, right, action) [CAMTURN_COMMAND_COMMAND_##name##_CHOICE] = right_##right,
 
 cam_err_t cam_can_admit(const cam_rights_t *rights, const struct camturn_command_t *m)
 {
-    const right_t right = right_of(m->command);
+    static const uint8_t required[] = {COMMANDS(RIGHT)};
+    const right_t right =
+        m->command < sizeof required ? (right_t)required[m->command] : right_command;
     if (right == right_none) {
         return cam_ok;
     }
@@ -303,9 +299,9 @@ cam_err_t cam_can_admit(const cam_rights_t *rights, const struct camturn_command
     return right == right_unlocked ? cam_rights_check_level(rights) : cam_ok;
 }
 
-#define EXECUTE(name, right, statement)                                                            \
+#define EXECUTE(name, right, action)                                                               \
     case CAMTURN_COMMAND_COMMAND_##name##_CHOICE:                                                  \
-        statement;                                                                                 \
+        (void)(action);                                                                            \
         break;
 
 cam_outcome_t cam_can_carry_out(cam_can_t *r, const struct camturn_command_t *m)
