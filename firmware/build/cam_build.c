@@ -310,18 +310,17 @@ static int32_t held_k2_q16(int32_t k2_us2, uint32_t tick_hz)
     return k2_q16 > hold_q16 ? k2_q16 - hold_q16 : k2_q16;
 }
 
-cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
-                           const cam_table_t *table, uint32_t speed_limit_mrpm, uint32_t tick_hz,
-                           uint32_t clock_hz)
+cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
+                               const cam_table_t *table, uint32_t speed_limit_mrpm,
+                               uint32_t tick_hz, uint32_t clock_hz)
 {
-    const cam_err_t err = cam_derived_limits_check(params, tick_hz);
-    if (err != cam_ok) {
-        return err;
-    }
     cam_force_config_t force;
-    const cam_err_t servo_err = cam_build_force(&force, params, tick_hz);
-    if (servo_err != cam_ok) {
-        return servo_err;
+    cam_refusal_t refusal = cam_derived_limits_check(params, tick_hz);
+    if (refusal.err == cam_ok) {
+        refusal = cam_build_force(&force, params, tick_hz);
+    }
+    if (refusal.err != cam_ok) {
+        return refusal;
     }
     *config = (cam_config_t){.generation = config->generation, .force = force};
     cam_config_tie(config, table != NULL);
@@ -364,7 +363,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->command.range_nm = params->u_stroke_nm / 2;
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
-    return cam_ok;
+    return refusal;
 }
 
 void cam_build_origin(cam_config_t *config, int32_t x_nm, int32_t z_nm)

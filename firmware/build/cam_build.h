@@ -4,10 +4,11 @@
 #ifndef CAM_BUILD_H
 #define CAM_BUILD_H
 
-#include "cam_config.h" // cam_config_t
-#include "cam_err.h"    // cam_err_t
-#include "cam_param.h"  // cam_params_t
-#include <stdint.h>     // int32_t, uint32_t
+#include "cam_config.h"  // cam_config_t
+#include "cam_err.h"     // CAM_MUST_USE
+#include "cam_param.h"   // cam_params_t
+#include "cam_refusal.h" // cam_refusal_t
+#include <stdint.h>      // int32_t, uint32_t
 
 /// Derive a configuration.
 /// @param config      result, on success complete but for cam_config_learn()
@@ -15,10 +16,10 @@
 /// @param table       NULL when none is selected
 /// @param speed_limit_mrpm  [r/min / 1000] limit of the fault overspeed
 /// @param tick_hz,clock_hz  [Hz] of the port
-/// @return cam_ok, or the error of cam_derived_limits_check() or cam_servo_setup()
-CAM_MUST_USE cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
-                                        const cam_table_t *table, uint32_t speed_limit_mrpm,
-                                        uint32_t tick_hz, uint32_t clock_hz);
+/// @return cam_ok, or the refusal of cam_derived_limits_check() or cam_servo_setup()
+CAM_MUST_USE cam_refusal_t cam_build_config(cam_config_t *config, const cam_params_t *params,
+                                            const cam_table_t *table, uint32_t speed_limit_mrpm,
+                                            uint32_t tick_hz, uint32_t clock_hz);
 
 /// Shift the targets in X and Z by the offset of the part; set-points stay in port coordinates.
 /// Call once after cam_build_config(). Source: MATHS.md (170).

@@ -39,15 +39,14 @@ static int32_t moving_q6(const cam_params_t *p, const cam_force_config_t *c, uin
     return cam_sat_i32(most_q6 + 2 * (int64_t)p->servo_friction_mn * 64);
 }
 
-cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uint32_t tick_hz)
+cam_refusal_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uint32_t tick_hz)
 {
     const cam_params_t *p = params;
     const int64_t tick2 = (int64_t)tick_hz * tick_hz;
     *c = (cam_force_config_t){.is_used = hal_takes_force()};
-    cam_param_id_t which = cam_n_params;
-    const cam_err_t err = cam_servo_setup(params, tick_hz, &c->servo, &which);
-    if (!c->is_used || err != cam_ok) {
-        return err;
+    const cam_refusal_t refusal = cam_servo_setup(params, tick_hz, &c->servo);
+    if (!c->is_used || refusal.err != cam_ok) {
+        return refusal;
     }
     const int64_t hz = cam_clamp_i64(observer_hz, 1, tick_hz / 20);
     const int64_t omega_q24 = cam_units_scale(hz, CAM_TWO_PI_Q24, tick_hz);
@@ -65,5 +64,5 @@ cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params, uin
     c->moving_q6 = moving_q6(p, c, tick_hz);
     c->braking_nm = (int32_t)cam_clamp_i64(braking_nm, 1, INT32_MAX);
     c->limited_ticks = (uint32_t)cam_units_scale(p->servo_limited_ms, tick_hz, 1000);
-    return cam_ok;
+    return refusal;
 }

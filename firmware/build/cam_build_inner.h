@@ -3,10 +3,11 @@
 #ifndef CAM_BUILD_INNER_H
 #define CAM_BUILD_INNER_H
 
-#include "cam_config.h" // cam_config_t
-#include "cam_err.h"    // CAM_MUST_USE
-#include "cam_param.h"  // cam_params_t
-#include <stdint.h>     // int32_t, int64_t, uint32_t
+#include "cam_config.h"  // cam_config_t
+#include "cam_err.h"     // CAM_MUST_USE
+#include "cam_param.h"   // cam_params_t
+#include "cam_refusal.h" // cam_refusal_t
+#include <stdint.h>      // int32_t, int64_t, uint32_t
 
 /// [nm / 1024] Rounding margin of set-point checks, which also allow 1/16 for encoder noise.
 #define CAM_BUILD_MARGIN_Q10 3072
@@ -21,8 +22,8 @@ void cam_build_jog(cam_config_t *config, const cam_params_t *params, int64_t roo
                    uint32_t tick_hz);
 
 /// Derive the position loop of a U that takes forces, and its supervision without the travel.
-/// @return cam_ok or an error of cam_servo_setup()
-CAM_MUST_USE cam_err_t cam_build_force(cam_force_config_t *c, const cam_params_t *params,
-                                       uint32_t tick_hz);
+/// @return as cam_servo_setup()
+CAM_MUST_USE cam_refusal_t cam_build_force(cam_force_config_t *c, const cam_params_t *params,
+                                           uint32_t tick_hz);
 
 #endif

@@ -23,7 +23,7 @@ typedef struct {
 /// One limit and what the cut needs of it.
 typedef struct {
     cam_err_t err;   ///< error that reports an excess
-    int64_t limit;   ///< in the unit that cam_feasibility_t gives for err
+    int64_t limit;   ///< in the unit of CAM_ERR_LIMITS for err
     uint64_t needed; ///< in the same unit, rounded up; it never decreases as speed or feed rises
 } cam_demand_t;
 

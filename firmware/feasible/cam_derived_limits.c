@@ -5,7 +5,8 @@
 #include "cam_gains.h" // cam_gains_check
 #include "cam_play.h"  // cam_play_history
 #include "hal/hal.h"   // hal_axis_scale
-#include <stddef.h>    // NULL, size_t
+#include <stdbool.h>   // bool
+#include <stddef.h>    // NULL
 
 enum { least_jump_counts = 8, quantisation_counts = 4, most_jump_counts = 1 << 30 };
 enum {
@@ -97,31 +98,24 @@ int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz)
     return (int32_t)most;
 }
 
-cam_err_t cam_derived_limits_check(const cam_params_t *params, uint32_t tick_hz)
+cam_refusal_t cam_derived_limits_check(const cam_params_t *params, uint32_t tick_hz)
 {
-    static const struct {
-        cam_param_id_t id;
-        cam_err_t err;
-    } bounded[] = {
-        {cam_param_observer_bandwidth_mHz, cam_err_param_tick},
-        {cam_param_lead_ns, cam_err_param_tick},
-        {cam_param_k1_ns, cam_err_param_tick},
-        {cam_param_k2_us2, cam_err_param_tick},
-        {cam_param_x_speed_um_per_s, cam_err_param_output},
-        {cam_param_z_speed_um_per_s, cam_err_param_output},
-    };
-    const int64_t due_ns = (int64_t)params->lead_ns + params->u_scale_latency_ns;
-    if (due_ns > cam_derived_limits_most(cam_param_lead_ns, tick_hz)) {
-        return cam_err_param_tick;
-    }
-    for (size_t i = 0; i < sizeof bounded / sizeof bounded[0]; i++) {
-        const cam_param_id_t id = bounded[i].id;
-        if (cam_param_get(params, id) > cam_derived_limits_most(id, tick_hz)) {
-            return bounded[i].err;
+    for (uint32_t i = 0; i < (uint32_t)cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const int32_t value = cam_param_get(params, id);
+        const int32_t most = cam_derived_limits_most(id, tick_hz);
+        const bool is_output = id == cam_param_x_speed_um_per_s || id == cam_param_z_speed_um_per_s;
+        if (value > most) {
+            return cam_refusal_of(is_output ? cam_err_param_output : cam_err_param_tick, id, value,
+                                  most);
         }
     }
-    cam_param_id_t which = cam_n_params;
-    return cam_gains_check(params, tick_hz, &which);
+    const int64_t due_ns = (int64_t)params->lead_ns + params->u_scale_latency_ns;
+    const int32_t most_ns = cam_derived_limits_most(cam_param_lead_ns, tick_hz);
+    if (due_ns > most_ns) {
+        return cam_refusal_of(cam_err_param_tick, cam_param_lead_ns, due_ns, most_ns);
+    }
+    return cam_gains_check(params, tick_hz);
 }
 
 /// Largest slope that counts: a steeper part is a step, whose form does not depend on half a step

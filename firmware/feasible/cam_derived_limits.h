@@ -7,10 +7,11 @@
 #ifndef CAM_DERIVED_LIMITS_H
 #define CAM_DERIVED_LIMITS_H
 
-#include "cam_err.h"   // cam_err_t
-#include "cam_param.h" // cam_params_t, cam_param_id_t
-#include "cam_table.h" // cam_table_t
-#include <stdint.h>    // int32_t, uint32_t
+#include "cam_err.h"     // CAM_MUST_USE
+#include "cam_param.h"   // cam_params_t, cam_param_id_t
+#include "cam_refusal.h" // cam_refusal_t
+#include "cam_table.h"   // cam_table_t
+#include <stdint.h>      // int32_t, uint32_t
 
 /// [Hz] At this tick rate or above, measurements of U are recent enough for a limit derived from
 /// the part. Slower ticks belong to field buses, whose measurements are some ticks old.
@@ -53,8 +54,9 @@ int32_t cam_derived_limits_most(cam_param_id_t id, uint32_t tick_hz);
 /// U's scale, the observer is slower than the tick, feed-forward gains fit 15 integer bits.
 /// The outputs of X and Z can transmit their speeds. The feed-forward keeps the command of U within
 /// its limits, and every jerk limit has a filter window (cam_gains.h).
-/// @return cam_ok, cam_err_param_tick, cam_err_param_output, cam_err_jerk or cam_err_gain
-CAM_MUST_USE cam_err_t cam_derived_limits_check(const cam_params_t *params, uint32_t tick_hz);
+/// @return cam_ok, cam_err_param_tick (for lead_ns also their sum), cam_err_param_output,
+///         cam_err_jerk or cam_err_gain
+CAM_MUST_USE cam_refusal_t cam_derived_limits_check(const cam_params_t *params, uint32_t tick_hz);
 
 /// Bound the form error that the steps of the set-points cause: half a step of U, half a step of X,
 /// and half a step of Z times the steepest slope of the part over its height.

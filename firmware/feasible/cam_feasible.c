@@ -98,13 +98,14 @@ uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params
     return largest;
 }
 
-cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
-                               uint32_t speed_mrpm, uint32_t tick_hz)
+cam_refusal_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
+                           uint32_t speed_mrpm, uint32_t tick_hz)
 {
     const cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
     const cam_demand_t exceeded = first_exceeded(&c);
-    return (cam_feasibility_t){
+    return (cam_refusal_t){
         .err = exceeded.err,
+        .param = cam_n_params,
         .speed_mrpm = speed_mrpm,
         .highest_mrpm = cam_feasible_highest_mrpm(table, params, tick_hz),
         .largest_feed_nm = cam_feasible_largest_feed_nm(table, params, speed_mrpm, tick_hz),

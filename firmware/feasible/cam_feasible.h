@@ -7,23 +7,12 @@
 #ifndef CAM_FEASIBLE_H
 #define CAM_FEASIBLE_H
 
-#include "cam_demand.h" // cam_demands_t
-#include "cam_err.h"    // cam_err_t
-#include "cam_param.h"  // cam_params_t
-#include "cam_table.h"  // cam_table_t
-#include <stdint.h>     // uint32_t, int64_t
-
-/// Why a speed is feasible or not, and what would be.
-typedef struct {
-    cam_err_t err;            ///< cam_ok, or the first limit that is exceeded
-    uint32_t speed_mrpm;      ///< [r/min / 1000] the speed that was judged
-    uint32_t highest_mrpm;    ///< [r/min / 1000] cam_feasible_highest_mrpm()
-    uint32_t largest_feed_nm; ///< [nm] cam_feasible_largest_feed_nm()
-    uint32_t pass;            ///< number of the pass that was judged; 0: the table has none
-    int64_t needed;           ///< what the motion needs, in the unit of the limit
-    int64_t limit;            ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000] or per s,
-                              ///< [degrees / s2], [1e-6], [turns], [mN], [per tick], by err
-} cam_feasibility_t;
+#include "cam_demand.h"  // cam_demands_t
+#include "cam_err.h"     // cam_err_t
+#include "cam_param.h"   // cam_params_t
+#include "cam_refusal.h" // cam_refusal_t
+#include "cam_table.h"   // cam_table_t
+#include <stdint.h>      // uint32_t
 
 /// Judge a speed, the verdict alone: one comparison with each limit.
 /// @param speed_mrpm  [r/min / 1000] > 0
@@ -49,10 +38,11 @@ uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params
                                       uint32_t speed_mrpm, uint32_t tick_hz);
 
 /// Judge a speed and search the limits, for a message. Parameters as of cam_feasible_check().
-/// @return `needed` is rounded up: near the limit by at most 0.1 %, for the acceleration of the
+/// @return the first limit that is exceeded, if any, and what would be feasible; `needed` is
+/// rounded up: near the limit by at most 0.1 %, for the acceleration of the
 ///         swing by 1 %
-cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
-                               uint32_t speed_mrpm, uint32_t tick_hz);
+cam_refusal_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
+                           uint32_t speed_mrpm, uint32_t tick_hz);
 
 /// @return [r/min / 1000] highest speed within a turn of this mean speed, rounded up, saturated.
 /// Example: a ratio of up to 1.25 makes 1250 r/min of a mean speed of 1000 r/min.

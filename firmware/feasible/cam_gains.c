@@ -74,17 +74,17 @@ int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t 
     return (int64_t)cam_cut_divided_up(twice_a, most_ns);
 }
 
-cam_err_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz, cam_param_id_t *which)
+cam_refusal_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz)
 {
     static const cam_param_id_t gains[] = {cam_param_k1_ns, cam_param_k2_us2};
     for (size_t i = 0; i < hal_n_axes + sizeof gains / sizeof gains[0]; i++) {
         const bool is_jerk = i < (size_t)hal_n_axes;
-        *which = is_jerk ? jerks[i] : gains[i - hal_n_axes];
-        const int64_t value = cam_param_get(params, *which);
-        const int64_t bound = cam_gains_bound(params, *which, tick_hz);
+        const cam_param_id_t id = is_jerk ? jerks[i] : gains[i - hal_n_axes];
+        const int64_t value = cam_param_get(params, id);
+        const int64_t bound = cam_gains_bound(params, id, tick_hz);
         if (is_jerk ? value > 0 && value < bound : value > bound) {
-            return is_jerk ? cam_err_jerk : cam_err_gain;
+            return cam_refusal_of(is_jerk ? cam_err_jerk : cam_err_gain, id, value, bound);
         }
     }
-    return cam_ok;
+    return cam_refusal_none();
 }

@@ -9,10 +9,10 @@
 #ifndef CAM_GAINS_H
 #define CAM_GAINS_H
 
-#include "cam_err.h"   // cam_err_t
-#include "cam_param.h" // cam_params_t, cam_param_id_t
-#include "hal/hal.h"   // hal_axis_t
-#include <stdint.h>    // int32_t, int64_t, uint32_t
+#include "cam_param.h"   // cam_params_t, cam_param_id_t
+#include "cam_refusal.h" // cam_refusal_t
+#include "hal/hal.h"     // hal_axis_t
+#include <stdint.h>      // int32_t, int64_t, uint32_t
 
 /// @return log2 of an axis's window in ticks (U) or plans (X, Z), 0 .. cam_jerk_filter_most_log2
 uint32_t cam_gains_log2_window(const cam_params_t *params, hal_axis_t axis, uint32_t tick_hz);
@@ -22,9 +22,7 @@ uint32_t cam_gains_log2_window(const cam_params_t *params, hal_axis_t axis, uint
 int64_t cam_gains_bound(const cam_params_t *params, cam_param_id_t id, uint32_t tick_hz);
 
 /// Check jerks and gains.
-/// @param which  result, the parameter that is refused
-/// @return       cam_ok, cam_err_jerk or cam_err_gain
-CAM_MUST_USE cam_err_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz,
-                                       cam_param_id_t *which);
+/// @return cam_ok, cam_err_jerk with the least jerk or cam_err_gain with the largest gain
+CAM_MUST_USE cam_refusal_t cam_gains_check(const cam_params_t *params, uint32_t tick_hz);
 
 #endif

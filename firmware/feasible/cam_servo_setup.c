@@ -27,12 +27,16 @@ int64_t cam_servo_needed_mn(const cam_params_t *p)
            p->servo_friction_mn;
 }
 
-cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_servo_config_t *cfg,
-                          cam_param_id_t *which)
+static cam_refusal_t refused(const cam_params_t *params, cam_param_id_t id)
+{
+    return cam_refusal_of(cam_err_servo, id, cam_param_get(params, id), 0);
+}
+
+cam_refusal_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_servo_config_t *cfg)
 {
     *cfg = (cam_servo_config_t){0};
     if (!hal_takes_force() || params->servo_crossover_hz == 0) {
-        return cam_ok;
+        return cam_refusal_none();
     }
     const cam_servo_params_t physical = {.step_hz = (int32_t)tick_hz,
                                          .scale_delay_ns = params->u_scale_latency_ns,
@@ -40,20 +44,21 @@ cam_err_t cam_servo_setup(const cam_params_t *params, uint32_t tick_hz, cam_serv
                                          CAM_SERVO_SET(FIELD)
 #undef FIELD
     };
-    const cam_servo_refused_t refused = cam_servo_design(&physical, cfg);
-    if (refused != cam_servo_refused_none) {
-        *which = refused_param(refused);
-        return cam_err_servo;
+    const cam_servo_refused_t by_design = cam_servo_design(&physical, cfg);
+    if (by_design != cam_servo_refused_none) {
+        return refused(params, refused_param(by_design));
     }
     if (params->servo_force_delay_ns < (int64_t)hal_force().latency_ns) {
-        *which = cam_param_servo_force_delay_ns; // which includes the latency of the output
-        return cam_err_servo;
+        // the delay includes the latency of the output
+        return refused(params, cam_param_servo_force_delay_ns);
     }
     if ((int64_t)tick_hz * tick_hz * params->servo_mass_g <= most_light_g_hz2) {
-        *which = cam_param_servo_mass_g;
-        return cam_err_servo;
+        return refused(params, cam_param_servo_mass_g);
     }
-    *which = cam_param_servo_force_limit_mn;
-    return cam_servo_needed_mn(params) > params->servo_force_limit_mn ? cam_err_servo_force
-                                                                      : cam_ok;
+    const int64_t needed_mn = cam_servo_needed_mn(params);
+    if (needed_mn > params->servo_force_limit_mn) {
+        return cam_refusal_of(cam_err_servo_force, cam_param_servo_force_limit_mn, needed_mn,
+                              params->servo_force_limit_mn);
+    }
+    return cam_refusal_none();
 }

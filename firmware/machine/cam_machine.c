@@ -135,9 +135,7 @@ static cam_err_t check_room(cam_machine_t *m)
     if (room_nm <= half_nm) {
         return cam_ok;
     }
-    m->refusal =
-        (cam_refusal_t){.why = {.err = cam_err_u_command, .needed = room_nm, .limit = half_nm},
-                        .param = cam_n_params};
+    m->refusal = cam_refusal_of(cam_err_u_command, cam_n_params, room_nm, half_nm);
     return cam_err_u_command;
 }
 

@@ -10,10 +10,10 @@
 #define CAM_MACHINE_H
 
 #include "cam_err.h"         // cam_err_t
-#include "cam_feasible.h"    // cam_feasibility_t
 #include "cam_offsets.h"     // cam_offsets_t
 #include "cam_param_store.h" // cam_param_store_found_t
 #include "cam_param.h"       // cam_params_t
+#include "cam_refusal.h"     // cam_refusal_t
 #include "cam_rights.h"      // cam_rights_t
 #include "cam_scope.h"       // cam_scope_t
 #include "cam_strobe.h"      // cam_strobe_t
@@ -21,13 +21,6 @@
 #include "cam_ilc.h"         // cam_ilc_t, cam_ilc_status_t
 #include "cam_status.h"      // cam_t, cam_status_t
 #include <stdbool.h>         // bool
-
-/// Details of a refused change or command.
-typedef struct {
-    cam_feasibility_t why; ///< .err is the error; for errors of a parameter only needed and limit
-                           ///< are set, for cam_err_param_state neither
-    cam_param_id_t param;  ///< the refused parameter; cam_n_params: none
-} cam_refusal_t;
 
 /// Fields of a refusal, by their number in get_refusal.
 typedef enum {
@@ -221,7 +214,7 @@ uint32_t cam_machine_highest_mrpm(const cam_machine_t *m);
 /// The same with the details of cam_feasible(), for a message: of the first infeasible pass, or of
 /// the pass that start cuts next.
 /// @return err = cam_err_no_table and only the speed when no table is selected
-cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
+cam_refusal_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
 
 /// Enable the drives and search the index: off -> homing.
 /// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _u_place, _not_homed,

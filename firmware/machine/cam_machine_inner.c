@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_inner.h"
-#include "cam_build.h" // cam_build_config, cam_build_origin
-#include "cam_fix.h"   // cam_abs_i64
-#include "cam_pass.h"  // cam_pass_params, cam_pass_check
-#include <stdatomic.h> // atomic_store_explicit
-#include <stddef.h>    // NULL
+#include "cam_feasible.h" // cam_feasible_highest_mrpm
+#include "cam_build.h"    // cam_build_config, cam_build_origin
+#include "cam_fix.h"      // cam_abs_i64
+#include "cam_pass.h"     // cam_pass_params, cam_pass_check
+#include <stdatomic.h>    // atomic_store_explicit
+#include <stddef.h>       // NULL
 
 enum {
     overspeed_percent = 1, ///< margin above the highest feasible speed, for speed ripple
@@ -44,10 +45,7 @@ cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params, const 
     uint32_t pass = 0;
     const cam_err_t err = cam_pass_check(table, params, 0, m->tick_hz, &pass);
     if (err != cam_ok) {
-        m->refusal = (cam_refusal_t){
-            .why = cam_pass_feasibility(table, params, 0, m->tick_hz, pass),
-            .param = cam_n_params,
-        };
+        m->refusal = cam_pass_feasibility(table, params, 0, m->tick_hz, pass);
     }
     return err;
 }
@@ -64,12 +62,13 @@ uint32_t cam_machine_highest_mrpm(const cam_machine_t *m)
     return m->has_table ? cam_pass_highest_mrpm(&m->table, &m->params, m->tick_hz) : 0u;
 }
 
-cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
+cam_refusal_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
 {
     if (!m->has_table) {
         const uint32_t set_mrpm = (uint32_t)m->params.spindle_mrpm;
-        return (cam_feasibility_t){.err = cam_err_no_table,
-                                   .speed_mrpm = speed_mrpm > 0u ? speed_mrpm : set_mrpm};
+        return (cam_refusal_t){.err = cam_err_no_table,
+                               .param = cam_n_params,
+                               .speed_mrpm = speed_mrpm > 0u ? speed_mrpm : set_mrpm};
     }
     uint32_t pass = 0;
     const cam_err_t err = cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass);
@@ -122,9 +121,11 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
         table != NULL ? cam_feasible_highest_mrpm(table, &here, m->tick_hz) : 0u;
     const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
-    const cam_err_t err = cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
-    if (err != cam_ok) {
-        return err;
+    const cam_refusal_t refusal =
+        cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
+    if (refusal.err != cam_ok) {
+        m->refusal = refusal;
+        return refusal.err;
     }
     cam_build_origin(half, cam_offsets_origin_nm(&m->offsets, params, hal_axis_x),
                      cam_offsets_origin_nm(&m->offsets, params, hal_axis_z));

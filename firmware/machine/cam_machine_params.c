@@ -2,11 +2,9 @@
 // Parameter changes: which are allowed in which state, staged changes, kept parameters.
 #include "cam_derived_limits.h" // cam_derived_limits_most
 #include "cam_fix.h"            // cam_is_within, cam_clamp_i32
-#include "cam_gains.h"          // cam_gains_check
 #include "cam_machine_jog.h"    // cam_machine_is_x_in_travel
 #include "cam_machine_inner.h"  // cam_machine_judge, cam_machine_hand_over
 #include "cam_pass.h"           // cam_pass_first
-#include "cam_servo_setup.h"    // cam_servo_setup
 #include "hal/hal.h"            // hal_params_kept
 #include <stddef.h>             // NULL
 
@@ -34,8 +32,7 @@ static bool is_change(const cam_params_t *from, const cam_params_t *to, cam_para
 static cam_err_t refuse(cam_machine_t *m, cam_err_t err, cam_param_id_t id, int64_t needed,
                         int64_t limit)
 {
-    m->refusal =
-        (cam_refusal_t){.why.err = err, .why.needed = needed, .why.limit = limit, .param = id};
+    m->refusal = cam_refusal_of(err, id, needed, limit);
     return err;
 }
 
@@ -80,23 +77,6 @@ static cam_err_t check_state(cam_machine_t *m, const cam_params_t *params, cam_p
         }
     }
     return cam_ok;
-}
-
-/// Record the parameter that does not fit the tick or the outputs, and its maximum. If each
-/// parameter fits by itself, the sum of lead and scale latency is too long.
-static void explain_fit(cam_machine_t *m, const cam_params_t *params, cam_err_t err)
-{
-    uint32_t id = 0;
-    while (id < (uint32_t)cam_n_params &&
-           cam_param_get(params, (cam_param_id_t)id) <=
-               cam_derived_limits_most((cam_param_id_t)id, m->tick_hz)) {
-        id++;
-    }
-    const bool is_sum = id == (uint32_t)cam_n_params;
-    const cam_param_id_t which = is_sum ? cam_param_lead_ns : (cam_param_id_t)id;
-    (void)refuse(m, err, which,
-                 (int64_t)cam_param_get(params, which) + (is_sum ? params->u_scale_latency_ns : 0),
-                 cam_derived_limits_most(which, m->tick_hz));
 }
 
 /// Refuse changes of locked parameters unless the level allows them.
@@ -155,24 +135,6 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
         const bool begins = named == cam_param_pass || params->pass != m->params.pass;
         const uint32_t pass = begins ? cam_pass_first(params, table) : m->pass;
         err = cam_machine_hand_over(m, params, table, pass);
-    }
-    if (err == cam_err_param_tick || err == cam_err_param_output) {
-        explain_fit(m, params, err);
-    }
-    if (err == cam_err_gain || err == cam_err_jerk) { // the maximum gain or the minimum jerk
-        cam_param_id_t id = cam_n_params;
-        const cam_err_t which = cam_gains_check(params, m->tick_hz, &id);
-        (void)refuse(m, which, id, cam_param_get(params, id),
-                     cam_gains_bound(params, id, m->tick_hz));
-    }
-    if (err == cam_err_servo || err == cam_err_servo_force) {
-        cam_servo_config_t made;
-        cam_param_id_t id = cam_n_params;
-        const cam_err_t which = cam_servo_setup(params, m->tick_hz, &made, &id);
-        const bool is_force = which == cam_err_servo_force;
-        (void)refuse(m, which, id,
-                     is_force ? cam_servo_needed_mn(params) : cam_param_get(params, id),
-                     is_force ? params->servo_force_limit_mn : 0);
     }
     if (err == cam_ok) {
         adopt(m, params, named);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_pass.h"
-#include "hal/hal.h" // hal_has_swing
-#include <stdbool.h> // bool
-#include <stddef.h>  // NULL
+#include "cam_feasible.h" // cam_feasible_check
+#include "hal/hal.h"      // hal_has_swing
+#include <stdbool.h>      // bool
+#include <stddef.h>       // NULL
 
 uint32_t cam_pass_count(const cam_table_t *table)
 {
@@ -62,12 +63,12 @@ cam_err_t cam_pass_check(const cam_table_t *table, const cam_params_t *params, u
     return err;
 }
 
-cam_feasibility_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t *params,
-                                       uint32_t speed_mrpm, uint32_t tick_hz, uint32_t i)
+cam_refusal_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t *params,
+                                   uint32_t speed_mrpm, uint32_t tick_hz, uint32_t i)
 {
     const cam_params_t here = cam_pass_params(params, table, i);
     const uint32_t mrpm = speed_mrpm_of(&here, table, speed_mrpm);
-    cam_feasibility_t found = cam_feasible(table, &here, mrpm, tick_hz);
+    cam_refusal_t found = cam_feasible(table, &here, mrpm, tick_hz);
     found.pass = table->passes != NULL ? i + 1u : 0u;
     return found;
 }

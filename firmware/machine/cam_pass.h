@@ -8,11 +8,11 @@
 #ifndef CAM_PASS_H
 #define CAM_PASS_H
 
-#include "cam_err.h"      // cam_err_t
-#include "cam_feasible.h" // cam_feasibility_t
-#include "cam_param.h"    // cam_params_t
-#include "cam_table.h"    // cam_table_t
-#include <stdint.h>       // uint32_t
+#include "cam_err.h"     // cam_err_t
+#include "cam_refusal.h" // cam_refusal_t
+#include "cam_param.h"   // cam_params_t
+#include "cam_table.h"   // cam_table_t
+#include <stdint.h>      // uint32_t
 
 /// @return number of passes, at least 1, even without a table (NULL)
 uint32_t cam_pass_count(const cam_table_t *table);
@@ -35,8 +35,8 @@ CAM_MUST_USE cam_err_t cam_pass_check(const cam_table_t *table, const cam_params
                                       uint32_t speed_mrpm, uint32_t tick_hz, uint32_t *i);
 
 /// Check one pass, with the details of cam_feasible(). Parameters as for cam_pass_check().
-cam_feasibility_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t *params,
-                                       uint32_t speed_mrpm, uint32_t tick_hz, uint32_t i);
+cam_refusal_t cam_pass_feasibility(const cam_table_t *table, const cam_params_t *params,
+                                   uint32_t speed_mrpm, uint32_t tick_hz, uint32_t i);
 
 /// @return [r/min / 1000] highest speed feasible for all passes; 0: none
 uint32_t cam_pass_highest_mrpm(const cam_table_t *table, const cam_params_t *params,

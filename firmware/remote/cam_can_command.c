@@ -65,16 +65,16 @@ static cam_outcome_t begin_params(const cam_can_t *r)
     return with_version(r, cam_ok);
 }
 
-/// @return a field of the last refusal, saturated, with units as in cam_feasibility_t
+/// @return a field of the last refusal, saturated, with units as in cam_refusal.h
 static cam_outcome_t get_refusal(const cam_refusal_t *last, uint32_t field)
 {
     const int64_t values[cam_n_refusals] = {
-        [cam_refusal_result] = (int64_t)last->why.err,
-        [cam_refusal_needed] = last->why.needed,
-        [cam_refusal_limit] = last->why.limit,
-        [cam_refusal_highest_mrpm] = (int64_t)last->why.highest_mrpm,
-        [cam_refusal_largest_feed_nm] = (int64_t)last->why.largest_feed_nm,
-        [cam_refusal_pass] = (int64_t)last->why.pass,
+        [cam_refusal_result] = (int64_t)last->err,
+        [cam_refusal_needed] = last->needed,
+        [cam_refusal_limit] = last->limit,
+        [cam_refusal_highest_mrpm] = (int64_t)last->highest_mrpm,
+        [cam_refusal_largest_feed_nm] = (int64_t)last->largest_feed_nm,
+        [cam_refusal_pass] = (int64_t)last->pass,
         [cam_refusal_parameter] = (int64_t)last->param,
     };
     if (field >= (uint32_t)cam_n_refusals) {

@@ -76,7 +76,7 @@ typedef struct {
     cam_params_t here;   ///< with the values of the present pass
     uint32_t first_pass, pass;
     sim_pass_result_t result[cam_table_max_passes]; ///< of the passes before it
-    cam_feasibility_t feasibility;
+    cam_refusal_t feasibility;
     double max_s;
     double full_first_turn, full_last_turn; ///< of the pass: range of turns at full feed
     // progress

@@ -60,19 +60,6 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
                         field, least_mm, least_mm);
 }
 
-/// Set a parameter that differs. A tick applies the change before the next one.
-static cam_err_t set_param(void *controller, cam_param_id_t id, int32_t value)
-{
-    sim_cut_t *cut = controller;
-    cam_machine_t *machine = &cut->firmware.machine;
-    if (cam_param_get(&machine->params, id) == value) {
-        return cam_ok;
-    }
-    const cam_err_t err = cam_machine_set_param(machine, id, value);
-    sim_cut_idle(cut);
-    return err;
-}
-
 static const char *unit_of(cam_err_t err, double *per_unit)
 {
     *per_unit = 1.0;
@@ -124,7 +111,7 @@ static const char *unit_of(cam_err_t err, double *per_unit)
 /// Format the remedy: a lower speed or a smaller feed.
 static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
 {
-    const cam_feasibility_t *f = &cut->feasibility;
+    const cam_refusal_t *f = &cut->feasibility;
     char feed[40] = "";
     if (f->largest_feed_nm > 0u) {
         (void)snprintf(feed, sizeof feed, "--feed %.12g", f->largest_feed_nm * 1e-6);
@@ -145,7 +132,7 @@ static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
 /// Refuse an infeasible speed, with demand, limit and remedy. @return false
 static bool infeasible(const sim_cut_t *cut, common_error_t *e)
 {
-    const cam_feasibility_t *f = &cut->feasibility;
+    const cam_refusal_t *f = &cut->feasibility;
     double scale;
     const char *unit = unit_of(f->err, &scale);
     const double u_retract_nm = cut->params.u_retract_nm;
@@ -276,12 +263,13 @@ static bool place(sim_cut_t *cut, common_error_t *e)
 /// Start the firmware and set parameters and table; each change takes effect in the next tick.
 static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, common_error_t *e)
 {
-    const double tick_hz = cut->session.options.config.lathe.tick_hz;
     cam_machine_t *machine = &cut->firmware.machine;
     sim_firmware_init(&cut->firmware);
-    if (!sim_params_apply(&cut->params, (uint32_t)tick_hz, set_param, cut, e)) {
+    sim_cut_idle(cut); // takes the parameters of before
+    if (!sim_params_apply(machine, &cut->params, e)) {
         return false;
     }
+    sim_cut_idle(cut);
     cam_err_t err = cam_machine_select_table(machine, cut->session.image, size);
     sim_cut_idle(cut);
     if (err == cam_err_busy) { // retry after a tick, as for parameters

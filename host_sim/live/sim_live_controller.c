@@ -104,18 +104,6 @@ static void tick(sim_live_t *l)
     (void)sim_wire_send_written(&l->wire, &played);
 }
 
-/// Set a parameter that differs. A tick applies the change before the next one.
-static cam_err_t set_param(void *live, cam_param_id_t id, int32_t value)
-{
-    cam_machine_t *m = &controller.machine;
-    if (cam_param_get(&m->params, id) == value) {
-        return cam_ok;
-    }
-    const cam_err_t err = cam_machine_set_param(m, id, value);
-    tick(live);
-    return err;
-}
-
 /// The part of main() before its loop.
 static bool start(sim_live_t *l, common_error_t *e)
 {
@@ -133,9 +121,11 @@ static bool start(sim_live_t *l, common_error_t *e)
     hal_host.slow.people.n_secret = l->options.n_secret;
     cam_machine_init(&controller.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
     cam_machine_blackbox(&controller.machine);
-    if (!sim_params_apply(&params, hal_tick_hz(), set_param, l, e)) {
+    tick(l); // takes the parameters of before
+    if (!sim_params_apply(&controller.machine, &params, e)) {
         return false;
     }
+    tick(l);
     hal_host.slow.table = (hal_image_t){.bytes = l->session.image, .size = (uint32_t)l->n_image};
     cam_machine_blackbox(&controller.machine);
     cam_can_init(&controller.remote, &controller.machine);

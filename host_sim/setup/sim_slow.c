@@ -75,8 +75,7 @@ bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, d
 
 /// A spindle that is never slower than stopped_mrpm has no problem with lag and ripple either.
 /// @return the remedy
-static common_error_t remedy(const cam_table_t *t, const cam_params_t *p,
-                             const cam_feasibility_t *f)
+static common_error_t remedy(const cam_table_t *t, const cam_params_t *p, const cam_refusal_t *f)
 {
     const double ratio = least_ratio(t);
     const double least_rpm = ceil(stopped_rpm(p) / ratio * 10.0) / 10.0;
@@ -91,7 +90,7 @@ static common_error_t remedy(const cam_table_t *t, const cam_params_t *p,
 }
 
 bool sim_slow_check(const cam_table_t *table, const cam_params_t *params,
-                    const cam_feasibility_t *feasibility, common_error_t *e)
+                    const cam_refusal_t *feasibility, common_error_t *e)
 {
     const double mean_rpm = feasibility->speed_mrpm * 1e-3;
     if (sim_slow_is_turning(table, params, mean_rpm)) {

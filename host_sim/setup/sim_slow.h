@@ -9,7 +9,7 @@
 #ifndef SIM_SLOW_H
 #define SIM_SLOW_H
 
-#include "cam_feasible.h" // cam_feasibility_t
+#include "cam_refusal.h"  // cam_refusal_t
 #include "cam_param.h"    // cam_params_t
 #include "cam_table.h"    // cam_table_t
 #include "common_error.h" // common_error_t
@@ -25,6 +25,6 @@ bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, d
 /// @param feasibility  for the mean speed, within all limits
 /// @return             false and *e, with the remedy, when that speed is too slow
 bool sim_slow_check(const cam_table_t *table, const cam_params_t *params,
-                    const cam_feasibility_t *feasibility, common_error_t *e);
+                    const cam_refusal_t *feasibility, common_error_t *e);
 
 #endif

@@ -48,7 +48,7 @@ DESIGN = {
     "host_sim/gauge": ("host_sim/part",),
     "host_sim/bus": ("host_sim/lathe",),
     "host_sim/port": ("host_sim/lathe", "firmware/machine", "hal/host"),
-    "host_sim/setup": ("host_sim/lathe", "host_sim/part", "firmware/feasible"),
+    "host_sim/setup": ("host_sim/lathe", "host_sim/part", "firmware/machine"),
     "host_sim/cut": ("host_sim/setup", "host_sim/gauge", "host_sim/port", "host_sim/bus"),
     "host_sim/results": ("host_sim/cut",),
     "host_sim/live": ("host_sim/results", "firmware/remote"),

@@ -26,7 +26,7 @@ extern "C" {
 /// A table on a machine.
 typedef struct judge_api judge_api_t;
 
-/// A limit and what a cut needs of it, in the unit of cam_feasibility_t.
+/// A limit and what a cut needs of it, in the unit of cam_refusal_t.
 typedef struct {
     const char *name; ///< of the error that reports an excess: "u_speed" for cam_err_u_speed
     int64_t limit;

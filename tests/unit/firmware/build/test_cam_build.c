@@ -37,7 +37,7 @@ void setUp(void)
 static void build(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_build_config(&config, &params, &table, 3000000, hz, clock_hz));
+                          cam_build_config(&config, &params, &table, 3000000, hz, clock_hz).err);
 }
 
 static void expect_near(double wanted, double got)
@@ -285,7 +285,7 @@ static void test_trace_and_no_table(void)
     params.phase_udeg = 90000000;
     params.encoder_sign = -1;
     config.generation = 4711;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, hz, clock_hz));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, hz, clock_hz).err);
     TEST_ASSERT_NULL(config.play.table);
     TEST_ASSERT_GREATER_THAN_UINT32(0, config.trace_room);
     TEST_ASSERT_EQUAL_INT64(INT64_C(-500000) * 1024, config.play.u_retract_q10);

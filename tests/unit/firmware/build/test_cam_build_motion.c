@@ -30,7 +30,7 @@ static void build(uint32_t rate_hz)
     hz = rate_hz;
     hal_host_reset(hz);
     params.observer_bandwidth_mHz = hz < 20000u ? 40000 : 200000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, hz, clock_hz));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, hz, clock_hz).err);
     ticks = config.play.plan_ticks;
 }
 

@@ -136,7 +136,7 @@ static void test_refused_with_the_numbers(void)
     params.k2_us2 = 3127000;
     params.u_stroke_nm = 310000;
     params.z_acceleration_mm_per_s2 = 1000000;
-    const cam_feasibility_t f = cam_feasible(&table, &params, 3000000, 20000);
+    const cam_refusal_t f = cam_feasible(&table, &params, 3000000, 20000);
     TEST_ASSERT_EQUAL_INT(cam_err_u_command, f.err);
     TEST_ASSERT_EQUAL_INT64(155000, f.limit);
     TEST_ASSERT_DOUBLE_WITHIN(2.0 + 0.02 * exact_nm(3000000), exact_nm(3000000), (double)f.needed);

@@ -18,19 +18,19 @@ void setUp(void)
     part = fixture_part_short();
 }
 
-static cam_feasibility_t judge_at(uint32_t mrpm)
+static cam_refusal_t judge_at(uint32_t mrpm)
 {
     return cam_feasible(&f.table, &f.params, mrpm, FIXTURE_PLAY_HZ);
 }
 
-static cam_feasibility_t judge(void)
+static cam_refusal_t judge(void)
 {
     return judge_at(2400000); // 40 turns per second
 }
 
 static void expect_needed(cam_err_t err, double needed)
 {
-    const cam_feasibility_t why = judge();
+    const cam_refusal_t why = judge();
     TEST_ASSERT_EQUAL_INT(err, why.err);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * needed + 2.0, needed, (double)why.needed);
 }
@@ -77,7 +77,7 @@ static void test_largest_feed_and_highest_speed_are_edges(void)
     f.table.limit_u_acceleration_mm_per_s2 = 40000;
     f.params.u_acceleration_mm_per_s2 = 40000;
     f.params.feed_nm = 500000;
-    cam_feasibility_t why = judge();
+    cam_refusal_t why = judge();
     TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
     TEST_ASSERT_GREATER_THAN_UINT32(10000, why.largest_feed_nm);
     f.params.feed_nm = (int32_t)why.largest_feed_nm;
@@ -114,7 +114,7 @@ static void test_swing_has_the_same_terms(void)
     const double set_points = 20000.0 / FIXTURE_PLAN_TICKS;
     const double feeding =
         2.0 * 3e6 * deg * rate * omega + 5e6 * deg * rate * set_points + 4e6 * deg * rise;
-    const cam_feasibility_t why = judge();
+    const cam_refusal_t why = judge();
     TEST_ASSERT_EQUAL_INT(cam_err_swing_acceleration, why.err);
     TEST_ASSERT_DOUBLE_WITHIN(0.003 * feeding + 2e-3 * turning, turning + feeding,
                               (double)why.needed);
@@ -122,7 +122,7 @@ static void test_swing_has_the_same_terms(void)
     f.params.swing_speed_mdeg_per_s = 1000;
     const double first = f.table.swing.first_mdeg_per_rad;
     TEST_ASSERT_TRUE(first > 6000.0); // so that this is sharp
-    const cam_feasibility_t slow = judge();
+    const cam_refusal_t slow = judge();
     TEST_ASSERT_EQUAL_INT(cam_err_swing_speed, slow.err);
     TEST_ASSERT_DOUBLE_WITHIN(3.0 * omega, (first + 2.0) * omega, (double)slow.needed);
 }
@@ -164,7 +164,7 @@ static void test_cut_at_the_largest_feed_stays_within_the_limit(void)
     f.params.z_speed_um_per_s = 10000000;
     f.params.z_acceleration_mm_per_s2 = 1000000;
     f.params.x_acceleration_mm_per_s2 = 1000000;
-    const cam_feasibility_t why = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
+    const cam_refusal_t why = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
     TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
     f.params.feed_nm = (int32_t)why.largest_feed_nm;
     fixture_play_configure(&f);
@@ -183,10 +183,10 @@ static void test_patterns_of_a_low_shaft_do_not_drift(void)
     fixture_shaft_make(&f.image, &shaft);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
     f.params.u_speed_um_per_s = 100;
-    const cam_feasibility_t tall = judge();
+    const cam_refusal_t tall = judge();
     f.table.u.span_nm = 1;
     f.table.angle.span_nm = 1;
-    const cam_feasibility_t low = judge();
+    const cam_refusal_t low = judge();
     TEST_ASSERT_EQUAL_INT(tall.err, low.err);
     TEST_ASSERT_EQUAL_INT64(tall.needed, low.needed);
 }
@@ -217,14 +217,14 @@ static void test_modulation_demands_a_fast_spindle(void)
     f.params.spindle_lag_us = 100000;
     f.params.spindle_acceleration_mrad_per_s2 = 2000000000;
     f.params.spindle_limit_mrpm = 60000000;
-    const cam_feasibility_t slow = judge_at(200000);
+    const cam_refusal_t slow = judge_at(200000);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_loop, slow.err);
     TEST_ASSERT_EQUAL_INT64(10000, slow.limit);
     TEST_ASSERT_DOUBLE_WITHIN(20.0, 750.0 * omega, (double)slow.needed);
     TEST_ASSERT_DOUBLE_WITHIN(200.0, 10.0 / 0.75 * 30e3 / pi, slow.highest_mrpm);
     f.params.spindle_lag_us = 25000;
     f.params.spindle_limit_mrpm = 310000; // r is up to 1.425: 285 r/min
-    const cam_feasibility_t why = judge_at(200000);
+    const cam_refusal_t why = judge_at(200000);
     double most = 0.0;
     for (int i = 0; i < 1000; i++) {
         double r[3];

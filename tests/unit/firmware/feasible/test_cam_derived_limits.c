@@ -63,7 +63,7 @@ static void test_jump_window_is_limited(void)
     params.spindle_limit_mrpm = 60000000;
     params.observer_bandwidth_mHz = 1000;
     TEST_ASSERT_EQUAL_INT32(1 << 30, cam_derived_limits_jump_counts(&params, 500));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 500, 200000000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 500, 200000000).err);
     TEST_ASSERT_EQUAL_INT32(16777216 / 4, config.spindle.jump_window);
 }
 
@@ -119,9 +119,9 @@ static void test_most_is_the_largest_value_that_is_built(void)
         p.u_speed_um_per_s = 10000000; // no gain is too large for such limits (cam_gains.h)
         p.u_acceleration_mm_per_s2 = 100;
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, ids[i % 4], most));
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_derived_limits_check(&p, hz));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_derived_limits_check(&p, hz).err);
         if (cam_param_set(&p, ids[i % 4], most + 1) == cam_ok) {
-            TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_derived_limits_check(&p, hz));
+            TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_derived_limits_check(&p, hz).err);
         }
     }
     TEST_ASSERT_EQUAL_INT32(80000, cam_derived_limits_most(cam_param_observer_bandwidth_mHz, 1000));
@@ -159,13 +159,13 @@ static void test_speeds_of_slow_axes_are_those_of_their_outputs(void)
     hal_host.slow.scale[hal_axis_x].most_um_per_s = 36000;
     hal_host.slow.scale[hal_axis_z].most_um_per_s = 200000;
     TEST_ASSERT_EQUAL_INT32(36000, cam_derived_limits_most(cam_param_x_speed_um_per_s, 20000));
-    TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_derived_limits_check(&p, 20000));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_derived_limits_check(&p, 20000).err);
     p.x_speed_um_per_s = 36000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_derived_limits_check(&p, 20000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_derived_limits_check(&p, 20000).err);
     p.z_speed_um_per_s = 200001;
-    TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_derived_limits_check(&p, 20000));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_derived_limits_check(&p, 20000).err);
     p.k1_ns = INT32_MAX; // the tick is judged first
-    TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_derived_limits_check(&p, 20000));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_derived_limits_check(&p, 20000).err);
 }
 
 static void test_usual_observer_is_a_twentieth_of_a_slow_tick(void)
@@ -190,7 +190,7 @@ static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
     for (int i = 0; i < 3; i++) {
         params.u_stroke_nm = rows[i].stroke_nm;
         TEST_ASSERT_EQUAL_INT(
-            cam_ok, cam_build_config(&config, &params, NULL, 0, rows[i].tick_hz, 200000000));
+            cam_ok, cam_build_config(&config, &params, NULL, 0, rows[i].tick_hz, 200000000).err);
         TEST_ASSERT_EQUAL_INT64(-rows[i].retract_nm * INT64_C(1024), config.play.u_retract_q10);
         TEST_ASSERT_EQUAL_INT64(config.play.u_retract_q10, config.guard.u_retract_q10);
     }

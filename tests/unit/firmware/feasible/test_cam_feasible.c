@@ -38,7 +38,7 @@ void setUp(void)
     params.u_acceleration_mm_per_s2 = 10000000;
 }
 
-static cam_feasibility_t judge(uint32_t mrpm)
+static cam_refusal_t judge(uint32_t mrpm)
 {
     return cam_feasible(&table, &params, mrpm, 20000);
 }
@@ -47,7 +47,7 @@ static cam_feasibility_t judge(uint32_t mrpm)
 static void expect_refused(cam_err_t err, uint32_t mrpm, double needed, double limit,
                            double highest_mrpm)
 {
-    const cam_feasibility_t why = judge(mrpm);
+    const cam_refusal_t why = judge(mrpm);
     TEST_ASSERT_EQUAL_INT(err, why.err);
     TEST_ASSERT_EQUAL_UINT32(mrpm, why.speed_mrpm);
     TEST_ASSERT_DOUBLE_WITHIN(0.002 * needed + 1.0, needed, (double)why.needed);
@@ -243,7 +243,7 @@ static void test_limits_of_modulation_ticks_and_force(void)
     table.u1_peak_nm_per_rad = table.u2_peak_nm_per_rad2 = table.u2_rms_nm_per_rad2 = 0;
     TEST_ASSERT_EQUAL_INT64(8001, judge(3000000).needed);
     setUp();
-    const cam_feasibility_t why = cam_feasible(&table, &params, 5000000, 500); // counts per tick
+    const cam_refusal_t why = cam_feasible(&table, &params, 5000000, 500); // counts per tick
     TEST_ASSERT_EQUAL_INT(cam_err_tick_rate, why.err);
     TEST_ASSERT_EQUAL_INT64(500 * 60000 / 8, why.limit);
     table.ratio_max_q20 = 1572295;
@@ -259,7 +259,7 @@ static void test_more_turns_than_are_counted_are_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
     params.feed_ramp_turns = 99;
     table.z_last_nm += 2;
-    const cam_feasibility_t why = judge(2500000);
+    const cam_refusal_t why = judge(2500000);
     TEST_ASSERT_EQUAL_INT(cam_err_turns, why.err);
     TEST_ASSERT_EQUAL_INT64(4194305, why.needed);
     TEST_ASSERT_EQUAL_INT64(4194304, why.limit);
@@ -336,7 +336,7 @@ static void test_highest_speed_passes_where_numbers_are_small(void)
 {
     for (int32_t limit = 100; limit < 2000; limit += 7) {
         params.u_acceleration_mm_per_s2 = limit;
-        const cam_feasibility_t why = judge(60000000);
+        const cam_refusal_t why = judge(60000000);
         TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
         const double rpm = 60.0 / (2.0 * pi) * sqrt(limit / 0.3) * 1000.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.003 * rpm, rpm, why.highest_mrpm);
@@ -349,7 +349,7 @@ static void test_verdict_and_searches_agree_with_the_full_judgement(void)
     params.z_acceleration_mm_per_s2 = 20;
     params.u_acceleration_mm_per_s2 = 20000;
     for (uint32_t mrpm = 100000; mrpm <= 6100000; mrpm += 250000) {
-        const cam_feasibility_t all = judge(mrpm);
+        const cam_refusal_t all = judge(mrpm);
         TEST_ASSERT_EQUAL_INT(all.err, cam_feasible_check(&table, &params, mrpm, 20000));
         TEST_ASSERT_EQUAL_UINT32(all.highest_mrpm,
                                  cam_feasible_highest_mrpm(&table, &params, 20000));
@@ -365,7 +365,7 @@ static void test_flat_table_has_a_finite_highest_speed(void)
     table.u1_peak_nm_per_rad = 0;
     table.u2_peak_nm_per_rad2 = 0;
     table.u_max_nm = 0;
-    const cam_feasibility_t good = judge(2500000);
+    const cam_refusal_t good = judge(2500000);
     TEST_ASSERT_EQUAL_INT(cam_ok, good.err);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(60000000, good.highest_mrpm);
 }
@@ -376,7 +376,7 @@ static void test_largest_demands_do_not_overflow(void)
     table.u2_peak_nm_per_rad2 = INT32_MAX;
     params.amplitude_ppm = 1250000;
     table.feed_nm = 10000000;
-    const cam_feasibility_t why = judge(60000000);
+    const cam_refusal_t why = judge(60000000);
     TEST_ASSERT_EQUAL_INT(cam_err_u_speed, why.err);
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * 1.25 * 2147483647.0 * 6283.185 / 1e3,
                               1.25 * 2147483647.0 * 6283.185 / 1e3, (double)why.needed);
@@ -387,7 +387,7 @@ static void test_tool_that_must_swing_is_refused_at_any_speed(void)
 {
     table.is_swung = true;
     table.angle = table.u;
-    const cam_feasibility_t found = cam_feasible(&table, &params, 1000, 50000);
+    const cam_refusal_t found = cam_feasible(&table, &params, 1000, 50000);
     TEST_ASSERT_EQUAL_INT(cam_err_swing_axis, found.err);
     TEST_ASSERT_EQUAL_UINT32(0u, found.highest_mrpm);
 }
@@ -428,7 +428,7 @@ static void test_engaging_of_a_disc_is_never_taken_too_small(void)
     for (int turns = 1; turns <= 100; turns++) {
         params.engage_turns = turns;
         params.disengage_turns = 100;
-        const cam_feasibility_t why = judge(300000);
+        const cam_refusal_t why = judge(300000);
         TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
         const double bound = (double)why.needed * 1e6 / w / w;
         const double needed = engaging_peak_of(turns, 14.8e6, 7.4e6, 8.2e6, 0.0);
@@ -451,7 +451,7 @@ static void test_engaging_of_an_offset_needs_speed(void)
     for (int turns = 1; turns <= 20; turns++) {
         const double needed = engaging_peak_of(turns, 0.0, 400000.0 / 2.0, 10000.0, 0.0);
         params.engage_turns = turns;
-        const cam_feasibility_t why = judge(300000);
+        const cam_refusal_t why = judge(300000);
         TEST_ASSERT_EQUAL_INT(cam_err_u_speed, why.err);
         const double bound = (double)why.needed * 1e3 / w;
         TEST_ASSERT_TRUE(bound >= 0.9998 * needed && bound <= 1.031 * needed + 100.0);
@@ -468,7 +468,7 @@ static void test_short_engaging_adds_to_the_needs_of_u(void)
         table.spindle_peak_ppm_per_rad = i < 10 ? 0 : 1500000;
         const double needed = engaging_peak_of(params.engage_turns, 150000.0, 150000.0, 300000.0,
                                                table.spindle_peak_ppm_per_rad * 1e-6);
-        const cam_feasibility_t why = judge(2500000);
+        const cam_refusal_t why = judge(2500000);
         TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
         const double bound = (double)why.needed * 1e6 / w / w;
         TEST_ASSERT_TRUE(bound >= 0.9998 * needed && bound <= 1.031 * needed);

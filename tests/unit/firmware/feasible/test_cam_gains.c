@@ -57,32 +57,30 @@ static void test_bounds_are_the_last_that_are_accepted(void)
         cam_params_t p = usual();
         p.k1_ns = p.k2_us2 = 0;
         p.u_jerk_m_per_s3 = 20000000; // a window that does not grow with the gains
-        cam_param_id_t which = cam_n_params;
         const int64_t bound = cam_gains_bound(&p, gains[i % 2], hz[i / 2]);
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, gains[i % 2], (int32_t)bound));
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_gains_check(&p, hz[i / 2], &which));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_gains_check(&p, hz[i / 2]).err);
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, gains[i % 2], (int32_t)bound + 1));
-        TEST_ASSERT_EQUAL_INT(cam_err_gain, cam_gains_check(&p, hz[i / 2], &which));
-        TEST_ASSERT_EQUAL_INT(gains[i % 2], which);
+        TEST_ASSERT_EQUAL_INT(cam_err_gain, cam_gains_check(&p, hz[i / 2]).err);
+        TEST_ASSERT_EQUAL_INT(gains[i % 2], cam_gains_check(&p, hz[i / 2]).param);
     }
     cam_params_t p = usual();
-    cam_param_id_t which = cam_n_params;
     p.u_jerk_m_per_s3 = (int32_t)cam_gains_bound(&p, cam_param_u_jerk_m_per_s3, 20000);
     TEST_ASSERT_INT32_WITHIN(1, 156250, p.u_jerk_m_per_s3); // 2 * 250 m/s2 in 3.2 ms
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_gains_check(&p, 20000, &which));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_gains_check(&p, 20000).err);
     p.u_jerk_m_per_s3--;
-    TEST_ASSERT_EQUAL_INT(cam_err_jerk, cam_gains_check(&p, 20000, &which));
-    TEST_ASSERT_EQUAL_INT(cam_param_u_jerk_m_per_s3, which);
+    TEST_ASSERT_EQUAL_INT(cam_err_jerk, cam_gains_check(&p, 20000).err);
+    TEST_ASSERT_EQUAL_INT(cam_param_u_jerk_m_per_s3, cam_gains_check(&p, 20000).param);
 }
 
 static void test_refused_gain_is_named_with_the_largest_that_would_do(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_err_gain, fixture_rig_set(&rig, cam_param_k2_us2, 30000000));
     const cam_refusal_t *refusal = &rig.machine.refusal;
-    TEST_ASSERT_EQUAL_INT(cam_err_gain, refusal->why.err);
+    TEST_ASSERT_EQUAL_INT(cam_err_gain, refusal->err);
     TEST_ASSERT_EQUAL_INT(cam_param_k2_us2, refusal->param);
-    TEST_ASSERT_EQUAL_INT64(30000000, refusal->why.needed);
-    TEST_ASSERT_EQUAL_INT64(2560000, refusal->why.limit); // 0.4 m/s * 3.2 ms / (2 * 250 m/s2)
+    TEST_ASSERT_EQUAL_INT64(30000000, refusal->needed);
+    TEST_ASSERT_EQUAL_INT64(2560000, refusal->limit); // 0.4 m/s * 3.2 ms / (2 * 250 m/s2)
     TEST_ASSERT_EQUAL_INT32(0, rig.machine.params.k2_us2);
     set(cam_param_k2_us2, 2560000);
 }
@@ -105,14 +103,13 @@ static void test_least_jerk_is_that_of_the_longest_window_of_its_axis(void)
             const double window = 64.0 * (axis == 0u ? 1.0 : plan) / hz[i];
             const double least = ceil(2e-3 * accelerations[axis] / window - 1e-6);
             TEST_ASSERT_EQUAL_INT64((int64_t)least, cam_gains_bound(&p, jerks[axis], hz[i]));
-            cam_param_id_t which = cam_n_params;
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, jerks[axis], (int32_t)least));
-            TEST_ASSERT_EQUAL_INT(cam_ok, cam_gains_check(&p, hz[i], &which));
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_gains_check(&p, hz[i]).err);
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, jerks[axis], (int32_t)least - 1));
             const bool is_zero = least < 2.0;
-            TEST_ASSERT_EQUAL_INT(is_zero ? cam_ok : cam_err_jerk,
-                                  cam_gains_check(&p, hz[i], &which));
-            TEST_ASSERT_EQUAL(!is_zero, which == jerks[axis]);
+            const cam_refusal_t refusal = cam_gains_check(&p, hz[i]);
+            TEST_ASSERT_EQUAL_INT(is_zero ? cam_ok : cam_err_jerk, refusal.err);
+            TEST_ASSERT_EQUAL(!is_zero, refusal.param == jerks[axis]);
             TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, jerks[axis], 0));
         }
     }

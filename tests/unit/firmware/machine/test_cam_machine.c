@@ -111,7 +111,7 @@ static void test_enable_is_refused_where_the_feed_forward_needs_more_stroke(void
     set(cam_param_u_jerk_m_per_s3, 160000);
     set(cam_param_k1_ns, 4500000);
     TEST_ASSERT_EQUAL_INT(cam_err_u_command, cam_machine_enable(&rig.machine));
-    const cam_feasibility_t *why = &rig.machine.refusal.why;
+    const cam_refusal_t *why = &rig.machine.refusal;
     TEST_ASSERT_EQUAL_INT(cam_err_u_command, why->err);
     TEST_ASSERT_EQUAL_INT64(600000, why->limit);
     set(cam_param_u_stroke_nm, 2 * (int32_t)why->needed);
@@ -374,7 +374,7 @@ static void test_start_beyond_the_limits_is_refused_before_motion(void)
 {
     set(cam_param_spindle_mrpm, 3500000);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(&rig.machine));
-    const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
+    const cam_refusal_t why = cam_machine_feasibility(&rig.machine, 0);
     TEST_ASSERT_EQUAL_INT64(3500000, why.needed);
     TEST_ASSERT_EQUAL_INT64(3000000, why.limit);
     TEST_ASSERT_EQUAL_UINT32(3000000, why.highest_mrpm);
@@ -405,7 +405,7 @@ static void test_lobe_is_cut_with_all_of_its_lift_or_not_at_all(void)
     set(cam_param_u_retract_nm, -300000);
     set(cam_param_amplitude_ppm, 999999);
     TEST_ASSERT_EQUAL_INT(cam_err_cam_amplitude, cam_machine_enable(&rig.machine));
-    const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
+    const cam_refusal_t why = cam_machine_feasibility(&rig.machine, 0);
     TEST_ASSERT_EQUAL_INT64(1000000, why.needed);
     TEST_ASSERT_EQUAL_INT64(999999, why.limit);
     TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
@@ -425,7 +425,7 @@ static void test_ring_helix_allows_only_speeds_that_z_can_follow(void)
     fixture_rig_init(&rig, &part, 20000);
     set(cam_param_z_acceleration_mm_per_s2, 800);
     bring(cam_state_ready);
-    const cam_feasibility_t f = cam_machine_feasibility(&rig.machine, 0);
+    const cam_refusal_t f = cam_machine_feasibility(&rig.machine, 0);
     TEST_ASSERT_UINT32_WITHIN(2000, 2683000, f.highest_mrpm); // sqrt(800 / 0.4) turns per second
     TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration,
                           fixture_rig_set(&rig, cam_param_spindle_mrpm, 2700000));

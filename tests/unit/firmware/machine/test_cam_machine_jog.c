@@ -329,8 +329,8 @@ static void test_stroke_keeps_where_u_stands(void)
         TEST_ASSERT_EQUAL_INT32(places_nm[i], port_nm(hal_axis_u));
         expect_set(cam_err_u_place, cam_param_u_stroke_nm, 399998);
         TEST_ASSERT_EQUAL_INT(cam_param_u_stroke_nm, machine()->refusal.param);
-        TEST_ASSERT_EQUAL_INT64(200000, machine()->refusal.why.needed);
-        TEST_ASSERT_EQUAL_INT64(199999, machine()->refusal.why.limit);
+        TEST_ASSERT_EQUAL_INT64(200000, machine()->refusal.needed);
+        TEST_ASSERT_EQUAL_INT64(199999, machine()->refusal.limit);
         set(cam_param_u_stroke_nm, 400000);
         fixture_rig_ticks(&rig, 100);
         TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_state());

@@ -189,7 +189,7 @@ static void test_kept_parameters_that_cannot_be_used_have_a_line(void)
 static void expect_refused(cam_err_t err, cam_param_id_t id, int32_t value)
 {
     TEST_ASSERT_EQUAL_INT(err, cam_machine_set_param(m, id, value));
-    TEST_ASSERT_EQUAL_INT(err, m->refusal.why.err);
+    TEST_ASSERT_EQUAL_INT(err, m->refusal.err);
 }
 
 static void test_refusal_has_demand_and_limit(void)
@@ -197,17 +197,17 @@ static void test_refusal_has_demand_and_limit(void)
     const cam_refusal_t *last = &m->refusal;
     expect_refused(cam_err_param_tick, cam_param_lead_ns, 20000000);
     TEST_ASSERT_EQUAL_INT(cam_param_lead_ns, last->param);
-    TEST_ASSERT_EQUAL_INT64(20000000, last->why.needed);
-    TEST_ASSERT_LESS_THAN_INT64(20000000, last->why.limit);
-    set(cam_param_lead_ns, (int32_t)last->why.limit);
+    TEST_ASSERT_EQUAL_INT64(20000000, last->needed);
+    TEST_ASSERT_LESS_THAN_INT64(20000000, last->limit);
+    set(cam_param_lead_ns, (int32_t)last->limit);
     expect_refused(cam_err_param_tick, cam_param_u_scale_latency_ns, 9);
-    TEST_ASSERT_EQUAL_INT64(last->why.limit + 9, last->why.needed); // only their sum is too long
+    TEST_ASSERT_EQUAL_INT64(last->limit + 9, last->needed); // only their sum is too long
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_restore_defaults(m));
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
     expect_refused(cam_err_u_acceleration, cam_param_u_acceleration_mm_per_s2, 900);
-    TEST_ASSERT_EQUAL_INT64(900, last->why.limit);
-    TEST_ASSERT_GREATER_THAN_INT64(900, last->why.needed);
-    TEST_ASSERT_GREATER_THAN_UINT32(0, last->why.highest_mrpm);
+    TEST_ASSERT_EQUAL_INT64(900, last->limit);
+    TEST_ASSERT_GREATER_THAN_INT64(900, last->needed);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, last->highest_mrpm);
     TEST_ASSERT_EQUAL_INT(cam_n_params, last->param);
 }
 
@@ -219,8 +219,8 @@ static void test_speed_beyond_an_output_is_refused_with_the_highest(void)
     TEST_ASSERT_EQUAL_INT32(36000, m->params.x_speed_um_per_s);
     TEST_ASSERT_EQUAL_INT32(200000, m->params.z_speed_um_per_s);
     expect_refused(cam_err_param_output, cam_param_x_speed_um_per_s, 36001);
-    TEST_ASSERT_EQUAL_INT64(36001, m->refusal.why.needed);
-    TEST_ASSERT_EQUAL_INT64(36000, m->refusal.why.limit);
+    TEST_ASSERT_EQUAL_INT64(36001, m->refusal.needed);
+    TEST_ASSERT_EQUAL_INT64(36000, m->refusal.limit);
     TEST_ASSERT_EQUAL_INT(cam_param_x_speed_um_per_s, m->refusal.param);
 }
 
@@ -229,7 +229,7 @@ static void test_a_jerk_that_is_too_low_is_refused_with_numbers(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_err_jerk, cam_machine_set_param(m, cam_param_u_jerk_m_per_s3, 1));
     TEST_ASSERT_EQUAL_INT(cam_param_u_jerk_m_per_s3, m->refusal.param);
-    TEST_ASSERT_EQUAL_INT64(1, m->refusal.why.needed);
-    TEST_ASSERT_GREATER_THAN_INT64(1, m->refusal.why.limit);
-    set(cam_param_u_jerk_m_per_s3, (int32_t)m->refusal.why.limit);
+    TEST_ASSERT_EQUAL_INT64(1, m->refusal.needed);
+    TEST_ASSERT_GREATER_THAN_INT64(1, m->refusal.limit);
+    set(cam_param_u_jerk_m_per_s3, (int32_t)m->refusal.limit);
 }

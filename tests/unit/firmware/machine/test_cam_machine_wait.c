@@ -396,10 +396,10 @@ static void test_changes_in_the_cut_are_bounded(void)
     const int32_t limit_nm = m->params.x_trim_limit_nm;
     bring(cam_state_cutting);
     expect_set(cam_err_trim_limit, cam_param_x_trim_nm, -limit_nm - 1);
-    TEST_ASSERT_EQUAL_INT64(limit_nm + 1, m->refusal.why.needed);
-    TEST_ASSERT_EQUAL_INT(cam_err_trim_limit, m->refusal.why.err);
+    TEST_ASSERT_EQUAL_INT64(limit_nm + 1, m->refusal.needed);
+    TEST_ASSERT_EQUAL_INT(cam_err_trim_limit, m->refusal.err);
     TEST_ASSERT_EQUAL_INT(cam_param_x_trim_nm, m->refusal.param);
-    TEST_ASSERT_EQUAL_INT64(limit_nm, m->refusal.why.limit);
+    TEST_ASSERT_EQUAL_INT64(limit_nm, m->refusal.limit);
     set(cam_param_x_trim_nm, -limit_nm);
     set(cam_param_spindle_override_ppm, 1100000);
     expect_set(cam_err_param_state, cam_param_feed_nm, 100000);
@@ -411,8 +411,8 @@ static void test_an_infeasible_override_is_refused_with_numbers(void)
     m->params.spindle_limit_mrpm = 2600000;
     bring(cam_state_ready);
     expect_set(cam_err_spindle_speed, cam_param_spindle_override_ppm, 1050000);
-    TEST_ASSERT_EQUAL_INT64(2625000, m->refusal.why.needed);
-    TEST_ASSERT_EQUAL_INT64(2600000, m->refusal.why.limit);
+    TEST_ASSERT_EQUAL_INT64(2625000, m->refusal.needed);
+    TEST_ASSERT_EQUAL_INT64(2600000, m->refusal.limit);
     TEST_ASSERT_EQUAL_INT32(1000000, m->params.spindle_override_ppm);
 }
 

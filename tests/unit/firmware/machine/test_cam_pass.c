@@ -240,7 +240,7 @@ static void test_infeasible_pass_is_refused_with_its_number(void)
         {150000, 100000, 1200000, 0}, {20000, 100000, 3100000, 0}, {0, 100000, 2000000, 0}};
     select_passes(fast);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(&rig.machine));
-    const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
+    const cam_refusal_t why = cam_machine_feasibility(&rig.machine, 0);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, why.err);
     TEST_ASSERT_EQUAL_UINT32(2, why.pass);
     TEST_ASSERT_EQUAL_UINT32(3100000, why.speed_mrpm);

@@ -211,7 +211,7 @@ static void test_range_of_z_ends_where_z_does(void)
     const cam_params_t params = cam_param_defaults();
     TEST_ASSERT_EQUAL_INT(cam_ok, with_way(true, 0.5, 1));
     TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_build_config(&config, &params, &table, 3000000, 20000, 20000));
+                          cam_build_config(&config, &params, &table, 3000000, 20000, 20000).err);
     TEST_ASSERT_INT32_WITHIN(1, 500000 + params.z_margin_nm, config.play.z_high_nm);
     TEST_ASSERT_EQUAL_INT32(-params.z_margin_nm, config.play.z_low_nm);
 }

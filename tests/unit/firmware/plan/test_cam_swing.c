@@ -172,7 +172,7 @@ static void test_cut_waits_for_the_swing_to_come_to_rest(void)
     TEST_ASSERT_FALSE(f.motion.swing.is_there); // it follows the table
 }
 
-static cam_feasibility_t judge(uint32_t mrpm)
+static cam_refusal_t judge(uint32_t mrpm)
 {
     return cam_feasible(&f.table, &f.params, mrpm, FIXTURE_PLAY_HZ);
 }
@@ -196,7 +196,7 @@ static void test_infeasible_swing_is_refused_with_the_numbers(void)
         f.params.swing_range_mdeg = rows[i].range_mdeg;
         f.params.swing_speed_mdeg_per_s = rows[i].speed_mdeg_per_s;
         f.params.swing_acceleration_deg_per_s2 = rows[i].acceleration_deg_per_s2;
-        const cam_feasibility_t why = judge(60000);
+        const cam_refusal_t why = judge(60000);
         TEST_ASSERT_EQUAL_INT(rows[i].err, why.err);
         if (rows[i].needed > 0.0) {
             TEST_ASSERT_DOUBLE_WITHIN(0.02 * rows[i].needed, 1.01 * rows[i].needed,

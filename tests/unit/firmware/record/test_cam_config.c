@@ -29,8 +29,8 @@ void setUp(void)
 
 static void build(uint32_t tick_hz)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_build_config(&config, &params, &table, 3000000, tick_hz, 200000000));
+    TEST_ASSERT_EQUAL_INT(
+        cam_ok, cam_build_config(&config, &params, &table, 3000000, tick_hz, 200000000).err);
 }
 
 static void expect_share(double wanted, double got)
@@ -161,7 +161,7 @@ static cam_err_t build_with(cam_param_id_t id, int32_t value, uint32_t tick_hz)
 {
     cam_params_t changed = params;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&changed, id, value));
-    return cam_build_config(&config, &changed, &table, 3000000, tick_hz, 200000000);
+    return cam_build_config(&config, &changed, &table, 3000000, tick_hz, 200000000).err;
 }
 
 static void test_build_what_does_not_fit_the_tick_rate_is_refused(void)

@@ -164,7 +164,7 @@ static void test_limits_of_z_hold_with_the_way(void)
     f.params.z_speed_um_per_s = 1000;
     f.params.z_acceleration_mm_per_s2 = 1000000;
     const double um_per_s = part.feed_nm * 1e-3 * 2500.0 / 60.0 * 1.5;
-    cam_feasibility_t why = cam_feasible(&f.table, &f.params, 2500000, 20000);
+    cam_refusal_t why = cam_feasible(&f.table, &f.params, 2500000, 20000);
     TEST_ASSERT_EQUAL_INT(cam_err_z_speed, why.err);
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * um_per_s, um_per_s, (double)why.needed);
     f.params.z_speed_um_per_s = 200000;

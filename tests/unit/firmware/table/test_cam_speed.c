@@ -24,8 +24,8 @@ void setUp(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
     params = cam_param_defaults();
     params.spindle_lag_us = 25000;
-    TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_build_config(&config, &params, &table, 3000000, tick_hz, clock_hz));
+    TEST_ASSERT_EQUAL_INT(
+        cam_ok, cam_build_config(&config, &params, &table, 3000000, tick_hz, clock_hz).err);
 }
 
 static void test_ratio_and_slope_are_those_of_the_function(void)

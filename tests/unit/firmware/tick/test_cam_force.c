@@ -24,7 +24,7 @@ static cam_params_t p;
 
 static void configure(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 20000, 200000000).err);
     line_nm = p.u_stroke_nm / 2 + cfg.guard.approach_nm;
 }
 
@@ -319,29 +319,28 @@ static void test_delay_of_the_force_includes_the_latency_of_the_output(void)
 {
     p = cam_param_defaults();
     cam_servo_config_t made;
-    cam_param_id_t which = cam_n_params;
     p.servo_crossover_hz = 300;
     p.servo_force_delay_ns = 60000;
     hal_host.slow.force.latency_ns = 60000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made).err);
     hal_host.slow.force.latency_ns = 60001;
-    TEST_ASSERT_EQUAL_INT(cam_err_servo, cam_servo_setup(&p, 20000, &made, &which));
-    TEST_ASSERT_EQUAL_INT(cam_param_servo_force_delay_ns, which);
+    const cam_refusal_t refusal = cam_servo_setup(&p, 20000, &made);
+    TEST_ASSERT_EQUAL_INT(cam_err_servo, refusal.err);
+    TEST_ASSERT_EQUAL_INT(cam_param_servo_force_delay_ns, refusal.param);
 }
 
 /// 1.5 kg at 250 m/s2, and with friction, drag at 400 mm/s and a spring over half of 1 mm.
 static void test_limits_of_u_fit_the_force(void)
 {
     cam_servo_config_t made;
-    cam_param_id_t which = cam_n_params;
     p = cam_param_defaults();
     p.servo_crossover_hz = 300;
     for (int i = 0; i < 2; i++) {
         p.servo_force_limit_mn = i == 0 ? 375000 : 375000 + 5000 + 8000 + 2000;
         TEST_ASSERT_EQUAL_INT64(p.servo_force_limit_mn, cam_servo_needed_mn(&p));
-        TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made, &which));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_servo_setup(&p, 20000, &made).err);
         p.servo_force_limit_mn--;
-        TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made, &which));
+        TEST_ASSERT_EQUAL_INT(cam_err_servo_force, cam_servo_setup(&p, 20000, &made).err);
         p.servo_friction_mn = 5000;
         p.servo_drag_mn_s_per_m = 20000;
         p.u_speed_um_per_s = 400000;
@@ -365,10 +364,9 @@ static void test_mass_too_light_for_the_observer_at_a_slow_rate_is_refused(void)
         p.servo_notch_hz = 0;
         p.servo_mass_g = cases[i].mass_g;
         cam_servo_config_t made;
-        cam_param_id_t which = cam_n_params;
-        TEST_ASSERT_EQUAL_INT(cases[i].err,
-                              cam_servo_setup(&p, (uint32_t)cases[i].rate_hz, &made, &which));
-        TEST_ASSERT_TRUE(cases[i].err == cam_ok || which == cam_param_servo_mass_g);
+        const cam_refusal_t refusal = cam_servo_setup(&p, (uint32_t)cases[i].rate_hz, &made);
+        TEST_ASSERT_EQUAL_INT(cases[i].err, refusal.err);
+        TEST_ASSERT_TRUE(cases[i].err == cam_ok || refusal.param == cam_param_servo_mass_g);
     }
 }
 
@@ -393,6 +391,6 @@ static void test_acceleration_of_a_light_mass_without_a_loop_fits_its_word(void)
     p = cam_param_defaults();
     p.servo_mass_g = 10;
     p.observer_bandwidth_mHz = 1000;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 625, 200000000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&cfg, &p, NULL, 0, 625, 200000000).err);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, cfg.force.motion_q24);
 }

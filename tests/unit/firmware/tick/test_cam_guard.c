@@ -23,7 +23,7 @@ static void reset(void)
     memset(&guard, 0, sizeof guard);
     memset(&motion, 0, sizeof motion);
     TEST_ASSERT_EQUAL_INT(cam_ok,
-                          cam_build_config(&config, &params, NULL, 3030000, 20000, 200000000));
+                          cam_build_config(&config, &params, NULL, 3030000, 20000, 200000000).err);
     in = (cam_sense_t){.inputs = hal_in_drive_ready};
     angle = (cam_angle_t){.speed_q32 = 8947849, .is_synced = true};
     want = (cam_want_t){.spindle_mrpm = 2500000};

@@ -81,11 +81,11 @@ static void test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges(void
     fixture_play_init(&f, &part);
     f.params.feed_ramp_turns = 100;
     f.params.z_acceleration_mm_per_s2 = 1700; // 1 mm * (2500 / 60 s)^2 / 1 turn is 1736 mm/s2
-    const cam_feasibility_t low = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
+    const cam_refusal_t low = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
     TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration, low.err);
     TEST_ASSERT_INT64_WITHIN(2, 1737, low.needed);
     f.params.z_acceleration_mm_per_s2 = 1740;
-    const cam_feasibility_t ok = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
+    const cam_refusal_t ok = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
     TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
 }
 

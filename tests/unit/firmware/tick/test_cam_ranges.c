@@ -160,7 +160,8 @@ static void test_every_configuration_is_within_the_ranges_of_the_proof(void)
         any_loop(&params, tick_hz);
         const cam_table_t table = any_table();
         const uint32_t most_mrpm = (uint32_t)drawn(1, cam_table_max_mrpm);
-        if (cam_build_config(&config, &params, &table, most_mrpm, tick_hz, clock_hz) == cam_ok) {
+        if (cam_build_config(&config, &params, &table, most_mrpm, tick_hz, clock_hz).err ==
+            cam_ok) {
             cam_config_learn(&config);
             n_built++;
             n_loops += config.force.is_used && config.force.servo.limit_q6 > 0 ? 1 : 0;

@@ -32,7 +32,8 @@ static void start(int32_t counts_per_turn, int32_t sense, uint32_t base)
 {
     params.counts_per_turn = counts_per_turn;
     params.encoder_sign = sense;
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, tick_hz, clock_hz));
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_build_config(&config, &params, NULL, 0, tick_hz, clock_hz).err);
     spindle = (cam_spindle_t){0};
     in = (cam_sense_t){.clock = 4294960000u};
     fixture_encoder_init(&encoder, counts_per_turn, sense, base, counts_per_turn / 3);

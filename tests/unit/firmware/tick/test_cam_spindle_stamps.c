@@ -36,7 +36,8 @@ void tearDown(void)
 
 static void build(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, tick_hz, clock_hz));
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_build_config(&config, &params, NULL, 0, tick_hz, clock_hz).err);
     spindle = (cam_spindle_t){0};
     t_s = 0.0;
     in = (cam_sense_t){0};

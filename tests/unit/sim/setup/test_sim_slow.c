@@ -26,8 +26,8 @@ void setUp(void)
 
 static bool check(double mean_rpm, uint32_t highest_mrpm)
 {
-    const cam_feasibility_t f = {.speed_mrpm = (uint32_t)(mean_rpm * 1e3 + 0.5),
-                                 .highest_mrpm = highest_mrpm};
+    const cam_refusal_t f = {.speed_mrpm = (uint32_t)(mean_rpm * 1e3 + 0.5),
+                             .highest_mrpm = highest_mrpm};
     return sim_slow_check(&table, &params, &f, &error);
 }
 
