@@ -123,6 +123,37 @@
     X(wave_unit,            -144, "U takes positions, so no wave of force can be played") \
     X(wave_force,           -145, "the wave exceeds the force limit of U") \
     X(servo_continuous,     -146, "U would need more force for long than its continuous one")
+
+/// X(error, unit, per_unit, parameter): errors that compare a demand with a limit: the unit for
+/// people, how many units of the controller make one, and the parameter that gives the limit, or
+/// `none`. The limit of a stroke is half of it.
+#define CAM_ERR_LIMITS(X) \
+    X(spindle_speed,          "r/min",         1000, spindle_limit_mrpm) \
+    X(u_speed,                "mm/s",          1000, u_speed_um_per_s) \
+    X(u_acceleration,         "mm/s2",            1, u_acceleration_mm_per_s2) \
+    X(u_stroke,               "mm",         1000000, u_stroke_nm) \
+    X(u_retract,              "mm",         1000000, u_stroke_nm) \
+    X(u_command,              "mm",         1000000, u_stroke_nm) \
+    X(u_command_speed,        "mm/s",          1000, none) \
+    X(u_command_acceleration, "mm/s2",            1, none) \
+    X(servo_continuous,       "N rms",         1000, servo_continuous_mn) \
+    X(servo_force,            "N",             1000, servo_force_limit_mn) \
+    X(z_speed,                "mm/s",          1000, z_speed_um_per_s) \
+    X(z_acceleration,         "mm/s2",            1, z_acceleration_mm_per_s2) \
+    X(x_speed,                "mm/s",          1000, x_speed_um_per_s) \
+    X(x_acceleration,         "mm/s2",            1, x_acceleration_mm_per_s2) \
+    X(feed,                   "mm",         1000000, none) \
+    X(turns,                  "turns",            1, none) \
+    X(tick_rate,              "r/min",         1000, none) \
+    X(spindle_acceleration,   "rad/s2",        1000, spindle_acceleration_mrad_per_s2) \
+    X(spindle_loop,           "rad/s",         1000, none) \
+    X(spindle_set_point,      "r/min",         1000, spindle_limit_mrpm) \
+    X(swing_axis,             "swing axis",       1, none) \
+    X(swing_range,            "degrees",       1000, swing_range_mdeg) \
+    X(swing_speed,            "degrees/s",     1000, swing_speed_mdeg_per_s) \
+    X(swing_acceleration,     "degrees/s2",       1, swing_acceleration_deg_per_s2) \
+    X(cam_amplitude,          "%",            10000, amplitude_ppm) \
+    X(trim_limit,             "mm",         1000000, x_trim_limit_nm)
 // clang-format on
 
 /// Result of a slow-side function: 0 or a negative value. The first error found is reported.

@@ -60,50 +60,17 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
                         field, least_mm, least_mm);
 }
 
+#define UNIT(error, unit, units_per, parameter)                                                    \
+    case cam_err_##error:                                                                          \
+        *per_unit = (units_per);                                                                   \
+        return (unit);
+
 static const char *unit_of(cam_err_t err, double *per_unit)
 {
-    *per_unit = 1.0;
     switch (err) {
-    case cam_err_spindle_speed:
-    case cam_err_spindle_set_point:
-        *per_unit = 1e-3;
-        return "r/min";
-    case cam_err_u_speed:
-    case cam_err_u_command_speed:
-    case cam_err_z_speed:
-    case cam_err_x_speed:
-        *per_unit = 1e-3;
-        return "mm/s";
-    case cam_err_spindle_loop:
-        *per_unit = 1e-3;
-        return "rad/s of bandwidth";
-    case cam_err_spindle_acceleration:
-        *per_unit = 1e-3;
-        return "rad/s2";
-    case cam_err_u_stroke:
-    case cam_err_u_retract:
-    case cam_err_u_command:
-        *per_unit = 1e-6;
-        return "mm";
-    case cam_err_u_acceleration:
-    case cam_err_u_command_acceleration:
-    case cam_err_z_acceleration:
-    case cam_err_x_acceleration:
-        return "mm/s2";
-    case cam_err_servo_continuous:
-        *per_unit = 1e-3;
-        return "N rms";
-    case cam_err_swing_axis:
-        return "swing axis";
-    case cam_err_swing_range:
-        *per_unit = 1e-3;
-        return "degrees";
-    case cam_err_swing_speed:
-        *per_unit = 1e-3;
-        return "degrees/s";
-    case cam_err_swing_acceleration:
-        return "degrees/s2";
+        CAM_ERR_LIMITS(UNIT)
     default:
+        *per_unit = 1.0;
         return "";
     }
 }
@@ -133,8 +100,8 @@ static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
 static bool infeasible(const sim_cut_t *cut, common_error_t *e)
 {
     const cam_refusal_t *f = &cut->feasibility;
-    double scale;
-    const char *unit = unit_of(f->err, &scale);
+    double per_unit;
+    const char *unit = unit_of(f->err, &per_unit);
     const double u_retract_nm = cut->params.u_retract_nm;
     char remedy[80];
     put_remedy(cut, remedy, sizeof remedy);
@@ -154,8 +121,8 @@ static bool infeasible(const sim_cut_t *cut, common_error_t *e)
                             "--set u_retract_nm=%.0f: infeasible: %s: needs %.12g mm, limit %.12g "
                             "mm; give at least %.0f, or leave it out: the default goes as far as "
                             "the stroke allows",
-                            u_retract_nm, cam_err_text(f->err), (double)f->needed * scale,
-                            (double)f->limit * scale, most_nm > 0.0 ? -most_nm : 0.0);
+                            u_retract_nm, cam_err_text(f->err), (double)f->needed / per_unit,
+                            (double)f->limit / per_unit, most_nm > 0.0 ? -most_nm : 0.0);
     }
     if (f->err == cam_err_cam_amplitude) {
         return common_error(e, "--set amplitude_ppm=%lld: infeasible: %s; give at least %lld",
@@ -166,8 +133,9 @@ static bool infeasible(const sim_cut_t *cut, common_error_t *e)
         (void)snprintf(pass, sizeof pass, "pass %u: ", (unsigned)f->pass);
     }
     return common_error(e, "%s--rpm %.12g: infeasible: %s: needs %.12g %s, limit %.12g %s; %s",
-                        pass, f->speed_mrpm * 1e-3, cam_err_text(f->err), (double)f->needed * scale,
-                        unit, (double)f->limit * scale, unit, remedy);
+                        pass, f->speed_mrpm * 1e-3, cam_err_text(f->err),
+                        (double)f->needed / per_unit, unit, (double)f->limit / per_unit, unit,
+                        remedy);
 }
 
 static bool check_injects(const sim_session_t *s, size_t size, common_error_t *e)

@@ -13,9 +13,7 @@ from checks import dbc_lists, lookup
 def test_pages_are_what_the_sources_give() -> None:
     """After a change of parameters or messages the pages are written anew."""
     for name, text in lookup.pages().items():
-        assert (ROOT / name).read_text("utf-8") == text, (
-            f"{name}: checks.lookup --write"
-        )
+        assert (ROOT / name).read_text("utf-8") == text, f"{name}: checks.lookup --write"
 
 
 def test_no_parameter_and_no_message_is_missing() -> None:
@@ -23,9 +21,7 @@ def test_no_parameter_and_no_message_is_missing() -> None:
     _, parameters, messages = lookup.pages().values()
     names = {f"| `{name}` |" for name in INFOS}
     assert {name for name in names if parameters.count(name) != 1} == set()
-    assert {
-        m.name for m in DATABASE.messages if f"\n## {m.name}, 0x" not in messages
-    } == set()
+    assert {m.name for m in DATABASE.messages if f"\n## {m.name}, 0x" not in messages} == set()
     assert "| -21 | `param_range` |" in messages
 
 
@@ -44,9 +40,7 @@ def test_lists_of_the_dbc_are_written_anew(monkeypatch: pytest.MonkeyPatch) -> N
     dbc = dbc_lists.dbc_text()
     assert dbc.count(' parameter 0 "new_nm" 1 "counts_per_turn"') == 2
     assert dbc.count('-99 "new_error"') == 2
-    assert (
-        " SG_ fault_new_fault : 32|1@1+" in dbc and " SG_ fault_estop : 33|1@1+" in dbc
-    )
+    assert " SG_ fault_new_fault : 32|1@1+" in dbc and " SG_ fault_estop : 33|1@1+" in dbc
     assert 'CM_ SG_ 448 fault_new_fault "A new fault.";' in dbc
     monkeypatch.setattr(dbc_lists, "DBC", "firmware/PARAMETERS.md")
     with pytest.raises(CamtoolsError, match="places"):

@@ -145,7 +145,7 @@ def test_quick_values_have_units_and_ranges(bench: Bench, refusal: Refusal) -> N
     assert "125" in refusal(bench, 2, "amplitude 126")
     bench.do("speed", "3500")
     assert refusal(bench, 1, "enable").endswith(
-        "spindle speed 3500 r/min exceeds spindle_limit 3000 r/min; "
+        "needs 3500 r/min, limit 3000 r/min (spindle_limit_mrpm); "
         "the highest feasible speed is 3000 r/min"
     )
 

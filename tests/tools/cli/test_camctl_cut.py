@@ -50,7 +50,7 @@ def test_trim_is_of_diameter_or_radius(bench: Bench, refusal: Refusal) -> None:
     assert bench.do("trim", "diameter", "-0.012") == "trim: diameter -0.012 mm, radius -0.006 mm\n"
     assert bench.do("get", "x_trim_nm") == "x_trim_nm = -6000\n"
     assert bench.do("trim", "radius", "0.2") == "trim: diameter 0.4 mm, radius 0.2 mm\n"
-    assert "0.25 mm exceeds x_trim_limit 0.2 mm" in refusal(bench, 1, "trim radius 0.25")
+    assert "needs 0.25 mm, limit 0.2 mm (x_trim_limit_nm)" in refusal(bench, 1, "trim radius 0.25")
     assert bench.do("trim", "radius") == "trim: diameter 0.4 mm, radius 0.2 mm\n"
 
 

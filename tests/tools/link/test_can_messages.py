@@ -58,12 +58,8 @@ def test_kept_values_are_those_of_learning() -> None:
         numbers[name] = last
     begins = [value for name, value in numbers.items() if "_value_" in name]
     assert last == sum(LAYOUT.values())
-    assert [b - a for a, b in itertools.pairwise([*begins, last])] == list(
-        LAYOUT.values()
-    )
-    told = [
-        name.removeprefix("cam_ilc_value_") for name in numbers if "_value_" in name
-    ]
+    assert [b - a for a, b in itertools.pairwise([*begins, last])] == list(LAYOUT.values())
+    told = [name.removeprefix("cam_ilc_value_") for name in numbers if "_value_" in name]
     assert told == [name.rpartition("_")[0] for name in LAYOUT]
 
 
@@ -111,9 +107,7 @@ def test_same_dbc_gives_the_same_bytes_without_floating_point() -> None:
     first, second = generate(text, "camturn"), generate(text, "camturn")
     assert first == second
     for made in first:
-        assert not re.search(
-            r"\b(double|float|20\d\d \d|version)\b", made.split("*/", 1)[1]
-        )
+        assert not re.search(r"\b(double|float|20\d\d \d|version)\b", made.split("*/", 1)[1])
         assert not re.search(r"cantools version|\b20[2-9]\d\b", made)
         assert "phys_range" not in made
     assert "int camturn_state_pack(" in first[0]

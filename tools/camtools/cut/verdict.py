@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from camtools.base.controller_limits import LIMITS
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.cut.feasibility import HighestSpeed, remedy_text
@@ -16,40 +17,32 @@ from camtools.part.common import MachineLimits, SwingLimits
 from camtools.table.channel import KIND_SWING
 from camtools.table.image import Table, pack
 
-
-class _Named(NamedTuple):
-    """How the generator calls a limit of the controller."""
-
-    name: str
-    per_unit: float  # of the generator's unit, in that of the controller
-    unit: str
-
-
-_NAMES = {
-    "swing_axis": _Named("swing_speed_deg_s", 1, "degrees/s"),
-    "swing_range": _Named("swing_deg", 1e3, "degrees"),
-    "swing_speed": _Named("swing_speed_deg_s", 1e3, "degrees/s"),
-    "swing_acceleration": _Named("swing_acceleration_deg_s2", 1, "degrees/s2"),
-    "spindle_speed": _Named("spindle_rpm", 1e3, "r/min"),
-    "u_stroke": _Named("u_stroke_mm", 0.5e6, "mm"),
-    "u_speed": _Named("u_speed_mm_s", 1e3, "mm/s"),
-    "u_acceleration": _Named("u_acceleration_mm_s2", 1, "mm/s2"),
-    "z_speed": _Named("z_speed_mm_s", 1e3, "mm/s"),
-    "z_acceleration": _Named("z_acceleration_mm_s2", 1, "mm/s2"),
-    "spindle_acceleration": _Named("spindle_acceleration_rad_s2", 1e3, "rad/s2"),
-    "spindle_loop": _Named("spindle_bandwidth_rad_s", 1e3, "rad/s"),
-    "spindle_set_point": _Named("spindle_rpm", 1e3, "r/min"),
-    "tick_rate": _Named("tick_hz", 1e3, "r/min of a tick"),
-    "x_speed": _Named("x_speed_mm_s", 1e3, "mm/s"),
-    "x_acceleration": _Named("x_acceleration_mm_s2", 1, "mm/s2"),
-    "feed": _Named("feed_mm", 1e6, "mm"),
-    "cam_amplitude": _Named("amplitude", 1e6, ""),
-    "turns": _Named("feed_mm", 1, "turns"),
-    "u_command": _Named("u_stroke_mm", 0.5e6, "mm"),
-    "u_command_speed": _Named("u_speed_mm_s", 1e3, "mm/s"),
-    "u_command_acceleration": _Named("u_acceleration_mm_s2", 1, "mm/s2"),
-    "servo_continuous": _Named("servo_continuous_mn", 1e3, "N"),
+_FIELDS = {  # of machine.limits in a part file, or of the controller where that has none
+    "swing_axis": "swing_speed_deg_s",
+    "swing_range": "swing_deg",
+    "swing_speed": "swing_speed_deg_s",
+    "swing_acceleration": "swing_acceleration_deg_s2",
+    "spindle_speed": "spindle_rpm",
+    "u_stroke": "u_stroke_mm",
+    "u_speed": "u_speed_mm_s",
+    "u_acceleration": "u_acceleration_mm_s2",
+    "z_speed": "z_speed_mm_s",
+    "z_acceleration": "z_acceleration_mm_s2",
+    "spindle_acceleration": "spindle_acceleration_rad_s2",
+    "spindle_loop": "spindle_bandwidth_rad_s",
+    "spindle_set_point": "spindle_rpm",
+    "tick_rate": "tick_hz",
+    "x_speed": "x_speed_mm_s",
+    "x_acceleration": "x_acceleration_mm_s2",
+    "feed": "feed_mm",
+    "cam_amplitude": "amplitude",
+    "turns": "feed_mm",
+    "u_command": "u_stroke_mm",
+    "u_command_speed": "u_speed_mm_s",
+    "u_command_acceleration": "u_acceleration_mm_s2",
+    "servo_continuous": "servo_continuous_mn",
 }
+_HALVES = ("u_stroke", "u_command")  # a part file has the whole stroke
 _AT_ANY_SPEED = {
     "u_stroke": "no speed helps: give less {}, or a longer stroke",
     "swing_range": "no speed helps: give a less steep lift",
@@ -100,17 +93,22 @@ def refused_of(error: BaseException | None) -> RefusedError | None:
     return error
 
 
+def _shown(demand: Demand) -> LimitMargin:
+    """Return a demand in the unit of the part file."""
+    unit, per_unit, _ = LIMITS[demand.name]
+    per = per_unit / 2 if demand.name in _HALVES else per_unit
+    field = _FIELDS[demand.name]
+    return LimitMargin(demand.name, field, demand.needed / per, demand.limit / per, unit)
+
+
 def margins_of(table: Table, limits: MachineLimits) -> list[LimitMargin]:
     """Return every limit that a cut may come near to, with what the table needs of it."""
     is_swung = table.angle is not None and table.angle.kind == KIND_SWING
     found = []
     for one in judge_of(table, limits).demands(table.spindle_mrpm):
-        named = _NAMES.get(one.name)
         is_left_out = one.name in _SHOWN_WHERE_EXCEEDED and one.needed <= one.limit
-        if named is None or is_left_out or (one.name in _SWING and not is_swung):
-            continue
-        needed, limit = one.needed / named.per_unit, one.limit / named.per_unit
-        found.append(LimitMargin(one.name, named.name, needed, limit, named.unit))
+        if one.name in _FIELDS and not is_left_out and (is_swung or one.name not in _SWING):
+            found.append(_shown(one))
     return found
 
 
@@ -140,7 +138,7 @@ def needs_of_peaks(peaks: TablePeaks, limits: MachineLimits, mrpm: int) -> dict[
     """Return needed over limit of U and of the swing before there is a table, by limit."""
     judge = Judge(peaks, limits.tick_hz, parameters_of(limits))
     return {
-        _NAMES[one.name].name: one.needed / one.limit
+        _FIELDS[one.name]: one.needed / one.limit
         for one in judge.demands(mrpm)
         if one.name in _MOVED
     }
@@ -155,17 +153,16 @@ def highest_of(judge: Judge) -> HighestSpeed:
     """Return the highest speed that the controller takes, and the limit that decides."""
     mrpm = judge.highest_mrpm()
     beyond = judge.exceeded(mrpm + 1)
-    return HighestSpeed(mrpm / 1000, _NAMES[beyond[0].name].name if beyond else "spindle_rpm")
+    return HighestSpeed(mrpm / 1000, _FIELDS[beyond[0].name] if beyond else "spindle_rpm")
 
 
 def _line(demand: Demand, remedy: str) -> str:
-    named = _NAMES[demand.name]
-    needed, limit = demand.needed / named.per_unit, demand.limit / named.per_unit
-    told = f"{limit:.9g} {named.unit}: the part needs {needed:.9g} {named.unit}; {remedy}"
+    one = _shown(demand)
+    told = f"{one.limit:.9g} {one.unit}: the part needs {one.needed:.9g} {one.unit}; {remedy}"
     if demand.name in _NOT_OF_A_PART:
         return f"the controller's {demand.name} = {told}"
     what = " as set-point of its loop" if demand.name == "spindle_set_point" else ""
-    return f"machine.limits.{named.name} = {told}".replace("; ", f"{what}; ", 1)
+    return f"machine.limits.{one.field} = {told}".replace("; ", f"{what}; ", 1)
 
 
 def check_table(

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Why a controller refused a command, with the numbers and what to do.
 
->>> DEMANDS["u_acceleration"].text(275_000, 250_000, "u_acceleration")
-'U acceleration 275 m/s2 exceeds u_acceleration 250 m/s2'
+>>> state_remedy("jog", "off")
+'give manual first'
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from camtools.base.controller_limits import LIMITS, TEXTS, needs_text
 from camtools.link.controller import Link
 from camtools.link.messages import NAMES, NOT_COMMANDER, NUMBERS, OLDER, REFUSALS, Answer, Refused
 from camtools.link.rights import sender_text
@@ -20,7 +19,6 @@ REMEDIES = {
     "override_rings": "hold it instead, or set feed and speed before the cut",
     "override_measured": "change the feed at the machine that moves Z",
     "table_sense": "disable, then select",
-    "param_tick": "observer_bandwidth_mHz is at most 80 x the tick rate in Hz, lead_ns 61 ticks",
     "estop": "release the emergency stop",
     "acknowledge": "press acknowledge at the machine for half a second, with the emergency stop "
     "released and faults reset; give the order again within 60 s",
@@ -58,7 +56,8 @@ REMEDIES = {
     "params_damaged": "`params keep` stores the current ones instead",
     "params_keep": "its memory failed or is read-only; what was kept before stays; see its log",
 }
-_BY_PARAMETER = ("param_state", "param_tick", "trim_limit", "servo", "servo_force")
+_AT_MOST = ("param_tick", "param_output", "gain")
+_BY_PARAMETER = ("param_state", "servo", "jerk", *_AT_MOST)
 _OFF, _READY, _MANUAL = "off", "ready", "manual"
 _NEEDED_STATE = {  # of commands that one state takes only
     **dict.fromkeys(("enable", "manual"), _OFF),
@@ -84,76 +83,6 @@ _NO_CUT = {  # after "nothing is being cut"
 }
 
 
-@dataclass(frozen=True)
-class Excess:
-    """What a cut demands too much of, and how that is shown."""
-
-    what: str  # of what
-    unit: str  # for people
-    scale: float  # that unit per unit of the controller
-    parameter: str  # that limits it; "" where none does
-    label: str  # what the limit is called: the parameter without its unit, or what else sets it
-    share: int = 1  # the limit is that part of the parameter: 1 / share
-
-    def text(self, needed: int, limit: int, label: str) -> str:
-        """Return the comparison, in the unit for people."""
-        numbers = [f"{value * self.scale:.9g} {self.unit}" for value in (needed, limit)]
-        return f"{self.what} {numbers[0]} exceeds {label} {numbers[1]}"
-
-
-DEMANDS = {
-    "spindle_speed": Excess("spindle speed", "r/min", 1e-3, "spindle_limit_mrpm", "spindle_limit"),
-    "u_speed": Excess("U speed", "mm/s", 1e-3, "u_speed_um_per_s", "u_speed"),
-    "u_acceleration": Excess(
-        "U acceleration", "m/s2", 1e-3, "u_acceleration_mm_per_s2", "u_acceleration"
-    ),
-    "u_stroke": Excess("U travel", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
-    "u_retract": Excess("U retract", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
-    "u_command": Excess(
-        "U command with its feed-forward", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2
-    ),
-    "u_command_speed": Excess(
-        "speed of U's command", "mm/s", 1e-3, "", "the limit from speed, acceleration and gains,"
-    ),
-    "u_command_acceleration": Excess(
-        "acceleration of U's command", "m/s2", 1e-3, "", "the limit from acceleration and gains,"
-    ),
-    "servo_continuous": Excess(
-        "rms of U's force, without that of the cut,",
-        "N",
-        1e-3,
-        "servo_continuous_mn",
-        "servo_continuous",
-    ),
-    "z_speed": Excess("Z speed", "mm/s", 1e-3, "z_speed_um_per_s", "z_speed"),
-    "z_acceleration": Excess(
-        "Z acceleration", "m/s2", 1e-3, "z_acceleration_mm_per_s2", "z_acceleration"
-    ),
-    "feed": Excess("feed", "mm", 1e-6, "", "the height of the part"),
-    "turns": Excess("feed of", "turns", 1, "", "what the controller can count,"),
-    "tick_rate": Excess("spindle speed", "r/min", 1e-3, "", "what the tick can follow,"),
-    "spindle_acceleration": Excess(
-        *("spindle acceleration", "rad/s2", 1e-3),
-        *("spindle_acceleration_mrad_per_s2", "spindle_acceleration"),
-    ),
-    "spindle_loop": Excess("fall of the spindle speed", "1/s", 1e-3, "", "1 / spindle_lag"),
-    "spindle_set_point": Excess(
-        "spindle set-point", "r/min", 1e-3, "spindle_limit_mrpm", "spindle_limit"
-    ),
-    "x_speed": Excess("X speed", "mm/s", 1e-3, "x_speed_um_per_s", "x_speed"),
-    "x_acceleration": Excess(
-        "X acceleration", "m/s2", 1e-3, "x_acceleration_mm_per_s2", "x_acceleration"
-    ),
-    "swing_range": Excess("swing", "deg", 1e-3, "swing_range_mdeg", "swing_range"),
-    "swing_speed": Excess("swing speed", "deg/s", 1e-3, "swing_speed_mdeg_per_s", "swing_speed"),
-    "swing_acceleration": Excess(
-        "swing acceleration", "deg/s2", 1, "swing_acceleration_deg_per_s2", "swing_acceleration"
-    ),
-}
-_FORCE = Excess("force of U at its limits", "N", 1e-3, "servo_force_limit_mn", "servo_force_limit")
-_TRIM = Excess("trim of the radius", "mm", 1e-6, "x_trim_limit_nm", "x_trim_limit")
-
-
 def _last_refusal(link: Link) -> dict[str, int]:
     """Return what the controller tells of its last refusal by numbers; empty: nothing."""
     found = {}
@@ -165,14 +94,16 @@ def _last_refusal(link: Link) -> dict[str, int]:
     return found
 
 
-def _label(link: Link, answer: Answer, demand: Excess, limit: int) -> str:
-    """Return what the limit is: the parameter, or the table where that allows less."""
-    if not demand.parameter:
-        return demand.label
-    index = NUMBERS["parameter"][demand.parameter]
+def _source(link: Link, answer: Answer, limit: int) -> str:
+    """Return what gives the limit: the parameter, or the table if it allows less; "" if neither."""
+    name = LIMITS[answer.result].parameter
+    if name == "none":
+        return ""
+    index = NUMBERS["parameter"][name]
     is_set = answer.command == "set_parameter" and answer.parameter == index
     value = int(link.ask("get_parameter", parameter=index).value)
-    return demand.label if is_set or value // demand.share == limit else "the table's limit"
+    is_parameter = is_set or limit in (value, value // 2)  # half of a stroke
+    return f" ({name})" if is_parameter else " (the table's)"
 
 
 def _speed_text(refusal: dict[str, int]) -> str:
@@ -192,22 +123,17 @@ def _by_numbers(link: Link, answer: Answer) -> str:
     needed, limit = refusal["needed"], refusal["limit"]
     if answer.result == "param_state":
         return f"{name} cannot change in this state; {REMEDIES['param_state']}"
-    if answer.result == "param_tick":
-        return f"{name} {needed} exceeds {limit}, the most at this tick rate"
+    if answer.result in _AT_MOST:
+        return f"{name} = {needed}: {TEXTS[answer.result]}; give at most {limit}"
+    if answer.result == "jerk":
+        return f"{name} = {needed}: {TEXTS[answer.result]}; give at least {limit}"
     if answer.result == "servo":
         return f"{name} = {needed} does not fit the others; {REMEDIES['servo']}"
-    if answer.result == "servo_force":
-        return f"{_FORCE.text(needed, limit, _FORCE.label)}; {REMEDIES['servo_force']}"
-    if answer.result == "trim_limit":
-        return _TRIM.text(needed, limit, _TRIM.label)
-    if answer.result in DEMANDS:
-        demand = DEMANDS[answer.result]
-        label = _label(link, answer, demand, limit)
-        numbers = demand.text(needed, limit, label)
-        if answer.result == "turns":
-            return f"{numbers}; {REMEDIES['turns']}"
-        return numbers + _speed_text(refusal)
-    return ""
+    numbers = needs_text(answer.result, needed, limit)
+    text = f"{TEXTS[answer.result]}: {numbers}{_source(link, answer, limit)}"
+    if answer.result in REMEDIES:
+        return f"{text}; {REMEDIES[answer.result]}"
+    return text if answer.result == "trim_limit" else text + _speed_text(refusal)
 
 
 def _by_hand(answer: Answer) -> str:
@@ -294,7 +220,7 @@ def explain(link: Link, answer: Answer) -> str:
         low, high = answer.limits
         name = NAMES["parameter"].get(answer.parameter, str(answer.parameter))
         return f"out of range; {name} is {low:.9g} .. {high:.9g}"
-    is_numbered = answer.result in (*DEMANDS, *_BY_PARAMETER)
+    is_numbered = answer.result in (*LIMITS, *_BY_PARAMETER)
     remedy = REMEDIES.get(answer.result)
     text = _by_numbers(link, answer) if is_numbered else ""
     return f"refused: {text or what}" + (f"; {remedy}" if remedy and not text else "")
