@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_param_store.h"
 #include "cam_table.h" // cam_crc32
+#include "cam_text.h"  // cam_text_number
 #include <stddef.h>    // NULL
 #include <string.h>    // memcpy, memset, strlen, strncmp
 
@@ -27,31 +28,12 @@ static void put(writer_t *w, const char *text)
     w->n += (uint32_t)n;
 }
 
-static void put_number(writer_t *w, int64_t value)
-{
-    static const char digits[] = "0123456789";
-    char backwards[most_digits];
-    uint32_t n = 0;
-    uint64_t left = (uint64_t)(value < 0 ? -value : value);
-    do {
-        backwards[n] = digits[left % 10u];
-        n++;
-        left /= 10u;
-    } while (left != 0u);
-    if (value < 0) {
-        put(w, "-");
-    }
-    for (; n > 0u; n--) {
-        w->text[w->n] = backwards[n - 1u];
-        w->n++;
-    }
-}
-
 static void put_line(writer_t *w, const char *name, int64_t value)
 {
+    char number[cam_text_number_bytes];
     put(w, name);
     put(w, equals);
-    put_number(w, value);
+    put(w, cam_text_number(number, value));
     put(w, "\n");
 }
 

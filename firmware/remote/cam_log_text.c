@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_log_text.h"
 #include "cam_derived_limits.h" // cam_derived_limits_form_pm
+#include "cam_text.h"           // cam_text_number
 #include <stddef.h>             // NULL
 
 enum { max_line = 120 }; ///< longest line that hal_text() allows
@@ -47,18 +48,9 @@ void cam_log_text_start(const hal_start_t *start)
 /// Append text and a number.
 static void add_number(line_t *line, const char *before, uint32_t number)
 {
-    static const char digits[] = "0123456789";
-    char text[12];
-    uint32_t at = (uint32_t)sizeof text - 1u;
-    uint32_t left = number;
-    text[at] = '\0';
-    do {
-        at--;
-        text[at] = digits[left % 10u];
-        left /= 10u;
-    } while (left > 0u);
+    char text[cam_text_number_bytes];
     add(line, before);
-    add(line, &text[at]);
+    add(line, cam_text_number(text, number));
 }
 
 /// Report n stored parameters that are not used, by the name of the first, unless n is 0.

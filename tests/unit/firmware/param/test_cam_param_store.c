@@ -2,6 +2,7 @@
 // Parameters as kept text: what an older, a newer and a damaged text says to this image.
 #include "cam_param_store.h"
 #include "cam_table.h" // cam_crc32
+#include "cam_text.h"
 #include "unity.h"
 #include <stdio.h>  // snprintf
 #include <string.h> // strlen
@@ -151,5 +152,16 @@ static void test_no_sense_is_zero(void)
     for (int i = 0; i < 4; i++) {
         TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&p, sense[i], 0));
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, sense[i], -1));
+    }
+}
+
+static void test_numbers_are_decimal(void)
+{
+    static const int64_t numbers[] = {0, 9, -10, INT64_MAX, INT64_MIN};
+    for (uint32_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        char expected[32];
+        char buffer[cam_text_number_bytes];
+        (void)snprintf(expected, sizeof expected, "%lld", (long long)numbers[i]);
+        TEST_ASSERT_EQUAL_STRING(expected, cam_text_number(buffer, numbers[i]));
     }
 }
