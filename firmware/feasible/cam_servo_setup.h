@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_servo_setup: the parameters servo_* as a position loop of U.
-/// Context: slow side, integers only.
+/// Context: slow side.
 #ifndef CAM_SERVO_SETUP_H
 #define CAM_SERVO_SETUP_H
 

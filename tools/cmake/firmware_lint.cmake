@@ -1,4 +1,5 @@
-# Fails when the firmware uses a heap or floating point, or includes more than the contract.
+# Fails when the firmware uses a heap, or the rooms of the interrupt floating point, or when it
+# includes more than the contract.
 # usage: cmake -D FIRMWARE_DIR=... -P firmware_lint.cmake
 cmake_minimum_required(VERSION 3.25)
 
@@ -6,7 +7,8 @@ cmake_minimum_required(VERSION 3.25)
 set(system_headers stdint stdbool stddef stdatomic stdalign stdnoreturn limits inttypes string)
 # The contract, and what is made of camturn.dbc.
 set(foreign_headers hal/hal.h hal/version.h camturn.h)
-set(forbidden_words float double malloc calloc realloc free)
+set(forbidden_words float malloc calloc realloc free)
+include(${CMAKE_CURRENT_LIST_DIR}/FirmwareRooms.cmake) # CAM_INTERRUPT_ROOMS
 
 set(findings "")
 file(GLOB_RECURSE files ${FIRMWARE_DIR}/*.c ${FIRMWARE_DIR}/*.h)
@@ -36,7 +38,12 @@ foreach(file IN LISTS files)
     endforeach()
 
     string(REGEX REPLACE "\"([^\"\\\n]|\\\\.)*\"" "\"\"" code "${code}")
-    foreach(word IN LISTS forbidden_words)
+    cmake_path(GET name PARENT_PATH room)
+    set(words ${forbidden_words})
+    if(room IN_LIST CAM_INTERRUPT_ROOMS)
+        list(APPEND words double cam_doubles)
+    endif()
+    foreach(word IN LISTS words)
         if(code MATCHES "(^|[^A-Za-z0-9_])${word}([^A-Za-z0-9_]|$)")
             list(APPEND findings "${name}: '${word}' is not for the firmware")
         endif()

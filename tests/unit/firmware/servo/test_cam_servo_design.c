@@ -24,9 +24,29 @@ static void set_field(size_t at, int32_t value)
     *(int32_t *)(void *)((char *)&p + at) = value;
 }
 
-static void test_bench_is_accepted(void)
+/// On every core to the bit.
+static void test_bench_has_these_coefficients(void)
 {
-    expect_refused(cam_servo_refused_none);
+    static const cam_servo_config_t right = {
+        .kp_q18 = 636488,
+        .kd_q18 = 17430224,
+        .pole_q18 = 59837,
+        .ki_q32 = 51900256,
+        .notch = {871334026, -1583026082, 833382564, -630974766},
+        .mass_q14 = 9830400,
+        .drag_q14 = 3932,
+        .stiffness_q18 = 236,
+        .friction_q12 = 20480000,
+        .limit_q6 = 22080000,
+        .rate_q6 = 536870912,
+        .continuous_q6 = 13696000,
+        .per_continuous = 642238,
+        .cooling_q32 = 10737,
+        .ahead = {-100925, 77711, -137796266},
+    };
+    c = bench_config(&p);
+    TEST_ASSERT_EQUAL_INT32_ARRAY((const int32_t *)&right, (const int32_t *)&c,
+                                  sizeof c / sizeof(int32_t));
 }
 
 static void test_bounds_by_other_parameters(void)
