@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// mps2_start: start-up: vectors, memory, floating-point unit, main(), exit status.
-/// Source: ARMv7-M Architecture Reference Manual, B1.5.3 (vector table), B3.2.20 (CPACR).
+/// Source: ARMv7-M Architecture Reference Manual, B1.5.3 (vector table), B3.2.20 (CPACR), B3.2.21
+/// (FPCCR).
 #include "mps2_semihost.h"
 #include <stdint.h> // uint32_t
 
@@ -16,6 +17,8 @@ enum { n_core_vectors = 16, n_board_vectors = 32, timer0_vector = n_core_vectors
 
 #define CPACR (*(volatile uint32_t *)0xE000ED88u)
 #define CPACR_FPU (0xFu << 20)
+#define FPCCR (*(volatile uint32_t *)0xE000EF34u)
+#define FPCCR_LAZY (3u << 30) // ASPEN, LSPEN
 
 /// Handler of all exceptions except the timer interrupt: end the image.
 static void on_exception(void)
@@ -45,6 +48,7 @@ __attribute__((section(".vectors"), used)) static const struct {
 void mps2_reset(void)
 {
     CPACR |= CPACR_FPU;
+    FPCCR |= FPCCR_LAZY;
     __asm volatile("dsb\n isb");
     const uint32_t *from = &mps2_data_image;
     for (uint32_t *to = &mps2_data_start; to < &mps2_data_end; to++) {

@@ -20,6 +20,13 @@
 #define SCB_SHCSR STM_REG(0xE000ED24u)
 #define SCB_SHCSR_FAULTS (7u << 16) // memory, bus and usage faults have their own handlers
 
+// B3.2.20, B3.2.21, floating-point unit
+
+#define SCB_CPACR STM_REG(0xE000ED88u)
+#define SCB_CPACR_FPU (0xFu << 20)
+#define FPU_FPCCR STM_REG(0xE000EF34u)
+#define FPU_FPCCR_LAZY (3u << 30) // save registers only for an exception that uses the unit
+
 // B3.4, nested vectored interrupt controller: priorities are 0 after reset, the highest
 
 #define NVIC_ISER(irq) STM_REG(0xE000E100u + 4u * ((irq) / 32u))

@@ -106,6 +106,14 @@ static void fill_vectors(void)
     stm_barrier();
 }
 
+/// Switch the floating-point unit on, for the slow side.
+static void start_fpu(void)
+{
+    SCB_CPACR |= SCB_CPACR_FPU;
+    FPU_FPCCR |= FPU_FPCCR_LAZY;
+    stm_barrier();
+}
+
 __attribute__((always_inline)) static inline void copy(const uint32_t *from, uint32_t *to,
                                                        const uint32_t *end)
 {
@@ -171,6 +179,7 @@ STM_BOOT void stm_boot_fill(void)
 __attribute__((used, noinline)) void stm_run(void)
 {
     fill_vectors();
+    start_fpu();
     stm_memory_init();
     (void)main();
     hal_halt("main returned");

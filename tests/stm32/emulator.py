@@ -22,7 +22,6 @@ from unicorn import (
     UC_HOOK_MEM_WRITE,
     UC_MEM_WRITE,
     UC_MEM_WRITE_PROT,
-    UC_MODE_MCLASS,
     UC_MODE_THUMB,
     UC_PROT_EXEC,
     UC_PROT_READ,
@@ -50,7 +49,9 @@ PATTERN = b"\xa5"
 WFI = b"\x30\xbf"
 HELD_CYCLES = 24
 MASKS = (arm.UC_ARM_REG_PRIMASK, arm.UC_ARM_REG_FAULTMASK, arm.UC_ARM_REG_CONTROL)
-EXCEPTION_EXIT = 8  # Unicorn's number of a branch to EXC_RETURN
+# Unicorn's numbers of a branch to EXC_RETURN: in an exception that it entered itself, and here,
+# where it finds no instruction at the address.
+EXCEPTION_EXITS, EXC_RETURNS = (8, 3), 0xFFFFFF00
 
 
 @cache
@@ -83,7 +84,7 @@ class Chip(Devices):
         self._hooks: list[int] = []
         self.is_fault_of_flips = False  # a load of a RAM's double error is a bus fault, too
         self._pc = 0
-        self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
+        self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB)  # UC_MODE_MCLASS would be a Cortex-M33
         self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
         stop = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
         super().__init__(InsnClock(0, 0, stop), hse_hz)
@@ -352,7 +353,7 @@ class Chip(Devices):
         self._pc = self.uc.reg_read(arm.UC_ARM_REG_PC)
         if self._failure is not None:
             raise self._failure
-        if self._intr == EXCEPTION_EXIT:
+        if self._intr in EXCEPTION_EXITS and self._pc >= EXC_RETURNS:
             self._pc = self.exceptions.leave(self._pc | 1)
             if not self.nvic.active and self._naps:
                 self._naps -= 1

@@ -16,7 +16,9 @@ from checks.elf_rules import forbidden_instruction, forbidden_name
 
 # What the core stacks on entry (ARMv7-M manual, B1.5.6 and B1.5.7).
 FRAME_BYTES = 8 * 4  # r0-r3, r12, lr, pc, xPSR
-FLOAT_FRAME_BYTES = 26 * 4  # and s0-s15, FPSCR, a reserved word, if the interrupted code uses them
+# With room for s0-s15, FPSCR and a reserved word, if the interrupted code uses them. Lazy stacking
+# stores them only when the interrupt uses the unit, which it may not: entry takes no longer.
+FLOAT_FRAME_BYTES = 26 * 4
 ALIGNMENT_BYTES = 4  # the frame begins on eight bytes
 _PUSH = re.compile(r"v?push .*|v?stmdb sp!.*|subw? sp, .*|.*\[sp, #-\d+\]!")
 
@@ -141,9 +143,7 @@ def _check_sources(walk: _Walk, sources: Iterable[str]) -> None:
             walk.report.problems.append(f"{names[address]}: from {file}, not of our sources")
 
 
-def examine(
-    image: Image, root: str, bounds: Bounds, sources: Iterable[str] = (), *, has_float: bool
-) -> IsrReport:
+def examine(image: Image, root: str, bounds: Bounds, sources: Iterable[str] = ()) -> IsrReport:
     """Return what the interrupt that begins at a function can reach and take.
 
     Parameters
@@ -156,15 +156,13 @@ def examine(
         Of its loops.
     sources : iterable of str
         Folders that all reachable code must come from; empty: not checked.
-    has_float : bool
-        The interrupted code may use the floating-point unit, so its registers are stacked too.
 
     Raises
     ------
     CamtoolsError
         There is no such root, or the binary utilities fail.
     """
-    report = IsrReport(ALIGNMENT_BYTES + (FLOAT_FRAME_BYTES if has_float else FRAME_BYTES))
+    report = IsrReport(ALIGNMENT_BYTES + (FLOAT_FRAME_BYTES if image.has_float else FRAME_BYTES))
     walk = _Walk(image, bounds, report, image.frames())
     walk.visit(image.function(root))
     if sources := tuple(sources):

@@ -19,7 +19,7 @@ from checks.elf_isr import IsrReport, examine, load_bounds
 from checks.elf_sizes import compare, emit_sizes, measure, parse_sizes, table
 
 FAILED = 1
-STACK_LIMIT_BYTES = 640
+STACK_LIMIT_BYTES = 712
 
 
 def _isr_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,8 +29,6 @@ def _isr_arguments(parser: argparse.ArgumentParser) -> None:
     add("--loops", type=Path, action="append", default=[], metavar="TOML", help=loops)
     limit = f"entry of the interrupt included, default {STACK_LIMIT_BYTES}"
     add("--stack-limit", type=int, default=STACK_LIMIT_BYTES, metavar="BYTES", help=limit)
-    frame = "what the core stacks on entry, default by whether the image uses floating point"
-    add("--frame", choices=("basic", "float"), help=frame)
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
@@ -69,10 +67,9 @@ def _print_isr(report: IsrReport) -> None:
 def _check_isr(arguments: argparse.Namespace) -> int:
     image = Image(arguments.image, arguments.prefix)
     bounds = {name: why for path in arguments.loops for name, why in load_bounds(path).items()}
-    has_float = image.has_float if arguments.frame is None else arguments.frame == "float"
-    report = examine(image, arguments.root, bounds, arguments.source, has_float=has_float)
+    report = examine(image, arguments.root, bounds, arguments.source)
     _print_isr(report)
-    frame = "with" if has_float else "without"
+    frame = "with" if image.has_float else "without"
     entry = f"{report.entry_bytes} of them for the interrupt's entry {frame} floating point"
     print(f"isr-stack {report.stack_bytes} bytes, {entry}, limit {arguments.stack_limit}")
     failures = list(report.problems)

@@ -43,7 +43,7 @@ LOOP = assembled(
 def examined(image: Image, *bounded: str) -> IsrReport:
     """Return what the interrupt root() can reach; the loops of these functions have a bound."""
     bounds = dict.fromkeys(bounded, "the test says so")
-    return examine(image, "root", bounds, has_float=False)
+    return examine(image, "root", bounds)
 
 
 def only_problem(report: IsrReport) -> str:

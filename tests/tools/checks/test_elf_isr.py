@@ -66,7 +66,6 @@ def test_floating_point_unit_is_found(tmp_path: Path) -> None:
     """An image with an FPU shows its instructions."""
     image = link(tmp_path, "float root(float a) { return a + a; }", *HARD_FLOAT)
     assert "floating-point unit" in only_problem(examined(image))
-    assert image.has_float
 
 
 @needs_gcc
@@ -75,8 +74,8 @@ def test_code_from_elsewhere_is_found(tmp_path: Path) -> None:
     source = "long long root(long long a) { return a << (a & 7); }"
     image = link(tmp_path, source)
     name = tmp_path.name
-    assert examine(image, "root", {}, [name], has_float=False).problems == []
-    (problem,) = examine(image, "root", {}, ["firmware"], has_float=False).problems
+    assert examine(image, "root", {}, [name]).problems == []
+    (problem,) = examine(image, "root", {}, ["firmware"]).problems
     assert "not of our sources" in problem
 
 
@@ -108,9 +107,10 @@ def test_stack_is_added_along_the_calls(tmp_path: Path, option: str) -> None:
 @needs_gcc
 def test_frame_of_the_floating_point_unit(tmp_path: Path) -> None:
     """26 words and the alignment, when the interrupted code may use it."""
-    image = link(tmp_path, "void root(void) {}", *HARD_FLOAT)
-    assert examine(image, "root", {}, has_float=True).stack_bytes == 104 + 4
-    assert not image.has_float
+    source = "void root(void) {} float slow(float a) { return a + a; }"
+    report = examined(link(tmp_path, source, *HARD_FLOAT))
+    assert report.problems == []
+    assert report.stack_bytes == 104 + 4
 
 
 VARIABLE = """

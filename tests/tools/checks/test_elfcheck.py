@@ -37,7 +37,6 @@ def test_limit_of_the_stack(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     words = ("--loops", str(loops_file(tmp_path)), "--stack-limit")
     assert isr(tmp_path, *words, "36") == 0
     assert isr(tmp_path, *words, "35") == 1
-    assert isr(tmp_path, "--frame", "float", *words, "107") == 1
     out, err = capsys.readouterr()
     assert "isr-stack 36 bytes, 36 of them for the interrupt's entry without floating point" in out
     assert err.splitlines()[0] == "FAILED: 36 bytes of stack, limit 35"
