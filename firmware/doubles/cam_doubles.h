@@ -10,7 +10,7 @@
 #ifndef CAM_DOUBLES_H
 #define CAM_DOUBLES_H
 
-#include <stdint.h> // int32_t, int64_t
+#include <stdint.h> // int32_t
 
 _Static_assert(__FLT_EVAL_METHOD__ == 0,
                "doubles without excess precision: on 32-bit x86 -mfpmath=sse");
@@ -18,11 +18,14 @@ _Static_assert(__DBL_MANT_DIG__ == 53, "IEEE doubles");
 
 #define CAM_PI 3.14159265358979324
 
+/// @return v limited to -most .. most
+static inline double cam_limit(double v, double most)
+{
+    return v < -most ? -most : v > most ? most : v;
+}
+
 /// @return v rounded to nearest, half away from 0, saturated
 int32_t cam_nearest(double v);
-
-/// @return the same with 64 bits
-int64_t cam_nearest_i64(double v);
 
 /// @return square root of v, at least 0
 double cam_root(double v);

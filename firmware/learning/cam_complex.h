@@ -5,8 +5,9 @@
 #ifndef CAM_COMPLEX_H
 #define CAM_COMPLEX_H
 
-#include "cam_fix.h" // cam_root_u64, cam_sat_i32
-#include <stdint.h>  // int32_t, int64_t, uint32_t, uint64_t
+#include "cam_doubles.h" // cam_nearest, cam_root
+#include "cam_fix.h"     // cam_sat_i32
+#include <stdint.h>      // int32_t, int64_t, uint32_t, uint64_t
 
 typedef struct {
     int32_t re, im;
@@ -41,7 +42,7 @@ static inline uint64_t cam_complex_square(cam_complex_t a)
 /// @return |a|, rounded down, at most 3 037 000 499
 static inline uint32_t cam_complex_size(cam_complex_t a)
 {
-    return (uint32_t)cam_root_u64(cam_complex_square(a));
+    return (uint32_t)cam_root((double)cam_complex_square(a));
 }
 
 /// @return |g|^2 of a transfer function, 2^24 is 1
@@ -59,26 +60,20 @@ static inline cam_complex_t cam_gain_of(cam_complex_t a, cam_gain_t g)
     };
 }
 
-/// @return a / b as a transfer function, limited to +-7.99; 0 when b is 0
-/// @param a, b  of the same unit, parts within +-2^30
+/// @return (re + j im) / by as a transfer function, limited to +-7.99; 0 when by is 0
+static inline cam_gain_t cam_gain_divided(double re, double im, double by)
+{
+    const double unit = by > 0.0 ? cam_gain_one_q12 / by : 0.0;
+    return (cam_gain_t){.re_q12 = (int16_t)cam_nearest(cam_limit(re * unit, INT16_MAX)),
+                        .im_q12 = (int16_t)cam_nearest(cam_limit(im * unit, INT16_MAX))};
+}
+
+/// @return a / b, likewise
 static inline cam_gain_t cam_gain_ratio(cam_complex_t a, cam_complex_t b)
 {
-    const int64_t most = INT16_MAX;
-    uint64_t square = cam_complex_square(b);
-    int64_t re = (int64_t)a.re * b.re + (int64_t)a.im * b.im;
-    int64_t im = (int64_t)a.im * b.re - (int64_t)a.re * b.im;
-    const int64_t largest = cam_abs_i64(re) > cam_abs_i64(im) ? cam_abs_i64(re) : cam_abs_i64(im);
-    if (square == 0u) {
-        return (cam_gain_t){0};
-    }
-    if (largest >= INT64_C(1) << 50) { // avoid overflow of the product with 4096
-        re >>= 12;
-        im >>= 12;
-        square = (square >> 12) + 1u;
-    }
-    const int64_t divisor = (int64_t)square;
-    return (cam_gain_t){.re_q12 = (int16_t)cam_clamp_i64(re * 4096 / divisor, -most, most),
-                        .im_q12 = (int16_t)cam_clamp_i64(im * 4096 / divisor, -most, most)};
+    return cam_gain_divided((double)a.re * b.re + (double)a.im * b.im,
+                            (double)a.im * b.re - (double)a.re * b.im,
+                            (double)cam_complex_square(b));
 }
 
 #endif

@@ -9,13 +9,13 @@
 #define CAM_FF_ADAPT_H
 
 #include "cam_complex.h" // cam_complex_t, cam_gain_t
-#include <stdint.h>      // int32_t, int64_t, uint32_t
+#include <stdint.h>      // int32_t, uint32_t
 
 /// Sums of layer 1 over the harmonics of a revolution.
 typedef struct {
-    int64_t error1, weight1, error2, weight2;
-    int64_t error0, weight0;   ///< of the chip's force
-    int64_t error_f, weight_f; ///< of the friction
+    double error1, weight1, error2, weight2;
+    double error0, weight0;   ///< of the chip's force
+    double error_f, weight_f; ///< of the friction
 } cam_drive_sums_t;
 
 /// Changes of the drive's constants.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_harmonic_correction.h"
-#include "cam_fix.h" // cam_clamp_i32
-#include <string.h>  // memset
+#include "cam_doubles.h" // cam_limit, cam_nearest
+#include "cam_fix.h"     // cam_clamp_i32
+#include <string.h>      // memset
 
 enum { most_halved = 4 }; ///< halvings of the gain that mask a harmonic
 
@@ -108,16 +109,12 @@ static bool is_as_good(cam_harmonic_correction_t *s, uint32_t k, uint32_t size_q
 /// @return mu E / G in the unit of E, its parts limited to +-2^30; 0 when G is 0
 static cam_complex_t correction_change(cam_complex_t error, cam_gain_t gain, int32_t mu_q16)
 {
-    const int64_t square_q24 = cam_gain_square_q24(gain);
-    if (square_q24 == 0) {
-        return (cam_complex_t){0};
-    }
-    const int64_t most = INT64_C(1) << 30;
-    const int64_t re = (int64_t)error.re * gain.re_q12 + (int64_t)error.im * gain.im_q12;
-    const int64_t im = (int64_t)error.im * gain.re_q12 - (int64_t)error.re * gain.im_q12;
-    return (cam_complex_t){.re = (int32_t)cam_clamp_i64(re * mu_q16 / square_q24 >> 4, -most, most),
-                           .im =
-                               (int32_t)cam_clamp_i64(im * mu_q16 / square_q24 >> 4, -most, most)};
+    const double square_q24 = cam_gain_square_q24(gain);
+    const double by = square_q24 > 0.0 ? mu_q16 / (square_q24 * 16.0) : 0.0;
+    const double re = (double)error.re * gain.re_q12 + (double)error.im * gain.im_q12;
+    const double im = (double)error.im * gain.re_q12 - (double)error.re * gain.im_q12;
+    return (cam_complex_t){.re = cam_nearest(cam_limit(re * by, 0x1p30)),
+                           .im = cam_nearest(cam_limit(im * by, 0x1p30))};
 }
 
 /// Add a change, scaled down where the size would grow beyond the room, and subtract the growth

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ilc.h"
-#include "cam_fix.h"        // cam_abs_i64, cam_root_u64
+#include "cam_doubles.h"    // cam_nearest, cam_root
+#include "cam_fix.h"        // cam_abs_i64
 #include "cam_harmonics.h"  // cam_harmonics_of
 #include "cam_ilc_chip.h"   // cam_ilc_chip_step
 #include "cam_ilc_update.h" // cam_ilc_update_begin
@@ -176,7 +177,7 @@ static void step_probe(cam_ilc_t *t, const cam_ilc_setup_t *s)
 static void step(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     t->is_limited = t->is_limited && t->phase == (uint8_t)cam_ilc_cutting;
-    t->error_nm = (uint32_t)(cam_root_u64(t->square) >> 6);
+    t->error_nm = (uint32_t)(cam_root((double)t->square) / 64.0);
     t->largest = t->larger;
     t->n_turns++;
     switch ((cam_ilc_phase_t)t->phase) {
@@ -302,12 +303,11 @@ void cam_ilc_poll(cam_ilc_t *t, const cam_ilc_setup_t *setup, cam_state_t state,
 
 static int32_t nm_per_mm2(int32_t share_q32)
 {
-    return (int32_t)((int64_t)share_q32 * (INT64_C(1000000000000) / cam_ilc_chip_feed_nm) >> 32);
+    return cam_nearest(share_q32 * 0x1p-32 * (1e12 / cam_ilc_chip_feed_nm));
 }
 
 cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t tick_hz)
 {
-    const int64_t hz = tick_hz;
     const uint32_t ripple_q23 = cam_ripple_sum(&t->ripple);
     const cam_ilc_reason_t limit = t->is_limited                             ? cam_ilc_limited
                                    : ripple_q23 >= (uint32_t)cam_ripple_most ? cam_ilc_rippled
@@ -321,17 +321,17 @@ cam_ilc_status_t cam_ilc_status(const cam_ilc_t *t, const cam_ilc_setup_t *setup
         .n_turns = t->n_turns,
         .n_harmonics = t->n_orders,
         .masked = t->correction.masked,
-        .k1_ns = cam_sat_i32((int64_t)t->k1_q16 * 1000000000 / hz >> 16),
+        .k1_ns = cam_nearest(t->k1_q16 * 0x1p-16 * 1e9 / tick_hz),
         .friction_nm = t->friction_q6 / 64,
         .chip_nm_per_mm2 = nm_per_mm2(t->chip_q32),
         .chip_mean_nm_per_mm2 = nm_per_mm2(t->chip_mean_q32),
-        .k2_us2 = cam_sat_i32(((int64_t)t->k2_q16 * 1000000 / hz) * 1000000 / hz >> 16),
+        .k2_us2 = cam_nearest(t->k2_q16 * 0x1p-16 * 1e12 / tick_hz / tick_hz),
         .error_nm = t->error_nm,
         .begin_error_nm = t->begun_nm,
         .correction_nm = cam_harmonic_correction_sum_q6(&t->correction) >> 6,
-        .speed_mrpm = (uint32_t)((int64_t)t->speed_q32 * hz * 60000 >> 32),
+        .speed_mrpm = (uint32_t)(t->speed_q32 * 0x1p-32 * tick_hz * 60000.0),
         .ripple_turns = t->ripple.n_mean,
-        .ripple_nturn = (uint32_t)((uint64_t)ripple_q23 * 1000000000u >> 23),
+        .ripple_nturn = (uint32_t)(ripple_q23 * 0x1p-23 * 1e9),
     };
 }
 

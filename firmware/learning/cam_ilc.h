@@ -154,30 +154,30 @@ enum {
 typedef struct {
     cam_harmonic_correction_t correction;
     cam_ripple_t ripple;
-    cam_drive_sums_t sums;   ///< of the turn being processed
-    uint64_t square;         ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
-    uint64_t last_square;    ///< ... of the turn before
-    uint64_t calm_square;    ///< ... at which a pause of layer 1 ends
-    uint64_t best_square;    ///< ... smallest since layer 1 started
-    cam_turn_bin_t *bin;     ///< the turn being processed; NULL: none
-    uint32_t begun_nm;       ///< [nm] rms error before learning
-    uint32_t error_nm;       ///< [nm] of the last turn
-    uint32_t speed_w;        ///< [nm per tick] sum of w_k |U_k|
-    uint32_t acceleration_w; ///< [nm per tick^2 / 2^8] sum of w_k^2 |U_k|
-    uint32_t largest;        ///< [nm / 64] largest k |U_k| of the last turn
-    uint32_t larger;         ///< ... of this turn so far
-    int64_t set_square;      ///< [nm^2] sum of |U_k|^2 less the mean square of the whole motion
-    uint32_t trusted;        ///< [nm / 64] largest k |U_k| to which the guard's best applies
-    uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
-    uint32_t room_q6;        ///< [nm / 64] by which corrections may still grow in this turn
-    int32_t k1_q16, k2_q16;  ///< added to the configured ones
-    int32_t friction_q6;     ///< [nm / 64] likewise
-    int32_t chip_q32;        ///< [1] U's deflection at 1/4 mm of feed, as a share of the depth
-    int32_t chip_mean_q32;   ///< [1] the same of its mean, as a share of the mean depth
-    int32_t mean_nm;         ///< [nm] mean of the set-point in the last turn that was learned from
-    int32_t chip_most_q32;   ///< [1] limit of the shares in force
-    int32_t feed_now_nm;     ///< [nm] present feed per turn, 0 outside the cut
-    int32_t chip_feed_nm;    ///< [nm] feed for which both are in force
+    cam_drive_sums_t sums;  ///< of the turn being processed
+    uint64_t square;        ///< [(nm / 64)^2] sum of that turn's squared errors over the harmonics
+    uint64_t last_square;   ///< ... of the turn before
+    uint64_t calm_square;   ///< ... at which a pause of layer 1 ends
+    uint64_t best_square;   ///< ... smallest since layer 1 started
+    cam_turn_bin_t *bin;    ///< the turn being processed; NULL: none
+    uint32_t begun_nm;      ///< [nm] rms error before learning
+    uint32_t error_nm;      ///< [nm] of the last turn
+    double speed_nm;        ///< [nm per tick] sum of w_k |U_k|
+    double acceleration_nm; ///< [nm per tick^2] sum of w_k^2 |U_k|
+    uint32_t largest;       ///< [nm / 64] largest k |U_k| of the last turn
+    uint32_t larger;        ///< ... of this turn so far
+    int64_t set_square;     ///< [nm^2] sum of |U_k|^2 less the mean square of the whole motion
+    uint32_t trusted;       ///< [nm / 64] largest k |U_k| to which the guard's best applies
+    uint32_t floor_q6;      ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
+    uint32_t room_q6;       ///< [nm / 64] by which corrections may still grow in this turn
+    int32_t k1_q16, k2_q16; ///< added to the configured ones
+    int32_t friction_q6;    ///< [nm / 64] likewise
+    int32_t chip_q32;       ///< [1] U's deflection at 1/4 mm of feed, as a share of the depth
+    int32_t chip_mean_q32;  ///< [1] the same of its mean, as a share of the mean depth
+    int32_t mean_nm;        ///< [nm] mean of the set-point in the last turn that was learned from
+    int32_t chip_most_q32;  ///< [1] limit of the shares in force
+    int32_t feed_now_nm;    ///< [nm] present feed per turn, 0 outside the cut
+    int32_t chip_feed_nm;   ///< [nm] feed for which both are in force
     int32_t best_k1_q16, best_k2_q16, best_friction_q6, best_chip_q32;
     int32_t speed_q32;      ///< [turn / 2^32 per tick] speed of the learning, 0: never
     int32_t turn_speed_q32; ///< ... of the turn being processed

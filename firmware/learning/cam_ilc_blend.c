@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Blending the learned values in.
+#include "cam_doubles.h"   // cam_nearest
 #include "cam_fix.h"       // cam_clamp_i32
 #include "cam_harmonics.h" // cam_harmonics_slew
 #include "cam_ilc.h"
@@ -60,10 +61,10 @@ bool cam_ilc_slew(int32_t *value, int64_t target, int64_t most)
     return *value == target;
 }
 
-/// Move a constant towards its target. @param per_q8  [nm per unit, 2^-8] effect on the command
-static bool slew_constant(int32_t *value, int32_t target, int32_t most_nm, uint32_t per_q8)
+/// Move a constant towards its target. @param per_nm  [nm per unit, 2^16] effect on the command
+static bool slew_constant(int32_t *value, int32_t target, int32_t most_nm, double per_nm)
 {
-    const int64_t most = ((int64_t)most_nm << 24) / ((int64_t)per_q8 + 1);
+    const int32_t most = cam_nearest(most_nm * 0x1p16 / (per_nm + 0x1p-8));
     return cam_ilc_slew(value, target, most_nm < any_step ? most : INT64_C(1) << 32);
 }
 
@@ -111,8 +112,8 @@ void cam_ilc_blend(cam_ilc_t *t, const cam_ilc_setup_t *setup, uint32_t at_q8, c
         return;
     }
     if ((t->blending & cam_ilc_blend_drive) != 0u && !is_held) {
-        const bool is_k1 = slew_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
-        const bool is_k2 = slew_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w);
+        const bool is_k1 = slew_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_nm);
+        const bool is_k2 = slew_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_nm);
         const bool is_friction =
             cam_ilc_slew(&in->friction_q6, t->friction_q6, INT64_C(64) * most_nm);
         done |= is_k1 && is_k2 && is_friction && is_chip ? cam_ilc_blend_drive : 0u;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ilc_chip.h"
+#include "cam_doubles.h"    // cam_limit, cam_nearest
 #include "cam_fix.h"        // cam_clamp_i64
 #include "cam_ilc_update.h" // cam_ilc_update_guarded_q6
 
@@ -17,16 +18,14 @@ bool cam_ilc_chip_is_cut(const cam_ilc_t *t)
 
 /// @return a coefficient after a step, whose change is found at the feed of the turn. What is
 ///         played at that feed stays within its limit.
-static int32_t stepped(cam_ilc_t *t, int32_t value_q32, int64_t change_q32, int32_t gain_q16)
+static int32_t stepped(cam_ilc_t *t, int32_t value_q32, double change_q32, int32_t gain_q16)
 {
-    const int64_t range = INT64_C(1) << 30;
-    const int64_t step_q32 = cam_clamp_i64(change_q32, -range, range) * gain_q16 >> 16;
-    const int64_t feed_nm = cam_abs_i64(t->feed_nm);
-    const int64_t next_q32 = value_q32 + step_q32 * cam_ilc_chip_feed_nm / feed_nm;
-    const int64_t most_q32 = (int64_t)t->chip_most_q32 * cam_ilc_chip_feed_nm / feed_nm;
-    const int32_t within_q32 = cam_sat_i32(cam_clamp_i64(next_q32, -most_q32, most_q32));
+    const double per_feed = cam_ilc_chip_feed_nm / (double)cam_abs_i64(t->feed_nm);
+    const double step_q32 = cam_limit(change_q32, 0x1p30) * gain_q16 * 0x1p-16;
+    const double next_q32 = value_q32 + step_q32 * per_feed;
+    const double within_q32 = cam_limit(cam_limit(next_q32, t->chip_most_q32 * per_feed), 0x1p31);
     t->is_limited = t->is_limited || next_q32 != within_q32;
-    return within_q32;
+    return cam_nearest(within_q32);
 }
 
 /// @return the coefficient of the mean: of the same sense as that of the set-point, and no larger
@@ -46,10 +45,7 @@ void cam_ilc_chip_step_mean(cam_ilc_t *t, int32_t error_q6, int32_t depth_nm, in
     const int32_t response_q12 = t->correction.gain[0].re_q12;
     const int32_t mean_nm = depth_nm + t->mean_nm;
     if (response_q12 > cam_gain_one_q12 / 4 && mean_nm > 0) {
-        const int64_t most = INT64_C(1) << 40;
-        const int64_t error_nm_q32 = (int64_t)error_q6 * (1 << 26);
-        const int64_t share_q32 =
-            cam_clamp_i64(error_nm_q32 / mean_nm, -most, most) * cam_gain_one_q12 / response_q12;
+        const double share_q32 = error_q6 * 0x1p26 / mean_nm * cam_gain_one_q12 / response_q12;
         t->chip_mean_q32 = stepped(t, mean_q32(t), share_q32, gain_q16);
     }
 }
@@ -83,21 +79,22 @@ bool cam_ilc_chip_is_due(const cam_ilc_t *t)
 }
 
 /// @return a coefficient times the present feed
-static int64_t at_feed(cam_ilc_t *t, int32_t value_q32)
+static double at_feed(cam_ilc_t *t, int32_t value_q32)
 {
-    const int64_t share_q32 = (int64_t)value_q32 * t->feed_now_nm / cam_ilc_chip_feed_nm;
-    t->is_limited = t->is_limited || cam_abs_i64(share_q32) > t->chip_most_q32;
-    return cam_clamp_i64(share_q32, -(int64_t)t->chip_most_q32, t->chip_most_q32);
+    const double share_q32 = (double)value_q32 * t->feed_now_nm / cam_ilc_chip_feed_nm;
+    const double within_q32 = cam_limit(share_q32, t->chip_most_q32);
+    t->is_limited = t->is_limited || share_q32 != within_q32;
+    return within_q32;
 }
 
 bool cam_ilc_chip_blend(cam_ilc_t *t, int32_t depth_nm, int32_t most_nm, cam_learned_t *in)
 {
-    const int64_t share_q32 = at_feed(t, t->chip_q32);
-    const int64_t mean_q6 = (at_feed(t, mean_q32(t)) * ((int64_t)depth_nm + t->mean_nm) >> 26) -
-                            (share_q32 * t->mean_nm >> 26);
+    const double share_q32 = at_feed(t, t->chip_q32);
+    const double depth = (double)depth_nm + t->mean_nm;
+    const double mean_q6 = (at_feed(t, mean_q32(t)) * depth - share_q32 * t->mean_nm) * 0x1p-26;
     const int64_t most_q32 = ((int64_t)most_nm << 32) / ((int64_t)t->largest / 64 + 1);
-    const bool is_share = cam_ilc_slew(&in->chip_q32, share_q32, most_q32);
-    const bool is_mean = cam_ilc_slew(&in->chip_q6, mean_q6, INT64_C(64) * most_nm);
+    const bool is_share = cam_ilc_slew(&in->chip_q32, cam_nearest(share_q32), most_q32);
+    const bool is_mean = cam_ilc_slew(&in->chip_q6, cam_nearest(mean_q6), INT64_C(64) * most_nm);
     t->chip_feed_nm = is_share && is_mean ? t->feed_now_nm : t->chip_feed_nm;
     return is_share && is_mean;
 }

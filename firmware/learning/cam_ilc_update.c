@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ilc_update.h"
-#include "cam_fix.h"       // cam_abs_i64, cam_root_u64
+#include "cam_doubles.h"   // CAM_PI, cam_limit, cam_nearest, cam_root
+#include "cam_fix.h"       // cam_abs_i64
 #include "cam_harmonics.h" // cam_harmonics_of
 #include "cam_ilc_chip.h"  // cam_ilc_chip_is_cut
 
@@ -19,7 +20,7 @@ enum {
 };
 
 /// 3 / sqrt(12) sqrt(2), in 1 / 64: MATHS.md (148).
-#define FLOOR_Q6 INT64_C(78)
+#define FLOOR_Q6 78.0
 
 void cam_ilc_update_phase(cam_ilc_t *t, cam_ilc_phase_t phase)
 {
@@ -115,20 +116,22 @@ static bool is_learning(const cam_ilc_t *t, const cam_ilc_setup_t *s)
 }
 
 /// @return value at full amplitude
-static int32_t of_amplitude(const cam_ilc_t *t, int64_t value)
+static int32_t of_amplitude(const cam_ilc_t *t, double value)
 {
-    const int64_t most = 1 << 29;
-    return (int32_t)cam_clamp_i64(value * (INT64_C(1) << 30) / t->scale_q30, -most, most);
+    return cam_nearest(cam_limit(value * 0x1p30 / t->scale_q30, 0x1p29));
+}
+
+/// @return [rad per tick] angular frequency of the turn's harmonic k
+static double omega(const cam_ilc_t *t, uint32_t k)
+{
+    return 2.0 * CAM_PI * k * t->turn_speed_q32 * 0x1p-32;
 }
 
 /// @return [nm / 64] 3 sigma of a harmonic's noise from scale and encoder counts, at least 1 nm
 static uint32_t floor_q6(const cam_ilc_t *t, const cam_ilc_setup_t *s, uint32_t n_ticks)
 {
-    const int64_t root = (int64_t)cam_root_u64(n_ticks);
-    const int64_t of_scale = FLOOR_Q6 * s->scale_nm / root;
-    const int64_t count_nm = (int64_t)(t->largest >> 6) * s->count_urad / 1000000;
-    const int64_t of_count = FLOOR_Q6 * count_nm / root;
-    return (uint32_t)of_amplitude(t, of_scale + of_count + 64);
+    const double quantum_nm = s->scale_nm + t->largest / 64.0 * s->count_urad * 1e-6;
+    return (uint32_t)of_amplitude(t, FLOOR_Q6 * quantum_nm / cam_root(n_ticks) + 64.0);
 }
 
 uint32_t cam_ilc_update_guarded_q6(const cam_ilc_t *t)
@@ -251,8 +254,8 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
     if (t->is_counted) {
         t->square = 0;
         t->larger = 0;
-        t->speed_w = 0;
-        t->acceleration_w = 0;
+        t->speed_nm = 0.0;
+        t->acceleration_nm = 0.0;
         t->sums = (cam_drive_sums_t){0};
         t->set_square = -motion_square(t->bin);
         const uint32_t sum_q6 = cam_harmonic_correction_sum_q6(&t->correction);
@@ -264,30 +267,30 @@ void cam_ilc_update_begin(cam_ilc_t *t, const cam_ilc_setup_t *s, const cam_turn
 }
 
 /// @return a times a factor, at full amplitude
-static cam_complex_t at_full(const cam_ilc_t *t, cam_complex_t a, int32_t factor)
+static cam_complex_t at_full(const cam_ilc_t *t, cam_complex_t a, double factor)
 {
-    return (cam_complex_t){.re = of_amplitude(t, (int64_t)a.re * factor),
-                           .im = of_amplitude(t, (int64_t)a.im * factor)};
+    return (cam_complex_t){.re = of_amplitude(t, a.re * factor),
+                           .im = of_amplitude(t, a.im * factor)};
 }
 
 /// @return the error less that of the interpolation between two ticks, MATHS.md (145)
 static cam_complex_t without_interpolation(const cam_ilc_t *t, const cam_ilc_setup_t *s,
                                            cam_complex_t error, cam_complex_t set)
 {
-    const int64_t w_q24 = (int64_t)t->k * t->turn_speed_q32 * 411775 >> 24; // 2 pi 2^16
-    const int64_t part_q32 = (w_q24 * w_q24 >> 32) * s->between_q16;
-    return (cam_complex_t){.re = error.re + (int32_t)(set.re * part_q32 >> 32),
-                           .im = error.im + (int32_t)(set.im * part_q32 >> 32)};
+    const double w = omega(t, t->k);
+    const double part = w * w * s->between_q16 * 0x1p-16;
+    return (cam_complex_t){.re = error.re + cam_nearest(set.re * part),
+                           .im = error.im + cam_nearest(set.im * part)};
 }
 
 static void update_layer1(cam_ilc_t *t, const cam_ilc_setup_t *s, cam_complex_t error,
                           cam_complex_t set, cam_complex_t raw)
 {
     const uint32_t size = cam_complex_size(set) * t->k;
-    const uint64_t w_q32 = (uint64_t)t->turn_speed_q32 * 411775 >> 16; // of harmonic 1
+    const double speed_nm = size / 64.0 * omega(t, 1);
     t->larger = size > t->larger ? size : t->larger;
-    t->speed_w += (uint32_t)(size * w_q32 >> 38);
-    t->acceleration_w += (uint32_t)((size * w_q32 >> 32) * (w_q32 * t->k >> 8) >> 22);
+    t->speed_nm += speed_nm;
+    t->acceleration_nm += speed_nm * omega(t, t->k);
     // Use the response from the constants: in the probe U may have hardly moved, or stuck.
     const cam_gain_t gain =
         cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);
@@ -354,8 +357,8 @@ void cam_ilc_update_harmonic(cam_ilc_t *t, const cam_ilc_setup_t *s)
 {
     const cam_complex_t raw = cam_harmonics_of(&t->bin->error_q6, cam_ilc_words_per_bin, t->k);
     const cam_complex_t set_nm = cam_harmonics_of(&t->bin->u_nm, cam_ilc_words_per_bin, t->k);
-    const cam_complex_t set = at_full(t, set_nm, 64);
-    const cam_complex_t error = without_interpolation(t, s, at_full(t, raw, 1), set);
+    const cam_complex_t set = at_full(t, set_nm, 64.0);
+    const cam_complex_t error = without_interpolation(t, s, at_full(t, raw, 1.0), set);
     t->mean_nm = t->k == 0u ? set_nm.re : t->mean_nm;
     t->square += cam_complex_square(error) >> (t->k > 0u ? 1u : 0u);
     if (t->k > 0u) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ripple.h"
-#include "cam_angle.h" // CAM_TURN_Q32
-#include "cam_fix.h"   // cam_abs_i64, cam_clamp_i64
-#include <string.h>    // memset
+#include "cam_angle.h"   // CAM_TURN_Q32
+#include "cam_doubles.h" // CAM_PI, cam_limit, cam_nearest
+#include "cam_fix.h"     // cam_abs_i64
+#include <string.h>      // memset
 
 #define MOST_Q32 INT64_C(67108864) ///< [turn / 2^32] largest plausible ripple: 1/64 turn
 
@@ -84,21 +85,17 @@ uint32_t cam_ripple_sum(const cam_ripple_t *r)
 
 /// @return [turn / 2^32] order 1, real, that a drift of the speed causes in the mean: d / (2 pi^2),
 ///         d the change of the speed per turn; order k has 1 / k^2 of it
-static int64_t drift_q32(const cam_ripple_t *r)
+static double drift_q32(const cam_ripple_t *r)
 {
-    const int64_t change_q36 = (int64_t)r->last_q36 - r->first_q36;
-    const int64_t turns = r->n > 1u ? (int64_t)r->n - 1 : 1;
-    const int64_t per_turn_q32 = change_q36 * CAM_TURN_Q32 / r->last_q36 / turns;
-    return per_turn_q32 * 849937 >> 24; // 2^24 / (2 pi^2)
+    const double change = ((double)r->last_q36 - r->first_q36) / r->last_q36;
+    const double turns = r->n > 1u ? r->n - 1u : 1u;
+    return change / turns * 0x1p32 / (2.0 * CAM_PI * CAM_PI);
 }
 
-/// @param n  turns in the sum; the mean of none is 0
-static int16_t mean_of(int64_t sum, uint32_t n)
+/// @param n  turns in the sum, at least 1
+static int16_t mean_of(double sum, uint32_t n)
 {
-    const int64_t unit = (int64_t)n << cam_ripple_down;
-    const int64_t half = sum < 0 ? -unit / 2 : unit / 2;
-    const int64_t mean = unit > 0 ? (sum + half) / unit : 0;
-    return (int16_t)cam_clamp_i64(mean, -cam_ripple_most, cam_ripple_most);
+    return (int16_t)cam_nearest(cam_limit(sum / n / (1 << cam_ripple_down), cam_ripple_most));
 }
 
 bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int32_t speed_q36)
@@ -109,17 +106,14 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int3
     if (r->n < n_turns) {
         return false;
     }
-    const int64_t drift = drift_q32(r) * r->n;
-    const int64_t least = (int64_t)least_q32 * r->n;
-    for (int64_t k = 1; k <= cam_harmonics_most; k++) {
-        const cam_complex_t sum = {.re = cam_sat_i32(r->sum[k - 1].re - drift / (k * k)),
-                                   .im = r->sum[k - 1].im};
-        r->mean[k - 1].re = 0;
-        r->mean[k - 1].im = 0;
-        if (cam_complex_square(sum) > (uint64_t)(least * least)) {
-            r->mean[k - 1].re = mean_of(sum.re, r->n);
-            r->mean[k - 1].im = mean_of(sum.im, r->n);
-        }
+    const double drift = drift_q32(r) * r->n;
+    const double least = (double)least_q32 * r->n;
+    for (int32_t k = 1; k <= cam_harmonics_most; k++) {
+        const double re = r->sum[k - 1].re - drift / (k * k);
+        const double im = r->sum[k - 1].im;
+        const bool is_seen = re * re + im * im > least * least;
+        r->mean[k - 1].re = is_seen ? mean_of(re, r->n) : (int16_t)0;
+        r->mean[k - 1].im = is_seen ? mean_of(im, r->n) : (int16_t)0;
     }
     r->n_mean = r->n;
     cam_ripple_drop(r);

@@ -15,8 +15,12 @@ enum {
 };
 
 /// The slow side of learning: a piece of it, which a main loop waits for, and all of a turn, 2 ms
-/// of a core of 480 MHz.
-enum { budget_learn_piece = 75000, budget_learn_turn = 1050000 };
+/// of a core of 480 MHz with a unit for doubles; without one more.
+#if defined(__ARM_FP) && (__ARM_FP & 8)
+enum { budget_learn_piece = 66000, budget_learn_turn = 1000000 };
+#else
+enum { budget_learn_piece = 75000, budget_learn_turn = 1150000 };
+#endif
 
 /// A step of the position loop of a force drive.
 enum { budget_servo_step = 174 };

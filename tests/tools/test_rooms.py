@@ -38,7 +38,7 @@ DESIGN = {
     "firmware/doubles": (),
     "firmware/feasible": ("firmware/doubles", "firmware/param", "firmware/tick"),
     "firmware/build": ("firmware/feasible",),
-    "firmware/learning": ("firmware/record",),
+    "firmware/learning": ("firmware/doubles", "firmware/record"),
     "firmware/recorder": ("firmware/record",),
     "firmware/machine": ("firmware/build", "firmware/learning", "firmware/recorder"),
     "firmware/remote": ("firmware/machine",),

@@ -47,8 +47,8 @@ static void test_constants_are_led_in_steps_of_the_command(void)
             setUp();
             t.state = (uint8_t)cases[i].state;
             t.blending = cam_ilc_blend_drive;
-            t.speed_w = 2000;            // nm per tick
-            t.acceleration_w = 30 * 256; // nm per tick^2 / 2^8
+            t.speed_nm = 2000.0;
+            t.acceleration_nm = 30.0;
             t.k1_q16 = sign * 40 * 65536;
             t.k2_q16 = -sign * 700 * 65536;
             walk(usual_q8);
@@ -71,8 +71,8 @@ static void test_constants_are_led_in_steps_of_the_command(void)
 static void test_constants_arrive_exactly(void)
 {
     t.blending = cam_ilc_blend_drive;
-    t.speed_w = 2000;
-    t.acceleration_w = 1;
+    t.speed_nm = 2000.0;
+    t.acceleration_nm = 0x1p-8;
     t.k1_q16 = 65536;
     t.k2_q16 = -5;
     walk(usual_q8);
